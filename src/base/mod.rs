@@ -1,0 +1,9 @@
+//! Value types that every room speaks, and the tree of seeds.
+
+mod observation;
+mod seed;
+mod traits;
+
+pub use observation::{Displacements, Observation, Point3, distance_m};
+pub use seed::Seed;
+pub use traits::{Action, Plant, PlantError, Policy, PolicyError, TendonCommand};

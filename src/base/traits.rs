@@ -1,0 +1,65 @@
+//! The two sides of a control loop: a plant that moves and a policy that decides.
+
+use super::{Displacements, Observation, Point3, Seed};
+
+/// What one tendon is told to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TendonCommand {
+    /// Pull to this displacement, metres (positive pulls).
+    Pull(f64),
+    /// Follow the shape without slack and without tension; the observation reports the displacement this took.
+    Follow,
+}
+
+/// Why a plant could not carry out a step.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PlantError {
+    /// The command is not one that this plant takes (not finite, wrong number of tendons, out of range).
+    #[error("command refused: {0}")]
+    Refused(String),
+    /// The simulated mechanics found no equilibrium; holds the solver's named status.
+    #[error("rod solver: {0}")]
+    Solver(String),
+}
+
+/// Something that moves: a simulated robot, a replayed recording, hardware.
+pub trait Plant: Send {
+    /// Number of tendons.
+    fn tendons(&self) -> usize;
+    /// Duration of one step, seconds.
+    fn step_s(&self) -> f64;
+    /// Brings the robot to rest at home; `seed` starts the measurement noise.
+    fn reset(&mut self, seed: Seed) -> Result<Observation, PlantError>;
+    /// Applies the commands for one step and observes the robot at its end.
+    fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError>;
+    /// [`Plant::drive`] with every tendon pulled to a displacement in metres.
+    fn step(&mut self, pulls_m: &[f64]) -> Result<Observation, PlantError> {
+        let commands: Vec<TendonCommand> = pulls_m.iter().map(|&pull_m| TendonCommand::Pull(pull_m)).collect();
+        self.drive(&commands)
+    }
+}
+
+/// What a policy decides.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Action {
+    /// Displacement of each tendon, metres.
+    pub pulls_m: Displacements,
+    /// True once the policy would not change its command any more for this target.
+    pub settled: bool,
+}
+
+/// Why a policy gave no action.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PolicyError {
+    /// An input or an output was not finite.
+    #[error("not finite: {0}")]
+    NotFinite(&'static str),
+}
+
+/// A controller: from what is seen and a target to tendon displacements. It cannot reach a plant.
+pub trait Policy: Send {
+    /// Forgets everything since the last reset (a new trial begins).
+    fn reset(&mut self);
+    /// Decides the command for the next step, given the tip's target in metres.
+    fn act(&mut self, seen: &Observation, target_m: &Point3) -> Result<Action, PolicyError>;
+}
