@@ -1,1 +1,3 @@
-//! (under construction)
+//! All that is on disk.
+
+pub mod rows;

@@ -1,0 +1,173 @@
+//! The rows that experiments publish; each becomes a line of a CSV under `results/`, with these field names as columns.
+
+use serde::{Deserialize, Serialize};
+
+/// One goal-reaching trial (Table I, Fig. 6).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TrialRow {
+    /// Repetition of the whole experiment, data and training included.
+    pub seed: u64,
+    /// `paper` (networks stopped at the paper's validation errors) or `converged`.
+    pub training: String,
+    /// `a`, `b`, `c` or `pi_real`.
+    pub policy: String,
+    /// `open`, `closed` or `closed_load`.
+    pub mode: String,
+    /// Real points that the Gaussian process was fitted to (0 for `pi_real`).
+    pub gp_points: u64,
+    /// Real points that the network was trained on (0 for `a`, `b`, `c`).
+    pub real_points: u64,
+    /// Number of the target in its draw.
+    pub target: u64,
+    /// Target, metres.
+    pub target_x_m: f64,
+    /// Target, metres.
+    pub target_y_m: f64,
+    /// Target, metres.
+    pub target_z_m: f64,
+    /// True (noise-free where the plant knows it) tip at the end of the trial, metres.
+    pub tip_x_m: f64,
+    /// Tip at the end, metres.
+    pub tip_y_m: f64,
+    /// Tip at the end, metres.
+    pub tip_z_m: f64,
+    /// Distance between the two, metres.
+    pub error_m: f64,
+    /// Control steps taken.
+    pub steps: u64,
+    /// Whether the policy settled before the step limit.
+    pub settled: bool,
+    /// Times that policy C changed between A and B (0 for others).
+    pub switches: u64,
+    /// `ok` or the named failure.
+    pub status: String,
+}
+
+/// One control step of path tracking (Fig. 8).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TrackRow {
+    /// Repetition of the whole experiment.
+    pub seed: u64,
+    /// `paper` or `converged`.
+    pub training: String,
+    /// `a`, `b`, `c` or `pi_real`.
+    pub policy: String,
+    /// Control step.
+    pub step: u64,
+    /// Time since the start, seconds.
+    pub time_s: f64,
+    /// Number of the interpolated path point that is the target.
+    pub path_point: u64,
+    /// Target, metres.
+    pub target_x_m: f64,
+    /// Target, metres.
+    pub target_y_m: f64,
+    /// Target, metres.
+    pub target_z_m: f64,
+    /// Tip, metres.
+    pub tip_x_m: f64,
+    /// Tip, metres.
+    pub tip_y_m: f64,
+    /// Tip, metres.
+    pub tip_z_m: f64,
+    /// Distance to the target, metres.
+    pub error_m: f64,
+    /// Which of A and B gave the command (`a`, `b`, or empty for `pi_real`).
+    pub branch: String,
+    /// `ok` or the named failure.
+    pub status: String,
+}
+
+/// The same command on the model and on the robot (Fig. 5).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GapRow {
+    /// Repetition of the whole experiment.
+    pub seed: u64,
+    /// Sample number.
+    pub sample: u64,
+    /// Displacements of the four tendons of the paper's robot, metres.
+    pub tendon_1_m: f64,
+    /// Displacement, metres.
+    pub tendon_2_m: f64,
+    /// Displacement, metres.
+    pub tendon_3_m: f64,
+    /// Displacement, metres.
+    pub tendon_4_m: f64,
+    /// Simulated tip, metres.
+    pub sim_x_m: f64,
+    /// Simulated tip, metres.
+    pub sim_y_m: f64,
+    /// Simulated tip, metres.
+    pub sim_z_m: f64,
+    /// Measured tip, metres.
+    pub real_x_m: f64,
+    /// Measured tip, metres.
+    pub real_y_m: f64,
+    /// Measured tip, metres.
+    pub real_z_m: f64,
+}
+
+/// One trained network.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NetworkRow {
+    /// Repetition of the whole experiment.
+    pub seed: u64,
+    /// `paper` or `converged`.
+    pub training: String,
+    /// `forward`, `inverse`, `inverse_b` or `pi_real`.
+    pub network: String,
+    /// Points behind it: real points for `pi_real`, points of the Gaussian process for `inverse_b`, else simulated.
+    pub points: u64,
+    /// Epochs until it stopped.
+    pub epochs: u64,
+    /// Validation mean absolute error, metres.
+    pub validation_mae_m: f64,
+    /// The paper's figure, metres; not a number where it gives none.
+    pub paper_mae_m: f64,
+}
+
+/// One fitted Gaussian process.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GpRow {
+    /// Repetition of the whole experiment.
+    pub seed: u64,
+    /// Training points.
+    pub points: u64,
+    /// Kernel by its registry name.
+    pub kernel: String,
+    /// Cross-validated mean absolute error over axes, metres.
+    pub cross_validation_mae_m: f64,
+    /// Log marginal likelihood, summed over the three outputs.
+    pub log_marginal_likelihood: f64,
+    /// Fitted noise standard deviation per axis, metres.
+    pub noise_x_m: f64,
+    /// Fitted noise, metres.
+    pub noise_y_m: f64,
+    /// Fitted noise, metres.
+    pub noise_z_m: f64,
+}
+
+/// One of the paper's claims and what became of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ClaimRow {
+    /// Short name.
+    pub claim: String,
+    /// The claim in words.
+    pub statement: String,
+    /// `paper` or `converged`.
+    pub training: String,
+    /// What the paper reports, in the claim's unit.
+    pub paper: f64,
+    /// What this reproduction finds, in the same unit.
+    pub ours: f64,
+    /// 95 % interval over seeds.
+    pub low_95: f64,
+    /// 95 % interval over seeds.
+    pub high_95: f64,
+    /// Unit of the three numbers.
+    pub unit: String,
+    /// Seeds behind the interval.
+    pub seeds: u64,
+    /// `reproduced`, `not reproduced` or `undecided`.
+    pub verdict: String,
+}
