@@ -275,7 +275,7 @@ impl Derivative {
     fn tendon_border(&mut self, system: &System, conditions: &Conditions, work: &Work) {
         let (n, size) = (system.grid.unknowns, system.size());
         let mut border = vec![0.0; n];
-        for i in 0..conditions.holds.len() {
+        for (i, hold) in conditions.holds.iter().enumerate() {
             border.fill(0.0);
             for g in 0..system.grid.nodes.len() {
                 let pull = system.tendon_wrench(g, i, work);
@@ -285,7 +285,8 @@ impl Derivative {
                 self.rows[k * size + n + i] = *value;
                 self.rows[(n + i) * size + k] = *value;
             }
-            self.rows[(n + i) * size + n + i] = -system.params.tendons[i].compliance_m_per_n;
+            let pull = if let Hold::Length(pull) = *hold { pull } else { 0.0 };
+            self.rows[(n + i) * size + n + i] = -system.params.tendons[i].compliance_at(pull);
         }
     }
 }

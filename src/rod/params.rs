@@ -61,8 +61,11 @@ pub struct Tendon {
     pub end_m: f64,
     /// Displacement at home, metres: how much it is tightened before the first command.
     pub pretension_m: f64,
-    /// Stretch of the whole tendon per tension, m/N.
+    /// Stretch of the whole tendon per tension at home, m/N.
     pub compliance_m_per_n: f64,
+    /// Length over which it stretches at home, metres: what is pulled in no longer does. Infinite: the drive moves
+    /// the whole tendon along, and its compliance stays.
+    pub elastic_length_m: f64,
 }
 
 /// Constant loads that act on the rod besides gravity.
@@ -134,6 +137,13 @@ impl Default for Resolution {
             time_step_s: 0.02,
             scheme: Scheme::default(),
         }
+    }
+}
+
+impl Tendon {
+    /// Stretch per tension once `pull_m` has been pulled in, m/N.
+    pub(super) fn compliance_at(&self, pull_m: f64) -> f64 {
+        self.compliance_m_per_n * (1.0 - pull_m / self.elastic_length_m)
     }
 }
 

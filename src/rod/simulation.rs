@@ -34,7 +34,7 @@ pub struct Energy {
 
 /// Displacement of the tip that a converged static solve may be off by (its last step, squared for Newton), metres.
 const STATIC_TOLERANCE_M: f64 = 1e-9;
-const DYNAMIC_TOLERANCE_M: f64 = 1e-7;
+const DYNAMIC_TOLERANCE_M: f64 = 1e-10;
 /// How often a failing time step is halved.
 const MOST_HALVINGS: u32 = 6;
 

@@ -141,7 +141,7 @@ impl System {
     pub(super) fn overstretch_m(&self, i: usize, hold: &Hold, tension_n: f64, work: &Work) -> f64 {
         let tendon = &self.params.tendons[i];
         let pull = if let Hold::Length(pull) = *hold { pull } else { 0.0 };
-        work.lengths_m[i] + pull - tendon.end_m - tendon.compliance_m_per_n * tension_n
+        work.lengths_m[i] + pull - tendon.end_m - tendon.compliance_at(pull) * tension_n
     }
 
     /// Internal minus external wrench at Gauss point `g`, body frame.
