@@ -1,1 +1,3 @@
-//! (under construction)
+//! Stages, cache, threads, progress.
+
+pub mod codec;
