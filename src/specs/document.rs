@@ -163,12 +163,7 @@ impl Layer {
     }
 
     fn refuse(&self, path: &KeyPath, found: String, expected: &str) -> SpecError {
-        SpecError::Key {
-            place: self.place(path, End::Value),
-            key: path.clone(),
-            found,
-            expected: expected.to_owned(),
-        }
+        SpecError::Key { place: self.place(path, End::Value), key: path.clone(), found, expected: expected.to_owned() }
     }
 
     fn place(&self, path: &KeyPath, end: End) -> Place {
@@ -316,7 +311,9 @@ mod tests {
             let said = error(&[("a.yaml", text), base], &[]);
             assert!(said.starts_with(expected), "{text}\n  gave   {said}\n  wanted {expected}");
         }
-        assert!(error(&[("a.yaml", "extends: b.yaml\nduration_ms: 2\n"), base], &[]).contains("did you mean `duration_s`"));
+        assert!(
+            error(&[("a.yaml", "extends: b.yaml\nduration_ms: 2\n"), base], &[]).contains("did you mean `duration_s`")
+        );
         let said = error(&[("a.yaml", "extends: b.yaml\n"), ("b.yaml", "points: -1\nduration_s: 5\n")], &[]);
         assert!(said.starts_with("b.yaml:1:9: points: found integer `-1`, expected a whole number"), "{said}");
         let said = error(&[("a.yaml", "points: 1\nduration_s: 1\n")], &["inner.sizes=3"]);

@@ -85,7 +85,8 @@ mod tests {
 
     #[test]
     fn the_text_holds_the_same_values_and_each_line_its_path() {
-        let value: Value = serde_yaml::from_str("a: {b: [1, 2.5e-9, .inf], 'c d': \"x\\\"y\"}\ne: ~\nf: '12'\n").unwrap();
+        let value: Value =
+            serde_yaml::from_str("a: {b: [1, 2.5e-9, .inf], 'c d': \"x\\\"y\"}\ne: ~\nf: '12'\n").unwrap();
         let out = emit(&value).unwrap();
         assert_eq!(serde_yaml::from_str::<Value>(&out.text).unwrap(), value);
         let line = out.text.lines().position(|line| line.contains("2.5e-9")).unwrap();

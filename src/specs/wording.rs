@@ -17,10 +17,12 @@ pub(super) struct Said {
 pub(super) fn explain(error: &serde_yaml::Error, path: &KeyPath) -> Said {
     let words = error.to_string();
     let words = words.rsplit_once(" at line ").map_or(words.as_str(), |(message, _)| message);
-    unknown(words, path)
-        .or_else(|| missing(words, path))
-        .or_else(|| mistyped(words, path))
-        .unwrap_or_else(|| Said { key: path.clone(), end: End::Value, found: words.to_owned(), expected: VALID.into() })
+    unknown(words, path).or_else(|| missing(words, path)).or_else(|| mistyped(words, path)).unwrap_or_else(|| Said {
+        key: path.clone(),
+        end: End::Value,
+        found: words.to_owned(),
+        expected: VALID.into(),
+    })
 }
 
 const VALID: &str = "a valid value";
