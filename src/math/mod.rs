@@ -1,1 +1,3 @@
-//! (under construction)
+//! Numerics: small linear algebra, rotations, statistics.
+
+pub mod summary;
