@@ -27,8 +27,7 @@ pub fn evaluate(claims: &[Claim], tables: &Tables, seeds: &[u64], trainings: &[S
 }
 
 fn judge(claim: &Claim, tables: &Tables, seeds: &[u64], training: &str) -> ClaimRow {
-    let numbers: Vec<f64> =
-        seeds.iter().filter_map(|&seed| number(&claim.relation, tables, seed, training)).collect();
+    let numbers: Vec<f64> = seeds.iter().filter_map(|&seed| number(&claim.relation, tables, seed, training)).collect();
     let interval = interval_95(&numbers);
     let [low_95, high_95] = interval.unwrap_or([f64::NAN; 2]);
     let decided = interval.filter(|_| numbers.len() >= SEEDS_NEEDED);
@@ -70,7 +69,7 @@ fn holds(relation: &Relation) -> [f64; 2] {
 
 /// The number of one seed; `None` when a metric is missing.
 fn number(relation: &Relation, tables: &Tables, seed: u64, training: &str) -> Option<f64> {
-    let values = relation.metrics().iter().map(|metric| value(tables, metric, seed, training));
+    let values = relation.metrics().into_iter().map(|metric| value(tables, &metric, seed, training));
     let values = values.collect::<Option<Vec<f64>>>()?;
     match relation {
         Relation::Less { times, .. } => Some(values.first()? - times * values.get(1)?),

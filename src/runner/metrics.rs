@@ -26,7 +26,8 @@ pub(super) fn value(tables: &Tables, metric: &Metric, seed: u64, training: &str)
         Metric::ReachSd(cell) => standard_deviation(&reach_errors_m(tables, cell, seed, training)),
         Metric::NetworkMae { network, points } => {
             let ours = |row: &&NetworkRow| row.seed == seed && row.training == training && row.network == *network;
-            let row = tables.networks.iter().filter(ours).find(|row| points.is_none_or(|points| points == row.points))?;
+            let row =
+                tables.networks.iter().filter(ours).find(|row| points.is_none_or(|points| points == row.points))?;
             row.validation_mae_m
         }
         Metric::GpError { points } => {

@@ -2,6 +2,7 @@
 //! still knows where each value came from.
 //!
 //! Mappings merge key by key, the extending file's values winning; lists and scalars replace what they override.
+//! Where a key may name a file (a model), that file's content takes the name's place.
 
 use super::emit::{describe, emit};
 use super::error::{Place, SpecError};
@@ -19,10 +20,12 @@ struct Layer {
     name: String,
     text: String,
     value: Value,
-    /// Folder that file names in it are relative to; none for an option.
-    folder: Option<PathBuf>,
-    /// For an option, the path that its text is the value of.
+    /// Folder that file names in it are relative to.
+    folder: PathBuf,
+    /// The path that its text is the value of: the root, or for an option and an included file that of the key.
     root: KeyPath,
+    /// What stood at `root` gives way to this layer instead of merging with it.
+    replaces: bool,
 }
 
 /// The merged tree and its sources, strongest first.
@@ -35,24 +38,28 @@ pub struct Document {
 }
 
 impl Document {
-    /// Reads `file`, what it `extends`, and the overrides `path.to.key=value` in `sets`.
+    /// Reads `file`, what it `extends`, the overrides `path.to.key=value` in `sets`, and the files that are named at
+    /// the paths `includes`.
     ///
     /// # Errors
     /// A missing file, text that is not YAML, a cycle of `extends`, a malformed override.
-    pub fn read(file: &Path, sets: &[String]) -> Result<Document, SpecError> {
+    pub fn read(file: &Path, sets: &[String], includes: &[KeyPath]) -> Result<Document, SpecError> {
         let mut layers = Vec::new();
         for set in sets.iter().rev() {
-            layers.push(Layer::option(set)?);
+            Layer::option(set)?.push_with_included(includes, &mut layers)?;
         }
-        let mut next = Some(Layer::file(file)?);
+        let mut next = Some(Layer::file(file, None)?);
         let mut seen = Vec::new();
         while let Some(mut layer) = next {
             seen.push(canonical(Path::new(&layer.name)));
             next = layer.parent(&seen)?;
-            layers.push(layer);
+            layer.push_with_included(includes, &mut layers)?;
         }
         let mut merged = Value::Mapping(Mapping::new());
         for layer in layers.iter().rev() {
+            if layer.replaces {
+                remove(&mut merged, &layer.root);
+            }
             merge(&mut merged, layer.rooted());
         }
         Ok(Document { layers, merged, file: file.display().to_string() })
@@ -85,13 +92,6 @@ impl Document {
         SpecError::Key { place: self.place(path, end), key: path.clone(), found, expected: expected.into() }
     }
 
-    /// The file that the value at `path` names, relative to the file that says so.
-    pub fn file_at(&self, path: &KeyPath) -> Option<PathBuf> {
-        let Some(Value::String(name)) = get(&self.merged, path) else { return None };
-        let folder = self.owner(path).and_then(|layer| layer.folder.clone()).unwrap_or_default();
-        Some(folder.join(name))
-    }
-
     /// Where `path`, or what of it exists, was written.
     pub fn place(&self, path: &KeyPath, end: End) -> Place {
         match self.owner(path) {
@@ -109,19 +109,28 @@ impl Document {
 }
 
 impl Layer {
-    fn file(path: &Path) -> Result<Layer, SpecError> {
+    /// A file as the layer below `include` (a path and where its name stands), or as the root.
+    fn file(path: &Path, include: Option<(&KeyPath, Place)>) -> Result<Layer, SpecError> {
         let name = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|error| SpecError::File {
-            file: name.clone(),
-            found: if error.kind() == std::io::ErrorKind::NotFound { "no such file".into() } else { error.to_string() },
-            expected: "a YAML file",
+        let text = std::fs::read_to_string(path).map_err(|error| {
+            let missing = error.kind() == std::io::ErrorKind::NotFound;
+            let found = if missing { format!("no file `{name}`") } else { format!("`{name}`: {error}") };
+            let expected = "the name of a YAML file";
+            match &include {
+                Some((key, place)) => {
+                    let (place, key) = (place.clone(), (*key).clone());
+                    SpecError::Key { place, key, found, expected: expected.into() }
+                }
+                None => SpecError::File { file: name.clone(), found, expected },
+            }
         })?;
         let value = yaml(&text, &name)?;
-        let folder = Some(path.parent().unwrap_or(Path::new("")).to_path_buf());
         let value = if value.is_null() { Value::Mapping(Mapping::new()) } else { value };
-        let layer = Layer { name, text, value, folder, root: KeyPath::default() };
+        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+        let root = include.as_ref().map_or_else(KeyPath::default, |(key, _)| (*key).clone());
+        let layer = Layer { name, text, value, folder, root, replaces: include.is_some() };
         if !layer.value.is_mapping() {
-            return Err(layer.refuse(&KeyPath::default(), describe(&layer.value), "a mapping of keys to values"));
+            return Err(layer.refuse(&layer.root, describe(&layer.value), "a mapping of keys to values"));
         }
         Ok(layer)
     }
@@ -140,7 +149,24 @@ impl Layer {
             return Err(refuse(format!("`{path}`, which names one item of a list")));
         }
         let value = yaml(text, &name)?;
-        Ok(Layer { name, text: text.to_owned(), value, folder: Some(PathBuf::new()), root })
+        Ok(Layer { name, text: text.to_owned(), value, folder: PathBuf::new(), root, replaces: false })
+    }
+
+    /// Appends this layer and, below it, the files that it names at the paths `includes`.
+    fn push_with_included(mut self, includes: &[KeyPath], layers: &mut Vec<Layer>) -> Result<(), SpecError> {
+        let mut included = Vec::new();
+        for path in includes {
+            let Some(Value::String(name)) = get(&self.rooted(), path).cloned() else { continue };
+            let file = self.folder.join(&name);
+            included.push(Layer::file(&file, Some((path, self.place(path, End::Value))))?);
+            match path.0.strip_prefix(self.root.0.as_slice()) {
+                Some([]) | None => self.value = Value::Mapping(Mapping::new()),
+                Some(below) => remove(&mut self.value, &KeyPath(below.to_vec())),
+            }
+        }
+        layers.push(self);
+        layers.append(&mut included);
+        Ok(())
     }
 
     /// Takes `extends` out of this layer and reads the file that it names.
@@ -149,7 +175,7 @@ impl Layer {
         let Some(value) = self.value.get("extends").cloned() else { return Ok(None) };
         let expected = "the name of a spec beside this one";
         let Value::String(name) = &value else { return Err(self.refuse(&path, describe(&value), expected)) };
-        let file = self.folder.clone().unwrap_or_default().join(name);
+        let file = self.folder.join(name);
         if !file.is_file() {
             return Err(self.refuse(&path, format!("no file `{}`", file.display()), expected));
         }
@@ -159,7 +185,7 @@ impl Layer {
         if let Value::Mapping(mapping) = &mut self.value {
             mapping.remove("extends");
         }
-        Layer::file(&file).map(Some)
+        Layer::file(&file, None).map(Some)
     }
 
     fn refuse(&self, path: &KeyPath, found: String, expected: &str) -> SpecError {
@@ -170,7 +196,8 @@ impl Layer {
         if self.name.starts_with("--set ") {
             return Place::Option(self.name.clone());
         }
-        let (line, column) = locate(&self.text, path, end).unwrap_or((1, 1));
+        let below = path.0.strip_prefix(self.root.0.as_slice()).unwrap_or_default();
+        let (line, column) = locate(&self.text, &KeyPath(below.to_vec()), end).unwrap_or((1, 1));
         Place::File { file: self.name.clone(), line, column }
     }
 
@@ -207,7 +234,7 @@ fn merge(under: &mut Value, over: Value) {
         (Value::Mapping(under), Value::Mapping(over)) => {
             for (key, value) in over {
                 match under.get_mut(&key) {
-                    Some(below) if !CHOICES.iter().any(|choice| key == *choice) => merge(below, value),
+                    Some(below) if !other_choice(&key, below, &value) => merge(below, value),
                     _ => {
                         under.insert(key, value);
                     }
@@ -218,9 +245,26 @@ fn merge(under: &mut Value, over: Value) {
     }
 }
 
-/// Keys whose value is one alternative with its settings, such as `kernel: {se_ard: {…}}`: another alternative
+/// Keys whose value is one alternative with its settings, such as `plant: {simulated: {…}}`: another alternative
 /// replaces the first instead of joining it.
-const CHOICES: [&str; 3] = ["kernel", "optimiser", "plant"];
+const CHOICES: [&str; 3] = ["model", "plant", "layout"];
+
+fn other_choice(key: &Value, under: &Value, over: &Value) -> bool {
+    let (Value::Mapping(under), Value::Mapping(over)) = (under, over) else { return false };
+    CHOICES.iter().any(|choice| key == *choice) && over.keys().any(|name| !under.contains_key(name))
+}
+
+/// Takes the value at `path` out, if there is one.
+fn remove(value: &mut Value, path: &KeyPath) {
+    let Some((Step::Key(last), above)) = path.0.split_last() else { return };
+    let holder = above.iter().try_fold(value, |value, step| match step {
+        Step::Key(key) => value.get_mut(key.as_str()),
+        Step::Item(index) => value.get_mut(*index),
+    });
+    if let Some(Value::Mapping(mapping)) = holder {
+        mapping.remove(last.as_str());
+    }
+}
 
 /// The value at `path`.
 pub(super) fn get<'a>(value: &'a Value, path: &KeyPath) -> Option<&'a Value> {
@@ -244,7 +288,7 @@ mod tests {
         #[serde(default)]
         inner: Option<Inner>,
         #[serde(default)]
-        kernel: Option<Kernel>,
+        layout: Option<Layout>,
     }
 
     #[derive(Debug, Deserialize)]
@@ -255,13 +299,13 @@ mod tests {
 
     #[derive(Debug, Deserialize)]
     #[serde(rename_all = "snake_case", deny_unknown_fields)]
-    enum Kernel {
-        SeArd {
-            starts: u64,
+    enum Layout {
+        Grid {
+            rows: u64,
         },
         #[allow(dead_code)]
-        Matern {
-            nu: f64,
+        Walk {
+            every: f64,
         },
     }
 
@@ -271,7 +315,7 @@ mod tests {
             std::fs::write(folder.path().join(name), text).unwrap();
         }
         let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
-        let document = Document::read(&folder.path().join(files[0].0), &sets);
+        let document = Document::read(&folder.path().join(files[0].0), &sets, &[KeyPath::default().key("inner")]);
         document
             .and_then(|document| document.parse())
             .map_err(|error| error.to_string().replace(&format!("{}/", folder.path().display()), ""))
@@ -284,12 +328,27 @@ mod tests {
     #[test]
     fn a_child_overrides_its_parent_and_an_option_both() {
         let files = [
-            ("a.yaml", "extends: b.yaml\npoints: 2\ninner: {sizes: [3]}\nkernel: {se_ard: {starts: 4}}\n"),
-            ("b.yaml", "points: 1\nduration_s: 5\ninner: {sizes: [1, 2]}\nkernel: {matern: {nu: 1.5}}\n"),
+            ("a.yaml", "extends: b.yaml\npoints: 2\ninner: {sizes: [3]}\nlayout: {grid: {rows: 4}}\n"),
+            ("b.yaml", "points: 1\nduration_s: 5\ninner: {sizes: [1, 2]}\nlayout: {walk: {every: 1.5}}\n"),
         ];
         let read = parse(&files, &["inner.sizes=[7, 8]"]).unwrap();
         assert_eq!((read.points, read.duration_s, read.inner.unwrap().sizes), (2, 5.0, vec![7, 8]));
-        assert!(matches!(read.kernel, Some(Kernel::SeArd { starts: 4 })));
+        assert!(matches!(read.layout, Some(Layout::Grid { rows: 4 })));
+    }
+
+    #[test]
+    fn a_named_file_takes_the_place_of_its_name_and_is_named_in_errors() {
+        let spec = ("a.yaml", "extends: b.yaml\ninner: c.yaml\n");
+        let base = ("b.yaml", "points: 1\nduration_s: 5\ninner: d.yaml\n");
+        let other = ("d.yaml", "sizes: [1]\nmore: 2\n");
+        let read = parse(&[spec, base, ("c.yaml", "sizes: [4]\n"), other], &[]).unwrap();
+        assert_eq!(read.inner.unwrap().sizes, [4]);
+        let read = parse(&[spec, base, ("c.yaml", "sizes: [4]\n"), other], &["inner.sizes=[9]"]).unwrap();
+        assert_eq!(read.inner.unwrap().sizes, [9]);
+        let said = error(&[spec, base, ("c.yaml", "sizes: [4]\nmore: 1\n"), other], &[]);
+        assert!(said.starts_with("c.yaml:2:1: inner.more: found the unknown key `more`"), "{said}");
+        let said = error(&[spec, base, other], &[]);
+        assert!(said.starts_with("a.yaml:2:8: inner: found no file `c.yaml`"), "{said}");
     }
 
     #[test]
@@ -299,8 +358,8 @@ mod tests {
             ("extends: b.yaml\nduration_ms: 2\n", "a.yaml:2:1: duration_ms: found the unknown key `duration_ms`"),
             ("extends: b.yaml\n\npoints: [1]\n", "a.yaml:3:9: points: found sequence, expected a whole number"),
             ("extends: b.yaml\ninner: {sizes: [1, x]}\n", "a.yaml:2:20: inner.sizes[1]: found text \"x\""),
-            ("extends: b.yaml\nkernel: {se_ard: {start: 3}}\n", "a.yaml:2:19: kernel.se_ard.start: found the unknown"),
-            ("extends: b.yaml\nkernel: {rbf: {}}\n", "a.yaml:2:"),
+            ("extends: b.yaml\nlayout: {grid: {row: 3}}\n", "a.yaml:2:17: layout.grid.row: found the unknown"),
+            ("extends: b.yaml\nlayout: {ring: {}}\n", "a.yaml:2:"),
             ("extends: b.yaml\ninner: {}\n", "a.yaml:2:8: inner.sizes: found no such key"),
             ("extends: c.yaml\n", "a.yaml:1:10: extends: found no file `c.yaml`"),
             ("extends: a.yaml\n", "a.yaml:1:10: extends: found `a.yaml`, which extends this file"),

@@ -12,3 +12,5 @@ pub use document::Document;
 pub use error::{Place, SpecError};
 pub use locate::{End, locate};
 pub use path::{KeyPath, Step};
+mod claims;
+pub use claims::{Axis, Claim, Metric, ReachCell, Relation, Size};
