@@ -4,6 +4,9 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+/// The one generator of random numbers.
+pub type Generator = ChaCha8Rng;
+
 /// A node of the seed tree. ChaCha8 streams are documented as portable across machines and versions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Seed(pub u64);
@@ -23,8 +26,8 @@ impl Seed {
     }
 
     /// A generator that starts at this node.
-    pub fn rng(self) -> ChaCha8Rng {
-        ChaCha8Rng::seed_from_u64(self.0)
+    pub fn rng(self) -> Generator {
+        Generator::seed_from_u64(self.0)
     }
 }
 

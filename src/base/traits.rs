@@ -46,6 +46,8 @@ pub struct Action {
     pub pulls_m: Displacements,
     /// True once the policy would not change its command any more for this target.
     pub settled: bool,
+    /// Which of several controllers gave the command (`a` or `b`); empty where there is only one.
+    pub branch: &'static str,
 }
 
 /// Why a policy gave no action.
@@ -54,6 +56,17 @@ pub enum PolicyError {
     /// An input or an output was not finite.
     #[error("not finite: {0}")]
     NotFinite(&'static str),
+    /// Tracking was lost before anything had been measured.
+    #[error("no valid measurement yet")]
+    NoMeasurement,
+    /// A model gave another number of tendons than the robot has.
+    #[error("wrong number of tendons: found {found}, expected {expected}")]
+    Tendons {
+        /// Number given.
+        found: usize,
+        /// Number that the robot has.
+        expected: usize,
+    },
 }
 
 /// A controller: from what is seen and a target to tendon displacements. It cannot reach a plant.

@@ -1,1 +1,42 @@
-//! (under construction)
+//! The loops: a plant explored, replayed, and driven by a policy to a target or along a path.
+
+mod actuation;
+mod explore;
+mod gp_points;
+mod path;
+mod reach;
+mod samples;
+mod targets;
+mod track;
+
+pub use actuation::{GridOptions, bend_commands};
+pub use explore::{ExploreOptions, explore, explore_trajectory, replay, replay_trajectory};
+pub use gp_points::{GpPoints, GpPointsOptions, Layout, gp_points, one_of_each_cluster};
+pub use path::{PathOptions, interpolate, waypoints};
+pub use reach::{LoopMode, ReachOptions, ReachOutcome, reach};
+pub use samples::Samples;
+pub use targets::{TargetOptions, draw_targets, spread_targets, target_pool};
+pub use track::{TrackOptions, TrackStep, track};
+
+use crate::base::{BadOption, PlantError};
+
+/// Why a recording could not be made. (A trial that fails is a status of its outcome instead.)
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TaskError {
+    /// The plant refused or failed.
+    #[error(transparent)]
+    Plant(#[from] PlantError),
+    /// A setting is out of range.
+    #[error(transparent)]
+    Option(#[from] BadOption),
+    /// More was asked for than there is.
+    #[error("{what}: asked for {asked}, there are {available}")]
+    TooFew {
+        /// Of what.
+        what: &'static str,
+        /// Number asked for.
+        asked: usize,
+        /// Number there is.
+        available: usize,
+    },
+}

@@ -1,0 +1,170 @@
+//! Policy A (Algorithm 2): the inverse mapping learnt in simulation, with the target moved into the simulated
+//! workspace by the error model, x_s-target = x_real-target + e_gp(L, x_s-target) (eq. 23).
+//!
+//! One iteration of the algorithm is one control tick. The algorithm reads the tracker between asking the network and
+//! the next question; a tick reads it first, so the position of tick i is x_real(i) + e_gp(i − 1), as printed.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::direct::Wanted;
+use super::limits::Limits;
+use super::network::Network;
+use super::sight::{Glance, Sight};
+use super::{ErrorModel, InverseModel, NetworkOptions, Part, PolicyEntry, PolicyOptions, need};
+use crate::base::{Action, BadOption, Displacements, Observation, Point3, Policy, PolicyError, distance_m};
+
+pub(super) const ENTRY: PolicyEntry = PolicyEntry {
+    name: "a",
+    needs: &[Part::SimulatedInverse, Part::Error],
+    closed_loop_only: false,
+    make: |parts, options| {
+        let model = need("a", Part::SimulatedInverse, parts.simulated)?;
+        let error = need("a", Part::Error, parts.error)?;
+        Ok(Box::new(A {
+            core: AlgorithmTwo::new(model, error, options),
+            sight: Sight::default(),
+            limits: Limits::new(options.limits),
+        }))
+    },
+};
+
+/// What Algorithm 2 leaves open.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct AOptions {
+    /// The loop ends when x_s-target moves no further than this in one iteration; the paper's 0.001 m.
+    pub tolerance_m: f64,
+    /// Iterations in one control tick, fewer when the criterion is met; 1 is Algorithm 2 as printed.
+    pub iterations_per_tick: usize,
+    /// The guess for a further target starts from the last e_gp instead of from the target itself.
+    pub warm_start: bool,
+    /// Keep the command at which the criterion was first met until the target changes, as the printed loop does when
+    /// it ends, instead of iterating with feedback for as long as the task asks.
+    pub hold_when_settled: bool,
+}
+
+impl Default for AOptions {
+    fn default() -> Self {
+        AOptions { tolerance_m: 0.001, iterations_per_tick: 1, warm_start: false, hold_when_settled: false }
+    }
+}
+
+impl AOptions {
+    pub(super) fn check(&self) -> Result<(), BadOption> {
+        BadOption::unless_positive("tolerance_m", self.tolerance_m)?;
+        BadOption::unless_counted("iterations_per_tick", self.iterations_per_tick)
+    }
+}
+
+/// Algorithm 2 with its state between ticks.
+pub(super) struct AlgorithmTwo {
+    network: Network,
+    error: Arc<dyn ErrorModel>,
+    options: AOptions,
+    network_options: NetworkOptions,
+    /// x_real-target of the loop in progress.
+    target_m: Option<Point3>,
+    /// x_s-target(i).
+    simulated_target_m: Point3,
+    /// x_initial: the current position in the simulated workspace.
+    position_m: Point3,
+    /// e_gp(i); zero before the first iteration, so that the first position is the one that was measured.
+    error_m: Point3,
+    /// The command at which the criterion was met, for `hold_when_settled`.
+    held_m: Option<Displacements>,
+}
+
+impl AlgorithmTwo {
+    pub(super) fn new(model: Box<dyn InverseModel>, error: Arc<dyn ErrorModel>, options: &PolicyOptions) -> Self {
+        AlgorithmTwo {
+            network: Network::new(model, options.network.memory),
+            error,
+            options: options.a,
+            network_options: options.network,
+            target_m: None,
+            simulated_target_m: [0.0; 3],
+            position_m: [0.0; 3],
+            error_m: [0.0; 3],
+            held_m: None,
+        }
+    }
+
+    pub(super) fn reset(&mut self) {
+        self.network.reset();
+        self.target_m = None;
+        self.error_m = [0.0; 3];
+        self.held_m = None;
+    }
+
+    /// One control tick.
+    pub(super) fn decide(&mut self, glance: Glance, target_m: &Point3) -> Result<Wanted, PolicyError> {
+        if self.target_m != Some(*target_m) {
+            self.target_m = Some(*target_m);
+            self.simulated_target_m = if self.options.warm_start { sum(target_m, &self.error_m) } else { *target_m };
+            self.held_m = None;
+        }
+        // Without a new measurement (open loop) "the initial position does not change".
+        if glance.fresh {
+            self.position_m = sum(&glance.tip_m, &self.error_m);
+        }
+        self.network.begin(glance.fresh);
+        if self.options.hold_when_settled
+            && let Some(held_m) = &self.held_m
+        {
+            return Ok(Wanted { pulls_m: held_m.clone(), settled: true });
+        }
+        let mut wanted = self.iterate(glance.fresh, target_m)?;
+        for _ in 1..self.options.iterations_per_tick {
+            if wanted.settled {
+                break;
+            }
+            wanted = self.iterate(glance.fresh, target_m)?;
+        }
+        if wanted.settled {
+            self.held_m = Some(wanted.pulls_m.clone());
+        }
+        Ok(wanted)
+    }
+
+    /// One iteration: L(i), e_gp(i), x_s-target(i).
+    fn iterate(&mut self, fresh: bool, target_m: &Point3) -> Result<Wanted, PolicyError> {
+        let aim_m = self.network_options.aim_m(&self.position_m, &self.simulated_target_m, fresh);
+        let pulls_m = self.network.pulls(&self.position_m, &aim_m)?;
+        self.error_m = self.error.error_m(&pulls_m, &aim_m);
+        if self.error_m.iter().any(|value| !value.is_finite()) {
+            return Err(PolicyError::NotFinite("error model"));
+        }
+        let next_m = sum(target_m, &self.error_m);
+        let settled = distance_m(&self.simulated_target_m, &next_m) <= self.options.tolerance_m;
+        self.simulated_target_m = next_m;
+        Ok(Wanted { pulls_m, settled })
+    }
+}
+
+fn sum(a: &Point3, b: &Point3) -> Point3 {
+    std::array::from_fn(|axis| a[axis] + b[axis])
+}
+
+/// [`AlgorithmTwo`] behind the drive's limits.
+struct A {
+    core: AlgorithmTwo,
+    sight: Sight,
+    limits: Limits,
+}
+
+impl Policy for A {
+    fn reset(&mut self) {
+        self.core.reset();
+        self.sight.reset();
+        self.limits.reset();
+    }
+
+    fn act(&mut self, seen: &Observation, target_m: &Point3) -> Result<Action, PolicyError> {
+        let glance = self.sight.look(seen, target_m)?;
+        let wanted = self.core.decide(glance, target_m)?;
+        let limited = self.limits.apply(&wanted.pulls_m, &seen.pulls_m)?;
+        Ok(Action { pulls_m: limited.pulls_m, settled: wanted.settled && limited.arrived, branch: "a" })
+    }
+}

@@ -1,0 +1,86 @@
+//! How a recurrent inverse mapping is asked: when its memory moves on, and how far ahead it is asked to go.
+
+use serde::{Deserialize, Serialize};
+
+use super::InverseModel;
+use crate::base::{BadOption, Displacements, Point3, PolicyError, distance_m};
+
+/// When the memory of a recurrent network moves on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Memory {
+    /// At each new measurement: the memory lives in the robot's time, and stays at rest in open loop.
+    #[default]
+    Measured,
+    /// At each control tick, new measurement or not.
+    EveryTick,
+    /// Never: each question is asked of a network at rest.
+    Rest,
+}
+
+/// How the networks are asked; the same for every policy.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct NetworkOptions {
+    /// When the memory moves on.
+    pub memory: Memory,
+    /// The network is asked for a point at most this far from the current one, on the line to the target; `null` asks
+    /// for the target itself, as eq. (22) does. Applies only to new measurements: open loop asks for the target.
+    pub lookahead_m: Option<f64>,
+}
+
+impl NetworkOptions {
+    pub(super) fn check(&self) -> Result<(), BadOption> {
+        BadOption::unless_positive_or_null("lookahead_m", self.lookahead_m)
+    }
+
+    /// The point that the network is asked for.
+    pub(super) fn aim_m(&self, from_m: &Point3, to_m: &Point3, fresh: bool) -> Point3 {
+        let Some(reach_m) = self.lookahead_m.filter(|_| fresh) else { return *to_m };
+        let share = (reach_m / distance_m(from_m, to_m)).min(1.0);
+        std::array::from_fn(|axis| from_m[axis] + share * (to_m[axis] - from_m[axis]))
+    }
+}
+
+/// A network and when its memory moves.
+pub(super) struct Network {
+    model: Box<dyn InverseModel>,
+    memory: Memory,
+    asked: bool,
+}
+
+impl Network {
+    pub(super) fn new(model: Box<dyn InverseModel>, memory: Memory) -> Self {
+        let mut network = Network { model, memory, asked: false };
+        network.reset();
+        network
+    }
+
+    pub(super) fn reset(&mut self) {
+        self.model.reset();
+        self.asked = false;
+    }
+
+    /// Begins a control tick.
+    pub(super) fn begin(&mut self, fresh: bool) {
+        let moves_on = match self.memory {
+            Memory::Measured => fresh,
+            Memory::EveryTick => true,
+            Memory::Rest => false,
+        };
+        if self.asked && moves_on {
+            self.model.tick();
+        }
+        self.asked = false;
+    }
+
+    /// Finite displacements from the network, metres.
+    pub(super) fn pulls(&mut self, from_m: &Point3, to_m: &Point3) -> Result<Displacements, PolicyError> {
+        let pulls_m = self.model.pulls(from_m, to_m)?;
+        self.asked = true;
+        if pulls_m.iter().any(|pull| !pull.is_finite()) {
+            return Err(PolicyError::NotFinite("output of the inverse network"));
+        }
+        Ok(pulls_m)
+    }
+}

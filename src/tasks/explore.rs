@@ -1,0 +1,133 @@
+//! Data for learning (section IV-A): "continuous random exploration of the actuators with a maximum travel distance
+//! of 0.003 m each step", and the same commands played on another robot (section V-A).
+
+use rand::RngExt;
+use serde::{Deserialize, Serialize};
+
+use super::actuation::{bend_commands, check_pairs};
+use super::{Samples, TaskError};
+use crate::base::{BadOption, Plant, Seed};
+
+/// Settings of the exploration.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ExploreOptions {
+    /// Transitions over all trajectories.
+    pub points: usize,
+    /// Independent trajectories, each from rest at home; 1 is one continuous exploration.
+    pub trajectories: usize,
+    /// Largest change of an actuated tendon in a step.
+    pub max_step_m: f64,
+    /// Largest pull; the walk is reflected there.
+    pub max_pull_m: f64,
+}
+
+impl Default for ExploreOptions {
+    fn default() -> Self {
+        ExploreOptions { points: 10_000, trajectories: 1, max_step_m: 0.003, max_pull_m: 0.03 }
+    }
+}
+
+impl ExploreOptions {
+    fn check(&self) -> Result<(), TaskError> {
+        BadOption::unless_counted("points", self.points)?;
+        BadOption::unless_counted("trajectories", self.trajectories)?;
+        BadOption::unless_positive("max_step_m", self.max_step_m)?;
+        BadOption::unless_positive("max_pull_m", self.max_pull_m)?;
+        if self.max_step_m > self.max_pull_m {
+            let found = self.max_step_m.to_string();
+            return Err(BadOption { key: "max_step_m", found, expected: "at most max_pull_m" }.into());
+        }
+        if self.trajectories > self.points {
+            return Err(TaskError::TooFew {
+                what: "points for as many trajectories",
+                asked: self.trajectories,
+                available: self.points,
+            });
+        }
+        Ok(())
+    }
+
+    /// Transitions of trajectory number `index`: an equal share, the first ones take the remainder.
+    fn share(&self, index: usize) -> usize {
+        self.points / self.trajectories + usize::from(index < self.points % self.trajectories)
+    }
+}
+
+/// Trajectory number `index` of an exploration, which depends on nothing but the seed and its number, so that
+/// trajectories can be recorded in parallel on plants of their own and put together by [`Samples::concat`].
+///
+/// # Errors
+/// [`TaskError`] for a setting out of range, a plant without two opposite pairs of tendons, or one that fails.
+pub fn explore_trajectory(
+    plant: &mut dyn Plant,
+    options: &ExploreOptions,
+    seed: Seed,
+    index: usize,
+) -> Result<Samples, TaskError> {
+    options.check()?;
+    check_pairs(plant)?;
+    let seed = seed.child("explore").index(index as u64);
+    let mut random = seed.child("walk").rng();
+    let mut tip_m = plant.reset(seed.child("plant"))?.tip_m;
+    let mut bend_m = [0.0_f64; 2];
+    let mut samples = Samples::begin(plant.tendons());
+    for _ in 0..options.share(index) {
+        for value_m in &mut bend_m {
+            let change_m = random.random_range(-options.max_step_m..=options.max_step_m);
+            let next_m = *value_m + change_m;
+            *value_m = if next_m.abs() > options.max_pull_m { *value_m - change_m } else { next_m };
+        }
+        let after = plant.drive(&bend_commands(bend_m))?;
+        samples.push(&tip_m, &after);
+        tip_m = after.tip_m;
+    }
+    Ok(samples)
+}
+
+/// A whole exploration, one trajectory after the other on the same plant.
+///
+/// # Errors
+/// As [`explore_trajectory`].
+pub fn explore(plant: &mut dyn Plant, options: &ExploreOptions, seed: Seed) -> Result<Samples, TaskError> {
+    options.check()?;
+    let parts: Result<Vec<Samples>, TaskError> =
+        (0..options.trajectories).map(|index| explore_trajectory(plant, options, seed, index)).collect();
+    Ok(Samples::concat(&parts?))
+}
+
+/// Plays the commands of trajectory number `index` of `samples` on a plant, from rest.
+///
+/// # Errors
+/// [`TaskError::TooFew`] when there is no such trajectory, [`TaskError::Plant`] when the plant fails.
+pub fn replay_trajectory(
+    plant: &mut dyn Plant,
+    samples: &Samples,
+    seed: Seed,
+    index: usize,
+) -> Result<Samples, TaskError> {
+    let ranges = samples.trajectories();
+    let range = ranges.get(index).cloned().ok_or(TaskError::TooFew {
+        what: "trajectories to replay",
+        asked: index + 1,
+        available: ranges.len(),
+    })?;
+    let mut tip_m = plant.reset(seed.child("replay").index(index as u64))?.tip_m;
+    let mut played = Samples::begin(plant.tendons());
+    for row in range {
+        let after = plant.step(samples.pulls_m.row(row))?;
+        played.push(&tip_m, &after);
+        tip_m = after.tip_m;
+    }
+    Ok(played)
+}
+
+/// Plays all trajectories of `samples` on a plant: what the "real" robot does under the same inputs.
+///
+/// # Errors
+/// As [`replay_trajectory`].
+pub fn replay(plant: &mut dyn Plant, samples: &Samples, seed: Seed) -> Result<Samples, TaskError> {
+    let parts: Result<Vec<Samples>, TaskError> =
+        (0..samples.starts.len()).map(|index| replay_trajectory(plant, samples, seed, index)).collect();
+    Ok(Samples::concat(&parts?))
+}

@@ -1,0 +1,77 @@
+//! What an exploration yields: transitions in the order of time.
+
+use crate::base::{Displacements, Observation, Point3, Rows};
+
+/// Transitions (x_i, u_i) → x_{i+1} of one or more trajectories, each of which starts at rest at home.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Samples {
+    /// Measured tip before each step, metres, three columns.
+    pub from_m: Rows,
+    /// Displacements in force during the step, metres, one column a tendon.
+    pub pulls_m: Rows,
+    /// Measured tip after the step, metres, three columns.
+    pub to_m: Rows,
+    /// Index of the first transition of each trajectory.
+    pub starts: Vec<usize>,
+}
+
+impl Samples {
+    /// An empty trajectory of a robot with so many tendons.
+    pub(super) fn begin(tendons: usize) -> Self {
+        Samples { from_m: Rows::new(3), pulls_m: Rows::new(tendons), to_m: Rows::new(3), starts: vec![0] }
+    }
+
+    /// Appends the step from one observation to the next.
+    pub(super) fn push(&mut self, from_m: &Point3, after: &Observation) {
+        self.from_m.push(from_m);
+        self.pulls_m.push(&after.pulls_m);
+        self.to_m.push(&after.tip_m);
+    }
+
+    /// Number of transitions.
+    pub fn len(&self) -> usize {
+        self.to_m.len()
+    }
+
+    /// True when there is none.
+    pub fn is_empty(&self) -> bool {
+        self.to_m.is_empty()
+    }
+
+    /// The index range of each trajectory.
+    pub fn trajectories(&self) -> Vec<std::ops::Range<usize>> {
+        let ends = self.starts.iter().skip(1).copied().chain([self.len()]);
+        self.starts.iter().copied().zip(ends).map(|(start, end)| start..end).collect()
+    }
+
+    /// The commands of one trajectory.
+    pub fn commands(&self, range: std::ops::Range<usize>) -> Vec<Displacements> {
+        range.map(|index| self.pulls_m.row(index).to_vec()).collect()
+    }
+
+    /// Trajectories recorded apart, put one after the other.
+    pub fn concat(parts: &[Samples]) -> Samples {
+        let mut whole = Samples::begin(parts.first().map_or(0, |part| part.pulls_m.width()));
+        whole.starts.clear();
+        for part in parts {
+            whole.starts.extend(part.starts.iter().map(|start| start + whole.to_m.len()));
+            for index in 0..part.len() {
+                whole.from_m.push(part.from_m.row(index));
+                whole.pulls_m.push(part.pulls_m.row(index));
+                whole.to_m.push(part.to_m.row(index));
+            }
+        }
+        whole
+    }
+
+    /// The first `count` transitions, for learning from fewer.
+    pub fn first(&self, count: usize) -> Samples {
+        let kept: Vec<usize> = (0..count.min(self.len())).collect();
+        Samples {
+            from_m: self.from_m.select(&kept),
+            pulls_m: self.pulls_m.select(&kept),
+            to_m: self.to_m.select(&kept),
+            starts: self.starts.iter().copied().filter(|start| *start < kept.len()).collect(),
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! Targets of goal reaching (section V-B): "randomly picking 50 target points from another 960 unique points spaced
+//! equally in the real workspace".
+
+use rand::seq::SliceRandom;
+use serde::{Deserialize, Serialize};
+
+use super::TaskError;
+use super::actuation::{Bend, GridOptions, check_pairs, drive_to};
+use crate::base::{BadOption, Plant, Point3, Seed};
+
+/// Settings of the pool of targets.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TargetOptions {
+    /// Points in the pool.
+    pub pool: usize,
+    /// Points drawn from it.
+    pub drawn: usize,
+    /// Where the candidates come from: a sweep of the real robot, finer than the pool. Its nodes are not those of
+    /// the error model's points.
+    pub sweep: GridOptions,
+}
+
+impl Default for TargetOptions {
+    fn default() -> Self {
+        let sweep = GridOptions { rows: 61, columns: 61, max_pull_m: 0.03, max_step_m: 0.003 };
+        TargetOptions { pool: 960, drawn: 50, sweep }
+    }
+}
+
+/// The pool: tips of a sweep of the robot, thinned to `options.pool` equally spaced ones. Give it the real robot
+/// without measurement noise, so that every target can be reached. The seed is the robot's own.
+///
+/// # Errors
+/// [`TaskError`] for a setting out of range, a pool larger than the sweep, or a plant that fails.
+pub fn target_pool(robot: &mut dyn Plant, options: &TargetOptions, seed: Seed) -> Result<Vec<Point3>, TaskError> {
+    options.sweep.check()?;
+    BadOption::unless_counted("drawn", options.drawn)?;
+    if options.drawn > options.pool {
+        return Err(TaskError::TooFew { what: "targets in the pool", asked: options.drawn, available: options.pool });
+    }
+    check_pairs(robot)?;
+    let mut tip_m = robot.reset(seed.child("target_pool"))?.tip_m;
+    let mut bend_m: Bend = [0.0; 2];
+    let mut candidates = Vec::with_capacity(options.sweep.rows * options.sweep.columns);
+    for point_m in options.sweep.points_m() {
+        if let Some(seen) = drive_to(robot, &mut bend_m, point_m, options.sweep.max_step_m)? {
+            tip_m = seen.tip_m;
+        }
+        candidates.push(tip_m);
+    }
+    spread_targets(&candidates, options.pool)
+}
+
+/// `count` of the candidates, as equally spaced as they come: each next one is the farthest from all before it
+/// (Gonzalez 1985), beginning with the first; of equals the earlier. O(count × candidates).
+///
+/// # Errors
+/// [`TaskError::TooFew`] when there are fewer distinct candidates than asked for.
+pub fn spread_targets(candidates: &[Point3], count: usize) -> Result<Vec<Point3>, TaskError> {
+    BadOption::unless_counted("pool", count)?;
+    let mut gap_squared = vec![f64::INFINITY; candidates.len()];
+    let mut chosen = Vec::with_capacity(count);
+    let mut next = 0;
+    while chosen.len() < count {
+        if candidates.is_empty() || gap_squared[next] <= 0.0 {
+            let what = "distinct candidates for targets";
+            return Err(TaskError::TooFew { what, asked: count, available: chosen.len() });
+        }
+        let newest = candidates[next];
+        chosen.push(newest);
+        let mut farthest = 0;
+        for (index, candidate) in candidates.iter().enumerate() {
+            let squared: f64 = candidate.iter().zip(newest).map(|(a, b)| (a - b) * (a - b)).sum();
+            gap_squared[index] = gap_squared[index].min(squared);
+            if gap_squared[index] > gap_squared[farthest] {
+                farthest = index;
+            }
+        }
+        next = farthest;
+    }
+    Ok(chosen)
+}
+
+/// Draws `count` targets with their numbers in the pool. The seed is the experiment's, never a policy's: every policy
+/// meets the same targets in the same order, and a smaller draw is the beginning of a larger one.
+///
+/// # Errors
+/// [`TaskError::TooFew`] when the pool is smaller.
+pub fn draw_targets(pool: &[Point3], count: usize, seed: Seed) -> Result<Vec<(usize, Point3)>, TaskError> {
+    if count > pool.len() {
+        return Err(TaskError::TooFew { what: "targets in the pool", asked: count, available: pool.len() });
+    }
+    let mut order: Vec<usize> = (0..pool.len()).collect();
+    order.shuffle(&mut seed.child("targets").rng());
+    Ok(order.into_iter().take(count).map(|index| (index, pool[index])).collect())
+}
