@@ -28,6 +28,26 @@ impl Default for TargetOptions {
     }
 }
 
+impl TargetOptions {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// [`BadOption`] names the first field out of range.
+    pub fn check(&self) -> Result<(), BadOption> {
+        self.sweep.check()?;
+        BadOption::unless_counted("drawn", self.drawn)?;
+        BadOption::unless_counted("pool", self.pool)?;
+        let bad = |key, found: usize, expected| Err(BadOption { key, found: found.to_string(), expected });
+        if self.pool > self.sweep.rows * self.sweep.columns {
+            return bad("pool", self.pool, "at most sweep.rows times sweep.columns");
+        }
+        if self.drawn > self.pool {
+            return bad("drawn", self.drawn, "at most pool");
+        }
+        Ok(())
+    }
+}
+
 /// The pool: tips of a sweep of the robot, thinned to `options.pool` equally spaced ones. Give it the real robot
 /// without measurement noise, so that every target can be reached. The seed is the robot's own.
 ///
