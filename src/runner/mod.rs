@@ -5,8 +5,10 @@ pub mod codec;
 mod graph;
 mod key;
 mod metrics;
+mod parts;
 mod progress;
 mod schedule;
+pub mod stages;
 mod store;
 mod timing;
 

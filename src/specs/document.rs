@@ -77,7 +77,8 @@ impl Document {
             let line = error.location().map_or(1, |at| at.line());
             let path = emitted.paths.get(line.saturating_sub(1)).cloned().unwrap_or_default();
             let said = explain(&error, &path);
-            self.refuse(&said.key, said.end, said.found, said.expected)
+            let about = said.about.and_then(|about| self.search(&said.key, &|_, value| value.as_str() == Some(&about)));
+            self.refuse(&about.unwrap_or(said.key), said.end, said.found, said.expected)
         })
     }
 
@@ -85,6 +86,34 @@ impl Document {
     pub fn wrong(&self, path: &KeyPath, expected: impl Into<String>) -> SpecError {
         let found = get(&self.merged, path).map_or_else(|| "nothing".to_owned(), describe);
         self.refuse(path, End::Value, found, expected)
+    }
+
+    /// True when the document has a value at `path`.
+    pub fn has(&self, path: &KeyPath) -> bool {
+        get(&self.merged, path).is_some()
+    }
+
+    /// The first path below `below` that ends in `key` and holds the value written `found`.
+    pub fn find(&self, below: &KeyPath, key: &str, found: &str) -> Option<KeyPath> {
+        let number: Option<f64> = found.parse().ok();
+        self.search(below, &|path, value| {
+            let same = value.as_str() == Some(found) || (number.is_some() && value.as_f64() == number);
+            same && path.0.last() == Some(&Step::Key(key.to_owned()))
+        })
+    }
+
+    fn search(&self, below: &KeyPath, wanted: &dyn Fn(&KeyPath, &Value) -> bool) -> Option<KeyPath> {
+        let value = get(&self.merged, below)?;
+        if wanted(below, value) {
+            return Some(below.clone());
+        }
+        match value {
+            Value::Mapping(mapping) => {
+                mapping.keys().filter_map(Value::as_str).find_map(|key| self.search(&below.key(key), wanted))
+            }
+            Value::Sequence(items) => (0..items.len()).find_map(|index| self.search(&below.item(index), wanted)),
+            _ => None,
+        }
     }
 
     /// The error for `path`, in the given words.

@@ -11,21 +11,36 @@ pub(super) struct Said {
     pub(super) end: End,
     pub(super) found: String,
     pub(super) expected: String,
+    /// For an error that was raised without its place: the text value that it is about.
+    pub(super) about: Option<String>,
+}
+
+impl Said {
+    fn new(key: KeyPath, end: End, found: String, expected: impl Into<String>) -> Said {
+        Said { key, end, found, expected: expected.into(), about: None }
+    }
 }
 
 /// Takes apart the message of an error that arose at the line of `path`.
 pub(super) fn explain(error: &serde_yaml::Error, path: &KeyPath) -> Said {
     let words = error.to_string();
     let words = words.rsplit_once(" at line ").map_or(words.as_str(), |(message, _)| message);
-    unknown(words, path).or_else(|| missing(words, path)).or_else(|| mistyped(words, path)).unwrap_or_else(|| Said {
-        key: path.clone(),
-        end: End::Value,
-        found: words.to_owned(),
-        expected: VALID.into(),
-    })
+    unknown(words, path)
+        .or_else(|| missing(words, path))
+        .or_else(|| mistyped(words, path))
+        .or_else(|| unregistered(words, path))
+        .unwrap_or_else(|| Said::new(path.clone(), End::Value, words.to_owned(), "a valid value"))
 }
 
-const VALID: &str = "a valid value";
+/// ``unknown kernel `x`, expected one of a, b``, as registries say it.
+fn unregistered(words: &str, path: &KeyPath) -> Option<Said> {
+    let (found, expected) = words[words.find("unknown ")?..].split_once(", expected ")?;
+    let about = found.split('`').nth(1)?.to_owned();
+    let near = nearest(&about, expected.trim_start_matches("one of ").split(", "));
+    let hint = near.map_or(String::new(), |near| format!(" (did you mean `{near}`?)"));
+    let said = Said::new(path.clone(), End::Value, format!("the {found}"), format!("{expected}{hint}"));
+    Some(Said { about: Some(about), ..said })
+}
 
 /// ``unknown field `x`, expected one of `a`, `b` `` and its likes for the names of alternatives.
 fn unknown(words: &str, path: &KeyPath) -> Option<Said> {
@@ -45,18 +60,13 @@ fn unknown(words: &str, path: &KeyPath) -> Option<Said> {
     };
     let inside = if path.0.last() == KeyPath::default().key(name).0.last() { path.clone() } else { path.key(name) };
     let (key, end) = if kind == "key" { (inside, End::Key) } else { (path.clone(), End::Value) };
-    Some(Said { key, end, found: format!("the unknown {kind} `{name}`"), expected })
+    Some(Said::new(key, end, format!("the unknown {kind} `{name}`"), expected))
 }
 
 /// ``missing field `x` ``.
 fn missing(words: &str, path: &KeyPath) -> Option<Said> {
     let name = words[words.find("missing field `")?..].split('`').nth(1)?;
-    Some(Said {
-        key: path.key(name),
-        end: End::Value,
-        found: "no such key".to_owned(),
-        expected: format!("the key `{name}`"),
-    })
+    Some(Said::new(path.key(name), End::Value, "no such key".to_owned(), format!("the key `{name}`")))
 }
 
 /// `invalid type: string "x", expected u64` and its likes.
@@ -76,5 +86,5 @@ fn mistyped(words: &str, path: &KeyPath) -> Option<Said> {
         other => other,
     };
     let found = found.replace("unit value", "nothing").replace("string \"", "text \"").replace("map", "a mapping");
-    Some(Said { key: path.clone(), end: End::Value, found, expected: expected.to_owned() })
+    Some(Said::new(path.clone(), End::Value, found, expected))
 }
