@@ -1,1 +1,4 @@
-//! (under construction)
+//! Small numerics that several rooms share.
+
+pub mod polynomial;
+pub mod rotation;
