@@ -26,10 +26,12 @@ pub(crate) trait Real:
     fn fma(self, a: Self, b: Self) -> Self;
     /// Hyperbolic tangent, within a few units of the last place of 1.
     fn tanh_fast(self) -> Self;
+    /// Quotient.
+    fn over(self, divisor: Self) -> Self;
+    /// Square root.
+    fn root(self) -> Self;
     /// Nearest number of this width.
     fn of(value: f64) -> Self;
-    /// The same number in double width.
-    fn wide(self) -> f64;
 }
 
 impl Real for f32 {
@@ -43,12 +45,16 @@ impl Real for f32 {
         1.0 - 2.0 / (exp_f32(2.0 * x) + 1.0)
     }
     #[inline(always)]
-    fn of(value: f64) -> Self {
-        value as f32
+    fn over(self, divisor: Self) -> Self {
+        self / divisor
     }
     #[inline(always)]
-    fn wide(self) -> f64 {
-        f64::from(self)
+    fn root(self) -> Self {
+        self.sqrt()
+    }
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        value as f32
     }
 }
 
@@ -63,12 +69,16 @@ impl Real for f64 {
         1.0 - 2.0 / (exp_f64(2.0 * x) + 1.0)
     }
     #[inline(always)]
-    fn of(value: f64) -> Self {
-        value
+    fn over(self, divisor: Self) -> Self {
+        self / divisor
     }
     #[inline(always)]
-    fn wide(self) -> f64 {
-        self
+    fn root(self) -> Self {
+        self.sqrt()
+    }
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        value
     }
 }
 

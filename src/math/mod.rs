@@ -1,3 +1,5 @@
 //! Numerics: small linear algebra, rotations, statistics.
 
+pub mod polynomial;
+pub mod rotation;
 pub mod summary;

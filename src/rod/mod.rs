@@ -1,1 +1,26 @@
-//! (under construction)
+//! The dynamic tendon-driven Cosserat rod with a compressible spine and tendon-length control (paper, section III).
+//!
+//! The unknowns are the internal moments and forces along the rod, as polynomials, and the tendon tensions; the
+//! derivation is in `docs/rod.md`.
+
+mod grid;
+mod jacobian;
+mod loads;
+mod memory;
+mod motion;
+mod params;
+mod scheme;
+mod section;
+mod shape;
+mod simulation;
+mod solver;
+mod state;
+mod status;
+mod system;
+
+pub use memory::{HistoryMoment, MemoryState, MomentLaw};
+pub use params::{CompressibleSection, PointMass, Resolution, RodParams, Span, Tendon, TipLoad};
+pub use scheme::Scheme;
+pub use simulation::{Drive, Energy, Rod};
+pub use state::CrossSection;
+pub use status::Status;

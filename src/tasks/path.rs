@@ -37,7 +37,7 @@ impl Default for PathOptions {
             petal_share: 0.3,
             petals: 3,
             closed: true,
-            spacing_m: 0.005,
+            spacing_m: 0.002,
             max_step_m: 0.003,
             hold_steps: 5,
         }
@@ -107,10 +107,11 @@ pub fn interpolate(waypoints: &[Point3], options: &PathOptions) -> Result<Vec<Po
     let mut path = vec![*first];
     for (from, to) in waypoints.iter().zip(waypoints.iter().skip(1).chain(closing)) {
         let pieces = (distance_m(from, to) / options.spacing_m).ceil().max(1.0);
-        for piece in 1..=(pieces as usize) {
+        for piece in 1..(pieces as usize) {
             let share = piece as f64 / pieces;
             path.push(std::array::from_fn(|axis| from[axis] + share * (to[axis] - from[axis])));
         }
+        path.push(*to);
     }
     Ok(path)
 }

@@ -1,0 +1,132 @@
+//! Where along the rod things are computed: cells with two Gauss–Legendre points each, and the polynomials on them.
+
+use super::params::RodParams;
+use crate::math::polynomial::legendre;
+
+/// Half the distance between the two Gauss points, as a share of the cell: √3/6.
+pub(super) const GAUSS: f64 = 0.288_675_134_594_812_9;
+
+/// Internal wrench components in the body frame: moments about x, y, z, then forces along x, y, z.
+pub(super) const COMPONENTS: usize = 6;
+
+/// A piece of the rod without a jump inside.
+#[derive(Clone, Debug)]
+pub(super) struct Cell {
+    /// Length, metres.
+    pub(super) length_m: f64,
+}
+
+/// A Gauss point.
+#[derive(Clone, Debug)]
+pub(super) struct Node {
+    /// Distance from the base, metres.
+    pub(super) position_m: f64,
+    /// Quadrature weight, metres.
+    pub(super) weight_m: f64,
+    /// Index of the first unknown of each component in the element that holds this node.
+    pub(super) offset: [usize; COMPONENTS],
+    /// Values of the Legendre polynomials of the element here.
+    pub(super) basis: Vec<f64>,
+}
+
+/// The discretisation of one rod.
+#[derive(Clone, Debug)]
+pub(super) struct Grid {
+    pub(super) cells: Vec<Cell>,
+    /// Two per cell.
+    pub(super) nodes: Vec<Node>,
+    /// Ends of the cells; one more than there are cells.
+    pub(super) boundaries_m: Vec<f64>,
+    /// Number of polynomials for each component.
+    pub(super) modes: [usize; COMPONENTS],
+    /// Number of polynomial coefficients in all.
+    pub(super) unknowns: usize,
+}
+
+impl Grid {
+    /// Cuts the rod at every jump of its properties and at masses, and then to the wanted resolution. The internal
+    /// wrench is one polynomial a component between tendon ends, where it may jump.
+    pub(super) fn new(params: &RodParams) -> Grid {
+        let elements = element_ends(params);
+        let resolution = &params.resolution;
+        let modes = [
+            resolution.bending_modes,
+            resolution.bending_modes,
+            resolution.torsion_modes,
+            resolution.shear_modes,
+            resolution.shear_modes,
+            resolution.axial_modes,
+        ];
+        let boundaries_m = cell_ends(params);
+        let per_element: usize = modes.iter().sum();
+        let mut grid = Grid {
+            cells: Vec::new(),
+            nodes: Vec::new(),
+            unknowns: per_element * (elements.len() - 1),
+            modes,
+            boundaries_m,
+        };
+        let most = modes.iter().copied().max().unwrap_or(0);
+        for window in grid.boundaries_m.windows(2) {
+            let (start, length) = (window[0], window[1] - window[0]);
+            grid.cells.push(Cell { length_m: length });
+            let middle = start + 0.5 * length;
+            let element = elements.iter().rposition(|&end| end < middle).unwrap_or(0).min(elements.len() - 2);
+            let (low, high) = (elements[element], elements[element + 1]);
+            for sign in [-1.0, 1.0] {
+                let position_m = middle + sign * GAUSS * length;
+                let mut basis = vec![0.0; most];
+                legendre(2.0 * (position_m - low) / (high - low) - 1.0, &mut basis);
+                let mut offset = [0; COMPONENTS];
+                let mut next = element * per_element;
+                for (slot, count) in offset.iter_mut().zip(modes) {
+                    *slot = next;
+                    next += count;
+                }
+                grid.nodes.push(Node { position_m, weight_m: 0.5 * length, offset, basis });
+            }
+        }
+        grid
+    }
+
+    /// ∫ from the start of a cell to its Gauss point `row` of the line through the values at both Gauss points: the
+    /// coefficients of the two-stage Gauss method.
+    pub(super) fn partial_weights(length_m: f64) -> [[f64; 2]; 2] {
+        let quarter = 0.25 * length_m;
+        let skewed = GAUSS * length_m;
+        [[quarter, quarter - skewed], [quarter + skewed, quarter]]
+    }
+}
+
+/// Base, tendon ends inside the rod, tip.
+fn element_ends(params: &RodParams) -> Vec<f64> {
+    let mut ends = vec![0.0, params.length_m()];
+    ends.extend(params.tendons.iter().map(|tendon| tendon.end_m));
+    sorted_unique(ends, params.length_m())
+}
+
+/// Ends of all cells: wherever a property jumps, subdivided to the wanted resolution.
+fn cell_ends(params: &RodParams) -> Vec<f64> {
+    let mut cuts = element_ends(params);
+    cuts.extend(params.spans.iter().map(|span| span.end_m));
+    cuts.extend(params.masses.iter().map(|mass| mass.position_m));
+    for section in &params.sections {
+        cuts.extend([section.start_m, section.start_m + section.length_m]);
+    }
+    let cuts = sorted_unique(cuts, params.length_m());
+    let mut ends = vec![0.0];
+    for window in cuts.windows(2) {
+        let length = window[1] - window[0];
+        let count = (length / params.resolution.cell_m - 1e-9).ceil().max(1.0) as usize;
+        ends.extend((1..=count).map(|k| window[0] + length * k as f64 / count as f64));
+    }
+    ends
+}
+
+/// Sorts, drops what lies outside [0, length] and merges what lies closer than a micrometre.
+fn sorted_unique(mut values: Vec<f64>, length_m: f64) -> Vec<f64> {
+    values.retain(|&value| (0.0..=length_m + 1e-6).contains(&value));
+    values.sort_by(f64::total_cmp);
+    values.dedup_by(|b, a| *b - *a < 1e-6);
+    values
+}

@@ -1,0 +1,114 @@
+//! External loads: weight, inertia, drag and the tip load, summed from the tip inwards to the wrench that every
+//! cross-section has to carry.
+
+use nalgebra::Vector3;
+
+use super::grid::Grid;
+use super::params::RodParams;
+use super::section::Section;
+use super::shape::Shape;
+use super::system::Conditions;
+
+/// A mass fixed to the end of a cell.
+#[derive(Clone, Debug)]
+pub(super) struct EndMass {
+    /// Which cell end.
+    pub(super) end: usize,
+    pub(super) mass_kg: f64,
+    pub(super) inertia_kg_m2: Vector3<f64>,
+}
+
+/// Forces in the world frame and the wrench that they add up to.
+#[derive(Clone, Debug)]
+pub(super) struct Loads {
+    /// Force per length at the Gauss points, N/m.
+    pub(super) node_f: Vec<Vector3<f64>>,
+    /// Force on each cell end, N.
+    pub(super) end_f: Vec<Vector3<f64>>,
+    /// Force that the cross-section at each Gauss point carries, N.
+    pub(super) force: Vec<Vector3<f64>>,
+    /// Moment about each Gauss point that its cross-section carries, N m.
+    pub(super) moment: Vec<Vector3<f64>>,
+    /// Force carried just outside each cell's end, N.
+    pub(super) cell_force: Vec<Vector3<f64>>,
+}
+
+impl Loads {
+    pub(super) fn new(grid: &Grid) -> Loads {
+        let (nodes, ends) = (grid.nodes.len(), grid.boundaries_m.len());
+        let zero = Vector3::zeros();
+        Loads {
+            node_f: vec![zero; nodes],
+            end_f: vec![zero; ends],
+            force: vec![zero; nodes],
+            moment: vec![zero; nodes],
+            cell_force: vec![zero; grid.cells.len()],
+        }
+    }
+
+    /// Sums the loads on `shape` under the given conditions.
+    pub(super) fn update(&mut self, rod: &LoadedRod, shape: &Shape, conditions: &Conditions) {
+        let (gravity, motion, tip) = (conditions.gravity_m_s2, conditions.motion, conditions.tip_load);
+        for (g, section) in rod.sections.iter().enumerate() {
+            let mut f = section.mass_kg_m * (gravity - motion.node_acceleration(g, &shape.node_p[g]));
+            if rod.params.drag_n_s2_m3 > 0.0 {
+                let body = shape.node_r[g].transpose() * motion.node_velocity(g, &shape.node_p[g]);
+                f -= shape.node_r[g] * body.component_mul(&body.abs()) * rod.params.drag_n_s2_m3;
+            }
+            self.node_f[g] = f;
+        }
+        self.end_f.iter_mut().for_each(|f| *f = Vector3::zeros());
+        for mass in rod.masses {
+            self.end_f[mass.end] += mass.mass_kg * (gravity - motion.end_acceleration(mass.end, &shape.end_p[mass.end]));
+        }
+        let mut force = tip.force_n;
+        let mut moment = tip.moment_nm;
+        for (c, cell) in rod.grid.cells.iter().enumerate().rev() {
+            force += self.end_f[c + 1];
+            moment += motion.spin_moment(rod.masses, c + 1, &shape.end_r[c + 1]);
+            self.cell_force[c] = force;
+            (force, moment) = self.through_cell(c, cell.length_m, shape, force, moment);
+        }
+    }
+
+    /// Carries the wrench at the end of cell `c` (moment about that end) to its Gauss points and its start.
+    fn through_cell(
+        &mut self,
+        c: usize,
+        h: f64,
+        shape: &Shape,
+        force: Vector3<f64>,
+        moment: Vector3<f64>,
+    ) -> (Vector3<f64>, Vector3<f64>) {
+        let partial = Grid::partial_weights(h);
+        let end = shape.end_p[c + 1];
+        for row in 0..2 {
+            let g = 2 * c + row;
+            let p = shape.node_p[g];
+            let (mut n, mut m) = (force, moment + (end - p).cross(&force));
+            for (other, weight) in partial[row].iter().enumerate() {
+                let f = self.node_f[2 * c + other] * (0.5 * h - weight);
+                n += f;
+                m += (shape.node_p[2 * c + other] - p).cross(&f);
+            }
+            self.force[g] = n;
+            self.moment[g] = m;
+        }
+        let start = shape.end_p[c];
+        let (mut n, mut m) = (force, moment + (end - start).cross(&force));
+        for g in [2 * c, 2 * c + 1] {
+            let f = self.node_f[g] * (0.5 * h);
+            n += f;
+            m += (shape.node_p[g] - start).cross(&f);
+        }
+        (n, m)
+    }
+}
+
+/// The parts of a rod that carry loads.
+pub(super) struct LoadedRod<'a> {
+    pub(super) params: &'a RodParams,
+    pub(super) grid: &'a Grid,
+    pub(super) sections: &'a [Section],
+    pub(super) masses: &'a [EndMass],
+}

@@ -1,0 +1,139 @@
+//! The constitutive law at a Gauss point: from the elastic internal wrench to the strains.
+
+use super::params::RodParams;
+
+/// Strains in the body frame: curvature and twist u (rad/m), then v (shear, shear, stretch).
+pub(super) type Six = [f64; 6];
+
+/// Compliances of the cross-section at one Gauss point.
+#[derive(Clone, Debug)]
+pub(super) struct Section {
+    /// Rest curvature and twist, rad/m.
+    rest: [f64; 3],
+    /// Bending compliance about x, coupled, about y, 1/(N m²).
+    bend: [f64; 3],
+    /// Torsional compliance, 1/(N m²).
+    twist: f64,
+    /// Shear compliance, 1/N.
+    shear: f64,
+    /// Axial compliance without the compressible section, 1/N.
+    axial: f64,
+    /// Axial compliance that the compressible section adds, 1/N.
+    spine: f64,
+    /// Compressive force at which the section is fully shortened, N.
+    saturation_n: f64,
+    /// Viscous stiffness of each strain, N m² s and N s.
+    pub(super) viscosity: Six,
+    /// Mean bending stiffness, N m².
+    pub(super) bending_n_m2: f64,
+    /// Mass per length, kg/m.
+    pub(super) mass_kg_m: f64,
+}
+
+/// Derivative of the strains with respect to the wrench: two coupled bending axes, the rest diagonal.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Compliance {
+    pub(super) bend: [f64; 3],
+    pub(super) diagonal: [f64; 4],
+}
+
+impl Compliance {
+    /// Compliance times a wrench; the matrix is symmetric.
+    pub(super) fn apply(&self, w: &Six) -> Six {
+        let [a, b, c] = self.bend;
+        let [t, s1, s2, z] = self.diagonal;
+        [a * w[0] + b * w[1], b * w[0] + c * w[1], t * w[2], s1 * w[3], s2 * w[4], z * w[5]]
+    }
+
+    /// Column `component` of the matrix.
+    pub(super) fn column(&self, component: usize) -> Six {
+        let mut unit = [0.0; 6];
+        unit[component] = 1.0;
+        self.apply(&unit)
+    }
+}
+
+impl Section {
+    /// The law at `position_m` of the rod.
+    pub(super) fn new(params: &RodParams, position_m: f64) -> Section {
+        let span = params.span_at(position_m);
+        let (sin, cos) = span.principal_angle_rad.sin_cos();
+        let [k1, k2] = span.bending_n_m2;
+        let (c1, c2) = (1.0 / k1, 1.0 / k2);
+        let section = params
+            .sections
+            .iter()
+            .find(|section| (section.start_m..section.start_m + section.length_m).contains(&position_m));
+        let spine = section.map_or(0.0, |section| section.compliance_m_per_n / section.length_m);
+        let axial = 1.0 / span.axial_n;
+        let bending = 0.5 * (k1 + k2);
+        let time = params.damping_time_s;
+        Section {
+            rest: span.rest_curvature_rad_m.into(),
+            bend: [
+                c1 * cos * cos + c2 * sin * sin,
+                (c1 - c2) * sin * cos,
+                c1 * sin * sin + c2 * cos * cos,
+            ],
+            twist: 1.0 / span.torsion_n_m2,
+            shear: 1.0 / span.shear_n,
+            axial,
+            spine,
+            saturation_n: section.map_or(f64::INFINITY, |section| section.saturation_n),
+            viscosity: [
+                time * bending,
+                time * bending,
+                time * span.torsion_n_m2,
+                time * span.shear_n,
+                time * span.shear_n,
+                time / (axial + spine),
+            ],
+            bending_n_m2: bending,
+            mass_kg_m: span.mass_kg_m,
+        }
+    }
+
+    /// Strains under the elastic wrench `w` and their derivative. The spine shortens with the axial force that
+    /// compresses it (paper, eq. 14) and no further once that exceeds the saturation force.
+    pub(super) fn strain(&self, w: &Six) -> (Six, Compliance) {
+        let [a, b, c] = self.bend;
+        let saturated = w[5] < -self.saturation_n;
+        let stretch = if self.spine == 0.0 { 0.0 } else { self.spine * w[5].max(-self.saturation_n) };
+        let strain = [
+            self.rest[0] + a * w[0] + b * w[1],
+            self.rest[1] + b * w[0] + c * w[1],
+            self.rest[2] + self.twist * w[2],
+            self.shear * w[3],
+            self.shear * w[4],
+            1.0 + self.axial * w[5] + stretch,
+        ];
+        let axial = self.axial + if saturated { 0.0 } else { self.spine };
+        (strain, Compliance { bend: self.bend, diagonal: [self.twist, self.shear, self.shear, axial] })
+    }
+
+    /// Elastic energy per length under the wrench `w`, J/m (bending, twist, shear, stretch).
+    pub(super) fn energy_j_m(&self, w: &Six) -> f64 {
+        let [a, b, c] = self.bend;
+        let bend = a * w[0] * w[0] + 2.0 * b * w[0] * w[1] + c * w[1] * w[1];
+        let others = self.twist * w[2] * w[2] + self.shear * (w[3] * w[3] + w[4] * w[4]) + self.axial * w[5] * w[5];
+        let spine = if self.spine == 0.0 {
+            0.0
+        } else if w[5] < -self.saturation_n {
+            self.spine * self.saturation_n * self.saturation_n
+        } else {
+            self.spine * w[5] * w[5]
+        };
+        0.5 * (bend + others + spine)
+    }
+
+    /// Change of curvature from the unloaded shape about the two body axes.
+    pub(super) fn bending(&self, strain: &Six) -> [f64; 2] {
+        [strain[0] - self.rest[0], strain[1] - self.rest[1]]
+    }
+
+    /// Compliances that turn a change of each wrench component into a strain, for scaling.
+    pub(super) fn scales(&self) -> Six {
+        let bend = 0.5 * (self.bend[0] + self.bend[2]);
+        [bend, bend, self.twist, self.shear, self.shear, self.axial + self.spine]
+    }
+}

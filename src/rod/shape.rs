@@ -1,0 +1,90 @@
+//! From the internal wrench to the shape: strains at the Gauss points, then poses by a fourth-order Magnus step a cell.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::grid::{GAUSS, Grid};
+use super::section::{Compliance, Section, Six};
+use crate::math::rotation;
+
+/// Poses and strains of a rod under given internal-wrench coefficients.
+#[derive(Clone, Debug)]
+pub(super) struct Shape {
+    /// Elastic internal wrench at the Gauss points.
+    pub(super) wrench: Vec<Six>,
+    /// Strains there.
+    pub(super) strain: Vec<Six>,
+    /// d strain / d wrench there.
+    pub(super) compliance: Vec<Compliance>,
+    /// Orientation at the Gauss points, columns are the body axes.
+    pub(super) node_r: Vec<Matrix3<f64>>,
+    /// Position of the Gauss points, metres.
+    pub(super) node_p: Vec<Vector3<f64>>,
+    /// Orientation at the cell ends.
+    pub(super) end_r: Vec<Matrix3<f64>>,
+    /// Position of the cell ends, metres.
+    pub(super) end_p: Vec<Vector3<f64>>,
+}
+
+impl Shape {
+    /// Room for the shape of a rod on `grid` with its base at the given pose.
+    pub(super) fn new(grid: &Grid, base_r: Matrix3<f64>, base_p: Vector3<f64>) -> Shape {
+        let (nodes, ends) = (grid.nodes.len(), grid.boundaries_m.len());
+        Shape {
+            wrench: vec![[0.0; 6]; nodes],
+            strain: vec![[0.0; 6]; nodes],
+            compliance: vec![Compliance::default(); nodes],
+            node_r: vec![base_r; nodes],
+            node_p: vec![base_p; nodes],
+            end_r: vec![base_r; ends],
+            end_p: vec![base_p; ends],
+        }
+    }
+
+    /// Computes everything from the polynomial coefficients.
+    pub(super) fn update(&mut self, grid: &Grid, sections: &[Section], coefficients: &[f64]) {
+        for (g, node) in grid.nodes.iter().enumerate() {
+            let mut wrench = [0.0; 6];
+            for (c, value) in wrench.iter_mut().enumerate() {
+                let own = &coefficients[node.offset[c]..node.offset[c] + grid.modes[c]];
+                *value = own.iter().zip(&node.basis).map(|(x, b)| x * b).sum();
+            }
+            (self.strain[g], self.compliance[g]) = sections[g].strain(&wrench);
+            self.wrench[g] = wrench;
+        }
+        for (c, cell) in grid.cells.iter().enumerate() {
+            self.advance(c, cell.length_m);
+        }
+    }
+
+    /// Poses at the Gauss points and the end of cell `c`. The rotation vector of a linear curvature from the start
+    /// of the cell over a length x is ∫u + (x/h)³ √3 h²/12 u₁×u₂ (Magnus expansion); positions use the same nodes.
+    fn advance(&mut self, c: usize, h: f64) {
+        let (first, second) = (2 * c, 2 * c + 1);
+        let u1 = Vector3::from_row_slice(&self.strain[first][..3]);
+        let u2 = Vector3::from_row_slice(&self.strain[second][..3]);
+        let commutator = u1.cross(&u2) * (0.5 * GAUSS * h * h);
+        let weights = Grid::partial_weights(h);
+        let start = self.end_r[c];
+        for (row, node, share) in [(0, first, 0.5 - GAUSS), (1, second, 0.5 + GAUSS)] {
+            let turn = u1 * weights[row][0] + u2 * weights[row][1] + commutator * (share * share * share);
+            self.node_r[node] = start * rotation::exp(&turn);
+        }
+        self.end_r[c + 1] = start * rotation::exp(&((u1 + u2) * (0.5 * h) + commutator));
+        let d1 = self.node_r[first] * Vector3::from_row_slice(&self.strain[first][3..]);
+        let d2 = self.node_r[second] * Vector3::from_row_slice(&self.strain[second][3..]);
+        let p = self.end_p[c];
+        self.node_p[first] = p + d1 * weights[0][0] + d2 * weights[0][1];
+        self.node_p[second] = p + d1 * weights[1][0] + d2 * weights[1][1];
+        self.end_p[c + 1] = p + (d1 + d2) * (0.5 * h);
+    }
+
+    /// Position of the tip, metres.
+    pub(super) fn tip_m(&self) -> Vector3<f64> {
+        self.end_p[self.end_p.len() - 1]
+    }
+
+    /// Orientation of the tip.
+    pub(super) fn tip_rotation(&self) -> Matrix3<f64> {
+        self.end_r[self.end_r.len() - 1]
+    }
+}

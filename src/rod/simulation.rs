@@ -1,0 +1,360 @@
+//! A rod that can be settled and moved: the interface of this room.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::motion::Motion;
+use super::params::{RodParams, TipLoad};
+use super::scheme::{Scheme, Tableau};
+use super::solver::Solver;
+use super::state::{CrossSection, Rates, State};
+use super::status::Status;
+use super::system::{Conditions, Hold, System};
+
+/// What a tendon is told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Drive {
+    /// Displacement at the drive in metres, 0 at home, positive pulls; the tendon never pushes.
+    Pull(f64),
+    /// Tension in newtons, ≥ 0.
+    Tension(f64),
+    /// No tension and no slack: the drive follows the shape.
+    Follow,
+}
+
+/// Energy of the rod, J.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Energy {
+    /// Of motion.
+    pub kinetic_j: f64,
+    /// Of bending, twist, shear and stretch, the compressible spine included.
+    pub elastic_j: f64,
+    /// Of weight, zero at the base.
+    pub gravitational_j: f64,
+}
+
+/// Displacement of the tip that a converged static solve may be off by (its last step, squared for Newton), metres.
+const STATIC_TOLERANCE_M: f64 = 1e-9;
+const DYNAMIC_TOLERANCE_M: f64 = 1e-10;
+/// How often a failing time step is halved.
+const MOST_HALVINGS: u32 = 6;
+
+/// A tendon-driven rod.
+#[derive(Clone, Debug)]
+pub struct Rod {
+    system: System,
+    solver: Solver,
+    state: State,
+    motion: Motion,
+    stages: Vec<Rates>,
+    tableau: Tableau,
+    stage_times: Vec<f64>,
+    tip_load: TipLoad,
+    last_rate: f64,
+}
+
+impl Rod {
+    /// A rod at rest, straight and unloaded; call [`Rod::settle`] before anything else.
+    pub fn new(params: RodParams) -> Rod {
+        let tip_load = params.tip_load;
+        let scheme: Scheme = params.resolution.scheme;
+        let system = System::new(params);
+        let tableau = scheme.tableau();
+        let mut rod = Rod {
+            solver: Solver::new(&system),
+            state: State {
+                unknowns: vec![0.0; system.size()],
+                taut: vec![false; system.params.tendons.len()],
+                shape: system.work().shape,
+                rates: Rates::zero(&system.grid),
+                memory: system.fresh_memory(),
+            },
+            motion: Motion::rest(&system.grid),
+            stages: tableau.rows.iter().map(|_| Rates::zero(&system.grid)).collect(),
+            stage_times: scheme.stage_times(),
+            tableau,
+            tip_load,
+            last_rate: 0.0,
+            system,
+        };
+        rod.restart();
+        rod
+    }
+
+    /// Straight, unloaded, at rest, without history.
+    pub fn restart(&mut self) {
+        self.state.unknowns.fill(0.0);
+        self.state.taut.fill(false);
+        self.state.memory = self.system.fresh_memory();
+        self.state.rates = Rates::zero(&self.system.grid);
+        let (system, state) = (&self.system, &mut self.state);
+        state.shape.update(&system.grid, &system.sections, &state.unknowns[..system.grid.unknowns]);
+        self.solver = Solver::new(system);
+        self.tip_load = system.params.tip_load;
+    }
+
+    /// What the rod is made of.
+    pub fn params(&self) -> &RodParams {
+        &self.system.params
+    }
+
+    /// Replaces the load at the tip from now on (it is added to nothing: pass the sum).
+    pub fn set_tip_load(&mut self, load: TipLoad) {
+        self.tip_load = load;
+    }
+
+    /// Brings the rod to rest under `drives` (one a tendon). Histories come to rest as well.
+    pub fn settle(&mut self, drives: &[Drive]) -> Status {
+        let Some(holds) = self.holds(drives) else { return Status::BadCommand };
+        self.motion = Motion::rest(&self.system.grid);
+        let before = self.state.clone();
+        let mut status = self.solve_static(&holds, 1.0);
+        if status != Status::Converged {
+            self.state = before.clone();
+            status = self.continue_load(&holds);
+        }
+        if status == Status::Converged {
+            self.state.rates = Rates::zero(&self.system.grid);
+            self.commit_memory(f64::INFINITY);
+        } else {
+            self.state = before;
+        }
+        status
+    }
+
+    /// Static solve with all loads and pulls at `share` of their value.
+    fn solve_static(&mut self, holds: &[Hold], share: f64) -> Status {
+        let scaled: Vec<Hold> = holds
+            .iter()
+            .map(|hold| match *hold {
+                Hold::Length(pull) => Hold::Length(share * pull),
+                Hold::Tension(tension) => Hold::Tension(share * tension),
+            })
+            .collect();
+        let load =
+            TipLoad { force_n: self.tip_load.force_n * share, moment_nm: self.tip_load.moment_nm * share };
+        self.seed_tensions(&scaled);
+        let gravity = self.system.params.gravity_m_s2 * share;
+        self.solve(&scaled, &load, gravity, true, STATIC_TOLERANCE_M)
+    }
+
+    /// Raises all loads from nothing in steps that shrink on failure and grow on success.
+    fn continue_load(&mut self, holds: &[Hold]) -> Status {
+        self.state.unknowns.fill(0.0);
+        self.state.taut.fill(false);
+        let (mut reached, mut step) = (0.0, 0.25);
+        while reached < 1.0 {
+            let target = f64::min(reached + step, 1.0);
+            let saved = self.state.clone();
+            match self.solve_static(holds, target) {
+                Status::Converged => {
+                    reached = target;
+                    step *= 1.5;
+                }
+                failure => {
+                    self.state = saved;
+                    step *= 0.35;
+                    if step < 1e-3 {
+                        return failure;
+                    }
+                }
+            }
+        }
+        Status::Converged
+    }
+
+    /// Moves the rod for `duration_s` with `drives` held.
+    pub fn advance(&mut self, drives: &[Drive], duration_s: f64) -> Status {
+        self.advance_with(&|_| drives.to_vec(), duration_s)
+    }
+
+    /// Moves the rod for `duration_s`; `drives` gives the drives at a time since now, seconds.
+    pub fn advance_with(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, duration_s: f64) -> Status {
+        let count = (duration_s / self.system.params.resolution.time_step_s - 1e-9).ceil().max(1.0);
+        let h = duration_s / count;
+        for k in 0..count as u64 {
+            let start = k as f64 * h;
+            let status = self.step(&|t| drives(start + t), h, MOST_HALVINGS);
+            if status != Status::Converged {
+                return status;
+            }
+        }
+        Status::Converged
+    }
+
+    /// One time step, halved when it fails.
+    fn step(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, h: f64, halvings: u32) -> Status {
+        let before = self.state.clone();
+        let status = self.try_step(drives, h, &before);
+        if status == Status::Converged || status == Status::BadCommand {
+            return status;
+        }
+        self.state = before;
+        if halvings == 0 {
+            return status;
+        }
+        let first = self.step(drives, 0.5 * h, halvings - 1);
+        if first != Status::Converged {
+            return first;
+        }
+        self.step(&|t| drives(0.5 * h + t), 0.5 * h, halvings - 1)
+    }
+
+    fn try_step(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, h: f64, start: &State) -> Status {
+        let load = self.tip_load;
+        let gravity = self.system.params.gravity_m_s2;
+        for i in 0..self.tableau.rows.len() {
+            let Some(holds) = self.holds(&drives(self.stage_times[i] * h)) else { return Status::BadCommand };
+            self.seed_tensions(&holds);
+            self.motion.prepare(start, &self.tableau.rows[i], &self.stages, self.tableau.gamma, h);
+            let status = self.solve(&holds, &load, gravity, false, DYNAMIC_TOLERANCE_M);
+            if status != Status::Converged {
+                return status;
+            }
+            self.stages[i].read(&self.motion, &self.state.shape);
+        }
+        self.state.rates.clone_from(&self.stages[self.stages.len() - 1]);
+        self.last_rate = self.motion.rate;
+        self.commit_memory(h);
+        Status::Converged
+    }
+
+    fn solve(
+        &mut self,
+        holds: &[Hold],
+        load: &TipLoad,
+        gravity_m_s2: Vector3<f64>,
+        settled: bool,
+        tolerance_m: f64,
+    ) -> Status {
+        let State { unknowns, taut, memory, .. } = &mut self.state;
+        let guess = taut.clone();
+        let conditions = Conditions {
+            holds,
+            taut: &guess,
+            tip_load: load,
+            gravity_m_s2,
+            motion: &self.motion,
+            memory,
+            settled,
+        };
+        let status = self.solver.solve(&self.system, unknowns, taut, &conditions, tolerance_m);
+        if status == Status::Converged {
+            let n = self.system.grid.unknowns;
+            self.state.shape.update(&self.system.grid, &self.system.sections, &self.state.unknowns[..n]);
+        }
+        status
+    }
+
+    fn commit_memory(&mut self, dt_s: f64) {
+        let shape = &self.state.shape;
+        for (law, states) in self.system.params.memory.iter().zip(&mut self.state.memory) {
+            for (g, state) in states.iter_mut().enumerate() {
+                let section = &self.system.sections[g];
+                law.commit(state, section.bending(&shape.strain[g]), section.bending_n_m2, dt_s);
+            }
+        }
+    }
+
+    /// Checks the drives and adds the pretension.
+    fn holds(&self, drives: &[Drive]) -> Option<Vec<Hold>> {
+        let tendons = &self.system.params.tendons;
+        if drives.len() != tendons.len() {
+            return None;
+        }
+        let hold = |(drive, tendon): (&Drive, &super::params::Tendon)| match *drive {
+            Drive::Pull(pull) if pull.is_finite() => Some(Hold::Length(pull + tendon.pretension_m)),
+            Drive::Tension(tension) if tension.is_finite() && tension >= 0.0 => Some(Hold::Tension(tension)),
+            Drive::Follow => Some(Hold::Tension(0.0)),
+            _ => None,
+        };
+        drives.iter().zip(tendons).map(hold).collect()
+    }
+
+    /// Known tensions are put in place before the first iteration.
+    fn seed_tensions(&mut self, holds: &[Hold]) {
+        let n = self.system.grid.unknowns;
+        for (i, hold) in holds.iter().enumerate() {
+            if let Hold::Tension(tension) = *hold {
+                self.state.unknowns[n + i] = tension;
+                self.state.taut[i] = false;
+            }
+        }
+    }
+
+    /// Tip position in the world frame, metres.
+    pub fn tip_m(&self) -> Vector3<f64> {
+        self.state.shape.tip_m()
+    }
+
+    /// Tip orientation, columns are the body axes.
+    pub fn tip_rotation(&self) -> Matrix3<f64> {
+        self.state.shape.tip_rotation()
+    }
+
+    /// Tendon tensions, N; 0 when slack.
+    pub fn tensions_n(&self) -> &[f64] {
+        &self.state.unknowns[self.system.grid.unknowns..]
+    }
+
+    /// Displacement at which each tendon would be neither slack nor under tension, metres.
+    pub fn following_pulls_m(&self) -> Vec<f64> {
+        let mut work = self.solver.work.clone();
+        work.shape = self.state.shape.clone();
+        self.system.update_lengths(&mut work);
+        let tendons = &self.system.params.tendons;
+        work.lengths_m.iter().zip(tendons).map(|(length, t)| t.end_m - length - t.pretension_m).collect()
+    }
+
+    /// What the last solve may be off by at the tip, metres.
+    pub fn residual_m(&self) -> f64 {
+        self.solver.residual_m
+    }
+
+    /// Iterations and derivatives computed so far.
+    pub fn effort(&self) -> (u64, u64) {
+        (self.solver.iterations, self.solver.factorisations)
+    }
+
+    /// The fields along the rod at the Gauss points.
+    pub fn cross_sections(&self) -> Vec<CrossSection> {
+        let (shape, rates) = (&self.state.shape, &self.state.rates);
+        let section = |g: usize| {
+            let r = shape.node_r[g];
+            let wrench = shape.wrench[g];
+            CrossSection {
+                s_m: self.system.grid.nodes[g].position_m,
+                position_m: shape.node_p[g],
+                rotation: r,
+                moment_nm: r * Vector3::from_row_slice(&wrench[..3]),
+                force_n: r * Vector3::from_row_slice(&wrench[3..]),
+                velocity_m_s: r.tr_mul(&rates.node_v[g]),
+                angular_velocity_rad_s: rates.spin[g / 2 + 1],
+            }
+        };
+        (0..self.system.grid.nodes.len()).map(section).collect()
+    }
+
+    /// Energy now.
+    pub fn energy(&self) -> Energy {
+        let (shape, rates) = (&self.state.shape, &self.state.rates);
+        let gravity = self.system.params.gravity_m_s2;
+        let mut energy = Energy { kinetic_j: 0.0, elastic_j: 0.0, gravitational_j: 0.0 };
+        for (g, node) in self.system.grid.nodes.iter().enumerate() {
+            let section = &self.system.sections[g];
+            let mass = section.mass_kg_m * node.weight_m;
+            energy.kinetic_j += 0.5 * mass * rates.node_v[g].norm_squared();
+            energy.gravitational_j -= mass * gravity.dot(&shape.node_p[g]);
+            energy.elastic_j += node.weight_m * section.energy_j_m(&shape.wrench[g]);
+        }
+        for mass in &self.system.masses {
+            energy.kinetic_j += 0.5 * mass.mass_kg * rates.end_v[mass.end].norm_squared();
+            let spin = rates.spin[mass.end];
+            energy.kinetic_j += 0.5 * spin.dot(&mass.inertia_kg_m2.component_mul(&spin));
+            energy.gravitational_j -= mass.mass_kg * gravity.dot(&shape.end_p[mass.end]);
+        }
+        for (tension, tendon) in self.tensions_n().iter().zip(&self.system.params.tendons) {
+            energy.elastic_j += 0.5 * tendon.compliance_m_per_n * tension * tension;
+        }
+        energy
+    }
+}

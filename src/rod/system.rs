@@ -1,0 +1,259 @@
+//! The discrete equations of a rod: balance of internal and external wrench, weighted with the strain that each
+//! polynomial of the internal wrench produces (Galerkin), and one equation a tendon.
+
+use nalgebra::Vector3;
+
+use super::grid::{COMPONENTS, Grid};
+use super::loads::{EndMass, LoadedRod, Loads};
+use super::memory::MemoryState;
+use super::motion::Motion;
+use super::params::{RodParams, TipLoad};
+use super::section::{Section, Six};
+use super::shape::Shape;
+use crate::math::rotation;
+
+/// What a tendon is held to during a solve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Hold {
+    /// Taken in by this much from the straight rod, metres; pulls or goes slack.
+    Length(f64),
+    /// Held at this tension, N.
+    Tension(f64),
+}
+
+/// A rod with its discretisation; constant during a simulation.
+#[derive(Clone, Debug)]
+pub(super) struct System {
+    pub(super) params: RodParams,
+    pub(super) grid: Grid,
+    pub(super) sections: Vec<Section>,
+    pub(super) masses: Vec<EndMass>,
+    /// Strain that a unit of each unknown produces, as a displacement of the tip, m per unit; for step sizes.
+    pub(super) scales: Vec<f64>,
+}
+
+/// Everything computed on the way to a residual.
+#[derive(Clone, Debug)]
+pub(super) struct Work {
+    pub(super) shape: Shape,
+    pub(super) loads: Loads,
+    /// For each Gauss point and tendon: unit tangent and length per backbone length (0 past the tendon's end).
+    pub(super) tangents: Vec<(Vector3<f64>, f64)>,
+    /// Path length of each tendon, metres.
+    pub(super) lengths_m: Vec<f64>,
+    /// Tangent stiffness of the history moments at the Gauss points.
+    pub(super) history_tangent: Vec<[[f64; 2]; 2]>,
+    /// Equations of balance, then one a tendon.
+    pub(super) residual: Vec<f64>,
+}
+
+/// What stays fixed during a solve.
+pub(super) struct Conditions<'a> {
+    pub(super) holds: &'a [Hold],
+    /// For tendons held by length: whether it is taut.
+    pub(super) taut: &'a [bool],
+    pub(super) tip_load: &'a TipLoad,
+    /// Acceleration of gravity, m/s² (the robot's, or a share of it during continuation).
+    pub(super) gravity_m_s2: Vector3<f64>,
+    pub(super) motion: &'a Motion,
+    /// One a law and Gauss point.
+    pub(super) memory: &'a [Vec<MemoryState>],
+    /// Whether slow history laws have come to rest.
+    pub(super) settled: bool,
+}
+
+impl System {
+    pub(super) fn new(params: RodParams) -> System {
+        let grid = Grid::new(&params);
+        let sections: Vec<Section> = grid.nodes.iter().map(|node| Section::new(&params, node.position_m)).collect();
+        let nearest = |position: f64| {
+            let distance = |k: &usize| (grid.boundaries_m[*k] - position).abs();
+            (0..grid.boundaries_m.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+        };
+        let masses = params
+            .masses
+            .iter()
+            .map(|mass| EndMass {
+                end: nearest(mass.position_m),
+                mass_kg: mass.mass_kg,
+                inertia_kg_m2: mass.inertia_kg_m2,
+            })
+            .collect();
+        let mut scales = vec![0.0_f64; grid.unknowns];
+        let length = params.length_m();
+        for (node, section) in grid.nodes.iter().zip(&sections) {
+            for (c, scale) in section.scales().into_iter().enumerate() {
+                let lever = if c < 3 { length * length } else { length };
+                for slot in &mut scales[node.offset[c]..node.offset[c] + grid.modes[c]] {
+                    *slot = slot.max(scale * lever);
+                }
+            }
+        }
+        System { params, grid, sections, masses, scales }
+    }
+
+    /// Number of equations: polynomial coefficients, then tensions.
+    pub(super) fn size(&self) -> usize {
+        self.grid.unknowns + self.params.tendons.len()
+    }
+
+    pub(super) fn work(&self) -> Work {
+        let base = rotation::exp(&self.params.base_rotation_rad);
+        let (nodes, tendons) = (self.grid.nodes.len(), self.params.tendons.len());
+        Work {
+            shape: Shape::new(&self.grid, base, self.params.base_m),
+            loads: Loads::new(&self.grid),
+            tangents: vec![(Vector3::zeros(), 0.0); nodes * tendons],
+            lengths_m: vec![0.0; tendons],
+            history_tangent: vec![[[0.0; 2]; 2]; nodes],
+            residual: vec![0.0; self.size()],
+        }
+    }
+
+    /// Virgin histories.
+    pub(super) fn fresh_memory(&self) -> Vec<Vec<MemoryState>> {
+        self.params.memory.iter().map(|_| vec![MemoryState::default(); self.grid.nodes.len()]).collect()
+    }
+
+    /// Evaluates the equations at `unknowns`.
+    pub(super) fn evaluate(&self, unknowns: &[f64], conditions: &Conditions, work: &mut Work) {
+        let (coefficients, tensions) = unknowns.split_at(self.grid.unknowns);
+        work.shape.update(&self.grid, &self.sections, coefficients);
+        self.update_tendons(work);
+        let rod =
+            LoadedRod { params: &self.params, grid: &self.grid, sections: &self.sections, masses: &self.masses };
+        work.loads.update(&rod, &work.shape, conditions);
+        work.residual.fill(0.0);
+        for g in 0..self.grid.nodes.len() {
+            let imbalance = self.imbalance(g, tensions, conditions, work);
+            self.project(g, &work.shape.compliance[g].apply(&imbalance), &mut work.residual);
+        }
+        for (i, hold) in conditions.holds.iter().enumerate() {
+            work.residual[self.grid.unknowns + i] = match *hold {
+                Hold::Length(_) if conditions.taut[i] => self.overstretch_m(i, hold, tensions[i], work),
+                Hold::Length(_) => tensions[i],
+                Hold::Tension(wanted) => tensions[i] - wanted,
+            };
+        }
+    }
+
+    /// By how much tendon `i` is longer than its drive and its own stretch allow, metres: negative is slack.
+    pub(super) fn overstretch_m(&self, i: usize, hold: &Hold, tension_n: f64, work: &Work) -> f64 {
+        let tendon = &self.params.tendons[i];
+        let pull = if let Hold::Length(pull) = *hold { pull } else { 0.0 };
+        work.lengths_m[i] + pull - tendon.end_m - tendon.compliance_at(pull) * tension_n
+    }
+
+    /// Internal minus external wrench at Gauss point `g`, body frame.
+    fn imbalance(&self, g: usize, tensions: &[f64], conditions: &Conditions, work: &mut Work) -> Six {
+        let section = &self.sections[g];
+        let strain = work.shape.strain[g];
+        let mut total = work.shape.wrench[g];
+        let motion = conditions.motion;
+        if motion.rate > 0.0 {
+            for c in 0..COMPONENTS {
+                total[c] += section.viscosity[c] * (strain[c] * motion.rate + motion.strain_v[g][c]);
+            }
+        }
+        work.history_tangent[g] = [[0.0; 2]; 2];
+        for (law, states) in self.params.memory.iter().zip(conditions.memory) {
+            let bend = section.bending(&strain);
+            let history = if conditions.settled {
+                law.settled(&states[g], bend, section.bending_n_m2)
+            } else {
+                law.moment(&states[g], bend, section.bending_n_m2)
+            };
+            for a in 0..2 {
+                total[a] += history.moment_nm[a];
+                for b in 0..2 {
+                    work.history_tangent[g][a][b] += history.tangent_n_m2[a][b];
+                }
+            }
+        }
+        for (i, &tension) in tensions.iter().enumerate() {
+            if tension != 0.0 {
+                let pull = self.tendon_wrench(g, i, work);
+                for c in 0..COMPONENTS {
+                    total[c] += tension * pull[c];
+                }
+            }
+        }
+        let r = &work.shape.node_r[g];
+        let moment = r.tr_mul(&work.loads.moment[g]);
+        let force = r.tr_mul(&work.loads.force[g]);
+        for a in 0..3 {
+            total[a] -= moment[a];
+            total[a + 3] -= force[a];
+        }
+        total
+    }
+
+    /// Wrench of a unit tension of tendon `i` on the cross-section at `g`: (r × t, t), zero past the tendon's end.
+    /// It is also d length / d strain (Rucker & Webster 2011, in variational form).
+    pub(super) fn tendon_wrench(&self, g: usize, i: usize, work: &Work) -> Six {
+        let (t, stretch) = work.tangents[g * self.params.tendons.len() + i];
+        if stretch == 0.0 {
+            return [0.0; 6];
+        }
+        let [x, y] = self.params.tendons[i].offset_m;
+        [y * t.z, -x * t.z, x * t.y - y * t.x, t.x, t.y, t.z]
+    }
+
+    /// Path tangents and lengths of all tendons: a = v + u × r a length of backbone.
+    fn update_tendons(&self, work: &mut Work) {
+        let count = self.params.tendons.len();
+        work.lengths_m.fill(0.0);
+        for (g, node) in self.grid.nodes.iter().enumerate() {
+            let s = &work.shape.strain[g];
+            for (i, tendon) in self.params.tendons.iter().enumerate() {
+                if node.position_m > tendon.end_m {
+                    work.tangents[g * count + i] = (Vector3::zeros(), 0.0);
+                    continue;
+                }
+                let [x, y] = tendon.offset_m;
+                let path = Vector3::new(s[3] - s[2] * y, s[4] + s[2] * x, s[5] + s[0] * y - s[1] * x);
+                let stretch = path.norm();
+                work.tangents[g * count + i] = (path / stretch, stretch);
+                work.lengths_m[i] += node.weight_m * stretch;
+            }
+        }
+    }
+
+    /// Adds the weak form of a strain-like vector at Gauss point `g` to the balance equations.
+    pub(super) fn project(&self, g: usize, value: &Six, out: &mut [f64]) {
+        let node = &self.grid.nodes[g];
+        for c in 0..COMPONENTS {
+            let scaled = node.weight_m * value[c];
+            let rows = &mut out[node.offset[c]..node.offset[c] + self.grid.modes[c]];
+            for (slot, basis) in rows.iter_mut().zip(&node.basis) {
+                *slot += scaled * basis;
+            }
+        }
+    }
+
+    /// Size of a change of the unknowns as a displacement of the tip, metres.
+    pub(super) fn size_of_step_m(&self, step: &[f64]) -> f64 {
+        step.iter().zip(&self.scales).map(|(x, scale)| (x * scale).abs()).fold(0.0, f64::max)
+    }
+
+    /// Path lengths of the tendons on the shape in `work`.
+    pub(super) fn update_lengths(&self, work: &mut Work) {
+        self.update_tendons(work);
+    }
+}
+
+impl System {
+    /// First-order change of the path length of tendon `i` when the coefficients grow by `step`, metres.
+    pub(super) fn length_change_m(&self, i: usize, work: &Work, step: &[f64]) -> f64 {
+        let mut total = 0.0;
+        for (g, node) in self.grid.nodes.iter().enumerate() {
+            let pull = work.shape.compliance[g].apply(&self.tendon_wrench(g, i, work));
+            for c in 0..COMPONENTS {
+                let own = &step[node.offset[c]..node.offset[c] + self.grid.modes[c]];
+                let change: f64 = own.iter().zip(&node.basis).map(|(x, b)| x * b).sum();
+                total += node.weight_m * pull[c] * change;
+            }
+        }
+        total
+    }
+}

@@ -1,0 +1,74 @@
+//! Shared by the integration tests: reference robots and a small CSV reader.
+#![allow(dead_code)]
+
+use nalgebra::{Matrix3, Vector3};
+use spinebench::rod::{Resolution, RodParams, Span, Tendon, TipLoad};
+use std::collections::HashMap;
+use std::f64::consts::PI;
+
+/// Rows of a reference file by column name.
+pub fn reference(name: &str) -> Vec<HashMap<String, f64>> {
+    let path = format!("{}/tests/reference/rod/{name}", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
+    let mut lines = text.lines();
+    let names: Vec<&str> = lines.next().expect("a header").split(',').collect();
+    lines
+        .map(|line| {
+            let values = line.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN));
+            names.iter().map(|name| name.to_string()).zip(values).collect()
+        })
+        .collect()
+}
+
+/// A round rod of one material with tendons at the given offsets.
+pub fn round_rod(length_m: f64, radius_m: f64, e_pa: f64, g_pa: f64, mass_kg_m: f64) -> RodParams {
+    let area = PI * radius_m * radius_m;
+    let inertia = 0.25 * area * radius_m * radius_m;
+    RodParams {
+        spans: vec![Span {
+            end_m: length_m,
+            bending_n_m2: [e_pa * inertia; 2],
+            principal_angle_rad: 0.0,
+            torsion_n_m2: 2.0 * g_pa * inertia,
+            shear_n: g_pa * area,
+            axial_n: e_pa * area,
+            rest_curvature_rad_m: Vector3::zeros(),
+            mass_kg_m,
+        }],
+        sections: vec![],
+        masses: vec![],
+        tendons: vec![],
+        gravity_m_s2: Vector3::zeros(),
+        base_m: Vector3::zeros(),
+        base_rotation_rad: Vector3::zeros(),
+        damping_time_s: 0.0,
+        drag_n_s2_m3: 0.0,
+        tip_load: TipLoad::default(),
+        memory: vec![],
+        resolution: Resolution::default(),
+    }
+}
+
+/// Four tendons at 0, 90, 180 and 270 degrees.
+pub fn four_tendons(offset_m: f64, end_m: f64, compliance_m_per_n: f64) -> Vec<Tendon> {
+    [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]]
+        .iter()
+        .map(|[x, y]| Tendon { offset_m: [x * offset_m, y * offset_m], end_m, pretension_m: 0.0, compliance_m_per_n, elastic_length_m: f64::INFINITY })
+        .collect()
+}
+
+/// Robot 0 of the reference data: the tendon robot of Till et al.'s examples.
+pub fn till_robot() -> RodParams {
+    let area = PI * 1e-6;
+    let mut rod = round_rod(0.5, 1e-3, 200e9, 80e9, 8000.0 * area);
+    rod.tendons = four_tendons(0.01506, 0.5, 1e-4 * 0.5);
+    rod
+}
+
+pub fn vector(row: &HashMap<String, f64>, names: [&str; 3]) -> Vector3<f64> {
+    Vector3::new(row[names[0]], row[names[1]], row[names[2]])
+}
+
+pub fn rotation(row: &HashMap<String, f64>, prefix: &str) -> Matrix3<f64> {
+    Matrix3::from_fn(|i, j| row[&format!("{prefix}R{}{}", i + 1, j + 1)])
+}

@@ -1,0 +1,122 @@
+//! The rod against reference solutions of other codes and against closed forms, at rest.
+
+mod common;
+
+use common::{four_tendons, reference, rotation, round_rod, till_robot, vector};
+use nalgebra::Vector3;
+use spinebench::rod::{Drive, Rod, Status, TipLoad};
+
+/// Position in metres and rotation (Frobenius norm) that a static solution may be off by.
+const POSITION_M: f64 = 1e-6;
+const ROTATION: f64 = 1e-5;
+
+#[test]
+fn tension_control_matches_till() {
+    for row in reference("till_statics_tension.csv") {
+        let mut params = till_robot();
+        params.gravity_m_s2 = vector(&row, ["gx", "gy", "gz"]);
+        let mut rod = Rod::new(params);
+        rod.set_tip_load(TipLoad {
+            force_n: vector(&row, ["fx", "fy", "fz"]),
+            moment_nm: vector(&row, ["lx", "ly", "lz"]),
+        });
+        let drives: Vec<Drive> = (1..=4).map(|i| Drive::Tension(row[&format!("tau{i}")])).collect();
+        assert_eq!(rod.settle(&drives), Status::Converged, "case {}", row["id"]);
+        let position = (rod.tip_m() - vector(&row, ["px", "py", "pz"])).norm();
+        let turn = (rod.tip_rotation() - rotation(&row, "")).norm();
+        println!("case {}: {:.2e} m {:.2e}", row["id"], position, turn);
+        assert!(position < POSITION_M && turn < ROTATION, "case {}: {position:e} m, {turn:e}", row["id"]);
+    }
+}
+
+#[test]
+fn length_control_matches_the_independent_solver_from_a_cold_start() {
+    for row in reference("statics_length_control.csv") {
+        let mut params = match row["robot"] as i64 {
+            0 => till_robot(),
+            robot => {
+                let mut params = round_rod(0.22, 2e-3, 2.33e9, 2.33e9 / (2.0 * 1.3897), 0.05 / 0.22);
+                let compliance = if robot == 1 { 1e-4 } else { 1e-3 };
+                params.tendons = four_tendons(0.02, 0.22, compliance * 0.22);
+                params.gravity_m_s2 = Vector3::new(-9.81, 0.0, 0.0);
+                if robot == 2 {
+                    params.spans[0].axial_n = 100.0;
+                }
+                params
+            }
+        };
+        if row["robot"] == 0.0 {
+            params.gravity_m_s2 = Vector3::new(9.81, 0.0, 0.0);
+        }
+        let mut rod = Rod::new(params);
+        rod.set_tip_load(TipLoad { force_n: vector(&row, ["fx", "fy", "fz"]), moment_nm: Vector3::zeros() });
+        let drives: Vec<Drive> = (1..=4).map(|i| Drive::Pull(row[&format!("q{i}")])).collect();
+        let status = rod.settle(&drives);
+        let position = (rod.tip_m() - vector(&row, ["px", "py", "pz"])).norm();
+        let turn = (rod.tip_rotation() - rotation(&row, "")).norm();
+        println!("case {} robot {}: {status} {:.2e} m {:.2e} {:?}", row["id"], row["robot"], position, turn, rod.effort());
+        assert_eq!(status, Status::Converged, "case {}", row["id"]);
+        assert!(position < POSITION_M && turn < ROTATION, "case {}: {position:e} m, {turn:e}", row["id"]);
+        for (i, tension) in rod.tensions_n().iter().enumerate() {
+            let expected = row[&format!("tau{}", i + 1)];
+            assert!((tension - expected).abs() < 1e-4 * (1.0 + expected), "case {} tendon {i}", row["id"]);
+        }
+    }
+}
+
+#[test]
+fn two_segments_match_the_consistent_border_rule() {
+    for row in reference("tdcr_two_segment_statics.csv") {
+        let mut params = round_rod(0.4, 0.7e-3, 54e9, 54e9 / 2.6, 0.01);
+        let angles = [90.0_f64, -30.0, 210.0];
+        for end_m in [0.2, 0.4] {
+            for angle in angles {
+                let (sin, cos) = angle.to_radians().sin_cos();
+                let mut tendon = four_tendons(0.01, end_m, 0.0).remove(0);
+                tendon.offset_m = [0.01 * cos, 0.01 * sin];
+                params.tendons.push(tendon);
+            }
+        }
+        let mut rod = Rod::new(params);
+        rod.set_tip_load(TipLoad {
+            force_n: vector(&row, ["fx", "fy", "fz"]),
+            moment_nm: vector(&row, ["lx", "ly", "lz"]),
+        });
+        let drives: Vec<Drive> = (1..=6).map(|i| Drive::Tension(row[&format!("tau{i}")])).collect();
+        let status = rod.settle(&drives);
+        let position = (rod.tip_m() - vector(&row, ["ref_px", "ref_py", "ref_pz"])).norm();
+        let turn = (rod.tip_rotation() - rotation(&row, "ref_")).norm();
+        println!("case {}: {status} {position:.2e} m {turn:.2e} {:?}", row["id"], rod.effort());
+        assert_eq!(status, Status::Converged, "case {}", row["id"]);
+        assert!(position < POSITION_M && turn < ROTATION, "case {}: {position:e} m, {turn:e}", row["id"]);
+    }
+}
+
+#[test]
+fn heavy_cantilever_deflects_as_beam_theory_says() {
+    // Small deflection of a stiff rod under its weight: w L⁴ / (8 E I) plus shear w L² / (2 G A).
+    let (length, radius, e, g) = (0.3, 2e-3, 70e9, 26e9);
+    let area = std::f64::consts::PI * radius * radius;
+    let mut params = round_rod(length, radius, e, g, 2700.0 * area);
+    params.gravity_m_s2 = Vector3::new(-9.81, 0.0, 0.0);
+    let bending = params.spans[0].bending_n_m2[0];
+    let mut rod = Rod::new(params);
+    assert_eq!(rod.settle(&[]), Status::Converged);
+    let weight_n_m = 2700.0 * area * 9.81;
+    let expected = weight_n_m * length.powi(4) / (8.0 * bending) + weight_n_m * length.powi(2) / (2.0 * g * area);
+    assert!((rod.tip_m().x + expected).abs() < 1e-6 * length, "{} against {expected}", rod.tip_m().x);
+}
+
+#[test]
+fn a_tip_moment_bends_the_rod_into_an_exact_arc() {
+    let mut params = round_rod(0.22, 2e-3, 2.33e9, 0.84e9, 0.05);
+    params.spans[0].axial_n = 1e12;
+    let moment = 2.0 * params.spans[0].bending_n_m2[0] / 0.22;
+    let mut rod = Rod::new(params);
+    rod.set_tip_load(TipLoad { force_n: Vector3::zeros(), moment_nm: Vector3::new(0.0, moment, 0.0) });
+    assert_eq!(rod.settle(&[]), Status::Converged);
+    let arc_radius = 0.22 / 2.0;
+    let expected = Vector3::new(arc_radius * (1.0 - 2.0_f64.cos()), 0.0, arc_radius * 2.0_f64.sin());
+    let off = (rod.tip_m() - expected).norm();
+    assert!(off < 2e-8, "{off:e} m from the arc");
+}
