@@ -40,10 +40,25 @@ fn rms_m(model: &Model, extra: &[EffectSpec], file: &str, dt: f64, scheme: Schem
 #[test]
 fn explore() {
     let model = nominal();
-    for (scheme, dt) in [(Scheme::Sdirk2, 0.2), (Scheme::Sdirk2, 0.1), (Scheme::Sdirk2, 0.05), (Scheme::Sdirk2, 0.02), (Scheme::Sdirk2, 0.01), (Scheme::Sdirk2, 0.002), (Scheme::Euler, 0.02), (Scheme::Euler, 0.1), (Scheme::Sdirk3, 0.05)] {
+    for (scheme, dt) in [
+        (Scheme::Sdirk2, 0.2),
+        (Scheme::Sdirk2, 0.1),
+        (Scheme::Sdirk2, 0.05),
+        (Scheme::Sdirk2, 0.02),
+        (Scheme::Sdirk2, 0.01),
+        (Scheme::Sdirk2, 0.002),
+        (Scheme::Euler, 0.02),
+        (Scheme::Euler, 0.1),
+        (Scheme::Sdirk3, 0.05),
+    ] {
         let start = std::time::Instant::now();
         let (each, all) = rms_m(&model, &[], "baseline", dt, scheme);
         let took = start.elapsed().as_secs_f64();
-        println!("{scheme:?} {dt}: {:.3} mm, {:?} mm; {took:.3} s, real-time factor {:.0}", all * 1e3, each.map(|e| (e * 1e5).round() / 100.0), 400.0 * 0.2 / took);
+        println!(
+            "{scheme:?} {dt}: {:.3} mm, {:?} mm; {took:.3} s, real-time factor {:.0}",
+            all * 1e3,
+            each.map(|e| (e * 1e5).round() / 100.0),
+            400.0 * 0.2 / took
+        );
     }
 }

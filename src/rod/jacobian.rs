@@ -167,7 +167,8 @@ impl Derivative {
         let rate2 = conditions.motion.rate * conditions.motion.rate;
         for mass in system.masses.iter().filter(|mass| mass.end == c + 1) {
             self.force.add(&self.end_move[c + 1], -mass.mass_kg * rate2);
-            let inertia = shape.end_r[c + 1] * Matrix3::from_diagonal(&mass.inertia_kg_m2) * shape.end_r[c + 1].transpose();
+            let inertia =
+                shape.end_r[c + 1] * Matrix3::from_diagonal(&mass.inertia_kg_m2) * shape.end_r[c + 1].transpose();
             add_product(&mut self.moment, &inertia, &self.end_turn[c + 1], -rate2);
         }
         let partial = Grid::partial_weights(h);

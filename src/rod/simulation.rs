@@ -130,8 +130,7 @@ impl Rod {
                 Hold::Tension(tension) => Hold::Tension(share * tension),
             })
             .collect();
-        let load =
-            TipLoad { force_n: self.tip_load.force_n * share, moment_nm: self.tip_load.moment_nm * share };
+        let load = TipLoad { force_n: self.tip_load.force_n * share, moment_nm: self.tip_load.moment_nm * share };
         self.seed_tensions(&scaled);
         let gravity = self.system.params.gravity_m_s2 * share;
         self.solve(&scaled, &load, gravity, true, STATIC_TOLERANCE_M)
@@ -228,15 +227,8 @@ impl Rod {
     ) -> Status {
         let State { unknowns, taut, memory, .. } = &mut self.state;
         let guess = taut.clone();
-        let conditions = Conditions {
-            holds,
-            taut: &guess,
-            tip_load: load,
-            gravity_m_s2,
-            motion: &self.motion,
-            memory,
-            settled,
-        };
+        let conditions =
+            Conditions { holds, taut: &guess, tip_load: load, gravity_m_s2, motion: &self.motion, memory, settled };
         let status = self.solver.solve(&self.system, unknowns, taut, &conditions, tolerance_m);
         if status == Status::Converged {
             let n = self.system.grid.unknowns;

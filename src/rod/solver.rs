@@ -103,7 +103,8 @@ impl Solver {
             // An old derivative that has not shown its contraction yet is trusted with a tenth.
             let contraction = if last_step.is_finite() { size / last_step } else { POOR_CONTRACTION };
             // With a fresh derivative the next error is of the order of the square; with an old one linear.
-            let left = if fresh { size * (size / system.params.length_m()).min(1.0) } else { size * contraction.min(1.0) };
+            let left =
+                if fresh { size * (size / system.params.length_m()).min(1.0) } else { size * contraction.min(1.0) };
             if !shortened && left < tolerance_m {
                 self.residual_m = left;
                 return Status::Converged;

@@ -120,8 +120,7 @@ impl System {
         let (coefficients, tensions) = unknowns.split_at(self.grid.unknowns);
         work.shape.update(&self.grid, &self.sections, coefficients);
         self.update_tendons(work);
-        let rod =
-            LoadedRod { params: &self.params, grid: &self.grid, sections: &self.sections, masses: &self.masses };
+        let rod = LoadedRod { params: &self.params, grid: &self.grid, sections: &self.sections, masses: &self.masses };
         work.loads.update(&rod, &work.shape, conditions);
         work.residual.fill(0.0);
         for g in 0..self.grid.nodes.len() {

@@ -5,7 +5,6 @@ pub mod codec;
 mod graph;
 mod key;
 mod metrics;
-mod parts;
 mod progress;
 mod schedule;
 pub mod stages;

@@ -7,6 +7,7 @@ use super::experiment::{Experiment, TrackRun};
 use super::locate::End;
 use super::path::KeyPath;
 use crate::base::BadOption;
+use crate::effects::check_effects;
 use crate::learn::LearnError;
 use crate::policies::{self, Part};
 
@@ -76,26 +77,45 @@ impl Checker<'_> {
         option("reach", spec.reach.check())?;
         option("path", spec.path.check())?;
         option("track", spec.track.check())?;
-        for name in ["model", "plant"] {
-            let plant = if name == "model" { &spec.model } else { &spec.plant };
-            option(name, plant.check())?;
-        }
+        self.plants()?;
         self.learn("gp", spec.gp.check())?;
         self.learn("network", spec.network.check())?;
         let stop = KeyPath::default().key("network").key("stop_at_validation_mae_m");
         self.unless(spec.network.stop_at_validation_mae_m.is_none(), &stop, "null: `training` sets where networks stop")
     }
 
+    fn plants(&self) -> Result<(), SpecError> {
+        let (root, spec) = (KeyPath::default(), self.experiment);
+        for (name, plant) in [("model", &spec.model), ("plant", &spec.plant)] {
+            plant
+                .check()
+                .map_err(|(path, bad)| self.option(&format!("{name}.{path}"), bad.key, &bad.found, bad.expected))?;
+            self.unless(plant.tendons() == 4, &root.key(name), "a robot with four tendons")?;
+        }
+        for (name, mode) in &spec.modes {
+            let path = root.key("modes").key(name).key("effects");
+            let allowed = mode.effects.is_empty() || spec.plant.takes_effects();
+            self.unless(allowed, &path, "no effects, as the plant is not a simulated rod")?;
+            check_effects(&mode.effects, spec.plant.tendons()).map_err(|(index, effect, bad)| {
+                let path = path.item(index).key(effect).key(bad.key);
+                self.document.refuse(&path, End::Value, bad.found, bad.expected)
+            })?;
+        }
+        Ok(())
+    }
+
     fn learn(&self, name: &str, found: Result<(), LearnError>) -> Result<(), SpecError> {
         found.map_err(|error| match error {
             LearnError::Setting { key, found, expected } => self.option(name, key, &found, expected),
-            other => self.document.refuse(&KeyPath::default().key(name), End::Value, other.to_string(), "a valid value"),
+            other => {
+                self.document.refuse(&KeyPath::default().key(name), End::Value, other.to_string(), "a valid value")
+            }
         })
     }
 
     /// A room names the key without the keys above it: it is the first one below `name` with that value.
     fn option(&self, name: &str, key: &str, found: &str, expected: &str) -> SpecError {
-        let below = KeyPath::default().key(name);
+        let below = KeyPath::parse(name).unwrap_or_default();
         let path = self.document.find(&below, key, found).unwrap_or_else(|| below.key(key));
         self.document.refuse(&path, End::Value, found.to_owned(), expected)
     }
@@ -103,7 +123,11 @@ impl Checker<'_> {
     fn runs(&self) -> Result<(), SpecError> {
         let (runs, path) = (&self.experiment.runs, KeyPath::default().key("runs"));
         let any = runs.gap || runs.forward || !runs.gp_points.is_empty() || !runs.reach.is_empty();
-        self.unless(any || runs.track.is_some(), &path, "at least one of `gap`, `forward`, `gp_points`, `reach`, `track`")?;
+        self.unless(
+            any || runs.track.is_some(),
+            &path,
+            "at least one of `gap`, `forward`, `gp_points`, `reach`, `track`",
+        )?;
         self.gp_sizes(&runs.gp_points, &path.key("gp_points"))?;
         for (index, sweep) in runs.reach.iter().enumerate() {
             let path = path.key("reach").item(index);

@@ -2,12 +2,11 @@
 
 use super::claims::Claim;
 use super::plant::PlantSpec;
+use crate::effects::EffectSpec;
 use crate::learn::gp::GpConfig;
 use crate::learn::rnn::ElmanConfig;
 use crate::policies::PolicyOptions;
-use crate::tasks::{
-    ExploreOptions, GpPointsOptions, LoopMode, PathOptions, ReachOptions, TargetOptions, TrackOptions,
-};
+use crate::tasks::{ExploreOptions, GpPointsOptions, LoopMode, PathOptions, ReachOptions, TargetOptions, TrackOptions};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -108,7 +107,7 @@ pub struct Mode {
     pub feedback: LoopMode,
     /// Effects that the robot has on top of its own.
     #[serde(default)]
-    pub effects: Vec<super::plant::EffectSpec>,
+    pub effects: Vec<EffectSpec>,
 }
 
 impl Mode {

@@ -21,7 +21,7 @@ pub use error::{Place, SpecError};
 pub use experiment::{Experiment, GeneratedStart, Mode, ReachSweep, Runs, TrackRun, Training};
 pub use locate::{End, locate};
 pub use path::{KeyPath, Step};
-pub use plant::{EffectSpec, PlantSpec};
+pub use plant::{PlantSpec, SimulatedSpec};
 
 use std::path::Path;
 
@@ -31,7 +31,7 @@ impl Experiment {
     /// # Errors
     /// [`SpecError`] for the first thing that is wrong.
     pub fn read(file: &Path, sets: &[String]) -> Result<Experiment, SpecError> {
-        let includes = ["model", "plant"].map(|key| KeyPath::default().key(key).key("simulated"));
+        let includes = ["model", "plant"].map(|key| KeyPath::default().key(key).key("simulated").key("model"));
         let document = Document::read(file, sets, &includes)?;
         let experiment = document.parse::<Experiment>()?;
         check::check(&experiment, &document)?;

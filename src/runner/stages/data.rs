@@ -22,8 +22,8 @@ impl Stages<'_> {
     pub fn explore(&mut self) -> Added<Samples> {
         let (model, options, step_s) = (self.spec.model.clone(), self.spec.explore, self.step_s());
         let seed = self.seed.child("explore");
-        let params = (&model, &options, step_s, seed.0);
-        self.graph.stage(EXPLORE, self.label("exploration"), &params.clone(), &[], move |_| {
+        let params = (model.clone(), options, step_s, seed.0);
+        self.graph.stage(EXPLORE, self.label("exploration"), &params, &[], move |_| {
             let mut plant = model.build(step_s)?;
             tasks::explore(plant.as_mut(), &options, seed).map_err(status)
         })

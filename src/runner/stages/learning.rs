@@ -4,9 +4,10 @@ use super::{Added, Stages, status};
 use crate::base::Rows;
 use crate::learn::gp::Gp;
 use crate::learn::rnn::{Elman, ElmanConfig, Trained};
+use crate::policies::GpError;
 use crate::runner::graph::Kind;
 use crate::specs::{GeneratedStart, Training};
-use crate::tasks::{self, Samples};
+use crate::tasks;
 use serde::{Deserialize, Serialize};
 
 const FORWARD: Kind = Kind { name: "train_forward", version: 1, cost_ms: 8000 };
@@ -88,7 +89,11 @@ impl Stages<'_> {
         inputs.extend(warm.then_some(start.number()));
         let label = self.label(&format!("generated-data network, {points} points"));
         self.graph.stage(GENERATED, label, &(config.clone(), seed.0), &inputs, move |given| {
-            let samples = generate(given.get(samples)?, &given.get(gp)?.gp)?;
+            let samples = {
+                let samples = given.get(samples)?;
+                let error = GpError::new(given.get(gp)?.gp.clone(), samples.pulls_m.width()).map_err(status)?;
+                tasks::generate(samples, &error).map_err(status)?
+            };
             let inputs = beside(&samples.from_m, &samples.to_m);
             let (outputs, starts) = (&samples.pulls_m, &samples.starts);
             let trained = if warm {
@@ -112,33 +117,4 @@ fn beside(left: &Rows, right: &Rows) -> Rows {
         rows.push(&[left, right].concat());
     }
     rows
-}
-
-/// Real data as the error model has them, eq. (24): p_exp = p_sim − e_gp(L, p_sim), at rest with L = 0.
-fn generate(samples: &Samples, gp: &Gp) -> Result<Samples, String> {
-    let errors = gp.mean_rows(&beside(&samples.pulls_m, &samples.to_m)).map_err(status)?;
-    let mut generated = samples.clone();
-    generated.to_m = minus(&samples.to_m, &errors);
-    generated.from_m = Rows::new(samples.from_m.width());
-    let at_rest = vec![0.0; samples.pulls_m.width()];
-    for row in 0..samples.len() {
-        if samples.starts.contains(&row) {
-            let home = samples.from_m.row(row);
-            let error = gp.mean(&[&at_rest, home].concat()).map_err(status)?;
-            generated.from_m.push(&difference(home, &error));
-        } else {
-            generated.from_m.push(generated.to_m.row(row - 1));
-        }
-    }
-    Ok(generated)
-}
-
-fn minus(left: &Rows, right: &Rows) -> Rows {
-    let mut rows = Rows::new(left.width());
-    left.iter().zip(right.iter()).for_each(|(left, right)| rows.push(&difference(left, right)));
-    rows
-}
-
-fn difference(left: &[f64], right: &[f64]) -> Vec<f64> {
-    left.iter().zip(right).map(|(left, right)| left - right).collect()
 }

@@ -6,11 +6,11 @@ use super::{Added, Stages, status};
 use crate::base::{Point3, Policy, Seed};
 use crate::data::rows::{TrackRow, TrialRow};
 use crate::learn::rnn::Trained;
-use crate::policies::{self, Part, PolicyEntry, PolicyOptions, PolicyParts};
+use crate::policies::{self, ElmanInverse, GpError, InverseModel, Part, PolicyEntry, PolicyOptions, PolicyParts};
 use crate::runner::graph::{Failure, Handle, Inputs, Kind};
-use crate::runner::parts::{error_model, inverse_model};
 use crate::specs::{Cell, Mode, PlantSpec, Training};
 use crate::tasks::{self, LoopMode, ReachOptions, ReachOutcome, TrackStep};
+use std::sync::Arc;
 
 const REACH: Kind = Kind { name: "reach", version: 1, cost_ms: 1000 };
 const TRACK: Kind = Kind { name: "track", version: 1, cost_ms: 1000 };
@@ -30,21 +30,23 @@ impl PartStages {
         networks.chain(self.error.map(Handle::number)).collect()
     }
 
-    fn policy(
-        &self,
-        given: &Inputs,
-        entry: &PolicyEntry,
-        options: &PolicyOptions,
-    ) -> Result<Box<dyn Policy>, String> {
-        let network = |stage: Option<Handle<Trained>>| -> Result<_, String> {
-            stage.map(|stage| Ok(inverse_model(given.get(stage)?.network.clone()))).transpose()
+    fn policy(&self, given: &Inputs, entry: &PolicyEntry, options: &PolicyOptions) -> Result<Box<dyn Policy>, String> {
+        let network = |stage: Option<Handle<Trained>>| -> Result<Option<Box<dyn InverseModel>>, String> {
+            let Some(stage) = stage else { return Ok(None) };
+            let network = Arc::new(given.get(stage)?.network.clone());
+            Ok(Some(Box::new(ElmanInverse::new(network).map_err(status)?)))
         };
-        let parts = PolicyParts {
+        let mut parts = PolicyParts {
             simulated: network(self.simulated)?,
             generated: network(self.generated)?,
             real: network(self.real)?,
-            error: self.error.map(|stage| Ok::<_, String>(error_model(given.get(stage)?.gp.clone()))).transpose()?,
+            error: None,
         };
+        if let Some(stage) = self.error {
+            let gp = given.get(stage)?.gp.clone();
+            let tendons = gp.inputs().saturating_sub(3);
+            parts.error = Some(Arc::new(GpError::new(gp, tendons).map_err(status)?));
+        }
         policies::build(entry, parts, options).map_err(status)
     }
 }
