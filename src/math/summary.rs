@@ -40,9 +40,44 @@ pub fn interval_95(values: &[f64]) -> Option<[f64; 2]> {
     half.is_finite().then_some([centre - half, centre + half])
 }
 
+/// Oscillation of a series: the median, over all windows of `window` values (half overlapping), of the peak-to-peak left
+/// once the window's straight-line trend (least squares) is taken out. A slow drift counts nothing, a single jump touches
+/// few windows, and a swing of amplitude ±a counts 2a. The whole series is one window when it is shorter; 0 for fewer
+/// than three values.
+pub fn oscillation(values: &[f64], window: usize) -> f64 {
+    let window = window.max(3).min(values.len());
+    if window < 3 {
+        return 0.0;
+    }
+    let starts = (0..=values.len() - window).step_by((window / 2).max(1));
+    let swings: Vec<f64> = starts.map(|start| detrended_swing(&values[start..start + window])).collect();
+    quantile(&swings, 0.5)
+}
+
+/// Peak-to-peak about the least-squares line.
+fn detrended_swing(values: &[f64]) -> f64 {
+    let middle = (values.len() - 1) as f64 / 2.0;
+    let centre = mean(values);
+    let offset = |index: usize| index as f64 - middle;
+    let moment: f64 = values.iter().enumerate().map(|(index, value)| offset(index) * (value - centre)).sum();
+    let spread: f64 = (0..values.len()).map(|index| offset(index).powi(2)).sum();
+    let rest = values.iter().enumerate().map(|(index, value)| value - centre - moment / spread * offset(index));
+    let (low, high) = rest.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+    high - low
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn oscillation_sees_swings_and_not_drift() {
+        let drift: Vec<f64> = (0..200).map(|step| 0.01 * f64::from(step)).collect();
+        assert!(oscillation(&drift, 25) < 1e-12);
+        let swing: Vec<f64> = (0..200).map(|step| 0.01 * f64::from(step) + 0.5 * f64::from(step).sin()).collect();
+        assert!((oscillation(&swing, 25) - 1.0).abs() < 0.05);
+        assert_eq!(oscillation(&[1.0, 2.0], 25), 0.0);
+    }
 
     #[test]
     fn textbook_numbers() {
