@@ -97,7 +97,7 @@ fn slope_per_decade(sizes: &[u64], values: &[f64]) -> Option<f64> {
 
 fn unit(relation: &Relation) -> String {
     let unit = relation.metrics().first().map_or("", Metric::unit);
-    if matches!(relation, Relation::Falls { .. }) { format!("{unit} per decade") } else { unit.to_owned() }
+    if matches!(relation, Relation::Falls { .. }) { format!("{unit}/decade") } else { unit.to_owned() }
 }
 
 #[cfg(test)]

@@ -120,6 +120,11 @@ impl Graph {
         self.nodes.is_empty()
     }
 
+    /// Numbers of the stages whose results stage number `node` reads.
+    pub fn inputs(&self, node: usize) -> &[usize] {
+        &self.nodes[node].inputs
+    }
+
     /// Name, label and key of stage number `node`.
     pub fn describe(&self, node: usize) -> (&'static str, &str, Key) {
         let node = &self.nodes[node];

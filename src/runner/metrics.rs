@@ -1,22 +1,21 @@
 //! From published rows to one value per seed.
 
-use crate::data::rows::{GapRow, GpRow, NetworkRow, TrackRow, TrialRow};
+use crate::data::rows::{GapRow, GpRow, NetworkRow, TrackRow, TrackSummaryRow, TrialRow};
 use crate::math::summary::{mean, standard_deviation};
+use crate::report::Published;
 use crate::specs::{Axis, Metric, ReachCell};
 
 /// All rows of one experiment.
 #[derive(Clone, Debug, Default)]
 pub struct Tables {
-    /// Goal reaching.
-    pub trials: Vec<TrialRow>,
-    /// Path tracking.
-    pub track: Vec<TrackRow>,
-    /// Model against robot.
-    pub gap: Vec<GapRow>,
+    /// What figures are made of.
+    pub published: Published,
     /// Networks.
     pub networks: Vec<NetworkRow>,
     /// Gaussian processes.
     pub gps: Vec<GpRow>,
+    /// Tracking runs, summarised.
+    pub runs: Vec<TrackSummaryRow>,
 }
 
 /// The metric for one seed and training; `None` where the rows do not tell (no such rows, none without failure).
@@ -33,12 +32,10 @@ pub(super) fn value(tables: &Tables, metric: &Metric, seed: u64, training: &str)
         Metric::GpError { points } => {
             tables.gps.iter().find(|row| row.seed == seed && row.points == *points)?.cross_validation_mae_m
         }
-        Metric::TrackMean { policy } => mean(&track_errors_m(tables, policy, seed, training)?),
-        Metric::TrackSwing { policy } => mean(&swings(&track_errors_m(tables, policy, seed, training)?)),
-        Metric::TrackTime { policy } => track(tables, policy, seed, training).last()?.time_s,
-        Metric::TrackStart { policy } => {
-            track(tables, policy, seed, training).take_while(|row| row.path_point == 0).last()?.error_m
-        }
+        Metric::TrackMean { policy } => run(tables, policy, seed, training)?.mean_error_m,
+        Metric::TrackOscillation { policy } => run(tables, policy, seed, training)?.oscillation_m,
+        Metric::TrackTime { policy } => run(tables, policy, seed, training)?.completion_time_s,
+        Metric::TrackStart { policy } => start_error_m(tables, policy, seed, training)?,
         Metric::GapRms { axis } => gap_rms_m(tables, *axis, seed),
     };
     found.is_finite().then_some(found)
@@ -55,25 +52,21 @@ fn reach_errors_m(tables: &Tables, cell: &ReachCell, seed: u64, training: &str) 
             && cell.real_points.is_none_or(|points| points == row.real_points)
             && row.error_m.is_finite()
     };
-    tables.trials.iter().filter(ours).map(|row| row.error_m).collect()
+    tables.published.trials.iter().filter(ours).map(|row| row.error_m).collect()
 }
 
-fn track<'a>(tables: &'a Tables, policy: &str, seed: u64, training: &str) -> impl Iterator<Item = &'a TrackRow> {
-    let ours = move |row: &&TrackRow| row.seed == seed && row.training == training && row.policy == policy;
-    tables.track.iter().filter(ours)
+/// The tracking run that did not fail.
+fn run<'a>(tables: &'a Tables, policy: &str, seed: u64, training: &str) -> Option<&'a TrackSummaryRow> {
+    let ours = |row: &&TrackSummaryRow| row.seed == seed && row.training == training && row.policy == policy;
+    tables.runs.iter().find(ours).filter(|row| row.status == "ok")
 }
 
-/// Tracking errors step by step, metres; `None` when the run failed on its way.
-fn track_errors_m(tables: &Tables, policy: &str, seed: u64, training: &str) -> Option<Vec<f64>> {
-    let errors: Vec<f64> = track(tables, policy, seed, training).map(|row| row.error_m).collect();
-    errors.iter().all(|error| error.is_finite()).then_some(errors)
-}
-
-/// Differences between successive extremes of a series.
-fn swings(series: &[f64]) -> Vec<f64> {
-    let turns = series.windows(3).filter(|three| (three[1] - three[0]) * (three[2] - three[1]) < 0.0);
-    let extremes: Vec<f64> = turns.map(|three| three[1]).collect();
-    extremes.windows(2).map(|two| (two[1] - two[0]).abs()).collect()
+/// Error when the first path point is left, metres.
+fn start_error_m(tables: &Tables, policy: &str, seed: u64, training: &str) -> Option<f64> {
+    run(tables, policy, seed, training)?;
+    let ours = |row: &&TrackRow| row.seed == seed && row.training == training && row.policy == policy;
+    let steps = tables.published.tracks.iter().filter(ours);
+    steps.filter(|row| row.path_point == 0).max_by_key(|row| row.step).map(|row| row.error_m)
 }
 
 fn gap_rms_m(tables: &Tables, axis: Axis, seed: u64) -> f64 {
@@ -83,17 +76,6 @@ fn gap_rms_m(tables: &Tables, axis: Axis, seed: u64) -> f64 {
         Axis::Z => row.sim_z_m - row.real_z_m,
     };
     let squares: Vec<f64> =
-        tables.gap.iter().filter(|row| row.seed == seed).map(|row| difference(row).powi(2)).collect();
+        tables.published.gaps.iter().filter(|row| row.seed == seed).map(|row| difference(row).powi(2)).collect();
     mean(&squares).sqrt()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn swings_are_measured_between_turning_points() {
-        assert_eq!(swings(&[0.0, 3.0, 1.0, 1.5, 4.0, 2.0]), [2.0, 3.0]);
-        assert!(swings(&[1.0, 2.0, 3.0]).is_empty());
-    }
 }

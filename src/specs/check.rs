@@ -10,6 +10,7 @@ use crate::base::BadOption;
 use crate::effects::check_effects;
 use crate::learn::LearnError;
 use crate::policies::{self, Part};
+use crate::report::FIGURES;
 
 /// Looks for the first thing that is wrong with `experiment`, which was read from `document`.
 ///
@@ -122,13 +123,22 @@ impl Checker<'_> {
 
     fn runs(&self) -> Result<(), SpecError> {
         let (runs, path) = (&self.experiment.runs, KeyPath::default().key("runs"));
-        let any = runs.gap || runs.forward || !runs.gp_points.is_empty() || !runs.reach.is_empty();
+        let any = runs.gap.is_some() || runs.forward || !runs.gp_points.is_empty() || !runs.reach.is_empty();
         self.unless(
             any || runs.track.is_some(),
             &path,
             "at least one of `gap`, `forward`, `gp_points`, `reach`, `track`",
         )?;
+        if let Some(gap) = runs.gap {
+            let most = self.experiment.explore.points;
+            self.fits(&[gap.rows], &path.key("gap").key("rows"), 1, most, "collected points")?;
+        }
         self.gp_sizes(&runs.gp_points, &path.key("gp_points"))?;
+        let figures: Vec<&str> = FIGURES.iter().map(|figure| figure.name).collect();
+        for (index, name) in self.experiment.figures.iter().enumerate() {
+            let path = KeyPath::default().key("figures").item(index);
+            self.unless(figures.contains(&name.as_str()), &path, &one_of(&figures))?;
+        }
         for (index, sweep) in runs.reach.iter().enumerate() {
             let path = path.key("reach").item(index);
             self.policies(&sweep.policies, &path.key("policies"))?;

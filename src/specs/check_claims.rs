@@ -94,12 +94,12 @@ fn known(metric: &Metric, experiment: &Experiment) -> Result<(), String> {
         }
         Metric::TrackMean { policy }
         | Metric::TrackTime { policy }
-        | Metric::TrackSwing { policy }
+        | Metric::TrackOscillation { policy }
         | Metric::TrackStart { policy } => match &runs.track {
             Some(track) if track.policies.contains(policy) => Ok(()),
             _ => Err("a policy of `runs.track`".to_owned()),
         },
-        Metric::GapRms { .. } if runs.gap => Ok(()),
+        Metric::GapRms { .. } if runs.gap.is_some() => Ok(()),
         Metric::GapRms { .. } => Err("`runs.gap`, which this needs".to_owned()),
     }
 }

@@ -128,8 +128,8 @@ pub enum Metric {
         /// Policy.
         policy: String,
     },
-    /// Oscillation while tracking: mean swing between successive extremes of the tracking error, metres.
-    TrackSwing {
+    /// Oscillation while tracking, as `report::track_summary` defines it, metres.
+    TrackOscillation {
         /// Policy.
         policy: String,
     },

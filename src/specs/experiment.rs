@@ -65,6 +65,9 @@ pub struct Experiment {
     pub modes: BTreeMap<String, Mode>,
     /// What is run.
     pub runs: Runs,
+    /// Tables and figures that are made of the results, by name.
+    #[serde(default)]
+    pub figures: Vec<String>,
     /// What the paper claims of it.
     #[serde(default)]
     pub claims: Vec<Claim>,
@@ -122,7 +125,7 @@ impl Mode {
 #[serde(default, deny_unknown_fields)]
 pub struct Runs {
     /// The exploration on model and robot side by side (Fig. 5).
-    pub gap: bool,
+    pub gap: Option<GapRun>,
     /// The forward model of eq. (17), which no policy uses.
     pub forward: bool,
     /// Gaussian processes of these sizes, beyond those that policies use.
@@ -131,6 +134,14 @@ pub struct Runs {
     pub reach: Vec<ReachSweep>,
     /// Path tracking.
     pub track: Option<TrackRun>,
+}
+
+/// The exploration side by side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GapRun {
+    /// Samples that are published for each seed, evenly spread over the exploration.
+    pub rows: usize,
 }
 
 /// A product of policies, modes and data sizes. A size counts for the policies that use it.

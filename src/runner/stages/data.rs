@@ -12,7 +12,8 @@ const GAP: Kind = Kind { name: "gap", version: 1, cost_ms: 20 };
 const GP_POOL: Kind = Kind { name: "gp_pool", version: 1, cost_ms: 1000 };
 const TARGET_POOL: Kind = Kind { name: "target_pool", version: 1, cost_ms: 2000 };
 const TARGETS: Kind = Kind { name: "targets", version: 1, cost_ms: 1 };
-const PATH: Kind = Kind { name: "path", version: 1, cost_ms: 100 };
+const WAYPOINTS: Kind = Kind { name: "waypoints", version: 1, cost_ms: 100 };
+const PATH: Kind = Kind { name: "path", version: 1, cost_ms: 1 };
 
 /// Targets with their numbers in the pool, metres.
 pub(super) type Targets = Vec<(usize, Point3)>;
@@ -40,16 +41,17 @@ impl Stages<'_> {
         })
     }
 
-    /// Model and robot side by side; the rows' seed is filled in by whoever publishes them.
-    pub fn gap(&mut self) -> Added<Vec<GapRow>> {
+    /// Model and robot side by side, `rows` samples spread over the exploration; the rows' seed is filled in by whoever publishes them.
+    pub fn gap(&mut self, rows: usize) -> Added<Vec<GapRow>> {
         let (explored, replayed) = (self.explore()?, self.replay()?);
         let inputs = [explored.number(), replayed.number()];
-        self.graph.stage(GAP, self.label("gap"), &(), &inputs, move |given| {
+        self.graph.stage(GAP, self.label("gap"), &rows, &inputs, move |given| {
             let (model, robot) = (given.get(explored)?, given.get(replayed)?);
             if model.pulls_m.width() != 4 {
                 return Err(format!("{} tendons, the table has 4", model.pulls_m.width()));
             }
-            Ok((0..model.len()).map(|sample| gap_row(model, robot, sample)).collect())
+            let rows = rows.min(model.len());
+            Ok((0..rows).map(|row| gap_row(model, robot, row * model.len() / rows)).collect())
         })
     }
 
@@ -84,13 +86,20 @@ impl Stages<'_> {
         })
     }
 
-    /// The path that is tracked: of the robot without measurement noise, the same for every seed.
-    pub fn path(&mut self) -> Added<Vec<Point3>> {
+    /// The points through which the path goes: of the robot without measurement noise, the same for every seed.
+    pub fn waypoints(&mut self) -> Added<Vec<Point3>> {
         let (robot, options, step_s) = (self.spec.plant.without_noise(), self.spec.path, self.step_s());
-        self.graph.stage(PATH, "path", &(robot.clone(), options, step_s), &[], move |_| {
+        self.graph.stage(WAYPOINTS, "way-points", &(robot.clone(), options, step_s), &[], move |_| {
             let mut robot = robot.build(step_s)?;
-            let waypoints = tasks::waypoints(robot.as_mut(), &options, Seed(0)).map_err(status)?;
-            tasks::interpolate(&waypoints, &options).map_err(status)
+            tasks::waypoints(robot.as_mut(), &options, Seed(0)).map_err(status)
+        })
+    }
+
+    /// The path that is tracked.
+    pub fn path(&mut self) -> Added<Vec<Point3>> {
+        let (waypoints, options) = (self.waypoints()?, self.spec.path);
+        self.graph.stage(PATH, "path", &options, &[waypoints.number()], move |given| {
+            tasks::interpolate(given.get(waypoints)?, &options).map_err(status)
         })
     }
 }
