@@ -56,6 +56,22 @@ impl<'a> Likelihood<'a> {
         &self.scaled
     }
 
+    pub(super) fn kernel(&self) -> &'static dyn Kernel {
+        self.kernel
+    }
+
+    pub(super) fn layout(&self) -> Layout {
+        self.layout
+    }
+
+    pub(super) fn points(&self) -> &Points {
+        self.points
+    }
+
+    pub(super) fn theta(&self) -> &[f64] {
+        &self.theta
+    }
+
     fn fill_gram(&mut self) {
         let shape = self.layout.shape(&self.theta);
         let signal = self.layout.signal_variance(&self.theta);
@@ -89,6 +105,10 @@ impl Objective for Likelihood<'_> {
         let fit = 0.5 * dot(self.y, &self.alpha);
         let size = 0.5 * self.points.n as f64 * (2.0 * std::f64::consts::PI).ln();
         fit + self.factor.half_log_determinant() + size
+    }
+
+    fn curvature(&mut self) -> Option<Vec<f64>> {
+        Some(self.information())
     }
 
     fn gradient(&mut self, out: &mut [f64]) {

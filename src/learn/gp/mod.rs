@@ -4,6 +4,7 @@
 mod config;
 mod covariance;
 mod cross_validation;
+mod curvature;
 mod likelihood;
 mod linear;
 mod posterior;

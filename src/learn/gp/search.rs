@@ -14,43 +14,64 @@ pub(super) struct Found {
 
 /// Rows grow by this factor from one stage of the search to the next.
 const GROWTH: usize = 3;
-/// Nats by which the starts are told apart; only the winner is finished.
+/// Nats by which candidates are told apart; only the last is finished.
 const COARSE: f64 = 0.1;
+/// Candidates that go on from one stage to the next, the last stage taking one.
+const KEPT: usize = 3;
+/// Length-scales (standardised) are cut to this between stages: from a longer one there is no slope to come back on if
+/// the input matters after all.
+const LONGEST: f64 = 20.0;
 
 /// Maximises the log marginal likelihood of the standardised output `y`; `None` when no start is usable.
 pub(super) fn search(config: &GpConfig, points: &Points, y: &[f64]) -> Option<Found> {
     let kernel = config.kernel.0;
+    let layout = Layout::of(kernel, points.inputs);
     let mut sizes = vec![points.n];
     while sizes[0] > config.start_rows {
         sizes.insert(0, sizes[0].div_ceil(GROWTH).max(config.start_rows));
     }
     let mut evaluations = 0;
-    let mut best: Option<Minimum> = None;
+    let mut candidates = starts(config, kernel, points.inputs);
     for (stage, &rows) in sizes.iter().enumerate() {
+        let last = stage + 1 == sizes.len();
         let which: Vec<usize> = (0..rows).map(|i| i * points.n / rows).collect();
         let (few, y): (Points, Vec<f64>) = (points.select(&which), which.iter().map(|&i| y[i]).collect());
         let mut likelihood = Likelihood::new(kernel, &few, &y);
-        let limits = |tolerance| limits(config, kernel, points.inputs, tolerance);
-        if stage == 0 {
-            for start in starts(config, kernel, points.inputs) {
-                let found = minimise(&mut likelihood, &start, None, &limits(COARSE));
-                evaluations += found.evaluations;
-                if found.value.is_finite() && best.as_ref().is_none_or(|best| found.value < best.value) {
-                    best = Some(found);
-                }
+        let mut climb = |start: &[f64], tolerance: f64| {
+            let found = minimise(&mut likelihood, start, &limits(config, kernel, points.inputs, tolerance));
+            evaluations += found.evaluations;
+            found
+        };
+        let mut found: Vec<Minimum> = if last && stage > 0 {
+            vec![climb(&candidates[0], config.tolerance)]
+        } else {
+            candidates.iter().map(|start| climb(start, COARSE)).collect()
+        };
+        found.retain(|minimum| minimum.value.is_finite());
+        found.sort_by(|a, b| a.value.total_cmp(&b.value));
+        if last && stage == 0 && !found.is_empty() {
+            found = vec![climb(&found[0].x, config.tolerance)];
+        }
+        candidates = distinct(found);
+        if !last {
+            for candidate in &mut candidates {
+                candidate[1..=layout.lengths].iter_mut().for_each(|l| *l = l.min(LONGEST.ln()));
             }
         }
-        let Minimum { x, mut hessian, .. } = best?;
-        if stage > 0 {
-            let growth = rows as f64 / sizes[stage - 1] as f64;
-            hessian.iter_mut().for_each(|h| *h *= growth);
-        }
-        let last = stage + 1 == sizes.len();
-        let found = minimise(&mut likelihood, &x, Some(hessian), &limits(if last { config.tolerance } else { COARSE }));
-        evaluations += found.evaluations;
-        best = found.value.is_finite().then_some(found);
     }
-    best.map(|best| Found { theta: best.x, evaluations })
+    candidates.into_iter().next().map(|theta| Found { theta, evaluations })
+}
+
+/// The best few points that are not the same optimum.
+fn distinct(found: Vec<Minimum>) -> Vec<Vec<f64>> {
+    let mut out: Vec<Minimum> = Vec::new();
+    for minimum in found {
+        let same = |kept: &Minimum| (kept.value - minimum.value).abs() < 2.0 * COARSE;
+        if out.len() < KEPT && !out.iter().any(same) {
+            out.push(minimum);
+        }
+    }
+    out.into_iter().map(|minimum| minimum.x).collect()
 }
 
 fn limits(config: &GpConfig, kernel: &dyn Kernel, inputs: usize, tolerance: f64) -> Bfgs {

@@ -2,8 +2,8 @@
 //!
 //! Nocedal & Wright, Numerical Optimization, 2006: Hessian approximation B by damped BFGS (procedure 18.2), variables
 //! at a bound that the gradient pushes outwards are held (section 16.7), the step is projected to the box and
-//! shortened until it decreases enough (Armijo). The gradient is asked for only where a step was accepted. B can be
-//! carried from one problem to a similar one.
+//! shortened until it decreases enough (Armijo). The gradient is asked for only where a step was accepted. B starts from
+//! the function's own estimate of its curvature where it has one.
 
 use super::dense::solve_spd;
 
@@ -13,6 +13,10 @@ pub trait Objective {
     fn value(&mut self, x: &[f64]) -> f64;
     /// Gradient at the point of the latest [`Objective::value`].
     fn gradient(&mut self, out: &mut [f64]);
+    /// A positive definite estimate of the Hessian there (row-major), where one is cheap to have.
+    fn curvature(&mut self) -> Option<Vec<f64>> {
+        None
+    }
 }
 
 /// Limits of a search.
@@ -56,22 +60,20 @@ pub struct Minimum {
     pub stop: Stop,
 }
 
-/// Minimises `objective` from `start`, with `hessian` (row-major) as the first approximation where one is known.
-pub fn minimise(objective: &mut dyn Objective, start: &[f64], hessian: Option<Vec<f64>>, limits: &Bfgs) -> Minimum {
+/// Minimises `objective` from `start`.
+pub fn minimise(objective: &mut dyn Objective, start: &[f64], limits: &Bfgs) -> Minimum {
     let n = start.len();
     let x: Vec<f64> = start.iter().zip(&limits.bounds).map(|(x, b)| x.clamp(b.0, b.1)).collect();
     let value = objective.value(&x);
-    let known = hessian.is_some();
-    let mut at = Minimum { x, value, hessian: hessian.unwrap_or_default(), evaluations: 1, stop: Stop::BadStart };
+    let mut at = Minimum { x, value, hessian: Vec::new(), evaluations: 1, stop: Stop::BadStart };
     if !value.is_finite() {
         return at;
     }
     let mut gradient = vec![0.0; n];
     objective.gradient(&mut gradient);
-    if !known {
-        at.hessian = first_hessian(&gradient);
-    }
-    let mut first = !known;
+    let estimate = objective.curvature();
+    let mut first = estimate.is_none();
+    at.hessian = estimate.unwrap_or_else(|| first_hessian(&gradient));
     loop {
         let Some((step, promised)) = direction(&at, &gradient, limits) else {
             at.hessian = first_hessian(&gradient);
@@ -206,7 +208,7 @@ mod tests {
 
     #[test]
     fn finds_the_valley_floor() {
-        let found = minimise(&mut Rosenbrock([0.0; 2]), &[-1.2, 1.0], None, &limits([(-5.0, 5.0); 2]));
+        let found = minimise(&mut Rosenbrock([0.0; 2]), &[-1.2, 1.0], &limits([(-5.0, 5.0); 2]));
         assert_eq!(found.stop, Stop::Converged);
         assert!((found.x[0] - 1.0).abs() < 1e-6 && (found.x[1] - 1.0).abs() < 1e-6, "{found:?}");
         assert!(found.evaluations < 60, "{}", found.evaluations);
@@ -215,19 +217,31 @@ mod tests {
     #[test]
     fn stays_in_the_box() {
         // On x ≤ 0.5 the minimum is at x = 0.5, y = 0.25.
-        let found = minimise(&mut Rosenbrock([0.0; 2]), &[-1.2, 1.0], None, &limits([(-5.0, 0.5), (-5.0, 5.0)]));
+        let found = minimise(&mut Rosenbrock([0.0; 2]), &[-1.2, 1.0], &limits([(-5.0, 0.5), (-5.0, 5.0)]));
         assert!((found.x[0] - 0.5).abs() < 1e-9 && (found.x[1] - 0.25).abs() < 1e-6, "{found:?}");
     }
 
+    struct Quadratic([f64; 2], bool);
+    impl Objective for Quadratic {
+        fn value(&mut self, x: &[f64]) -> f64 {
+            self.0 = [x[0], x[1]];
+            500.0 * (x[0] - 1.0).powi(2) + 0.5 * (x[1] - 2.0).powi(2)
+        }
+        fn gradient(&mut self, out: &mut [f64]) {
+            out.copy_from_slice(&[1000.0 * (self.0[0] - 1.0), self.0[1] - 2.0]);
+        }
+        fn curvature(&mut self) -> Option<Vec<f64>> {
+            self.1.then(|| vec![1000.0, 0.0, 0.0, 1.0])
+        }
+    }
+
     #[test]
-    fn a_known_hessian_saves_evaluations() {
-        let cold = minimise(&mut Rosenbrock([0.0; 2]), &[-1.2, 1.0], None, &limits([(-5.0, 5.0); 2]));
-        let warm =
-            minimise(&mut Rosenbrock([0.0; 2]), &[0.98, 0.97], Some(cold.hessian.clone()), &limits([(-5.0, 5.0); 2]));
-        assert!(warm.evaluations < cold.evaluations / 2);
-        assert_eq!(
-            minimise(&mut Rosenbrock([0.0; 2]), &[f64::NAN, 0.0], None, &limits([(-5.0, 5.0); 2])).stop,
-            Stop::BadStart
-        );
+    fn a_known_curvature_makes_newton_steps() {
+        let box_ = limits([(-5.0, 5.0); 2]);
+        let newton = minimise(&mut Quadratic([0.0; 2], true), &[0.0, 0.5], &box_);
+        let blind = minimise(&mut Quadratic([0.0; 2], false), &[0.0, 0.5], &box_);
+        assert_eq!((newton.evaluations, newton.stop), (2, Stop::Converged));
+        assert!(blind.evaluations > 3 && (blind.x[1] - 2.0).abs() < 1e-6);
+        assert_eq!(minimise(&mut Quadratic([0.0; 2], true), &[f64::NAN, 0.0], &box_).stop, Stop::BadStart);
     }
 }

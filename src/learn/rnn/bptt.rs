@@ -97,7 +97,10 @@ impl<T: Real> Batch<T> {
                 }
                 for (u, acc) in acc.iter().enumerate() {
                     let place = (first + u) * self.hidden.width + self.groups + at;
-                    self.hidden.chunks[place] = each(#[inline(always)] |lane| acc[lane].tanh_fast());
+                    self.hidden.chunks[place] = each(
+                        #[inline(always)]
+                        |lane| acc[lane].tanh_fast(),
+                    );
                 }
             }
         }
@@ -123,10 +126,16 @@ impl<T: Real> Batch<T> {
                 for (u, acc) in acc.iter().enumerate().take(outputs - first) {
                     let place = (first + u) * self.errors.width + at;
                     let target = self.targets.chunks[place];
-                    let miss: Chunk<T> = each(#[inline(always)] |lane| {
-                        if lane < live { acc[lane] - target[lane] } else { T::default() }
-                    });
-                    self.errors.chunks[place] = each(#[inline(always)] |lane| miss[lane] * scale);
+                    let miss: Chunk<T> = each(
+                        #[inline(always)]
+                        |lane| {
+                            if lane < live { acc[lane] - target[lane] } else { T::default() }
+                        },
+                    );
+                    self.errors.chunks[place] = each(
+                        #[inline(always)]
+                        |lane| miss[lane] * scale,
+                    );
                     fma(&mut loss, &miss, &miss);
                 }
             }
@@ -150,7 +159,10 @@ impl<T: Real> Batch<T> {
                 }
                 for (u, acc) in acc.iter().enumerate() {
                     let h = self.hidden.chunks[(first + u) * self.hidden.width + self.groups + at];
-                    let delta = each(#[inline(always)] |lane| acc[lane] * (-h[lane]).fma(h[lane], T::of(1.0)));
+                    let delta = each(
+                        #[inline(always)]
+                        |lane| acc[lane] * (-h[lane]).fma(h[lane], T::of(1.0)),
+                    );
                     self.deltas.chunks[(first + u) * self.deltas.width + at] = delta;
                 }
             }
