@@ -14,12 +14,8 @@ use crate::learn::simd::{dot, vectorised};
 
 /// Vectors in the average.
 const PROBES: usize = 8;
-/// Curvature in nats per squared logarithm that every hyper-parameter has at least: keeps the step finite along those
-/// that the data say nothing of.
-const RIDGE: f64 = 0.3;
-
 impl Likelihood<'_> {
-    /// Estimated Fisher information at the latest value plus the ridge, row-major.
+    /// Estimated Fisher information at the latest value, row-major.
     pub(super) fn information(&mut self) -> Vec<f64> {
         let (n, count) = (self.points().n, self.layout().len());
         let mut rng = Seed(0).child("fisher probes").rng();
@@ -37,7 +33,7 @@ impl Likelihood<'_> {
                     #[inline(always)]
                     || dot(image(i), image(j)),
                 );
-                out[i * count + j] = 0.5 * sum / PROBES as f64 + if i == j { RIDGE } else { 0.0 };
+                out[i * count + j] = 0.5 * sum / PROBES as f64;
             }
         }
         out

@@ -107,10 +107,6 @@ impl Objective for Likelihood<'_> {
         fit + self.factor.half_log_determinant() + size
     }
 
-    fn curvature(&mut self) -> Option<Vec<f64>> {
-        Some(self.information())
-    }
-
     fn gradient(&mut self, out: &mut [f64]) {
         let n = self.points.n;
         let Layout { inputs, lengths, shapes } = self.layout;

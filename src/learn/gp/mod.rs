@@ -2,6 +2,7 @@
 //! hyper-parameters, which maximise the log marginal likelihood.
 
 mod config;
+mod coordinates;
 mod covariance;
 mod cross_validation;
 mod curvature;

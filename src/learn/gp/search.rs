@@ -1,6 +1,7 @@
 //! The search for hyper-parameters: many starts on a few rows, the winner carried to all rows.
 
 use super::config::GpConfig;
+use super::coordinates::{Bent, bend, unbend};
 use super::covariance::{Layout, Points};
 use super::kernels::Kernel;
 use super::likelihood::Likelihood;
@@ -18,10 +19,6 @@ const GROWTH: usize = 3;
 const COARSE: f64 = 0.1;
 /// Candidates that go on from one stage to the next, the last stage taking one.
 const KEPT: usize = 3;
-/// Length-scales (standardised) are cut to this between stages: from a longer one there is no slope to come back on if
-/// the input matters after all.
-const LONGEST: f64 = 20.0;
-
 /// Maximises the log marginal likelihood of the standardised output `y`; `None` when no start is usable.
 pub(super) fn search(config: &GpConfig, points: &Points, y: &[f64]) -> Option<Found> {
     let kernel = config.kernel.0;
@@ -31,15 +28,17 @@ pub(super) fn search(config: &GpConfig, points: &Points, y: &[f64]) -> Option<Fo
         sizes.insert(0, sizes[0].div_ceil(GROWTH).max(config.start_rows));
     }
     let mut evaluations = 0;
-    let mut candidates = starts(config, kernel, points.inputs);
+    let starts = starts(config, kernel, points.inputs);
+    let mut candidates: Vec<Vec<f64>> = starts.iter().map(|theta| bend(layout, theta)).collect();
     for (stage, &rows) in sizes.iter().enumerate() {
         let last = stage + 1 == sizes.len();
         let which: Vec<usize> = (0..rows).map(|i| i * points.n / rows).collect();
         let (few, y): (Points, Vec<f64>) = (points.select(&which), which.iter().map(|&i| y[i]).collect());
-        let mut likelihood = Likelihood::new(kernel, &few, &y);
+        let mut likelihood = Bent::new(Likelihood::new(kernel, &few, &y));
         let mut climb = |start: &[f64], tolerance: f64| {
             let found = minimise(&mut likelihood, start, &limits(config, kernel, points.inputs, tolerance));
             evaluations += found.evaluations;
+
             found
         };
         let mut found: Vec<Minimum> = if last && stage > 0 {
@@ -53,13 +52,8 @@ pub(super) fn search(config: &GpConfig, points: &Points, y: &[f64]) -> Option<Fo
             found = vec![climb(&found[0].x, config.tolerance)];
         }
         candidates = distinct(found);
-        if !last {
-            for candidate in &mut candidates {
-                candidate[1..=layout.lengths].iter_mut().for_each(|l| *l = l.min(LONGEST.ln()));
-            }
-        }
     }
-    candidates.into_iter().next().map(|theta| Found { theta, evaluations })
+    candidates.first().map(|u| Found { theta: unbend(layout, u), evaluations })
 }
 
 /// The best few points that are not the same optimum.
@@ -80,7 +74,9 @@ fn limits(config: &GpConfig, kernel: &dyn Kernel, inputs: usize, tolerance: f64)
     bounds.extend(vec![(1e-2, 1e3); layout.lengths]);
     bounds.extend(kernel.shapes().iter().map(|shape| shape.bounds));
     bounds.push((config.noise_floor * config.noise_floor, 10.0));
-    let bounds = bounds.into_iter().map(|(low, high): (f64, f64)| (low.ln(), high.ln())).collect();
+    let (low, high): (Vec<f64>, Vec<f64>) =
+        bounds.into_iter().map(|(low, high): (f64, f64)| (low.ln(), high.ln())).unzip();
+    let bounds = bend(layout, &low).into_iter().zip(bend(layout, &high)).collect();
     Bfgs { bounds, tolerance, max_evaluations: 300, max_step: 2.0 }
 }
 

@@ -1,11 +1,10 @@
 //! BFGS in a box for a handful of unknowns whose function costs far more than the algebra.
 //!
-//! Nocedal & Wright, Numerical Optimization, 2006: Hessian approximation B by damped BFGS (procedure 18.2), variables
-//! at a bound that the gradient pushes outwards are held (section 16.7), the step is projected to the box and
-//! shortened until it decreases enough (Armijo). The gradient is asked for only where a step was accepted. B starts from
+//! Nocedal & Wright, Numerical Optimization, 2006: Hessian approximation B by damped BFGS (procedure 18.2), each step
+//! the minimum of the quadratic model within the box (section 16.5), shortened until it decreases enough (Armijo). The gradient is asked for only where a step was accepted. B starts from
 //! the function's own estimate of its curvature where it has one.
 
-use super::dense::solve_spd;
+use super::quadratic::minimise_quadratic;
 
 /// A function to minimise.
 pub trait Objective {
@@ -103,31 +102,20 @@ fn first_hessian(gradient: &[f64]) -> Vec<f64> {
     (0..n * n).map(|i| if i % (n + 1) == 0 { norm } else { 0.0 }).collect()
 }
 
-/// Newton step of the model on the unknowns that are free to move, and the decrease that the model promises for it;
-/// `None` when the approximation is no longer positive definite.
+/// The step that minimises the quadratic model within the box and the longest step, and the decrease that the model
+/// promises for it; `None` when the approximation is no longer positive definite.
 fn direction(at: &Minimum, gradient: &[f64], limits: &Bfgs) -> Option<(Vec<f64>, f64)> {
     let n = gradient.len();
-    let held = |i: usize| {
-        let (low, high) = limits.bounds[i];
-        (at.x[i] <= low && gradient[i] > 0.0) || (at.x[i] >= high && gradient[i] < 0.0)
-    };
-    let free: Vec<usize> = (0..n).filter(|&i| !held(i)).collect();
-    let matrix: Vec<f64> =
-        free.iter().flat_map(|&i| free.iter().map(move |&j| (i, j))).map(|(i, j)| at.hessian[i * n + j]).collect();
-    let right: Vec<f64> = free.iter().map(|&i| -gradient[i]).collect();
-    let solved = solve_spd(&matrix, &right)?;
-    let longest = solved.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    let shrink = if longest > limits.max_step { limits.max_step / longest } else { 1.0 };
-    let mut step = vec![0.0; n];
-    let mut promised = 0.0;
-    for (&i, s) in free.iter().zip(&solved) {
-        step[i] = s * shrink;
-        promised -= 0.5 * s * gradient[i];
-    }
-    Some((step, promised))
+    let room: Vec<(f64, f64)> = (at.x.iter().zip(&limits.bounds))
+        .map(|(x, (low, high))| ((low - x).max(-limits.max_step), (high - x).min(limits.max_step)))
+        .collect();
+    let step = minimise_quadratic(&at.hessian, gradient, &room)?;
+    let curved = |i: usize| (0..n).map(|j| at.hessian[i * n + j] * step[j]).sum::<f64>();
+    let promised: f64 = (0..n).map(|i| -step[i] * (gradient[i] + 0.5 * curved(i))).sum();
+    (promised >= 0.0).then_some((step, promised))
 }
 
-/// Shortens the projected step until the function decreases enough; sets `at.stop` and returns `None` otherwise.
+/// Shortens the step until the function decreases enough; sets `at.stop` and returns `None` otherwise.
 fn search(
     objective: &mut dyn Objective,
     at: &mut Minimum,
