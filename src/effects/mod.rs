@@ -1,1 +1,156 @@
-//! (under construction)
+//! The catalogue of physical effects that a model may lack. The same effect opens a gap in a simulated "real" robot
+//! and closes it in a model. Names and parameters are those of the outside interface; each effect is one file here
+//! and one line in [`catalogue!`].
+
+mod actuator_gain;
+mod actuator_offset;
+mod anisotropic_stiffness;
+mod backlash;
+mod base_tilt;
+mod bending_stiffness;
+mod creep;
+mod damping;
+mod delay;
+mod distributed_mass;
+mod frame_shift;
+mod friction;
+mod hysteresis;
+mod model;
+mod precurvature;
+mod robot;
+mod soft_section;
+mod spine_compressibility;
+mod tendon_angle;
+mod tendon_radius;
+mod tendon_stretch;
+mod tip_force;
+mod tip_load;
+
+use std::fmt::Debug;
+
+use serde::{Deserialize, Serialize};
+
+use crate::base::{BadOption, Observation};
+use crate::rod::RodParams;
+
+pub use model::{Model, check_effects};
+pub use robot::{Backbone, Disks, Robot, Sections, Tendons};
+
+/// A physical effect. Every hook does nothing unless an effect fills it in.
+///
+/// ```ignore
+/// impl Effect for TipLoad {
+///     fn check(&self) -> Result<(), BadOption> { … }
+///     fn alter(&self, rod: &mut RodParams) { rod.masses.push(…) }
+/// }
+/// ```
+pub trait Effect: Send + Sync + Debug {
+    /// Refuses parameters out of range.
+    ///
+    /// # Errors
+    /// [`BadOption`] names the first parameter out of range.
+    fn check(&self) -> Result<(), BadOption>;
+    /// Changes what the rod is made of.
+    fn alter(&self, _rod: &mut RodParams) {}
+    /// Changes what the drives do with a command that holds for `dt_s` seconds; displacements in metres.
+    fn command(&mut self, _pulls_m: &mut [f64], _dt_s: f64) {}
+    /// Changes what is measured.
+    fn observe(&self, _seen: &mut Observation) {}
+    /// Forgets the history: a new trial begins.
+    fn reset(&mut self) {}
+    /// The tendon that it is about, from 1, where it is about one.
+    fn tendon(&self) -> Option<usize> {
+        None
+    }
+}
+
+/// A parameter of an effect.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Its name in YAML; components of a vector carry an index.
+    pub name: &'static str,
+    /// Its unit; `1` for a plain ratio.
+    pub unit: &'static str,
+    /// The value at which the effect changes nothing (or the default of a secondary parameter).
+    pub null: f64,
+}
+
+/// What the catalogue says of an effect.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Card {
+    /// Its name in YAML and findings.
+    pub name: &'static str,
+    /// What is missing from a model without it.
+    pub missing: &'static str,
+    /// Its equation in plain text.
+    pub equation: &'static str,
+    /// Where the equation is from.
+    pub source: &'static str,
+    /// Its parameters.
+    pub parameters: &'static [Parameter],
+    /// Effects that look alike at the tip.
+    pub confused_with: &'static [&'static str],
+}
+
+macro_rules! catalogue {
+    ($($module:ident :: $effect:ident),* $(,)?) => {
+        /// An effect as it stands in YAML: its name and its parameters.
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        #[serde(rename_all = "snake_case")]
+        pub enum EffectSpec {
+            $(#[doc = concat!("See `", stringify!($module), "`.")] $effect($module::$effect)),*
+        }
+
+        impl EffectSpec {
+            /// The effect behind the name.
+            pub fn build(&self) -> Box<dyn Effect> {
+                match self { $(EffectSpec::$effect(effect) => Box::new(effect.clone())),* }
+            }
+
+            /// What the catalogue says of it.
+            pub fn card(&self) -> &'static Card {
+                match self { $(EffectSpec::$effect(_) => &$module::CARD),* }
+            }
+        }
+
+        /// All effects.
+        pub static CATALOGUE: &[&Card] = &[$(&$module::CARD),*];
+    };
+}
+
+catalogue! {
+    tip_load::TipLoad,
+    distributed_mass::DistributedMass,
+    tip_force::TipForce,
+    base_tilt::BaseTilt,
+    frame_shift::FrameShift,
+    bending_stiffness::BendingStiffness,
+    anisotropic_stiffness::AnisotropicStiffness,
+    precurvature::Precurvature,
+    soft_section::SoftSection,
+    spine_compressibility::SpineCompressibility,
+    friction::Friction,
+    hysteresis::Hysteresis,
+    creep::Creep,
+    damping::Damping,
+    delay::Delay,
+    backlash::Backlash,
+    actuator_gain::ActuatorGain,
+    actuator_offset::ActuatorOffset,
+    tendon_stretch::TendonStretch,
+    tendon_angle::TendonAngle,
+    tendon_radius::TendonRadius,
+}
+
+/// Refuses a value that is not a finite number.
+fn finite(key: &'static str, value: f64) -> Result<(), BadOption> {
+    if value.is_finite() { Ok(()) } else { Err(BadOption { key, found: value.to_string(), expected: "a finite number" }) }
+}
+
+/// Refuses a value that is negative or not finite.
+fn non_negative(key: &'static str, value: f64) -> Result<(), BadOption> {
+    if value.is_finite() && value >= 0.0 {
+        return Ok(());
+    }
+    Err(BadOption { key, found: value.to_string(), expected: "a finite number of at least 0" })
+}

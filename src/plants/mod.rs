@@ -1,8 +1,10 @@
 //! Things that move.
 
 mod constant_curvature;
+mod simulated;
 
 pub use constant_curvature::{ConstantCurvature, ConstantCurvatureOptions};
+pub use simulated::{Simulated, SimulatedOptions};
 
 use crate::base::Plant;
 
@@ -15,4 +17,4 @@ pub struct PlantEntry {
 }
 
 /// Every plant.
-pub static REGISTRY: &[PlantEntry] = &[constant_curvature::ENTRY];
+pub static REGISTRY: &[PlantEntry] = &[constant_curvature::ENTRY, simulated::ENTRY];

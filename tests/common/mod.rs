@@ -1,5 +1,5 @@
 //! Shared by the integration tests: reference robots and a small CSV reader.
-#![allow(dead_code)]
+#![allow(dead_code, unreachable_pub, missing_docs)]
 
 use nalgebra::{Matrix3, Vector3};
 use spinebench::rod::{Resolution, RodParams, Span, Tendon, TipLoad};
@@ -8,7 +8,12 @@ use std::f64::consts::PI;
 
 /// Rows of a reference file by column name.
 pub fn reference(name: &str) -> Vec<HashMap<String, f64>> {
-    let path = format!("{}/tests/reference/rod/{name}", env!("CARGO_MANIFEST_DIR"));
+    read(&format!("tests/reference/rod/{name}"))
+}
+
+/// Rows of a CSV file of numbers below the project's folder.
+pub fn read(name: &str) -> Vec<HashMap<String, f64>> {
+    let path = format!("{}/{name}", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
     let mut lines = text.lines();
     let names: Vec<&str> = lines.next().expect("a header").split(',').collect();

@@ -1,0 +1,43 @@
+//! One tendon's zero is off.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Card, Effect, Parameter};
+use crate::base::BadOption;
+use crate::rod::RodParams;
+
+/// One drive is displaced by a constant.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ActuatorOffset {
+    /// Tendon, from 1.
+    pub tendon: usize,
+    /// Added to its displacement, metres.
+    pub offset_m: f64,
+}
+
+pub(super) const CARD: Card = Card {
+    name: "actuator_offset",
+    missing: "one tendon's zero is off",
+    equation: "q_i → q_i + offset",
+    source: "homing error",
+    parameters: &[Parameter { name: "tendon", unit: "number", null: 1.0 }, Parameter { name: "offset_m", unit: "m", null: 0.0 }],
+    confused_with: &["precurvature"],
+};
+
+impl Effect for ActuatorOffset {
+    fn check(&self) -> Result<(), BadOption> {
+        BadOption::unless_counted("tendon", self.tendon)?;
+        super::finite("offset_m", self.offset_m)
+    }
+
+    fn alter(&self, rod: &mut RodParams) {
+        if let Some(tendon) = rod.tendons.get_mut(self.tendon - 1) {
+            tendon.pretension_m += self.offset_m;
+        }
+    }
+
+    fn tendon(&self) -> Option<usize> {
+        Some(self.tendon)
+    }
+}

@@ -1,0 +1,44 @@
+//! Dead zone on reversal.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Card, Effect, Parameter};
+use crate::base::BadOption;
+
+/// Play between each drive and its tendon.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Backlash {
+    /// Width of the dead zone, metres.
+    pub width_m: f64,
+    /// Where each tendon's end stands.
+    #[serde(skip)]
+    held_m: Vec<f64>,
+}
+
+pub(super) const CARD: Card = Card {
+    name: "backlash",
+    missing: "dead zone on reversal",
+    equation: "q' = min(max(q', q − width/2), q + width/2)",
+    source: "play operator, Brokate & Sprekels, ch. 2",
+    parameters: &[Parameter { name: "width_m", unit: "m", null: 0.0 }],
+    confused_with: &["friction", "delay", "hysteresis"],
+};
+
+impl Effect for Backlash {
+    fn check(&self) -> Result<(), BadOption> {
+        super::non_negative("width_m", self.width_m)
+    }
+
+    fn reset(&mut self) {
+        self.held_m.clear();
+    }
+
+    fn command(&mut self, pulls_m: &mut [f64], _dt_s: f64) {
+        self.held_m.resize(pulls_m.len(), 0.0);
+        for (pull, held) in pulls_m.iter_mut().zip(&mut self.held_m) {
+            *held = held.clamp(*pull - 0.5 * self.width_m, *pull + 0.5 * self.width_m);
+            *pull = *held;
+        }
+    }
+}

@@ -1,0 +1,37 @@
+//! The base is turned from where gravity was assumed.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Card, Effect, Parameter};
+use crate::base::BadOption;
+use crate::rod::RodParams;
+
+/// The base is tilted about x and y; what is measured is in the frame that was assumed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BaseTilt {
+    /// Rotation of the base about x, rad.
+    pub tilt_x_rad: f64,
+    /// Rotation of the base about y, rad.
+    pub tilt_y_rad: f64,
+}
+
+pub(super) const CARD: Card = Card {
+    name: "base_tilt",
+    missing: "the base is not where gravity was assumed",
+    equation: "R(0) = exp((tilt_x, tilt_y, 0)^)",
+    source: "rigid-body kinematics",
+    parameters: &[Parameter { name: "tilt_x_rad", unit: "rad", null: 0.0 }, Parameter { name: "tilt_y_rad", unit: "rad", null: 0.0 }],
+    confused_with: &["frame_shift", "precurvature", "tip_force"],
+};
+
+impl Effect for BaseTilt {
+    fn check(&self) -> Result<(), BadOption> {
+        super::finite("tilt_x_rad", self.tilt_x_rad)?;
+        super::finite("tilt_y_rad", self.tilt_y_rad)
+    }
+
+    fn alter(&self, rod: &mut RodParams) {
+        rod.base_rotation_rad += nalgebra::Vector3::new(self.tilt_x_rad, self.tilt_y_rad, 0.0);
+    }
+}

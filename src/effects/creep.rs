@@ -1,0 +1,68 @@
+//! Slow recovery from stress.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::{Card, Effect, Parameter};
+use crate::base::BadOption;
+use crate::rod::{HistoryMoment, MemoryState, MomentLaw, RodParams};
+
+/// Part of the bending stiffness relaxes: a standard linear solid.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Creep {
+    /// Share of the instantaneous bending stiffness that relaxes, 0 to below 1.
+    pub share: f64,
+    /// Relaxation time, s.
+    pub time_s: f64,
+}
+
+pub(super) const CARD: Card = Card {
+    name: "creep",
+    missing: "slow recovery from stress (viscoelastic)",
+    equation: "m = E I (u − share · u_c), u_c,t = (u − u_c) / time",
+    source: "standard linear solid in Maxwell form; the paper names a long recovery time from stress",
+    parameters: &[
+        Parameter { name: "share", unit: "1", null: 0.0 },
+        Parameter { name: "time_s", unit: "s", null: 10.0 },
+    ],
+    confused_with: &["hysteresis", "damping"],
+};
+
+impl Effect for Creep {
+    fn check(&self) -> Result<(), BadOption> {
+        BadOption::unless_positive("time_s", self.time_s)?;
+        if (0.0..1.0).contains(&self.share) {
+            return Ok(());
+        }
+        Err(BadOption { key: "share", found: self.share.to_string(), expected: "a number from 0 to below 1" })
+    }
+
+    fn alter(&self, rod: &mut RodParams) {
+        rod.memory.push(Arc::new(*self));
+    }
+}
+
+impl MomentLaw for Creep {
+    fn moment(&self, state: &MemoryState, _curvature_rad_m: [f64; 2], bending_n_m2: f64) -> HistoryMoment {
+        // The crept curvature hardly moves within a time step, so it is held during the solve.
+        let relaxed = self.share * bending_n_m2;
+        HistoryMoment { moment_nm: [-relaxed * state[0], -relaxed * state[1]], tangent_n_m2: [[0.0; 2]; 2] }
+    }
+
+    fn settled(&self, _state: &MemoryState, curvature_rad_m: [f64; 2], bending_n_m2: f64) -> HistoryMoment {
+        let relaxed = self.share * bending_n_m2;
+        HistoryMoment {
+            moment_nm: curvature_rad_m.map(|u| -relaxed * u),
+            tangent_n_m2: [[-relaxed, 0.0], [0.0, -relaxed]],
+        }
+    }
+
+    fn commit(&self, state: &mut MemoryState, curvature_rad_m: [f64; 2], _bending_n_m2: f64, dt_s: f64) {
+        let approach = 1.0 - (-dt_s / self.time_s).exp();
+        for axis in 0..2 {
+            state[axis] += approach * (curvature_rad_m[axis] - state[axis]);
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! Settles slower or faster.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Card, Effect, Parameter};
+use crate::base::BadOption;
+use crate::rod::RodParams;
+
+/// Viscous damping of the spine.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Damping {
+    /// Bending damping over bending stiffness, s; replaces the model's.
+    pub time_s: f64,
+}
+
+pub(super) const CARD: Card = Card {
+    name: "damping",
+    missing: "settles slower or faster",
+    equation: "m = E I (u − u*) + E I · time · u_t",
+    source: "Kelvin–Voigt; Till et al. 2019",
+    parameters: &[Parameter { name: "time_s", unit: "s", null: 0.03 }],
+    confused_with: &["delay", "creep"],
+};
+
+impl Effect for Damping {
+    fn check(&self) -> Result<(), BadOption> {
+        super::non_negative("time_s", self.time_s)
+    }
+
+    fn alter(&self, rod: &mut RodParams) {
+        rod.damping_time_s = self.time_s;
+    }
+}

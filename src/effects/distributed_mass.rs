@@ -1,0 +1,35 @@
+//! The whole body heavier or lighter.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Card, Effect, Parameter};
+use crate::base::BadOption;
+use crate::rod::RodParams;
+
+/// Mass along the body, disks included, times `scale`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DistributedMass {
+    /// Factor on every mass, 1 changes nothing.
+    pub scale: f64,
+}
+
+pub(super) const CARD: Card = Card {
+    name: "distributed_mass",
+    missing: "mass along the body",
+    equation: "ρA(s) → scale · ρA(s), disks alike",
+    source: "modelling convention",
+    parameters: &[Parameter { name: "scale", unit: "1", null: 1.0 }],
+    confused_with: &["tip_load", "bending_stiffness"],
+};
+
+impl Effect for DistributedMass {
+    fn check(&self) -> Result<(), BadOption> {
+        BadOption::unless_positive("scale", self.scale)
+    }
+
+    fn alter(&self, rod: &mut RodParams) {
+        rod.spans.iter_mut().for_each(|span| span.mass_kg_m *= self.scale);
+        rod.masses.iter_mut().for_each(|mass| mass.mass_kg *= self.scale);
+    }
+}

@@ -1,0 +1,34 @@
+//! The tracking frame is shifted.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Card, Effect, Parameter};
+use crate::base::BadOption;
+use crate::base::Observation;
+
+/// A constant offset between the tracked and the true tip.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FrameShift {
+    /// Added to the measured position, metres.
+    pub shift_m: [f64; 3],
+}
+
+pub(super) const CARD: Card = Card {
+    name: "frame_shift",
+    missing: "tracking frame offset",
+    equation: "tip measured = tip + shift",
+    source: "rigid-body kinematics",
+    parameters: &[Parameter { name: "shift_m[0]", unit: "m", null: 0.0 }, Parameter { name: "shift_m[1]", unit: "m", null: 0.0 }, Parameter { name: "shift_m[2]", unit: "m", null: 0.0 }],
+    confused_with: &["base_tilt"],
+};
+
+impl Effect for FrameShift {
+    fn check(&self) -> Result<(), BadOption> {
+        self.shift_m.iter().try_for_each(|&shift| super::finite("shift_m", shift))
+    }
+
+    fn observe(&self, seen: &mut Observation) {
+        seen.tip_m.iter_mut().zip(self.shift_m).for_each(|(tip, shift)| *tip += shift);
+    }
+}

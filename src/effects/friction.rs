@@ -1,0 +1,112 @@
+//! Dry friction in the spine: the path depends on the direction.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::{Card, Effect, Parameter};
+use crate::base::BadOption;
+use crate::rod::{HistoryMoment, MemoryState, MomentLaw, RodParams};
+
+/// An elastoplastic moment in every cross-section.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Friction {
+    /// Moment at which a cross-section slips, N m.
+    pub moment_nm: f64,
+    /// Change of curvature that builds this moment up, rad/m.
+    #[serde(default = "yield_default")]
+    pub yield_rad_m: f64,
+}
+
+fn yield_default() -> f64 {
+    0.2
+}
+
+pub(super) const CARD: Card = Card {
+    name: "friction",
+    missing: "dry friction: the path depends on direction",
+    equation: "m_f = k (u − u_p), |m_f| ≤ moment; u_p moves where it would be more (k = moment / yield)",
+    source: "Prandtl element with return mapping, Simo & Hughes, Computational Inelasticity, ch. 1",
+    parameters: &[
+        Parameter { name: "moment_nm", unit: "N m", null: 0.0 },
+        Parameter { name: "yield_rad_m", unit: "rad/m", null: 0.2 },
+    ],
+    confused_with: &["hysteresis", "backlash"],
+};
+
+impl Effect for Friction {
+    fn check(&self) -> Result<(), BadOption> {
+        super::non_negative("moment_nm", self.moment_nm)?;
+        BadOption::unless_positive("yield_rad_m", self.yield_rad_m)
+    }
+
+    fn alter(&self, rod: &mut RodParams) {
+        rod.memory.push(Arc::new(Prandtl { moment_nm: self.moment_nm, stiffness_n_m2: self.moment_nm / self.yield_rad_m }));
+    }
+}
+
+/// A spring of stiffness k behind a slider; the state is the slider's place (u_p) on both axes.
+#[derive(Debug)]
+pub(super) struct Prandtl {
+    pub(super) moment_nm: f64,
+    pub(super) stiffness_n_m2: f64,
+}
+
+impl Prandtl {
+    /// Spring force if the slider stayed, and its size.
+    fn trial(&self, state: &MemoryState, curvature_rad_m: [f64; 2]) -> ([f64; 2], f64) {
+        let trial = [0, 1].map(|axis| self.stiffness_n_m2 * (curvature_rad_m[axis] - state[axis]));
+        (trial, trial[0].hypot(trial[1]))
+    }
+}
+
+impl MomentLaw for Prandtl {
+    fn moment(&self, state: &MemoryState, curvature_rad_m: [f64; 2], _bending_n_m2: f64) -> HistoryMoment {
+        let (trial, size) = self.trial(state, curvature_rad_m);
+        let k = self.stiffness_n_m2;
+        if size <= self.moment_nm {
+            return HistoryMoment { moment_nm: trial, tangent_n_m2: [[k, 0.0], [0.0, k]] };
+        }
+        let (share, n) = (self.moment_nm / size, [trial[0] / size, trial[1] / size]);
+        let tangent = |a: usize, b: usize| share * k * (f64::from(u8::from(a == b)) - n[a] * n[b]);
+        HistoryMoment {
+            moment_nm: [share * trial[0], share * trial[1]],
+            tangent_n_m2: [[tangent(0, 0), tangent(0, 1)], [tangent(1, 0), tangent(1, 1)]],
+        }
+    }
+
+    fn commit(&self, state: &mut MemoryState, curvature_rad_m: [f64; 2], _bending_n_m2: f64, _dt_s: f64) {
+        let (trial, size) = self.trial(state, curvature_rad_m);
+        if size > self.moment_nm {
+            for axis in 0..2 {
+                let held = trial[axis] / size * self.moment_nm / self.stiffness_n_m2;
+                state[axis] = curvature_rad_m[axis] - held;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_closed_loop_of_curvature_dissipates_four_times_moment_times_amplitude() {
+        let law = Prandtl { moment_nm: 0.01, stiffness_n_m2: 0.05 };
+        let (mut state, mut work, mut last) = ([0.0; 4], 0.0, [0.0; 2]);
+        let amplitude = 3.0;
+        for step in 1..=40_000 {
+            let angle = f64::from(step) / 40_000.0 * 2.0 * std::f64::consts::TAU;
+            let u = [amplitude * angle.sin(), 0.0];
+            let moment = law.moment(&state, u, 0.0).moment_nm;
+            if step > 20_000 {
+                work += moment[0] * (u[0] - last[0]);
+            }
+            law.commit(&mut state, u, 0.0, 0.0);
+            last = u;
+        }
+        let yielded = amplitude - 0.01 / 0.05;
+        assert!((work - 4.0 * 0.01 * yielded).abs() < 1e-4 * work, "{work}");
+    }
+}

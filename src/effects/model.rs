@@ -1,0 +1,63 @@
+//! A model file: what is believed about a robot, and the effects that have been added to it.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Effect, EffectSpec, Robot};
+use crate::base::BadOption;
+use crate::rod::RodParams;
+
+/// A robot and the effects on it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Model {
+    /// The robot as built.
+    pub robot: Robot,
+    /// What has been added, in the order in which it acts.
+    #[serde(default)]
+    pub effects: Vec<EffectSpec>,
+}
+
+impl Model {
+    /// Refuses numbers out of range.
+    ///
+    /// # Errors
+    /// The path of the key (such as `robot.backbone` or `effects[0].tip_load`) and the range that its field left.
+    pub fn check(&self) -> Result<(), (String, BadOption)> {
+        self.robot.check().map_err(|(path, error)| {
+            let dot = if path.is_empty() { "" } else { "." };
+            (format!("robot{dot}{path}"), error)
+        })?;
+        check_effects(&self.effects, self.robot.tendons.angles_deg.len())
+            .map_err(|(index, name, error)| (format!("effects[{index}].{name}"), error))
+    }
+
+    /// The rod with every effect that changes it, and `extra` ones after them.
+    pub fn rod(&self, extra: &[EffectSpec]) -> RodParams {
+        let mut rod = self.robot.rod();
+        for effect in self.effects.iter().chain(extra) {
+            effect.build().alter(&mut rod);
+        }
+        rod
+    }
+
+    /// The effects, built, `extra` ones last.
+    pub fn effects(&self, extra: &[EffectSpec]) -> Vec<Box<dyn Effect>> {
+        self.effects.iter().chain(extra).map(EffectSpec::build).collect()
+    }
+}
+
+/// Refuses parameters out of range, or a tendon that a robot with so many tendons does not have.
+///
+/// # Errors
+/// Index and name of the first bad effect, and the range that its field left.
+pub fn check_effects(effects: &[EffectSpec], tendons: usize) -> Result<(), (usize, &'static str, BadOption)> {
+    for (index, spec) in effects.iter().enumerate() {
+        let effect = spec.build();
+        effect.check().map_err(|error| (index, spec.card().name, error))?;
+        if let Some(tendon) = effect.tendon().filter(|&tendon| tendon > tendons) {
+            let error = BadOption { key: "tendon", found: tendon.to_string(), expected: "a tendon of this robot" };
+            return Err((index, spec.card().name, error));
+        }
+    }
+    Ok(())
+}

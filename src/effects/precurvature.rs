@@ -1,0 +1,38 @@
+//! Not straight when unloaded.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Card, Effect, Parameter};
+use crate::base::BadOption;
+use crate::rod::RodParams;
+
+/// A constant curvature of the unloaded rod.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Precurvature {
+    /// Curvature about body x, rad/m (positive bends towards −y).
+    pub kappa_x_rad_m: f64,
+    /// Curvature about body y, rad/m (positive bends towards +x).
+    pub kappa_y_rad_m: f64,
+}
+
+pub(super) const CARD: Card = Card {
+    name: "precurvature",
+    missing: "not straight when unloaded",
+    equation: "u* = (κ_x, κ_y, 0)",
+    source: "Rucker & Webster 2011, reference curvature",
+    parameters: &[Parameter { name: "kappa_x_rad_m", unit: "rad/m", null: 0.0 }, Parameter { name: "kappa_y_rad_m", unit: "rad/m", null: 0.0 }],
+    confused_with: &["tip_force", "base_tilt", "actuator_offset"],
+};
+
+impl Effect for Precurvature {
+    fn check(&self) -> Result<(), BadOption> {
+        super::finite("kappa_x_rad_m", self.kappa_x_rad_m)?;
+        super::finite("kappa_y_rad_m", self.kappa_y_rad_m)
+    }
+
+    fn alter(&self, rod: &mut RodParams) {
+        let added = nalgebra::Vector3::new(self.kappa_x_rad_m, self.kappa_y_rad_m, 0.0);
+        rod.spans.iter_mut().for_each(|span| span.rest_curvature_rad_m += added);
+    }
+}

@@ -1,0 +1,53 @@
+//! One section weaker than the others, as after damage.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Card, Effect, Parameter};
+use crate::base::BadOption;
+use crate::rod::{CompressibleSection, RodParams};
+
+/// The compressible section nearest to a place bends more easily.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SoftSection {
+    /// Place along the robot, metres from the base.
+    pub position_m: f64,
+    /// Factor on the bending stiffness there, 1 changes nothing.
+    pub scale: f64,
+}
+
+pub(super) const CARD: Card = Card {
+    name: "soft_section",
+    missing: "one section weaker (damage)",
+    equation: "E I(s) → scale · E I within the section that holds s",
+    source: "local stiffness loss",
+    parameters: &[Parameter { name: "position_m", unit: "m", null: 0.0 }, Parameter { name: "scale", unit: "1", null: 1.0 }],
+    confused_with: &["bending_stiffness", "tendon_stretch", "tendon_radius"],
+};
+
+impl Effect for SoftSection {
+    fn check(&self) -> Result<(), BadOption> {
+        super::non_negative("position_m", self.position_m)?;
+        BadOption::unless_positive("scale", self.scale)
+    }
+
+    fn alter(&self, rod: &mut RodParams) {
+        let (start_m, end_m) = section_around(rod, self.position_m);
+        rod.split_at(start_m);
+        rod.split_at(end_m);
+        let middle_m = 0.5 * (start_m + end_m);
+        if let Some(span) = rod.spans.iter_mut().find(|span| middle_m < span.end_m) {
+            span.bending_n_m2 = span.bending_n_m2.map(|stiffness| stiffness * self.scale);
+        }
+    }
+}
+
+/// The compressible section whose middle is nearest to a place, or 10 mm around the place where there are none.
+fn section_around(rod: &RodParams, position_m: f64) -> (f64, f64) {
+    let distance = |section: &CompressibleSection| (section.start_m + 0.5 * section.length_m - position_m).abs();
+    let nearest = rod.sections.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    nearest.map_or_else(
+        || ((position_m - 0.005).max(0.0), (position_m + 0.005).min(rod.length_m())),
+        |section| (section.start_m, section.start_m + section.length_m),
+    )
+}

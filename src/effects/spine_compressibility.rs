@@ -1,0 +1,34 @@
+//! The sections compress more or less.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Card, Effect, Parameter};
+use crate::base::BadOption;
+use crate::rod::RodParams;
+
+/// Compliance of every compressible section times `scale`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpineCompressibility {
+    /// Factor on the compliance, 1 changes nothing.
+    pub scale: f64,
+}
+
+pub(super) const CARD: Card = Card {
+    name: "spine_compressibility",
+    missing: "sections compress more or less",
+    equation: "c_spine → scale · c_spine (eq. 14)",
+    source: "paper, eq. 14",
+    parameters: &[Parameter { name: "scale", unit: "1", null: 1.0 }],
+    confused_with: &["distributed_mass", "bending_stiffness"],
+};
+
+impl Effect for SpineCompressibility {
+    fn check(&self) -> Result<(), BadOption> {
+        super::non_negative("scale", self.scale)
+    }
+
+    fn alter(&self, rod: &mut RodParams) {
+        rod.sections.iter_mut().for_each(|section| section.compliance_m_per_n *= self.scale);
+    }
+}

@@ -1,0 +1,38 @@
+//! Guide holes rotated about the backbone.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Card, Effect, Parameter};
+use crate::base::BadOption;
+use crate::rod::RodParams;
+
+/// All tendons turned about the backbone by one angle.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TendonAngle {
+    /// Rotation from x towards y, rad.
+    pub angle_rad: f64,
+}
+
+pub(super) const CARD: Card = Card {
+    name: "tendon_angle",
+    missing: "guide holes rotated",
+    equation: "r_i → R_z(angle) r_i",
+    source: "geometry",
+    parameters: &[Parameter { name: "angle_rad", unit: "rad", null: 0.0 }],
+    confused_with: &["anisotropic_stiffness", "base_tilt"],
+};
+
+impl Effect for TendonAngle {
+    fn check(&self) -> Result<(), BadOption> {
+        super::finite("angle_rad", self.angle_rad)
+    }
+
+    fn alter(&self, rod: &mut RodParams) {
+        let (sin, cos) = self.angle_rad.sin_cos();
+        for tendon in &mut rod.tendons {
+            let [x, y] = tendon.offset_m;
+            tendon.offset_m = [cos * x - sin * y, sin * x + cos * y];
+        }
+    }
+}

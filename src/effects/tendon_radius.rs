@@ -1,0 +1,36 @@
+//! Guide holes nearer or farther.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Card, Effect, Parameter};
+use crate::base::BadOption;
+use crate::rod::RodParams;
+
+/// Distance of all tendons from the backbone times `scale`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TendonRadius {
+    /// Factor on the distance, 1 changes nothing.
+    pub scale: f64,
+}
+
+pub(super) const CARD: Card = Card {
+    name: "tendon_radius",
+    missing: "guide holes nearer or farther",
+    equation: "r_i → scale · r_i",
+    source: "geometry",
+    parameters: &[Parameter { name: "scale", unit: "1", null: 1.0 }],
+    confused_with: &["actuator_gain", "soft_section"],
+};
+
+impl Effect for TendonRadius {
+    fn check(&self) -> Result<(), BadOption> {
+        BadOption::unless_positive("scale", self.scale)
+    }
+
+    fn alter(&self, rod: &mut RodParams) {
+        for tendon in &mut rod.tendons {
+            tendon.offset_m = tendon.offset_m.map(|offset| offset * self.scale);
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! Tendons are elastic.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Card, Effect, Parameter};
+use crate::base::BadOption;
+use crate::rod::RodParams;
+
+/// Every tendon stretches with its tension.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TendonStretch {
+    /// Stretch of a whole tendon per tension, m/N.
+    pub compliance_m_per_n: f64,
+}
+
+pub(super) const CARD: Card = Card {
+    name: "tendon_stretch",
+    missing: "tendons are elastic",
+    equation: "length + pull = L + C τ",
+    source: "Till et al. 2019; Oliver-Butler et al. 2019",
+    parameters: &[Parameter { name: "compliance_m_per_n", unit: "m/N", null: 0.0 }],
+    confused_with: &["actuator_gain", "soft_section"],
+};
+
+impl Effect for TendonStretch {
+    fn check(&self) -> Result<(), BadOption> {
+        super::non_negative("compliance_m_per_n", self.compliance_m_per_n)
+    }
+
+    fn alter(&self, rod: &mut RodParams) {
+        rod.tendons.iter_mut().for_each(|tendon| tendon.compliance_m_per_n += self.compliance_m_per_n);
+    }
+}

@@ -1,0 +1,34 @@
+//! A constant force at the tip.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Card, Effect, Parameter};
+use crate::base::BadOption;
+use crate::rod::RodParams;
+
+/// A constant force at the tip, world frame.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TipForce {
+    /// Force, N.
+    pub force_n: [f64; 3],
+}
+
+pub(super) const CARD: Card = Card {
+    name: "tip_force",
+    missing: "a constant force at the tip",
+    equation: "n(L) = F",
+    source: "Rucker & Webster 2011, boundary conditions",
+    parameters: &[Parameter { name: "force_n[0]", unit: "N", null: 0.0 }, Parameter { name: "force_n[1]", unit: "N", null: 0.0 }, Parameter { name: "force_n[2]", unit: "N", null: 0.0 }],
+    confused_with: &["tip_load", "base_tilt", "precurvature"],
+};
+
+impl Effect for TipForce {
+    fn check(&self) -> Result<(), BadOption> {
+        self.force_n.iter().try_for_each(|&force| super::finite("force_n", force))
+    }
+
+    fn alter(&self, rod: &mut RodParams) {
+        rod.tip_load.force_n += nalgebra::Vector3::from(self.force_n);
+    }
+}
