@@ -8,7 +8,8 @@ use spinebench::base::{Plant, Point3, Seed, distance_m};
 use spinebench::plants::{ConstantCurvature, ConstantCurvatureOptions};
 use spinebench::tasks::{
     ExploreOptions, GpPointsOptions, GridOptions, Layout, PathOptions, Samples, TargetOptions, TaskError, draw_targets,
-    explore, explore_trajectory, generate, gp_points, interpolate, one_of_each_cluster, replay, target_pool, waypoints,
+    explore, explore_trajectory, generate, gp_points, interpolate, one_of_each_cluster, replay, spread_targets,
+    target_pool, waypoints,
 };
 
 const SHIFT_M: Point3 = [-0.012, 0.004, 0.001];
@@ -205,15 +206,23 @@ fn targets_are_drawn_by_the_experiment_and_are_not_training_points() {
 }
 
 #[test]
-fn sizes_larger_than_the_data_are_errors() {
-    let mut options = TargetOptions { pool: 5_000, ..TargetOptions::default() };
-    assert!(matches!(target_pool(&mut robot(SHIFT_M), &options, Seed(1)), Err(TaskError::TooFew { .. })));
-    options.pool = 40;
-    assert!(matches!(target_pool(&mut robot(SHIFT_M), &options, Seed(1)), Err(TaskError::TooFew { asked: 50, .. })));
+fn sizes_larger_than_the_data_are_errors_that_name_the_key() {
+    let key = |result: Result<(), TaskError>| match result {
+        Err(TaskError::Option(bad)) => bad.key,
+        other => panic!("{other:?}"),
+    };
+    let mut targets = TargetOptions { pool: 5_000, ..TargetOptions::default() };
+    assert_eq!(key(target_pool(&mut robot(SHIFT_M), &targets, Seed(1)).map(drop)), "pool");
+    targets.pool = 40;
+    assert_eq!(key(target_pool(&mut robot(SHIFT_M), &targets, Seed(1)).map(drop)), "drawn");
     let walk = ExploreOptions { points: 3, trajectories: 4, ..ExploreOptions::default() };
-    assert!(matches!(explore(&mut robot(SHIFT_M), &walk, Seed(1)), Err(TaskError::TooFew { .. })));
+    assert_eq!(key(explore(&mut robot(SHIFT_M), &walk, Seed(1)).map(drop)), "trajectories");
     let walk = ExploreOptions { max_step_m: 0.04, ..ExploreOptions::default() };
-    assert!(matches!(explore(&mut robot(SHIFT_M), &walk, Seed(1)), Err(TaskError::Option(_))));
+    assert_eq!(key(explore(&mut robot(SHIFT_M), &walk, Seed(1)).map(drop)), "max_step_m");
+    let path = PathOptions { spacing_m: f64::NAN, ..PathOptions::default() };
+    assert_eq!(key(interpolate(&[[0.0; 3]], &path).map(drop)), "spacing_m");
+    assert!(matches!(draw_targets(&[[0.0; 3]; 4], 5, Seed(1)), Err(TaskError::TooFew { asked: 5, available: 4, .. })));
+    assert!(matches!(spread_targets(&[[0.0; 3]; 4], 2), Err(TaskError::TooFew { asked: 2, available: 1, .. })));
 }
 
 #[test]

@@ -26,6 +26,14 @@ pub struct Entry {
     pub(super) repetitions: Vec<Repetition>,
 }
 
+/// One run, as it is planned.
+pub struct PlannedRun {
+    /// Task, seed, training, policy, mode and sizes.
+    pub label: String,
+    /// Number of its stage.
+    pub stage: usize,
+}
+
 /// The stages of one seed.
 #[derive(Default)]
 pub(super) struct Repetition {
@@ -95,11 +103,23 @@ impl Entry {
         numbers
     }
 
-    /// Cells of goal reaching and tracking: products of seeds, trainings, policies, modes and sizes.
-    pub fn cells(&self) -> usize {
-        let cells =
-            |one: &Repetition| one.trained.iter().map(|cells| cells.reach.len() + cells.track.len()).sum::<usize>();
-        self.repetitions.iter().map(cells).sum()
+    /// The runs: products of seeds, trainings, policies, modes and sizes, in the order of their expansion.
+    pub fn cells(&self) -> Vec<PlannedRun> {
+        let mut runs = Vec::new();
+        for one in &self.repetitions {
+            for trained in &one.trained {
+                let head = format!("seed {} {}", one.seed, trained.training);
+                let run = |task: &str, cell: &Cell, stage: usize| {
+                    let (policy, mode, gp, real) = (&cell.policy, &cell.mode, cell.gp_points, cell.real_points);
+                    let gp = if gp > 0 { format!(" gp_points {gp}") } else { String::new() };
+                    let real = if real > 0 { format!(" real_points {real}") } else { String::new() };
+                    PlannedRun { label: format!("{task} {head} {policy} {mode}{gp}{real}"), stage }
+                };
+                runs.extend(trained.reach.iter().map(|(cell, stage)| run("reach", cell, stage.number())));
+                runs.extend(trained.track.iter().map(|(cell, stage)| run("track", cell, stage.number())));
+            }
+        }
+        runs
     }
 
     /// The experiment's tables: rows sorted, failures as rows with a status.

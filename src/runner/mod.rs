@@ -16,7 +16,7 @@ mod store;
 mod tables;
 mod timing;
 
-pub use campaign::{Campaign, Entry};
+pub use campaign::{Campaign, Entry, PlannedRun};
 pub use claims::{SEEDS_NEEDED, evaluate};
 pub use compare::{Difference, compare};
 pub use graph::{Artifact, Failure, Graph, Handle, Inputs, Kind};

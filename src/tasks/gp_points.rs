@@ -45,7 +45,7 @@ impl Default for GpPointsOptions {
 }
 
 impl GpPointsOptions {
-    /// Number of predefined points.
+    /// Number of points.
     pub fn points(&self) -> usize {
         match self.layout {
             Layout::Grid(grid) => grid.rows * grid.columns,
@@ -106,11 +106,11 @@ pub fn gp_points(
     options: &GpPointsOptions,
     seed: Seed,
 ) -> Result<GpPoints, TaskError> {
+    options.check()?;
     let seed = seed.child("gp_points");
     let visited = match options.layout {
         Layout::Grid(grid) => visit_grid(model, &grid, options.hold_steps, seed)?,
         Layout::Walk { points, every, max_step_m, max_pull_m } => {
-            BadOption::unless_counted("every", every)?;
             let walk = ExploreOptions { points: points * every, trajectories: 1, max_step_m, max_pull_m };
             let steps = explore_trajectory(model, &walk, seed, 0)?;
             Visited { steps, kept: (0..points).map(|point| point * every + every / 2).collect() }
@@ -134,7 +134,6 @@ pub fn gp_points(
 }
 
 fn visit_grid(model: &mut dyn Plant, grid: &GridOptions, hold_steps: usize, seed: Seed) -> Result<Visited, TaskError> {
-    grid.check()?;
     check_pairs(model)?;
     let start = model.reset(seed.child("model"))?;
     let mut recorder = Recorder { plant: model, tip_m: start.tip_m, steps: Samples::begin(4) };

@@ -33,7 +33,7 @@ impl Default for PathOptions {
     fn default() -> Self {
         PathOptions {
             points: 33,
-            radius_m: 0.016,
+            radius_m: 0.02,
             petal_share: 0.3,
             petals: 3,
             closed: true,

@@ -36,13 +36,12 @@ impl TargetOptions {
     pub fn check(&self) -> Result<(), BadOption> {
         self.sweep.check()?;
         BadOption::unless_counted("drawn", self.drawn)?;
-        BadOption::unless_counted("pool", self.pool)?;
-        let bad = |key, found: usize, expected| Err(BadOption { key, found: found.to_string(), expected });
-        if self.pool > self.sweep.rows * self.sweep.columns {
-            return bad("pool", self.pool, "at most sweep.rows times sweep.columns");
-        }
         if self.drawn > self.pool {
-            return bad("drawn", self.drawn, "at most pool");
+            return Err(BadOption { key: "drawn", found: self.drawn.to_string(), expected: "at most pool" });
+        }
+        if self.pool > self.sweep.rows * self.sweep.columns {
+            let found = self.pool.to_string();
+            return Err(BadOption { key: "pool", found, expected: "at most the nodes of the sweep" });
         }
         Ok(())
     }
@@ -54,11 +53,7 @@ impl TargetOptions {
 /// # Errors
 /// [`TaskError`] for a setting out of range, a pool larger than the sweep, or a plant that fails.
 pub fn target_pool(robot: &mut dyn Plant, options: &TargetOptions, seed: Seed) -> Result<Vec<Point3>, TaskError> {
-    options.sweep.check()?;
-    BadOption::unless_counted("drawn", options.drawn)?;
-    if options.drawn > options.pool {
-        return Err(TaskError::TooFew { what: "targets in the pool", asked: options.drawn, available: options.pool });
-    }
+    options.check()?;
     check_pairs(robot)?;
     let mut tip_m = robot.reset(seed.child("target_pool"))?.tip_m;
     let mut bend_m: Bend = [0.0; 2];
