@@ -38,7 +38,7 @@ impl Axis {
         let last = (high / step + 1e-6).floor() as i64;
         let ticks = (first..=last).map(|number| {
             let value = number as f64 * step;
-            (value, format!("{value:.digits$}").replace('-', "−"))
+            (value, signed(value, digits))
         });
         Axis { label: label.to_owned(), low, high, ticks: ticks.collect() }
     }
@@ -58,6 +58,13 @@ impl Axis {
     fn share(&self, value: f64) -> f64 {
         (value - self.low) / (self.high - self.low)
     }
+}
+
+/// A number with a typographer's minus, and none before zero.
+pub(super) fn signed(value: f64, digits: usize) -> String {
+    let text = format!("{value:.digits$}");
+    let zero = text.chars().all(|letter| matches!(letter, '-' | '0' | '.'));
+    if zero { text.replace('-', "") } else { text.replace('-', "−") }
 }
 
 /// Smallest and largest of the finite values, widened where they are one.
@@ -131,12 +138,16 @@ impl Panel {
         canvas.line(&places, width, colour, dash);
     }
 
-    /// A series of means with a band of one standard deviation (x, mean, standard deviation), and markers on the means.
-    pub(super) fn series(&self, canvas: &mut Canvas, points: &[[f64; 3]], look: Look) {
+    /// A band of one standard deviation around means (x, mean, standard deviation); drawn before all lines.
+    pub(super) fn band(&self, canvas: &mut Canvas, points: &[[f64; 3]], look: Look) {
         let banded: Vec<&[f64; 3]> = points.iter().filter(|point| point[2].is_finite()).collect();
         let upper = banded.iter().map(|[x, mean, sd]| self.at(*x, (mean + sd).min(self.y.high)));
         let lower = banded.iter().rev().map(|[x, mean, sd]| self.at(*x, (mean - sd).max(self.y.low)));
         canvas.area(upper.chain(lower).collect(), look.colour, BAND);
+    }
+
+    /// A line through means (x, mean, standard deviation) with markers on them.
+    pub(super) fn series(&self, canvas: &mut Canvas, points: &[[f64; 3]], look: Look) {
         let line: Vec<[f64; 2]> = points.iter().map(|[x, mean, _]| [*x, *mean]).collect();
         self.line(canvas, &line, look.colour, look.dash, LINE);
         for [x, mean] in line {

@@ -1,10 +1,14 @@
 //! The paper's claims and what became of them: a table in Markdown and a picture of ours against the paper's.
 
-use super::axes::{Axis, Panel};
+use super::axes::{Axis, Panel, signed};
 use super::canvas::{Align, Canvas, Text};
 use super::legend::{Key, legend};
 use super::markup::Grid;
-use super::style::{Colour, DASHED, GREEN, GREY, HAIR, INK, MARKER, Marker, PAGE_WIDTH, SMALL, VERMILION};
+use super::paint::text_width;
+use super::style::{
+    Colour, DASHED, GREEN, GREY, HAIR, INK, MARKER, Marker, PAGE_WIDTH, SMALL, VERMILION, WHITE, policy_label,
+    training_short,
+};
 use super::{Artifact, Figure, Published, ReportError, pictures, text};
 use crate::data::rows::ClaimRow;
 
@@ -28,37 +32,45 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     Ok(files)
 }
 
-/// Three significant digits, without a tail of zeros that nobody measured.
-fn number(value: f64) -> String {
-    if !value.is_finite() {
-        return "–".to_owned();
-    }
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    let digits = (2.0 - value.abs().log10().floor()).clamp(0.0, 6.0) as usize;
-    format!("{value:.digits$}").replace('-', "−")
+/// The numbers of a claim as text, to one number of decimals (three significant digits of the largest of ours); metres
+/// as millimetres.
+struct Shown {
+    paper: String,
+    ours: String,
+    interval: Option<String>,
+    unit: String,
 }
 
-fn interval(row: &ClaimRow) -> String {
-    if row.low_95.is_finite() && row.high_95.is_finite() {
-        format!("[{}, {}]", number(row.low_95), number(row.high_95))
-    } else {
-        "–".to_owned()
+fn shown(row: &ClaimRow) -> Shown {
+    let metres = row.unit == "m" || row.unit.starts_with("m/");
+    let (scale, unit) = if metres { (1e3, format!("m{}", row.unit)) } else { (1.0, row.unit.clone()) };
+    let finite = [row.ours, row.low_95, row.high_95].into_iter().filter(|value| value.is_finite());
+    let largest = finite.map(|value| (scale * value).abs()).fold(0.0, f64::max);
+    let number = |value: f64, largest: f64| {
+        let digits = if largest > 0.0 { (2.0 - largest.log10().floor()).clamp(0.0, 6.0) as usize } else { 0 };
+        if value.is_finite() { signed(scale * value, digits) } else { "–".to_owned() }
+    };
+    let whole = row.low_95.is_finite() && row.high_95.is_finite();
+    Shown {
+        paper: number(row.paper, (scale * row.paper).abs()),
+        ours: number(row.ours, largest),
+        interval: whole.then(|| format!("[{}, {}]", number(row.low_95, largest), number(row.high_95, largest))),
+        unit,
     }
 }
 
 fn markdown(claims: &[ClaimRow]) -> String {
-    let header = ["Claim", "Training", "Paper", "Ours", "95 % interval", "Unit", "Seeds", "Verdict"];
+    let header = ["Claim", "Networks", "Paper", "Ours", "95 % interval", "Unit", "Seeds", "Verdict"];
     let mut grid = Grid { header: header.map(str::to_owned).to_vec(), rows: Vec::new() };
     for row in claims {
+        let shown = shown(row);
         grid.rows.push(vec![
             row.statement.clone(),
-            row.training.clone(),
-            number(row.paper),
-            number(row.ours),
-            interval(row),
-            row.unit.clone(),
+            training_short(&row.training).to_owned(),
+            shown.paper,
+            shown.ours,
+            shown.interval.unwrap_or_else(|| "–".to_owned()),
+            shown.unit,
             row.seeds.to_string(),
             format!("**{}**", row.verdict),
         ]);
@@ -87,12 +99,12 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
         let (colour, marker, hollow) = look(verdict);
         (Key::Marker(marker, colour, hollow), verdict)
     });
-    legend(&mut canvas, [200.0, 18.0], PAGE_WIDTH, &keys);
+    legend(&mut canvas, [236.0, 18.0], PAGE_WIDTH, &keys);
     let axis = Axis::exact("ours / paper", REACH[0], REACH[1], 4);
     let rows = Axis { label: String::new(), low: 0.0, high: claims.len() as f64, ticks: Vec::new() };
-    let panel = Panel { corner: [200.0, top], size: [230.0, high], x: axis, y: rows, title: String::new() };
+    let panel = Panel { corner: [236.0, top], size: [208.0, high], x: axis, y: rows, title: String::new() };
     panel.draw(&mut canvas);
-    let columns = [(448.0, "paper"), (502.0, "ours [95 % interval]"), (640.0, "unit")];
+    let columns = [(462.0, "paper"), (510.0, "ours [95 % interval]"), (652.0, "unit")];
     for (x, name) in columns {
         canvas.text(Text::new(name, [x, top - 8.0], SMALL, Align::Left).bold());
     }
@@ -104,14 +116,15 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
         let y = top + ROW * (index as f64 + 0.5);
         claim(&mut canvas, &panel, row, y);
         let first = index == 0 || claims[index - 1].claim != row.claim;
-        let name = if first { row.claim.replace('_', " ") } else { String::new() };
+        let name = row.claim.replace("pi_real", &policy_label("pi_real")).replace('_', " ");
         let base = y + 0.36 * SMALL;
-        canvas.text(Text::new(name, [10.0, base], SMALL, Align::Left));
-        canvas.text(Text::new(&row.training, [192.0, base], 8.6, Align::Right).colour(GREY));
-        canvas.text(Text::new(number(row.paper), [columns[0].0, base], SMALL, Align::Left));
-        let ours = format!("{} {}", number(row.ours), interval(row)).replace(" –", "");
+        let shown = shown(row);
+        let ours = format!("{} {}", shown.ours, shown.interval.unwrap_or_default());
+        canvas.text(Text::new(if first { &name } else { "" }, [10.0, base], SMALL, Align::Left));
+        canvas.text(Text::new(training_short(&row.training), [228.0, base], 8.6, Align::Right).colour(GREY));
+        canvas.text(Text::new(shown.paper, [columns[0].0, base], SMALL, Align::Left));
         canvas.text(Text::new(ours, [columns[1].0, base], SMALL, Align::Left).colour(look(&row.verdict).0));
-        canvas.text(Text::new(&row.unit, [columns[2].0, base], SMALL, Align::Left));
+        canvas.text(Text::new(shown.unit, [columns[2].0, base], SMALL, Align::Left));
         if first && index > 0 {
             let edge = y - ROW / 2.0;
             canvas.line(&[[10.0, edge], [PAGE_WIDTH - 10.0, edge]], HAIR, super::style::GRID, &[]);
@@ -128,8 +141,10 @@ fn claim(canvas: &mut Canvas, panel: &Panel, row: &ClaimRow, y: f64) {
         ratio.is_finite().then(|| [panel.at(ratio.clamp(REACH[0], REACH[1]), 0.0)[0], y])
     };
     let Some(middle) = place(row.ours) else {
-        let at = [panel.at(REACH[0], 0.0)[0] + 6.0, y + 0.36 * SMALL];
-        canvas.text(Text::new("no figure in the paper", at, 8.6, Align::Left).colour(GREY));
+        let words = if row.paper == 0.0 { "paper: 0, no ratio" } else { "no figure in the paper" };
+        let at = panel.at(0.08, 0.0)[0];
+        canvas.rectangle([at - 2.0, y - 6.0], [at + 2.0 + text_width(words, 8.6, false), y + 6.0], WHITE, 1.0);
+        canvas.text(Text::new(words, [at, y + 0.36 * SMALL], 8.6, Align::Left).colour(GREY));
         return;
     };
     if let (Some(low), Some(high)) = (place(row.low_95), place(row.high_95)) {

@@ -1,7 +1,7 @@
 //! Fig. 5: tips that the model computes and tips that the robot shows, under the same commands: three projections, and
 //! how the difference is distributed along each axis.
 
-use super::axes::{Axis, Panel, range};
+use super::axes::{Axis, Panel, range, signed};
 use super::canvas::{Align, Canvas, Text};
 use super::legend::{Key, legend};
 use super::style::{BLUE, DASHED, GREY, INK, PAGE_WIDTH, SMALL, VERMILION};
@@ -69,23 +69,21 @@ fn summary(gaps: &[GapRow]) -> Vec<GapSummaryRow> {
 fn draw(gaps: &[GapRow]) -> Canvas {
     let stride = gaps.len().div_ceil(DOTS).max(1);
     let shown: Vec<&GapRow> = gaps.iter().step_by(stride).collect();
-    let axes: Vec<Axis> = (0..3)
-        .map(|axis| {
-            let both = gaps.iter().flat_map(|row| [1e3 * simulated(row)[axis], 1e3 * real(row)[axis]]);
-            let (low, high) = range(both);
-            let room = 0.04 * (high - low);
-            Axis::exact(&format!("{} (mm)", AXES[axis]), low - room, high + room, 5)
-        })
-        .collect();
-    let span = |axis: usize| axes[axis].high - axes[axis].low;
+    let spans = spans_mm(gaps);
+    let span = |axis: usize| spans[axis][1] - spans[axis][0];
     // One scale for all three projections, so that shapes are true and can be compared.
     let free = PAGE_WIDTH - 3.0 * 56.0 - 12.0;
-    let scale =
-        (free / PROJECTIONS.iter().map(|(across, _)| span(*across)).sum::<f64>()).min(260.0 / span(0).max(span(1)));
+    let scale = (free / PROJECTIONS.iter().map(|(across, _)| span(*across)).sum::<f64>()).min(260.0 / span(0));
+    let axes: Vec<Axis> = (0..3)
+        .map(|axis| {
+            let wanted = (scale * span(axis) / 42.0).round().max(2.0) as usize;
+            Axis::exact(&format!("{} (mm)", AXES[axis]), spans[axis][0], spans[axis][1], wanted)
+        })
+        .collect();
     let top = 44.0;
-    let high = scale * span(0).max(span(1));
-    let mut canvas = Canvas::new(PAGE_WIDTH, (top + high + 240.0).round());
-    let dots = format!("(every {stride}th of {} samples drawn)", gaps.len());
+    let high = scale * span(0);
+    let mut canvas = Canvas::new(PAGE_WIDTH, (top + high + 234.0).round());
+    let dots = format!("one sample in {stride} of {} is drawn", gaps.len());
     let words = if stride == 1 { String::new() } else { dots };
     let keys = [(Key::Dot(BLUE), "simulated"), (Key::Dot(VERMILION), "real")];
     legend(&mut canvas, [56.0, 16.0], PAGE_WIDTH, &keys);
@@ -107,8 +105,16 @@ fn draw(gaps: &[GapRow]) -> Canvas {
         }
         left += panel.size[0] + 56.0;
     }
-    histograms(&mut canvas, gaps, top + high + 78.0);
+    histograms(&mut canvas, gaps, top + high + 76.0);
     canvas
+}
+
+/// What each axis shows, millimetres; x and y alike, so that the projections stand side by side.
+fn spans_mm(gaps: &[GapRow]) -> [[f64; 2]; 3] {
+    let seen = |axis: usize| gaps.iter().flat_map(move |row| [1e3 * simulated(row)[axis], 1e3 * real(row)[axis]]);
+    let wide = |(low, high): (f64, f64)| [low - 0.04 * (high - low), high + 0.04 * (high - low)];
+    let across = wide(range(seen(0).chain(seen(1))));
+    [across, across, wide(range(seen(2)))]
 }
 
 /// Share of the samples by difference, one panel an axis, all to one scale.
@@ -123,8 +129,8 @@ fn histograms(canvas: &mut Canvas, gaps: &[GapRow], top: f64) {
     let y = Axis::covering("share of samples (%)", shares.iter().flatten().copied().chain([0.0]), 4);
     for axis in 0..3 {
         let panel = Panel {
-            corner: [56.0 + 224.0 * axis as f64, top],
-            size: [204.0, 110.0],
+            corner: [56.0 + 228.0 * axis as f64, top],
+            size: [196.0, 110.0],
             x: Axis { label: format!("simulated − real, {} (mm)", AXES[axis]), ..x.clone() },
             y: if axis == 0 { y.clone() } else { y.bare() },
             title: format!("({}) along {}", ["d", "e", "f"][axis], AXES[axis]),
@@ -138,10 +144,13 @@ fn histograms(canvas: &mut Canvas, gaps: &[GapRow], top: f64) {
         panel.line(canvas, &[[0.0, y.low], [0.0, y.high]], INK, &[], 0.8);
         let centre = mean(&gaps_mm[axis]);
         panel.line(canvas, &[[centre, y.low], [centre, y.high]], VERMILION, DASHED, 1.3);
-        let words = [format!("mean {centre:.1} mm"), format!("rms {:.1} mm", root_mean_square(&gaps_mm[axis]))];
-        for (line, words) in words.iter().enumerate() {
-            let at = [panel.corner[0] + panel.size[0] - 2.0, top + 10.0 + 13.0 * line as f64];
-            canvas.text(Text::new(words.replace('-', "−"), at, SMALL, Align::Right));
+        let rms = root_mean_square(&gaps_mm[axis]);
+        let words = [format!("mean {} mm", signed(centre, 1)), format!("rms {rms:.1} mm")];
+        // On the side where the mean is not.
+        let (edge, align) = if centre > 0.0 { (2.0, Align::Left) } else { (panel.size[0] - 2.0, Align::Right) };
+        for (line, words) in words.into_iter().enumerate() {
+            let at = [panel.corner[0] + edge, top + 10.0 + 13.0 * line as f64];
+            canvas.text(Text::new(words, at, SMALL, align));
         }
     }
 }

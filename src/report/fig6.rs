@@ -4,7 +4,7 @@
 use super::axes::{Axis, Panel};
 use super::canvas::{Align, Canvas, Text};
 use super::legend::{Key, legend};
-use super::style::{BLUE, GREY, INK, Look, MARKER, Marker, PAGE_WIDTH, SMALL, SOLID, VERMILION, training_label};
+use super::style::{BLUE, GREY, INK, Look, MARKER, Marker, PAGE_WIDTH, SMALL, SOLID, TEXT, VERMILION, heading};
 use super::summarise::reach_summary;
 use super::{Artifact, Figure, Published, ReportError, csv, pictures, trainings};
 use crate::data::rows::ReachSummaryRow;
@@ -29,13 +29,13 @@ struct Part {
 const PARTS: [Part; 2] = [
     Part {
         policy: "pi_real",
-        title: "πᵣₑₐₗ",
+        title: "(a) πᵣₑₐₗ",
         axis: "real points that the network is trained on",
         size: |row| row.real_points,
     },
     Part {
         policy: "a",
-        title: "policy A",
+        title: "(b) policy A",
         axis: "real points that the Gaussian process is fitted to",
         size: |row| row.gp_points,
     },
@@ -58,38 +58,46 @@ fn draw(summary: &[ReachSummaryRow]) -> Canvas {
     let parts: Vec<&Part> = PARTS.iter().filter(|part| summary.iter().any(|row| row.policy == part.policy)).collect();
     let (left, gap) = (56.0, 22.0);
     let width = (PAGE_WIDTH - left - 12.0 - gap * (columns.len() - 1) as f64) / columns.len() as f64;
-    let (top, high, pitch) = (60.0, 165.0, 248.0);
-    let mut canvas = Canvas::new(PAGE_WIDTH, top + pitch * parts.len() as f64 - 26.0);
+    let (top, high, pitch) = (76.0, 165.0, 236.0);
+    let mut canvas = Canvas::new(PAGE_WIDTH, top + pitch * parts.len() as f64 - 22.0);
     let mut keys: Vec<(Key, &str)> = LOOKS.iter().map(|(_, name, look)| (Key::Series(*look), *name)).collect();
     keys.push((Key::Marker(Marker::Square, INK, true), "paper, Table I, open"));
     keys.push((Key::Marker(Marker::Circle, INK, true), "paper, Table I, closed"));
     legend(&mut canvas, [left, 16.0], PAGE_WIDTH, &keys);
     let note = "band: ± 1 standard deviation over targets; bar: 95 % interval of the mean over repetitions";
     canvas.text(Text::new(note, [left, 33.0], SMALL, Align::Left).colour(GREY));
-    let ends = summary.iter().flat_map(|row| {
-        let spread = if row.sd_m.is_finite() { row.sd_m } else { 0.0 };
-        [row.mean_m + spread, row.mean_m - spread, row.high_95_m, row.paper_mean_m].map(|value| 1e3 * value)
-    });
-    let y = Axis::covering("goal-reaching error (mm)", ends.chain([0.0]), 5);
+    for (column, training) in columns.iter().enumerate() {
+        let middle = left + column as f64 * (width + gap) + width / 2.0;
+        canvas.text(Text::new(heading(training), [middle, 52.0], TEXT, Align::Centre).bold());
+    }
     for (line, part) in parts.iter().enumerate() {
+        let y = errors(summary.iter().filter(|row| row.policy == part.policy));
         for (column, training) in columns.iter().enumerate() {
             let rows: Vec<&ReachSummaryRow> =
                 summary.iter().filter(|row| row.policy == part.policy && row.training == *training).collect();
             let sizes = sizes(&rows, part);
             let names: Vec<String> = sizes.iter().map(u64::to_string).collect();
-            let letter = ["a", "b"][PARTS.iter().position(|known| known.policy == part.policy).unwrap_or(0)];
             let panel = Panel {
                 corner: [left + column as f64 * (width + gap), top + pitch * line as f64],
                 size: [width, high],
                 x: Axis::categories(part.axis, &names),
                 y: if column == 0 { y.clone() } else { y.bare() },
-                title: format!("({letter}) {}, {}", part.title, training_label(training)),
+                title: part.title.to_owned(),
             };
             panel.draw(&mut canvas);
             lines(&mut canvas, &panel, &rows, &sizes, part);
         }
     }
     canvas
+}
+
+/// The axis of errors, millimetres, with room for bands, intervals and the paper's points.
+fn errors<'a>(rows: impl Iterator<Item = &'a ReachSummaryRow>) -> Axis {
+    let ends = rows.flat_map(|row| {
+        let spread = if row.sd_m.is_finite() { row.sd_m } else { 0.0 };
+        [row.mean_m + spread, row.mean_m - spread, row.high_95_m, row.paper_mean_m].map(|value| 1e3 * value)
+    });
+    Axis::covering("goal-reaching error (mm)", ends.chain([0.0]), 5)
 }
 
 fn sizes(rows: &[&ReachSummaryRow], part: &Part) -> Vec<u64> {
@@ -99,25 +107,32 @@ fn sizes(rows: &[&ReachSummaryRow], part: &Part) -> Vec<u64> {
     sizes
 }
 
-/// Open and closed loop in one panel; sizes stand at equal distances, in their order.
+/// Open and closed loop in one panel; sizes stand at equal distances, in their order. Bands go below all lines.
 fn lines(canvas: &mut Canvas, panel: &Panel, rows: &[&ReachSummaryRow], sizes: &[u64], part: &Part) {
-    for (index, (mode, _, look)) in LOOKS.into_iter().enumerate() {
-        let place = |row: &ReachSummaryRow| sizes.iter().position(|size| *size == (part.size)(row)).unwrap_or(0) as f64;
-        let mut rows: Vec<&&ReachSummaryRow> = rows.iter().filter(|row| row.mode == mode && row.trials > 0).collect();
+    let place = |row: &ReachSummaryRow| sizes.iter().position(|size| *size == (part.size)(row)).unwrap_or(0) as f64;
+    let of_mode = |mode: &str| {
+        let mut rows: Vec<&ReachSummaryRow> =
+            rows.iter().copied().filter(|row| row.mode == mode && row.trials > 0).collect();
         rows.sort_by_key(|row| (part.size)(row));
-        let points: Vec<[f64; 3]> = rows.iter().map(|row| [place(row), 1e3 * row.mean_m, 1e3 * row.sd_m]).collect();
-        panel.series(canvas, &points, look);
-        for row in rows {
-            if row.low_95_m.is_finite() {
-                let ends = [1e3 * row.low_95_m, 1e3 * row.high_95_m].map(|end| end.clamp(panel.y.low, panel.y.high));
-                panel.interval(canvas, place(row), ends, look.colour);
-                canvas.marker(panel.at(place(row), 1e3 * row.mean_m), look.marker, MARKER, look.colour, false);
-            }
-            if row.paper_mean_m.is_finite() {
-                // A little beside, so that neither covers the other.
-                let beside = place(row) + if index == 0 { -0.16 } else { 0.16 };
-                canvas.marker(panel.at(beside, 1e3 * row.paper_mean_m), look.marker, MARKER + 0.4, INK, true);
-            }
+        rows
+    };
+    let points = |rows: &[&ReachSummaryRow]| -> Vec<[f64; 3]> {
+        rows.iter().map(|row| [place(row), 1e3 * row.mean_m, 1e3 * row.sd_m]).collect()
+    };
+    for (mode, _, look) in LOOKS {
+        panel.band(canvas, &points(&of_mode(mode)), look);
+    }
+    for (index, (mode, _, look)) in LOOKS.into_iter().enumerate() {
+        let rows = of_mode(mode);
+        for row in rows.iter().filter(|row| row.low_95_m.is_finite()) {
+            let ends = [1e3 * row.low_95_m, 1e3 * row.high_95_m].map(|end| end.clamp(panel.y.low, panel.y.high));
+            panel.interval(canvas, place(row), ends, look.colour);
+        }
+        panel.series(canvas, &points(&rows), look);
+        for row in rows.iter().filter(|row| row.paper_mean_m.is_finite()) {
+            // A little beside, so that neither covers the other.
+            let beside = place(row) + if index == 0 { -0.16 } else { 0.16 };
+            canvas.marker(panel.at(beside, 1e3 * row.paper_mean_m), look.marker, MARKER + 0.4, INK, true);
         }
     }
 }

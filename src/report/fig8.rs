@@ -5,8 +5,8 @@ use super::canvas::{Align, Canvas, Place, Text};
 use super::legend::{Key, legend};
 use super::markup::Grid;
 use super::style::{
-    CLOUD, DASHED, GREY, HAIR, INK, Marker, PAGE_WIDTH, POLICIES, SMALL, SOLID, TEXT, policy_label, policy_look,
-    training_label,
+    CLOUD, DASHED, GREY, HAIR, INK, Marker, PAGE_WIDTH, POLICIES, SMALL, SOLID, TEXT, heading, policy_label,
+    policy_look, policy_markdown, training_short,
 };
 use super::summarise::{rank, track_summary};
 use super::view::View;
@@ -71,7 +71,7 @@ fn tip(row: &TrackRow) -> Point3 {
 /// Mean over repetitions of each policy's figures, with intervals where there are enough.
 fn markdown(summary: &[TrackSummaryRow]) -> String {
     let header =
-        ["Training", "Controller", "Error, mean(SD) (m)", "At the start (m)", "Oscillation (mm)", "Completion (s)"];
+        ["Networks", "Controller", "Error, mean(SD) (m)", "At the start (m)", "Oscillation (mm)", "Completion (s)"];
     let mut grid = Grid { header: header.map(str::to_owned).to_vec(), rows: Vec::new() };
     let mut groups: Vec<Vec<&TrackSummaryRow>> = Vec::new();
     for row in summary {
@@ -88,8 +88,8 @@ fn markdown(summary: &[TrackSummaryRow]) -> String {
         };
         let error = format!("{:.5}({:.5})", mean(&of(|row| row.mean_error_m)), mean(&of(|row| row.sd_error_m)));
         grid.rows.push(vec![
-            group[0].training.clone(),
-            policy_label(&group[0].policy),
+            training_short(&group[0].training).to_owned(),
+            policy_markdown(&group[0].policy),
             error,
             with(of(|row| row.start_error_m), 5),
             with(of(|row| 1e3 * row.oscillation_m), 2),
@@ -109,11 +109,9 @@ fn draw(published: &Published, summary: &[TrackSummaryRow], training: &str) -> C
     let series_top = 410.0;
     let high = series_top + (STRIP + 12.0) * runs.len() as f64 + 40.0;
     let mut canvas = Canvas::new(PAGE_WIDTH, high.round());
-    let heading = training_label(training);
-    let heading = heading[..1].to_uppercase() + &heading[1..];
-    canvas.text(Text::new(heading, [PAGE_WIDTH - 12.0, 18.0], SMALL, Align::Right).colour(GREY));
-    let view = target_path(&mut canvas, published, &runs);
-    tracked(&mut canvas, &view, &runs);
+    canvas.text(Text::new(heading(training), [PAGE_WIDTH - 12.0, 18.0], SMALL, Align::Right).colour(GREY));
+    target_path(&mut canvas, published, &runs);
+    tracked(&mut canvas, &runs);
     series(&mut canvas, &runs, summary, series_top);
     canvas
 }
@@ -132,13 +130,13 @@ fn path(published: &Published, runs: &[Run]) -> (Vec<Point3>, Vec<Point3>) {
 }
 
 /// (a): the path and its points inside the workspace.
-fn target_path(canvas: &mut Canvas, published: &Published, runs: &[Run]) -> View {
+fn target_path(canvas: &mut Canvas, published: &Published, runs: &[Run]) {
     let (targets, waypoints) = path(published, runs);
     let stride = published.gaps.len().div_ceil(CLOUD_DOTS).max(1);
     let seen = published.gaps.iter().step_by(stride).map(|row| [row.real_x_m, row.real_y_m, row.real_z_m]);
     let cloud: Vec<Point3> = seen.collect();
     let tips = runs.iter().flat_map(|run| run.rows.iter().map(|row| tip(row)));
-    let (corner, size) = ([12.0, 52.0], [318.0, 318.0]);
+    let (corner, size) = ([12.0, 52.0], [318.0, 274.0]);
     let everything = cloud.iter().chain(&targets).chain(&waypoints).copied().chain(tips);
     let view = View::of(everything, corner, size, 8.0);
     canvas.text(Text::new("(a) target path in the workspace", [corner[0], 20.0], TEXT, Align::Left).bold());
@@ -160,13 +158,12 @@ fn target_path(canvas: &mut Canvas, published: &Published, runs: &[Run]) -> View
         keys.push((Key::Dot(CLOUD), "workspace"));
     }
     legend(canvas, [corner[0], 38.0], 330.0, &keys);
-    view.triad(canvas, [corner[0] + 34.0, corner[1] + size[1] - 40.0], 30.0);
-    view.scale_bar(canvas, [corner[0] + size[0] - 90.0, corner[1] + size[1] - 4.0], 0.05);
-    view
+    view.triad(canvas, [corner[0] + 40.0, corner[1] + size[1] + 38.0], 26.0);
+    view.scale_bar(canvas, [corner[0] + size[0] - 90.0, corner[1] + size[1] + 50.0], 0.05);
 }
 
-/// (b): one small picture a policy, in the view of (a).
-fn tracked(canvas: &mut Canvas, view: &View, runs: &[Run]) {
+/// (b): one small picture a policy, seen as in (a) and closer.
+fn tracked(canvas: &mut Canvas, runs: &[Run]) {
     let left = 346.0;
     canvas.text(Text::new("(b) tracked paths", [left, 20.0], TEXT, Align::Left).bold());
     let near = runs.iter().flat_map(|run| run.rows.iter().flat_map(|row| [target(row), tip(row)]));
@@ -186,7 +183,6 @@ fn tracked(canvas: &mut Canvas, view: &View, runs: &[Run]) {
     }
     let keys = [(Key::Line(CLOUD, SOLID), "target"), (Key::Line(INK, SOLID), "tip (marker: start)")];
     legend(canvas, [left, 38.0], PAGE_WIDTH, &keys);
-    let _ = view;
     close.moved([left, 52.0], size).scale_bar(canvas, [PAGE_WIDTH - 80.0, 384.0], 0.05);
 }
 
@@ -194,7 +190,7 @@ fn tracked(canvas: &mut Canvas, view: &View, runs: &[Run]) {
 fn series(canvas: &mut Canvas, runs: &[Run], summary: &[TrackSummaryRow], top: f64) {
     let title = Text::new("(c) tracking error over time", [LEFT - 44.0, top], TEXT, Align::Left);
     canvas.text(title.bold());
-    let keys = [(Key::Line(GREY, DASHED), "mean over the run"), (Key::Line(INK, SOLID), "path completed")];
+    let keys = [(Key::Line(GREY, DASHED), "mean over the run"), (Key::Line(INK, SOLID), "end of the run")];
     legend(canvas, [LEFT + 170.0, top], PAGE_WIDTH, &keys);
     let rows = || runs.iter().flat_map(|run| &run.rows);
     let x = Axis::covering("time (s)", rows().map(|row| row.time_s).chain([0.0]), 8);
@@ -231,8 +227,8 @@ fn strip(canvas: &mut Canvas, panel: &Panel, run: &Run, summary: &[TrackSummaryR
     panel.line(canvas, &[[panel.x.low, mean_mm], [panel.x.high, mean_mm]], GREY, DASHED, HAIR);
     let end = row.completion_time_s;
     panel.line(canvas, &[[end, panel.y.low], [end, panel.y.high]], INK, SOLID, HAIR);
-    let words =
-        [format!("mean {mean_mm:.1} mm"), format!("swing {:.1} mm", 1e3 * row.oscillation_m), format!("{end:.0} s")];
+    let end_words = if row.status == "ok" { format!("{end:.0} s") } else { row.status.clone() };
+    let words = [format!("mean {mean_mm:.1} mm"), format!("oscill. {:.1} mm", 1e3 * row.oscillation_m), end_words];
     for (number, words) in words.into_iter().enumerate() {
         canvas.text(Text::new(words, [right, line(number as f64 + 1.0)], SMALL, Align::Left));
     }

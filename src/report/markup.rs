@@ -42,6 +42,8 @@ pub fn latex(text: &str) -> String {
                 out.push('\\');
                 out.push(letter);
             }
+            '’' => out.push('\''),
+            '–' => out.push_str("--"),
             '~' => out.push_str("\\textasciitilde{}"),
             '^' => out.push_str("\\textasciicircum{}"),
             other => out.push(other),
@@ -68,6 +70,6 @@ mod tests {
 
     #[test]
     fn latex_is_escaped() {
-        assert_eq!(latex("50 % of a_b & {c}"), "50 \\% of a\\_b \\& \\{c\\}");
+        assert_eq!(latex("50 % of a_b & {c}’s"), "50 \\% of a\\_b \\& \\{c\\}'s");
     }
 }

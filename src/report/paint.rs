@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{
-    Color, FontFamily, FontStyle, FontTransform, IntoFont, RGBAColor, RGBColor, ShapeStyle, TextStyle, register_font,
+    Color, FontDesc, FontFamily, FontStyle, FontTransform, RGBAColor, RGBColor, ShapeStyle, TextStyle, register_font,
 };
 
 use super::canvas::{Align, Canvas, Mark, Place, Text};
@@ -79,9 +79,9 @@ pub(super) fn text_width(text: &str, size: f64, bold: bool) -> f64 {
     if register().is_err() {
         return 0.0;
     }
-    let font = FontFamily::Name(FAMILY).into_font().resize(size * FONT_HEIGHT * FINE);
-    let font = if bold { font.style(FontStyle::Bold) } else { font };
-    font.layout_box(text).map_or(0.0, |((left, _), (right, _))| f64::from(right - left) / FINE)
+    font(size * FONT_HEIGHT * FINE, bold)
+        .layout_box(text)
+        .map_or(0.0, |((left, _), (right, _))| f64::from(right - left) / FINE)
 }
 
 /// Makes the embedded fonts known, once.
@@ -92,6 +92,11 @@ fn register() -> Result<(), PaintError> {
             && register_font(FAMILY, FontStyle::Bold, dejavu::sans::bold()).is_ok()
     });
     if *done { Ok(()) } else { Err(PaintError("the embedded font is not a font".to_owned())) }
+}
+
+/// The embedded font; its weight is chosen here, because a loaded font keeps the weight it was loaded with.
+fn font(size: f64, bold: bool) -> FontDesc<'static> {
+    FontDesc::new(FontFamily::Name(FAMILY), size, if bold { FontStyle::Bold } else { FontStyle::Normal })
 }
 
 /// Puts marks on one of the two grounds.
@@ -163,8 +168,7 @@ impl<B: DrawingBackend> Painter<'_, B> {
             Align::Centre => HPos::Center,
             Align::Right => HPos::Right,
         };
-        let font = FontFamily::Name(FAMILY).into_font().resize(size);
-        let font = if text.bold { font.style(FontStyle::Bold) } else { font };
+        let font = font(size, text.bold);
         let font = if text.upwards { font.transform(FontTransform::Rotate270) } else { font };
         let ink = colour(text.colour);
         let style = TextStyle::from(font).color(&ink).pos(Pos::new(horizontal, VPos::Top));
@@ -209,7 +213,7 @@ fn encode(pixels: &[u8], wide: usize, high: usize) -> Result<Vec<u8>, PaintError
     let mut encoder = png::Encoder::new(&mut bytes, wide as u32, high as u32);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::Best);
+    encoder.set_compression(png::Compression::Default);
     encoder.set_adaptive_filter(png::AdaptiveFilterType::Adaptive);
     // Two pixels to a hundredth of an inch: 200 dpi, 7874 to the metre.
     encoder.set_pixel_dims(Some(png::PixelDimensions { xppu: 7874, yppu: 7874, unit: png::Unit::Meter }));

@@ -109,7 +109,24 @@ pub fn policy_label(policy: &str) -> String {
     }
 }
 
-/// What a way of training means, in words for a title.
+/// The same in Markdown.
+pub fn policy_markdown(policy: &str) -> String {
+    if policy == "pi_real" { "π<sub>real</sub>".to_owned() } else { policy_label(policy) }
+}
+
+/// A way of training in two words.
+pub fn training_short(training: &str) -> &str {
+    if training == "paper" { "paper’s errors" } else { training }
+}
+
+/// What a way of training means, as a heading.
+pub fn heading(training: &str) -> String {
+    let words = training_label(training);
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// What a way of training means, in words.
 pub fn training_label(training: &str) -> String {
     match training {
         "paper" => "networks stopped at the paper’s errors".to_owned(),

@@ -46,11 +46,17 @@ fn draw(rows: &[SweepRow]) -> Canvas {
         title: String::new(),
     };
     panel.draw(&mut canvas);
-    for (index, name) in names.iter().enumerate() {
+    let points = |name: &str| {
         let mut points: Vec<[f64; 3]> =
-            rows.iter().filter(|row| row.series == *name).map(|row| [row.x, row.mean, row.sd]).collect();
+            rows.iter().filter(|row| row.series == name).map(|row| [row.x, row.mean, row.sd]).collect();
         points.sort_by(|one, other| one[0].total_cmp(&other[0]));
-        panel.series(&mut canvas, &points, LOOKS[index % LOOKS.len()]);
+        points
+    };
+    for (index, name) in names.iter().enumerate() {
+        panel.band(&mut canvas, &points(name), LOOKS[index % LOOKS.len()]);
+    }
+    for (index, name) in names.iter().enumerate() {
+        panel.series(&mut canvas, &points(name), LOOKS[index % LOOKS.len()]);
     }
     canvas
 }

@@ -6,7 +6,8 @@ use super::canvas::{Align, Canvas, Text};
 use super::legend::{Key, legend};
 use super::markup::{Grid, latex};
 use super::style::{
-    BLUE, Colour, GREEN, HAIR, INK, MARKER, Marker, ORANGE, PAGE_WIDTH, POLICIES, SMALL, policy_label, training_label,
+    BLUE, Colour, GREEN, HAIR, INK, MARKER, Marker, ORANGE, PAGE_WIDTH, POLICIES, SMALL, policy_label, policy_markdown,
+    training_label,
 };
 use super::summarise::{MODES, reach_summary};
 use super::{Artifact, Figure, Published, ReportError, csv, paper, pictures, text, trainings};
@@ -86,10 +87,18 @@ fn entry(summary: &[ReachSummaryRow], source: &Source, policy: &str, mode: &str)
 /// and was not run.
 fn printed(entry: Option<&Entry>, policy: &str, mode: &str) -> String {
     match entry {
-        Some(entry) => format!("{:.5}({:.5})", entry.mean_m, entry.sd_m),
+        Some(entry) => format!("{}({})", decimals(entry.mean_m), decimals(entry.sd_m)),
         None if policy == "c" && mode == "open" => "N/A".to_owned(),
         None => "–".to_owned(),
     }
+}
+
+/// Five decimals as the paper prints, six where a printed number has six.
+fn decimals(value_m: f64) -> String {
+    let five = format!("{value_m:.5}");
+    let six = format!("{value_m:.6}");
+    let exact = six.parse() == Ok(value_m);
+    if exact && !six.ends_with('0') { six } else { five }
 }
 
 fn caption(summary: &[ReachSummaryRow]) -> String {
@@ -111,7 +120,7 @@ fn markdown(summary: &[ReachSummaryRow], sources: &[Source]) -> String {
     grid.header.extend(HEADINGS.map(|heading| format!("{heading} (m)")));
     for policy in POLICIES {
         for (line, source) in sources.iter().enumerate() {
-            let name = if line == 0 { format!("**{}**", policy_label(policy)) } else { String::new() };
+            let name = if line == 0 { format!("**{}**", policy_markdown(policy)) } else { String::new() };
             let cells = MODES.map(|mode| printed(entry(summary, source, policy, mode).as_ref(), policy, mode));
             grid.rows.push([name, source.label.clone()].into_iter().chain(cells).collect());
         }
@@ -162,8 +171,8 @@ fn draw(summary: &[ReachSummaryRow], sources: &[Source]) -> Canvas {
         let names: Vec<String> = POLICIES.iter().rev().map(|policy| policy_label(policy)).collect();
         let named = Axis { low: -0.5, high: POLICIES.len() as f64 - 0.5, ..Axis::categories("", &names) };
         let panel = Panel {
-            corner: [52.0 + 225.0 * place as f64, 54.0],
-            size: [205.0, high],
+            corner: [52.0 + 228.0 * place as f64, 54.0],
+            size: [198.0, high],
             x: x.clone(),
             y: if place == 0 { named } else { named.bare() },
             title: heading.to_owned(),
