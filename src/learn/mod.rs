@@ -1,1 +1,14 @@
-//! (under construction)
+//! Learning: Gaussian processes ([`gp`]), recurrent networks ([`rnn`]) and the optimiser behind the first
+//! ([`optimise`]). Decisions and figures: `docs/learning.md`.
+
+mod error;
+mod exact;
+mod simd;
+mod standardise;
+
+pub mod gp;
+pub mod optimise;
+pub mod rnn;
+
+pub use error::LearnError;
+pub use standardise::Standardiser;

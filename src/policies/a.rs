@@ -38,7 +38,11 @@ pub struct AOptions {
     pub tolerance_m: f64,
     /// Iterations in one control tick, fewer when the criterion is met; 1 is Algorithm 2 as printed.
     pub iterations_per_tick: usize,
-    /// The guess for a further target starts from the last e_gp instead of from the target itself.
+    /// Iterations at a target before the criterion counts; 2 asks that the network answered twice, as the settling of
+    /// the other policies does.
+    pub min_iterations: usize,
+    /// The guess for a further target of the same run is moved by the last e_gp instead of being the target itself.
+    /// At the first target there is no e_gp yet, and both are the printed guess.
     pub warm_start: bool,
     /// Keep the command at which the criterion was first met until the target changes, as the printed loop does when
     /// it ends, instead of iterating with feedback for as long as the task asks.
@@ -47,14 +51,21 @@ pub struct AOptions {
 
 impl Default for AOptions {
     fn default() -> Self {
-        AOptions { tolerance_m: 0.001, iterations_per_tick: 1, warm_start: false, hold_when_settled: false }
+        AOptions {
+            tolerance_m: 0.001,
+            iterations_per_tick: 1,
+            min_iterations: 2,
+            warm_start: true,
+            hold_when_settled: false,
+        }
     }
 }
 
 impl AOptions {
     pub(super) fn check(&self) -> Result<(), BadOption> {
         BadOption::unless_positive("tolerance_m", self.tolerance_m)?;
-        BadOption::unless_counted("iterations_per_tick", self.iterations_per_tick)
+        BadOption::unless_counted("iterations_per_tick", self.iterations_per_tick)?;
+        BadOption::unless_counted("min_iterations", self.min_iterations)
     }
 }
 
@@ -66,6 +77,8 @@ pub(super) struct AlgorithmTwo {
     network_options: NetworkOptions,
     /// x_real-target of the loop in progress.
     target_m: Option<Point3>,
+    /// Iterations of that loop so far.
+    iterations: usize,
     /// x_s-target(i).
     simulated_target_m: Point3,
     /// x_initial: the current position in the simulated workspace.
@@ -84,6 +97,7 @@ impl AlgorithmTwo {
             options: options.a,
             network_options: options.network,
             target_m: None,
+            iterations: 0,
             simulated_target_m: [0.0; 3],
             position_m: [0.0; 3],
             error_m: [0.0; 3],
@@ -102,6 +116,7 @@ impl AlgorithmTwo {
     pub(super) fn decide(&mut self, glance: Glance, target_m: &Point3) -> Result<Wanted, PolicyError> {
         if self.target_m != Some(*target_m) {
             self.target_m = Some(*target_m);
+            self.iterations = 0;
             self.simulated_target_m = if self.options.warm_start { sum(target_m, &self.error_m) } else { *target_m };
             self.held_m = None;
         }
@@ -137,7 +152,9 @@ impl AlgorithmTwo {
             return Err(PolicyError::NotFinite("error model"));
         }
         let next_m = sum(target_m, &self.error_m);
-        let settled = distance_m(&self.simulated_target_m, &next_m) <= self.options.tolerance_m;
+        self.iterations += 1;
+        let settled = self.iterations >= self.options.min_iterations
+            && distance_m(&self.simulated_target_m, &next_m) <= self.options.tolerance_m;
         self.simulated_target_m = next_m;
         Ok(Wanted { pulls_m, settled })
     }

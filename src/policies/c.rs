@@ -98,7 +98,7 @@ impl Default for COptions {
         COptions {
             error_m: 0.015,
             same_command_m: 0.0002,
-            rest_m: 0.001,
+            rest_m: 0.002,
             leg_ticks: 40,
             max_switches: 2,
             check: Check::Final,
@@ -147,8 +147,6 @@ struct Leg {
     switches: usize,
     /// Error at the end of the last leg under A and under B, metres.
     ended_m: [Option<f64>; 2],
-    /// False while the drive is still on its way to the command.
-    arrived: bool,
     /// As of the last measurement there is no reason to change.
     finished: bool,
 }
@@ -179,7 +177,6 @@ impl C {
         self.branch = self.branch.other();
         self.leg.switches += 1;
         self.leg.ticks = 0;
-        self.leg.arrived = false;
     }
 
     /// The rule at the end of a leg: stay (and be done with this target) or change.
@@ -196,9 +193,8 @@ impl C {
         if change { self.switch() } else { self.leg.finished = true }
     }
 
-    /// Decides who gives this tick's command; the leg's own state is up to date.
-    fn choose(&mut self, error_m: f64, at_rest: bool, settled: [bool; 2], same_command: bool) {
-        let settled = settled[self.branch as usize] && self.leg.arrived;
+    /// Decides who gives this tick's command. `settled` is of the controller in charge, `same_command` of both.
+    fn choose(&mut self, error_m: f64, at_rest: bool, settled: bool, same_command: bool) {
         match self.options.check {
             Check::Final => {
                 let near = error_m <= self.options.error_m;
@@ -239,7 +235,8 @@ impl Policy for C {
             self.last_tip_m = Some(glance.tip_m);
             let [of_a, of_b] = &wanted;
             let same_command = largest_change_m(&of_a.pulls_m, &of_b.pulls_m) <= self.options.same_command_m;
-            let settled = wanted.each_ref().map(|Wanted { settled, .. }| *settled);
+            let Wanted { pulls_m, settled } = &wanted[self.branch as usize];
+            let settled = *settled && self.limits.limit(pulls_m, &seen.pulls_m)?.arrived;
             let error_m = distance_m(&glance.tip_m, target_m);
             self.leg.finished = false;
             self.choose(error_m, moved_m <= self.options.rest_m, settled, same_command);
@@ -247,7 +244,6 @@ impl Policy for C {
         self.leg.ticks += 1;
         let chosen = &wanted[self.branch as usize];
         let limited = self.limits.apply(&chosen.pulls_m, &seen.pulls_m)?;
-        self.leg.arrived = limited.arrived;
         let settled = self.leg.finished && limited.arrived;
         Ok(Action { pulls_m: limited.pulls_m, settled, branch: self.branch.name() })
     }

@@ -18,7 +18,7 @@ pub struct DirectOptions {
 
 impl Default for DirectOptions {
     fn default() -> Self {
-        // Moves the tip of the paper's robot by about the 1 mm at which Algorithm 2 stops: (L/2) / r = 5.5.
+        // Moves the tip by about the 1 mm at which Algorithm 2 stops: 3–5 mm of tip for a millimetre of tendon.
         DirectOptions { settle_pull_m: 0.0002 }
     }
 }

@@ -53,8 +53,16 @@ impl Limits {
         self.last_m = None;
     }
 
-    /// What of `wanted_m` can be had in this tick. `in_force_m` are the displacements observed at the trial's start.
+    /// What of `wanted_m` can be had in this tick, and makes it the command in force. Until there is one,
+    /// `in_force_m` are the displacements observed at the trial's start.
     pub(super) fn apply(&mut self, wanted_m: &[f64], in_force_m: &[f64]) -> Result<Limited, PolicyError> {
+        let limited = self.limit(wanted_m, in_force_m)?;
+        self.last_m = Some(limited.pulls_m.clone());
+        Ok(limited)
+    }
+
+    /// [`Limits::apply`] without making it so.
+    pub(super) fn limit(&self, wanted_m: &[f64], in_force_m: &[f64]) -> Result<Limited, PolicyError> {
         if wanted_m.len() != in_force_m.len() {
             return Err(PolicyError::Tendons { found: wanted_m.len(), expected: in_force_m.len() });
         }
@@ -71,7 +79,6 @@ impl Limits {
         } else {
             last.iter().zip(&goal).map(|(from, to)| (from + share * (to - from)).clamp(-travel_m, travel_m)).collect()
         };
-        self.last_m = Some(pulls_m.clone());
         Ok(Limited { pulls_m, arrived: (1.0 - share) * largest <= ARRIVED_M })
     }
 }

@@ -71,7 +71,11 @@ impl Default for GridOptions {
 }
 
 impl GridOptions {
-    pub(super) fn check(&self) -> Result<(), BadOption> {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// [`BadOption`] names the first field out of range.
+    pub fn check(&self) -> Result<(), BadOption> {
         BadOption::unless_positive("max_pull_m", self.max_pull_m)?;
         BadOption::unless_positive("max_step_m", self.max_step_m)?;
         for (key, count) in [("rows", self.rows), ("columns", self.columns)] {

@@ -29,21 +29,22 @@ impl Default for ExploreOptions {
 }
 
 impl ExploreOptions {
-    fn check(&self) -> Result<(), TaskError> {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// [`BadOption`] names the first field out of range.
+    pub fn check(&self) -> Result<(), BadOption> {
         BadOption::unless_counted("points", self.points)?;
         BadOption::unless_counted("trajectories", self.trajectories)?;
         BadOption::unless_positive("max_step_m", self.max_step_m)?;
         BadOption::unless_positive("max_pull_m", self.max_pull_m)?;
         if self.max_step_m > self.max_pull_m {
             let found = self.max_step_m.to_string();
-            return Err(BadOption { key: "max_step_m", found, expected: "at most max_pull_m" }.into());
+            return Err(BadOption { key: "max_step_m", found, expected: "at most max_pull_m" });
         }
         if self.trajectories > self.points {
-            return Err(TaskError::TooFew {
-                what: "points for as many trajectories",
-                asked: self.trajectories,
-                available: self.points,
-            });
+            let found = self.trajectories.to_string();
+            return Err(BadOption { key: "trajectories", found, expected: "at most points" });
         }
         Ok(())
     }

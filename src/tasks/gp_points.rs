@@ -11,7 +11,7 @@ use crate::base::{BadOption, Observation, Plant, Rows, Seed, TendonCommand};
 
 /// How the predefined points lie in the workspace.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Layout {
     /// A serpentine over the actuation plane, one point a grid node, visited in order.
     Grid(GridOptions),
@@ -44,8 +44,32 @@ impl Default for GpPointsOptions {
     }
 }
 
+impl GpPointsOptions {
+    /// Number of points.
+    pub fn points(&self) -> usize {
+        match self.layout {
+            Layout::Grid(grid) => grid.rows * grid.columns,
+            Layout::Walk { points, .. } => points,
+        }
+    }
+
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// [`BadOption`] names the first field out of range.
+    pub fn check(&self) -> Result<(), BadOption> {
+        match self.layout {
+            Layout::Grid(grid) => grid.check(),
+            Layout::Walk { points, every, max_step_m, max_pull_m } => {
+                BadOption::unless_counted("every", every)?;
+                ExploreOptions { points, trajectories: 1, max_step_m, max_pull_m }.check()
+            }
+        }
+    }
+}
+
 /// The same commands on model and robot: what eq. (20) is fitted to.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GpPoints {
     /// Displacements (metres) and simulated tip (metres): (L_1 … L_4, p_sim), seven columns.
     pub inputs: Rows,
@@ -82,11 +106,11 @@ pub fn gp_points(
     options: &GpPointsOptions,
     seed: Seed,
 ) -> Result<GpPoints, TaskError> {
+    options.check()?;
     let seed = seed.child("gp_points");
     let visited = match options.layout {
         Layout::Grid(grid) => visit_grid(model, &grid, options.hold_steps, seed)?,
         Layout::Walk { points, every, max_step_m, max_pull_m } => {
-            BadOption::unless_counted("every", every)?;
             let walk = ExploreOptions { points: points * every, trajectories: 1, max_step_m, max_pull_m };
             let steps = explore_trajectory(model, &walk, seed, 0)?;
             Visited { steps, kept: (0..points).map(|point| point * every + every / 2).collect() }
@@ -110,7 +134,6 @@ pub fn gp_points(
 }
 
 fn visit_grid(model: &mut dyn Plant, grid: &GridOptions, hold_steps: usize, seed: Seed) -> Result<Visited, TaskError> {
-    grid.check()?;
     check_pairs(model)?;
     let start = model.reset(seed.child("model"))?;
     let mut recorder = Recorder { plant: model, tip_m: start.tip_m, steps: Samples::begin(4) };

@@ -2,6 +2,7 @@
 
 mod actuation;
 mod explore;
+mod generate;
 mod gp_points;
 mod path;
 mod reach;
@@ -11,6 +12,7 @@ mod track;
 
 pub use actuation::{GridOptions, bend_commands};
 pub use explore::{ExploreOptions, explore, explore_trajectory, replay, replay_trajectory};
+pub use generate::generate;
 pub use gp_points::{GpPoints, GpPointsOptions, Layout, gp_points, one_of_each_cluster};
 pub use path::{PathOptions, interpolate, waypoints};
 pub use reach::{LoopMode, ReachOptions, ReachOutcome, reach};
@@ -29,6 +31,9 @@ pub enum TaskError {
     /// A setting is out of range.
     #[error(transparent)]
     Option(#[from] BadOption),
+    /// A model gave a number that is not finite.
+    #[error("not finite: {0}")]
+    NotFinite(&'static str),
     /// More was asked for than there is.
     #[error("{what}: asked for {asked}, there are {available}")]
     TooFew {

@@ -33,11 +33,11 @@ impl Default for PathOptions {
     fn default() -> Self {
         PathOptions {
             points: 33,
-            radius_m: 0.016,
+            radius_m: 0.02,
             petal_share: 0.3,
             petals: 3,
             closed: true,
-            spacing_m: 0.005,
+            spacing_m: 0.002,
             max_step_m: 0.003,
             hold_steps: 5,
         }
@@ -45,7 +45,11 @@ impl Default for PathOptions {
 }
 
 impl PathOptions {
-    fn check(&self) -> Result<(), TaskError> {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// [`BadOption`] names the first field out of range.
+    pub fn check(&self) -> Result<(), BadOption> {
         for (key, value) in
             [("radius_m", self.radius_m), ("spacing_m", self.spacing_m), ("max_step_m", self.max_step_m)]
         {
@@ -53,11 +57,11 @@ impl PathOptions {
         }
         if self.points < 2 {
             let found = self.points.to_string();
-            return Err(BadOption { key: "points", found, expected: "a whole number of at least 2" }.into());
+            return Err(BadOption { key: "points", found, expected: "a whole number of at least 2" });
         }
         if !(0.0..1.0).contains(&self.petal_share) {
             let found = self.petal_share.to_string();
-            return Err(BadOption { key: "petal_share", found, expected: "a number from 0 to below 1" }.into());
+            return Err(BadOption { key: "petal_share", found, expected: "a number from 0 to below 1" });
         }
         Ok(())
     }
@@ -103,10 +107,11 @@ pub fn interpolate(waypoints: &[Point3], options: &PathOptions) -> Result<Vec<Po
     let mut path = vec![*first];
     for (from, to) in waypoints.iter().zip(waypoints.iter().skip(1).chain(closing)) {
         let pieces = (distance_m(from, to) / options.spacing_m).ceil().max(1.0);
-        for piece in 1..=(pieces as usize) {
+        for piece in 1..(pieces as usize) {
             let share = piece as f64 / pieces;
             path.push(std::array::from_fn(|axis| from[axis] + share * (to[axis] - from[axis])));
         }
+        path.push(*to);
     }
     Ok(path)
 }

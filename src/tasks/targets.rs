@@ -28,17 +28,32 @@ impl Default for TargetOptions {
     }
 }
 
+impl TargetOptions {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// [`BadOption`] names the first field out of range.
+    pub fn check(&self) -> Result<(), BadOption> {
+        self.sweep.check()?;
+        BadOption::unless_counted("drawn", self.drawn)?;
+        if self.drawn > self.pool {
+            return Err(BadOption { key: "drawn", found: self.drawn.to_string(), expected: "at most pool" });
+        }
+        if self.pool > self.sweep.rows * self.sweep.columns {
+            let found = self.pool.to_string();
+            return Err(BadOption { key: "pool", found, expected: "at most the nodes of the sweep" });
+        }
+        Ok(())
+    }
+}
+
 /// The pool: tips of a sweep of the robot, thinned to `options.pool` equally spaced ones. Give it the real robot
 /// without measurement noise, so that every target can be reached. The seed is the robot's own.
 ///
 /// # Errors
 /// [`TaskError`] for a setting out of range, a pool larger than the sweep, or a plant that fails.
 pub fn target_pool(robot: &mut dyn Plant, options: &TargetOptions, seed: Seed) -> Result<Vec<Point3>, TaskError> {
-    options.sweep.check()?;
-    BadOption::unless_counted("drawn", options.drawn)?;
-    if options.drawn > options.pool {
-        return Err(TaskError::TooFew { what: "targets in the pool", asked: options.drawn, available: options.pool });
-    }
+    options.check()?;
     check_pairs(robot)?;
     let mut tip_m = robot.reset(seed.child("target_pool"))?.tip_m;
     let mut bend_m: Bend = [0.0; 2];

@@ -1,0 +1,122 @@
+//! The settings of a Gaussian process, as they stand in a spec.
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+
+use super::kernels::{self, KERNELS, Kernel};
+use crate::learn::LearnError;
+
+/// A registered kernel; in YAML its name.
+#[derive(Clone, Copy)]
+pub struct KernelChoice(pub &'static dyn Kernel);
+
+impl std::fmt::Debug for KernelChoice {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.0.name())
+    }
+}
+
+impl PartialEq for KernelChoice {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.name() == other.0.name()
+    }
+}
+
+impl Serialize for KernelChoice {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.0.name())
+    }
+}
+
+impl<'de> Deserialize<'de> for KernelChoice {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        kernels::find(&name).map(KernelChoice).ok_or_else(|| {
+            let names: Vec<&str> = KERNELS.iter().map(|kernel| kernel.name()).collect();
+            D::Error::custom(format!("unknown kernel `{name}`, expected one of {}", names.join(", ")))
+        })
+    }
+}
+
+/// How the matrix λ of the paper's eq. 18 is read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Lambda {
+    /// λ = diag(l₁⁻², …): `l` is the distance over which the function varies, as in the textbooks.
+    #[default]
+    InverseSquares,
+    /// λ = diag(l₁², …), as printed: `l` is then the inverse of that distance. With `l` free this names the same
+    /// functions by other numbers; only [`Gp::length_scales`](super::Gp::length_scales) tells the two apart.
+    AsPrinted,
+}
+
+/// How a Gaussian process is fitted. Unknown keys are refused; missing ones take the values of [`Default`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct GpConfig {
+    /// Covariance function.
+    pub kernel: KernelChoice,
+    /// Reading of the paper's λ.
+    pub lambda: Lambda,
+    /// Starting points of the search for hyper-parameters, per output; the first is the conventional one
+    /// (signal variance 1, length-scales 1, noise variance 0.1), the others fill the plausible range evenly.
+    pub starts: usize,
+    /// Rows on which the starts compete when there are more: the winner is then fitted to all rows.
+    pub start_rows: usize,
+    /// Smallest noise standard deviation, as a share of the output's standard deviation.
+    pub noise_floor: f64,
+    /// Expected improvement of the log marginal likelihood (nats) below which the search ends.
+    pub tolerance: f64,
+    /// Folds of the cross-validated error.
+    pub folds: usize,
+    /// How rows are dealt to folds.
+    pub fold_order: FoldOrder,
+}
+
+/// How rows are dealt to the folds of a cross-validation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FoldOrder {
+    /// Contiguous blocks, so that a row's neighbours in time are held out with it: the honest choice for a walk.
+    #[default]
+    Blocks,
+    /// Every k-th row.
+    Interleaved,
+}
+
+impl Default for GpConfig {
+    fn default() -> Self {
+        GpConfig {
+            kernel: KernelChoice(&kernels::SeArd),
+            lambda: Lambda::InverseSquares,
+            starts: 8,
+            start_rows: 100,
+            noise_floor: 1e-3,
+            tolerance: 1e-4,
+            folds: 10,
+            fold_order: FoldOrder::Blocks,
+        }
+    }
+}
+
+impl GpConfig {
+    /// Checks the ranges.
+    pub fn check(&self) -> Result<(), LearnError> {
+        let refuse = |key, found: String, expected| Err(LearnError::Setting { key, found, expected });
+        if self.starts == 0 || self.starts > 1000 {
+            return refuse("starts", self.starts.to_string(), "1 to 1000");
+        }
+        if self.start_rows < 10 {
+            return refuse("start_rows", self.start_rows.to_string(), "at least 10");
+        }
+        if !(self.noise_floor > 0.0 && self.noise_floor < 1.0) {
+            return refuse("noise_floor", self.noise_floor.to_string(), "above 0 and below 1");
+        }
+        if !(self.tolerance > 0.0 && self.tolerance.is_finite()) {
+            return refuse("tolerance", self.tolerance.to_string(), "above 0");
+        }
+        if self.folds < 2 {
+            return refuse("folds", self.folds.to_string(), "at least 2");
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,120 @@
+//! Hyper-parameters, and rows of scaled squared distances: what the Gram matrix, its gradient and the predictions of
+//! every kernel are made of.
+
+use super::kernels::{Kernel, Lengths};
+use crate::base::Rows;
+use crate::learn::Standardiser;
+use crate::learn::simd::{fold, vectorised};
+
+/// Hyper-parameters of one output, in standardised units, as logarithms in one list:
+/// `ln σ_s², ln l (one or one per input), ln shape…, ln σ_n²`.
+#[derive(Clone, Copy)]
+pub(super) struct Layout {
+    pub(super) inputs: usize,
+    pub(super) lengths: usize,
+    pub(super) shapes: usize,
+}
+
+impl Layout {
+    pub(super) fn of(kernel: &dyn Kernel, inputs: usize) -> Self {
+        let lengths = match kernel.lengths() {
+            Lengths::PerInput => inputs,
+            Lengths::Shared => 1,
+        };
+        Layout { inputs, lengths, shapes: kernel.shapes().len() }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        2 + self.lengths + self.shapes
+    }
+
+    pub(super) fn signal_variance(&self, theta: &[f64]) -> f64 {
+        theta[0].exp()
+    }
+
+    pub(super) fn noise_variance(&self, theta: &[f64]) -> f64 {
+        theta[self.len() - 1].exp()
+    }
+
+    /// Length-scale of each input.
+    pub(super) fn length_scales(&self, theta: &[f64]) -> Vec<f64> {
+        (0..self.inputs).map(|d| theta[1 + d.min(self.lengths - 1)].exp()).collect()
+    }
+
+    pub(super) fn shape(&self, theta: &[f64]) -> Vec<f64> {
+        theta[1 + self.lengths..1 + self.lengths + self.shapes].iter().map(|t| t.exp()).collect()
+    }
+}
+
+/// Points with each input in a run of its own, so that one instruction serves several points.
+#[derive(Clone, Debug)]
+pub(super) struct Points {
+    pub(super) n: usize,
+    pub(super) inputs: usize,
+    values: Vec<f64>,
+}
+
+impl Points {
+    /// The rows in standardised units.
+    pub(super) fn standardised(rows: &Rows, standardiser: &Standardiser) -> Self {
+        let mut values = Vec::with_capacity(rows.len() * rows.width());
+        for d in 0..rows.width() {
+            values.extend(rows.iter().map(|row| standardiser.apply(d, row[d])));
+        }
+        Points { n: rows.len(), inputs: rows.width(), values }
+    }
+
+    /// The points numbered `which`.
+    pub(super) fn select(&self, which: &[usize]) -> Self {
+        let values = (0..self.inputs).flat_map(|d| which.iter().map(move |&i| self.input(d)[i])).collect();
+        Points { n: which.len(), inputs: self.inputs, values }
+    }
+
+    /// Each input divided by its length-scale.
+    pub(super) fn scaled(&self, length_scales: &[f64]) -> Self {
+        let values = (0..self.inputs).flat_map(|d| self.input(d).iter().map(move |x| x / length_scales[d])).collect();
+        Points { n: self.n, inputs: self.inputs, values }
+    }
+
+    /// Input `d` of every point.
+    #[inline]
+    pub(super) fn input(&self, d: usize) -> &[f64] {
+        &self.values[d * self.n..(d + 1) * self.n]
+    }
+
+    /// Squared distances of the points from number `from` on to the point `at`.
+    pub(super) fn squared_distances(&self, from: usize, at: impl Fn(usize) -> f64, s: &mut [f64]) {
+        vectorised(
+            #[inline(always)]
+            || {
+                s.fill(0.0);
+                for d in 0..self.inputs {
+                    let centre = at(d);
+                    for (s, x) in s.iter_mut().zip(&self.input(d)[from..]) {
+                        let difference = x - centre;
+                        *s = difference.mul_add(difference, *s);
+                    }
+                }
+            },
+        );
+    }
+
+    /// `Σ_i weight_i (x_i − centre)²` over input `d` of the points from number `from` on.
+    #[inline(always)]
+    pub(super) fn weighted_squares(&self, d: usize, from: usize, weights: &[f64], centre: f64) -> f64 {
+        let (weights, weights_rest) = weights.as_chunks::<16>();
+        let (x, x_rest) = self.input(d)[from..].as_chunks::<16>();
+        let mut lanes = [0.0; 16];
+        for (w, x) in weights.iter().zip(x) {
+            for lane in 0..16 {
+                let difference = x[lane] - centre;
+                lanes[lane] = (w[lane] * difference).mul_add(difference, lanes[lane]);
+            }
+        }
+        for (lane, (w, x)) in weights_rest.iter().zip(x_rest).enumerate() {
+            let difference = x - centre;
+            lanes[lane] = (w * difference).mul_add(difference, lanes[lane]);
+        }
+        fold(lanes)
+    }
+}

@@ -1,0 +1,278 @@
+//! Exact Gaussian-process regression with zero mean (paper IV-B, eqs 18–20): several outputs, each with its own
+//! hyper-parameters, which maximise the log marginal likelihood.
+
+mod config;
+mod coordinates;
+mod covariance;
+mod cross_validation;
+mod curvature;
+mod likelihood;
+mod linear;
+mod posterior;
+mod search;
+mod stored;
+
+pub mod kernels;
+
+pub use config::{FoldOrder, GpConfig, KernelChoice, Lambda};
+
+use serde::{Deserialize, Serialize};
+
+use self::covariance::{Layout, Points};
+use self::posterior::{BLOCK, Posterior};
+use super::standardise::{check_finite, check_samples};
+use super::{LearnError, Standardiser};
+use crate::base::Rows;
+
+/// A fitted Gaussian process. Written by serde as its data and hyper-parameters; what is read back predicts the same
+/// bits.
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(try_from = "stored::Stored", into = "stored::Stored")]
+pub struct Gp {
+    config: GpConfig,
+    inputs: Rows,
+    outputs: Rows,
+    input_standardiser: Standardiser,
+    output_standardiser: Standardiser,
+    theta: Vec<Vec<f64>>,
+    posteriors: Vec<Posterior>,
+    evaluations: usize,
+}
+
+impl std::fmt::Debug for Gp {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Gp").field("config", &self.config).field("points", &self.inputs.len()).finish_non_exhaustive()
+    }
+}
+
+/// Mean and variance of every output at one point or, as rows, at many.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prediction {
+    /// Posterior means, in the outputs' unit: one row per query.
+    pub mean: Rows,
+    /// Variances of the noise-free function, in the outputs' unit squared: one row per query.
+    pub variance: Rows,
+}
+
+impl Gp {
+    /// Fits every column of `outputs` (N rows) to `inputs` (N rows) by maximum marginal likelihood, on one thread.
+    ///
+    /// # Errors
+    /// Numbers that are not finite, fewer than 2 rows, tables of different lengths, settings out of range.
+    pub fn fit(inputs: &Rows, outputs: &Rows, config: &GpConfig) -> Result<Gp, LearnError> {
+        config.check()?;
+        check_samples(inputs, outputs)?;
+        if inputs.len() < 2 {
+            let why = "a Gaussian process and its noise";
+            return Err(LearnError::TooFewRows { found: inputs.len(), needed: 2, why });
+        }
+        let (points, columns) = Self::prepare(inputs, outputs);
+        let mut evaluations = 0;
+        let mut theta = Vec::with_capacity(columns.len());
+        for (output, y) in columns.iter().enumerate() {
+            let found = search::search(config, &points, y).ok_or(LearnError::NotPositiveDefinite { output })?;
+            evaluations += found.evaluations;
+            theta.push(found.theta);
+        }
+        Self::condition(inputs, outputs, config, theta, evaluations)
+    }
+
+    /// Conditions on the samples under given hyper-parameters, without a search: `theta` holds, per output, the
+    /// natural logarithms of signal variance, length-scales, shapes and noise variance in standardised units, in the
+    /// order of [`Gp::theta`].
+    ///
+    /// # Errors
+    /// As [`Gp::fit`]; [`LearnError::NotPositiveDefinite`] when the hyper-parameters leave no usable covariance.
+    pub fn condition(
+        inputs: &Rows,
+        outputs: &Rows,
+        config: &GpConfig,
+        theta: Vec<Vec<f64>>,
+        evaluations: usize,
+    ) -> Result<Gp, LearnError> {
+        check_samples(inputs, outputs)?;
+        let kernel = config.kernel.0;
+        let (points, columns) = Self::prepare(inputs, outputs);
+        let expected = Layout::of(kernel, inputs.width()).len();
+        if theta.len() != columns.len() {
+            let what = "outputs with hyper-parameters";
+            return Err(LearnError::Shape { what, found: theta.len(), expected: columns.len() });
+        }
+        let mut posteriors = Vec::with_capacity(columns.len());
+        for (output, (y, theta)) in columns.iter().zip(&theta).enumerate() {
+            if theta.len() != expected {
+                return Err(LearnError::Shape { what: "hyper-parameters", found: theta.len(), expected });
+            }
+            let posterior = Posterior::new(kernel, &points, y, theta);
+            posteriors.push(posterior.ok_or(LearnError::NotPositiveDefinite { output })?);
+        }
+        let all: Vec<usize> = (0..inputs.len()).collect();
+        Ok(Gp {
+            config: config.clone(),
+            input_standardiser: Standardiser::fit(inputs, &all),
+            output_standardiser: Standardiser::fit(outputs, &all),
+            inputs: inputs.clone(),
+            outputs: outputs.clone(),
+            theta,
+            posteriors,
+            evaluations,
+        })
+    }
+
+    /// Standardised inputs and output columns.
+    fn prepare(inputs: &Rows, outputs: &Rows) -> (Points, Vec<Vec<f64>>) {
+        let all: Vec<usize> = (0..inputs.len()).collect();
+        let points = Points::standardised(inputs, &Standardiser::fit(inputs, &all));
+        let scale = Standardiser::fit(outputs, &all);
+        let column = |c: usize| outputs.iter().map(|row| scale.apply(c, row[c])).collect();
+        (points, (0..outputs.width()).map(column).collect())
+    }
+
+    /// Training points.
+    pub fn points(&self) -> usize {
+        self.inputs.len()
+    }
+
+    /// Number of inputs.
+    pub fn inputs(&self) -> usize {
+        self.inputs.width()
+    }
+
+    /// Number of outputs.
+    pub fn outputs(&self) -> usize {
+        self.outputs.width()
+    }
+
+    /// The settings of the fit.
+    pub fn config(&self) -> &GpConfig {
+        &self.config
+    }
+
+    /// Likelihood evaluations that the search took, over all outputs and sizes.
+    pub fn evaluations(&self) -> usize {
+        self.evaluations
+    }
+
+    /// Log marginal likelihood of each output (nats), of the standardised values.
+    pub fn log_marginal_likelihood(&self) -> Vec<f64> {
+        self.posteriors.iter().map(|posterior| posterior.log_marginal_likelihood).collect()
+    }
+
+    /// Noise standard deviation σ_n of each output, in its unit.
+    pub fn noise_std(&self) -> Vec<f64> {
+        let layout = Layout::of(self.config.kernel.0, self.inputs.width());
+        let noise =
+            |(c, theta): (usize, &Vec<f64>)| layout.noise_variance(theta).sqrt() * self.output_standardiser.scale(c);
+        self.theta.iter().enumerate().map(noise).collect()
+    }
+
+    /// Signal standard deviation σ_s of each output, in its unit.
+    pub fn signal_std(&self) -> Vec<f64> {
+        let layout = Layout::of(self.config.kernel.0, self.inputs.width());
+        let signal =
+            |(c, theta): (usize, &Vec<f64>)| layout.signal_variance(theta).sqrt() * self.output_standardiser.scale(c);
+        self.theta.iter().enumerate().map(signal).collect()
+    }
+
+    /// `l` of each output (row) and input (column) as the configured reading of eq. 18 has it: in the inputs' units
+    /// ([`Lambda::InverseSquares`]) or their inverses ([`Lambda::AsPrinted`]).
+    pub fn length_scales(&self) -> Rows {
+        let layout = Layout::of(self.config.kernel.0, self.inputs.width());
+        let mut out = Rows::new(self.inputs.width());
+        for theta in &self.theta {
+            let row: Vec<f64> = layout
+                .length_scales(theta)
+                .iter()
+                .enumerate()
+                .map(|(d, l)| l * self.input_standardiser.scale(d))
+                .map(|l| if self.config.lambda == Lambda::AsPrinted { 1.0 / l } else { l })
+                .collect();
+            out.push(&row);
+        }
+        out
+    }
+
+    /// Logarithms of the hyper-parameters of each output in standardised units: signal variance, length-scales, the
+    /// kernel's shapes, noise variance.
+    pub fn theta(&self) -> &[Vec<f64>] {
+        &self.theta
+    }
+
+    fn standardised(&self, input: &[f64]) -> Vec<f64> {
+        input.iter().enumerate().map(|(d, x)| self.input_standardiser.apply(d, *x)).collect()
+    }
+
+    fn check_width(&self, found: usize) -> Result<(), LearnError> {
+        let expected = self.inputs.width();
+        if found == expected { Ok(()) } else { Err(LearnError::Shape { what: "columns of a query", found, expected }) }
+    }
+
+    /// Posterior mean of every output at one point, in the outputs' units (paper eq. 19).
+    ///
+    /// # Errors
+    /// [`LearnError::Shape`] for a query of another width.
+    pub fn mean(&self, input: &[f64]) -> Result<Vec<f64>, LearnError> {
+        self.check_width(input.len())?;
+        let x = self.standardised(input);
+        let mut k = vec![0.0; self.points()];
+        let one = |(c, p): (usize, &Posterior)| self.output_standardiser.invert(c, p.mean(&x, &mut k));
+        Ok(self.posteriors.iter().enumerate().map(one).collect())
+    }
+
+    /// Posterior mean and variance (of the noise-free function) of every output at one point (paper eq. 19).
+    ///
+    /// # Errors
+    /// [`LearnError::Shape`] for a query of another width.
+    pub fn predict(&self, input: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LearnError> {
+        self.check_width(input.len())?;
+        let x = self.standardised(input);
+        let (mut k, mut v) = (vec![0.0; self.points()], vec![0.0; self.points()]);
+        let both = self.posteriors.iter().enumerate().map(|(c, posterior)| {
+            let (mean, variance) = posterior.mean_variance(&x, &mut k, &mut v);
+            let scale = self.output_standardiser.scale(c);
+            (self.output_standardiser.invert(c, mean), variance * scale * scale)
+        });
+        Ok(both.unzip())
+    }
+
+    /// Posterior means at many points: one row per row of `inputs`.
+    ///
+    /// # Errors
+    /// Queries of another width or with numbers that are not finite.
+    pub fn mean_rows(&self, inputs: &Rows) -> Result<Rows, LearnError> {
+        self.check_width(inputs.width())?;
+        check_finite("inputs", inputs)?;
+        let mut out = Rows::new(self.outputs());
+        for row in inputs.iter() {
+            out.push(&self.mean(row)?);
+        }
+        Ok(out)
+    }
+
+    /// Posterior means and variances at many points: one row per row of `inputs`.
+    ///
+    /// # Errors
+    /// Queries of another width or with numbers that are not finite.
+    pub fn predict_rows(&self, inputs: &Rows) -> Result<Prediction, LearnError> {
+        self.check_width(inputs.width())?;
+        check_finite("inputs", inputs)?;
+        let width = self.outputs();
+        let (mut mean, mut variance) = (Rows::new(width), Rows::new(width));
+        let (mut k, mut v) = (vec![0.0; self.points() * BLOCK], vec![0.0; self.points() * BLOCK]);
+        for block in inputs.values().chunks(BLOCK * self.inputs()) {
+            let count = block.len() / self.inputs();
+            let queries: Vec<f64> = block.chunks_exact(self.inputs()).flat_map(|row| self.standardised(row)).collect();
+            let (mut means, mut variances) = (vec![0.0; count * width], vec![0.0; count * width]);
+            for (c, posterior) in self.posteriors.iter().enumerate() {
+                let scale = self.output_standardiser.scale(c);
+                posterior.block(&queries, &mut k, &mut v, |q, m, s| {
+                    means[q * width + c] = self.output_standardiser.invert(c, m);
+                    variances[q * width + c] = s * scale * scale;
+                });
+            }
+            means.chunks_exact(width).for_each(|row| mean.push(row));
+            variances.chunks_exact(width).for_each(|row| variance.push(row));
+        }
+        Ok(Prediction { mean, variance })
+    }
+}

@@ -1,0 +1,136 @@
+//! Mean and variance of one output at new points: paper eq. 19; Rasmussen & Williams 2006, algorithm 2.1.
+
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::{Accum, MatMut, Par};
+
+use super::covariance::{Layout, Points};
+use super::kernels::Kernel;
+use super::likelihood::Likelihood;
+use super::linear::Lower;
+use crate::learn::optimise::Objective;
+use crate::learn::simd::{dot, vectorised};
+
+/// Queries that a batch handles at once: their covariances with all points stay in cache.
+pub(super) const BLOCK: usize = 128;
+
+/// One fitted output in standardised units.
+#[derive(Clone)]
+pub(super) struct Posterior {
+    kernel: &'static dyn Kernel,
+    shape: Vec<f64>,
+    signal: f64,
+    length_scales: Vec<f64>,
+    scaled: Points,
+    alpha: Vec<f64>,
+    inverse_factor: Lower,
+    pub(super) log_marginal_likelihood: f64,
+}
+
+impl Posterior {
+    /// Conditions on the points; `None` when the covariance matrix is not positive definite.
+    pub(super) fn new(kernel: &'static dyn Kernel, points: &Points, y: &[f64], theta: &[f64]) -> Option<Self> {
+        let layout = Layout::of(kernel, points.inputs);
+        let mut likelihood = Likelihood::new(kernel, points, y);
+        let value = likelihood.value(theta);
+        value.is_finite().then(|| Posterior {
+            kernel,
+            shape: layout.shape(theta),
+            signal: layout.signal_variance(theta),
+            length_scales: layout.length_scales(theta),
+            scaled: likelihood.scaled().clone(),
+            alpha: likelihood.alpha().to_vec(),
+            inverse_factor: likelihood.factor().inverse_factor(),
+            log_marginal_likelihood: -value,
+        })
+    }
+
+    /// Covariances of the standardised query `x` with all points.
+    fn covariances(&self, x: &[f64], k: &mut [f64]) {
+        self.scaled.squared_distances(0, |d| x[d] / self.length_scales[d], k);
+        self.kernel.correlations(&self.shape, k);
+    }
+
+    /// Posterior mean; `k` is room for one number per point.
+    pub(super) fn mean(&self, x: &[f64], k: &mut [f64]) -> f64 {
+        self.covariances(x, k);
+        vectorised(
+            #[inline(always)]
+            || self.signal * dot(k, &self.alpha),
+        )
+    }
+
+    /// Posterior mean and latent (noise-free) variance: `k(x,x) − ‖L⁻¹ k‖²`.
+    pub(super) fn mean_variance(&self, x: &[f64], k: &mut [f64], v: &mut [f64]) -> (f64, f64) {
+        let mean = self.mean(x, k);
+        let explained = vectorised(
+            #[inline(always)]
+            || {
+                v.fill(0.0);
+                for (j, &k) in k.iter().enumerate() {
+                    for (v, l) in v[j..].iter_mut().zip(self.inverse_factor.column(j)) {
+                        *v = k.mul_add(*l, *v);
+                    }
+                }
+                dot(v, v)
+            },
+        );
+        (mean, (self.signal - self.signal * self.signal * explained).max(0.0))
+    }
+
+    /// [`Posterior::mean_variance`] of up to [`BLOCK`] standardised queries, by one triangular product; `k` and `v`
+    /// are room for `BLOCK` numbers per point.
+    pub(super) fn block(&self, queries: &[f64], k: &mut [f64], v: &mut [f64], mut put: impl FnMut(usize, f64, f64)) {
+        let n = self.scaled.n;
+        let count = queries.len() / self.length_scales.len();
+        let mut means = [0.0; BLOCK];
+        for (q, x) in queries.chunks_exact(self.length_scales.len()).enumerate() {
+            means[q] = self.mean(x, &mut k[q * n..(q + 1) * n]);
+        }
+        let right = faer::MatRef::from_column_major_slice(&k[..n * count], n, count);
+        matmul(
+            MatMut::from_column_major_slice_mut(&mut v[..n * count], n, count),
+            BlockStructure::Rectangular,
+            Accum::Replace,
+            self.inverse_factor.view(),
+            BlockStructure::TriangularLower,
+            right,
+            BlockStructure::Rectangular,
+            1.0,
+            Par::Seq,
+        );
+        for q in 0..count {
+            let column = &v[q * n..(q + 1) * n];
+            let explained = vectorised(
+                #[inline(always)]
+                || dot(column, column),
+            );
+            put(q, means[q], (self.signal - self.signal * self.signal * explained).max(0.0));
+        }
+    }
+
+    /// Prediction errors (standardised) of the rows numbered `fold` when they are held out: with `K⁻¹ = L⁻ᵀ L⁻¹`,
+    /// `y − ŷ = (K⁻¹_ff)⁻¹ α_f` (Rasmussen & Williams 2006, section 5.4.2; Sundararajan & Keerthi 2001).
+    pub(super) fn held_out_errors(&self, fold: &[usize]) -> Vec<f64> {
+        let n = self.scaled.n;
+        let mut block = Lower::zeros(fold.len());
+        let column = |i: usize| (i, self.inverse_factor.column(i));
+        for (q, &b) in fold.iter().enumerate() {
+            for (p, &a) in fold.iter().enumerate().skip(q) {
+                let ((i, l_i), (j, l_j)) = (column(a), column(b));
+                let from = i.max(j);
+                block.column_mut(q)[p - q] = vectorised(
+                    #[inline(always)]
+                    || dot(&l_i[from - i..n - i], &l_j[from - j..n - j]),
+                );
+            }
+        }
+        let mut memory = super::linear::Memory::new(fold.len());
+        let mut errors: Vec<f64> = fold.iter().map(|&i| self.alpha[i]).collect();
+        if block.factor(&mut memory) {
+            block.solve(&mut errors, &mut memory);
+        } else {
+            errors.fill(f64::NAN);
+        }
+        errors
+    }
+}

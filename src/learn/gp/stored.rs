@@ -1,0 +1,63 @@
+//! The form in which a fitted process is kept: samples and hyper-parameters; the factors are made again on reading.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Gp, GpConfig};
+use crate::base::Rows;
+use crate::learn::{LearnError, exact};
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Stored {
+    config: GpConfig,
+    inputs: Table,
+    outputs: Table,
+    hyperparameters: Table,
+    evaluations: usize,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Table {
+    width: usize,
+    #[serde(with = "exact::f64s")]
+    values: Vec<f64>,
+}
+
+impl Table {
+    fn of(rows: &Rows) -> Self {
+        Table { width: rows.width(), values: rows.values().to_vec() }
+    }
+
+    fn rows(&self) -> Result<Rows, LearnError> {
+        if self.width == 0 || !self.values.len().is_multiple_of(self.width) {
+            let what = "numbers in a stored table";
+            return Err(LearnError::Shape { what, found: self.values.len(), expected: self.width });
+        }
+        let mut rows = Rows::new(self.width);
+        self.values.chunks_exact(self.width).for_each(|row| rows.push(row));
+        Ok(rows)
+    }
+}
+
+impl From<Gp> for Stored {
+    fn from(gp: Gp) -> Self {
+        let width = gp.theta.first().map_or(0, Vec::len);
+        Stored {
+            inputs: Table::of(&gp.inputs),
+            outputs: Table::of(&gp.outputs),
+            hyperparameters: Table { width, values: gp.theta.concat() },
+            evaluations: gp.evaluations,
+            config: gp.config,
+        }
+    }
+}
+
+impl TryFrom<Stored> for Gp {
+    type Error = LearnError;
+
+    fn try_from(stored: Stored) -> Result<Gp, LearnError> {
+        let theta = stored.hyperparameters.rows()?.iter().map(<[f64]>::to_vec).collect();
+        Gp::condition(&stored.inputs.rows()?, &stored.outputs.rows()?, &stored.config, theta, stored.evaluations)
+    }
+}

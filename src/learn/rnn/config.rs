@@ -1,0 +1,115 @@
+//! The settings of a training, as they stand in a spec.
+
+use serde::{Deserialize, Serialize};
+
+use crate::learn::LearnError;
+
+/// Which rows of a window the loss counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Loss {
+    /// Every row: the network is taught to answer from its first step after a reset on, as it is used.
+    #[default]
+    EveryRow,
+    /// Only the last row: what comes before is run-in.
+    LastRow,
+}
+
+/// How an Elman network is trained. Unknown keys are refused; missing ones take the values of [`Default`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ElmanConfig {
+    /// Hidden units (paper: 30).
+    pub hidden: usize,
+    /// Consecutive rows through which errors are propagated back. With 1 the recurrent weights are never used.
+    pub window: usize,
+    /// Rows from the start of one window to the start of the next; the first start is drawn anew in every epoch.
+    pub stride: usize,
+    /// Rows of a window that the loss counts.
+    pub loss: Loss,
+    /// Share of the rows that are trained on; the rest validates (paper: 0.7).
+    pub train_share: f64,
+    /// Contiguous blocks into which the rows are cut in time order before each is split, its first rows to training
+    /// and its last to validation. 1: the first 70 % and the last 30 % of the recording.
+    pub split_blocks: usize,
+    /// Windows per step of the optimiser.
+    pub batch: usize,
+    /// Adam's first learning rate.
+    pub learning_rate: f64,
+    /// Epochs without a better validation error after which the learning rate is multiplied by `decay`.
+    pub decay_patience: usize,
+    /// Factor on the learning rate.
+    pub decay: f64,
+    /// Epochs without a better validation error after which training stops; the best weights are kept.
+    pub patience: usize,
+    /// Most epochs.
+    pub max_epochs: usize,
+    /// Stop as soon as the validation error (mean absolute, in the outputs' unit) is this small: `training: paper`.
+    pub stop_at_validation_mae_m: Option<f64>,
+    /// Steps of the optimiser between two looks at the validation error when `stop_at_validation_mae_m` is set.
+    pub stop_check_updates: usize,
+}
+
+impl Default for ElmanConfig {
+    fn default() -> Self {
+        ElmanConfig {
+            hidden: 30,
+            window: 10,
+            stride: 1,
+            loss: Loss::EveryRow,
+            train_share: 0.7,
+            split_blocks: 1,
+            batch: 64,
+            learning_rate: 3e-3,
+            decay_patience: 5,
+            decay: 0.5,
+            patience: 20,
+            max_epochs: 1000,
+            stop_at_validation_mae_m: None,
+            stop_check_updates: 5,
+        }
+    }
+}
+
+impl ElmanConfig {
+    /// Checks the ranges.
+    ///
+    /// # Errors
+    /// [`LearnError::Setting`] with the key, the value and the range.
+    pub fn check(&self) -> Result<(), LearnError> {
+        let counts = [
+            ("hidden", self.hidden, 1024),
+            ("window", self.window, 1000),
+            ("stride", self.stride, 1000),
+            ("split_blocks", self.split_blocks, 1000),
+            ("batch", self.batch, 4096),
+            ("decay_patience", self.decay_patience, 1_000_000),
+            ("patience", self.patience, 1_000_000),
+            ("max_epochs", self.max_epochs, 1_000_000),
+            ("stop_check_updates", self.stop_check_updates, 1_000_000),
+        ];
+        for (key, found, most) in counts {
+            if found == 0 || found > most {
+                let expected = match most {
+                    1000 => "1 to 1000",
+                    1024 => "1 to 1024",
+                    4096 => "1 to 4096",
+                    _ => "1 to 1000000",
+                };
+                return Err(LearnError::Setting { key, found: found.to_string(), expected });
+            }
+        }
+        let ranges = [
+            ("train_share", self.train_share, 0.05, 0.95, "0.05 to 0.95"),
+            ("learning_rate", self.learning_rate, 1e-8, 1.0, "1e-8 to 1"),
+            ("decay", self.decay, 0.01, 1.0, "0.01 to 1"),
+            ("stop_at_validation_mae_m", self.stop_at_validation_mae_m.unwrap_or(1.0), 1e-300, 1e300, "above 0"),
+        ];
+        for (key, found, low, high, expected) in ranges {
+            if !(found >= low && found <= high) {
+                return Err(LearnError::Setting { key, found: found.to_string(), expected });
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,126 @@
+//! The three small matrix products behind a network, with the batch as the vector axis: a chunk is sixteen samples.
+
+use crate::learn::simd::Real;
+
+/// Samples per chunk.
+pub(super) const LANES: usize = 16;
+
+/// Sixteen samples of one quantity.
+pub(super) type Chunk<T> = [T; LANES];
+
+/// A table of chunks: row `r` (a unit or an input) holds `width` chunks (times and groups of samples).
+#[derive(Clone, Debug)]
+pub(super) struct Table<T> {
+    pub(super) width: usize,
+    pub(super) chunks: Vec<Chunk<T>>,
+}
+
+impl<T: Real> Table<T> {
+    pub(super) fn zeros(rows: usize, width: usize) -> Self {
+        Table { width, chunks: vec![[T::default(); LANES]; rows * width] }
+    }
+
+    #[inline(always)]
+    pub(super) fn row(&self, row: usize) -> &[Chunk<T>] {
+        &self.chunks[row * self.width..(row + 1) * self.width]
+    }
+}
+
+/// `acc[u] += Σ_r weights[r][first + u] · table[r][at]` for `U` units; `weights` has rows of `stride` numbers.
+#[inline(always)]
+pub(super) fn accumulate<T: Real, const U: usize>(
+    acc: &mut [Chunk<T>; U],
+    weights: &[T],
+    stride: usize,
+    first: usize,
+    table: &Table<T>,
+    at: usize,
+    rows: usize,
+) {
+    let columns = table.chunks.get(at..).unwrap_or_default();
+    for (weights, x) in weights.chunks_exact(stride).zip(columns.iter().step_by(table.width)).take(rows) {
+        let Some(w) = weights.get(first..).and_then(|w| w.first_chunk::<U>()) else { return };
+        for u in 0..U {
+            for lane in 0..LANES {
+                acc[u][lane] = w[u].fma(x[lane], acc[u][lane]);
+            }
+        }
+    }
+}
+
+/// `out[r][u] += Σ_l a[r][l] · b[u][l]` over all lanes of the chunks `a_from..a_from+len` and `b_from..b_from+len`,
+/// for the rows `0..rows` of `a` and `0..columns` of `b`; `out` has rows of `stride` numbers.
+#[inline(always)]
+#[allow(clippy::too_many_arguments)]
+pub(super) fn outer<T: Real>(
+    out: &mut [T],
+    stride: usize,
+    (a, a_from, rows): (&Table<T>, usize, usize),
+    (b, b_from, columns): (&Table<T>, usize, usize),
+    len: usize,
+) {
+    let mut r = 0;
+    while r + 3 <= rows {
+        outer_rows::<T, 3>(out, stride, (a, a_from, r), (b, b_from, columns), len);
+        r += 3;
+    }
+    while r < rows {
+        outer_rows::<T, 1>(out, stride, (a, a_from, r), (b, b_from, columns), len);
+        r += 1;
+    }
+}
+
+#[inline(always)]
+fn outer_rows<T: Real, const R: usize>(
+    out: &mut [T],
+    stride: usize,
+    (a, a_from, row): (&Table<T>, usize, usize),
+    (b, b_from, columns): (&Table<T>, usize, usize),
+    len: usize,
+) {
+    let lines: [&[Chunk<T>]; R] = std::array::from_fn(|r| &a.row(row + r)[a_from..a_from + len]);
+    for u in (0..columns).step_by(2) {
+        let left = &b.row(u)[b_from..b_from + len];
+        let right = &b.row(u + 1)[b_from..b_from + len];
+        let mut acc = [[[T::default(); LANES]; 2]; R];
+        for l in 0..len {
+            for r in 0..R {
+                fma(&mut acc[r][0], &lines[r][l], &left[l]);
+                fma(&mut acc[r][1], &lines[r][l], &right[l]);
+            }
+        }
+        for r in 0..R {
+            out[(row + r) * stride + u] += total(acc[r][0]);
+            out[(row + r) * stride + u + 1] += total(acc[r][1]);
+        }
+    }
+}
+
+/// The chunk whose lanes are `value(lane)`.
+#[inline(always)]
+pub(super) fn each<T: Real>(value: impl Fn(usize) -> T) -> Chunk<T> {
+    let mut out = [T::default(); LANES];
+    for (lane, out) in out.iter_mut().enumerate() {
+        *out = value(lane);
+    }
+    out
+}
+
+/// `acc += a · b` lane by lane.
+#[inline(always)]
+pub(super) fn fma<T: Real>(acc: &mut Chunk<T>, a: &Chunk<T>, b: &Chunk<T>) {
+    for lane in 0..LANES {
+        acc[lane] = a[lane].fma(b[lane], acc[lane]);
+    }
+}
+
+/// Pairwise sum of a chunk.
+#[inline(always)]
+pub(super) fn total<T: Real>(mut chunk: Chunk<T>) -> T {
+    for half in [8, 4, 2, 1] {
+        for lane in 0..half {
+            chunk[lane] += chunk[lane + half];
+        }
+    }
+    chunk[0]
+}

@@ -1,0 +1,88 @@
+//! The learned models as the parts of policies.
+
+use std::sync::Arc;
+
+use super::{ErrorModel, InverseModel};
+use crate::base::{Displacements, Point3, PolicyError};
+use crate::learn::LearnError;
+use crate::learn::gp::Gp;
+use crate::learn::rnn::{Elman, ElmanState};
+
+/// An Elman network trained on (x_i, x_{i+1}) → u_i (eq. 21): six inputs, one output a tendon. The weights are shared,
+/// the memory is its own.
+pub struct ElmanInverse {
+    network: Arc<Elman>,
+    /// Memory as of the last tick.
+    memory: ElmanState,
+    /// Memory after the last question.
+    next: ElmanState,
+}
+
+impl ElmanInverse {
+    /// The network at rest.
+    ///
+    /// # Errors
+    /// [`LearnError::Shape`] for a network that does not take two positions.
+    pub fn new(network: Arc<Elman>) -> Result<Self, LearnError> {
+        if network.inputs() != 6 {
+            let what = "inputs of an inverse mapping (two positions)";
+            return Err(LearnError::Shape { what, found: network.inputs(), expected: 6 });
+        }
+        let state = network.state();
+        Ok(ElmanInverse { network, memory: state.clone(), next: state })
+    }
+}
+
+impl InverseModel for ElmanInverse {
+    fn reset(&mut self) {
+        self.memory.reset();
+        self.next.reset();
+    }
+
+    fn pulls(&mut self, from_m: &Point3, to_m: &Point3) -> Result<Displacements, PolicyError> {
+        let [x, y, z] = *from_m;
+        let [to_x, to_y, to_z] = *to_m;
+        let mut pulls_m = vec![0.0; self.network.outputs()];
+        self.next.clone_from(&self.memory);
+        self.network
+            .step(&mut self.next, &[x, y, z, to_x, to_y, to_z], &mut pulls_m)
+            .map_err(|_| PolicyError::NotFinite("input of the inverse network"))?;
+        Ok(pulls_m)
+    }
+
+    fn tick(&mut self) {
+        self.memory.clone_from(&self.next);
+    }
+}
+
+/// A Gaussian process fitted to (L_1 … L_n, p_sim) → p_sim − p_exp (eq. 20).
+pub struct GpError(Gp);
+
+impl GpError {
+    /// The error model of a robot with `tendons` tendons.
+    ///
+    /// # Errors
+    /// [`LearnError::Shape`] for a process that does not go from displacements and a position to a position.
+    pub fn new(gp: Gp, tendons: usize) -> Result<Self, LearnError> {
+        for (what, found, expected) in [
+            ("inputs of an error model (displacements and a position)", gp.inputs(), tendons + 3),
+            ("outputs of an error model", gp.outputs(), 3),
+        ] {
+            if found != expected {
+                return Err(LearnError::Shape { what, found, expected });
+            }
+        }
+        Ok(GpError(gp))
+    }
+}
+
+impl ErrorModel for GpError {
+    /// The predicted mean (section IV-B); not a number for another number of tendons than it was made for.
+    fn error_m(&self, pulls_m: &[f64], p_sim_m: &Point3) -> Point3 {
+        let input = [pulls_m, p_sim_m.as_slice()].concat();
+        match self.0.mean(&input).as_deref() {
+            Ok(&[x, y, z]) => [x, y, z],
+            _ => [f64::NAN; 3],
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! What every figure of the registry must do, whatever it shows.
+
+mod report_rows;
+
+use std::path::Path;
+
+use report_rows::published;
+use spinebench::report::{FIGURES, Published, ReportError, Shelf, figure, write};
+
+#[test]
+fn the_same_rows_give_the_same_bytes() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("report");
+    for figure in FIGURES {
+        let rows = published(figure.name, 3);
+        let files = (figure.render)(&rows).unwrap();
+        assert_eq!(files, (figure.render)(&rows).unwrap(), "{}", figure.name);
+        // Left there to be looked at.
+        write(&files, &folder, &folder).unwrap();
+    }
+}
+
+#[test]
+fn no_rows_are_an_error() {
+    for figure in FIGURES {
+        let error = (figure.render)(&Published::default()).unwrap_err();
+        assert!(matches!(error, ReportError::NoRows { figure: name, .. } if name == figure.name), "{error}");
+    }
+}
+
+#[test]
+fn one_repetition_is_enough() {
+    for figure in FIGURES {
+        (figure.render)(&published(figure.name, 1)).unwrap();
+    }
+}
+
+#[test]
+fn names_are_unique_and_pictures_come_as_png_and_svg() {
+    for (index, one) in FIGURES.iter().enumerate() {
+        assert!(FIGURES[..index].iter().all(|other| other.name != one.name));
+        assert_eq!(figure(one.name).unwrap().about, one.about);
+        let files = (one.render)(&published(one.name, 1)).unwrap();
+        for end in ["png", "svg"] {
+            let name = format!("{}.{end}", one.name);
+            let file = files.iter().find(|file| file.name == name).unwrap();
+            assert_eq!(file.shelf, Shelf::Plots);
+            let start: &[u8] = if end == "png" { b"\x89PNG\r\n" } else { b"<svg " };
+            assert!(file.bytes.starts_with(start), "{name}");
+        }
+    }
+}
