@@ -229,6 +229,8 @@ impl Rod {
         let status = self.solver.solve(&self.system, unknowns, taut, &conditions, tolerance_m);
         if status == Status::Converged {
             let n = self.system.grid.unknowns;
+            // What the tolerance leaves of a push is no tension.
+            self.state.unknowns[n..].iter_mut().for_each(|tension| *tension = tension.max(0.0));
             self.state.shape.update(&self.system.grid, &self.system.sections, &self.state.unknowns[..n]);
         }
         status

@@ -10,7 +10,14 @@ use super::jacobian::Derivative;
 use super::status::Status;
 use super::system::{Conditions, Hold, System, Work};
 
-const MOST_ITERATIONS: usize = 60;
+const MOST_ITERATIONS: usize = 150;
+/// Changes of the taut set that may move several tendons at once, at any iterate.
+const QUICK_SET_CHANGES: usize = 6;
+const MOST_SET_CHANGES: usize = 24;
+/// A tendon may be overstretched by this share of the solve's tolerance before it counts as taut …
+const SET_TOLERANCE: f64 = 0.1;
+/// … and push by as much as such a stretch is worth: about the compliance of the softest spine, m/N.
+const PUSH_M_PER_N: f64 = 1e-3;
 /// A step that turns the tip by more than about this many lengths is shortened.
 const LARGEST_STEP: f64 = 0.5;
 /// The derivative is renewed when an iteration leaves more than this share of the step before.
@@ -92,10 +99,13 @@ impl Solver {
             for (x, dx) in unknowns.iter_mut().zip(step.iter()) {
                 *x -= dx;
             }
-            let changed = self.change_set(system, unknowns, taut, conditions.holds, &step);
-            if changed {
+            // Once sets alternate, each is solved for before the next one is tried.
+            let patient = set_changes > QUICK_SET_CHANGES;
+            let ripe = !patient || (!shortened && size < 1e-3 * system.params.length_m());
+            let rule = (tolerance_m, patient);
+            if ripe && self.change_set(system, unknowns, (taut, conditions.holds), &step, rule) {
                 set_changes += 1;
-                if set_changes > 30 {
+                if set_changes > MOST_SET_CHANGES {
                     return self.give_up(Status::TendonSetUnsettled);
                 }
                 fresh = false;
@@ -137,34 +147,41 @@ impl Solver {
         self.factors.as_ref()?.solve_mut(&mut step).then_some(step)
     }
 
-    /// Moves tendons between taut and slack where the step just taken says so; true if any moved.
+    /// Moves tendons between taut and slack where the step just taken says so; true if any moved. With `one`, only
+    /// the worst offender moves: slower, but sets that alternate between two faults come to an end.
     fn change_set(
         &self,
         system: &System,
         unknowns: &mut [f64],
-        taut: &mut [bool],
-        holds: &[Hold],
+        (taut, holds): (&mut [bool], &[Hold]),
         step: &DVector<f64>,
+        (tolerance_m, one): (f64, bool),
     ) -> bool {
         let n = system.grid.unknowns;
-        let mut changed = false;
+        let mut offences: Vec<(usize, f64)> = Vec::with_capacity(taut.len());
         for (i, hold) in holds.iter().enumerate() {
             if !matches!(hold, Hold::Length(_)) {
                 continue;
             }
-            if taut[i] {
-                if unknowns[n + i] < 0.0 {
-                    (taut[i], changed) = (false, true);
-                    unknowns[n + i] = 0.0;
-                }
-                continue;
-            }
-            // Length after the step, to first order: d length / d coefficients is the tendon's border of the derivative.
-            let shift = self.derivative.length_change_m(system, i, &step.as_slice()[..n]);
-            if system.overstretch_m(i, hold, 0.0, &self.work) - shift > 1e-12 {
-                (taut[i], changed) = (true, true);
+            let offence = if taut[i] {
+                -unknowns[n + i] * PUSH_M_PER_N
+            } else {
+                // Length after the step, to first order.
+                let shift = self.derivative.length_change_m(system, i, &step.as_slice()[..n]);
+                system.overstretch_m(i, hold, 0.0, &self.work) - shift
+            };
+            if offence > SET_TOLERANCE * tolerance_m {
+                offences.push((i, offence));
             }
         }
-        changed
+        if one {
+            offences.sort_by(|a, b| b.1.total_cmp(&a.1));
+            offences.truncate(1);
+        }
+        for &(i, _) in &offences {
+            taut[i] = !taut[i];
+            unknowns[n + i] = 0.0;
+        }
+        !offences.is_empty()
     }
 }
