@@ -13,7 +13,7 @@ use super::{Artifact, Figure, Published, ReportError, pictures, text};
 use crate::data::rows::ClaimRow;
 
 /// Registry entry.
-pub const FIGURE: Figure =
+pub(super) const FIGURE: Figure =
     Figure {
         name: "claims", about: "The paper’s claims: its figure, ours with an interval, and the verdict", render
     };
@@ -120,7 +120,11 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
         let base = y + 0.36 * SMALL;
         let shown = shown(row);
         let ours = format!("{} {}", shown.ours, shown.interval.unwrap_or_default());
-        canvas.text(Text::new(if first { &name } else { "" }, [10.0, base], SMALL, Align::Left));
+        if first {
+            // Long names are set smaller rather than into the next column.
+            let size = SMALL * (148.0 / text_width(&name, SMALL, false)).min(1.0);
+            canvas.text(Text::new(name, [10.0, base], size, Align::Left));
+        }
         canvas.text(Text::new(training_short(&row.training), [228.0, base], 8.6, Align::Right).colour(GREY));
         canvas.text(Text::new(shown.paper, [columns[0].0, base], SMALL, Align::Left));
         canvas.text(Text::new(ours, [columns[1].0, base], SMALL, Align::Left).colour(look(&row.verdict).0));
@@ -151,7 +155,7 @@ fn claim(canvas: &mut Canvas, panel: &Panel, row: &ClaimRow, y: f64) {
         canvas.line(&[low, high], 1.8, colour, &[]);
     }
     let ratio = row.ours / row.paper;
-    if ratio < REACH[0] || ratio > REACH[1] {
+    if !(REACH[0]..=REACH[1]).contains(&ratio) {
         let way = if ratio > REACH[1] { 1.0 } else { -1.0 };
         let tip = [middle[0] + 5.0 * way, y];
         canvas.area(vec![tip, [tip[0] - 9.0 * way, y - 4.5], [tip[0] - 9.0 * way, y + 4.5]], colour, 1.0);
