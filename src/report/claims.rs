@@ -112,18 +112,18 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
     panel.line(&mut canvas, &[[1.0, 0.0], [1.0, claims.len() as f64]], INK, &[], HAIR);
     canvas.text(Text::new("paper", [panel.at(1.0, 0.0)[0], top - 8.0], SMALL, Align::Centre));
     canvas.text(Text::new("nothing", [panel.at(0.0, 0.0)[0], top - 8.0], SMALL, Align::Centre));
+    // Long names are set smaller, all alike, rather than into the next column.
+    let widest = claims.iter().map(|row| text_width(&label(row), SMALL, false)).fold(148.0, f64::max);
+    let size = SMALL * 148.0 / widest;
     for (index, row) in claims.iter().enumerate() {
         let y = top + ROW * (index as f64 + 0.5);
         claim(&mut canvas, &panel, row, y);
         let first = index == 0 || claims[index - 1].claim != row.claim;
-        let name = row.claim.replace("pi_real", &policy_label("pi_real")).replace('_', " ");
         let base = y + 0.36 * SMALL;
         let shown = shown(row);
         let ours = format!("{} {}", shown.ours, shown.interval.unwrap_or_default());
         if first {
-            // Long names are set smaller rather than into the next column.
-            let size = SMALL * (148.0 / text_width(&name, SMALL, false)).min(1.0);
-            canvas.text(Text::new(name, [10.0, base], size, Align::Left));
+            canvas.text(Text::new(label(row), [10.0, base], size, Align::Left));
         }
         canvas.text(Text::new(training_short(&row.training), [228.0, base], 8.6, Align::Right).colour(GREY));
         canvas.text(Text::new(shown.paper, [columns[0].0, base], SMALL, Align::Left));
@@ -135,6 +135,11 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
         }
     }
     canvas
+}
+
+/// A claim's name as text.
+fn label(row: &ClaimRow) -> String {
+    row.claim.replace("pi_real", &policy_label("pi_real")).replace('_', " ")
 }
 
 /// One line of the picture: ours over the paper's, with its interval.
