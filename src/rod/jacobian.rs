@@ -50,11 +50,6 @@ impl Triple {
             }
         }
     }
-
-    /// Column `k`.
-    pub(super) fn column(&self, k: usize) -> Vector3<f64> {
-        Vector3::new(self.rows[0][k], self.rows[1][k], self.rows[2][k])
-    }
 }
 
 /// Room for the derivative of one rod's equations.
