@@ -11,7 +11,7 @@ use crate::learn::optimise::Objective;
 use crate::learn::simd::{dot, vectorised};
 
 /// Queries that a batch handles at once: their covariances with all points stay in cache.
-pub(super) const BLOCK: usize = 128;
+pub(super) const BLOCK: usize = 512;
 
 /// One fitted output in standardised units.
 #[derive(Clone)]
