@@ -40,9 +40,8 @@ fn dense_solve(a: &[Vec<f64>], b: &[f64]) -> (Vec<f64>, f64) {
         for i in 0..n {
             if i != j {
                 let factor = a[i][j] / a[j][j];
-                for k in j..=n {
-                    a[i][k] -= factor * a[j][k];
-                }
+                let pivot_row = a[j].clone();
+                a[i][j..].iter_mut().zip(&pivot_row[j..]).for_each(|(a, p)| *a -= factor * p);
             }
         }
     }
