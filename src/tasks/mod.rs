@@ -13,7 +13,7 @@ mod track;
 pub use actuation::{GridOptions, bend_commands};
 pub use explore::{ExploreOptions, explore, explore_trajectory, replay, replay_trajectory};
 pub use generate::generate;
-pub use gp_points::{GpPoints, GpPointsOptions, Layout, gp_points, one_of_each_cluster};
+pub use gp_points::{GpPoints, GpPointsOptions, Layout, WalkOptions, gp_points, one_of_each_cluster};
 pub use path::{PathOptions, interpolate, waypoints};
 pub use reach::{LoopMode, ReachOptions, ReachOutcome, reach};
 pub use samples::Samples;
