@@ -54,7 +54,14 @@ fn length_control_matches_the_independent_solver_from_a_cold_start() {
         let status = rod.settle(&drives);
         let position = (rod.tip_m() - vector(&row, ["px", "py", "pz"])).norm();
         let turn = (rod.tip_rotation() - rotation(&row, "")).norm();
-        println!("case {} robot {}: {status} {:.2e} m {:.2e} {:?}", row["id"], row["robot"], position, turn, rod.effort());
+        println!(
+            "case {} robot {}: {status} {:.2e} m {:.2e} {:?}",
+            row["id"],
+            row["robot"],
+            position,
+            turn,
+            rod.effort()
+        );
         assert_eq!(status, Status::Converged, "case {}", row["id"]);
         assert!(position < POSITION_M && turn < ROTATION, "case {}: {position:e} m, {turn:e}", row["id"]);
         for (i, tension) in rod.tensions_n().iter().enumerate() {

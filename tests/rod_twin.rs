@@ -40,10 +40,47 @@ fn rms_m(model: &Model, extra: &[EffectSpec], file: &str, dt: f64, scheme: Schem
 #[test]
 fn explore() {
     let model = nominal();
-    for (scheme, dt) in [(Scheme::Sdirk2, 0.2), (Scheme::Sdirk2, 0.1), (Scheme::Sdirk2, 0.05), (Scheme::Sdirk2, 0.02), (Scheme::Sdirk2, 0.01), (Scheme::Sdirk2, 0.002), (Scheme::Euler, 0.02), (Scheme::Euler, 0.1), (Scheme::Sdirk3, 0.05)] {
+    for (scheme, dt) in [
+        (Scheme::Sdirk2, 0.2),
+        (Scheme::Sdirk2, 0.1),
+        (Scheme::Sdirk2, 0.05),
+        (Scheme::Sdirk2, 0.02),
+        (Scheme::Sdirk2, 0.01),
+        (Scheme::Sdirk2, 0.002),
+        (Scheme::Euler, 0.02),
+        (Scheme::Euler, 0.1),
+        (Scheme::Sdirk3, 0.05),
+    ] {
         let start = std::time::Instant::now();
         let (each, all) = rms_m(&model, &[], "baseline", dt, scheme);
         let took = start.elapsed().as_secs_f64();
-        println!("{scheme:?} {dt}: {:.3} mm, {:?} mm; {took:.3} s, real-time factor {:.0}", all * 1e3, each.map(|e| (e * 1e5).round() / 100.0), 400.0 * 0.2 / took);
+        println!(
+            "{scheme:?} {dt}: {:.3} mm, {:?} mm; {took:.3} s, real-time factor {:.0}",
+            all * 1e3,
+            each.map(|e| (e * 1e5).round() / 100.0),
+            400.0 * 0.2 / took
+        );
     }
+}
+
+#[test]
+fn effort() {
+    let rows = common::read("tests/reference/twin/baseline.csv");
+    let mut model = nominal();
+    model.robot.resolution.time_step_s = 0.05;
+    let mut plant = Simulated::new(&model, &[], SimulatedOptions::default());
+    plant.reset(Seed(0)).unwrap();
+    let start = std::time::Instant::now();
+    let (i0, f0) = plant.rod().effort();
+    for row in std::iter::repeat_n(&rows[..50], 20).flatten() {
+        let pulls: Vec<f64> = (1..=4).map(|i| row[&format!("tendon_{i}_m")]).collect();
+        plant.step(&pulls).unwrap();
+    }
+    let (i1, f1) = plant.rod().effort();
+    println!(
+        "per tick: {:.1} iterations {:.1} factorisations, {:.0} us",
+        (i1 - i0) as f64 / 1000.0,
+        (f1 - f0) as f64 / 1000.0,
+        start.elapsed().as_secs_f64() * 1e6 / 1000.0
+    );
 }

@@ -1,3 +1,14 @@
 //! All that is on disk.
 
+mod cells;
+mod csv;
+mod error;
+mod file;
+pub mod recording;
 pub mod rows;
+mod sheet;
+pub mod tables;
+
+pub use error::DataError;
+pub use file::write_atomic;
+pub use recording::{Actuation, Recording};

@@ -171,3 +171,134 @@ pub struct ClaimRow {
     /// `reproduced`, `not reproduced` or `undecided`.
     pub verdict: String,
 }
+
+/// One of the points that the tracked path runs through (Fig. 8a).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WaypointRow {
+    /// Repetition of the whole experiment.
+    pub seed: u64,
+    /// Number along the path.
+    pub waypoint: u64,
+    /// Position, metres.
+    pub x_m: f64,
+    /// Position, metres.
+    pub y_m: f64,
+    /// Position, metres.
+    pub z_m: f64,
+}
+
+/// A point of the real workspace, drawn behind a path (Fig. 8a).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WorkspaceRow {
+    /// Repetition of the whole experiment.
+    pub seed: u64,
+    /// Position, metres.
+    pub x_m: f64,
+    /// Position, metres.
+    pub y_m: f64,
+    /// Position, metres.
+    pub z_m: f64,
+}
+
+/// One point of a swept quantity: the default figure of an experiment that sweeps something.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SweepRow {
+    /// What is swept, with its unit, as the axis shows it.
+    pub x_label: String,
+    /// Its value.
+    pub x: f64,
+    /// What is measured, with its unit, as the axis shows it.
+    pub y_label: String,
+    /// What tells this line from the others (policy, mode, the second swept quantity).
+    pub series: String,
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation.
+    pub sd: f64,
+    /// Values behind the mean.
+    pub count: u64,
+}
+
+/// Goal-reaching error over the trials of one policy, mode and data size: a cell of Table I or a point of Fig. 6.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ReachSummaryRow {
+    /// `paper` or `converged`.
+    pub training: String,
+    /// `a`, `b`, `c` or `pi_real`.
+    pub policy: String,
+    /// `open`, `closed` or `closed_load`.
+    pub mode: String,
+    /// Real points behind the Gaussian process.
+    pub gp_points: u64,
+    /// Real points behind the network.
+    pub real_points: u64,
+    /// Mean over seeds of the mean error over targets, metres.
+    pub mean_m: f64,
+    /// Standard deviation over the targets of one experiment (root mean square over seeds), metres: what the paper
+    /// prints in brackets.
+    pub sd_m: f64,
+    /// 95 % interval for the mean over seeds (Student's t over per-seed means), metres; none for one seed.
+    pub low_95_m: f64,
+    /// 95 % interval, metres.
+    pub high_95_m: f64,
+    /// Repetitions of the whole experiment.
+    pub seeds: u64,
+    /// Trials that gave an error.
+    pub trials: u64,
+    /// Trials that gave none (status other than `ok`).
+    pub failed: u64,
+    /// Share of the trials in which the policy settled before the step limit.
+    pub settled_share: f64,
+    /// Mean number of control steps.
+    pub mean_steps: f64,
+    /// The paper's mean, metres; none where it gives none.
+    pub paper_mean_m: f64,
+    /// The paper's standard deviation, metres.
+    pub paper_sd_m: f64,
+}
+
+/// Path tracking of one policy in one experiment (Fig. 8).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TrackSummaryRow {
+    /// Repetition of the whole experiment.
+    pub seed: u64,
+    /// `paper` or `converged`.
+    pub training: String,
+    /// `a`, `b`, `c` or `pi_real`.
+    pub policy: String,
+    /// Mean distance to the target over the run, metres.
+    pub mean_error_m: f64,
+    /// Standard deviation of that distance, metres.
+    pub sd_error_m: f64,
+    /// Distance to the target in the first row, metres.
+    pub start_error_m: f64,
+    /// Time of the last row, seconds.
+    pub completion_time_s: f64,
+    /// Oscillation: median peak-to-peak of the error about its moving mean, windows of 5 s, metres.
+    pub oscillation_m: f64,
+    /// Times that the command's source changed between A and B.
+    pub switches: u64,
+    /// Control steps.
+    pub steps: u64,
+    /// `ok`, or the first status that is not.
+    pub status: String,
+}
+
+/// Difference between simulated and measured tip along one axis (Fig. 5).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GapSummaryRow {
+    /// `x`, `y`, `z`, or `distance` for the length of the difference.
+    pub axis: String,
+    /// Mean of simulated minus measured, metres.
+    pub mean_m: f64,
+    /// Root mean square, metres.
+    pub rms_m: f64,
+    /// 95th percentile of the magnitude, metres.
+    pub p95_m: f64,
+    /// Largest magnitude, metres.
+    pub max_m: f64,
+    /// Samples.
+    pub samples: u64,
+    /// Repetitions of the whole experiment.
+    pub seeds: u64,
+}

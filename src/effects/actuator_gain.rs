@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 use super::{Card, Effect, Parameter};
 use crate::base::BadOption;
 
-
 /// What one drive moves is a multiple of what it is told.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -21,7 +20,10 @@ pub(super) const CARD: Card = Card {
     missing: "one lead screw's scale",
     equation: "q_i → scale · q_i",
     source: "steps per millimetre",
-    parameters: &[Parameter { name: "tendon", unit: "number", null: 1.0 }, Parameter { name: "scale", unit: "1", null: 1.0 }],
+    parameters: &[
+        Parameter { name: "tendon", unit: "number", null: 1.0 },
+        Parameter { name: "scale", unit: "1", null: 1.0 },
+    ],
     confused_with: &["tendon_radius", "tendon_stretch"],
 };
 

@@ -21,7 +21,10 @@ pub(super) const CARD: Card = Card {
     missing: "one tendon's zero is off",
     equation: "q_i → q_i + offset",
     source: "homing error",
-    parameters: &[Parameter { name: "tendon", unit: "number", null: 1.0 }, Parameter { name: "offset_m", unit: "m", null: 0.0 }],
+    parameters: &[
+        Parameter { name: "tendon", unit: "number", null: 1.0 },
+        Parameter { name: "offset_m", unit: "m", null: 0.0 },
+    ],
     confused_with: &["precurvature"],
 };
 

@@ -21,7 +21,10 @@ pub(super) const CARD: Card = Card {
     missing: "two principal bending axes",
     equation: "k₁ = k (1 + ratio), k₂ = k (1 − ratio)",
     source: "unsymmetric bending; the paper names the spine's triangular shape",
-    parameters: &[Parameter { name: "ratio", unit: "1", null: 0.0 }, Parameter { name: "angle_rad", unit: "rad", null: 0.0 }],
+    parameters: &[
+        Parameter { name: "ratio", unit: "1", null: 0.0 },
+        Parameter { name: "angle_rad", unit: "rad", null: 0.0 },
+    ],
     confused_with: &["tendon_angle", "bending_stiffness"],
 };
 

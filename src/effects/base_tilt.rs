@@ -21,7 +21,10 @@ pub(super) const CARD: Card = Card {
     missing: "the base is not where gravity was assumed",
     equation: "R(0) = exp((tilt_x, tilt_y, 0)^)",
     source: "rigid-body kinematics",
-    parameters: &[Parameter { name: "tilt_x_rad", unit: "rad", null: 0.0 }, Parameter { name: "tilt_y_rad", unit: "rad", null: 0.0 }],
+    parameters: &[
+        Parameter { name: "tilt_x_rad", unit: "rad", null: 0.0 },
+        Parameter { name: "tilt_y_rad", unit: "rad", null: 0.0 },
+    ],
     confused_with: &["frame_shift", "precurvature", "tip_force"],
 };
 

@@ -19,7 +19,11 @@ pub(super) const CARD: Card = Card {
     missing: "tracking frame offset",
     equation: "tip measured = tip + shift",
     source: "rigid-body kinematics",
-    parameters: &[Parameter { name: "shift_m[0]", unit: "m", null: 0.0 }, Parameter { name: "shift_m[1]", unit: "m", null: 0.0 }, Parameter { name: "shift_m[2]", unit: "m", null: 0.0 }],
+    parameters: &[
+        Parameter { name: "shift_m[0]", unit: "m", null: 0.0 },
+        Parameter { name: "shift_m[1]", unit: "m", null: 0.0 },
+        Parameter { name: "shift_m[2]", unit: "m", null: 0.0 },
+    ],
     confused_with: &["base_tilt"],
 };
 

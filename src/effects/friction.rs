@@ -42,7 +42,8 @@ impl Effect for Friction {
     }
 
     fn alter(&self, rod: &mut RodParams) {
-        rod.memory.push(Arc::new(Prandtl { moment_nm: self.moment_nm, stiffness_n_m2: self.moment_nm / self.yield_rad_m }));
+        rod.memory
+            .push(Arc::new(Prandtl { moment_nm: self.moment_nm, stiffness_n_m2: self.moment_nm / self.yield_rad_m }));
     }
 }
 

@@ -144,7 +144,11 @@ catalogue! {
 
 /// Refuses a value that is not a finite number.
 fn finite(key: &'static str, value: f64) -> Result<(), BadOption> {
-    if value.is_finite() { Ok(()) } else { Err(BadOption { key, found: value.to_string(), expected: "a finite number" }) }
+    if value.is_finite() {
+        Ok(())
+    } else {
+        Err(BadOption { key, found: value.to_string(), expected: "a finite number" })
+    }
 }
 
 /// Refuses a value that is negative or not finite.

@@ -21,7 +21,10 @@ pub(super) const CARD: Card = Card {
     missing: "not straight when unloaded",
     equation: "u* = (κ_x, κ_y, 0)",
     source: "Rucker & Webster 2011, reference curvature",
-    parameters: &[Parameter { name: "kappa_x_rad_m", unit: "rad/m", null: 0.0 }, Parameter { name: "kappa_y_rad_m", unit: "rad/m", null: 0.0 }],
+    parameters: &[
+        Parameter { name: "kappa_x_rad_m", unit: "rad/m", null: 0.0 },
+        Parameter { name: "kappa_y_rad_m", unit: "rad/m", null: 0.0 },
+    ],
     confused_with: &["tip_force", "base_tilt", "actuator_offset"],
 };
 

@@ -129,7 +129,8 @@ impl Robot {
         self.check_sections()?;
         at("disks", non_negative("mass_kg", self.disks.mass_kg))?;
         if let Some(positions) = &self.disks.positions_m {
-            let inside = positions.len() == self.disks.count && positions.iter().all(|&s| (0.0..=b.length_m).contains(&s));
+            let inside =
+                positions.len() == self.disks.count && positions.iter().all(|&s| (0.0..=b.length_m).contains(&s));
             at("disks", refuse(inside, "positions_m", positions, "one place per disk, each within the backbone"))?;
         }
         self.check_tendons()?;
@@ -274,11 +275,7 @@ impl Robot {
 
 /// Puts a mass at each place.
 fn lump(rod: &mut RodParams, positions_m: impl Iterator<Item = f64>, mass_kg: f64) {
-    rod.masses.extend(positions_m.map(|position_m| PointMass {
-        position_m,
-        mass_kg,
-        inertia_kg_m2: Vector3::zeros(),
-    }));
+    rod.masses.extend(positions_m.map(|position_m| PointMass { position_m, mass_kg, inertia_kg_m2: Vector3::zeros() }));
 }
 
 /// Sine and cosine that are exact at multiples of 90 degrees, so that a symmetric robot stays symmetric.
@@ -292,21 +289,10 @@ fn exact_sin_cos_deg(angle: f64) -> (f64, f64) {
     }
 }
 
-fn within(
-    key: &'static str,
-    value: f64,
-    above: f64,
-    up_to: f64,
-    expected: &'static str,
-) -> Result<(), BadOption> {
+fn within(key: &'static str, value: f64, above: f64, up_to: f64, expected: &'static str) -> Result<(), BadOption> {
     refuse(value > above && value <= up_to, key, &value, expected)
 }
 
-fn refuse(
-    good: bool,
-    key: &'static str,
-    found: &dyn std::fmt::Debug,
-    expected: &'static str,
-) -> Result<(), BadOption> {
+fn refuse(good: bool, key: &'static str, found: &dyn std::fmt::Debug, expected: &'static str) -> Result<(), BadOption> {
     if good { Ok(()) } else { Err(BadOption { key, found: format!("{found:?}"), expected }) }
 }

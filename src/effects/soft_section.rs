@@ -21,7 +21,10 @@ pub(super) const CARD: Card = Card {
     missing: "one section weaker (damage)",
     equation: "E I(s) → scale · E I within the section that holds s",
     source: "local stiffness loss",
-    parameters: &[Parameter { name: "position_m", unit: "m", null: 0.0 }, Parameter { name: "scale", unit: "1", null: 1.0 }],
+    parameters: &[
+        Parameter { name: "position_m", unit: "m", null: 0.0 },
+        Parameter { name: "scale", unit: "1", null: 1.0 },
+    ],
     confused_with: &["bending_stiffness", "tendon_stretch", "tendon_radius"],
 };
 

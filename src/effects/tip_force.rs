@@ -19,7 +19,11 @@ pub(super) const CARD: Card = Card {
     missing: "a constant force at the tip",
     equation: "n(L) = F",
     source: "Rucker & Webster 2011, boundary conditions",
-    parameters: &[Parameter { name: "force_n[0]", unit: "N", null: 0.0 }, Parameter { name: "force_n[1]", unit: "N", null: 0.0 }, Parameter { name: "force_n[2]", unit: "N", null: 0.0 }],
+    parameters: &[
+        Parameter { name: "force_n[0]", unit: "N", null: 0.0 },
+        Parameter { name: "force_n[1]", unit: "N", null: 0.0 },
+        Parameter { name: "force_n[2]", unit: "N", null: 0.0 },
+    ],
     confused_with: &["tip_load", "base_tilt", "precurvature"],
 };
 

@@ -1,4 +1,5 @@
-//! Small numerics that several rooms share.
+//! Numerics: small linear algebra, rotations, statistics.
 
 pub mod polynomial;
 pub mod rotation;
+pub mod summary;

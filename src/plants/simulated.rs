@@ -109,10 +109,8 @@ impl Simulated {
     /// Adds a load at the tip to that of the model, from now on.
     pub fn set_extra_tip_load(&mut self, extra: TipLoad) {
         let own = self.rod.params().tip_load;
-        self.rod.set_tip_load(TipLoad {
-            force_n: own.force_n + extra.force_n,
-            moment_nm: own.moment_nm + extra.moment_nm,
-        });
+        self.rod
+            .set_tip_load(TipLoad { force_n: own.force_n + extra.force_n, moment_nm: own.moment_nm + extra.moment_nm });
     }
 
     /// Brings the robot to rest under `commands` instead of at home.

@@ -1,1 +1,146 @@
-//! (under construction)
+//! Tables and figures: pure functions from published rows to bytes. A figure is one file and one line in [`FIGURES`];
+//! nothing here can reach what computed the rows, so every picture can be drawn again from `results/`.
+
+mod axes;
+mod canvas;
+mod claims;
+mod fig5;
+mod fig6;
+mod fig8;
+mod legend;
+pub mod markup;
+pub mod page;
+mod paint;
+pub mod paper;
+mod published;
+pub mod style;
+mod summarise;
+mod sweep;
+mod table1;
+mod view;
+
+use std::path::Path;
+
+use crate::data::{DataError, write_atomic};
+
+pub use published::Published;
+pub use summarise::{OSCILLATION_WINDOW_S, reach_summary, track_summary};
+
+/// Where a file that a figure makes belongs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shelf {
+    /// `plots/`: PNG and SVG.
+    Plots,
+    /// `results/<experiment>/`: CSV, Markdown, LaTeX.
+    Results,
+}
+
+/// A file that a figure makes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Artifact {
+    /// File name.
+    pub name: String,
+    /// Where it belongs.
+    pub shelf: Shelf,
+    /// Its content.
+    pub bytes: Vec<u8>,
+}
+
+/// Why a figure could not be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ReportError {
+    /// The rows that the figure is made of are not there.
+    #[error("{figure}: no rows: found no {needs}, expected at least one")]
+    NoRows {
+        /// The figure.
+        figure: &'static str,
+        /// What it is made of.
+        needs: &'static str,
+    },
+    /// Rows that would be averaged belong to different experiments.
+    #[error("{figure}: found rows of {found}, expected one {expected}")]
+    Mixed {
+        /// The figure.
+        figure: &'static str,
+        /// The values met.
+        found: String,
+        /// What there should be one of.
+        expected: &'static str,
+    },
+    /// The painter failed.
+    #[error("{figure}: cannot draw: {reason}")]
+    Draw {
+        /// The figure.
+        figure: &'static str,
+        /// What it says.
+        reason: String,
+    },
+    /// A table could not be written.
+    #[error(transparent)]
+    Data(#[from] DataError),
+}
+
+/// One entry of the registry.
+#[derive(Clone, Copy, Debug)]
+pub struct Figure {
+    /// Name, and stem of its files.
+    pub name: &'static str,
+    /// What it shows.
+    pub about: &'static str,
+    /// Rows to files: the same rows give the same bytes, no rows are an error.
+    pub render: fn(&Published) -> Result<Vec<Artifact>, ReportError>,
+}
+
+/// Every figure and table, in the order of the paper.
+pub const FIGURES: &[Figure] =
+    &[table1::FIGURE, fig5::FIGURE, fig6::FIGURE, fig8::FIGURE, claims::FIGURE, sweep::FIGURE];
+
+/// The figure called `name`.
+pub fn figure(name: &str) -> Option<&'static Figure> {
+    FIGURES.iter().find(|figure| figure.name == name)
+}
+
+/// Writes artifacts on their shelves, each whole or not at all.
+///
+/// # Errors
+/// [`DataError::Write`] for the first file that cannot be written.
+pub fn write(artifacts: &[Artifact], results: &Path, plots: &Path) -> Result<(), DataError> {
+    for artifact in artifacts {
+        let folder = match artifact.shelf {
+            Shelf::Plots => plots,
+            Shelf::Results => results,
+        };
+        write_atomic(&folder.join(&artifact.name), &artifact.bytes)?;
+    }
+    Ok(())
+}
+
+/// PNG and SVG of a drawing.
+fn pictures(figure: &'static str, stem: &str, canvas: &canvas::Canvas) -> Result<[Artifact; 2], ReportError> {
+    let failed = |error: paint::PaintError| ReportError::Draw { figure, reason: error.to_string() };
+    let file = |end: &str, bytes| Artifact { name: format!("{stem}.{end}"), shelf: Shelf::Plots, bytes };
+    Ok([file("png", paint::png(canvas).map_err(failed)?), file("svg", paint::svg(canvas).map_err(failed)?)])
+}
+
+/// A CSV for `results/<experiment>/`.
+fn csv<R: serde::Serialize>(name: &str, rows: &[R]) -> Result<Artifact, ReportError> {
+    let bytes = crate::data::tables::to_csv(Path::new(name), rows)?;
+    Ok(Artifact { name: name.to_owned(), shelf: Shelf::Results, bytes })
+}
+
+/// A text file for `results/<experiment>/`.
+fn text(name: &str, text: String) -> Artifact {
+    Artifact { name: name.to_owned(), shelf: Shelf::Results, bytes: text.into_bytes() }
+}
+
+/// Ways of training among these, the paper's first, then in order of appearance.
+fn trainings<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut found: Vec<&str> = Vec::new();
+    for name in names {
+        if !found.contains(&name) {
+            found.push(name);
+        }
+    }
+    found.sort_by_key(|name| *name != "paper");
+    found
+}

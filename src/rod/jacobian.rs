@@ -123,6 +123,12 @@ impl Derivative {
         matrix
     }
 
+    /// First-order change of the path length of tendon `i` when the coefficients change by `step`, metres.
+    pub(super) fn length_change_m(&self, system: &System, i: usize, step: &[f64]) -> f64 {
+        let row = (system.grid.unknowns + i) * system.size();
+        self.rows[row..row + step.len()].iter().zip(step).map(|(a, b)| a * b).sum()
+    }
+
     /// Variations of orientation and position along the rod.
     fn kinematics(&mut self, system: &System, work: &Work) {
         let base_turn = Triple::zeros(system.grid.unknowns);
@@ -167,7 +173,8 @@ impl Derivative {
         let rate2 = conditions.motion.rate * conditions.motion.rate;
         for mass in system.masses.iter().filter(|mass| mass.end == c + 1) {
             self.force.add(&self.end_move[c + 1], -mass.mass_kg * rate2);
-            let inertia = shape.end_r[c + 1] * Matrix3::from_diagonal(&mass.inertia_kg_m2) * shape.end_r[c + 1].transpose();
+            let inertia =
+                shape.end_r[c + 1] * Matrix3::from_diagonal(&mass.inertia_kg_m2) * shape.end_r[c + 1].transpose();
             add_product(&mut self.moment, &inertia, &self.end_turn[c + 1], -rate2);
         }
         let partial = Grid::partial_weights(h);

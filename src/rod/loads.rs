@@ -59,7 +59,8 @@ impl Loads {
         }
         self.end_f.iter_mut().for_each(|f| *f = Vector3::zeros());
         for mass in rod.masses {
-            self.end_f[mass.end] += mass.mass_kg * (gravity - motion.end_acceleration(mass.end, &shape.end_p[mass.end]));
+            self.end_f[mass.end] +=
+                mass.mass_kg * (gravity - motion.end_acceleration(mass.end, &shape.end_p[mass.end]));
         }
         let mut force = tip.force_n;
         let mut moment = tip.moment_nm;

@@ -70,11 +70,7 @@ impl Section {
         let time = params.damping_time_s;
         Section {
             rest: span.rest_curvature_rad_m.into(),
-            bend: [
-                c1 * cos * cos + c2 * sin * sin,
-                (c1 - c2) * sin * cos,
-                c1 * sin * sin + c2 * cos * cos,
-            ],
+            bend: [c1 * cos * cos + c2 * sin * sin, (c1 - c2) * sin * cos, c1 * sin * sin + c2 * cos * cos],
             twist: 1.0 / span.torsion_n_m2,
             shear: 1.0 / span.shear_n,
             axial,

@@ -120,8 +120,7 @@ impl System {
         let (coefficients, tensions) = unknowns.split_at(self.grid.unknowns);
         work.shape.update(&self.grid, &self.sections, coefficients);
         self.update_tendons(work);
-        let rod =
-            LoadedRod { params: &self.params, grid: &self.grid, sections: &self.sections, masses: &self.masses };
+        let rod = LoadedRod { params: &self.params, grid: &self.grid, sections: &self.sections, masses: &self.masses };
         work.loads.update(&rod, &work.shape, conditions);
         work.residual.fill(0.0);
         for g in 0..self.grid.nodes.len() {
@@ -239,21 +238,5 @@ impl System {
     /// Path lengths of the tendons on the shape in `work`.
     pub(super) fn update_lengths(&self, work: &mut Work) {
         self.update_tendons(work);
-    }
-}
-
-impl System {
-    /// First-order change of the path length of tendon `i` when the coefficients grow by `step`, metres.
-    pub(super) fn length_change_m(&self, i: usize, work: &Work, step: &[f64]) -> f64 {
-        let mut total = 0.0;
-        for (g, node) in self.grid.nodes.iter().enumerate() {
-            let pull = work.shape.compliance[g].apply(&self.tendon_wrench(g, i, work));
-            for c in 0..COMPONENTS {
-                let own = &step[node.offset[c]..node.offset[c] + self.grid.modes[c]];
-                let change: f64 = own.iter().zip(&node.basis).map(|(x, b)| x * b).sum();
-                total += node.weight_m * pull[c] * change;
-            }
-        }
-        total
     }
 }

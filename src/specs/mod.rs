@@ -1,1 +1,40 @@
-//! (under construction)
+//! Experiments as YAML: strictly checked, with the file, line and key of whatever is wrong.
+
+mod cells;
+mod check;
+mod check_claims;
+mod claims;
+mod document;
+mod emit;
+mod error;
+mod experiment;
+mod locate;
+mod path;
+mod plant;
+mod suggest;
+mod wording;
+
+pub use cells::{Cell, gp_sizes, reach_cells, track_cells};
+pub use claims::{Axis, Claim, Metric, ReachCell, Relation, Size};
+pub use document::Document;
+pub use error::{Place, SpecError};
+pub use experiment::{Experiment, GapRun, GeneratedStart, Mode, ReachSweep, Runs, TrackRun, Training};
+pub use locate::{End, locate};
+pub use path::{KeyPath, Step};
+pub use plant::{PlantSpec, SimulatedSpec};
+
+use std::path::Path;
+
+impl Experiment {
+    /// Reads and checks a spec with overrides `path.to.key=value`.
+    ///
+    /// # Errors
+    /// [`SpecError`] for the first thing that is wrong.
+    pub fn read(file: &Path, sets: &[String]) -> Result<Experiment, SpecError> {
+        let includes = ["model", "plant"].map(|key| KeyPath::default().key(key).key("simulated").key("model"));
+        let document = Document::read(file, sets, &includes)?;
+        let experiment = document.parse::<Experiment>()?;
+        check::check(&experiment, &document)?;
+        Ok(experiment)
+    }
+}

@@ -82,7 +82,7 @@ impl GpPointsOptions {
 }
 
 /// The same commands on model and robot: what eq. (20) is fitted to.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GpPoints {
     /// Displacements (metres) and simulated tip (metres): (L_1 … L_4, p_sim), seven columns.
     pub inputs: Rows,

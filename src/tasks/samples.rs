@@ -1,9 +1,11 @@
 //! What an exploration yields: transitions in the order of time.
 
+use serde::{Deserialize, Serialize};
+
 use crate::base::{Displacements, Observation, Point3, Rows};
 
 /// Transitions (x_i, u_i) → x_{i+1} of one or more trajectories, each of which starts at rest at home.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Samples {
     /// Measured tip before each step, metres, three columns.
     pub from_m: Rows,

@@ -58,7 +58,13 @@ pub fn round_rod(length_m: f64, radius_m: f64, e_pa: f64, g_pa: f64, mass_kg_m: 
 pub fn four_tendons(offset_m: f64, end_m: f64, compliance_m_per_n: f64) -> Vec<Tendon> {
     [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]]
         .iter()
-        .map(|[x, y]| Tendon { offset_m: [x * offset_m, y * offset_m], end_m, pretension_m: 0.0, compliance_m_per_n, elastic_length_m: f64::INFINITY })
+        .map(|[x, y]| Tendon {
+            offset_m: [x * offset_m, y * offset_m],
+            end_m,
+            pretension_m: 0.0,
+            compliance_m_per_n,
+            elastic_length_m: f64::INFINITY,
+        })
         .collect()
 }
 

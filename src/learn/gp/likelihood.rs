@@ -56,6 +56,22 @@ impl<'a> Likelihood<'a> {
         &self.scaled
     }
 
+    pub(super) fn kernel(&self) -> &'static dyn Kernel {
+        self.kernel
+    }
+
+    pub(super) fn layout(&self) -> Layout {
+        self.layout
+    }
+
+    pub(super) fn points(&self) -> &Points {
+        self.points
+    }
+
+    pub(super) fn theta(&self) -> &[f64] {
+        &self.theta
+    }
+
     fn fill_gram(&mut self) {
         let shape = self.layout.shape(&self.theta);
         let signal = self.layout.signal_variance(&self.theta);

@@ -3,6 +3,7 @@
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::{factor, inverse, solve};
 use faer::linalg::triangular_inverse::invert_lower_triangular;
+use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::{MatMut, MatRef, Par};
 
 /// A square matrix of which only the lower triangle is used, column-major. The columns start a few numbers apart
@@ -51,6 +52,20 @@ impl Lower {
     pub(super) fn solve(&self, x: &mut [f64], memory: &mut Memory) {
         let right = MatMut::from_column_major_slice_mut(x, self.n, 1);
         solve::solve_in_place(self.view(), right, Par::Seq, MemStack::new(&mut memory.0));
+    }
+
+    /// Of a Cholesky factor: `L⁻¹` applied to every column of n numbers in `columns`.
+    pub(super) fn solve_half(&self, columns: &mut [f64]) {
+        let count = columns.len() / self.n;
+        let right = MatMut::from_column_major_slice_mut(columns, self.n, count);
+        solve_lower_triangular_in_place(self.view(), right, Par::Seq);
+    }
+
+    /// Of a Cholesky factor: `L⁻ᵀ` applied to every column of n numbers in `columns`.
+    pub(super) fn solve_transposed_half(&self, columns: &mut [f64]) {
+        let count = columns.len() / self.n;
+        let right = MatMut::from_column_major_slice_mut(columns, self.n, count);
+        solve_upper_triangular_in_place(self.view().transpose(), right, Par::Seq);
     }
 
     /// Of a Cholesky factor: `out ← (L Lᵀ)⁻¹`.

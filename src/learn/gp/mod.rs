@@ -2,8 +2,10 @@
 //! hyper-parameters, which maximise the log marginal likelihood.
 
 mod config;
+mod coordinates;
 mod covariance;
 mod cross_validation;
+mod curvature;
 mod likelihood;
 mod linear;
 mod posterior;

@@ -1,6 +1,7 @@
 //! The search for hyper-parameters: many starts on a few rows, the winner carried to all rows.
 
 use super::config::GpConfig;
+use super::coordinates::{Bent, bend, unbend};
 use super::covariance::{Layout, Points};
 use super::kernels::Kernel;
 use super::likelihood::Likelihood;
@@ -14,43 +15,57 @@ pub(super) struct Found {
 
 /// Rows grow by this factor from one stage of the search to the next.
 const GROWTH: usize = 3;
-/// Nats by which the starts are told apart; only the winner is finished.
+/// Nats by which candidates are told apart; only the last is finished.
 const COARSE: f64 = 0.1;
-
+/// Candidates that go on from one stage to the next, the last stage taking one.
+const KEPT: usize = 3;
 /// Maximises the log marginal likelihood of the standardised output `y`; `None` when no start is usable.
 pub(super) fn search(config: &GpConfig, points: &Points, y: &[f64]) -> Option<Found> {
     let kernel = config.kernel.0;
+    let layout = Layout::of(kernel, points.inputs);
     let mut sizes = vec![points.n];
     while sizes[0] > config.start_rows {
         sizes.insert(0, sizes[0].div_ceil(GROWTH).max(config.start_rows));
     }
     let mut evaluations = 0;
-    let mut best: Option<Minimum> = None;
+    let starts = starts(config, kernel, points.inputs);
+    let mut candidates: Vec<Vec<f64>> = starts.iter().map(|theta| bend(layout, theta)).collect();
     for (stage, &rows) in sizes.iter().enumerate() {
+        let last = stage + 1 == sizes.len();
         let which: Vec<usize> = (0..rows).map(|i| i * points.n / rows).collect();
         let (few, y): (Points, Vec<f64>) = (points.select(&which), which.iter().map(|&i| y[i]).collect());
-        let mut likelihood = Likelihood::new(kernel, &few, &y);
-        let limits = |tolerance| limits(config, kernel, points.inputs, tolerance);
-        if stage == 0 {
-            for start in starts(config, kernel, points.inputs) {
-                let found = minimise(&mut likelihood, &start, None, &limits(COARSE));
-                evaluations += found.evaluations;
-                if found.value.is_finite() && best.as_ref().is_none_or(|best| found.value < best.value) {
-                    best = Some(found);
-                }
-            }
+        let mut likelihood = Bent::new(Likelihood::new(kernel, &few, &y));
+        let mut climb = |start: &[f64], tolerance: f64| {
+            let found = minimise(&mut likelihood, start, &limits(config, kernel, points.inputs, tolerance));
+            evaluations += found.evaluations;
+
+            found
+        };
+        let mut found: Vec<Minimum> = if last && stage > 0 {
+            vec![climb(&candidates[0], config.tolerance)]
+        } else {
+            candidates.iter().map(|start| climb(start, COARSE)).collect()
+        };
+        found.retain(|minimum| minimum.value.is_finite());
+        found.sort_by(|a, b| a.value.total_cmp(&b.value));
+        if last && stage == 0 && !found.is_empty() {
+            found = vec![climb(&found[0].x, config.tolerance)];
         }
-        let Minimum { x, mut hessian, .. } = best?;
-        if stage > 0 {
-            let growth = rows as f64 / sizes[stage - 1] as f64;
-            hessian.iter_mut().for_each(|h| *h *= growth);
-        }
-        let last = stage + 1 == sizes.len();
-        let found = minimise(&mut likelihood, &x, Some(hessian), &limits(if last { config.tolerance } else { COARSE }));
-        evaluations += found.evaluations;
-        best = found.value.is_finite().then_some(found);
+        candidates = distinct(found);
     }
-    best.map(|best| Found { theta: best.x, evaluations })
+    candidates.first().map(|u| Found { theta: unbend(layout, u), evaluations })
+}
+
+/// The best few points that are not the same optimum.
+fn distinct(found: Vec<Minimum>) -> Vec<Vec<f64>> {
+    let mut out: Vec<Minimum> = Vec::new();
+    for minimum in found {
+        let same = |kept: &Minimum| (kept.value - minimum.value).abs() < 2.0 * COARSE;
+        if out.len() < KEPT && !out.iter().any(same) {
+            out.push(minimum);
+        }
+    }
+    out.into_iter().map(|minimum| minimum.x).collect()
 }
 
 fn limits(config: &GpConfig, kernel: &dyn Kernel, inputs: usize, tolerance: f64) -> Bfgs {
@@ -59,7 +74,9 @@ fn limits(config: &GpConfig, kernel: &dyn Kernel, inputs: usize, tolerance: f64)
     bounds.extend(vec![(1e-2, 1e3); layout.lengths]);
     bounds.extend(kernel.shapes().iter().map(|shape| shape.bounds));
     bounds.push((config.noise_floor * config.noise_floor, 10.0));
-    let bounds = bounds.into_iter().map(|(low, high): (f64, f64)| (low.ln(), high.ln())).collect();
+    let (low, high): (Vec<f64>, Vec<f64>) =
+        bounds.into_iter().map(|(low, high): (f64, f64)| (low.ln(), high.ln())).unzip();
+    let bounds = bend(layout, &low).into_iter().zip(bend(layout, &high)).collect();
     Bfgs { bounds, tolerance, max_evaluations: 300, max_step: 2.0 }
 }
 

@@ -1,6 +1,6 @@
 //! Minimisers.
 
 mod bfgs;
-mod dense;
+mod quadratic;
 
 pub use bfgs::{Bfgs, Minimum, Objective, Stop, minimise};

@@ -2,7 +2,7 @@
 //! Goodfellow, Bengio & Courville 2016, section 10.2.2.
 
 use super::config::Loss;
-use super::tiles::{Chunk, LANES, Table, accumulate, outer, total};
+use super::tiles::{Chunk, LANES, Table, accumulate, each, fma, outer, total};
 use super::weights::{Sizes, TILE, Weights};
 use crate::learn::simd::{Real, vectorised};
 
@@ -96,10 +96,11 @@ impl<T: Real> Batch<T> {
                     accumulate(&mut acc, from_state, units, first, &self.hidden, at, hidden);
                 }
                 for (u, acc) in acc.iter().enumerate() {
-                    let out = &mut self.hidden.chunks[(first + u) * self.hidden.width + self.groups + at];
-                    for lane in 0..LANES {
-                        out[lane] = acc[lane].tanh_fast();
-                    }
+                    let place = (first + u) * self.hidden.width + self.groups + at;
+                    self.hidden.chunks[place] = each(
+                        #[inline(always)]
+                        |lane| acc[lane].tanh_fast(),
+                    );
                 }
             }
         }
@@ -124,12 +125,18 @@ impl<T: Real> Batch<T> {
                 }
                 for (u, acc) in acc.iter().enumerate().take(outputs - first) {
                     let place = (first + u) * self.errors.width + at;
-                    let (error, target) = (&mut self.errors.chunks[place], &self.targets.chunks[place]);
-                    for lane in 0..LANES {
-                        let miss = if lane < live { acc[lane] - target[lane] } else { T::default() };
-                        error[lane] = miss * scale;
-                        loss[lane] = miss.fma(miss, loss[lane]);
-                    }
+                    let target = self.targets.chunks[place];
+                    let miss: Chunk<T> = each(
+                        #[inline(always)]
+                        |lane| {
+                            if lane < live { acc[lane] - target[lane] } else { T::default() }
+                        },
+                    );
+                    self.errors.chunks[place] = each(
+                        #[inline(always)]
+                        |lane| miss[lane] * scale,
+                    );
+                    fma(&mut loss, &miss, &miss);
                 }
             }
         }
@@ -151,11 +158,12 @@ impl<T: Real> Batch<T> {
                     accumulate(&mut acc, &self.recurrent_t, units, first, &self.deltas, at + self.groups, hidden);
                 }
                 for (u, acc) in acc.iter().enumerate() {
-                    let h = &self.hidden.chunks[(first + u) * self.hidden.width + self.groups + at];
-                    let delta = &mut self.deltas.chunks[(first + u) * self.deltas.width + at];
-                    for lane in 0..LANES {
-                        delta[lane] = acc[lane] * (-h[lane]).fma(h[lane], T::of(1.0));
-                    }
+                    let h = self.hidden.chunks[(first + u) * self.hidden.width + self.groups + at];
+                    let delta = each(
+                        #[inline(always)]
+                        |lane| acc[lane] * (-h[lane]).fma(h[lane], T::of(1.0)),
+                    );
+                    self.deltas.chunks[(first + u) * self.deltas.width + at] = delta;
                 }
             }
         }

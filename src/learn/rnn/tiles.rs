@@ -85,16 +85,32 @@ fn outer_rows<T: Real, const R: usize>(
         let mut acc = [[[T::default(); LANES]; 2]; R];
         for l in 0..len {
             for r in 0..R {
-                for lane in 0..LANES {
-                    acc[r][0][lane] = lines[r][l][lane].fma(left[l][lane], acc[r][0][lane]);
-                    acc[r][1][lane] = lines[r][l][lane].fma(right[l][lane], acc[r][1][lane]);
-                }
+                fma(&mut acc[r][0], &lines[r][l], &left[l]);
+                fma(&mut acc[r][1], &lines[r][l], &right[l]);
             }
         }
         for r in 0..R {
             out[(row + r) * stride + u] += total(acc[r][0]);
             out[(row + r) * stride + u + 1] += total(acc[r][1]);
         }
+    }
+}
+
+/// The chunk whose lanes are `value(lane)`.
+#[inline(always)]
+pub(super) fn each<T: Real>(value: impl Fn(usize) -> T) -> Chunk<T> {
+    let mut out = [T::default(); LANES];
+    for (lane, out) in out.iter_mut().enumerate() {
+        *out = value(lane);
+    }
+    out
+}
+
+/// `acc += a · b` lane by lane.
+#[inline(always)]
+pub(super) fn fma<T: Real>(acc: &mut Chunk<T>, a: &Chunk<T>, b: &Chunk<T>) {
+    for lane in 0..LANES {
+        acc[lane] = a[lane].fma(b[lane], acc[lane]);
     }
 }
 

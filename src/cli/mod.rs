@@ -1,0 +1,51 @@
+//! The commands. Exit status 0: done; 1: ran, and the answer is no; 2: bad input or usage, and nothing was written.
+
+mod plan;
+mod run;
+mod shared;
+mod verify;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Does this learning-based continuum-robot controller really work, and where is my simulator wrong?
+#[derive(Parser)]
+#[command(name = "spinebench", version, propagate_version = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Run(run::Run),
+    Plan(plan::Plan),
+    Verify(verify::Verify),
+}
+
+/// How a command that did not succeed ends.
+pub(crate) enum Ended {
+    /// It ran, and the answer is no, or what it found could not be written: exit status 1.
+    No(String),
+    /// Bad input or usage: exit status 2.
+    BadInput(String),
+}
+
+/// What a command returns.
+pub(crate) type Outcome = Result<(), Ended>;
+
+/// Parses the arguments and carries out the command.
+pub(crate) fn main() -> ExitCode {
+    let outcome = match Arguments::parse().command {
+        Command::Run(run) => run.carry_out(),
+        Command::Plan(plan) => plan.carry_out(),
+        Command::Verify(verify) => verify.carry_out(),
+    };
+    let (words, status) = match outcome {
+        Ok(()) => return ExitCode::SUCCESS,
+        Err(Ended::No(words)) => (words, 1),
+        Err(Ended::BadInput(words)) => (words, 2),
+    };
+    eprintln!("error: {words}");
+    ExitCode::from(status)
+}

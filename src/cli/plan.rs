@@ -1,0 +1,63 @@
+//! `spinebench plan`.
+
+use super::Outcome;
+use super::shared::{Cache, Specs};
+use clap::Args;
+use spinebench::runner::{Campaign, Entry, Need, survey};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::io::Write as _;
+
+/// Prints the expanded runs, what is stored and what is left, and runs nothing.
+#[derive(Args)]
+pub(super) struct Plan {
+    #[command(flatten)]
+    specs: Specs,
+    #[command(flatten)]
+    cache: Cache,
+}
+
+impl Plan {
+    pub(super) fn carry_out(self) -> Outcome {
+        let campaign = self.specs.campaign()?;
+        let needs = survey(&campaign.graph, &self.cache.store(), &campaign.wanted());
+        let mut text = String::new();
+        for entry in &campaign.entries {
+            describe(entry, &needs, &mut text);
+        }
+        stages(&campaign, &needs, &mut text);
+        // A reader that has seen enough closes the pipe: no error.
+        let _ = std::io::stdout().write_all(text.as_bytes());
+        Ok(())
+    }
+}
+
+fn describe(entry: &Entry, needs: &[Need], text: &mut String) {
+    let experiment = &entry.experiment;
+    let cells = entry.cells();
+    let left = cells.iter().filter(|cell| needs[cell.stage] == Need::Compute).count();
+    let (name, seeds, all) = (&experiment.name, experiment.seeds, cells.len());
+    let _ = writeln!(text, "{name}: {all} runs over {seeds} seeds, {} stored, {left} left", all - left);
+    for cell in cells {
+        let state = if needs[cell.stage] == Need::Compute { "left" } else { "stored" };
+        let _ = writeln!(text, "  {state:6} {}", cell.label);
+    }
+}
+
+/// What the runs need, by kind of stage; stages that several runs or experiments share count once.
+fn stages(campaign: &Campaign, needs: &[Need], text: &mut String) {
+    let mut kinds: BTreeMap<&str, [usize; 2]> = BTreeMap::new();
+    for (number, need) in needs.iter().enumerate() {
+        let counts = kinds.entry(campaign.graph.describe(number).0).or_default();
+        match need {
+            Need::None => {}
+            Need::Cached => counts[0] += 1,
+            Need::Compute => counts[1] += 1,
+        }
+    }
+    let [stored, left] = kinds.values().fold([0, 0], |sum, counts| [sum[0] + counts[0], sum[1] + counts[1]]);
+    let _ = writeln!(text, "stages: {stored} stored, {left} left");
+    for (kind, [stored, left]) in kinds {
+        let _ = writeln!(text, "  {kind:16} {stored:6} stored {left:6} left");
+    }
+}

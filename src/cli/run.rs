@@ -1,0 +1,104 @@
+//! `spinebench run`.
+
+use super::shared::{Cache, Specs, Telling};
+use super::{Ended, Outcome};
+use clap::{Args, ValueEnum};
+use spinebench::data::rows::ClaimRow;
+use spinebench::runner::{self, Campaign, Files, Manifest, Outcomes, Progress, Publication};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Expands specs to stages, runs what is not stored, writes tables and figures.
+#[derive(Args)]
+pub(super) struct Run {
+    #[command(flatten)]
+    specs: Specs,
+    /// Folder for `results/` and `plots/`.
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    out: PathBuf,
+    #[command(flatten)]
+    cache: Cache,
+    #[command(flatten)]
+    telling: Telling,
+    /// Where stages are carried out.
+    #[arg(long, value_enum, default_value_t = Executor::Local)]
+    executor: Executor,
+    /// Exit status 1 when a claim is not reproduced or a trial failed.
+    #[arg(long)]
+    strict: bool,
+}
+
+/// Where stages are carried out.
+#[derive(Clone, Copy, ValueEnum)]
+enum Executor {
+    /// On this machine's threads.
+    Local,
+}
+
+impl Run {
+    pub(super) fn carry_out(self) -> Outcome {
+        let Executor::Local = self.executor;
+        let campaign = self.specs.campaign()?;
+        std::fs::create_dir_all(&self.out)
+            .map_err(|error| Ended::BadInput(format!("{}: found {error}, expected a folder", self.out.display())))?;
+        let progress = self.telling.progress();
+        let began = Instant::now();
+        let wanted = campaign.wanted();
+        let outcomes = runner::execute(&campaign.graph, &self.cache.store(), &wanted, self.telling.jobs, &progress)
+            .map_err(|failure| Ended::No(failure.to_string()))?;
+        let wall_s = began.elapsed().as_secs_f64();
+        let published = self.publish(&campaign, &outcomes, wall_s).map_err(Ended::No)?;
+        summarise(&progress, &outcomes, &published, wall_s);
+        self.verdict(&published)
+    }
+
+    /// Makes all files of all experiments, then writes them.
+    fn publish(&self, campaign: &Campaign, outcomes: &Outcomes, wall_s: f64) -> Result<Vec<Publication>, String> {
+        let words = |error: &dyn std::error::Error| error.to_string();
+        let mut published = Vec::new();
+        let mut files = Files::new();
+        let mut claims: BTreeMap<String, Vec<ClaimRow>> = BTreeMap::new();
+        for entry in &campaign.entries {
+            let name = entry.experiment.name.clone();
+            let publication = entry.publish(outcomes).map_err(|error| format!("{name}: {error}"))?;
+            let manifest = Manifest::new(campaign, entry, outcomes, self.telling.jobs, wall_s);
+            let path = Path::new("results").join(&name).join("manifest.yaml");
+            files.insert(path, manifest.to_yaml().map_err(|error| words(&error))?);
+            files.extend(publication.files.clone());
+            claims.insert(name, publication.claims.clone());
+            published.push(publication);
+        }
+        files.extend(runner::all_claims(&self.out, &claims).map_err(|error| words(&error))?);
+        runner::write_files(&self.out, &files).map_err(|error| words(&error))?;
+        Ok(published)
+    }
+
+    fn verdict(&self, published: &[Publication]) -> Outcome {
+        let failed: usize = published.iter().map(|publication| publication.failed).sum();
+        let claims = published.iter().flat_map(|publication| &publication.claims);
+        let denied: Vec<&str> =
+            claims.filter(|row| row.verdict == "not reproduced").map(|row| row.claim.as_str()).collect();
+        if self.strict && failed > 0 {
+            return Err(Ended::No(format!("{failed} trials failed")));
+        }
+        if self.strict && !denied.is_empty() {
+            return Err(Ended::No(format!("not reproduced: {}", denied.join(", "))));
+        }
+        Ok(())
+    }
+}
+
+fn summarise(progress: &Progress, outcomes: &Outcomes, published: &[Publication], wall_s: f64) {
+    let failed: usize = published.iter().map(|publication| publication.failed).sum();
+    let (computed, cached) = (outcomes.computed, outcomes.cached);
+    progress.say(&format!("{computed} stages computed, {cached} read, {failed} trials failed, {wall_s:.1} s"));
+    let mut verdicts: BTreeMap<&str, usize> = BTreeMap::new();
+    for row in published.iter().flat_map(|publication| &publication.claims) {
+        *verdicts.entry(&row.verdict).or_default() += 1;
+    }
+    if !verdicts.is_empty() {
+        let counts: Vec<String> = verdicts.iter().map(|(verdict, count)| format!("{count} {verdict}")).collect();
+        progress.say(&format!("claims: {}", counts.join(", ")));
+    }
+}

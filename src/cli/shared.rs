@@ -1,0 +1,90 @@
+//! Arguments that several commands take.
+
+use super::Ended;
+use clap::{Args, ValueEnum};
+use spinebench::runner::{Campaign, Progress, Store, Style};
+use spinebench::specs::{Experiment, SpecError};
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+/// Which experiments.
+#[derive(Args)]
+pub(super) struct Specs {
+    /// Experiment files.
+    #[arg(required = true, value_name = "SPEC.yaml")]
+    specs: Vec<PathBuf>,
+    /// Repetitions of each experiment, data and training included; overrides the specs.
+    #[arg(long, value_name = "N")]
+    seeds: Option<u64>,
+    /// Override of a key of every spec, such as `gp.starts=21`; may be given several times.
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+}
+
+impl Specs {
+    /// Reads and expands the experiments.
+    pub(super) fn campaign(&self) -> Result<Campaign, Ended> {
+        let mut sets = self.set.clone();
+        sets.extend(self.seeds.map(|seeds| format!("seeds={seeds}")));
+        let read = |file: &PathBuf| Experiment::read(file, &sets);
+        let experiments: Result<Vec<Experiment>, SpecError> = self.specs.iter().map(read).collect();
+        let experiments = experiments.map_err(|error| Ended::BadInput(error.to_string()))?;
+        let mut names = BTreeSet::new();
+        for (experiment, file) in experiments.iter().zip(&self.specs) {
+            if !names.insert(&experiment.name) {
+                let (name, file) = (&experiment.name, file.display());
+                let words = format!("{file}: name: found `{name}`, expected a name that no other spec here has");
+                return Err(Ended::BadInput(words));
+            }
+        }
+        Campaign::expand(experiments).map_err(|failure| Ended::BadInput(failure.to_string()))
+    }
+}
+
+/// Where results of stages are kept.
+#[derive(Args)]
+pub(super) struct Cache {
+    /// Folder of stored results [default: $SPINEBENCH_CACHE, else .spinebench/cache].
+    #[arg(long, value_name = "DIR")]
+    cache: Option<PathBuf>,
+}
+
+impl Cache {
+    pub(super) fn store(&self) -> Store {
+        let set = || std::env::var_os("SPINEBENCH_CACHE").filter(|folder| !folder.is_empty()).map(PathBuf::from);
+        Store::at(self.cache.clone().or_else(set).unwrap_or_else(|| PathBuf::from(".spinebench/cache")))
+    }
+}
+
+/// How to tell what is going on.
+#[derive(Args)]
+pub(super) struct Telling {
+    /// No progress bar and no summary.
+    #[arg(long)]
+    quiet: bool,
+    /// What stderr is for.
+    #[arg(long, value_enum, default_value_t = Log::Human)]
+    log: Log,
+    /// Threads; 0 is one for each processor.
+    #[arg(long, visible_alias = "threads", value_name = "N", default_value_t = 0)]
+    pub(super) jobs: usize,
+}
+
+/// For whom stderr is written.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Log {
+    /// A person: a progress bar and sentences.
+    Human,
+    /// A machine: one JSON object a line.
+    Json,
+}
+
+impl Telling {
+    pub(super) fn progress(&self) -> Progress {
+        Progress::new(match (self.log, self.quiet) {
+            (Log::Json, _) => Style::Json,
+            (Log::Human, true) => Style::Quiet,
+            (Log::Human, false) => Style::Human,
+        })
+    }
+}

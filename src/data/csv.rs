@@ -1,0 +1,102 @@
+//! What must hold of a CSV before it is parsed: UTF-8, one header line, the same number of cells in every line. A
+//! parser that repairs such faults in silence hides a broken recording, so they are looked for first, by line.
+
+use std::path::Path;
+
+use super::sheet::{Sheet, parse_csv};
+use super::{DataError, sheet};
+
+const HEADER: &str = "a header line and at least one row";
+
+/// Checks the text line by line, then parses it.
+pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Sheet, DataError> {
+    let text = decode(path, bytes)?;
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text).trim_end_matches(['\n', '\r']);
+    let mut lines = text.lines();
+    let header = lines.next().filter(|header| !header.trim().is_empty());
+    let Some(header) = header else {
+        return Err(DataError::Empty { file: path.to_owned(), found: "no header", expected: HEADER });
+    };
+    let width = check_header(path, header)?;
+    let mut rows = 0;
+    for (index, line) in lines.enumerate() {
+        check_line(path, index + 2, line, width)?;
+        rows += 1;
+    }
+    if rows == 0 {
+        return Err(DataError::Empty { file: path.to_owned(), found: "a header and no rows", expected: HEADER });
+    }
+    let parsed: sheet::Sheet = parse_csv(path, text)?;
+    if parsed.rows != rows || parsed.columns.len() != width {
+        let reason = format!("{rows} lines of {width} cells came out as {} of {}", parsed.rows, parsed.columns.len());
+        return Err(DataError::Read { file: path.to_owned(), reason });
+    }
+    Ok(parsed)
+}
+
+fn decode<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str, DataError> {
+    std::str::from_utf8(bytes).map_err(|error| {
+        let line = 1 + bytes[..error.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count();
+        line_error(path, line, "bytes that are not text", "UTF-8".to_owned())
+    })
+}
+
+/// Number of columns; each must have a name of its own.
+fn check_header(path: &Path, header: &str) -> Result<usize, DataError> {
+    let names = split(header).ok_or_else(|| unclosed(path, 1))?;
+    for (index, name) in names.iter().enumerate() {
+        let found = if name.trim().is_empty() {
+            format!("no name for column {}", index + 1)
+        } else if names[..index].contains(name) {
+            "the name twice".to_owned()
+        } else {
+            continue;
+        };
+        let column = (*name).to_owned();
+        return Err(DataError::Column {
+            file: path.to_owned(),
+            place: "line 1",
+            column,
+            found,
+            expected: "one name a column".to_owned(),
+        });
+    }
+    Ok(names.len())
+}
+
+fn check_line(path: &Path, number: usize, line: &str, width: usize) -> Result<(), DataError> {
+    if line.trim().is_empty() {
+        return Err(line_error(path, number, "an empty line", format!("{width} cells")));
+    }
+    let cells = split(line).ok_or_else(|| unclosed(path, number))?.len();
+    if cells != width {
+        return Err(line_error(path, number, &format!("{cells} cells"), format!("{width} as in the header")));
+    }
+    Ok(())
+}
+
+/// The raw cells of a line; none when a quotation mark is not closed within it.
+fn split(line: &str) -> Option<Vec<&str>> {
+    let mut cells = Vec::new();
+    let (mut start, mut quoted) = (0, false);
+    for (index, byte) in line.bytes().enumerate() {
+        match byte {
+            b'"' => quoted = !quoted,
+            b',' if !quoted => {
+                cells.push(&line[start..index]);
+                start = index + 1;
+            }
+            _ => {}
+        }
+    }
+    cells.push(&line[start..]);
+    (!quoted).then_some(cells)
+}
+
+fn unclosed(path: &Path, number: usize) -> DataError {
+    line_error(path, number, "a quotation mark that is not closed", "cells that end in their line".to_owned())
+}
+
+fn line_error(path: &Path, number: usize, found: &str, expected: String) -> DataError {
+    DataError::Line { file: path.to_owned(), place: format!("line {number}"), found: found.to_owned(), expected }
+}

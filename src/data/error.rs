@@ -1,0 +1,74 @@
+//! What can be wrong with a file, said once: file, place, column, what was found, what was expected.
+
+use std::path::PathBuf;
+
+/// Why a file could not be read or written.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum DataError {
+    /// The operating system refused.
+    #[error("{}: cannot read: {reason}", file.display())]
+    Read {
+        /// The file.
+        file: PathBuf,
+        /// What the system says.
+        reason: String,
+    },
+    /// The operating system refused, or the rows cannot stand in a table.
+    #[error("{}: cannot write: {reason}", file.display())]
+    Write {
+        /// The file.
+        file: PathBuf,
+        /// What the system says.
+        reason: String,
+    },
+    /// There is nothing in it.
+    #[error("{}: empty: found {found}, expected {expected}", file.display())]
+    Empty {
+        /// The file.
+        file: PathBuf,
+        /// What there was.
+        found: &'static str,
+        /// What there should have been.
+        expected: &'static str,
+    },
+    /// A line is not a line of a table.
+    #[error("{}, {place}: found {found}, expected {expected}", file.display())]
+    Line {
+        /// The file.
+        file: PathBuf,
+        /// `line 7` of a CSV (the header is line 1) or `row 6` of a Parquet file.
+        place: String,
+        /// What stands there.
+        found: String,
+        /// What should stand there.
+        expected: String,
+    },
+    /// A column is missing, double or out of place.
+    #[error("{}, {place}, column `{column}`: found {found}, expected {expected}", file.display())]
+    Column {
+        /// The file.
+        file: PathBuf,
+        /// `line 1` of a CSV, `schema` of a Parquet file.
+        place: &'static str,
+        /// The column.
+        column: String,
+        /// What the header holds.
+        found: String,
+        /// What it should hold.
+        expected: String,
+    },
+    /// A cell does not hold what its column promises.
+    #[error("{}, {place}, column `{column}`: found {found}, expected {expected}", file.display())]
+    Cell {
+        /// The file.
+        file: PathBuf,
+        /// `line 7` of a CSV (the header is line 1) or `row 6` of a Parquet file.
+        place: String,
+        /// The column.
+        column: String,
+        /// What stands there.
+        found: String,
+        /// What should stand there.
+        expected: String,
+    },
+}

@@ -1,0 +1,62 @@
+//! Whole files in and out.
+
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use super::DataError;
+
+/// Reads a whole file.
+pub(super) fn read(path: &Path) -> Result<Vec<u8>, DataError> {
+    fs::read(path).map_err(|error| DataError::Read { file: path.to_owned(), reason: error.to_string() })
+}
+
+/// Writes a whole file or nothing: the bytes go to a neighbour that then takes the name, so that a reader never
+/// meets half a file and a failure leaves the old one. Missing folders are made.
+///
+/// # Errors
+/// [`DataError::Write`] when the folder cannot be made or the file not written.
+pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), DataError> {
+    let neighbour = neighbour_of(path);
+    write_and_rename(path, &neighbour, bytes).map_err(|error| {
+        // The neighbour may not exist; what matters is the first error.
+        let _ = fs::remove_file(&neighbour);
+        DataError::Write { file: path.to_owned(), reason: error.to_string() }
+    })
+}
+
+fn write_and_rename(path: &Path, neighbour: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder)?;
+    }
+    let mut file = fs::File::create(neighbour)?;
+    file.write_all(bytes)?;
+    file.sync_all()?;
+    drop(file);
+    fs::rename(neighbour, path)
+}
+
+/// A hidden name in the same folder (renaming across file systems is not atomic), distinct for each process.
+fn neighbour_of(path: &Path) -> PathBuf {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!(".{name}.{}.tmp", std::process::id()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_write_leaves_nothing_and_a_good_one_only_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("new/rows.csv");
+        write_atomic(&path, b"a\n1\n").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"a\n1\n");
+        // A folder stands where the file should go: the rename fails.
+        fs::create_dir(folder.path().join("taken")).unwrap();
+        assert!(matches!(write_atomic(&folder.path().join("taken"), b"x"), Err(DataError::Write { .. })));
+        let mut names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+        names.sort();
+        assert_eq!(names, ["new", "taken"]);
+    }
+}

@@ -1,0 +1,202 @@
+//! The recording: what a robot was told and where its tip was, trial by trial. The format is a CSV (or Parquet) table,
+//! one row a control tick: `trial,time_s,tendon_1_m…,tip_x_m,tip_y_m,tip_z_m` and optional columns; see
+//! `docs/outputs.md`.
+
+mod optional;
+mod read;
+mod write;
+
+use std::ops::Range;
+use std::path::Path;
+
+use super::DataError;
+use crate::base::{Point3, Rows};
+
+/// What a recording's commands are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Actuation {
+    /// Displacement of each tendon at the drive, metres, 0 at home, positive pulls (`tendon_1_m`…).
+    Lengths,
+    /// Tension of each tendon, newtons (`tendon_1_n`…).
+    Tensions,
+}
+
+impl Actuation {
+    /// Name of the column of tendon number `tendon`, counted from 0.
+    pub fn column(self, tendon: usize) -> String {
+        let unit = match self {
+            Actuation::Lengths => "m",
+            Actuation::Tensions => "n",
+        };
+        format!("tendon_{}_{unit}", tendon + 1)
+    }
+}
+
+/// Position and orientation of the base markers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BasePose {
+    /// Position, metres (`base_x_m,base_y_m,base_z_m`).
+    pub position_m: Point3,
+    /// Unit quaternion w, x, y, z (`base_qw…`).
+    pub quaternion: [f64; 4],
+}
+
+/// A load at the tip in the world frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TipLoad {
+    /// Force, newtons (`tip_force_x_n…`).
+    pub force_n: [f64; 3],
+    /// Moment, newton metres (`tip_moment_x_nm…`).
+    pub moment_nm: [f64; 3],
+}
+
+/// The cells of a column that this format does not know: carried from file to file as they are.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Extra {
+    /// Whole numbers.
+    Integers(Vec<i64>),
+    /// Numbers; not a number where the cell was empty.
+    Numbers(Vec<f64>),
+    /// Anything else, and every unknown column of a CSV; empty where the cell was empty.
+    Text(Vec<String>),
+}
+
+impl Extra {
+    /// Number of cells.
+    pub fn len(&self) -> usize {
+        match self {
+            Extra::Integers(cells) => cells.len(),
+            Extra::Numbers(cells) => cells.len(),
+            Extra::Text(cells) => cells.len(),
+        }
+    }
+
+    /// True when there is no cell.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// A checked recording. All columns have [`Recording::len`] rows; the rows of a trial stand together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recording {
+    /// Whether the commands are lengths or tensions.
+    pub actuation: Actuation,
+    /// Trial that the row belongs to.
+    pub trial: Vec<u64>,
+    /// Time since the trial began, seconds; starts at 0 and increases within a trial.
+    pub time_s: Vec<f64>,
+    /// Commands, one row of one number a tendon, metres or newtons; in force from the row's time to the next row's.
+    pub commands: Rows,
+    /// Measured tip at the row's time, metres; none in a file of commands. Not a number where tracking was lost.
+    pub tip_m: Option<Vec<Point3>>,
+    /// Tip orientation, unit quaternion w, x, y, z (`tip_qw,tip_qx,tip_qy,tip_qz`).
+    pub tip_quaternion: Option<Vec<[f64; 4]>>,
+    /// Pose of the base markers.
+    pub base: Option<Vec<BasePose>>,
+    /// A weight that the experimenter hung on the tip on purpose, kilograms.
+    pub known_load_kg: Option<Vec<f64>>,
+    /// False where tracking was lost (`valid` is 0); such rows keep their command.
+    pub valid: Option<Vec<bool>>,
+    /// Load that is to act at the tip from the row's time on.
+    pub tip_load: Option<Vec<TipLoad>>,
+    /// Columns beyond the format, in the order of the file.
+    pub extra: Vec<(String, Extra)>,
+}
+
+impl Recording {
+    /// A recording of nothing but commands for `trial` numbers and times that the caller fills in.
+    pub fn new(actuation: Actuation, tendons: usize) -> Self {
+        Recording {
+            actuation,
+            trial: Vec::new(),
+            time_s: Vec::new(),
+            commands: Rows::new(tendons),
+            tip_m: None,
+            tip_quaternion: None,
+            base: None,
+            known_load_kg: None,
+            valid: None,
+            tip_load: None,
+            extra: Vec::new(),
+        }
+    }
+
+    /// Reads a recording, CSV or Parquet, and checks all of it; the tip must be there.
+    ///
+    /// # Errors
+    /// [`DataError`] names file, line, column, what was found and what was expected.
+    pub fn read(path: &Path) -> Result<Recording, DataError> {
+        read::recording(path, true)
+    }
+
+    /// Reads commands: a recording whose tip columns may be missing (and are kept when they are not).
+    ///
+    /// # Errors
+    /// As [`Recording::read`].
+    pub fn read_commands(path: &Path) -> Result<Recording, DataError> {
+        read::recording(path, false)
+    }
+
+    /// Writes a recording, Parquet when the name ends in `.parquet`, else CSV, with as many digits as it takes to read
+    /// the same numbers back. Whole file or nothing.
+    ///
+    /// # Errors
+    /// [`DataError::Write`] when columns differ in length or the file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), DataError> {
+        write::recording(self, path)
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.trial.len()
+    }
+
+    /// True when there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.trial.is_empty()
+    }
+
+    /// Number of tendons.
+    pub fn tendons(&self) -> usize {
+        self.commands.width()
+    }
+
+    /// The trials in the order of the file: number and rows.
+    pub fn trials(&self) -> Vec<(u64, Range<usize>)> {
+        let mut trials: Vec<(u64, Range<usize>)> = Vec::new();
+        for (row, &number) in self.trial.iter().enumerate() {
+            match trials.last_mut() {
+                Some((last, rows)) if *last == number => rows.end = row + 1,
+                _ => trials.push((number, row..row + 1)),
+            }
+        }
+        trials
+    }
+
+    /// Whether the tip was tracked in this row.
+    pub fn is_valid(&self, row: usize) -> bool {
+        self.valid.as_ref().is_none_or(|valid| valid[row])
+    }
+
+    /// Refuses a tip that no robot of this length could reach (twice its length from the base): most often millimetres
+    /// taken for metres. `path` is the file that the recording came from.
+    ///
+    /// # Errors
+    /// [`DataError::Cell`] for the first such row.
+    pub fn check_reach(&self, path: &Path, length_m: f64) -> Result<(), DataError> {
+        let tips = self.tip_m.iter().flatten().enumerate();
+        for (row, tip) in tips.filter(|&(row, _)| self.is_valid(row)) {
+            let Some(axis) = (0..3).find(|&axis| tip[axis].abs() > 2.0 * length_m) else { continue };
+            let parquet = path.extension().is_some_and(|extension| extension == "parquet");
+            return Err(DataError::Cell {
+                file: path.to_owned(),
+                place: if parquet { format!("row {}", row + 1) } else { format!("line {}", row + 2) },
+                column: read::TIP[axis].to_owned(),
+                found: tip[axis].to_string(),
+                expected: format!("metres within reach of a robot of {length_m} m (are these millimetres?)"),
+            });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,119 @@
+//! The columns that a recording may have: groups that come whole or not at all, flags and masses.
+
+use crate::data::DataError;
+use crate::data::sheet::{Cells, Sheet};
+
+/// How far a quaternion's length may be from 1: four decimals in a file are enough.
+const UNIT_TOLERANCE: f64 = 1e-2;
+
+/// Columns that belong together.
+pub(super) struct Group<'a> {
+    pub(super) sheet: &'a Sheet,
+    pub(super) names: Vec<&'static str>,
+    /// Whether the group must be there; a group that is there in part must be there whole.
+    pub(super) need: bool,
+    /// For measured columns the tracking flags: where false, a cell may be empty or not a number.
+    pub(super) lost: Option<&'a [bool]>,
+}
+
+impl Group<'_> {
+    /// The numbers, `N` a row; not a number where tracking was lost and the cell empty.
+    pub(super) fn read<const N: usize>(&self) -> Result<Option<Vec<[f64; N]>>, DataError> {
+        let columns: Vec<Option<&Cells>> = self.names.iter().map(|name| self.sheet.column(name)).collect();
+        if !self.need && columns.iter().all(Option::is_none) {
+            return Ok(None);
+        }
+        let mut rows = vec![[f64::NAN; N]; self.sheet.rows];
+        for ((part, name), cells) in self.names.iter().enumerate().zip(&columns) {
+            let cells = cells.ok_or_else(|| missing(self.sheet, name))?;
+            for (row, values) in rows.iter_mut().enumerate() {
+                match finite(cells, row) {
+                    Some(value) => values[part] = value,
+                    None if self.is_lost(row) && is_blank(cells, row) => {}
+                    None => return Err(self.sheet.cell_error(row, name, self.expected())),
+                }
+            }
+        }
+        Ok(Some(rows))
+    }
+
+    /// As [`Group::read`], and each row of unit length.
+    pub(super) fn quaternions(&self) -> Result<Option<Vec<[f64; 4]>>, DataError> {
+        let quaternions = self.read::<4>()?;
+        for (row, quaternion) in quaternions.iter().flatten().enumerate() {
+            let length = quaternion.iter().map(|part| part * part).sum::<f64>().sqrt();
+            if (length - 1.0).abs() > UNIT_TOLERANCE {
+                let expected = format!("a unit quaternion (this row's has length {length:.4})");
+                return Err(self.sheet.cell_error(row, self.names[0], expected));
+            }
+        }
+        Ok(quaternions)
+    }
+
+    fn is_lost(&self, row: usize) -> bool {
+        self.lost.is_some_and(|valid| !valid[row])
+    }
+
+    fn expected(&self) -> &'static str {
+        match self.lost {
+            None => "a number",
+            Some(_) => "a number (rows without tracking have valid = 0)",
+        }
+    }
+}
+
+/// The finite number in a cell, if there is one.
+pub(super) fn finite(cells: &Cells, row: usize) -> Option<f64> {
+    let number = match cells {
+        Cells::Integers(cells) => cells[row] as f64,
+        Cells::Unsigned(cells) => cells[row] as f64,
+        Cells::Numbers(cells) => cells[row],
+        Cells::Text(cells) => cells[row].trim().parse().ok()?,
+        Cells::Flags(_) => return None,
+    };
+    number.is_finite().then_some(number)
+}
+
+/// Empty or explicitly not a number.
+fn is_blank(cells: &Cells, row: usize) -> bool {
+    match cells {
+        Cells::Numbers(cells) => cells[row].is_nan(),
+        Cells::Text(cells) => cells[row].trim().is_empty() || cells[row].trim().eq_ignore_ascii_case("nan"),
+        _ => false,
+    }
+}
+
+/// A column of 0 and 1.
+pub(super) fn flags(sheet: &Sheet, name: &str) -> Result<Option<Vec<bool>>, DataError> {
+    let Some(cells) = sheet.column(name) else { return Ok(None) };
+    let flag = |row| match cells {
+        Cells::Flags(cells) => Ok(cells[row]),
+        _ => match finite(cells, row) {
+            Some(0.0) => Ok(false),
+            Some(1.0) => Ok(true),
+            _ => Err(sheet.cell_error(row, name, "1, or 0 where tracking was lost")),
+        },
+    };
+    (0..sheet.rows).map(flag).collect::<Result<_, _>>().map(Some)
+}
+
+/// A column of masses, kilograms.
+pub(super) fn masses(sheet: &Sheet, name: &str) -> Result<Option<Vec<f64>>, DataError> {
+    let Some(cells) = sheet.column(name) else { return Ok(None) };
+    let mass = |row| {
+        let mass = finite(cells, row).filter(|&mass_kg| mass_kg >= 0.0);
+        mass.ok_or_else(|| sheet.cell_error(row, name, "kilograms, 0 or more"))
+    };
+    (0..sheet.rows).map(mass).collect::<Result<_, _>>().map(Some)
+}
+
+/// The error for a column that should be there.
+pub(super) fn missing(sheet: &Sheet, name: &str) -> DataError {
+    DataError::Column {
+        file: sheet.file.clone(),
+        place: sheet.header_place(),
+        column: name.to_owned(),
+        found: format!("only {}", sheet.header()),
+        expected: format!("a column `{name}`"),
+    }
+}

@@ -1,0 +1,191 @@
+//! From a table file to a checked recording.
+
+use std::path::Path;
+
+use super::optional::{self, Group};
+use super::{Actuation, BasePose, Extra, Recording, TipLoad};
+use crate::base::Rows;
+use crate::data::DataError;
+use crate::data::sheet::{Cells, Sheet};
+
+pub(super) const TIP: [&str; 3] = ["tip_x_m", "tip_y_m", "tip_z_m"];
+pub(super) const TIP_Q: [&str; 4] = ["tip_qw", "tip_qx", "tip_qy", "tip_qz"];
+pub(super) const BASE: [&str; 3] = ["base_x_m", "base_y_m", "base_z_m"];
+pub(super) const BASE_Q: [&str; 4] = ["base_qw", "base_qx", "base_qy", "base_qz"];
+pub(super) const FORCE: [&str; 3] = ["tip_force_x_n", "tip_force_y_n", "tip_force_z_n"];
+pub(super) const MOMENT: [&str; 3] = ["tip_moment_x_nm", "tip_moment_y_nm", "tip_moment_z_nm"];
+
+/// Time may miss zero by rounding only, seconds.
+const START_TOLERANCE_S: f64 = 1e-9;
+
+/// Reads and checks a file; without `need_tip` the tip columns may be missing.
+pub(super) fn recording(path: &Path, need_tip: bool) -> Result<Recording, DataError> {
+    let sheet = Sheet::read(path)?;
+    if sheet.rows == 0 {
+        let (found, expected) = ("no rows", "at least one row");
+        return Err(DataError::Empty { file: path.to_owned(), found, expected });
+    }
+    let trial = trials(&sheet)?;
+    let time_s = times(&sheet, &trial)?;
+    let (actuation, commands) = commands(&sheet)?;
+    let valid = optional::flags(&sheet, "valid")?;
+    // Where tracking was lost, measured cells may be empty.
+    let measured =
+        |names: &[&'static str], need| Group { sheet: &sheet, names: names.to_vec(), need, lost: valid.as_deref() };
+    let given = |names: &[&'static str]| Group { sheet: &sheet, names: names.to_vec(), need: false, lost: None };
+
+    let tip_m = measured(&TIP, need_tip).read::<3>()?;
+    let tip_quaternion = measured(&TIP_Q, false).quaternions()?;
+    let base_q = measured(&BASE_Q, sheet.column(BASE[0]).is_some()).quaternions()?;
+    let base_m = measured(&BASE, base_q.is_some()).read::<3>()?;
+    let base = base_m.zip(base_q).map(|(positions, turns)| {
+        let poses = positions.into_iter().zip(turns);
+        poses.map(|(position_m, quaternion)| BasePose { position_m, quaternion }).collect()
+    });
+    let load: Vec<&'static str> = FORCE.into_iter().chain(MOMENT).collect();
+    let tip_load = given(&load).read::<6>()?.map(|rows| rows.into_iter().map(tip_load).collect());
+    let known_load_kg = optional::masses(&sheet, "known_load_kg")?;
+    let extra = extra(&sheet, actuation, commands.width());
+    let file = Recording {
+        actuation,
+        trial,
+        time_s,
+        commands,
+        tip_m,
+        tip_quaternion,
+        base,
+        known_load_kg,
+        valid,
+        tip_load,
+        extra,
+    };
+    Ok(file)
+}
+
+fn tip_load([fx, fy, fz, mx, my, mz]: [f64; 6]) -> TipLoad {
+    TipLoad { force_n: [fx, fy, fz], moment_nm: [mx, my, mz] }
+}
+
+/// A column that must be there.
+fn needed<'a>(sheet: &'a Sheet, name: &str) -> Result<&'a Cells, DataError> {
+    sheet.column(name).ok_or_else(|| optional::missing(sheet, name))
+}
+
+/// Trial numbers; the rows of a trial must stand together, or its time would be told in pieces.
+fn trials(sheet: &Sheet) -> Result<Vec<u64>, DataError> {
+    let cells = needed(sheet, "trial")?;
+    let mut trials: Vec<u64> = Vec::with_capacity(sheet.rows);
+    let mut seen = std::collections::BTreeSet::new();
+    for row in 0..sheet.rows {
+        let number = whole_number(cells, row);
+        let number = number.ok_or_else(|| sheet.cell_error(row, "trial", "a trial number: 0, 1, 2, …"))?;
+        if trials.last() != Some(&number) && !seen.insert(number) {
+            return Err(sheet.cell_error(row, "trial", "a new trial: the rows of a trial stand together"));
+        }
+        trials.push(number);
+    }
+    Ok(trials)
+}
+
+fn whole_number(cells: &Cells, row: usize) -> Option<u64> {
+    match cells {
+        Cells::Integers(cells) => u64::try_from(cells[row]).ok(),
+        Cells::Unsigned(cells) => Some(cells[row]),
+        Cells::Text(cells) => cells[row].trim().parse().ok(),
+        Cells::Numbers(cells) => {
+            let number = cells[row];
+            (number >= 0.0 && number.fract() == 0.0 && number < 2f64.powi(53)).then_some(number as u64)
+        }
+        Cells::Flags(_) => None,
+    }
+}
+
+/// Times: finite, 0 at the start of each trial, increasing within it.
+fn times(sheet: &Sheet, trial: &[u64]) -> Result<Vec<f64>, DataError> {
+    const NAME: &str = "time_s";
+    let cells = needed(sheet, NAME)?;
+    let mut times: Vec<f64> = Vec::with_capacity(sheet.rows);
+    for row in 0..sheet.rows {
+        let time_s = optional::finite(cells, row).ok_or_else(|| sheet.cell_error(row, NAME, "seconds, a number"))?;
+        let first = row == 0 || trial[row] != trial[row - 1];
+        if first && time_s.abs() > START_TOLERANCE_S {
+            return Err(sheet.cell_error(row, NAME, format!("0 at the start of trial {}", trial[row])));
+        }
+        if !first && time_s <= times[row - 1] {
+            let before = format!("more than {} as in the row before: time increases in a trial", times[row - 1]);
+            return Err(sheet.cell_error(row, NAME, before));
+        }
+        times.push(time_s);
+    }
+    Ok(times)
+}
+
+/// The commands: `tendon_1_m`… or `tendon_1_n`…, without a gap in the numbers.
+fn commands(sheet: &Sheet) -> Result<(Actuation, Rows), DataError> {
+    let lengths = highest_tendon(sheet, Actuation::Lengths);
+    let tensions = highest_tendon(sheet, Actuation::Tensions);
+    let (actuation, tendons) = match (lengths, tensions) {
+        (0, 0) => return Err(optional::missing(sheet, "tendon_1_m")),
+        (tendons, 0) => (Actuation::Lengths, tendons),
+        (0, tendons) => (Actuation::Tensions, tendons),
+        _ => {
+            return Err(DataError::Column {
+                file: sheet.file.clone(),
+                place: sheet.header_place(),
+                column: Actuation::Tensions.column(tensions - 1),
+                found: "commands as lengths and as tensions".to_owned(),
+                expected: "one of the two (measured tensions are named tension_1_n…)".to_owned(),
+            });
+        }
+    };
+    let names: Vec<String> = (0..tendons).map(|tendon| actuation.column(tendon)).collect();
+    let columns = names.iter().map(|name| needed(sheet, name)).collect::<Result<Vec<_>, _>>()?;
+    let expected = match actuation {
+        Actuation::Lengths => "metres, a number",
+        Actuation::Tensions => "newtons, a number",
+    };
+    let mut rows = Rows::new(tendons);
+    let mut values = vec![0.0; tendons];
+    for row in 0..sheet.rows {
+        for (tendon, cells) in columns.iter().enumerate() {
+            let value = optional::finite(cells, row);
+            values[tendon] = value.ok_or_else(|| sheet.cell_error(row, &names[tendon], expected))?;
+        }
+        rows.push(&values);
+    }
+    Ok((actuation, rows))
+}
+
+/// The highest tendon number among the columns of this kind of command; 0 when there is none.
+fn highest_tendon(sheet: &Sheet, actuation: Actuation) -> usize {
+    sheet.columns.iter().filter_map(|(name, _)| tendon_number(name, actuation)).max().unwrap_or(0)
+}
+
+fn tendon_number(name: &str, actuation: Actuation) -> Option<usize> {
+    let number = name.strip_prefix("tendon_")?;
+    let number: usize = number.rsplit_once('_')?.0.parse().ok()?;
+    (number > 0 && actuation.column(number - 1) == name).then_some(number)
+}
+
+/// Whatever is not a column of the format.
+fn extra(sheet: &Sheet, actuation: Actuation, tendons: usize) -> Vec<(String, Extra)> {
+    let single = ["trial", "time_s", "known_load_kg", "valid"];
+    let groups: [&[&str]; 6] = [&TIP, &TIP_Q, &BASE, &BASE_Q, &FORCE, &MOMENT];
+    let known = |name: &str| {
+        single.contains(&name)
+            || groups.iter().any(|group| group.contains(&name))
+            || tendon_number(name, actuation).is_some_and(|number| number <= tendons)
+    };
+    let unknown = sheet.columns.iter().filter(|(name, _)| !known(name));
+    unknown.map(|(name, cells)| (name.clone(), carried(cells))).collect()
+}
+
+fn carried(cells: &Cells) -> Extra {
+    match cells {
+        Cells::Integers(cells) => Extra::Integers(cells.clone()),
+        Cells::Unsigned(cells) => Extra::Text(cells.iter().map(u64::to_string).collect()),
+        Cells::Numbers(cells) => Extra::Numbers(cells.clone()),
+        Cells::Flags(cells) => Extra::Integers(cells.iter().map(|&flag| i64::from(flag)).collect()),
+        Cells::Text(cells) => Extra::Text(cells.clone()),
+    }
+}

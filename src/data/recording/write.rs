@@ -1,0 +1,74 @@
+//! From a recording to a table file.
+
+use std::path::Path;
+
+use super::read::{BASE, BASE_Q, FORCE, MOMENT, TIP, TIP_Q};
+use super::{Extra, Recording};
+use crate::data::sheet::{Cells, csv_bytes, parquet_bytes};
+use crate::data::{DataError, write_atomic};
+
+/// Writes the file whole or not at all.
+pub(super) fn recording(recording: &Recording, path: &Path) -> Result<(), DataError> {
+    let refused = |reason| DataError::Write { file: path.to_owned(), reason };
+    let parquet = path.extension().is_some_and(|extension| extension == "parquet");
+    let columns = columns(recording).map_err(refused)?;
+    let bytes = if parquet { parquet_bytes(columns) } else { csv_bytes(columns) };
+    write_atomic(path, &bytes.map_err(refused)?)
+}
+
+/// The columns in the order of the format, then the carried ones; each of the recording's length.
+fn columns(recording: &Recording) -> Result<Vec<(String, Cells)>, String> {
+    let rows = recording.len();
+    let mut columns: Vec<(String, Cells)> = Vec::new();
+    columns.push(("trial".to_owned(), Cells::Unsigned(recording.trial.clone())));
+    columns.push(("time_s".to_owned(), Cells::Numbers(recording.time_s.clone())));
+    check("time_s", recording.time_s.len(), rows)?;
+    check("commands", recording.commands.len(), rows)?;
+    for tendon in 0..recording.tendons() {
+        let cells = recording.commands.iter().map(|row| row[tendon]).collect();
+        columns.push((recording.actuation.column(tendon), Cells::Numbers(cells)));
+    }
+    group(&mut columns, &TIP, recording.tip_m.as_deref(), |tip| *tip, rows)?;
+    group(&mut columns, &TIP_Q, recording.tip_quaternion.as_deref(), |turn| *turn, rows)?;
+    group(&mut columns, &BASE, recording.base.as_deref(), |pose| pose.position_m, rows)?;
+    group(&mut columns, &BASE_Q, recording.base.as_deref(), |pose| pose.quaternion, rows)?;
+    group(&mut columns, &["known_load_kg"], recording.known_load_kg.as_deref(), |&mass_kg| [mass_kg], rows)?;
+    if let Some(valid) = &recording.valid {
+        check("valid", valid.len(), rows)?;
+        let cells = valid.iter().map(|&valid| i64::from(valid)).collect();
+        columns.push(("valid".to_owned(), Cells::Integers(cells)));
+    }
+    group(&mut columns, &FORCE, recording.tip_load.as_deref(), |load| load.force_n, rows)?;
+    group(&mut columns, &MOMENT, recording.tip_load.as_deref(), |load| load.moment_nm, rows)?;
+    for (name, cells) in &recording.extra {
+        check(name, cells.len(), rows)?;
+        let cells = match cells {
+            Extra::Integers(cells) => Cells::Integers(cells.clone()),
+            Extra::Numbers(cells) => Cells::Numbers(cells.clone()),
+            Extra::Text(cells) => Cells::Text(cells.clone()),
+        };
+        columns.push((name.clone(), cells));
+    }
+    Ok(columns)
+}
+
+/// Adds the parts of a group of columns, if the recording has it.
+fn group<T, const N: usize>(
+    columns: &mut Vec<(String, Cells)>,
+    names: &[&str; N],
+    values: Option<&[T]>,
+    parts: impl Fn(&T) -> [f64; N],
+    rows: usize,
+) -> Result<(), String> {
+    let Some(values) = values else { return Ok(()) };
+    check(names[0], values.len(), rows)?;
+    for (part, name) in names.iter().enumerate() {
+        let cells = values.iter().map(|value| parts(value)[part]).collect();
+        columns.push(((*name).to_owned(), Cells::Numbers(cells)));
+    }
+    Ok(())
+}
+
+fn check(name: &str, found: usize, rows: usize) -> Result<(), String> {
+    if found == rows { Ok(()) } else { Err(format!("column `{name}` has {found} rows where `trial` has {rows}")) }
+}

@@ -1,0 +1,111 @@
+//! Published tables: rows of plain structs (see [`super::rows`]) to CSV and back. The fields are the columns, in the
+//! order of their declaration. Numbers are rounded to a stated number of significant digits, so that a difference
+//! between two published files is a difference in the science and not in the last bit; a number that is not there
+//! (NaN) is an empty cell.
+
+use std::path::Path;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::cells::{Cell, CellError, TextRow, fields_of};
+use super::sheet::{Cells, Sheet, csv_bytes};
+use super::{DataError, write_atomic};
+
+/// Significant digits of a published number: a nanometre in a metre.
+pub const SIGNIFICANT_DIGITS: usize = 9;
+
+/// `value` rounded to `digits` significant decimal digits.
+pub fn round_significant(value: f64, digits: usize) -> f64 {
+    if !value.is_finite() || value == 0.0 {
+        return value;
+    }
+    format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
+}
+
+/// The bytes of a CSV of these rows.
+///
+/// # Errors
+/// [`DataError::Write`] (with `name` for the file) when there is no row or a field is not a number, text or flag.
+pub fn to_csv<R: Serialize>(name: &Path, rows: &[R]) -> Result<Vec<u8>, DataError> {
+    let refused = |reason: String| DataError::Write { file: name.to_owned(), reason };
+    if rows.is_empty() {
+        return Err(refused("no rows to write".to_owned()));
+    }
+    let fields = rows.iter().map(fields_of).collect::<Result<Vec<_>, _>>();
+    let fields = fields.map_err(|error| refused(error.to_string()))?;
+    let columns = (0..fields[0].len()).map(|index| {
+        let name = fields[0][index].0;
+        let cells = fields.iter().map(|row| &row[index].1);
+        column(cells).map(|cells| (name.to_owned(), cells)).ok_or_else(|| format!("column `{name}` mixes kinds"))
+    });
+    let columns = columns.collect::<Result<Vec<_>, _>>().map_err(refused)?;
+    csv_bytes(columns).map_err(refused)
+}
+
+/// Writes rows to a CSV, the whole file or nothing.
+///
+/// # Errors
+/// As [`to_csv`], and when the file cannot be written.
+pub fn write_csv<R: Serialize>(path: &Path, rows: &[R]) -> Result<(), DataError> {
+    write_atomic(path, &to_csv(path, rows)?)
+}
+
+/// Reads rows back; the header must be exactly the fields of `R`.
+///
+/// # Errors
+/// [`DataError`] names file, line, column, what was found and what was expected.
+pub fn read_csv<R: DeserializeOwned>(path: &Path) -> Result<Vec<R>, DataError> {
+    let sheet = Sheet::read(path)?;
+    let names: Vec<&str> = sheet.columns.iter().map(|(name, _)| name.as_str()).collect();
+    let text = |cells: &Cells| match cells {
+        Cells::Text(cells) => cells.clone(),
+        _ => (0..sheet.rows).map(|row| cells.show(row)).collect(),
+    };
+    let columns: Vec<Vec<String>> = sheet.columns.iter().map(|(_, cells)| text(cells)).collect();
+    let rows = (0..sheet.rows).map(|row| {
+        let cells: Vec<&str> = columns.iter().map(|column| column[row].as_str()).collect();
+        R::deserialize(TextRow { names: &names, cells: &cells }).map_err(|error| place(&sheet, row, error))
+    });
+    rows.collect()
+}
+
+/// Puts a reading error where it belongs.
+fn place(sheet: &Sheet, row: usize, error: CellError) -> DataError {
+    let header = |column: String, found: String, expected: &str| DataError::Column {
+        file: sheet.file.clone(),
+        place: sheet.header_place(),
+        column,
+        found,
+        expected: expected.to_owned(),
+    };
+    match error {
+        CellError::Value { column, expected } => sheet.cell_error(row, &column, expected),
+        CellError::MissingColumn(column) => header(column, format!("only {}", sheet.header()), "this column"),
+        CellError::UnknownColumn(column) => header(column, "it".to_owned(), "no such column"),
+        CellError::NotFlat(reason) => DataError::Read { file: sheet.file.clone(), reason },
+    }
+}
+
+/// One field of all rows as a column; none when the kinds differ.
+fn column<'a>(cells: impl Iterator<Item = &'a Cell> + Clone) -> Option<Cells> {
+    let present = cells.clone().filter(|cell| **cell != Cell::Missing);
+    let mut kinds = present.map(std::mem::discriminant);
+    let kind = kinds.next();
+    if !kinds.all(|other| Some(other) == kind) {
+        return None;
+    }
+    let number = |cell: &Cell| match cell {
+        Cell::Number(value) => round_significant(*value, SIGNIFICANT_DIGITS),
+        _ => f64::NAN,
+    };
+    let text = |cell: &Cell| match cell {
+        Cell::Integer(value) => value.to_string(),
+        Cell::Unsigned(value) => value.to_string(),
+        Cell::Flag(value) => value.to_string(),
+        Cell::Text(value) => value.clone(),
+        Cell::Number(_) | Cell::Missing => String::new(),
+    };
+    let numeric = kind.is_none() || kind == Some(std::mem::discriminant(&Cell::Number(0.0)));
+    Some(if numeric { Cells::Numbers(cells.map(number).collect()) } else { Cells::Text(cells.map(text).collect()) })
+}

@@ -1,0 +1,85 @@
+//! The coordinates in which the search moves.
+//!
+//! Along `ln l` the likelihood of an input that does not matter slopes ever less and the search crawls; along `λ = l⁻²` it
+//! is nearly linear there. So the search moves in `u = −½ ln(λ + ε)`: `ln l` for short length-scales, linear in λ for long
+//! ones, and the end of the range (an input without influence) is an ordinary bound.
+
+use super::covariance::Layout;
+use super::likelihood::Likelihood;
+use crate::learn::optimise::Objective;
+
+/// ε: the bend lies at the standardised length-scale 10.
+const BEND: f64 = 0.01;
+/// Curvature in nats per squared coordinate that every hyper-parameter has at least: keeps the step finite along those
+/// that the data say nothing of.
+const RIDGE: f64 = 0.3;
+
+/// The search's coordinates from logarithmic hyper-parameters.
+pub(super) fn bend(layout: Layout, theta: &[f64]) -> Vec<f64> {
+    map_lengths(layout, theta, |ln_length| -0.5 * ((-2.0 * ln_length).exp() + BEND).ln())
+}
+
+/// Logarithmic hyper-parameters from the search's coordinates.
+pub(super) fn unbend(layout: Layout, u: &[f64]) -> Vec<f64> {
+    map_lengths(layout, u, |u| -0.5 * ((-2.0 * u).exp() - BEND).ln())
+}
+
+fn map_lengths(layout: Layout, values: &[f64], map: impl Fn(f64) -> f64) -> Vec<f64> {
+    let is_length = |k: usize| (1..=layout.lengths).contains(&k);
+    values.iter().enumerate().map(|(k, &v)| if is_length(k) { map(v) } else { v }).collect()
+}
+
+/// A likelihood as a function of the search's coordinates.
+pub(super) struct Bent<'a> {
+    likelihood: Likelihood<'a>,
+    layout: Layout,
+    /// `dθ/du` of each hyper-parameter at the latest value.
+    stretch: Vec<f64>,
+}
+
+impl<'a> Bent<'a> {
+    pub(super) fn new(likelihood: Likelihood<'a>) -> Self {
+        Bent { layout: likelihood.layout(), likelihood, stretch: Vec::new() }
+    }
+}
+
+impl Objective for Bent<'_> {
+    fn value(&mut self, u: &[f64]) -> f64 {
+        let theta = unbend(self.layout, u);
+        self.stretch = vec![1.0; theta.len()];
+        for k in 1..=self.layout.lengths {
+            self.stretch[k] = 1.0 + BEND * (2.0 * theta[k]).exp();
+        }
+        self.likelihood.value(&theta)
+    }
+
+    fn gradient(&mut self, out: &mut [f64]) {
+        self.likelihood.gradient(out);
+        out.iter_mut().zip(&self.stretch).for_each(|(g, stretch)| *g *= stretch);
+    }
+
+    fn curvature(&mut self) -> Option<Vec<f64>> {
+        let mut information = self.likelihood.information();
+        let n = self.stretch.len();
+        for (place, value) in information.iter_mut().enumerate() {
+            let (i, j) = (place / n, place % n);
+            *value = *value * self.stretch[i] * self.stretch[j] + if i == j { RIDGE } else { 0.0 };
+        }
+        Some(information)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coordinates_come_back_and_agree_where_lengths_are_short() {
+        let layout = Layout { inputs: 3, lengths: 3, shapes: 1 };
+        let theta = [0.3, -2.0, 1.0, 1000.0_f64.ln(), 0.7, -3.0];
+        let u = bend(layout, &theta);
+        unbend(layout, &u).iter().zip(theta).for_each(|(a, b)| assert!((a - b).abs() < 1e-9, "{a} {b}"));
+        assert!((u[1] + 2.0).abs() < 1e-3 && u[3] < 2.4);
+        assert_eq!((u[0], u[4], u[5]), (0.3, 0.7, -3.0));
+    }
+}

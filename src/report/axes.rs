@@ -1,0 +1,193 @@
+//! Axes and panels: from data to places on the figure.
+
+use super::canvas::{Align, Canvas, Place, Text};
+use super::paint::text_width;
+use super::style::{BAND, Colour, Dash, GRID, HAIR, INK, LINE, Look, MARKER, SMALL, TEXT};
+
+/// One direction of a panel.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Axis {
+    pub(super) label: String,
+    pub(super) low: f64,
+    pub(super) high: f64,
+    /// Value and label of each tick.
+    pub(super) ticks: Vec<(f64, String)>,
+}
+
+impl Axis {
+    /// An axis that covers `values` (and what is not finite not at all), its ends on ticks, with about `wanted` of them.
+    pub(super) fn covering(label: &str, values: impl Iterator<Item = f64>, wanted: usize) -> Axis {
+        let (low, high) = range(values);
+        let step = nice_step(low, high, wanted);
+        let low = (low / step + 1e-9).floor() * step;
+        let high = (high / step - 1e-9).ceil() * step;
+        Axis::between(label, low, high, step)
+    }
+
+    /// An axis from `low` to `high` exactly, with about `wanted` ticks.
+    pub(super) fn exact(label: &str, low: f64, high: f64, wanted: usize) -> Axis {
+        Axis::between(label, low, high, nice_step(low, high, wanted))
+    }
+
+    fn between(label: &str, low: f64, high: f64, step: f64) -> Axis {
+        let digits = (-step.log10().floor()).max(0.0) as usize;
+        // A step of 2.5 has one digit more than its power of ten.
+        let shown = (step * 10f64.powi(digits as i32)).fract();
+        let digits = if shown > 1e-6 && shown < 1.0 - 1e-6 { digits + 1 } else { digits };
+        let first = (low / step - 1e-6).ceil() as i64;
+        let last = (high / step + 1e-6).floor() as i64;
+        let ticks = (first..=last).map(|number| {
+            let value = number as f64 * step;
+            (value, signed(value, digits))
+        });
+        Axis { label: label.to_owned(), low, high, ticks: ticks.collect() }
+    }
+
+    /// An axis of named places 0, 1, 2, …
+    pub(super) fn categories(label: &str, names: &[String]) -> Axis {
+        let ticks = names.iter().enumerate().map(|(place, name)| (place as f64, name.clone())).collect();
+        Axis { label: label.to_owned(), low: -0.4, high: names.len() as f64 - 0.6, ticks }
+    }
+
+    /// The same without tick labels and label: for a panel whose neighbour shows them.
+    pub(super) fn bare(&self) -> Axis {
+        let ticks = self.ticks.iter().map(|(value, _)| (*value, String::new())).collect();
+        Axis { label: String::new(), ticks, ..self.clone() }
+    }
+
+    fn share(&self, value: f64) -> f64 {
+        (value - self.low) / (self.high - self.low)
+    }
+}
+
+/// A number with a typographer's minus, and none before zero.
+pub(super) fn signed(value: f64, digits: usize) -> String {
+    let text = format!("{value:.digits$}");
+    let zero = text.chars().all(|letter| matches!(letter, '-' | '0' | '.'));
+    if zero { text.replace('-', "") } else { text.replace('-', "−") }
+}
+
+/// Smallest and largest of the finite values, widened where they are one.
+pub(super) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let finite = values.filter(|value| value.is_finite());
+    let (low, high) =
+        finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+    if low > high {
+        return (0.0, 1.0);
+    }
+    let room = if high - low > 1e-12 * (1.0 + high.abs()) { 0.0 } else { 0.5 + 0.1 * high.abs() };
+    (low - room, high + room)
+}
+
+fn nice_step(low: f64, high: f64, wanted: usize) -> f64 {
+    let raw = (high - low).max(1e-12) / wanted.max(1) as f64;
+    let power = 10f64.powf(raw.log10().floor());
+    let steps = [1.0, 2.0, 2.5, 5.0, 10.0];
+    steps.into_iter().map(|step| step * power).find(|step| *step >= raw * 0.999).unwrap_or(10.0 * power)
+}
+
+/// A frame with two axes.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Panel {
+    /// Upper left corner of the frame.
+    pub(super) corner: Place,
+    /// Width and height of the frame.
+    pub(super) size: [f64; 2],
+    pub(super) x: Axis,
+    pub(super) y: Axis,
+    pub(super) title: String,
+}
+
+impl Panel {
+    /// Where a point of the data stands.
+    pub(super) fn at(&self, x: f64, y: f64) -> Place {
+        let [left, top] = self.corner;
+        [left + self.size[0] * self.x.share(x), top + self.size[1] * (1.0 - self.y.share(y))]
+    }
+
+    /// Grid, axes, ticks, labels and title; data go on top.
+    pub(super) fn draw(&self, canvas: &mut Canvas) {
+        let [left, top] = self.corner;
+        let [right, bottom] = [left + self.size[0], top + self.size[1]];
+        for (value, label) in &self.x.ticks {
+            let x = self.at(*value, self.y.low)[0];
+            canvas.line(&[[x, top], [x, bottom]], HAIR, GRID, &[]);
+            canvas.line(&[[x, bottom], [x, bottom + 3.5]], HAIR, INK, &[]);
+            canvas.text(Text::new(label, [x, bottom + 5.0 + SMALL], SMALL, Align::Centre));
+        }
+        let mut widest: f64 = 0.0;
+        for (value, label) in &self.y.ticks {
+            let y = self.at(self.x.low, *value)[1];
+            canvas.line(&[[left, y], [right, y]], HAIR, GRID, &[]);
+            canvas.line(&[[left - 3.5, y], [left, y]], HAIR, INK, &[]);
+            canvas.text(Text::new(label, [left - 6.0, y + 0.36 * SMALL], SMALL, Align::Right));
+            widest = widest.max(text_width(label, SMALL, false));
+        }
+        canvas.line(&[[left, top], [left, bottom], [right, bottom]], HAIR, INK, &[]);
+        let middle = [(left + right) / 2.0, (top + bottom) / 2.0];
+        let below = if self.x.ticks.iter().all(|(_, label)| label.is_empty()) { 6.0 } else { 9.0 + SMALL };
+        canvas.text(Text::new(&self.x.label, [middle[0], bottom + below + TEXT], TEXT, Align::Centre));
+        let beside = left - 13.0 - widest;
+        canvas.text(Text::new(&self.y.label, [beside, middle[1]], TEXT, Align::Centre).upwards());
+        canvas.text(Text::new(&self.title, [left, top - 6.0], TEXT, Align::Left).bold());
+    }
+
+    /// A line through data points.
+    pub(super) fn line(&self, canvas: &mut Canvas, points: &[[f64; 2]], colour: Colour, dash: Dash, width: f64) {
+        let places: Vec<Place> = points.iter().map(|point| self.at(point[0], point[1])).collect();
+        canvas.line(&places, width, colour, dash);
+    }
+
+    /// A band of one standard deviation around means (x, mean, standard deviation); drawn before all lines.
+    pub(super) fn band(&self, canvas: &mut Canvas, points: &[[f64; 3]], look: Look) {
+        let banded: Vec<&[f64; 3]> = points.iter().filter(|point| point[2].is_finite()).collect();
+        let upper = banded.iter().map(|[x, mean, sd]| self.at(*x, (mean + sd).min(self.y.high)));
+        let lower = banded.iter().rev().map(|[x, mean, sd]| self.at(*x, (mean - sd).max(self.y.low)));
+        canvas.area(upper.chain(lower).collect(), look.colour, BAND);
+    }
+
+    /// A line through means (x, mean, standard deviation) with markers on them.
+    pub(super) fn series(&self, canvas: &mut Canvas, points: &[[f64; 3]], look: Look) {
+        let line: Vec<[f64; 2]> = points.iter().map(|[x, mean, _]| [*x, *mean]).collect();
+        self.line(canvas, &line, look.colour, look.dash, LINE);
+        for [x, mean] in line {
+            canvas.marker(self.at(x, mean), look.marker, MARKER, look.colour, false);
+        }
+    }
+
+    /// An upright bar between two values, with caps.
+    pub(super) fn interval(&self, canvas: &mut Canvas, x: f64, [low, high]: [f64; 2], colour: Colour) {
+        let [bottom, top] = [self.at(x, low), self.at(x, high)];
+        canvas.line(&[bottom, top], 1.1, colour, &[]);
+        for end in [bottom, top] {
+            canvas.line(&[[end[0] - 2.6, end[1]], [end[0] + 2.6, end[1]]], 1.1, colour, &[]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(axis: &Axis) -> Vec<&str> {
+        axis.ticks.iter().map(|(_, label)| label.as_str()).collect()
+    }
+
+    #[test]
+    fn ticks_are_round_and_cover_the_data() {
+        let axis = Axis::covering("x", [0.3, 37.2, f64::NAN].into_iter(), 4);
+        assert_eq!(labels(&axis), ["0", "10", "20", "30", "40"]);
+        assert_eq!((axis.low, axis.high), (0.0, 40.0));
+        assert_eq!(labels(&Axis::covering("x", [-0.06, 0.0].into_iter(), 3)), ["−0.06", "−0.04", "−0.02", "0.00"]);
+        assert_eq!(labels(&Axis::exact("x", 0.0, 1.0, 4)), ["0.00", "0.25", "0.50", "0.75", "1.00"]);
+        assert_eq!(labels(&Axis::exact("x", 3.0, 11.0, 3)), ["5", "10"]);
+    }
+
+    #[test]
+    fn one_value_still_has_an_axis() {
+        let axis = Axis::covering("x", [5.0, 5.0].into_iter(), 3);
+        assert!(axis.low < 5.0 && axis.high > 5.0);
+        let axis = Axis::covering("x", std::iter::empty(), 3);
+        assert!(axis.low < axis.high);
+    }
+}

@@ -1,0 +1,177 @@
+//! A figure as a list of marks, before it is painted: the same list becomes PNG and SVG.
+
+use super::style::{Colour, Dash, Marker, WHITE};
+
+/// A place on the figure: to the right and down from its upper left corner, hundredths of an inch.
+pub(super) type Place = [f64; 2];
+
+/// Where along a text its anchor lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Align {
+    Left,
+    Centre,
+    Right,
+}
+
+/// A line of text whose baseline passes through `at`.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Text {
+    pub(super) at: Place,
+    pub(super) text: String,
+    /// Size of the em.
+    pub(super) size: f64,
+    pub(super) bold: bool,
+    pub(super) colour: Colour,
+    pub(super) align: Align,
+    /// Written upwards.
+    pub(super) upwards: bool,
+}
+
+/// One thing to paint.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Mark {
+    Stroke { points: Vec<Place>, width: f64, colour: Colour },
+    Area { points: Vec<Place>, colour: Colour, opacity: f64 },
+    Disc { centre: Place, radius: f64, colour: Colour, opacity: f64 },
+    Text(Text),
+}
+
+/// The marks of a figure in the order of painting.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Canvas {
+    pub(super) width: f64,
+    pub(super) height: f64,
+    pub(super) marks: Vec<Mark>,
+}
+
+impl Canvas {
+    pub(super) fn new(width: f64, height: f64) -> Self {
+        Canvas { width, height, marks: Vec::new() }
+    }
+
+    /// The points that have a place; those far off the figure are brought to its edge, where painting costs no more.
+    fn drawable(&self, points: &[Place]) -> Vec<Place> {
+        let seen = points.iter().filter(|point| !point[0].is_nan() && !point[1].is_nan());
+        seen.map(|[x, y]| [x.clamp(-50.0, self.width + 50.0), y.clamp(-50.0, self.height + 50.0)]).collect()
+    }
+
+    /// A line through the points.
+    pub(super) fn line(&mut self, points: &[Place], width: f64, colour: Colour, dash: Dash) {
+        for points in dashes(&self.drawable(points), dash) {
+            self.marks.push(Mark::Stroke { points, width, colour });
+        }
+    }
+
+    /// A filled polygon.
+    pub(super) fn area(&mut self, points: Vec<Place>, colour: Colour, opacity: f64) {
+        let points = self.drawable(&points);
+        self.marks.push(Mark::Area { points, colour, opacity });
+    }
+
+    /// A filled rectangle between two corners.
+    pub(super) fn rectangle(&mut self, [x0, y0]: Place, [x1, y1]: Place, colour: Colour, opacity: f64) {
+        self.area(vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]], colour, opacity);
+    }
+
+    /// A filled circle.
+    pub(super) fn disc(&mut self, centre: Place, radius: f64, colour: Colour, opacity: f64) {
+        for centre in self.drawable(&[centre]) {
+            self.marks.push(Mark::Disc { centre, radius, colour, opacity });
+        }
+    }
+
+    /// A marker with a thin white rim, so that neighbours stay apart; hollow where `hollow`.
+    pub(super) fn marker(&mut self, at: Place, shape: Marker, radius: f64, colour: Colour, hollow: bool) {
+        self.shape(at, shape, radius + 0.8, WHITE);
+        self.shape(at, shape, radius, colour);
+        if hollow {
+            self.shape(at, shape, radius - 1.2, WHITE);
+        }
+    }
+
+    fn shape(&mut self, at: Place, shape: Marker, radius: f64, colour: Colour) {
+        let corners: &[Place] = match shape {
+            Marker::Circle => return self.disc(at, radius, colour, 1.0),
+            Marker::Square => &[[-0.89, -0.89], [0.89, -0.89], [0.89, 0.89], [-0.89, 0.89]],
+            Marker::Diamond => &[[0.0, -1.25], [1.25, 0.0], [0.0, 1.25], [-1.25, 0.0]],
+            Marker::Triangle => &[[0.0, -1.25], [1.12, 0.85], [-1.12, 0.85]],
+        };
+        let points = corners.iter().map(|corner| [at[0] + radius * corner[0], at[1] + radius * corner[1]]);
+        self.area(points.collect(), colour, 1.0);
+    }
+
+    /// A line of text.
+    pub(super) fn text(&mut self, text: Text) {
+        self.marks.push(Mark::Text(text));
+    }
+}
+
+impl Text {
+    /// Upright text in ink.
+    pub(super) fn new(text: impl Into<String>, at: Place, size: f64, align: Align) -> Self {
+        let colour = super::style::INK;
+        Text { at, text: text.into(), size, bold: false, colour, align, upwards: false }
+    }
+
+    pub(super) fn bold(self) -> Self {
+        Text { bold: true, ..self }
+    }
+
+    pub(super) fn upwards(self) -> Self {
+        Text { upwards: true, ..self }
+    }
+
+    pub(super) fn colour(self, colour: Colour) -> Self {
+        Text { colour, ..self }
+    }
+}
+
+/// A line cut into its dashes.
+fn dashes(points: &[Place], dash: Dash) -> Vec<Vec<Place>> {
+    if dash.is_empty() {
+        return vec![points.to_vec()];
+    }
+    let mut pieces = Vec::new();
+    let mut piece: Vec<Place> = points.first().copied().into_iter().collect();
+    let (mut turn, mut left) = (0, dash[0]);
+    for pair in points.windows(2) {
+        let mut from = pair[0];
+        let mut length = (pair[1][0] - from[0]).hypot(pair[1][1] - from[1]);
+        while length > left {
+            let share = left / length;
+            from = [from[0] + share * (pair[1][0] - from[0]), from[1] + share * (pair[1][1] - from[1])];
+            length -= left;
+            if turn % 2 == 0 {
+                piece.push(from);
+                pieces.push(std::mem::take(&mut piece));
+            } else {
+                piece = vec![from];
+            }
+            turn += 1;
+            left = dash[turn % dash.len()];
+        }
+        left -= length;
+        if turn % 2 == 0 {
+            piece.push(pair[1]);
+        }
+    }
+    pieces.extend((piece.len() > 1).then_some(piece));
+    pieces
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dashes_cover_their_share_of_a_bent_line() {
+        let line = [[0.0, 0.0], [7.0, 0.0], [7.0, 20.0]];
+        let pieces = dashes(&line, &[6.0, 3.0]);
+        let length = |piece: &Vec<Place>| -> f64 {
+            piece.windows(2).map(|p| (p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1])).sum()
+        };
+        assert_eq!(pieces.iter().map(length).sum::<f64>(), 18.0);
+        assert_eq!(pieces[1], [[7.0, 2.0], [7.0, 8.0]]);
+        assert_eq!(dashes(&line, &[]).len(), 1);
+    }
+}

@@ -1,0 +1,170 @@
+//! The paper's claims and what became of them: a table in Markdown and a picture of ours against the paper's.
+
+use super::axes::{Axis, Panel, signed};
+use super::canvas::{Align, Canvas, Text};
+use super::legend::{Key, legend};
+use super::markup::Grid;
+use super::paint::text_width;
+use super::style::{
+    Colour, DASHED, GREEN, GREY, HAIR, INK, MARKER, Marker, PAGE_WIDTH, SMALL, VERMILION, WHITE, policy_label,
+    training_short,
+};
+use super::{Artifact, Figure, Published, ReportError, pictures, text};
+use crate::data::rows::ClaimRow;
+
+/// Registry entry.
+pub(super) const FIGURE: Figure =
+    Figure {
+        name: "claims", about: "The paper’s claims: its figure, ours with an interval, and the verdict", render
+    };
+
+const ROW: f64 = 17.0;
+/// Ratios of ours to the paper's beyond these are drawn as arrows at the edge.
+const REACH: [f64; 2] = [-1.0, 3.0];
+
+fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
+    let claims = &published.claims;
+    if claims.is_empty() {
+        return Err(ReportError::NoRows { figure: FIGURE.name, needs: "claims.csv" });
+    }
+    let mut files = vec![text("claims.md", markdown(claims))];
+    files.extend(pictures(FIGURE.name, FIGURE.name, &draw(claims))?);
+    Ok(files)
+}
+
+/// The numbers of a claim as text, to one number of decimals (three significant digits of the largest of ours); metres
+/// as millimetres.
+struct Shown {
+    paper: String,
+    ours: String,
+    interval: Option<String>,
+    unit: String,
+}
+
+fn shown(row: &ClaimRow) -> Shown {
+    let metres = row.unit == "m" || row.unit.starts_with("m/");
+    let (scale, unit) = if metres { (1e3, format!("m{}", row.unit)) } else { (1.0, row.unit.clone()) };
+    let finite = [row.ours, row.low_95, row.high_95].into_iter().filter(|value| value.is_finite());
+    let largest = finite.map(|value| (scale * value).abs()).fold(0.0, f64::max);
+    let number = |value: f64, largest: f64| {
+        let digits = if largest > 0.0 { (2.0 - largest.log10().floor()).clamp(0.0, 6.0) as usize } else { 0 };
+        if value.is_finite() { signed(scale * value, digits) } else { "–".to_owned() }
+    };
+    let whole = row.low_95.is_finite() && row.high_95.is_finite();
+    Shown {
+        paper: number(row.paper, (scale * row.paper).abs()),
+        ours: number(row.ours, largest),
+        interval: whole.then(|| format!("[{}, {}]", number(row.low_95, largest), number(row.high_95, largest))),
+        unit,
+    }
+}
+
+fn markdown(claims: &[ClaimRow]) -> String {
+    let header = ["Claim", "Networks", "Paper", "Ours", "95 % interval", "Unit", "Seeds", "Verdict"];
+    let mut grid = Grid { header: header.map(str::to_owned).to_vec(), rows: Vec::new() };
+    for row in claims {
+        let shown = shown(row);
+        grid.rows.push(vec![
+            row.statement.clone(),
+            training_short(&row.training).to_owned(),
+            shown.paper,
+            shown.ours,
+            shown.interval.unwrap_or_else(|| "–".to_owned()),
+            shown.unit,
+            row.seeds.to_string(),
+            format!("**{}**", row.verdict),
+        ]);
+    }
+    let mut counts: Vec<String> = Vec::new();
+    for verdict in ["reproduced", "not reproduced", "undecided"] {
+        counts.push(format!("{} {verdict}", claims.iter().filter(|row| row.verdict == verdict).count()));
+    }
+    format!("{}\n{}.\n", grid.markdown(), counts.join(", "))
+}
+
+/// Colour, marker and whether it is hollow.
+fn look(verdict: &str) -> (Colour, Marker, bool) {
+    match verdict {
+        "reproduced" => (GREEN, Marker::Circle, false),
+        "not reproduced" => (VERMILION, Marker::Square, false),
+        _ => (GREY, Marker::Diamond, true),
+    }
+}
+
+fn draw(claims: &[ClaimRow]) -> Canvas {
+    let high = ROW * claims.len() as f64;
+    let top = 58.0;
+    let mut canvas = Canvas::new(PAGE_WIDTH, (top + high + 44.0).round());
+    let keys = ["reproduced", "not reproduced", "undecided"].map(|verdict| {
+        let (colour, marker, hollow) = look(verdict);
+        (Key::Marker(marker, colour, hollow), verdict)
+    });
+    legend(&mut canvas, [236.0, 18.0], PAGE_WIDTH, &keys);
+    let axis = Axis::exact("ours / paper", REACH[0], REACH[1], 4);
+    let rows = Axis { label: String::new(), low: 0.0, high: claims.len() as f64, ticks: Vec::new() };
+    let panel = Panel { corner: [236.0, top], size: [208.0, high], x: axis, y: rows, title: String::new() };
+    panel.draw(&mut canvas);
+    let columns = [(462.0, "paper"), (510.0, "ours [95 % interval]"), (652.0, "unit")];
+    for (x, name) in columns {
+        canvas.text(Text::new(name, [x, top - 8.0], SMALL, Align::Left).bold());
+    }
+    panel.line(&mut canvas, &[[0.0, 0.0], [0.0, claims.len() as f64]], GREY, DASHED, HAIR);
+    panel.line(&mut canvas, &[[1.0, 0.0], [1.0, claims.len() as f64]], INK, &[], HAIR);
+    canvas.text(Text::new("paper", [panel.at(1.0, 0.0)[0], top - 8.0], SMALL, Align::Centre));
+    canvas.text(Text::new("nothing", [panel.at(0.0, 0.0)[0], top - 8.0], SMALL, Align::Centre));
+    // Long names are set smaller, all alike, rather than into the next column.
+    let widest = claims.iter().map(|row| text_width(&label(row), SMALL, false)).fold(148.0, f64::max);
+    let size = SMALL * 148.0 / widest;
+    for (index, row) in claims.iter().enumerate() {
+        let y = top + ROW * (index as f64 + 0.5);
+        claim(&mut canvas, &panel, row, y);
+        let first = index == 0 || claims[index - 1].claim != row.claim;
+        let base = y + 0.36 * SMALL;
+        let shown = shown(row);
+        let ours = format!("{} {}", shown.ours, shown.interval.unwrap_or_default());
+        if first {
+            canvas.text(Text::new(label(row), [10.0, base], size, Align::Left));
+        }
+        canvas.text(Text::new(training_short(&row.training), [228.0, base], 8.6, Align::Right).colour(GREY));
+        canvas.text(Text::new(shown.paper, [columns[0].0, base], SMALL, Align::Left));
+        canvas.text(Text::new(ours, [columns[1].0, base], SMALL, Align::Left).colour(look(&row.verdict).0));
+        canvas.text(Text::new(shown.unit, [columns[2].0, base], SMALL, Align::Left));
+        if first && index > 0 {
+            let edge = y - ROW / 2.0;
+            canvas.line(&[[10.0, edge], [PAGE_WIDTH - 10.0, edge]], HAIR, super::style::GRID, &[]);
+        }
+    }
+    canvas
+}
+
+/// A claim's name as text.
+fn label(row: &ClaimRow) -> String {
+    row.claim.replace("pi_real", &policy_label("pi_real")).replace('_', " ")
+}
+
+/// One line of the picture: ours over the paper's, with its interval.
+fn claim(canvas: &mut Canvas, panel: &Panel, row: &ClaimRow, y: f64) {
+    let (colour, marker, hollow) = look(&row.verdict);
+    let place = |value: f64| {
+        let ratio = value / row.paper;
+        ratio.is_finite().then(|| [panel.at(ratio.clamp(REACH[0], REACH[1]), 0.0)[0], y])
+    };
+    let Some(middle) = place(row.ours) else {
+        let words = if row.paper == 0.0 { "paper: 0, no ratio" } else { "no figure in the paper" };
+        let at = panel.at(0.08, 0.0)[0];
+        canvas.rectangle([at - 2.0, y - 6.0], [at + 2.0 + text_width(words, 8.6, false), y + 6.0], WHITE, 1.0);
+        canvas.text(Text::new(words, [at, y + 0.36 * SMALL], 8.6, Align::Left).colour(GREY));
+        return;
+    };
+    if let (Some(low), Some(high)) = (place(row.low_95), place(row.high_95)) {
+        canvas.line(&[low, high], 1.8, colour, &[]);
+    }
+    let ratio = row.ours / row.paper;
+    if !(REACH[0]..=REACH[1]).contains(&ratio) {
+        let way = if ratio > REACH[1] { 1.0 } else { -1.0 };
+        let tip = [middle[0] + 5.0 * way, y];
+        canvas.area(vec![tip, [tip[0] - 9.0 * way, y - 4.5], [tip[0] - 9.0 * way, y + 4.5]], colour, 1.0);
+        return;
+    }
+    canvas.marker(middle, marker, MARKER, colour, hollow);
+}

@@ -1,0 +1,69 @@
+//! Results inside prose: a table or figure is put between two markers of a text, so that a README shows the published
+//! numbers and nobody copies them by hand.
+
+/// Why a text could not be spliced.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PageError {
+    /// A marker is missing.
+    #[error("found no line `{marker}`, expected one")]
+    NoMarker {
+        /// The line looked for.
+        marker: String,
+    },
+    /// The end stands before the beginning, or a marker stands twice.
+    #[error("found `{marker}` out of place, expected one `begin` and after it one `end`")]
+    OutOfPlace {
+        /// The line that is out of place.
+        marker: String,
+    },
+}
+
+/// `text` with what stands between the lines `<!-- begin:NAME -->` and `<!-- end:NAME -->` replaced by `content`; the
+/// markers stay, so that doing it twice changes nothing.
+///
+/// # Errors
+/// [`PageError`] when a marker is missing, double or out of order.
+pub fn splice(text: &str, name: &str, content: &str) -> Result<String, PageError> {
+    let (begin, end) = (format!("<!-- begin:{name} -->"), format!("<!-- end:{name} -->"));
+    let start = only(text, &begin)? + begin.len();
+    let stop = only(text, &end)?;
+    if stop < start {
+        return Err(PageError::OutOfPlace { marker: end });
+    }
+    Ok(format!("{}\n\n{}\n\n{}", &text[..start], content.trim(), &text[stop..]))
+}
+
+/// Where the only `marker` is.
+fn only(text: &str, marker: &str) -> Result<usize, PageError> {
+    let mut places = text.match_indices(marker);
+    let (place, _) = places.next().ok_or_else(|| PageError::NoMarker { marker: marker.to_owned() })?;
+    if places.next().is_some() { Err(PageError::OutOfPlace { marker: marker.to_owned() }) } else { Ok(place) }
+}
+
+/// A picture in Markdown.
+pub fn picture(path: &str, words: &str) -> String {
+    format!("![{words}]({path})")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PAGE: &str = "# Name\n<!-- begin:table1 -->\nold\n<!-- end:table1 -->\nmore\n";
+
+    #[test]
+    fn content_is_replaced_once_and_for_all() {
+        let once = splice(PAGE, "table1", "| a |\n").unwrap();
+        assert_eq!(once, "# Name\n<!-- begin:table1 -->\n\n| a |\n\n<!-- end:table1 -->\nmore\n");
+        assert_eq!(splice(&once, "table1", "| a |\n").unwrap(), once);
+    }
+
+    #[test]
+    fn markers_must_be_there_once_and_in_order() {
+        assert!(matches!(splice(PAGE, "fig6", ""), Err(PageError::NoMarker { .. })));
+        let twice = format!("{PAGE}{PAGE}");
+        assert!(matches!(splice(&twice, "table1", ""), Err(PageError::OutOfPlace { .. })));
+        let turned = "<!-- end:x --> <!-- begin:x -->";
+        assert!(matches!(splice(turned, "x", ""), Err(PageError::OutOfPlace { .. })));
+    }
+}

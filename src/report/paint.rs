@@ -1,0 +1,224 @@
+//! Marks to bytes: PNG with two pixels to a hundredth of an inch, and SVG. The font travels with the program, so the
+//! same marks give the same bytes on every machine.
+
+use std::sync::OnceLock;
+
+use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{
+    Color, FontDesc, FontFamily, FontStyle, FontTransform, RGBAColor, RGBColor, ShapeStyle, TextStyle, register_font,
+};
+
+use super::canvas::{Align, Canvas, Mark, Place, Text};
+use super::style::Colour;
+
+/// The embedded font's name, followed in SVG by fonts of like widths.
+const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
+/// Pixels of the PNG to a hundredth of an inch.
+const PIXELS: usize = 2;
+/// Each pixel is the mean of this many squared: smooth edges without the painter's help.
+const SAMPLES: usize = 3;
+/// Units of the SVG's grid to a hundredth of an inch (its coordinates are whole numbers).
+const SVG_UNITS: f64 = 10.0;
+/// Ascent plus descent of the font, in ems.
+const FONT_HEIGHT: f64 = 1.164;
+/// What the SVG painter divides a size by to get the em.
+const SVG_FONT: f64 = 1.24;
+/// How far below its anchor the bitmap painter puts a baseline, in font heights.
+const BITMAP_BASELINE: f64 = 0.5;
+/// How far below its anchor the SVG painter puts a baseline, in ems.
+const SVG_BASELINE: f64 = 0.76;
+
+/// Why a figure could not be painted.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{0}")]
+pub(super) struct PaintError(String);
+
+fn failed(error: impl std::fmt::Display) -> PaintError {
+    PaintError(error.to_string())
+}
+
+/// The PNG of a figure.
+pub(super) fn png(canvas: &Canvas) -> Result<Vec<u8>, PaintError> {
+    register()?;
+    let scale = (PIXELS * SAMPLES) as f64;
+    let (wide, high) = ((canvas.width as usize) * PIXELS, (canvas.height as usize) * PIXELS);
+    let mut fine = vec![255u8; wide * SAMPLES * high * SAMPLES * 3];
+    {
+        let size = ((wide * SAMPLES) as u32, (high * SAMPLES) as u32);
+        let mut backend = BitMapBackend::with_buffer(&mut fine, size);
+        let mut painter = Painter { backend: &mut backend, scale, bitmap: true };
+        canvas.marks.iter().try_for_each(|mark| painter.paint(mark))?;
+        backend.present().map_err(failed)?;
+    }
+    encode(&shrink(&fine, wide, high), wide, high)
+}
+
+/// The SVG of a figure.
+pub(super) fn svg(canvas: &Canvas) -> Result<Vec<u8>, PaintError> {
+    register()?;
+    let mut text = String::new();
+    let (wide, high) = ((canvas.width * SVG_UNITS) as u32, (canvas.height * SVG_UNITS) as u32);
+    {
+        let mut backend = SVGBackend::with_string(&mut text, (wide, high));
+        let mut painter = Painter { backend: &mut backend, scale: SVG_UNITS, bitmap: false };
+        let corners = [[0.0, 0.0], [canvas.width, 0.0], [canvas.width, canvas.height], [0.0, canvas.height]];
+        painter.area(&corners, super::style::WHITE, 1.0)?;
+        canvas.marks.iter().try_for_each(|mark| painter.paint(mark))?;
+        backend.present().map_err(failed)?;
+    }
+    // The grid is fine, the picture is not large: its size is in hundredths of an inch, as the PNG's.
+    let grid = format!("width=\"{wide}\" height=\"{high}\"");
+    let size = format!("width=\"{}\" height=\"{}\"", canvas.width, canvas.height);
+    Ok(text.replacen(&grid, &size, 1).into_bytes())
+}
+
+/// Width of a text, hundredths of an inch.
+pub(super) fn text_width(text: &str, size: f64, bold: bool) -> f64 {
+    const FINE: f64 = 20.0;
+    if register().is_err() {
+        return 0.0;
+    }
+    font(size * FONT_HEIGHT * FINE, bold)
+        .layout_box(text)
+        .map_or(0.0, |((left, _), (right, _))| f64::from(right - left) / FINE)
+}
+
+/// Makes the embedded fonts known, once.
+fn register() -> Result<(), PaintError> {
+    static DONE: OnceLock<bool> = OnceLock::new();
+    let done = DONE.get_or_init(|| {
+        register_font(FAMILY, FontStyle::Normal, dejavu::sans::regular()).is_ok()
+            && register_font(FAMILY, FontStyle::Bold, dejavu::sans::bold()).is_ok()
+    });
+    if *done { Ok(()) } else { Err(PaintError("the embedded font is not a font".to_owned())) }
+}
+
+/// The embedded font; its weight is chosen here, because a loaded font keeps the weight it was loaded with.
+fn font(size: f64, bold: bool) -> FontDesc<'static> {
+    FontDesc::new(FontFamily::Name(FAMILY), size, if bold { FontStyle::Bold } else { FontStyle::Normal })
+}
+
+/// Puts marks on one of the two grounds.
+struct Painter<'a, B> {
+    backend: &'a mut B,
+    scale: f64,
+    bitmap: bool,
+}
+
+impl<B: DrawingBackend> Painter<'_, B> {
+    fn paint(&mut self, mark: &Mark) -> Result<(), PaintError> {
+        match mark {
+            Mark::Stroke { points, width, colour } => self.stroke(points, *width, *colour),
+            Mark::Area { points, colour, opacity } => self.area(points, *colour, *opacity),
+            Mark::Disc { centre, radius, colour, opacity } => self.disc(*centre, *radius, *colour, *opacity),
+            Mark::Text(text) => self.text(text),
+        }
+    }
+
+    fn grid(&self, [x, y]: Place) -> (i32, i32) {
+        ((x * self.scale).round() as i32, (y * self.scale).round() as i32)
+    }
+
+    /// On the bitmap each segment is a quadrilateral and each joint a disc: the painter's own thick lines tear at
+    /// sharp turns.
+    fn stroke(&mut self, points: &[Place], width: f64, colour: Colour) -> Result<(), PaintError> {
+        if !self.bitmap {
+            let style = style(colour, 1.0).stroke_width((width * self.scale).round() as u32);
+            let path: Vec<(i32, i32)> = points.iter().map(|&point| self.grid(point)).collect();
+            return self.backend.draw_path(path, &style).map_err(failed);
+        }
+        for pair in points.windows(2) {
+            let [from, to] = [pair[0], pair[1]];
+            let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+            if length < 1e-9 {
+                continue;
+            }
+            let side = [0.5 * width * (to[1] - from[1]) / length, 0.5 * width * (from[0] - to[0]) / length];
+            let off = |point: Place, sign: f64| [point[0] + sign * side[0], point[1] + sign * side[1]];
+            self.area(&[off(from, 1.0), off(to, 1.0), off(to, -1.0), off(from, -1.0)], colour, 1.0)?;
+        }
+        let joints = points.get(1..points.len().saturating_sub(1)).unwrap_or_default();
+        joints.iter().try_for_each(|&joint| self.disc(joint, 0.5 * width, colour, 1.0))
+    }
+
+    fn area(&mut self, points: &[Place], colour: Colour, opacity: f64) -> Result<(), PaintError> {
+        if points.len() < 3 {
+            return Ok(());
+        }
+        let points: Vec<(i32, i32)> = points.iter().map(|&point| self.grid(point)).collect();
+        self.backend.fill_polygon(points, &style(colour, opacity).filled()).map_err(failed)
+    }
+
+    fn disc(&mut self, centre: Place, radius: f64, colour: Colour, opacity: f64) -> Result<(), PaintError> {
+        let centre = self.grid(centre);
+        let radius = (radius * self.scale).round().max(1.0) as u32;
+        self.backend.draw_circle(centre, radius, &style(colour, opacity).filled(), true).map_err(failed)
+    }
+
+    fn text(&mut self, text: &Text) -> Result<(), PaintError> {
+        let em = text.size * self.scale;
+        let (size, drop) = if self.bitmap {
+            (em * FONT_HEIGHT, em * FONT_HEIGHT * BITMAP_BASELINE)
+        } else {
+            (em * SVG_FONT, em * SVG_BASELINE)
+        };
+        let horizontal = match text.align {
+            Align::Left => HPos::Left,
+            Align::Centre => HPos::Center,
+            Align::Right => HPos::Right,
+        };
+        let font = font(size, text.bold);
+        let font = if text.upwards { font.transform(FontTransform::Rotate270) } else { font };
+        let ink = colour(text.colour);
+        let style = TextStyle::from(font).color(&ink).pos(Pos::new(horizontal, VPos::Top));
+        let (x, y) = self.grid(text.at);
+        let drop = drop.round() as i32;
+        let anchor = if text.upwards { (x - drop, y) } else { (x, y - drop) };
+        self.backend.draw_text(&text.text, &style, anchor).map_err(failed)
+    }
+}
+
+fn colour([red, green, blue]: Colour) -> RGBColor {
+    RGBColor(red, green, blue)
+}
+
+fn style(from: Colour, opacity: f64) -> ShapeStyle {
+    let mixed: RGBAColor = colour(from).mix(opacity);
+    ShapeStyle::from(mixed)
+}
+
+/// Means over squares of samples.
+fn shrink(fine: &[u8], wide: usize, high: usize) -> Vec<u8> {
+    let mut out = Vec::with_capacity(wide * high * 3);
+    let stride = wide * SAMPLES * 3;
+    for y in 0..high {
+        for x in 0..wide {
+            for channel in 0..3 {
+                let first = y * SAMPLES * stride + x * SAMPLES * 3 + channel;
+                let rows = (0..SAMPLES).map(|row| first + row * stride);
+                let sum: usize = rows
+                    .flat_map(|at| (0..SAMPLES).map(move |column| at + 3 * column))
+                    .map(|at| usize::from(fine[at]))
+                    .sum();
+                out.push(((sum + SAMPLES * SAMPLES / 2) / (SAMPLES * SAMPLES)) as u8);
+            }
+        }
+    }
+    out
+}
+
+fn encode(pixels: &[u8], wide: usize, high: usize) -> Result<Vec<u8>, PaintError> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, wide as u32, high as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Default);
+    encoder.set_adaptive_filter(png::AdaptiveFilterType::Adaptive);
+    // Two pixels to a hundredth of an inch: 200 dpi, 7874 to the metre.
+    encoder.set_pixel_dims(Some(png::PixelDimensions { xppu: 7874, yppu: 7874, unit: png::Unit::Meter }));
+    let mut writer = encoder.write_header().map_err(failed)?;
+    writer.write_image_data(pixels).map_err(failed)?;
+    writer.finish().map_err(failed)?;
+    Ok(bytes)
+}

@@ -1,0 +1,179 @@
+//! Experiments as stages of one graph, and the stages' results as the tables of each experiment.
+
+use super::graph::{Failure, Graph, Handle};
+use super::metrics::Tables;
+use super::schedule::Outcomes;
+use super::stages::{FittedGp, Stages};
+use crate::base::Point3;
+use crate::data::rows::{GapRow, TrackRow, TrialRow};
+use crate::learn::rnn::Trained;
+use crate::policies::{self, Part};
+use crate::specs::{Cell, Experiment, Training, gp_sizes, reach_cells, track_cells};
+use std::collections::BTreeSet;
+
+/// Some experiments, expanded into the stages that they need. What they share is there once.
+pub struct Campaign {
+    /// All stages.
+    pub graph: Graph,
+    /// The experiments with their stages, in the order given.
+    pub entries: Vec<Entry>,
+}
+
+/// An experiment and its stages.
+pub struct Entry {
+    /// What is run.
+    pub experiment: Experiment,
+    pub(super) repetitions: Vec<Repetition>,
+}
+
+/// One run, as it is planned.
+pub struct PlannedRun {
+    /// Task, seed, training, policy, mode and sizes.
+    pub label: String,
+    /// Number of its stage.
+    pub stage: usize,
+}
+
+/// The stages of one seed.
+#[derive(Default)]
+pub(super) struct Repetition {
+    pub(super) seed: u64,
+    pub(super) gap: Option<Handle<Vec<GapRow>>>,
+    pub(super) waypoints: Option<Handle<Vec<Point3>>>,
+    pub(super) gps: Vec<(usize, Handle<FittedGp>)>,
+    pub(super) trained: Vec<TrainedCells>,
+}
+
+/// The stages of one seed and kind of training.
+pub(super) struct TrainedCells {
+    pub(super) training: String,
+    pub(super) networks: Vec<(Network, Handle<Trained>)>,
+    pub(super) reach: Vec<(Cell, Handle<Vec<TrialRow>>)>,
+    pub(super) track: Vec<(Cell, Handle<Vec<TrackRow>>)>,
+}
+
+/// A network of an experiment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Network {
+    Forward,
+    Inverse,
+    /// With the points of the Gaussian process.
+    Generated(usize),
+    /// With the real points.
+    Real(usize),
+}
+
+impl Campaign {
+    /// Expands experiments.
+    ///
+    /// # Errors
+    /// [`Failure`] for settings that cannot be written into a key.
+    pub fn expand(experiments: Vec<Experiment>) -> Result<Campaign, Failure> {
+        let mut graph = Graph::default();
+        let mut entries = Vec::with_capacity(experiments.len());
+        for experiment in experiments {
+            let repetitions = (0..experiment.seeds).map(|seed| repetition(&mut graph, &experiment, seed));
+            let repetitions = repetitions.collect::<Result<Vec<_>, Failure>>()?;
+            entries.push(Entry { experiment, repetitions });
+        }
+        Ok(Campaign { graph, entries })
+    }
+
+    /// The stages whose results are published.
+    pub fn wanted(&self) -> Vec<usize> {
+        let numbers: BTreeSet<usize> = self.entries.iter().flat_map(Entry::wanted).collect();
+        numbers.into_iter().collect()
+    }
+}
+
+impl Entry {
+    /// The stages whose results this experiment publishes.
+    pub fn wanted(&self) -> BTreeSet<usize> {
+        let mut numbers = BTreeSet::new();
+        for one in &self.repetitions {
+            numbers.extend(one.gap.map(Handle::number));
+            numbers.extend(one.waypoints.map(Handle::number));
+            numbers.extend(one.gps.iter().map(|(_, stage)| stage.number()));
+            for trained in &one.trained {
+                numbers.extend(trained.networks.iter().map(|(_, stage)| stage.number()));
+                numbers.extend(trained.reach.iter().map(|(_, stage)| stage.number()));
+                numbers.extend(trained.track.iter().map(|(_, stage)| stage.number()));
+            }
+        }
+        numbers
+    }
+
+    /// The runs: products of seeds, trainings, policies, modes and sizes, in the order of their expansion.
+    pub fn cells(&self) -> Vec<PlannedRun> {
+        let mut runs = Vec::new();
+        for one in &self.repetitions {
+            for trained in &one.trained {
+                let head = format!("seed {} {}", one.seed, trained.training);
+                let run = |task: &str, cell: &Cell, stage: usize| {
+                    let (policy, mode, gp, real) = (&cell.policy, &cell.mode, cell.gp_points, cell.real_points);
+                    let gp = if gp > 0 { format!(" gp_points {gp}") } else { String::new() };
+                    let real = if real > 0 { format!(" real_points {real}") } else { String::new() };
+                    PlannedRun { label: format!("{task} {head} {policy} {mode}{gp}{real}"), stage }
+                };
+                runs.extend(trained.reach.iter().map(|(cell, stage)| run("reach", cell, stage.number())));
+                runs.extend(trained.track.iter().map(|(cell, stage)| run("track", cell, stage.number())));
+            }
+        }
+        runs
+    }
+
+    /// The experiment's tables: rows sorted, failures as rows with a status.
+    pub fn tables(&self, outcomes: &Outcomes) -> Tables {
+        super::tables::assemble(self, outcomes)
+    }
+}
+
+fn repetition(graph: &mut Graph, experiment: &Experiment, seed: u64) -> Result<Repetition, Failure> {
+    let mut stages = Stages::new(graph, experiment, seed);
+    let mut one = Repetition { seed, ..Repetition::default() };
+    one.gap = experiment.runs.gap.map(|gap| stages.gap(gap.rows)).transpose()?;
+    one.waypoints = experiment.runs.track.as_ref().map(|_| stages.waypoints()).transpose()?;
+    for points in gp_sizes(experiment) {
+        one.gps.push((points, stages.gp(points)?));
+    }
+    let (reach, track) = (reach_cells(experiment), track_cells(experiment));
+    for (name, training) in &experiment.training {
+        let mut cells = TrainedCells { training: name.clone(), networks: vec![], reach: vec![], track: vec![] };
+        for network in networks(experiment, reach.iter().chain(&track)) {
+            cells.networks.push((network, add_network(&mut stages, network, training)?));
+        }
+        for cell in &reach {
+            cells.reach.push((cell.clone(), stages.reach(cell, training)?));
+        }
+        for cell in &track {
+            cells.track.push((cell.clone(), stages.track(cell, training)?));
+        }
+        one.trained.push(cells);
+    }
+    Ok(one)
+}
+
+fn add_network(stages: &mut Stages, network: Network, training: &Training) -> Result<Handle<Trained>, Failure> {
+    match network {
+        Network::Forward => stages.forward(training),
+        Network::Inverse => stages.inverse(training),
+        Network::Generated(points) => stages.generated(training, points),
+        Network::Real(points) => stages.pi_real(training, points),
+    }
+}
+
+/// The networks that the cells are built from, and the forward model where it is asked for.
+fn networks<'a>(experiment: &Experiment, cells: impl Iterator<Item = &'a Cell>) -> BTreeSet<Network> {
+    let mut networks: BTreeSet<Network> = experiment.runs.forward.then_some(Network::Forward).into_iter().collect();
+    for cell in cells {
+        for part in policies::find(&cell.policy).map_or(&[] as &[Part], |entry| entry.needs) {
+            networks.extend(match part {
+                Part::SimulatedInverse => Some(Network::Inverse),
+                Part::GeneratedInverse => Some(Network::Generated(cell.gp_points)),
+                Part::RealInverse => Some(Network::Real(cell.real_points)),
+                Part::Error => None,
+            });
+        }
+    }
+    networks
+}

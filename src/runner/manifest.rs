@@ -1,0 +1,111 @@
+//! What is needed to repeat a run, and what it took: the only published file that holds clocks, hosts and paths.
+
+use super::campaign::{Campaign, Entry};
+use super::schedule::Outcomes;
+use super::timing::Timing;
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
+use std::process::Command;
+
+/// The manifest of one experiment.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Manifest {
+    /// Name of the experiment.
+    pub experiment: String,
+    /// Version of this program.
+    pub version: String,
+    /// Revision of the sources in the working directory, `+` when changed since; empty outside a repository.
+    pub git_revision: String,
+    /// Root seed.
+    pub seed: u64,
+    /// Repetitions.
+    pub seeds: u64,
+    /// Operating system and architecture.
+    pub system: String,
+    /// Processor as the system names it.
+    pub processor: String,
+    /// Threads of the run.
+    pub threads: usize,
+    /// Seconds on the clock of the whole run, all experiments of the command together.
+    pub run_wall_s: f64,
+    /// Stages of this experiment by kind; those shared with other experiments count in each.
+    pub stages: BTreeMap<String, StageTimes>,
+}
+
+/// Stages of one kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StageTimes {
+    /// How many the experiment has.
+    pub count: usize,
+    /// How many were computed in this run; the others came from the store or were not needed.
+    pub computed: usize,
+    /// Seconds on the clock, of those computed.
+    pub wall_s: f64,
+    /// Seconds on a processor, of those computed.
+    pub cpu_s: f64,
+}
+
+impl Manifest {
+    /// The manifest of `entry` after a run of `campaign`.
+    pub fn new(campaign: &Campaign, entry: &Entry, outcomes: &Outcomes, threads: usize, run_wall_s: f64) -> Manifest {
+        let mut stages: BTreeMap<String, StageTimes> = BTreeMap::new();
+        for number in needed(campaign, entry) {
+            let times = stages.entry(campaign.graph.describe(number).0.to_owned()).or_default();
+            times.count += 1;
+            if let Some(Timing { wall_s, cpu_s }) = outcomes.timings[number] {
+                times.computed += 1;
+                times.wall_s += wall_s;
+                times.cpu_s += cpu_s;
+            }
+        }
+        Manifest {
+            experiment: entry.experiment.name.clone(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            git_revision: git_revision(),
+            seed: entry.experiment.seed,
+            seeds: entry.experiment.seeds,
+            system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+            processor: processor(),
+            threads,
+            run_wall_s,
+            stages,
+        }
+    }
+
+    /// The manifest as YAML.
+    ///
+    /// # Errors
+    /// What the serialiser says.
+    pub fn to_yaml(&self) -> Result<Vec<u8>, serde_yaml::Error> {
+        serde_yaml::to_string(self).map(String::into_bytes)
+    }
+}
+
+/// All stages behind what an experiment publishes.
+fn needed(campaign: &Campaign, entry: &Entry) -> BTreeSet<usize> {
+    let mut needed = entry.wanted();
+    for number in (0..campaign.graph.len()).rev() {
+        if needed.contains(&number) {
+            needed.extend(campaign.graph.inputs(number));
+        }
+    }
+    needed
+}
+
+fn git_revision() -> String {
+    let git = |arguments: &[&str]| {
+        let output = Command::new("git").args(arguments).output().ok().filter(|output| output.status.success())?;
+        String::from_utf8(output.stdout).ok().map(|text| text.trim().to_owned())
+    };
+    let Some(revision) = git(&["rev-parse", "HEAD"]) else { return String::new() };
+    let changed = git(&["status", "--porcelain", "--untracked-files=no"]).is_none_or(|changes| !changes.is_empty());
+    if changed { revision + "+" } else { revision }
+}
+
+fn processor() -> String {
+    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let line = text.lines().find(|line| line.starts_with("model name"));
+    line.and_then(|line| line.split(':').nth(1)).map_or_else(|| "unknown".to_owned(), |name| name.trim().to_owned())
+}

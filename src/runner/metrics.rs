@@ -1,0 +1,81 @@
+//! From published rows to one value per seed.
+
+use crate::data::rows::{GapRow, GpRow, NetworkRow, TrackRow, TrackSummaryRow, TrialRow};
+use crate::math::summary::{mean, standard_deviation};
+use crate::report::Published;
+use crate::specs::{Axis, Metric, ReachCell};
+
+/// All rows of one experiment.
+#[derive(Clone, Debug, Default)]
+pub struct Tables {
+    /// What figures are made of.
+    pub published: Published,
+    /// Networks.
+    pub networks: Vec<NetworkRow>,
+    /// Gaussian processes.
+    pub gps: Vec<GpRow>,
+    /// Tracking runs, summarised.
+    pub runs: Vec<TrackSummaryRow>,
+}
+
+/// The metric for one seed and training; `None` where the rows do not tell (no such rows, none without failure).
+pub(super) fn value(tables: &Tables, metric: &Metric, seed: u64, training: &str) -> Option<f64> {
+    let found = match metric {
+        Metric::ReachMean(cell) => mean(&reach_errors_m(tables, cell, seed, training)),
+        Metric::ReachSd(cell) => standard_deviation(&reach_errors_m(tables, cell, seed, training)),
+        Metric::NetworkMae { network, points } => {
+            let ours = |row: &&NetworkRow| row.seed == seed && row.training == training && row.network == *network;
+            let row =
+                tables.networks.iter().filter(ours).find(|row| points.is_none_or(|points| points == row.points))?;
+            row.validation_mae_m
+        }
+        Metric::GpError { points } => {
+            tables.gps.iter().find(|row| row.seed == seed && row.points == *points)?.cross_validation_mae_m
+        }
+        Metric::TrackMean { policy } => run(tables, policy, seed, training)?.mean_error_m,
+        Metric::TrackOscillation { policy } => run(tables, policy, seed, training)?.oscillation_m,
+        Metric::TrackTime { policy } => run(tables, policy, seed, training)?.completion_time_s,
+        Metric::TrackStart { policy } => start_error_m(tables, policy, seed, training)?,
+        Metric::GapRms { axis } => gap_rms_m(tables, *axis, seed),
+    };
+    found.is_finite().then_some(found)
+}
+
+/// Errors of the trials that ended without failure, metres.
+fn reach_errors_m(tables: &Tables, cell: &ReachCell, seed: u64, training: &str) -> Vec<f64> {
+    let ours = |row: &&TrialRow| {
+        row.seed == seed
+            && row.training == training
+            && row.policy == cell.policy
+            && row.mode == cell.mode
+            && cell.gp_points.is_none_or(|points| points == row.gp_points)
+            && cell.real_points.is_none_or(|points| points == row.real_points)
+            && row.error_m.is_finite()
+    };
+    tables.published.trials.iter().filter(ours).map(|row| row.error_m).collect()
+}
+
+/// The tracking run that did not fail.
+fn run<'a>(tables: &'a Tables, policy: &str, seed: u64, training: &str) -> Option<&'a TrackSummaryRow> {
+    let ours = |row: &&TrackSummaryRow| row.seed == seed && row.training == training && row.policy == policy;
+    tables.runs.iter().find(ours).filter(|row| row.status == "ok")
+}
+
+/// Error when the first path point is left, metres.
+fn start_error_m(tables: &Tables, policy: &str, seed: u64, training: &str) -> Option<f64> {
+    run(tables, policy, seed, training)?;
+    let ours = |row: &&TrackRow| row.seed == seed && row.training == training && row.policy == policy;
+    let steps = tables.published.tracks.iter().filter(ours);
+    steps.filter(|row| row.path_point == 0).max_by_key(|row| row.step).map(|row| row.error_m)
+}
+
+fn gap_rms_m(tables: &Tables, axis: Axis, seed: u64) -> f64 {
+    let difference = |row: &GapRow| match axis {
+        Axis::X => row.sim_x_m - row.real_x_m,
+        Axis::Y => row.sim_y_m - row.real_y_m,
+        Axis::Z => row.sim_z_m - row.real_z_m,
+    };
+    let squares: Vec<f64> =
+        tables.published.gaps.iter().filter(|row| row.seed == seed).map(|row| difference(row).powi(2)).collect();
+    mean(&squares).sqrt()
+}

@@ -1,0 +1,142 @@
+//! The files that an experiment publishes, as bytes: writing them is one more step, comparing them another.
+
+use super::campaign::Entry;
+use super::claims::evaluate;
+use super::metrics::Tables;
+use super::schedule::Outcomes;
+use crate::data::rows::ClaimRow;
+use crate::data::{DataError, tables, write_atomic};
+use crate::report::{self, ReportError, Shelf};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Why results could not be published.
+#[derive(Debug, thiserror::Error)]
+pub enum PublishError {
+    /// A table cannot be written.
+    #[error(transparent)]
+    Data(#[from] DataError),
+    /// A figure cannot be drawn.
+    #[error(transparent)]
+    Report(#[from] ReportError),
+    /// The spec cannot be written as YAML.
+    #[error("spec.yaml: {0}")]
+    Spec(#[from] serde_yaml::Error),
+}
+
+/// Files by their path below the output folder.
+pub type Files = BTreeMap<PathBuf, Vec<u8>>;
+
+/// What an experiment yields.
+pub struct Publication {
+    /// Its files, without the manifest.
+    pub files: Files,
+    /// What became of the paper's claims.
+    pub claims: Vec<ClaimRow>,
+    /// Trials and tracking runs that failed.
+    pub failed: usize,
+}
+
+impl Entry {
+    /// Makes the files of this experiment from the results of its stages.
+    ///
+    /// # Errors
+    /// [`PublishError`] for a table or figure that cannot be made.
+    pub fn publish(&self, outcomes: &Outcomes) -> Result<Publication, PublishError> {
+        let mut tables = self.tables(outcomes);
+        let seeds: Vec<u64> = self.repetitions.iter().map(|one| one.seed).collect();
+        let trainings: Vec<String> = self.experiment.training.keys().cloned().collect();
+        let claims = evaluate(&self.experiment.claims, &tables, &seeds, &trainings);
+        tables.published.claims.clone_from(&claims);
+        let folder = Path::new("results").join(&self.experiment.name);
+        let mut files = Files::new();
+        files.insert(folder.join("spec.yaml"), self.spec_yaml()?);
+        self.tables_to(&tables, &folder, &mut files)?;
+        self.figures_to(&tables, &folder, &mut files)?;
+        let failed = tables.published.trials.iter().filter(|row| row.status != "ok").count()
+            + tables.runs.iter().filter(|row| row.status != "ok").count();
+        Ok(Publication { files, claims, failed })
+    }
+
+    /// The resolved spec: what it extends, includes and leaves to defaults filled in. It runs as it is.
+    fn spec_yaml(&self) -> Result<Vec<u8>, serde_yaml::Error> {
+        let mut text = b"# The spec as it was run, with everything filled in.\n".to_vec();
+        let mut serializer = serde_yaml::Serializer::new(&mut text);
+        serde_yaml::with::singleton_map_recursive::serialize(&self.experiment, &mut serializer)?;
+        Ok(text)
+    }
+
+    fn tables_to(&self, tables: &Tables, folder: &Path, files: &mut Files) -> Result<(), DataError> {
+        let published = &tables.published;
+        put(files, &folder.join("gap.csv"), &published.gaps)?;
+        put(files, &folder.join("gp.csv"), &tables.gps)?;
+        put(files, &folder.join("networks.csv"), &tables.networks)?;
+        put(files, &folder.join("trials.csv"), &published.trials)?;
+        put(files, &folder.join("waypoints.csv"), &published.waypoints)?;
+        put(files, &folder.join("tracks.csv"), &published.tracks)?;
+        put(files, &folder.join("claims.csv"), &published.claims)
+    }
+
+    /// Figures that carry the experiment's name lie in `plots/`, others in a folder of the experiment there.
+    fn figures_to(&self, tables: &Tables, folder: &Path, files: &mut Files) -> Result<(), ReportError> {
+        for name in &self.experiment.figures {
+            let Some(figure) = report::figure(name) else { continue };
+            let plots = Path::new("plots");
+            let plots = if *name == self.experiment.name { plots.into() } else { plots.join(&self.experiment.name) };
+            for artifact in (figure.render)(&tables.published)? {
+                let path = match artifact.shelf {
+                    Shelf::Plots => plots.join(&artifact.name),
+                    Shelf::Results => folder.join(&artifact.name),
+                };
+                // Two figures of one experiment may each have a summary: the later one carries its figure's name.
+                let taken = files.contains_key(&path);
+                let path = if taken { path.with_file_name(format!("{name}_{}", artifact.name)) } else { path };
+                files.insert(path, artifact.bytes);
+            }
+        }
+        Ok(())
+    }
+}
+
+fn put<R: Serialize>(files: &mut Files, path: &Path, rows: &[R]) -> Result<(), DataError> {
+    if !rows.is_empty() {
+        files.insert(path.to_owned(), tables::to_csv(path, rows)?);
+    }
+    Ok(())
+}
+
+/// The claims of all experiments that are published in a folder `results`, with those of `fresh` in place of older
+/// ones, as a table and a picture.
+///
+/// # Errors
+/// [`PublishError`] for published claims that cannot be read, or a picture that cannot be drawn.
+pub fn all_claims(out: &Path, fresh: &BTreeMap<String, Vec<ClaimRow>>) -> Result<Files, PublishError> {
+    let results = Path::new("results");
+    let mut by_experiment = fresh.clone();
+    for folder in std::fs::read_dir(out.join(results)).into_iter().flatten().flatten() {
+        let (name, path) = (folder.file_name().to_string_lossy().into_owned(), folder.path().join("claims.csv"));
+        if !by_experiment.contains_key(&name) && path.is_file() {
+            by_experiment.insert(name, tables::read_csv(&path)?);
+        }
+    }
+    let claims: Vec<ClaimRow> = by_experiment.into_values().flatten().collect();
+    let mut files = Files::new();
+    put(&mut files, &results.join("claims.csv"), &claims)?;
+    if let (Some(figure), false) = (report::figure("claims"), claims.is_empty()) {
+        let published = report::Published { claims, ..report::Published::default() };
+        for artifact in (figure.render)(&published)? {
+            let shelf = if artifact.shelf == Shelf::Plots { Path::new("plots") } else { results };
+            files.insert(shelf.join(artifact.name), artifact.bytes);
+        }
+    }
+    Ok(files)
+}
+
+/// Writes files below `out`, each whole or not at all.
+///
+/// # Errors
+/// [`DataError::Write`] for the first file that cannot be written.
+pub fn write_files(out: &Path, files: &Files) -> Result<(), DataError> {
+    files.iter().try_for_each(|(path, bytes)| write_atomic(&out.join(path), bytes))
+}

@@ -1,0 +1,120 @@
+//! Networks and Gaussian processes.
+
+use super::{Added, Stages, status};
+use crate::base::Rows;
+use crate::learn::gp::Gp;
+use crate::learn::rnn::{Elman, ElmanConfig, Trained};
+use crate::policies::GpError;
+use crate::runner::graph::Kind;
+use crate::specs::{GeneratedStart, Training};
+use crate::tasks;
+use serde::{Deserialize, Serialize};
+
+const FORWARD: Kind = Kind { name: "train_forward", version: 1, cost_ms: 8000 };
+const INVERSE: Kind = Kind { name: "train_inverse", version: 1, cost_ms: 8000 };
+const GENERATED: Kind = Kind { name: "train_inverse_b", version: 1, cost_ms: 8000 };
+const REAL: Kind = Kind { name: "train_pi_real", version: 1, cost_ms: 4000 };
+const GP: Kind = Kind { name: "gp_fit", version: 1, cost_ms: 500 };
+
+/// A Gaussian process and how good it is.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct FittedGp {
+    /// The process.
+    pub gp: Gp,
+    /// Cross-validated mean absolute error, mean over the axes, metres.
+    pub cross_validation_mae_m: f64,
+}
+
+impl Stages<'_> {
+    /// The forward model of eq. (17): (u_i, x_i) → x_{i+1}.
+    pub fn forward(&mut self, training: &Training) -> Added<Trained> {
+        let samples = self.explore()?;
+        let config = self.network(training.forward_mae_m);
+        let seed = self.seed.child("forward");
+        let label = self.label("forward network");
+        self.graph.stage(FORWARD, label, &(config.clone(), seed.0), &[samples.number()], move |given| {
+            let samples = given.get(samples)?;
+            let inputs = beside(&samples.pulls_m, &samples.from_m);
+            Elman::train(&inputs, &samples.to_m, &samples.starts, &config, seed).map_err(status)
+        })
+    }
+
+    /// The inverse mapping of eq. (21) from simulated data: (x_i, x_{i+1}) → u_i.
+    pub fn inverse(&mut self, training: &Training) -> Added<Trained> {
+        let samples = self.explore()?;
+        let config = self.network(training.inverse_mae_m);
+        let seed = self.seed.child("inverse");
+        let label = self.label("inverse network");
+        self.graph.stage(INVERSE, label, &(config.clone(), seed.0), &[samples.number()], move |given| {
+            let samples = given.get(samples)?;
+            let inputs = beside(&samples.from_m, &samples.to_m);
+            Elman::train(&inputs, &samples.pulls_m, &samples.starts, &config, seed).map_err(status)
+        })
+    }
+
+    /// The inverse mapping from the first `points` real data (π_real).
+    pub fn pi_real(&mut self, training: &Training, points: usize) -> Added<Trained> {
+        let samples = self.replay()?;
+        let config = self.network(training.pi_real_mae_m);
+        let seed = self.seed.child("pi_real");
+        let label = self.label(&format!("real network, {points} points"));
+        self.graph.stage(REAL, label, &(config.clone(), points, seed.0), &[samples.number()], move |given| {
+            let samples = given.get(samples)?.first(points);
+            let inputs = beside(&samples.from_m, &samples.to_m);
+            Elman::train(&inputs, &samples.pulls_m, &samples.starts, &config, seed).map_err(status)
+        })
+    }
+
+    /// The Gaussian process of eq. (20) on one point of each of `points` clusters.
+    pub fn gp(&mut self, points: usize) -> Added<FittedGp> {
+        let pool = self.gp_pool()?;
+        let (config, seed) = (self.spec.gp.clone(), self.seed.child("gp"));
+        let label = self.label(&format!("Gaussian process, {points} points"));
+        self.graph.stage(GP, label, &(config.clone(), points, seed.0), &[pool.number()], move |given| {
+            let pool = given.get(pool)?;
+            let chosen = tasks::one_of_each_cluster(pool.inputs.len(), points, seed).map_err(status)?;
+            let chosen = pool.select(&chosen);
+            let gp = Gp::fit(&chosen.inputs, &chosen.errors_m, &config).map_err(status)?;
+            let cross_validation_mae_m = crate::math::summary::mean(&gp.cross_validation_mae());
+            Ok(FittedGp { gp, cross_validation_mae_m })
+        })
+    }
+
+    /// The inverse mapping from generated data (eq. 24), with the Gaussian process on `points` points.
+    pub fn generated(&mut self, training: &Training, points: usize) -> Added<Trained> {
+        let (samples, gp, start) = (self.explore()?, self.gp(points)?, self.inverse(training)?);
+        let (config, seed) = (self.network(training.inverse_b_mae_m), self.seed.child("inverse_b"));
+        let warm = self.spec.generated_start == GeneratedStart::Trained;
+        let mut inputs = vec![samples.number(), gp.number()];
+        inputs.extend(warm.then_some(start.number()));
+        let label = self.label(&format!("generated-data network, {points} points"));
+        self.graph.stage(GENERATED, label, &(config.clone(), seed.0), &inputs, move |given| {
+            let samples = {
+                let samples = given.get(samples)?;
+                let error = GpError::new(given.get(gp)?.gp.clone(), samples.pulls_m.width()).map_err(status)?;
+                tasks::generate(samples, &error).map_err(status)?
+            };
+            let inputs = beside(&samples.from_m, &samples.to_m);
+            let (outputs, starts) = (&samples.pulls_m, &samples.starts);
+            let trained = if warm {
+                given.get(start)?.network.retrain(&inputs, outputs, starts, &config, seed)
+            } else {
+                Elman::train(&inputs, outputs, starts, &config, seed)
+            };
+            trained.map_err(status)
+        })
+    }
+
+    fn network(&self, stop_at_validation_mae_m: Option<f64>) -> ElmanConfig {
+        ElmanConfig { stop_at_validation_mae_m, ..self.spec.network.clone() }
+    }
+}
+
+/// The columns of two tables side by side.
+fn beside(left: &Rows, right: &Rows) -> Rows {
+    let mut rows = Rows::new(left.width() + right.width());
+    for (left, right) in left.iter().zip(right.iter()) {
+        rows.push(&[left, right].concat());
+    }
+    rows
+}

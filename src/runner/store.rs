@@ -1,0 +1,143 @@
+//! The content-addressed store: results of stages on disk, under their keys.
+//!
+//! An entry is written to a temporary file, flushed to the disk and renamed, so that it is either whole or absent
+//! whenever the process dies. It carries the checksum of its bytes and is checked on every read.
+
+use super::key::Key;
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+const MAGIC: &[u8; 16] = b"spinebench-rec-1";
+const HEADER: usize = 16 + 32;
+
+/// What the store has under a key.
+#[derive(Debug, PartialEq)]
+pub enum Lookup {
+    /// The bytes, checked.
+    Found(Vec<u8>),
+    /// Nothing.
+    Absent,
+    /// Something that fails its check, and why.
+    Damaged(String),
+}
+
+/// A folder of entries.
+#[derive(Debug)]
+pub struct Store {
+    root: PathBuf,
+    temporary: AtomicU64,
+}
+
+impl Store {
+    /// The store in the folder `root`, which is made when the first entry is written.
+    pub fn at(root: impl Into<PathBuf>) -> Store {
+        Store { root: root.into(), temporary: AtomicU64::new(0) }
+    }
+
+    /// The folder.
+    pub fn root(&self) -> &Path {
+        &self.root
+    }
+
+    /// The file of an entry.
+    pub fn path(&self, stage: &str, key: &Key) -> PathBuf {
+        let name = key.to_string();
+        self.root.join(stage).join(&name[..2]).join(name)
+    }
+
+    /// True when there is an entry; [`Store::read`] tells whether it is good.
+    pub fn contains(&self, stage: &str, key: &Key) -> bool {
+        self.path(stage, key).is_file()
+    }
+
+    /// The checked bytes of an entry.
+    pub fn read(&self, stage: &str, key: &Key) -> Lookup {
+        let bytes = match fs::read(self.path(stage, key)) {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Lookup::Absent,
+            Err(error) => return Lookup::Damaged(error.to_string()),
+        };
+        let Some((header, payload)) = bytes.split_at_checked(HEADER) else {
+            return Lookup::Damaged("it is truncated".into());
+        };
+        if &header[..16] != MAGIC {
+            return Lookup::Damaged("it is of another format".into());
+        }
+        if header[16..] != checksum(key, payload) {
+            return Lookup::Damaged("its checksum does not match".into());
+        }
+        Lookup::Found(payload.to_vec())
+    }
+
+    /// Files `payload` under a key, replacing what was there.
+    ///
+    /// # Errors
+    /// What the file system says (no space, no permission); no half-written entry stays behind.
+    pub fn write(&self, stage: &str, key: &Key, payload: &[u8]) -> io::Result<()> {
+        let path = self.path(stage, key);
+        let folder = path.parent().unwrap_or(&self.root);
+        fs::create_dir_all(folder)?;
+        let number = self.temporary.fetch_add(1, Ordering::Relaxed);
+        let temporary = folder.join(format!(".{}.{}.{number}.tmp", key.short(), std::process::id()));
+        let written = (|| {
+            let mut file = File::create(&temporary)?;
+            file.write_all(MAGIC)?;
+            file.write_all(&checksum(key, payload))?;
+            file.write_all(payload)?;
+            file.sync_all()?;
+            fs::rename(&temporary, &path)
+        })();
+        if written.is_err() {
+            let _ = fs::remove_file(&temporary); // already failing: the first error is the one to report
+        }
+        written
+    }
+}
+
+/// The checksum covers the key, so that an entry under another's name is found out.
+fn checksum(key: &Key, payload: &[u8]) -> [u8; 32] {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(key.to_string().as_bytes());
+    hasher.update(payload);
+    *hasher.finalize().as_bytes()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entries_come_back_and_every_flipped_byte_or_lost_end_is_noticed() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::at(folder.path().join("cache"));
+        let key = Key::new("stage", 1, &"p", &[]).unwrap();
+        assert_eq!(store.read("stage", &key), Lookup::Absent);
+        store.write("stage", &key, b"payload").unwrap();
+        assert_eq!(store.read("stage", &key), Lookup::Found(b"payload".to_vec()));
+
+        let path = store.path("stage", &key);
+        let good = fs::read(&path).unwrap();
+        for index in 0..good.len() {
+            let mut bad = good.clone();
+            bad[index] ^= 0x10;
+            fs::write(&path, &bad).unwrap();
+            assert!(matches!(store.read("stage", &key), Lookup::Damaged(_)), "byte {index}");
+            fs::write(&path, &good[..index]).unwrap();
+            assert!(matches!(store.read("stage", &key), Lookup::Damaged(_)), "length {index}");
+        }
+        store.write("stage", &key, b"payload").unwrap();
+        assert_eq!(store.read("stage", &key), Lookup::Found(b"payload".to_vec()));
+        let left = fs::read_dir(path.parent().unwrap()).unwrap().count();
+        assert_eq!(left, 1, "no temporary file stays behind");
+    }
+
+    #[test]
+    fn a_folder_that_cannot_be_made_is_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("cache"), "a file").unwrap();
+        let store = Store::at(folder.path().join("cache"));
+        assert!(store.write("stage", &Key::new("stage", 1, &1, &[]).unwrap(), b"x").is_err());
+    }
+}

@@ -1,0 +1,147 @@
+//! Stage results to published rows: labels filled in, failures turned into rows, everything in a fixed order.
+
+use super::campaign::{Entry, Network, TrainedCells};
+use super::graph::Failure;
+use super::metrics::Tables;
+use super::schedule::Outcomes;
+use super::stages::FittedGp;
+use crate::data::rows::{GpRow, NetworkRow, TrackRow, TrialRow, WaypointRow};
+use crate::learn::rnn::Trained;
+use crate::report::track_summary;
+use crate::specs::{Cell, Experiment};
+
+pub(super) fn assemble(entry: &Entry, outcomes: &Outcomes) -> Tables {
+    let mut tables = Tables::default();
+    for one in &entry.repetitions {
+        let seed = one.seed;
+        if let Some(Ok(rows)) = one.gap.map(|stage| outcomes.get(stage)) {
+            tables.published.gaps.extend(rows.iter().cloned().map(|mut row| {
+                row.seed = seed;
+                row
+            }));
+        }
+        if let Some(Ok(points)) = one.waypoints.map(|stage| outcomes.get(stage)) {
+            let row = |(waypoint, &[x_m, y_m, z_m]): (usize, &[f64; 3])| WaypointRow {
+                seed,
+                waypoint: waypoint as u64,
+                x_m,
+                y_m,
+                z_m,
+            };
+            tables.published.waypoints.extend(points.iter().enumerate().map(row));
+        }
+        let gps = one.gps.iter().filter_map(|(_, stage)| outcomes.get(*stage).ok());
+        tables.gps.extend(gps.map(|fitted| gp_row(seed, fitted)));
+        for cells in &one.trained {
+            trained(&mut tables, &entry.experiment, seed, cells, outcomes);
+        }
+    }
+    tables.runs = track_summary(&tables.published.tracks);
+    tables
+}
+
+/// Rows of one seed and training. Seeds ascend, trainings and cells are in the order of their expansion.
+fn trained(tables: &mut Tables, experiment: &Experiment, seed: u64, cells: &TrainedCells, outcomes: &Outcomes) {
+    let training = &cells.training;
+    for (network, stage) in &cells.networks {
+        if let Ok(trained) = outcomes.get(*stage) {
+            tables.networks.push(network_row(seed, training, *network, trained, experiment));
+        }
+    }
+    for (cell, stage) in &cells.reach {
+        let failed = |failure: Failure| failed_trials(cell, experiment.targets.drawn, &failure);
+        let rows = outcomes.get(*stage).map_or_else(failed, Clone::clone);
+        tables.published.trials.extend(rows.into_iter().map(|row| TrialRow {
+            seed,
+            training: training.clone(),
+            mode: cell.mode.clone(),
+            gp_points: cell.gp_points as u64,
+            real_points: cell.real_points as u64,
+            ..row
+        }));
+    }
+    for (cell, stage) in &cells.track {
+        let rows = outcomes.get(*stage).map_or_else(|failure| vec![failed_track(cell, &failure)], Clone::clone);
+        let label = |row| TrackRow { seed, training: training.clone(), ..row };
+        tables.published.tracks.extend(rows.into_iter().map(label));
+    }
+}
+
+fn gp_row(seed: u64, fitted: &FittedGp) -> GpRow {
+    let noise = fitted.gp.noise_std();
+    let noise_m = |axis: usize| noise.get(axis).copied().unwrap_or(f64::NAN);
+    GpRow {
+        seed,
+        points: fitted.gp.points() as u64,
+        kernel: fitted.gp.config().kernel.0.name().to_owned(),
+        cross_validation_mae_m: fitted.cross_validation_mae_m,
+        log_marginal_likelihood: fitted.gp.log_marginal_likelihood().iter().sum(),
+        noise_x_m: noise_m(0),
+        noise_y_m: noise_m(1),
+        noise_z_m: noise_m(2),
+    }
+}
+
+fn network_row(seed: u64, training: &str, network: Network, trained: &Trained, experiment: &Experiment) -> NetworkRow {
+    // The paper's validation errors: sections IV-A, IV-C and IV-E; none is given for π_real.
+    let (name, points, paper_mae_m) = match network {
+        Network::Forward => ("forward", experiment.explore.points, 0.0024),
+        Network::Inverse => ("inverse", experiment.explore.points, 0.0024),
+        Network::Generated(points) => ("inverse_b", points, 0.0019),
+        Network::Real(points) => ("pi_real", points, f64::NAN),
+    };
+    NetworkRow {
+        seed,
+        training: training.to_owned(),
+        network: name.to_owned(),
+        points: points as u64,
+        epochs: trained.epochs as u64,
+        validation_mae_m: trained.validation_mae,
+        paper_mae_m,
+    }
+}
+
+/// The trials that a failure before them made impossible: one row a target, as there would have been.
+fn failed_trials(cell: &Cell, targets: usize, failure: &Failure) -> Vec<TrialRow> {
+    let row = |target: usize| TrialRow {
+        seed: 0,
+        training: String::new(),
+        policy: cell.policy.clone(),
+        mode: String::new(),
+        gp_points: 0,
+        real_points: 0,
+        target: target as u64,
+        target_x_m: f64::NAN,
+        target_y_m: f64::NAN,
+        target_z_m: f64::NAN,
+        tip_x_m: f64::NAN,
+        tip_y_m: f64::NAN,
+        tip_z_m: f64::NAN,
+        error_m: f64::NAN,
+        steps: 0,
+        settled: false,
+        switches: 0,
+        status: failure.to_string(),
+    };
+    (0..targets).map(row).collect()
+}
+
+fn failed_track(cell: &Cell, failure: &Failure) -> TrackRow {
+    TrackRow {
+        seed: 0,
+        training: String::new(),
+        policy: cell.policy.clone(),
+        step: 0,
+        time_s: 0.0,
+        path_point: 0,
+        target_x_m: f64::NAN,
+        target_y_m: f64::NAN,
+        target_z_m: f64::NAN,
+        tip_x_m: f64::NAN,
+        tip_y_m: f64::NAN,
+        tip_z_m: f64::NAN,
+        error_m: f64::NAN,
+        branch: String::new(),
+        status: failure.to_string(),
+    }
+}

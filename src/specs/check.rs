@@ -1,0 +1,225 @@
+//! What the types cannot say: ranges, names and sizes that must fit each other.
+
+use super::cells::uses;
+use super::document::Document;
+use super::error::SpecError;
+use super::experiment::{Experiment, TrackRun};
+use super::locate::End;
+use super::path::KeyPath;
+use crate::base::BadOption;
+use crate::effects::check_effects;
+use crate::learn::LearnError;
+use crate::policies::{self, Part};
+use crate::report::FIGURES;
+
+/// Looks for the first thing that is wrong with `experiment`, which was read from `document`.
+///
+/// # Errors
+/// [`SpecError::Key`] with the place of what is wrong.
+pub(super) fn check(experiment: &Experiment, document: &Document) -> Result<(), SpecError> {
+    let checker = Checker { experiment, document };
+    checker.header()?;
+    checker.options()?;
+    checker.runs()?;
+    super::check_claims::check(experiment, document)
+}
+
+struct Checker<'a> {
+    experiment: &'a Experiment,
+    document: &'a Document,
+}
+
+impl Checker<'_> {
+    fn wrong(&self, path: &KeyPath, expected: impl Into<String>) -> SpecError {
+        self.document.wrong(path, expected)
+    }
+
+    fn unless(&self, holds: bool, path: &KeyPath, expected: &str) -> Result<(), SpecError> {
+        if holds { Ok(()) } else { Err(self.wrong(path, expected)) }
+    }
+
+    fn header(&self) -> Result<(), SpecError> {
+        let (root, spec) = (KeyPath::default(), self.experiment);
+        let named = |name: &str| {
+            !name.is_empty() && name.chars().all(|letter| letter.is_ascii_alphanumeric() || "_-".contains(letter))
+        };
+        self.unless(named(&spec.name), &root.key("name"), "a name of letters, digits, `_` and `-`")?;
+        let hz = spec.control_hz;
+        self.unless(hz > 0.0 && hz <= 1000.0, &root.key("control_hz"), "a rate above 0 and up to 1000 Hz")?;
+        self.unless(spec.seeds > 0, &root.key("seeds"), "at least 1")?;
+        self.unless(!spec.training.is_empty(), &root.key("training"), "at least one kind of training")?;
+        for (name, training) in &spec.training {
+            let path = root.key("training").key(name);
+            self.unless(named(name), &path, "a name of letters, digits, `_` and `-`")?;
+            let stops = [
+                ("forward_mae_m", training.forward_mae_m),
+                ("inverse_mae_m", training.inverse_mae_m),
+                ("inverse_b_mae_m", training.inverse_b_mae_m),
+                ("pi_real_mae_m", training.pi_real_mae_m),
+            ];
+            for (key, stop_m) in stops {
+                let positive = stop_m.is_none_or(|stop_m| stop_m > 0.0 && stop_m.is_finite());
+                self.unless(positive, &path.key(key), "a length above 0, or null")?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The rooms' own checks.
+    fn options(&self) -> Result<(), SpecError> {
+        let spec = self.experiment;
+        let option = |name: &str, found: Result<(), BadOption>| {
+            found.map_err(|bad| self.option(name, bad.key, &bad.found, bad.expected))
+        };
+        option("explore", spec.explore.check())?;
+        option("gp_points", spec.gp_points.check())?;
+        option("policies", spec.policies.check())?;
+        option("targets", spec.targets.check())?;
+        option("reach", spec.reach.check())?;
+        option("path", spec.path.check())?;
+        option("track", spec.track.check())?;
+        self.plants()?;
+        self.learn("gp", spec.gp.check())?;
+        self.learn("network", spec.network.check())?;
+        let stop = KeyPath::default().key("network").key("stop_at_validation_mae_m");
+        self.unless(spec.network.stop_at_validation_mae_m.is_none(), &stop, "null: `training` sets where networks stop")
+    }
+
+    fn plants(&self) -> Result<(), SpecError> {
+        let (root, spec) = (KeyPath::default(), self.experiment);
+        for (name, plant) in [("model", &spec.model), ("plant", &spec.plant)] {
+            plant
+                .check()
+                .map_err(|(path, bad)| self.option(&format!("{name}.{path}"), bad.key, &bad.found, bad.expected))?;
+            self.unless(plant.tendons() == 4, &root.key(name), "a robot with four tendons")?;
+        }
+        for (name, mode) in &spec.modes {
+            let path = root.key("modes").key(name).key("effects");
+            let allowed = mode.effects.is_empty() || spec.plant.takes_effects();
+            self.unless(allowed, &path, "no effects, as the plant is not a simulated rod")?;
+            check_effects(&mode.effects, spec.plant.tendons()).map_err(|(index, effect, bad)| {
+                let path = path.item(index).key(effect).key(bad.key);
+                self.document.refuse(&path, End::Value, bad.found, bad.expected)
+            })?;
+        }
+        Ok(())
+    }
+
+    fn learn(&self, name: &str, found: Result<(), LearnError>) -> Result<(), SpecError> {
+        found.map_err(|error| match error {
+            LearnError::Setting { key, found, expected } => self.option(name, key, &found, expected),
+            other => {
+                self.document.refuse(&KeyPath::default().key(name), End::Value, other.to_string(), "a valid value")
+            }
+        })
+    }
+
+    /// A room names the key without the keys above it: it is the first one below `name` with that value.
+    fn option(&self, name: &str, key: &str, found: &str, expected: &str) -> SpecError {
+        let below = KeyPath::parse(name).unwrap_or_default();
+        let path = self.document.find(&below, key, found).unwrap_or_else(|| below.key(key));
+        self.document.refuse(&path, End::Value, found.to_owned(), expected)
+    }
+
+    fn runs(&self) -> Result<(), SpecError> {
+        let (runs, path) = (&self.experiment.runs, KeyPath::default().key("runs"));
+        let any = runs.gap.is_some() || runs.forward || !runs.gp_points.is_empty() || !runs.reach.is_empty();
+        self.unless(
+            any || runs.track.is_some(),
+            &path,
+            "at least one of `gap`, `forward`, `gp_points`, `reach`, `track`",
+        )?;
+        if let Some(gap) = runs.gap {
+            let most = self.experiment.explore.points;
+            self.fits(&[gap.rows], &path.key("gap").key("rows"), 1, most, "collected points")?;
+        }
+        self.gp_sizes(&runs.gp_points, &path.key("gp_points"))?;
+        let figures: Vec<&str> = FIGURES.iter().map(|figure| figure.name).collect();
+        for (index, name) in self.experiment.figures.iter().enumerate() {
+            let path = KeyPath::default().key("figures").item(index);
+            self.unless(figures.contains(&name.as_str()), &path, &one_of(&figures))?;
+        }
+        for (index, sweep) in runs.reach.iter().enumerate() {
+            let path = path.key("reach").item(index);
+            self.policies(&sweep.policies, &path.key("policies"))?;
+            self.not_empty(&sweep.modes, &path.key("modes"))?;
+            for (number, mode) in sweep.modes.iter().enumerate() {
+                self.mode(mode, &path.key("modes").item(number))?;
+            }
+            for (key, part) in [("gp_points", Part::Error), ("real_points", Part::RealInverse)] {
+                let sizes = if part == Part::Error { &sweep.gp_points } else { &sweep.real_points };
+                self.sizes(&sweep.policies, part, sizes.as_deref(), &path.key(key))?;
+            }
+        }
+        runs.track.as_ref().map_or(Ok(()), |track| self.track(track, &path.key("track")))
+    }
+
+    fn track(&self, track: &TrackRun, path: &KeyPath) -> Result<(), SpecError> {
+        self.policies(&track.policies, &path.key("policies"))?;
+        self.mode(&track.mode, &path.key("mode"))?;
+        let one = |size: Option<usize>| size.map(|size| vec![size]);
+        let (gp, real) = (one(track.gp_points), one(track.real_points));
+        self.sizes(&track.policies, Part::Error, gp.as_deref(), &path.key("gp_points"))?;
+        self.sizes(&track.policies, Part::RealInverse, real.as_deref(), &path.key("real_points"))
+    }
+
+    fn not_empty<T: PartialEq>(&self, values: &[T], path: &KeyPath) -> Result<(), SpecError> {
+        self.unless(!values.is_empty(), path, "at least one value")?;
+        for (index, value) in values.iter().enumerate() {
+            self.unless(!values[..index].contains(value), &path.item(index), "each value once")?;
+        }
+        Ok(())
+    }
+
+    fn policies(&self, names: &[String], path: &KeyPath) -> Result<(), SpecError> {
+        self.not_empty(names, path)?;
+        for (index, name) in names.iter().enumerate() {
+            let known: Vec<&str> = policies::REGISTRY.iter().map(|entry| entry.name).collect();
+            self.unless(known.contains(&name.as_str()), &path.item(index), &one_of(&known))?;
+        }
+        Ok(())
+    }
+
+    fn mode(&self, name: &str, path: &KeyPath) -> Result<(), SpecError> {
+        let known: Vec<&str> = self.experiment.modes.keys().map(String::as_str).collect();
+        self.unless(known.contains(&name), path, &one_of(&known))
+    }
+
+    /// Sizes must be given when a policy is built from that part, and none may exceed the data.
+    fn sizes(&self, names: &[String], part: Part, sizes: Option<&[usize]>, path: &KeyPath) -> Result<(), SpecError> {
+        let uses = |name: &String| policies::find(name).is_some_and(|entry| uses(entry, part));
+        match (sizes, names.iter().find(|name| uses(name))) {
+            (None, Some(name)) => Err(self.wrong(path, format!("sizes for policy `{name}`"))),
+            (None, None) => Ok(()),
+            (Some(_), None) => Err(self.wrong(path, "no such key, as none of these policies uses it")),
+            (Some(sizes), Some(_)) => {
+                self.not_empty(sizes, path)?;
+                if part == Part::Error { self.gp_sizes(sizes, path) } else { self.real_sizes(sizes, path) }
+            }
+        }
+    }
+
+    fn gp_sizes(&self, sizes: &[usize], path: &KeyPath) -> Result<(), SpecError> {
+        self.fits(sizes, path, 2, self.experiment.gp_points.points(), "predefined points")
+    }
+
+    fn real_sizes(&self, sizes: &[usize], path: &KeyPath) -> Result<(), SpecError> {
+        self.fits(sizes, path, 10, self.experiment.explore.points, "collected points")
+    }
+
+    fn fits(&self, sizes: &[usize], path: &KeyPath, least: usize, most: usize, of: &str) -> Result<(), SpecError> {
+        for (index, size) in sizes.iter().enumerate() {
+            // A single size stands under its key, several in a list.
+            let item = path.item(index);
+            let path = if self.document.has(&item) { &item } else { path };
+            self.unless((least..=most).contains(size), path, &format!("{least} to {most}, the number of {of}"))?;
+        }
+        Ok(())
+    }
+}
+
+/// `one of a, b`.
+pub(super) fn one_of(names: &[&str]) -> String {
+    let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    format!("one of {}", names.join(", "))
+}

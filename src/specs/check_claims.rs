@@ -1,0 +1,121 @@
+//! Claims must be about what the experiment runs.
+
+use super::check::one_of;
+use super::claims::{Metric, ReachCell, Relation};
+use super::document::Document;
+use super::error::SpecError;
+use super::experiment::Experiment;
+use super::path::KeyPath;
+
+/// Looks for the first claim that the experiment's rows cannot decide.
+pub(super) fn check(experiment: &Experiment, document: &Document) -> Result<(), SpecError> {
+    let mut names: Vec<&str> = Vec::new();
+    for (index, claim) in experiment.claims.iter().enumerate() {
+        let path = KeyPath::default().key("claims").item(index);
+        if names.contains(&claim.claim.as_str()) {
+            return Err(document.wrong(&path.key("claim"), "a name that no other claim has"));
+        }
+        names.push(&claim.claim);
+        let path = path.key("relation");
+        numbers(&claim.relation, document, &path)?;
+        for (below, metric) in places(&claim.relation, &path) {
+            known(&metric, experiment).map_err(|expected| document.wrong(&below, expected))?;
+        }
+    }
+    Ok(())
+}
+
+/// The metrics of a relation and where each is written.
+fn places(relation: &Relation, path: &KeyPath) -> Vec<(KeyPath, Metric)> {
+    let keys = match relation {
+        Relation::Less { .. } => vec![path.key("less").key("left"), path.key("less").key("right")],
+        Relation::Between { .. } => vec![path.key("between").key("metric")],
+        Relation::Near { .. } => vec![path.key("near").key("metric")],
+        Relation::Falls { values, .. } => {
+            let path = path.key("falls").key("values");
+            (0..values.len()).map(|index| path.item(index)).collect()
+        }
+        Relation::NoGain { beyond, .. } => {
+            let path = path.key("no_gain");
+            let beyond = (0..beyond.len()).map(|index| path.key("beyond").item(index));
+            std::iter::once(path.key("from")).chain(beyond).collect()
+        }
+        Relation::Alike { metrics, .. } => {
+            (0..metrics.len()).map(|index| path.key("alike").key("metrics").item(index)).collect()
+        }
+    };
+    keys.into_iter().zip(relation.metrics()).collect()
+}
+
+/// Ranges and lengths.
+fn numbers(relation: &Relation, document: &Document, path: &KeyPath) -> Result<(), SpecError> {
+    let unless = |holds: bool, path: KeyPath, expected: &str| {
+        if holds { Ok(()) } else { Err(document.wrong(&path, expected)) }
+    };
+    let sweepable = |metric: &Metric| matches!(metric, Metric::ReachMean(_) | Metric::ReachSd(_));
+    match relation {
+        Relation::Less { times, .. } => unless(*times > 0.0, path.key("less").key("times"), "a factor above 0"),
+        Relation::Between { low, high, .. } => unless(low < high, path.key("between").key("low"), "less than `high`"),
+        Relation::Near { tolerance, .. } => {
+            unless(*tolerance > 0.0, path.key("near").key("tolerance"), "a tolerance above 0")
+        }
+        Relation::Falls { metric, values, .. } => {
+            let path = path.key("falls");
+            unless(values.len() > 1, path.key("values"), "at least two sizes")?;
+            unless(sweepable(metric), path.key("metric"), "`reach_mean` or `reach_sd`")
+        }
+        Relation::NoGain { metric, beyond, margin, .. } => {
+            let path = path.key("no_gain");
+            unless(!beyond.is_empty(), path.key("beyond"), "at least one size")?;
+            unless(*margin > 0.0, path.key("margin"), "a margin above 0")?;
+            unless(sweepable(metric), path.key("metric"), "`reach_mean` or `reach_sd`")
+        }
+        Relation::Alike { metrics, times } => {
+            let path = path.key("alike");
+            unless(metrics.len() > 1, path.key("metrics"), "at least two metrics")?;
+            unless(*times > 1.0, path.key("times"), "a factor above 1")
+        }
+    }
+}
+
+/// Whether the experiment yields this metric; the error says what it yields instead.
+fn known(metric: &Metric, experiment: &Experiment) -> Result<(), String> {
+    let runs = &experiment.runs;
+    match metric {
+        Metric::ReachMean(cell) | Metric::ReachSd(cell) => known_cell(cell, experiment),
+        Metric::NetworkMae { network, .. } => {
+            let names = ["forward", "inverse", "inverse_b", "pi_real"];
+            if names.contains(&network.as_str()) { Ok(()) } else { Err(one_of(&names)) }
+        }
+        Metric::GpError { points } => {
+            let fitted = super::cells::gp_sizes(experiment);
+            let known = usize::try_from(*points).is_ok_and(|points| fitted.contains(&points));
+            if known { Ok(()) } else { Err(format!("one of the fitted sizes {fitted:?}")) }
+        }
+        Metric::TrackMean { policy }
+        | Metric::TrackTime { policy }
+        | Metric::TrackOscillation { policy }
+        | Metric::TrackStart { policy } => match &runs.track {
+            Some(track) if track.policies.contains(policy) => Ok(()),
+            _ => Err("a policy of `runs.track`".to_owned()),
+        },
+        Metric::GapRms { .. } if runs.gap.is_some() => Ok(()),
+        Metric::GapRms { .. } => Err("`runs.gap`, which this needs".to_owned()),
+    }
+}
+
+fn known_cell(cell: &ReachCell, experiment: &Experiment) -> Result<(), String> {
+    let cells = super::cells::reach_cells(experiment);
+    let fits = |wanted: Option<u64>, has: usize| wanted.is_none_or(|wanted| usize::try_from(wanted) == Ok(has));
+    let matching = cells.iter().filter(|one| {
+        one.policy == cell.policy
+            && one.mode == cell.mode
+            && fits(cell.gp_points, one.gp_points)
+            && fits(cell.real_points, one.real_points)
+    });
+    match matching.count() {
+        1 => Ok(()),
+        0 => Err("trials that `runs.reach` makes".to_owned()),
+        several => Err(format!("`gp_points` or `real_points`, as {several} cells fit")),
+    }
+}

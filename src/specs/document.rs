@@ -1,0 +1,410 @@
+//! A spec as it is read: a file, the files it extends, and overrides from the command line, merged into one tree that
+//! still knows where each value came from.
+//!
+//! Mappings merge key by key, the extending file's values winning; lists and scalars replace what they override.
+//! Where a key may name a file (a model), that file's content takes the name's place.
+
+use super::emit::{describe, emit};
+use super::error::{Place, SpecError};
+use super::locate::{End, locate};
+use super::path::{KeyPath, Step};
+use super::wording::explain;
+use serde::de::DeserializeOwned;
+use serde_yaml::{Mapping, Value};
+use std::path::{Path, PathBuf};
+
+/// One source of values.
+#[derive(Clone, Debug)]
+struct Layer {
+    /// The file, or the option, as the user wrote it.
+    name: String,
+    text: String,
+    value: Value,
+    /// Folder that file names in it are relative to.
+    folder: PathBuf,
+    /// The path that its text is the value of: the root, or for an option and an included file that of the key.
+    root: KeyPath,
+    /// What stood at `root` gives way to this layer instead of merging with it.
+    replaces: bool,
+}
+
+/// The merged tree and its sources, strongest first.
+#[derive(Clone, Debug)]
+pub struct Document {
+    layers: Vec<Layer>,
+    merged: Value,
+    /// The file as the user named it.
+    pub file: String,
+}
+
+impl Document {
+    /// Reads `file`, what it `extends`, the overrides `path.to.key=value` in `sets`, and the files that are named at
+    /// the paths `includes`.
+    ///
+    /// # Errors
+    /// A missing file, text that is not YAML, a cycle of `extends`, a malformed override.
+    pub fn read(file: &Path, sets: &[String], includes: &[KeyPath]) -> Result<Document, SpecError> {
+        let mut layers = Vec::new();
+        for set in sets.iter().rev() {
+            Layer::option(set)?.push_with_included(includes, &mut layers)?;
+        }
+        let mut next = Some(Layer::file(file, None)?);
+        let mut seen = Vec::new();
+        while let Some(mut layer) = next {
+            seen.push(canonical(Path::new(&layer.name)));
+            next = layer.parent(&seen)?;
+            layer.push_with_included(includes, &mut layers)?;
+        }
+        let mut merged = Value::Mapping(Mapping::new());
+        for layer in layers.iter().rev() {
+            if layer.replaces {
+                remove(&mut merged, &layer.root);
+            }
+            merge(&mut merged, layer.rooted());
+        }
+        Ok(Document { layers, merged, file: file.display().to_string() })
+    }
+
+    /// The document as a `T`, refusing what `T` refuses with the place that it came from.
+    ///
+    /// # Errors
+    /// [`SpecError::Key`] for an unknown or missing key or a value of the wrong type.
+    pub fn parse<T: DeserializeOwned>(&self) -> Result<T, SpecError> {
+        let refuse = |(key, found): (KeyPath, String)| self.refuse(&key, End::Value, found, "plain keys and values");
+        let emitted = emit(&self.merged).map_err(refuse)?;
+        let deserializer = serde_yaml::Deserializer::from_str(&emitted.text);
+        serde_yaml::with::singleton_map_recursive::deserialize(deserializer).map_err(|error: serde_yaml::Error| {
+            let line = error.location().map_or(1, |at| at.line());
+            let path = emitted.paths.get(line.saturating_sub(1)).cloned().unwrap_or_default();
+            let said = explain(&error, &path);
+            let about = said.about.and_then(|about| self.search(&said.key, &|_, value| value.as_str() == Some(&about)));
+            self.refuse(&about.unwrap_or(said.key), said.end, said.found, said.expected)
+        })
+    }
+
+    /// The error for the value at `path`, found as it stands.
+    pub fn wrong(&self, path: &KeyPath, expected: impl Into<String>) -> SpecError {
+        let found = get(&self.merged, path).map_or_else(|| "nothing".to_owned(), describe);
+        self.refuse(path, End::Value, found, expected)
+    }
+
+    /// True when the document has a value at `path`.
+    pub fn has(&self, path: &KeyPath) -> bool {
+        get(&self.merged, path).is_some()
+    }
+
+    /// The first path below `below` that ends in `key` and holds the value written `found`.
+    pub fn find(&self, below: &KeyPath, key: &str, found: &str) -> Option<KeyPath> {
+        let number: Option<f64> = found.parse().ok();
+        self.search(below, &|path, value| {
+            let same = value.as_str() == Some(found) || (number.is_some() && value.as_f64() == number);
+            same && path.0.last() == Some(&Step::Key(key.to_owned()))
+        })
+    }
+
+    fn search(&self, below: &KeyPath, wanted: &dyn Fn(&KeyPath, &Value) -> bool) -> Option<KeyPath> {
+        let value = get(&self.merged, below)?;
+        if wanted(below, value) {
+            return Some(below.clone());
+        }
+        match value {
+            Value::Mapping(mapping) => {
+                mapping.keys().filter_map(Value::as_str).find_map(|key| self.search(&below.key(key), wanted))
+            }
+            Value::Sequence(items) => (0..items.len()).find_map(|index| self.search(&below.item(index), wanted)),
+            _ => None,
+        }
+    }
+
+    /// The error for `path`, in the given words.
+    pub fn refuse(&self, path: &KeyPath, end: End, found: String, expected: impl Into<String>) -> SpecError {
+        SpecError::Key { place: self.place(path, end), key: path.clone(), found, expected: expected.into() }
+    }
+
+    /// Where `path`, or what of it exists, was written.
+    pub fn place(&self, path: &KeyPath, end: End) -> Place {
+        match self.owner(path) {
+            Some(layer) => layer.place(path, end),
+            None if path.0.is_empty() => Place::File { file: self.file.clone(), line: 1, column: 1 },
+            None => self.place(&path.parent(), End::Value),
+        }
+    }
+
+    /// The strongest source that holds `path`.
+    fn owner(&self, path: &KeyPath) -> Option<&Layer> {
+        let above_option = |layer: &Layer| layer.root.0.len() > path.0.len();
+        self.layers.iter().find(|layer| !above_option(layer) && get(&layer.rooted(), path).is_some())
+    }
+}
+
+impl Layer {
+    /// A file as the layer below `include` (a path and where its name stands), or as the root.
+    fn file(path: &Path, include: Option<(&KeyPath, Place)>) -> Result<Layer, SpecError> {
+        let name = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|error| {
+            let missing = error.kind() == std::io::ErrorKind::NotFound;
+            let found = if missing { format!("no file `{name}`") } else { format!("`{name}`: {error}") };
+            let expected = "the name of a YAML file";
+            match &include {
+                Some((key, place)) => {
+                    let (place, key) = (place.clone(), (*key).clone());
+                    SpecError::Key { place, key, found, expected: expected.into() }
+                }
+                None => SpecError::File { file: name.clone(), found, expected },
+            }
+        })?;
+        let value = yaml(&text, &name)?;
+        let value = if value.is_null() { Value::Mapping(Mapping::new()) } else { value };
+        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+        let root = include.as_ref().map_or_else(KeyPath::default, |(key, _)| (*key).clone());
+        let layer = Layer { name, text, value, folder, root, replaces: include.is_some() };
+        if !layer.value.is_mapping() {
+            return Err(layer.refuse(&layer.root, describe(&layer.value), "a mapping of keys to values"));
+        }
+        Ok(layer)
+    }
+
+    fn option(set: &str) -> Result<Layer, SpecError> {
+        let name = format!("--set {set}");
+        let refuse = |found: String| SpecError::Key {
+            place: Place::Option(name.clone()),
+            key: KeyPath::default(),
+            found,
+            expected: "path.to.key=value".to_owned(),
+        };
+        let (path, text) = set.split_once('=').ok_or_else(|| refuse(format!("`{set}`")))?;
+        let root = KeyPath::parse(path.trim()).map_err(refuse)?;
+        if root.0.iter().any(|step| matches!(step, Step::Item(_))) {
+            return Err(refuse(format!("`{path}`, which names one item of a list")));
+        }
+        let value = yaml(text, &name)?;
+        Ok(Layer { name, text: text.to_owned(), value, folder: PathBuf::new(), root, replaces: false })
+    }
+
+    /// Appends this layer and, below it, the files that it names at the paths `includes`.
+    fn push_with_included(mut self, includes: &[KeyPath], layers: &mut Vec<Layer>) -> Result<(), SpecError> {
+        let mut included = Vec::new();
+        for path in includes {
+            let Some(Value::String(name)) = get(&self.rooted(), path).cloned() else { continue };
+            let file = self.folder.join(&name);
+            included.push(Layer::file(&file, Some((path, self.place(path, End::Value))))?);
+            match path.0.strip_prefix(self.root.0.as_slice()) {
+                Some([]) | None => self.value = Value::Mapping(Mapping::new()),
+                Some(below) => remove(&mut self.value, &KeyPath(below.to_vec())),
+            }
+        }
+        layers.push(self);
+        layers.append(&mut included);
+        Ok(())
+    }
+
+    /// Takes `extends` out of this layer and reads the file that it names.
+    fn parent(&mut self, seen: &[PathBuf]) -> Result<Option<Layer>, SpecError> {
+        let path = KeyPath::default().key("extends");
+        let Some(value) = self.value.get("extends").cloned() else { return Ok(None) };
+        let expected = "the name of a spec beside this one";
+        let Value::String(name) = &value else { return Err(self.refuse(&path, describe(&value), expected)) };
+        let file = self.folder.join(name);
+        if !file.is_file() {
+            return Err(self.refuse(&path, format!("no file `{}`", file.display()), expected));
+        }
+        if seen.contains(&canonical(&file)) {
+            return Err(self.refuse(&path, format!("`{name}`, which extends this file"), expected));
+        }
+        if let Value::Mapping(mapping) = &mut self.value {
+            mapping.remove("extends");
+        }
+        Layer::file(&file, None).map(Some)
+    }
+
+    fn refuse(&self, path: &KeyPath, found: String, expected: &str) -> SpecError {
+        SpecError::Key { place: self.place(path, End::Value), key: path.clone(), found, expected: expected.to_owned() }
+    }
+
+    fn place(&self, path: &KeyPath, end: End) -> Place {
+        if self.name.starts_with("--set ") {
+            return Place::Option(self.name.clone());
+        }
+        let below = path.0.strip_prefix(self.root.0.as_slice()).unwrap_or_default();
+        let (line, column) = locate(&self.text, &KeyPath(below.to_vec()), end).unwrap_or((1, 1));
+        Place::File { file: self.name.clone(), line, column }
+    }
+
+    /// The value under its path from the root of the document.
+    fn rooted(&self) -> Value {
+        self.root.0.iter().rev().fold(self.value.clone(), |value, step| match step {
+            Step::Key(key) => Value::Mapping(Mapping::from_iter([(Value::from(key.as_str()), value)])),
+            Step::Item(_) => value,
+        })
+    }
+}
+
+fn yaml(text: &str, name: &str) -> Result<Value, SpecError> {
+    serde_yaml::from_str(text).map_err(|error| {
+        let (line, column) = error.location().map_or((1, 1), |at| (at.line(), at.column()));
+        let place = if name.starts_with("--set ") {
+            Place::Option(name.to_owned())
+        } else {
+            Place::File { file: name.to_owned(), line, column }
+        };
+        let words = error.to_string();
+        let found = words.split(" at line ").next().unwrap_or_default().to_owned();
+        SpecError::Syntax { place, found }
+    })
+}
+
+fn canonical(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| path.to_path_buf())
+}
+
+/// Lays `over` over `under`.
+fn merge(under: &mut Value, over: Value) {
+    match (under, over) {
+        (Value::Mapping(under), Value::Mapping(over)) => {
+            for (key, value) in over {
+                match under.get_mut(&key) {
+                    Some(below) if !other_choice(&key, below, &value) => merge(below, value),
+                    _ => {
+                        under.insert(key, value);
+                    }
+                }
+            }
+        }
+        (under, over) => *under = over,
+    }
+}
+
+/// Keys whose value is one alternative with its settings, such as `plant: {simulated: {…}}`: another alternative
+/// replaces the first instead of joining it.
+const CHOICES: [&str; 3] = ["model", "plant", "layout"];
+
+fn other_choice(key: &Value, under: &Value, over: &Value) -> bool {
+    let (Value::Mapping(under), Value::Mapping(over)) = (under, over) else { return false };
+    CHOICES.iter().any(|choice| key == *choice) && over.keys().any(|name| !under.contains_key(name))
+}
+
+/// Takes the value at `path` out, if there is one.
+fn remove(value: &mut Value, path: &KeyPath) {
+    let Some((Step::Key(last), above)) = path.0.split_last() else { return };
+    let holder = above.iter().try_fold(value, |value, step| match step {
+        Step::Key(key) => value.get_mut(key.as_str()),
+        Step::Item(index) => value.get_mut(*index),
+    });
+    if let Some(Value::Mapping(mapping)) = holder {
+        mapping.remove(last.as_str());
+    }
+}
+
+/// The value at `path`.
+pub(super) fn get<'a>(value: &'a Value, path: &KeyPath) -> Option<&'a Value> {
+    path.0.iter().try_fold(value, |value, step| match (step, value) {
+        (Step::Key(key), Value::Mapping(mapping)) => mapping.get(key.as_str()),
+        (Step::Item(index), Value::Sequence(items)) => items.get(*index),
+        _ => None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde::Deserialize;
+
+    #[derive(Debug, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Outer {
+        points: u64,
+        duration_s: f64,
+        #[serde(default)]
+        inner: Option<Inner>,
+        #[serde(default)]
+        layout: Option<Layout>,
+    }
+
+    #[derive(Debug, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Inner {
+        sizes: Vec<u64>,
+    }
+
+    #[derive(Debug, Deserialize)]
+    #[serde(rename_all = "snake_case", deny_unknown_fields)]
+    enum Layout {
+        Grid {
+            rows: u64,
+        },
+        #[allow(dead_code)]
+        Walk {
+            every: f64,
+        },
+    }
+
+    fn parse(files: &[(&str, &str)], sets: &[&str]) -> Result<Outer, String> {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, text) in files {
+            std::fs::write(folder.path().join(name), text).unwrap();
+        }
+        let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+        let document = Document::read(&folder.path().join(files[0].0), &sets, &[KeyPath::default().key("inner")]);
+        document
+            .and_then(|document| document.parse())
+            .map_err(|error| error.to_string().replace(&format!("{}/", folder.path().display()), ""))
+    }
+
+    fn error(files: &[(&str, &str)], sets: &[&str]) -> String {
+        parse(files, sets).unwrap_err()
+    }
+
+    #[test]
+    fn a_child_overrides_its_parent_and_an_option_both() {
+        let files = [
+            ("a.yaml", "extends: b.yaml\npoints: 2\ninner: {sizes: [3]}\nlayout: {grid: {rows: 4}}\n"),
+            ("b.yaml", "points: 1\nduration_s: 5\ninner: {sizes: [1, 2]}\nlayout: {walk: {every: 1.5}}\n"),
+        ];
+        let read = parse(&files, &["inner.sizes=[7, 8]"]).unwrap();
+        assert_eq!((read.points, read.duration_s, read.inner.unwrap().sizes), (2, 5.0, vec![7, 8]));
+        assert!(matches!(read.layout, Some(Layout::Grid { rows: 4 })));
+    }
+
+    #[test]
+    fn a_named_file_takes_the_place_of_its_name_and_is_named_in_errors() {
+        let spec = ("a.yaml", "extends: b.yaml\ninner: c.yaml\n");
+        let base = ("b.yaml", "points: 1\nduration_s: 5\ninner: d.yaml\n");
+        let other = ("d.yaml", "sizes: [1]\nmore: 2\n");
+        let read = parse(&[spec, base, ("c.yaml", "sizes: [4]\n"), other], &[]).unwrap();
+        assert_eq!(read.inner.unwrap().sizes, [4]);
+        let read = parse(&[spec, base, ("c.yaml", "sizes: [4]\n"), other], &["inner.sizes=[9]"]).unwrap();
+        assert_eq!(read.inner.unwrap().sizes, [9]);
+        let said = error(&[spec, base, ("c.yaml", "sizes: [4]\nmore: 1\n"), other], &[]);
+        assert!(said.starts_with("c.yaml:2:1: inner.more: found the unknown key `more`"), "{said}");
+        let said = error(&[spec, base, other], &[]);
+        assert!(said.starts_with("a.yaml:2:8: inner: found no file `c.yaml`"), "{said}");
+    }
+
+    #[test]
+    fn errors_point_to_the_file_that_wrote_the_value() {
+        let base = ("b.yaml", "points: 1\nduration_s: 5\n");
+        let cases = [
+            ("extends: b.yaml\nduration_ms: 2\n", "a.yaml:2:1: duration_ms: found the unknown key `duration_ms`"),
+            ("extends: b.yaml\n\npoints: [1]\n", "a.yaml:3:9: points: found sequence, expected a whole number"),
+            ("extends: b.yaml\ninner: {sizes: [1, x]}\n", "a.yaml:2:20: inner.sizes[1]: found text \"x\""),
+            ("extends: b.yaml\nlayout: {grid: {row: 3}}\n", "a.yaml:2:17: layout.grid.row: found the unknown"),
+            ("extends: b.yaml\nlayout: {ring: {}}\n", "a.yaml:2:"),
+            ("extends: b.yaml\ninner: {}\n", "a.yaml:2:8: inner.sizes: found no such key"),
+            ("extends: c.yaml\n", "a.yaml:1:10: extends: found no file `c.yaml`"),
+            ("extends: a.yaml\n", "a.yaml:1:10: extends: found `a.yaml`, which extends this file"),
+            ("a: [\n", "a.yaml:2:1: found"),
+            ("points: 1\npoints: 2\n", "a.yaml:"),
+        ];
+        for (text, expected) in cases {
+            let said = error(&[("a.yaml", text), base], &[]);
+            assert!(said.starts_with(expected), "{text}\n  gave   {said}\n  wanted {expected}");
+        }
+        assert!(
+            error(&[("a.yaml", "extends: b.yaml\nduration_ms: 2\n"), base], &[]).contains("did you mean `duration_s`")
+        );
+        let said = error(&[("a.yaml", "extends: b.yaml\n"), ("b.yaml", "points: -1\nduration_s: 5\n")], &[]);
+        assert!(said.starts_with("b.yaml:1:9: points: found integer `-1`, expected a whole number"), "{said}");
+        let said = error(&[("a.yaml", "points: 1\nduration_s: 1\n")], &["inner.sizes=3"]);
+        assert!(said.starts_with("--set inner.sizes=3: inner.sizes: found integer `3`, expected a list"), "{said}");
+    }
+}

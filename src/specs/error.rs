@@ -1,0 +1,64 @@
+//! What is wrong with a spec, and where.
+
+use super::path::KeyPath;
+use std::fmt;
+
+/// Where in the user's input something stands.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// A position in a file, both counted from 1.
+    File {
+        /// The file as the user named it.
+        file: String,
+        /// Line.
+        line: usize,
+        /// Column.
+        column: usize,
+    },
+    /// An override on the command line, such as `--set gp.starts=3`.
+    Option(String),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Place::File { file, line, column } => write!(out, "{file}:{line}:{column}"),
+            Place::Option(option) => out.write_str(option),
+        }
+    }
+}
+
+/// Why a spec is refused: always one error, with its place, its key, what was found and what was expected.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SpecError {
+    /// A file on the command line is missing or unreadable.
+    #[error("{file}: found {found}, expected {expected}")]
+    File {
+        /// The file as the user named it.
+        file: String,
+        /// What is there instead.
+        found: String,
+        /// What should be there.
+        expected: &'static str,
+    },
+    /// The text is not YAML.
+    #[error("{place}: found {found}, expected YAML")]
+    Syntax {
+        /// Where the parser gave up.
+        place: Place,
+        /// The parser's words.
+        found: String,
+    },
+    /// A key is unknown or missing, or its value is of the wrong type, unit or range.
+    #[error("{place}: {key}: found {found}, expected {expected}")]
+    Key {
+        /// Where it stands.
+        place: Place,
+        /// Its path.
+        key: KeyPath,
+        /// What stands there.
+        found: String,
+        /// What should stand there.
+        expected: String,
+    },
+}

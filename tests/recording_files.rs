@@ -1,0 +1,225 @@
+//! The recording format: what goes out comes back, and what is wrong is said with file, place, column and expectation.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use proptest::prelude::*;
+use spinebench::base::Rows;
+use spinebench::data::recording::{BasePose, Extra, TipLoad};
+use spinebench::data::{Actuation, DataError, Recording};
+
+const GOOD: &str = "\
+trial,time_s,tendon_1_m,tendon_2_m,tendon_3_m,tendon_4_m,tip_x_m,tip_y_m,tip_z_m
+0,0.000,0.000000,0.000000,0.000000,0.000000,-0.013140,0.000145,0.218688
+0,0.200,0.001210,-0.001931,-0.001210,0.001931,-0.012290,-0.000481,0.218833
+1,0.000,0.000000,0.000000,0.000000,0.000000,-0.013140,0.000145,0.218688
+";
+
+fn read(text: &str) -> Result<Recording, String> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rec.csv");
+    fs::write(&path, text).unwrap();
+    // The folder's name is chance; the message is compared without it.
+    let shorten = |error: DataError| error.to_string().replace(&format!("{}/", folder.path().display()), "");
+    Recording::read(&path).map_err(shorten)
+}
+
+/// A recording with every optional column.
+fn full(rows: usize) -> Recording {
+    let mut recording = Recording::new(Actuation::Lengths, 3);
+    let wave = |row: usize, part: usize| ((row * 7 + part) as f64 * 0.37).sin() / 3.0;
+    for row in 0..rows {
+        recording.trial.push((row / 2) as u64);
+        recording.time_s.push((row % 2) as f64 * 0.1);
+        recording.commands.push(&[wave(row, 0) * 1e-2, 0.1 + 0.2, 1e-7]);
+    }
+    let each = |part| (0..rows).map(move |row| wave(row, part));
+    recording.tip_m = Some(each(1).map(|x| [x, -x, 0.22]).collect());
+    recording.tip_quaternion = Some(each(2).map(|x| [x.cos(), x.sin(), 0.0, 0.0]).collect());
+    let pose = |x: f64| BasePose { position_m: [x, 0.0, 1e-300], quaternion: [1.0, 0.0, 0.0, 0.0] };
+    recording.base = Some(each(3).map(pose).collect());
+    recording.known_load_kg = Some(each(4).map(f64::abs).collect());
+    recording.valid = Some((0..rows).map(|row| row % 3 != 1).collect());
+    let load = |x: f64| TipLoad { force_n: [x, 0.0, 0.0], moment_nm: [0.0, x, 0.0] };
+    recording.tip_load = Some(each(5).map(load).collect());
+    let words = (0..rows).map(|row| format!("said \"{row}\", then left")).collect();
+    recording.extra = vec![("note".to_owned(), Extra::Text(words))];
+    recording
+}
+
+#[test]
+fn the_contracts_sample_is_read() {
+    let recording = read(GOOD).unwrap();
+    assert_eq!((recording.len(), recording.tendons(), recording.actuation), (3, 4, Actuation::Lengths));
+    assert_eq!(recording.trials(), [(0, 0..2), (1, 2..3)]);
+    assert_eq!(recording.commands.row(1), [0.00121, -0.001931, -0.00121, 0.001931]);
+    assert_eq!(recording.tip_m.as_ref().unwrap()[1], [-0.01229, -0.000481, 0.218833]);
+    let with_marks = format!("\u{feff}{}", GOOD.replace('\n', "\r\n"));
+    assert_eq!(read(&with_marks).unwrap(), recording, "CRLF and a byte order mark change nothing");
+}
+
+#[test]
+fn every_column_survives_both_formats() {
+    let folder = tempfile::tempdir().unwrap();
+    let written = full(7);
+    for name in ["rec.csv", "rec.parquet"] {
+        let path = folder.path().join(name);
+        written.write(&path).unwrap();
+        assert_eq!(Recording::read(&path).unwrap(), written, "{name}");
+    }
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2, "no temporary file is left");
+}
+
+#[test]
+fn parquet_carries_numbers_as_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rec.parquet");
+    let mut written = full(4);
+    written.extra = vec![
+        ("solver_iterations".to_owned(), Extra::Integers(vec![3, 4, 3, 5])),
+        ("tension_1_n".to_owned(), Extra::Numbers(vec![0.5, 1e-17, 3.0, -0.25])),
+    ];
+    written.write(&path).unwrap();
+    assert_eq!(Recording::read(&path).unwrap(), written);
+}
+
+#[test]
+fn tensions_and_lost_tracking() {
+    let text = "trial,time_s,tendon_1_n,tip_x_m,tip_y_m,tip_z_m,valid\n0,0,1.5,0,0,0.2,1\n0,0.2,2.5,,NaN,,0\n";
+    let recording = read(text).unwrap();
+    assert_eq!(recording.actuation, Actuation::Tensions);
+    assert_eq!(recording.commands.values(), [1.5, 2.5]);
+    assert!(recording.is_valid(0) && !recording.is_valid(1));
+    assert!(recording.tip_m.unwrap()[1].iter().all(|part| part.is_nan()));
+}
+
+#[test]
+fn commands_need_no_tip() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("commands.csv");
+    fs::write(&path, "trial,time_s,tendon_1_m,tendon_2_m\n0,0,0,0\n0,0.2,0.001,-0.001\n").unwrap();
+    let commands = Recording::read_commands(&path).unwrap();
+    assert_eq!((commands.tip_m.clone(), commands.len()), (None, 2));
+    assert!(Recording::read(&path).unwrap_err().to_string().contains("`tip_x_m`"));
+    let copy = folder.path().join("copy.csv");
+    commands.write(&copy).unwrap();
+    assert_eq!(Recording::read_commands(&copy).unwrap(), commands);
+}
+
+#[test]
+fn faults_are_named_with_line_column_found_and_expected() {
+    let cell = |from: &str, to: &str| GOOD.replacen(from, to, 1);
+    let cases = [
+        (cell("-0.012290", "NaN"), "line 3, column `tip_x_m`: found `NaN`, expected a number"),
+        (cell("-0.012290", ""), "line 3, column `tip_x_m`: found nothing, expected a number"),
+        (cell("0.001210", "two"), "line 3, column `tendon_1_m`: found `two`, expected metres"),
+        (cell("0.001210", "inf"), "line 3, column `tendon_1_m`: found `inf`, expected metres"),
+        (cell("0,0.200", "0,-0.1"), "line 3, column `time_s`: found `-0.1`, expected more than 0"),
+        (cell("0,0.200", "0,0.000"), "line 3, column `time_s`: found `0.000`, expected more than 0"),
+        (cell("1,0.000", "1,0.200"), "line 4, column `time_s`: found `0.200`, expected 0 at the start of trial 1"),
+        (cell("0,0.200", "-1,0.200"), "line 3, column `trial`: found `-1`, expected a trial number"),
+        (cell("0,0.200", "2.5,0"), "line 3, column `trial`: found `2.5`, expected a trial number"),
+        (cell(",0.218833", ""), "line 3: found 8 cells, expected 9"),
+        (cell("0.218833", "0.218833,7"), "line 3: found 10 cells, expected 9"),
+        (cell("0.218833", "\"0.218833"), "line 3: found a quotation mark that is not closed"),
+        (cell("\n0,0.2", "\n\n0,0.2"), "line 3: found an empty line"),
+        (cell("time_s", "time"), "rec.csv, line 1, column `time_s`: found only trial, time, tendon_1_m"),
+        (cell("tip_y_m", "tip_y_mm"), "expected a column `tip_y_m`"),
+        (cell("tendon_2_m", "tendon_5_m"), "expected a column `tendon_2_m`"),
+        (cell("tendon_2_m", "tendon_1_m"), "column `tendon_1_m`: found the name twice"),
+        (cell("tendon_2_m", "tendon_2_n"), "found commands as lengths and as tensions"),
+        (cell("tip_y_m", ""), "found no name for column 8"),
+        (format!("{GOOD}0,0.4,0,0,0,0,0,0,0.2\n"), "line 5, column `trial`: found `0`, expected a new trial"),
+        (String::new(), "rec.csv: empty: found no header"),
+        (GOOD.lines().next().unwrap().to_owned(), "rec.csv: empty: found a header and no rows"),
+    ];
+    for (text, expected) in cases {
+        let error = read(&text).expect_err(expected);
+        assert!(error.starts_with("rec.csv") && error.contains(expected), "{error}\n  does not say: {expected}");
+    }
+}
+
+#[test]
+fn optional_groups_come_whole_and_plausible() {
+    let with = |names: &str, cells: &str| {
+        let mut lines = GOOD.lines();
+        let header = format!("{},{names}", lines.next().unwrap());
+        let rows: Vec<String> = lines.map(|line| format!("{line},{cells}")).collect();
+        read(&format!("{header}\n{}\n", rows.join("\n")))
+    };
+    assert!(with("tip_qw,tip_qx,tip_qy,tip_qz", "1,0,0,0").unwrap().tip_quaternion.is_some());
+    let cases = [
+        (with("tip_qw,tip_qx,tip_qy", "1,0,0"), "expected a column `tip_qz`"),
+        (with("tip_qw,tip_qx,tip_qy,tip_qz", "1,1,0,0"), "expected a unit quaternion"),
+        (with("base_x_m,base_y_m,base_z_m", "0,0,0"), "expected a column `base_qw`"),
+        (with("base_qw,base_qx,base_qy,base_qz", "1,0,0,0"), "expected a column `base_x_m`"),
+        (with("known_load_kg", "-0.02"), "line 2, column `known_load_kg`: found `-0.02`, expected kilograms"),
+        (with("valid", "yes"), "line 2, column `valid`: found `yes`, expected 1, or 0"),
+        (with("tip_force_x_n", "1"), "expected a column `tip_force_y_n`"),
+    ];
+    for (result, expected) in cases {
+        let error = result.expect_err(expected);
+        assert!(error.contains(expected), "{error}\n  does not say: {expected}");
+    }
+}
+
+#[test]
+fn faults_of_parquet_are_named_by_row() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rec.parquet");
+    let mut written = full(4);
+    written.time_s[3] = -1.0;
+    written.write(&path).unwrap();
+    let error = Recording::read(&path).unwrap_err().to_string();
+    assert!(error.contains("row 4, column `time_s`: found -1, expected more than 0"), "{error}");
+}
+
+#[test]
+fn files_that_are_not_tables() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rec.csv");
+    assert!(matches!(Recording::read(&path), Err(DataError::Read { .. })));
+    fs::write(&path, b"trial,time_s\n0,\xff\n").unwrap();
+    assert!(Recording::read(&path).unwrap_err().to_string().contains("line 2: found bytes that are not text"));
+    fs::write(&path, b"PAR1 and then nothing of the kind").unwrap();
+    assert!(matches!(Recording::read(&path), Err(DataError::Read { .. })));
+}
+
+#[test]
+fn millimetres_are_noticed() {
+    let recording = read(&GOOD.replace("0.218833", "218.833")).unwrap();
+    assert_eq!(read(GOOD).unwrap().check_reach(Path::new("rec.csv"), 0.22), Ok(()));
+    let error = recording.check_reach(Path::new("rec.csv"), 0.22).unwrap_err().to_string();
+    assert!(error.contains("line 3, column `tip_z_m`: found 218.833"), "{error}");
+}
+
+#[test]
+fn a_bad_recording_is_not_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let path: PathBuf = folder.path().join("rec.csv");
+    let mut recording = full(4);
+    recording.known_load_kg = Some(vec![0.0]);
+    assert!(matches!(recording.write(&path), Err(DataError::Write { .. })));
+    assert!(!path.exists());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+    #[test]
+    fn all_digits_survive(values in prop::collection::vec(prop::num::f64::NORMAL | prop::num::f64::ZERO, 1..40)) {
+        let folder = tempfile::tempdir().unwrap();
+        let mut recording = Recording::new(Actuation::Tensions, 1);
+        let mut commands = Rows::new(1);
+        for (row, &value) in values.iter().enumerate() {
+            recording.trial.push(row as u64);
+            recording.time_s.push(0.0);
+            commands.push(&[value]);
+        }
+        recording.commands = commands;
+        for name in ["rec.csv", "rec.parquet"] {
+            let path = folder.path().join(name);
+            recording.write(&path).unwrap();
+            prop_assert_eq!(&Recording::read_commands(&path).unwrap(), &recording);
+        }
+    }
+}

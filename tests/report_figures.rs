@@ -1,0 +1,95 @@
+//! What every figure of the registry must do, whatever it shows.
+
+mod report_rows;
+
+use std::path::Path;
+
+use report_rows::published;
+use spinebench::report::{FIGURES, Published, ReportError, Shelf, figure, write};
+
+#[test]
+fn the_same_rows_give_the_same_bytes() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("report");
+    for figure in FIGURES {
+        let rows = published(figure.name, 3);
+        let files = (figure.render)(&rows).unwrap();
+        assert!(files == (figure.render)(&rows).unwrap(), "{}", figure.name);
+        // Left there to be looked at.
+        write(&files, &folder, &folder).unwrap();
+    }
+}
+
+#[test]
+fn no_rows_are_an_error() {
+    for figure in FIGURES {
+        let error = (figure.render)(&Published::default()).unwrap_err();
+        assert!(matches!(error, ReportError::NoRows { figure: name, .. } if name == figure.name), "{error}");
+    }
+}
+
+#[test]
+fn one_repetition_is_enough() {
+    for figure in FIGURES {
+        (figure.render)(&published(figure.name, 1)).unwrap();
+    }
+}
+
+#[test]
+fn names_are_unique_and_pictures_come_as_png_and_svg() {
+    for (index, one) in FIGURES.iter().enumerate() {
+        assert!(FIGURES[..index].iter().all(|other| other.name != one.name));
+        assert_eq!(figure(one.name).unwrap().about, one.about);
+        let files = (one.render)(&published(one.name, 1)).unwrap();
+        for end in ["png", "svg"] {
+            let name = format!("{}.{end}", one.name);
+            let file = files.iter().find(|file| file.name == name).unwrap();
+            assert_eq!(file.shelf, Shelf::Plots);
+            let start: &[u8] = if end == "png" { b"\x89PNG\r\n" } else { b"<svg " };
+            assert!(file.bytes.starts_with(start), "{name}");
+        }
+    }
+}
+
+#[test]
+fn figures_are_drawn_again_from_what_is_published() {
+    for figure in FIGURES {
+        let folder = tempfile::tempdir().unwrap();
+        let rows = published(figure.name, 2).write(folder.path()).unwrap();
+        let again = Published::read(folder.path()).unwrap();
+        assert!((figure.render)(&rows).unwrap() == (figure.render)(&again).unwrap(), "{}", figure.name);
+    }
+}
+
+#[test]
+fn poor_rows_are_drawn_or_refused_but_never_crash() {
+    for figure in FIGURES {
+        for keep in [1, 3] {
+            let mut rows = published(figure.name, 1);
+            rows.trials.truncate(keep);
+            rows.tracks.truncate(keep);
+            rows.waypoints.truncate(keep);
+            rows.workspace.truncate(keep);
+            rows.gaps.truncate(keep);
+            rows.claims.truncate(keep);
+            rows.sweep.truncate(keep);
+            (figure.render)(&rows).unwrap();
+            rows.trials.iter_mut().for_each(|row| row.error_m = f64::NAN);
+            rows.tracks.iter_mut().for_each(|row| (row.error_m, row.tip_x_m) = (f64::NAN, f64::NAN));
+            rows.gaps.iter_mut().for_each(|row| (row.sim_x_m, row.real_y_m) = (f64::NAN, f64::INFINITY));
+            rows.claims.iter_mut().for_each(|row| (row.ours, row.paper) = (f64::NAN, 0.0));
+            rows.sweep.iter_mut().for_each(|row| (row.mean, row.sd) = (f64::NAN, f64::INFINITY));
+            (figure.render)(&rows).unwrap();
+        }
+    }
+}
+
+#[test]
+fn names_that_nobody_foresaw_are_drawn_too() {
+    let mut rows = published("table1", 1);
+    for row in rows.trials.iter_mut().filter(|row| row.training == "paper") {
+        row.training = "half, \"trained\" & <odd>".to_owned();
+    }
+    let files = (figure("table1").unwrap().render)(&rows).unwrap();
+    let svg = files.iter().find(|file| file.name == "table1.svg").unwrap();
+    assert!(!String::from_utf8_lossy(&svg.bytes).contains("<odd>"), "text in SVG is escaped");
+}
