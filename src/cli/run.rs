@@ -91,6 +91,7 @@ impl Run {
 
 fn summarise(progress: &Progress, outcomes: &Outcomes, published: &[Publication], wall_s: f64) {
     let failed: usize = published.iter().map(|publication| publication.failed).sum();
+    published.iter().flat_map(|publication| &publication.notices).for_each(|notice| progress.notice(notice));
     let (computed, cached) = (outcomes.computed, outcomes.cached);
     progress.say(&format!("{computed} stages computed, {cached} read, {failed} trials failed, {wall_s:.1} s"));
     let mut verdicts: BTreeMap<&str, usize> = BTreeMap::new();

@@ -36,6 +36,8 @@ pub struct Publication {
     pub claims: Vec<ClaimRow>,
     /// Trials and tracking runs that failed.
     pub failed: usize,
+    /// Figures that could not be made, and why: with failed stages their rows may be missing.
+    pub notices: Vec<String>,
 }
 
 impl Entry {
@@ -53,10 +55,10 @@ impl Entry {
         let mut files = Files::new();
         files.insert(folder.join("spec.yaml"), self.spec_yaml()?);
         self.tables_to(&tables, &folder, &mut files)?;
-        self.figures_to(&tables, &folder, &mut files)?;
+        let notices = self.figures_to(&tables, &folder, &mut files);
         let failed = tables.published.trials.iter().filter(|row| row.status != "ok").count()
             + tables.runs.iter().filter(|row| row.status != "ok").count();
-        Ok(Publication { files, claims, failed })
+        Ok(Publication { files, claims, failed, notices })
     }
 
     /// The resolved spec: what it extends, includes and leaves to defaults filled in. It runs as it is.
@@ -79,12 +81,17 @@ impl Entry {
     }
 
     /// Figures that carry the experiment's name lie in `plots/`, others in a folder of the experiment there.
-    fn figures_to(&self, tables: &Tables, folder: &Path, files: &mut Files) -> Result<(), ReportError> {
+    fn figures_to(&self, tables: &Tables, folder: &Path, files: &mut Files) -> Vec<String> {
+        let mut notices = Vec::new();
         for name in &self.experiment.figures {
             let Some(figure) = report::figure(name) else { continue };
             let plots = Path::new("plots");
             let plots = if *name == self.experiment.name { plots.into() } else { plots.join(&self.experiment.name) };
-            for artifact in (figure.render)(&tables.published)? {
+            let artifacts = (figure.render)(&tables.published).unwrap_or_else(|error| {
+                notices.push(format!("{}: {error}", self.experiment.name));
+                Vec::new()
+            });
+            for artifact in artifacts {
                 let path = match artifact.shelf {
                     Shelf::Plots => plots.join(&artifact.name),
                     Shelf::Results => folder.join(&artifact.name),
@@ -95,7 +102,7 @@ impl Entry {
                 files.insert(path, artifact.bytes);
             }
         }
-        Ok(())
+        notices
     }
 }
 

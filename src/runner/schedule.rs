@@ -212,9 +212,20 @@ impl<'a> Crew<'a> {
         let told = Told { stage: node.kind.name, label: &node.label, key: &key, cost_ms: node.kind.cost_ms };
         self.progress.started(told);
         let stopwatch = Stopwatch::start();
-        let outcome = self.inputs(node).and_then(|inputs| self.compute(node, &inputs));
+        let outcome = match self.inputs(node) {
+            Ok(inputs) => {
+                let outcome = self.compute(node, &inputs);
+                let failure = outcome.as_ref().err().map(|failure| failure.status.as_str());
+                self.progress.finished(told, stopwatch.read(), failure);
+                outcome
+            }
+            // The failure was told when it happened.
+            Err(failure) => {
+                self.progress.finished(told, stopwatch.read(), None);
+                Err(failure)
+            }
+        };
         let timing = stopwatch.read();
-        self.progress.finished(told, timing, outcome.as_ref().err().map(|failure| failure.status.as_str()));
         *lock(&self.timings[number]) = Some(timing);
         *lock(&self.values[number]) = Some(outcome);
         for &input in &node.inputs {
