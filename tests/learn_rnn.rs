@@ -104,7 +104,9 @@ fn the_same_seed_gives_the_same_bits_and_another_does_not() {
 fn what_is_written_is_read_back_to_the_bit() {
     let (inputs, outputs) = remembering_system(300);
     let config = ElmanConfig { max_epochs: 3, ..quick() };
-    let network = Elman::train(&inputs, &outputs, &[], &config, Seed(1)).unwrap().network;
+    let trained = Elman::train(&inputs, &outputs, &[], &config, Seed(1)).unwrap();
+    assert_eq!(trained, serde_json::from_str(&serde_json::to_string(&trained).unwrap()).unwrap());
+    let network = trained.network;
     let text = serde_json::to_string(&network).unwrap();
     let back: Elman = serde_json::from_str(&text).unwrap();
     assert_eq!(network, back);
