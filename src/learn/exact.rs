@@ -61,9 +61,35 @@ macro_rules! with_module {
 with_module!(f32s, f32);
 with_module!(f64s, f64);
 
+/// For `#[serde(with = …)]` on one number: its shortest decimal, as text, which is read back exactly.
+pub(crate) mod decimal {
+    use serde::{Deserialize, Deserializer, Serializer, de::Error};
+
+    pub(crate) fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(value)
+    }
+
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        text.parse().map_err(|_| D::Error::custom(format!("expected a number, found `{text}`")))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[derive(serde::Serialize, serde::Deserialize)]
+    struct One(#[serde(with = "decimal")] f64);
+
+    #[test]
+    fn decimals_come_back() {
+        for i in 1..2000 {
+            let value = (f64::from(i) * 0.7311).sin() * 10.0_f64.powi(i % 40 - 20);
+            let text = serde_json::to_string(&One(value)).unwrap();
+            assert_eq!(serde_json::from_str::<One>(&text).unwrap().0.to_bits(), value.to_bits(), "{text}");
+        }
+    }
 
     #[test]
     fn bits_come_back() {

@@ -47,8 +47,9 @@ impl Objective for Bent<'_> {
     fn value(&mut self, u: &[f64]) -> f64 {
         let theta = unbend(self.layout, u);
         self.stretch = vec![1.0; theta.len()];
-        for k in 1..=self.layout.lengths {
-            self.stretch[k] = 1.0 + BEND * (2.0 * theta[k]).exp();
+        let lengths = 1..=self.layout.lengths;
+        for (stretch, ln_length) in self.stretch[lengths.clone()].iter_mut().zip(&theta[lengths]) {
+            *stretch = 1.0 + BEND * (2.0 * ln_length).exp();
         }
         self.likelihood.value(&theta)
     }

@@ -157,3 +157,85 @@ impl Objective for Likelihood<'_> {
         out[self.layout.len() - 1] = -0.5 * self.layout.noise_variance(&self.theta) * trace;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Rows;
+    use crate::learn::Standardiser;
+    use crate::learn::gp::coordinates::{Bent, bend};
+    use crate::learn::gp::kernels::KERNELS;
+
+    fn samples(n: usize) -> (Points, Vec<f64>) {
+        let mut rows = Rows::new(3);
+        (0..n).map(|i| i as f64).for_each(|i| rows.push(&[(1.7 * i).sin(), (0.9 * i).cos(), (0.31 * i * i).sin()]));
+        let all: Vec<usize> = (0..n).collect();
+        let y = rows.iter().enumerate().map(|(i, x)| x[0] + (2.0 * x[1]).sin() + 0.2 * (77.0 * i as f64).sin());
+        let y = y.collect();
+        (Points::standardised(&rows, &Standardiser::fit(&rows, &all)), y)
+    }
+
+    fn somewhere(layout: Layout) -> Vec<f64> {
+        let mut theta: Vec<f64> = (0..layout.len()).map(|k| 0.4 + 0.3 * (k as f64).sin()).collect();
+        theta[layout.len() - 1] = -2.0;
+        theta
+    }
+
+    fn check_gradient(objective: &mut dyn Objective, at: &[f64], name: &str) {
+        let mut gradient = vec![0.0; at.len()];
+        objective.value(at);
+        objective.gradient(&mut gradient);
+        for k in 0..at.len() {
+            let mut moved = |by: f64| {
+                let mut x = at.to_vec();
+                x[k] += by;
+                objective.value(&x)
+            };
+            let expected = (moved(1e-5) - moved(-1e-5)) / 2e-5;
+            assert!((gradient[k] - expected).abs() < 1e-5, "{name}, parameter {k}: {} {expected}", gradient[k]);
+        }
+    }
+
+    #[test]
+    fn gradients_are_finite_differences_for_every_kernel() {
+        let (points, y) = samples(45);
+        for kernel in KERNELS {
+            let layout = Layout::of(*kernel, 3);
+            let theta = somewhere(layout);
+            check_gradient(&mut Likelihood::new(*kernel, &points, &y), &theta, kernel.name());
+            let mut far = theta.clone();
+            far[1] = 3.5;
+            let mut bent = Bent::new(Likelihood::new(*kernel, &points, &y));
+            check_gradient(&mut bent, &bend(layout, &far), kernel.name());
+        }
+    }
+
+    #[test]
+    fn the_estimated_information_is_near_the_exact_one() {
+        let (points, y) = samples(60);
+        for kernel in KERNELS {
+            let layout = Layout::of(*kernel, 3);
+            let theta = somewhere(layout);
+            let mut likelihood = Likelihood::new(*kernel, &points, &y);
+            likelihood.value(&theta);
+            let estimated = likelihood.information();
+            // The noise entry is ½ σ_n⁴ tr(K⁻²), which the inverse gives exactly.
+            let mut inverse = Lower::zeros(60);
+            likelihood.factor.inverse(&mut inverse, &mut Memory::new(60));
+            let squares = (0..60).map(|j| {
+                let column = inverse.column(j);
+                column[0] * column[0] + 2.0 * column[1..].iter().map(|v| v * v).sum::<f64>()
+            });
+            let exact = 0.5 * layout.noise_variance(&theta).powi(2) * squares.sum::<f64>();
+            let found = estimated[layout.len() * layout.len() - 1];
+            assert!((found / exact - 1.0).abs() < 0.4, "{}: {found} {exact}", kernel.name());
+            for i in 0..layout.len() {
+                for j in 0..layout.len() {
+                    let (ij, ji) = (estimated[i * layout.len() + j], estimated[j * layout.len() + i]);
+                    let bound = estimated[i * layout.len() + i] * estimated[j * layout.len() + j];
+                    assert!(ij == ji && ij * ij <= bound * (1.0 + 1e-12));
+                }
+            }
+        }
+    }
+}

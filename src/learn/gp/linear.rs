@@ -33,6 +33,12 @@ impl Lower {
         &mut self.values[j * self.stride + j..j * self.stride + self.n]
     }
 
+    /// Columns `j` to `j + 3` from row `j` down; what stands above their diagonals is zero in an inverse factor.
+    #[inline]
+    pub(super) fn panel(&self, j: usize) -> [&[f64]; 4] {
+        std::array::from_fn(|c| &self.values[(j + c) * self.stride + j..(j + c) * self.stride + self.n])
+    }
+
     pub(super) fn view(&self) -> MatRef<'_, f64> {
         MatRef::from_column_major_slice_with_stride(&self.values, self.n, self.n, self.stride)
     }

@@ -11,7 +11,7 @@ use crate::learn::optimise::Objective;
 use crate::learn::simd::{dot, vectorised};
 
 /// Queries that a batch handles at once: their covariances with all points stay in cache.
-pub(super) const BLOCK: usize = 128;
+pub(super) const BLOCK: usize = 512;
 
 /// One fitted output in standardised units.
 #[derive(Clone)]
@@ -66,7 +66,15 @@ impl Posterior {
             #[inline(always)]
             || {
                 v.fill(0.0);
-                for (j, &k) in k.iter().enumerate() {
+                let (panels, rest) = k.as_chunks::<4>();
+                for (p, k) in panels.iter().enumerate() {
+                    let [a, b, c, d] = self.inverse_factor.panel(4 * p);
+                    for ((((v, a), b), c), d) in v[4 * p..].iter_mut().zip(a).zip(b).zip(c).zip(d) {
+                        *v = k[0].mul_add(*a, k[1].mul_add(*b, k[2].mul_add(*c, k[3].mul_add(*d, *v))));
+                    }
+                }
+                let done = k.len() - rest.len();
+                for (j, &k) in rest.iter().enumerate().map(|(j, k)| (done + j, k)) {
                     for (v, l) in v[j..].iter_mut().zip(self.inverse_factor.column(j)) {
                         *v = k.mul_add(*l, *v);
                     }

@@ -154,9 +154,8 @@ fn update(b: &mut [f64], s: &[f64], y: &[f64], first: bool) {
     let sy = dot(s, y);
     if first && sy > 0.0 {
         let scale = dot(y, y) / sy;
-        for i in 0..n * n {
-            b[i] = if i % (n + 1) == 0 { scale } else { 0.0 };
-        }
+        b.fill(0.0);
+        b.iter_mut().step_by(n + 1).for_each(|diagonal| *diagonal = scale);
     }
     let bs: Vec<f64> = (0..n).map(|i| dot(&b[i * n..(i + 1) * n], s)).collect();
     let sbs = dot(s, &bs);

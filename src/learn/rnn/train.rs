@@ -10,7 +10,7 @@ use super::windows::Split;
 use super::{Elman, ElmanConfig};
 use crate::base::{Rows, Seed};
 use crate::learn::standardise::check_samples;
-use crate::learn::{LearnError, Standardiser};
+use crate::learn::{LearnError, Standardiser, exact};
 
 /// Why a training ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -30,10 +30,13 @@ pub struct Epoch {
     /// Number, from 1.
     pub epoch: usize,
     /// Mean squared error over the epoch's batches, standardised.
+    #[serde(with = "exact::decimal")]
     pub training_loss: f64,
     /// Mean absolute error on the validation rows, in the outputs' unit.
+    #[serde(with = "exact::decimal")]
     pub validation_mae: f64,
     /// Adam's learning rate in this epoch.
+    #[serde(with = "exact::decimal")]
     pub learning_rate: f64,
 }
 
@@ -48,6 +51,7 @@ pub struct Trained {
     pub updates: usize,
     /// Best mean absolute error on the validation rows, over rows and outputs, in the outputs' unit, with the state
     /// carried through each run of validation rows as it is in use.
+    #[serde(with = "exact::decimal")]
     pub validation_mae: f64,
     /// Why it ended.
     pub stopped: Stopped,
