@@ -123,7 +123,7 @@ fn faults_are_named_with_line_column_found_and_expected() {
         (cell("0.218833", "0.218833,7"), "line 3: found 10 cells, expected 9"),
         (cell("0.218833", "\"0.218833"), "line 3: found a quotation mark that is not closed"),
         (cell("\n0,0.2", "\n\n0,0.2"), "line 3: found an empty line"),
-        (cell("time_s", "time"), "column `time_s`: found only trial, time, tendon_1_m"),
+        (cell("time_s", "time"), "rec.csv, line 1, column `time_s`: found only trial, time, tendon_1_m"),
         (cell("tip_y_m", "tip_y_mm"), "expected a column `tip_y_m`"),
         (cell("tendon_2_m", "tendon_5_m"), "expected a column `tendon_2_m`"),
         (cell("tendon_2_m", "tendon_1_m"), "column `tendon_1_m`: found the name twice"),

@@ -62,3 +62,25 @@ fn explore() {
         );
     }
 }
+
+#[test]
+fn effort() {
+    let rows = common::read("tests/reference/twin/baseline.csv");
+    let mut model = nominal();
+    model.robot.resolution.time_step_s = 0.05;
+    let mut plant = Simulated::new(&model, &[], SimulatedOptions::default());
+    plant.reset(Seed(0)).unwrap();
+    let start = std::time::Instant::now();
+    let (i0, f0) = plant.rod().effort();
+    for row in std::iter::repeat_n(&rows[..50], 20).flatten() {
+        let pulls: Vec<f64> = (1..=4).map(|i| row[&format!("tendon_{i}_m")]).collect();
+        plant.step(&pulls).unwrap();
+    }
+    let (i1, f1) = plant.rod().effort();
+    println!(
+        "per tick: {:.1} iterations {:.1} factorisations, {:.0} us",
+        (i1 - i0) as f64 / 1000.0,
+        (f1 - f0) as f64 / 1000.0,
+        start.elapsed().as_secs_f64() * 1e6 / 1000.0
+    );
+}

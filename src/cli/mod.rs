@@ -1,8 +1,12 @@
 //! The commands. Exit status 0: done; 1: ran, and the answer is no; 2: bad input or usage, and nothing was written.
 
+mod calibrate;
+mod collect;
+mod effects;
 mod plan;
 mod run;
 mod shared;
+mod simulate;
 mod verify;
 
 use clap::{Parser, Subcommand};
@@ -20,6 +24,10 @@ struct Arguments {
 enum Command {
     Run(run::Run),
     Plan(plan::Plan),
+    Simulate(simulate::Simulate),
+    Calibrate(calibrate::Calibrate),
+    Effects(effects::Effects),
+    Collect(collect::Collect),
     Verify(verify::Verify),
 }
 
@@ -31,6 +39,18 @@ pub(crate) enum Ended {
     BadInput(String),
 }
 
+impl Ended {
+    /// Bad input, in the words of the error.
+    pub(crate) fn bad(error: impl std::fmt::Display) -> Ended {
+        Ended::BadInput(error.to_string())
+    }
+
+    /// It ran and failed, in the words of the error.
+    pub(crate) fn failed(error: impl std::fmt::Display) -> Ended {
+        Ended::No(error.to_string())
+    }
+}
+
 /// What a command returns.
 pub(crate) type Outcome = Result<(), Ended>;
 
@@ -39,6 +59,10 @@ pub(crate) fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Run(run) => run.carry_out(),
         Command::Plan(plan) => plan.carry_out(),
+        Command::Simulate(simulate) => simulate.carry_out(),
+        Command::Calibrate(calibrate) => calibrate.carry_out(),
+        Command::Effects(effects) => effects.carry_out(),
+        Command::Collect(collect) => collect.carry_out(),
         Command::Verify(verify) => verify.carry_out(),
     };
     let (words, status) = match outcome {

@@ -55,6 +55,7 @@ fn check_header(path: &Path, header: &str) -> Result<usize, DataError> {
         let column = (*name).to_owned();
         return Err(DataError::Column {
             file: path.to_owned(),
+            place: "line 1",
             column,
             found,
             expected: "one name a column".to_owned(),

@@ -44,10 +44,12 @@ pub enum DataError {
         expected: String,
     },
     /// A column is missing, double or out of place.
-    #[error("{}, header, column `{column}`: found {found}, expected {expected}", file.display())]
+    #[error("{}, {place}, column `{column}`: found {found}, expected {expected}", file.display())]
     Column {
         /// The file.
         file: PathBuf,
+        /// `line 1` of a CSV, `schema` of a Parquet file.
+        place: &'static str,
         /// The column.
         column: String,
         /// What the header holds.

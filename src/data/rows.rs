@@ -187,6 +187,19 @@ pub struct WaypointRow {
     pub z_m: f64,
 }
 
+/// A point of the real workspace, drawn behind a path (Fig. 8a).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WorkspaceRow {
+    /// Repetition of the whole experiment.
+    pub seed: u64,
+    /// Position, metres.
+    pub x_m: f64,
+    /// Position, metres.
+    pub y_m: f64,
+    /// Position, metres.
+    pub z_m: f64,
+}
+
 /// One point of a swept quantity: the default figure of an experiment that sweeps something.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SweepRow {
@@ -261,7 +274,7 @@ pub struct TrackSummaryRow {
     pub start_error_m: f64,
     /// Time of the last row, seconds.
     pub completion_time_s: f64,
-    /// Oscillation: median over moving windows of the error's peak-to-peak after its linear trend is taken out, metres.
+    /// Oscillation: median peak-to-peak of the error about its moving mean, windows of 5 s, metres.
     pub oscillation_m: f64,
     /// Times that the command's source changed between A and B.
     pub switches: u64,

@@ -81,6 +81,11 @@ impl Sheet {
         if self.lines { format!("line {}", row + 2) } else { format!("row {}", row + 1) }
     }
 
+    /// Where the names stand.
+    pub(super) fn header_place(&self) -> &'static str {
+        if self.lines { "line 1" } else { "schema" }
+    }
+
     /// The names in the order of the file.
     pub(super) fn header(&self) -> String {
         let names: Vec<&str> = self.columns.iter().map(|(name, _)| name.as_str()).collect();

@@ -74,6 +74,7 @@ pub fn read_csv<R: DeserializeOwned>(path: &Path) -> Result<Vec<R>, DataError> {
 fn place(sheet: &Sheet, row: usize, error: CellError) -> DataError {
     let header = |column: String, found: String, expected: &str| DataError::Column {
         file: sheet.file.clone(),
+        place: sheet.header_place(),
         column,
         found,
         expected: expected.to_owned(),

@@ -142,6 +142,13 @@ catalogue! {
     tendon_radius::TendonRadius,
 }
 
+impl EffectSpec {
+    /// A mass hung on the tip, kg.
+    pub fn tip_load(mass_kg: f64) -> EffectSpec {
+        EffectSpec::TipLoad(tip_load::TipLoad { mass_kg })
+    }
+}
+
 /// Refuses a value that is not a finite number.
 fn finite(key: &'static str, value: f64) -> Result<(), BadOption> {
     if value.is_finite() {

@@ -32,16 +32,18 @@ fn sine_coefficients(angle2: f64) -> (f64, f64) {
         let angle = angle2.sqrt();
         return (angle.sin() / angle, (1.0 - angle.cos()) / angle2);
     }
-    let (mut a, mut b, mut term_a, mut term_b) = (1.0, 0.5, 1.0, 0.5);
-    for k in 1..8 {
-        let m = f64::from(2 * k);
-        term_a *= -angle2 / (m * (m + 1.0));
-        term_b *= -angle2 / ((m + 1.0) * (m + 2.0));
-        a += term_a;
-        b += term_b;
+    // Taylor series to rounding at half a radian, by Horner's rule.
+    let (mut a, mut b) = (1.0, 1.0);
+    for k in (0..7).rev() {
+        a = 1.0 - angle2 * SINE_RATIOS[k] * a;
+        b = 1.0 - angle2 * COSINE_RATIOS[k] * b;
     }
-    (a, b)
+    (a, 0.5 * b)
 }
+
+/// 1/((2k)(2k+1)) and 1/((2k+1)(2k+2)), the ratios of successive terms, from k = 1.
+const SINE_RATIOS: [f64; 7] = [1.0 / 6.0, 1.0 / 20.0, 1.0 / 42.0, 1.0 / 72.0, 1.0 / 110.0, 1.0 / 156.0, 1.0 / 210.0];
+const COSINE_RATIOS: [f64; 7] = [1.0 / 12.0, 1.0 / 30.0, 1.0 / 56.0, 1.0 / 90.0, 1.0 / 132.0, 1.0 / 182.0, 1.0 / 240.0];
 
 /// Rotation vector in radians of a rotation matrix.
 pub fn log(rotation: &Matrix3<f64>) -> Vector3<f64> {

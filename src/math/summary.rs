@@ -40,29 +40,27 @@ pub fn interval_95(values: &[f64]) -> Option<[f64; 2]> {
     half.is_finite().then_some([centre - half, centre + half])
 }
 
-/// Oscillation of a series: the median, over all windows of `window` values (half overlapping), of the peak-to-peak left
-/// once the window's straight-line trend (least squares) is taken out. A slow drift counts nothing, a single jump touches
-/// few windows, and a swing of amplitude ±a counts 2a. The whole series is one window when it is shorter; 0 for fewer
-/// than three values.
+/// Oscillation of a series: what is left once a centred moving mean over `window` values is taken out, as the median of
+/// its peak-to-peak over all (half overlapping) windows. A slow drift counts nothing, a single jump touches few windows,
+/// and a swing of amplitude ±a counts 2a when the window holds whole periods of it (within 22 % when it holds at least
+/// one and a half: the moving mean's own response, sin(πk)/πk for k periods). 0 for a series shorter than two windows.
 pub fn oscillation(values: &[f64], window: usize) -> f64 {
-    let window = window.max(3).min(values.len());
-    if window < 3 {
+    let half = window.max(3) / 2;
+    let window = 2 * half + 1;
+    if values.len() < 2 * window {
         return 0.0;
     }
-    let starts = (0..=values.len() - window).step_by((window / 2).max(1));
-    let swings: Vec<f64> = starts.map(|start| detrended_swing(&values[start..start + window])).collect();
+    let centres = values.windows(window).map(mean);
+    let rest: Vec<f64> = values[half..].iter().zip(centres).map(|(value, centre)| value - centre).collect();
+    let swings: Vec<f64> =
+        (0..=rest.len() - window).step_by(half).map(|start| swing(&rest[start..][..window])).collect();
     quantile(&swings, 0.5)
 }
 
-/// Peak-to-peak about the least-squares line.
-fn detrended_swing(values: &[f64]) -> f64 {
-    let middle = (values.len() - 1) as f64 / 2.0;
-    let centre = mean(values);
-    let offset = |index: usize| index as f64 - middle;
-    let moment: f64 = values.iter().enumerate().map(|(index, value)| offset(index) * (value - centre)).sum();
-    let spread: f64 = (0..values.len()).map(|index| offset(index).powi(2)).sum();
-    let rest = values.iter().enumerate().map(|(index, value)| value - centre - moment / spread * offset(index));
-    let (low, high) = rest.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+/// Peak-to-peak.
+fn swing(values: &[f64]) -> f64 {
+    let (low, high) =
+        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)));
     high - low
 }
 
@@ -76,6 +74,9 @@ mod tests {
         assert!(oscillation(&drift, 25) < 1e-12);
         let swing: Vec<f64> = (0..200).map(|step| 0.01 * f64::from(step) + 0.5 * f64::from(step).sin()).collect();
         assert!((oscillation(&swing, 25) - 1.0).abs() < 0.05);
+        let mut jump = vec![0.0; 200];
+        jump[100..].fill(1.0);
+        assert_eq!(oscillation(&jump, 25), 0.0);
         assert_eq!(oscillation(&[1.0, 2.0], 25), 0.0);
     }
 

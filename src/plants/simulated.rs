@@ -113,6 +113,14 @@ impl Simulated {
             .set_tip_load(TipLoad { force_n: own.force_n + extra.force_n, moment_nm: own.moment_nm + extra.moment_nm });
     }
 
+    /// Straight, without history, tendons slack: the start of a trial that is driven by tensions.
+    pub fn reset_slack(&mut self, seed: Seed) {
+        self.noise = seed.child("tracking").rng();
+        self.time_s = 0.0;
+        self.rod.restart();
+        self.effects.iter_mut().for_each(|effect| effect.reset());
+    }
+
     /// Brings the robot to rest under `commands` instead of at home.
     ///
     /// # Errors
@@ -206,10 +214,7 @@ impl Plant for Simulated {
     }
 
     fn reset(&mut self, seed: Seed) -> Result<Observation, PlantError> {
-        self.noise = seed.child("tracking").rng();
-        self.time_s = 0.0;
-        self.rod.restart();
-        self.effects.iter_mut().for_each(|effect| effect.reset());
+        self.reset_slack(seed);
         self.settle(&vec![TendonCommand::Pull(0.0); self.tendons()])
     }
 

@@ -9,11 +9,11 @@ use crate::base::{BadOption, Displacements, Point3, PolicyError, distance_m};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Memory {
-    /// At each new measurement: the memory lives in the robot's time, and stays at rest in open loop.
+    /// At each control tick, new measurement or not: open and closed loop differ in the measured input alone.
     #[default]
-    Measured,
-    /// At each control tick, new measurement or not.
     EveryTick,
+    /// At each new measurement: stays at rest in open loop.
+    Measured,
     /// Never: each question is asked of a network at rest.
     Rest,
 }

@@ -127,7 +127,7 @@ impl Panel {
         let middle = [(left + right) / 2.0, (top + bottom) / 2.0];
         let below = if self.x.ticks.iter().all(|(_, label)| label.is_empty()) { 6.0 } else { 9.0 + SMALL };
         canvas.text(Text::new(&self.x.label, [middle[0], bottom + below + TEXT], TEXT, Align::Centre));
-        let beside = left - 11.0 - widest;
+        let beside = left - 13.0 - widest;
         canvas.text(Text::new(&self.y.label, [beside, middle[1]], TEXT, Align::Centre).upwards());
         canvas.text(Text::new(&self.title, [left, top - 6.0], TEXT, Align::Left).bold());
     }

@@ -49,15 +49,22 @@ impl Canvas {
         Canvas { width, height, marks: Vec::new() }
     }
 
+    /// The points that have a place; those far off the figure are brought to its edge, where painting costs no more.
+    fn drawable(&self, points: &[Place]) -> Vec<Place> {
+        let seen = points.iter().filter(|point| !point[0].is_nan() && !point[1].is_nan());
+        seen.map(|[x, y]| [x.clamp(-50.0, self.width + 50.0), y.clamp(-50.0, self.height + 50.0)]).collect()
+    }
+
     /// A line through the points.
     pub(super) fn line(&mut self, points: &[Place], width: f64, colour: Colour, dash: Dash) {
-        for points in dashes(points, dash) {
+        for points in dashes(&self.drawable(points), dash) {
             self.marks.push(Mark::Stroke { points, width, colour });
         }
     }
 
     /// A filled polygon.
     pub(super) fn area(&mut self, points: Vec<Place>, colour: Colour, opacity: f64) {
+        let points = self.drawable(&points);
         self.marks.push(Mark::Area { points, colour, opacity });
     }
 
@@ -68,7 +75,9 @@ impl Canvas {
 
     /// A filled circle.
     pub(super) fn disc(&mut self, centre: Place, radius: f64, colour: Colour, opacity: f64) {
-        self.marks.push(Mark::Disc { centre, radius, colour, opacity });
+        for centre in self.drawable(&[centre]) {
+            self.marks.push(Mark::Disc { centre, radius, colour, opacity });
+        }
     }
 
     /// A marker with a thin white rim, so that neighbours stay apart; hollow where `hollow`.

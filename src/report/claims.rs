@@ -13,7 +13,7 @@ use super::{Artifact, Figure, Published, ReportError, pictures, text};
 use crate::data::rows::ClaimRow;
 
 /// Registry entry.
-pub const FIGURE: Figure =
+pub(super) const FIGURE: Figure =
     Figure {
         name: "claims", about: "The paper’s claims: its figure, ours with an interval, and the verdict", render
     };
@@ -112,15 +112,19 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
     panel.line(&mut canvas, &[[1.0, 0.0], [1.0, claims.len() as f64]], INK, &[], HAIR);
     canvas.text(Text::new("paper", [panel.at(1.0, 0.0)[0], top - 8.0], SMALL, Align::Centre));
     canvas.text(Text::new("nothing", [panel.at(0.0, 0.0)[0], top - 8.0], SMALL, Align::Centre));
+    // Long names are set smaller, all alike, rather than into the next column.
+    let widest = claims.iter().map(|row| text_width(&label(row), SMALL, false)).fold(148.0, f64::max);
+    let size = SMALL * 148.0 / widest;
     for (index, row) in claims.iter().enumerate() {
         let y = top + ROW * (index as f64 + 0.5);
         claim(&mut canvas, &panel, row, y);
         let first = index == 0 || claims[index - 1].claim != row.claim;
-        let name = row.claim.replace("pi_real", &policy_label("pi_real")).replace('_', " ");
         let base = y + 0.36 * SMALL;
         let shown = shown(row);
         let ours = format!("{} {}", shown.ours, shown.interval.unwrap_or_default());
-        canvas.text(Text::new(if first { &name } else { "" }, [10.0, base], SMALL, Align::Left));
+        if first {
+            canvas.text(Text::new(label(row), [10.0, base], size, Align::Left));
+        }
         canvas.text(Text::new(training_short(&row.training), [228.0, base], 8.6, Align::Right).colour(GREY));
         canvas.text(Text::new(shown.paper, [columns[0].0, base], SMALL, Align::Left));
         canvas.text(Text::new(ours, [columns[1].0, base], SMALL, Align::Left).colour(look(&row.verdict).0));
@@ -131,6 +135,11 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
         }
     }
     canvas
+}
+
+/// A claim's name as text.
+fn label(row: &ClaimRow) -> String {
+    row.claim.replace("pi_real", &policy_label("pi_real")).replace('_', " ")
 }
 
 /// One line of the picture: ours over the paper's, with its interval.
@@ -151,7 +160,7 @@ fn claim(canvas: &mut Canvas, panel: &Panel, row: &ClaimRow, y: f64) {
         canvas.line(&[low, high], 1.8, colour, &[]);
     }
     let ratio = row.ours / row.paper;
-    if ratio < REACH[0] || ratio > REACH[1] {
+    if !(REACH[0]..=REACH[1]).contains(&ratio) {
         let way = if ratio > REACH[1] { 1.0 } else { -1.0 };
         let tip = [middle[0] + 5.0 * way, y];
         canvas.area(vec![tip, [tip[0] - 9.0 * way, y - 4.5], [tip[0] - 9.0 * way, y + 4.5]], colour, 1.0);

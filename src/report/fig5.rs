@@ -11,7 +11,7 @@ use crate::data::rows::{GapRow, GapSummaryRow};
 use crate::math::summary::{mean, quantile, root_mean_square};
 
 /// Registry entry.
-pub const FIGURE: Figure =
+pub(super) const FIGURE: Figure =
     Figure { name: "fig5", about: "Fig. 5: simulated against real workspace, and their difference by axis", render };
 
 const AXES: [&str; 3] = ["x", "y", "z"];

@@ -10,7 +10,7 @@ use super::{Artifact, Figure, Published, ReportError, csv, pictures, trainings};
 use crate::data::rows::ReachSummaryRow;
 
 /// Registry entry.
-pub const FIGURE: Figure =
+pub(super) const FIGURE: Figure =
     Figure { name: "fig6", about: "Fig. 6: error against the number of real points, π_real and policy A", render };
 
 const LOOKS: [(&str, &str, Look); 2] = [

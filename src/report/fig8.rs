@@ -16,7 +16,7 @@ use crate::data::rows::{TrackRow, TrackSummaryRow};
 use crate::math::summary::{interval_95, mean};
 
 /// Registry entry.
-pub const FIGURE: Figure =
+pub(super) const FIGURE: Figure =
     Figure { name: "fig8", about: "Fig. 8: target path, tracked paths and tracking error over time", render };
 
 /// Points of the workspace drawn behind the path.
@@ -98,7 +98,7 @@ fn markdown(summary: &[TrackSummaryRow]) -> String {
     }
     format!(
         "{}\nIn brackets after a number: 95 % interval of the mean over repetitions (Student’s t). Oscillation: median \
-         peak-to-peak of the error in windows of {:.0} s, trend taken out.\n",
+         peak-to-peak of the error about its moving mean, windows of {:.0} s.\n",
         grid.markdown(),
         super::summarise::OSCILLATION_WINDOW_S
     )
@@ -132,9 +132,11 @@ fn path(published: &Published, runs: &[Run]) -> (Vec<Point3>, Vec<Point3>) {
 /// (a): the path and its points inside the workspace.
 fn target_path(canvas: &mut Canvas, published: &Published, runs: &[Run]) {
     let (targets, waypoints) = path(published, runs);
-    let stride = published.gaps.len().div_ceil(CLOUD_DOTS).max(1);
-    let seen = published.gaps.iter().step_by(stride).map(|row| [row.real_x_m, row.real_y_m, row.real_z_m]);
-    let cloud: Vec<Point3> = seen.collect();
+    let seed = runs.first().map(|run| run.rows[0].seed);
+    let seen = published.workspace.iter().filter(|row| Some(row.seed) == seed);
+    let seen: Vec<Point3> = seen.map(|row| [row.x_m, row.y_m, row.z_m]).collect();
+    let stride = seen.len().div_ceil(CLOUD_DOTS).max(1);
+    let cloud: Vec<Point3> = seen.into_iter().step_by(stride).collect();
     let tips = runs.iter().flat_map(|run| run.rows.iter().map(|row| tip(row)));
     let (corner, size) = ([12.0, 52.0], [318.0, 274.0]);
     let everything = cloud.iter().chain(&targets).chain(&waypoints).copied().chain(tips);

@@ -15,8 +15,8 @@ pub(super) enum Key {
     Dot(Colour),
     /// A line alone.
     Line(Colour, Dash),
-    /// A patch of a band.
-    Band(Colour),
+    /// Line and marker alone.
+    Plain(Look),
 }
 
 const KEY_WIDTH: f64 = 22.0;
@@ -43,14 +43,15 @@ fn draw_key(canvas: &mut Canvas, key: Key, [x, y]: Place) {
     let middle = [x + KEY_WIDTH / 2.0, y];
     let line = [[x, y], [x + KEY_WIDTH, y]];
     match key {
-        Key::Series(look) => {
-            canvas.rectangle([x, y - 4.5], [x + KEY_WIDTH, y + 4.5], look.colour, BAND);
+        Key::Series(look) | Key::Plain(look) => {
+            if matches!(key, Key::Series(_)) {
+                canvas.rectangle([x, y - 4.5], [x + KEY_WIDTH, y + 4.5], look.colour, BAND);
+            }
             canvas.line(&line, LINE, look.colour, look.dash);
             canvas.marker(middle, look.marker, MARKER, look.colour, false);
         }
         Key::Marker(marker, colour, hollow) => canvas.marker(middle, marker, MARKER, colour, hollow),
         Key::Dot(colour) => canvas.disc(middle, 2.6, colour, 1.0),
         Key::Line(colour, dash) => canvas.line(&line, LINE, colour, dash),
-        Key::Band(colour) => canvas.rectangle([x, y - 4.0], [x + KEY_WIDTH, y + 4.0], colour, 2.0 * BAND),
     }
 }

@@ -12,6 +12,7 @@ pub mod markup;
 pub mod page;
 mod paint;
 pub mod paper;
+mod published;
 pub mod style;
 mod summarise;
 mod sweep;
@@ -20,27 +21,10 @@ mod view;
 
 use std::path::Path;
 
-use crate::data::rows::{ClaimRow, GapRow, SweepRow, TrackRow, TrialRow, WaypointRow};
 use crate::data::{DataError, write_atomic};
 
-pub use summarise::{reach_summary, track_summary};
-
-/// The rows that a figure may ask for; an experiment fills in those it has.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Published {
-    /// Goal-reaching trials (`trials.csv`).
-    pub trials: Vec<TrialRow>,
-    /// Path tracking steps (`tracks.csv`).
-    pub tracks: Vec<TrackRow>,
-    /// Points that the path runs through (`waypoints.csv`).
-    pub waypoints: Vec<WaypointRow>,
-    /// Simulated and measured tips (`gap.csv`).
-    pub gaps: Vec<GapRow>,
-    /// Claims (`claims.csv`).
-    pub claims: Vec<ClaimRow>,
-    /// Points of a sweep (`sweep.csv`).
-    pub sweep: Vec<SweepRow>,
-}
+pub use published::Published;
+pub use summarise::{OSCILLATION_WINDOW_S, reach_summary, track_summary};
 
 /// Where a file that a figure makes belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

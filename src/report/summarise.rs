@@ -1,6 +1,6 @@
 //! Rows to summaries: means, standard deviations and intervals over seeds.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::paper;
 use super::style::POLICIES;
@@ -34,13 +34,8 @@ pub fn reach_summary(trials: &[TrialRow]) -> Vec<ReachSummaryRow> {
         cells.entry(key).or_default().push(row);
     }
     let sizes = |row: &TrialRow| {
-        let same = |(_, policy, mode, _): &&(usize, (usize, &str), (usize, &str), (u64, u64))| {
-            policy.1 == row.policy && mode.1 == row.mode
-        };
-        let mut sizes: Vec<(u64, u64)> = cells.keys().filter(same).map(|key| key.3).collect();
-        sizes.sort_unstable();
-        sizes.dedup();
-        sizes.len()
+        let same = trials.iter().filter(|other| other.policy == row.policy && other.mode == row.mode);
+        same.map(|other| (other.gp_points, other.real_points)).collect::<BTreeSet<_>>().len()
     };
     cells.values().map(|rows| reach_cell(rows, sizes(rows[0]) == 1)).collect()
 }

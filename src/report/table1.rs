@@ -14,7 +14,7 @@ use super::{Artifact, Figure, Published, ReportError, csv, paper, pictures, text
 use crate::data::rows::ReachSummaryRow;
 
 /// Registry entry.
-pub const FIGURE: Figure =
+pub(super) const FIGURE: Figure =
     Figure { name: "table1", about: "Table I: goal-reaching error of every policy, ours and the paper's", render };
 
 const HEADINGS: [&str; 3] = ["Open-loop", "Closed-loop", "Closed-loop with load"];

@@ -50,11 +50,6 @@ impl Triple {
             }
         }
     }
-
-    /// Column `k`.
-    pub(super) fn column(&self, k: usize) -> Vector3<f64> {
-        Vector3::new(self.rows[0][k], self.rows[1][k], self.rows[2][k])
-    }
 }
 
 /// Room for the derivative of one rod's equations.
@@ -121,6 +116,12 @@ impl Derivative {
             }
         }
         matrix
+    }
+
+    /// First-order change of the path length of tendon `i` when the coefficients change by `step`, metres.
+    pub(super) fn length_change_m(&self, system: &System, i: usize, step: &[f64]) -> f64 {
+        let row = (system.grid.unknowns + i) * system.size();
+        self.rows[row..row + step.len()].iter().zip(step).map(|(a, b)| a * b).sum()
     }
 
     /// Variations of orientation and position along the rod.

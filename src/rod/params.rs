@@ -130,11 +130,11 @@ impl Default for Resolution {
     fn default() -> Self {
         Resolution {
             cell_m: 0.0125,
-            bending_modes: 8,
+            bending_modes: 6,
             torsion_modes: 4,
             shear_modes: 4,
-            axial_modes: 6,
-            time_step_s: 0.02,
+            axial_modes: 4,
+            time_step_s: 0.05,
             scheme: Scheme::default(),
         }
     }

@@ -34,7 +34,7 @@ pub struct Energy {
 
 /// Displacement of the tip that a converged static solve may be off by (its last step, squared for Newton), metres.
 const STATIC_TOLERANCE_M: f64 = 1e-9;
-const DYNAMIC_TOLERANCE_M: f64 = 1e-10;
+const DYNAMIC_TOLERANCE_M: f64 = 1e-8;
 /// How often a failing time step is halved.
 const MOST_HALVINGS: u32 = 6;
 
@@ -49,7 +49,6 @@ pub struct Rod {
     tableau: Tableau,
     stage_times: Vec<f64>,
     tip_load: TipLoad,
-    last_rate: f64,
 }
 
 impl Rod {
@@ -73,7 +72,6 @@ impl Rod {
             stage_times: scheme.stage_times(),
             tableau,
             tip_load,
-            last_rate: 0.0,
             system,
         };
         rod.restart();
@@ -212,7 +210,6 @@ impl Rod {
             self.stages[i].read(&self.motion, &self.state.shape);
         }
         self.state.rates.clone_from(&self.stages[self.stages.len() - 1]);
-        self.last_rate = self.motion.rate;
         self.commit_memory(h);
         Status::Converged
     }
@@ -232,6 +229,8 @@ impl Rod {
         let status = self.solver.solve(&self.system, unknowns, taut, &conditions, tolerance_m);
         if status == Status::Converged {
             let n = self.system.grid.unknowns;
+            // What the tolerance leaves of a push is no tension.
+            self.state.unknowns[n..].iter_mut().for_each(|tension| *tension = tension.max(0.0));
             self.state.shape.update(&self.system.grid, &self.system.sections, &self.state.unknowns[..n]);
         }
         status

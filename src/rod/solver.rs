@@ -10,11 +10,21 @@ use super::jacobian::Derivative;
 use super::status::Status;
 use super::system::{Conditions, Hold, System, Work};
 
-const MOST_ITERATIONS: usize = 60;
+const MOST_ITERATIONS: usize = 150;
+/// Changes of the taut set that may move several tendons at once, at any iterate.
+const QUICK_SET_CHANGES: usize = 6;
+const MOST_SET_CHANGES: usize = 24;
+/// A tendon may be overstretched by this share of the solve's tolerance before it counts as taut …
+const SET_TOLERANCE: f64 = 0.1;
+/// … and push by as much as such a stretch is worth: about the compliance of the softest spine, m/N.
+const PUSH_M_PER_N: f64 = 1e-3;
 /// A step that turns the tip by more than about this many lengths is shortened.
 const LARGEST_STEP: f64 = 0.5;
 /// The derivative is renewed when an iteration leaves more than this share of the step before.
 const POOR_CONTRACTION: f64 = 0.1;
+
+/// What an old derivative is trusted with before it has shown its contraction.
+const UNPROVEN_CONTRACTION: f64 = 0.1;
 
 /// Newton iteration with everything it keeps between solves.
 #[derive(Clone, Debug)]
@@ -22,8 +32,10 @@ pub(super) struct Solver {
     pub(super) work: Work,
     pub(super) derivative: Derivative,
     factors: Option<LU<f64, Dyn, Dyn>>,
-    factors_rate: f64,
+    /// Taut set that the factors belong to.
     factors_taut: Vec<bool>,
+    /// Time discretisation that the derivative belongs to; not a number when there is none to keep.
+    derivative_rate: f64,
     /// Size of the last step, metres: what the residual is worth at the tip.
     pub(super) residual_m: f64,
     /// Iterations since construction.
@@ -38,8 +50,8 @@ impl Solver {
             work: system.work(),
             derivative: Derivative::new(system),
             factors: None,
-            factors_rate: 0.0,
             factors_taut: Vec::new(),
+            derivative_rate: f64::NAN,
             residual_m: 0.0,
             iterations: 0,
             factorisations: 0,
@@ -58,29 +70,26 @@ impl Solver {
         let mut last_step = f64::INFINITY;
         let mut set_changes = 0;
         let mut fresh = false;
-        if self.factors_rate != conditions.motion.rate {
-            self.factors = None;
-        }
+        let mut stale = self.derivative_rate != conditions.motion.rate;
         for _ in 0..MOST_ITERATIONS {
             self.iterations += 1;
             let current = Conditions { taut, ..*conditions };
             system.evaluate(unknowns, &current, &mut self.work);
             if !self.work.residual.iter().all(|r| r.is_finite()) {
-                self.factors = None;
-                return Status::NotFinite;
+                return self.give_up(Status::NotFinite);
             }
-            if self.factors.is_none() || self.factors_taut != *taut {
-                self.refactor(system, unknowns, &current);
-                fresh = true;
+            if stale {
+                self.derivative.update(system, unknowns, &current, &self.work);
+                self.derivative_rate = conditions.motion.rate;
+                (stale, fresh) = (false, true);
+                self.factor(system, &current);
+            } else if self.factors_taut != *taut {
+                self.factor(system, &current);
             }
-            let Some(mut step) = self.step() else {
-                self.factors = None;
-                return Status::NotConverged;
-            };
+            let Some(mut step) = self.step() else { return self.give_up(Status::NotConverged) };
             let size = system.size_of_step_m(&step.as_slice()[..system.grid.unknowns]);
             if !size.is_finite() {
-                self.factors = None;
-                return Status::NotFinite;
+                return self.give_up(Status::NotFinite);
             }
             let limit = LARGEST_STEP * system.params.length_m();
             let shortened = size > limit;
@@ -90,18 +99,20 @@ impl Solver {
             for (x, dx) in unknowns.iter_mut().zip(step.iter()) {
                 *x -= dx;
             }
-            let changed = change_set(system, unknowns, taut, conditions.holds, &self.work, &step);
-            if changed {
+            // Once sets alternate, each is solved for before the next one is tried.
+            let patient = set_changes > QUICK_SET_CHANGES;
+            let ripe = !patient || (!shortened && size < 1e-3 * system.params.length_m());
+            let rule = (tolerance_m, patient);
+            if ripe && self.change_set(system, unknowns, (taut, conditions.holds), &step, rule) {
                 set_changes += 1;
-                if set_changes > 30 {
-                    self.factors = None;
-                    return Status::TendonSetUnsettled;
+                if set_changes > MOST_SET_CHANGES {
+                    return self.give_up(Status::TendonSetUnsettled);
                 }
+                fresh = false;
                 last_step = f64::INFINITY;
                 continue;
             }
-            // An old derivative that has not shown its contraction yet is trusted with a tenth.
-            let contraction = if last_step.is_finite() { size / last_step } else { POOR_CONTRACTION };
+            let contraction = if last_step.is_finite() { size / last_step } else { UNPROVEN_CONTRACTION };
             // With a fresh derivative the next error is of the order of the square; with an old one linear.
             let left =
                 if fresh { size * (size / system.params.length_m()).min(1.0) } else { size * contraction.min(1.0) };
@@ -111,19 +122,23 @@ impl Solver {
             }
             fresh = false;
             if shortened || (contraction > POOR_CONTRACTION && last_step.is_finite()) {
-                self.factors = None;
+                stale = true;
             }
             last_step = size;
         }
-        self.factors = None;
-        Status::NotConverged
+        self.give_up(Status::NotConverged)
     }
 
-    fn refactor(&mut self, system: &System, unknowns: &[f64], conditions: &Conditions) {
+    /// A failed solve leaves no derivative worth keeping.
+    fn give_up(&mut self, status: Status) -> Status {
+        self.derivative_rate = f64::NAN;
+        status
+    }
+
+    /// Factorises the derivative for the taut set of `conditions`.
+    fn factor(&mut self, system: &System, conditions: &Conditions) {
         self.factorisations += 1;
-        self.derivative.update(system, unknowns, conditions, &self.work);
         self.factors = Some(self.derivative.matrix(system, conditions).lu());
-        self.factors_rate = conditions.motion.rate;
         self.factors_taut = conditions.taut.to_vec();
     }
 
@@ -131,35 +146,42 @@ impl Solver {
         let mut step = DVector::from_column_slice(&self.work.residual);
         self.factors.as_ref()?.solve_mut(&mut step).then_some(step)
     }
-}
 
-/// Moves tendons between taut and slack where the step just taken says so; true if any moved.
-fn change_set(
-    system: &System,
-    unknowns: &mut [f64],
-    taut: &mut [bool],
-    holds: &[Hold],
-    work: &Work,
-    step: &DVector<f64>,
-) -> bool {
-    let n = system.grid.unknowns;
-    let mut changed = false;
-    for (i, hold) in holds.iter().enumerate() {
-        if !matches!(hold, Hold::Length(_)) {
-            continue;
-        }
-        if taut[i] {
-            if unknowns[n + i] < 0.0 {
-                (taut[i], changed) = (false, true);
-                unknowns[n + i] = 0.0;
+    /// Moves tendons between taut and slack where the step just taken says so; true if any moved. With `one`, only
+    /// the worst offender moves: slower, but sets that alternate between two faults come to an end.
+    fn change_set(
+        &self,
+        system: &System,
+        unknowns: &mut [f64],
+        (taut, holds): (&mut [bool], &[Hold]),
+        step: &DVector<f64>,
+        (tolerance_m, one): (f64, bool),
+    ) -> bool {
+        let n = system.grid.unknowns;
+        let mut offences: Vec<(usize, f64)> = Vec::with_capacity(taut.len());
+        for (i, hold) in holds.iter().enumerate() {
+            if !matches!(hold, Hold::Length(_)) {
+                continue;
             }
-            continue;
+            let offence = if taut[i] {
+                -unknowns[n + i] * PUSH_M_PER_N
+            } else {
+                // Length after the step, to first order.
+                let shift = self.derivative.length_change_m(system, i, &step.as_slice()[..n]);
+                system.overstretch_m(i, hold, 0.0, &self.work) - shift
+            };
+            if offence > SET_TOLERANCE * tolerance_m {
+                offences.push((i, offence));
+            }
         }
-        // Length after the step, to first order: d length / d coefficients is the tendon's border of the derivative.
-        let shift: f64 = system.length_change_m(i, work, &step.as_slice()[..n]);
-        if system.overstretch_m(i, hold, 0.0, work) - shift > 1e-12 {
-            (taut[i], changed) = (true, true);
+        if one {
+            offences.sort_by(|a, b| b.1.total_cmp(&a.1));
+            offences.truncate(1);
         }
+        for &(i, _) in &offences {
+            taut[i] = !taut[i];
+            unknowns[n + i] = 0.0;
+        }
+        !offences.is_empty()
     }
-    changed
 }

@@ -240,19 +240,3 @@ impl System {
         self.update_tendons(work);
     }
 }
-
-impl System {
-    /// First-order change of the path length of tendon `i` when the coefficients grow by `step`, metres.
-    pub(super) fn length_change_m(&self, i: usize, work: &Work, step: &[f64]) -> f64 {
-        let mut total = 0.0;
-        for (g, node) in self.grid.nodes.iter().enumerate() {
-            let pull = work.shape.compliance[g].apply(&self.tendon_wrench(g, i, work));
-            for c in 0..COMPONENTS {
-                let own = &step[node.offset[c]..node.offset[c] + self.grid.modes[c]];
-                let change: f64 = own.iter().zip(&node.basis).map(|(x, b)| x * b).sum();
-                total += node.weight_m * pull[c] * change;
-            }
-        }
-        total
-    }
-}

@@ -9,6 +9,7 @@ mod emit;
 mod error;
 mod experiment;
 mod locate;
+mod model;
 mod path;
 mod plant;
 mod suggest;
@@ -20,6 +21,7 @@ pub use document::Document;
 pub use error::{Place, SpecError};
 pub use experiment::{Experiment, GapRun, GeneratedStart, Mode, ReachSweep, Runs, TrackRun, Training};
 pub use locate::{End, locate};
+pub use model::{model_text, read_model, read_plant};
 pub use path::{KeyPath, Step};
 pub use plant::{PlantSpec, SimulatedSpec};
 

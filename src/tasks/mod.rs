@@ -1,20 +1,24 @@
 //! The loops: a plant explored, replayed, and driven by a policy to a target or along a path.
 
 mod actuation;
+mod calibrate;
 mod explore;
 mod generate;
 mod gp_points;
 mod path;
+mod play;
 mod reach;
 mod samples;
 mod targets;
 mod track;
 
 pub use actuation::{GridOptions, bend_commands};
+pub use calibrate::{ADJUSTABLE, Adjustable, Calibrated, Calibration, calibrate};
 pub use explore::{ExploreOptions, explore, explore_trajectory, replay, replay_trajectory};
 pub use generate::generate;
-pub use gp_points::{GpPoints, GpPointsOptions, Layout, gp_points, one_of_each_cluster};
+pub use gp_points::{GpPoints, GpPointsOptions, Layout, WalkOptions, gp_points, one_of_each_cluster};
 pub use path::{PathOptions, interpolate, waypoints};
+pub use play::{PlayOptions, play};
 pub use reach::{LoopMode, ReachOptions, ReachOutcome, reach};
 pub use samples::Samples;
 pub use targets::{TargetOptions, draw_targets, spread_targets, target_pool};
@@ -31,6 +35,9 @@ pub enum TaskError {
     /// A setting is out of range.
     #[error(transparent)]
     Option(#[from] BadOption),
+    /// Nothing of this name can be calibrated.
+    #[error("nothing called `{0}` can be fitted")]
+    UnknownName(String),
     /// A model gave a number that is not finite.
     #[error("not finite: {0}")]
     NotFinite(&'static str),

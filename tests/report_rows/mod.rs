@@ -3,7 +3,7 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use spinebench::base::{Point3, Seed, distance_m};
-use spinebench::data::rows::{ClaimRow, GapRow, SweepRow, TrackRow, TrialRow, WaypointRow};
+use spinebench::data::rows::{ClaimRow, GapRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow};
 use spinebench::report::Published;
 
 const TRAININGS: [&str; 2] = ["paper", "converged"];
@@ -39,7 +39,7 @@ fn trial(seed: u64, training: &str, policy: &str, mode: &str, sizes: [u64; 2], t
         tip_z_m: 0.18,
         error_m,
         steps: 12,
-        settled: target % 10 != 0,
+        settled: !target.is_multiple_of(10),
         switches: 0,
         status: "ok".to_owned(),
     }
@@ -232,7 +232,9 @@ pub(crate) fn published(figure: &str, seeds: u64) -> Published {
         "fig6" => published.trials = data_sizes(seeds),
         "fig8" => {
             published.tracks = tracks(seeds);
-            published.gaps = gaps(3000);
+            let seen = gaps(1000).into_iter();
+            let place = |row: GapRow| WorkspaceRow { seed: 0, x_m: row.real_x_m, y_m: row.real_y_m, z_m: row.real_z_m };
+            published.workspace = seen.map(place).collect();
             published.waypoints = (0..seeds).flat_map(waypoints).collect();
         }
         "claims" => published.claims = claims(),

@@ -111,6 +111,7 @@ pub(super) fn masses(sheet: &Sheet, name: &str) -> Result<Option<Vec<f64>>, Data
 pub(super) fn missing(sheet: &Sheet, name: &str) -> DataError {
     DataError::Column {
         file: sheet.file.clone(),
+        place: sheet.header_place(),
         column: name.to_owned(),
         found: format!("only {}", sheet.header()),
         expected: format!("a column `{name}`"),

@@ -131,6 +131,7 @@ fn commands(sheet: &Sheet) -> Result<(Actuation, Rows), DataError> {
         _ => {
             return Err(DataError::Column {
                 file: sheet.file.clone(),
+                place: sheet.header_place(),
                 column: Actuation::Tensions.column(tensions - 1),
                 found: "commands as lengths and as tensions".to_owned(),
                 expected: "one of the two (measured tensions are named tension_1_n…)".to_owned(),

@@ -1,0 +1,55 @@
+//! `spinebench calibrate`.
+
+use super::simulate::same_tendons;
+use super::{Ended, Outcome};
+use clap::Args;
+use spinebench::data::{Recording, write_atomic};
+use spinebench::specs::{model_text, read_model};
+use spinebench::tasks::{ADJUSTABLE, TaskError, calibrate};
+use std::path::PathBuf;
+
+/// Fits Young's modulus (and what --fit names) to a recording.
+#[derive(Args)]
+pub(super) struct Calibrate {
+    /// Model to start from.
+    #[arg(long, value_name = "MODEL.yaml")]
+    model: PathBuf,
+    /// Recording of the robot: weights hung on tendons (`tendon_1_n`…) or lengths (`tendon_1_m`…), and the tip.
+    #[arg(long, value_name = "REC.csv")]
+    measured: PathBuf,
+    /// Model to write.
+    #[arg(long, value_name = "MODEL2.yaml")]
+    out: PathBuf,
+    /// Numbers to fit, separated by commas.
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', default_value = "youngs_modulus_pa", value_parser = names())]
+    fit: Vec<String>,
+    /// Every row of the recording is a pose at rest.
+    #[arg(long = "static")]
+    at_rest: bool,
+}
+
+fn names() -> clap::builder::PossibleValuesParser {
+    ADJUSTABLE.iter().map(|field| field.name).collect::<Vec<_>>().into()
+}
+
+impl Calibrate {
+    pub(super) fn carry_out(self) -> Outcome {
+        let model = read_model(&self.model).map_err(Ended::bad)?;
+        let measured = Recording::read(&self.measured).map_err(Ended::bad)?;
+        same_tendons(&self.measured, &measured, model.robot.tendons.angles_deg.len())?;
+        measured.check_reach(&self.measured, model.robot.backbone.length_m).map_err(Ended::bad)?;
+        let found = calibrate(&model, &measured, &self.fit, self.at_rest).map_err(|error| match error {
+            TaskError::TooFew { .. } => Ended::bad(format!("{}: {error}", self.measured.display())),
+            other => Ended::failed(other),
+        })?;
+        let text = model_text(&found.model).map_err(Ended::failed)?;
+        write_atomic(&self.out, text.as_bytes()).map_err(Ended::failed)?;
+        for number in &found.numbers {
+            let [low, high] = number.interval_95;
+            println!("{}: {:.5e}, 95 % interval {low:.5e} to {high:.5e}", number.name, number.value);
+        }
+        let (before_mm, after_mm) = (found.before_m * 1e3, found.after_m * 1e3);
+        println!("rms tip error over {} rows: {before_mm:.3} mm before, {after_mm:.3} mm after", found.rows);
+        Ok(())
+    }
+}

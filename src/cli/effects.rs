@@ -1,0 +1,42 @@
+//! `spinebench effects`.
+
+use super::{Ended, Outcome};
+use clap::Args;
+use spinebench::effects::{CATALOGUE, Card};
+use std::fmt::Write as _;
+use std::io::Write as _;
+
+/// Prints the catalogue: each effect, its parameters with units, equation, source, what it is confused with.
+#[derive(Args)]
+pub(super) struct Effects {
+    /// One effect; all when left out.
+    name: Option<String>,
+}
+
+impl Effects {
+    pub(super) fn carry_out(self) -> Outcome {
+        let mut text = String::new();
+        match &self.name {
+            None => CATALOGUE.iter().for_each(|card| describe(card, &mut text)),
+            Some(name) => {
+                let card = CATALOGUE.iter().find(|card| card.name == name).ok_or_else(|| {
+                    let all: Vec<&str> = CATALOGUE.iter().map(|card| card.name).collect();
+                    Ended::BadInput(format!("NAME: found `{name}`, expected one of {}", all.join(", ")))
+                })?;
+                describe(card, &mut text);
+            }
+        }
+        // A reader that has seen enough closes the pipe: no error.
+        let _ = std::io::stdout().write_all(text.as_bytes());
+        Ok(())
+    }
+}
+
+fn describe(card: &Card, text: &mut String) {
+    let _ = writeln!(text, "{}\n  missing:       {}\n  equation:      {}", card.name, card.missing, card.equation);
+    for parameter in card.parameters {
+        let unit = if parameter.unit == "1" { "ratio" } else { parameter.unit };
+        let _ = writeln!(text, "  parameter:     {} ({unit}; nothing changes at {})", parameter.name, parameter.null);
+    }
+    let _ = writeln!(text, "  source:        {}\n  confused with: {}\n", card.source, card.confused_with.join(", "));
+}

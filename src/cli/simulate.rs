@@ -1,0 +1,73 @@
+//! `spinebench simulate`.
+
+use super::{Ended, Outcome};
+use clap::Args;
+use spinebench::data::Recording;
+use spinebench::data::recording::Extra;
+use spinebench::effects::Model;
+use spinebench::specs::read_model;
+use spinebench::tasks::{PlayOptions, play};
+use std::path::{Path, PathBuf};
+
+/// Drives the rod model with a recording's commands (lengths or tensions) and writes a recording.
+#[derive(Args)]
+pub(super) struct Simulate {
+    /// Model file.
+    #[arg(long, value_name = "MODEL.yaml")]
+    model: PathBuf,
+    /// Commands: a recording, whose tip columns may be missing; CSV or Parquet.
+    #[arg(long, value_name = "IN.csv")]
+    commands: PathBuf,
+    /// Recording to write, with tip, orientation, tensions and the solver's status, all digits; CSV or Parquet.
+    #[arg(long, value_name = "OUT.csv")]
+    out: PathBuf,
+    /// Every row is the equilibrium under its own command.
+    #[arg(long = "static")]
+    at_rest: bool,
+}
+
+impl Simulate {
+    pub(super) fn carry_out(self) -> Outcome {
+        let model = read_model(&self.model).map_err(Ended::bad)?;
+        let commands = read_commands(&self.commands, &model)?;
+        let played = play(&model, &commands, &PlayOptions { at_rest: self.at_rest, ..PlayOptions::default() });
+        played.write(&self.out).map_err(Ended::failed)?;
+        let failed = failures(&played);
+        if failed > 0 {
+            let (all, out) = (played.len(), self.out.display());
+            eprintln!("note: {failed} of {all} rows could not be solved; see the column solver_status of {out}");
+        }
+        Ok(())
+    }
+}
+
+/// Reads commands and refuses those for another number of tendons.
+pub(super) fn read_commands(file: &Path, model: &Model) -> Result<Recording, Ended> {
+    let commands = Recording::read_commands(file).map_err(Ended::bad)?;
+    let expected = model.robot.tendons.angles_deg.len();
+    same_tendons(file, &commands, expected)?;
+    Ok(commands)
+}
+
+/// Refuses a recording for another number of tendons than the robot's.
+pub(super) fn same_tendons(file: &Path, commands: &Recording, expected: usize) -> Outcome {
+    let found = commands.tendons();
+    if found == expected {
+        return Ok(());
+    }
+    let column = commands.actuation.column(found.min(expected));
+    let words = format!(
+        "{}, line 1, column `{column}`: found {found} tendons, expected {expected}, as many as the robot has",
+        file.display()
+    );
+    Err(Ended::BadInput(words))
+}
+
+/// Number of rows without a solution.
+fn failures(played: &Recording) -> usize {
+    let status = played.extra.iter().find(|(name, _)| name == "solver_status");
+    match status {
+        Some((_, Extra::Text(cells))) => cells.iter().filter(|cell| *cell != "converged").count(),
+        _ => 0,
+    }
+}

@@ -1,0 +1,71 @@
+//! The rows that an experiment publishes, each kind in a file of its own under `results/<experiment>/`.
+
+use std::path::Path;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::data::rows::{ClaimRow, GapRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow};
+use crate::data::{DataError, tables};
+
+/// The rows that a figure may ask for; an experiment fills in those it has.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Published {
+    /// Goal-reaching trials (`trials.csv`).
+    pub trials: Vec<TrialRow>,
+    /// Path tracking steps (`tracks.csv`).
+    pub tracks: Vec<TrackRow>,
+    /// Points that the path runs through (`waypoints.csv`).
+    pub waypoints: Vec<WaypointRow>,
+    /// Points of the real workspace behind the path (`workspace.csv`).
+    pub workspace: Vec<WorkspaceRow>,
+    /// Simulated and measured tips (`gap.csv`).
+    pub gaps: Vec<GapRow>,
+    /// Claims (`claims.csv`).
+    pub claims: Vec<ClaimRow>,
+    /// Points of a sweep (`sweep.csv`).
+    pub sweep: Vec<SweepRow>,
+}
+
+impl Published {
+    /// Reads what a folder of results has; kinds whose file is not there stay empty.
+    ///
+    /// # Errors
+    /// [`DataError`] for the first file that is there and cannot be read.
+    pub fn read(folder: &Path) -> Result<Published, DataError> {
+        Ok(Published {
+            trials: rows(folder, "trials.csv")?,
+            tracks: rows(folder, "tracks.csv")?,
+            waypoints: rows(folder, "waypoints.csv")?,
+            workspace: rows(folder, "workspace.csv")?,
+            gaps: rows(folder, "gap.csv")?,
+            claims: rows(folder, "claims.csv")?,
+            sweep: rows(folder, "sweep.csv")?,
+        })
+    }
+
+    /// Writes every kind that has rows into a folder of results and gives the rows back as they stand there, rounded:
+    /// a figure drawn from them can be drawn again from the files, byte for byte.
+    ///
+    /// # Errors
+    /// [`DataError`] for the first file that cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<Published, DataError> {
+        write(folder, "trials.csv", &self.trials)?;
+        write(folder, "tracks.csv", &self.tracks)?;
+        write(folder, "waypoints.csv", &self.waypoints)?;
+        write(folder, "workspace.csv", &self.workspace)?;
+        write(folder, "gap.csv", &self.gaps)?;
+        write(folder, "claims.csv", &self.claims)?;
+        write(folder, "sweep.csv", &self.sweep)?;
+        Published::read(folder)
+    }
+}
+
+fn rows<R: DeserializeOwned>(folder: &Path, name: &str) -> Result<Vec<R>, DataError> {
+    let path = folder.join(name);
+    if path.exists() { tables::read_csv(&path) } else { Ok(Vec::new()) }
+}
+
+fn write<R: Serialize>(folder: &Path, name: &str, rows: &[R]) -> Result<(), DataError> {
+    if rows.is_empty() { Ok(()) } else { tables::write_csv(&folder.join(name), rows) }
+}

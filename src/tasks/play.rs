@@ -1,0 +1,164 @@
+//! Plays the commands of a recording on the simulated robot: what the model says would have been measured.
+
+use std::ops::Range;
+
+use nalgebra::Vector3;
+
+use crate::base::{Observation, Plant, PlantError, Seed, TendonCommand};
+use crate::data::recording::Extra;
+use crate::data::{Actuation, Recording};
+use crate::effects::{EffectSpec, Model};
+use crate::plants::{Simulated, SimulatedOptions};
+use crate::rod::TipLoad;
+
+/// How commands are played.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlayOptions {
+    /// Every row is the equilibrium under its own command; else the robot moves and a row shows it as it is when the
+    /// command begins.
+    pub at_rest: bool,
+    /// Standard deviation of the tracking noise per axis, metres.
+    pub noise_m: f64,
+    /// Seed of the noise.
+    pub seed: Seed,
+}
+
+impl Default for PlayOptions {
+    fn default() -> Self {
+        PlayOptions { at_rest: false, noise_m: 0.0, seed: Seed(0) }
+    }
+}
+
+/// Plays all trials of `commands`. Rows that could not be solved are marked as not valid, with the solver's status in
+/// the column `solver_status`; the rest of such a trial is not played.
+pub fn play(model: &Model, commands: &Recording, options: &PlayOptions) -> Recording {
+    let mut sheet = Sheet::new(commands.len(), commands.tendons());
+    for (number, rows) in commands.trials() {
+        let seed = options.seed.index(number);
+        let mut trial = Trial::new(model, commands, rows.start, options.noise_m);
+        let mut status = "converged".to_owned();
+        if let Err(error) = trial.run(commands, rows.clone(), options.at_rest, seed, &mut sheet) {
+            status = error.to_string();
+        }
+        sheet.status.resize(rows.end, status);
+        sheet.statuses_of(rows);
+    }
+    sheet.into_recording(commands)
+}
+
+/// The columns that playing fills.
+struct Sheet {
+    seen: Vec<Option<(Observation, f64)>>,
+    status: Vec<String>,
+    tendons: usize,
+}
+
+impl Sheet {
+    fn new(rows: usize, tendons: usize) -> Sheet {
+        Sheet { seen: vec![None; rows], status: Vec::with_capacity(rows), tendons }
+    }
+
+    /// Rows that were seen are fine, whatever ended the trial after them.
+    fn statuses_of(&mut self, rows: Range<usize>) {
+        for row in rows.filter(|&row| self.seen[row].is_some()) {
+            self.status[row] = "converged".to_owned();
+        }
+    }
+
+    fn into_recording(self, commands: &Recording) -> Recording {
+        let lost = [f64::NAN; 3];
+        let numbers = |value: &dyn Fn(&(Observation, f64)) -> f64| -> Extra {
+            Extra::Numbers(self.seen.iter().map(|seen| seen.as_ref().map_or(f64::NAN, value)).collect())
+        };
+        let mut extra: Vec<(String, Extra)> = Vec::new();
+        for tendon in 0..self.tendons {
+            let tension = |(seen, _): &(Observation, f64)| seen.tensions_n.as_ref().map_or(f64::NAN, |all| all[tendon]);
+            extra.push((format!("tension_{}_n", tendon + 1), numbers(&tension)));
+        }
+        extra.push(("solver_residual_m".to_owned(), numbers(&|(_, residual)| *residual)));
+        extra.push(("solver_status".to_owned(), Extra::Text(self.status.clone())));
+        let carried = commands.extra.iter().filter(|(name, _)| extra.iter().all(|(own, _)| own != name));
+        let extra = carried.cloned().chain(extra.iter().cloned()).collect();
+        let tips = self.seen.iter().map(|seen| seen.as_ref().map_or(lost, |(seen, _)| seen.tip_m));
+        let turns = self
+            .seen
+            .iter()
+            .map(|seen| seen.as_ref().and_then(|(seen, _)| seen.tip_quaternion).unwrap_or([f64::NAN; 4]));
+        let valid: Vec<bool> = self.seen.iter().map(Option::is_some).collect();
+        Recording {
+            tip_m: Some(tips.collect()),
+            tip_quaternion: Some(turns.collect()),
+            valid: valid.contains(&false).then_some(valid),
+            extra,
+            ..commands.clone()
+        }
+    }
+}
+
+/// One trial under way.
+struct Trial {
+    plant: Simulated,
+    actuation: Actuation,
+}
+
+impl Trial {
+    /// The robot with the weight that hangs on its tip in this trial.
+    fn new(model: &Model, commands: &Recording, first_row: usize, noise_m: f64) -> Trial {
+        let mass_kg = commands.known_load_kg.as_ref().map_or(0.0, |load| load[first_row]);
+        let hung = (mass_kg > 0.0).then_some(EffectSpec::tip_load(mass_kg));
+        let options = SimulatedOptions { noise_m, travel_m: f64::INFINITY, ..SimulatedOptions::default() };
+        Trial { plant: Simulated::new(model, hung.as_slice(), options), actuation: commands.actuation }
+    }
+
+    fn run(
+        &mut self,
+        commands: &Recording,
+        rows: Range<usize>,
+        at_rest: bool,
+        seed: Seed,
+        sheet: &mut Sheet,
+    ) -> Result<(), PlantError> {
+        let mut seen = match self.actuation {
+            Actuation::Lengths => self.plant.reset(seed)?,
+            Actuation::Tensions => {
+                self.plant.reset_slack(seed);
+                self.plant.apply_tensions(&vec![0.0; commands.tendons()], true)?
+            }
+        };
+        for row in rows.clone() {
+            self.load(commands, row);
+            if at_rest {
+                seen = self.command(commands.commands.row(row), true)?;
+                seen.time_s = commands.time_s[row];
+            }
+            sheet.seen[row] = Some((seen.clone(), self.plant.rod().residual_m()));
+            if !at_rest && row + 1 < rows.end {
+                self.plant.set_step_s(commands.time_s[row + 1] - commands.time_s[row]);
+                seen = self.command(commands.commands.row(row), false)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Puts the row's load on the tip.
+    fn load(&mut self, commands: &Recording, row: usize) {
+        if let Some(loads) = &commands.tip_load {
+            let load = loads[row];
+            self.plant.set_extra_tip_load(TipLoad {
+                force_n: Vector3::from(load.force_n),
+                moment_nm: Vector3::from(load.moment_nm),
+            });
+        }
+    }
+
+    fn command(&mut self, command: &[f64], at_rest: bool) -> Result<Observation, PlantError> {
+        match (self.actuation, at_rest) {
+            (Actuation::Tensions, _) => self.plant.apply_tensions(command, at_rest),
+            (Actuation::Lengths, false) => self.plant.step(command),
+            (Actuation::Lengths, true) => {
+                let pulls: Vec<TendonCommand> = command.iter().map(|&pull| TendonCommand::Pull(pull)).collect();
+                self.plant.settle(&pulls)
+            }
+        }
+    }
+}

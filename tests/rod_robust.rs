@@ -1,0 +1,53 @@
+//! Random commands over the whole allowed range: every solve ends converged or with a named status.
+
+mod common;
+
+use rand::RngExt;
+use spinebench::base::{Plant, PlantError, Seed};
+use spinebench::effects::Model;
+use spinebench::plants::{Simulated, SimulatedOptions};
+
+fn model(text: &str) -> Model {
+    serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text)).unwrap()
+}
+
+/// Plays random steps of up to 3 mm (all four tendons on their own, so also slack and against each other) and counts
+/// the failures by name.
+fn failures(model: &Model, steps: usize, seed: u64) -> std::collections::BTreeMap<String, usize> {
+    let mut plant = Simulated::new(model, &[], SimulatedOptions::default());
+    let mut random = Seed(seed).rng();
+    let mut failures = std::collections::BTreeMap::new();
+    let mut pulls = [0.0_f64; 4];
+    plant.reset(Seed(seed)).unwrap();
+    for step in 0..steps {
+        if step % 50 == 0 {
+            pulls = [0.0; 4];
+            plant.reset(Seed(seed)).unwrap();
+        }
+        let bend = [random.random_range(-0.003..0.003), random.random_range(-0.003..0.003)];
+        for (i, pull) in pulls.iter_mut().enumerate() {
+            let sign = if i < 2 { 1.0 } else { -1.0 };
+            let own: f64 = random.random_range(-0.001..0.001);
+            *pull = (*pull + sign * bend[i % 2] + own).clamp(-0.03, 0.03);
+        }
+        match plant.step(&pulls) {
+            Ok(seen) => assert!(seen.tip_m.iter().all(|x| x.is_finite() && x.abs() < 0.25), "{:?}", seen.tip_m),
+            Err(PlantError::Solver(name)) => {
+                println!("step {step}: {name} at {pulls:?}");
+                *failures.entry(name).or_insert(0) += 1;
+                pulls = [0.0; 4];
+                plant.reset(Seed(seed)).unwrap();
+            }
+            Err(other) => panic!("{other}"),
+        }
+    }
+    failures
+}
+
+#[test]
+fn random_commands_never_fail_inside_the_workspace() {
+    for text in [include_str!("../models/nominal.yaml"), include_str!("../models/real.yaml")] {
+        let failed = failures(&model(text), 2000, 1);
+        assert!(failed.is_empty(), "{failed:?}");
+    }
+}
