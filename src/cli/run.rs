@@ -4,7 +4,7 @@ use super::shared::{Cache, Specs, Telling};
 use super::{Ended, Outcome};
 use clap::{Args, ValueEnum};
 use spinebench::data::rows::ClaimRow;
-use spinebench::runner::{self, Campaign, Files, Manifest, Outcomes, Progress, Publication};
+use spinebench::runner::{self, Campaign, Files, Manifest, Outcomes, Progress, Publication, StageTimes};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -49,7 +49,7 @@ impl Run {
             .map_err(|failure| Ended::No(failure.to_string()))?;
         let wall_s = began.elapsed().as_secs_f64();
         let published = self.publish(&campaign, &outcomes, wall_s).map_err(Ended::No)?;
-        summarise(&progress, &outcomes, &published, wall_s);
+        summarise(&progress, &campaign, &outcomes, &published, wall_s);
         self.verdict(&published)
     }
 
@@ -64,7 +64,7 @@ impl Run {
             let publication = entry.publish(outcomes).map_err(|error| format!("{name}: {error}"))?;
             let manifest = Manifest::new(campaign, entry, outcomes, self.telling.jobs, wall_s);
             let path = Path::new("results").join(&name).join("manifest.yaml");
-            files.insert(path, manifest.to_yaml().map_err(|error| words(&error))?);
+            files.insert(path, manifest.to_yaml()?);
             files.extend(publication.files.clone());
             claims.insert(name, publication.claims.clone());
             published.push(publication);
@@ -89,11 +89,16 @@ impl Run {
     }
 }
 
-fn summarise(progress: &Progress, outcomes: &Outcomes, published: &[Publication], wall_s: f64) {
+fn summarise(progress: &Progress, campaign: &Campaign, outcomes: &Outcomes, published: &[Publication], wall_s: f64) {
     let failed: usize = published.iter().map(|publication| publication.failed).sum();
     published.iter().flat_map(|publication| &publication.notices).for_each(|notice| progress.notice(notice));
     let (computed, cached) = (outcomes.computed, outcomes.cached);
     progress.say(&format!("{computed} stages computed, {cached} read, {failed} trials failed, {wall_s:.1} s"));
+    for (kind, times) in times_by_kind(campaign, outcomes) {
+        let StageTimes { count, computed, wall_s, cpu_s } = times;
+        progress
+            .say(&format!("  {kind:16} {count:5} stages {computed:5} computed {wall_s:9.2} s {cpu_s:9.2} s processor"));
+    }
     let mut verdicts: BTreeMap<&str, usize> = BTreeMap::new();
     for row in published.iter().flat_map(|publication| &publication.claims) {
         *verdicts.entry(&row.verdict).or_default() += 1;
@@ -102,4 +107,12 @@ fn summarise(progress: &Progress, outcomes: &Outcomes, published: &[Publication]
         let counts: Vec<String> = verdicts.iter().map(|(verdict, count)| format!("{count} {verdict}")).collect();
         progress.say(&format!("claims: {}", counts.join(", ")));
     }
+}
+
+/// Where the time went, the longest first; kinds of which nothing was computed are left out.
+fn times_by_kind<'a>(campaign: &'a Campaign, outcomes: &Outcomes) -> Vec<(&'a str, StageTimes)> {
+    let times = runner::stage_times(campaign, 0..campaign.graph.len(), outcomes);
+    let mut times: Vec<(&str, StageTimes)> = times.into_iter().filter(|(_, times)| times.computed > 0).collect();
+    times.sort_by(|(_, left), (_, right)| right.wall_s.total_cmp(&left.wall_s));
+    times
 }

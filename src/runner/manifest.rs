@@ -3,6 +3,7 @@
 use super::campaign::{Campaign, Entry};
 use super::schedule::Outcomes;
 use super::timing::Timing;
+use crate::specs::to_yaml;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
@@ -50,16 +51,7 @@ pub struct StageTimes {
 impl Manifest {
     /// The manifest of `entry` after a run of `campaign`.
     pub fn new(campaign: &Campaign, entry: &Entry, outcomes: &Outcomes, threads: usize, run_wall_s: f64) -> Manifest {
-        let mut stages: BTreeMap<String, StageTimes> = BTreeMap::new();
-        for number in needed(campaign, entry) {
-            let times = stages.entry(campaign.graph.describe(number).0.to_owned()).or_default();
-            times.count += 1;
-            if let Some(Timing { wall_s, cpu_s }) = outcomes.timings[number] {
-                times.computed += 1;
-                times.wall_s += wall_s;
-                times.cpu_s += cpu_s;
-            }
-        }
+        let stages = stage_times(campaign, needed(campaign, entry), outcomes);
         Manifest {
             experiment: entry.experiment.name.clone(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -70,7 +62,7 @@ impl Manifest {
             processor: processor(),
             threads,
             run_wall_s,
-            stages,
+            stages: stages.into_iter().map(|(kind, times)| (kind.to_owned(), times)).collect(),
         }
     }
 
@@ -78,9 +70,28 @@ impl Manifest {
     ///
     /// # Errors
     /// What the serialiser says.
-    pub fn to_yaml(&self) -> Result<Vec<u8>, serde_yaml::Error> {
-        serde_yaml::to_string(self).map(String::into_bytes)
+    pub fn to_yaml(&self) -> Result<Vec<u8>, String> {
+        to_yaml(self).map(String::into_bytes)
     }
+}
+
+/// What these stages took, by kind.
+pub fn stage_times<'a>(
+    campaign: &'a Campaign,
+    numbers: impl IntoIterator<Item = usize>,
+    outcomes: &Outcomes,
+) -> BTreeMap<&'a str, StageTimes> {
+    let mut stages: BTreeMap<&str, StageTimes> = BTreeMap::new();
+    for number in numbers {
+        let times = stages.entry(campaign.graph.describe(number).0).or_default();
+        times.count += 1;
+        if let Some(Timing { wall_s, cpu_s }) = outcomes.timings[number] {
+            times.computed += 1;
+            times.wall_s += wall_s;
+            times.cpu_s += cpu_s;
+        }
+    }
+    stages
 }
 
 /// All stages behind what an experiment publishes.

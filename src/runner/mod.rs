@@ -21,7 +21,7 @@ pub use claims::{SEEDS_NEEDED, evaluate};
 pub use compare::{Difference, compare};
 pub use graph::{Artifact, Failure, Graph, Handle, Inputs, Kind};
 pub use key::Key;
-pub use manifest::{Manifest, StageTimes};
+pub use manifest::{Manifest, StageTimes, stage_times};
 pub use metrics::Tables;
 pub use progress::{Progress, Style};
 pub use results::{Files, Publication, PublishError, all_claims, write_files};

@@ -7,6 +7,7 @@ use super::schedule::Outcomes;
 use crate::data::rows::ClaimRow;
 use crate::data::{DataError, tables, write_atomic};
 use crate::report::{self, ReportError, Shelf};
+use crate::specs::to_yaml;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -22,7 +23,7 @@ pub enum PublishError {
     Report(#[from] ReportError),
     /// The spec cannot be written as YAML.
     #[error("spec.yaml: {0}")]
-    Spec(#[from] serde_yaml::Error),
+    Spec(String),
 }
 
 /// Files by their path below the output folder.
@@ -62,11 +63,10 @@ impl Entry {
     }
 
     /// The resolved spec: what it extends, includes and leaves to defaults filled in. It runs as it is.
-    fn spec_yaml(&self) -> Result<Vec<u8>, serde_yaml::Error> {
-        let mut text = b"# The spec as it was run, with everything filled in.\n".to_vec();
-        let mut serializer = serde_yaml::Serializer::new(&mut text);
-        serde_yaml::with::singleton_map_recursive::serialize(&self.experiment, &mut serializer)?;
-        Ok(text)
+    fn spec_yaml(&self) -> Result<Vec<u8>, PublishError> {
+        let head = "# The spec as it was run, with everything filled in.\n";
+        let body = to_yaml(&self.experiment).map_err(PublishError::Spec)?;
+        Ok((head.to_owned() + &body).into_bytes())
     }
 
     fn tables_to(&self, tables: &Tables, folder: &Path, files: &mut Files) -> Result<(), DataError> {

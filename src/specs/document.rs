@@ -123,7 +123,8 @@ impl Document {
 
     /// Where `path`, or what of it exists, was written.
     pub fn place(&self, path: &KeyPath, end: End) -> Place {
-        match self.owner(path) {
+        // What is only in a layer that another one overrides is not there.
+        match self.owner(path).filter(|_| self.has(path)) {
             Some(layer) => layer.place(path, end),
             None if path.0.is_empty() => Place::File { file: self.file.clone(), line: 1, column: 1 },
             None => self.place(&path.parent(), End::Value),

@@ -25,7 +25,19 @@ pub use model::{model_text, read_model, read_plant};
 pub use path::{KeyPath, Step};
 pub use plant::{PlantSpec, SimulatedSpec};
 
+use serde::Serialize;
 use std::path::Path;
+
+/// A value as YAML in the form in which specs are read.
+///
+/// # Errors
+/// What the serialiser says, for a type that YAML cannot hold.
+pub fn to_yaml<T: Serialize>(value: &T) -> Result<String, String> {
+    let mut text = Vec::new();
+    let mut serializer = serde_yaml::Serializer::new(&mut text);
+    serde_yaml::with::singleton_map_recursive::serialize(value, &mut serializer).map_err(|error| error.to_string())?;
+    String::from_utf8(text).map_err(|error| error.to_string())
+}
 
 impl Experiment {
     /// Reads and checks a spec with overrides `path.to.key=value`.

@@ -58,8 +58,10 @@ fn unknown(words: &str, path: &KeyPath) -> Option<Said> {
         Some(near) => format!("{listed} (did you mean `{near}`?)"),
         None => listed,
     };
-    let inside = if path.0.last() == KeyPath::default().key(name).0.last() { path.clone() } else { path.key(name) };
-    let (key, end) = if kind == "key" { (inside, End::Key) } else { (path.clone(), End::Value) };
+    // The line of an unknown name that has settings is its own, otherwise that of the key whose value it is.
+    let own = path.0.last() == KeyPath::default().key(name).0.last();
+    let key = if own || kind == "name" { path.clone() } else { path.key(name) };
+    let end = if own || kind == "key" { End::Key } else { End::Value };
     Some(Said::new(key, end, format!("the unknown {kind} `{name}`"), expected))
 }
 

@@ -6,11 +6,11 @@ use crate::data::rows::GapRow;
 use crate::runner::graph::Kind;
 use crate::tasks::{self, GpPoints, Samples};
 
-const EXPLORE: Kind = Kind { name: "collect_sim", version: 1, cost_ms: 4000 };
-const REPLAY: Kind = Kind { name: "collect_real", version: 1, cost_ms: 4000 };
+const EXPLORE: Kind = Kind { name: "collect_sim", version: 1, cost_ms: 14000 };
+const REPLAY: Kind = Kind { name: "collect_real", version: 1, cost_ms: 20000 };
 const GAP: Kind = Kind { name: "gap", version: 1, cost_ms: 20 };
-const GP_POOL: Kind = Kind { name: "gp_pool", version: 1, cost_ms: 1000 };
-const TARGET_POOL: Kind = Kind { name: "target_pool", version: 1, cost_ms: 2000 };
+const GP_POOL: Kind = Kind { name: "gp_pool", version: 1, cost_ms: 4000 };
+const TARGET_POOL: Kind = Kind { name: "target_pool", version: 1, cost_ms: 4000 };
 const TARGETS: Kind = Kind { name: "targets", version: 1, cost_ms: 1 };
 const WAYPOINTS: Kind = Kind { name: "waypoints", version: 1, cost_ms: 100 };
 const PATH: Kind = Kind { name: "path", version: 1, cost_ms: 1 };

@@ -10,11 +10,11 @@ use crate::specs::{GeneratedStart, Training};
 use crate::tasks;
 use serde::{Deserialize, Serialize};
 
-const FORWARD: Kind = Kind { name: "train_forward", version: 1, cost_ms: 8000 };
-const INVERSE: Kind = Kind { name: "train_inverse", version: 1, cost_ms: 8000 };
-const GENERATED: Kind = Kind { name: "train_inverse_b", version: 1, cost_ms: 8000 };
-const REAL: Kind = Kind { name: "train_pi_real", version: 1, cost_ms: 4000 };
-const GP: Kind = Kind { name: "gp_fit", version: 1, cost_ms: 500 };
+const FORWARD: Kind = Kind { name: "train_forward", version: 1, cost_ms: 2000 };
+const INVERSE: Kind = Kind { name: "train_inverse", version: 1, cost_ms: 1000 };
+const GENERATED: Kind = Kind { name: "train_inverse_b", version: 1, cost_ms: 1000 };
+const REAL: Kind = Kind { name: "train_pi_real", version: 1, cost_ms: 1000 };
+const GP: Kind = Kind { name: "gp_fit", version: 1, cost_ms: 100 };
 
 /// A Gaussian process and how good it is.
 #[derive(Clone, Debug, Serialize, Deserialize)]

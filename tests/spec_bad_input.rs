@@ -1,0 +1,190 @@
+//! Bad specs: one error with file, line, column, key, what was found and what was expected; exit status 2; nothing
+//! written.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// Runs the program on `bad.yaml` in `folder`, which extends the smoke experiment.
+fn run(folder: &Path, text: &str, more: &[&str]) -> Output {
+    let experiments = Path::new(env!("CARGO_MANIFEST_DIR")).join("experiments");
+    let spec = format!("extends: {}/smoke.yaml\n{text}", experiments.display());
+    std::fs::write(folder.join("bad.yaml"), spec).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_spinebench"));
+    command.current_dir(folder).args(["run", "bad.yaml", "--out", "out", "--quiet"]).args(more);
+    command.env_remove("SPINEBENCH_CACHE").output().unwrap()
+}
+
+/// The text after `extends:` (which is line 1), and how the error begins after `error: `.
+const BAD: &[(&str, &str)] = &[
+    // Unknown keys, with the nearest known one.
+    ("duration_ms: 5", "bad.yaml:2:1: duration_ms: found the unknown key `duration_ms`, expected one of"),
+    ("seedz: 5", "bad.yaml:2:1: seedz: found the unknown key `seedz`"),
+    ("explore: {point: 5}", "bad.yaml:2:11: explore.point: found the unknown key `point`"),
+    ("gp:\n  kernle: se_ard", "bad.yaml:3:3: gp.kernle: found the unknown key `kernle`"),
+    (
+        "network: {optimization_itarations: bull}",
+        "bad.yaml:2:11: network.optimization_itarations: found the unknown key",
+    ),
+    ("policies: {c: {error_mm: 15}}", "bad.yaml:2:16: policies.c.error_mm: found the unknown key `error_mm`"),
+    ("modes: {closed: {load_kg: 1}}", "bad.yaml:2:18: modes.closed.load_kg: found the unknown key `load_kg`"),
+    ("runs:\n  reach:\n    - {policy: a}", "bad.yaml:4:8: runs.reach[0].policy: found the unknown key `policy`"),
+    (
+        "claims: [{claim: x, statement: y, relation: {more: {}}}]",
+        "bad.yaml:2:46: claims[0].relation.more: found the unknown name `more`",
+    ),
+    // Wrong types.
+    ("seeds: many", "bad.yaml:2:8: seeds: found text \"many\", expected a whole number"),
+    ("seeds: 1.5", "bad.yaml:2:8: seeds: found floating point `1.5`, expected a whole number"),
+    ("explore: {points: -3}", "bad.yaml:2:19: explore.points: found integer `-3`, expected a whole number, 0 or more"),
+    ("control_hz: [5]", "bad.yaml:2:13: control_hz: found sequence, expected a number"),
+    ("training: paper", "bad.yaml:2:11: training: found text \"paper\", expected a mapping"),
+    ("runs: {reach: {policies: [a]}}", "bad.yaml:2:15: runs.reach: found a mapping, expected a list"),
+    ("policies: {c: {check: sometimes}}", "bad.yaml:2:23: policies.c.check: found the unknown name `sometimes`"),
+    ("gp: {kernel: se_adr}", "bad.yaml:2:14: gp.kernel: found the unknown kernel `se_adr`, expected"),
+    // Ranges.
+    ("seeds: 0", "bad.yaml:2:8: seeds: found 0, expected at least 1"),
+    ("control_hz: 0", "bad.yaml:2:13: control_hz: found 0, expected a rate above 0"),
+    ("control_hz: .nan", "bad.yaml:2:13: control_hz: found .nan, expected a rate above 0"),
+    ("name: ../elsewhere", "bad.yaml:2:7: name: found `../elsewhere`, expected a name of letters"),
+    ("network: {train_share: 1.7}", "bad.yaml:2:24: network.train_share: found 1.7, expected 0.05 to 0.95"),
+    ("network: {hidden: 0}", "bad.yaml:2:19: network.hidden: found 0, expected 1 to 1024"),
+    (
+        "network: {stop_at_validation_mae_m: 0.01}",
+        "bad.yaml:2:37: network.stop_at_validation_mae_m: found 0.01, expected null",
+    ),
+    (
+        "training: {paper: {inverse_mae_m: -0.1}}",
+        "bad.yaml:2:35: training.paper.inverse_mae_m: found -0.1, expected a length above 0",
+    ),
+    (
+        "explore: {max_step_m: -0.003}",
+        "bad.yaml:2:23: explore.max_step_m: found -0.003, expected a finite number above 0",
+    ),
+    (
+        "policies: {a: {tolerance_m: 0}}",
+        "bad.yaml:2:29: policies.a.tolerance_m: found 0, expected a finite number above 0",
+    ),
+    ("plant: {simulated: {noise_m: -1}}", "bad.yaml:2:30: plant.simulated.noise_m: found -1, expected"),
+    (
+        "modes: {closed_load: {effects: [{tip_load: {mass_kg: -0.02}}]}}",
+        "bad.yaml:2:54: modes.closed_load.effects[0].tip_load.mass_kg: found -0.02",
+    ),
+    (
+        "modes: {closed_load: {effects: [{tip_lode: {mass_kg: 0.02}}]}}",
+        "bad.yaml:2:34: modes.closed_load.effects[0].tip_lode: found the unknown name `tip_lode`",
+    ),
+    // Sizes larger than the data.
+    (
+        "runs:\n  reach:\n    - {policies: [a], modes: [closed], gp_points: [10, 81]}",
+        "bad.yaml:4:56: runs.reach[0].gp_points[1]: found 81, expected 2 to 80, the number of predefined points",
+    ),
+    (
+        "runs:\n  reach:\n    - {policies: [pi_real], modes: [closed], real_points: [241]}",
+        "bad.yaml:4:60: runs.reach[0].real_points[0]: found 241, expected 10 to 240, the number of collected points",
+    ),
+    ("targets: {drawn: 21}", "bad.yaml:2:18: targets.drawn: found 21, expected at most pool"),
+    ("targets: {pool: 50}", "bad.yaml:2:17: targets.pool: found 50, expected at most"),
+    ("runs: {track: {real_points: 500}}", "bad.yaml:2:29: runs.track.real_points: found 500, expected 10 to 240"),
+    ("runs: {gp_points: [100]}", "bad.yaml:2:20: runs.gp_points[0]: found 100, expected 2 to 80"),
+    ("runs: {gap: {rows: 241}}", "bad.yaml:2:20: runs.gap.rows: found 241, expected 1 to 240"),
+    // Empty or doubled sweeps, missing sizes, unknown names.
+    (
+        "runs:\n  reach:\n    - {policies: [], modes: [closed]}",
+        "bad.yaml:4:18: runs.reach[0].policies: found an empty list, expected at least one value",
+    ),
+    (
+        "runs:\n  reach:\n    - {policies: [a], modes: [closed], gp_points: []}",
+        "bad.yaml:4:51: runs.reach[0].gp_points: found an empty list, expected at least one value",
+    ),
+    (
+        "runs:\n  reach:\n    - {policies: [a], modes: [closed], gp_points: [20, 20]}",
+        "bad.yaml:4:56: runs.reach[0].gp_points[1]: found 20, expected each value once",
+    ),
+    (
+        "runs:\n  reach:\n    - {policies: [a], modes: [closed]}",
+        "bad.yaml:4:7: runs.reach[0].gp_points: found nothing, expected sizes for policy `a`",
+    ),
+    (
+        "runs:\n  reach:\n    - {policies: [d], modes: [closed]}",
+        "bad.yaml:4:19: runs.reach[0].policies[0]: found `d`, expected one of `a`",
+    ),
+    (
+        "runs:\n  reach:\n    - {policies: [a], modes: [ajar], gp_points: [20]}",
+        "bad.yaml:4:31: runs.reach[0].modes[0]: found `ajar`, expected one of",
+    ),
+    ("figures: [fig9]", "bad.yaml:2:11: figures[0]: found `fig9`, expected one of"),
+    ("training: {}\nclaims: []\nseeds: 0", "bad.yaml:4:8: seeds"),
+    // Claims that the rows cannot decide.
+    (
+        "claims: [{claim: x, statement: y, relation: {near: {metric: {gp_error: {points: 33}}, figure: 1, tolerance: 1}}}]",
+        "bad.yaml:2:61: claims[0].relation.near.metric: found a mapping, expected one of the fitted sizes",
+    ),
+    (
+        "claims: [{claim: x, statement: y, relation: {near: {metric: {track_time: {policy: d}}, figure: 1, tolerance: 1}}}]",
+        "bad.yaml:2:61: claims[0].relation.near.metric: found a mapping, expected a policy of `runs.track`",
+    ),
+    // Files.
+    ("model: {simulated: {model: nowhere.yaml}}", "bad.yaml:2:28: model.simulated.model: found no file `nowhere.yaml`"),
+    ("plant: {hologram: {}}", "bad.yaml:2:"),
+    ("name: [", "bad.yaml:3:1: found"),
+    ("name: a\nname: b", "bad.yaml:"),
+];
+
+#[test]
+fn every_bad_spec_is_refused_with_its_place_and_nothing_is_written() {
+    let mut wrong = Vec::new();
+    for (text, expected) in BAD {
+        let folder = tempfile::tempdir().unwrap();
+        let output = run(folder.path(), text, &[]);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{text}\n{said}");
+        if !said.starts_with(&format!("error: {expected}")) {
+            wrong.push(format!("{text}\n  said   {said}  wanted error: {expected}"));
+        }
+        assert_eq!(said.lines().count(), 1, "{text}\n{said}");
+        assert!(output.stdout.is_empty(), "{text}");
+        let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().flatten().map(|file| file.file_name()).collect();
+        assert_eq!(left, ["bad.yaml"], "{text}");
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn overrides_are_checked_like_files() {
+    let cases = [
+        (
+            "gp.starts=-3",
+            "error: --set gp.starts=-3: gp.starts: found integer `-3`, expected a whole number, 0 or more",
+        ),
+        ("gp.startz=3", "error: --set gp.startz=3: gp.startz: found the unknown key `startz`"),
+        ("targets.drawn=900", "error: --set targets.drawn=900: targets.drawn: found 900, expected at most pool"),
+        ("gp", "error: --set gp: (whole document): found `gp`, expected path.to.key=value"),
+        ("gp.starts=[", "error: --set gp.starts=[: found"),
+    ];
+    for (set, expected) in cases {
+        let folder = tempfile::tempdir().unwrap();
+        let output = run(folder.path(), "", &["--set", set]);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{set}\n{said}");
+        assert!(said.starts_with(expected), "{said}");
+        assert!(!folder.path().join("out").exists());
+    }
+}
+
+#[test]
+fn usage_errors_and_missing_specs_end_with_2() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_spinebench"));
+        command.current_dir(folder.path()).args(arguments).output().unwrap()
+    };
+    let missing = run(&["run", "nowhere.yaml"]);
+    assert_eq!(missing.status.code(), Some(2));
+    let said = String::from_utf8(missing.stderr).unwrap();
+    assert_eq!(said, "error: nowhere.yaml: found no file `nowhere.yaml`, expected the name of a YAML file\n");
+    for arguments in [&["run"] as &[&str], &["frobnicate"], &["run", "x.yaml", "--seeds", "some"], &["verify"]] {
+        assert_eq!(run(arguments).status.code(), Some(2), "{arguments:?}");
+    }
+    assert_eq!(run(&["--help"]).status.code(), Some(0));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
