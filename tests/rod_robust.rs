@@ -13,7 +13,7 @@ fn model(text: &str) -> Model {
 
 /// Plays random steps of up to 3 mm (all four tendons on their own, so also slack and against each other) and counts
 /// the failures by name.
-fn failures(model: &Model, steps: usize, seed: u64) -> std::collections::BTreeMap<String, usize> {
+fn failures(model: &Model, steps: usize, seed: u64, jump_m: f64, own_m: f64) -> std::collections::BTreeMap<String, usize> {
     let mut plant = Simulated::new(model, &[], SimulatedOptions::default());
     let mut random = Seed(seed).rng();
     let mut failures = std::collections::BTreeMap::new();
@@ -24,10 +24,10 @@ fn failures(model: &Model, steps: usize, seed: u64) -> std::collections::BTreeMa
             pulls = [0.0; 4];
             plant.reset(Seed(seed)).unwrap();
         }
-        let bend = [random.random_range(-0.003..0.003), random.random_range(-0.003..0.003)];
+        let bend = [random.random_range(-jump_m..jump_m), random.random_range(-jump_m..jump_m)];
         for (i, pull) in pulls.iter_mut().enumerate() {
             let sign = if i < 2 { 1.0 } else { -1.0 };
-            let own: f64 = random.random_range(-0.001..0.001);
+            let own: f64 = random.random_range(-own_m..own_m);
             *pull = (*pull + sign * bend[i % 2] + own).clamp(-0.03, 0.03);
         }
         match plant.step(&pulls) {
@@ -47,7 +47,16 @@ fn failures(model: &Model, steps: usize, seed: u64) -> std::collections::BTreeMa
 #[test]
 fn random_commands_never_fail_inside_the_workspace() {
     for text in [include_str!("../models/nominal.yaml"), include_str!("../models/real.yaml")] {
-        let failed = failures(&model(text), 2000, 1);
+        let failed = failures(&model(text), 2000, 1, 0.003, 0.001);
         assert!(failed.is_empty(), "{failed:?}");
+    }
+}
+
+#[test]
+fn violent_commands_end_converged_or_named() {
+    let real = model(include_str!("../models/real.yaml"));
+    for (jump_m, own_m) in [(0.01, 0.003), (0.03, 0.003), (0.03, 0.01)] {
+        let failed = failures(&real, 3000, 2, jump_m, own_m);
+        println!("jumps of {jump_m} m and {own_m} m: {failed:?}");
     }
 }

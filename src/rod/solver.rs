@@ -11,9 +11,9 @@ use super::status::Status;
 use super::system::{Conditions, Hold, System, Work};
 
 const MOST_ITERATIONS: usize = 150;
-/// Changes of the taut set that may move several tendons at once, at any iterate.
-const QUICK_SET_CHANGES: usize = 6;
-const MOST_SET_CHANGES: usize = 24;
+/// Changes of the taut set at any iterate; after so many, each set is solved for first.
+const QUICK_SET_CHANGES: usize = 10;
+const MOST_SET_CHANGES: usize = 30;
 /// A tendon may be overstretched by this share of the solve's tolerance before it counts as taut …
 const SET_TOLERANCE: f64 = 0.1;
 /// … and push by as much as such a stretch is worth: about the compliance of the softest spine, m/N.
@@ -102,8 +102,7 @@ impl Solver {
             // Once sets alternate, each is solved for before the next one is tried.
             let patient = set_changes > QUICK_SET_CHANGES;
             let ripe = !patient || (!shortened && size < 1e-3 * system.params.length_m());
-            let rule = (tolerance_m, patient);
-            if ripe && self.change_set(system, unknowns, (taut, conditions.holds), &step, rule) {
+            if ripe && self.change_set(system, unknowns, (taut, conditions.holds), &step, tolerance_m) {
                 set_changes += 1;
                 if set_changes > MOST_SET_CHANGES {
                     return self.give_up(Status::TendonSetUnsettled);
@@ -147,41 +146,36 @@ impl Solver {
         self.factors.as_ref()?.solve_mut(&mut step).then_some(step)
     }
 
-    /// Moves tendons between taut and slack where the step just taken says so; true if any moved. With `one`, only
-    /// the worst offender moves: slower, but sets that alternate between two faults come to an end.
+    /// Moves the tendon that offends most between taut and slack, as the step just taken says; true if one moved.
+    /// One at a time: more taut tendons than the shape has freedom for would contradict each other.
     fn change_set(
         &self,
         system: &System,
         unknowns: &mut [f64],
         (taut, holds): (&mut [bool], &[Hold]),
         step: &DVector<f64>,
-        (tolerance_m, one): (f64, bool),
+        tolerance_m: f64,
     ) -> bool {
         let n = system.grid.unknowns;
-        let mut offences: Vec<(usize, f64)> = Vec::with_capacity(taut.len());
+        let (mut worst, mut offence) = (None, SET_TOLERANCE * tolerance_m);
         for (i, hold) in holds.iter().enumerate() {
-            if !matches!(hold, Hold::Length(_)) {
-                continue;
-            }
-            let offence = if taut[i] {
-                -unknowns[n + i] * PUSH_M_PER_N
-            } else {
-                // Length after the step, to first order.
-                let shift = self.derivative.length_change_m(system, i, &step.as_slice()[..n]);
-                system.overstretch_m(i, hold, 0.0, &self.work) - shift
+            let own = match hold {
+                Hold::Tension(_) => continue,
+                Hold::Length(_) if taut[i] => -unknowns[n + i] * PUSH_M_PER_N,
+                Hold::Length(_) => {
+                    // Length after the step, to first order.
+                    let shift = self.derivative.length_change_m(system, i, &step.as_slice()[..n]);
+                    system.overstretch_m(i, hold, 0.0, &self.work) - shift
+                }
             };
-            if offence > SET_TOLERANCE * tolerance_m {
-                offences.push((i, offence));
+            if own > offence {
+                (worst, offence) = (Some(i), own);
             }
         }
-        if one {
-            offences.sort_by(|a, b| b.1.total_cmp(&a.1));
-            offences.truncate(1);
-        }
-        for &(i, _) in &offences {
+        if let Some(i) = worst {
             taut[i] = !taut[i];
             unknowns[n + i] = 0.0;
         }
-        !offences.is_empty()
+        worst.is_some()
     }
 }
