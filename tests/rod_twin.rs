@@ -12,6 +12,11 @@ fn nominal() -> Model {
     serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text)).unwrap()
 }
 
+fn effect(yaml: &str) -> Vec<EffectSpec> {
+    let text = if yaml.is_empty() { "[]" } else { yaml };
+    serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text)).unwrap()
+}
+
 /// Per-axis root mean square distance between model and recording, and between their static home poses.
 fn rms_m(model: &Model, extra: &[EffectSpec], file: &str, dt: f64, scheme: Scheme) -> ([f64; 3], f64) {
     let rows = common::read(&format!("tests/reference/twin/{file}.csv"));
@@ -37,50 +42,30 @@ fn rms_m(model: &Model, extra: &[EffectSpec], file: &str, dt: f64, scheme: Schem
     (each, each.iter().map(|e| e * e).sum::<f64>().sqrt())
 }
 
+/// What separates the rod from a chain of hinges at these numbers, beyond 0.87 mm of noise, is model form: an
+/// independent static rod, uncalibrated, is stated to stay within 1.3 mm.
 #[test]
-fn explore() {
+fn the_uncalibrated_model_follows_the_recordings() {
     let model = nominal();
-    for (scheme, dt) in [
-        (Scheme::Sdirk2, 0.2),
-        (Scheme::Sdirk2, 0.1),
-        (Scheme::Sdirk2, 0.05),
-        (Scheme::Sdirk2, 0.02),
-        (Scheme::Sdirk2, 0.01),
-        (Scheme::Sdirk2, 0.002),
-        (Scheme::Euler, 0.02),
-        (Scheme::Euler, 0.1),
-        (Scheme::Sdirk3, 0.05),
-    ] {
-        let start = std::time::Instant::now();
-        let (each, all) = rms_m(&model, &[], "baseline", dt, scheme);
-        let took = start.elapsed().as_secs_f64();
-        println!(
-            "{scheme:?} {dt}: {:.3} mm, {:?} mm; {took:.3} s, real-time factor {:.0}",
-            all * 1e3,
-            each.map(|e| (e * 1e5).round() / 100.0),
-            400.0 * 0.2 / took
-        );
+    for (file, effects) in [("baseline", ""), ("nothing", ""), ("tip_load_10g", "- tip_load: {mass_kg: 0.01}")] {
+        let (_, all) = rms_m(&model, &effect(effects), file, 0.05, Scheme::Sdirk2);
+        println!("{file}: {:.3} mm rms", all * 1e3);
+        assert!(all < 1.3e-3, "{file}: {all} m");
     }
 }
 
 #[test]
-fn effort() {
-    let rows = common::read("tests/reference/twin/baseline.csv");
-    let mut model = nominal();
-    model.robot.resolution.time_step_s = 0.05;
-    let mut plant = Simulated::new(&model, &[], SimulatedOptions::default());
-    plant.reset(Seed(0)).unwrap();
-    let start = std::time::Instant::now();
-    let (i0, f0) = plant.rod().effort();
-    for row in std::iter::repeat_n(&rows[..50], 20).flatten() {
-        let pulls: Vec<f64> = (1..=4).map(|i| row[&format!("tendon_{i}_m")]).collect();
-        plant.step(&pulls).unwrap();
-    }
-    let (i1, f1) = plant.rod().effort();
-    println!(
-        "per tick: {:.1} iterations {:.1} factorisations, {:.0} us",
-        (i1 - i0) as f64 / 1000.0,
-        (f1 - f0) as f64 / 1000.0,
-        start.elapsed().as_secs_f64() * 1e6 / 1000.0
-    );
+fn a_missing_load_is_seen_and_adding_it_closes_the_gap() {
+    let model = nominal();
+    let (_, without) = rms_m(&model, &[], "tip_load_10g", 0.05, Scheme::Sdirk2);
+    let (_, with) = rms_m(&model, &effect("- tip_load: {mass_kg: 0.01}"), "tip_load_10g", 0.05, Scheme::Sdirk2);
+    assert!(without > 5e-3 && with < 0.25 * without, "{without} m without, {with} m with the load");
+}
+
+#[test]
+fn the_time_step_is_fine_enough() {
+    let model = nominal();
+    let (_, usual) = rms_m(&model, &[], "baseline", 0.05, Scheme::Sdirk2);
+    let (_, fine) = rms_m(&model, &[], "baseline", 0.005, Scheme::Sdirk2);
+    assert!((usual - fine).abs() < 5e-5, "{usual} m at the default step, {fine} m at a tenth of it");
 }
