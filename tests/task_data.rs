@@ -7,9 +7,9 @@ use proptest::prelude::*;
 use spinebench::base::{Plant, Point3, Seed, distance_m};
 use spinebench::plants::{ConstantCurvature, ConstantCurvatureOptions};
 use spinebench::tasks::{
-    ExploreOptions, GpPointsOptions, Layout, PathOptions, Samples, TargetOptions, TaskError, draw_targets, explore,
-    explore_trajectory, generate, gp_points, interpolate, one_of_each_cluster, replay, spread_targets, target_pool,
-    waypoints,
+    ExploreOptions, GpPointsOptions, GridOptions, Layout, PathOptions, Samples, TargetOptions, TaskError, draw_targets,
+    explore, explore_trajectory, generate, gp_points, interpolate, one_of_each_cluster, replay, spread_targets,
+    target_pool, waypoints,
 };
 
 const SHIFT_M: Point3 = [-0.012, 0.004, 0.001];
@@ -110,8 +110,11 @@ fn the_first_samples_keep_their_trajectories() {
 
 #[test]
 fn gp_points_hold_the_gap_and_their_inputs() {
-    for layout in [Layout::Grid, Layout::Walk] {
-        let options = GpPointsOptions { layout, ..GpPointsOptions::default() };
+    for layout in [
+        Layout::Grid(GridOptions::default()),
+        Layout::Walk { points: 1_000, every: 3, max_step_m: 0.003, max_pull_m: 0.03 },
+    ] {
+        let options = GpPointsOptions { layout, hold_steps: 0 };
         let points = gp_points(&mut at_once([0.0; 3]), &mut at_once(SHIFT_M), &options, Seed(9)).unwrap();
         assert_eq!((points.inputs.len(), points.inputs.width(), points.errors_m.len()), (1_000, 7, 1_000));
         for index in 0..points.inputs.len() {

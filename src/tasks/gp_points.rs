@@ -10,63 +10,46 @@ use super::{Samples, TaskError};
 use crate::base::{BadOption, Observation, Plant, Rows, Seed, TendonCommand};
 
 /// How the predefined points lie in the workspace.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Layout {
     /// A serpentine over the actuation plane, one point a grid node, visited in order.
-    #[default]
-    Grid,
-    /// Steps of a random exploration of its own.
-    Walk,
-}
-
-/// Points of a random exploration: every `every`-th step.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct WalkOptions {
-    /// Points kept.
-    pub points: usize,
-    /// Steps from one kept point to the next.
-    pub every: usize,
-    /// Largest change of an actuated tendon in a step.
-    pub max_step_m: f64,
-    /// Largest pull.
-    pub max_pull_m: f64,
-}
-
-impl Default for WalkOptions {
-    fn default() -> Self {
-        WalkOptions { points: 1_000, every: 10, max_step_m: 0.003, max_pull_m: 0.03 }
-    }
-}
-
-impl WalkOptions {
-    fn exploration(&self) -> ExploreOptions {
-        let points = self.points.saturating_mul(self.every);
-        ExploreOptions { points, trajectories: 1, max_step_m: self.max_step_m, max_pull_m: self.max_pull_m }
-    }
+    Grid(GridOptions),
+    /// So many points of a random exploration of its own, every `every`-th step.
+    Walk {
+        /// Points kept.
+        points: usize,
+        /// Steps from one kept point to the next.
+        every: usize,
+        /// Largest change of an actuated tendon in a step.
+        max_step_m: f64,
+        /// Largest pull.
+        max_pull_m: f64,
+    },
 }
 
 /// Settings of the predefined points.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct GpPointsOptions {
     /// How they lie in the workspace.
     pub layout: Layout,
-    /// The nodes, for [`Layout::Grid`].
-    pub grid: GridOptions,
-    /// The steps, for [`Layout::Walk`].
-    pub walk: WalkOptions,
-    /// Further steps for which a node's command is held before it is measured (grid only).
+    /// Further steps for which a point's command is held before it is measured (grid only).
     pub hold_steps: usize,
+}
+
+impl Default for GpPointsOptions {
+    fn default() -> Self {
+        GpPointsOptions { layout: Layout::Grid(GridOptions::default()), hold_steps: 0 }
+    }
 }
 
 impl GpPointsOptions {
     /// Number of points.
     pub fn points(&self) -> usize {
         match self.layout {
-            Layout::Grid => self.grid.rows * self.grid.columns,
-            Layout::Walk => self.walk.points,
+            Layout::Grid(grid) => grid.rows * grid.columns,
+            Layout::Walk { points, .. } => points,
         }
     }
 
@@ -75,9 +58,13 @@ impl GpPointsOptions {
     /// # Errors
     /// [`BadOption`] names the first field out of range.
     pub fn check(&self) -> Result<(), BadOption> {
-        self.grid.check()?;
-        BadOption::unless_counted("every", self.walk.every)?;
-        self.walk.exploration().check()
+        match self.layout {
+            Layout::Grid(grid) => grid.check(),
+            Layout::Walk { points, every, max_step_m, max_pull_m } => {
+                BadOption::unless_counted("every", every)?;
+                ExploreOptions { points, trajectories: 1, max_step_m, max_pull_m }.check()
+            }
+        }
     }
 }
 
@@ -122,10 +109,10 @@ pub fn gp_points(
     options.check()?;
     let seed = seed.child("gp_points");
     let visited = match options.layout {
-        Layout::Grid => visit_grid(model, &options.grid, options.hold_steps, seed)?,
-        Layout::Walk => {
-            let WalkOptions { points, every, .. } = options.walk;
-            let steps = explore_trajectory(model, &options.walk.exploration(), seed, 0)?;
+        Layout::Grid(grid) => visit_grid(model, &grid, options.hold_steps, seed)?,
+        Layout::Walk { points, every, max_step_m, max_pull_m } => {
+            let walk = ExploreOptions { points: points * every, trajectories: 1, max_step_m, max_pull_m };
+            let steps = explore_trajectory(model, &walk, seed, 0)?;
             Visited { steps, kept: (0..points).map(|point| point * every + every / 2).collect() }
         }
     };

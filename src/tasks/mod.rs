@@ -16,7 +16,7 @@ pub use actuation::{GridOptions, bend_commands};
 pub use calibrate::{ADJUSTABLE, Adjustable, Calibrated, Calibration, calibrate};
 pub use explore::{ExploreOptions, explore, explore_trajectory, replay, replay_trajectory};
 pub use generate::generate;
-pub use gp_points::{GpPoints, GpPointsOptions, Layout, WalkOptions, gp_points, one_of_each_cluster};
+pub use gp_points::{GpPoints, GpPointsOptions, Layout, gp_points, one_of_each_cluster};
 pub use path::{PathOptions, interpolate, waypoints};
 pub use play::{PlayOptions, play};
 pub use reach::{LoopMode, ReachOptions, ReachOutcome, reach};
