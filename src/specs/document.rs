@@ -277,7 +277,7 @@ fn merge(under: &mut Value, over: Value) {
 
 /// Keys whose value is one alternative with its settings, such as `plant: {simulated: {…}}`: another alternative
 /// replaces the first instead of joining it.
-const CHOICES: [&str; 2] = ["model", "plant"];
+const CHOICES: [&str; 3] = ["model", "plant", "layout"];
 
 fn other_choice(key: &Value, under: &Value, over: &Value) -> bool {
     let (Value::Mapping(under), Value::Mapping(over)) = (under, over) else { return false };
