@@ -21,14 +21,14 @@ fn run(folder: &Path, arguments: &[&str]) -> (usize, usize) {
     (numbers[0], numbers[1])
 }
 
-/// All files below a folder except manifests, which hold clocks.
+/// All files below a folder except manifests and notes of times, which hold clocks.
 fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     fn visit(root: &Path, folder: &Path, found: &mut BTreeMap<PathBuf, Vec<u8>>) {
         for entry in std::fs::read_dir(folder).unwrap().flatten() {
             let path = entry.path();
             if path.is_dir() {
                 visit(root, &path, found);
-            } else if !path.ends_with("manifest.yaml") {
+            } else if !path.ends_with("manifest.yaml") && path.extension().is_none_or(|end| end != "time") {
                 found.insert(path.strip_prefix(root).unwrap().to_owned(), std::fs::read(&path).unwrap());
             }
         }
