@@ -4,7 +4,7 @@ use super::shared::{Cache, Specs, Telling};
 use super::{Ended, Outcome};
 use clap::{Args, ValueEnum};
 use spinebench::data::rows::ClaimRow;
-use spinebench::runner::{self, Campaign, Files, Manifest, Outcomes, Progress, Publication, StageTimes};
+use spinebench::runner::{self, Campaign, Files, Manifest, Outcomes, Progress, Publication, StageTimes, Store};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -45,16 +45,23 @@ impl Run {
         let progress = self.telling.progress();
         let began = Instant::now();
         let wanted = campaign.wanted();
-        let outcomes = runner::execute(&campaign.graph, &self.cache.store(), &wanted, self.telling.jobs, &progress)
+        let store = self.cache.store();
+        let outcomes = runner::execute(&campaign.graph, &store, &wanted, self.telling.jobs, &progress)
             .map_err(|failure| Ended::No(failure.to_string()))?;
         let wall_s = began.elapsed().as_secs_f64();
-        let published = self.publish(&campaign, &outcomes, wall_s).map_err(Ended::No)?;
+        let published = self.publish(&campaign, &outcomes, &store, wall_s).map_err(Ended::No)?;
         summarise(&progress, &campaign, &outcomes, &published, wall_s);
         self.verdict(&published)
     }
 
     /// Makes all files of all experiments, then writes them.
-    fn publish(&self, campaign: &Campaign, outcomes: &Outcomes, wall_s: f64) -> Result<Vec<Publication>, String> {
+    fn publish(
+        &self,
+        campaign: &Campaign,
+        outcomes: &Outcomes,
+        store: &Store,
+        wall_s: f64,
+    ) -> Result<Vec<Publication>, String> {
         let words = |error: &dyn std::error::Error| error.to_string();
         let mut published = Vec::new();
         let mut files = Files::new();
@@ -62,7 +69,7 @@ impl Run {
         for entry in &campaign.entries {
             let name = entry.experiment.name.clone();
             let publication = entry.publish(outcomes).map_err(|error| format!("{name}: {error}"))?;
-            let manifest = Manifest::new(campaign, entry, outcomes, self.telling.jobs, wall_s);
+            let manifest = Manifest::new(campaign, entry, outcomes, store, self.telling.jobs, wall_s);
             let path = Path::new("results").join(&name).join("manifest.yaml");
             files.insert(path, manifest.to_yaml()?);
             files.extend(publication.files.clone());

@@ -3,9 +3,9 @@
 use super::graph::{Failure, Graph, Handle};
 use super::metrics::Tables;
 use super::schedule::Outcomes;
-use super::stages::{FittedGp, Stages};
+use super::stages::Stages;
 use crate::base::Point3;
-use crate::data::rows::{GapRow, TrackRow, TrialRow};
+use crate::data::rows::{GapRow, GpRow, TrackRow, TrialRow};
 use crate::learn::rnn::Trained;
 use crate::policies::{self, Part};
 use crate::specs::{Cell, Experiment, Training, gp_sizes, reach_cells, track_cells};
@@ -40,7 +40,7 @@ pub(super) struct Repetition {
     pub(super) seed: u64,
     pub(super) gap: Option<Handle<Vec<GapRow>>>,
     pub(super) waypoints: Option<Handle<Vec<Point3>>>,
-    pub(super) gps: Vec<(usize, Handle<FittedGp>)>,
+    pub(super) gps: Vec<Handle<GpRow>>,
     pub(super) trained: Vec<TrainedCells>,
 }
 
@@ -93,7 +93,7 @@ impl Entry {
         for one in &self.repetitions {
             numbers.extend(one.gap.map(Handle::number));
             numbers.extend(one.waypoints.map(Handle::number));
-            numbers.extend(one.gps.iter().map(|(_, stage)| stage.number()));
+            numbers.extend(one.gps.iter().map(|stage| stage.number()));
             for trained in &one.trained {
                 numbers.extend(trained.networks.iter().map(|(_, stage)| stage.number()));
                 numbers.extend(trained.reach.iter().map(|(_, stage)| stage.number()));
@@ -134,7 +134,7 @@ fn repetition(graph: &mut Graph, experiment: &Experiment, seed: u64) -> Result<R
     one.gap = experiment.runs.gap.map(|gap| stages.gap(gap.rows)).transpose()?;
     one.waypoints = experiment.runs.track.as_ref().map(|_| stages.waypoints()).transpose()?;
     for points in gp_sizes(experiment) {
-        one.gps.push((points, stages.gp(points)?));
+        one.gps.push(stages.gp_score(points)?);
     }
     let (reach, track) = (reach_cells(experiment), track_cells(experiment));
     for (name, training) in &experiment.training {

@@ -2,6 +2,7 @@
 
 use super::campaign::{Campaign, Entry};
 use super::schedule::Outcomes;
+use super::store::Store;
 use super::timing::Timing;
 use crate::specs::to_yaml;
 use serde::{Deserialize, Serialize};
@@ -42,16 +43,31 @@ pub struct StageTimes {
     pub count: usize,
     /// How many were computed in this run; the others came from the store or were not needed.
     pub computed: usize,
-    /// Seconds on the clock, of those computed.
+    /// Seconds on the clock, when they were computed.
     pub wall_s: f64,
-    /// Seconds on a processor, of those computed.
+    /// Seconds on a processor, when they were computed.
     pub cpu_s: f64,
 }
 
 impl Manifest {
     /// The manifest of `entry` after a run of `campaign`.
-    pub fn new(campaign: &Campaign, entry: &Entry, outcomes: &Outcomes, threads: usize, run_wall_s: f64) -> Manifest {
-        let stages = stage_times(campaign, needed(campaign, entry), outcomes);
+    pub fn new(
+        campaign: &Campaign,
+        entry: &Entry,
+        outcomes: &Outcomes,
+        store: &Store,
+        threads: usize,
+        run_wall_s: f64,
+    ) -> Manifest {
+        let needed = needed(campaign, entry);
+        let mut stages = stage_times(campaign, needed.iter().copied(), outcomes);
+        for number in needed.into_iter().filter(|&number| outcomes.timings[number].is_none()) {
+            let (kind, _, key) = campaign.graph.describe(number);
+            let Timing { wall_s, cpu_s } = store.timing(kind, &key).unwrap_or_default();
+            let times = stages.entry(kind).or_default();
+            times.wall_s += wall_s;
+            times.cpu_s += cpu_s;
+        }
         Manifest {
             experiment: entry.experiment.name.clone(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -75,7 +91,7 @@ impl Manifest {
     }
 }
 
-/// What these stages took, by kind.
+/// What these stages took in this run, by kind.
 pub fn stage_times<'a>(
     campaign: &'a Campaign,
     numbers: impl IntoIterator<Item = usize>,

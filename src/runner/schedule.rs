@@ -226,6 +226,9 @@ impl<'a> Crew<'a> {
             }
         };
         let timing = stopwatch.read();
+        if outcome.is_ok() {
+            self.store.note_timing(node.kind.name, &node.key, &timing);
+        }
         *lock(&self.timings[number]) = Some(timing);
         *lock(&self.values[number]) = Some(outcome);
         for &input in &node.inputs {

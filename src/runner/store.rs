@@ -4,6 +4,7 @@
 //! whenever the process dies. It carries the checksum of its bytes and is checked on every read.
 
 use super::key::Key;
+use super::timing::Timing;
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -93,6 +94,21 @@ impl Store {
             let _ = fs::remove_file(&temporary); // already failing: the first error is the one to report
         }
         written
+    }
+}
+
+impl Store {
+    /// Notes beside an entry what it took to compute: for manifests, never for results.
+    pub fn note_timing(&self, stage: &str, key: &Key, timing: &Timing) {
+        if let Ok(text) = serde_json::to_vec(timing) {
+            // A lost note costs a line of a manifest.
+            let _ = fs::write(self.path(stage, key).with_extension("time"), text);
+        }
+    }
+
+    /// What an entry took to compute, where that was noted.
+    pub fn timing(&self, stage: &str, key: &Key) -> Option<Timing> {
+        serde_json::from_slice(&fs::read(self.path(stage, key).with_extension("time")).ok()?).ok()
     }
 }
 

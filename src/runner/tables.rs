@@ -4,7 +4,6 @@ use super::campaign::{Entry, Network, TrainedCells};
 use super::graph::Failure;
 use super::metrics::Tables;
 use super::schedule::Outcomes;
-use super::stages::FittedGp;
 use crate::data::rows::{GpRow, NetworkRow, TrackRow, TrialRow, WaypointRow};
 use crate::learn::rnn::Trained;
 use crate::report::track_summary;
@@ -30,8 +29,8 @@ pub(super) fn assemble(entry: &Entry, outcomes: &Outcomes) -> Tables {
             };
             tables.published.waypoints.extend(points.iter().enumerate().map(row));
         }
-        let gps = one.gps.iter().filter_map(|(_, stage)| outcomes.get(*stage).ok());
-        tables.gps.extend(gps.map(|fitted| gp_row(seed, fitted)));
+        let gps = one.gps.iter().filter_map(|stage| outcomes.get(*stage).ok());
+        tables.gps.extend(gps.map(|row| GpRow { seed, ..row.clone() }));
         for cells in &one.trained {
             trained(&mut tables, &entry.experiment, seed, cells, outcomes);
         }
@@ -64,21 +63,6 @@ fn trained(tables: &mut Tables, experiment: &Experiment, seed: u64, cells: &Trai
         let rows = outcomes.get(*stage).map_or_else(|failure| vec![failed_track(cell, &failure)], Clone::clone);
         let label = |row| TrackRow { seed, training: training.clone(), ..row };
         tables.published.tracks.extend(rows.into_iter().map(label));
-    }
-}
-
-fn gp_row(seed: u64, fitted: &FittedGp) -> GpRow {
-    let noise = fitted.gp.noise_std();
-    let noise_m = |axis: usize| noise.get(axis).copied().unwrap_or(f64::NAN);
-    GpRow {
-        seed,
-        points: fitted.gp.points() as u64,
-        kernel: fitted.gp.config().kernel.0.name().to_owned(),
-        cross_validation_mae_m: fitted.cross_validation_mae_m,
-        log_marginal_likelihood: fitted.gp.log_marginal_likelihood().iter().sum(),
-        noise_x_m: noise_m(0),
-        noise_y_m: noise_m(1),
-        noise_z_m: noise_m(2),
     }
 }
 

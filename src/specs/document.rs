@@ -318,7 +318,7 @@ mod tests {
         #[serde(default)]
         inner: Option<Inner>,
         #[serde(default)]
-        layout: Option<Layout>,
+        plant: Option<Robot>,
     }
 
     #[derive(Debug, Deserialize)]
@@ -329,7 +329,7 @@ mod tests {
 
     #[derive(Debug, Deserialize)]
     #[serde(rename_all = "snake_case", deny_unknown_fields)]
-    enum Layout {
+    enum Robot {
         Grid {
             rows: u64,
         },
@@ -358,12 +358,12 @@ mod tests {
     #[test]
     fn a_child_overrides_its_parent_and_an_option_both() {
         let files = [
-            ("a.yaml", "extends: b.yaml\npoints: 2\ninner: {sizes: [3]}\nlayout: {grid: {rows: 4}}\n"),
-            ("b.yaml", "points: 1\nduration_s: 5\ninner: {sizes: [1, 2]}\nlayout: {walk: {every: 1.5}}\n"),
+            ("a.yaml", "extends: b.yaml\npoints: 2\ninner: {sizes: [3]}\nplant: {grid: {rows: 4}}\n"),
+            ("b.yaml", "points: 1\nduration_s: 5\ninner: {sizes: [1, 2]}\nplant: {walk: {every: 1.5}}\n"),
         ];
         let read = parse(&files, &["inner.sizes=[7, 8]"]).unwrap();
         assert_eq!((read.points, read.duration_s, read.inner.unwrap().sizes), (2, 5.0, vec![7, 8]));
-        assert!(matches!(read.layout, Some(Layout::Grid { rows: 4 })));
+        assert!(matches!(read.plant, Some(Robot::Grid { rows: 4 })));
     }
 
     #[test]
@@ -388,8 +388,8 @@ mod tests {
             ("extends: b.yaml\nduration_ms: 2\n", "a.yaml:2:1: duration_ms: found the unknown key `duration_ms`"),
             ("extends: b.yaml\n\npoints: [1]\n", "a.yaml:3:9: points: found sequence, expected a whole number"),
             ("extends: b.yaml\ninner: {sizes: [1, x]}\n", "a.yaml:2:20: inner.sizes[1]: found text \"x\""),
-            ("extends: b.yaml\nlayout: {grid: {row: 3}}\n", "a.yaml:2:17: layout.grid.row: found the unknown"),
-            ("extends: b.yaml\nlayout: {ring: {}}\n", "a.yaml:2:"),
+            ("extends: b.yaml\nplant: {grid: {row: 3}}\n", "a.yaml:2:16: plant.grid.row: found the unknown"),
+            ("extends: b.yaml\nplant: {ring: {}}\n", "a.yaml:2:"),
             ("extends: b.yaml\ninner: {}\n", "a.yaml:2:8: inner.sizes: found no such key"),
             ("extends: c.yaml\n", "a.yaml:1:10: extends: found no file `c.yaml`"),
             ("extends: a.yaml\n", "a.yaml:1:10: extends: found `a.yaml`, which extends this file"),

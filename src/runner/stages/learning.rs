@@ -2,28 +2,20 @@
 
 use super::{Added, Stages, status};
 use crate::base::Rows;
+use crate::data::rows::GpRow;
 use crate::learn::gp::Gp;
 use crate::learn::rnn::{Elman, ElmanConfig, Trained};
 use crate::policies::GpError;
 use crate::runner::graph::Kind;
 use crate::specs::{GeneratedStart, Training};
 use crate::tasks;
-use serde::{Deserialize, Serialize};
 
 const FORWARD: Kind = Kind { name: "train_forward", version: 1, cost_ms: 2000 };
 const INVERSE: Kind = Kind { name: "train_inverse", version: 1, cost_ms: 1000 };
 const GENERATED: Kind = Kind { name: "train_inverse_b", version: 1, cost_ms: 1000 };
 const REAL: Kind = Kind { name: "train_pi_real", version: 1, cost_ms: 1000 };
+const GP_SCORE: Kind = Kind { name: "gp_score", version: 1, cost_ms: 50 };
 const GP: Kind = Kind { name: "gp_fit", version: 1, cost_ms: 100 };
-
-/// A Gaussian process and how good it is.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct FittedGp {
-    /// The process.
-    pub gp: Gp,
-    /// Cross-validated mean absolute error, mean over the axes, metres.
-    pub cross_validation_mae_m: f64,
-}
 
 impl Stages<'_> {
     /// The forward model of eq. (17): (u_i, x_i) → x_{i+1}.
@@ -66,7 +58,7 @@ impl Stages<'_> {
     }
 
     /// The Gaussian process of eq. (20) on one point of each of `points` clusters.
-    pub fn gp(&mut self, points: usize) -> Added<FittedGp> {
+    pub fn gp(&mut self, points: usize) -> Added<Gp> {
         let pool = self.gp_pool()?;
         let (config, seed) = (self.spec.gp.clone(), self.seed.child("gp"));
         let label = self.label(&format!("Gaussian process, {points} points"));
@@ -74,10 +66,16 @@ impl Stages<'_> {
             let pool = given.get(pool)?;
             let chosen = tasks::one_of_each_cluster(pool.inputs.len(), points, seed).map_err(status)?;
             let chosen = pool.select(&chosen);
-            let gp = Gp::fit(&chosen.inputs, &chosen.errors_m, &config).map_err(status)?;
-            let cross_validation_mae_m = crate::math::summary::mean(&gp.cross_validation_mae());
-            Ok(FittedGp { gp, cross_validation_mae_m })
+            Gp::fit(&chosen.inputs, &chosen.errors_m, &config).map_err(status)
         })
+    }
+
+    /// How good that process is; the row's seed is filled in by whoever publishes it. A stage of its own, so that
+    /// publishing holds no process in memory.
+    pub fn gp_score(&mut self, points: usize) -> Added<GpRow> {
+        let gp = self.gp(points)?;
+        let label = self.label(&format!("score of the process on {points} points"));
+        self.graph.stage(GP_SCORE, label, &(), &[gp.number()], move |given| Ok(gp_row(given.get(gp)?)))
     }
 
     /// The inverse mapping from generated data (eq. 24), with the Gaussian process on `points` points.
@@ -91,7 +89,7 @@ impl Stages<'_> {
         self.graph.stage(GENERATED, label, &(config.clone(), seed.0), &inputs, move |given| {
             let samples = {
                 let samples = given.get(samples)?;
-                let error = GpError::new(given.get(gp)?.gp.clone(), samples.pulls_m.width()).map_err(status)?;
+                let error = GpError::new(given.get(gp)?.clone(), samples.pulls_m.width()).map_err(status)?;
                 tasks::generate(samples, &error).map_err(status)?
             };
             let inputs = beside(&samples.from_m, &samples.to_m);
@@ -117,4 +115,19 @@ fn beside(left: &Rows, right: &Rows) -> Rows {
         rows.push(&[left, right].concat());
     }
     rows
+}
+
+fn gp_row(gp: &Gp) -> GpRow {
+    let noise = gp.noise_std();
+    let noise_m = |axis: usize| noise.get(axis).copied().unwrap_or(f64::NAN);
+    GpRow {
+        seed: 0,
+        points: gp.points() as u64,
+        kernel: gp.config().kernel.0.name().to_owned(),
+        cross_validation_mae_m: crate::math::summary::mean(&gp.cross_validation_mae()),
+        log_marginal_likelihood: gp.log_marginal_likelihood().iter().sum(),
+        noise_x_m: noise_m(0),
+        noise_y_m: noise_m(1),
+        noise_z_m: noise_m(2),
+    }
 }

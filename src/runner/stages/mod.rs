@@ -6,8 +6,6 @@ mod data;
 mod learning;
 mod trials;
 
-pub use learning::FittedGp;
-
 use super::graph::{Failure, Graph};
 use crate::base::Seed;
 use crate::specs::Experiment;

@@ -1,10 +1,10 @@
 //! Trials: goal reaching and path tracking of one policy under one condition.
 
 use super::data::Targets;
-use super::learning::FittedGp;
 use super::{Added, Stages, status};
 use crate::base::{Point3, Policy, Seed};
 use crate::data::rows::{TrackRow, TrialRow};
+use crate::learn::gp::Gp;
 use crate::learn::rnn::Trained;
 use crate::policies::{self, ElmanInverse, GpError, InverseModel, Part, PolicyEntry, PolicyOptions, PolicyParts};
 use crate::runner::graph::{Failure, Handle, Inputs, Kind};
@@ -21,7 +21,7 @@ struct PartStages {
     simulated: Option<Handle<Trained>>,
     generated: Option<Handle<Trained>>,
     real: Option<Handle<Trained>>,
-    error: Option<Handle<FittedGp>>,
+    error: Option<Handle<Gp>>,
 }
 
 impl PartStages {
@@ -43,7 +43,7 @@ impl PartStages {
             error: None,
         };
         if let Some(stage) = self.error {
-            let gp = given.get(stage)?.gp.clone();
+            let gp = given.get(stage)?.clone();
             let tendons = gp.inputs().saturating_sub(3);
             parts.error = Some(Arc::new(GpError::new(gp, tendons).map_err(status)?));
         }

@@ -1,0 +1,34 @@
+# `make help` lists what there is. Needed: a Rust toolchain (rustup's, with rustfmt and clippy) and a C linker.
+
+SHELL := bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DEFAULT_GOAL := help
+.PHONY: help build reproduce test bench verify
+
+# Repetitions of every experiment, data and training included. Claims need ten; SEEDS=1 takes minutes.
+SEEDS ?= 10
+SPECS := $(addprefix experiments/,table1.yaml fig5.yaml fig6.yaml fig8.yaml)
+SPINEBENCH := cargo run --release --quiet --
+
+help: ## this list
+	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
+
+build:
+	cargo build --release
+
+reproduce: build ## Table I, Figs 5, 6 and 8 and the claims, into results/ and plots/ (SEEDS=10; SEEDS=1 for a look)
+	$(SPINEBENCH) run $(SPECS) --seeds $(SEEDS)
+
+test: ## format, lints, all tests, documentation
+	cargo fmt --check
+	cargo clippy --release --all-targets -- -D warnings
+	cargo test --release
+	RUSTDOCFLAGS="-D warnings" cargo doc --release --no-deps
+
+bench: build ## microbenchmarks, then one repetition of everything from nothing: where the time goes, by stage
+	cargo bench
+	@scratch=$$(mktemp -d) && trap 'rm -rf "$$scratch"' EXIT && \
+	$(SPINEBENCH) run $(SPECS) --seeds 1 --out "$$scratch" --cache "$$scratch/cache"
+
+verify: build ## rerun from nothing and compare with the published results/ and plots/, byte for byte
+	$(SPINEBENCH) verify

@@ -1,0 +1,163 @@
+//! The commands `run`, `plan` and `verify` at smoke size: same bytes on any number of threads, nothing computed twice.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const SMOKE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/experiments/smoke.yaml");
+
+fn spinebench(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_spinebench"));
+    command.current_dir(folder).args(arguments).env_remove("SPINEBENCH_CACHE").output().unwrap()
+}
+
+/// Runs and returns the summary's counts: stages computed and read.
+fn run(folder: &Path, arguments: &[&str]) -> (usize, usize) {
+    let output = spinebench(folder, &[&["run"], arguments].concat());
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success(), "{said}");
+    let line = said.lines().find(|line| line.contains("stages computed")).unwrap();
+    let numbers: Vec<usize> = line.split(' ').filter_map(|word| word.parse().ok()).collect();
+    (numbers[0], numbers[1])
+}
+
+/// All files below a folder except manifests and notes of times, which hold clocks.
+fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    fn visit(root: &Path, folder: &Path, found: &mut BTreeMap<PathBuf, Vec<u8>>) {
+        for entry in std::fs::read_dir(folder).unwrap().flatten() {
+            let path = entry.path();
+            if path.is_dir() {
+                visit(root, &path, found);
+            } else if !path.ends_with("manifest.yaml") && path.extension().is_none_or(|end| end != "time") {
+                found.insert(path.strip_prefix(root).unwrap().to_owned(), std::fs::read(&path).unwrap());
+            }
+        }
+    }
+    let mut found = BTreeMap::new();
+    visit(folder, folder, &mut found);
+    found
+}
+
+#[test]
+fn one_two_and_eight_threads_give_the_same_bytes_and_verify_agrees() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut results = Vec::new();
+    for threads in ["1", "2", "8"] {
+        let (out, cache) = (format!("out{threads}"), format!("cache{threads}"));
+        let (computed, cached) =
+            run(folder.path(), &[SMOKE, "--threads", threads, "--out", &out, "--cache", &cache, "--seeds", "1"]);
+        assert!(computed > 30 && cached == 0, "{computed} computed, {cached} read");
+        results.push(files(&folder.path().join(out)));
+    }
+    for name in ["trials.csv", "tracks.csv", "networks.csv", "gp.csv", "gap.csv", "claims.csv", "spec.yaml"] {
+        assert!(results[0].contains_key(&Path::new("results/smoke").join(name)), "{name}");
+    }
+    assert!(results[0].keys().any(|path| path.ends_with("table1.png")), "{:?}", results[0].keys());
+    assert!(results[0] == results[1] && results[0] == results[2], "results depend on the number of threads");
+
+    let verified = spinebench(folder.path(), &["verify", "--out", "out1", "--quiet"]);
+    assert_eq!(verified.status.code(), Some(0), "{}", String::from_utf8_lossy(&verified.stderr));
+    let trials = folder.path().join("out1/results/smoke/trials.csv");
+    let text = std::fs::read_to_string(&trials).unwrap();
+    std::fs::write(&trials, text.replacen(",true,", ",false,", 1)).unwrap();
+    let differs = spinebench(folder.path(), &["verify", "--out", "out1", "--quiet"]);
+    assert_eq!(differs.status.code(), Some(1));
+    let said = String::from_utf8(differs.stderr).unwrap();
+    assert!(said.starts_with("error: smoke: differs: reach: results/smoke/trials.csv:"), "{said}");
+}
+
+#[test]
+fn nothing_is_computed_twice_and_damage_is_noticed() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = [SMOKE, "--seeds", "1"];
+    let (computed, _) = run(folder.path(), &arguments);
+    let before = files(folder.path());
+    let (again, cached) = run(folder.path(), &arguments);
+    assert!(again == 0 && cached > 0 && cached <= computed, "{again} computed, {cached} read");
+    assert!(files(folder.path()) == before, "a run from the store gives other results");
+
+    // One entry truncated, one with a flipped bit: both are computed again, and nothing else is.
+    let reach: Vec<PathBuf> =
+        before.keys().filter(|path| path.starts_with(".spinebench/cache/reach")).cloned().collect();
+    let good = &before[&reach[0]];
+    std::fs::write(folder.path().join(&reach[0]), &good[..good.len() / 2]).unwrap();
+    let mut flipped = before[&reach[1]].clone();
+    let last = flipped.len() - 1;
+    flipped[last] ^= 1;
+    std::fs::write(folder.path().join(&reach[1]), flipped).unwrap();
+    let output = spinebench(folder.path(), &[&["run"], &arguments[..]].concat());
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(said.matches("is damaged").count(), 2, "{said}");
+    assert!(said.contains("\n2 stages computed") || said.contains("2 stages computed"), "{said}");
+    assert!(files(folder.path()) == before, "what was damaged did not come back as it was");
+
+    // A changed setting leaves alone what does not depend on it.
+    let (changed, _) = run(folder.path(), &[SMOKE, "--seeds", "1", "--set", "policies.c.error_m=0.01"]);
+    assert_eq!(changed, 22 + 8, "reaching and tracking depend on the policies' settings, and nothing else");
+    let (more, _) = run(folder.path(), &[SMOKE, "--seeds", "2"]);
+    assert!(more < computed, "the first seed is not computed again");
+}
+
+#[test]
+fn a_plan_counts_runs_and_stages_and_runs_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = |arguments: &[&str]| {
+        let output = spinebench(folder.path(), &[&["plan"], arguments].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let text = plan(&[SMOKE, "--seeds", "3"]);
+    // Per seed and training: A, B and pi_real in three modes, C in two, and four policies tracking.
+    let runs = 3 * 2 * (3 * 3 + 2 + 4);
+    assert!(text.starts_with(&format!("smoke: {runs} runs over 3 seeds, 0 stored, {runs} left\n")), "{text}");
+    assert_eq!(text.lines().filter(|line| line.starts_with("  left ")).count(), runs);
+    assert!(text.contains("collect_sim           0 stored      3 left"), "{text}");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "a plan writes nothing");
+
+    let small = "runs.reach=[{policies: [a], modes: [open], gp_points: [20]}]";
+    run(folder.path(), &[SMOKE, "--seeds", "1", "--set", small, "--set", "claims=[]"]);
+    let text = plan(&[SMOKE, "--seeds", "1"]);
+    // The tracking runs and A's open loop are there now, for both kinds of training.
+    assert!(text.starts_with("smoke: 30 runs over 1 seeds, 10 stored, 20 left\n"), "{text}");
+}
+
+#[test]
+fn experiments_share_their_stages() {
+    let folder = tempfile::tempdir().unwrap();
+    let other = folder.path().join("other.yaml");
+    let text = format!("extends: {SMOKE}\nname: other\nruns: {{gap: {{rows: 30}}, forward: false}}\nclaims: []\n");
+    std::fs::write(&other, text).unwrap();
+    let count = |specs: &[&str]| {
+        let output = spinebench(folder.path(), &[&["plan", "--seeds", "1"], specs].concat());
+        let text = String::from_utf8(output.stdout).unwrap();
+        let line = text.lines().find(|line| line.starts_with("stages: ")).unwrap();
+        line.split(' ').filter_map(|word| word.parse::<usize>().ok()).sum::<usize>()
+    };
+    let both = count(&[SMOKE, other.to_str().unwrap()]);
+    assert_eq!(both, count(&[SMOKE]) + 1, "only the thinning of the gap is the other experiment's own");
+}
+
+#[test]
+fn a_log_for_machines_and_the_strict_answer() {
+    let folder = tempfile::tempdir().unwrap();
+    let small = "runs.reach=[{policies: [a], modes: [open], gp_points: [20]}]";
+    let tiny = ["run", SMOKE, "--seeds", "1", "--set", small, "--set", "runs.track=null", "--set", "claims=[]"];
+    let output = spinebench(folder.path(), &[&tiny[..], &["--log", "json"]].concat());
+    assert!(output.status.success());
+    let said = String::from_utf8(output.stderr).unwrap();
+    let events: Vec<serde_json::Value> = said.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(events[0]["event"], "planned");
+    let finished = events.iter().filter(|event| event["event"] == "finished").count();
+    assert_eq!(finished as u64, events[0]["compute"].as_u64().unwrap());
+
+    // A plant that refuses every command: trials are rows with a status, the run goes on, and --strict says no.
+    let stuck = ["--set", "plant.simulated.travel_m=1e-6", "--out", "stuck"];
+    let lenient = spinebench(folder.path(), &[&tiny[..], &stuck[..]].concat());
+    assert_eq!(lenient.status.code(), Some(0), "{}", String::from_utf8_lossy(&lenient.stderr));
+    let strict = spinebench(folder.path(), &[&tiny[..], &stuck[..], &["--strict"]].concat());
+    assert_eq!(strict.status.code(), Some(1));
+    let said = String::from_utf8(strict.stderr).unwrap();
+    assert!(said.contains("error: 6 trials failed"), "{said}");
+    let trials = std::fs::read_to_string(folder.path().join("stuck/results/smoke/trials.csv")).unwrap();
+    assert!(trials.contains("travel is"), "{trials}");
+}
