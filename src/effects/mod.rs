@@ -1,6 +1,6 @@
 //! The catalogue of physical effects that a model may lack. The same effect opens a gap in a simulated "real" robot
 //! and closes it in a model. Names and parameters are those of the outside interface; each effect is one file here
-//! and one line in [`catalogue!`].
+//! and one line in `catalogue!`.
 
 mod actuator_gain;
 mod actuator_offset;
@@ -38,7 +38,7 @@ pub use robot::{Backbone, Disks, Robot, Sections, Tendons};
 
 /// A physical effect. Every hook does nothing unless an effect fills it in.
 ///
-/// ```ignore
+/// ```text
 /// impl Effect for TipLoad {
 ///     fn check(&self) -> Result<(), BadOption> { … }
 ///     fn alter(&self, rod: &mut RodParams) { rod.masses.push(…) }

@@ -71,10 +71,11 @@ impl Motion {
         self.rate = rate;
         let shares: Vec<f64> = row[..row.len() - 1].iter().map(|a| a / gamma).collect();
         let from = &start.rates;
-        let history = |p: &Vector3<f64>, v: &Vector3<f64>, earlier: &dyn Fn(&Rates) -> (Vector3<f64>, Vector3<f64>)| {
+        // Adds up the earlier stages' `v` and `a` of one point that started at p₀ with v₀.
+        let history = |p: &Vector3<f64>, v: &Vector3<f64>, earlier: &dyn Fn(&Rates) -> [Vector3<f64>; 2]| {
             let (mut hist_v, mut hist_a) = (-p * rate, -v * rate);
             for (share, stage) in shares.iter().zip(stages) {
-                let (stage_v, stage_a) = earlier(stage);
+                let [stage_v, stage_a] = earlier(stage);
                 hist_v -= stage_v * *share;
                 hist_a -= stage_a * *share;
             }
@@ -82,7 +83,7 @@ impl Motion {
         };
         for g in 0..self.node_v.len() {
             (self.node_v[g], self.node_a[g]) =
-                history(&start.shape.node_p[g], &from.node_v[g], &|s| (s.node_v[g], s.node_a[g]));
+                history(&start.shape.node_p[g], &from.node_v[g], &|s| [s.node_v[g], s.node_a[g]]);
             for c in 0..6 {
                 let earlier: f64 = shares.iter().zip(stages).map(|(a, s)| a * s.strain_v[g][c]).sum();
                 self.strain_v[g][c] = -start.shape.strain[g][c] * rate - earlier;
@@ -90,9 +91,9 @@ impl Motion {
         }
         for end in 0..self.end_v.len() {
             (self.end_v[end], self.end_a[end]) =
-                history(&start.shape.end_p[end], &from.end_v[end], &|s| (s.end_v[end], s.end_a[end]));
+                history(&start.shape.end_p[end], &from.end_v[end], &|s| [s.end_v[end], s.end_a[end]]);
             (self.spin_v[end], self.spin_a[end]) =
-                history(&Vector3::zeros(), &from.spin[end], &|s| (s.spin[end], s.spin_a[end]));
+                history(&Vector3::zeros(), &from.spin[end], &|s| [s.spin[end], s.spin_a[end]]);
         }
         self.from_r.clone_from_slice(&start.shape.end_r);
     }
