@@ -134,3 +134,8 @@ fn the_catalogue_is_complete_and_names_only_its_own() {
         assert!(card.parameters.iter().all(|p| !p.unit.is_empty()), "{}", card.name);
     }
 }
+
+#[test]
+fn the_default_robot_is_the_shipped_nominal_one() {
+    assert_eq!(nominal(), Model::default());
+}

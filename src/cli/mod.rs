@@ -3,6 +3,7 @@
 mod calibrate;
 mod collect;
 mod effects;
+mod page;
 mod plan;
 mod run;
 mod shared;
@@ -28,6 +29,7 @@ enum Command {
     Calibrate(calibrate::Calibrate),
     Effects(effects::Effects),
     Collect(collect::Collect),
+    Page(page::Page),
     Verify(verify::Verify),
 }
 
@@ -63,6 +65,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Calibrate(calibrate) => calibrate.carry_out(),
         Command::Effects(effects) => effects.carry_out(),
         Command::Collect(collect) => collect.carry_out(),
+        Command::Page(page) => page.carry_out(),
         Command::Verify(verify) => verify.carry_out(),
     };
     let (words, status) = match outcome {

@@ -7,7 +7,7 @@ use super::{finite, non_negative};
 use crate::base::BadOption;
 use crate::rod::{CompressibleSection, PointMass, Resolution, RodParams, Span, Tendon, TipLoad};
 
-/// A tendon-driven robot. Defaults are the contract's nominal robot where a key may be left out.
+/// A tendon-driven robot; as a whole it defaults to the nominal robot of `models/nominal.yaml`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Robot {
@@ -111,6 +111,36 @@ pub struct Tendons {
     /// Where each ends, metres from the base; left out: at the tip.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ends_m: Option<Vec<f64>>,
+}
+
+impl Default for Robot {
+    /// The paper's robot: length, sections, compliance, saturation, E and ν are the paper's, the rest is assumed.
+    fn default() -> Self {
+        Robot {
+            backbone: Backbone {
+                length_m: 0.22,
+                radius_m: 0.002,
+                youngs_modulus_pa: 2.33e9,
+                poisson_ratio: 0.3897,
+                density_kg_m3: 1200.0,
+            },
+            sections: Sections { count: 11, length_m: 0.01, compliance_m_per_n: 2e-4, saturation_n: 20.0 },
+            disks: Disks { count: 12, mass_kg: 0.004, positions_m: None },
+            tendons: Tendons {
+                radius_m: 0.02,
+                angles_deg: vec![0.0, 90.0, 180.0, 270.0],
+                pretension_m: 5e-4,
+                compliance_m_per_n: 0.0,
+                ends_m: None,
+            },
+            gravity_m_s2: earth(),
+            damping_time_s: damping(),
+            drag_n_s2_m3: 0.0,
+            base_m: [0.0; 3],
+            base_rotation_rad: [0.0; 3],
+            resolution: Resolution::default(),
+        }
+    }
 }
 
 impl Robot {

@@ -54,40 +54,8 @@ pub struct Simulated {
 
 pub(super) const ENTRY: PlantEntry = PlantEntry {
     name: "simulated",
-    example: || Box::new(Simulated::new(&nominal(), &[], SimulatedOptions::default())),
+    example: || Box::new(Simulated::new(&Model::default(), &[], SimulatedOptions::default())),
 };
-
-/// The shipped model of the paper's robot.
-fn nominal() -> Model {
-    use crate::effects::{Backbone, Disks, Robot, Sections, Tendons};
-    Model {
-        robot: Robot {
-            backbone: Backbone {
-                length_m: 0.22,
-                radius_m: 0.002,
-                youngs_modulus_pa: 2.33e9,
-                poisson_ratio: 0.3897,
-                density_kg_m3: 1200.0,
-            },
-            sections: Sections { count: 11, length_m: 0.01, compliance_m_per_n: 2e-4, saturation_n: 20.0 },
-            disks: Disks { count: 12, mass_kg: 0.004, positions_m: None },
-            tendons: Tendons {
-                radius_m: 0.02,
-                angles_deg: vec![0.0, 90.0, 180.0, 270.0],
-                pretension_m: 5e-4,
-                compliance_m_per_n: 0.0,
-                ends_m: None,
-            },
-            gravity_m_s2: [-9.81, 0.0, 0.0],
-            damping_time_s: 0.03,
-            drag_n_s2_m3: 0.0,
-            base_m: [0.0; 3],
-            base_rotation_rad: [0.0; 3],
-            resolution: crate::rod::Resolution::default(),
-        },
-        effects: Vec::new(),
-    }
-}
 
 impl Simulated {
     /// A robot that follows a checked model, with `extra` effects (such as a load for some trials) on top.

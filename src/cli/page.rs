@@ -1,0 +1,49 @@
+//! `spinebench page`.
+
+use super::{Ended, Outcome};
+use clap::Args;
+use spinebench::data::write_atomic;
+use spinebench::report::page::{picture, splice};
+use std::path::{Path, PathBuf};
+
+/// Puts published tables and figures into a Markdown page, between the lines `<!-- begin:FILE -->` and
+/// `<!-- end:FILE -->`. FILE is relative to the page: a `.md` is copied in, anything else is shown as a picture.
+#[derive(Args)]
+pub(super) struct Page {
+    /// Page to change in place.
+    #[arg(value_name = "PAGE.md")]
+    page: PathBuf,
+}
+
+impl Page {
+    pub(super) fn carry_out(self) -> Outcome {
+        let name = self.page.display();
+        let refuse = |words: String| Ended::BadInput(format!("{name}: {words}"));
+        let mut text = std::fs::read_to_string(&self.page).map_err(|error| refuse(error.to_string()))?;
+        let folder = self.page.parent().unwrap_or(Path::new("")).to_owned();
+        for file in named(&text) {
+            let content = content(&folder, &file).map_err(&refuse)?;
+            text = splice(&text, &file, &content).map_err(|error| refuse(error.to_string()))?;
+        }
+        write_atomic(&self.page, text.as_bytes()).map_err(Ended::failed)
+    }
+}
+
+/// The files that the page's markers name.
+fn named(text: &str) -> Vec<String> {
+    let name = |line: &str| Some(line.trim().strip_prefix("<!-- begin:")?.strip_suffix(" -->")?.to_owned());
+    text.lines().filter_map(name).collect()
+}
+
+/// What stands for a file on the page.
+fn content(folder: &Path, file: &str) -> Result<String, String> {
+    let path = folder.join(file);
+    if Path::new(file).extension().is_some_and(|extension| extension == "md") {
+        return std::fs::read_to_string(&path).map_err(|error| format!("{file}: {error}"));
+    }
+    if !path.is_file() {
+        return Err(format!("found no `{file}`, expected a published figure"));
+    }
+    let stem = path.file_stem().map_or_else(|| file.to_owned(), |stem| stem.to_string_lossy().into_owned());
+    Ok(picture(file, &stem))
+}
