@@ -2,24 +2,13 @@
 
 mod common;
 
-use common::{reference, round_rod};
+use common::{reference, round_rod, shipped};
 use nalgebra::Vector3;
-use spinebench::effects::Model;
-use spinebench::rod::{Drive, Rod, RodParams, Scheme, Status, Tendon};
+use spinebench::rod::{Drive, Rod, RodParams, Scheme, Status};
 
 /// Till et al.'s dynamic tendon example: one tendon, pulled and let go (reference README).
 fn till_example(time_step_s: f64, scheme: Scheme) -> RodParams {
-    let mut params = round_rod(0.7144, 0.675e-3, 207e9, 207e9 / 2.6, 0.034 / 0.7144);
-    params.gravity_m_s2 = Vector3::new(-9.81, 0.0, 0.0);
-    params.damping_time_s = 5e-4 / params.spans[0].bending_n_m2[0];
-    params.drag_n_s2_m3 = 1e-4;
-    params.tendons = vec![Tendon {
-        offset_m: [0.01506, 0.0],
-        end_m: 0.7144,
-        pretension_m: 0.0,
-        compliance_m_per_n: 1e-4 * (0.7144 + 0.0518),
-        elastic_length_m: 0.7144 + 0.0518,
-    }];
+    let mut params = shipped("till_dynamic");
     params.resolution.time_step_s = time_step_s;
     params.resolution.scheme = scheme;
     params
@@ -69,10 +58,7 @@ fn tills_example_converges_to_its_limit() {
 
 /// The paper's robot, for what follows.
 fn nominal() -> RodParams {
-    let text = include_str!("../models/nominal.yaml");
-    let model: Model =
-        serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text)).unwrap();
-    model.rod(&[])
+    shipped("nominal")
 }
 
 /// Tip after half a second of a smooth pull.

@@ -7,10 +7,6 @@ use spinebench::base::{Plant, PlantError, Seed};
 use spinebench::effects::Model;
 use spinebench::plants::{Simulated, SimulatedOptions};
 
-fn model(text: &str) -> Model {
-    serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text)).unwrap()
-}
-
 /// Plays random steps of up to 3 mm (all four tendons on their own, so also slack and against each other) and counts
 /// the failures by name.
 fn failures(
@@ -52,15 +48,15 @@ fn failures(
 
 #[test]
 fn random_commands_never_fail_inside_the_workspace() {
-    for text in [include_str!("../models/nominal.yaml"), include_str!("../models/real.yaml")] {
-        let failed = failures(&model(text), 2000, 1, 0.003, 0.001);
+    for name in ["nominal", "real"] {
+        let failed = failures(&common::model(name), 2000, 1, 0.003, 0.001);
         assert!(failed.is_empty(), "{failed:?}");
     }
 }
 
 #[test]
 fn violent_commands_are_solved_too() {
-    let real = model(include_str!("../models/real.yaml"));
+    let real = common::model("real");
     for (jump_m, own_m) in [(0.01, 0.003), (0.03, 0.003), (0.03, 0.01)] {
         let failed = failures(&real, 3000, 2, jump_m, own_m);
         assert!(failed.is_empty(), "jumps of {jump_m} m and {own_m} m: {failed:?}");
@@ -69,7 +65,7 @@ fn violent_commands_are_solved_too() {
 
 #[test]
 fn four_tendons_against_each_other_end_converged_or_named() {
-    let mut plant = Simulated::new(&model(include_str!("../models/real.yaml")), &[], SimulatedOptions::default());
+    let mut plant = Simulated::new(&common::model("real"), &[], SimulatedOptions::default());
     let mut random = Seed(3).rng();
     let (mut failed, draws) = (0, 1500);
     for k in 0..draws {

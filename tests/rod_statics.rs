@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{four_tendons, reference, rotation, round_rod, till_robot, vector};
+use common::{four_tendons, reference, rotation, round_rod, shipped, vector};
 use nalgebra::Vector3;
 use spinebench::rod::{Drive, Rod, Status, TipLoad};
 
@@ -13,7 +13,7 @@ const ROTATION: f64 = 1e-5;
 #[test]
 fn tension_control_matches_till() {
     for row in reference("till_statics_tension.csv") {
-        let mut params = till_robot();
+        let mut params = shipped("till");
         params.gravity_m_s2 = vector(&row, ["gx", "gy", "gz"]);
         let mut rod = Rod::new(params);
         rod.set_tip_load(TipLoad {
@@ -33,7 +33,7 @@ fn tension_control_matches_till() {
 fn length_control_matches_the_independent_solver_from_a_cold_start() {
     for row in reference("statics_length_control.csv") {
         let mut params = match row["robot"] as i64 {
-            0 => till_robot(),
+            0 => shipped("till"),
             robot => {
                 let mut params = round_rod(0.22, 2e-3, 2.33e9, 2.33e9 / (2.0 * 1.3897), 0.05 / 0.22);
                 let compliance = if robot == 1 { 1e-4 } else { 1e-3 };
@@ -74,16 +74,7 @@ fn length_control_matches_the_independent_solver_from_a_cold_start() {
 #[test]
 fn two_segments_match_the_consistent_border_rule() {
     for row in reference("tdcr_two_segment_statics.csv") {
-        let mut params = round_rod(0.4, 0.7e-3, 54e9, 54e9 / 2.6, 0.01);
-        let angles = [90.0_f64, -30.0, 210.0];
-        for end_m in [0.2, 0.4] {
-            for angle in angles {
-                let (sin, cos) = angle.to_radians().sin_cos();
-                let mut tendon = four_tendons(0.01, end_m, 0.0).remove(0);
-                tendon.offset_m = [0.01 * cos, 0.01 * sin];
-                params.tendons.push(tendon);
-            }
-        }
+        let params = shipped("tdcr_two_segments");
         let mut rod = Rod::new(params);
         rod.set_tip_load(TipLoad {
             force_n: vector(&row, ["fx", "fy", "fz"]),

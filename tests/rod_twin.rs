@@ -8,8 +8,7 @@ use spinebench::plants::{Simulated, SimulatedOptions};
 use spinebench::rod::Scheme;
 
 fn nominal() -> Model {
-    let text = include_str!("../models/nominal.yaml");
-    serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text)).unwrap()
+    common::model("nominal")
 }
 
 fn effect(yaml: &str) -> Vec<EffectSpec> {

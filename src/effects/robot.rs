@@ -64,6 +64,18 @@ pub struct Backbone {
     /// Density, kg/m³.
     #[serde(default)]
     pub density_kg_m3: f64,
+    /// Measured axial stiffness, N, in place of E·A.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub axial_stiffness_n: Option<f64>,
+    /// Measured shear stiffness, N, in place of G·A.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shear_stiffness_n: Option<f64>,
+    /// Measured bending stiffness, N m², in place of E·I.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bending_stiffness_n_m2: Option<f64>,
+    /// Measured torsional stiffness, N m², in place of G·J.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torsion_stiffness_n_m2: Option<f64>,
 }
 
 /// Compressible sections, with the disks between them filling the rest of the backbone evenly (paper, Fig. 1b).
@@ -108,6 +120,10 @@ pub struct Tendons {
     /// Stretch of a whole tendon per tension, m/N.
     #[serde(default)]
     pub compliance_m_per_n: f64,
+    /// Length over which a tendon stretches at home, metres: what the drive winds up stretches no more. Left out: the
+    /// drive moves the whole tendon along.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub elastic_length_m: Option<f64>,
     /// Where each ends, metres from the base; left out: at the tip.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ends_m: Option<Vec<f64>>,
@@ -123,6 +139,10 @@ impl Default for Robot {
                 youngs_modulus_pa: 2.33e9,
                 poisson_ratio: 0.3897,
                 density_kg_m3: 1200.0,
+                axial_stiffness_n: None,
+                shear_stiffness_n: None,
+                bending_stiffness_n_m2: None,
+                torsion_stiffness_n_m2: None,
             },
             sections: Sections { count: 11, length_m: 0.01, compliance_m_per_n: 2e-4, saturation_n: 20.0 },
             disks: Disks { count: 12, mass_kg: 0.004, positions_m: None },
@@ -131,6 +151,7 @@ impl Default for Robot {
                 angles_deg: vec![0.0, 90.0, 180.0, 270.0],
                 pretension_m: 5e-4,
                 compliance_m_per_n: 0.0,
+                elastic_length_m: None,
                 ends_m: None,
             },
             gravity_m_s2: earth(),
@@ -156,6 +177,10 @@ impl Robot {
         at("backbone", BadOption::unless_positive("youngs_modulus_pa", b.youngs_modulus_pa))?;
         at("backbone", within("poisson_ratio", b.poisson_ratio, -1.0, 0.5, "a number above -1 and up to 0.5"))?;
         at("backbone", non_negative("density_kg_m3", b.density_kg_m3))?;
+        at("backbone", BadOption::unless_positive_or_null("axial_stiffness_n", b.axial_stiffness_n))?;
+        at("backbone", BadOption::unless_positive_or_null("shear_stiffness_n", b.shear_stiffness_n))?;
+        at("backbone", BadOption::unless_positive_or_null("bending_stiffness_n_m2", b.bending_stiffness_n_m2))?;
+        at("backbone", BadOption::unless_positive_or_null("torsion_stiffness_n_m2", b.torsion_stiffness_n_m2))?;
         self.check_sections()?;
         at("disks", non_negative("mass_kg", self.disks.mass_kg))?;
         if let Some(positions) = &self.disks.positions_m {
@@ -181,8 +206,8 @@ impl Robot {
         at(BadOption::unless_positive("length_m", s.length_m))?;
         at(non_negative("compliance_m_per_n", s.compliance_m_per_n))?;
         at(BadOption::unless_positive("saturation_n", s.saturation_n))?;
-        let fits = s.count as f64 * s.length_m < self.backbone.length_m;
-        at(refuse(fits, "length_m", &s.length_m, "sections that together are shorter than the backbone"))?;
+        let fits = s.count as f64 * s.length_m <= self.backbone.length_m * (1.0 + 1e-9);
+        at(refuse(fits, "length_m", &s.length_m, "sections that together are no longer than the backbone"))?;
         let shortens = s.compliance_m_per_n * s.saturation_n < s.length_m;
         at(refuse(shortens, "saturation_n", &s.saturation_n, "a section that keeps some length at this force"))
     }
@@ -195,6 +220,7 @@ impl Robot {
         at(t.angles_deg.iter().try_for_each(|&angle| finite("angles_deg", angle)))?;
         at(finite("pretension_m", t.pretension_m))?;
         at(non_negative("compliance_m_per_n", t.compliance_m_per_n))?;
+        at(BadOption::unless_positive_or_null("elastic_length_m", t.elastic_length_m))?;
         let Some(ends) = &t.ends_m else { return Ok(()) };
         let length = self.backbone.length_m;
         let inside = ends.len() == t.angles_deg.len() && ends.iter().all(|&s| s > 0.0 && s <= length);
@@ -223,11 +249,11 @@ impl Robot {
         let shear_modulus = b.youngs_modulus_pa / (2.0 * (1.0 + b.poisson_ratio));
         let span = Span {
             end_m: b.length_m,
-            bending_n_m2: [b.youngs_modulus_pa * second_moment; 2],
+            bending_n_m2: [b.bending_stiffness_n_m2.unwrap_or(b.youngs_modulus_pa * second_moment); 2],
             principal_angle_rad: 0.0,
-            torsion_n_m2: 2.0 * shear_modulus * second_moment,
-            shear_n: shear_modulus * area,
-            axial_n: b.youngs_modulus_pa * area,
+            torsion_n_m2: b.torsion_stiffness_n_m2.unwrap_or(2.0 * shear_modulus * second_moment),
+            shear_n: b.shear_stiffness_n.unwrap_or(shear_modulus * area),
+            axial_n: b.axial_stiffness_n.unwrap_or(b.youngs_modulus_pa * area),
             rest_curvature_rad_m: Vector3::zeros(),
             mass_kg_m: b.density_kg_m3 * area,
         };
@@ -252,7 +278,7 @@ impl Robot {
     /// Thickness of a disk when the disks and the sections fill the backbone, metres.
     fn disk_thickness_m(&self) -> f64 {
         let s = &self.sections;
-        (self.backbone.length_m - s.count as f64 * s.length_m) / (s.count + 1) as f64
+        (self.backbone.length_m - s.count as f64 * s.length_m).max(0.0) / (s.count + 1) as f64
     }
 
     fn compressible_sections(&self) -> Vec<CompressibleSection> {
@@ -272,7 +298,7 @@ impl Robot {
         if let Some(positions) = &self.disks.positions_m {
             return lump(rod, positions.iter().copied(), mass_kg);
         }
-        if self.sections.count == 0 || count != self.sections.count + 1 {
+        if self.sections.count == 0 || count != self.sections.count + 1 || self.disk_thickness_m() < 1e-6 {
             let step = self.backbone.length_m / count.max(1) as f64;
             return lump(rod, (1..=count).map(|k| k as f64 * step), mass_kg);
         }
@@ -296,7 +322,7 @@ impl Robot {
                 end_m: t.ends_m.as_ref().map_or(self.backbone.length_m, |ends| ends[i]),
                 pretension_m: t.pretension_m,
                 compliance_m_per_n: t.compliance_m_per_n,
-                elastic_length_m: f64::INFINITY,
+                elastic_length_m: t.elastic_length_m.unwrap_or(f64::INFINITY),
             }
         };
         t.angles_deg.iter().enumerate().map(tendon).collect()

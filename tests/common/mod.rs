@@ -2,6 +2,7 @@
 #![allow(dead_code, unreachable_pub, missing_docs)]
 
 use nalgebra::{Matrix3, Vector3};
+use spinebench::effects::Model;
 use spinebench::rod::{Resolution, RodParams, Span, Tendon, TipLoad};
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -68,12 +69,15 @@ pub fn four_tendons(offset_m: f64, end_m: f64, compliance_m_per_n: f64) -> Vec<T
         .collect()
 }
 
-/// Robot 0 of the reference data: the tendon robot of Till et al.'s examples.
-pub fn till_robot() -> RodParams {
-    let area = PI * 1e-6;
-    let mut rod = round_rod(0.5, 1e-3, 200e9, 80e9, 8000.0 * area);
-    rod.tendons = four_tendons(0.01506, 0.5, 1e-4 * 0.5);
-    rod
+/// The rod of a shipped model file.
+pub fn shipped(name: &str) -> RodParams {
+    model(name).rod(&[])
+}
+
+/// A shipped model file.
+pub fn model(name: &str) -> Model {
+    let path = format!("{}/models/{name}.yaml", env!("CARGO_MANIFEST_DIR"));
+    spinebench::specs::read_model(std::path::Path::new(&path)).unwrap_or_else(|error| panic!("{error}"))
 }
 
 pub fn vector(row: &HashMap<String, f64>, names: [&str; 3]) -> Vector3<f64> {
