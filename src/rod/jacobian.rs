@@ -6,9 +6,10 @@
 
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
+use super::conditions::{Conditions, Hold};
 use super::grid::{COMPONENTS, Grid};
 use super::section::Six;
-use super::system::{Conditions, Hold, System, Work};
+use super::system::{System, Work};
 
 /// Three rows (x, y, z) over the unknowns.
 #[derive(Clone, Debug)]

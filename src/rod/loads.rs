@@ -3,20 +3,12 @@
 
 use nalgebra::Vector3;
 
+use super::conditions::Conditions;
 use super::grid::Grid;
+use super::motion::EndMass;
 use super::params::RodParams;
 use super::section::Section;
 use super::shape::Shape;
-use super::system::Conditions;
-
-/// A mass fixed to the end of a cell.
-#[derive(Clone, Debug)]
-pub(super) struct EndMass {
-    /// Which cell end.
-    pub(super) end: usize,
-    pub(super) mass_kg: f64,
-    pub(super) inertia_kg_m2: Vector3<f64>,
-}
 
 /// Forces in the world frame and the wrench that they add up to.
 #[derive(Clone, Debug)]

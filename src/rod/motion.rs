@@ -4,9 +4,17 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::grid::Grid;
-use super::loads::EndMass;
 use super::section::Six;
 use crate::math::rotation;
+
+/// A mass fixed to the end of a cell.
+#[derive(Clone, Debug)]
+pub(super) struct EndMass {
+    /// Which cell end.
+    pub(super) end: usize,
+    pub(super) mass_kg: f64,
+    pub(super) inertia_kg_m2: Vector3<f64>,
+}
 
 /// How velocity follows from position in the current stage: v = rate·p + `*_v`, a = rate²·p + `*_a`.
 #[derive(Clone, Debug)]

@@ -2,13 +2,14 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::conditions::{Conditions, Hold};
 use super::motion::Motion;
 use super::params::{RodParams, TipLoad};
 use super::scheme::{Scheme, Tableau};
 use super::solver::Solver;
 use super::state::{CrossSection, Rates, State};
 use super::status::Status;
-use super::system::{Conditions, Hold, System};
+use super::system::System;
 
 /// What a tendon is told.
 #[derive(Clone, Copy, Debug, PartialEq)]

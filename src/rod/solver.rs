@@ -6,9 +6,10 @@
 
 use nalgebra::{DVector, Dyn, LU};
 
+use super::conditions::{Conditions, Hold};
 use super::jacobian::Derivative;
 use super::status::Status;
-use super::system::{Conditions, Hold, System, Work};
+use super::system::{System, Work};
 
 const MOST_ITERATIONS: usize = 150;
 /// Changes of the taut set at any iterate; after so many, each set is solved for first.

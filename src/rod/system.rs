@@ -3,23 +3,15 @@
 
 use nalgebra::Vector3;
 
+use super::conditions::{Conditions, Hold};
 use super::grid::{COMPONENTS, Grid};
-use super::loads::{EndMass, LoadedRod, Loads};
+use super::loads::{LoadedRod, Loads};
 use super::memory::MemoryState;
-use super::motion::Motion;
-use super::params::{RodParams, TipLoad};
+use super::motion::EndMass;
+use super::params::RodParams;
 use super::section::{Section, Six};
 use super::shape::Shape;
 use crate::math::rotation;
-
-/// What a tendon is held to during a solve.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Hold {
-    /// Taken in by this much from the straight rod, metres; pulls or goes slack.
-    Length(f64),
-    /// Held at this tension, N.
-    Tension(f64),
-}
 
 /// A rod with its discretisation; constant during a simulation.
 #[derive(Clone, Debug)]
@@ -45,21 +37,6 @@ pub(super) struct Work {
     pub(super) history_tangent: Vec<[[f64; 2]; 2]>,
     /// Equations of balance, then one a tendon.
     pub(super) residual: Vec<f64>,
-}
-
-/// What stays fixed during a solve.
-pub(super) struct Conditions<'a> {
-    pub(super) holds: &'a [Hold],
-    /// For tendons held by length: whether it is taut.
-    pub(super) taut: &'a [bool],
-    pub(super) tip_load: &'a TipLoad,
-    /// Acceleration of gravity, m/s² (the robot's, or a share of it during continuation).
-    pub(super) gravity_m_s2: Vector3<f64>,
-    pub(super) motion: &'a Motion,
-    /// One a law and Gauss point.
-    pub(super) memory: &'a [Vec<MemoryState>],
-    /// Whether slow history laws have come to rest.
-    pub(super) settled: bool,
 }
 
 impl System {
