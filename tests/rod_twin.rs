@@ -61,6 +61,16 @@ fn a_missing_load_is_seen_and_adding_it_closes_the_gap() {
     assert!(without > 5e-3 && with < 0.25 * without, "{without} m without, {with} m with the load");
 }
 
+/// Friction of 0.02 N m in hinges, elastoplastic by another law: ours with the same moment takes most of the gap away.
+#[test]
+fn friction_by_another_law_is_closed_by_ours() {
+    let model = nominal();
+    let (_, without) = rms_m(&model, &[], "friction", 0.05, Scheme::Sdirk2);
+    let (_, with) = rms_m(&model, &effect("- friction: {moment_nm: 0.02}"), "friction", 0.05, Scheme::Sdirk2);
+    println!("friction: {without} m without, {with} m with");
+    assert!(without > 7e-3 && with < 0.3 * without, "{without} m without, {with} m with friction");
+}
+
 #[test]
 fn the_time_step_is_fine_enough() {
     let model = nominal();

@@ -17,20 +17,24 @@ pub struct Friction {
     /// Change of curvature that builds this moment up, rad/m.
     #[serde(default = "yield_default")]
     pub yield_rad_m: f64,
+    /// Whether slip about one bending axis uses up the friction about the other, as in an isotropic material; else each
+    /// axis slips on its own, as pairs of hinges do.
+    #[serde(default)]
+    pub coupled: bool,
 }
 
 fn yield_default() -> f64 {
-    0.2
+    0.5
 }
 
 pub(super) const CARD: Card = Card {
     name: "friction",
     missing: "dry friction: the path depends on direction",
-    equation: "m_f = k (u − u_p), |m_f| ≤ moment; u_p moves where it would be more (k = moment / yield)",
+    equation: "m_f = k (u − u_p) about each bending axis, |m_f| ≤ moment; u_p moves where it would be more (k = moment / yield)",
     source: "Prandtl element with return mapping, Simo & Hughes, Computational Inelasticity, ch. 1",
     parameters: &[
         Parameter { name: "moment_nm", unit: "N m", null: 0.0 },
-        Parameter { name: "yield_rad_m", unit: "rad/m", null: 0.2 },
+        Parameter { name: "yield_rad_m", unit: "rad/m", null: 0.5 },
     ],
     confused_with: &["hysteresis", "backlash"],
 };
@@ -42,8 +46,8 @@ impl Effect for Friction {
     }
 
     fn alter(&self, rod: &mut RodParams) {
-        rod.memory
-            .push(Arc::new(Prandtl { moment_nm: self.moment_nm, stiffness_n_m2: self.moment_nm / self.yield_rad_m }));
+        let stiffness_n_m2 = self.moment_nm / self.yield_rad_m;
+        rod.memory.push(Arc::new(Prandtl { moment_nm: self.moment_nm, stiffness_n_m2, coupled: self.coupled }));
     }
 }
 
@@ -52,37 +56,54 @@ impl Effect for Friction {
 pub(super) struct Prandtl {
     pub(super) moment_nm: f64,
     pub(super) stiffness_n_m2: f64,
+    pub(super) coupled: bool,
 }
 
 impl Prandtl {
-    /// Spring force if the slider stayed, and its size.
-    fn trial(&self, state: &MemoryState, curvature_rad_m: [f64; 2]) -> ([f64; 2], f64) {
-        let trial = [0, 1].map(|axis| self.stiffness_n_m2 * (curvature_rad_m[axis] - state[axis]));
-        (trial, trial[0].hypot(trial[1]))
+    /// Spring moments if the slider stayed.
+    fn trial(&self, state: &MemoryState, curvature_rad_m: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|axis| self.stiffness_n_m2 * (curvature_rad_m[axis] - state[axis]))
+    }
+
+    /// What of the trial moments the slider bears.
+    fn borne(&self, trial: [f64; 2]) -> [f64; 2] {
+        if !self.coupled {
+            return trial.map(|moment| moment.clamp(-self.moment_nm, self.moment_nm));
+        }
+        let size = trial[0].hypot(trial[1]);
+        let share = if size > self.moment_nm { self.moment_nm / size } else { 1.0 };
+        trial.map(|moment| share * moment)
+    }
+
+    /// d borne / d curvature.
+    fn tangent(&self, trial: [f64; 2]) -> [[f64; 2]; 2] {
+        let k = self.stiffness_n_m2;
+        let size = trial[0].hypot(trial[1]);
+        if !self.coupled {
+            let [x, y] = trial.map(|moment| if moment.abs() <= self.moment_nm { k } else { 0.0 });
+            return [[x, 0.0], [0.0, y]];
+        }
+        if size <= self.moment_nm {
+            return [[k, 0.0], [0.0, k]];
+        }
+        let (share, n) = (self.moment_nm / size, [trial[0] / size, trial[1] / size]);
+        let entry = |a: usize, b: usize| share * k * (f64::from(u8::from(a == b)) - n[a] * n[b]);
+        [[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]]
     }
 }
 
 impl MomentLaw for Prandtl {
     fn moment(&self, state: &MemoryState, curvature_rad_m: [f64; 2], _bending_n_m2: f64) -> HistoryMoment {
-        let (trial, size) = self.trial(state, curvature_rad_m);
-        let k = self.stiffness_n_m2;
-        if size <= self.moment_nm {
-            return HistoryMoment { moment_nm: trial, tangent_n_m2: [[k, 0.0], [0.0, k]] };
-        }
-        let (share, n) = (self.moment_nm / size, [trial[0] / size, trial[1] / size]);
-        let tangent = |a: usize, b: usize| share * k * (f64::from(u8::from(a == b)) - n[a] * n[b]);
-        HistoryMoment {
-            moment_nm: [share * trial[0], share * trial[1]],
-            tangent_n_m2: [[tangent(0, 0), tangent(0, 1)], [tangent(1, 0), tangent(1, 1)]],
-        }
+        let trial = self.trial(state, curvature_rad_m);
+        HistoryMoment { moment_nm: self.borne(trial), tangent_n_m2: self.tangent(trial) }
     }
 
     fn commit(&self, state: &mut MemoryState, curvature_rad_m: [f64; 2], _bending_n_m2: f64, _dt_s: f64) {
-        let (trial, size) = self.trial(state, curvature_rad_m);
-        if size > self.moment_nm {
-            for axis in 0..2 {
-                let held = trial[axis] / size * self.moment_nm / self.stiffness_n_m2;
-                state[axis] = curvature_rad_m[axis] - held;
+        let trial = self.trial(state, curvature_rad_m);
+        let borne = self.borne(trial);
+        for axis in 0..2 {
+            if borne[axis] != trial[axis] {
+                state[axis] = curvature_rad_m[axis] - borne[axis] / self.stiffness_n_m2;
             }
         }
     }
@@ -94,7 +115,7 @@ mod tests {
 
     #[test]
     fn a_closed_loop_of_curvature_dissipates_four_times_moment_times_amplitude() {
-        let law = Prandtl { moment_nm: 0.01, stiffness_n_m2: 0.05 };
+        let law = Prandtl { moment_nm: 0.01, stiffness_n_m2: 0.05, coupled: false };
         let (mut state, mut work, mut last) = ([0.0; 4], 0.0, [0.0; 2]);
         let amplitude = 3.0;
         for step in 1..=40_000 {

@@ -45,7 +45,7 @@ impl Effect for Hysteresis {
         let stiffness_n_m2 = 0.5 * (k1 + k2) * self.share / ELEMENTS as f64;
         for element in 1..=ELEMENTS {
             let yields_at = self.range_rad_m * element as f64 / ELEMENTS as f64;
-            rod.memory.push(Arc::new(Prandtl { moment_nm: stiffness_n_m2 * yields_at, stiffness_n_m2 }));
+            rod.memory.push(Arc::new(Prandtl { moment_nm: stiffness_n_m2 * yields_at, stiffness_n_m2, coupled: true }));
         }
     }
 }
