@@ -121,6 +121,29 @@ fn a_plan_counts_runs_and_stages_and_runs_nothing() {
     assert!(text.starts_with("smoke: 30 runs over 1 seeds, 10 stored, 20 left\n"), "{text}");
 }
 
+/// The recording is shared; Gaussian processes and what hangs on them are then a matter of the training.
+#[test]
+fn p_sim_from_the_forward_network_is_an_experiment_of_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let small = "runs.reach=[{policies: [a, b], modes: [closed], gp_points: [20]}]";
+    let arguments = [SMOKE, "--seeds", "1", "--set", small, "--set", "runs.track=null", "--set", "claims=[]"];
+    run(folder.path(), &[&arguments[..], &["--out", "rod"]].concat());
+    let network = ["--out", "network", "--set", "gp_points.p_sim=network", "--set", "runs.forward=false"];
+    let (computed, _) = run(folder.path(), &[&arguments[..], &network[..]].concat());
+    // For both kinds of training two processes with their scores, B's network, and the trials of A and B.
+    assert_eq!(computed, 2 * (2 * 2 + 1 + 2));
+    let read = |out: &str, name: &str| {
+        std::fs::read_to_string(folder.path().join(out).join("results/smoke").join(name)).unwrap()
+    };
+    let trainings = |out: &str| -> Vec<String> {
+        read(out, "gp.csv").lines().skip(1).map(|line| line.split(',').nth(1).unwrap().to_owned()).collect()
+    };
+    assert_eq!(trainings("rod"), ["any", "any"]);
+    assert_eq!(trainings("network"), ["converged", "converged", "paper", "paper"]);
+    assert!(read("network", "networks.csv").contains(",forward,"), "what stands for the rod is published");
+    assert_ne!(read("rod", "trials.csv"), read("network", "trials.csv"));
+}
+
 #[test]
 fn experiments_share_their_stages() {
     let folder = tempfile::tempdir().unwrap();
