@@ -65,7 +65,7 @@ fn within_a_tick_the_network_answers_alike_and_over_ticks_as_in_a_sequence() {
 
 /// Trained on (u_i, x_i) → x_{i+1}, eq. (17).
 fn forward_network(samples: &Samples) -> Arc<Elman> {
-    let config = ElmanConfig { max_epochs: 40, ..ElmanConfig::default() };
+    let config = ElmanConfig { max_epochs: 200, ..ElmanConfig::default() };
     let mut inputs = Rows::new(7);
     for (pulls_m, from_m) in samples.pulls_m.iter().zip(samples.from_m.iter()) {
         inputs.push(&[pulls_m, from_m].concat());
@@ -75,7 +75,7 @@ fn forward_network(samples: &Samples) -> Arc<Elman> {
 
 #[test]
 fn a_forward_network_stands_for_the_rod_in_the_points_of_the_error_model() {
-    let network = forward_network(&exploration(2_000));
+    let network = forward_network(&exploration(6_000));
     let pool = gp_points(&mut robot([0.0; 3]), &mut robot(SHIFT_M), &GpPointsOptions::default(), Seed(1)).unwrap();
     let imagined = imagine(&pool.steps, &mut ElmanForward::new(network.clone(), 4).unwrap()).unwrap();
 
