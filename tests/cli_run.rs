@@ -173,8 +173,8 @@ fn a_log_for_machines_and_the_strict_answer() {
     let finished = events.iter().filter(|event| event["event"] == "finished").count();
     assert_eq!(finished as u64, events[0]["compute"].as_u64().unwrap());
 
-    // A plant that refuses every command: trials are rows with a status, the run goes on, and --strict says no.
-    let stuck = ["--set", "plant.simulated.travel_m=1e-6", "--out", "stuck"];
+    // A load that the rod's solver cannot carry: trials are rows with a status, the run goes on, and --strict says no.
+    let stuck = ["--set", "modes.open.effects=[{tip_load: {mass_kg: 20}}]", "--out", "stuck"];
     let lenient = spinebench(folder.path(), &[&tiny[..], &stuck[..]].concat());
     assert_eq!(lenient.status.code(), Some(0), "{}", String::from_utf8_lossy(&lenient.stderr));
     let strict = spinebench(folder.path(), &[&tiny[..], &stuck[..], &["--strict"]].concat());
@@ -182,5 +182,17 @@ fn a_log_for_machines_and_the_strict_answer() {
     let said = String::from_utf8(strict.stderr).unwrap();
     assert!(said.contains("error: 6 trials failed"), "{said}");
     let trials = std::fs::read_to_string(folder.path().join("stuck/results/smoke/trials.csv")).unwrap();
-    assert!(trials.contains("travel is"), "{trials}");
+    assert_eq!(trials.matches("rod solver").count(), 6, "{trials}");
+    let table = std::fs::read_to_string(folder.path().join("stuck/results/smoke/table1.md")).unwrap();
+    assert!(table.contains("6 trials gave no error"), "{table}");
+
+    // Data that cannot be collected: everything else is written, and the exit status says so even when quiet.
+    let heavy = "plant.simulated.model.effects=[{tip_load: {mass_kg: 20}}]";
+    let lost = spinebench(folder.path(), &[&tiny[..], &["--set", heavy, "--out", "lost", "--quiet"]].concat());
+    assert_eq!(lost.status.code(), Some(1));
+    let said = String::from_utf8(lost.stderr).unwrap();
+    assert!(said.contains("stages failed, the first of them "), "{said}");
+    assert!(said.contains("note: gp_pool predefined points (seed 0) failed"), "{said}");
+    let trials = std::fs::read_to_string(folder.path().join("lost/results/smoke/trials.csv")).unwrap();
+    assert_eq!(trials.matches("gp_pool: rod solver").count(), 6, "{trials}");
 }
