@@ -42,7 +42,7 @@ const BAD: &[(&str, &str)] = &[
     ("policies: {c: {check: sometimes}}", "bad.yaml:2:23: policies.c.check: found the unknown name `sometimes`"),
     ("gp: {kernel: se_adr}", "bad.yaml:2:14: gp.kernel: found the unknown kernel `se_adr`, expected"),
     // Ranges.
-    ("seeds: 0", "bad.yaml:2:8: seeds: found 0, expected at least 1"),
+    ("seeds: 0", "bad.yaml:2:8: seeds: found 0, expected 1 to 1000"),
     ("control_hz: 0", "bad.yaml:2:13: control_hz: found 0, expected a rate above 0"),
     ("control_hz: .nan", "bad.yaml:2:13: control_hz: found .nan, expected a rate above 0"),
     ("name: ../elsewhere", "bad.yaml:2:7: name: found `../elsewhere`, expected a name of letters"),
