@@ -121,6 +121,29 @@ fn a_plan_counts_runs_and_stages_and_runs_nothing() {
     assert!(text.starts_with("smoke: 30 runs over 1 seeds, 10 stored, 20 left\n"), "{text}");
 }
 
+/// The recording is shared; Gaussian processes and what hangs on them are then a matter of the training.
+#[test]
+fn p_sim_from_the_forward_network_is_an_experiment_of_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let small = "runs.reach=[{policies: [a, b], modes: [closed], gp_points: [20]}]";
+    let arguments = [SMOKE, "--seeds", "1", "--set", small, "--set", "runs.track=null", "--set", "claims=[]"];
+    run(folder.path(), &[&arguments[..], &["--out", "rod"]].concat());
+    let network = ["--out", "network", "--set", "gp_points.p_sim=network", "--set", "runs.forward=false"];
+    let (computed, _) = run(folder.path(), &[&arguments[..], &network[..]].concat());
+    // For both kinds of training two processes with their scores, B's network, and the trials of A and B.
+    assert_eq!(computed, 2 * (2 * 2 + 1 + 2));
+    let read = |out: &str, name: &str| {
+        std::fs::read_to_string(folder.path().join(out).join("results/smoke").join(name)).unwrap()
+    };
+    let trainings = |out: &str| -> Vec<String> {
+        read(out, "gp.csv").lines().skip(1).map(|line| line.split(',').nth(1).unwrap().to_owned()).collect()
+    };
+    assert_eq!(trainings("rod"), ["any", "any"]);
+    assert_eq!(trainings("network"), ["converged", "converged", "paper", "paper"]);
+    assert!(read("network", "networks.csv").contains(",forward,"), "what stands for the rod is published");
+    assert_ne!(read("rod", "trials.csv"), read("network", "trials.csv"));
+}
+
 #[test]
 fn experiments_share_their_stages() {
     let folder = tempfile::tempdir().unwrap();
@@ -150,8 +173,8 @@ fn a_log_for_machines_and_the_strict_answer() {
     let finished = events.iter().filter(|event| event["event"] == "finished").count();
     assert_eq!(finished as u64, events[0]["compute"].as_u64().unwrap());
 
-    // A plant that refuses every command: trials are rows with a status, the run goes on, and --strict says no.
-    let stuck = ["--set", "plant.simulated.travel_m=1e-6", "--out", "stuck"];
+    // A load that the rod's solver cannot carry: trials are rows with a status, the run goes on, and --strict says no.
+    let stuck = ["--set", "modes.open.effects=[{tip_load: {mass_kg: 20}}]", "--out", "stuck"];
     let lenient = spinebench(folder.path(), &[&tiny[..], &stuck[..]].concat());
     assert_eq!(lenient.status.code(), Some(0), "{}", String::from_utf8_lossy(&lenient.stderr));
     let strict = spinebench(folder.path(), &[&tiny[..], &stuck[..], &["--strict"]].concat());
@@ -159,5 +182,17 @@ fn a_log_for_machines_and_the_strict_answer() {
     let said = String::from_utf8(strict.stderr).unwrap();
     assert!(said.contains("error: 6 trials failed"), "{said}");
     let trials = std::fs::read_to_string(folder.path().join("stuck/results/smoke/trials.csv")).unwrap();
-    assert!(trials.contains("travel is"), "{trials}");
+    assert_eq!(trials.matches("rod solver").count(), 6, "{trials}");
+    let table = std::fs::read_to_string(folder.path().join("stuck/results/smoke/table1.md")).unwrap();
+    assert!(table.contains("6 trials gave no error"), "{table}");
+
+    // Data that cannot be collected: everything else is written, and the exit status says so even when quiet.
+    let heavy = "plant.simulated.model.effects=[{tip_load: {mass_kg: 20}}]";
+    let lost = spinebench(folder.path(), &[&tiny[..], &["--set", heavy, "--out", "lost", "--quiet"]].concat());
+    assert_eq!(lost.status.code(), Some(1));
+    let said = String::from_utf8(lost.stderr).unwrap();
+    assert!(said.contains("stages failed, the first of them "), "{said}");
+    assert!(said.contains("note: gp_pool predefined points (seed 0) failed"), "{said}");
+    let trials = std::fs::read_to_string(folder.path().join("lost/results/smoke/trials.csv")).unwrap();
+    assert_eq!(trials.matches("gp_pool: rod solver").count(), 6, "{trials}");
 }

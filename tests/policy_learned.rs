@@ -9,9 +9,11 @@ use spinebench::base::{Point3, Rows, Seed};
 use spinebench::learn::LearnError;
 use spinebench::learn::gp::{Gp, GpConfig};
 use spinebench::learn::rnn::{Elman, ElmanConfig};
-use spinebench::policies::{ElmanInverse, ErrorModel, GpError, InverseModel, PolicyOptions, PolicyParts};
+use spinebench::policies::{
+    ElmanForward, ElmanInverse, ErrorModel, ForwardModel, GpError, InverseModel, PolicyOptions, PolicyParts,
+};
 use spinebench::tasks::{
-    ExploreOptions, GpPointsOptions, LoopMode, ReachOptions, Samples, explore, generate, gp_points,
+    ExploreOptions, GpPointsOptions, LoopMode, ReachOptions, Samples, explore, generate, gp_points, imagine,
     one_of_each_cluster, reach,
 };
 
@@ -36,7 +38,8 @@ fn exploration(points: usize) -> Samples {
 }
 
 fn error_model() -> GpError {
-    let points = gp_points(&mut robot([0.0; 3]), &mut robot(SHIFT_M), &GpPointsOptions::default(), Seed(1)).unwrap();
+    let points =
+        gp_points(&mut robot([0.0; 3]), &mut robot(SHIFT_M), &GpPointsOptions::default(), Seed(1)).unwrap().points();
     let sparse = points.select(&one_of_each_cluster(1_000, 100, Seed(1)).unwrap());
     GpError::new(Gp::fit(&sparse.inputs, &sparse.errors_m, &GpConfig::default()).unwrap(), 4).unwrap()
 }
@@ -60,12 +63,56 @@ fn within_a_tick_the_network_answers_alike_and_over_ticks_as_in_a_sequence() {
     }
 }
 
+/// Trained on (u_i, x_i) → x_{i+1}, eq. (17).
+fn forward_network(samples: &Samples) -> Arc<Elman> {
+    let config = ElmanConfig { max_epochs: 200, ..ElmanConfig::default() };
+    let mut inputs = Rows::new(7);
+    for (pulls_m, from_m) in samples.pulls_m.iter().zip(samples.from_m.iter()) {
+        inputs.push(&[pulls_m, from_m].concat());
+    }
+    Arc::new(Elman::train(&inputs, &samples.to_m, &samples.starts, &config, Seed(3)).unwrap().network)
+}
+
+#[test]
+fn a_forward_network_stands_for_the_rod_in_the_points_of_the_error_model() {
+    let network = forward_network(&exploration(6_000));
+    let pool = gp_points(&mut robot([0.0; 3]), &mut robot(SHIFT_M), &GpPointsOptions::default(), Seed(1)).unwrap();
+    let imagined = imagine(&pool.steps, &mut ElmanForward::new(network.clone(), 4).unwrap()).unwrap();
+
+    // It starts at the recorded home and is then fed with what it predicted itself.
+    let mut model = ElmanForward::new(network, 4).unwrap();
+    let home = imagined.from_m.row(0);
+    assert_eq!(home, pool.steps.from_m.row(0));
+    model.reset(&[home[0], home[1], home[2]]);
+    for index in 0..imagined.len() {
+        assert_eq!(imagined.to_m.row(index), model.next_m(pool.steps.pulls_m.row(index)).unwrap());
+        let follows = index + 1 == imagined.len() || imagined.from_m.row(index + 1) == imagined.to_m.row(index);
+        assert!(follows, "step {index}");
+    }
+
+    // Same commands, same measurements, another p_sim; e is the difference to what was measured.
+    let (rod, network) = (pool.points(), pool.points_by(&imagined));
+    assert_eq!((&rod.real_m, rod.inputs.len()), (&network.real_m, network.inputs.len()));
+    let mut apart_m: f64 = 0.0;
+    for index in 0..rod.inputs.len() {
+        assert_eq!(rod.inputs.row(index)[..4], network.inputs.row(index)[..4]);
+        for axis in 0..3 {
+            let p_sim_m = network.inputs.row(index)[4 + axis];
+            assert_eq!(network.errors_m.row(index)[axis], p_sim_m - network.real_m.row(index)[axis]);
+            apart_m = apart_m.max((p_sim_m - rod.inputs.row(index)[4 + axis]).abs());
+        }
+    }
+    assert!(apart_m > 0.0 && apart_m < 0.03, "the network follows the rod, not exactly: {apart_m} m");
+}
+
 #[test]
 fn models_of_the_wrong_width_are_refused() {
     let samples = exploration(400);
     let config = ElmanConfig { max_epochs: 1, ..ElmanConfig::default() };
     let forward = Elman::train(&samples.pulls_m, &samples.to_m, &[], &config, Seed(2)).unwrap().network;
-    assert!(matches!(ElmanInverse::new(Arc::new(forward)), Err(LearnError::Shape { found: 4, expected: 6, .. })));
+    let forward = Arc::new(forward);
+    assert!(matches!(ElmanForward::new(forward.clone(), 4), Err(LearnError::Shape { found: 4, expected: 7, .. })));
+    assert!(matches!(ElmanInverse::new(forward), Err(LearnError::Shape { found: 4, expected: 6, .. })));
     let few = samples.first(30);
     let gp = Gp::fit(&few.pulls_m, &few.to_m, &GpConfig { starts: 1, ..GpConfig::default() }).unwrap();
     assert!(matches!(GpError::new(gp, 4), Err(LearnError::Shape { found: 4, expected: 7, .. })));

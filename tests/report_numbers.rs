@@ -112,12 +112,16 @@ fn tracking_is_summarised_run_by_run() {
         row.error_m = 0.01 + 1e-5 * row.step as f64 + 0.002 * (0.8 * std::f64::consts::TAU * row.time_s).sin();
         row.branch = if row.step < 100 { "a" } else { "b" }.to_owned();
     }
+    for (index, row) in rows.iter_mut().enumerate() {
+        row.path_point = index as u64 / 10; // the first point is left after ten steps
+    }
+    let start_m = rows[9].error_m;
     rows[300].status = "lost".to_owned();
     rows.reverse();
     let summary = track_summary(&rows);
     assert_eq!(summary.len(), 1);
     assert_eq!((summary[0].switches, summary[0].steps, summary[0].status.as_str()), (1, 980, "lost"));
-    assert_eq!((summary[0].start_error_m, summary[0].completion_time_s), (0.01, rows[0].time_s));
+    assert_eq!((summary[0].start_error_m, summary[0].completion_time_s), (start_m, rows[0].time_s));
     assert!((summary[0].oscillation_m - 0.004).abs() < 1e-4, "{}", summary[0].oscillation_m);
 }
 

@@ -42,7 +42,7 @@ const BAD: &[(&str, &str)] = &[
     ("policies: {c: {check: sometimes}}", "bad.yaml:2:23: policies.c.check: found the unknown name `sometimes`"),
     ("gp: {kernel: se_adr}", "bad.yaml:2:14: gp.kernel: found the unknown kernel `se_adr`, expected"),
     // Ranges.
-    ("seeds: 0", "bad.yaml:2:8: seeds: found 0, expected at least 1"),
+    ("seeds: 0", "bad.yaml:2:8: seeds: found 0, expected 1 to 1000"),
     ("control_hz: 0", "bad.yaml:2:13: control_hz: found 0, expected a rate above 0"),
     ("control_hz: .nan", "bad.yaml:2:13: control_hz: found .nan, expected a rate above 0"),
     ("name: ../elsewhere", "bad.yaml:2:7: name: found `../elsewhere`, expected a name of letters"),
@@ -73,7 +73,22 @@ const BAD: &[(&str, &str)] = &[
         "modes: {closed_load: {effects: [{tip_lode: {mass_kg: 0.02}}]}}",
         "bad.yaml:2:34: modes.closed_load.effects[0].tip_lode: found the unknown name `tip_lode`",
     ),
+    // Wrong units, and more than a machine holds.
+    ("plant: {simulated: {noise_m: 0.5}}", "bad.yaml:2:30: plant.simulated.noise_m: found 0.5, expected 0 to 0.05 m"),
+    (
+        "explore: {max_pull_m: 20}",
+        "bad.yaml:2:23: explore.max_pull_m: found 20, expected at most 0.06 m, the travel of",
+    ),
+    ("explore: {points: 20000000}", "bad.yaml:2:19: explore.points: found 20000000, expected 1 to 10000000"),
+    ("seeds: 1001", "bad.yaml:2:8: seeds: found 1001, expected 1 to 1000"),
+    ("name:", "bad.yaml:2:"),
+    ("modes: {odd mode!: {feedback: closed}}", "bad.yaml:2:20: modes.odd mode!: found a mapping, expected a name of"),
+    ("plant: 3", "bad.yaml:2:8: plant: found integer `3`, expected one alternative with its settings"),
     // Sizes larger than the data.
+    (
+        "network: {window: 8}\nruns:\n  reach:\n    - {policies: [pi_real], modes: [closed], real_points: [10]}",
+        "bad.yaml:5:60: runs.reach[0].real_points[0]: found 10, expected about 13 or more, enough for a window",
+    ),
     (
         "runs:\n  reach:\n    - {policies: [a], modes: [closed], gp_points: [10, 81]}",
         "bad.yaml:4:56: runs.reach[0].gp_points[1]: found 81, expected 2 to 80, the number of predefined points",
@@ -112,6 +127,7 @@ const BAD: &[(&str, &str)] = &[
         "runs:\n  reach:\n    - {policies: [a], modes: [ajar], gp_points: [20]}",
         "bad.yaml:4:31: runs.reach[0].modes[0]: found `ajar`, expected one of",
     ),
+    ("figures: [fig5, fig5]", "bad.yaml:2:17: figures[1]: found `fig5`, expected each figure once"),
     ("figures: [fig9]", "bad.yaml:2:11: figures[0]: found `fig9`, expected one of"),
     ("training: {}\nclaims: []\nseeds: 0", "bad.yaml:4:8: seeds"),
     // Claims that the rows cannot decide.

@@ -114,8 +114,8 @@ fn gp_points_hold_the_gap_and_their_inputs() {
         Layout::Grid(GridOptions::default()),
         Layout::Walk { points: 1_000, every: 3, max_step_m: 0.003, max_pull_m: 0.03 },
     ] {
-        let options = GpPointsOptions { layout, hold_steps: 0 };
-        let points = gp_points(&mut at_once([0.0; 3]), &mut at_once(SHIFT_M), &options, Seed(9)).unwrap();
+        let options = GpPointsOptions { layout, ..GpPointsOptions::default() };
+        let points = gp_points(&mut at_once([0.0; 3]), &mut at_once(SHIFT_M), &options, Seed(9)).unwrap().points();
         assert_eq!((points.inputs.len(), points.inputs.width(), points.errors_m.len()), (1_000, 7, 1_000));
         for index in 0..points.inputs.len() {
             for (axis, shift_m) in SHIFT_M.into_iter().enumerate() {
@@ -130,7 +130,7 @@ fn gp_points_hold_the_gap_and_their_inputs() {
 #[test]
 fn consecutive_grid_points_are_neighbours_and_cover_the_square() {
     let options = GpPointsOptions::default();
-    let points = gp_points(&mut at_once([0.0; 3]), &mut at_once([0.0; 3]), &options, Seed(9)).unwrap();
+    let points = gp_points(&mut at_once([0.0; 3]), &mut at_once([0.0; 3]), &options, Seed(9)).unwrap().points();
     let bends: Vec<[f64; 2]> = points.inputs.iter().map(|row| [row[0], row[1]]).collect();
     for pair in bends.windows(2) {
         assert!((0..2).all(|axis| (pair[1][axis] - pair[0][axis]).abs() <= 0.003 + 1e-12));
@@ -199,7 +199,7 @@ fn targets_are_drawn_by_the_experiment_and_are_not_training_points() {
     assert_eq!(numbers.len(), 50);
     let walk = explore(&mut robot([0.0; 3]), &ExploreOptions::default(), Seed(11)).unwrap();
     let real = replay(&mut plant, &walk, Seed(11)).unwrap();
-    let gp = gp_points(&mut robot([0.0; 3]), &mut plant, &GpPointsOptions::default(), Seed(11)).unwrap();
+    let gp = gp_points(&mut robot([0.0; 3]), &mut plant, &GpPointsOptions::default(), Seed(11)).unwrap().points();
     for (_, target_m) in &drawn {
         assert!(real.to_m.iter().chain(gp.real_m.iter()).all(|tip_m| tip_m != target_m));
     }

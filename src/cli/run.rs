@@ -24,7 +24,7 @@ pub(super) struct Run {
     /// Where stages are carried out.
     #[arg(long, value_enum, default_value_t = Executor::Local)]
     executor: Executor,
-    /// Exit status 1 when a claim is not reproduced or a trial failed.
+    /// Exit status 1 when a claim is not reproduced or a trial failed (a stage without which trials are missing: always).
     #[arg(long)]
     strict: bool,
 }
@@ -40,7 +40,7 @@ impl Run {
     pub(super) fn carry_out(self) -> Outcome {
         let Executor::Local = self.executor;
         let campaign = self.specs.campaign()?;
-        std::fs::create_dir_all(&self.out)
+        writable(&self.out)
             .map_err(|error| Ended::BadInput(format!("{}: found {error}, expected a folder", self.out.display())))?;
         let progress = self.telling.progress();
         let began = Instant::now();
@@ -51,6 +51,12 @@ impl Run {
         let wall_s = began.elapsed().as_secs_f64();
         let published = self.publish(&campaign, &outcomes, &store, wall_s).map_err(Ended::No)?;
         summarise(&progress, &campaign, &outcomes, &published, wall_s);
+        if let [first, ..] = outcomes.failures.as_slice() {
+            let count = outcomes.failures.len();
+            let words =
+                format!("{count} stages failed, the first of them {first}; what needed them has rows that say so");
+            return Err(Ended::No(words));
+        }
         self.verdict(&published)
     }
 
@@ -94,6 +100,14 @@ impl Run {
         }
         Ok(())
     }
+}
+
+/// Makes the folder and tries it, so that hours of work do not end before a folder that takes nothing.
+fn writable(folder: &Path) -> std::io::Result<()> {
+    std::fs::create_dir_all(folder)?;
+    let probe = folder.join(format!(".spinebench-{}", std::process::id()));
+    std::fs::File::create_new(&probe)?;
+    std::fs::remove_file(&probe)
 }
 
 fn summarise(progress: &Progress, campaign: &Campaign, outcomes: &Outcomes, published: &[Publication], wall_s: f64) {

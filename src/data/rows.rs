@@ -131,6 +131,8 @@ pub struct NetworkRow {
 pub struct GpRow {
     /// Repetition of the whole experiment.
     pub seed: u64,
+    /// Kind of training of the forward network that p_sim comes from; `any` when it comes from the rod.
+    pub training: String,
     /// Training points.
     pub points: u64,
     /// Kernel by its registry name.

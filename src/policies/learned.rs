@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{ErrorModel, InverseModel};
+use super::{ErrorModel, ForwardModel, InverseModel};
 use crate::base::{Displacements, Point3, PolicyError};
 use crate::learn::LearnError;
 use crate::learn::gp::Gp;
@@ -52,6 +52,51 @@ impl InverseModel for ElmanInverse {
 
     fn tick(&mut self) {
         self.memory.clone_from(&self.next);
+    }
+}
+
+/// An Elman network trained on (u_i, x_i) → x_{i+1} (eq. 17), run freely: what it predicted is its next x_i.
+pub struct ElmanForward {
+    network: Arc<Elman>,
+    memory: ElmanState,
+    tip_m: Point3,
+}
+
+impl ElmanForward {
+    /// The network at rest.
+    ///
+    /// # Errors
+    /// [`LearnError::Shape`] for a network that does not go from displacements and a position to a position.
+    pub fn new(network: Arc<Elman>, tendons: usize) -> Result<Self, LearnError> {
+        for (what, found, expected) in [
+            ("inputs of a forward model (displacements and a position)", network.inputs(), tendons + 3),
+            ("outputs of a forward model", network.outputs(), 3),
+        ] {
+            if found != expected {
+                return Err(LearnError::Shape { what, found, expected });
+            }
+        }
+        Ok(ElmanForward { memory: network.state(), network, tip_m: [0.0; 3] })
+    }
+}
+
+impl ForwardModel for ElmanForward {
+    fn reset(&mut self, home_m: &Point3) {
+        self.memory.reset();
+        self.tip_m = *home_m;
+    }
+
+    fn next_m(&mut self, pulls_m: &[f64]) -> Result<Point3, PolicyError> {
+        let input = [pulls_m, self.tip_m.as_slice()].concat();
+        let mut next_m = [0.0; 3];
+        self.network
+            .step(&mut self.memory, &input, &mut next_m)
+            .map_err(|_| PolicyError::NotFinite("input of the forward network"))?;
+        if next_m.iter().any(|value| !value.is_finite()) {
+            return Err(PolicyError::NotFinite("output of the forward network"));
+        }
+        self.tip_m = next_m;
+        Ok(next_m)
     }
 }
 

@@ -17,7 +17,7 @@ mod sight;
 pub use a::AOptions;
 pub use c::{AfterBoth, COptions, Check, Start};
 pub use direct::DirectOptions;
-pub use learned::{ElmanInverse, GpError};
+pub use learned::{ElmanForward, ElmanInverse, GpError};
 pub use limits::LimitOptions;
 pub use network::{Memory, NetworkOptions};
 pub use options::PolicyOptions;
@@ -53,6 +53,17 @@ pub trait InverseModel: Send {
     fn pulls(&mut self, from_m: &Point3, to_m: &Point3) -> Result<Displacements, PolicyError>;
     /// A control tick has passed: what the last `pulls` saw becomes memory. Models without memory do nothing.
     fn tick(&mut self) {}
+}
+
+/// A learned forward model (u_i, x_i) → x_{i+1}, eq. (17): it moves on by itself, from its own last prediction.
+pub trait ForwardModel: Send {
+    /// The robot is at rest at home, where the tip is `home_m`.
+    fn reset(&mut self, home_m: &Point3);
+    /// The predicted tip after a step under `pulls_m`, metres.
+    ///
+    /// # Errors
+    /// [`PolicyError`] when an input or an output is not finite.
+    fn next_m(&mut self, pulls_m: &[f64]) -> Result<Point3, PolicyError>;
 }
 
 /// A learned model of the gap, eq. (20): e = p_sim − p_exp.

@@ -85,6 +85,11 @@ pub fn track_summary(tracks: &[TrackRow]) -> Vec<TrackSummaryRow> {
     runs.into_values().map(track_run).collect()
 }
 
+/// The error when the first path point is left, to which the robot comes from home.
+fn start_error_m(rows: &[&TrackRow]) -> f64 {
+    rows.iter().rev().find(|row| row.path_point == 0).map_or(f64::NAN, |row| row.error_m)
+}
+
 fn track_run(mut rows: Vec<&TrackRow>) -> TrackSummaryRow {
     rows.sort_by_key(|row| row.step);
     let errors: Vec<f64> = rows.iter().map(|row| row.error_m).filter(|error| error.is_finite()).collect();
@@ -100,7 +105,7 @@ fn track_run(mut rows: Vec<&TrackRow>) -> TrackSummaryRow {
         policy: rows[0].policy.clone(),
         mean_error_m: mean(&errors),
         sd_error_m: standard_deviation(&errors),
-        start_error_m: rows[0].error_m,
+        start_error_m: start_error_m(&rows),
         completion_time_s: last_s,
         oscillation_m: oscillation(&errors, window),
         switches: branches.windows(2).filter(|pair| pair[0] != pair[1]).count() as u64,

@@ -1,7 +1,7 @@
 //! Experiments as stages of one graph, and the stages' results as the tables of each experiment.
 
 use super::graph::{Failure, Graph, Handle};
-use super::metrics::Tables;
+use super::metrics::{ANY_TRAINING, Tables};
 use super::schedule::Outcomes;
 use super::stages::Stages;
 use crate::base::Point3;
@@ -9,6 +9,7 @@ use crate::data::rows::{GapRow, GpRow, TrackRow, TrialRow};
 use crate::learn::rnn::Trained;
 use crate::policies::{self, Part};
 use crate::specs::{Cell, Experiment, Training, gp_sizes, reach_cells, track_cells};
+use crate::tasks::SimulatedBy;
 use std::collections::BTreeSet;
 
 /// Some experiments, expanded into the stages that they need. What they share is there once.
@@ -40,7 +41,8 @@ pub(super) struct Repetition {
     pub(super) seed: u64,
     pub(super) gap: Option<Handle<Vec<GapRow>>>,
     pub(super) waypoints: Option<Handle<Vec<Point3>>>,
-    pub(super) gps: Vec<Handle<GpRow>>,
+    /// With the kind of training that each depends on.
+    pub(super) gps: Vec<(String, Handle<GpRow>)>,
     pub(super) trained: Vec<TrainedCells>,
 }
 
@@ -93,7 +95,7 @@ impl Entry {
         for one in &self.repetitions {
             numbers.extend(one.gap.map(Handle::number));
             numbers.extend(one.waypoints.map(Handle::number));
-            numbers.extend(one.gps.iter().map(|stage| stage.number()));
+            numbers.extend(one.gps.iter().map(|(_, stage)| stage.number()));
             for trained in &one.trained {
                 numbers.extend(trained.networks.iter().map(|(_, stage)| stage.number()));
                 numbers.extend(trained.reach.iter().map(|(_, stage)| stage.number()));
@@ -133,9 +135,7 @@ fn repetition(graph: &mut Graph, experiment: &Experiment, seed: u64) -> Result<R
     let mut one = Repetition { seed, ..Repetition::default() };
     one.gap = experiment.runs.gap.map(|gap| stages.gap(gap.rows)).transpose()?;
     one.waypoints = experiment.runs.track.as_ref().map(|_| stages.waypoints()).transpose()?;
-    for points in gp_sizes(experiment) {
-        one.gps.push(stages.gp_score(points)?);
-    }
+    one.gps = gaussian_processes(&mut stages, experiment)?;
     let (reach, track) = (reach_cells(experiment), track_cells(experiment));
     for (name, training) in &experiment.training {
         let mut cells = TrainedCells { training: name.clone(), networks: vec![], reach: vec![], track: vec![] };
@@ -153,6 +153,20 @@ fn repetition(graph: &mut Graph, experiment: &Experiment, seed: u64) -> Result<R
     Ok(one)
 }
 
+/// The experiment's Gaussian processes: one a size, or where p_sim comes from the forward network, one a size and training.
+fn gaussian_processes(stages: &mut Stages, experiment: &Experiment) -> Result<Vec<(String, Handle<GpRow>)>, Failure> {
+    let rod = experiment.gp_points.p_sim == SimulatedBy::Rod;
+    let (any, none) = (ANY_TRAINING.to_owned(), Training::default());
+    let trainings = if rod { vec![(&any, &none)] } else { experiment.training.iter().collect() };
+    let mut gps = Vec::new();
+    for (name, training) in trainings {
+        for points in gp_sizes(experiment) {
+            gps.push((name.clone(), stages.gp_score(training, points)?));
+        }
+    }
+    Ok(gps)
+}
+
 fn add_network(stages: &mut Stages, network: Network, training: &Training) -> Result<Handle<Trained>, Failure> {
     match network {
         Network::Forward => stages.forward(training),
@@ -162,9 +176,11 @@ fn add_network(stages: &mut Stages, network: Network, training: &Training) -> Re
     }
 }
 
-/// The networks that the cells are built from, and the forward model where it is asked for.
+/// The networks that the cells are built from, and the forward model where it is asked for or stands for the rod.
 fn networks<'a>(experiment: &Experiment, cells: impl Iterator<Item = &'a Cell>) -> BTreeSet<Network> {
-    let mut networks: BTreeSet<Network> = experiment.runs.forward.then_some(Network::Forward).into_iter().collect();
+    let simulates = experiment.gp_points.p_sim == SimulatedBy::Network && !gp_sizes(experiment).is_empty();
+    let forward = (experiment.runs.forward || simulates).then_some(Network::Forward);
+    let mut networks: BTreeSet<Network> = forward.into_iter().collect();
     for cell in cells {
         for part in policies::find(&cell.policy).map_or(&[] as &[Part], |entry| entry.needs) {
             networks.extend(match part {

@@ -5,7 +5,7 @@
 //! two cells are differences within a seed, so that what the cells share cancels) decides: inside the range it is
 //! reproduced, outside it is not, across its border or from too few seeds it is undecided.
 
-use super::metrics::{Tables, value};
+use super::metrics::{ANY_TRAINING, Tables, value};
 use crate::data::rows::ClaimRow;
 use crate::math::summary::{interval_95, mean};
 use crate::specs::{Claim, Metric, Relation};
@@ -17,13 +17,19 @@ pub const SEEDS_NEEDED: usize = 10;
 pub fn evaluate(claims: &[Claim], tables: &Tables, seeds: &[u64], trainings: &[String]) -> Vec<ClaimRow> {
     let mut rows = Vec::new();
     for claim in claims {
-        if claim.relation.metrics().iter().any(Metric::depends_on_training) {
+        let depends = |metric: &Metric| metric.depends_on_training() || of_training(metric, tables);
+        if claim.relation.metrics().iter().any(depends) {
             rows.extend(trainings.iter().map(|training| judge(claim, tables, seeds, training)));
         } else {
-            rows.push(judge(claim, tables, seeds, "any"));
+            rows.push(judge(claim, tables, seeds, ANY_TRAINING));
         }
     }
     rows
+}
+
+/// Gaussian processes depend on the training when p_sim comes from the forward network.
+fn of_training(metric: &Metric, tables: &Tables) -> bool {
+    matches!(metric, Metric::GpError { .. }) && tables.gps.iter().any(|row| row.training != ANY_TRAINING)
 }
 
 fn judge(claim: &Claim, tables: &Tables, seeds: &[u64], training: &str) -> ClaimRow {
@@ -108,6 +114,7 @@ mod tests {
     fn gps(errors: &[f64]) -> Tables {
         let row = |(seed, &error): (usize, &f64)| GpRow {
             seed: seed as u64,
+            training: "any".into(),
             points: 100,
             kernel: "se_ard".into(),
             cross_validation_mae_m: error,

@@ -1,9 +1,12 @@
 //! From published rows to one value per seed.
 
-use crate::data::rows::{GapRow, GpRow, NetworkRow, TrackRow, TrackSummaryRow, TrialRow};
+use crate::data::rows::{GapRow, GpRow, NetworkRow, TrackSummaryRow, TrialRow};
 use crate::math::summary::{mean, standard_deviation};
 use crate::report::Published;
 use crate::specs::{Axis, Metric, ReachCell};
+
+/// In the place of a kind of training: none takes part.
+pub(super) const ANY_TRAINING: &str = "any";
 
 /// All rows of one experiment.
 #[derive(Clone, Debug, Default)]
@@ -30,12 +33,14 @@ pub(super) fn value(tables: &Tables, metric: &Metric, seed: u64, training: &str)
             row.validation_mae_m
         }
         Metric::GpError { points } => {
-            tables.gps.iter().find(|row| row.seed == seed && row.points == *points)?.cross_validation_mae_m
+            let ours = |row: &&GpRow| row.training == training || row.training == ANY_TRAINING;
+            let found = |row: &&GpRow| row.seed == seed && row.points == *points && ours(row);
+            tables.gps.iter().find(found)?.cross_validation_mae_m
         }
         Metric::TrackMean { policy } => run(tables, policy, seed, training)?.mean_error_m,
         Metric::TrackOscillation { policy } => run(tables, policy, seed, training)?.oscillation_m,
         Metric::TrackTime { policy } => run(tables, policy, seed, training)?.completion_time_s,
-        Metric::TrackStart { policy } => start_error_m(tables, policy, seed, training)?,
+        Metric::TrackStart { policy } => run(tables, policy, seed, training)?.start_error_m,
         Metric::GapRms { axis } => gap_rms_m(tables, *axis, seed),
     };
     found.is_finite().then_some(found)
@@ -50,6 +55,7 @@ fn reach_errors_m(tables: &Tables, cell: &ReachCell, seed: u64, training: &str) 
             && row.mode == cell.mode
             && cell.gp_points.is_none_or(|points| points == row.gp_points)
             && cell.real_points.is_none_or(|points| points == row.real_points)
+            && row.status == "ok"
             && row.error_m.is_finite()
     };
     tables.published.trials.iter().filter(ours).map(|row| row.error_m).collect()
@@ -59,14 +65,6 @@ fn reach_errors_m(tables: &Tables, cell: &ReachCell, seed: u64, training: &str) 
 fn run<'a>(tables: &'a Tables, policy: &str, seed: u64, training: &str) -> Option<&'a TrackSummaryRow> {
     let ours = |row: &&TrackSummaryRow| row.seed == seed && row.training == training && row.policy == policy;
     tables.runs.iter().find(ours).filter(|row| row.status == "ok")
-}
-
-/// Error when the first path point is left, metres.
-fn start_error_m(tables: &Tables, policy: &str, seed: u64, training: &str) -> Option<f64> {
-    run(tables, policy, seed, training)?;
-    let ours = |row: &&TrackRow| row.seed == seed && row.training == training && row.policy == policy;
-    let steps = tables.published.tracks.iter().filter(ours);
-    steps.filter(|row| row.path_point == 0).max_by_key(|row| row.step).map(|row| row.error_m)
 }
 
 fn gap_rms_m(tables: &Tables, axis: Axis, seed: u64) -> f64 {

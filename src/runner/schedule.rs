@@ -272,8 +272,9 @@ impl<'a> Crew<'a> {
         let timings =
             self.timings.into_iter().map(|timing| timing.into_inner().unwrap_or_else(PoisonError::into_inner));
         let failures = values.iter().filter_map(|value| value.as_ref()?.as_ref().err());
-        let mut failures: Vec<Failure> = failures.cloned().collect();
-        failures.dedup();
+        let mut told: Vec<Failure> = Vec::new();
+        failures.for_each(|failure| told.extend((!told.contains(failure)).then(|| failure.clone())));
+        let failures = told;
         Outcomes { failures, timings: timings.collect(), computed, cached, values }
     }
 }

@@ -29,8 +29,8 @@ pub(super) fn assemble(entry: &Entry, outcomes: &Outcomes) -> Tables {
             };
             tables.published.waypoints.extend(points.iter().enumerate().map(row));
         }
-        let gps = one.gps.iter().filter_map(|stage| outcomes.get(*stage).ok());
-        tables.gps.extend(gps.map(|row| GpRow { seed, ..row.clone() }));
+        let gps = one.gps.iter().filter_map(|(training, stage)| Some((training, outcomes.get(*stage).ok()?)));
+        tables.gps.extend(gps.map(|(training, row)| GpRow { seed, training: training.clone(), ..row.clone() }));
         for cells in &one.trained {
             trained(&mut tables, &entry.experiment, seed, cells, outcomes);
         }

@@ -6,11 +6,13 @@ use super::error::SpecError;
 use super::experiment::{Experiment, TrackRun};
 use super::locate::End;
 use super::path::KeyPath;
+use super::plant::PlantSpec;
 use crate::base::BadOption;
 use crate::effects::check_effects;
 use crate::learn::LearnError;
 use crate::policies::{self, Part};
 use crate::report::FIGURES;
+use crate::tasks::Layout;
 
 /// Looks for the first thing that is wrong with `experiment`, which was read from `document`.
 ///
@@ -23,6 +25,11 @@ pub(super) fn check(experiment: &Experiment, document: &Document) -> Result<(), 
     checker.runs()?;
     super::check_claims::check(experiment, document)
 }
+
+/// Repetitions of an experiment: more would fill the memory with plans before anything runs.
+const MOST_SEEDS: u64 = 1000;
+/// Tracking noise beyond this is a wrong unit, metres.
+const MOST_NOISE_M: f64 = 0.05;
 
 struct Checker<'a> {
     experiment: &'a Experiment,
@@ -43,10 +50,11 @@ impl Checker<'_> {
         let named = |name: &str| {
             !name.is_empty() && name.chars().all(|letter| letter.is_ascii_alphanumeric() || "_-".contains(letter))
         };
-        self.unless(named(&spec.name), &root.key("name"), "a name of letters, digits, `_` and `-`")?;
+        let null = self.document.is_null(&root.key("name"));
+        self.unless(named(&spec.name) && !null, &root.key("name"), "a name of letters, digits, `_` and `-`")?;
         let hz = spec.control_hz;
         self.unless(hz > 0.0 && hz <= 1000.0, &root.key("control_hz"), "a rate above 0 and up to 1000 Hz")?;
-        self.unless(spec.seeds > 0, &root.key("seeds"), "at least 1")?;
+        self.unless((1..=MOST_SEEDS).contains(&spec.seeds), &root.key("seeds"), "1 to 1000")?;
         self.unless(!spec.training.is_empty(), &root.key("training"), "at least one kind of training")?;
         for (name, training) in &spec.training {
             let path = root.key("training").key(name);
@@ -61,6 +69,10 @@ impl Checker<'_> {
                 let positive = stop_m.is_none_or(|stop_m| stop_m > 0.0 && stop_m.is_finite());
                 self.unless(positive, &path.key(key), "a length above 0, or null")?;
             }
+        }
+        for name in spec.modes.keys() {
+            let path = root.key("modes").key(name);
+            self.unless(named(name), &path, "a name of letters, digits, `_` and `-`")?;
         }
         Ok(())
     }
@@ -92,6 +104,12 @@ impl Checker<'_> {
                 .check()
                 .map_err(|(path, bad)| self.option(&format!("{name}.{path}"), bad.key, &bad.found, bad.expected))?;
             self.unless(plant.tendons() == 4, &root.key(name), "a robot with four tendons")?;
+            if let PlantSpec::Simulated(robot) = plant {
+                let path = root.key(name).key("simulated");
+                let noise = (0.0..=MOST_NOISE_M).contains(&robot.noise_m);
+                self.unless(noise, &path.key("noise_m"), "0 to 0.05 m of tracking noise")?;
+                self.pulls(name, robot.travel_m)?;
+            }
         }
         for (name, mode) in &spec.modes {
             let path = root.key("modes").key(name).key("effects");
@@ -101,6 +119,22 @@ impl Checker<'_> {
                 let path = path.item(index).key(effect).key(bad.key);
                 self.document.refuse(&path, End::Value, bad.found, bad.expected)
             })?;
+        }
+        Ok(())
+    }
+
+    /// Explorations, points, targets and paths stay within the travel of the robot that carries them out.
+    fn pulls(&self, robot: &str, travel_m: f64) -> Result<(), SpecError> {
+        let (root, spec) = (KeyPath::default(), self.experiment);
+        let layout = root.key("gp_points").key("layout");
+        let points = match spec.gp_points.layout {
+            Layout::Grid(grid) => (layout.key("grid"), grid.max_pull_m),
+            Layout::Walk { max_pull_m, .. } => (layout.key("walk"), max_pull_m),
+        };
+        let explore = (root.key("explore"), spec.explore.max_pull_m);
+        for (path, pull_m) in [explore, points] {
+            let expected = format!("at most {travel_m} m, the travel of `{robot}`");
+            self.unless(pull_m <= travel_m, &path.key("max_pull_m"), &expected)?;
         }
         Ok(())
     }
@@ -123,6 +157,9 @@ impl Checker<'_> {
 
     fn runs(&self) -> Result<(), SpecError> {
         let (runs, path) = (&self.experiment.runs, KeyPath::default().key("runs"));
+        let points = self.experiment.explore.points;
+        let rows = self.experiment.network.check_rows(points, &self.experiment.explore.starts(points));
+        self.enough(rows, &KeyPath::default().key("explore").key("points"))?;
         let any = runs.gap.is_some() || runs.forward || !runs.gp_points.is_empty() || !runs.reach.is_empty();
         self.unless(
             any || runs.track.is_some(),
@@ -137,6 +174,7 @@ impl Checker<'_> {
         let figures: Vec<&str> = FIGURES.iter().map(|figure| figure.name).collect();
         for (index, name) in self.experiment.figures.iter().enumerate() {
             let path = KeyPath::default().key("figures").item(index);
+            self.unless(!self.experiment.figures[..index].contains(name), &path, "each figure once")?;
             self.unless(figures.contains(&name.as_str()), &path, &one_of(&figures))?;
         }
         for (index, sweep) in runs.reach.iter().enumerate() {
@@ -204,7 +242,26 @@ impl Checker<'_> {
     }
 
     fn real_sizes(&self, sizes: &[usize], path: &KeyPath) -> Result<(), SpecError> {
-        self.fits(sizes, path, 10, self.experiment.explore.points, "collected points")
+        self.fits(sizes, path, 10, self.experiment.explore.points, "collected points")?;
+        let samples = |size: &usize| self.experiment.explore.starts(*size);
+        for (index, size) in sizes.iter().enumerate() {
+            let item = path.item(index);
+            let path = if self.document.has(&item) { &item } else { path };
+            let enough = self.experiment.network.check_rows(*size, &samples(size));
+            self.enough(enough, path)?;
+        }
+        Ok(())
+    }
+
+    /// A network needs a window of rows to train on and a row to validate on.
+    fn enough(&self, enough: Result<(), LearnError>, path: &KeyPath) -> Result<(), SpecError> {
+        enough.map_err(|error| {
+            let expected = match error {
+                LearnError::TooFewRows { needed, why, .. } => format!("about {needed} or more, enough for {why}"),
+                other => other.to_string(),
+            };
+            self.wrong(path, expected)
+        })
     }
 
     fn fits(&self, sizes: &[usize], path: &KeyPath, least: usize, most: usize, of: &str) -> Result<(), SpecError> {

@@ -93,6 +93,11 @@ impl Document {
         get(&self.merged, path).is_some()
     }
 
+    /// True when the value at `path` is written as nothing (`null`, `~` or left empty).
+    pub fn is_null(&self, path: &KeyPath) -> bool {
+        get(&self.merged, path).is_some_and(Value::is_null)
+    }
+
     /// The first path below `below` that ends in `key` and holds the value written `found`.
     pub fn find(&self, below: &KeyPath, key: &str, found: &str) -> Option<KeyPath> {
         let number: Option<f64> = found.parse().ok();

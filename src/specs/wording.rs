@@ -84,6 +84,7 @@ fn mistyped(words: &str, path: &KeyPath) -> Option<Said> {
         "a boolean" => "true or false",
         "a string" => "text",
         "a sequence" => "a list",
+        other if other.starts_with("enum ") => "one alternative with its settings",
         other if other.starts_with("struct ") || other == "a map" => "a mapping of keys to values",
         other => other,
     };

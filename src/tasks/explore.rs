@@ -8,6 +8,9 @@ use super::actuation::{bend_commands, check_pairs};
 use super::{Samples, TaskError};
 use crate::base::{BadOption, Plant, Seed};
 
+/// Points that a table in memory holds with ease.
+const MOST_POINTS: usize = 10_000_000;
+
 /// Settings of the exploration.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -34,7 +37,10 @@ impl ExploreOptions {
     /// # Errors
     /// [`BadOption`] names the first field out of range.
     pub fn check(&self) -> Result<(), BadOption> {
-        BadOption::unless_counted("points", self.points)?;
+        if self.points == 0 || self.points > MOST_POINTS {
+            let found = self.points.to_string();
+            return Err(BadOption { key: "points", found, expected: "1 to 10000000" });
+        }
         BadOption::unless_counted("trajectories", self.trajectories)?;
         BadOption::unless_positive("max_step_m", self.max_step_m)?;
         BadOption::unless_positive("max_pull_m", self.max_pull_m)?;
@@ -47,6 +53,16 @@ impl ExploreOptions {
             return Err(BadOption { key: "trajectories", found, expected: "at most points" });
         }
         Ok(())
+    }
+
+    /// First transitions of the trajectories that begin among the first `count` transitions.
+    pub fn starts(&self, count: usize) -> Vec<usize> {
+        let begin = |next: &mut usize, index: usize| {
+            let start = *next;
+            *next += self.share(index);
+            Some(start)
+        };
+        (0..self.trajectories).scan(0, begin).take_while(|start| *start < count).collect()
     }
 
     /// Transitions of trajectory number `index`: an equal share, the first ones take the remainder.

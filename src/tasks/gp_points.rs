@@ -28,6 +28,18 @@ pub enum Layout {
     },
 }
 
+/// What p_sim of eq. (20) comes from: it "could either [be] generated from our learned dynamic neural network or directly
+/// from simulated mathematical model".
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SimulatedBy {
+    /// The rod model, the paper's "preferred choice".
+    #[default]
+    Rod,
+    /// The forward network of eq. (17), run freely over the points' commands.
+    Network,
+}
+
 /// Settings of the predefined points.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -36,11 +48,13 @@ pub struct GpPointsOptions {
     pub layout: Layout,
     /// Further steps for which a point's command is held before it is measured (grid only).
     pub hold_steps: usize,
+    /// What p_sim comes from.
+    pub p_sim: SimulatedBy,
 }
 
 impl Default for GpPointsOptions {
     fn default() -> Self {
-        GpPointsOptions { layout: Layout::Grid(GridOptions::default()), hold_steps: 0 }
+        GpPointsOptions { layout: Layout::Grid(GridOptions::default()), hold_steps: 0, p_sim: SimulatedBy::Rod }
     }
 }
 
@@ -65,6 +79,37 @@ impl GpPointsOptions {
                 ExploreOptions { points, trajectories: 1, max_step_m, max_pull_m }.check()
             }
         }
+    }
+}
+
+/// The recording behind the predefined points, on model and robot.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GpPool {
+    /// Every step of the model, the ways between the points included.
+    pub steps: Samples,
+    /// Which steps end on a point.
+    pub kept: Vec<usize>,
+    /// Measured tip p_exp at each point, metres, three columns.
+    pub real_m: Rows,
+}
+
+impl GpPool {
+    /// The points, p_sim from the rod model that was recorded.
+    pub fn points(&self) -> GpPoints {
+        self.points_by(&self.steps)
+    }
+
+    /// The points with p_sim from `simulated`, which holds the same commands played on another model.
+    pub fn points_by(&self, simulated: &Samples) -> GpPoints {
+        let real_m = self.real_m.clone();
+        let mut points = GpPoints { inputs: Rows::new(simulated.pulls_m.width() + 3), real_m, errors_m: Rows::new(3) };
+        for (&step, real_m) in self.kept.iter().zip(self.real_m.iter()) {
+            let simulated_m = simulated.to_m.row(step);
+            points.inputs.push(&[simulated.pulls_m.row(step), simulated_m].concat());
+            let error_m: Vec<f64> = simulated_m.iter().zip(real_m).map(|(sim, real)| sim - real).collect();
+            points.errors_m.push(&error_m);
+        }
+        points
     }
 }
 
@@ -105,7 +150,7 @@ pub fn gp_points(
     robot: &mut dyn Plant,
     options: &GpPointsOptions,
     seed: Seed,
-) -> Result<GpPoints, TaskError> {
+) -> Result<GpPool, TaskError> {
     options.check()?;
     let seed = seed.child("gp_points");
     let visited = match options.layout {
@@ -116,21 +161,17 @@ pub fn gp_points(
             Visited { steps, kept: (0..points).map(|point| point * every + every / 2).collect() }
         }
     };
-    let mut points = GpPoints { inputs: Rows::new(7), real_m: Rows::new(3), errors_m: Rows::new(3) };
+    let mut real_m = Rows::new(3);
     robot.reset(seed.child("robot"))?;
     let mut kept = visited.kept.iter().copied().peekable();
     for row in 0..visited.steps.len() {
         let pulls_m = visited.steps.pulls_m.row(row);
         let seen = robot.step(pulls_m)?;
         if kept.next_if_eq(&row).is_some() {
-            let simulated_m = visited.steps.to_m.row(row);
-            points.inputs.push(&[pulls_m, simulated_m].concat());
-            points.real_m.push(&seen.tip_m);
-            let error_m: Vec<f64> = simulated_m.iter().zip(seen.tip_m).map(|(sim, real)| sim - real).collect();
-            points.errors_m.push(&error_m);
+            real_m.push(&seen.tip_m);
         }
     }
-    Ok(points)
+    Ok(GpPool { steps: visited.steps, kept: visited.kept, real_m })
 }
 
 fn visit_grid(model: &mut dyn Plant, grid: &GridOptions, hold_steps: usize, seed: Seed) -> Result<Visited, TaskError> {

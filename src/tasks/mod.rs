@@ -5,6 +5,7 @@ mod calibrate;
 mod explore;
 mod generate;
 mod gp_points;
+mod imagine;
 mod path;
 mod play;
 mod reach;
@@ -16,7 +17,8 @@ pub use actuation::{GridOptions, bend_commands};
 pub use calibrate::{ADJUSTABLE, Adjustable, Calibrated, Calibration, calibrate};
 pub use explore::{ExploreOptions, explore, explore_trajectory, replay, replay_trajectory};
 pub use generate::generate;
-pub use gp_points::{GpPoints, GpPointsOptions, Layout, gp_points, one_of_each_cluster};
+pub use gp_points::{GpPoints, GpPointsOptions, GpPool, Layout, SimulatedBy, gp_points, one_of_each_cluster};
+pub use imagine::imagine;
 pub use path::{PathOptions, interpolate, waypoints};
 pub use play::{PlayOptions, play};
 pub use reach::{LoopMode, ReachOptions, ReachOutcome, reach};
@@ -24,7 +26,7 @@ pub use samples::Samples;
 pub use targets::{TargetOptions, draw_targets, spread_targets, target_pool};
 pub use track::{TrackOptions, TrackStep, track};
 
-use crate::base::{BadOption, PlantError};
+use crate::base::{BadOption, PlantError, PolicyError};
 
 /// Why a recording could not be made. (A trial that fails is a status of its outcome instead.)
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -32,6 +34,9 @@ pub enum TaskError {
     /// The plant refused or failed.
     #[error(transparent)]
     Plant(#[from] PlantError),
+    /// A learned model failed.
+    #[error(transparent)]
+    Model(#[from] PolicyError),
     /// A setting is out of range.
     #[error(transparent)]
     Option(#[from] BadOption),

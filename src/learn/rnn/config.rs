@@ -72,6 +72,14 @@ impl Default for ElmanConfig {
 }
 
 impl ElmanConfig {
+    /// Checks that so many rows, with recordings that begin at `sequences`, are enough to train and to validate on.
+    ///
+    /// # Errors
+    /// [`LearnError::TooFewRows`], or [`LearnError::Sequences`] for starts that do not increase.
+    pub fn check_rows(&self, rows: usize, sequences: &[usize]) -> Result<(), LearnError> {
+        super::windows::Split::new(rows, sequences, self).map(drop)
+    }
+
     /// Checks the ranges.
     ///
     /// # Errors

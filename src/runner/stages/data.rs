@@ -4,12 +4,12 @@ use super::{Added, Stages, status};
 use crate::base::{Point3, Seed};
 use crate::data::rows::GapRow;
 use crate::runner::graph::Kind;
-use crate::tasks::{self, GpPoints, Samples};
+use crate::tasks::{self, GpPool, Samples, SimulatedBy};
 
 const EXPLORE: Kind = Kind { name: "collect_sim", version: 1, cost_ms: 14000 };
 const REPLAY: Kind = Kind { name: "collect_real", version: 1, cost_ms: 20000 };
 const GAP: Kind = Kind { name: "gap", version: 1, cost_ms: 20 };
-const GP_POOL: Kind = Kind { name: "gp_pool", version: 1, cost_ms: 4000 };
+const GP_POOL: Kind = Kind { name: "gp_pool", version: 2, cost_ms: 4000 };
 const TARGET_POOL: Kind = Kind { name: "target_pool", version: 1, cost_ms: 4000 };
 const TARGETS: Kind = Kind { name: "targets", version: 1, cost_ms: 1 };
 const WAYPOINTS: Kind = Kind { name: "waypoints", version: 1, cost_ms: 100 };
@@ -56,8 +56,9 @@ impl Stages<'_> {
     }
 
     /// The predefined points of the Gaussian process, on model and robot.
-    pub fn gp_pool(&mut self) -> Added<GpPoints> {
-        let (model, robot, options) = (self.spec.model.clone(), self.spec.plant.clone(), self.spec.gp_points);
+    pub fn gp_pool(&mut self) -> Added<GpPool> {
+        let (model, robot, mut options) = (self.spec.model.clone(), self.spec.plant.clone(), self.spec.gp_points);
+        options.p_sim = SimulatedBy::Rod; // the recording is the same whatever p_sim is later taken from
         let (step_s, seed) = (self.step_s(), self.seed.child("gp_pool"));
         let params = (model.clone(), robot.clone(), options, step_s, seed.0);
         self.graph.stage(GP_POOL, self.label("predefined points"), &params, &[], move |_| {

@@ -5,16 +5,17 @@ use crate::base::Rows;
 use crate::data::rows::GpRow;
 use crate::learn::gp::Gp;
 use crate::learn::rnn::{Elman, ElmanConfig, Trained};
-use crate::policies::GpError;
-use crate::runner::graph::Kind;
+use crate::policies::{ElmanForward, GpError};
+use crate::runner::graph::{Failure, Handle, Inputs, Kind};
 use crate::specs::{GeneratedStart, Training};
-use crate::tasks;
+use crate::tasks::{self, Samples, SimulatedBy};
+use std::sync::Arc;
 
 const FORWARD: Kind = Kind { name: "train_forward", version: 1, cost_ms: 2000 };
 const INVERSE: Kind = Kind { name: "train_inverse", version: 1, cost_ms: 1000 };
 const GENERATED: Kind = Kind { name: "train_inverse_b", version: 1, cost_ms: 1000 };
 const REAL: Kind = Kind { name: "train_pi_real", version: 1, cost_ms: 1000 };
-const GP_SCORE: Kind = Kind { name: "gp_score", version: 1, cost_ms: 50 };
+const GP_SCORE: Kind = Kind { name: "gp_score", version: 2, cost_ms: 50 };
 const GP: Kind = Kind { name: "gp_fit", version: 1, cost_ms: 100 };
 
 impl Stages<'_> {
@@ -58,39 +59,46 @@ impl Stages<'_> {
     }
 
     /// The Gaussian process of eq. (20) on one point of each of `points` clusters.
-    pub fn gp(&mut self, points: usize) -> Added<Gp> {
-        let pool = self.gp_pool()?;
+    pub fn gp(&mut self, training: &Training, points: usize) -> Added<Gp> {
+        let (pool, network) = (self.gp_pool()?, self.simulating_network(training)?);
+        let inputs: Vec<usize> = [pool.number()].into_iter().chain(network.map(Handle::number)).collect();
         let (config, seed) = (self.spec.gp.clone(), self.seed.child("gp"));
         let label = self.label(&format!("Gaussian process, {points} points"));
-        self.graph.stage(GP, label, &(config.clone(), points, seed.0), &[pool.number()], move |given| {
+        self.graph.stage(GP, label, &(config.clone(), points, seed.0), &inputs, move |given| {
             let pool = given.get(pool)?;
-            let chosen = tasks::one_of_each_cluster(pool.inputs.len(), points, seed).map_err(status)?;
-            let chosen = pool.select(&chosen);
+            let points_by = |steps: &Samples| pool.points_by(steps);
+            let all = network.map(|network| simulated(given, network, &pool.steps)).transpose()?;
+            let all = all.as_ref().map_or_else(|| pool.points(), points_by);
+            let chosen = tasks::one_of_each_cluster(all.inputs.len(), points, seed).map_err(status)?;
+            let chosen = all.select(&chosen);
             Gp::fit(&chosen.inputs, &chosen.errors_m, &config).map_err(status)
         })
     }
 
-    /// How good that process is; the row's seed is filled in by whoever publishes it. A stage of its own, so that
+    /// How good that process is; the row's seed and training are filled in by whoever publishes it. A stage of its own, so that
     /// publishing holds no process in memory.
-    pub fn gp_score(&mut self, points: usize) -> Added<GpRow> {
-        let gp = self.gp(points)?;
+    pub fn gp_score(&mut self, training: &Training, points: usize) -> Added<GpRow> {
+        let gp = self.gp(training, points)?;
         let label = self.label(&format!("score of the process on {points} points"));
         self.graph.stage(GP_SCORE, label, &(), &[gp.number()], move |given| Ok(gp_row(given.get(gp)?)))
     }
 
     /// The inverse mapping from generated data (eq. 24), with the Gaussian process on `points` points.
     pub fn generated(&mut self, training: &Training, points: usize) -> Added<Trained> {
-        let (samples, gp, start) = (self.explore()?, self.gp(points)?, self.inverse(training)?);
+        let (samples, gp, start) = (self.explore()?, self.gp(training, points)?, self.inverse(training)?);
+        let network = self.simulating_network(training)?;
         let (config, seed) = (self.network(training.inverse_b_mae_m), self.seed.child("inverse_b"));
         let warm = self.spec.generated_start == GeneratedStart::Trained;
         let mut inputs = vec![samples.number(), gp.number()];
         inputs.extend(warm.then_some(start.number()));
+        inputs.extend(network.map(Handle::number));
         let label = self.label(&format!("generated-data network, {points} points"));
         self.graph.stage(GENERATED, label, &(config.clone(), seed.0), &inputs, move |given| {
             let samples = {
                 let samples = given.get(samples)?;
                 let error = GpError::new(given.get(gp)?.clone(), samples.pulls_m.width()).map_err(status)?;
-                tasks::generate(samples, &error).map_err(status)?
+                let simulated = network.map(|network| simulated(given, network, samples)).transpose()?;
+                tasks::generate(simulated.as_ref().unwrap_or(samples), &error).map_err(status)?
             };
             let inputs = beside(&samples.from_m, &samples.to_m);
             let (outputs, starts) = (&samples.pulls_m, &samples.starts);
@@ -103,9 +111,24 @@ impl Stages<'_> {
         })
     }
 
+    /// The forward network where p_sim comes from it, and nothing where it comes from the rod.
+    fn simulating_network(&mut self, training: &Training) -> Result<Option<Handle<Trained>>, Failure> {
+        match self.spec.gp_points.p_sim {
+            SimulatedBy::Rod => Ok(None),
+            SimulatedBy::Network => self.forward(training).map(Some),
+        }
+    }
+
     fn network(&self, stop_at_validation_mae_m: Option<f64>) -> ElmanConfig {
         ElmanConfig { stop_at_validation_mae_m, ..self.spec.network.clone() }
     }
+}
+
+/// The commands of a recording as the forward network plays them.
+fn simulated(given: &Inputs, network: Handle<Trained>, samples: &Samples) -> Result<Samples, String> {
+    let network = Arc::new(given.get(network)?.network.clone());
+    let mut model = ElmanForward::new(network, samples.pulls_m.width()).map_err(status)?;
+    tasks::imagine(samples, &mut model).map_err(status)
 }
 
 /// The columns of two tables side by side.
@@ -122,6 +145,7 @@ fn gp_row(gp: &Gp) -> GpRow {
     let noise_m = |axis: usize| noise.get(axis).copied().unwrap_or(f64::NAN);
     GpRow {
         seed: 0,
+        training: String::new(),
         points: gp.points() as u64,
         kernel: gp.config().kernel.0.name().to_owned(),
         cross_validation_mae_m: crate::math::summary::mean(&gp.cross_validation_mae()),

@@ -113,7 +113,7 @@ impl Stages<'_> {
                 Part::SimulatedInverse => parts.simulated = Some(self.inverse(training)?),
                 Part::GeneratedInverse => parts.generated = Some(self.generated(training, cell.gp_points)?),
                 Part::RealInverse => parts.real = Some(self.pi_real(training, cell.real_points)?),
-                Part::Error => parts.error = Some(self.gp(cell.gp_points)?),
+                Part::Error => parts.error = Some(self.gp(training, cell.gp_points)?),
             }
         }
         Ok(parts)
