@@ -3,6 +3,7 @@
 
 use super::TaskError;
 use super::play::{PlayOptions, play};
+use crate::base::BadOption;
 use crate::data::Recording;
 use crate::effects::{Model, Robot};
 use crate::math::least_squares;
@@ -75,8 +76,11 @@ pub fn calibrate(
     }
     let mut start_robot = model.robot.clone();
     let start: Vec<f64> = fields.iter().map(|field| (field.field)(&mut start_robot).ln()).collect();
-    if start.iter().any(|value| !value.is_finite()) {
-        return Err(TaskError::NotFinite("a number to calibrate is not above zero in the model"));
+    for (index, (field, log)) in fields.iter().zip(&start).enumerate() {
+        BadOption::unless_positive(field.name, log.exp())?;
+        if names[..index].contains(&names[index]) {
+            return Err(TaskError::UnknownName(format!("{}, a second time,", field.name)));
+        }
     }
     let with = |logs: &[f64]| {
         let mut candidate = model.clone();
@@ -87,7 +91,10 @@ pub fn calibrate(
     };
     let options = PlayOptions { at_rest, ..PlayOptions::default() };
     let residuals = |logs: &[f64]| {
-        let played = play(&with(logs), measured, &options).tip_m?;
+        let candidate = with(logs);
+        // A step may leave the range of a number, or of two together (sections longer than the backbone).
+        candidate.check().ok()?;
+        let played = play(&candidate, measured, &options).tip_m?;
         let all: Vec<f64> = rows
             .iter()
             .flat_map(|&row| (0..3).map(move |axis| (row, axis)))
