@@ -48,7 +48,7 @@ impl Calibrate {
             let [low, high] = number.interval_95;
             println!("{}: {:.5e}, 95 % interval {low:.5e} to {high:.5e}", number.name, number.value);
             if high.is_infinite() {
-                println!("  this recording says nothing about it: the model's value is kept");
+                println!("  this recording does not determine it");
             }
         }
         let (before_mm, after_mm) = (found.before_m * 1e3, found.after_m * 1e3);

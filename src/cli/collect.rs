@@ -40,7 +40,12 @@ impl Collect {
         };
         let commands = Recording::read_commands(&self.commands).map_err(Ended::bad)?;
         same_tendons(&self.commands, &commands, plant.model.robot.tendons.angles_deg.len())?;
-        let options = PlayOptions { at_rest: self.at_rest, noise_m: plant.noise_m, travel_m: plant.travel_m, seed: Seed(self.seed) };
+        let options = PlayOptions {
+            at_rest: self.at_rest,
+            noise_m: plant.noise_m,
+            travel_m: plant.travel_m,
+            seed: Seed(self.seed),
+        };
         let mut recorded = play(&plant.model, &commands, &options);
         let failed = failures(&recorded);
         // A tracker sees the tip; what only the simulation knows stays out of a measurement.

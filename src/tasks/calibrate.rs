@@ -6,7 +6,7 @@ use super::play::{PlayOptions, play};
 use crate::base::BadOption;
 use crate::data::Recording;
 use crate::effects::{Model, Robot};
-use crate::math::least_squares;
+use crate::math::least_squares::{self, Differences};
 
 /// A number of a robot that can be calibrated; all are positive and fitted on a logarithmic scale.
 pub struct Adjustable {
@@ -27,7 +27,11 @@ pub static ADJUSTABLE: &[Adjustable] = &[
 ];
 
 /// Step of the finite differences in the logarithm of a number.
-const LOG_STEP: f64 = 1e-4;
+const LOG_STEP: f64 = 1e-3;
+/// Accuracy of a played tip, metres: the rod's tolerance.
+const TIP_ACCURACY_M: f64 = 1e-8;
+
+const DIFFERENCES: Differences = Differences { step: LOG_STEP, accuracy: TIP_ACCURACY_M };
 
 /// One calibrated number.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,7 +83,7 @@ pub fn calibrate(
     for (index, (field, log)) in fields.iter().zip(&start).enumerate() {
         BadOption::unless_positive(field.name, log.exp())?;
         if names[..index].contains(&names[index]) {
-            return Err(TaskError::UnknownName(format!("{}, a second time,", field.name)));
+            return Err(TaskError::Repeated(field.name));
         }
     }
     let with = |logs: &[f64]| {
@@ -105,7 +109,7 @@ pub fn calibrate(
     let per_row = |all: &[f64]| (all.iter().map(|r| r * r).sum::<f64>() / rows.len() as f64).sqrt();
     let unplayable = TaskError::NotFinite("the model cannot play these commands");
     let before_m = per_row(&residuals(&start).ok_or_else(|| unplayable.clone())?);
-    let fit = least_squares::fit(&residuals, &start, &vec![LOG_STEP; start.len()]).ok_or_else(|| unplayable.clone())?;
+    let fit = least_squares::fit(&residuals, &start, DIFFERENCES).ok_or_else(|| unplayable.clone())?;
     let numbers = fields.iter().zip(&fit.parameters).zip(&fit.interval_95).map(|((field, log), interval)| Calibrated {
         name: field.name,
         value: log.exp(),
