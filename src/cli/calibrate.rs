@@ -38,15 +38,18 @@ impl Calibrate {
         let measured = Recording::read(&self.measured).map_err(Ended::bad)?;
         same_tendons(&self.measured, &measured, model.robot.tendons.angles_deg.len())?;
         measured.check_reach(&self.measured, model.robot.backbone.length_m).map_err(Ended::bad)?;
-        let found = calibrate(&model, &measured, &self.fit, self.at_rest).map_err(|error| match error {
-            TaskError::TooFew { .. } => Ended::bad(format!("{}: {error}", self.measured.display())),
-            other => Ended::failed(other),
+        let found = calibrate(&model, &measured, &self.fit, self.at_rest).map_err(|error| {
+            let file = if matches!(error, TaskError::Option(_)) { &self.model } else { &self.measured };
+            Ended::bad(format!("{}: {error}", file.display()))
         })?;
         let text = model_text(&found.model).map_err(Ended::failed)?;
-        write_atomic(&self.out, text.as_bytes()).map_err(Ended::failed)?;
+        write_atomic(&self.out, text.as_bytes()).map_err(Ended::bad)?;
         for number in &found.numbers {
             let [low, high] = number.interval_95;
             println!("{}: {:.5e}, 95 % interval {low:.5e} to {high:.5e}", number.name, number.value);
+            if high.is_infinite() {
+                println!("  this recording does not determine it");
+            }
         }
         let (before_mm, after_mm) = (found.before_m * 1e3, found.after_m * 1e3);
         println!("rms tip error over {} rows: {before_mm:.3} mm before, {after_mm:.3} mm after", found.rows);

@@ -1,6 +1,6 @@
 //! `spinebench collect`.
 
-use super::simulate::same_tendons;
+use super::simulate::{failures, same_tendons};
 use super::{Ended, Outcome};
 use clap::Args;
 use spinebench::base::Seed;
@@ -40,11 +40,22 @@ impl Collect {
         };
         let commands = Recording::read_commands(&self.commands).map_err(Ended::bad)?;
         same_tendons(&self.commands, &commands, plant.model.robot.tendons.angles_deg.len())?;
-        let options = PlayOptions { at_rest: self.at_rest, noise_m: plant.noise_m, seed: Seed(self.seed) };
+        let options = PlayOptions {
+            at_rest: self.at_rest,
+            noise_m: plant.noise_m,
+            travel_m: plant.travel_m,
+            seed: Seed(self.seed),
+        };
         let mut recorded = play(&plant.model, &commands, &options);
+        let failed = failures(&recorded);
         // A tracker sees the tip; what only the simulation knows stays out of a measurement.
         recorded.extra.clone_from(&commands.extra);
         recorded.tip_quaternion = None;
-        recorded.write(&self.out).map_err(Ended::failed)
+        recorded.write(&self.out).map_err(Ended::bad)?;
+        if failed > 0 {
+            let (all, out) = (recorded.len(), self.out.display());
+            eprintln!("note: {failed} of {all} rows could not be measured; they have valid = 0 in {out}");
+        }
+        Ok(())
     }
 }

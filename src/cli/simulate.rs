@@ -31,7 +31,7 @@ impl Simulate {
         let model = read_model(&self.model).map_err(Ended::bad)?;
         let commands = read_commands(&self.commands, &model)?;
         let played = play(&model, &commands, &PlayOptions { at_rest: self.at_rest, ..PlayOptions::default() });
-        played.write(&self.out).map_err(Ended::failed)?;
+        played.write(&self.out).map_err(Ended::bad)?;
         let failed = failures(&played);
         if failed > 0 {
             let (all, out) = (played.len(), self.out.display());
@@ -64,7 +64,7 @@ pub(super) fn same_tendons(file: &Path, commands: &Recording, expected: usize) -
 }
 
 /// Number of rows without a solution.
-fn failures(played: &Recording) -> usize {
+pub(super) fn failures(played: &Recording) -> usize {
     let status = played.extra.iter().find(|(name, _)| name == "solver_status");
     match status {
         Some((_, Extra::Text(cells))) => cells.iter().filter(|cell| *cell != "converged").count(),

@@ -42,6 +42,10 @@ impl Effect for Delay {
         if self.time_s <= 0.0 {
             return;
         }
+        if dt_s.is_infinite() {
+            self.pending = VecDeque::from([(f64::INFINITY, pulls_m.to_vec())]);
+            return;
+        }
         if self.pending.is_empty() {
             self.pending.push_back((f64::INFINITY, vec![0.0; pulls_m.len()]));
         }

@@ -1,17 +1,21 @@
 //! Nonlinear least squares by Levenberg–Marquardt with finite-difference derivatives, and what the data say of the
 //! parameters.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Relative change of the sum of squares below which a fit has converged.
 const CONVERGED: f64 = 1e-10;
 const MOST_ITERATIONS: usize = 60;
+/// Directions whose singular value is below this share of the largest one, columns scaled to unit length, are not seen.
+const UNSEEN_DIRECTION: f64 = 1e-7;
+/// A parameter with more than this share in an unseen direction has no interval.
+const UNSEEN_SHARE: f64 = 1e-4;
 
 /// A fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
-    /// Best parameters.
+    /// Best parameters; one that moves no residual by more than their accuracy stays at its start.
     pub parameters: Vec<f64>,
     /// 95 % intervals (Student's t, linearised at the optimum); infinite where the data say nothing.
     pub interval_95: Vec<[f64; 2]>,
@@ -21,88 +25,133 @@ pub struct Fit {
     pub converged: bool,
 }
 
-/// Minimises the sum of squares of `residuals(parameters)` from `start`; `steps` are the parameter changes of the
-/// finite differences. `residuals` returns `None` where the model has no answer: such a step is shortened.
-/// Levenberg–Marquardt with Marquardt's scaling (Nocedal & Wright, Numerical Optimization, section 10.3).
-/// `None` when there is no answer at the start.
-pub fn fit(residuals: &dyn Fn(&[f64]) -> Option<Vec<f64>>, start: &[f64], steps: &[f64]) -> Option<Fit> {
+/// How residuals are differentiated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Differences {
+    /// Change of each parameter.
+    pub step: f64,
+    /// Accuracy to which residuals are computed: a parameter whose step changes them by less, in the root mean square,
+    /// is not seen by the data, and what it seems to do is rounding.
+    pub accuracy: f64,
+}
+
+/// Minimises the sum of squares of `residuals(parameters)` from `start`. `residuals` returns `None` where the model has
+/// no answer: such a step is shortened. Levenberg–Marquardt with Marquardt's scaling (Nocedal & Wright, Numerical
+/// Optimization, section 10.3). `None` when there is no answer at the start or next to the optimum.
+pub fn fit(residuals: &dyn Fn(&[f64]) -> Option<Vec<f64>>, start: &[f64], differences: Differences) -> Option<Fit> {
     let mut at = start.to_vec();
     let mut current = DVector::from_vec(residuals(&at)?);
     let (mut damping, mut converged) = (1e-3, false);
-    let mut jacobian = derivative(residuals, &at, &current, steps)?;
+    let mut jacobian = derivative(residuals, &at, current.len(), differences)?;
     for _ in 0..MOST_ITERATIONS {
-        let gradient = jacobian.tr_mul(&current);
-        let normal = jacobian.tr_mul(&jacobian);
-        let mut improved = false;
-        while damping < 1e10 {
-            let mut damped = normal.clone();
-            for k in 0..at.len() {
-                damped[(k, k)] += damping * normal[(k, k)].max(1e-300);
-            }
-            let Some(step) = damped.cholesky().map(|factor| factor.solve(&gradient)) else {
-                damping *= 10.0;
-                continue;
-            };
-            let candidate: Vec<f64> = at.iter().zip(step.iter()).map(|(x, dx)| x - dx).collect();
-            match residuals(&candidate).map(DVector::from_vec) {
-                Some(next) if next.norm_squared() <= current.norm_squared() => {
-                    let gain = 1.0 - next.norm_squared() / current.norm_squared().max(f64::MIN_POSITIVE);
-                    (at, current, improved) = (candidate, next, true);
-                    converged = gain < CONVERGED;
-                    damping = (damping * 0.2).max(1e-12);
-                    break;
-                }
-                _ => damping *= 10.0,
-            }
+        let before = current.norm_squared();
+        let improved = improve(residuals, (&mut at, &mut current), &jacobian, &mut damping);
+        // Where no step of any length helps, this is the minimum to rounding.
+        converged = !improved || 1.0 - current.norm_squared() / before.max(f64::MIN_POSITIVE) < CONVERGED;
+        if improved {
+            jacobian = derivative(residuals, &at, current.len(), differences)?;
         }
-        // No step of any length helps: this is the minimum to rounding.
-        converged |= !improved;
         if converged {
             break;
         }
-        jacobian = derivative(residuals, &at, &current, steps)?;
     }
     let interval_95 = intervals(&jacobian, &current, &at);
     let rms = (current.norm_squared() / current.len().max(1) as f64).sqrt();
     Some(Fit { parameters: at, interval_95, rms, converged })
 }
 
-/// Central differences.
+/// One step that does not raise the sum of squares, damped until there is one; false when there is none.
+fn improve(
+    residuals: &dyn Fn(&[f64]) -> Option<Vec<f64>>,
+    (at, current): (&mut Vec<f64>, &mut DVector<f64>),
+    jacobian: &DMatrix<f64>,
+    damping: &mut f64,
+) -> bool {
+    let gradient = jacobian.tr_mul(current);
+    let normal = jacobian.tr_mul(jacobian);
+    while *damping < 1e10 {
+        let mut damped = normal.clone();
+        for k in 0..at.len() {
+            // A parameter that is not seen has a gradient of zero and stays.
+            damped[(k, k)] += if normal[(k, k)] > 0.0 { *damping * normal[(k, k)] } else { 1.0 };
+        }
+        let step = Cholesky::new(damped).map(|factor| factor.solve(&gradient));
+        let candidate = step.map(|step| at.iter().zip(step.iter()).map(|(x, dx)| x - dx).collect::<Vec<f64>>());
+        let next = candidate.and_then(|there| Some((DVector::from_vec(residuals(&there)?), there)));
+        match next.filter(|(next, _)| next.norm_squared() <= current.norm_squared()) {
+            Some((next, there)) => {
+                (*at, *current) = (there, next);
+                *damping = (*damping * 0.2).max(1e-12);
+                return true;
+            }
+            None => *damping *= 10.0,
+        }
+    }
+    false
+}
+
+/// Central differences; zero for a parameter that is not seen.
 fn derivative(
     residuals: &dyn Fn(&[f64]) -> Option<Vec<f64>>,
     at: &[f64],
-    current: &DVector<f64>,
-    steps: &[f64],
+    rows: usize,
+    differences: Differences,
 ) -> Option<DMatrix<f64>> {
-    let mut jacobian = DMatrix::zeros(current.len(), at.len());
-    for (k, &step) in steps.iter().enumerate() {
+    let mut jacobian = DMatrix::zeros(rows, at.len());
+    for k in 0..at.len() {
         let shifted = |sign: f64| {
             let mut moved = at.to_vec();
-            moved[k] += sign * step;
-            residuals(&moved)
+            moved[k] += sign * differences.step;
+            residuals(&moved).map(DVector::from_vec)
         };
-        let (after, before) = (shifted(1.0)?, shifted(-1.0)?);
-        for (row, (a, b)) in after.iter().zip(&before).enumerate() {
-            jacobian[(row, k)] = (a - b) / (2.0 * step);
+        let change = (shifted(1.0)? - shifted(-1.0)?) * 0.5;
+        if change.norm() > differences.accuracy * (rows as f64).sqrt() {
+            jacobian.set_column(k, &(change / differences.step));
         }
     }
     Some(jacobian)
 }
 
+/// Intervals from the covariance s² (JᵀJ)⁺; infinite for whatever has a share in a direction that the data do not see.
 fn intervals(jacobian: &DMatrix<f64>, residual: &DVector<f64>, at: &[f64]) -> Vec<[f64; 2]> {
-    let freedom = residual.len() as f64 - at.len() as f64;
-    let nothing = vec![[f64::NEG_INFINITY, f64::INFINITY]; at.len()];
-    let Some(covariance) = jacobian.tr_mul(jacobian).try_inverse() else { return nothing };
-    let Ok(student) = StudentsT::new(0.0, 1.0, freedom) else { return nothing };
+    let nothing = [f64::NEG_INFINITY, f64::INFINITY];
+    let seen: Vec<usize> = (0..at.len()).filter(|&k| jacobian.column(k).norm() > 0.0).collect();
+    let mut found = vec![nothing; at.len()];
+    if seen.is_empty() {
+        return found;
+    }
+    let freedom = residual.len() as f64 - seen.len() as f64;
+    let Ok(student) = StudentsT::new(0.0, 1.0, freedom) else { return found };
     let variance = residual.norm_squared() / freedom;
     let quantile = student.inverse_cdf(0.975);
-    let half = |k: usize| quantile * (variance * covariance[(k, k)]).sqrt();
-    at.iter().enumerate().map(|(k, &value)| [value - half(k), value + half(k)]).collect()
+    let lengths: Vec<f64> = seen.iter().map(|&k| jacobian.column(k).norm()).collect();
+    let scaled = DMatrix::from_fn(residual.len(), seen.len(), |row, k| jacobian[(row, seen[k])] / lengths[k]);
+    let parts = scaled.svd(false, true);
+    let Some(directions) = parts.v_t else { return found };
+    let smallest = UNSEEN_DIRECTION * parts.singular_values.max();
+    for (k, &parameter) in seen.iter().enumerate() {
+        let mut unseen = false;
+        let mut inverse = 0.0;
+        for (direction, &size) in directions.row_iter().zip(parts.singular_values.iter()) {
+            if size > smallest {
+                inverse += (direction[k] / size).powi(2);
+            } else {
+                unseen |= direction[k].abs() > UNSEEN_SHARE;
+            }
+        }
+        if !unseen {
+            let half = quantile * (variance * inverse).sqrt() / lengths[k];
+            found[parameter] = [at[parameter] - half, at[parameter] + half];
+        }
+    }
+    found
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const FINE: Differences = Differences { step: 1e-5, accuracy: 1e-14 };
 
     #[test]
     fn an_exponential_decay_comes_back() {
@@ -110,10 +159,32 @@ mod tests {
         let wobble = |k: usize| 1e-3 * (k as f64 * 12.9898).sin();
         let data: Vec<f64> = times.iter().enumerate().map(|(k, t)| 2.0 * (-1.5 * t).exp() + wobble(k)).collect();
         let residuals = |p: &[f64]| Some(times.iter().zip(&data).map(|(t, y)| p[0] * (-p[1] * t).exp() - y).collect());
-        let fit = fit(&residuals, &[1.0, 0.5], &[1e-5, 1e-5]).unwrap();
+        let fit = fit(&residuals, &[1.0, 0.5], FINE).unwrap();
         assert!(fit.converged);
         for (value, interval) in [2.0, 1.5].iter().zip(&fit.interval_95) {
             assert!(interval[0] < *value && *value < interval[1], "{fit:?}");
         }
+    }
+
+    /// A parameter that does nothing, or only rounding, neither holds up the others nor gets an interval; of a pair that
+    /// acts as a product each is unknown, and a third one is not drawn in.
+    #[test]
+    fn what_the_data_do_not_see_has_no_interval_and_harms_no_other() {
+        let data: Vec<f64> = (0..30).map(|k| 3.0 * f64::from(k) + 1.0 + 0.01 * f64::from(k).sin()).collect();
+        let line = |slope: f64, shift: f64, noise: f64| {
+            let wobble = move |k: usize| noise * ((k * 7919 % 13) as f64 - 6.0);
+            Some(data.iter().enumerate().map(|(k, y)| slope * k as f64 + shift + wobble(k) - y).collect::<Vec<f64>>())
+        };
+        let idle = |p: &[f64]| line(p[0], p[1], 1e-12 * (1e9 * p[2]).sin());
+        let found = fit(&idle, &[1.0, 0.0, 5.0], Differences { step: 1e-4, accuracy: 1e-10 }).unwrap();
+        assert!((found.parameters[0] - 3.0).abs() < 1e-3 && (found.parameters[1] - 1.0).abs() < 1e-2, "{found:?}");
+        assert!(found.parameters[2] == 5.0 && found.interval_95[2][1].is_infinite(), "{found:?}");
+        assert!(found.interval_95[0][1] - found.interval_95[0][0] < 1e-3, "{found:?}");
+
+        let product = |p: &[f64]| line(p[0] * p[1], p[2], 0.0);
+        let found = fit(&product, &[1.0, 1.0, 0.0], FINE).unwrap();
+        assert!((found.parameters[0] * found.parameters[1] - 3.0).abs() < 1e-3, "{found:?}");
+        let unknown = found.interval_95.iter().map(|interval| interval[1].is_infinite()).collect::<Vec<bool>>();
+        assert_eq!(unknown, [true, true, false], "{found:?}");
     }
 }

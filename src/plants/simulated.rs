@@ -94,7 +94,7 @@ impl Simulated {
     /// # Errors
     /// As [`Plant::drive`].
     pub fn settle(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
-        let drives = self.drives(commands)?;
+        let drives = self.drives(commands, f64::INFINITY)?;
         solved(self.rod.settle(&drives))?;
         Ok(self.observe(commands))
     }
@@ -119,13 +119,16 @@ impl Simulated {
         self.options.step_s = step_s;
     }
 
-    /// Applies the effects on the drives to a command.
-    fn drives(&mut self, commands: &[TendonCommand]) -> Result<Vec<Drive>, PlantError> {
+    /// Applies the effects on the drives to a command that is held for `dt_s` seconds (infinite: until all is at rest).
+    fn drives(&mut self, commands: &[TendonCommand], dt_s: f64) -> Result<Vec<Drive>, PlantError> {
         if commands.len() != self.tendons() {
             return Err(PlantError::Refused(format!("{} tendons, expected {}", commands.len(), self.tendons())));
         }
         let mut pulls: Vec<f64> = Vec::with_capacity(commands.len());
-        for command in commands {
+        // A drive that follows stands where the shape has taken it; the effects' histories go on from there.
+        let remembered = !self.effects.is_empty() && commands.contains(&TendonCommand::Follow);
+        let following = if remembered { self.rod.following_pulls_m() } else { vec![0.0; commands.len()] };
+        for (command, following) in commands.iter().zip(following) {
             match *command {
                 TendonCommand::Pull(pull) if !pull.is_finite() => {
                     return Err(PlantError::Refused("a displacement that is not finite".into()));
@@ -135,11 +138,11 @@ impl Simulated {
                     return Err(PlantError::Refused(format!("a displacement of {pull} m, travel is ±{travel} m")));
                 }
                 TendonCommand::Pull(pull) => pulls.push(pull),
-                TendonCommand::Follow => pulls.push(0.0),
+                TendonCommand::Follow => pulls.push(following),
             }
         }
         for effect in &mut self.effects {
-            effect.command(&mut pulls, self.options.step_s);
+            effect.command(&mut pulls, dt_s);
         }
         let drive = |(command, pull): (&TendonCommand, f64)| match command {
             TendonCommand::Pull(_) => Drive::Pull(pull),
@@ -187,8 +190,13 @@ impl Plant for Simulated {
     }
 
     fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
-        let drives = self.drives(commands)?;
-        solved(self.rod.advance(&drives, self.options.step_s))?;
+        // As many parts as the rod takes time steps, so that what the drives do late they do at its time.
+        let parts = self.rod.steps_in(self.options.step_s);
+        let part_s = self.options.step_s / parts;
+        for _ in 0..parts as u64 {
+            let drives = self.drives(commands, part_s)?;
+            solved(self.rod.advance(&drives, part_s))?;
+        }
         self.time_s += self.options.step_s;
         Ok(self.observe(commands))
     }

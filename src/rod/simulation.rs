@@ -160,6 +160,11 @@ impl Rod {
         Status::Converged
     }
 
+    /// Number of time steps that [`Rod::advance`] takes for `duration_s` seconds.
+    pub fn steps_in(&self, duration_s: f64) -> f64 {
+        (duration_s / self.system.params.resolution.time_step_s - 1e-9).ceil().max(1.0)
+    }
+
     /// Moves the rod for `duration_s` with `drives` held.
     pub fn advance(&mut self, drives: &[Drive], duration_s: f64) -> Status {
         self.advance_with(&|_| drives.to_vec(), duration_s)
@@ -167,7 +172,7 @@ impl Rod {
 
     /// Moves the rod for `duration_s`; `drives` gives the drives at a time since now, seconds.
     pub fn advance_with(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, duration_s: f64) -> Status {
-        let count = (duration_s / self.system.params.resolution.time_step_s - 1e-9).ceil().max(1.0);
+        let count = self.steps_in(duration_s);
         let h = duration_s / count;
         for k in 0..count as u64 {
             let start = k as f64 * h;

@@ -3,9 +3,10 @@
 
 use super::TaskError;
 use super::play::{PlayOptions, play};
+use crate::base::BadOption;
 use crate::data::Recording;
 use crate::effects::{Model, Robot};
-use crate::math::least_squares;
+use crate::math::least_squares::{self, Differences};
 
 /// A number of a robot that can be calibrated; all are positive and fitted on a logarithmic scale.
 pub struct Adjustable {
@@ -26,7 +27,11 @@ pub static ADJUSTABLE: &[Adjustable] = &[
 ];
 
 /// Step of the finite differences in the logarithm of a number.
-const LOG_STEP: f64 = 1e-4;
+const LOG_STEP: f64 = 1e-3;
+/// Accuracy of a played tip, metres: the rod's tolerance.
+const TIP_ACCURACY_M: f64 = 1e-8;
+
+const DIFFERENCES: Differences = Differences { step: LOG_STEP, accuracy: TIP_ACCURACY_M };
 
 /// One calibrated number.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,8 +80,11 @@ pub fn calibrate(
     }
     let mut start_robot = model.robot.clone();
     let start: Vec<f64> = fields.iter().map(|field| (field.field)(&mut start_robot).ln()).collect();
-    if start.iter().any(|value| !value.is_finite()) {
-        return Err(TaskError::NotFinite("a number to calibrate is not above zero in the model"));
+    for (index, (field, log)) in fields.iter().zip(&start).enumerate() {
+        BadOption::unless_positive(field.name, log.exp())?;
+        if names[..index].contains(&names[index]) {
+            return Err(TaskError::Repeated(field.name));
+        }
     }
     let with = |logs: &[f64]| {
         let mut candidate = model.clone();
@@ -87,7 +95,10 @@ pub fn calibrate(
     };
     let options = PlayOptions { at_rest, ..PlayOptions::default() };
     let residuals = |logs: &[f64]| {
-        let played = play(&with(logs), measured, &options).tip_m?;
+        let candidate = with(logs);
+        // A step may leave the range of a number, or of two together (sections longer than the backbone).
+        candidate.check().ok()?;
+        let played = play(&candidate, measured, &options).tip_m?;
         let all: Vec<f64> = rows
             .iter()
             .flat_map(|&row| (0..3).map(move |axis| (row, axis)))
@@ -98,7 +109,7 @@ pub fn calibrate(
     let per_row = |all: &[f64]| (all.iter().map(|r| r * r).sum::<f64>() / rows.len() as f64).sqrt();
     let unplayable = TaskError::NotFinite("the model cannot play these commands");
     let before_m = per_row(&residuals(&start).ok_or_else(|| unplayable.clone())?);
-    let fit = least_squares::fit(&residuals, &start, &vec![LOG_STEP; start.len()]).ok_or_else(|| unplayable.clone())?;
+    let fit = least_squares::fit(&residuals, &start, DIFFERENCES).ok_or_else(|| unplayable.clone())?;
     let numbers = fields.iter().zip(&fit.parameters).zip(&fit.interval_95).map(|((field, log), interval)| Calibrated {
         name: field.name,
         value: log.exp(),

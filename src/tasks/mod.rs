@@ -43,6 +43,9 @@ pub enum TaskError {
     /// Nothing of this name can be calibrated.
     #[error("nothing called `{0}` can be fitted")]
     UnknownName(String),
+    /// A number to calibrate is named more than once.
+    #[error("`{0}` is named twice")]
+    Repeated(&'static str),
     /// A model gave a number that is not finite.
     #[error("not finite: {0}")]
     NotFinite(&'static str),

@@ -19,29 +19,28 @@ pub struct PlayOptions {
     pub at_rest: bool,
     /// Standard deviation of the tracking noise per axis, metres.
     pub noise_m: f64,
+    /// Displacements beyond this are refused, metres.
+    pub travel_m: f64,
     /// Seed of the noise.
     pub seed: Seed,
 }
 
 impl Default for PlayOptions {
     fn default() -> Self {
-        PlayOptions { at_rest: false, noise_m: 0.0, seed: Seed(0) }
+        PlayOptions { at_rest: false, noise_m: 0.0, travel_m: f64::INFINITY, seed: Seed(0) }
     }
 }
 
 /// Plays all trials of `commands`. Rows that could not be solved are marked as not valid, with the solver's status in
-/// the column `solver_status`; the rest of such a trial is not played.
+/// the column `solver_status`; a robot that moves is lost for the rest of such a trial, with the same status.
 pub fn play(model: &Model, commands: &Recording, options: &PlayOptions) -> Recording {
     let mut sheet = Sheet::new(commands.len(), commands.tendons());
     for (number, rows) in commands.trials() {
         let seed = options.seed.index(number);
-        let mut trial = Trial::new(model, commands, rows.start, options.noise_m);
-        let mut status = "converged".to_owned();
+        let mut trial = Trial::new(model, commands, rows.start, options);
         if let Err(error) = trial.run(commands, rows.clone(), options.at_rest, seed, &mut sheet) {
-            status = error.to_string();
+            sheet.lose(rows, &error);
         }
-        sheet.status.resize(rows.end, status);
-        sheet.statuses_of(rows);
     }
     sheet.into_recording(commands)
 }
@@ -55,13 +54,19 @@ struct Sheet {
 
 impl Sheet {
     fn new(rows: usize, tendons: usize) -> Sheet {
-        Sheet { seen: vec![None; rows], status: Vec::with_capacity(rows), tendons }
+        Sheet { seen: vec![None; rows], status: vec!["converged".to_owned(); rows], tendons }
     }
 
-    /// Rows that were seen are fine, whatever ended the trial after them.
-    fn statuses_of(&mut self, rows: Range<usize>) {
-        for row in rows.filter(|&row| self.seen[row].is_some()) {
-            self.status[row] = "converged".to_owned();
+    /// Names the failure in those of `rows` that have not been seen and have no other failure.
+    fn lose(&mut self, rows: Range<usize>, error: &PlantError) {
+        let name = match error {
+            PlantError::Solver(name) => name.as_str(),
+            PlantError::Refused(_) => "refused",
+        };
+        for row in rows.filter(|&row| self.seen[row].is_none()) {
+            if self.status[row] == "converged" {
+                name.clone_into(&mut self.status[row]);
+            }
         }
     }
 
@@ -99,15 +104,18 @@ impl Sheet {
 struct Trial {
     plant: Simulated,
     actuation: Actuation,
+    /// The weight that hangs on the tip from its start, kg.
+    hung_kg: f64,
 }
 
 impl Trial {
     /// The robot with the weight that hangs on its tip in this trial.
-    fn new(model: &Model, commands: &Recording, first_row: usize, noise_m: f64) -> Trial {
-        let mass_kg = commands.known_load_kg.as_ref().map_or(0.0, |load| load[first_row]);
-        let hung = (mass_kg > 0.0).then_some(EffectSpec::tip_load(mass_kg));
-        let options = SimulatedOptions { noise_m, travel_m: f64::INFINITY, ..SimulatedOptions::default() };
-        Trial { plant: Simulated::new(model, hung.as_slice(), options), actuation: commands.actuation }
+    fn new(model: &Model, commands: &Recording, first_row: usize, options: &PlayOptions) -> Trial {
+        let hung_kg = commands.known_load_kg.as_ref().map_or(0.0, |load| load[first_row]);
+        let hung = (hung_kg > 0.0).then_some(EffectSpec::tip_load(hung_kg));
+        let (noise_m, travel_m) = (options.noise_m, options.travel_m);
+        let options = SimulatedOptions { noise_m, travel_m, ..SimulatedOptions::default() };
+        Trial { plant: Simulated::new(model, hung.as_slice(), options), actuation: commands.actuation, hung_kg }
     }
 
     fn run(
@@ -128,8 +136,14 @@ impl Trial {
         for row in rows.clone() {
             self.load(commands, row);
             if at_rest {
-                seen = self.command(commands.commands.row(row), true)?;
-                seen.time_s = commands.time_s[row];
+                // Each row is a pose of its own: one that has no equilibrium takes no other with it.
+                match self.command(commands.commands.row(row), true) {
+                    Ok(pose) => seen = pose,
+                    Err(error) => {
+                        sheet.lose(row..row + 1, &error);
+                        continue;
+                    }
+                }
             }
             sheet.seen[row] = Some((seen.clone(), self.plant.rod().residual_m()));
             if !at_rest && row + 1 < rows.end {
@@ -140,15 +154,18 @@ impl Trial {
         Ok(())
     }
 
-    /// Puts the row's load on the tip.
+    /// Puts the row's load on the tip: its force and moment, and the weight by which what hangs there has changed since
+    /// the trial began (the inertia of such a change is left out).
     fn load(&mut self, commands: &Recording, row: usize) {
+        let mut extra = TipLoad::default();
         if let Some(loads) = &commands.tip_load {
-            let load = loads[row];
-            self.plant.set_extra_tip_load(TipLoad {
-                force_n: Vector3::from(load.force_n),
-                moment_nm: Vector3::from(load.moment_nm),
-            });
+            extra.force_n = Vector3::from(loads[row].force_n);
+            extra.moment_nm = Vector3::from(loads[row].moment_nm);
         }
+        if let Some(hung) = &commands.known_load_kg {
+            extra.force_n += (hung[row] - self.hung_kg) * self.plant.rod().params().gravity_m_s2;
+        }
+        self.plant.set_extra_tip_load(extra);
     }
 
     fn command(&mut self, command: &[f64], at_rest: bool) -> Result<Observation, PlantError> {

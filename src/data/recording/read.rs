@@ -138,8 +138,12 @@ fn commands(sheet: &Sheet) -> Result<(Actuation, Rows), DataError> {
             });
         }
     };
-    let names: Vec<String> = (0..tendons).map(|tendon| actuation.column(tendon)).collect();
-    let columns = names.iter().map(|name| needed(sheet, name)).collect::<Result<Vec<_>, _>>()?;
+    // Stops at the first gap: a column may claim to be that of tendon number 10¹².
+    let (mut names, mut columns) = (Vec::new(), Vec::new());
+    for tendon in 0..tendons {
+        names.push(actuation.column(tendon));
+        columns.push(needed(sheet, &actuation.column(tendon))?);
+    }
     let expected = match actuation {
         Actuation::Lengths => "metres, a number",
         Actuation::Tensions => "newtons, a number",
