@@ -28,7 +28,7 @@ pub enum Layout {
     },
 }
 
-/// What p_sim of eq. (20) comes from: it "could either [be] generated from our learned dynamic neural network or directly
+/// What eq. (20) starts from: p_sim "could either generated from our learned dynamic neural network or directly
 /// from simulated mathematical model".
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
