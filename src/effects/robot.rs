@@ -7,6 +7,11 @@ use super::{finite, non_negative};
 use crate::base::BadOption;
 use crate::rod::{CompressibleSection, PointMass, Resolution, RodParams, Span, Tendon, TipLoad};
 
+/// Most sections, disks and cells: far beyond any robot, and within any memory.
+const MOST_PARTS: usize = 10_000;
+/// Most polynomials a component.
+const MOST_MODES: usize = 50;
+
 /// A tendon-driven robot; as a whole it defaults to the nominal robot of `models/nominal.yaml`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -183,6 +188,7 @@ impl Robot {
         at("backbone", BadOption::unless_positive_or_null("torsion_stiffness_n_m2", b.torsion_stiffness_n_m2))?;
         self.check_sections()?;
         at("disks", non_negative("mass_kg", self.disks.mass_kg))?;
+        at("disks", refuse(self.disks.count <= MOST_PARTS, "count", &self.disks.count, "a whole number up to 10,000"))?;
         if let Some(positions) = &self.disks.positions_m {
             let inside =
                 positions.len() == self.disks.count && positions.iter().all(|&s| (0.0..=b.length_m).contains(&s));
@@ -203,6 +209,7 @@ impl Robot {
             return Ok(());
         }
         let at = |result: Result<(), BadOption>| result.map_err(|error| ("sections", error));
+        at(refuse(s.count <= MOST_PARTS, "count", &s.count, "a whole number up to 10,000"))?;
         at(BadOption::unless_positive("length_m", s.length_m))?;
         at(non_negative("compliance_m_per_n", s.compliance_m_per_n))?;
         at(BadOption::unless_positive("saturation_n", s.saturation_n))?;
@@ -231,6 +238,8 @@ impl Robot {
         let r = &self.resolution;
         let at = |result: Result<(), BadOption>| result.map_err(|error| ("resolution", error));
         at(BadOption::unless_positive("cell_m", r.cell_m))?;
+        let cells = self.backbone.length_m / r.cell_m;
+        at(refuse(cells <= MOST_PARTS as f64, "cell_m", &r.cell_m, "at most 10,000 cells along the backbone"))?;
         at(BadOption::unless_positive("time_step_s", r.time_step_s))?;
         let counts = [
             ("bending_modes", r.bending_modes),
@@ -238,7 +247,10 @@ impl Robot {
             ("shear_modes", r.shear_modes),
             ("axial_modes", r.axial_modes),
         ];
-        counts.into_iter().try_for_each(|(key, count)| at(BadOption::unless_counted(key, count)))
+        counts.into_iter().try_for_each(|(key, count)| {
+            at(BadOption::unless_counted(key, count))?;
+            at(refuse(count <= MOST_MODES, key, &count, "a whole number from 1 to 50"))
+        })
     }
 
     /// The rod without effects.

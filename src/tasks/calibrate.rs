@@ -79,17 +79,19 @@ pub fn calibrate(
         return Err(TaskError::TooFew { what: "tracked rows", asked: fields.len() / 3 + 1, available: rows.len() });
     }
     let mut start_robot = model.robot.clone();
-    let start: Vec<f64> = fields.iter().map(|field| (field.field)(&mut start_robot).ln()).collect();
-    for (index, (field, log)) in fields.iter().zip(&start).enumerate() {
-        BadOption::unless_positive(field.name, log.exp())?;
+    let values: Vec<f64> = fields.iter().map(|field| *(field.field)(&mut start_robot)).collect();
+    for (index, (field, &value)) in fields.iter().zip(&values).enumerate() {
+        BadOption::unless_positive(field.name, value)?;
         if names[..index].contains(&names[index]) {
             return Err(TaskError::Repeated(field.name));
         }
     }
+    // Logarithms of what the values are multiplied by: a number that is not seen stays as it is to the last digit.
+    let start = vec![0.0; fields.len()];
     let with = |logs: &[f64]| {
         let mut candidate = model.clone();
         for (field, log) in fields.iter().zip(logs) {
-            *(field.field)(&mut candidate.robot) = log.exp();
+            *(field.field)(&mut candidate.robot) *= log.exp();
         }
         candidate
     };
@@ -110,10 +112,10 @@ pub fn calibrate(
     let unplayable = TaskError::NotFinite("the model cannot play these commands");
     let before_m = per_row(&residuals(&start).ok_or_else(|| unplayable.clone())?);
     let fit = least_squares::fit(&residuals, &start, DIFFERENCES).ok_or_else(|| unplayable.clone())?;
-    let numbers = fields.iter().zip(&fit.parameters).zip(&fit.interval_95).map(|((field, log), interval)| Calibrated {
-        name: field.name,
-        value: log.exp(),
-        interval_95: interval.map(f64::exp),
+    let numbers = (0..fields.len()).map(|k| Calibrated {
+        name: fields[k].name,
+        value: values[k] * fit.parameters[k].exp(),
+        interval_95: fit.interval_95[k].map(|log| values[k] * log.exp()),
     });
     Ok(Calibration {
         numbers: numbers.collect(),
