@@ -10,6 +10,9 @@ fn nominal() -> Model {
     serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text)).unwrap()
 }
 
+/// A name and what is changed of the nominal model.
+type Case = (&'static str, fn(&mut Model));
+
 const NAMES: [&str; 4] = ["not_converged", "tendon_set_unsettled", "not_finite", "bad_command"];
 
 /// Counts of what converged and what failed by name, in lengths and in tensions, at rest and moving.
@@ -67,7 +70,7 @@ fn torture(name: &str, model: &Model) -> (usize, usize) {
 /// Changes that leave a robot which a good solver must manage: none of its solves may fail.
 #[test]
 fn unusual_robots_are_solved() {
-    let cases: &[(&str, fn(&mut Model))] = &[
+    let cases: &[Case] = &[
         ("nominal", |_| {}),
         ("one tendon", |m| m.robot.tendons.angles_deg = vec![30.0]),
         ("three tendons", |m| m.robot.tendons.angles_deg = vec![0.0, 120.0, 240.0]),
@@ -106,7 +109,7 @@ fn unusual_robots_are_solved() {
 /// Changes beyond what such a robot can be: whatever happens has a name.
 #[test]
 fn impossible_robots_end_with_a_named_status() {
-    let cases: &[(&str, fn(&mut Model))] = &[
+    let cases: &[Case] = &[
         ("jelly", |m| m.robot.backbone.youngs_modulus_pa = 1e3),
         ("barely solid", |m| m.robot.backbone.youngs_modulus_pa = 1e-300),
         ("beyond diamond", |m| m.robot.backbone.youngs_modulus_pa = 1e18),

@@ -45,9 +45,10 @@ fn sine_coefficients(angle2: f64) -> (f64, f64) {
 const SINE_RATIOS: [f64; 7] = [1.0 / 6.0, 1.0 / 20.0, 1.0 / 42.0, 1.0 / 72.0, 1.0 / 110.0, 1.0 / 156.0, 1.0 / 210.0];
 const COSINE_RATIOS: [f64; 7] = [1.0 / 12.0, 1.0 / 30.0, 1.0 / 56.0, 1.0 / 90.0, 1.0 / 132.0, 1.0 / 182.0, 1.0 / 240.0];
 
-/// Rotation vector in radians of a rotation matrix.
+/// Rotation vector in radians of a rotation matrix (by way of a quaternion: the arc cosine of a trace loses angles below
+/// 1e-8).
 pub fn log(rotation: &Matrix3<f64>) -> Vector3<f64> {
-    Rotation3::from_matrix_unchecked(*rotation).scaled_axis()
+    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation)).scaled_axis()
 }
 
 /// Unit quaternion (w, x, y, z), w ≥ 0, of a rotation matrix.
