@@ -55,7 +55,8 @@ fn at_rest_a_delay_is_over() {
 /// A drive that followed the shape for a while and is then told to stay where it stands does not jump back to zero.
 #[test]
 fn a_drive_that_followed_goes_on_from_where_it_stands() {
-    let mut robot = plant("- delay: {time_s: 0.2}");
+    // A stiff spine, so that the opposite tendon has to be let out.
+    let mut robot = plant("[{delay: {time_s: 0.2}}, {spine_compressibility: {scale: 0.01}}]");
     robot.reset(Seed(0)).unwrap();
     let half = [TendonCommand::Pull(0.012), TendonCommand::Pull(0.0), TendonCommand::Follow, TendonCommand::Follow];
     let mut seen = robot.drive(&half).unwrap();

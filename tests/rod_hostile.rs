@@ -13,6 +13,9 @@ fn nominal() -> Model {
     serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text)).unwrap()
 }
 
+/// A name and what is changed of the nominal model.
+type Case = (&'static str, fn(&mut Model));
+
 const NAMES: [&str; 4] = ["not_converged", "tendon_set_unsettled", "not_finite", "bad_command"];
 
 /// Counts of what converged and what failed by name, in lengths and in tensions, at rest and moving.

@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 fn shipped() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("experiments");
     let mut files: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().flatten().map(|file| file.path()).collect();
+    // Folders hold what is no experiment, such as the calibration's plant.
+    files.retain(|file| file.is_file());
     files.sort();
     assert!(files.len() >= 6, "{files:?}");
     files
