@@ -5,9 +5,6 @@ use spinebench::effects::Model;
 use spinebench::plants::{Simulated, SimulatedOptions};
 use std::time::{Duration, Instant};
 
-/// A name and what it does to the nominal model.
-type Case = (&'static str, fn(&mut Model));
-
 fn nominal() -> Model {
     let text = include_str!("../models/nominal.yaml");
     serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text)).unwrap()
