@@ -1,6 +1,7 @@
 //! Where along the rod things are computed: cells with two Gauss–Legendre points each, and the polynomials on them.
 
 use super::params::RodParams;
+use super::tendon::Tendon;
 use crate::math::polynomial::legendre;
 
 /// Half the distance between the two Gauss points, as a share of the cell: √3/6.
@@ -45,7 +46,8 @@ pub(super) struct Grid {
 
 impl Grid {
     /// Cuts the rod at every jump of its properties and at masses, and then to the wanted resolution. The internal
-    /// wrench is one polynomial a component between tendon ends, where it may jump.
+    /// wrench is one polynomial a component between the places where it may jump: tendon ends, kinks of their paths
+    /// and loads.
     pub(super) fn new(params: &RodParams) -> Grid {
         let elements = element_ends(params);
         let resolution = &params.resolution;
@@ -89,6 +91,12 @@ impl Grid {
         grid
     }
 
+    /// The cell end nearest to `position_m`.
+    pub(super) fn nearest_end(&self, position_m: f64) -> usize {
+        let distance = |k: &usize| (self.boundaries_m[*k] - position_m).abs();
+        (0..self.boundaries_m.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+    }
+
     /// ∫ from the start of a cell to its Gauss point `row` of the line through the values at both Gauss points: the
     /// coefficients of the two-stage Gauss method.
     pub(super) fn partial_weights(length_m: f64) -> [[f64; 2]; 2] {
@@ -98,10 +106,12 @@ impl Grid {
     }
 }
 
-/// Base, tendon ends inside the rod, tip.
+/// Base, ends and kinks of tendons, loads, tip.
 fn element_ends(params: &RodParams) -> Vec<f64> {
     let mut ends = vec![0.0, params.length_m()];
-    ends.extend(params.tendons.iter().map(|tendon| tendon.end_m));
+    ends.extend(params.tendons.iter().flat_map(Tendon::borders_m));
+    ends.extend(params.point_loads.iter().map(|load| load.position_m));
+    ends.extend(params.line_loads.iter().flat_map(|load| [load.start_m, load.end_m]));
     sorted_unique(ends, params.length_m())
 }
 

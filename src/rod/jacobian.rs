@@ -173,6 +173,11 @@ impl Derivative {
                 shape.end_r[c + 1] * Matrix3::from_diagonal(&mass.inertia_kg_m2) * shape.end_r[c + 1].transpose();
             add_product(&mut self.moment, &inertia, &self.end_turn[c + 1], -rate2);
         }
+        for load in system.constant.at(c + 1).filter(|load| load.follows) {
+            let (f, m) = load.in_world(&shape.end_r[c + 1], conditions.load_share);
+            self.force.add_cross(&self.end_turn[c + 1], &f, 1.0);
+            self.moment.add_cross(&self.end_turn[c + 1], &m, 1.0);
+        }
         let partial = Grid::partial_weights(h);
         let force = loads.cell_force[c];
         for row in 0..2 {
@@ -321,7 +326,7 @@ fn tendon_stiffness(system: &System, g: usize, tensions: &[f64], work: &Work) ->
         if tension == 0.0 || stretch == 0.0 {
             continue;
         }
-        let [x, y] = system.params.tendons[i].offset_m;
+        let [x, y] = system.guides[g * tensions.len() + i].offset_m;
         // d path / d strain: columns u_x, u_y, u_z, then the identity.
         let columns = [
             Vector3::new(0.0, 0.0, y),

@@ -1,12 +1,12 @@
 //! External loads: weight, inertia, drag and the tip load, summed from the tip inwards to the wrench that every
 //! cross-section has to carry.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 use super::conditions::Conditions;
 use super::grid::Grid;
 use super::motion::EndMass;
-use super::params::RodParams;
+use super::params::{PointLoad, RodParams};
 use super::section::Section;
 use super::shape::Shape;
 
@@ -49,6 +49,9 @@ impl Loads {
             }
             self.node_f[g] = f;
         }
+        if !rod.constant.line.is_empty() {
+            self.node_f.iter_mut().zip(&rod.constant.line).for_each(|(f, own)| *f += own * conditions.load_share);
+        }
         self.end_f.iter_mut().for_each(|f| *f = Vector3::zeros());
         for mass in rod.masses {
             self.end_f[mass.end] +=
@@ -58,6 +61,11 @@ impl Loads {
         let mut moment = tip.moment_nm;
         for (c, cell) in rod.grid.cells.iter().enumerate().rev() {
             force += self.end_f[c + 1];
+            for load in rod.constant.at(c + 1) {
+                let (f, m) = load.in_world(&shape.end_r[c + 1], conditions.load_share);
+                force += f;
+                moment += m;
+            }
             moment += motion.spin_moment(rod.masses, c + 1, &shape.end_r[c + 1]);
             self.cell_force[c] = force;
             (force, moment) = self.through_cell(c, cell.length_m, shape, force, moment);
@@ -104,4 +112,47 @@ pub(super) struct LoadedRod<'a> {
     pub(super) grid: &'a Grid,
     pub(super) sections: &'a [Section],
     pub(super) masses: &'a [EndMass],
+    pub(super) constant: &'a Constant,
+}
+
+/// Constant loads besides weight and the tip load, on the grid.
+#[derive(Clone, Debug)]
+pub(super) struct Constant {
+    /// Point loads with the cell end that carries each.
+    points: Vec<(usize, PointLoad)>,
+    /// Force per length at the Gauss points, N/m; empty when there is none.
+    line: Vec<Vector3<f64>>,
+}
+
+impl Constant {
+    pub(super) fn new(params: &RodParams, grid: &Grid) -> Constant {
+        let points = params.point_loads.iter().map(|load| (grid.nearest_end(load.position_m), *load)).collect();
+        let mut line = Vec::new();
+        if !params.line_loads.is_empty() {
+            line = grid.nodes.iter().map(|node| line_force(params, node.position_m)).collect();
+        }
+        Constant { points, line }
+    }
+
+    /// The point loads on a cell end.
+    pub(super) fn at(&self, end: usize) -> impl Iterator<Item = &PointLoad> {
+        self.points.iter().filter(move |(own, _)| *own == end).map(|(_, load)| load)
+    }
+}
+
+/// Sum of the line loads at `position_m`, N/m.
+fn line_force(params: &RodParams, position_m: f64) -> Vector3<f64> {
+    let here = params.line_loads.iter().filter(|load| (load.start_m..load.end_m).contains(&position_m));
+    here.map(|load| load.force_n_m).sum()
+}
+
+impl PointLoad {
+    /// Force and moment in the world frame on a cross-section at orientation `r`, at `share` of their value.
+    pub(super) fn in_world(&self, r: &Matrix3<f64>, share: f64) -> (Vector3<f64>, Vector3<f64>) {
+        if self.follows {
+            (r * self.force_n * share, r * self.moment_nm * share)
+        } else {
+            (self.force_n * share, self.moment_nm * share)
+        }
+    }
 }

@@ -15,13 +15,17 @@ mod section;
 mod shape;
 mod simulation;
 mod solver;
+mod span;
 mod state;
 mod status;
 mod system;
+mod tendon;
 
 pub use memory::{HistoryMoment, MemoryState, MomentLaw};
-pub use params::{CompressibleSection, PointMass, Resolution, RodParams, Span, Tendon, TipLoad};
+pub use params::{CompressibleSection, LineLoad, PointLoad, PointMass, Resolution, RodParams, TipLoad};
 pub use scheme::Scheme;
 pub use simulation::{Drive, Energy, Rod};
+pub use span::{Span, Taper};
 pub use state::CrossSection;
 pub use status::Status;
+pub use tendon::{PathPoint, Tendon, TendonPath};

@@ -132,7 +132,7 @@ impl Rod {
         let load = TipLoad { force_n: self.tip_load.force_n * share, moment_nm: self.tip_load.moment_nm * share };
         self.seed_tensions(&scaled);
         let gravity = self.system.params.gravity_m_s2 * share;
-        self.solve(&scaled, &load, gravity, true, STATIC_TOLERANCE_M)
+        self.solve(&scaled, (&load, share), gravity, true, STATIC_TOLERANCE_M)
     }
 
     /// Raises all loads from nothing in steps that shrink on failure and grow on success.
@@ -209,7 +209,7 @@ impl Rod {
             let Some(holds) = self.holds(&drives(self.stage_times[i] * h)) else { return Status::BadCommand };
             self.seed_tensions(&holds);
             self.motion.prepare(start, &self.tableau.rows[i], &self.stages, self.tableau.gamma, h);
-            let status = self.solve(&holds, &load, gravity, false, DYNAMIC_TOLERANCE_M);
+            let status = self.solve(&holds, (&load, 1.0), gravity, false, DYNAMIC_TOLERANCE_M);
             if status != Status::Converged {
                 return status;
             }
@@ -223,15 +223,23 @@ impl Rod {
     fn solve(
         &mut self,
         holds: &[Hold],
-        load: &TipLoad,
+        (tip_load, load_share): (&TipLoad, f64),
         gravity_m_s2: Vector3<f64>,
         settled: bool,
         tolerance_m: f64,
     ) -> Status {
         let State { unknowns, taut, memory, .. } = &mut self.state;
         let guess = taut.clone();
-        let conditions =
-            Conditions { holds, taut: &guess, tip_load: load, gravity_m_s2, motion: &self.motion, memory, settled };
+        let conditions = Conditions {
+            holds,
+            taut: &guess,
+            tip_load,
+            load_share,
+            gravity_m_s2,
+            motion: &self.motion,
+            memory,
+            settled,
+        };
         let status = self.solver.solve(&self.system, unknowns, taut, &conditions, tolerance_m);
         if status == Status::Converged {
             let n = self.system.grid.unknowns;
@@ -258,7 +266,7 @@ impl Rod {
         if drives.len() != tendons.len() {
             return None;
         }
-        let hold = |(drive, tendon): (&Drive, &super::params::Tendon)| match *drive {
+        let hold = |(drive, tendon): (&Drive, &super::tendon::Tendon)| match *drive {
             Drive::Pull(pull) if pull.is_finite() => Some(Hold::Length(pull + tendon.pretension_m)),
             Drive::Tension(tension) if tension.is_finite() && tension >= 0.0 => Some(Hold::Tension(tension)),
             Drive::Follow => Some(Hold::Tension(0.0)),
@@ -298,8 +306,8 @@ impl Rod {
         let mut work = self.solver.work.clone();
         work.shape = self.state.shape.clone();
         self.system.update_lengths(&mut work);
-        let tendons = &self.system.params.tendons;
-        work.lengths_m.iter().zip(tendons).map(|(length, t)| t.end_m - length - t.pretension_m).collect()
+        let homes = work.lengths_m.iter().zip(&self.system.home_lengths_m);
+        homes.zip(&self.system.params.tendons).map(|((now, home), t)| home - now - t.pretension_m).collect()
     }
 
     /// What the last solve may be off by at the tip, metres.
