@@ -191,7 +191,7 @@ impl Plant for Simulated {
 
     fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
         // As many parts as the rod takes time steps, so that what the drives do late they do at its time.
-        let parts = self.rod.steps_in(self.options.step_s);
+        let parts = (self.options.step_s / 0.05 - 1e-9).ceil().max(1.0);
         let part_s = self.options.step_s / parts;
         for _ in 0..parts as u64 {
             let drives = self.drives(commands, part_s)?;
