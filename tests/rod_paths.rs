@@ -260,3 +260,25 @@ fn a_taper_is_no_staircase_and_survives_a_split() {
     println!("staircases of 30 and 120: {coarse:.2e}, {fine:.2e}");
     assert!(coarse > 1e-6 && fine < 0.1 * coarse, "{coarse:e} {fine:e}");
 }
+
+/// The pose inside cells continues that at their ends, and its derivative is the strain.
+#[test]
+fn poses_are_given_everywhere() {
+    let mut params = cone([0.0154, 0.0048]);
+    params.spans[0].mass_kg_m = 0.8;
+    params.gravity_m_s2 = Vector3::new(-6.0, 0.0, -7.0);
+    params.tendons = CONVERGING.iter().map(|points| tendon(points, 0.0, LENGTH_M)).collect();
+    let rod = settled(params, &[4.0, 1.5]);
+    let (tip, turn) = rod.pose_at(LENGTH_M);
+    assert!((tip - rod.tip_m()).norm() < 1e-15 && (turn - rod.tip_rotation()).norm() < 1e-14);
+    assert_eq!(rod.pose_at(0.0), (Vector3::zeros(), Matrix3::identity()));
+    for section in rod.cross_sections() {
+        let (position, rotation) = rod.pose_at(section.s_m);
+        assert!((position - section.position_m).norm() < 1e-15 && (rotation - section.rotation).norm() < 1e-14);
+    }
+    // Across the border of two cells and inside one, a hundredth of a millimetre apart.
+    for s in [0.1, 0.101, 0.2222] {
+        let [before, here, after] = [s - 1e-5, s, s + 1e-5].map(|s| rod.pose_at(s).0);
+        assert!((after - here * 2.0 + before).norm() < 1e-8, "{s}: {:e}", (after - here * 2.0 + before).norm());
+    }
+}
