@@ -17,12 +17,12 @@ pub(super) struct Loads {
     pub(super) node_f: Vec<Vector3<f64>>,
     /// Force on each cell end, N.
     pub(super) end_f: Vec<Vector3<f64>>,
+    /// Moment on each cell end, N m.
+    pub(super) end_m: Vec<Vector3<f64>>,
     /// Force that the cross-section at each Gauss point carries, N.
     pub(super) force: Vec<Vector3<f64>>,
     /// Moment about each Gauss point that its cross-section carries, N m.
     pub(super) moment: Vec<Vector3<f64>>,
-    /// Force carried just outside each cell's end, N.
-    pub(super) cell_force: Vec<Vector3<f64>>,
 }
 
 impl Loads {
@@ -32,15 +32,15 @@ impl Loads {
         Loads {
             node_f: vec![zero; nodes],
             end_f: vec![zero; ends],
+            end_m: vec![zero; ends],
             force: vec![zero; nodes],
             moment: vec![zero; nodes],
-            cell_force: vec![zero; grid.cells.len()],
         }
     }
 
     /// Sums the loads on `shape` under the given conditions.
     pub(super) fn update(&mut self, rod: &LoadedRod, shape: &Shape, conditions: &Conditions) {
-        let (gravity, motion, tip) = (conditions.gravity_m_s2, conditions.motion, conditions.tip_load);
+        let (gravity, motion) = (conditions.gravity_m_s2, conditions.motion);
         for (g, section) in rod.sections.iter().enumerate() {
             let mut f = section.mass_kg_m * (gravity - motion.node_acceleration(g, &shape.node_p[g]));
             if rod.params.drag_n_s2_m3 > 0.0 {
@@ -52,24 +52,33 @@ impl Loads {
         if !rod.constant.line.is_empty() {
             self.node_f.iter_mut().zip(&rod.constant.line).for_each(|(f, own)| *f += own * conditions.load_share);
         }
-        self.end_f.iter_mut().for_each(|f| *f = Vector3::zeros());
-        for mass in rod.masses {
-            self.end_f[mass.end] +=
-                mass.mass_kg * (gravity - motion.end_acceleration(mass.end, &shape.end_p[mass.end]));
-        }
-        let mut force = tip.force_n;
-        let mut moment = tip.moment_nm;
+        self.lump(rod, shape, conditions);
+        let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
         for (c, cell) in rod.grid.cells.iter().enumerate().rev() {
             force += self.end_f[c + 1];
-            for load in rod.constant.at(c + 1) {
-                let (f, m) = load.in_world(&shape.end_r[c + 1], conditions.load_share);
-                force += f;
-                moment += m;
-            }
-            moment += motion.spin_moment(rod.masses, c + 1, &shape.end_r[c + 1]);
-            self.cell_force[c] = force;
+            moment += self.end_m[c + 1];
             (force, moment) = self.through_cell(c, cell.length_m, shape, force, moment);
         }
+    }
+
+    /// Forces and moments at the cell ends: lumped masses, point loads, and the load at the tip.
+    fn lump(&mut self, rod: &LoadedRod, shape: &Shape, conditions: &Conditions) {
+        let motion = conditions.motion;
+        self.end_f.fill(Vector3::zeros());
+        self.end_m.fill(Vector3::zeros());
+        for (k, mass) in rod.masses.iter().enumerate() {
+            let acceleration = motion.mass_acceleration(k, &shape.end_p[mass.end]);
+            self.end_f[mass.end] += mass.mass_kg * (conditions.gravity_m_s2 - acceleration);
+            self.end_m[mass.end] += motion.spin_moment(mass, k, &shape.end_r[mass.end]);
+        }
+        for (end, load) in &rod.constant.points {
+            let (f, m) = load.in_world(&shape.end_r[*end], conditions.load_share);
+            self.end_f[*end] += f;
+            self.end_m[*end] += m;
+        }
+        let tip = self.end_f.len() - 1;
+        self.end_f[tip] += conditions.tip_load.force_n;
+        self.end_m[tip] += conditions.tip_load.moment_nm;
     }
 
     /// Carries the wrench at the end of cell `c` (moment about that end) to its Gauss points and its start.
@@ -119,7 +128,7 @@ pub(super) struct LoadedRod<'a> {
 #[derive(Clone, Debug)]
 pub(super) struct Constant {
     /// Point loads with the cell end that carries each.
-    points: Vec<(usize, PointLoad)>,
+    pub(super) points: Vec<(usize, PointLoad)>,
     /// Force per length at the Gauss points, N/m; empty when there is none.
     line: Vec<Vector3<f64>>,
 }
@@ -132,11 +141,6 @@ impl Constant {
             line = grid.nodes.iter().map(|node| line_force(params, node.position_m)).collect();
         }
         Constant { points, line }
-    }
-
-    /// The point loads on a cell end.
-    pub(super) fn at(&self, end: usize) -> impl Iterator<Item = &PointLoad> {
-        self.points.iter().filter(move |(own, _)| *own == end).map(|(_, load)| load)
     }
 }
 

@@ -20,6 +20,8 @@ mod state;
 mod status;
 mod system;
 mod tendon;
+mod triple;
+mod variation;
 
 pub use memory::{HistoryMoment, MemoryState, MomentLaw};
 pub use params::{CompressibleSection, LineLoad, PointLoad, PointMass, Resolution, RodParams, TipLoad};

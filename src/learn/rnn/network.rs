@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::weights::{Sizes, Weights};
 use crate::base::Rows;
-use crate::learn::simd::{Real, vectorised};
+use crate::learn::simd::Real;
+use crate::math::vectorised;
 use crate::learn::standardise::check_finite;
 use crate::learn::{LearnError, Standardiser, exact};
 
