@@ -34,7 +34,9 @@ use crate::base::{BadOption, Observation};
 use crate::rod::RodParams;
 
 pub use model::{Model, check_effects};
-pub use robot::{Backbone, Disks, Robot, Sections, Tendons};
+pub use robot::{
+    Backbone, Disks, Frame, Load, OffsetPoint, OnePlace, Piece, RadiusPoint, Robot, Sections, Spread, Tendons,
+};
 
 /// A physical effect. Every hook does nothing unless an effect fills it in.
 ///

@@ -240,6 +240,12 @@ impl Rod {
         self.state.shape.tip_rotation()
     }
 
+    /// Position (metres) and orientation of the cross-section `position_m` from the base along the relaxed rod, world
+    /// frame; the nearest end where the rod has no such place.
+    pub fn pose_at(&self, position_m: f64) -> (Vector3<f64>, Matrix3<f64>) {
+        self.state.shape.pose_at(&self.system.grid, position_m)
+    }
+
     /// Tendon tensions, N; 0 when slack.
     pub fn tensions_n(&self) -> &[f64] {
         &self.state.unknowns[self.system.grid.unknowns..]
