@@ -1,5 +1,6 @@
 //! Where along the rod things are computed: cells with two Gauss–Legendre points each, and the polynomials on them.
 
+use super::basis::Basis;
 use super::params::RodParams;
 use super::tendon::Tendon;
 use crate::math::polynomial::legendre;
@@ -42,6 +43,8 @@ pub(super) struct Grid {
     pub(super) modes: [usize; COMPONENTS],
     /// Number of polynomial coefficients in all.
     pub(super) unknowns: usize,
+    /// The polynomials at all nodes at once.
+    pub(super) all: Basis,
 }
 
 impl Grid {
@@ -67,6 +70,7 @@ impl Grid {
             unknowns: per_element * (elements.len() - 1),
             modes,
             boundaries_m,
+            all: Basis::new(&[], modes),
         };
         let most = modes.iter().copied().max().unwrap_or(0);
         for window in grid.boundaries_m.windows(2) {
@@ -88,6 +92,7 @@ impl Grid {
                 grid.nodes.push(Node { position_m, weight_m: 0.5 * length, offset, basis });
             }
         }
+        grid.all = Basis::new(&grid.nodes, modes);
         grid
     }
 

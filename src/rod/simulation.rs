@@ -35,6 +35,17 @@ pub struct Energy {
     pub gravitational_j: f64,
 }
 
+/// What solving has taken so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Effort {
+    /// Evaluations of the equations, one an iteration.
+    pub iterations: u64,
+    /// Evaluations of their derivative.
+    pub derivatives: u64,
+    /// Factorisations of it.
+    pub factorisations: u64,
+}
+
 /// Displacement of the tip that a converged static solve may be off by (its last step, squared for Newton), metres.
 const STATIC_TOLERANCE_M: f64 = 1e-8;
 
@@ -265,9 +276,10 @@ impl Rod {
         self.solver.residual_m
     }
 
-    /// Iterations and derivatives computed so far.
-    pub fn effort(&self) -> (u64, u64) {
-        (self.solver.iterations, self.solver.factorisations)
+    /// Work done so far.
+    pub fn effort(&self) -> Effort {
+        let Solver { iterations, derivatives, factorisations, .. } = self.solver;
+        Effort { iterations, derivatives, factorisations }
     }
 
     /// The fields along the rod at the Gauss points.
@@ -327,5 +339,53 @@ impl Rod {
             energy.elastic_j += 0.5 * tendon.compliance_m_per_n * tension * tension;
         }
         energy
+    }
+}
+
+#[cfg(test)]
+mod timing {
+    use super::*;
+    #[test]
+    fn parts() {
+        let text = std::fs::read_to_string("models/nominal.yaml").unwrap();
+        let model: crate::effects::Model = serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(&text)).unwrap();
+        let mut rod = Rod::new(model.rod(&[]));
+        let pulls = [0.015, 0.01, -0.015, -0.01].map(Drive::Pull);
+        rod.settle(&pulls);
+        rod.advance(&[0.016, 0.01, -0.016, -0.01].map(Drive::Pull), 0.05);
+        let n = 20000;
+        let time = |name: &str, f: &mut dyn FnMut()| { let mut best = f64::MAX; for _ in 0..10 { let t = std::time::Instant::now(); for _ in 0..n/10 { f(); } best = best.min(t.elapsed().as_secs_f64() / (n as f64/10.0)); } println!("{name}: {:.3} us", best * 1e6); };
+        let Rod { system, solver, state, motion, tip_load, .. } = &mut rod;
+        let holds: Vec<Hold> = (0..4).map(|i| Hold::Length([0.0165, 0.0105, -0.0155, -0.0095][i])).collect();
+        let taut = state.taut.clone();
+        let memory = state.memory.clone();
+        let conditions = Conditions { holds: &holds, taut: &taut, tip_load, load_share: 1.0, gravity_m_s2: system.params.gravity_m_s2, motion, memory: &memory, settled: false };
+        let unknowns = state.unknowns.clone();
+        println!("nodes {} unknowns {} taut {taut:?}", system.grid.nodes.len(), system.size());
+        time("evaluate", &mut || system.evaluate(&unknowns, &conditions, &mut solver.work));
+        let mut w2 = solver.work.clone(); time("evaluate plain", &mut || system.evaluate_plain(&unknowns, &conditions, &mut w2));
+        time("variation", &mut || solver.derivative.variation.update(&system.grid, &solver.work.shape));
+        time("inertia", &mut || solver.derivative.add_inertia(system, &solver.work));
+        time("viscosity", &mut || solver.derivative.add_viscosity(system, &solver.work));
+        time("border", &mut || solver.derivative.tendon_border(system, &conditions, &solver.work));
+        time("node rows", &mut || for g in 0..46 { solver.derivative.node_rows(system, g, &unknowns, &solver.work) });
+        time("project rows", &mut || for g in 0..46 { solver.derivative.project_rows(system, g, &solver.work) });
+        time("add material", &mut || for g in 0..46 { solver.derivative.add_material(system, g, &unknowns, &solver.work) });
+        time("shape", &mut || solver.work.shape.update(&system.grid, &system.sections, &unknowns[..system.grid.unknowns]));
+        time("lengths", &mut || system.update_lengths(&mut solver.work));
+        let rodl = super::super::loads::LoadedRod { params: &system.params, grid: &system.grid, sections: &system.sections, masses: &system.masses, constant: &system.constant };
+        time("loads", &mut || { let w = &mut solver.work; w.loads.update(&rodl, &w.shape, &conditions) });
+        time("jacobian", &mut || solver.derivative.update(system, &unknowns, &conditions, &solver.work));
+        time("matrix", &mut || { std::hint::black_box(solver.derivative.matrix(system, &conditions)); });
+        time("matrix+lu", &mut || { std::hint::black_box(solver.derivative.matrix(system, &conditions).lu()); });
+        let lu = solver.derivative.matrix(system, &conditions).lu();
+        time("lu solve", &mut || { let mut v = nalgebra::DVector::from_column_slice(&solver.work.residual); lu.solve_mut(&mut v); std::hint::black_box(v); });
+        let mut b = state.clone();
+        time("copy", &mut || b.copy_from(state));
+        let mut m2 = (*motion).clone();
+        let stages = vec![state.rates.clone(), state.rates.clone(), state.rates.clone()];
+        time("prepare", &mut || m2.prepare(state, &system.masses, &[0.1, 0.2, 0.4], &stages, 0.02));
+        let mut r = state.rates.clone();
+        time("read", &mut || r.read(&m2, &system.masses, &state.shape));
     }
 }
