@@ -151,7 +151,7 @@ impl Derivative {
 
     /// Adds the rows of K that Gauss point `g` contributes to.
     #[inline(always)]
-    pub(super) fn node_rows(&mut self, system: &System, g: usize, unknowns: &[f64], work: &Work) {
+    fn node_rows(&mut self, system: &System, g: usize, unknowns: &[f64], work: &Work) {
         let (turn, moved) = (&self.variation.node_turn[g], &self.variation.node_move[g]);
         self.moment.add_cross(moved, &work.loads.force[g], -1.0);
         self.moment.add_cross(turn, &work.loads.moment[g], -1.0);
@@ -186,7 +186,7 @@ impl Derivative {
 
     /// Adds the derivative of elastic, history and tendon wrenches: local, through the strain alone.
     #[inline(always)]
-    pub(super) fn add_material(&mut self, system: &System, g: usize, unknowns: &[f64], work: &Work) {
+    fn add_material(&mut self, system: &System, g: usize, unknowns: &[f64], work: &Work) {
         let node = &system.grid.nodes[g];
         let stiffness = tendon_stiffness(system, g, &unknowns[system.grid.unknowns..], work);
         for component in 0..COMPONENTS {
@@ -214,7 +214,7 @@ impl Derivative {
 
     /// Multiplies with the compliance and the test polynomials and adds to the rows of this element.
     #[inline(always)]
-    pub(super) fn project_rows(&mut self, system: &System, g: usize, work: &Work) {
+    fn project_rows(&mut self, system: &System, g: usize, work: &Work) {
         let node = &system.grid.nodes[g];
         let (n, size) = (system.grid.unknowns, system.size());
         let [a, b, d] = work.shape.compliance[g].bend;
@@ -237,7 +237,7 @@ impl Derivative {
 
     /// d balance / d tension and, being the same numbers, d length / d unknown.
     #[inline(always)]
-    pub(super) fn tendon_border(&mut self, system: &System, conditions: &Conditions, work: &Work) {
+    fn tendon_border(&mut self, system: &System, conditions: &Conditions, work: &Work) {
         let (n, size, points) = (system.grid.unknowns, system.size(), system.grid.all.points);
         for (i, hold) in conditions.holds.iter().enumerate() {
             for (g, node) in system.grid.nodes.iter().enumerate() {
@@ -257,7 +257,7 @@ impl Derivative {
 
     /// D: viscous wrenches are local and diagonal in the strains; only bending about the two axes is coupled.
     #[inline(always)]
-    pub(super) fn add_viscosity(&mut self, system: &System, work: &Work) {
+    fn add_viscosity(&mut self, system: &System, work: &Work) {
         let points = system.grid.all.points;
         self.viscosity.fill(0.0);
         const PAIRS: [(usize, usize); 8] = [(0, 0), (0, 1), (1, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5)];
@@ -280,7 +280,7 @@ impl Derivative {
     /// M: the Gram matrix of all displacements, weighted with the masses. The displacements are gathered by unknown,
     /// all points after one another, so that each entry is one sum of products.
     #[inline(always)]
-    pub(super) fn add_inertia(&mut self, system: &System, work: &Work) {
+    fn add_inertia(&mut self, system: &System, work: &Work) {
         let n = system.grid.unknowns;
         let length = self.gathered.len() / n;
         let mut next = 0;

@@ -110,7 +110,6 @@ impl System {
         );
     }
 
-    pub(super) fn evaluate_plain(&self, unknowns: &[f64], conditions: &Conditions, work: &mut Work) { self.evaluate_all(unknowns, conditions, work) }
     #[inline(always)]
     fn evaluate_all(&self, unknowns: &[f64], conditions: &Conditions, work: &mut Work) {
         let (coefficients, tensions) = unknowns.split_at(self.grid.unknowns);
