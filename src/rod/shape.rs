@@ -7,7 +7,7 @@ use super::section::{Compliance, Section, Six};
 use crate::math::rotation;
 
 /// Poses and strains of a rod under given internal-wrench coefficients.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Shape {
     /// Elastic internal wrench at the Gauss points.
     pub(super) wrench: Vec<Six>,
@@ -38,6 +38,17 @@ impl Shape {
             end_r: vec![base_r; ends],
             end_p: vec![base_p; ends],
         }
+    }
+
+    /// Becomes a copy of `other` without allocating.
+    pub(super) fn copy_from(&mut self, other: &Shape) {
+        self.wrench.clone_from(&other.wrench);
+        self.strain.clone_from(&other.strain);
+        self.compliance.clone_from(&other.compliance);
+        self.node_r.clone_from(&other.node_r);
+        self.node_p.clone_from(&other.node_p);
+        self.end_r.clone_from(&other.end_r);
+        self.end_p.clone_from(&other.end_p);
     }
 
     /// Computes everything from the polynomial coefficients.
