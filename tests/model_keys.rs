@@ -206,6 +206,7 @@ const BAD: &[(Place, &str, usize, &str)] = &[
         "robot.tendons.paths[1][1].s_m: found 0.1",
     ),
     (Place::Tendons, "paths: [[], [{s_m: 0.1, x: 0, y_m: 0}], []]", 3, "found the unknown key `x`"),
+    (Place::Tendons, "paths: [[]]", 3, "robot.tendons.paths: found 1, expected one path per tendon"),
     (
         Place::Robot,
         "  loads: [{point: {position_m: 0.3}}]\n",
