@@ -62,7 +62,8 @@ impl Grid {
             resolution.shear_modes,
             resolution.axial_modes,
         ];
-        let boundaries_m = cell_ends(params);
+        let most = modes.iter().copied().max().unwrap_or(0);
+        let boundaries_m = cell_ends(params, &elements, most);
         let per_element: usize = modes.iter().sum();
         let mut grid = Grid {
             cells: Vec::new(),
@@ -72,7 +73,6 @@ impl Grid {
             boundaries_m,
             all: Basis::new(&[], modes),
         };
-        let most = modes.iter().copied().max().unwrap_or(0);
         for window in grid.boundaries_m.windows(2) {
             let (start, length) = (window[0], window[1] - window[0]);
             grid.cells.push(Cell { length_m: length });
@@ -120,9 +120,10 @@ fn element_ends(params: &RodParams) -> Vec<f64> {
     sorted_unique(ends, params.length_m())
 }
 
-/// Ends of all cells: wherever a property jumps, subdivided to the wanted resolution.
-fn cell_ends(params: &RodParams) -> Vec<f64> {
-    let mut cuts = element_ends(params);
+/// Ends of all cells: wherever a property jumps, subdivided to the wanted resolution and so that each element has as
+/// many Gauss points as polynomials; with fewer they would not be independent.
+fn cell_ends(params: &RodParams, elements: &[f64], most_modes: usize) -> Vec<f64> {
+    let mut cuts = elements.to_vec();
     cuts.extend(params.spans.iter().map(|span| span.end_m));
     cuts.extend(params.masses.iter().map(|mass| mass.position_m));
     for section in &params.sections {
@@ -131,8 +132,11 @@ fn cell_ends(params: &RodParams) -> Vec<f64> {
     let cuts = sorted_unique(cuts, params.length_m());
     let mut ends = vec![0.0];
     for window in cuts.windows(2) {
+        let middle = 0.5 * (window[0] + window[1]);
+        let element = elements.windows(2).find(|element| middle < element[1]).unwrap_or(window);
+        let enough_m = (element[1] - element[0]) / most_modes.div_ceil(2) as f64;
         let length = window[1] - window[0];
-        let count = (length / params.resolution.cell_m - 1e-9).ceil().max(1.0) as usize;
+        let count = (length / params.resolution.cell_m.min(enough_m) - 1e-9).ceil().max(1.0) as usize;
         ends.extend((1..=count).map(|k| window[0] + length * k as f64 / count as f64));
     }
     ends
