@@ -155,7 +155,12 @@ impl Robot {
         at(refuse(cells <= MOST_PARTS as f64, "cell_m", &r.cell_m, "at most 10,000 cells along the backbone"))?;
         at(BadOption::unless_positive("time_step_s", r.time_step_s))?;
         let tolerance_m = r.motion_tolerance_m;
-        at(refuse(tolerance_m > 0.0, "motion_tolerance_m", &tolerance_m, "a positive number, or .inf for equal steps"))?;
+        at(refuse(
+            tolerance_m > 0.0,
+            "motion_tolerance_m",
+            &tolerance_m,
+            "a positive number, or .inf for equal steps",
+        ))?;
         let counts = [
             ("bending_modes", r.bending_modes),
             ("torsion_modes", r.torsion_modes),

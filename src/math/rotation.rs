@@ -52,15 +52,8 @@ fn sine_series(angle2: f64) -> (f64, f64) {
 /// ±1/(2k+1)! and ±1/(2k+2)!, from k = 6 down to 0.
 const SINE: [f64; 7] =
     [1.0 / 6_227_020_800.0, -1.0 / 39_916_800.0, 1.0 / 362_880.0, -1.0 / 5040.0, 1.0 / 120.0, -1.0 / 6.0, 1.0];
-const COSINE: [f64; 7] = [
-    1.0 / 87_178_291_200.0,
-    -1.0 / 479_001_600.0,
-    1.0 / 3_628_800.0,
-    -1.0 / 40_320.0,
-    1.0 / 720.0,
-    -1.0 / 24.0,
-    0.5,
-];
+const COSINE: [f64; 7] =
+    [1.0 / 87_178_291_200.0, -1.0 / 479_001_600.0, 1.0 / 3_628_800.0, -1.0 / 40_320.0, 1.0 / 720.0, -1.0 / 24.0, 0.5];
 
 /// Many rotations at once, as rows of numbers that vector instructions work on.
 #[derive(Clone, Debug, Default)]
@@ -131,17 +124,7 @@ impl Turns {
     #[inline(always)]
     pub fn matrix(&self, k: usize) -> Matrix3<f64> {
         let entry = |index: usize| self.matrices[index * self.count + k];
-        Matrix3::new(
-            entry(0),
-            entry(1),
-            entry(2),
-            entry(3),
-            entry(4),
-            entry(5),
-            entry(6),
-            entry(7),
-            entry(8),
-        )
+        Matrix3::new(entry(0), entry(1), entry(2), entry(3), entry(4), entry(5), entry(6), entry(7), entry(8))
     }
 }
 

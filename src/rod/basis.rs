@@ -80,7 +80,8 @@ impl Basis {
                 let left = &self.rows[i * self.points..][element.points.clone()];
                 for j in 0..self.modes[column] {
                     let right = &self.rows[j * self.points..][element.points.clone()];
-                    matrix[(element.offset[row] + i) * size + element.offset[column] + j] += triple_dot(weights, left, right);
+                    matrix[(element.offset[row] + i) * size + element.offset[column] + j] +=
+                        triple_dot(weights, left, right);
                 }
             }
         }

@@ -162,7 +162,11 @@ impl Derivative {
         for axis in 0..3 {
             let r = [back[(axis, 0)], back[(axis, 1)], back[(axis, 2)]];
             combine(&mut moments[axis], self.moment.rows(), r.map(|x| -x));
-            combine(&mut forces[axis], turn.rows(), [turned[(axis, 0)], turned[(axis, 1)], turned[(axis, 2)]].map(|x| -x));
+            combine(
+                &mut forces[axis],
+                turn.rows(),
+                [turned[(axis, 0)], turned[(axis, 1)], turned[(axis, 2)]].map(|x| -x),
+            );
         }
         self.add_followers(g, work);
         self.add_material(system, g, unknowns, work);

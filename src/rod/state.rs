@@ -22,7 +22,13 @@ pub(super) struct State {
 impl State {
     /// A state of nothing, to hold a place.
     pub(super) fn empty() -> State {
-        State { unknowns: Vec::new(), taut: Vec::new(), shape: Shape::default(), rates: Rates::default(), memory: Vec::new() }
+        State {
+            unknowns: Vec::new(),
+            taut: Vec::new(),
+            shape: Shape::default(),
+            rates: Rates::default(),
+            memory: Vec::new(),
+        }
     }
 
     /// Becomes a copy of `other` without allocating.
