@@ -107,7 +107,8 @@ fn element_ends(params: &RodParams) -> Vec<f64> {
 
 /// Ends of all cells: wherever a property jumps, subdivided to the wanted resolution.
 fn cell_ends(params: &RodParams) -> Vec<f64> {
-    let mut cuts = element_ends(params);
+    let elements = element_ends(params);
+    let mut cuts = elements.clone();
     cuts.extend(params.spans.iter().map(|span| span.end_m));
     cuts.extend(params.masses.iter().map(|mass| mass.position_m));
     for section in &params.sections {
@@ -117,7 +118,11 @@ fn cell_ends(params: &RodParams) -> Vec<f64> {
     let mut ends = vec![0.0];
     for window in cuts.windows(2) {
         let length = window[1] - window[0];
-        let count = (length / params.resolution.cell_m - 1e-9).ceil().max(1.0) as usize;
+        let element = elements.windows(2).find(|element| window[0] < element[1] - 5e-7);
+        let share = element.map_or(1.0, |element| length / (element[1] - element[0]));
+        // Too few Gauss points could not tell the polynomials of an element apart.
+        let least = (share * params.resolution.least_cells() as f64 - 1e-9).ceil();
+        let count = (length / params.resolution.cell_m - 1e-9).ceil().max(least).max(1.0) as usize;
         ends.extend((1..=count).map(|k| window[0] + length * k as f64 / count as f64));
     }
     ends

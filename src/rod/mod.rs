@@ -10,6 +10,7 @@ mod loads;
 mod memory;
 mod motion;
 mod params;
+mod refine;
 mod scheme;
 mod section;
 mod shape;

@@ -120,6 +120,9 @@ pub struct Resolution {
     pub shear_modes: usize,
     /// Legendre polynomials for the axial force.
     pub axial_modes: usize,
+    /// Displacement of the tip by which the discretisation in space may change a static solution, metres: beyond it the
+    /// rod refines cells and polynomials by itself. Infinite: never.
+    pub static_tolerance_m: f64,
     /// Largest time step, s.
     pub time_step_s: f64,
     /// Time integration scheme.
@@ -134,9 +137,18 @@ impl Default for Resolution {
             torsion_modes: 4,
             shear_modes: 4,
             axial_modes: 4,
+            static_tolerance_m: 1e-6,
             time_step_s: 0.05,
             scheme: Scheme::default(),
         }
+    }
+}
+
+impl Resolution {
+    /// Cells that an element needs at least: a Gauss point for each polynomial and two to spare.
+    pub(super) fn least_cells(&self) -> usize {
+        let bend_or_twist = self.bending_modes.max(self.torsion_modes);
+        bend_or_twist.max(self.shear_modes).max(self.axial_modes).div_ceil(2) + 1
     }
 }
 

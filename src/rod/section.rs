@@ -122,6 +122,17 @@ impl Section {
         0.5 * (bend + others + spine)
     }
 
+    /// What two Gauss points of a cell of length `h` with the strains `a` and `b` may miss of the kink where the spine
+    /// begins to saturate, metres.
+    pub(super) fn kink_m(&self, a: &Six, b: &Six, h: f64) -> f64 {
+        if self.spine == 0.0 {
+            return 0.0;
+        }
+        let full = 1.0 - (self.axial + self.spine) * self.saturation_n;
+        let straddles = (a[5] < full) != (b[5] < full);
+        if straddles { 0.25 * h * (a[5] - b[5]).abs() } else { 0.0 }
+    }
+
     /// Change of curvature from the unloaded shape about the two body axes.
     pub(super) fn bending(&self, strain: &Six) -> [f64; 2] {
         [strain[0] - self.rest[0], strain[1] - self.rest[1]]

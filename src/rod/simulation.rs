@@ -5,6 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::conditions::{Conditions, Hold};
 use super::motion::Motion;
 use super::params::{RodParams, TipLoad};
+use super::refine::Space;
 use super::scheme::{Scheme, Tableau};
 use super::solver::Solver;
 use super::state::{CrossSection, Rates, State};
@@ -42,14 +43,15 @@ const MOST_HALVINGS: u32 = 6;
 /// A tendon-driven rod.
 #[derive(Clone, Debug)]
 pub struct Rod {
-    system: System,
-    solver: Solver,
-    state: State,
+    pub(super) system: System,
+    pub(super) solver: Solver,
+    pub(super) state: State,
     motion: Motion,
     stages: Vec<Rates>,
     tableau: Tableau,
     stage_times: Vec<f64>,
-    tip_load: TipLoad,
+    pub(super) tip_load: TipLoad,
+    pub(super) space: Space,
 }
 
 impl Rod {
@@ -73,6 +75,7 @@ impl Rod {
             stage_times: scheme.stage_times(),
             tableau,
             tip_load,
+            space: Space::new(system.params.resolution),
             system,
         };
         rod.restart();
@@ -81,6 +84,7 @@ impl Rod {
 
     /// Straight, unloaded, at rest, without history.
     pub fn restart(&mut self) {
+        self.forget_refinement();
         self.state.unknowns.fill(0.0);
         self.state.taut.fill(false);
         self.state.memory = self.system.fresh_memory();
@@ -104,12 +108,16 @@ impl Rod {
     /// Brings the rod to rest under `drives` (one a tendon). Histories come to rest as well.
     pub fn settle(&mut self, drives: &[Drive]) -> Status {
         let Some(holds) = self.holds(drives) else { return Status::BadCommand };
+        self.coarsen();
         self.motion = Motion::rest(&self.system.grid);
         let before = self.state.clone();
         let mut status = self.solve_static(&holds, 1.0);
         if status != Status::Converged {
             self.state = before.clone();
             status = self.continue_load(&holds);
+        }
+        if status == Status::Converged {
+            status = self.examine_rest(&holds);
         }
         if status == Status::Converged {
             self.state.rates = Rates::zero(&self.system.grid);
@@ -121,7 +129,7 @@ impl Rod {
     }
 
     /// Static solve with all loads and pulls at `share` of their value.
-    fn solve_static(&mut self, holds: &[Hold], share: f64) -> Status {
+    pub(super) fn solve_static(&mut self, holds: &[Hold], share: f64) -> Status {
         let scaled: Vec<Hold> = holds
             .iter()
             .map(|hold| match *hold {
@@ -176,7 +184,10 @@ impl Rod {
         let h = duration_s / count;
         for k in 0..count as u64 {
             let start = k as f64 * h;
-            let status = self.step(&|t| drives(start + t), h, MOST_HALVINGS);
+            let mut status = self.step(&|t| drives(start + t), h, MOST_HALVINGS);
+            if status == Status::Converged {
+                status = self.examine_motion();
+            }
             if status != Status::Converged {
                 return status;
             }

@@ -1,0 +1,255 @@
+//! Is the grid fine enough? An a-posteriori estimate of what the discretisation in space puts the tip off by, and
+//! static solves that refine cells and polynomials until two grids agree (docs/robustness.md).
+
+use super::conditions::Hold;
+use super::grid::{COMPONENTS, Grid};
+use super::memory::MemoryState;
+use super::params::Resolution;
+use super::section::Six;
+use super::simulation::Rod;
+use super::status::Status;
+use super::system::System;
+
+/// How often the grid may be refined: cells to an eighth, 24 polynomials for each bending moment.
+const MOST_REFINEMENTS: u32 = 3;
+/// Polynomials added by the first refinement; each further one adds two more than the one before.
+const MORE_MODES: usize = 4;
+/// Share of the length that the indicator may say a moving rod's tip is off by before its answer is refused.
+const MOTION_BOUND: f64 = 0.02;
+/// The two-point Gauss rule leaves h⁵ f⁗ / 4320; three times as much covers the fields that enter each other.
+const CELL_ERROR: f64 = 3.0 / 4320.0;
+/// The fourth-order Magnus step leaves about this share of its commutator times the squared angle of the cell.
+const MAGNUS_ERROR: f64 = 1.0 / 30.0;
+/// Gauss points that resolve polynomials of degree six: their rule leaves this times (cell / element)⁴.
+const SAMPLING_ERROR: f64 = 3.5;
+
+/// What a rod knows of its discretisation.
+#[derive(Clone, Debug)]
+pub(super) struct Space {
+    /// Resolution that was asked for.
+    pub(super) base: Resolution,
+    /// How often it has been refined.
+    pub(super) level: u32,
+    /// What the grid may put the tip off by, metres.
+    pub(super) error_m: f64,
+}
+
+impl Space {
+    pub(super) fn new(resolution: Resolution) -> Space {
+        Space { base: resolution, level: 0, error_m: 0.0 }
+    }
+}
+
+impl Resolution {
+    /// The resolution after `level` refinements: cells are halved and polynomials added each time.
+    fn refined(&self, level: u32) -> Resolution {
+        let more: usize = (0..level as usize).map(|k| MORE_MODES + 2 * k).sum();
+        Resolution {
+            cell_m: self.cell_m / f64::from(1 << level),
+            bending_modes: self.bending_modes + more,
+            torsion_modes: self.torsion_modes + more,
+            shear_modes: self.shear_modes + more,
+            axial_modes: self.axial_modes + more,
+            ..*self
+        }
+    }
+}
+
+/// Running maxima and sums over one element.
+#[derive(Default)]
+struct Element {
+    length_m: f64,
+    longest_cell_m: f64,
+    /// Largest squared curvature, rad²/m², and largest force carried, N.
+    turn2: f64,
+    force_n: f64,
+}
+
+impl System {
+    /// Indicator of what the grid puts the tip off by, metres, from the polynomials' last coefficients and the angle
+    /// that each cell turns. It costs a hundredth of a solve, and is meant to err on the large side.
+    fn space_indicator_m(&self, coefficients: &[f64], strain: &[Six], force_n: &[nalgebra::Vector3<f64>]) -> f64 {
+        let length = self.params.length_m();
+        let softest = self.sections.iter().map(|section| section.scales()[0]).fold(0.0, f64::max);
+        let (mut total, mut element, mut begins) = (0.0, Element::default(), 0);
+        for (c, cell) in self.grid.cells.iter().enumerate() {
+            let node = &self.grid.nodes[2 * c];
+            if node.offset[0] != begins {
+                total += self.tail_m(&element, begins, coefficients, softest);
+                (element, begins) = (Element::default(), node.offset[0]);
+            }
+            let (h, a, b) = (cell.length_m, &strain[2 * c], &strain[2 * c + 1]);
+            let turn2 = square(a).max(square(b));
+            let angle2 = turn2 * h * h;
+            let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+            let commutator = h * h * (cross[0].powi(2) + cross[1].powi(2) + cross[2].powi(2)).sqrt();
+            total += CELL_ERROR * angle2 * angle2 * h * a[5].abs().max(b[5].abs());
+            total += MAGNUS_ERROR * commutator * angle2 * length;
+            total += self.sections[2 * c].kink_m(a, b, h);
+            element.length_m += h;
+            element.longest_cell_m = element.longest_cell_m.max(h);
+            element.turn2 = element.turn2.max(turn2);
+            element.force_n = element.force_n.max(force_n[2 * c].norm());
+        }
+        total + self.tail_m(&element, begins, coefficients, softest)
+    }
+
+    /// What the polynomials that an element lacks are worth at the tip, metres. The balance is orthogonal to the
+    /// polynomials that are there, so the tip feels the product of two tails: the wrench's, seen in its last two
+    /// coefficients, and that of the field that weighs it, which turns by an angle θ along the element and whose
+    /// coefficients fall like (θ/2)ᵏ/(2k − 1)!!.
+    fn tail_m(&self, element: &Element, begins: usize, coefficients: &[f64], softest: f64) -> f64 {
+        let length = self.params.length_m();
+        let half_angle = 0.5 * element.length_m * (element.turn2 + element.force_n * softest).sqrt();
+        let cell_share = element.longest_cell_m / element.length_m;
+        let (mut total, mut offset) = (0.0, begins);
+        for modes in self.grid.modes {
+            let own = &coefficients[offset..offset + modes];
+            let last = own[modes - 1].abs().max(own[modes.saturating_sub(2)].abs());
+            let tail = last * self.scales[offset] * element.length_m / length;
+            let mut weight = 1.0 / (2 * modes + 1) as f64;
+            for k in 1..modes {
+                weight *= half_angle / (2 * k - 1) as f64;
+            }
+            let sampling = SAMPLING_ERROR * cell_share.powi(4) * (modes as f64 / 6.0).powi(8);
+            total += tail * (weight.min(1.0) + sampling.min(1.0) + tail / length);
+            offset += modes;
+        }
+        total
+    }
+}
+
+fn square(strain: &Six) -> f64 {
+    strain[0] * strain[0] + strain[1] * strain[1] + strain[2] * strain[2]
+}
+
+impl Rod {
+    /// What the discretisation in space may put the tip off by, metres: after a static solve the difference between
+    /// two grids, or an indicator where that is well below the tolerance; in motion the indicator.
+    pub fn space_error_m(&self) -> f64 {
+        self.space.error_m
+    }
+
+    /// How often the grid has been refined beyond the resolution that was asked for.
+    pub fn refinements(&self) -> u32 {
+        self.space.level
+    }
+
+    fn indicator_m(&self) -> f64 {
+        let coefficients = &self.state.unknowns[..self.system.grid.unknowns];
+        self.system.space_indicator_m(coefficients, &self.state.shape.strain, &self.solver.work.loads.force)
+    }
+
+    /// Judges a shape at rest that solves the equations under `holds`: is it possible, does a finer grid agree?
+    /// Refines until two grids agree; a rod whose shape is refused goes back to the grid that it had.
+    pub(super) fn examine_rest(&mut self, holds: &[Hold]) -> Status {
+        let tolerance_m = self.space.base.static_tolerance_m;
+        self.space.error_m = self.indicator_m();
+        if !(self.space.error_m > tolerance_m) {
+            return self.possible();
+        }
+        let mut fallback = None;
+        let mut status = Status::UnderResolved;
+        while self.space.error_m > tolerance_m && self.space.level < MOST_REFINEMENTS {
+            let mut finer = self.on_grid(self.space.level + 1);
+            status = finer.solve_static(holds, 1.0);
+            finer.space.error_m = finer.distance_m(self);
+            let coarser = std::mem::replace(self, finer);
+            fallback.get_or_insert(coarser);
+            if status != Status::Converged {
+                break;
+            }
+        }
+        if status == Status::Converged {
+            let settled = self.space.error_m <= tolerance_m;
+            status = if settled { self.possible() } else { Status::UnderResolved };
+        }
+        if let (true, Some(mut coarse)) = (status != Status::Converged, fallback) {
+            coarse.space.error_m = self.space.error_m;
+            *self = coarse;
+        }
+        status
+    }
+
+    /// Judges the shape of a moving rod, whose grid stays as it is.
+    pub(super) fn examine_motion(&mut self) -> Status {
+        self.space.error_m = self.indicator_m();
+        if self.space.error_m > MOTION_BOUND * self.system.params.length_m() {
+            return Status::UnderResolved;
+        }
+        self.possible()
+    }
+
+    /// Whether the material keeps its order: no cross-section passes through the next, on the axis or at a tendon.
+    fn possible(&self) -> Status {
+        let crushed = self.state.shape.strain.iter().any(|strain| strain[5] <= 0.0);
+        if crushed { Status::Crushed } else { Status::Converged }
+    }
+
+    /// Goes back to the resolution that was asked for, unless histories along the rod would be lost.
+    pub(super) fn coarsen(&mut self) {
+        if self.space.level > 0 && self.system.params.memory.is_empty() {
+            *self = self.on_grid(0);
+        }
+    }
+
+    /// A rod that starts anew starts on the grid that was asked for.
+    pub(super) fn forget_refinement(&mut self) {
+        if self.space.level > 0 {
+            *self = self.on_grid(0);
+        }
+    }
+
+    /// The same rod in the same state on the grid of another level, at rest.
+    fn on_grid(&self, level: u32) -> Rod {
+        let mut params = self.system.params.clone();
+        params.resolution = self.space.base.refined(level);
+        let mut rod = Rod::new(params);
+        rod.space = Space { level, error_m: self.space.error_m, base: self.space.base };
+        rod.tip_load = self.tip_load;
+        let (from, to) = (&self.system.grid, &rod.system.grid);
+        to.transfer(from, &self.state.unknowns, &mut rod.state.unknowns);
+        rod.state.taut.clone_from(&self.state.taut);
+        rod.state.memory = self.state.memory.iter().map(|states| to.spread(from, states)).collect();
+        rod.state.shape.update(to, &rod.system.sections, &rod.state.unknowns[..to.unknowns]);
+        rod.solver.iterations = self.solver.iterations;
+        rod.solver.factorisations = self.solver.factorisations;
+        rod
+    }
+
+    /// How far the tips of two rods lie apart, metres; a turn counts as what it moves at the rod's length.
+    fn distance_m(&self, other: &Rod) -> f64 {
+        let moved = (self.tip_m() - other.tip_m()).norm();
+        let turned = (self.tip_rotation() - other.tip_rotation()).norm() * self.system.params.length_m();
+        // A comparison with what is not a number must not pass for agreement.
+        if moved.is_finite() && turned.is_finite() { moved.max(turned) } else { f64::INFINITY }
+    }
+}
+
+impl Grid {
+    /// Coefficients and tensions of the grid `from` on this one: Legendre polynomials are added or cut off.
+    fn transfer(&self, from: &Grid, source: &[f64], target: &mut [f64]) {
+        let (own, other): (usize, usize) = (self.modes.iter().sum(), from.modes.iter().sum());
+        for element in 0..self.unknowns / own {
+            let (mut to, mut at) = (element * own, element * other);
+            for c in 0..COMPONENTS {
+                let shared = self.modes[c].min(from.modes[c]);
+                target[to..to + shared].copy_from_slice(&source[at..at + shared]);
+                (to, at) = (to + self.modes[c], at + from.modes[c]);
+            }
+        }
+        target[self.unknowns..].copy_from_slice(&source[from.unknowns..]);
+    }
+
+    /// Histories at the Gauss points of `from` on those of this grid, linear within each cell, where nothing jumps.
+    fn spread(&self, from: &Grid, states: &[MemoryState]) -> Vec<MemoryState> {
+        let state = |position_m: f64| {
+            let cell = from.boundaries_m.partition_point(|&end| end <= position_m).clamp(1, from.cells.len()) - 1;
+            let [a, b] = [2 * cell, 2 * cell + 1];
+            let (start, end) = (from.nodes[a].position_m, from.nodes[b].position_m);
+            let share = (position_m - start) / (end - start);
+            std::array::from_fn(|k| states[a][k] + share * (states[b][k] - states[a][k]))
+        };
+        self.nodes.iter().map(|node| state(node.position_m)).collect()
+    }
+}
