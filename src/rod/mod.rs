@@ -11,6 +11,7 @@ mod memory;
 mod motion;
 mod params;
 mod refine;
+mod relax;
 mod scheme;
 mod section;
 mod shape;

@@ -37,6 +37,8 @@ pub struct Energy {
 /// Displacement of the tip that a converged static solve may be off by (its last step, squared for Newton), metres.
 const STATIC_TOLERANCE_M: f64 = 1e-9;
 const DYNAMIC_TOLERANCE_M: f64 = 1e-8;
+/// Smallest share of the loads that continuation raises before the rod is let go instead.
+const SMALLEST_SHARE: f64 = 0.02;
 /// How often a failing time step is halved.
 const MOST_HALVINGS: u32 = 6;
 
@@ -46,7 +48,7 @@ pub struct Rod {
     pub(super) system: System,
     pub(super) solver: Solver,
     pub(super) state: State,
-    motion: Motion,
+    pub(super) motion: Motion,
     stages: Vec<Rates>,
     tableau: Tableau,
     stage_times: Vec<f64>,
@@ -116,6 +118,11 @@ impl Rod {
             self.state = before.clone();
             status = self.continue_load(&holds);
         }
+        if status != Status::Converged {
+            self.state.unknowns.fill(0.0);
+            self.state.taut.fill(false);
+            status = self.relax(&holds, 0.0);
+        }
         if status == Status::Converged {
             status = self.examine_rest(&holds);
         }
@@ -159,7 +166,7 @@ impl Rod {
                 failure => {
                     self.state = saved;
                     step *= 0.35;
-                    if step < 1e-3 {
+                    if step < SMALLEST_SHARE {
                         return failure;
                     }
                 }

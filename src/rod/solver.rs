@@ -39,6 +39,8 @@ pub(super) struct Solver {
     derivative_rate: f64,
     /// Size of the last step, metres: what the residual is worth at the tip.
     pub(super) residual_m: f64,
+    /// Iterations after which a solve is given up.
+    pub(super) patience: usize,
     /// Iterations since construction.
     pub(super) iterations: u64,
     /// Derivatives since construction.
@@ -54,6 +56,7 @@ impl Solver {
             factors_taut: Vec::new(),
             derivative_rate: f64::NAN,
             residual_m: 0.0,
+            patience: MOST_ITERATIONS,
             iterations: 0,
             factorisations: 0,
         }
@@ -72,7 +75,7 @@ impl Solver {
         let mut set_changes = 0;
         let mut fresh = false;
         let mut stale = self.derivative_rate != conditions.motion.rate;
-        for _ in 0..MOST_ITERATIONS {
+        for _ in 0..self.patience {
             self.iterations += 1;
             let current = Conditions { taut, ..*conditions };
             system.evaluate(unknowns, &current, &mut self.work);

@@ -1,0 +1,86 @@
+//! Equilibria that Newton's method misses: the rod is let go as if in honey and followed until it is at rest.
+//!
+//! An inertia-free, heavily damped rod that takes implicit Euler steps minimises its energy plus the square of the
+//! distance from where it was (a proximal point method): each step lowers the energy, passes limit points by snapping,
+//! and can only come to rest where the equilibrium is stable. Loads are raised together during the first steps.
+
+use super::conditions::Hold;
+use super::motion::Motion;
+use super::simulation::Rod;
+use super::status::Status;
+
+/// Damping over stiffness of the honey, s: so much that inertia plays no part.
+const HONEY_S: f64 = 1e4;
+/// Solves before giving up.
+const MOST_SOLVES: usize = 120;
+/// Newton iterations that a step may take before a shorter one is tried.
+const PATIENCE: usize = 25;
+/// Steps in damping times: the first, the shortest, and the one after which the rod counts as being at rest.
+const FIRST_STEP: f64 = 0.5;
+const SHORTEST_STEP: f64 = 1e-4;
+const LONGEST_STEP: f64 = 1e3;
+/// Share of the loads that the first step raises.
+const FIRST_SHARE: f64 = 0.1;
+
+impl Rod {
+    /// Follows the overdamped rod under `holds` from where the unknowns stand, with loads that rise from `share` to
+    /// their value, to a rest that Newton's method then sharpens.
+    pub(super) fn relax(&mut self, holds: &[Hold], mut share: f64) -> Status {
+        let mut honey = self.in_honey();
+        let (mut step, mut rise) = (FIRST_STEP, FIRST_SHARE);
+        let mut status = Status::NotConverged;
+        for _ in 0..MOST_SOLVES {
+            let target = f64::min(share + rise, 1.0);
+            let start = honey.state.clone();
+            honey.motion.prepare(&start, &[1.0], &[], 1.0, step * HONEY_S);
+            status = honey.solve_static(holds, target);
+            if status != Status::Converged {
+                honey.state = start;
+                (step, rise) = (0.25 * step, 0.3 * rise);
+                if step < SHORTEST_STEP {
+                    break;
+                }
+                continue;
+            }
+            let arrived = share == 1.0 && step >= LONGEST_STEP;
+            (share, rise) = (target, 1.5 * rise);
+            // The honey thins once the loads are there.
+            step *= if share < 1.0 { 1.5 } else { 4.0 };
+            step = step.min(if share < 1.0 { 2.0 } else { LONGEST_STEP });
+            if arrived {
+                break;
+            }
+        }
+        self.solver.iterations += honey.solver.iterations;
+        self.solver.factorisations += honey.solver.factorisations;
+        if std::env::var("DBG").is_ok() {
+            let v = honey.state.shape.strain.iter().map(|s| s[5]).fold(9.0, f64::min);
+            let u = honey.state.shape.strain.iter().map(|s| (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]).sqrt()).fold(0.0, f64::max);
+            let t = honey.solver.work.tangents.iter().map(|t| t.1).filter(|t| *t > 0.0).fold(9.0, f64::min);
+            println!("   honey {status} share {share:.4} step {step:.1e} v3 {v:.3} theta {:.2} stretch {t:.3} its {} tensions {:.1?} taut {:?}", u * honey.system.params.length_m(), honey.solver.iterations, honey.tensions_n(), honey.state.taut);
+        }
+        if status != Status::Converged || share < 1.0 {
+            return status;
+        }
+        self.state.unknowns.clone_from(&honey.state.unknowns);
+        self.state.taut.clone_from(&honey.state.taut);
+        self.motion = Motion::rest(&self.system.grid);
+        self.solve_static(holds, 1.0)
+    }
+
+    /// The same rod in the same shape, slow.
+    fn in_honey(&self) -> Rod {
+        let mut params = self.system.params.clone();
+        params.damping_time_s = HONEY_S;
+        params.drag_n_s2_m3 = 0.0;
+        let mut honey = Rod::new(params);
+        honey.tip_load = self.tip_load;
+        honey.state.unknowns.clone_from(&self.state.unknowns);
+        honey.state.taut.clone_from(&self.state.taut);
+        honey.state.memory.clone_from(&self.state.memory);
+        let (system, state) = (&honey.system, &mut honey.state);
+        state.shape.update(&system.grid, &system.sections, &state.unknowns[..system.grid.unknowns]);
+        honey.solver.patience = PATIENCE;
+        honey
+    }
+}
