@@ -1,6 +1,8 @@
 //! Where along the rod things are computed: cells with two Gauss–Legendre points each, and the polynomials on them.
 
 use super::params::RodParams;
+use super::span::Span;
+use super::tendon::Tendon;
 use crate::math::polynomial::legendre;
 
 /// Half the distance between the two Gauss points, as a share of the cell: √3/6.
@@ -41,11 +43,14 @@ pub(super) struct Grid {
     pub(super) modes: [usize; COMPONENTS],
     /// Number of polynomial coefficients in all.
     pub(super) unknowns: usize,
+    /// Where the polynomials begin and end, metres.
+    pub(super) elements_m: Vec<f64>,
 }
 
 impl Grid {
     /// Cuts the rod at every jump of its properties and at masses, and then to the wanted resolution. The internal
-    /// wrench is one polynomial a component between tendon ends, where it may jump.
+    /// wrench is one polynomial a component between the places where it may jump: tendon ends, kinks of their paths
+    /// and loads.
     pub(super) fn new(params: &RodParams) -> Grid {
         let elements = element_ends(params);
         let resolution = &params.resolution;
@@ -65,6 +70,7 @@ impl Grid {
             unknowns: per_element * (elements.len() - 1),
             modes,
             boundaries_m,
+            elements_m: elements.clone(),
         };
         let most = modes.iter().copied().max().unwrap_or(0);
         for window in grid.boundaries_m.windows(2) {
@@ -89,6 +95,12 @@ impl Grid {
         grid
     }
 
+    /// The cell end nearest to `position_m`.
+    pub(super) fn nearest_end(&self, position_m: f64) -> usize {
+        let distance = |k: &usize| (self.boundaries_m[*k] - position_m).abs();
+        (0..self.boundaries_m.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+    }
+
     /// ∫ from the start of a cell to its Gauss point `row` of the line through the values at both Gauss points: the
     /// coefficients of the two-stage Gauss method.
     pub(super) fn partial_weights(length_m: f64) -> [[f64; 2]; 2] {
@@ -98,11 +110,28 @@ impl Grid {
     }
 }
 
-/// Base, tendon ends inside the rod, tip.
-fn element_ends(params: &RodParams) -> Vec<f64> {
+/// Base, ends and kinks of tendons, loads, tip; the jumps of the material as well if the resolution says so.
+pub(super) fn element_ends(params: &RodParams) -> Vec<f64> {
     let mut ends = vec![0.0, params.length_m()];
-    ends.extend(params.tendons.iter().map(|tendon| tendon.end_m));
+    ends.extend(params.tendons.iter().flat_map(Tendon::borders_m));
+    ends.extend(params.point_loads.iter().map(|load| load.position_m));
+    ends.extend(params.line_loads.iter().flat_map(|load| [load.start_m, load.end_m]));
+    if params.resolution.split_elements {
+        ends.extend(material_jumps(params));
+    }
     sorted_unique(ends, params.length_m())
+}
+
+/// Where stiffness, rest shape or spine change, and the lumped masses.
+fn material_jumps(params: &RodParams) -> Vec<f64> {
+    let alike = |a: &Span, b: &Span| {
+        Span { end_m: a.end_m, mass_kg_m: a.mass_kg_m, spread_mass_kg_m: a.spread_mass_kg_m, ..b.clone() } == *a
+    };
+    let jumps = params.spans.windows(2).filter(|pair| !alike(&pair[0], &pair[1]));
+    let mut places: Vec<f64> = jumps.map(|pair| pair[0].end_m).collect();
+    places.extend(params.masses.iter().map(|mass| mass.position_m));
+    places.extend(params.sections.iter().flat_map(|section| [section.start_m, section.start_m + section.length_m]));
+    places
 }
 
 /// Ends of all cells: wherever a property jumps, subdivided to the wanted resolution.

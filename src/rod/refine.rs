@@ -2,18 +2,28 @@
 //! static solves that refine cells and polynomials until two grids agree (docs/robustness.md).
 
 use super::conditions::Hold;
-use super::grid::{COMPONENTS, Grid};
+use super::grid::{COMPONENTS, Grid, element_ends};
 use super::memory::MemoryState;
-use super::params::Resolution;
+use super::params::{Resolution, RodParams};
 use super::section::Six;
 use super::simulation::Rod;
 use super::status::Status;
 use super::system::System;
+use crate::math::polynomial::legendre;
 
 /// How often the grid may be refined: cells to an eighth, 24 polynomials for each bending moment.
 const MOST_REFINEMENTS: u32 = 3;
 /// Polynomials added by the first refinement; each further one adds two more than the one before.
 const MORE_MODES: usize = 4;
+/// About as many polynomial coefficients may the levels have.
+const MOST_UNKNOWNS: [usize; MOST_REFINEMENTS as usize] = [250, 400, 600];
+/// Newton iterations from one grid to the next.
+const PATIENCE: usize = 40;
+/// The indicator of a refined grid counts this many times.
+const CAUTION: f64 = 10.0;
+/// A rod whose material remembers has fronts where it yields, kinks that no polynomial resolves: such rods are held to
+/// this many times the tolerance.
+const MEMORY_TOLERANCE: f64 = 100.0;
 /// Share of the length that the indicator may say a moving rod's tip is off by before its answer is refused.
 const MOTION_BOUND: f64 = 0.02;
 /// The two-point Gauss rule leaves h⁵ f⁗ / 4320; three times as much covers the fields that enter each other.
@@ -40,18 +50,28 @@ impl Space {
     }
 }
 
-impl Resolution {
-    /// The resolution after `level` refinements: cells are halved and polynomials added each time.
-    fn refined(&self, level: u32) -> Resolution {
-        let more: usize = (0..level as usize).map(|k| MORE_MODES + 2 * k).sum();
-        Resolution {
-            cell_m: self.cell_m / f64::from(1 << level),
-            bending_modes: self.bending_modes + more,
-            torsion_modes: self.torsion_modes + more,
-            shear_modes: self.shear_modes + more,
-            axial_modes: self.axial_modes + more,
-            ..*self
+impl RodParams {
+    /// The same rod with `base` refined `level` times: each time cells are halved and polynomials added, and from the
+    /// first time on they end at every jump of the material. Many elements get fewer polynomials each.
+    fn refined(&self, base: &Resolution, level: u32) -> RodParams {
+        let mut params = RodParams { resolution: *base, ..self.clone() };
+        if level == 0 {
+            return params;
         }
+        params.resolution.split_elements = true;
+        let own = MOST_UNKNOWNS[level as usize - 1] / (element_ends(&params).len() - 1);
+        // Twice as many for two bending moments as for four other components, half as many again each.
+        let others = (own / 7).max(2);
+        let more: usize = (0..level as usize).map(|k| MORE_MODES + 2 * k).sum();
+        params.resolution = Resolution {
+            cell_m: base.cell_m / f64::from(1 << level),
+            bending_modes: (others + others / 2).min(base.bending_modes + more),
+            torsion_modes: others.min(base.torsion_modes + more),
+            shear_modes: others.min(base.shear_modes + more),
+            axial_modes: others.min(base.axial_modes + more),
+            ..params.resolution
+        };
+        params
     }
 }
 
@@ -119,6 +139,13 @@ impl System {
     }
 }
 
+/// What the finer of two grids may still be off by when they lie `apart_m` apart and the two before lay `before_m`
+/// apart: the rest of a geometric series, with a ratio that is not trusted below a quarter.
+fn left_m(before_m: f64, apart_m: f64) -> f64 {
+    let ratio = if before_m.is_finite() { apart_m / before_m } else { 1.0 };
+    if ratio < 0.5 { apart_m * ratio.max(0.25) / (1.0 - ratio.max(0.25)) } else { apart_m }
+}
+
 fn square(strain: &Six) -> f64 {
     strain[0] * strain[0] + strain[1] * strain[1] + strain[2] * strain[2]
 }
@@ -143,20 +170,28 @@ impl Rod {
     /// Judges a shape at rest that solves the equations under `holds`: is it possible, does a finer grid agree?
     /// Refines until two grids agree; a rod whose shape is refused goes back to the grid that it had.
     pub(super) fn examine_rest(&mut self, holds: &[Hold]) -> Status {
-        let tolerance_m = self.space.base.static_tolerance_m;
+        let share = if self.system.params.memory.is_empty() { 1.0 } else { MEMORY_TOLERANCE };
+        let tolerance_m = share * self.space.base.static_tolerance_m;
         self.space.error_m = self.indicator_m();
         if !(self.space.error_m > tolerance_m) {
             return self.possible();
         }
         let mut fallback = None;
         let mut status = Status::UnderResolved;
+        let mut before_m = f64::INFINITY;
         while self.space.error_m > tolerance_m && self.space.level < MOST_REFINEMENTS {
             let mut finer = self.on_grid(self.space.level + 1);
+            let patience = std::mem::replace(&mut finer.solver.patience, PATIENCE);
             status = finer.solve_static(holds, 1.0);
-            finer.space.error_m = finer.distance_m(self);
+            finer.solver.patience = patience;
+            let apart_m = finer.distance_m(self);
+            finer.space.error_m = left_m(before_m, apart_m).min(CAUTION * finer.indicator_m());
+            before_m = apart_m;
             let coarser = std::mem::replace(self, finer);
             fallback.get_or_insert(coarser);
             if status != Status::Converged {
+                // The coarse answer stands unconfirmed.
+                status = Status::UnderResolved;
                 break;
             }
         }
@@ -182,8 +217,23 @@ impl Rod {
 
     /// Whether the material keeps its order: no cross-section passes through the next, on the axis or at a tendon.
     fn possible(&self) -> Status {
-        let crushed = self.state.shape.strain.iter().any(|strain| strain[5] <= 0.0);
-        if crushed { Status::Crushed } else { Status::Converged }
+        if self.least_stretch() > 0.0 { Status::Converged } else { Status::Crushed }
+    }
+
+    /// Least length of the backbone, or of the axial part of a tendon's path, per relaxed length.
+    pub(super) fn least_stretch(&self) -> f64 {
+        let count = self.system.params.tendons.len();
+        let mut least = f64::INFINITY;
+        for (g, strain) in self.state.shape.strain.iter().enumerate() {
+            least = least.min(strain[5]);
+            for guide in &self.system.guides[g * count..(g + 1) * count] {
+                let [x, y] = guide.offset_m;
+                if guide.present {
+                    least = least.min(strain[5] + strain[0] * y - strain[1] * x);
+                }
+            }
+        }
+        least
     }
 
     /// Goes back to the resolution that was asked for, unless histories along the rod would be lost.
@@ -202,9 +252,7 @@ impl Rod {
 
     /// The same rod in the same state on the grid of another level, at rest.
     fn on_grid(&self, level: u32) -> Rod {
-        let mut params = self.system.params.clone();
-        params.resolution = self.space.base.refined(level);
-        let mut rod = Rod::new(params);
+        let mut rod = Rod::new(self.system.params.refined(&self.space.base, level));
         rod.space = Space { level, error_m: self.space.error_m, base: self.space.base };
         rod.tip_load = self.tip_load;
         let (from, to) = (&self.system.grid, &rod.system.grid);
@@ -227,15 +275,23 @@ impl Rod {
 }
 
 impl Grid {
-    /// Coefficients and tensions of the grid `from` on this one: Legendre polynomials are added or cut off.
+    /// Coefficients and tensions of the grid `from` on this one: the polynomials projected on those of each element.
     fn transfer(&self, from: &Grid, source: &[f64], target: &mut [f64]) {
-        let (own, other): (usize, usize) = (self.modes.iter().sum(), from.modes.iter().sum());
-        for element in 0..self.unknowns / own {
-            let (mut to, mut at) = (element * own, element * other);
+        target[..self.unknowns].fill(0.0);
+        let mut basis = vec![0.0; from.modes.into_iter().max().unwrap_or(0)];
+        for node in &self.nodes {
+            let at = element_of(&from.elements_m, node.position_m);
+            legendre(at.place, &mut basis);
+            let own = element_of(&self.elements_m, node.position_m);
+            let mut offset = at.index * from.modes.iter().sum::<usize>();
             for c in 0..COMPONENTS {
-                let shared = self.modes[c].min(from.modes[c]);
-                target[to..to + shared].copy_from_slice(&source[at..at + shared]);
-                (to, at) = (to + self.modes[c], at + from.modes[c]);
+                let coefficients = &source[offset..offset + from.modes[c]];
+                let value: f64 = coefficients.iter().zip(&basis).map(|(x, p)| x * p).sum();
+                for (k, own_basis) in node.basis[..self.modes[c]].iter().enumerate() {
+                    let norm = own.length_m / (2 * k + 1) as f64;
+                    target[node.offset[c] + k] += node.weight_m * value * own_basis / norm;
+                }
+                offset += from.modes[c];
             }
         }
         target[self.unknowns..].copy_from_slice(&source[from.unknowns..]);
@@ -252,4 +308,17 @@ impl Grid {
         };
         self.nodes.iter().map(|node| state(node.position_m)).collect()
     }
+}
+
+/// An element, and where in it (−1 to 1) a place lies.
+struct Place {
+    index: usize,
+    length_m: f64,
+    place: f64,
+}
+
+fn element_of(ends_m: &[f64], position_m: f64) -> Place {
+    let index = ends_m.partition_point(|&end| end <= position_m).clamp(1, ends_m.len() - 1) - 1;
+    let length_m = ends_m[index + 1] - ends_m[index];
+    Place { index, length_m, place: 2.0 * (position_m - ends_m[index]) / length_m - 1.0 }
 }

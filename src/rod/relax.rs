@@ -11,8 +11,9 @@ use super::status::Status;
 
 /// Damping over stiffness of the honey, s: so much that inertia plays no part.
 const HONEY_S: f64 = 1e4;
-/// Solves before giving up.
+/// Solves and Newton iterations before giving up.
 const MOST_SOLVES: usize = 120;
+const MOST_ITERATIONS: u64 = 1000;
 /// Newton iterations that a step may take before a shorter one is tried.
 const PATIENCE: usize = 25;
 /// Steps in damping times: the first, the shortest, and the one after which the rod counts as being at rest.
@@ -21,6 +22,8 @@ const SHORTEST_STEP: f64 = 1e-4;
 const LONGEST_STEP: f64 = 1e3;
 /// Share of the loads that the first step raises.
 const FIRST_SHARE: f64 = 0.1;
+/// A rod that cannot be followed beyond this length of backbone, or of a tendon's path, per relaxed length is crushed.
+const NEARLY_CRUSHED: f64 = 0.05;
 
 impl Rod {
     /// Follows the overdamped rod under `holds` from where the unknowns stand, with loads that rise from `share` to
@@ -32,12 +35,12 @@ impl Rod {
         for _ in 0..MOST_SOLVES {
             let target = f64::min(share + rise, 1.0);
             let start = honey.state.clone();
-            honey.motion.prepare(&start, &[1.0], &[], 1.0, step * HONEY_S);
+            honey.motion.prepare(&start, &honey.system.masses, &[1.0], &[], step * HONEY_S);
             status = honey.solve_static(holds, target);
             if status != Status::Converged {
                 honey.state = start;
                 (step, rise) = (0.25 * step, 0.3 * rise);
-                if step < SHORTEST_STEP {
+                if step < SHORTEST_STEP || honey.crushed() || honey.solver.iterations > MOST_ITERATIONS {
                     break;
                 }
                 continue;
@@ -53,19 +56,17 @@ impl Rod {
         }
         self.solver.iterations += honey.solver.iterations;
         self.solver.factorisations += honey.solver.factorisations;
-        if std::env::var("DBG").is_ok() {
-            let v = honey.state.shape.strain.iter().map(|s| s[5]).fold(9.0, f64::min);
-            let u = honey.state.shape.strain.iter().map(|s| (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]).sqrt()).fold(0.0, f64::max);
-            let t = honey.solver.work.tangents.iter().map(|t| t.1).filter(|t| *t > 0.0).fold(9.0, f64::min);
-            println!("   honey {status} share {share:.4} step {step:.1e} v3 {v:.3} theta {:.2} stretch {t:.3} its {} tensions {:.1?} taut {:?}", u * honey.system.params.length_m(), honey.solver.iterations, honey.tensions_n(), honey.state.taut);
-        }
         if status != Status::Converged || share < 1.0 {
-            return status;
+            return if honey.crushed() { Status::Crushed } else { Status::NotConverged };
         }
         self.state.unknowns.clone_from(&honey.state.unknowns);
         self.state.taut.clone_from(&honey.state.taut);
-        self.motion = Motion::rest(&self.system.grid);
+        self.motion = Motion::rest(&self.system.grid, &self.system.masses);
         self.solve_static(holds, 1.0)
+    }
+
+    fn crushed(&self) -> bool {
+        self.least_stretch() < NEARLY_CRUSHED
     }
 
     /// The same rod in the same shape, slow.

@@ -14,6 +14,8 @@ use super::system::{System, Work};
 const MOST_ITERATIONS: usize = 150;
 /// Changes of the taut set at any iterate; after so many, each set is solved for first.
 const QUICK_SET_CHANGES: usize = 10;
+/// Iterations after which the weights of the balance no longer follow the saturation of the spine.
+const HOLD_WEIGHTS_AFTER: usize = 12;
 const MOST_SET_CHANGES: usize = 30;
 /// A tendon may be overstretched by this share of the solve's tolerance before it counts as taut …
 const SET_TOLERANCE: f64 = 0.1;
@@ -24,6 +26,9 @@ const LARGEST_STEP: f64 = 0.5;
 /// The derivative is renewed when an iteration leaves more than this share of the step before.
 const POOR_CONTRACTION: f64 = 0.1;
 
+/// Factors kept for one derivative: a few step lengths and taut sets come back again and again.
+const MOST_FACTORS: usize = 8;
+
 /// What an old derivative is trusted with before it has shown its contraction.
 const UNPROVEN_CONTRACTION: f64 = 0.1;
 
@@ -32,11 +37,10 @@ const UNPROVEN_CONTRACTION: f64 = 0.1;
 pub(super) struct Solver {
     pub(super) work: Work,
     pub(super) derivative: Derivative,
-    factors: Option<LU<f64, Dyn, Dyn>>,
-    /// Taut set that the factors belong to.
-    factors_taut: Vec<bool>,
-    /// Time discretisation that the derivative belongs to; not a number when there is none to keep.
-    derivative_rate: f64,
+    /// Factors of the derivative for the rates and taut sets it was last used with; the newest last.
+    factors: Vec<Factors>,
+    /// What the derivative is good for.
+    kept: Kept,
     /// Size of the last step, metres: what the residual is worth at the tip.
     pub(super) residual_m: f64,
     /// Iterations after which a solve is given up.
@@ -47,14 +51,29 @@ pub(super) struct Solver {
     pub(super) factorisations: u64,
 }
 
+/// What a derivative is good for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kept {
+    Nothing,
+    Rest,
+    Motion,
+}
+
+/// The factorised derivative for one rate and taut set.
+#[derive(Clone, Debug)]
+struct Factors {
+    rate: f64,
+    taut: Vec<bool>,
+    lu: LU<f64, Dyn, Dyn>,
+}
+
 impl Solver {
     pub(super) fn new(system: &System) -> Solver {
         Solver {
             work: system.work(),
             derivative: Derivative::new(system),
-            factors: None,
-            factors_taut: Vec::new(),
-            derivative_rate: f64::NAN,
+            factors: Vec::new(),
+            kept: Kept::Nothing,
             residual_m: 0.0,
             patience: MOST_ITERATIONS,
             iterations: 0,
@@ -74,9 +93,14 @@ impl Solver {
         let mut last_step = f64::INFINITY;
         let mut set_changes = 0;
         let mut fresh = false;
-        let mut stale = self.derivative_rate != conditions.motion.rate;
-        for _ in 0..self.patience {
+        let need = if conditions.motion.rate > 0.0 { Kept::Motion } else { Kept::Rest };
+        let mut stale = self.kept != need;
+        self.work.weights_held = false;
+        for iteration in 0..self.patience {
             self.iterations += 1;
+            if iteration == HOLD_WEIGHTS_AFTER {
+                (self.work.weights_held, stale) = (true, true);
+            }
             let current = Conditions { taut, ..*conditions };
             system.evaluate(unknowns, &current, &mut self.work);
             if !self.work.residual.iter().all(|r| r.is_finite()) {
@@ -84,14 +108,13 @@ impl Solver {
             }
             if stale {
                 self.derivative.update(system, unknowns, &current, &self.work);
-                self.derivative_rate = conditions.motion.rate;
+                self.factors.clear();
+                self.kept = need;
                 (stale, fresh) = (false, true);
-                self.factor(system, &current);
-            } else if self.factors_taut != *taut {
-                self.factor(system, &current);
             }
+            self.factor(system, &current);
             let Some(mut step) = self.step() else { return self.give_up(Status::NotConverged) };
-            let size = system.size_of_step_m(&step.as_slice()[..system.grid.unknowns]);
+            let size = system.size_of_step_m(&step.as_slice()[..system.grid.unknowns], &self.work);
             if !size.is_finite() {
                 return self.give_up(Status::NotFinite);
             }
@@ -134,20 +157,31 @@ impl Solver {
 
     /// A failed solve leaves no derivative worth keeping.
     fn give_up(&mut self, status: Status) -> Status {
-        self.derivative_rate = f64::NAN;
+        self.kept = Kept::Nothing;
         status
     }
 
-    /// Factorises the derivative for the taut set of `conditions`.
+    /// Brings the factors of the derivative for the rate and the taut set of `conditions` to the end of the list.
     fn factor(&mut self, system: &System, conditions: &Conditions) {
-        self.factorisations += 1;
-        self.factors = Some(self.derivative.matrix(system, conditions).lu());
-        self.factors_taut = conditions.taut.to_vec();
+        let rate = conditions.motion.rate;
+        let known = self.factors.iter().position(|f| f.rate == rate && f.taut == conditions.taut);
+        let newest = match known {
+            Some(index) => self.factors.remove(index),
+            None => {
+                self.factorisations += 1;
+                if self.factors.len() == MOST_FACTORS {
+                    self.factors.remove(0);
+                }
+                let lu = self.derivative.matrix(system, conditions).lu();
+                Factors { rate, taut: conditions.taut.to_vec(), lu }
+            }
+        };
+        self.factors.push(newest);
     }
 
     fn step(&self) -> Option<DVector<f64>> {
         let mut step = DVector::from_column_slice(&self.work.residual);
-        self.factors.as_ref()?.solve_mut(&mut step).then_some(step)
+        self.factors.last()?.lu.solve_mut(&mut step).then_some(step)
     }
 
     /// Moves the tendon that offends most between taut and slack, as the step just taken says; true if one moved.

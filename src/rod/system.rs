@@ -4,13 +4,14 @@
 use nalgebra::Vector3;
 
 use super::conditions::{Conditions, Hold};
-use super::grid::{COMPONENTS, Grid};
-use super::loads::{LoadedRod, Loads};
+use super::grid::{COMPONENTS, Grid, Node};
+use super::loads::{Constant, LoadedRod, Loads};
 use super::memory::MemoryState;
 use super::motion::EndMass;
 use super::params::RodParams;
 use super::section::{Section, Six};
 use super::shape::Shape;
+use super::tendon::Guide;
 use crate::math::rotation;
 
 /// A rod with its discretisation; constant during a simulation.
@@ -20,6 +21,12 @@ pub(super) struct System {
     pub(super) grid: Grid,
     pub(super) sections: Vec<Section>,
     pub(super) masses: Vec<EndMass>,
+    /// Constant loads.
+    pub(super) constant: Constant,
+    /// For each Gauss point and tendon: where the tendon passes.
+    pub(super) guides: Vec<Guide>,
+    /// Path length of each tendon at home, metres.
+    pub(super) home_lengths_m: Vec<f64>,
     /// Strain that a unit of each unknown produces, as a displacement of the tip, m per unit; for step sizes.
     pub(super) scales: Vec<f64>,
 }
@@ -35,23 +42,33 @@ pub(super) struct Work {
     pub(super) lengths_m: Vec<f64>,
     /// Tangent stiffness of the history moments at the Gauss points.
     pub(super) history_tangent: Vec<[[f64; 2]; 2]>,
+    /// Axial compliance that weights the balance at each Gauss point, 1/N.
+    pub(super) axial_weight: Vec<f64>,
+    /// Whether these weights stay as they are. They jump where the spine saturates; a wrench that is no polynomial
+    /// leaves an imbalance there, and the equations with it would jump to and fro without a solution.
+    pub(super) weights_held: bool,
     /// Equations of balance, then one a tendon.
     pub(super) residual: Vec<f64>,
+}
+
+impl Work {
+    /// The strain by which the balance at Gauss point `g` weights a wrench.
+    pub(super) fn weigh(&self, g: usize, wrench: &Six) -> Six {
+        let mut strain = self.shape.compliance[g].apply(wrench);
+        strain[5] = self.axial_weight[g] * wrench[5];
+        strain
+    }
 }
 
 impl System {
     pub(super) fn new(params: RodParams) -> System {
         let grid = Grid::new(&params);
         let sections: Vec<Section> = grid.nodes.iter().map(|node| Section::new(&params, node.position_m)).collect();
-        let nearest = |position: f64| {
-            let distance = |k: &usize| (grid.boundaries_m[*k] - position).abs();
-            (0..grid.boundaries_m.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
-        };
         let masses = params
             .masses
             .iter()
             .map(|mass| EndMass {
-                end: nearest(mass.position_m),
+                end: grid.nearest_end(mass.position_m),
                 mass_kg: mass.mass_kg,
                 inertia_kg_m2: mass.inertia_kg_m2,
             })
@@ -66,7 +83,11 @@ impl System {
                 }
             }
         }
-        System { params, grid, sections, masses, scales }
+        let at = |node: &Node| params.tendons.iter().map(|tendon| tendon.guide(node.position_m)).collect::<Vec<_>>();
+        let guides: Vec<Guide> = grid.nodes.iter().flat_map(at).collect();
+        let home_lengths_m = (0..params.tendons.len()).map(|i| home_length_m(&params, &grid, &guides, i)).collect();
+        let constant = Constant::new(&params, &grid);
+        System { params, grid, sections, masses, constant, guides, home_lengths_m, scales }
     }
 
     /// Number of equations: polynomial coefficients, then tensions.
@@ -83,6 +104,8 @@ impl System {
             tangents: vec![(Vector3::zeros(), 0.0); nodes * tendons],
             lengths_m: vec![0.0; tendons],
             history_tangent: vec![[[0.0; 2]; 2]; nodes],
+            axial_weight: vec![0.0; nodes],
+            weights_held: false,
             residual: vec![0.0; self.size()],
         }
     }
@@ -97,12 +120,22 @@ impl System {
         let (coefficients, tensions) = unknowns.split_at(self.grid.unknowns);
         work.shape.update(&self.grid, &self.sections, coefficients);
         self.update_tendons(work);
-        let rod = LoadedRod { params: &self.params, grid: &self.grid, sections: &self.sections, masses: &self.masses };
+        let rod = LoadedRod {
+            params: &self.params,
+            grid: &self.grid,
+            sections: &self.sections,
+            masses: &self.masses,
+            constant: &self.constant,
+        };
         work.loads.update(&rod, &work.shape, conditions);
         work.residual.fill(0.0);
+        if !work.weights_held {
+            let axial = work.shape.compliance.iter().map(|compliance| compliance.diagonal[3]);
+            work.axial_weight.iter_mut().zip(axial).for_each(|(weight, own)| *weight = own);
+        }
         for g in 0..self.grid.nodes.len() {
             let imbalance = self.imbalance(g, tensions, conditions, work);
-            self.project(g, &work.shape.compliance[g].apply(&imbalance), &mut work.residual);
+            self.project(g, &work.weigh(g, &imbalance), &mut work.residual);
         }
         for (i, hold) in conditions.holds.iter().enumerate() {
             work.residual[self.grid.unknowns + i] = match *hold {
@@ -117,7 +150,7 @@ impl System {
     pub(super) fn overstretch_m(&self, i: usize, hold: &Hold, tension_n: f64, work: &Work) -> f64 {
         let tendon = &self.params.tendons[i];
         let pull = if let Hold::Length(pull) = *hold { pull } else { 0.0 };
-        work.lengths_m[i] + pull - tendon.end_m - tendon.compliance_at(pull) * tension_n
+        work.lengths_m[i] + pull - self.home_lengths_m[i] - tendon.compliance_at(pull) * tension_n
     }
 
     /// Internal minus external wrench at Gauss point `g`, body frame.
@@ -171,23 +204,22 @@ impl System {
         if stretch == 0.0 {
             return [0.0; 6];
         }
-        let [x, y] = self.params.tendons[i].offset_m;
+        let [x, y] = self.guides[g * self.params.tendons.len() + i].offset_m;
         [y * t.z, -x * t.z, x * t.y - y * t.x, t.x, t.y, t.z]
     }
 
-    /// Path tangents and lengths of all tendons: a = v + u × r a length of backbone.
+    /// Path tangents and lengths of all tendons: a = v + u × r + r′ a length of backbone.
     fn update_tendons(&self, work: &mut Work) {
         let count = self.params.tendons.len();
         work.lengths_m.fill(0.0);
         for (g, node) in self.grid.nodes.iter().enumerate() {
             let s = &work.shape.strain[g];
-            for (i, tendon) in self.params.tendons.iter().enumerate() {
-                if node.position_m > tendon.end_m {
+            for (i, guide) in self.guides[g * count..(g + 1) * count].iter().enumerate() {
+                if !guide.present {
                     work.tangents[g * count + i] = (Vector3::zeros(), 0.0);
                     continue;
                 }
-                let [x, y] = tendon.offset_m;
-                let path = Vector3::new(s[3] - s[2] * y, s[4] + s[2] * x, s[5] + s[0] * y - s[1] * x);
+                let path = guide.path(s);
                 let stretch = path.norm();
                 work.tangents[g * count + i] = (path / stretch, stretch);
                 work.lengths_m[i] += node.weight_m * stretch;
@@ -207,13 +239,40 @@ impl System {
         }
     }
 
-    /// Size of a change of the unknowns as a displacement of the tip, metres.
-    pub(super) fn size_of_step_m(&self, step: &[f64]) -> f64 {
-        step.iter().zip(&self.scales).map(|(x, scale)| (x * scale).abs()).fold(0.0, f64::max)
+    /// Size of a change of the unknowns as a displacement of the tip, metres. Once every section of the spine is
+    /// saturated, axial forces move it no more than they would without sections.
+    pub(super) fn size_of_step_m(&self, step: &[f64], work: &Work) -> f64 {
+        let length = self.params.length_m();
+        let axial = length * work.axial_weight.iter().copied().fold(0.0, f64::max);
+        let (per_element, axial_modes) = (self.grid.modes.iter().sum::<usize>(), self.grid.modes[5]);
+        let mut largest = 0.0_f64;
+        for (own, scales) in step.chunks(per_element).zip(self.scales.chunks(per_element)) {
+            let (others, forces) = own.split_at(per_element - axial_modes);
+            largest = others.iter().zip(scales).map(|(x, scale)| (x * scale).abs()).fold(largest, f64::max);
+            largest = forces.iter().map(|x| (x * axial).abs()).fold(largest, f64::max);
+        }
+        // The largest of numbers of which one is none must not look small.
+        if step.iter().all(|x| x.is_finite()) { largest } else { f64::NAN }
     }
 
     /// Path lengths of the tendons on the shape in `work`.
     pub(super) fn update_lengths(&self, work: &mut Work) {
         self.update_tendons(work);
     }
+}
+
+/// Path length of tendon `i` on the rod at home, metres.
+fn home_length_m(params: &RodParams, grid: &Grid, guides: &[Guide], i: usize) -> f64 {
+    let tendon = &params.tendons[i];
+    let passing = grid.nodes.iter().zip(guides.iter().skip(i).step_by(params.tendons.len()));
+    let passing = passing.filter(|(_, guide)| guide.present);
+    let home = |node: &Node| params.span_at(node.position_m).home_curvature_rad_m;
+    if passing.clone().all(|(node, guide)| guide.slope == [0.0; 2] && home(node) == Vector3::zeros()) {
+        return tendon.end_m - tendon.start_m;
+    }
+    let stretch = |(node, guide): (&Node, &Guide)| {
+        let u = home(node);
+        node.weight_m * guide.path(&[u.x, u.y, u.z, 0.0, 0.0, 1.0]).norm()
+    };
+    passing.map(stretch).sum()
 }

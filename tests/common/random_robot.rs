@@ -143,8 +143,8 @@ fn add_tendons(random: &mut impl Rng, params: &mut RodParams) {
             let angle: f64 = random.random_range(0.0..std::f64::consts::TAU);
             let offset = random.random_range(0.01..0.1) * length;
             let end_m = ends[k as usize % ends.len()];
-            let tendon = super::four_tendons(offset, end_m, compliance).swap_remove(0);
-            Tendon { offset_m: [offset * angle.cos(), offset * angle.sin()], pretension_m, ..tendon }
+            let parallel = Tendon::parallel([offset * angle.cos(), offset * angle.sin()], end_m);
+            Tendon { pretension_m, compliance_m_per_n: compliance, ..parallel }
         })
         .collect();
 }
@@ -186,7 +186,8 @@ pub fn drives(random: &mut impl Rng, params: &RodParams, angle_rad: f64) -> Vec<
     let (stiffness, length) = (bending_n_m2(params), params.length_m());
     let (kind, absolute) = (random.random_range(0..5), chance(random, 0.05));
     let drive = |tendon: &Tendon| {
-        let offset = tendon.offset_m[0].hypot(tendon.offset_m[1]);
+        let ([x, y], _) = tendon.path.at(0.0);
+        let offset = x.hypot(y);
         let share: f64 = random.random_range(-1.0..1.0);
         let by_length = kind < 3 || (kind == 4 && chance(random, 0.5));
         match by_length {
