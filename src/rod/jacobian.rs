@@ -107,6 +107,11 @@ impl Derivative {
         matrix
     }
 
+    /// Row-major K with the borders d balance / d tension and d length / d unknown.
+    pub(super) fn stiffness(&self) -> &[f64] {
+        &self.stiffness
+    }
+
     /// First-order change of the path length of tendon `i` when the coefficients change by `step`, metres.
     pub(super) fn length_change_m(&self, system: &System, i: usize, step: &[f64]) -> f64 {
         let row = (system.grid.unknowns + i) * system.size();

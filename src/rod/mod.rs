@@ -18,6 +18,7 @@ mod shape;
 mod simulation;
 mod solver;
 mod span;
+mod stability;
 mod state;
 mod status;
 mod system;

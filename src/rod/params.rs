@@ -142,9 +142,9 @@ impl Default for Resolution {
 }
 
 impl Resolution {
-    /// Cells that an element needs at least: a Gauss point for each polynomial and two to spare.
+    /// Cells that an element needs at least: a Gauss point for each polynomial.
     pub(super) fn least_cells(&self) -> usize {
         let bend_or_twist = self.bending_modes.max(self.torsion_modes);
-        bend_or_twist.max(self.shear_modes).max(self.axial_modes).div_ceil(2) + 1
+        bend_or_twist.max(self.shear_modes).max(self.axial_modes).div_ceil(2)
     }
 }

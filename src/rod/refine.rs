@@ -1,11 +1,13 @@
 //! Is the grid fine enough? An a-posteriori estimate of what the discretisation in space puts the tip off by, and
 //! static solves that refine cells and polynomials until two grids agree (docs/robustness.md).
 
+use nalgebra::Vector3;
+
 use super::conditions::Hold;
 use super::grid::{COMPONENTS, Grid, element_ends};
 use super::memory::MemoryState;
 use super::params::{Resolution, RodParams};
-use super::section::Six;
+use super::section::{Section, Six};
 use super::simulation::Rod;
 use super::status::Status;
 use super::system::System;
@@ -42,11 +44,14 @@ pub(super) struct Space {
     pub(super) level: u32,
     /// What the grid may put the tip off by, metres.
     pub(super) error_m: f64,
+    /// Largest compliance against turning anywhere, 1/(N m²).
+    pub(super) softest: f64,
 }
 
 impl Space {
-    pub(super) fn new(resolution: Resolution) -> Space {
-        Space { base: resolution, level: 0, error_m: 0.0 }
+    pub(super) fn new(system: &System) -> Space {
+        let softest = system.sections.iter().map(Section::softest_turn).fold(0.0, f64::max);
+        Space { base: system.params.resolution, level: 0, error_m: 0.0, softest }
     }
 }
 
@@ -61,7 +66,7 @@ impl RodParams {
         params.resolution.split_elements = true;
         let own = MOST_UNKNOWNS[level as usize - 1] / (element_ends(&params).len() - 1);
         // Twice as many for two bending moments as for four other components, half as many again each.
-        let others = (own / 7).max(2);
+        let others = (own / 7).max(1 + level as usize);
         let more: usize = (0..level as usize).map(|k| MORE_MODES + 2 * k).sum();
         params.resolution = Resolution {
             cell_m: base.cell_m / f64::from(1 << level),
@@ -88,9 +93,8 @@ struct Element {
 impl System {
     /// Indicator of what the grid puts the tip off by, metres, from the polynomials' last coefficients and the angle
     /// that each cell turns. It costs a hundredth of a solve, and is meant to err on the large side.
-    fn space_indicator_m(&self, coefficients: &[f64], strain: &[Six], force_n: &[nalgebra::Vector3<f64>]) -> f64 {
+    fn space_indicator_m(&self, coefficients: &[f64], strain: &[Six], force_n: &[Vector3<f64>], softest: f64) -> f64 {
         let length = self.params.length_m();
-        let softest = self.sections.iter().map(|section| section.scales()[0]).fold(0.0, f64::max);
         let (mut total, mut element, mut begins) = (0.0, Element::default(), 0);
         for (c, cell) in self.grid.cells.iter().enumerate() {
             let node = &self.grid.nodes[2 * c];
@@ -123,16 +127,22 @@ impl System {
         let half_angle = 0.5 * element.length_m * (element.turn2 + element.force_n * softest).sqrt();
         let cell_share = element.longest_cell_m / element.length_m;
         let (mut total, mut offset) = (0.0, begins);
-        for modes in self.grid.modes {
+        for (component, modes) in self.grid.modes.into_iter().enumerate() {
             let own = &coefficients[offset..offset + modes];
-            let last = own[modes - 1].abs().max(own[modes.saturating_sub(2)].abs());
-            let tail = last * self.scales[offset] * element.length_m / length;
-            let mut weight = 1.0 / (2 * modes + 1) as f64;
-            for k in 1..modes {
+            let largest = |range: std::ops::Range<usize>| own[range].iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+            let last = largest(modes.saturating_sub(2)..modes);
+            let before = largest(modes.saturating_sub(4)..modes.saturating_sub(2).max(1));
+            let tail = last * (last / before).sqrt().min(1.0) * self.scales[offset] * element.length_m / length;
+            let norm = 1.0 / (2 * modes + 1) as f64;
+            // Bending moves the tip with a lever that is linear in s; a straight rod's twist and stretch without.
+            let (mut weight, powers) = if component < 2 { (0.5 * norm, modes - 1) } else { (norm, modes) };
+            for k in 1..=powers {
                 weight *= half_angle / (2 * k - 1) as f64;
             }
+            // The tail turns the field that weighs it, by its integral.
+            weight += 0.5 * norm * norm * tail / length;
             let sampling = SAMPLING_ERROR * cell_share.powi(4) * (modes as f64 / 6.0).powi(8);
-            total += tail * (weight.min(1.0) + sampling.min(1.0) + tail / length);
+            total += tail * (weight.min(1.0) + sampling.min(1.0));
             offset += modes;
         }
         total
@@ -164,12 +174,17 @@ impl Rod {
 
     fn indicator_m(&self) -> f64 {
         let coefficients = &self.state.unknowns[..self.system.grid.unknowns];
-        self.system.space_indicator_m(coefficients, &self.state.shape.strain, &self.solver.work.loads.force)
+        let force_n = &self.solver.work.loads.force;
+        self.system.space_indicator_m(coefficients, &self.state.shape.strain, force_n, self.space.softest)
     }
 
     /// Judges a shape at rest that solves the equations under `holds`: is it possible, does a finer grid agree?
     /// Refines until two grids agree; a rod whose shape is refused goes back to the grid that it had.
     pub(super) fn examine_rest(&mut self, holds: &[Hold]) -> Status {
+        let status = self.leave_if_unstable(holds);
+        if status != Status::Converged {
+            return status;
+        }
         let share = if self.system.params.memory.is_empty() { 1.0 } else { MEMORY_TOLERANCE };
         let tolerance_m = share * self.space.base.static_tolerance_m;
         self.space.error_m = self.indicator_m();
@@ -253,7 +268,7 @@ impl Rod {
     /// The same rod in the same state on the grid of another level, at rest.
     fn on_grid(&self, level: u32) -> Rod {
         let mut rod = Rod::new(self.system.params.refined(&self.space.base, level));
-        rod.space = Space { level, error_m: self.space.error_m, base: self.space.base };
+        rod.space = Space { level, error_m: self.space.error_m, base: self.space.base, softest: rod.space.softest };
         rod.tip_load = self.tip_load;
         let (from, to) = (&self.system.grid, &rod.system.grid);
         to.transfer(from, &self.state.unknowns, &mut rod.state.unknowns);

@@ -20,6 +20,7 @@ const PATIENCE: usize = 25;
 const FIRST_STEP: f64 = 0.5;
 const SHORTEST_STEP: f64 = 1e-4;
 const LONGEST_STEP: f64 = 1e3;
+const FALLING_STEP: f64 = 0.02;
 /// Share of the loads that the first step raises.
 const FIRST_SHARE: f64 = 0.1;
 /// A rod that cannot be followed beyond this length of backbone, or of a tendon's path, per relaxed length is crushed.
@@ -30,8 +31,11 @@ impl Rod {
     /// their value, to a rest that Newton's method then sharpens.
     pub(super) fn relax(&mut self, holds: &[Hold], mut share: f64) -> Status {
         let mut honey = self.in_honey();
-        let (mut step, mut rise) = (FIRST_STEP, FIRST_SHARE);
+        // A rod under its full load starts next to an unstable equilibrium, which longer steps would find again.
+        let falling = share == 1.0;
+        let (mut step, mut rise) = (if falling { FALLING_STEP } else { FIRST_STEP }, FIRST_SHARE);
         let mut status = Status::NotConverged;
+        let mut last_move = if falling { 0.0 } else { f64::INFINITY };
         for _ in 0..MOST_SOLVES {
             let target = f64::min(share + rise, 1.0);
             let start = honey.state.clone();
@@ -46,10 +50,19 @@ impl Rod {
                 continue;
             }
             let arrived = share == 1.0 && step >= LONGEST_STEP;
+            let change: Vec<f64> = honey.state.unknowns.iter().zip(&start.unknowns).map(|(a, b)| a - b).collect();
+            let moved = honey.system.size_of_step_m(&change[..honey.system.grid.unknowns], &honey.solver.work);
+            if share < 1.0 {
+                step = f64::min(1.5 * step, 2.0);
+            } else if moved < last_move {
+                // Only a rod that slows down may take longer steps: they would take one that gathers speed back to the
+                // unstable equilibrium that it leaves.
+                step = f64::min(4.0 * step, LONGEST_STEP);
+            } else if last_move > 0.0 && moved < 1.3 * last_move {
+                step = f64::min(1.5 * step, 2.0);
+            }
+            last_move = moved;
             (share, rise) = (target, 1.5 * rise);
-            // The honey thins once the loads are there.
-            step *= if share < 1.0 { 1.5 } else { 4.0 };
-            step = step.min(if share < 1.0 { 2.0 } else { LONGEST_STEP });
             if arrived {
                 break;
             }

@@ -122,6 +122,12 @@ impl Section {
         0.5 * (bend + others + spine)
     }
 
+    /// The larger of the bending compliances about the principal axes and the torsional one, 1/(N m²).
+    pub(super) fn softest_turn(&self) -> f64 {
+        let [a, b, c] = self.bend;
+        (0.5 * (a + c) + (0.5 * (a - c)).hypot(b)).max(self.twist)
+    }
+
     /// What two Gauss points of a cell of length `h` with the strains `a` and `b` may miss of the kink where the spine
     /// begins to saturate, metres.
     pub(super) fn kink_m(&self, a: &Six, b: &Six, h: f64) -> f64 {

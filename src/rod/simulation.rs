@@ -80,7 +80,7 @@ impl Rod {
             stage_times: scheme.stage_times(),
             tableau,
             tip_load,
-            space: Space::new(system.params.resolution),
+            space: Space::new(&system),
             system,
         };
         rod.restart();

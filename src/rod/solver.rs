@@ -155,6 +155,11 @@ impl Solver {
         self.give_up(Status::NotConverged)
     }
 
+    /// Makes the next solve begin with a new derivative.
+    pub(super) fn forget(&mut self) {
+        self.kept = Kept::Nothing;
+    }
+
     /// A failed solve leaves no derivative worth keeping.
     fn give_up(&mut self, status: Status) -> Status {
         self.kept = Kept::Nothing;
