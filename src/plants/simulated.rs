@@ -50,6 +50,11 @@ pub struct Simulated {
     options: SimulatedOptions,
     time_s: f64,
     noise: Generator,
+    /// Time in which the drives carry out a command, s.
+    drive_time_s: f64,
+    /// Displacements that the drives were last told to reach, and those that they stand at with the effects on them.
+    told_m: Vec<f64>,
+    stand_m: Vec<f64>,
 }
 
 pub(super) const ENTRY: PlantEntry = PlantEntry {
@@ -60,8 +65,13 @@ pub(super) const ENTRY: PlantEntry = PlantEntry {
 impl Simulated {
     /// A robot that follows a checked model, with `extra` effects (such as a load for some trials) on top.
     pub fn new(model: &Model, extra: &[EffectSpec], options: SimulatedOptions) -> Simulated {
+        let rod = Rod::new(model.rod(extra));
+        let home = vec![0.0; rod.params().tendons.len()];
         Simulated {
-            rod: Rod::new(model.rod(extra)),
+            rod,
+            drive_time_s: model.robot.drive_time_s,
+            told_m: home.clone(),
+            stand_m: home,
             effects: model.effects(extra),
             options,
             time_s: 0.0,
@@ -94,8 +104,10 @@ impl Simulated {
     /// # Errors
     /// As [`Plant::drive`].
     pub fn settle(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
-        let drives = self.drives(commands, f64::INFINITY)?;
-        solved(self.rod.settle(&drives))?;
+        self.told_m = self.asked_m(commands)?;
+        self.stand_m = self.affected(self.told_m.clone(), f64::INFINITY);
+        solved(self.rod.settle(&drives(commands, &self.stand_m, &self.stand_m, 1.0)))?;
+        self.follow(commands);
         Ok(self.observe(commands))
     }
 
@@ -119,15 +131,14 @@ impl Simulated {
         self.options.step_s = step_s;
     }
 
-    /// Applies the effects on the drives to a command that is held for `dt_s` seconds (infinite: until all is at rest).
-    fn drives(&mut self, commands: &[TendonCommand], dt_s: f64) -> Result<Vec<Drive>, PlantError> {
+    /// The displacements that a command asks for; a drive that follows stands where the shape has taken it.
+    fn asked_m(&self, commands: &[TendonCommand]) -> Result<Vec<f64>, PlantError> {
         if commands.len() != self.tendons() {
             return Err(PlantError::Refused(format!("{} tendons, expected {}", commands.len(), self.tendons())));
         }
-        let mut pulls: Vec<f64> = Vec::with_capacity(commands.len());
-        // A drive that follows stands where the shape has taken it; the effects' histories go on from there.
-        let remembered = !self.effects.is_empty() && commands.contains(&TendonCommand::Follow);
-        let following = if remembered { self.rod.following_pulls_m() } else { vec![0.0; commands.len()] };
+        let mut pulls = Vec::with_capacity(commands.len());
+        let follows = commands.contains(&TendonCommand::Follow);
+        let following = if follows { self.rod.following_pulls_m() } else { vec![0.0; commands.len()] };
         for (command, following) in commands.iter().zip(following) {
             match *command {
                 TendonCommand::Pull(pull) if !pull.is_finite() => {
@@ -141,14 +152,50 @@ impl Simulated {
                 TendonCommand::Follow => pulls.push(following),
             }
         }
+        Ok(pulls)
+    }
+
+    /// Where the drives stand, with the effects on them, `dt_s` seconds after they were last looked at, having moved to
+    /// `pulls_m` in the meantime; infinite: once all is at rest.
+    fn affected(&mut self, mut pulls_m: Vec<f64>, dt_s: f64) -> Vec<f64> {
         for effect in &mut self.effects {
-            effect.command(&mut pulls, dt_s);
+            effect.command(&mut pulls_m, dt_s);
         }
-        let drive = |(command, pull): (&TendonCommand, f64)| match command {
-            TendonCommand::Pull(_) => Drive::Pull(pull),
-            TendonCommand::Follow => Drive::Follow,
-        };
-        Ok(commands.iter().zip(pulls).map(drive).collect())
+        pulls_m
+    }
+
+    /// Moves the drives from where they stand to what `commands` ask for, and then holds them.
+    fn play(&mut self, commands: &[TendonCommand]) -> Result<(), PlantError> {
+        let target = self.asked_m(commands)?;
+        let step_s = self.options.step_s;
+        let ramp_s = self.drive_time_s.min(step_s);
+        let late = self.effects.iter().any(|effect| effect.acts_late());
+        let count = if late { (step_s / ramp_s - 1e-9).ceil() } else { 1.0 };
+        let parts = if late { vec![step_s / count; count as usize] } else { vec![ramp_s, step_s - ramp_s] };
+        let from = std::mem::replace(&mut self.told_m, target.clone());
+        let mut now = 0.0;
+        for part_s in parts.into_iter().filter(|part| *part > 1e-9 * step_s) {
+            now += part_s;
+            let share = (now / ramp_s).min(1.0);
+            let asked = from.iter().zip(&target).map(|(from, to)| from + share * (to - from)).collect();
+            let reached = self.affected(asked, part_s);
+            let start = std::mem::replace(&mut self.stand_m, reached.clone());
+            let drives = |t: f64| drives(commands, &start, &reached, t / part_s);
+            solved(self.rod.advance_with(&drives, part_s))?;
+        }
+        self.follow(commands);
+        Ok(())
+    }
+
+    /// Takes note of where the shape has taken the drives that follow it.
+    fn follow(&mut self, commands: &[TendonCommand]) {
+        if !commands.contains(&TendonCommand::Follow) {
+            return;
+        }
+        let following = self.rod.following_pulls_m();
+        for (i, _) in commands.iter().enumerate().filter(|(_, command)| **command == TendonCommand::Follow) {
+            (self.told_m[i], self.stand_m[i]) = (following[i], following[i]);
+        }
     }
 
     fn observe(&mut self, commands: &[TendonCommand]) -> Observation {
@@ -190,16 +237,19 @@ impl Plant for Simulated {
     }
 
     fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
-        // As many parts as the rod takes time steps, so that what the drives do late they do at its time.
-        let parts = self.rod.steps_in(self.options.step_s);
-        let part_s = self.options.step_s / parts;
-        for _ in 0..parts as u64 {
-            let drives = self.drives(commands, part_s)?;
-            solved(self.rod.advance(&drives, part_s))?;
-        }
+        self.play(commands)?;
         self.time_s += self.options.step_s;
         Ok(self.observe(commands))
     }
+}
+
+/// Drives that are `share` of the way between two displacements, or follow.
+fn drives(commands: &[TendonCommand], from_m: &[f64], to_m: &[f64], share: f64) -> Vec<Drive> {
+    let drive = |(command, (from, to)): (&TendonCommand, (&f64, &f64))| match command {
+        TendonCommand::Pull(_) => Drive::Pull(from + share * (to - from)),
+        TendonCommand::Follow => Drive::Follow,
+    };
+    commands.iter().zip(from_m.iter().zip(to_m)).map(drive).collect()
 }
 
 fn solved(status: Status) -> Result<(), PlantError> {

@@ -8,9 +8,10 @@ use super::grid::{COMPONENTS, Grid, element_ends};
 use super::memory::MemoryState;
 use super::params::{Resolution, RodParams};
 use super::section::{Section, Six};
+use super::shape::Shape;
 use super::simulation::Rod;
 use super::status::Status;
-use super::system::System;
+use super::system::{System, Work};
 use crate::math::polynomial::legendre;
 
 /// How often the grid may be refined: cells to an eighth, 24 polynomials for each bending moment.
@@ -21,8 +22,8 @@ const MORE_MODES: usize = 4;
 const MOST_UNKNOWNS: [usize; MOST_REFINEMENTS as usize] = [250, 400, 600];
 /// Newton iterations from one grid to the next.
 const PATIENCE: usize = 40;
-/// The indicator of a refined grid counts this many times.
-const CAUTION: f64 = 10.0;
+/// One Picard iteration is the first term of a series; it counts this many times.
+const CAUTION: f64 = 15.0;
 /// A rod whose material remembers has fronts where it yields, kinks that no polynomial resolves: such rods are held to
 /// this many times the tolerance.
 const MEMORY_TOLERANCE: f64 = 100.0;
@@ -32,8 +33,6 @@ const MOTION_BOUND: f64 = 0.02;
 const CELL_ERROR: f64 = 3.0 / 4320.0;
 /// The fourth-order Magnus step leaves about this share of its commutator times the squared angle of the cell.
 const MAGNUS_ERROR: f64 = 1.0 / 30.0;
-/// Gauss points that resolve polynomials of degree six: their rule leaves this times (cell / element)⁴.
-const SAMPLING_ERROR: f64 = 3.5;
 
 /// What a rod knows of its discretisation.
 #[derive(Clone, Debug)]
@@ -80,72 +79,65 @@ impl RodParams {
     }
 }
 
-/// Running maxima and sums over one element.
-#[derive(Default)]
-struct Element {
-    length_m: f64,
-    longest_cell_m: f64,
-    /// Largest squared curvature, rad²/m², and largest force carried, N.
-    turn2: f64,
-    force_n: f64,
-}
-
 impl System {
-    /// Indicator of what the grid puts the tip off by, metres, from the polynomials' last coefficients and the angle
-    /// that each cell turns. It costs a hundredth of a solve, and is meant to err on the large side.
-    fn space_indicator_m(&self, coefficients: &[f64], strain: &[Six], force_n: &[Vector3<f64>], softest: f64) -> f64 {
-        let length = self.params.length_m();
-        let (mut total, mut element, mut begins) = (0.0, Element::default(), 0);
+    /// What the cells' quadrature puts the tip off by, metres: the angle that each turns, how far from plane it bends,
+    /// and where the spine begins to saturate inside.
+    fn cell_error_m(&self, shape: &Shape, taut: &[bool]) -> f64 {
+        let strain = &shape.strain;
+        let (length, mut total, mut kinks) = (self.params.length_m(), 0.0, 0.0);
         for (c, cell) in self.grid.cells.iter().enumerate() {
-            let node = &self.grid.nodes[2 * c];
-            if node.offset[0] != begins {
-                total += self.tail_m(&element, begins, coefficients, softest);
-                (element, begins) = (Element::default(), node.offset[0]);
-            }
             let (h, a, b) = (cell.length_m, &strain[2 * c], &strain[2 * c + 1]);
-            let turn2 = square(a).max(square(b));
-            let angle2 = turn2 * h * h;
+            let angle2 = square(a).max(square(b)) * h * h;
             let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
             let commutator = h * h * (cross[0].powi(2) + cross[1].powi(2) + cross[2].powi(2)).sqrt();
             total += CELL_ERROR * angle2 * angle2 * h * a[5].abs().max(b[5].abs());
             total += MAGNUS_ERROR * commutator * angle2 * length;
-            total += self.sections[2 * c].kink_m(a, b, h);
-            element.length_m += h;
-            element.longest_cell_m = element.longest_cell_m.max(h);
-            element.turn2 = element.turn2.max(turn2);
-            element.force_n = element.force_n.max(force_n[2 * c].norm());
+            kinks += self.sections[2 * c].kink_m(shape.wrench[2 * c][5], shape.wrench[2 * c + 1][5], h);
         }
-        total + self.tail_m(&element, begins, coefficients, softest)
-    }
-
-    /// What the polynomials that an element lacks are worth at the tip, metres. The balance is orthogonal to the
-    /// polynomials that are there, so the tip feels the product of two tails: the wrench's, seen in its last two
-    /// coefficients, and that of the field that weighs it, which turns by an angle θ along the element and whose
-    /// coefficients fall like (θ/2)ᵏ/(2k − 1)!!.
-    fn tail_m(&self, element: &Element, begins: usize, coefficients: &[f64], softest: f64) -> f64 {
-        let length = self.params.length_m();
-        let half_angle = 0.5 * element.length_m * (element.turn2 + element.force_n * softest).sqrt();
-        let cell_share = element.longest_cell_m / element.length_m;
-        let (mut total, mut offset) = (0.0, begins);
-        for (component, modes) in self.grid.modes.into_iter().enumerate() {
-            let own = &coefficients[offset..offset + modes];
-            let largest = |range: std::ops::Range<usize>| own[range].iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-            let last = largest(modes.saturating_sub(2)..modes);
-            let before = largest(modes.saturating_sub(4)..modes.saturating_sub(2).max(1));
-            let tail = last * (last / before).sqrt().min(1.0) * self.scales[offset] * element.length_m / length;
-            let norm = 1.0 / (2 * modes + 1) as f64;
-            // Bending moves the tip with a lever that is linear in s; a straight rod's twist and stretch without.
-            let (mut weight, powers) = if component < 2 { (0.5 * norm, modes - 1) } else { (norm, modes) };
-            for k in 1..=powers {
-                weight *= half_angle / (2 * k - 1) as f64;
-            }
-            // The tail turns the field that weighs it, by its integral.
-            weight += 0.5 * norm * norm * tail / length;
-            let sampling = SAMPLING_ERROR * cell_share.powi(4) * (modes as f64 / 6.0).powi(8);
-            total += tail * (weight.min(1.0) + sampling.min(1.0));
-            offset += modes;
+        if kinks > 0.0 {
+            // A taut tendon bends the rod by what the spine is too long or too short.
+            let offset = |i: usize| {
+                self.guides
+                    .iter()
+                    .skip(i)
+                    .step_by(taut.len())
+                    .map(|g| g.offset_m[0].hypot(g.offset_m[1]))
+                    .fold(0.0, f64::max)
+            };
+            let nearest = (0..taut.len()).filter(|&i| taut[i]).map(offset).fold(f64::INFINITY, f64::min);
+            total += kinks * (1.0 + length / nearest);
         }
         total
+    }
+
+    /// What the polynomials that are missing put the tip off by, metres. The imbalance that they leave at the Gauss
+    /// points is weighed to nothing by the polynomials that are there; as a strain that the rod lacks, it moves the tip
+    /// by its product with a lever that is no polynomial (one Picard iteration of the exact balance).
+    /// Where it changes the length of a taut tendon, the tendon bends the rod back by that length over its offset.
+    fn balance_error_m(&self, work: &Work, taut: &[bool]) -> f64 {
+        let tip = work.shape.tip_m();
+        let (mut moved, mut turned) = (Vector3::zeros(), Vector3::zeros());
+        let mut bent_rad = 0.0;
+        for i in (0..taut.len()).filter(|&i| taut[i]) {
+            let (mut longer, mut offset) = (0.0, 0.0_f64);
+            for (g, node) in self.grid.nodes.iter().enumerate() {
+                let pull = self.tendon_wrench(g, i, work);
+                let lacking = work.weigh(g, &work.imbalance[g]);
+                longer += node.weight_m * pull.iter().zip(&lacking).map(|(a, b)| a * b).sum::<f64>();
+                let [x, y] = self.guides[g * taut.len() + i].offset_m;
+                offset = offset.max(x.hypot(y));
+            }
+            bent_rad += (longer / offset).abs();
+        }
+        for (g, node) in self.grid.nodes.iter().enumerate() {
+            let lacking = work.weigh(g, &work.imbalance[g]);
+            let r = &work.shape.node_r[g];
+            let turn = r * Vector3::new(lacking[0], lacking[1], lacking[2]) * node.weight_m;
+            let stretch = r * Vector3::new(lacking[3], lacking[4], lacking[5]) * node.weight_m;
+            moved += stretch + turn.cross(&(tip - work.shape.node_p[g]));
+            turned += turn;
+        }
+        moved.norm().max(turned.norm() * self.params.length_m()) + bent_rad * self.params.length_m()
     }
 }
 
@@ -172,10 +164,12 @@ impl Rod {
         self.space.level
     }
 
-    fn indicator_m(&self) -> f64 {
-        let coefficients = &self.state.unknowns[..self.system.grid.unknowns];
-        let force_n = &self.solver.work.loads.force;
-        self.system.space_indicator_m(coefficients, &self.state.shape.strain, force_n, self.space.softest)
+    /// The estimate on this grid alone, from what the last iteration has left in the solver.
+    fn estimate_m(&self) -> f64 {
+        let estimate = self.system.cell_error_m(&self.state.shape, &self.state.taut)
+            + CAUTION * self.system.balance_error_m(&self.solver.work, &self.state.taut);
+        // What is not a number must not pass for small.
+        if estimate.is_finite() { estimate } else { f64::INFINITY }
     }
 
     /// Judges a shape at rest that solves the equations under `holds`: is it possible, does a finer grid agree?
@@ -187,8 +181,12 @@ impl Rod {
         }
         let share = if self.system.params.memory.is_empty() { 1.0 } else { MEMORY_TOLERANCE };
         let tolerance_m = share * self.space.base.static_tolerance_m;
-        self.space.error_m = self.indicator_m();
-        if !(self.space.error_m > tolerance_m) {
+        self.space.error_m = self.estimate_m();
+        if self.space.error_m > tolerance_m && self.solve_static(holds, 1.0) == Status::Converged {
+            // The last iteration left an imbalance of its own; one more does not.
+            self.space.error_m = self.estimate_m();
+        }
+        if self.space.error_m <= tolerance_m {
             return self.possible();
         }
         let mut fallback = None;
@@ -200,7 +198,7 @@ impl Rod {
             status = finer.solve_static(holds, 1.0);
             finer.solver.patience = patience;
             let apart_m = finer.distance_m(self);
-            finer.space.error_m = left_m(before_m, apart_m).min(CAUTION * finer.indicator_m());
+            finer.space.error_m = left_m(before_m, apart_m).min(finer.estimate_m());
             before_m = apart_m;
             let coarser = std::mem::replace(self, finer);
             fallback.get_or_insert(coarser);
@@ -221,9 +219,13 @@ impl Rod {
         status
     }
 
-    /// Judges the shape of a moving rod, whose grid stays as it is.
+    /// Judges the shape of a moving rod, whose grid stays as it is. What is missing in the balance meets the viscous
+    /// stiffness as well.
     pub(super) fn examine_motion(&mut self) -> Status {
-        self.space.error_m = self.indicator_m();
+        let stiffer = 1.0 + self.motion.rate * self.system.params.damping_time_s;
+        let error_m = self.system.cell_error_m(&self.state.shape, &self.state.taut)
+            + self.system.balance_error_m(&self.solver.work, &self.state.taut) / stiffer;
+        self.space.error_m = if error_m.is_finite() { error_m } else { f64::INFINITY };
         if self.space.error_m > MOTION_BOUND * self.system.params.length_m() {
             return Status::UnderResolved;
         }

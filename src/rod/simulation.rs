@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::advance::Pace;
 use super::conditions::{Conditions, Hold};
 use super::grid::Grid;
 use super::motion::Motion;
@@ -36,14 +37,11 @@ pub struct Energy {
 }
 
 /// Displacement of the tip that a converged static solve may be off by (its last step, squared for Newton), metres.
-const STATIC_TOLERANCE_M: f64 = 1e-9;
-const DYNAMIC_TOLERANCE_M: f64 = 1e-8;
+const STATIC_TOLERANCE_M: f64 = 1e-8;
 /// Smallest share of the loads that continuation raises before the rod is let go instead.
 const SMALLEST_SHARE: f64 = 0.02;
 /// Iterations after which continuation tries a smaller share.
 const CONTINUATION_PATIENCE: usize = 50;
-/// How often a failing time step is halved.
-const MOST_HALVINGS: u32 = 6;
 
 /// A tendon-driven rod.
 #[derive(Clone, Debug)]
@@ -51,10 +49,12 @@ pub struct Rod {
     pub(super) system: System,
     pub(super) solver: Solver,
     pub(super) state: State,
+    /// The state before the step under way, to go back to.
+    pub(super) before: State,
     pub(super) motion: Motion,
-    stages: Vec<Rates>,
-    tableau: Tableau,
-    stage_times: Vec<f64>,
+    pub(super) stages: Vec<Rates>,
+    pub(super) tableau: Tableau,
+    pub(super) pace: Pace,
     pub(super) tip_load: TipLoad,
     pub(super) space: Space,
 }
@@ -66,18 +66,20 @@ impl Rod {
         let scheme: Scheme = params.resolution.scheme;
         let system = System::new(params);
         let tableau = scheme.tableau();
+        let state = State {
+            unknowns: vec![0.0; system.size()],
+            taut: vec![false; system.params.tendons.len()],
+            shape: system.work().shape,
+            rates: Rates::zero(&system.grid, &system.masses),
+            memory: system.fresh_memory(),
+        };
         let mut rod = Rod {
             solver: Solver::new(&system),
-            state: State {
-                unknowns: vec![0.0; system.size()],
-                taut: vec![false; system.params.tendons.len()],
-                shape: system.work().shape,
-                rates: Rates::zero(&system.grid, &system.masses),
-                memory: system.fresh_memory(),
-            },
+            before: state.clone(),
+            state,
             motion: Motion::rest(&system.grid, &system.masses),
             stages: tableau.rows.iter().map(|_| Rates::zero(&system.grid, &system.masses)).collect(),
-            stage_times: scheme.stage_times(),
+            pace: Pace::new(&tableau),
             tableau,
             tip_load,
             space: Space::new(&system),
@@ -97,6 +99,7 @@ impl Rod {
         let (system, state) = (&self.system, &mut self.state);
         state.shape.update(&system.grid, &system.sections, &state.unknowns[..system.grid.unknowns]);
         self.solver = Solver::new(system);
+        self.pace = Pace::new(&self.tableau);
         self.tip_load = system.params.tip_load;
     }
 
@@ -185,70 +188,7 @@ impl Rod {
         Status::Converged
     }
 
-    /// Number of time steps that [`Rod::advance`] takes for `duration_s` seconds.
-    pub fn steps_in(&self, duration_s: f64) -> f64 {
-        (duration_s / self.system.params.resolution.time_step_s - 1e-9).ceil().max(1.0)
-    }
-
-    /// Moves the rod for `duration_s` with `drives` held.
-    pub fn advance(&mut self, drives: &[Drive], duration_s: f64) -> Status {
-        self.advance_with(&|_| drives.to_vec(), duration_s)
-    }
-
-    /// Moves the rod for `duration_s`; `drives` gives the drives at a time since now, seconds.
-    pub fn advance_with(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, duration_s: f64) -> Status {
-        let count = self.steps_in(duration_s);
-        let h = duration_s / count;
-        for k in 0..count as u64 {
-            let start = k as f64 * h;
-            let mut status = self.step(&|t| drives(start + t), h, MOST_HALVINGS);
-            if status == Status::Converged {
-                status = self.examine_motion();
-            }
-            if status != Status::Converged {
-                return status;
-            }
-        }
-        Status::Converged
-    }
-
-    /// One time step, halved when it fails.
-    fn step(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, h: f64, halvings: u32) -> Status {
-        let before = self.state.clone();
-        let status = self.try_step(drives, h, &before);
-        if status == Status::Converged || status == Status::BadCommand {
-            return status;
-        }
-        self.state = before;
-        if halvings == 0 {
-            return status;
-        }
-        let first = self.step(drives, 0.5 * h, halvings - 1);
-        if first != Status::Converged {
-            return first;
-        }
-        self.step(&|t| drives(0.5 * h + t), 0.5 * h, halvings - 1)
-    }
-
-    fn try_step(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, h: f64, start: &State) -> Status {
-        let load = self.tip_load;
-        let gravity = self.system.params.gravity_m_s2;
-        for i in 0..self.tableau.rows.len() {
-            let Some(holds) = self.holds(&drives(self.stage_times[i] * h)) else { return Status::BadCommand };
-            self.seed_tensions(&holds);
-            self.motion.prepare(start, &self.system.masses, &self.tableau.rows[i], &self.stages, h);
-            let status = self.solve(&holds, (&load, 1.0), gravity, false, DYNAMIC_TOLERANCE_M);
-            if status != Status::Converged {
-                return status;
-            }
-            self.stages[i].read(&self.motion, &self.system.masses, &self.state.shape);
-        }
-        self.state.rates.clone_from(&self.stages[self.stages.len() - 1]);
-        self.commit_memory(h);
-        Status::Converged
-    }
-
-    fn solve(
+    pub(super) fn solve(
         &mut self,
         holds: &[Hold],
         (tip_load, load_share): (&TipLoad, f64),
@@ -278,7 +218,7 @@ impl Rod {
         status
     }
 
-    fn commit_memory(&mut self, dt_s: f64) {
+    pub(super) fn commit_memory(&mut self, dt_s: f64) {
         let shape = &self.state.shape;
         for (law, states) in self.system.params.memory.iter().zip(&mut self.state.memory) {
             for (g, state) in states.iter_mut().enumerate() {
@@ -289,7 +229,7 @@ impl Rod {
     }
 
     /// Checks the drives and adds the pretension.
-    fn holds(&self, drives: &[Drive]) -> Option<Vec<Hold>> {
+    pub(super) fn holds(&self, drives: &[Drive]) -> Option<Vec<Hold>> {
         let tendons = &self.system.params.tendons;
         if drives.len() != tendons.len() {
             return None;
@@ -304,7 +244,7 @@ impl Rod {
     }
 
     /// Known tensions are put in place before the first iteration.
-    fn seed_tensions(&mut self, holds: &[Hold]) {
+    pub(super) fn seed_tensions(&mut self, holds: &[Hold]) {
         let n = self.system.grid.unknowns;
         for (i, hold) in holds.iter().enumerate() {
             if let Hold::Tension(tension) = *hold {
@@ -322,6 +262,12 @@ impl Rod {
     /// Tip orientation, columns are the body axes.
     pub fn tip_rotation(&self) -> Matrix3<f64> {
         self.state.shape.tip_rotation()
+    }
+
+    /// Position (metres) and orientation of the cross-section `position_m` from the base along the relaxed rod, world
+    /// frame; the nearest end where the rod has no such place.
+    pub fn pose_at(&self, position_m: f64) -> (Vector3<f64>, Matrix3<f64>) {
+        self.state.shape.pose_at(&self.system.grid, position_m)
     }
 
     /// Tendon tensions, N; 0 when slack.

@@ -42,6 +42,8 @@ pub(super) struct Work {
     pub(super) lengths_m: Vec<f64>,
     /// Tangent stiffness of the history moments at the Gauss points.
     pub(super) history_tangent: Vec<[[f64; 2]; 2]>,
+    /// Internal minus external wrench at the Gauss points, body frame.
+    pub(super) imbalance: Vec<Six>,
     /// Axial compliance that weights the balance at each Gauss point, 1/N.
     pub(super) axial_weight: Vec<f64>,
     /// Whether these weights stay as they are. They jump where the spine saturates; a wrench that is no polynomial
@@ -104,6 +106,7 @@ impl System {
             tangents: vec![(Vector3::zeros(), 0.0); nodes * tendons],
             lengths_m: vec![0.0; tendons],
             history_tangent: vec![[[0.0; 2]; 2]; nodes],
+            imbalance: vec![[0.0; COMPONENTS]; nodes],
             axial_weight: vec![0.0; nodes],
             weights_held: false,
             residual: vec![0.0; self.size()],
@@ -135,6 +138,7 @@ impl System {
         }
         for g in 0..self.grid.nodes.len() {
             let imbalance = self.imbalance(g, tensions, conditions, work);
+            work.imbalance[g] = imbalance;
             self.project(g, &work.weigh(g, &imbalance), &mut work.residual);
         }
         for (i, hold) in conditions.holds.iter().enumerate() {
