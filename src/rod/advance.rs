@@ -51,7 +51,10 @@ impl Rod {
             let wanted = self.pace.next_s.min(resolution.time_step_s);
             let count = (left / wanted - 1e-9).ceil().max(1.0);
             let h = if count <= 2.0 { left / count } else { wanted };
-            let (status, taken) = self.step(&|t| drives(now + t), h);
+            let (mut status, taken) = self.step(&|t| drives(now + t), h);
+            if status == Status::Converged {
+                status = self.examine_motion();
+            }
             if status != Status::Converged {
                 return status;
             }

@@ -2,6 +2,7 @@
 
 use super::basis::Basis;
 use super::params::RodParams;
+use super::span::Span;
 use super::tendon::Tendon;
 use crate::math::polynomial::legendre;
 
@@ -45,6 +46,8 @@ pub(super) struct Grid {
     pub(super) unknowns: usize,
     /// The polynomials at all nodes at once.
     pub(super) all: Basis,
+    /// Where the polynomials begin and end, metres.
+    pub(super) elements_m: Vec<f64>,
 }
 
 impl Grid {
@@ -63,7 +66,7 @@ impl Grid {
             resolution.axial_modes,
         ];
         let most = modes.iter().copied().max().unwrap_or(0);
-        let boundaries_m = cell_ends(params, &elements, most);
+        let boundaries_m = cell_ends(params);
         let per_element: usize = modes.iter().sum();
         let mut grid = Grid {
             cells: Vec::new(),
@@ -72,6 +75,7 @@ impl Grid {
             modes,
             boundaries_m,
             all: Basis::new(&[], modes),
+            elements_m: elements.clone(),
         };
         for window in grid.boundaries_m.windows(2) {
             let (start, length) = (window[0], window[1] - window[0]);
@@ -111,19 +115,34 @@ impl Grid {
     }
 }
 
-/// Base, ends and kinks of tendons, loads, tip.
-fn element_ends(params: &RodParams) -> Vec<f64> {
+/// Base, ends and kinks of tendons, loads, tip; the jumps of the material as well if the resolution says so.
+pub(super) fn element_ends(params: &RodParams) -> Vec<f64> {
     let mut ends = vec![0.0, params.length_m()];
     ends.extend(params.tendons.iter().flat_map(Tendon::borders_m));
     ends.extend(params.point_loads.iter().map(|load| load.position_m));
     ends.extend(params.line_loads.iter().flat_map(|load| [load.start_m, load.end_m]));
+    if params.resolution.split_elements {
+        ends.extend(material_jumps(params));
+    }
     sorted_unique(ends, params.length_m())
 }
 
-/// Ends of all cells: wherever a property jumps, subdivided to the wanted resolution and so that each element has as
-/// many Gauss points as polynomials; with fewer they would not be independent.
-fn cell_ends(params: &RodParams, elements: &[f64], most_modes: usize) -> Vec<f64> {
-    let mut cuts = elements.to_vec();
+/// Where stiffness, rest shape or spine change, and the lumped masses.
+fn material_jumps(params: &RodParams) -> Vec<f64> {
+    let alike = |a: &Span, b: &Span| {
+        Span { end_m: a.end_m, mass_kg_m: a.mass_kg_m, spread_mass_kg_m: a.spread_mass_kg_m, ..b.clone() } == *a
+    };
+    let jumps = params.spans.windows(2).filter(|pair| !alike(&pair[0], &pair[1]));
+    let mut places: Vec<f64> = jumps.map(|pair| pair[0].end_m).collect();
+    places.extend(params.masses.iter().map(|mass| mass.position_m));
+    places.extend(params.sections.iter().flat_map(|section| [section.start_m, section.start_m + section.length_m]));
+    places
+}
+
+/// Ends of all cells: wherever a property jumps, subdivided to the wanted resolution.
+fn cell_ends(params: &RodParams) -> Vec<f64> {
+    let elements = element_ends(params);
+    let mut cuts = elements.clone();
     cuts.extend(params.spans.iter().map(|span| span.end_m));
     cuts.extend(params.masses.iter().map(|mass| mass.position_m));
     for section in &params.sections {
@@ -132,11 +151,12 @@ fn cell_ends(params: &RodParams, elements: &[f64], most_modes: usize) -> Vec<f64
     let cuts = sorted_unique(cuts, params.length_m());
     let mut ends = vec![0.0];
     for window in cuts.windows(2) {
-        let middle = 0.5 * (window[0] + window[1]);
-        let element = elements.windows(2).find(|element| middle < element[1]).unwrap_or(window);
-        let enough_m = (element[1] - element[0]) / most_modes.div_ceil(2) as f64;
         let length = window[1] - window[0];
-        let count = (length / params.resolution.cell_m.min(enough_m) - 1e-9).ceil().max(1.0) as usize;
+        let element = elements.windows(2).find(|element| window[0] < element[1] - 5e-7);
+        let share = element.map_or(1.0, |element| length / (element[1] - element[0]));
+        // Too few Gauss points could not tell the polynomials of an element apart.
+        let least = (share * params.resolution.least_cells() as f64 - 1e-9).ceil();
+        let count = (length / params.resolution.cell_m - 1e-9).ceil().max(least).max(1.0) as usize;
         ends.extend((1..=count).map(|k| window[0] + length * k as f64 / count as f64));
     }
     ends

@@ -14,6 +14,8 @@ use super::system::{System, Work};
 const MOST_ITERATIONS: usize = 150;
 /// Changes of the taut set at any iterate; after so many, each set is solved for first.
 const QUICK_SET_CHANGES: usize = 10;
+/// Iterations after which the weights of the balance no longer follow the saturation of the spine.
+const HOLD_WEIGHTS_AFTER: usize = 12;
 const MOST_SET_CHANGES: usize = 30;
 /// A tendon may be overstretched by this share of the solve's tolerance before it counts as taut …
 const SET_TOLERANCE: f64 = 0.1;
@@ -46,6 +48,8 @@ pub(super) struct Solver {
     steps: Vec<DVector<f64>>,
     /// Size of the last step, metres: what the residual is worth at the tip.
     pub(super) residual_m: f64,
+    /// Iterations after which a solve is given up.
+    pub(super) patience: usize,
     /// Iterations since construction.
     pub(super) iterations: u64,
     /// Derivatives since construction.
@@ -79,6 +83,7 @@ impl Solver {
             kept: Kept::Nothing,
             steps: Vec::new(),
             residual_m: 0.0,
+            patience: MOST_ITERATIONS,
             iterations: 0,
             derivatives: 0,
             factorisations: 0,
@@ -100,11 +105,14 @@ impl Solver {
         self.steps.clear();
         let need = if conditions.motion.rate > 0.0 { Kept::Motion } else { Kept::Rest };
         let mut stale = self.kept != need;
-        for _ in 0..MOST_ITERATIONS {
+        self.work.weights_held = false;
+        for iteration in 0..self.patience {
             self.iterations += 1;
-            let fresh = stale;
+            let hold_weights = iteration == HOLD_WEIGHTS_AFTER;
+            self.work.weights_held |= hold_weights;
+            let fresh = stale || hold_weights;
             let current = Conditions { taut, ..*conditions };
-            let (step, size) = match self.correct(system, unknowns, &current, stale) {
+            let (step, size) = match self.correct(system, unknowns, &current, fresh) {
                 Ok(correction) => correction,
                 Err(failure) => return self.give_up(failure),
             };
@@ -160,7 +168,7 @@ impl Solver {
         }
         self.factor(system, conditions);
         let mut step = self.step(system).ok_or(Status::NotConverged)?;
-        let size = system.size_of_step_m(&step.as_slice()[..system.grid.unknowns]);
+        let size = system.size_of_step_m(&step.as_slice()[..system.grid.unknowns], &self.work);
         if !size.is_finite() {
             return Err(Status::NotFinite);
         }
@@ -170,6 +178,11 @@ impl Solver {
         }
         unknowns.iter_mut().zip(step.iter()).for_each(|(x, dx)| *x -= dx);
         Ok((step, size))
+    }
+
+    /// Makes the next solve begin with a new derivative.
+    pub(super) fn forget(&mut self) {
+        self.kept = Kept::Nothing;
     }
 
     /// A failed solve leaves no derivative worth keeping.
