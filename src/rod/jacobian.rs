@@ -86,6 +86,7 @@ impl Derivative {
         self.tendon_border(system, conditions, work);
         if conditions.motion.rate > 0.0 {
             self.add_viscosity(system, work);
+            self.add_drag(system, conditions, work);
             self.add_inertia(system, work);
         }
     }
@@ -293,6 +294,20 @@ impl Derivative {
                 continue;
             }
             system.grid.all.test_pair(weights, (row, column), &mut self.viscosity, system.grid.unknowns);
+        }
+    }
+
+    /// Adds the derivative of the drag to D: −c |q|∘q along the body axes has the damping 2 c |q|.
+    fn add_drag(&mut self, system: &System, conditions: &Conditions, work: &Work) {
+        let drag = system.params.drag_n_s2_m3;
+        if drag == 0.0 {
+            return;
+        }
+        for (g, node) in system.grid.nodes.iter().enumerate() {
+            let r = &work.shape.node_r[g];
+            let velocity = r.tr_mul(&conditions.motion.node_velocity(g, &work.shape.node_p[g]));
+            let damping = Matrix3::from_diagonal(&(velocity.abs() * (2.0 * drag * node.weight_m)));
+            add_gram(&mut self.viscosity, &self.variation.node_move[g], &(r * damping * r.transpose()));
         }
     }
 

@@ -242,7 +242,7 @@ impl System {
                 }
                 let path = guide.path(s);
                 let stretch = path.norm();
-                work.tangents[g * count + i] = (path / stretch, stretch);
+                work.tangents[g * count + i] = (path * (1.0 / stretch), stretch);
                 work.lengths_m[i] += node.weight_m * stretch;
             }
         }
