@@ -1,5 +1,6 @@
 //! Where along the rod things are computed: cells with two Gauss–Legendre points each, and the polynomials on them.
 
+use super::basis::Basis;
 use super::params::RodParams;
 use super::span::Span;
 use super::tendon::Tendon;
@@ -43,6 +44,8 @@ pub(super) struct Grid {
     pub(super) modes: [usize; COMPONENTS],
     /// Number of polynomial coefficients in all.
     pub(super) unknowns: usize,
+    /// The polynomials at all nodes at once.
+    pub(super) all: Basis,
     /// Where the polynomials begin and end, metres.
     pub(super) elements_m: Vec<f64>,
 }
@@ -62,6 +65,7 @@ impl Grid {
             resolution.shear_modes,
             resolution.axial_modes,
         ];
+        let most = modes.iter().copied().max().unwrap_or(0);
         let boundaries_m = cell_ends(params);
         let per_element: usize = modes.iter().sum();
         let mut grid = Grid {
@@ -70,9 +74,9 @@ impl Grid {
             unknowns: per_element * (elements.len() - 1),
             modes,
             boundaries_m,
+            all: Basis::new(&[], modes),
             elements_m: elements.clone(),
         };
-        let most = modes.iter().copied().max().unwrap_or(0);
         for window in grid.boundaries_m.windows(2) {
             let (start, length) = (window[0], window[1] - window[0]);
             grid.cells.push(Cell { length_m: length });
@@ -92,6 +96,7 @@ impl Grid {
                 grid.nodes.push(Node { position_m, weight_m: 0.5 * length, offset, basis });
             }
         }
+        grid.all = Basis::new(&grid.nodes, modes);
         grid
     }
 

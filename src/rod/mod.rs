@@ -4,6 +4,7 @@
 //! derivation is in `docs/rod.md`.
 
 mod advance;
+mod basis;
 mod conditions;
 mod grid;
 mod jacobian;
@@ -30,7 +31,7 @@ mod variation;
 pub use memory::{HistoryMoment, MemoryState, MomentLaw};
 pub use params::{CompressibleSection, LineLoad, PointLoad, PointMass, Resolution, RodParams, TipLoad};
 pub use scheme::Scheme;
-pub use simulation::{Drive, Energy, Rod};
+pub use simulation::{Drive, Effort, Energy, Rod};
 pub use span::{Span, Taper};
 pub use state::CrossSection;
 pub use status::Status;

@@ -12,7 +12,7 @@ use super::params::RodParams;
 use super::section::{Section, Six};
 use super::shape::Shape;
 use super::tendon::Guide;
-use crate::math::rotation;
+use crate::math::{rotation, three, vectorised};
 
 /// A rod with its discretisation; constant during a simulation.
 #[derive(Clone, Debug)]
@@ -42,6 +42,8 @@ pub(super) struct Work {
     pub(super) lengths_m: Vec<f64>,
     /// Tangent stiffness of the history moments at the Gauss points.
     pub(super) history_tangent: Vec<[[f64; 2]; 2]>,
+    /// Room for a field over the Gauss points.
+    field: Vec<f64>,
     /// Internal minus external wrench at the Gauss points, body frame.
     pub(super) imbalance: Vec<Six>,
     /// Axial compliance that weights the balance at each Gauss point, 1/N.
@@ -106,6 +108,7 @@ impl System {
             tangents: vec![(Vector3::zeros(), 0.0); nodes * tendons],
             lengths_m: vec![0.0; tendons],
             history_tangent: vec![[[0.0; 2]; 2]; nodes],
+            field: vec![0.0; COMPONENTS * nodes],
             imbalance: vec![[0.0; COMPONENTS]; nodes],
             axial_weight: vec![0.0; nodes],
             weights_held: false,
@@ -120,6 +123,14 @@ impl System {
 
     /// Evaluates the equations at `unknowns`.
     pub(super) fn evaluate(&self, unknowns: &[f64], conditions: &Conditions, work: &mut Work) {
+        vectorised(
+            #[inline(always)]
+            || self.evaluate_all(unknowns, conditions, work),
+        );
+    }
+
+    #[inline(always)]
+    fn evaluate_all(&self, unknowns: &[f64], conditions: &Conditions, work: &mut Work) {
         let (coefficients, tensions) = unknowns.split_at(self.grid.unknowns);
         work.shape.update(&self.grid, &self.sections, coefficients);
         self.update_tendons(work);
@@ -136,11 +147,14 @@ impl System {
             let axial = work.shape.compliance.iter().map(|compliance| compliance.diagonal[3]);
             work.axial_weight.iter_mut().zip(axial).for_each(|(weight, own)| *weight = own);
         }
-        for g in 0..self.grid.nodes.len() {
+        let points = self.grid.all.points;
+        for (g, node) in self.grid.nodes.iter().enumerate() {
             let imbalance = self.imbalance(g, tensions, conditions, work);
+            let strain = work.weigh(g, &imbalance);
+            (0..COMPONENTS).for_each(|c| work.field[c * points + g] = node.weight_m * strain[c]);
             work.imbalance[g] = imbalance;
-            self.project(g, &work.weigh(g, &imbalance), &mut work.residual);
         }
+        self.grid.all.test(&work.field, &mut work.residual);
         for (i, hold) in conditions.holds.iter().enumerate() {
             work.residual[self.grid.unknowns + i] = match *hold {
                 Hold::Length(_) if conditions.taut[i] => self.overstretch_m(i, hold, tensions[i], work),
@@ -158,6 +172,7 @@ impl System {
     }
 
     /// Internal minus external wrench at Gauss point `g`, body frame.
+    #[inline(always)]
     fn imbalance(&self, g: usize, tensions: &[f64], conditions: &Conditions, work: &mut Work) -> Six {
         let section = &self.sections[g];
         let strain = work.shape.strain[g];
@@ -192,8 +207,8 @@ impl System {
             }
         }
         let r = &work.shape.node_r[g];
-        let moment = r.tr_mul(&work.loads.moment[g]);
-        let force = r.tr_mul(&work.loads.force[g]);
+        let moment = three::turned_back(r, &work.loads.moment[g]);
+        let force = three::turned_back(r, &work.loads.force[g]);
         for a in 0..3 {
             total[a] -= moment[a];
             total[a + 3] -= force[a];
@@ -203,6 +218,7 @@ impl System {
 
     /// Wrench of a unit tension of tendon `i` on the cross-section at `g`: (r × t, t), zero past the tendon's end.
     /// It is also d length / d strain (Rucker & Webster 2011, in variational form).
+    #[inline(always)]
     pub(super) fn tendon_wrench(&self, g: usize, i: usize, work: &Work) -> Six {
         let (t, stretch) = work.tangents[g * self.params.tendons.len() + i];
         if stretch == 0.0 {
@@ -213,6 +229,7 @@ impl System {
     }
 
     /// Path tangents and lengths of all tendons: a = v + u × r + r′ a length of backbone.
+    #[inline(always)]
     fn update_tendons(&self, work: &mut Work) {
         let count = self.params.tendons.len();
         work.lengths_m.fill(0.0);
@@ -231,6 +248,7 @@ impl System {
         }
     }
 
+    #[allow(dead_code)] // until sensitivities land
     /// Adds the weak form of a strain-like vector at Gauss point `g` to the balance equations.
     pub(super) fn project(&self, g: usize, value: &Six, out: &mut [f64]) {
         let node = &self.grid.nodes[g];
