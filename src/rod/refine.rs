@@ -27,8 +27,8 @@ const CAUTION: f64 = 15.0;
 /// A rod whose material remembers has fronts where it yields, kinks that no polynomial resolves: such rods are held to
 /// this many times the tolerance.
 const MEMORY_TOLERANCE: f64 = 100.0;
-/// Share of the length that the indicator may say a moving rod's tip is off by before its answer is refused.
-const MOTION_BOUND: f64 = 0.02;
+/// Share of the length that the estimate may say a moving rod's tip is off by before its answer is refused.
+const MOTION_BOUND: f64 = 0.05;
 /// The two-point Gauss rule leaves h⁵ f⁗ / 4320; three times as much covers the fields that enter each other.
 const CELL_ERROR: f64 = 3.0 / 4320.0;
 /// The fourth-order Magnus step leaves about this share of its commutator times the squared angle of the cell.
@@ -110,27 +110,45 @@ impl System {
         total
     }
 
+    /// The strain at Gauss point `g` that the imbalance there amounts to, without its polynomial part: that is what the
+    /// last iteration has not solved for yet and then did.
+    fn lacking(&self, g: usize, work: &Work) -> Six {
+        let node = &self.grid.nodes[g];
+        let mut strain = work.weigh(g, &work.imbalance[g]);
+        let element = node.offset[0] / self.grid.modes.iter().sum::<usize>();
+        let per_length = 1.0 / (self.grid.elements_m[element + 1] - self.grid.elements_m[element]);
+        for (c, value) in strain.iter_mut().enumerate() {
+            let own = &work.residual[node.offset[c]..node.offset[c] + self.grid.modes[c]];
+            let mut odd = per_length;
+            for (residual, basis) in own.iter().zip(&node.basis) {
+                *value -= odd * residual * basis;
+                odd += 2.0 * per_length;
+            }
+        }
+        strain
+    }
+
     /// What the polynomials that are missing put the tip off by, metres. The imbalance that they leave at the Gauss
     /// points is weighed to nothing by the polynomials that are there; as a strain that the rod lacks, it moves the tip
     /// by its product with a lever that is no polynomial (one Picard iteration of the exact balance).
     /// Where it changes the length of a taut tendon, the tendon bends the rod back by that length over its offset.
     fn balance_error_m(&self, work: &Work, taut: &[bool]) -> f64 {
         let tip = work.shape.tip_m();
+        let lacking: Vec<Six> = (0..self.grid.nodes.len()).map(|g| self.lacking(g, work)).collect();
         let (mut moved, mut turned) = (Vector3::zeros(), Vector3::zeros());
         let mut bent_rad = 0.0;
         for i in (0..taut.len()).filter(|&i| taut[i]) {
             let (mut longer, mut offset) = (0.0, 0.0_f64);
             for (g, node) in self.grid.nodes.iter().enumerate() {
                 let pull = self.tendon_wrench(g, i, work);
-                let lacking = work.weigh(g, &work.imbalance[g]);
-                longer += node.weight_m * pull.iter().zip(&lacking).map(|(a, b)| a * b).sum::<f64>();
+                longer += node.weight_m * pull.iter().zip(&lacking[g]).map(|(a, b)| a * b).sum::<f64>();
                 let [x, y] = self.guides[g * taut.len() + i].offset_m;
                 offset = offset.max(x.hypot(y));
             }
             bent_rad += (longer / offset).abs();
         }
         for (g, node) in self.grid.nodes.iter().enumerate() {
-            let lacking = work.weigh(g, &work.imbalance[g]);
+            let lacking = &lacking[g];
             let r = &work.shape.node_r[g];
             let turn = r * Vector3::new(lacking[0], lacking[1], lacking[2]) * node.weight_m;
             let stretch = r * Vector3::new(lacking[3], lacking[4], lacking[5]) * node.weight_m;
@@ -154,7 +172,7 @@ fn square(strain: &Six) -> f64 {
 
 impl Rod {
     /// What the discretisation in space may put the tip off by, metres: after a static solve the difference between
-    /// two grids, or an indicator where that is well below the tolerance; in motion the indicator.
+    /// two grids, or an estimate on one grid where that is below the tolerance; in motion that estimate.
     pub fn space_error_m(&self) -> f64 {
         self.space.error_m
     }
