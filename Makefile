@@ -3,7 +3,7 @@
 SHELL := bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build reproduce test bench verify
+.PHONY: help build reproduce test bench campaign verify
 
 # Repetitions of every experiment, data and training included. Claims need ten; SEEDS=1 takes minutes.
 SEEDS ?= 10
@@ -31,6 +31,10 @@ bench: build ## microbenchmarks, then one repetition of everything from nothing:
 	cargo bench
 	@scratch=$$(mktemp -d) && trap 'rm -rf "$$scratch"' EXIT && \
 	$(SPINEBENCH) run $(SPECS) --seeds 1 --out "$$scratch" --cache "$$scratch/cache"
+
+campaign: ## 100,000 random robots and commands, judged by an independent solver (over an hour; CAMPAIGN_DRAWS=1000 for a look)
+	mkdir -p results/robustness
+	CAMPAIGN_OUT=results/robustness/campaign.csv cargo test --release --test rod_campaign full_campaign -- --ignored --nocapture
 
 verify: build ## rerun from nothing and compare with the published results/ and plots/, byte for byte
 	$(SPINEBENCH) verify

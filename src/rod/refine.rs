@@ -14,12 +14,12 @@ use super::status::Status;
 use super::system::{System, Work};
 use crate::math::polynomial::legendre;
 
-/// How often the grid may be refined: cells to an eighth, 24 polynomials for each bending moment.
-const MOST_REFINEMENTS: u32 = 3;
+/// How often the grid may be refined: cells to an eighth, and polynomials that end at every jump of the material.
+const MOST_REFINEMENTS: u32 = 4;
 /// Polynomials added by the first refinement; each further one adds two more than the one before.
 const MORE_MODES: usize = 4;
-/// About as many polynomial coefficients may the levels have.
-const MOST_UNKNOWNS: [usize; MOST_REFINEMENTS as usize] = [250, 400, 600];
+/// About as many polynomial coefficients may the levels from the second on have.
+const MOST_UNKNOWNS: [usize; MOST_REFINEMENTS as usize - 1] = [250, 400, 600];
 /// Newton iterations from one grid to the next.
 const PATIENCE: usize = 40;
 /// One Picard iteration is the first term of a series; it counts this many times.
@@ -55,21 +55,26 @@ impl Space {
 }
 
 impl RodParams {
-    /// The same rod with `base` refined `level` times: each time cells are halved and polynomials added, and from the
-    /// first time on they end at every jump of the material. Many elements get fewer polynomials each.
+    /// The same rod with `base` refined `level` times: cells are halved and polynomials added each time. From the second
+    /// time on polynomials end at every jump of the material; many elements get fewer polynomials each.
     fn refined(&self, base: &Resolution, level: u32) -> RodParams {
         let mut params = RodParams { resolution: *base, ..self.clone() };
         if level == 0 {
             return params;
         }
-        params.resolution.split_elements = true;
-        let own = MOST_UNKNOWNS[level as usize - 1] / (element_ends(&params).len() - 1);
-        // Twice as many for two bending moments as for four other components, half as many again each.
-        let others = (own / 7).max(1 + level as usize);
-        let more: usize = (0..level as usize).map(|k| MORE_MODES + 2 * k).sum();
+        let k = level as usize - 1;
+        let more: usize = (0..=k).map(|k| MORE_MODES + 2 * k).sum();
+        let (mut bending, mut others) = (usize::MAX, usize::MAX);
+        if level > 1 {
+            params.resolution.split_elements = true;
+            let own = MOST_UNKNOWNS[k - 1] / (element_ends(&params).len() - 1);
+            // Half as many again for two bending moments as for each of the four other components.
+            others = (own / 7).max(1 + k);
+            bending = others + others / 2;
+        }
         params.resolution = Resolution {
-            cell_m: base.cell_m / f64::from(1 << level),
-            bending_modes: (others + others / 2).min(base.bending_modes + more),
+            cell_m: base.cell_m / f64::from(1 << level.min(3)),
+            bending_modes: bending.min(base.bending_modes + more),
             torsion_modes: others.min(base.torsion_modes + more),
             shear_modes: others.min(base.shear_modes + more),
             axial_modes: others.min(base.axial_modes + more),
@@ -216,8 +221,12 @@ impl Rod {
             status = finer.solve_static(holds, 1.0);
             finer.solver.patience = patience;
             let apart_m = finer.distance_m(self);
-            finer.space.error_m = left_m(before_m, apart_m).min(finer.estimate_m());
-            before_m = apart_m;
+            finer.space.error_m = finer.estimate_m();
+            // More of the same polynomials come nearer so slowly, where the wrench jumps, that agreement says little.
+            if finer.space.level > 2 {
+                finer.space.error_m = finer.space.error_m.min(left_m(before_m, apart_m));
+                before_m = apart_m;
+            }
             let coarser = std::mem::replace(self, finer);
             fallback.get_or_insert(coarser);
             if status != Status::Converged {
@@ -296,6 +305,7 @@ impl Rod {
         rod.state.memory = self.state.memory.iter().map(|states| to.spread(from, states)).collect();
         rod.state.shape.update(to, &rod.system.sections, &rod.state.unknowns[..to.unknowns]);
         rod.solver.iterations = self.solver.iterations;
+        rod.solver.derivatives = self.solver.derivatives;
         rod.solver.factorisations = self.solver.factorisations;
         rod
     }

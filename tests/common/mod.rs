@@ -1,6 +1,9 @@
 //! Shared by the integration tests: reference robots and a small CSV reader.
 #![allow(dead_code, unreachable_pub, missing_docs)]
 
+pub mod oracle;
+pub mod random_robot;
+
 use nalgebra::{Matrix3, Vector3};
 use spinebench::effects::Model;
 use spinebench::rod::{Resolution, RodParams, Span, Tendon, TipLoad};
