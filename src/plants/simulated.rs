@@ -5,9 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::PlantEntry;
 use crate::base::{BadOption, Generator, Observation, Plant, PlantError, Seed, TendonCommand};
-use crate::effects::{Effect, EffectSpec, Model};
-use crate::math::rotation;
-use crate::rod::{Drive, Rod, Status, TipLoad};
+use crate::effects::{Driven, EffectSpec, Model, Variable, VariationError};
+use crate::rod::{Rod, RodParams, TipLoad, TipRate};
 
 /// Settings of a simulated robot besides its model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -45,8 +44,7 @@ impl SimulatedOptions {
 
 /// A Cosserat rod as a [`Plant`].
 pub struct Simulated {
-    rod: Rod,
-    effects: Vec<Box<dyn Effect>>,
+    driven: Driven,
     options: SimulatedOptions,
     time_s: f64,
     noise: Generator,
@@ -60,33 +58,51 @@ pub(super) const ENTRY: PlantEntry = PlantEntry {
 impl Simulated {
     /// A robot that follows a checked model, with `extra` effects (such as a load for some trials) on top.
     pub fn new(model: &Model, extra: &[EffectSpec], options: SimulatedOptions) -> Simulated {
-        Simulated {
-            rod: Rod::new(model.rod(extra)),
-            effects: model.effects(extra),
-            options,
-            time_s: 0.0,
-            noise: Seed(0).rng(),
-        }
+        Simulated::of(Driven::new(model, extra), options)
+    }
+
+    /// The same, with derivatives of the tip with respect to `variables`.
+    ///
+    /// # Errors
+    /// [`VariationError`] for the first variable without one.
+    pub fn varied(
+        model: &Model,
+        extra: &[EffectSpec],
+        options: SimulatedOptions,
+        variables: &[Variable],
+    ) -> Result<Simulated, VariationError> {
+        Ok(Simulated::of(Driven::varied(model, extra, variables)?, options))
+    }
+
+    fn of(driven: Driven, options: SimulatedOptions) -> Simulated {
+        Simulated { driven, options, time_s: 0.0, noise: Seed(0).rng() }
     }
 
     /// The rod itself, for its shape, tensions and energy.
     pub fn rod(&self) -> &Rod {
-        &self.rod
+        self.driven.rod()
+    }
+
+    /// Derivative of the measured tip with respect to each variable, per unit of it.
+    pub fn tip_rates(&self) -> Vec<TipRate> {
+        self.driven.tip_rates()
     }
 
     /// Adds a load at the tip to that of the model, from now on.
     pub fn set_extra_tip_load(&mut self, extra: TipLoad) {
-        let own = self.rod.params().tip_load;
-        self.rod
-            .set_tip_load(TipLoad { force_n: own.force_n + extra.force_n, moment_nm: own.moment_nm + extra.moment_nm });
+        self.driven.set_extra_tip_load(&|_| extra);
+    }
+
+    /// The same with a load that depends on the rod, such as on its gravity.
+    pub fn set_extra_tip_load_of(&mut self, load: &dyn Fn(&RodParams) -> TipLoad) {
+        self.driven.set_extra_tip_load(load);
     }
 
     /// Straight, without history, tendons slack: the start of a trial that is driven by tensions.
     pub fn reset_slack(&mut self, seed: Seed) {
         self.noise = seed.child("tracking").rng();
         self.time_s = 0.0;
-        self.rod.restart();
-        self.effects.iter_mut().for_each(|effect| effect.reset());
+        self.driven.restart();
     }
 
     /// Brings the robot to rest under `commands` instead of at home.
@@ -94,8 +110,8 @@ impl Simulated {
     /// # Errors
     /// As [`Plant::drive`].
     pub fn settle(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
-        let drives = self.drives(commands, f64::INFINITY)?;
-        solved(self.rod.settle(&drives))?;
+        self.check(commands)?;
+        self.driven.settle(commands)?;
         Ok(self.observe(commands))
     }
 
@@ -104,11 +120,10 @@ impl Simulated {
     /// # Errors
     /// As [`Plant::drive`].
     pub fn apply_tensions(&mut self, tensions_n: &[f64], settled: bool) -> Result<Observation, PlantError> {
-        let drives: Vec<Drive> = tensions_n.iter().map(|&tension| Drive::Tension(tension)).collect();
         if settled {
-            solved(self.rod.settle(&drives))?;
+            self.driven.settle_under(tensions_n)?;
         } else {
-            solved(self.rod.advance(&drives, self.options.step_s))?;
+            self.driven.advance_under(tensions_n, self.options.step_s)?;
             self.time_s += self.options.step_s;
         }
         Ok(self.observe(&vec![TendonCommand::Follow; tensions_n.len()]))
@@ -119,16 +134,9 @@ impl Simulated {
         self.options.step_s = step_s;
     }
 
-    /// Applies the effects on the drives to a command that is held for `dt_s` seconds (infinite: until all is at rest).
-    fn drives(&mut self, commands: &[TendonCommand], dt_s: f64) -> Result<Vec<Drive>, PlantError> {
-        if commands.len() != self.tendons() {
-            return Err(PlantError::Refused(format!("{} tendons, expected {}", commands.len(), self.tendons())));
-        }
-        let mut pulls: Vec<f64> = Vec::with_capacity(commands.len());
-        // A drive that follows stands where the shape has taken it; the effects' histories go on from there.
-        let remembered = !self.effects.is_empty() && commands.contains(&TendonCommand::Follow);
-        let following = if remembered { self.rod.following_pulls_m() } else { vec![0.0; commands.len()] };
-        for (command, following) in commands.iter().zip(following) {
+    /// Refuses displacements that are not finite or beyond the travel.
+    fn check(&self, commands: &[TendonCommand]) -> Result<(), PlantError> {
+        for command in commands {
             match *command {
                 TendonCommand::Pull(pull) if !pull.is_finite() => {
                     return Err(PlantError::Refused("a displacement that is not finite".into()));
@@ -137,37 +145,14 @@ impl Simulated {
                     let travel = self.options.travel_m;
                     return Err(PlantError::Refused(format!("a displacement of {pull} m, travel is ±{travel} m")));
                 }
-                TendonCommand::Pull(pull) => pulls.push(pull),
-                TendonCommand::Follow => pulls.push(following),
+                _ => {}
             }
         }
-        for effect in &mut self.effects {
-            effect.command(&mut pulls, dt_s);
-        }
-        let drive = |(command, pull): (&TendonCommand, f64)| match command {
-            TendonCommand::Pull(_) => Drive::Pull(pull),
-            TendonCommand::Follow => Drive::Follow,
-        };
-        Ok(commands.iter().zip(pulls).map(drive).collect())
+        Ok(())
     }
 
     fn observe(&mut self, commands: &[TendonCommand]) -> Observation {
-        let following = self.rod.following_pulls_m();
-        let pull = |(command, following): (&TendonCommand, f64)| match *command {
-            TendonCommand::Pull(pull) => pull,
-            TendonCommand::Follow => following,
-        };
-        let mut seen = Observation {
-            time_s: self.time_s,
-            tip_m: self.rod.tip_m().into(),
-            tip_quaternion: Some(rotation::to_quaternion(&self.rod.tip_rotation())),
-            pulls_m: commands.iter().zip(following).map(pull).collect(),
-            tensions_n: Some(self.rod.tensions_n().to_vec()),
-            valid: true,
-        };
-        for effect in &self.effects {
-            effect.observe(&mut seen);
-        }
+        let mut seen = self.driven.observation(commands, self.time_s);
         if let Ok(normal) = Normal::new(0.0, self.options.noise_m) {
             seen.tip_m.iter_mut().for_each(|value| *value += normal.sample(&mut self.noise));
         }
@@ -177,7 +162,7 @@ impl Simulated {
 
 impl Plant for Simulated {
     fn tendons(&self) -> usize {
-        self.rod.params().tendons.len()
+        self.rod().params().tendons.len()
     }
 
     fn step_s(&self) -> f64 {
@@ -190,18 +175,9 @@ impl Plant for Simulated {
     }
 
     fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
-        // As many parts as the rod takes time steps, so that what the drives do late they do at its time.
-        let parts = self.rod.steps_in(self.options.step_s);
-        let part_s = self.options.step_s / parts;
-        for _ in 0..parts as u64 {
-            let drives = self.drives(commands, part_s)?;
-            solved(self.rod.advance(&drives, part_s))?;
-        }
+        self.check(commands)?;
+        self.driven.advance(commands, self.options.step_s)?;
         self.time_s += self.options.step_s;
         Ok(self.observe(commands))
     }
-}
-
-fn solved(status: Status) -> Result<(), PlantError> {
-    if status == Status::Converged { Ok(()) } else { Err(PlantError::Solver(status.name().into())) }
 }

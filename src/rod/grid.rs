@@ -1,10 +1,13 @@
 //! Where along the rod things are computed: cells with two Gauss–Legendre points each, and the polynomials on them.
 
-use super::params::RodParams;
+use super::params::{Resolution, RodParams};
 use crate::math::polynomial::legendre;
 
 /// Half the distance between the two Gauss points, as a share of the cell: √3/6.
 pub(super) const GAUSS: f64 = 0.288_675_134_594_812_9;
+
+/// Cuts that are closer are one, metres.
+const SAME_PLACE_M: f64 = 1e-6;
 
 /// Internal wrench components in the body frame: moments about x, y, z, then forces along x, y, z.
 pub(super) const COMPONENTS: usize = 6;
@@ -47,8 +50,23 @@ impl Grid {
     /// Cuts the rod at every jump of its properties and at masses, and then to the wanted resolution. The internal
     /// wrench is one polynomial a component between tendon ends, where it may jump.
     pub(super) fn new(params: &RodParams) -> Grid {
-        let elements = element_ends(params);
-        let resolution = &params.resolution;
+        let cuts = sorted_unique(cell_cuts(params), params.length_m());
+        Grid::on(&params.resolution, subdivided(&cuts, &cuts, params.resolution.cell_m), &element_ends(params))
+    }
+
+    /// The discretisation of a rod that differs a little from `params`, the one that this grid is made for: the same
+    /// cells and polynomials, moved along. `None` where there is none: parts came or went, or what had one place no
+    /// longer has.
+    pub(super) fn moved(&self, params: &RodParams, changed: &RodParams) -> Option<Grid> {
+        let same = params.resolution == changed.resolution;
+        let cuts = sorted_unique(cell_cuts(params), params.length_m());
+        let moved = moved_along(&cuts, &cell_cuts(params), &cell_cuts(changed))?;
+        let ends = moved_along(&element_ends(params), &element_cuts(params), &element_cuts(changed))?;
+        same.then(|| Grid::on(&params.resolution, subdivided(&cuts, &moved, params.resolution.cell_m), &ends))
+    }
+
+    /// The grid with cells between `boundaries_m` and polynomials between `elements`.
+    fn on(resolution: &Resolution, boundaries_m: Vec<f64>, elements: &[f64]) -> Grid {
         let modes = [
             resolution.bending_modes,
             resolution.bending_modes,
@@ -57,7 +75,6 @@ impl Grid {
             resolution.shear_modes,
             resolution.axial_modes,
         ];
-        let boundaries_m = cell_ends(params);
         let per_element: usize = modes.iter().sum();
         let mut grid = Grid {
             cells: Vec::new(),
@@ -98,35 +115,60 @@ impl Grid {
     }
 }
 
-/// Base, tendon ends inside the rod, tip.
-fn element_ends(params: &RodParams) -> Vec<f64> {
-    let mut ends = vec![0.0, params.length_m()];
-    ends.extend(params.tendons.iter().map(|tendon| tendon.end_m));
-    sorted_unique(ends, params.length_m())
+/// Base, tip, tendon ends, in a fixed order.
+fn element_cuts(params: &RodParams) -> Vec<f64> {
+    let mut cuts = vec![0.0, params.length_m()];
+    cuts.extend(params.tendons.iter().map(|tendon| tendon.end_m));
+    cuts
 }
 
-/// Ends of all cells: wherever a property jumps, subdivided to the wanted resolution.
-fn cell_ends(params: &RodParams) -> Vec<f64> {
-    let mut cuts = element_ends(params);
+/// Base, tendon ends inside the rod, tip.
+fn element_ends(params: &RodParams) -> Vec<f64> {
+    sorted_unique(element_cuts(params), params.length_m())
+}
+
+/// Wherever a property jumps or a mass sits, in a fixed order.
+fn cell_cuts(params: &RodParams) -> Vec<f64> {
+    let mut cuts = element_cuts(params);
     cuts.extend(params.spans.iter().map(|span| span.end_m));
     cuts.extend(params.masses.iter().map(|mass| mass.position_m));
     for section in &params.sections {
         cuts.extend([section.start_m, section.start_m + section.length_m]);
     }
-    let cuts = sorted_unique(cuts, params.length_m());
+    cuts
+}
+
+/// Ends of cells between `cuts`, as many between two as `cell_m` asks for between the same two of `original`.
+fn subdivided(original: &[f64], cuts: &[f64], cell_m: f64) -> Vec<f64> {
     let mut ends = vec![0.0];
-    for window in cuts.windows(2) {
-        let length = window[1] - window[0];
-        let count = (length / params.resolution.cell_m - 1e-9).ceil().max(1.0) as usize;
-        ends.extend((1..=count).map(|k| window[0] + length * k as f64 / count as f64));
+    for (before, now) in original.windows(2).zip(cuts.windows(2)) {
+        let count = ((before[1] - before[0]) / cell_m - 1e-9).ceil().max(1.0) as usize;
+        ends.extend((1..=count).map(|k| now[0] + (now[1] - now[0]) * k as f64 / count as f64));
     }
     ends
 }
 
+/// Where each of `places` goes when the cuts that stand there go from `from` to `to`; `None` when they part, or when
+/// there are not as many.
+fn moved_along(places: &[f64], from: &[f64], to: &[f64]) -> Option<Vec<f64>> {
+    if from.len() != to.len() {
+        return None;
+    }
+    let moved = places.iter().map(|&place| {
+        let here = from.iter().zip(to).filter(|&(&cut, _)| (place..place + SAME_PLACE_M).contains(&cut));
+        let shifts: Vec<f64> = here.map(|(cut, then)| then - cut).collect();
+        let first = *shifts.first()?;
+        let together = shifts.iter().all(|shift| (shift - first).abs() <= 1e-4 * first.abs() + 1e-14);
+        together.then_some(place + first)
+    });
+    let moved: Vec<f64> = moved.collect::<Option<_>>()?;
+    moved.is_sorted_by(|a, b| a < b).then_some(moved)
+}
+
 /// Sorts, drops what lies outside [0, length] and merges what lies closer than a micrometre.
 fn sorted_unique(mut values: Vec<f64>, length_m: f64) -> Vec<f64> {
-    values.retain(|&value| (0.0..=length_m + 1e-6).contains(&value));
+    values.retain(|&value| (0.0..=length_m + SAME_PLACE_M).contains(&value));
     values.sort_by(f64::total_cmp);
-    values.dedup_by(|b, a| *b - *a < 1e-6);
+    values.dedup_by(|b, a| *b - *a < SAME_PLACE_M);
     values
 }

@@ -22,6 +22,12 @@ impl Triple {
         Triple { rows: [vec![0.0; n], vec![0.0; n], vec![0.0; n]] }
     }
 
+    /// Change that a change of the unknowns makes.
+    pub(super) fn times(&self, change: &[f64]) -> Vector3<f64> {
+        let row = |axis: usize| self.rows[axis].iter().zip(change).map(|(a, b)| a * b).sum();
+        Vector3::new(row(0), row(1), row(2))
+    }
+
     fn fill_zero(&mut self) {
         self.rows.iter_mut().for_each(|row| row.fill(0.0));
     }

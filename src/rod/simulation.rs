@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::conditions::{Conditions, Hold};
+use super::memory::MemoryState;
 use super::motion::Motion;
 use super::params::{RodParams, TipLoad};
 use super::scheme::{Scheme, Tableau};
@@ -42,22 +43,45 @@ const MOST_HALVINGS: u32 = 6;
 /// A tendon-driven rod.
 #[derive(Clone, Debug)]
 pub struct Rod {
-    system: System,
-    solver: Solver,
-    state: State,
-    motion: Motion,
-    stages: Vec<Rates>,
-    tableau: Tableau,
-    stage_times: Vec<f64>,
-    tip_load: TipLoad,
+    pub(super) system: System,
+    pub(super) solver: Solver,
+    pub(super) state: State,
+    pub(super) motion: Motion,
+    pub(super) stages: Vec<Rates>,
+    pub(super) tableau: Tableau,
+    pub(super) stage_times: Vec<f64>,
+    pub(super) tip_load: TipLoad,
+    /// Under what the rod came to rest; nothing once it has moved.
+    pub(super) rest: Option<Rest>,
+    /// What has been solved, for those who follow; nothing is kept when absent.
+    pub(super) trace: Option<Vec<Solved>>,
+}
+
+/// What a static solve was asked for.
+#[derive(Clone, Debug)]
+pub(super) struct Rest {
+    pub(super) holds: Vec<Hold>,
+    /// Histories before they came to rest as well.
+    pub(super) memory: Vec<Vec<MemoryState>>,
+}
+
+/// A time step that was accepted, or an equilibrium (of infinite duration).
+#[derive(Clone, Debug)]
+pub(super) struct Solved {
+    pub(super) duration_s: f64,
+    /// Unknowns and taut set of each stage.
+    pub(super) stages: Vec<(Vec<f64>, Vec<bool>)>,
 }
 
 impl Rod {
     /// A rod at rest, straight and unloaded; call [`Rod::settle`] before anything else.
     pub fn new(params: RodParams) -> Rod {
-        let tip_load = params.tip_load;
-        let scheme: Scheme = params.resolution.scheme;
-        let system = System::new(params);
+        Rod::on(System::new(params))
+    }
+
+    pub(super) fn on(system: System) -> Rod {
+        let tip_load = system.params.tip_load;
+        let scheme: Scheme = system.params.resolution.scheme;
         let tableau = scheme.tableau();
         let mut rod = Rod {
             solver: Solver::new(&system),
@@ -73,6 +97,8 @@ impl Rod {
             stage_times: scheme.stage_times(),
             tableau,
             tip_load,
+            rest: None,
+            trace: None,
             system,
         };
         rod.restart();
@@ -89,6 +115,7 @@ impl Rod {
         state.shape.update(&system.grid, &system.sections, &state.unknowns[..system.grid.unknowns]);
         self.solver = Solver::new(system);
         self.tip_load = system.params.tip_load;
+        self.rest = None;
     }
 
     /// What the rod is made of.
@@ -114,6 +141,11 @@ impl Rod {
         if status == Status::Converged {
             self.state.rates = Rates::zero(&self.system.grid);
             self.commit_memory(f64::INFINITY);
+            self.rest = Some(Rest { holds, memory: before.memory });
+            let stages = vec![(self.state.unknowns.clone(), self.state.taut.clone())];
+            self.trace
+                .iter_mut()
+                .for_each(|trace| trace.push(Solved { duration_s: f64::INFINITY, stages: stages.clone() }));
         } else {
             self.state = before;
         }
@@ -205,6 +237,8 @@ impl Rod {
     fn try_step(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, h: f64, start: &State) -> Status {
         let load = self.tip_load;
         let gravity = self.system.params.gravity_m_s2;
+        self.rest = None;
+        let mut stages = Vec::new();
         for i in 0..self.tableau.rows.len() {
             let Some(holds) = self.holds(&drives(self.stage_times[i] * h)) else { return Status::BadCommand };
             self.seed_tensions(&holds);
@@ -214,7 +248,13 @@ impl Rod {
                 return status;
             }
             self.stages[i].read(&self.motion, &self.state.shape);
+            if self.trace.is_some() {
+                stages.push((self.state.unknowns.clone(), self.state.taut.clone()));
+            }
         }
+        self.trace
+            .iter_mut()
+            .for_each(|trace| trace.push(Solved { duration_s: h, stages: std::mem::take(&mut stages) }));
         self.state.rates.clone_from(&self.stages[self.stages.len() - 1]);
         self.commit_memory(h);
         Status::Converged
@@ -242,7 +282,7 @@ impl Rod {
         status
     }
 
-    fn commit_memory(&mut self, dt_s: f64) {
+    pub(super) fn commit_memory(&mut self, dt_s: f64) {
         let shape = &self.state.shape;
         for (law, states) in self.system.params.memory.iter().zip(&mut self.state.memory) {
             for (g, state) in states.iter_mut().enumerate() {
@@ -253,7 +293,7 @@ impl Rod {
     }
 
     /// Checks the drives and adds the pretension.
-    fn holds(&self, drives: &[Drive]) -> Option<Vec<Hold>> {
+    pub(super) fn holds(&self, drives: &[Drive]) -> Option<Vec<Hold>> {
         let tendons = &self.system.params.tendons;
         if drives.len() != tendons.len() {
             return None;

@@ -41,7 +41,11 @@ pub(super) struct Work {
 
 impl System {
     pub(super) fn new(params: RodParams) -> System {
-        let grid = Grid::new(&params);
+        System::on(Grid::new(&params), params)
+    }
+
+    /// A rod on a grid that was made for it.
+    pub(super) fn on(grid: Grid, params: RodParams) -> System {
         let sections: Vec<Section> = grid.nodes.iter().map(|node| Section::new(&params, node.position_m)).collect();
         let nearest = |position: f64| {
             let distance = |k: &usize| (grid.boundaries_m[*k] - position).abs();

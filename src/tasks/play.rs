@@ -162,10 +162,11 @@ impl Trial {
             extra.force_n = Vector3::from(loads[row].force_n);
             extra.moment_nm = Vector3::from(loads[row].moment_nm);
         }
-        if let Some(hung) = &commands.known_load_kg {
-            extra.force_n += (hung[row] - self.hung_kg) * self.plant.rod().params().gravity_m_s2;
-        }
-        self.plant.set_extra_tip_load(extra);
+        let added_kg = commands.known_load_kg.as_ref().map_or(0.0, |hung| hung[row] - self.hung_kg);
+        self.plant.set_extra_tip_load_of(&|rod| TipLoad {
+            force_n: extra.force_n + added_kg * rod.gravity_m_s2,
+            moment_nm: extra.moment_nm,
+        });
     }
 
     fn command(&mut self, command: &[f64], at_rest: bool) -> Result<Observation, PlantError> {

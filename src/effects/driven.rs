@@ -1,0 +1,330 @@
+//! A model that is driven: its rod with the effects on what the drives do and on what is measured, and how all of that
+//! changes with numbers of the model, commands and loads. Without noise; [`Simulated`](crate) plants add it.
+
+use std::ops::Range;
+
+use nalgebra::Vector3;
+
+use super::sensitivity::{ParameterError, Variable};
+use super::{Effect, EffectSpec, Model};
+use crate::base::{Observation, PlantError, TendonCommand};
+use crate::math::rotation;
+use crate::rod::{Drive, Nearby, NotNearby, Rod, RodParams, Status, TipLoad, TipRate};
+
+/// Change of a number, over its scale, by which derivatives are taken: as much of their digits is lost to the
+/// curvature of the dependence as to rounding.
+const RELATIVE_STEP: f64 = 1e-7;
+
+/// Why a derivative cannot be had along a motion.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum VariationError {
+    /// The model has no such number.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// Number of the variable (from 0) whose smallest change makes another discretisation, such as a tendon's end that
+    /// leaves the tip: only differences of whole motions can tell.
+    #[error("variable {0} (from 0) does not change the rod by a little in numbers alone")]
+    NotNearby(usize),
+    /// A tendon or an axis that there is not.
+    #[error("variable {0} (from 0) names a tendon or an axis that this robot does not have")]
+    OutOfRange(usize),
+}
+
+/// A rod with the effects of a model.
+#[derive(Debug)]
+pub struct Driven {
+    rods: Nearby,
+    /// Those of the model, then those of each variation.
+    effects: Vec<Vec<Box<dyn Effect>>>,
+    variations: Vec<Variation>,
+    /// Commands since the start of the trial.
+    commands: usize,
+}
+
+/// How a rod other than the model's own differs.
+#[derive(Clone, Debug)]
+struct Variation {
+    /// Change of the variable, in its unit.
+    step: f64,
+    /// For a variable of the commands.
+    command: Option<(usize, Range<usize>)>,
+}
+
+/// What a variation is built from.
+struct Varied {
+    variation: Variation,
+    params: RodParams,
+    effects: Vec<Box<dyn Effect>>,
+}
+
+impl Driven {
+    /// A checked model with `extra` effects on top.
+    pub fn new(model: &Model, extra: &[EffectSpec]) -> Driven {
+        let rods = Nearby::alone(model.rod(extra));
+        Driven { rods, effects: vec![model.effects(extra)], variations: Vec::new(), commands: 0 }
+    }
+
+    /// The same, with derivatives of all that it does with respect to `variables`.
+    ///
+    /// # Errors
+    /// [`VariationError`] for the first variable without one.
+    pub fn varied(model: &Model, extra: &[EffectSpec], variables: &[Variable]) -> Result<Driven, VariationError> {
+        let mut driven = Driven::new(model, extra);
+        let mut params = Vec::new();
+        for (index, variable) in variables.iter().enumerate() {
+            let varied = vary(model, extra, variable, index)?;
+            driven.effects.push(varied.effects);
+            driven.variations.push(varied.variation);
+            params.push(varied.params);
+        }
+        driven.rods =
+            Nearby::new(model.rod(extra), params).map_err(|NotNearby(number)| VariationError::NotNearby(number - 1))?;
+        Ok(driven)
+    }
+
+    /// The rod itself.
+    pub fn rod(&self) -> &Rod {
+        self.rods.leader()
+    }
+
+    /// Straight, without history, tendons slack; the next command is number 0.
+    pub fn restart(&mut self) {
+        self.rods.restart();
+        self.effects.iter_mut().flatten().for_each(|effect| effect.reset());
+        self.commands = 0;
+    }
+
+    /// At rest at home, without history; the next command is number 0.
+    ///
+    /// # Errors
+    /// As [`Driven::settle`].
+    pub fn home(&mut self) -> Result<(), PlantError> {
+        self.restart();
+        let tendons = self.rod().params().tendons.len();
+        self.settle(&vec![TendonCommand::Pull(0.0); tendons])?;
+        self.commands = 0;
+        Ok(())
+    }
+
+    /// At rest without tension, without history; the next command is number 0.
+    ///
+    /// # Errors
+    /// As [`Driven::settle`].
+    pub fn slack(&mut self) -> Result<(), PlantError> {
+        self.restart();
+        let tendons = self.rod().params().tendons.len();
+        self.settle_under(&vec![0.0; tendons])?;
+        self.commands = 0;
+        Ok(())
+    }
+
+    /// Replaces the load at the tip that comes on top of the model's; `load` may depend on the rod (on its gravity).
+    pub fn set_extra_tip_load(&mut self, load: &dyn Fn(&RodParams) -> TipLoad) {
+        self.rods.set_tip_load(&|params| {
+            let (own, extra) = (params.tip_load, load(params));
+            TipLoad { force_n: own.force_n + extra.force_n, moment_nm: own.moment_nm + extra.moment_nm }
+        });
+    }
+
+    /// Comes to rest under `commands`, one a tendon.
+    ///
+    /// # Errors
+    /// [`PlantError`] when the commands are none of this robot's or the rod finds no equilibrium.
+    pub fn settle(&mut self, commands: &[TendonCommand]) -> Result<(), PlantError> {
+        let drives = self.drives(commands, f64::INFINITY)?;
+        self.commands += 1;
+        solved(self.rods.settle(&|number| drives[number].clone()))
+    }
+
+    /// Moves for `duration_s` with `commands` held.
+    ///
+    /// # Errors
+    /// As [`Driven::settle`].
+    pub fn advance(&mut self, commands: &[TendonCommand], duration_s: f64) -> Result<(), PlantError> {
+        // As many parts as the rod takes time steps, so that what the drives do late they do at its time.
+        let parts = self.rod().steps_in(duration_s);
+        let part_s = duration_s / parts;
+        for _ in 0..parts as u64 {
+            let drives = self.drives(commands, part_s)?;
+            solved(self.rods.advance_with(&|number, _| drives[number].clone(), part_s))?;
+        }
+        self.commands += 1;
+        Ok(())
+    }
+
+    /// Comes to rest under tensions in newtons.
+    ///
+    /// # Errors
+    /// As [`Driven::settle`].
+    pub fn settle_under(&mut self, tensions_n: &[f64]) -> Result<(), PlantError> {
+        let drives = self.tensions(tensions_n);
+        self.commands += 1;
+        solved(self.rods.settle(&|number| drives[number].clone()))
+    }
+
+    /// Moves for `duration_s` under tensions in newtons.
+    ///
+    /// # Errors
+    /// As [`Driven::settle`].
+    pub fn advance_under(&mut self, tensions_n: &[f64], duration_s: f64) -> Result<(), PlantError> {
+        let drives = self.tensions(tensions_n);
+        self.commands += 1;
+        solved(self.rods.advance_with(&|number, _| drives[number].clone(), duration_s))
+    }
+
+    /// What is seen at `time_s`, without noise; of a tendon that follows, where its drive stands.
+    pub fn observation(&self, commands: &[TendonCommand], time_s: f64) -> Observation {
+        let following = self.rod().following_pulls_m();
+        let pull = |(command, following): (&TendonCommand, f64)| match *command {
+            TendonCommand::Pull(pull) => pull,
+            TendonCommand::Follow => following,
+        };
+        let pulls_m = commands.iter().zip(following).map(pull).collect();
+        let mut seen = Observation { time_s, pulls_m, ..posture(self.rod()) };
+        self.effects[0].iter().for_each(|effect| effect.observe(&mut seen));
+        seen
+    }
+
+    /// Derivative of the measured tip with respect to each variable, per unit of it.
+    pub fn tip_rates(&self) -> Vec<TipRate> {
+        if self.variations.is_empty() {
+            return Vec::new();
+        }
+        let measured = |rod: &Rod, effects: &[Box<dyn Effect>]| {
+            let mut seen = posture(rod);
+            effects.iter().for_each(|effect| effect.observe(&mut seen));
+            Vector3::from(seen.tip_m)
+        };
+        let (tip, turn) = (measured(self.rod(), &self.effects[0]), self.rod().tip_rotation().transpose());
+        let others = self.rods.others().iter().zip(&self.effects[1..]).zip(&self.variations);
+        let rate = |((rod, effects), variation): ((&Rod, &Vec<Box<dyn Effect>>), &Variation)| TipRate {
+            position_m: (measured(rod, effects) - tip) / variation.step,
+            rotation_rad: rotation::log(&(rod.tip_rotation() * turn)) / variation.step,
+        };
+        others.map(rate).collect()
+    }
+
+    /// For each rod, what its drives do under `commands` that are held for `dt_s` seconds (infinite: until all is at
+    /// rest).
+    fn drives(&mut self, commands: &[TendonCommand], dt_s: f64) -> Result<Vec<Vec<Drive>>, PlantError> {
+        let tendons = self.rod().params().tendons.len();
+        if commands.len() != tendons {
+            return Err(PlantError::Refused(format!("{} tendons, expected {tendons}", commands.len())));
+        }
+        let Driven { rods, effects, variations, commands: number } = self;
+        let rods = std::iter::once(rods.leader()).chain(rods.others());
+        let shifts = std::iter::once(None).chain(variations.iter().map(|variation| variation.shift(*number)));
+        let each = rods.zip(effects).zip(shifts).map(|((rod, effects), shift)| {
+            let mut commands = commands.to_vec();
+            if let Some((tendon, step)) = shift
+                && let TendonCommand::Pull(pull) = &mut commands[tendon]
+            {
+                *pull += step;
+            }
+            driven(rod, effects, &commands, dt_s)
+        });
+        Ok(each.collect())
+    }
+
+    /// For each rod, the tensions as drives.
+    fn tensions(&self, tensions_n: &[f64]) -> Vec<Vec<Drive>> {
+        let shifts =
+            std::iter::once(None).chain(self.variations.iter().map(|variation| variation.shift(self.commands)));
+        let each = shifts.map(|shift| {
+            let own = |(tendon, &tension): (usize, &f64)| match shift {
+                Some((shifted, step)) if shifted == tendon => Drive::Tension(tension + step),
+                _ => Drive::Tension(tension),
+            };
+            tensions_n.iter().enumerate().map(own).collect()
+        });
+        each.collect()
+    }
+}
+
+impl Variation {
+    /// The tendon whose command number `number` changes, and by how much.
+    fn shift(&self, number: usize) -> Option<(usize, f64)> {
+        self.command.as_ref().filter(|(_, commands)| commands.contains(&number)).map(|(tendon, _)| (*tendon, self.step))
+    }
+}
+
+/// A rod's drives once the effects have acted on the commands.
+fn driven(rod: &Rod, effects: &mut [Box<dyn Effect>], commands: &[TendonCommand], dt_s: f64) -> Vec<Drive> {
+    // A drive that follows stands where the shape has taken it; the effects' histories go on from there.
+    let remembered = !effects.is_empty() && commands.contains(&TendonCommand::Follow);
+    let following = if remembered { rod.following_pulls_m() } else { vec![0.0; commands.len()] };
+    let pull = |(command, following): (&TendonCommand, f64)| match *command {
+        TendonCommand::Pull(pull) => pull,
+        TendonCommand::Follow => following,
+    };
+    let mut pulls: Vec<f64> = commands.iter().zip(following).map(pull).collect();
+    effects.iter_mut().for_each(|effect| effect.command(&mut pulls, dt_s));
+    let drive = |(command, pull): (&TendonCommand, f64)| match command {
+        TendonCommand::Pull(_) => Drive::Pull(pull),
+        TendonCommand::Follow => Drive::Follow,
+    };
+    commands.iter().zip(pulls).map(drive).collect()
+}
+
+/// What a rod shows of itself.
+fn posture(rod: &Rod) -> Observation {
+    Observation {
+        time_s: 0.0,
+        tip_m: rod.tip_m().into(),
+        tip_quaternion: Some(rotation::to_quaternion(&rod.tip_rotation())),
+        pulls_m: Vec::new(),
+        tensions_n: Some(rod.tensions_n().to_vec()),
+        valid: true,
+    }
+}
+
+/// The rod and the effects with one variable changed by a little.
+fn vary(model: &Model, extra: &[EffectSpec], variable: &Variable, index: usize) -> Result<Varied, VariationError> {
+    let params = model.rod(extra);
+    let plain = |step: f64, command: Option<(usize, Range<usize>)>, params: RodParams| Varied {
+        variation: Variation { step, command },
+        params,
+        effects: model.effects(extra),
+    };
+    let axis = |axis: usize| if axis < 3 { Ok(axis) } else { Err(VariationError::OutOfRange(index)) };
+    let mut changed = params.clone();
+    match variable {
+        Variable::Parameter(parameter) => {
+            let (value, scale) = (parameter.value(model)?, parameter.scale(model)?);
+            for step in [RELATIVE_STEP * scale, -RELATIVE_STEP * scale] {
+                // What the sum of floating-point numbers makes of the step.
+                let (there, step) = (value + step, (value + step) - value);
+                let candidate = parameter.with_value(model, there)?;
+                let changed = candidate.rod(extra);
+                if candidate.check().is_ok() && Nearby::possible(&params, &changed) {
+                    let effects = candidate.effects(extra);
+                    return Ok(Varied { variation: Variation { step, command: None }, params: changed, effects });
+                }
+            }
+            Err(VariationError::NotNearby(index))
+        }
+        Variable::Command { tendon, commands } => {
+            if *tendon >= params.tendons.len() {
+                return Err(VariationError::OutOfRange(index));
+            }
+            Ok(plain(RELATIVE_STEP * COMMAND_SCALE, Some((*tendon, commands.clone())), params))
+        }
+        Variable::Force(along) => {
+            changed.tip_load.force_n[axis(*along)?] += RELATIVE_STEP * FORCE_SCALE_N;
+            Ok(plain(RELATIVE_STEP * FORCE_SCALE_N, None, changed))
+        }
+        Variable::Moment(about) => {
+            changed.tip_load.moment_nm[axis(*about)?] += RELATIVE_STEP * MOMENT_SCALE_NM;
+            Ok(plain(RELATIVE_STEP * MOMENT_SCALE_NM, None, changed))
+        }
+    }
+}
+
+/// Changes that matter: 10 mm or N of a command, of a force, of a moment on the tip.
+const COMMAND_SCALE: f64 = 0.01;
+const FORCE_SCALE_N: f64 = 0.1;
+const MOMENT_SCALE_NM: f64 = 0.01;
+
+fn solved(status: Status) -> Result<(), PlantError> {
+    if status == Status::Converged { Ok(()) } else { Err(PlantError::Solver(status.name().into())) }
+}

@@ -1,0 +1,205 @@
+//! Rods that differ a little from a first one and follow it: what derivatives of a whole motion are made of
+//! (`docs/sensitivities.md`).
+//!
+//! The first rod is solved. Each of the others takes the same time steps with the same tendons taut, and at each solve
+//! corrects the first one's unknowns by −J⁻¹ (F′ − F): its own residual there and the derivative of the first rod's
+//! equations at the solution. For a change of relative size ε that leaves an error of order ε², so that (other − first)/ε
+//! is the derivative of the discrete motion up to ε (internal differentiation, Bock 1981).
+
+use nalgebra::{DVector, Dyn, LU, Vector3};
+
+use super::conditions::{Conditions, Hold};
+use super::grid::Grid;
+use super::motion::Motion;
+use super::params::{RodParams, TipLoad};
+use super::simulation::{Drive, Rod, Solved};
+use super::state::Rates;
+use super::status::Status;
+use super::system::System;
+
+/// A rod cannot follow the first one: other parts, or parts that no longer share a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("rod {0} does not differ from the first one by a little in numbers alone")]
+pub struct NotNearby(pub usize);
+
+/// A rod and others that follow it. Number 0 is the rod itself, the others count from 1.
+#[derive(Clone, Debug)]
+pub struct Nearby {
+    leader: Rod,
+    /// Where the leader was in the solve that the others are at.
+    followed: Rod,
+    others: Vec<Rod>,
+}
+
+/// The leader's equations at one of its solutions.
+struct Solution<'a> {
+    unknowns: &'a [f64],
+    taut: &'a [bool],
+    residual: DVector<f64>,
+    factors: LU<f64, Dyn, Dyn>,
+    settled: bool,
+}
+
+impl Nearby {
+    /// The rod of `params` and, from 1 on, those of `others`.
+    ///
+    /// # Errors
+    /// [`NotNearby`] names the first one that cannot follow.
+    pub fn new(params: RodParams, others: Vec<RodParams>) -> Result<Nearby, NotNearby> {
+        let Nearby { leader, .. } = Nearby::alone(params);
+        let other = |(index, changed): (usize, RodParams)| {
+            let grid = leader.system.grid.moved(&leader.system.params, &changed).ok_or(NotNearby(index + 1))?;
+            Ok(Rod::on(System::on(grid, changed)))
+        };
+        let others = others.into_iter().enumerate().map(other).collect::<Result<_, _>>()?;
+        Ok(Nearby { followed: leader.clone(), leader, others })
+    }
+
+    /// A rod that nothing follows.
+    pub fn alone(params: RodParams) -> Nearby {
+        let leader = Rod::new(params);
+        Nearby { followed: leader.clone(), leader, others: Vec::new() }
+    }
+
+    /// Whether a rod of `changed` could follow one of `params`.
+    pub fn possible(params: &RodParams, changed: &RodParams) -> bool {
+        Grid::new(params).moved(params, changed).is_some()
+    }
+
+    /// The rod itself.
+    pub fn leader(&self) -> &Rod {
+        &self.leader
+    }
+
+    /// Those that follow it.
+    pub fn others(&self) -> &[Rod] {
+        &self.others
+    }
+
+    /// All straight, unloaded, at rest, without history.
+    pub fn restart(&mut self) {
+        self.all().for_each(Rod::restart);
+    }
+
+    /// Replaces the load at the tips from now on; `load` gives a rod's own.
+    pub fn set_tip_load(&mut self, load: &dyn Fn(&RodParams) -> TipLoad) {
+        self.all().for_each(|rod| rod.set_tip_load(load(rod.params())));
+    }
+
+    /// [`Rod::settle`]; `drives` gives those of a rod by its number.
+    pub fn settle(&mut self, drives: &dyn Fn(usize) -> Vec<Drive>) -> Status {
+        self.lead(&|number, _| drives(number), |leader| leader.settle(&drives(0)))
+    }
+
+    /// [`Rod::advance_with`]; `drives` gives those of a rod by its number and the time since now, seconds.
+    pub fn advance_with(&mut self, drives: &dyn Fn(usize, f64) -> Vec<Drive>, duration_s: f64) -> Status {
+        self.lead(drives, |leader| leader.advance_with(&|t| drives(0, t), duration_s))
+    }
+
+    fn all(&mut self) -> impl Iterator<Item = &mut Rod> {
+        [&mut self.leader, &mut self.followed].into_iter().chain(&mut self.others)
+    }
+
+    /// Lets the leader move and the others follow what it has solved.
+    fn lead(&mut self, drives: &dyn Fn(usize, f64) -> Vec<Drive>, movement: impl FnOnce(&mut Rod) -> Status) -> Status {
+        if self.others.is_empty() {
+            return movement(&mut self.leader);
+        }
+        self.leader.trace = Some(Vec::new());
+        let status = movement(&mut self.leader);
+        let mut start_s = 0.0;
+        for solved in self.leader.trace.take().unwrap_or_default() {
+            let followed = self.follow(&solved, &|number, t| drives(number, start_s + t));
+            if followed.is_none() {
+                return if status == Status::Converged { Status::NotConverged } else { status };
+            }
+            start_s += solved.duration_s;
+        }
+        status
+    }
+
+    /// Takes the others through one step or equilibrium of the leader.
+    fn follow(&mut self, solved: &Solved, drives: &dyn Fn(usize, f64) -> Vec<Drive>) -> Option<()> {
+        let Nearby { followed, others, .. } = self;
+        let still = solved.duration_s.is_infinite();
+        let starts: Vec<_> = std::iter::once(&*followed).chain(&*others).map(|rod| rod.state.clone()).collect();
+        for (i, (unknowns, taut)) in solved.stages.iter().enumerate() {
+            let time_s = if still { 0.0 } else { followed.stage_times[i] * solved.duration_s };
+            let prepare = |rod: &mut Rod, number: usize| {
+                if still {
+                    rod.motion = Motion::rest(&rod.system.grid);
+                } else {
+                    let Rod { motion, tableau, stages, .. } = rod;
+                    motion.prepare(&starts[number], &tableau.rows[i], stages, tableau.gamma, solved.duration_s);
+                }
+                rod.holds(&drives(number, time_s))
+            };
+            let holds = prepare(followed, 0)?;
+            let solution = followed.linearise(unknowns, taut, &holds, still);
+            followed.take(unknowns, taut, i, still);
+            for (index, other) in others.iter_mut().enumerate() {
+                let holds = prepare(other, index + 1)?;
+                let corrected = other.corrected(&solution, &holds)?;
+                other.take(&corrected, taut, i, still);
+            }
+        }
+        for rod in std::iter::once(followed).chain(others) {
+            if still {
+                rod.state.rates = Rates::zero(&rod.system.grid);
+            } else {
+                rod.state.rates.clone_from(&rod.stages[solved.stages.len() - 1]);
+            }
+            rod.commit_memory(solved.duration_s);
+        }
+        Some(())
+    }
+}
+
+/// Drag and rotary inertia are not in the derivative of the equations: what it leaves of the error then is corrected
+/// once more.
+fn corrections(params: &RodParams) -> usize {
+    let turning = params.masses.iter().any(|mass| mass.inertia_kg_m2 != Vector3::zeros());
+    if turning || params.drag_n_s2_m3 > 0.0 { 2 } else { 1 }
+}
+
+impl Rod {
+    /// Residual and factorised derivative at a solution.
+    fn linearise<'a>(&mut self, unknowns: &'a [f64], taut: &'a [bool], holds: &[Hold], settled: bool) -> Solution<'a> {
+        let Rod { system, solver, state, motion, tip_load, .. } = self;
+        let (gravity_m_s2, memory) = (system.params.gravity_m_s2, &state.memory);
+        let conditions = Conditions { holds, taut, tip_load, gravity_m_s2, motion, memory, settled };
+        system.evaluate(unknowns, &conditions, &mut solver.work);
+        solver.derivative.update(system, unknowns, &conditions, &solver.work);
+        let factors = solver.derivative.matrix(system, &conditions).lu();
+        Solution { unknowns, taut, residual: DVector::from_column_slice(&solver.work.residual), factors, settled }
+    }
+
+    /// This rod's unknowns where the leader is at `solution`.
+    fn corrected(&mut self, solution: &Solution, holds: &[Hold]) -> Option<Vec<f64>> {
+        let mut unknowns = solution.unknowns.to_vec();
+        let Rod { system, solver, state, motion, tip_load, .. } = self;
+        let &Solution { taut, settled, .. } = solution;
+        let (gravity_m_s2, memory) = (system.params.gravity_m_s2, &state.memory);
+        let conditions = Conditions { holds, taut, tip_load, gravity_m_s2, motion, memory, settled };
+        for _ in 0..corrections(&system.params) {
+            system.evaluate(&unknowns, &conditions, &mut solver.work);
+            let mut step = DVector::from_column_slice(&solver.work.residual) - &solution.residual;
+            if !solution.factors.solve_mut(&mut step) {
+                return None;
+            }
+            unknowns.iter_mut().zip(step.iter()).for_each(|(x, dx)| *x -= dx);
+        }
+        Some(unknowns)
+    }
+
+    /// Stands where `unknowns` put it.
+    fn take(&mut self, unknowns: &[f64], taut: &[bool], stage: usize, still: bool) {
+        let n = self.system.grid.unknowns;
+        self.state.unknowns.copy_from_slice(unknowns);
+        self.state.taut.copy_from_slice(taut);
+        self.state.shape.update(&self.system.grid, &self.system.sections, &unknowns[..n]);
+        if !still {
+            self.stages[stage].read(&self.motion, &self.state.shape);
+        }
+    }
+}
