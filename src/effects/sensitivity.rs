@@ -49,7 +49,7 @@ pub enum Variable {
 
 /// Units by the ends of names, and a size at which such a number matters where the model has zero.
 const UNITS: &[(&str, &str, f64)] = &[
-    ("_n_s2_m3", "N s²/m³", 1e-3),
+    ("_n_s2_m3", "N s²/m³", 0.1),
     ("_kg_m3", "kg/m³", 1e3),
     ("_kg_m2", "kg m²", 1e-6),
     ("_m_s2", "m/s²", 1.0),

@@ -6,7 +6,7 @@
 //! equations at the solution. For a change of relative size ε that leaves an error of order ε², so that (other − first)/ε
 //! is the derivative of the discrete motion up to ε (internal differentiation, Bock 1981).
 
-use nalgebra::{DVector, Dyn, LU, Vector3};
+use nalgebra::{DVector, Dyn, LU};
 
 use super::conditions::{Conditions, Hold};
 use super::grid::Grid;
@@ -38,6 +38,8 @@ struct Solution<'a> {
     residual: DVector<f64>,
     factors: LU<f64, Dyn, Dyn>,
     settled: bool,
+    /// What a correction leaves of the one before, once known.
+    contraction: Option<f64>,
 }
 
 impl Nearby {
@@ -135,11 +137,11 @@ impl Nearby {
                 rod.holds(&drives(number, time_s))
             };
             let holds = prepare(followed, 0)?;
-            let solution = followed.linearise(unknowns, taut, &holds, still);
+            let mut solution = followed.linearise(unknowns, taut, &holds, still);
             followed.take(unknowns, taut, i, still);
             for (index, other) in others.iter_mut().enumerate() {
                 let holds = prepare(other, index + 1)?;
-                let corrected = other.corrected(&solution, &holds)?;
+                let corrected = other.corrected(&mut solution, &holds)?;
                 other.take(&corrected, taut, i, still);
             }
         }
@@ -155,11 +157,14 @@ impl Nearby {
     }
 }
 
-/// Drag and rotary inertia are not in the derivative of the equations: what it leaves of the error then is corrected
-/// once more.
-fn corrections(params: &RodParams) -> usize {
-    let turning = params.masses.iter().any(|mass| mass.inertia_kg_m2 != Vector3::zeros());
-    if turning || params.drag_n_s2_m3 > 0.0 { 2 } else { 1 }
+/// Share of the first correction that may be left.
+const LEFT: f64 = 1e-5;
+const MOST_CORRECTIONS: usize = 4;
+
+/// Corrections until no more than [`LEFT`] of the first is left when each leaves `contraction` of the one before: one, as
+/// a rule; more for drag and rotary inertia, which the derivative of the equations leaves out.
+fn corrections(contraction: f64) -> usize {
+    (1..MOST_CORRECTIONS).find(|&count| contraction.powi(count as i32) < LEFT).unwrap_or(MOST_CORRECTIONS)
 }
 
 impl Rod {
@@ -171,23 +176,41 @@ impl Rod {
         system.evaluate(unknowns, &conditions, &mut solver.work);
         solver.derivative.update(system, unknowns, &conditions, &solver.work);
         let factors = solver.derivative.matrix(system, &conditions).lu();
-        Solution { unknowns, taut, residual: DVector::from_column_slice(&solver.work.residual), factors, settled }
+        Solution {
+            unknowns,
+            taut,
+            residual: DVector::from_column_slice(&solver.work.residual),
+            factors,
+            settled,
+            contraction: None,
+        }
     }
 
-    /// This rod's unknowns where the leader is at `solution`.
-    fn corrected(&mut self, solution: &Solution, holds: &[Hold]) -> Option<Vec<f64>> {
+    /// This rod's unknowns where the leader is at `solution`. How far one correction goes is seen from a second one by the
+    /// first rod that there is something to correct for.
+    fn corrected(&mut self, solution: &mut Solution, holds: &[Hold]) -> Option<Vec<f64>> {
         let mut unknowns = solution.unknowns.to_vec();
         let Rod { system, solver, state, motion, tip_load, .. } = self;
-        let &Solution { taut, settled, .. } = solution;
+        let &mut Solution { taut, settled, .. } = solution;
         let (gravity_m_s2, memory) = (system.params.gravity_m_s2, &state.memory);
         let conditions = Conditions { holds, taut, tip_load, gravity_m_s2, motion, memory, settled };
-        for _ in 0..corrections(&system.params) {
+        let (mut done, mut last_m) = (0, 0.0);
+        while done < solution.contraction.map_or(2, corrections) {
             system.evaluate(&unknowns, &conditions, &mut solver.work);
             let mut step = DVector::from_column_slice(&solver.work.residual) - &solution.residual;
             if !solution.factors.solve_mut(&mut step) {
                 return None;
             }
             unknowns.iter_mut().zip(step.iter()).for_each(|(x, dx)| *x -= dx);
+            let size_m = system.size_of_step_m(&step.as_slice()[..system.grid.unknowns]);
+            done += 1;
+            if size_m == 0.0 {
+                break;
+            }
+            if done == 2 && solution.contraction.is_none() {
+                solution.contraction = Some(size_m / last_m);
+            }
+            last_m = size_m;
         }
         Some(unknowns)
     }
