@@ -131,6 +131,7 @@ fn a_package_is_opened_by_one_room() {
     let packages = [
         ("rand_chacha", "base"),
         ("statrs", "math"),
+        ("pulp", "math"),
         ("polars", "data"),
         ("faer", "learn"),
         ("serde_yaml", "specs"),

@@ -29,7 +29,10 @@ impl Effect for DistributedMass {
     }
 
     fn alter(&self, rod: &mut RodParams) {
-        rod.spans.iter_mut().for_each(|span| span.mass_kg_m *= self.scale);
+        for span in &mut rod.spans {
+            span.mass_kg_m *= self.scale;
+            span.spread_mass_kg_m *= self.scale;
+        }
         rod.masses.iter_mut().for_each(|mass| mass.mass_kg *= self.scale);
     }
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{finite, non_negative};
 use crate::base::BadOption;
-use crate::rod::{CompressibleSection, PointMass, Resolution, RodParams, Span, Tendon, TipLoad};
+use crate::rod::{CompressibleSection, PointMass, Resolution, RodParams, Span, Taper, Tendon, TendonPath, TipLoad};
 
 /// Most sections, disks and cells: far beyond any robot, and within any memory.
 const MOST_PARTS: usize = 10_000;
@@ -267,7 +267,10 @@ impl Robot {
             shear_n: b.shear_stiffness_n.unwrap_or(shear_modulus * area),
             axial_n: b.axial_stiffness_n.unwrap_or(b.youngs_modulus_pa * area),
             rest_curvature_rad_m: Vector3::zeros(),
+            home_curvature_rad_m: Vector3::zeros(),
             mass_kg_m: b.density_kg_m3 * area,
+            spread_mass_kg_m: 0.0,
+            taper: Taper::NONE,
         };
         let mut rod = RodParams {
             spans: vec![span],
@@ -280,6 +283,8 @@ impl Robot {
             damping_time_s: self.damping_time_s,
             drag_n_s2_m3: self.drag_n_s2_m3,
             tip_load: TipLoad::default(),
+            point_loads: Vec::new(),
+            line_loads: Vec::new(),
             memory: Vec::new(),
             resolution: self.resolution,
         };
@@ -314,15 +319,13 @@ impl Robot {
             let step = self.backbone.length_m / count.max(1) as f64;
             return lump(rod, (1..=count).map(|k| k as f64 * step), mass_kg);
         }
-        let sections = rod.sections.clone();
-        for section in &sections {
-            rod.split_at(section.start_m);
-            rod.split_at(section.start_m + section.length_m);
-        }
         let density = mass_kg / self.disk_thickness_m();
-        for span in rod.spans.iter_mut().step_by(2) {
-            span.mass_kg_m += density;
+        let mut start_m = 0.0;
+        for section in rod.sections.clone() {
+            spread(rod, start_m, section.start_m, density);
+            start_m = section.start_m + section.length_m;
         }
+        spread(rod, start_m, self.backbone.length_m, density);
     }
 
     fn tendons(&self) -> Vec<Tendon> {
@@ -330,7 +333,8 @@ impl Robot {
         let tendon = |(i, angle): (usize, &f64)| {
             let (sin, cos) = exact_sin_cos_deg(*angle);
             Tendon {
-                offset_m: [t.radius_m * cos, t.radius_m * sin],
+                path: TendonPath::parallel([t.radius_m * cos, t.radius_m * sin]),
+                start_m: 0.0,
                 end_m: t.ends_m.as_ref().map_or(self.backbone.length_m, |ends| ends[i]),
                 pretension_m: t.pretension_m,
                 compliance_m_per_n: t.compliance_m_per_n,
@@ -339,6 +343,11 @@ impl Robot {
         };
         t.angles_deg.iter().enumerate().map(tendon).collect()
     }
+}
+
+/// Spreads a mass per length over part of the rod.
+fn spread(rod: &mut RodParams, start_m: f64, end_m: f64, density_kg_m: f64) {
+    rod.spans_between(start_m, end_m).for_each(|span| span.spread_mass_kg_m += density_kg_m);
 }
 
 /// Puts a mass at each place.

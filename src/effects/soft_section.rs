@@ -36,10 +36,7 @@ impl Effect for SoftSection {
 
     fn alter(&self, rod: &mut RodParams) {
         let (start_m, end_m) = section_around(rod, self.position_m);
-        rod.split_at(start_m);
-        rod.split_at(end_m);
-        let middle_m = 0.5 * (start_m + end_m);
-        if let Some(span) = rod.spans.iter_mut().find(|span| middle_m < span.end_m) {
+        for span in rod.spans_between(start_m, end_m) {
             span.bending_n_m2 = span.bending_n_m2.map(|stiffness| stiffness * self.scale);
         }
     }

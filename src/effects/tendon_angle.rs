@@ -29,10 +29,6 @@ impl Effect for TendonAngle {
     }
 
     fn alter(&self, rod: &mut RodParams) {
-        let (sin, cos) = self.angle_rad.sin_cos();
-        for tendon in &mut rod.tendons {
-            let [x, y] = tendon.offset_m;
-            tendon.offset_m = [cos * x - sin * y, sin * x + cos * y];
-        }
+        rod.tendons.iter_mut().for_each(|tendon| tendon.path.turn(self.angle_rad));
     }
 }

@@ -29,8 +29,6 @@ impl Effect for TendonRadius {
     }
 
     fn alter(&self, rod: &mut RodParams) {
-        for tendon in &mut rod.tendons {
-            tendon.offset_m = tendon.offset_m.map(|offset| offset * self.scale);
-        }
+        rod.tendons.iter_mut().for_each(|tendon| tendon.path.scale(self.scale));
     }
 }

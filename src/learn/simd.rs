@@ -1,15 +1,6 @@
-//! The processor's widest vector instructions, chosen at run time, and exponentials that vectorise.
+//! Numbers and functions that the processor's vector instructions work on well.
 //!
 //! Everything here is written per lane with fused multiply-adds, so the same numbers come out whatever the width.
-
-use faer::traits::pulp;
-
-/// Runs `work` compiled for the widest vector instructions that this processor has. Mark the closure `#[inline(always)]`:
-/// compiled on its own it would not know of them.
-#[inline]
-pub(crate) fn vectorised<R>(work: impl FnOnce() -> R) -> R {
-    pulp::Arch::new().dispatch(work)
-}
 
 /// A floating-point number that networks are made of.
 pub(crate) trait Real:

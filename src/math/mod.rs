@@ -4,3 +4,6 @@ pub mod least_squares;
 pub mod polynomial;
 pub mod rotation;
 pub mod summary;
+mod vector_units;
+
+pub use vector_units::vectorised;

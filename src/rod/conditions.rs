@@ -21,6 +21,8 @@ pub(super) struct Conditions<'a> {
     /// For tendons held by length: whether it is taut.
     pub(super) taut: &'a [bool],
     pub(super) tip_load: &'a TipLoad,
+    /// Share of the rod's constant loads, 1 but during continuation.
+    pub(super) load_share: f64,
     /// Acceleration of gravity, m/s² (the robot's, or a share of it during continuation).
     pub(super) gravity_m_s2: Vector3<f64>,
     pub(super) motion: &'a Motion,

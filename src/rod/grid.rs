@@ -1,6 +1,7 @@
 //! Where along the rod things are computed: cells with two Gauss–Legendre points each, and the polynomials on them.
 
 use super::params::{Resolution, RodParams};
+use super::tendon::Tendon;
 use crate::math::polynomial::legendre;
 
 /// Half the distance between the two Gauss points, as a share of the cell: √3/6.
@@ -48,7 +49,8 @@ pub(super) struct Grid {
 
 impl Grid {
     /// Cuts the rod at every jump of its properties and at masses, and then to the wanted resolution. The internal
-    /// wrench is one polynomial a component between tendon ends, where it may jump.
+    /// wrench is one polynomial a component between the places where it may jump: tendon ends, kinks of their paths
+    /// and loads.
     pub(super) fn new(params: &RodParams) -> Grid {
         let cuts = sorted_unique(cell_cuts(params), params.length_m());
         Grid::on(&params.resolution, subdivided(&cuts, &cuts, params.resolution.cell_m), &element_ends(params))
@@ -106,6 +108,12 @@ impl Grid {
         grid
     }
 
+    /// The cell end nearest to `position_m`.
+    pub(super) fn nearest_end(&self, position_m: f64) -> usize {
+        let distance = |k: &usize| (self.boundaries_m[*k] - position_m).abs();
+        (0..self.boundaries_m.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+    }
+
     /// ∫ from the start of a cell to its Gauss point `row` of the line through the values at both Gauss points: the
     /// coefficients of the two-stage Gauss method.
     pub(super) fn partial_weights(length_m: f64) -> [[f64; 2]; 2] {
@@ -115,14 +123,16 @@ impl Grid {
     }
 }
 
-/// Base, tip, tendon ends, in a fixed order.
+/// Base, tip, ends and kinks of tendons, loads, in a fixed order.
 fn element_cuts(params: &RodParams) -> Vec<f64> {
     let mut cuts = vec![0.0, params.length_m()];
-    cuts.extend(params.tendons.iter().map(|tendon| tendon.end_m));
+    cuts.extend(params.tendons.iter().flat_map(Tendon::borders_m));
+    cuts.extend(params.point_loads.iter().map(|load| load.position_m));
+    cuts.extend(params.line_loads.iter().flat_map(|load| [load.start_m, load.end_m]));
     cuts
 }
 
-/// Base, tendon ends inside the rod, tip.
+/// Base, ends and kinks of tendons, loads, tip.
 fn element_ends(params: &RodParams) -> Vec<f64> {
     sorted_unique(element_cuts(params), params.length_m())
 }

@@ -1,8 +1,9 @@
-//! Analytic derivative of the discrete equations.
+//! Analytic derivative of the discrete equations, as K + rate·D + rate²·M: whatever the length of a time step, only the
+//! sum and its factors are computed anew.
 //!
-//! World-frame variations obey δθ(s) = ∫ R δu and δp(s) = ∫ R δv + δθ × R v; the external wrench varies with the
-//! positions of the loads and with the orientation of the section. Everything is kept as arrays over the unknowns
-//! so that inner loops run over contiguous memory.
+//! The wrench that a cross-section carries varies with the positions of the loads beyond it, δM = Σ (δp_k − δp) × f_k,
+//! and its components in the body with the orientation, δ(Rᵀ M) = Rᵀ (δM − δθ × M). Inertia is the Gram matrix of the
+//! displacements, M = Σ m_k δp_kᵀ δp_k.
 
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
@@ -10,232 +11,180 @@ use super::conditions::{Conditions, Hold};
 use super::grid::{COMPONENTS, Grid};
 use super::section::Six;
 use super::system::{System, Work};
-
-/// Three rows (x, y, z) over the unknowns.
-#[derive(Clone, Debug)]
-pub(super) struct Triple {
-    rows: [Vec<f64>; 3],
-}
-
-impl Triple {
-    fn zeros(n: usize) -> Triple {
-        Triple { rows: [vec![0.0; n], vec![0.0; n], vec![0.0; n]] }
-    }
-
-    /// Change that a change of the unknowns makes.
-    pub(super) fn times(&self, change: &[f64]) -> Vector3<f64> {
-        let row = |axis: usize| self.rows[axis].iter().zip(change).map(|(a, b)| a * b).sum();
-        Vector3::new(row(0), row(1), row(2))
-    }
-
-    fn fill_zero(&mut self) {
-        self.rows.iter_mut().for_each(|row| row.fill(0.0));
-    }
-
-    fn copy_from(&mut self, other: &Triple) {
-        for (to, from) in self.rows.iter_mut().zip(&other.rows) {
-            to.copy_from_slice(from);
-        }
-    }
-
-    /// Adds `scale` × other.
-    fn add(&mut self, other: &Triple, scale: f64) {
-        for (to, from) in self.rows.iter_mut().zip(&other.rows) {
-            to.iter_mut().zip(from).for_each(|(a, b)| *a += scale * b);
-        }
-    }
-
-    /// Adds `scale` × (other × fixed).
-    fn add_cross(&mut self, other: &Triple, fixed: &Vector3<f64>, scale: f64) {
-        let f = fixed * scale;
-        for axis in 0..3 {
-            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
-            let (p, q) = (&other.rows[next], &other.rows[last]);
-            let (f_last, f_next) = (f[last], f[next]);
-            for ((a, b), c) in self.rows[axis].iter_mut().zip(p).zip(q) {
-                *a += b * f_last - c * f_next;
-            }
-        }
-    }
-}
+use super::triple::Triple;
+use super::variation::Variation;
+use crate::math::vectorised;
 
 /// Room for the derivative of one rod's equations.
 #[derive(Clone, Debug)]
 pub(super) struct Derivative {
-    /// δθ and δp at the Gauss points and the cell ends.
-    node_turn: Vec<Triple>,
-    node_move: Vec<Triple>,
-    pub(super) end_turn: Vec<Triple>,
-    pub(super) end_move: Vec<Triple>,
-    /// World strain rates R A φ at the two Gauss points of a cell.
-    turn_rate: [Triple; 2],
-    move_rate: [Triple; 2],
-    force: Triple,
+    pub(super) variation: Variation,
+    /// Row-major K with the borders d balance / d tension and d length / d unknown.
+    stiffness: Vec<f64>,
+    /// Row-major D and M over the polynomial coefficients.
+    viscosity: Vec<f64>,
+    inertia: Vec<f64>,
+    /// Σ δp × f of the loads beyond a place, and the same with what is in the cell beyond a Gauss point.
+    beyond: Triple,
     moment: Triple,
-    node_force: Triple,
-    node_moment: Triple,
+    /// Σ δf and Σ p × δf + δm of the follower loads beyond a place; empty without any.
+    follower: Option<[Triple; 2]>,
     wrench_rows: [Vec<f64>; COMPONENTS],
-    /// Row-major derivative of the equations; the right border holds d balance / d tension.
-    rows: Vec<f64>,
+    border: Vec<f64>,
 }
 
 impl Derivative {
     pub(super) fn new(system: &System) -> Derivative {
         let n = system.grid.unknowns;
-        let (nodes, ends) = (system.grid.nodes.len(), system.grid.boundaries_m.len());
         let zero = Triple::zeros(n);
+        let follows = system.constant.points.iter().any(|(_, load)| load.follows);
         Derivative {
-            node_turn: vec![zero.clone(); nodes],
-            node_move: vec![zero.clone(); nodes],
-            end_turn: vec![zero.clone(); ends],
-            end_move: vec![zero.clone(); ends],
-            turn_rate: [zero.clone(), zero.clone()],
-            move_rate: [zero.clone(), zero.clone()],
-            force: zero.clone(),
-            moment: zero.clone(),
-            node_force: zero.clone(),
-            node_moment: zero.clone(),
+            variation: Variation::new(&system.grid),
+            stiffness: vec![0.0; system.size() * system.size()],
+            viscosity: vec![0.0; n * n],
+            inertia: vec![0.0; n * n],
+            follower: follows.then(|| [zero.clone(), zero.clone()]),
+            beyond: zero.clone(),
+            moment: zero,
             wrench_rows: std::array::from_fn(|_| vec![0.0; n]),
-            rows: vec![0.0; system.size() * system.size()],
+            border: vec![0.0; n],
         }
     }
 
-    /// Derivative of the residual that [`System::evaluate`] has just left in `work`.
+    /// Derivative of the residual that [`System::evaluate`] has just left in `work`. Viscosity and inertia are left out
+    /// for a rod at rest.
     pub(super) fn update(&mut self, system: &System, unknowns: &[f64], conditions: &Conditions, work: &Work) {
-        self.rows.fill(0.0);
-        self.kinematics(system, work);
-        self.force.fill_zero();
-        self.moment.fill_zero();
+        vectorised(
+            #[inline(always)]
+            || self.update_all(system, unknowns, conditions, work),
+        );
+    }
+
+    #[inline(always)]
+    fn update_all(&mut self, system: &System, unknowns: &[f64], conditions: &Conditions, work: &Work) {
+        self.variation.update(&system.grid, &work.shape);
+        self.stiffness.fill(0.0);
+        self.beyond.fill_zero();
+        self.follower.iter_mut().flatten().for_each(Triple::fill_zero);
         for c in (0..system.grid.cells.len()).rev() {
-            self.cell(system, c, unknowns, conditions, work);
+            self.add_end_loads(system, c + 1, conditions, work);
+            for row in 0..2 {
+                self.node_moment(system, c, row, work);
+                self.node_rows(system, 2 * c + row, unknowns, work);
+            }
+            let half = 0.5 * system.grid.cells[c].length_m;
+            for g in [2 * c, 2 * c + 1] {
+                self.beyond.add_cross(&self.variation.node_move[g], &work.loads.node_f[g], half);
+            }
         }
         self.tendon_border(system, conditions, work);
+        if conditions.motion.rate > 0.0 {
+            self.add_viscosity(system, work);
+            self.add_inertia(system, work);
+        }
     }
 
-    /// The matrix, with the tendon rows that belong to the taut set of `conditions`.
+    /// K + rate·D + rate²·M with the tendon rows that belong to the taut set of `conditions`.
     pub(super) fn matrix(&self, system: &System, conditions: &Conditions) -> DMatrix<f64> {
         let (n, size) = (system.grid.unknowns, system.size());
-        let mut matrix = DMatrix::from_row_slice(size, size, &self.rows);
+        // Filled by columns; K is stored by rows, so this is its transpose until the end.
+        let mut matrix = DMatrix::from_column_slice(size, size, &self.stiffness);
+        let rate = conditions.motion.rate;
+        if rate > 0.0 {
+            for row in 0..n {
+                let parts = self.viscosity[row * n..].iter().zip(&self.inertia[row * n..]);
+                let column = &mut matrix.as_mut_slice()[row * size..row * size + n];
+                column.iter_mut().zip(parts).for_each(|(k, (d, m))| *k += rate * (d + rate * m));
+            }
+        }
         for (i, hold) in conditions.holds.iter().enumerate() {
             if !matches!(hold, Hold::Length(_)) || !conditions.taut[i] {
-                matrix.row_mut(n + i).fill(0.0);
+                matrix.column_mut(n + i).fill(0.0);
                 matrix[(n + i, n + i)] = 1.0;
             }
         }
+        matrix.transpose_mut();
         matrix
     }
 
     /// First-order change of the path length of tendon `i` when the coefficients change by `step`, metres.
     pub(super) fn length_change_m(&self, system: &System, i: usize, step: &[f64]) -> f64 {
         let row = (system.grid.unknowns + i) * system.size();
-        self.rows[row..row + step.len()].iter().zip(step).map(|(a, b)| a * b).sum()
+        self.stiffness[row..row + step.len()].iter().zip(step).map(|(a, b)| a * b).sum()
     }
 
-    /// Variations of orientation and position along the rod.
-    fn kinematics(&mut self, system: &System, work: &Work) {
-        let base_turn = Triple::zeros(system.grid.unknowns);
-        self.end_turn[0].copy_from(&base_turn);
-        self.end_move[0].copy_from(&base_turn);
-        for (c, cell) in system.grid.cells.iter().enumerate() {
-            let h = cell.length_m;
-            let partial = Grid::partial_weights(h);
-            for row in 0..2 {
-                strain_rates(system, work, 2 * c + row, &mut self.turn_rate[row], &mut self.move_rate[row]);
-            }
-            for row in 0..2 {
-                let turn = &mut self.node_turn[2 * c + row];
-                turn.copy_from(&self.end_turn[c]);
-                turn.add(&self.turn_rate[0], partial[row][0]);
-                turn.add(&self.turn_rate[1], partial[row][1]);
-                let v = Vector3::from_row_slice(&work.shape.strain[2 * c + row][3..]);
-                let tangent = work.shape.node_r[2 * c + row] * v;
-                self.move_rate[row].add_cross(turn, &tangent, 1.0);
-            }
-            for row in 0..2 {
-                let moved = &mut self.node_move[2 * c + row];
-                moved.copy_from(&self.end_move[c]);
-                moved.add(&self.move_rate[0], partial[row][0]);
-                moved.add(&self.move_rate[1], partial[row][1]);
-            }
-            let (before, after) = self.end_turn.split_at_mut(c + 1);
-            after[0].copy_from(&before[c]);
-            let (before_p, after_p) = self.end_move.split_at_mut(c + 1);
-            after_p[0].copy_from(&before_p[c]);
-            for row in 0..2 {
-                after[0].add(&self.turn_rate[row], 0.5 * h);
-                after_p[0].add(&self.move_rate[row], 0.5 * h);
-            }
+    /// Takes in the forces on cell end `end`.
+    #[inline(always)]
+    fn add_end_loads(&mut self, system: &System, end: usize, conditions: &Conditions, work: &Work) {
+        let force = &work.loads.end_f[end];
+        if *force != Vector3::zeros() {
+            self.beyond.add_cross(&self.variation.end_move[end], force, 1.0);
+        }
+        let Some([force, moment]) = &mut self.follower else { return };
+        for (_, load) in system.constant.points.iter().filter(|(own, load)| *own == end && load.follows) {
+            let (f, m) = load.in_world(&work.shape.end_r[end], conditions.load_share);
+            let turn = &self.variation.end_turn[end];
+            force.add_cross(turn, &f, 1.0);
+            moment.add_cross(turn, &m, 1.0);
+            moment.add_arm_cross(&work.shape.end_p[end], turn, &f);
         }
     }
 
-    /// Goes from the end of cell `c` to its start: variation of the carried wrench, and the rows of its Gauss points.
-    fn cell(&mut self, system: &System, c: usize, unknowns: &[f64], conditions: &Conditions, work: &Work) {
+    /// Σ δp × f of all that lies beyond Gauss point `row` of cell `c`.
+    #[inline(always)]
+    fn node_moment(&mut self, system: &System, c: usize, row: usize, work: &Work) {
         let h = system.grid.cells[c].length_m;
-        let (shape, loads) = (&work.shape, &work.loads);
-        let rate2 = conditions.motion.rate * conditions.motion.rate;
-        for mass in system.masses.iter().filter(|mass| mass.end == c + 1) {
-            self.force.add(&self.end_move[c + 1], -mass.mass_kg * rate2);
-            let inertia =
-                shape.end_r[c + 1] * Matrix3::from_diagonal(&mass.inertia_kg_m2) * shape.end_r[c + 1].transpose();
-            add_product(&mut self.moment, &inertia, &self.end_turn[c + 1], -rate2);
-        }
         let partial = Grid::partial_weights(h);
-        let force = loads.cell_force[c];
-        for row in 0..2 {
-            let g = 2 * c + row;
-            self.node_force.copy_from(&self.force);
-            self.node_moment.copy_from(&self.moment);
-            self.node_moment.add_cross(&self.end_move[c + 1], &force, 1.0);
-            self.node_moment.add_cross(&self.node_move[g], &force, -1.0);
-            self.node_moment.add_cross(&self.force, &(shape.end_p[c + 1] - shape.node_p[g]), -1.0);
-            for other in 0..2 {
-                let k = 2 * c + other;
-                let weight = 0.5 * h - partial[row][other];
-                let f = loads.node_f[k] * weight;
-                let inertia = -system.sections[k].mass_kg_m * rate2 * weight;
-                self.node_force.add(&self.node_move[k], inertia);
-                self.node_moment.add_cross(&self.node_move[k], &f, 1.0);
-                self.node_moment.add_cross(&self.node_move[g], &f, -1.0);
-                self.node_moment.add_cross(&self.node_move[k], &(shape.node_p[k] - shape.node_p[g]), -inertia);
-            }
-            self.node_rows(system, g, unknowns, conditions, work);
-        }
-        self.moment.add_cross(&self.end_move[c + 1], &force, 1.0);
-        self.moment.add_cross(&self.end_move[c], &force, -1.0);
-        let arm = shape.end_p[c + 1] - shape.end_p[c];
-        self.moment.add_cross(&self.force, &arm, -1.0);
-        for k in [2 * c, 2 * c + 1] {
-            let f = loads.node_f[k] * (0.5 * h);
-            let inertia = -system.sections[k].mass_kg_m * rate2 * 0.5 * h;
-            self.force.add(&self.node_move[k], inertia);
-            self.moment.add_cross(&self.node_move[k], &f, 1.0);
-            self.moment.add_cross(&self.end_move[c], &f, -1.0);
-            self.moment.add_cross(&self.node_move[k], &(shape.node_p[k] - shape.end_p[c]), -inertia);
+        self.moment.copy_from(&self.beyond);
+        for other in 0..2 {
+            let k = 2 * c + other;
+            let weight = 0.5 * h - partial[row][other];
+            self.moment.add_cross(&self.variation.node_move[k], &work.loads.node_f[k], weight);
         }
     }
 
-    /// Derivative of the weighted imbalance at Gauss point `g`.
-    fn node_rows(&mut self, system: &System, g: usize, unknowns: &[f64], conditions: &Conditions, work: &Work) {
-        let shape = &work.shape;
-        let turn = &self.node_turn[g];
-        // δ(Rᵀ M) = Rᵀ (δM − δθ × M), with the sign of an external wrench.
-        self.node_moment.add_cross(turn, &work.loads.moment[g], -1.0);
-        self.node_force.add_cross(turn, &work.loads.force[g], -1.0);
-        let back = shape.node_r[g].transpose();
+    /// Adds the rows of K that Gauss point `g` contributes to.
+    #[inline(always)]
+    fn node_rows(&mut self, system: &System, g: usize, unknowns: &[f64], work: &Work) {
+        let (turn, moved) = (&self.variation.node_turn[g], &self.variation.node_move[g]);
+        self.moment.add_cross(moved, &work.loads.force[g], -1.0);
+        self.moment.add_cross(turn, &work.loads.moment[g], -1.0);
+        let back = work.shape.node_r[g].transpose();
+        // − Rᵀ (−δθ × F): the force turns in the body frame and nothing else.
+        let turned = back * crate::math::rotation::skew(&work.loads.force[g]);
+        let (moments, forces) = self.wrench_rows.split_at_mut(3);
         for axis in 0..3 {
-            let (m, f) = (&self.node_moment.rows, &self.node_force.rows);
             let r = [back[(axis, 0)], back[(axis, 1)], back[(axis, 2)]];
-            for k in 0..m[0].len() {
-                self.wrench_rows[axis][k] = -(r[0] * m[0][k] + r[1] * m[1][k] + r[2] * m[2][k]);
-                self.wrench_rows[axis + 3][k] = -(r[0] * f[0][k] + r[1] * f[1][k] + r[2] * f[2][k]);
-            }
+            combine(&mut moments[axis], self.moment.rows(), r.map(|x| -x));
+            combine(
+                &mut forces[axis],
+                turn.rows(),
+                [turned[(axis, 0)], turned[(axis, 1)], turned[(axis, 2)]].map(|x| -x),
+            );
         }
-        self.add_material(system, g, unknowns, conditions, work);
+        self.add_followers(g, work);
+        self.add_material(system, g, unknowns, work);
         self.project_rows(system, g, work);
     }
 
-    /// Adds the derivative of elastic, viscous, history and tendon wrenches: local, through the strain alone.
-    fn add_material(&mut self, system: &System, g: usize, unknowns: &[f64], conditions: &Conditions, work: &Work) {
+    /// Adds the turning of follower loads beyond Gauss point `g`.
+    fn add_followers(&mut self, g: usize, work: &Work) {
+        let Some([force, moment]) = &self.follower else { return };
+        let mut about = moment.clone();
+        about.add_fixed_cross(&-work.shape.node_p[g], force);
+        let back = work.shape.node_r[g].transpose();
+        for axis in 0..3 {
+            for k in 0..self.wrench_rows[0].len() {
+                let of = |t: &Triple| (0..3).map(|b| back[(axis, b)] * t.row(b)[k]).sum::<f64>();
+                self.wrench_rows[axis][k] -= of(&about);
+                self.wrench_rows[axis + 3][k] -= of(force);
+            }
+        }
+    }
+
+    /// Adds the derivative of elastic, history and tendon wrenches: local, through the strain alone.
+    #[inline(always)]
+    fn add_material(&mut self, system: &System, g: usize, unknowns: &[f64], work: &Work) {
         let node = &system.grid.nodes[g];
         let stiffness = tendon_stiffness(system, g, &unknowns[system.grid.unknowns..], work);
         for component in 0..COMPONENTS {
@@ -243,15 +192,18 @@ impl Derivative {
             let mut change = [0.0; COMPONENTS];
             change[component] = 1.0;
             for row in 0..COMPONENTS {
-                change[row] += system.sections[g].viscosity[row] * conditions.motion.rate * strain[row];
-                change[row] += (0..COMPONENTS).map(|col| stiffness[row][col] * strain[col]).sum::<f64>();
+                for col in 0..COMPONENTS {
+                    change[row] += stiffness[row][col] * strain[col];
+                }
             }
             for row in 0..2 {
-                change[row] += (0..2).map(|col| work.history_tangent[g][row][col] * strain[col]).sum::<f64>();
+                for col in 0..2 {
+                    change[row] += work.history_tangent[g][row][col] * strain[col];
+                }
             }
             let columns = node.offset[component]..node.offset[component] + system.grid.modes[component];
-            for (row, value) in change.iter().enumerate() {
-                for (slot, basis) in self.wrench_rows[row][columns.clone()].iter_mut().zip(&node.basis) {
+            for (rows, value) in self.wrench_rows.iter_mut().zip(change) {
+                for (slot, basis) in rows[columns.clone()].iter_mut().zip(&node.basis) {
                     *slot += value * basis;
                 }
             }
@@ -259,6 +211,7 @@ impl Derivative {
     }
 
     /// Multiplies with the compliance and the test polynomials and adds to the rows of this element.
+    #[inline(always)]
     fn project_rows(&mut self, system: &System, g: usize, work: &Work) {
         let node = &system.grid.nodes[g];
         let (n, size) = (system.grid.unknowns, system.size());
@@ -272,7 +225,7 @@ impl Derivative {
             for j in 0..system.grid.modes[component] {
                 let weight = node.weight_m * node.basis[j] * diagonal;
                 let start = (node.offset[component] + j) * size;
-                let row = &mut self.rows[start..start + n];
+                let row = &mut self.stiffness[start..start + n];
                 for (slot, value) in row.iter_mut().zip(&self.wrench_rows[component]) {
                     *slot += weight * value;
                 }
@@ -281,45 +234,102 @@ impl Derivative {
     }
 
     /// d balance / d tension and, being the same numbers, d length / d unknown.
+    #[inline(always)]
     fn tendon_border(&mut self, system: &System, conditions: &Conditions, work: &Work) {
         let (n, size) = (system.grid.unknowns, system.size());
-        let mut border = vec![0.0; n];
         for (i, hold) in conditions.holds.iter().enumerate() {
-            border.fill(0.0);
+            self.border.fill(0.0);
             for g in 0..system.grid.nodes.len() {
                 let pull = system.tendon_wrench(g, i, work);
-                system.project(g, &work.shape.compliance[g].apply(&pull), &mut border);
+                system.project(g, &work.shape.compliance[g].apply(&pull), &mut self.border);
             }
-            for (k, value) in border.iter().enumerate() {
-                self.rows[k * size + n + i] = *value;
-                self.rows[(n + i) * size + k] = *value;
+            for (k, value) in self.border.iter().enumerate() {
+                self.stiffness[k * size + n + i] = *value;
+                self.stiffness[(n + i) * size + k] = *value;
             }
             let pull = if let Hold::Length(pull) = *hold { pull } else { 0.0 };
-            self.rows[(n + i) * size + n + i] = -system.params.tendons[i].compliance_at(pull);
+            self.stiffness[(n + i) * size + n + i] = -system.params.tendons[i].compliance_at(pull);
+        }
+    }
+
+    /// D: viscous wrenches are local and diagonal in the strains.
+    #[inline(always)]
+    fn add_viscosity(&mut self, system: &System, work: &Work) {
+        let n = system.grid.unknowns;
+        self.viscosity.fill(0.0);
+        for (g, node) in system.grid.nodes.iter().enumerate() {
+            let compliance = &work.shape.compliance[g];
+            for column in 0..COMPONENTS {
+                let strain = compliance.column(column);
+                let mut viscous = [0.0; COMPONENTS];
+                (0..COMPONENTS).for_each(|c| viscous[c] = system.sections[g].viscosity[c] * strain[c]);
+                let tested = compliance.apply(&viscous);
+                // Bending about one axis may reach the other; nothing else is coupled.
+                let rows = if column < 2 { 0..2 } else { column..column + 1 };
+                for row in rows {
+                    for i in 0..system.grid.modes[row] {
+                        let weight = node.weight_m * node.basis[i] * tested[row];
+                        let start = (node.offset[row] + i) * n + node.offset[column];
+                        let slots = &mut self.viscosity[start..start + system.grid.modes[column]];
+                        slots.iter_mut().zip(&node.basis).for_each(|(slot, basis)| *slot += weight * basis);
+                    }
+                }
+            }
+        }
+    }
+
+    /// M: the Gram matrix of all displacements, weighted with the masses.
+    #[inline(always)]
+    fn add_inertia(&mut self, system: &System, work: &Work) {
+        let n = system.grid.unknowns;
+        self.inertia.fill(0.0);
+        for (g, section) in system.sections.iter().enumerate() {
+            let mass_kg = section.mass_kg_m * system.grid.nodes[g].weight_m;
+            if mass_kg > 0.0 {
+                add_gram(&mut self.inertia, &self.variation.node_move[g], &(Matrix3::identity() * mass_kg));
+            }
+        }
+        for mass in &system.masses {
+            add_gram(&mut self.inertia, &self.variation.end_move[mass.end], &(Matrix3::identity() * mass.mass_kg));
+            if mass.turns() {
+                let r = &work.shape.end_r[mass.end];
+                let inertia = r * Matrix3::from_diagonal(&mass.inertia_kg_m2) * r.transpose();
+                add_gram(&mut self.inertia, &self.variation.end_turn[mass.end], &inertia);
+            }
+        }
+        for row in 0..n {
+            for column in 0..row {
+                self.inertia[row * n + column] = self.inertia[column * n + row];
+            }
         }
     }
 }
 
-/// World-frame strain variations at Gauss point `g`: R A φ for curvature (turn) and stretch (move).
-fn strain_rates(system: &System, work: &Work, g: usize, turn: &mut Triple, moved: &mut Triple) {
-    turn.fill_zero();
-    moved.fill_zero();
-    let node = &system.grid.nodes[g];
-    let r = &work.shape.node_r[g];
-    for component in 0..COMPONENTS {
-        let strain = work.shape.compliance[g].column(component);
-        let columns = node.offset[component]..node.offset[component] + system.grid.modes[component];
-        let (target, part) = if component < 3 { (&mut *turn, &strain[..3]) } else { (&mut *moved, &strain[3..]) };
-        let world = r * Vector3::from_row_slice(part);
-        for axis in 0..3 {
-            for (slot, basis) in target.rows[axis][columns.clone()].iter_mut().zip(&node.basis) {
-                *slot = world[axis] * basis;
-            }
+/// `out = a·x + b·y + c·z`.
+#[inline(always)]
+fn combine(out: &mut [f64], [x, y, z]: [&[f64]; 3], [a, b, c]: [f64; 3]) {
+    for (out, ((x, y), z)) in out.iter_mut().zip(x.iter().zip(y).zip(z)) {
+        *out = a * x + b * y + c * z;
+    }
+}
+
+/// Adds `directionᵀ weight direction` to the upper triangle of a square matrix.
+#[inline(always)]
+fn add_gram(out: &mut [f64], direction: &Triple, weight: &Matrix3<f64>) {
+    let [x, y, z] = direction.rows();
+    let n = x.len();
+    for i in 0..n {
+        let w = weight * Vector3::new(x[i], y[i], z[i]);
+        let row = &mut out[i * n + i..(i + 1) * n];
+        let columns = x[i..].iter().zip(&y[i..]).zip(&z[i..]);
+        for (slot, ((x, y), z)) in row.iter_mut().zip(columns) {
+            *slot += w.x * x + w.y * y + w.z * z;
         }
     }
 }
 
 /// Σ tension · ∂²length/∂strain² at Gauss point `g`: the stiffness that taut tendons add.
+#[inline(always)]
 fn tendon_stiffness(system: &System, g: usize, tensions: &[f64], work: &Work) -> [Six; COMPONENTS] {
     let mut total = [[0.0; COMPONENTS]; COMPONENTS];
     for (i, &tension) in tensions.iter().enumerate() {
@@ -327,7 +337,7 @@ fn tendon_stiffness(system: &System, g: usize, tensions: &[f64], work: &Work) ->
         if tension == 0.0 || stretch == 0.0 {
             continue;
         }
-        let [x, y] = system.params.tendons[i].offset_m;
+        let [x, y] = system.guides[g * tensions.len() + i].offset_m;
         // d path / d strain: columns u_x, u_y, u_z, then the identity.
         let columns = [
             Vector3::new(0.0, 0.0, y),
@@ -346,14 +356,4 @@ fn tendon_stiffness(system: &System, g: usize, tensions: &[f64], work: &Work) ->
         }
     }
     total
-}
-
-/// `to += scale · matrix · from`.
-fn add_product(to: &mut Triple, matrix: &Matrix3<f64>, from: &Triple, scale: f64) {
-    for axis in 0..3 {
-        for other in 0..3 {
-            let factor = scale * matrix[(axis, other)];
-            to.rows[axis].iter_mut().zip(&from.rows[other]).for_each(|(a, b)| *a += factor * b);
-        }
-    }
 }

@@ -1,12 +1,12 @@
 //! External loads: weight, inertia, drag and the tip load, summed from the tip inwards to the wrench that every
 //! cross-section has to carry.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 use super::conditions::Conditions;
 use super::grid::Grid;
 use super::motion::EndMass;
-use super::params::RodParams;
+use super::params::{PointLoad, RodParams};
 use super::section::Section;
 use super::shape::Shape;
 
@@ -17,12 +17,12 @@ pub(super) struct Loads {
     pub(super) node_f: Vec<Vector3<f64>>,
     /// Force on each cell end, N.
     pub(super) end_f: Vec<Vector3<f64>>,
+    /// Moment on each cell end, N m.
+    pub(super) end_m: Vec<Vector3<f64>>,
     /// Force that the cross-section at each Gauss point carries, N.
     pub(super) force: Vec<Vector3<f64>>,
     /// Moment about each Gauss point that its cross-section carries, N m.
     pub(super) moment: Vec<Vector3<f64>>,
-    /// Force carried just outside each cell's end, N.
-    pub(super) cell_force: Vec<Vector3<f64>>,
 }
 
 impl Loads {
@@ -32,15 +32,15 @@ impl Loads {
         Loads {
             node_f: vec![zero; nodes],
             end_f: vec![zero; ends],
+            end_m: vec![zero; ends],
             force: vec![zero; nodes],
             moment: vec![zero; nodes],
-            cell_force: vec![zero; grid.cells.len()],
         }
     }
 
     /// Sums the loads on `shape` under the given conditions.
     pub(super) fn update(&mut self, rod: &LoadedRod, shape: &Shape, conditions: &Conditions) {
-        let (gravity, motion, tip) = (conditions.gravity_m_s2, conditions.motion, conditions.tip_load);
+        let (gravity, motion) = (conditions.gravity_m_s2, conditions.motion);
         for (g, section) in rod.sections.iter().enumerate() {
             let mut f = section.mass_kg_m * (gravity - motion.node_acceleration(g, &shape.node_p[g]));
             if rod.params.drag_n_s2_m3 > 0.0 {
@@ -49,19 +49,36 @@ impl Loads {
             }
             self.node_f[g] = f;
         }
-        self.end_f.iter_mut().for_each(|f| *f = Vector3::zeros());
-        for mass in rod.masses {
-            self.end_f[mass.end] +=
-                mass.mass_kg * (gravity - motion.end_acceleration(mass.end, &shape.end_p[mass.end]));
+        if !rod.constant.line.is_empty() {
+            self.node_f.iter_mut().zip(&rod.constant.line).for_each(|(f, own)| *f += own * conditions.load_share);
         }
-        let mut force = tip.force_n;
-        let mut moment = tip.moment_nm;
+        self.lump(rod, shape, conditions);
+        let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
         for (c, cell) in rod.grid.cells.iter().enumerate().rev() {
             force += self.end_f[c + 1];
-            moment += motion.spin_moment(rod.masses, c + 1, &shape.end_r[c + 1]);
-            self.cell_force[c] = force;
+            moment += self.end_m[c + 1];
             (force, moment) = self.through_cell(c, cell.length_m, shape, force, moment);
         }
+    }
+
+    /// Forces and moments at the cell ends: lumped masses, point loads, and the load at the tip.
+    fn lump(&mut self, rod: &LoadedRod, shape: &Shape, conditions: &Conditions) {
+        let motion = conditions.motion;
+        self.end_f.fill(Vector3::zeros());
+        self.end_m.fill(Vector3::zeros());
+        for (k, mass) in rod.masses.iter().enumerate() {
+            let acceleration = motion.mass_acceleration(k, &shape.end_p[mass.end]);
+            self.end_f[mass.end] += mass.mass_kg * (conditions.gravity_m_s2 - acceleration);
+            self.end_m[mass.end] += motion.spin_moment(mass, k, &shape.end_r[mass.end]);
+        }
+        for (end, load) in &rod.constant.points {
+            let (f, m) = load.in_world(&shape.end_r[*end], conditions.load_share);
+            self.end_f[*end] += f;
+            self.end_m[*end] += m;
+        }
+        let tip = self.end_f.len() - 1;
+        self.end_f[tip] += conditions.tip_load.force_n;
+        self.end_m[tip] += conditions.tip_load.moment_nm;
     }
 
     /// Carries the wrench at the end of cell `c` (moment about that end) to its Gauss points and its start.
@@ -104,4 +121,42 @@ pub(super) struct LoadedRod<'a> {
     pub(super) grid: &'a Grid,
     pub(super) sections: &'a [Section],
     pub(super) masses: &'a [EndMass],
+    pub(super) constant: &'a Constant,
+}
+
+/// Constant loads besides weight and the tip load, on the grid.
+#[derive(Clone, Debug)]
+pub(super) struct Constant {
+    /// Point loads with the cell end that carries each.
+    pub(super) points: Vec<(usize, PointLoad)>,
+    /// Force per length at the Gauss points, N/m; empty when there is none.
+    line: Vec<Vector3<f64>>,
+}
+
+impl Constant {
+    pub(super) fn new(params: &RodParams, grid: &Grid) -> Constant {
+        let points = params.point_loads.iter().map(|load| (grid.nearest_end(load.position_m), *load)).collect();
+        let mut line = Vec::new();
+        if !params.line_loads.is_empty() {
+            line = grid.nodes.iter().map(|node| line_force(params, node.position_m)).collect();
+        }
+        Constant { points, line }
+    }
+}
+
+/// Sum of the line loads at `position_m`, N/m.
+fn line_force(params: &RodParams, position_m: f64) -> Vector3<f64> {
+    let here = params.line_loads.iter().filter(|load| (load.start_m..load.end_m).contains(&position_m));
+    here.map(|load| load.force_n_m).sum()
+}
+
+impl PointLoad {
+    /// Force and moment in the world frame on a cross-section at orientation `r`, at `share` of their value.
+    pub(super) fn in_world(&self, r: &Matrix3<f64>, share: f64) -> (Vector3<f64>, Vector3<f64>) {
+        if self.follows {
+            (r * self.force_n * share, r * self.moment_nm * share)
+        } else {
+            (self.force_n * share, self.moment_nm * share)
+        }
+    }
 }

@@ -21,15 +21,17 @@ pub(super) struct EndMass {
 pub(super) struct Motion {
     /// 1/(h γ), 1/s; zero at rest.
     pub(super) rate: f64,
+    /// At the Gauss points.
     pub(super) node_v: Vec<Vector3<f64>>,
     pub(super) node_a: Vec<Vector3<f64>>,
-    pub(super) end_v: Vec<Vector3<f64>>,
-    pub(super) end_a: Vec<Vector3<f64>>,
+    /// At the lumped masses.
+    pub(super) mass_v: Vec<Vector3<f64>>,
+    pub(super) mass_a: Vec<Vector3<f64>>,
     /// Strain rate = rate·strain + this.
     pub(super) strain_v: Vec<Six>,
-    /// Orientation of the cell ends at the start of the step.
+    /// Orientation of the masses at the start of the step.
     pub(super) from_r: Vec<Matrix3<f64>>,
-    /// Angular velocity (body) = rate·log(from_rᵀ r) + this.
+    /// Angular velocity (body) = rate·log(from_rᵀ r) + this; zero for masses without rotary inertia.
     pub(super) spin_v: Vec<Vector3<f64>>,
     /// Angular acceleration (body) = rate²·log(from_rᵀ r) + this.
     pub(super) spin_a: Vec<Vector3<f64>>,
@@ -37,19 +39,19 @@ pub(super) struct Motion {
 
 impl Motion {
     /// A rod at rest.
-    pub(super) fn rest(grid: &Grid) -> Motion {
-        let (nodes, ends) = (grid.nodes.len(), grid.boundaries_m.len());
+    pub(super) fn rest(grid: &Grid, masses: &[EndMass]) -> Motion {
+        let (nodes, lumps) = (grid.nodes.len(), masses.len());
         let zero = Vector3::zeros();
         Motion {
             rate: 0.0,
             node_v: vec![zero; nodes],
             node_a: vec![zero; nodes],
-            end_v: vec![zero; ends],
-            end_a: vec![zero; ends],
+            mass_v: vec![zero; lumps],
+            mass_a: vec![zero; lumps],
             strain_v: vec![[0.0; 6]; nodes],
-            from_r: vec![Matrix3::identity(); ends],
-            spin_v: vec![zero; ends],
-            spin_a: vec![zero; ends],
+            from_r: vec![Matrix3::identity(); lumps],
+            spin_v: vec![zero; lumps],
+            spin_a: vec![zero; lumps],
         }
     }
 
@@ -61,31 +63,34 @@ impl Motion {
         p * (self.rate * self.rate) + self.node_a[g]
     }
 
-    pub(super) fn end_velocity(&self, end: usize, p: &Vector3<f64>) -> Vector3<f64> {
-        p * self.rate + self.end_v[end]
+    pub(super) fn mass_velocity(&self, k: usize, p: &Vector3<f64>) -> Vector3<f64> {
+        p * self.rate + self.mass_v[k]
     }
 
-    pub(super) fn end_acceleration(&self, end: usize, p: &Vector3<f64>) -> Vector3<f64> {
-        p * (self.rate * self.rate) + self.end_a[end]
+    pub(super) fn mass_acceleration(&self, k: usize, p: &Vector3<f64>) -> Vector3<f64> {
+        p * (self.rate * self.rate) + self.mass_a[k]
     }
 
-    /// Body angular velocity and acceleration of a cell end.
-    pub(super) fn spin(&self, end: usize, r: &Matrix3<f64>) -> (Vector3<f64>, Vector3<f64>) {
-        let turn = rotation::log(&(self.from_r[end].transpose() * r));
-        (turn * self.rate + self.spin_v[end], turn * (self.rate * self.rate) + self.spin_a[end])
+    /// Body angular velocity and acceleration of mass `k` at orientation `r`.
+    pub(super) fn spin(&self, k: usize, r: &Matrix3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+        let turn = rotation::log(&(self.from_r[k].transpose() * r));
+        (turn * self.rate + self.spin_v[k], turn * (self.rate * self.rate) + self.spin_a[k])
     }
 
-    /// Moment in the world frame that the rotary inertia of the masses at a cell end puts on the rod, N m.
-    pub(super) fn spin_moment(&self, masses: &[EndMass], end: usize, r: &Matrix3<f64>) -> Vector3<f64> {
-        let mut moment = Vector3::zeros();
-        if self.rate == 0.0 {
-            return moment;
+    /// Moment in the world frame that the rotary inertia of mass `k` puts on the rod, N m.
+    pub(super) fn spin_moment(&self, mass: &EndMass, k: usize, r: &Matrix3<f64>) -> Vector3<f64> {
+        if self.rate == 0.0 || !mass.turns() {
+            return Vector3::zeros();
         }
-        for mass in masses.iter().filter(|mass| mass.end == end && mass.inertia_kg_m2 != Vector3::zeros()) {
-            let (w, dw) = self.spin(end, r);
-            let momentum = mass.inertia_kg_m2.component_mul(&w);
-            moment -= r * (mass.inertia_kg_m2.component_mul(&dw) + w.cross(&momentum));
-        }
-        moment
+        let (w, dw) = self.spin(k, r);
+        let momentum = mass.inertia_kg_m2.component_mul(&w);
+        -(r * (mass.inertia_kg_m2.component_mul(&dw) + w.cross(&momentum)))
+    }
+}
+
+impl EndMass {
+    /// Whether it resists turning.
+    pub(super) fn turns(&self) -> bool {
+        self.inertia_kg_m2 != Vector3::zeros()
     }
 }

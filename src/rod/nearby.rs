@@ -129,10 +129,10 @@ impl Nearby {
             let time_s = if still { 0.0 } else { followed.stage_times[i] * solved.duration_s };
             let prepare = |rod: &mut Rod, number: usize| {
                 if still {
-                    rod.motion = Motion::rest(&rod.system.grid);
+                    rod.motion = Motion::rest(&rod.system.grid, &rod.system.masses);
                 } else {
-                    let Rod { motion, tableau, stages, .. } = rod;
-                    motion.prepare(&starts[number], &tableau.rows[i], stages, tableau.gamma, solved.duration_s);
+                    let Rod { motion, system, tableau, stages, .. } = rod;
+                    motion.prepare(&starts[number], &system.masses, &tableau.rows[i], stages, solved.duration_s);
                 }
                 rod.holds(&drives(number, time_s))
             };
@@ -147,7 +147,7 @@ impl Nearby {
         }
         for rod in std::iter::once(followed).chain(others) {
             if still {
-                rod.state.rates = Rates::zero(&rod.system.grid);
+                rod.state.rates = Rates::zero(&rod.system.grid, &rod.system.masses);
             } else {
                 rod.state.rates.clone_from(&rod.stages[solved.stages.len() - 1]);
             }
@@ -172,7 +172,7 @@ impl Rod {
     fn linearise<'a>(&mut self, unknowns: &'a [f64], taut: &'a [bool], holds: &[Hold], settled: bool) -> Solution<'a> {
         let Rod { system, solver, state, motion, tip_load, .. } = self;
         let (gravity_m_s2, memory) = (system.params.gravity_m_s2, &state.memory);
-        let conditions = Conditions { holds, taut, tip_load, gravity_m_s2, motion, memory, settled };
+        let conditions = Conditions { holds, taut, tip_load, load_share: 1.0, gravity_m_s2, motion, memory, settled };
         system.evaluate(unknowns, &conditions, &mut solver.work);
         solver.derivative.update(system, unknowns, &conditions, &solver.work);
         let factors = solver.derivative.matrix(system, &conditions).lu();
@@ -193,7 +193,7 @@ impl Rod {
         let Rod { system, solver, state, motion, tip_load, .. } = self;
         let &mut Solution { taut, settled, .. } = solution;
         let (gravity_m_s2, memory) = (system.params.gravity_m_s2, &state.memory);
-        let conditions = Conditions { holds, taut, tip_load, gravity_m_s2, motion, memory, settled };
+        let conditions = Conditions { holds, taut, tip_load, load_share: 1.0, gravity_m_s2, motion, memory, settled };
         let (mut done, mut last_m) = (0, 0.0);
         while done < solution.contraction.map_or(2, corrections) {
             system.evaluate(&unknowns, &conditions, &mut solver.work);
@@ -222,7 +222,7 @@ impl Rod {
         self.state.taut.copy_from_slice(taut);
         self.state.shape.update(&self.system.grid, &self.system.sections, &unknowns[..n]);
         if !still {
-            self.stages[stage].read(&self.motion, &self.state.shape);
+            self.stages[stage].read(&self.motion, &self.system.masses, &self.state.shape);
         }
     }
 }

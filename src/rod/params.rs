@@ -6,27 +6,8 @@ use nalgebra::Vector3;
 
 use super::memory::MomentLaw;
 use super::scheme::Scheme;
-
-/// Linear-elastic cross-section of the backbone and its rest shape over part of the length.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Span {
-    /// Where the span ends, metres from the base; it begins where the one before ends.
-    pub end_m: f64,
-    /// Bending stiffnesses E·I about the two principal axes, N m².
-    pub bending_n_m2: [f64; 2],
-    /// Angle of the first principal axis from x towards y, radians.
-    pub principal_angle_rad: f64,
-    /// Torsional stiffness G·J, N m².
-    pub torsion_n_m2: f64,
-    /// Shear stiffness G·A, N.
-    pub shear_n: f64,
-    /// Axial stiffness E·A, N.
-    pub axial_n: f64,
-    /// Curvature and twist when unloaded, rad/m (body axes).
-    pub rest_curvature_rad_m: Vector3<f64>,
-    /// Mass per length, kg/m.
-    pub mass_kg_m: f64,
-}
+use super::span::Span;
+use super::tendon::Tendon;
 
 /// A section of the spine that shortens under axial force (paper, eq. 14 and Algorithm 1).
 #[derive(Clone, Debug, PartialEq)]
@@ -52,29 +33,37 @@ pub struct PointMass {
     pub inertia_kg_m2: Vector3<f64>,
 }
 
-/// A tendon that runs parallel to the backbone through the disks and ends at one of them.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Tendon {
-    /// Offset from the backbone in the cross-section, metres.
-    pub offset_m: [f64; 2],
-    /// Where it is anchored, metres from the base.
-    pub end_m: f64,
-    /// Displacement at home, metres: how much it is tightened before the first command.
-    pub pretension_m: f64,
-    /// Stretch of the whole tendon per tension at home, m/N.
-    pub compliance_m_per_n: f64,
-    /// Length over which it stretches at home, metres: what is pulled in no longer does. Infinite: the drive moves
-    /// the whole tendon along, and its compliance stays.
-    pub elastic_length_m: f64,
-}
-
-/// Constant loads that act on the rod besides gravity.
+/// A load at the tip that keeps its direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TipLoad {
     /// Force at the tip in the world frame, N.
     pub force_n: Vector3<f64>,
     /// Moment at the tip in the world frame, N m.
     pub moment_nm: Vector3<f64>,
+}
+
+/// A force and a moment at one place of the rod.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointLoad {
+    /// Distance from the base along the relaxed rod, metres.
+    pub position_m: f64,
+    /// Force, N.
+    pub force_n: Vector3<f64>,
+    /// Moment, N m.
+    pub moment_nm: Vector3<f64>,
+    /// Given in the body axes of the cross-section, and turning with it (a follower load), instead of the world's.
+    pub follows: bool,
+}
+
+/// A force spread evenly over part of the rod, in the world frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LineLoad {
+    /// Where it begins, metres from the base along the relaxed rod.
+    pub start_m: f64,
+    /// Where it ends.
+    pub end_m: f64,
+    /// Force per relaxed length, N/m.
+    pub force_n_m: Vector3<f64>,
 }
 
 /// Everything the solver needs to know about one robot.
@@ -100,6 +89,10 @@ pub struct RodParams {
     pub drag_n_s2_m3: f64,
     /// Load at the tip.
     pub tip_load: TipLoad,
+    /// Constant loads at other places.
+    pub point_loads: Vec<PointLoad>,
+    /// Constant loads over part of the rod.
+    pub line_loads: Vec<LineLoad>,
     /// Moments with a memory.
     pub memory: Vec<Arc<dyn MomentLaw>>,
     /// Numerical resolution.
@@ -136,35 +129,6 @@ impl Default for Resolution {
             axial_modes: 4,
             time_step_s: 0.05,
             scheme: Scheme::default(),
-        }
-    }
-}
-
-impl Tendon {
-    /// Stretch per tension once `pull_m` has been pulled in, m/N.
-    pub(super) fn compliance_at(&self, pull_m: f64) -> f64 {
-        self.compliance_m_per_n * (1.0 - pull_m / self.elastic_length_m)
-    }
-}
-
-impl RodParams {
-    /// Relaxed length of the rod, metres.
-    pub fn length_m(&self) -> f64 {
-        self.spans.last().map_or(0.0, |span| span.end_m)
-    }
-
-    /// The span that holds the point `position_m` from the base.
-    pub fn span_at(&self, position_m: f64) -> &Span {
-        self.spans.iter().find(|span| position_m < span.end_m).unwrap_or_else(|| &self.spans[self.spans.len() - 1])
-    }
-
-    /// Splits the spans so that one ends at `position_m`; effects that change part of the rod begin with this.
-    pub fn split_at(&mut self, position_m: f64) {
-        let Some(index) = self.spans.iter().position(|span| position_m < span.end_m) else { return };
-        let start_m = if index == 0 { 0.0 } else { self.spans[index - 1].end_m };
-        if position_m > start_m {
-            let first = Span { end_m: position_m, ..self.spans[index].clone() };
-            self.spans.insert(index, first);
         }
     }
 }

@@ -19,22 +19,21 @@ pub enum Scheme {
 #[derive(Clone, Debug)]
 pub(super) struct Tableau {
     pub(super) rows: Vec<Vec<f64>>,
-    pub(super) gamma: f64,
 }
 
 impl Scheme {
     pub(super) fn tableau(self) -> Tableau {
         match self {
-            Scheme::Euler => Tableau { rows: vec![vec![1.0]], gamma: 1.0 },
+            Scheme::Euler => Tableau { rows: vec![vec![1.0]] },
             Scheme::Sdirk2 => {
                 let g = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
-                Tableau { rows: vec![vec![g], vec![1.0 - g, g]], gamma: g }
+                Tableau { rows: vec![vec![g], vec![1.0 - g, g]] }
             }
             Scheme::Sdirk3 => {
                 // The root of γ³ − 3γ² + 3γ/2 − 1/6 between 1/6 and 1/2.
                 let g = 0.435_866_521_508_459;
                 let last = [-(6.0 * g * g - 16.0 * g + 1.0) / 4.0, (6.0 * g * g - 20.0 * g + 5.0) / 4.0, g];
-                Tableau { rows: vec![vec![g], vec![(1.0 - g) / 2.0, g], last.to_vec()], gamma: g }
+                Tableau { rows: vec![vec![g], vec![(1.0 - g) / 2.0, g], last.to_vec()] }
             }
         }
     }

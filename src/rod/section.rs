@@ -85,7 +85,7 @@ impl Section {
                 time / (axial + spine),
             ],
             bending_n_m2: bending,
-            mass_kg_m: span.mass_kg_m,
+            mass_kg_m: span.mass_kg_m + span.spread_mass_kg_m,
         }
     }
 

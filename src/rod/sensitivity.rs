@@ -38,11 +38,12 @@ impl Rod {
     /// `None` when it has not come to rest or has moved since, or when the pose is unstable to first order.
     pub fn tip_jacobian(&mut self, directions: &[Direction]) -> Option<Vec<TipRate>> {
         let rest = self.rest.as_ref()?;
-        let motion = Motion::rest(&self.system.grid);
+        let motion = Motion::rest(&self.system.grid, &self.system.masses);
         let conditions = Conditions {
             holds: &rest.holds,
             taut: &self.state.taut,
             tip_load: &self.tip_load,
+            load_share: 1.0,
             gravity_m_s2: self.system.params.gravity_m_s2,
             motion: &motion,
             memory: &rest.memory,
@@ -54,12 +55,12 @@ impl Rod {
         derivative.update(&self.system, &self.state.unknowns, &conditions, &work);
         let factors = derivative.matrix(&self.system, &conditions).lu();
         let n = self.system.grid.unknowns;
-        let last = derivative.end_move.len() - 1;
+        let last = derivative.variation.end_move.len() - 1;
         let rate = |&direction: &Direction| {
             let mut change = -self.residual_rate(direction, &conditions, &work);
             factors.solve_mut(&mut change).then(|| TipRate {
-                position_m: derivative.end_move[last].times(&change.as_slice()[..n]),
-                rotation_rad: derivative.end_turn[last].times(&change.as_slice()[..n]),
+                position_m: derivative.variation.end_move[last].times(&change.as_slice()[..n]),
+                rotation_rad: derivative.variation.end_turn[last].times(&change.as_slice()[..n]),
             })
         };
         directions.iter().map(rate).collect()

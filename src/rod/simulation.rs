@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::conditions::{Conditions, Hold};
+use super::grid::Grid;
 use super::memory::MemoryState;
 use super::motion::Motion;
 use super::params::{RodParams, TipLoad};
@@ -89,11 +90,11 @@ impl Rod {
                 unknowns: vec![0.0; system.size()],
                 taut: vec![false; system.params.tendons.len()],
                 shape: system.work().shape,
-                rates: Rates::zero(&system.grid),
+                rates: Rates::zero(&system.grid, &system.masses),
                 memory: system.fresh_memory(),
             },
-            motion: Motion::rest(&system.grid),
-            stages: tableau.rows.iter().map(|_| Rates::zero(&system.grid)).collect(),
+            motion: Motion::rest(&system.grid, &system.masses),
+            stages: tableau.rows.iter().map(|_| Rates::zero(&system.grid, &system.masses)).collect(),
             stage_times: scheme.stage_times(),
             tableau,
             tip_load,
@@ -110,7 +111,7 @@ impl Rod {
         self.state.unknowns.fill(0.0);
         self.state.taut.fill(false);
         self.state.memory = self.system.fresh_memory();
-        self.state.rates = Rates::zero(&self.system.grid);
+        self.state.rates = Rates::zero(&self.system.grid, &self.system.masses);
         let (system, state) = (&self.system, &mut self.state);
         state.shape.update(&system.grid, &system.sections, &state.unknowns[..system.grid.unknowns]);
         self.solver = Solver::new(system);
@@ -131,7 +132,7 @@ impl Rod {
     /// Brings the rod to rest under `drives` (one a tendon). Histories come to rest as well.
     pub fn settle(&mut self, drives: &[Drive]) -> Status {
         let Some(holds) = self.holds(drives) else { return Status::BadCommand };
-        self.motion = Motion::rest(&self.system.grid);
+        self.motion = Motion::rest(&self.system.grid, &self.system.masses);
         let before = self.state.clone();
         let mut status = self.solve_static(&holds, 1.0);
         if status != Status::Converged {
@@ -139,7 +140,7 @@ impl Rod {
             status = self.continue_load(&holds);
         }
         if status == Status::Converged {
-            self.state.rates = Rates::zero(&self.system.grid);
+            self.state.rates = Rates::zero(&self.system.grid, &self.system.masses);
             self.commit_memory(f64::INFINITY);
             self.rest = Some(Rest { holds, memory: before.memory });
             let stages = vec![(self.state.unknowns.clone(), self.state.taut.clone())];
@@ -164,7 +165,7 @@ impl Rod {
         let load = TipLoad { force_n: self.tip_load.force_n * share, moment_nm: self.tip_load.moment_nm * share };
         self.seed_tensions(&scaled);
         let gravity = self.system.params.gravity_m_s2 * share;
-        self.solve(&scaled, &load, gravity, true, STATIC_TOLERANCE_M)
+        self.solve(&scaled, (&load, share), gravity, true, STATIC_TOLERANCE_M)
     }
 
     /// Raises all loads from nothing in steps that shrink on failure and grow on success.
@@ -242,12 +243,12 @@ impl Rod {
         for i in 0..self.tableau.rows.len() {
             let Some(holds) = self.holds(&drives(self.stage_times[i] * h)) else { return Status::BadCommand };
             self.seed_tensions(&holds);
-            self.motion.prepare(start, &self.tableau.rows[i], &self.stages, self.tableau.gamma, h);
-            let status = self.solve(&holds, &load, gravity, false, DYNAMIC_TOLERANCE_M);
+            self.motion.prepare(start, &self.system.masses, &self.tableau.rows[i], &self.stages, h);
+            let status = self.solve(&holds, (&load, 1.0), gravity, false, DYNAMIC_TOLERANCE_M);
             if status != Status::Converged {
                 return status;
             }
-            self.stages[i].read(&self.motion, &self.state.shape);
+            self.stages[i].read(&self.motion, &self.system.masses, &self.state.shape);
             if self.trace.is_some() {
                 stages.push((self.state.unknowns.clone(), self.state.taut.clone()));
             }
@@ -263,15 +264,23 @@ impl Rod {
     fn solve(
         &mut self,
         holds: &[Hold],
-        load: &TipLoad,
+        (tip_load, load_share): (&TipLoad, f64),
         gravity_m_s2: Vector3<f64>,
         settled: bool,
         tolerance_m: f64,
     ) -> Status {
         let State { unknowns, taut, memory, .. } = &mut self.state;
         let guess = taut.clone();
-        let conditions =
-            Conditions { holds, taut: &guess, tip_load: load, gravity_m_s2, motion: &self.motion, memory, settled };
+        let conditions = Conditions {
+            holds,
+            taut: &guess,
+            tip_load,
+            load_share,
+            gravity_m_s2,
+            motion: &self.motion,
+            memory,
+            settled,
+        };
         let status = self.solver.solve(&self.system, unknowns, taut, &conditions, tolerance_m);
         if status == Status::Converged {
             let n = self.system.grid.unknowns;
@@ -298,7 +307,7 @@ impl Rod {
         if drives.len() != tendons.len() {
             return None;
         }
-        let hold = |(drive, tendon): (&Drive, &super::params::Tendon)| match *drive {
+        let hold = |(drive, tendon): (&Drive, &super::tendon::Tendon)| match *drive {
             Drive::Pull(pull) if pull.is_finite() => Some(Hold::Length(pull + tendon.pretension_m)),
             Drive::Tension(tension) if tension.is_finite() && tension >= 0.0 => Some(Hold::Tension(tension)),
             Drive::Follow => Some(Hold::Tension(0.0)),
@@ -338,8 +347,8 @@ impl Rod {
         let mut work = self.solver.work.clone();
         work.shape = self.state.shape.clone();
         self.system.update_lengths(&mut work);
-        let tendons = &self.system.params.tendons;
-        work.lengths_m.iter().zip(tendons).map(|(length, t)| t.end_m - length - t.pretension_m).collect()
+        let homes = work.lengths_m.iter().zip(&self.system.home_lengths_m);
+        homes.zip(&self.system.params.tendons).map(|((now, home), t)| home - now - t.pretension_m).collect()
     }
 
     /// What the last solve may be off by at the tip, metres.
@@ -355,6 +364,7 @@ impl Rod {
     /// The fields along the rod at the Gauss points.
     pub fn cross_sections(&self) -> Vec<CrossSection> {
         let (shape, rates) = (&self.state.shape, &self.state.rates);
+        let turning = self.angular_velocities_rad_s();
         let section = |g: usize| {
             let r = shape.node_r[g];
             let wrench = shape.wrench[g];
@@ -365,10 +375,25 @@ impl Rod {
                 moment_nm: r * Vector3::from_row_slice(&wrench[..3]),
                 force_n: r * Vector3::from_row_slice(&wrench[3..]),
                 velocity_m_s: r.tr_mul(&rates.node_v[g]),
-                angular_velocity_rad_s: rates.spin[g / 2 + 1],
+                angular_velocity_rad_s: r.tr_mul(&turning[g]),
             }
         };
         (0..self.system.grid.nodes.len()).map(section).collect()
+    }
+
+    /// World-frame angular velocities at the Gauss points, from the rates of curvature below each: ω(s) = ∫ R u_t.
+    fn angular_velocities_rad_s(&self) -> Vec<Vector3<f64>> {
+        let (shape, rates) = (&self.state.shape, &self.state.rates);
+        let rate = |g: usize| shape.node_r[g] * Vector3::from_row_slice(&rates.strain_v[g][..3]);
+        let mut below = Vector3::zeros();
+        let mut all = Vec::with_capacity(shape.node_r.len());
+        for (c, cell) in self.system.grid.cells.iter().enumerate() {
+            let both = [rate(2 * c), rate(2 * c + 1)];
+            let partial = Grid::partial_weights(cell.length_m);
+            all.extend(partial.map(|[first, second]| below + both[0] * first + both[1] * second));
+            below += (both[0] + both[1]) * (0.5 * cell.length_m);
+        }
+        all
     }
 
     /// Energy now.
@@ -383,9 +408,9 @@ impl Rod {
             energy.gravitational_j -= mass * gravity.dot(&shape.node_p[g]);
             energy.elastic_j += node.weight_m * section.energy_j_m(&shape.wrench[g]);
         }
-        for mass in &self.system.masses {
-            energy.kinetic_j += 0.5 * mass.mass_kg * rates.end_v[mass.end].norm_squared();
-            let spin = rates.spin[mass.end];
+        for (k, mass) in self.system.masses.iter().enumerate() {
+            energy.kinetic_j += 0.5 * mass.mass_kg * rates.mass_v[k].norm_squared();
+            let spin = rates.spin[k];
             energy.kinetic_j += 0.5 * spin.dot(&mass.inertia_kg_m2.component_mul(&spin));
             energy.gravitational_j -= mass.mass_kg * gravity.dot(&shape.end_p[mass.end]);
         }

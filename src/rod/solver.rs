@@ -24,6 +24,9 @@ const LARGEST_STEP: f64 = 0.5;
 /// The derivative is renewed when an iteration leaves more than this share of the step before.
 const POOR_CONTRACTION: f64 = 0.1;
 
+/// Factors kept for one derivative: a few step lengths and taut sets come back again and again.
+const MOST_FACTORS: usize = 8;
+
 /// What an old derivative is trusted with before it has shown its contraction.
 const UNPROVEN_CONTRACTION: f64 = 0.1;
 
@@ -32,11 +35,10 @@ const UNPROVEN_CONTRACTION: f64 = 0.1;
 pub(super) struct Solver {
     pub(super) work: Work,
     pub(super) derivative: Derivative,
-    factors: Option<LU<f64, Dyn, Dyn>>,
-    /// Taut set that the factors belong to.
-    factors_taut: Vec<bool>,
-    /// Time discretisation that the derivative belongs to; not a number when there is none to keep.
-    derivative_rate: f64,
+    /// Factors of the derivative for the rates and taut sets it was last used with; the newest last.
+    factors: Vec<Factors>,
+    /// What the derivative is good for.
+    kept: Kept,
     /// Size of the last step, metres: what the residual is worth at the tip.
     pub(super) residual_m: f64,
     /// Iterations since construction.
@@ -45,14 +47,29 @@ pub(super) struct Solver {
     pub(super) factorisations: u64,
 }
 
+/// What a derivative is good for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kept {
+    Nothing,
+    Rest,
+    Motion,
+}
+
+/// The factorised derivative for one rate and taut set.
+#[derive(Clone, Debug)]
+struct Factors {
+    rate: f64,
+    taut: Vec<bool>,
+    lu: LU<f64, Dyn, Dyn>,
+}
+
 impl Solver {
     pub(super) fn new(system: &System) -> Solver {
         Solver {
             work: system.work(),
             derivative: Derivative::new(system),
-            factors: None,
-            factors_taut: Vec::new(),
-            derivative_rate: f64::NAN,
+            factors: Vec::new(),
+            kept: Kept::Nothing,
             residual_m: 0.0,
             iterations: 0,
             factorisations: 0,
@@ -71,7 +88,8 @@ impl Solver {
         let mut last_step = f64::INFINITY;
         let mut set_changes = 0;
         let mut fresh = false;
-        let mut stale = self.derivative_rate != conditions.motion.rate;
+        let need = if conditions.motion.rate > 0.0 { Kept::Motion } else { Kept::Rest };
+        let mut stale = self.kept != need;
         for _ in 0..MOST_ITERATIONS {
             self.iterations += 1;
             let current = Conditions { taut, ..*conditions };
@@ -81,12 +99,11 @@ impl Solver {
             }
             if stale {
                 self.derivative.update(system, unknowns, &current, &self.work);
-                self.derivative_rate = conditions.motion.rate;
+                self.factors.clear();
+                self.kept = need;
                 (stale, fresh) = (false, true);
-                self.factor(system, &current);
-            } else if self.factors_taut != *taut {
-                self.factor(system, &current);
             }
+            self.factor(system, &current);
             let Some(mut step) = self.step() else { return self.give_up(Status::NotConverged) };
             let size = system.size_of_step_m(&step.as_slice()[..system.grid.unknowns]);
             if !size.is_finite() {
@@ -131,20 +148,31 @@ impl Solver {
 
     /// A failed solve leaves no derivative worth keeping.
     fn give_up(&mut self, status: Status) -> Status {
-        self.derivative_rate = f64::NAN;
+        self.kept = Kept::Nothing;
         status
     }
 
-    /// Factorises the derivative for the taut set of `conditions`.
+    /// Brings the factors of the derivative for the rate and the taut set of `conditions` to the end of the list.
     fn factor(&mut self, system: &System, conditions: &Conditions) {
-        self.factorisations += 1;
-        self.factors = Some(self.derivative.matrix(system, conditions).lu());
-        self.factors_taut = conditions.taut.to_vec();
+        let rate = conditions.motion.rate;
+        let known = self.factors.iter().position(|f| f.rate == rate && f.taut == conditions.taut);
+        let newest = match known {
+            Some(index) => self.factors.remove(index),
+            None => {
+                self.factorisations += 1;
+                if self.factors.len() == MOST_FACTORS {
+                    self.factors.remove(0);
+                }
+                let lu = self.derivative.matrix(system, conditions).lu();
+                Factors { rate, taut: conditions.taut.to_vec(), lu }
+            }
+        };
+        self.factors.push(newest);
     }
 
     fn step(&self) -> Option<DVector<f64>> {
         let mut step = DVector::from_column_slice(&self.work.residual);
-        self.factors.as_ref()?.solve_mut(&mut step).then_some(step)
+        self.factors.last()?.lu.solve_mut(&mut step).then_some(step)
     }
 
     /// Moves the tendon that offends most between taut and slack, as the step just taken says; true if one moved.

@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::grid::Grid;
 use super::memory::MemoryState;
-use super::motion::Motion;
+use super::motion::{EndMass, Motion};
 use super::section::Six;
 use super::shape::Shape;
 
@@ -24,78 +24,102 @@ pub(super) struct State {
 pub(super) struct Rates {
     pub(super) node_v: Vec<Vector3<f64>>,
     pub(super) node_a: Vec<Vector3<f64>>,
-    pub(super) end_v: Vec<Vector3<f64>>,
-    pub(super) end_a: Vec<Vector3<f64>>,
+    /// Of the lumped masses.
+    pub(super) mass_v: Vec<Vector3<f64>>,
+    pub(super) mass_a: Vec<Vector3<f64>>,
     pub(super) strain_v: Vec<Six>,
+    /// Body angular velocity and acceleration of the masses with rotary inertia; zero for the others.
     pub(super) spin: Vec<Vector3<f64>>,
     pub(super) spin_a: Vec<Vector3<f64>>,
 }
 
 impl Rates {
-    pub(super) fn zero(grid: &Grid) -> Rates {
-        let (nodes, ends) = (grid.nodes.len(), grid.boundaries_m.len());
+    pub(super) fn zero(grid: &Grid, masses: &[EndMass]) -> Rates {
+        let (nodes, lumps) = (grid.nodes.len(), masses.len());
         let zero = Vector3::zeros();
         Rates {
             node_v: vec![zero; nodes],
             node_a: vec![zero; nodes],
-            end_v: vec![zero; ends],
-            end_a: vec![zero; ends],
+            mass_v: vec![zero; lumps],
+            mass_a: vec![zero; lumps],
             strain_v: vec![[0.0; 6]; nodes],
-            spin: vec![zero; ends],
-            spin_a: vec![zero; ends],
+            spin: vec![zero; lumps],
+            spin_a: vec![zero; lumps],
         }
     }
 
     /// Reads the rates that `motion` gives to a solved shape.
-    pub(super) fn read(&mut self, motion: &Motion, shape: &Shape) {
-        for g in 0..self.node_v.len() {
-            self.node_v[g] = motion.node_velocity(g, &shape.node_p[g]);
-            self.node_a[g] = motion.node_acceleration(g, &shape.node_p[g]);
+    pub(super) fn read(&mut self, motion: &Motion, masses: &[EndMass], shape: &Shape) {
+        for (g, p) in shape.node_p.iter().enumerate() {
+            self.node_v[g] = motion.node_velocity(g, p);
+            self.node_a[g] = motion.node_acceleration(g, p);
             for c in 0..6 {
                 self.strain_v[g][c] = shape.strain[g][c] * motion.rate + motion.strain_v[g][c];
             }
         }
-        for end in 0..self.end_v.len() {
-            self.end_v[end] = motion.end_velocity(end, &shape.end_p[end]);
-            self.end_a[end] = motion.end_acceleration(end, &shape.end_p[end]);
-            (self.spin[end], self.spin_a[end]) = motion.spin(end, &shape.end_r[end]);
+        for (k, mass) in masses.iter().enumerate() {
+            self.mass_v[k] = motion.mass_velocity(k, &shape.end_p[mass.end]);
+            self.mass_a[k] = motion.mass_acceleration(k, &shape.end_p[mass.end]);
+            if mass.turns() {
+                (self.spin[k], self.spin_a[k]) = motion.spin(k, &shape.end_r[mass.end]);
+            }
         }
     }
 }
 
+/// Rates that a stage of a step starts from: with step h, v = (p − p₀ − h Σ aᵢⱼ vⱼ)/(hγ) and
+/// a = (v − v₀ − h Σ aᵢⱼ aⱼ)/(hγ).
+struct History<'a> {
+    rate: f64,
+    /// aᵢⱼ/γ with the earlier stages' rates.
+    earlier: &'a [(f64, &'a Rates)],
+}
+
+impl History<'_> {
+    /// What p₀, v₀ and the earlier stages contribute to v and a of one point.
+    #[inline]
+    fn of(
+        &self,
+        p: &Vector3<f64>,
+        v: &Vector3<f64>,
+        stage: impl Fn(&Rates) -> (Vector3<f64>, Vector3<f64>),
+    ) -> (Vector3<f64>, Vector3<f64>) {
+        let (mut hist_v, mut hist_a) = (-p * self.rate, -v * self.rate);
+        for (share, rates) in self.earlier {
+            let (stage_v, stage_a) = stage(rates);
+            hist_v -= stage_v * *share;
+            hist_a -= stage_a * *share;
+        }
+        (hist_v, hist_v * self.rate + hist_a)
+    }
+}
+
 impl Motion {
-    /// Prepares a stage: with step h, v = (p − p₀ − h Σ aᵢⱼ vⱼ)/(hγ) and a = (v − v₀ − h Σ aᵢⱼ aⱼ)/(hγ).
-    /// `row` holds the coefficients of the earlier stages, whose rates are in `stages`.
-    pub(super) fn prepare(&mut self, start: &State, row: &[f64], stages: &[Rates], gamma: f64, h: f64) {
+    /// Prepares a stage of a step of `h` seconds. `row` holds the coefficients of the earlier stages, whose rates are
+    /// in `stages`, and then γ.
+    pub(super) fn prepare(&mut self, start: &State, masses: &[EndMass], row: &[f64], stages: &[Rates], h: f64) {
+        let gamma = row[row.len() - 1];
         let rate = 1.0 / (h * gamma);
         self.rate = rate;
-        let shares: Vec<f64> = row[..row.len() - 1].iter().map(|a| a / gamma).collect();
+        let earlier: Vec<(f64, &Rates)> = row[..row.len() - 1].iter().map(|a| a / gamma).zip(stages).collect();
+        let history = History { rate, earlier: &earlier };
         let from = &start.rates;
-        // Adds up the earlier stages' `v` and `a` of one point that started at p₀ with v₀.
-        let history = |p: &Vector3<f64>, v: &Vector3<f64>, earlier: &dyn Fn(&Rates) -> [Vector3<f64>; 2]| {
-            let (mut hist_v, mut hist_a) = (-p * rate, -v * rate);
-            for (share, stage) in shares.iter().zip(stages) {
-                let [stage_v, stage_a] = earlier(stage);
-                hist_v -= stage_v * *share;
-                hist_a -= stage_a * *share;
-            }
-            (hist_v, hist_v * rate + hist_a)
-        };
-        for g in 0..self.node_v.len() {
-            (self.node_v[g], self.node_a[g]) =
-                history(&start.shape.node_p[g], &from.node_v[g], &|s| [s.node_v[g], s.node_a[g]]);
+        for (g, p) in start.shape.node_p.iter().enumerate() {
+            (self.node_v[g], self.node_a[g]) = history.of(p, &from.node_v[g], |s| (s.node_v[g], s.node_a[g]));
             for c in 0..6 {
-                let earlier: f64 = shares.iter().zip(stages).map(|(a, s)| a * s.strain_v[g][c]).sum();
-                self.strain_v[g][c] = -start.shape.strain[g][c] * rate - earlier;
+                let before: f64 = earlier.iter().map(|(a, s)| a * s.strain_v[g][c]).sum();
+                self.strain_v[g][c] = -start.shape.strain[g][c] * rate - before;
             }
         }
-        for end in 0..self.end_v.len() {
-            (self.end_v[end], self.end_a[end]) =
-                history(&start.shape.end_p[end], &from.end_v[end], &|s| [s.end_v[end], s.end_a[end]]);
-            (self.spin_v[end], self.spin_a[end]) =
-                history(&Vector3::zeros(), &from.spin[end], &|s| [s.spin[end], s.spin_a[end]]);
+        for (k, mass) in masses.iter().enumerate() {
+            let p = &start.shape.end_p[mass.end];
+            (self.mass_v[k], self.mass_a[k]) = history.of(p, &from.mass_v[k], |s| (s.mass_v[k], s.mass_a[k]));
+            if mass.turns() {
+                (self.spin_v[k], self.spin_a[k]) =
+                    history.of(&Vector3::zeros(), &from.spin[k], |s| (s.spin[k], s.spin_a[k]));
+                self.from_r[k] = start.shape.end_r[mass.end];
+            }
         }
-        self.from_r.clone_from_slice(&start.shape.end_r);
     }
 }
 

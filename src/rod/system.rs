@@ -4,13 +4,14 @@
 use nalgebra::Vector3;
 
 use super::conditions::{Conditions, Hold};
-use super::grid::{COMPONENTS, Grid};
-use super::loads::{LoadedRod, Loads};
+use super::grid::{COMPONENTS, Grid, Node};
+use super::loads::{Constant, LoadedRod, Loads};
 use super::memory::MemoryState;
 use super::motion::EndMass;
 use super::params::RodParams;
 use super::section::{Section, Six};
 use super::shape::Shape;
+use super::tendon::Guide;
 use crate::math::rotation;
 
 /// A rod with its discretisation; constant during a simulation.
@@ -20,6 +21,12 @@ pub(super) struct System {
     pub(super) grid: Grid,
     pub(super) sections: Vec<Section>,
     pub(super) masses: Vec<EndMass>,
+    /// Constant loads.
+    pub(super) constant: Constant,
+    /// For each Gauss point and tendon: where the tendon passes.
+    pub(super) guides: Vec<Guide>,
+    /// Path length of each tendon at home, metres.
+    pub(super) home_lengths_m: Vec<f64>,
     /// Strain that a unit of each unknown produces, as a displacement of the tip, m per unit; for step sizes.
     pub(super) scales: Vec<f64>,
 }
@@ -47,15 +54,11 @@ impl System {
     /// A rod on a grid that was made for it.
     pub(super) fn on(grid: Grid, params: RodParams) -> System {
         let sections: Vec<Section> = grid.nodes.iter().map(|node| Section::new(&params, node.position_m)).collect();
-        let nearest = |position: f64| {
-            let distance = |k: &usize| (grid.boundaries_m[*k] - position).abs();
-            (0..grid.boundaries_m.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
-        };
         let masses = params
             .masses
             .iter()
             .map(|mass| EndMass {
-                end: nearest(mass.position_m),
+                end: grid.nearest_end(mass.position_m),
                 mass_kg: mass.mass_kg,
                 inertia_kg_m2: mass.inertia_kg_m2,
             })
@@ -70,7 +73,11 @@ impl System {
                 }
             }
         }
-        System { params, grid, sections, masses, scales }
+        let at = |node: &Node| params.tendons.iter().map(|tendon| tendon.guide(node.position_m)).collect::<Vec<_>>();
+        let guides: Vec<Guide> = grid.nodes.iter().flat_map(at).collect();
+        let home_lengths_m = (0..params.tendons.len()).map(|i| home_length_m(&params, &grid, &guides, i)).collect();
+        let constant = Constant::new(&params, &grid);
+        System { params, grid, sections, masses, constant, guides, home_lengths_m, scales }
     }
 
     /// Number of equations: polynomial coefficients, then tensions.
@@ -101,7 +108,13 @@ impl System {
         let (coefficients, tensions) = unknowns.split_at(self.grid.unknowns);
         work.shape.update(&self.grid, &self.sections, coefficients);
         self.update_tendons(work);
-        let rod = LoadedRod { params: &self.params, grid: &self.grid, sections: &self.sections, masses: &self.masses };
+        let rod = LoadedRod {
+            params: &self.params,
+            grid: &self.grid,
+            sections: &self.sections,
+            masses: &self.masses,
+            constant: &self.constant,
+        };
         work.loads.update(&rod, &work.shape, conditions);
         work.residual.fill(0.0);
         for g in 0..self.grid.nodes.len() {
@@ -121,7 +134,7 @@ impl System {
     pub(super) fn overstretch_m(&self, i: usize, hold: &Hold, tension_n: f64, work: &Work) -> f64 {
         let tendon = &self.params.tendons[i];
         let pull = if let Hold::Length(pull) = *hold { pull } else { 0.0 };
-        work.lengths_m[i] + pull - tendon.end_m - tendon.compliance_at(pull) * tension_n
+        work.lengths_m[i] + pull - self.home_lengths_m[i] - tendon.compliance_at(pull) * tension_n
     }
 
     /// Internal minus external wrench at Gauss point `g`, body frame.
@@ -175,23 +188,22 @@ impl System {
         if stretch == 0.0 {
             return [0.0; 6];
         }
-        let [x, y] = self.params.tendons[i].offset_m;
+        let [x, y] = self.guides[g * self.params.tendons.len() + i].offset_m;
         [y * t.z, -x * t.z, x * t.y - y * t.x, t.x, t.y, t.z]
     }
 
-    /// Path tangents and lengths of all tendons: a = v + u × r a length of backbone.
+    /// Path tangents and lengths of all tendons: a = v + u × r + r′ a length of backbone.
     fn update_tendons(&self, work: &mut Work) {
         let count = self.params.tendons.len();
         work.lengths_m.fill(0.0);
         for (g, node) in self.grid.nodes.iter().enumerate() {
             let s = &work.shape.strain[g];
-            for (i, tendon) in self.params.tendons.iter().enumerate() {
-                if node.position_m > tendon.end_m {
+            for (i, guide) in self.guides[g * count..(g + 1) * count].iter().enumerate() {
+                if !guide.present {
                     work.tangents[g * count + i] = (Vector3::zeros(), 0.0);
                     continue;
                 }
-                let [x, y] = tendon.offset_m;
-                let path = Vector3::new(s[3] - s[2] * y, s[4] + s[2] * x, s[5] + s[0] * y - s[1] * x);
+                let path = guide.path(s);
                 let stretch = path.norm();
                 work.tangents[g * count + i] = (path / stretch, stretch);
                 work.lengths_m[i] += node.weight_m * stretch;
@@ -220,4 +232,20 @@ impl System {
     pub(super) fn update_lengths(&self, work: &mut Work) {
         self.update_tendons(work);
     }
+}
+
+/// Path length of tendon `i` on the rod at home, metres.
+fn home_length_m(params: &RodParams, grid: &Grid, guides: &[Guide], i: usize) -> f64 {
+    let tendon = &params.tendons[i];
+    let passing = grid.nodes.iter().zip(guides.iter().skip(i).step_by(params.tendons.len()));
+    let passing = passing.filter(|(_, guide)| guide.present);
+    let home = |node: &Node| params.span_at(node.position_m).home_curvature_rad_m;
+    if passing.clone().all(|(node, guide)| guide.slope == [0.0; 2] && home(node) == Vector3::zeros()) {
+        return tendon.end_m - tendon.start_m;
+    }
+    let stretch = |(node, guide): (&Node, &Guide)| {
+        let u = home(node);
+        node.weight_m * guide.path(&[u.x, u.y, u.z, 0.0, 0.0, 1.0]).norm()
+    };
+    passing.map(stretch).sum()
 }

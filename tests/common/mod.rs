@@ -5,7 +5,6 @@ use nalgebra::{Matrix3, Vector3};
 use spinebench::effects::Model;
 use spinebench::rod::{Resolution, RodParams, Span, Tendon, TipLoad};
 use std::collections::HashMap;
-use std::f64::consts::PI;
 
 /// Rows of a reference file by column name.
 pub fn reference(name: &str) -> Vec<HashMap<String, f64>> {
@@ -28,19 +27,8 @@ pub fn read(name: &str) -> Vec<HashMap<String, f64>> {
 
 /// A round rod of one material with tendons at the given offsets.
 pub fn round_rod(length_m: f64, radius_m: f64, e_pa: f64, g_pa: f64, mass_kg_m: f64) -> RodParams {
-    let area = PI * radius_m * radius_m;
-    let inertia = 0.25 * area * radius_m * radius_m;
     RodParams {
-        spans: vec![Span {
-            end_m: length_m,
-            bending_n_m2: [e_pa * inertia; 2],
-            principal_angle_rad: 0.0,
-            torsion_n_m2: 2.0 * g_pa * inertia,
-            shear_n: g_pa * area,
-            axial_n: e_pa * area,
-            rest_curvature_rad_m: Vector3::zeros(),
-            mass_kg_m,
-        }],
+        spans: vec![Span::round(length_m, radius_m, e_pa, g_pa, mass_kg_m)],
         sections: vec![],
         masses: vec![],
         tendons: vec![],
@@ -50,6 +38,8 @@ pub fn round_rod(length_m: f64, radius_m: f64, e_pa: f64, g_pa: f64, mass_kg_m: 
         damping_time_s: 0.0,
         drag_n_s2_m3: 0.0,
         tip_load: TipLoad::default(),
+        point_loads: vec![],
+        line_loads: vec![],
         memory: vec![],
         resolution: Resolution::default(),
     }
@@ -59,13 +49,7 @@ pub fn round_rod(length_m: f64, radius_m: f64, e_pa: f64, g_pa: f64, mass_kg_m: 
 pub fn four_tendons(offset_m: f64, end_m: f64, compliance_m_per_n: f64) -> Vec<Tendon> {
     [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]]
         .iter()
-        .map(|[x, y]| Tendon {
-            offset_m: [x * offset_m, y * offset_m],
-            end_m,
-            pretension_m: 0.0,
-            compliance_m_per_n,
-            elastic_length_m: f64::INFINITY,
-        })
+        .map(|[x, y]| Tendon { compliance_m_per_n, ..Tendon::parallel([x * offset_m, y * offset_m], end_m) })
         .collect()
 }
 

@@ -4,7 +4,8 @@
 use super::kernels::{Kernel, Lengths};
 use crate::base::Rows;
 use crate::learn::Standardiser;
-use crate::learn::simd::{fold, vectorised};
+use crate::learn::simd::fold;
+use crate::math::vectorised;
 
 /// Hyper-parameters of one output, in standardised units, as logarithms in one list:
 /// `ln σ_s², ln l (one or one per input), ln shape…, ln σ_n²`.

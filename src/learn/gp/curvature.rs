@@ -10,7 +10,8 @@ use rand::RngExt;
 
 use super::likelihood::Likelihood;
 use crate::base::Seed;
-use crate::learn::simd::{dot, vectorised};
+use crate::learn::simd::dot;
+use crate::math::vectorised;
 
 /// Vectors in the average.
 const PROBES: usize = 8;

@@ -1,6 +1,7 @@
 //! Adam: Kingma & Ba 2015, algorithm 1.
 
-use crate::learn::simd::{Real, vectorised};
+use crate::learn::simd::Real;
+use crate::math::vectorised;
 
 /// First and second moments of the gradient and the number of steps taken.
 pub(super) struct Adam<T> {

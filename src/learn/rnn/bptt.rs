@@ -4,7 +4,8 @@
 use super::config::Loss;
 use super::tiles::{Chunk, LANES, Table, accumulate, each, fma, outer, total};
 use super::weights::{Sizes, TILE, Weights};
-use crate::learn::simd::{Real, vectorised};
+use crate::learn::simd::Real;
+use crate::math::vectorised;
 
 /// Units computed together in registers.
 const U: usize = 4;

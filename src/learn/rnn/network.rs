@@ -4,9 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use super::weights::{Sizes, Weights};
 use crate::base::Rows;
-use crate::learn::simd::{Real, vectorised};
+use crate::learn::simd::Real;
 use crate::learn::standardise::check_finite;
 use crate::learn::{LearnError, Standardiser, exact};
+use crate::math::vectorised;
 
 /// An Elman network (one hidden layer of tanh units that see their own previous values) with a linear output layer:
 /// paper IV-A, eqs 17 and 21. Inputs and outputs are in their own units; standardising is inside.

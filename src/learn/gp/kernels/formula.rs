@@ -1,6 +1,6 @@
 //! What a kernel's file states, and what every kernel gets from it.
 
-use crate::learn::simd::vectorised;
+use crate::math::vectorised;
 
 /// Whether each input has a length-scale of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,0 +1,144 @@
+//! Cross-sections of the backbone: what they are made of between two places, and how they taper in between.
+
+use nalgebra::Vector3;
+
+use super::params::RodParams;
+
+/// Linear-elastic cross-section of the backbone and its rest shape over part of the length. The values hold at the
+/// span's start; `taper` says how they change along it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Span {
+    /// Where the span ends, metres from the base; it begins where the one before ends.
+    pub end_m: f64,
+    /// Bending stiffnesses E·I about the two principal axes, N m².
+    pub bending_n_m2: [f64; 2],
+    /// Angle of the first principal axis from x towards y, radians.
+    pub principal_angle_rad: f64,
+    /// Torsional stiffness G·J, N m².
+    pub torsion_n_m2: f64,
+    /// Shear stiffness G·A, N.
+    pub shear_n: f64,
+    /// Axial stiffness E·A, N.
+    pub axial_n: f64,
+    /// Curvature and twist when unloaded, rad/m (body axes).
+    pub rest_curvature_rad_m: Vector3<f64>,
+    /// Curvature and twist of the shape on which the tendons' lengths were set to zero, rad/m: the rest curvature of
+    /// the robot as it was meant to be.
+    pub home_curvature_rad_m: Vector3<f64>,
+    /// Mass of the backbone per length, kg/m.
+    pub mass_kg_m: f64,
+    /// Mass spread evenly over the span besides, kg/m.
+    pub spread_mass_kg_m: f64,
+    /// How the cross-section widens or narrows along the span.
+    pub taper: Taper,
+}
+
+/// Outer and inner radius at both ends of a span, linear in between; only their ratios count. Axial and shear stiffness
+/// and mass follow the area, bending and torsional stiffness the second moment of area.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Taper {
+    /// Outer radius at the start and the end of the span.
+    pub outer: [f64; 2],
+    /// Inner radius there.
+    pub inner: [f64; 2],
+}
+
+impl Taper {
+    /// The same cross-section all along.
+    pub const NONE: Taper = Taper { outer: [1.0; 2], inner: [0.0; 2] };
+
+    /// Area and second moment of area at `share` of the span over those at its start.
+    fn ratios(&self, share: f64) -> (f64, f64) {
+        let between = |[from, to]: [f64; 2]| from + (to - from) * share;
+        let (outer, inner) = (between(self.outer), between(self.inner));
+        let ratio = |power: i32| {
+            (outer.powi(power) - inner.powi(power)) / (self.outer[0].powi(power) - self.inner[0].powi(power))
+        };
+        if *self == Taper::NONE { (1.0, 1.0) } else { (ratio(2), ratio(4)) }
+    }
+}
+
+impl Span {
+    /// A solid round cross-section of one material up to `end_m`, straight when unloaded.
+    pub fn round(end_m: f64, radius_m: f64, youngs_modulus_pa: f64, shear_modulus_pa: f64, mass_kg_m: f64) -> Span {
+        let area = std::f64::consts::PI * radius_m * radius_m;
+        let second_moment = 0.25 * area * radius_m * radius_m;
+        Span {
+            end_m,
+            bending_n_m2: [youngs_modulus_pa * second_moment; 2],
+            principal_angle_rad: 0.0,
+            torsion_n_m2: 2.0 * shear_modulus_pa * second_moment,
+            shear_n: shear_modulus_pa * area,
+            axial_n: youngs_modulus_pa * area,
+            rest_curvature_rad_m: Vector3::zeros(),
+            home_curvature_rad_m: Vector3::zeros(),
+            mass_kg_m,
+            spread_mass_kg_m: 0.0,
+            taper: Taper::NONE,
+        }
+    }
+
+    /// What is left of a span that began at `start_m` from `position_m` on: same end, values at its new start.
+    fn from(&self, start_m: f64, position_m: f64) -> Span {
+        if self.taper == Taper::NONE {
+            return self.clone();
+        }
+        let share = (position_m - start_m) / (self.end_m - start_m);
+        let (area, second_moment) = self.taper.ratios(share);
+        let rest = |[from, to]: [f64; 2]| [from + (to - from) * share, to];
+        Span {
+            bending_n_m2: self.bending_n_m2.map(|stiffness| stiffness * second_moment),
+            torsion_n_m2: self.torsion_n_m2 * second_moment,
+            shear_n: self.shear_n * area,
+            axial_n: self.axial_n * area,
+            mass_kg_m: self.mass_kg_m * area,
+            taper: Taper { outer: rest(self.taper.outer), inner: rest(self.taper.inner) },
+            ..self.clone()
+        }
+    }
+}
+
+impl RodParams {
+    /// Relaxed length of the rod, metres.
+    pub fn length_m(&self) -> f64 {
+        self.spans.last().map_or(0.0, |span| span.end_m)
+    }
+
+    /// The cross-section `position_m` from the base: a span that starts there.
+    pub fn span_at(&self, position_m: f64) -> Span {
+        let last = self.spans.len() - 1;
+        let index = self.spans.iter().position(|span| position_m < span.end_m).unwrap_or(last);
+        self.spans[index].from(self.start_of_span_m(index), position_m)
+    }
+
+    /// Where span `index` begins, metres from the base.
+    pub fn start_of_span_m(&self, index: usize) -> f64 {
+        if index == 0 { 0.0 } else { self.spans[index - 1].end_m }
+    }
+
+    /// Splits the spans so that one ends at `position_m`; effects that change part of the rod begin with this.
+    pub fn split_at(&mut self, position_m: f64) {
+        let Some(index) = self.spans.iter().position(|span| position_m < span.end_m) else { return };
+        let start_m = self.start_of_span_m(index);
+        if position_m > start_m {
+            let span = &self.spans[index];
+            let second = span.from(start_m, position_m);
+            let middle = |[from, _]: [f64; 2], [to, _]: [f64; 2]| [from, to];
+            let taper = Taper {
+                outer: middle(span.taper.outer, second.taper.outer),
+                inner: middle(span.taper.inner, second.taper.inner),
+            };
+            let first = Span { end_m: position_m, taper, ..span.clone() };
+            self.spans[index] = second;
+            self.spans.insert(index, first);
+        }
+    }
+
+    /// The spans between `start_m` and `end_m`, split where they cross those places.
+    pub fn spans_between(&mut self, start_m: f64, end_m: f64) -> impl Iterator<Item = &mut Span> {
+        self.split_at(start_m);
+        self.split_at(end_m);
+        let first = self.spans.iter().position(|span| start_m < span.end_m).unwrap_or(self.spans.len());
+        self.spans[first..].iter_mut().take_while(move |span| span.end_m <= end_m)
+    }
+}

@@ -1,0 +1,141 @@
+//! Tendons: where they run inside the rod, and what holds them.
+
+use nalgebra::Vector3;
+
+use super::section::Six;
+
+/// A tendon that runs through guide holes from the base, or from a point further on, to where it is anchored. It slides
+/// without friction and pulls only.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tendon {
+    /// Where it runs in the cross-sections.
+    pub path: TendonPath,
+    /// Where it leaves its sheath, metres from the base; closer to the base it puts nothing on the rod.
+    pub start_m: f64,
+    /// Where it is anchored, metres from the base.
+    pub end_m: f64,
+    /// Displacement at home, metres: how much it is tightened before the first command.
+    pub pretension_m: f64,
+    /// Stretch of the whole tendon per tension at home, m/N.
+    pub compliance_m_per_n: f64,
+    /// Length over which it stretches at home, metres: what is pulled in no longer does. Infinite: the drive moves
+    /// the whole tendon along, and its compliance stays.
+    pub elastic_length_m: f64,
+}
+
+/// Offset of a tendon from the backbone as a function of the distance s from the base: straight lines between `points`,
+/// constant before the first and after the last, the whole turned by `twist_rad_m`·s about the backbone (a helix).
+#[derive(Clone, Debug, PartialEq)]
+pub struct TendonPath {
+    /// At least one, in order of s.
+    pub points: Vec<PathPoint>,
+    /// Turn from x towards y per length, rad/m.
+    pub twist_rad_m: f64,
+}
+
+/// A point of a tendon's path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathPoint {
+    /// Distance from the base along the relaxed rod, metres.
+    pub s_m: f64,
+    /// Offset from the backbone along the body axes x and y, metres.
+    pub offset_m: [f64; 2],
+}
+
+/// A tendon at one Gauss point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Guide {
+    /// Offset from the backbone along the body axes x and y, metres.
+    pub(super) offset_m: [f64; 2],
+    /// Change of that offset per length.
+    pub(super) slope: [f64; 2],
+    /// Whether the tendon passes here.
+    pub(super) present: bool,
+}
+
+impl Guide {
+    /// Path of the tendon per length of backbone, body frame: v + u × r + r′.
+    pub(super) fn path(&self, s: &Six) -> Vector3<f64> {
+        let ([x, y], [dx, dy]) = (self.offset_m, self.slope);
+        Vector3::new(s[3] - s[2] * y + dx, s[4] + s[2] * x + dy, s[5] + s[0] * y - s[1] * x)
+    }
+}
+
+impl Tendon {
+    /// A tendon parallel to the backbone from the base to `end_m`; it does not stretch and is just straight at home.
+    pub fn parallel(offset_m: [f64; 2], end_m: f64) -> Tendon {
+        Tendon {
+            path: TendonPath::parallel(offset_m),
+            start_m: 0.0,
+            end_m,
+            pretension_m: 0.0,
+            compliance_m_per_n: 0.0,
+            elastic_length_m: f64::INFINITY,
+        }
+    }
+
+    /// Stretch per tension once `pull_m` has been pulled in, m/N.
+    pub(super) fn compliance_at(&self, pull_m: f64) -> f64 {
+        self.compliance_m_per_n * (1.0 - pull_m / self.elastic_length_m)
+    }
+
+    /// Offset and slope at `position_m`.
+    pub(super) fn guide(&self, position_m: f64) -> Guide {
+        let present = position_m > self.start_m && position_m <= self.end_m;
+        let ([x, y], [dx, dy]) = self.path.at(position_m);
+        Guide { offset_m: [x, y], slope: [dx, dy], present }
+    }
+
+    /// Where the rod's own wrench may jump because of this tendon: its ends and the kinks of its path.
+    pub(super) fn borders_m(&self) -> Vec<f64> {
+        let mut borders = vec![self.start_m, self.end_m];
+        let inside = |s: f64| s > self.start_m && s < self.end_m;
+        borders.extend(self.path.points.iter().map(|point| point.s_m).filter(|&s| inside(s)));
+        borders
+    }
+}
+
+impl TendonPath {
+    /// One offset all along.
+    pub fn parallel(offset_m: [f64; 2]) -> TendonPath {
+        TendonPath { points: vec![PathPoint { s_m: 0.0, offset_m }], twist_rad_m: 0.0 }
+    }
+
+    /// Multiplies every offset.
+    pub fn scale(&mut self, factor: f64) {
+        self.points.iter_mut().for_each(|point| point.offset_m = point.offset_m.map(|offset| offset * factor));
+    }
+
+    /// Turns the whole path about the backbone, from x towards y.
+    pub fn turn(&mut self, angle_rad: f64) {
+        self.points.iter_mut().for_each(|point| point.offset_m = turned(point.offset_m, angle_rad));
+    }
+
+    /// Offset in metres and its change per length at `position_m`.
+    pub fn at(&self, position_m: f64) -> ([f64; 2], [f64; 2]) {
+        let next = self.points.iter().position(|point| point.s_m > position_m);
+        let (offset, slope) = match next {
+            None => (self.points.last().map_or([0.0; 2], |point| point.offset_m), [0.0; 2]),
+            Some(0) => (self.points[0].offset_m, [0.0; 2]),
+            Some(next) => {
+                let (from, to) = (self.points[next - 1], self.points[next]);
+                let slope: [f64; 2] =
+                    std::array::from_fn(|k| (to.offset_m[k] - from.offset_m[k]) / (to.s_m - from.s_m));
+                (std::array::from_fn(|k| from.offset_m[k] + slope[k] * (position_m - from.s_m)), slope)
+            }
+        };
+        if self.twist_rad_m == 0.0 {
+            return (offset, slope);
+        }
+        // d/ds Rz(ωs) r = Rz(ωs) (r′ + ω ẑ × r)
+        let [x, y] = offset;
+        let helix = [slope[0] - self.twist_rad_m * y, slope[1] + self.twist_rad_m * x];
+        let angle = self.twist_rad_m * position_m;
+        (turned(offset, angle), turned(helix, angle))
+    }
+}
+
+fn turned([x, y]: [f64; 2], angle_rad: f64) -> [f64; 2] {
+    let (sin, cos) = angle_rad.sin_cos();
+    [cos * x - sin * y, sin * x + cos * y]
+}
