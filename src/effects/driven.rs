@@ -27,7 +27,10 @@ pub enum VariationError {
     NotNearby(usize),
     /// A tendon or an axis that there is not.
     #[error("variable {0} (from 0) names a tendon or an axis that this robot does not have")]
-    OutOfRange(usize),
+    Missing(usize),
+    /// A number that cannot be changed to either side.
+    #[error("{0}: neither a smaller nor a larger value is in its range")]
+    OutOfRange(String),
 }
 
 /// A rod with the effects of a model.
@@ -80,6 +83,30 @@ impl Driven {
         driven.rods =
             Nearby::new(model.rod(extra), params).map_err(|NotNearby(number)| VariationError::NotNearby(number - 1))?;
         Ok(driven)
+    }
+
+    /// The same with those of `variables` that have such a derivative, and the numbers (from 0) of the others, whose
+    /// smallest change makes another discretisation.
+    ///
+    /// # Errors
+    /// [`VariationError`] for a variable that there is not.
+    pub fn varied_where_possible(
+        model: &Model,
+        extra: &[EffectSpec],
+        variables: &[Variable],
+    ) -> Result<(Driven, Vec<usize>), VariationError> {
+        let mut kept: Vec<usize> = (0..variables.len()).collect();
+        let mut left_out = Vec::new();
+        loop {
+            let near: Vec<Variable> = kept.iter().map(|&index| variables[index].clone()).collect();
+            match Driven::varied(model, extra, &near) {
+                Err(VariationError::NotNearby(index)) => left_out.push(kept.remove(index)),
+                driven => {
+                    left_out.sort_unstable();
+                    return driven.map(|driven| (driven, left_out));
+                }
+            }
+        }
     }
 
     /// The rod itself.
@@ -286,7 +313,7 @@ fn vary(model: &Model, extra: &[EffectSpec], variable: &Variable, index: usize) 
         params,
         effects: model.effects(extra),
     };
-    let axis = |axis: usize| if axis < 3 { Ok(axis) } else { Err(VariationError::OutOfRange(index)) };
+    let axis = |axis: usize| if axis < 3 { Ok(axis) } else { Err(VariationError::Missing(index)) };
     let mut changed = params.clone();
     match variable {
         Variable::Parameter(parameter) => {
@@ -305,7 +332,7 @@ fn vary(model: &Model, extra: &[EffectSpec], variable: &Variable, index: usize) 
         }
         Variable::Command { tendon, commands } => {
             if *tendon >= params.tendons.len() {
-                return Err(VariationError::OutOfRange(index));
+                return Err(VariationError::Missing(index));
             }
             Ok(plain(RELATIVE_STEP * COMMAND_SCALE, Some((*tendon, commands.clone())), params))
         }

@@ -18,6 +18,7 @@ mod friction;
 mod hysteresis;
 mod model;
 mod precurvature;
+mod replay;
 mod robot;
 mod sensitivity;
 mod soft_section;
@@ -37,6 +38,7 @@ use crate::rod::RodParams;
 
 pub use driven::{Driven, VariationError};
 pub use model::{Model, check_effects};
+pub use replay::{ReplayError, Replayed, Trial, replay};
 pub use robot::{Backbone, Disks, Robot, Sections, Tendons};
 pub use sensitivity::{ModelParameter, ParameterError, Variable};
 

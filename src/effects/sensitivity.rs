@@ -6,6 +6,8 @@ use std::ops::Range;
 use serde_json::{Number, Value};
 
 use super::Model;
+use super::driven::VariationError;
+use crate::base::Point3;
 
 /// A number of a model file: one of the robot's, or a parameter of one of its effects. Whole numbers (counts, which
 /// tendon) and the numerical resolution are none.
@@ -129,6 +131,40 @@ impl ModelParameter {
     pub fn scale(&self, model: &Model) -> Result<f64, ParameterError> {
         let usual = UNITS.iter().find(|(_, unit, _)| *unit == self.unit).map_or(1.0, |row| row.2);
         Ok(self.value(model)?.abs().max(usual))
+    }
+
+    /// Derivative of points by differences of `points` of whole models, `step` times the number's scale to either side,
+    /// or twice to the one side where the other leaves its range: for what has no other.
+    ///
+    /// # Errors
+    /// Those of `points`, and [`ParameterError`] when the model has no such number.
+    pub fn differences<E: From<VariationError>>(
+        &self,
+        model: &Model,
+        step: f64,
+        points: &dyn Fn(&Model) -> Result<Vec<Point3>, E>,
+    ) -> Result<Vec<Point3>, E> {
+        let step = step * self.scale(model).map_err(VariationError::from)?;
+        let value = self.value(model).map_err(VariationError::from)?;
+        let at = |steps: f64| -> Result<Option<Vec<Point3>>, E> {
+            let there = self.with_value(model, value + steps * step).map_err(VariationError::from)?;
+            if there.check().is_ok() { points(&there).map(Some) } else { Ok(None) }
+        };
+        let weighted = |terms: &[(f64, Option<Vec<Point3>>)]| -> Option<Vec<Point3>> {
+            let terms: Vec<(f64, &Vec<Point3>)> =
+                terms.iter().map(|(weight, points)| Some((*weight, points.as_ref()?))).collect::<Option<_>>()?;
+            let sum = |row: usize| -> Point3 {
+                std::array::from_fn(|axis| terms.iter().map(|(weight, all)| weight * all[row][axis] / step).sum())
+            };
+            Some((0..terms[0].1.len()).map(sum).collect())
+        };
+        let (before, after) = (at(-1.0)?, at(1.0)?);
+        let rates = match (before, after) {
+            (Some(before), Some(after)) => weighted(&[(-0.5, Some(before)), (0.5, Some(after))]),
+            (None, after) => weighted(&[(-1.5, at(0.0)?), (2.0, after), (-0.5, at(2.0)?)]),
+            (before, None) => weighted(&[(1.5, at(0.0)?), (-2.0, before), (0.5, at(-2.0)?)]),
+        };
+        rates.ok_or_else(|| VariationError::OutOfRange(self.path.clone()).into())
     }
 
     /// The model as a tree and where in it the number stands.

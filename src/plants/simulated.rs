@@ -61,17 +61,19 @@ impl Simulated {
         Simulated::of(Driven::new(model, extra), options)
     }
 
-    /// The same, with derivatives of the tip with respect to `variables`.
+    /// The same, with derivatives of the tip with respect to those of `variables` that have them, and the numbers (from
+    /// 0) of the others.
     ///
     /// # Errors
-    /// [`VariationError`] for the first variable without one.
-    pub fn varied(
+    /// [`VariationError`] for a variable that there is not.
+    pub fn varied_where_possible(
         model: &Model,
         extra: &[EffectSpec],
         options: SimulatedOptions,
         variables: &[Variable],
-    ) -> Result<Simulated, VariationError> {
-        Ok(Simulated::of(Driven::varied(model, extra, variables)?, options))
+    ) -> Result<(Simulated, Vec<usize>), VariationError> {
+        let (driven, left_out) = Driven::varied_where_possible(model, extra, variables)?;
+        Ok((Simulated::of(driven, options), left_out))
     }
 
     fn of(driven: Driven, options: SimulatedOptions) -> Simulated {
