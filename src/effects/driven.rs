@@ -40,8 +40,8 @@ pub struct Driven {
     /// Those of the model, then those of each variation.
     effects: Vec<Vec<Box<dyn Effect>>>,
     variations: Vec<Variation>,
-    /// Commands since the start of the trial.
-    commands: usize,
+    /// Number of the next command; the first one after a restart brings the rod home and has none.
+    next: Option<usize>,
 }
 
 /// How a rod other than the model's own differs.
@@ -64,7 +64,7 @@ impl Driven {
     /// A checked model with `extra` effects on top.
     pub fn new(model: &Model, extra: &[EffectSpec]) -> Driven {
         let rods = Nearby::alone(model.rod(extra));
-        Driven { rods, effects: vec![model.effects(extra)], variations: Vec::new(), commands: 0 }
+        Driven { rods, effects: vec![model.effects(extra)], variations: Vec::new(), next: None }
     }
 
     /// The same, with derivatives of all that it does with respect to `variables`.
@@ -114,11 +114,11 @@ impl Driven {
         self.rods.leader()
     }
 
-    /// Straight, without history, tendons slack; the next command is number 0.
+    /// Straight, without history, tendons slack. The first command brings the rod home, the one after it is number 0.
     pub fn restart(&mut self) {
         self.rods.restart();
         self.effects.iter_mut().flatten().for_each(|effect| effect.reset());
-        self.commands = 0;
+        self.next = None;
     }
 
     /// At rest at home, without history; the next command is number 0.
@@ -128,9 +128,7 @@ impl Driven {
     pub fn home(&mut self) -> Result<(), PlantError> {
         self.restart();
         let tendons = self.rod().params().tendons.len();
-        self.settle(&vec![TendonCommand::Pull(0.0); tendons])?;
-        self.commands = 0;
-        Ok(())
+        self.settle(&vec![TendonCommand::Pull(0.0); tendons])
     }
 
     /// At rest without tension, without history; the next command is number 0.
@@ -140,9 +138,7 @@ impl Driven {
     pub fn slack(&mut self) -> Result<(), PlantError> {
         self.restart();
         let tendons = self.rod().params().tendons.len();
-        self.settle_under(&vec![0.0; tendons])?;
-        self.commands = 0;
-        Ok(())
+        self.settle_under(&vec![0.0; tendons])
     }
 
     /// Replaces the load at the tip that comes on top of the model's; `load` may depend on the rod (on its gravity).
@@ -159,7 +155,7 @@ impl Driven {
     /// [`PlantError`] when the commands are none of this robot's or the rod finds no equilibrium.
     pub fn settle(&mut self, commands: &[TendonCommand]) -> Result<(), PlantError> {
         let drives = self.drives(commands, f64::INFINITY)?;
-        self.commands += 1;
+        self.next = Some(self.next.map_or(0, |number| number + 1));
         solved(self.rods.settle(&|number| drives[number].clone()))
     }
 
@@ -175,7 +171,7 @@ impl Driven {
             let drives = self.drives(commands, part_s)?;
             solved(self.rods.advance_with(&|number, _| drives[number].clone(), part_s))?;
         }
-        self.commands += 1;
+        self.next = Some(self.next.map_or(0, |number| number + 1));
         Ok(())
     }
 
@@ -185,7 +181,7 @@ impl Driven {
     /// As [`Driven::settle`].
     pub fn settle_under(&mut self, tensions_n: &[f64]) -> Result<(), PlantError> {
         let drives = self.tensions(tensions_n);
-        self.commands += 1;
+        self.next = Some(self.next.map_or(0, |number| number + 1));
         solved(self.rods.settle(&|number| drives[number].clone()))
     }
 
@@ -195,7 +191,7 @@ impl Driven {
     /// As [`Driven::settle`].
     pub fn advance_under(&mut self, tensions_n: &[f64], duration_s: f64) -> Result<(), PlantError> {
         let drives = self.tensions(tensions_n);
-        self.commands += 1;
+        self.next = Some(self.next.map_or(0, |number| number + 1));
         solved(self.rods.advance_with(&|number, _| drives[number].clone(), duration_s))
     }
 
@@ -238,9 +234,9 @@ impl Driven {
         if commands.len() != tendons {
             return Err(PlantError::Refused(format!("{} tendons, expected {tendons}", commands.len())));
         }
-        let Driven { rods, effects, variations, commands: number } = self;
+        let Driven { rods, effects, variations, next } = self;
         let rods = std::iter::once(rods.leader()).chain(rods.others());
-        let shifts = std::iter::once(None).chain(variations.iter().map(|variation| variation.shift(*number)));
+        let shifts = std::iter::once(None).chain(variations.iter().map(|variation| variation.shift(*next)));
         let each = rods.zip(effects).zip(shifts).map(|((rod, effects), shift)| {
             let mut commands = commands.to_vec();
             if let Some((tendon, step)) = shift
@@ -255,8 +251,7 @@ impl Driven {
 
     /// For each rod, the tensions as drives.
     fn tensions(&self, tensions_n: &[f64]) -> Vec<Vec<Drive>> {
-        let shifts =
-            std::iter::once(None).chain(self.variations.iter().map(|variation| variation.shift(self.commands)));
+        let shifts = std::iter::once(None).chain(self.variations.iter().map(|variation| variation.shift(self.next)));
         let each = shifts.map(|shift| {
             let own = |(tendon, &tension): (usize, &f64)| match shift {
                 Some((shifted, step)) if shifted == tendon => Drive::Tension(tension + step),
@@ -270,8 +265,9 @@ impl Driven {
 
 impl Variation {
     /// The tendon whose command number `number` changes, and by how much.
-    fn shift(&self, number: usize) -> Option<(usize, f64)> {
-        self.command.as_ref().filter(|(_, commands)| commands.contains(&number)).map(|(tendon, _)| (*tendon, self.step))
+    fn shift(&self, number: Option<usize>) -> Option<(usize, f64)> {
+        let (tendon, commands) = self.command.as_ref()?;
+        commands.contains(&number?).then_some((*tendon, self.step))
     }
 }
 

@@ -66,7 +66,7 @@ const UNITS: &[(&str, &str, f64)] = &[
     ("_kg", "kg", 0.01),
     ("_s", "s", 0.1),
     ("_n", "N", 0.1),
-    ("_m", "m", 0.01),
+    ("_m", "m", 5e-3),
     ("", "1", 0.1),
 ];
 
@@ -127,10 +127,14 @@ impl ModelParameter {
         serde_json::from_value(root).map_err(|_| self.unknown())
     }
 
-    /// A change of it that matters: its value, or what is usual for its unit where that is more.
+    /// A change of it that matters: its value, or what is usual for its unit where it has next to none.
+    ///
+    /// # Errors
+    /// As [`ModelParameter::value`].
     pub fn scale(&self, model: &Model) -> Result<f64, ParameterError> {
         let usual = UNITS.iter().find(|(_, unit, _)| *unit == self.unit).map_or(1.0, |row| row.2);
-        Ok(self.value(model)?.abs().max(usual))
+        let size = self.value(model)?.abs();
+        Ok(if size > 0.1 * usual { size } else { usual })
     }
 
     /// Derivative of points by differences of `points` of whole models, `step` times the number's scale to either side,

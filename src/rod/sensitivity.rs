@@ -3,13 +3,14 @@
 //! At rest F(x; c) = 0 for the unknowns x under the commands c, so dx/dc = −(∂F/∂x)⁻¹ ∂F/∂c. The derivative is taken at
 //! the solution, for the tendons that are taut there.
 
-use nalgebra::{DVector, Matrix3, Vector3};
+use nalgebra::{DVector, Dyn, LU, Matrix3, Vector3};
 
 use super::conditions::{Conditions, Hold};
 use super::jacobian::Derivative;
 use super::motion::Motion;
 use super::simulation::Rod;
 use super::system::Work;
+use crate::math::rotation;
 
 /// What the tip is differentiated with respect to. Tendons and axes count from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,6 +34,16 @@ pub struct TipRate {
     pub rotation_rad: Vector3<f64>,
 }
 
+/// Size of the difference that refines a derivative, in lengths of the rod.
+const PROBE: f64 = 1e-5;
+
+/// The equations at a solution.
+struct Linearised<'a> {
+    conditions: &'a Conditions<'a>,
+    derivative: &'a Derivative,
+    factors: &'a LU<f64, Dyn, Dyn>,
+}
+
 impl Rod {
     /// Derivative of the tip with respect to each of `directions`, for the pose in which [`Rod::settle`] left the rod.
     /// `None` when it has not come to rest or has moved since, or when the pose is unstable to first order.
@@ -54,16 +65,47 @@ impl Rod {
         self.system.evaluate(&self.state.unknowns, &conditions, &mut work);
         derivative.update(&self.system, &self.state.unknowns, &conditions, &work);
         let factors = derivative.matrix(&self.system, &conditions).lu();
-        let n = self.system.grid.unknowns;
-        let last = derivative.variation.end_move.len() - 1;
+        let mut shifted = work.clone();
         let rate = |&direction: &Direction| {
-            let mut change = -self.residual_rate(direction, &conditions, &work);
-            factors.solve_mut(&mut change).then(|| TipRate {
-                position_m: derivative.variation.end_move[last].times(&change.as_slice()[..n]),
-                rotation_rad: derivative.variation.end_turn[last].times(&change.as_slice()[..n]),
-            })
+            let explicit = self.residual_rate(direction, &conditions, &work);
+            let solution = Linearised { conditions: &conditions, derivative: &derivative, factors: &factors };
+            self.tip_rate(&explicit, &solution, &mut shifted)
         };
         directions.iter().map(rate).collect()
+    }
+
+    /// Derivative of the tip where ∂F/∂direction is `explicit`: dx = −J⁻¹ ∂F/∂direction, once refined with a central
+    /// difference of F along dx, as J leaves out how strain rates of a cell turn each other.
+    fn tip_rate(&self, explicit: &DVector<f64>, solution: &Linearised, shifted: &mut Work) -> Option<TipRate> {
+        let &Linearised { conditions, derivative, factors } = solution;
+        let n = self.system.grid.unknowns;
+        let mut change = -explicit;
+        if !factors.solve_mut(&mut change) {
+            return None;
+        }
+        let size_m = self.system.size_of_step_m(&change.as_slice()[..n]);
+        if size_m == 0.0 {
+            return Some(TipRate { position_m: Vector3::zeros(), rotation_rad: Vector3::zeros() });
+        }
+        let share = PROBE * self.system.params.length_m() / size_m;
+        let mut at = |sign: f64| {
+            let unknowns: Vec<f64> =
+                self.state.unknowns.iter().zip(change.iter()).map(|(x, dx)| x + sign * share * dx).collect();
+            self.system.evaluate(&unknowns, conditions, shifted);
+            (DVector::from_column_slice(&shifted.residual), shifted.shape.tip_m(), shifted.shape.tip_rotation())
+        };
+        let (after, before) = (at(1.0), at(-1.0));
+        let mut left = -(explicit + (after.0 - before.0) / (2.0 * share));
+        if !factors.solve_mut(&mut left) {
+            return None;
+        }
+        let last = derivative.variation.end_move.len() - 1;
+        let more = &left.as_slice()[..n];
+        Some(TipRate {
+            position_m: (after.1 - before.1) / (2.0 * share) + derivative.variation.end_move[last].times(more),
+            rotation_rad: rotation::log(&(after.2 * before.2.transpose())) / (2.0 * share)
+                + derivative.variation.end_turn[last].times(more),
+        })
     }
 
     /// ∂F/∂direction at fixed unknowns.
