@@ -15,6 +15,9 @@ use crate::rod::{Drive, Nearby, NotNearby, Rod, RodParams, Status, TipLoad, TipR
 /// curvature of the dependence as to rounding.
 const RELATIVE_STEP: f64 = 1e-7;
 
+/// Drives do the same for so long at a time.
+const LONGEST_PART_S: f64 = 0.05;
+
 /// Why a derivative cannot be had along a motion.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum VariationError {
@@ -164,8 +167,8 @@ impl Driven {
     /// # Errors
     /// As [`Driven::settle`].
     pub fn advance(&mut self, commands: &[TendonCommand], duration_s: f64) -> Result<(), PlantError> {
-        // As many parts as the rod takes time steps, so that what the drives do late they do at its time.
-        let parts = self.rod().steps_in(duration_s);
+        // In parts, so that what the drives do late they do at its time.
+        let parts = (duration_s / LONGEST_PART_S - 1e-9).ceil().max(1.0);
         let part_s = duration_s / parts;
         for _ in 0..parts as u64 {
             let drives = self.drives(commands, part_s)?;

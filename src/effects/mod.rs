@@ -39,7 +39,9 @@ use crate::rod::RodParams;
 pub use driven::{Driven, VariationError};
 pub use model::{Model, check_effects};
 pub use replay::{ReplayError, Replayed, Trial, replay};
-pub use robot::{Backbone, Disks, Robot, Sections, Tendons};
+pub use robot::{
+    Backbone, Disks, Frame, Load, OffsetPoint, OnePlace, Piece, RadiusPoint, Robot, Sections, Spread, Tendons,
+};
 pub use sensitivity::{ModelParameter, ParameterError, Variable};
 
 /// A physical effect. Every hook does nothing unless an effect fills it in.

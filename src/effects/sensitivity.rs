@@ -5,9 +5,10 @@ use std::ops::Range;
 
 use serde_json::{Number, Value};
 
-use super::Model;
 use super::driven::VariationError;
+use super::{Model, Robot};
 use crate::base::Point3;
+use crate::rod::Resolution;
 
 /// A number of a model file: one of the robot's, or a parameter of one of its effects. Whole numbers (counts, which
 /// tendon) and the numerical resolution are none.
@@ -124,7 +125,9 @@ impl ModelParameter {
         let (mut root, pointer) = self.place(model)?;
         let number = Number::from_f64(value).ok_or_else(|| ParameterError::NotFinite(self.path.clone(), value))?;
         *root.pointer_mut(&pointer).filter(|leaf| leaf.is_f64()).ok_or_else(|| self.unknown())? = Value::Number(number);
-        serde_json::from_value(root).map_err(|_| self.unknown())
+        let mut changed: Model = serde_json::from_value(root).map_err(|_| self.unknown())?;
+        changed.robot.resolution = model.robot.resolution;
+        Ok(changed)
     }
 
     /// A change of it that matters: its value, or what is usual for its unit where it has next to none.
@@ -173,7 +176,10 @@ impl ModelParameter {
 
     /// The model as a tree and where in it the number stands.
     fn place(&self, model: &Model) -> Result<(Value, String), ParameterError> {
-        let root = serde_json::to_value(model).map_err(|_| self.unknown())?;
+        // Numerical settings may be infinite, which a tree cannot hold.
+        let plain = Robot { resolution: Resolution::default(), ..model.robot.clone() };
+        let model = Model { robot: plain, effects: model.effects.clone() };
+        let root = serde_json::to_value(&model).map_err(|_| self.unknown())?;
         let mut pointer = format!("/{}", self.path.replace(']', "").replace(['.', '['], "/"));
         if let Some(rest) = pointer.strip_prefix("/effects/") {
             let (index, field) = rest.split_once('/').ok_or_else(|| self.unknown())?;

@@ -3,6 +3,7 @@
 //! The unknowns are the internal moments and forces along the rod, as polynomials, and the tendon tensions; the
 //! derivation is in `docs/rod.md`.
 
+mod advance;
 mod conditions;
 mod grid;
 mod jacobian;

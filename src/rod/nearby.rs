@@ -12,7 +12,7 @@ use super::conditions::{Conditions, Hold};
 use super::grid::Grid;
 use super::motion::Motion;
 use super::params::{RodParams, TipLoad};
-use super::simulation::{Drive, Rod, Solved};
+use super::simulation::{Drive, Rod, Solved, Trace};
 use super::state::Rates;
 use super::status::Status;
 use super::system::System;
@@ -107,10 +107,10 @@ impl Nearby {
         if self.others.is_empty() {
             return movement(&mut self.leader);
         }
-        self.leader.trace = Some(Vec::new());
+        self.leader.trace = Some(Trace::default());
         let status = movement(&mut self.leader);
         let mut start_s = 0.0;
-        for solved in self.leader.trace.take().unwrap_or_default() {
+        for solved in self.leader.trace.take().unwrap_or_default().solved {
             let followed = self.follow(&solved, &|number, t| drives(number, start_s + t));
             if followed.is_none() {
                 return if status == Status::Converged { Status::NotConverged } else { status };
@@ -126,7 +126,8 @@ impl Nearby {
         let still = solved.duration_s.is_infinite();
         let starts: Vec<_> = std::iter::once(&*followed).chain(&*others).map(|rod| rod.state.clone()).collect();
         for (i, (unknowns, taut)) in solved.stages.iter().enumerate() {
-            let time_s = if still { 0.0 } else { followed.stage_times[i] * solved.duration_s };
+            let share: f64 = followed.tableau.rows[i].iter().sum();
+            let time_s = if still { 0.0 } else { share * solved.duration_s };
             let prepare = |rod: &mut Rod, number: usize| {
                 if still {
                     rod.motion = Motion::rest(&rod.system.grid, &rod.system.masses);

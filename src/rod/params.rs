@@ -115,6 +115,9 @@ pub struct Resolution {
     pub axial_modes: usize,
     /// Largest time step, s.
     pub time_step_s: f64,
+    /// Error that a time step may add to the position of any part of the rod, metres: steps are shortened to keep it.
+    /// Infinite: all steps are of one length.
+    pub motion_tolerance_m: f64,
     /// Time integration scheme.
     pub scheme: Scheme,
 }
@@ -127,7 +130,8 @@ impl Default for Resolution {
             torsion_modes: 4,
             shear_modes: 4,
             axial_modes: 4,
-            time_step_s: 0.05,
+            time_step_s: 0.1,
+            motion_tolerance_m: 1e-4,
             scheme: Scheme::default(),
         }
     }

@@ -9,9 +9,9 @@ pub enum Scheme {
     /// Implicit Euler, order 1.
     Euler,
     /// Alexander's two-stage scheme, γ = 1 − 1/√2, order 2 (Hairer & Wanner, Solving ODEs II, table IV.6.5).
-    #[default]
     Sdirk2,
     /// Alexander's three-stage scheme, γ ≈ 0.4359, order 3 (Alexander 1977).
+    #[default]
     Sdirk3,
 }
 
@@ -36,10 +36,5 @@ impl Scheme {
                 Tableau { rows: vec![vec![g], vec![(1.0 - g) / 2.0, g], last.to_vec()] }
             }
         }
-    }
-
-    /// Time of each stage as a share of the step.
-    pub(super) fn stage_times(self) -> Vec<f64> {
-        self.tableau().rows.iter().map(|row| row.iter().sum()).collect()
     }
 }

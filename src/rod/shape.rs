@@ -7,7 +7,7 @@ use super::section::{Compliance, Section, Six};
 use crate::math::rotation;
 
 /// Poses and strains of a rod under given internal-wrench coefficients.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Shape {
     /// Elastic internal wrench at the Gauss points.
     pub(super) wrench: Vec<Six>,
@@ -38,6 +38,17 @@ impl Shape {
             end_r: vec![base_r; ends],
             end_p: vec![base_p; ends],
         }
+    }
+
+    /// Becomes a copy of `other` without allocating.
+    pub(super) fn copy_from(&mut self, other: &Shape) {
+        self.wrench.clone_from(&other.wrench);
+        self.strain.clone_from(&other.strain);
+        self.compliance.clone_from(&other.compliance);
+        self.node_r.clone_from(&other.node_r);
+        self.node_p.clone_from(&other.node_p);
+        self.end_r.clone_from(&other.end_r);
+        self.end_p.clone_from(&other.end_p);
     }
 
     /// Computes everything from the polynomial coefficients.
@@ -76,6 +87,23 @@ impl Shape {
         self.node_p[first] = p + d1 * weights[0][0] + d2 * weights[0][1];
         self.node_p[second] = p + d1 * weights[1][0] + d2 * weights[1][1];
         self.end_p[c + 1] = p + (d1 + d2) * (0.5 * h);
+    }
+
+    /// Position and orientation at `position_m` from the base, inside the cell that holds it.
+    pub(super) fn pose_at(&self, grid: &Grid, position_m: f64) -> (Vector3<f64>, Matrix3<f64>) {
+        let last = grid.cells.len() - 1;
+        let c = grid.boundaries_m[1..=last].partition_point(|&end| end <= position_m);
+        let h = grid.cells[c].length_m;
+        let x = (position_m - grid.boundaries_m[c]).clamp(0.0, h);
+        // Integral from the start of the cell of the line through the values at its two Gauss points.
+        let skew = (x * x - x * h) / (4.0 * GAUSS * h);
+        let (first, second) = (0.5 * x - skew, 0.5 * x + skew);
+        let part = |g: usize, from: usize| Vector3::from_row_slice(&self.strain[g][from..from + 3]);
+        let (u1, u2) = (part(2 * c, 0), part(2 * c + 1, 0));
+        let commutator = u1.cross(&u2) * (0.5 * GAUSS * h * h * (x / h).powi(3));
+        let rotation = self.end_r[c] * rotation::exp(&(u1 * first + u2 * second + commutator));
+        let tangent = |g: usize| self.node_r[g] * part(g, 3);
+        (self.end_p[c] + tangent(2 * c) * first + tangent(2 * c + 1) * second, rotation)
     }
 
     /// Position of the tip, metres.

@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::advance::Pace;
 use super::conditions::{Conditions, Hold};
 use super::grid::Grid;
 use super::memory::MemoryState;
@@ -36,10 +37,7 @@ pub struct Energy {
 }
 
 /// Displacement of the tip that a converged static solve may be off by (its last step, squared for Newton), metres.
-const STATIC_TOLERANCE_M: f64 = 1e-9;
-const DYNAMIC_TOLERANCE_M: f64 = 1e-8;
-/// How often a failing time step is halved.
-const MOST_HALVINGS: u32 = 6;
+const STATIC_TOLERANCE_M: f64 = 1e-8;
 
 /// A tendon-driven rod.
 #[derive(Clone, Debug)]
@@ -47,15 +45,17 @@ pub struct Rod {
     pub(super) system: System,
     pub(super) solver: Solver,
     pub(super) state: State,
+    /// The state before the step under way, to go back to.
+    pub(super) before: State,
     pub(super) motion: Motion,
     pub(super) stages: Vec<Rates>,
     pub(super) tableau: Tableau,
-    pub(super) stage_times: Vec<f64>,
+    pub(super) pace: Pace,
     pub(super) tip_load: TipLoad,
     /// Under what the rod came to rest; nothing once it has moved.
     pub(super) rest: Option<Rest>,
     /// What has been solved, for those who follow; nothing is kept when absent.
-    pub(super) trace: Option<Vec<Solved>>,
+    pub(super) trace: Option<Trace>,
 }
 
 /// What a static solve was asked for.
@@ -66,12 +66,27 @@ pub(super) struct Rest {
     pub(super) memory: Vec<Vec<MemoryState>>,
 }
 
-/// A time step that was accepted, or an equilibrium (of infinite duration).
+/// What has been solved.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Trace {
+    /// Unknowns and taut set of each stage of the step under way.
+    pub(super) stages: Vec<(Vec<f64>, Vec<bool>)>,
+    /// Equilibria (of infinite duration) and steps that were accepted.
+    pub(super) solved: Vec<Solved>,
+}
+
+/// A time step or an equilibrium.
 #[derive(Clone, Debug)]
 pub(super) struct Solved {
     pub(super) duration_s: f64,
-    /// Unknowns and taut set of each stage.
     pub(super) stages: Vec<(Vec<f64>, Vec<bool>)>,
+}
+
+impl Trace {
+    /// The stages so far were those of a step of `duration_s`.
+    pub(super) fn accept(&mut self, duration_s: f64) {
+        self.solved.push(Solved { duration_s, stages: std::mem::take(&mut self.stages) });
+    }
 }
 
 impl Rod {
@@ -84,18 +99,20 @@ impl Rod {
         let tip_load = system.params.tip_load;
         let scheme: Scheme = system.params.resolution.scheme;
         let tableau = scheme.tableau();
+        let state = State {
+            unknowns: vec![0.0; system.size()],
+            taut: vec![false; system.params.tendons.len()],
+            shape: system.work().shape,
+            rates: Rates::zero(&system.grid, &system.masses),
+            memory: system.fresh_memory(),
+        };
         let mut rod = Rod {
             solver: Solver::new(&system),
-            state: State {
-                unknowns: vec![0.0; system.size()],
-                taut: vec![false; system.params.tendons.len()],
-                shape: system.work().shape,
-                rates: Rates::zero(&system.grid, &system.masses),
-                memory: system.fresh_memory(),
-            },
+            before: state.clone(),
+            state,
             motion: Motion::rest(&system.grid, &system.masses),
             stages: tableau.rows.iter().map(|_| Rates::zero(&system.grid, &system.masses)).collect(),
-            stage_times: scheme.stage_times(),
+            pace: Pace::new(&tableau),
             tableau,
             tip_load,
             rest: None,
@@ -115,6 +132,7 @@ impl Rod {
         let (system, state) = (&self.system, &mut self.state);
         state.shape.update(&system.grid, &system.sections, &state.unknowns[..system.grid.unknowns]);
         self.solver = Solver::new(system);
+        self.pace = Pace::new(&self.tableau);
         self.tip_load = system.params.tip_load;
         self.rest = None;
     }
@@ -143,10 +161,8 @@ impl Rod {
             self.state.rates = Rates::zero(&self.system.grid, &self.system.masses);
             self.commit_memory(f64::INFINITY);
             self.rest = Some(Rest { holds, memory: before.memory });
-            let stages = vec![(self.state.unknowns.clone(), self.state.taut.clone())];
-            self.trace
-                .iter_mut()
-                .for_each(|trace| trace.push(Solved { duration_s: f64::INFINITY, stages: stages.clone() }));
+            self.trace_stage();
+            self.trace.iter_mut().for_each(|trace| trace.accept(f64::INFINITY));
         } else {
             self.state = before;
         }
@@ -193,75 +209,7 @@ impl Rod {
         Status::Converged
     }
 
-    /// Number of time steps that [`Rod::advance`] takes for `duration_s` seconds.
-    pub fn steps_in(&self, duration_s: f64) -> f64 {
-        (duration_s / self.system.params.resolution.time_step_s - 1e-9).ceil().max(1.0)
-    }
-
-    /// Moves the rod for `duration_s` with `drives` held.
-    pub fn advance(&mut self, drives: &[Drive], duration_s: f64) -> Status {
-        self.advance_with(&|_| drives.to_vec(), duration_s)
-    }
-
-    /// Moves the rod for `duration_s`; `drives` gives the drives at a time since now, seconds.
-    pub fn advance_with(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, duration_s: f64) -> Status {
-        let count = self.steps_in(duration_s);
-        let h = duration_s / count;
-        for k in 0..count as u64 {
-            let start = k as f64 * h;
-            let status = self.step(&|t| drives(start + t), h, MOST_HALVINGS);
-            if status != Status::Converged {
-                return status;
-            }
-        }
-        Status::Converged
-    }
-
-    /// One time step, halved when it fails.
-    fn step(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, h: f64, halvings: u32) -> Status {
-        let before = self.state.clone();
-        let status = self.try_step(drives, h, &before);
-        if status == Status::Converged || status == Status::BadCommand {
-            return status;
-        }
-        self.state = before;
-        if halvings == 0 {
-            return status;
-        }
-        let first = self.step(drives, 0.5 * h, halvings - 1);
-        if first != Status::Converged {
-            return first;
-        }
-        self.step(&|t| drives(0.5 * h + t), 0.5 * h, halvings - 1)
-    }
-
-    fn try_step(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, h: f64, start: &State) -> Status {
-        let load = self.tip_load;
-        let gravity = self.system.params.gravity_m_s2;
-        self.rest = None;
-        let mut stages = Vec::new();
-        for i in 0..self.tableau.rows.len() {
-            let Some(holds) = self.holds(&drives(self.stage_times[i] * h)) else { return Status::BadCommand };
-            self.seed_tensions(&holds);
-            self.motion.prepare(start, &self.system.masses, &self.tableau.rows[i], &self.stages, h);
-            let status = self.solve(&holds, (&load, 1.0), gravity, false, DYNAMIC_TOLERANCE_M);
-            if status != Status::Converged {
-                return status;
-            }
-            self.stages[i].read(&self.motion, &self.system.masses, &self.state.shape);
-            if self.trace.is_some() {
-                stages.push((self.state.unknowns.clone(), self.state.taut.clone()));
-            }
-        }
-        self.trace
-            .iter_mut()
-            .for_each(|trace| trace.push(Solved { duration_s: h, stages: std::mem::take(&mut stages) }));
-        self.state.rates.clone_from(&self.stages[self.stages.len() - 1]);
-        self.commit_memory(h);
-        Status::Converged
-    }
-
-    fn solve(
+    pub(super) fn solve(
         &mut self,
         holds: &[Hold],
         (tip_load, load_share): (&TipLoad, f64),
@@ -291,6 +239,12 @@ impl Rod {
         status
     }
 
+    /// Keeps what has just been solved for those who follow.
+    pub(super) fn trace_stage(&mut self) {
+        let State { unknowns, taut, .. } = &self.state;
+        self.trace.iter_mut().for_each(|trace| trace.stages.push((unknowns.clone(), taut.clone())));
+    }
+
     pub(super) fn commit_memory(&mut self, dt_s: f64) {
         let shape = &self.state.shape;
         for (law, states) in self.system.params.memory.iter().zip(&mut self.state.memory) {
@@ -317,7 +271,7 @@ impl Rod {
     }
 
     /// Known tensions are put in place before the first iteration.
-    fn seed_tensions(&mut self, holds: &[Hold]) {
+    pub(super) fn seed_tensions(&mut self, holds: &[Hold]) {
         let n = self.system.grid.unknowns;
         for (i, hold) in holds.iter().enumerate() {
             if let Hold::Tension(tension) = *hold {
@@ -335,6 +289,12 @@ impl Rod {
     /// Tip orientation, columns are the body axes.
     pub fn tip_rotation(&self) -> Matrix3<f64> {
         self.state.shape.tip_rotation()
+    }
+
+    /// Position (metres) and orientation of the cross-section `position_m` from the base along the relaxed rod, world
+    /// frame; the nearest end where the rod has no such place.
+    pub fn pose_at(&self, position_m: f64) -> (Vector3<f64>, Matrix3<f64>) {
+        self.state.shape.pose_at(&self.system.grid, position_m)
     }
 
     /// Tendon tensions, N; 0 when slack.

@@ -27,6 +27,9 @@ const POOR_CONTRACTION: f64 = 0.1;
 /// Factors kept for one derivative: a few step lengths and taut sets come back again and again.
 const MOST_FACTORS: usize = 8;
 
+/// A correction that is to undo more than this share of the one before is taken as it is.
+const MOST_ACCELERATION: f64 = 0.5;
+
 /// What an old derivative is trusted with before it has shown its contraction.
 const UNPROVEN_CONTRACTION: f64 = 0.1;
 
@@ -39,6 +42,8 @@ pub(super) struct Solver {
     factors: Vec<Factors>,
     /// What the derivative is good for.
     kept: Kept,
+    /// Steps of the present solve since the derivative or the taut set changed.
+    steps: Vec<DVector<f64>>,
     /// Size of the last step, metres: what the residual is worth at the tip.
     pub(super) residual_m: f64,
     /// Iterations since construction.
@@ -70,6 +75,7 @@ impl Solver {
             derivative: Derivative::new(system),
             factors: Vec::new(),
             kept: Kept::Nothing,
+            steps: Vec::new(),
             residual_m: 0.0,
             iterations: 0,
             factorisations: 0,
@@ -87,6 +93,7 @@ impl Solver {
     ) -> Status {
         let mut last_step = f64::INFINITY;
         let mut set_changes = 0;
+        self.steps.clear();
         let mut fresh = false;
         let need = if conditions.motion.rate > 0.0 { Kept::Motion } else { Kept::Rest };
         let mut stale = self.kept != need;
@@ -100,11 +107,12 @@ impl Solver {
             if stale {
                 self.derivative.update(system, unknowns, &current, &self.work);
                 self.factors.clear();
+                self.steps.clear();
                 self.kept = need;
                 (stale, fresh) = (false, true);
             }
             self.factor(system, &current);
-            let Some(mut step) = self.step() else { return self.give_up(Status::NotConverged) };
+            let Some(mut step) = self.step(system) else { return self.give_up(Status::NotConverged) };
             let size = system.size_of_step_m(&step.as_slice()[..system.grid.unknowns]);
             if !size.is_finite() {
                 return self.give_up(Status::NotFinite);
@@ -113,6 +121,7 @@ impl Solver {
             let shortened = size > limit;
             if shortened {
                 step *= limit / size;
+                self.steps.clear();
             }
             for (x, dx) in unknowns.iter_mut().zip(step.iter()) {
                 *x -= dx;
@@ -127,7 +136,11 @@ impl Solver {
                 }
                 fresh = false;
                 last_step = f64::INFINITY;
+                self.steps.clear();
                 continue;
+            }
+            if !shortened {
+                self.steps.push(step);
             }
             let contraction = if last_step.is_finite() { size / last_step } else { UNPROVEN_CONTRACTION };
             // With a fresh derivative the next error is of the order of the square; with an old one linear.
@@ -170,9 +183,26 @@ impl Solver {
         self.factors.push(newest);
     }
 
-    fn step(&self) -> Option<DVector<f64>> {
+    /// The next correction, with Broyden's update of the factors by the corrections so far (Kelley, Solving Nonlinear
+    /// Equations with Newton's Method, 2003, section 4.1), in the norm that counts a change by what it moves the tip.
+    fn step(&self, system: &System) -> Option<DVector<f64>> {
         let mut step = DVector::from_column_slice(&self.work.residual);
-        self.factors.last()?.lu.solve_mut(&mut step).then_some(step)
+        if !self.factors.last()?.lu.solve_mut(&mut step) {
+            return None;
+        }
+        let product = |a: &DVector<f64>, b: &DVector<f64>| -> f64 {
+            a.iter().zip(b.iter()).zip(&system.scales).map(|((x, y), scale)| x * y * scale * scale).sum()
+        };
+        let mut steps = self.steps.iter().peekable();
+        while let Some(earlier) = steps.next() {
+            let share = product(earlier, &step) / product(earlier, earlier);
+            match steps.peek() {
+                Some(next) => step.axpy(share, next, 1.0),
+                None if share.abs() < MOST_ACCELERATION => step /= 1.0 - share,
+                None => (),
+            }
+        }
+        Some(step)
     }
 
     /// Moves the tendon that offends most between taut and slack, as the step just taken says; true if one moved.

@@ -19,8 +19,30 @@ pub(super) struct State {
     pub(super) memory: Vec<Vec<MemoryState>>,
 }
 
+impl State {
+    /// A state of nothing, to hold a place.
+    pub(super) fn empty() -> State {
+        State {
+            unknowns: Vec::new(),
+            taut: Vec::new(),
+            shape: Shape::default(),
+            rates: Rates::default(),
+            memory: Vec::new(),
+        }
+    }
+
+    /// Becomes a copy of `other` without allocating.
+    pub(super) fn copy_from(&mut self, other: &State) {
+        self.unknowns.clone_from(&other.unknowns);
+        self.taut.clone_from(&other.taut);
+        self.shape.copy_from(&other.shape);
+        self.rates.copy_from(&other.rates);
+        self.memory.clone_from(&other.memory);
+    }
+}
+
 /// Velocities and accelerations of all that has them.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Rates {
     pub(super) node_v: Vec<Vector3<f64>>,
     pub(super) node_a: Vec<Vector3<f64>>,
@@ -46,6 +68,17 @@ impl Rates {
             spin: vec![zero; lumps],
             spin_a: vec![zero; lumps],
         }
+    }
+
+    /// Becomes a copy of `other` without allocating.
+    pub(super) fn copy_from(&mut self, other: &Rates) {
+        self.node_v.clone_from(&other.node_v);
+        self.node_a.clone_from(&other.node_a);
+        self.mass_v.clone_from(&other.mass_v);
+        self.mass_a.clone_from(&other.mass_a);
+        self.strain_v.clone_from(&other.strain_v);
+        self.spin.clone_from(&other.spin);
+        self.spin_a.clone_from(&other.spin_a);
     }
 
     /// Reads the rates that `motion` gives to a solved shape.

@@ -1,0 +1,237 @@
+//! The backbone as a lab would measure it.
+
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use super::{Checked, MOST_PARTS, at, refuse, within};
+use crate::base::BadOption;
+use crate::effects::{finite, non_negative};
+use crate::rod::{Span, Taper};
+
+/// A round backbone, of one material and one cross-section unless `pieces` says otherwise.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Backbone {
+    /// Length, metres.
+    pub length_m: f64,
+    /// Radius of the cross-section, metres.
+    pub radius_m: f64,
+    /// Radius of the bore of a tube, metres; 0 is solid.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub inner_radius_m: f64,
+    /// Young's modulus E, Pa.
+    pub youngs_modulus_pa: f64,
+    /// Poisson's ratio ν; the shear modulus is E / (2 (1 + ν)).
+    pub poisson_ratio: f64,
+    /// Density, kg/m³.
+    #[serde(default)]
+    pub density_kg_m3: f64,
+    /// Measured axial stiffness, N, in place of E·A.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub axial_stiffness_n: Option<f64>,
+    /// Measured shear stiffness, N, in place of G·A.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shear_stiffness_n: Option<f64>,
+    /// Measured bending stiffness, N m², in place of E·I.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bending_stiffness_n_m2: Option<f64>,
+    /// Measured torsional stiffness, N m², in place of G·J.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torsion_stiffness_n_m2: Option<f64>,
+    /// Pieces from base to tip, where it is not the same all along; what a piece leaves out is as above.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pieces: Vec<Piece>,
+}
+
+/// A piece of a backbone. Radii change linearly along it, and everything that follows from them with them; a measured
+/// stiffness holds at its start and changes as the computed one would.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Piece {
+    /// Where it ends, metres from the base; it begins where the one before ends.
+    pub end_m: f64,
+    /// Radius at its start, metres; left out: that at the end of the piece before, for the first the backbone's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub radius_m: Option<f64>,
+    /// Radius at its end, metres; left out: as at its start.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub end_radius_m: Option<f64>,
+    /// Radius of the bore at its start, metres; left out: as for `radius_m`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inner_radius_m: Option<f64>,
+    /// Radius of the bore at its end, metres; left out: as at its start.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub end_inner_radius_m: Option<f64>,
+    /// Young's modulus E, Pa.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub youngs_modulus_pa: Option<f64>,
+    /// Poisson's ratio.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub poisson_ratio: Option<f64>,
+    /// Density, kg/m³.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub density_kg_m3: Option<f64>,
+    /// Measured axial stiffness, N.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub axial_stiffness_n: Option<f64>,
+    /// Measured shear stiffness, N.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shear_stiffness_n: Option<f64>,
+    /// Measured bending stiffness, N m²; the mean of the two axes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bending_stiffness_n_m2: Option<f64>,
+    /// Measured torsional stiffness, N m².
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torsion_stiffness_n_m2: Option<f64>,
+    /// (k₁ − k₂)/(k₁ + k₂) of the bending stiffnesses about the two principal axes.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub anisotropy: f64,
+    /// Angle of the first (stiffer, where `anisotropy` is positive) principal axis from x towards y, degrees.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub principal_angle_deg: f64,
+    /// Curvature about x and y and twist when nothing acts on it, rad/m. Tendons are set to zero on this shape.
+    #[serde(default, skip_serializing_if = "is_straight")]
+    pub rest_curvature_rad_m: [f64; 3],
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
+fn is_straight(curvature: &[f64; 3]) -> bool {
+    *curvature == [0.0; 3]
+}
+
+/// Radii at the two ends of a piece.
+struct Radii {
+    outer: [f64; 2],
+    inner: [f64; 2],
+}
+
+impl Backbone {
+    /// Refuses numbers that make no backbone.
+    pub(super) fn check(&self) -> Checked {
+        let at = |result| at("backbone", result);
+        at(BadOption::unless_positive("length_m", self.length_m))?;
+        at(BadOption::unless_positive("radius_m", self.radius_m))?;
+        at(bore("inner_radius_m", self.inner_radius_m, self.radius_m))?;
+        at(BadOption::unless_positive("youngs_modulus_pa", self.youngs_modulus_pa))?;
+        at(poisson(self.poisson_ratio))?;
+        at(non_negative("density_kg_m3", self.density_kg_m3))?;
+        at(BadOption::unless_positive_or_null("axial_stiffness_n", self.axial_stiffness_n))?;
+        at(BadOption::unless_positive_or_null("shear_stiffness_n", self.shear_stiffness_n))?;
+        at(BadOption::unless_positive_or_null("bending_stiffness_n_m2", self.bending_stiffness_n_m2))?;
+        at(BadOption::unless_positive_or_null("torsion_stiffness_n_m2", self.torsion_stiffness_n_m2))?;
+        let Some(last) = self.pieces.last() else { return Ok(()) };
+        at(refuse(self.pieces.len() <= MOST_PARTS, "pieces", &self.pieces.len(), "a list of up to 10,000 pieces"))?;
+        let mut start_m = 0.0;
+        for (index, (piece, radii)) in self.pieces.iter().zip(self.radii()).enumerate() {
+            let path = format!("backbone.pieces[{index}]");
+            piece.check(start_m, &radii).map_err(|error| (path, error))?;
+            start_m = piece.end_m;
+        }
+        let complete = (last.end_m - self.length_m).abs() <= 1e-9 * self.length_m;
+        let expected = "the last piece to end at the backbone's `length_m`";
+        refuse(complete, "end_m", &last.end_m, expected)
+            .map_err(|error| (format!("backbone.pieces[{}]", self.pieces.len() - 1), error))
+    }
+
+    /// Radii of the pieces.
+    fn radii(&self) -> Vec<Radii> {
+        let (mut outer, mut inner) = (self.radius_m, self.inner_radius_m);
+        let piece = |piece: &Piece| {
+            let own = |start: &mut f64, from: Option<f64>, to: Option<f64>| {
+                let from = from.unwrap_or(*start);
+                *start = to.unwrap_or(from);
+                [from, *start]
+            };
+            Radii {
+                outer: own(&mut outer, piece.radius_m, piece.end_radius_m),
+                inner: own(&mut inner, piece.inner_radius_m, piece.end_inner_radius_m),
+            }
+        };
+        self.pieces.iter().map(piece).collect()
+    }
+
+    /// Cross-sections from base to tip.
+    pub(super) fn spans(&self) -> Vec<Span> {
+        if self.pieces.is_empty() {
+            let radii = Radii { outer: [self.radius_m; 2], inner: [self.inner_radius_m; 2] };
+            return vec![self.span(&Piece { end_m: self.length_m, ..Piece::default() }, &radii)];
+        }
+        let mut spans: Vec<Span> =
+            self.pieces.iter().zip(self.radii()).map(|(piece, radii)| self.span(piece, &radii)).collect();
+        if let Some(last) = spans.last_mut() {
+            last.end_m = self.length_m;
+        }
+        spans
+    }
+
+    /// A piece, with what it leaves out taken from the whole.
+    fn span(&self, piece: &Piece, radii: &Radii) -> Span {
+        let [area, second_moment] = [disc, second_moment_of_disc].map(|of| of(radii.outer[0]) - of(radii.inner[0]));
+        let youngs_modulus_pa = piece.youngs_modulus_pa.unwrap_or(self.youngs_modulus_pa);
+        let shear_modulus_pa = youngs_modulus_pa / (2.0 * (1.0 + piece.poisson_ratio.unwrap_or(self.poisson_ratio)));
+        let measured = |own: Option<f64>, whole: Option<f64>, computed: f64| own.or(whole).unwrap_or(computed);
+        let bending =
+            measured(piece.bending_stiffness_n_m2, self.bending_stiffness_n_m2, youngs_modulus_pa * second_moment);
+        let rest = Vector3::from(piece.rest_curvature_rad_m);
+        let uniform = radii.outer[0] == radii.outer[1] && radii.inner[0] == radii.inner[1];
+        Span {
+            end_m: piece.end_m,
+            bending_n_m2: [bending * (1.0 + piece.anisotropy), bending * (1.0 - piece.anisotropy)],
+            principal_angle_rad: piece.principal_angle_deg.to_radians(),
+            torsion_n_m2: measured(
+                piece.torsion_stiffness_n_m2,
+                self.torsion_stiffness_n_m2,
+                2.0 * shear_modulus_pa * second_moment,
+            ),
+            shear_n: measured(piece.shear_stiffness_n, self.shear_stiffness_n, shear_modulus_pa * area),
+            axial_n: measured(piece.axial_stiffness_n, self.axial_stiffness_n, youngs_modulus_pa * area),
+            rest_curvature_rad_m: rest,
+            home_curvature_rad_m: rest,
+            mass_kg_m: piece.density_kg_m3.unwrap_or(self.density_kg_m3) * area,
+            spread_mass_kg_m: 0.0,
+            taper: if uniform { Taper::NONE } else { Taper { outer: radii.outer, inner: radii.inner } },
+        }
+    }
+}
+
+impl Piece {
+    fn check(&self, start_m: f64, radii: &Radii) -> Result<(), BadOption> {
+        let ascends = self.end_m.is_finite() && self.end_m > start_m;
+        refuse(ascends, "end_m", &self.end_m, "a place beyond the end of the piece before")?;
+        for (end, (outer, inner)) in [(0, ("radius_m", "inner_radius_m")), (1, ("end_radius_m", "end_inner_radius_m"))]
+        {
+            BadOption::unless_positive(outer, radii.outer[end])?;
+            bore(inner, radii.inner[end], radii.outer[end])?;
+        }
+        BadOption::unless_positive_or_null("youngs_modulus_pa", self.youngs_modulus_pa)?;
+        self.poisson_ratio.map_or(Ok(()), poisson)?;
+        self.density_kg_m3.map_or(Ok(()), |density| non_negative("density_kg_m3", density))?;
+        BadOption::unless_positive_or_null("axial_stiffness_n", self.axial_stiffness_n)?;
+        BadOption::unless_positive_or_null("shear_stiffness_n", self.shear_stiffness_n)?;
+        BadOption::unless_positive_or_null("bending_stiffness_n_m2", self.bending_stiffness_n_m2)?;
+        BadOption::unless_positive_or_null("torsion_stiffness_n_m2", self.torsion_stiffness_n_m2)?;
+        let both_bend = self.anisotropy > -1.0 && self.anisotropy < 1.0;
+        refuse(both_bend, "anisotropy", &self.anisotropy, "a number between -1 and 1")?;
+        finite("principal_angle_deg", self.principal_angle_deg)?;
+        self.rest_curvature_rad_m.iter().try_for_each(|&curvature| finite("rest_curvature_rad_m", curvature))
+    }
+}
+
+fn disc(radius: f64) -> f64 {
+    std::f64::consts::PI * radius * radius
+}
+
+fn second_moment_of_disc(radius: f64) -> f64 {
+    0.25 * disc(radius) * radius * radius
+}
+
+fn poisson(ratio: f64) -> Result<(), BadOption> {
+    within("poisson_ratio", ratio, -1.0, 0.5, "a number above -1 and up to 0.5")
+}
+
+fn bore(key: &'static str, inner: f64, outer: f64) -> Result<(), BadOption> {
+    refuse(inner >= 0.0 && inner < outer, key, &inner, "a number from 0 to below the outer radius")
+}

@@ -1,0 +1,136 @@
+//! Compressible sections and the rigid disks between them.
+
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use super::{Checked, MOST_PARTS, Robot, at, refuse};
+use crate::base::BadOption;
+use crate::effects::non_negative;
+use crate::rod::{CompressibleSection, PointMass, RodParams};
+
+/// Compressible sections, with the disks between them filling the rest of the backbone evenly (paper, Fig. 1b).
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sections {
+    /// How many.
+    pub count: usize,
+    /// Relaxed length of each, metres.
+    pub length_m: f64,
+    /// Shortening of each per compressive force, m/N.
+    pub compliance_m_per_n: f64,
+    /// Force beyond which they shorten no more, N.
+    pub saturation_n: f64,
+}
+
+/// Rigid disks.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Disks {
+    /// How many.
+    pub count: usize,
+    /// Mass of each, kg.
+    pub mass_kg: f64,
+    /// Where they sit, metres from the base. Left out: one more than there are sections fill the backbone between
+    /// the sections, each spread over its thickness; any other number is lumped at equal distances up to the tip.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub positions_m: Option<Vec<f64>>,
+    /// Mass of each where they differ, kg, in place of `mass_kg`; only with `positions_m`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub masses_kg: Option<Vec<f64>>,
+    /// Moments of inertia of each lumped disk about its own x, y and z, kg m².
+    #[serde(default, skip_serializing_if = "is_nothing")]
+    pub inertia_kg_m2: [f64; 3],
+}
+
+fn is_nothing(values: &[f64; 3]) -> bool {
+    *values == [0.0; 3]
+}
+
+impl Sections {
+    /// Refuses numbers that make no sections on a backbone of `length_m`.
+    pub(super) fn check(&self, length_m: f64) -> Checked {
+        if self.count == 0 {
+            return Ok(());
+        }
+        let at = |result| at("sections", result);
+        at(refuse(self.count <= MOST_PARTS, "count", &self.count, "a whole number up to 10,000"))?;
+        at(BadOption::unless_positive("length_m", self.length_m))?;
+        at(non_negative("compliance_m_per_n", self.compliance_m_per_n))?;
+        at(BadOption::unless_positive("saturation_n", self.saturation_n))?;
+        let fits = self.count as f64 * self.length_m <= length_m * (1.0 + 1e-9);
+        at(refuse(fits, "length_m", &self.length_m, "sections that together are no longer than the backbone"))?;
+        let shortens = self.compliance_m_per_n * self.saturation_n < self.length_m;
+        at(refuse(shortens, "saturation_n", &self.saturation_n, "a section that keeps some length at this force"))
+    }
+}
+
+impl Disks {
+    /// Refuses numbers that make no disks on a backbone of `length_m`.
+    pub(super) fn check(&self, length_m: f64) -> Checked {
+        let at = |result| at("disks", result);
+        at(non_negative("mass_kg", self.mass_kg))?;
+        at(refuse(self.count <= MOST_PARTS, "count", &self.count, "a whole number up to 10,000"))?;
+        at(self.inertia_kg_m2.iter().try_for_each(|&inertia| non_negative("inertia_kg_m2", inertia)))?;
+        if let Some(positions) = &self.positions_m {
+            let inside = positions.len() == self.count && positions.iter().all(|s| (0.0..=length_m).contains(s));
+            at(refuse(inside, "positions_m", positions, "one place per disk, each within the backbone"))?;
+        }
+        let Some(masses) = &self.masses_kg else { return Ok(()) };
+        at(refuse(self.positions_m.is_some(), "masses_kg", masses, "`positions_m` beside it"))?;
+        at(refuse(masses.len() == self.count, "masses_kg", masses, "one mass per disk"))?;
+        at(masses.iter().try_for_each(|&mass| non_negative("masses_kg", mass)))
+    }
+
+    fn mass(&self, k: usize, position_m: f64) -> PointMass {
+        PointMass {
+            position_m,
+            mass_kg: self.masses_kg.as_ref().map_or(self.mass_kg, |masses| masses[k]),
+            inertia_kg_m2: Vector3::from(self.inertia_kg_m2),
+        }
+    }
+}
+
+impl Robot {
+    /// Thickness of a disk when the disks and the sections fill the backbone, metres.
+    fn disk_thickness_m(&self) -> f64 {
+        let s = &self.sections;
+        (self.backbone.length_m - s.count as f64 * s.length_m).max(0.0) / (s.count + 1) as f64
+    }
+
+    pub(super) fn compressible_sections(&self) -> Vec<CompressibleSection> {
+        let s = &self.sections;
+        let thickness = self.disk_thickness_m();
+        let section = |k: usize| CompressibleSection {
+            start_m: thickness + k as f64 * (thickness + s.length_m),
+            length_m: s.length_m,
+            compliance_m_per_n: s.compliance_m_per_n,
+            saturation_n: s.saturation_n,
+        };
+        (0..s.count).map(section).collect()
+    }
+
+    pub(super) fn add_disks(&self, rod: &mut RodParams) {
+        let disks = &self.disks;
+        if let Some(positions) = &disks.positions_m {
+            rod.masses.extend(positions.iter().enumerate().map(|(k, &position_m)| disks.mass(k, position_m)));
+            return;
+        }
+        if self.sections.count == 0 || disks.count != self.sections.count + 1 || self.disk_thickness_m() < 1e-6 {
+            let step = self.backbone.length_m / disks.count.max(1) as f64;
+            rod.masses.extend((0..disks.count).map(|k| disks.mass(k, (k + 1) as f64 * step)));
+            return;
+        }
+        let density = disks.mass_kg / self.disk_thickness_m();
+        let mut start_m = 0.0;
+        for section in rod.sections.clone() {
+            spread(rod, start_m, section.start_m, density);
+            start_m = section.start_m + section.length_m;
+        }
+        spread(rod, start_m, self.backbone.length_m, density);
+    }
+}
+
+/// Spreads a mass per length over part of the rod.
+fn spread(rod: &mut RodParams, start_m: f64, end_m: f64, density_kg_m: f64) {
+    rod.spans_between(start_m, end_m).for_each(|span| span.spread_mass_kg_m += density_kg_m);
+}

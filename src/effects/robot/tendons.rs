@@ -1,0 +1,183 @@
+//! Tendons as a lab would measure them.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Checked, MOST_PARTS, at, refuse};
+use crate::base::BadOption;
+use crate::effects::{finite, non_negative};
+use crate::rod::{PathPoint, Tendon, TendonPath};
+
+/// Tendons: at one radius all along, unless a key says otherwise. Lists hold one entry a tendon.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tendons {
+    /// Distance from the backbone at the base, metres.
+    pub radius_m: f64,
+    /// Angle of each from x towards y, degrees.
+    pub angles_deg: Vec<f64>,
+    /// Distance of each at the base, metres, in place of `radius_m`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub radii_m: Option<Vec<f64>>,
+    /// Distance of all at places further on, in order, with straight lines in between; beyond the last it stays.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub profile: Vec<RadiusPoint>,
+    /// How far each winds around the backbone per length, from x towards y, rad/m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub twists_rad_m: Option<Vec<f64>>,
+    /// Each one's own path in place of radius and angle: points in order, with straight lines in between. An empty
+    /// path leaves a tendon as it is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub paths: Option<Vec<Vec<OffsetPoint>>>,
+    /// How much each is tightened at home, metres.
+    #[serde(default)]
+    pub pretension_m: f64,
+    /// Stretch of a whole tendon per tension, m/N.
+    #[serde(default)]
+    pub compliance_m_per_n: f64,
+    /// Length over which a tendon stretches at home, metres: what the drive winds up stretches no more. Left out: the
+    /// drive moves the whole tendon along.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub elastic_length_m: Option<f64>,
+    /// Where each leaves its sheath, metres from the base; left out: at the base.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub starts_m: Option<Vec<f64>>,
+    /// Where each ends, metres from the base; left out: at the tip.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ends_m: Option<Vec<f64>>,
+}
+
+/// Distance of the tendons from the backbone at one place.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RadiusPoint {
+    /// Distance from the base, metres.
+    pub s_m: f64,
+    /// Distance from the backbone, metres.
+    pub radius_m: f64,
+}
+
+/// Where a tendon passes at one place.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OffsetPoint {
+    /// Distance from the base, metres.
+    pub s_m: f64,
+    /// Offset from the backbone along x, metres.
+    pub x_m: f64,
+    /// Offset along y, metres.
+    pub y_m: f64,
+}
+
+impl Tendons {
+    /// Refuses numbers that make no tendons on a backbone of `length_m`.
+    pub(super) fn check(&self, length_m: f64) -> Checked {
+        let at = |result| at("tendons", result);
+        let count = self.angles_deg.len();
+        at(BadOption::unless_positive("radius_m", self.radius_m))?;
+        at(refuse(!self.angles_deg.is_empty(), "angles_deg", &self.angles_deg, "at least one angle"))?;
+        at(self.angles_deg.iter().try_for_each(|&angle| finite("angles_deg", angle)))?;
+        at(each("radii_m", self.radii_m.as_ref(), count, &|r| r > 0.0, "one number above 0 per tendon"))?;
+        at(each("twists_rad_m", self.twists_rad_m.as_ref(), count, &f64::is_finite, "one number per tendon"))?;
+        at(finite("pretension_m", self.pretension_m))?;
+        at(non_negative("compliance_m_per_n", self.compliance_m_per_n))?;
+        at(BadOption::unless_positive_or_null("elastic_length_m", self.elastic_length_m))?;
+        let inside = |s: f64| s > 0.0 && s <= length_m;
+        at(each("ends_m", self.ends_m.as_ref(), count, &inside, "one place per tendon, each within the backbone"))?;
+        let expected = "one place per tendon, each on the backbone";
+        at(each("starts_m", self.starts_m.as_ref(), count, &|s| s >= 0.0 && s < length_m, expected))?;
+        let passes = (0..count).all(|i| self.start_m(i) < self.end_m(i, length_m));
+        at(refuse(passes, "starts_m", &self.starts_m, "places before the tendons' ends"))?;
+        self.check_profile()?;
+        self.check_paths()
+    }
+
+    fn check_profile(&self) -> Checked {
+        at("tendons", refuse(self.profile.len() <= MOST_PARTS, "profile", &self.profile.len(), "up to 10,000 places"))?;
+        let mut before = 0.0;
+        for (index, point) in self.profile.iter().enumerate() {
+            let path = format!("tendons.profile[{index}]");
+            let further = point.s_m.is_finite() && point.s_m > before;
+            at(&path, refuse(further, "s_m", &point.s_m, "a place further from the base than the one before"))?;
+            at(&path, refuse(point.radius_m.is_finite(), "radius_m", &point.radius_m, "a finite number"))?;
+            before = point.s_m;
+        }
+        Ok(())
+    }
+
+    fn check_paths(&self) -> Checked {
+        let Some(paths) = &self.paths else { return Ok(()) };
+        let complete = paths.len() == self.angles_deg.len() && paths.iter().all(|path| path.len() <= MOST_PARTS);
+        at("tendons", refuse(complete, "paths", &paths.len(), "one path per tendon, of up to 10,000 points"))?;
+        for (tendon, points) in paths.iter().enumerate() {
+            let mut before = f64::NEG_INFINITY;
+            for (index, point) in points.iter().enumerate() {
+                let path = format!("tendons.paths[{tendon}][{index}]");
+                let further = point.s_m >= 0.0 && point.s_m.is_finite() && point.s_m > before;
+                at(&path, refuse(further, "s_m", &point.s_m, "a place further from the base than the one before"))?;
+                at(&path, finite("x_m", point.x_m))?;
+                at(&path, finite("y_m", point.y_m))?;
+                before = point.s_m;
+            }
+        }
+        Ok(())
+    }
+
+    fn start_m(&self, i: usize) -> f64 {
+        self.starts_m.as_ref().map_or(0.0, |starts| starts[i])
+    }
+
+    fn end_m(&self, i: usize, length_m: f64) -> f64 {
+        self.ends_m.as_ref().map_or(length_m, |ends| ends[i])
+    }
+
+    /// The tendons on a backbone of `length_m`.
+    pub(super) fn tendons(&self, length_m: f64) -> Vec<Tendon> {
+        let tendon = |i: usize| Tendon {
+            path: self.path(i),
+            start_m: self.start_m(i),
+            end_m: self.end_m(i, length_m),
+            pretension_m: self.pretension_m,
+            compliance_m_per_n: self.compliance_m_per_n,
+            elastic_length_m: self.elastic_length_m.unwrap_or(f64::INFINITY),
+        };
+        (0..self.angles_deg.len()).map(tendon).collect()
+    }
+
+    fn path(&self, i: usize) -> TendonPath {
+        let own = self.paths.as_ref().map_or(&[][..], |paths| &paths[i]);
+        let points = if own.is_empty() {
+            let (sin, cos) = exact_sin_cos_deg(self.angles_deg[i]);
+            let at = |s_m: f64, radius_m: f64| PathPoint { s_m, offset_m: [radius_m * cos, radius_m * sin] };
+            let base = at(0.0, self.radii_m.as_ref().map_or(self.radius_m, |radii| radii[i]));
+            let further = self.profile.iter().map(|point| at(point.s_m, point.radius_m));
+            std::iter::once(base).chain(further).collect()
+        } else {
+            own.iter().map(|point| PathPoint { s_m: point.s_m, offset_m: [point.x_m, point.y_m] }).collect()
+        };
+        TendonPath { points, twist_rad_m: self.twists_rad_m.as_ref().map_or(0.0, |twists| twists[i]) }
+    }
+}
+
+/// Refuses a list that has not one good number a tendon.
+fn each(
+    key: &'static str,
+    list: Option<&Vec<f64>>,
+    count: usize,
+    good: &dyn Fn(f64) -> bool,
+    expected: &'static str,
+) -> Result<(), BadOption> {
+    let Some(list) = list else { return Ok(()) };
+    let all = list.len() == count && list.iter().all(|&value| value.is_finite() && good(value));
+    refuse(all, key, list, expected)
+}
+
+/// Sine and cosine that are exact at multiples of 90 degrees, so that a symmetric robot stays symmetric.
+fn exact_sin_cos_deg(angle: f64) -> (f64, f64) {
+    match angle.rem_euclid(360.0) {
+        0.0 => (0.0, 1.0),
+        90.0 => (1.0, 0.0),
+        180.0 => (0.0, -1.0),
+        270.0 => (-1.0, 0.0),
+        other => other.to_radians().sin_cos(),
+    }
+}
