@@ -119,8 +119,11 @@ fn minus(a: &[Point3], b: &[Point3]) -> Vec<Point3> {
 /// between stick and slip, where the derivatives to both sides differ (docs/sensitivities.md).
 const SIZE_M: f64 = 0.0121;
 
-/// What derivatives may be off by: this share of themselves …
+/// What derivatives may be off by: this share of themselves, …
 const RELATIVE: f64 = 1e-4;
+/// … this where whole runs are no smoother (dry friction at its null, a long whip) or nearly all of it has died down by the
+/// time that is looked at (a delay, seen from the jolt at a command's start), …
+const ROUGH: f64 = 5e-4;
 /// … and this much for a change of the number by its scale, in lengths of
 /// the robot.
 const ABSOLUTE: f64 = 2.5e-8;
@@ -129,7 +132,7 @@ const ABSOLUTE_FIXED: f64 = 5e-7;
 
 /// Compares derivatives along a trial with differences of whole trials, for the step that comes closest: smaller ones
 /// show what the solves leave, larger ones the curvature.
-fn compare(model: &Model, commands: &Commands, parameters: &[ModelParameter], absolute: f64) {
+fn compare(model: &Model, commands: &Commands, parameters: &[ModelParameter], (relative, absolute): (f64, f64)) {
     let variables: Vec<Variable> = parameters.iter().cloned().map(Variable::Parameter).collect();
     let replayed = replay(model, &[], &commands.trial(), &variables).unwrap();
     assert_eq!(replayed.tips_m, commands.tips(model).unwrap(), "those who follow disturb nothing");
@@ -143,7 +146,7 @@ fn compare(model: &Model, commands: &Commands, parameters: &[ModelParameter], ab
         let errors = [1e-2, 1e-3, 1e-4, 1e-5].map(error);
         let (off, size) = errors.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
         println!("{parameter}: {size:.2e} m, off by {off:.1e} m, {:.0e}", off / size);
-        assert!(off < RELATIVE * size + absolute * model.robot.backbone.length_m, "{parameter}: {errors:?}");
+        assert!(off < relative * size + absolute * model.robot.backbone.length_m, "{parameter}: {errors:?}");
     }
 }
 
@@ -156,6 +159,30 @@ fn nearby(model: &Model) -> Vec<ModelParameter> {
     all
 }
 
+/// Steps that follow from their error: differences of whole runs jump with them, derivatives along the motion do not. They
+/// agree with those of small steps of one length as well as the motions themselves do.
+#[test]
+fn steps_as_long_as_their_error_allows() {
+    let (model, mut fine) = (adaptive("nominal"), shipped("nominal"));
+    fine.robot.resolution.time_step_s = 0.0025;
+    let commands = Commands::loops(&model, SIZE_M, false);
+    let rates = |model: &Model| -> Vec<Vec<Point3>> {
+        let parameters = ModelParameter::all(model);
+        let variables: Vec<Variable> = parameters.into_iter().map(Variable::Parameter).collect();
+        replay(model, &[], &commands.trial(), &variables).unwrap().rates
+    };
+    let (own, exact) = (rates(&model), rates(&fine));
+    for (index, parameter) in ModelParameter::all(&model).iter().enumerate() {
+        let column = |rates: &[Vec<Point3>]| rates.iter().map(|row| row[index]).collect::<Vec<Point3>>();
+        let (own, exact) = (column(&own), column(&exact));
+        let scale = parameter.scale(&model).unwrap();
+        let (off, size) = (rms(&minus(&own, &exact)) * scale, rms(&exact) * scale);
+        println!("{parameter}: {size:.2e} m, off by {off:.1e} m");
+        // The tips are off by 0.1 mm after changes of about 2 cm.
+        assert!(off < 0.02 * size + 2e-5, "{parameter}: {off} of {size}");
+    }
+}
+
 fn of_effects(model: &Model) -> Vec<ModelParameter> {
     ModelParameter::all(model).into_iter().filter(|parameter| parameter.path().starts_with("effects")).collect()
 }
@@ -163,20 +190,20 @@ fn of_effects(model: &Model) -> Vec<ModelParameter> {
 #[test]
 fn numbers_of_the_robot_at_rest() {
     let model = shipped("nominal");
-    compare(&model, &Commands::loops(&model, SIZE_M, true), &ModelParameter::all(&model), ABSOLUTE);
+    compare(&model, &Commands::loops(&model, SIZE_M, true), &ModelParameter::all(&model), (RELATIVE, ABSOLUTE));
 }
 
 #[test]
 fn numbers_of_the_robot_in_motion() {
     let model = shipped("nominal");
-    compare(&model, &Commands::loops(&model, SIZE_M, false), &ModelParameter::all(&model), ABSOLUTE);
+    compare(&model, &Commands::loops(&model, SIZE_M, false), &ModelParameter::all(&model), (RELATIVE, ABSOLUTE));
 }
 
 #[test]
 fn numbers_of_effects_at_rest() {
     for card in CATALOGUE {
         let model = with_effect(card, &strong);
-        compare(&model, &Commands::loops(&model, SIZE_M, true), &of_effects(&model), ABSOLUTE);
+        compare(&model, &Commands::loops(&model, SIZE_M, true), &of_effects(&model), (RELATIVE, ABSOLUTE));
     }
 }
 
@@ -184,7 +211,7 @@ fn numbers_of_effects_at_rest() {
 fn numbers_of_effects_in_motion() {
     for card in CATALOGUE {
         let model = with_effect(card, &strong);
-        compare(&model, &Commands::loops(&model, SIZE_M, false), &of_effects(&model), ABSOLUTE);
+        compare(&model, &Commands::loops(&model, SIZE_M, false), &of_effects(&model), (RELATIVE, ABSOLUTE));
     }
 }
 
@@ -193,7 +220,8 @@ fn numbers_of_effects_in_motion() {
 fn numbers_of_effects_at_their_null_value() {
     for card in CATALOGUE {
         let model = with_effect(card, &|_, null| null);
-        compare(&model, &Commands::loops(&model, SIZE_M, false), &of_effects(&model), ABSOLUTE);
+        let relative = if ["friction", "delay"].contains(&card.name) { ROUGH } else { RELATIVE };
+        compare(&model, &Commands::loops(&model, SIZE_M, false), &of_effects(&model), (relative, ABSOLUTE));
     }
 }
 
@@ -201,17 +229,17 @@ fn numbers_of_effects_at_their_null_value() {
 fn numbers_of_other_robots() {
     // A stiff robot with elastic tendons; two segments; drag, which the derivative of the equations leaves out.
     let till = shipped("till");
-    compare(&till, &Commands::loops(&till, 0.01, false), &ModelParameter::all(&till), ABSOLUTE_FIXED);
+    compare(&till, &Commands::loops(&till, 0.01, false), &ModelParameter::all(&till), (RELATIVE, ABSOLUTE_FIXED));
     let segments = shipped("tdcr_two_segments");
     let tensions =
         rows(&[[0.5, 1.0, 0.2, 2.0, 0.3, 0.4], [1.5, 0.2, 0.2, 0.5, 1.0, 2.4], [0.1, 0.4, 2.0, 0.5, 0.6, 0.7]]);
     let commands = Commands { rows: tensions, durations_s: vec![], tensions: true, at_rest: true };
-    compare(&segments, &commands, &nearby(&segments), ABSOLUTE_FIXED);
+    compare(&segments, &commands, &nearby(&segments), (RELATIVE, ABSOLUTE_FIXED));
     let mut dynamic = shipped("till_dynamic");
     dynamic.robot.resolution.time_step_s = 0.02;
     let tensions = rows(&[[5.0], [12.0], [2.0]]);
     let commands = Commands { rows: tensions, durations_s: vec![0.3; 3], tensions: true, at_rest: false };
-    compare(&dynamic, &commands, &ModelParameter::all(&dynamic), ABSOLUTE_FIXED);
+    compare(&dynamic, &commands, &ModelParameter::all(&dynamic), (ROUGH, ABSOLUTE_FIXED));
 }
 
 /// The difference between derivatives and differences, and the size of the latter, for a change by `scale`; for the step
@@ -308,19 +336,21 @@ fn positions_and_turns_of_rods_that_follow() {
 #[test]
 fn jacobian_at_rest() {
     use Drive::{Follow, Pull, Tension};
-    let real = shipped("real").rod(&[]);
+    let load = TipLoad { force_n: Vector3::new(0.1, -0.2, 0.15), moment_nm: Vector3::new(0.005, 0.01, -0.004) };
+    // Four tendons at equal angles can all be taut only where they stretch.
+    let mut params = RodParams { memory: vec![], ..shipped("real").rod(&[]) };
+    params.tendons.iter_mut().for_each(|tendon| tendon.compliance_m_per_n = 2e-4);
     let poses: [([Drive; 4], usize); 7] = [
         ([Pull(-0.01); 4], 0),
         ([Pull(0.012), Pull(-0.02), Pull(-0.02), Pull(-0.02)], 1),
         ([Pull(0.012), Pull(0.008), Pull(-0.012), Pull(-0.008)], 2),
         ([Pull(0.006), Pull(0.004), Pull(0.005), Pull(-0.02)], 3),
-        ([Pull(0.008), Pull(0.008), Pull(0.0086), Pull(0.008)], 4),
+        ([Pull(0.006); 4], 4),
         ([Tension(5.0), Pull(0.01), Follow, Pull(-0.02)], 1),
         ([Tension(5.0), Tension(3.0), Tension(0.0), Tension(1.0)], 0),
     ];
-    let load = TipLoad { force_n: Vector3::new(0.1, -0.2, 0.15), moment_nm: Vector3::new(0.005, 0.01, -0.004) };
     for (drives, taut) in poses {
-        let mut rod = Rod::new(RodParams { memory: vec![], ..real.clone() });
+        let mut rod = Rod::new(params.clone());
         rod.set_tip_load(load);
         assert_eq!(rod.tip_jacobian(&[Direction::Pull(0)]), None, "nothing is at rest yet");
         assert_eq!(rod.settle(&drives), Status::Converged);
@@ -338,14 +368,20 @@ fn jacobian_at_rest() {
                         drives[i] = if let Pull(pull) = drives[i] { Pull(pull + by) } else { drives[i] }
                     }
                     Direction::Tension(i) => {
-                        // Tension 0 cannot be lowered: one-sided there.
-                        drives[i] = if let Tension(t) = drives[i] { Tension((t + by).max(0.0)) } else { drives[i] };
+                        drives[i] = match drives[i] {
+                            // Below tension 0 there is nothing: one-sided there.
+                            Tension(tension) => Tension((tension + by).max(0.0)),
+                            Follow => Tension(by.max(0.0)),
+                            pull => pull,
+                        };
                     }
                     Direction::Force(axis) => load.force_n[axis] += by,
                     Direction::Moment(axis) => load.moment_nm[axis] += by,
                 }
-                let mut rod = rod.clone();
+                // From straight, so that what solves leave is the same to both sides; the second one leaves less.
+                let mut rod = Rod::new(params.clone());
                 rod.set_tip_load(load);
+                assert_eq!(rod.settle(&drives), Status::Converged);
                 assert_eq!(rod.settle(&drives), Status::Converged);
                 (rod.tip_m(), rod.tip_rotation())
             };
@@ -355,16 +391,15 @@ fn jacobian_at_rest() {
                 Direction::Force(_) => 1e-2,
                 Direction::Moment(_) => 1e-3,
             };
-            let one_sided = matches!(direction, Direction::Tension(i) if drives[i] == Tension(0.0));
+            let one_sided = matches!(direction, Direction::Tension(i) if [Tension(0.0), Follow].contains(&drives[i]));
             let (plus, minus) = (moved(step), moved(if one_sided { 0.0 } else { -step }));
             let over = if one_sided { step } else { 2.0 * step };
             let (position, turn) = ((plus.0 - minus.0) / over, rotation::log(&(plus.1 * minus.1.transpose())) / over);
-            // Solves leave up to ten nanometres, which is ten times as much in radians.
             let close = |a: Vector3<f64>, b: Vector3<f64>, left: f64| {
                 (a - b).norm() < if one_sided { 1e-2 } else { RELATIVE } * b.norm() + left / over
             };
-            assert!(close(rate.position_m, position, 1e-8), "{drives:?} {direction:?}: {} {position}", rate.position_m);
-            assert!(close(rate.rotation_rad, turn, 1e-7), "{drives:?} {direction:?}: {} {turn}", rate.rotation_rad);
+            assert!(close(rate.position_m, position, 1e-9), "{drives:?} {direction:?}: {} {position}", rate.position_m);
+            assert!(close(rate.rotation_rad, turn, 1e-8), "{drives:?} {direction:?}: {} {turn}", rate.rotation_rad);
         }
         rod.advance(&drives, 0.01);
         assert_eq!(rod.tip_jacobian(&[Direction::Pull(0)]), None, "it has moved");

@@ -29,6 +29,7 @@ pub struct Nearby {
     /// Where the leader was in the solve that the others are at.
     followed: Rod,
     others: Vec<Rod>,
+    kept: Option<Kept>,
 }
 
 /// The leader's equations at one of its solutions.
@@ -36,10 +37,19 @@ struct Solution<'a> {
     unknowns: &'a [f64],
     taut: &'a [bool],
     residual: DVector<f64>,
-    factors: LU<f64, Dyn, Dyn>,
     settled: bool,
     /// What a correction leaves of the one before, once known.
     contraction: Option<f64>,
+}
+
+/// The derivative of the leader's equations at this or an earlier solution.
+#[derive(Clone, Debug)]
+struct Kept {
+    factors: LU<f64, Dyn, Dyn>,
+    rate: f64,
+    taut: Vec<bool>,
+    /// Corrections that the last solve took a rod.
+    corrections: usize,
 }
 
 impl Nearby {
@@ -54,13 +64,13 @@ impl Nearby {
             Ok(Rod::on(System::on(grid, changed)))
         };
         let others = others.into_iter().enumerate().map(other).collect::<Result<_, _>>()?;
-        Ok(Nearby { followed: leader.clone(), leader, others })
+        Ok(Nearby { followed: leader.clone(), leader, others, kept: None })
     }
 
     /// A rod that nothing follows.
     pub fn alone(params: RodParams) -> Nearby {
         let leader = Rod::new(params);
-        Nearby { followed: leader.clone(), leader, others: Vec::new() }
+        Nearby { followed: leader.clone(), leader, others: Vec::new(), kept: None }
     }
 
     /// Whether a rod of `changed` could follow one of `params`.
@@ -81,6 +91,7 @@ impl Nearby {
     /// All straight, unloaded, at rest, without history.
     pub fn restart(&mut self) {
         self.all().for_each(Rod::restart);
+        self.kept = None;
     }
 
     /// Replaces the load at the tips from now on; `load` gives a rod's own.
@@ -122,7 +133,7 @@ impl Nearby {
 
     /// Takes the others through one step or equilibrium of the leader.
     fn follow(&mut self, solved: &Solved, drives: &dyn Fn(usize, f64) -> Vec<Drive>) -> Option<()> {
-        let Nearby { followed, others, .. } = self;
+        let Nearby { followed, others, kept, .. } = self;
         let still = solved.duration_s.is_infinite();
         let starts: Vec<_> = std::iter::once(&*followed).chain(&*others).map(|rod| rod.state.clone()).collect();
         for (i, (unknowns, taut)) in solved.stages.iter().enumerate() {
@@ -138,12 +149,26 @@ impl Nearby {
                 rod.holds(&drives(number, time_s))
             };
             let holds = prepare(followed, 0)?;
-            let mut solution = followed.linearise(unknowns, taut, &holds, still);
+            let mut solution = followed.at_solution(unknowns, taut, &holds, still);
             followed.take(unknowns, taut, i, still);
-            for (index, other) in others.iter_mut().enumerate() {
-                let holds = prepare(other, index + 1)?;
-                let corrected = other.corrected(&mut solution, &holds)?;
-                other.take(&corrected, taut, i, still);
+            let each: Vec<Vec<Hold>> =
+                others.iter_mut().enumerate().map(|(index, rod)| prepare(rod, index + 1)).collect::<Option<_>>()?;
+            let old = kept.take().filter(|kept| kept.serves(followed.motion.rate, taut, others.len()));
+            let corrected = old.and_then(|mut old| {
+                let all = old.correct(others, &each, &mut solution, LEFT_OLD)?;
+                *kept = Some(old);
+                Some(all)
+            });
+            let corrected = match corrected {
+                Some(all) => all,
+                None => {
+                    solution.contraction = None;
+                    let fresh = kept.insert(followed.linearise(&solution, &holds));
+                    fresh.correct(others, &each, &mut solution, LEFT_FRESH)?
+                }
+            };
+            for (other, unknowns) in others.iter_mut().zip(corrected) {
+                other.take(&unknowns, taut, i, still);
             }
         }
         for rod in std::iter::once(followed).chain(others) {
@@ -158,62 +183,107 @@ impl Nearby {
     }
 }
 
-/// Share of the first correction that may be left.
-const LEFT: f64 = 1e-5;
-const MOST_CORRECTIONS: usize = 4;
+/// Share of the first correction that may be left with a derivative of this solution: what it leaves is much the same
+/// from solve to solve and small. With an older one it is not.
+const LEFT_FRESH: f64 = 1e-5;
+const LEFT_OLD: f64 = 1e-7;
+/// Corrections that fall no more and are smaller than this, in lengths of the rod, are rounding.
+const ROUNDING: f64 = 1e-13;
+const MOST_CORRECTIONS: usize = 8;
+/// A new derivative costs about as much as so many corrections of one rod.
+const DERIVATIVE_COST: usize = 8;
 
-/// Corrections until no more than [`LEFT`] of the first is left when each leaves `contraction` of the one before: one, as
-/// a rule; more for drag and rotary inertia, which the derivative of the equations leaves out.
-fn corrections(contraction: f64) -> usize {
-    (1..MOST_CORRECTIONS).find(|&count| contraction.powi(count as i32) < LEFT).unwrap_or(MOST_CORRECTIONS)
+impl Kept {
+    /// Whether it is cheaper to go on with it for so many rods than to make a new one.
+    fn serves(&self, rate: f64, taut: &[bool], rods: usize) -> bool {
+        self.rate == rate && self.taut == taut && (self.corrections - 1) * rods < DERIVATIVE_COST
+    }
+
+    /// The unknowns of all rods where the leader is at `solution`; `None` when the derivative does not serve.
+    fn correct(
+        &mut self,
+        rods: &mut [Rod],
+        holds: &[Vec<Hold>],
+        solution: &mut Solution,
+        left: f64,
+    ) -> Option<Vec<Vec<f64>>> {
+        self.corrections = 1;
+        let each = rods.iter_mut().zip(holds).map(|(rod, holds)| {
+            let (unknowns, corrections) = rod.corrected((&self.factors, left), solution, holds)?;
+            self.corrections = self.corrections.max(corrections);
+            Some(unknowns)
+        });
+        each.collect()
+    }
 }
 
 impl Rod {
-    /// Residual and factorised derivative at a solution.
-    fn linearise<'a>(&mut self, unknowns: &'a [f64], taut: &'a [bool], holds: &[Hold], settled: bool) -> Solution<'a> {
+    /// The residual at a solution.
+    fn at_solution<'a>(
+        &mut self,
+        unknowns: &'a [f64],
+        taut: &'a [bool],
+        holds: &[Hold],
+        settled: bool,
+    ) -> Solution<'a> {
         let Rod { system, solver, state, motion, tip_load, .. } = self;
         let (gravity_m_s2, memory) = (system.params.gravity_m_s2, &state.memory);
         let conditions = Conditions { holds, taut, tip_load, load_share: 1.0, gravity_m_s2, motion, memory, settled };
         system.evaluate(unknowns, &conditions, &mut solver.work);
-        solver.derivative.update(system, unknowns, &conditions, &solver.work);
-        let factors = solver.derivative.matrix(system, &conditions).lu();
-        Solution {
-            unknowns,
-            taut,
-            residual: DVector::from_column_slice(&solver.work.residual),
-            factors,
-            settled,
-            contraction: None,
-        }
+        let residual = DVector::from_column_slice(&solver.work.residual);
+        Solution { unknowns, taut, residual, settled, contraction: None }
     }
 
-    /// This rod's unknowns where the leader is at `solution`. How far one correction goes is seen from a second one by the
-    /// first rod that there is something to correct for.
-    fn corrected(&mut self, solution: &mut Solution, holds: &[Hold]) -> Option<Vec<f64>> {
+    /// The factorised derivative at `solution`, whose residual has just been evaluated.
+    fn linearise(&mut self, solution: &Solution, holds: &[Hold]) -> Kept {
+        let Rod { system, solver, state, motion, tip_load, .. } = self;
+        let &Solution { unknowns, taut, settled, .. } = solution;
+        let (gravity_m_s2, memory) = (system.params.gravity_m_s2, &state.memory);
+        let conditions = Conditions { holds, taut, tip_load, load_share: 1.0, gravity_m_s2, motion, memory, settled };
+        solver.derivative.update(system, unknowns, &conditions, &solver.work);
+        let factors = solver.derivative.matrix(system, &conditions).lu();
+        Kept { factors, rate: motion.rate, taut: taut.to_vec(), corrections: 1 }
+    }
+
+    /// This rod's unknowns where the leader is at `solution`, and the corrections that this took: until no more than
+    /// `left` of the first is left. How much one leaves of another is known from the first rod that there is something
+    /// to correct for: next to nothing at the derivative's own place, but for drag and rotary inertia, which it leaves out.
+    fn corrected(
+        &mut self,
+        (factors, left): (&LU<f64, Dyn, Dyn>, f64),
+        solution: &mut Solution,
+        holds: &[Hold],
+    ) -> Option<(Vec<f64>, usize)> {
         let mut unknowns = solution.unknowns.to_vec();
         let Rod { system, solver, state, motion, tip_load, .. } = self;
         let &mut Solution { taut, settled, .. } = solution;
         let (gravity_m_s2, memory) = (system.params.gravity_m_s2, &state.memory);
         let conditions = Conditions { holds, taut, tip_load, load_share: 1.0, gravity_m_s2, motion, memory, settled };
-        let (mut done, mut last_m) = (0, 0.0);
-        while done < solution.contraction.map_or(2, corrections) {
+        let (mut first_m, mut last_m) = (0.0, f64::NAN);
+        for done in 1..=MOST_CORRECTIONS {
             system.evaluate(&unknowns, &conditions, &mut solver.work);
             let mut step = DVector::from_column_slice(&solver.work.residual) - &solution.residual;
-            if !solution.factors.solve_mut(&mut step) {
+            if !factors.solve_mut(&mut step) {
                 return None;
             }
             unknowns.iter_mut().zip(step.iter()).for_each(|(x, dx)| *x -= dx);
             let size_m = system.size_of_step_m(&step.as_slice()[..system.grid.unknowns]);
-            done += 1;
-            if size_m == 0.0 {
-                break;
+            let rounding = size_m > 0.3 * last_m && size_m < ROUNDING * system.params.length_m();
+            if size_m == 0.0 || rounding {
+                return Some((unknowns, done));
             }
-            if done == 2 && solution.contraction.is_none() {
+            if done == 1 {
+                first_m = size_m;
+            } else if solution.contraction.is_none() {
                 solution.contraction = Some(size_m / last_m);
+            }
+            let contraction = if done == 1 { solution.contraction.unwrap_or(1.0) } else { size_m / last_m };
+            if contraction * size_m < left * first_m {
+                return Some((unknowns, done));
             }
             last_m = size_m;
         }
-        Some(unknowns)
+        None
     }
 
     /// Stands where `unknowns` put it.

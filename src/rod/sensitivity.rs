@@ -17,7 +17,7 @@ use crate::math::rotation;
 pub enum Direction {
     /// Displacement of a tendon's drive, per metre; nothing where the tendon is slack or not held by its length.
     Pull(usize),
-    /// Tension of a tendon that is held by its tension, per newton; nothing where it is not.
+    /// Tension of a tendon that is held by its tension or follows (without any), per newton; nothing where it is not.
     Tension(usize),
     /// Force on the tip along an axis of the world, per newton.
     Force(usize),
