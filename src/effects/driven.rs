@@ -15,9 +15,6 @@ use crate::rod::{Drive, Nearby, NotNearby, Rod, RodParams, Status, TipLoad, TipR
 /// curvature of the dependence as to rounding.
 const RELATIVE_STEP: f64 = 1e-7;
 
-/// Drives do the same for so long at a time.
-const LONGEST_PART_S: f64 = 0.05;
-
 /// Why a derivative cannot be had along a motion.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum VariationError {
@@ -42,9 +39,22 @@ pub struct Driven {
     rods: Nearby,
     /// Those of the model, then those of each variation.
     effects: Vec<Vec<Box<dyn Effect>>>,
+    /// Those of each rod.
+    stands: Vec<Stand>,
     variations: Vec<Variation>,
     /// Number of the next command; the first one after a restart brings the rod home and has none.
     next: Option<usize>,
+}
+
+/// A rod's drives.
+#[derive(Clone, Debug)]
+struct Stand {
+    /// Time in which they carry out a command, s.
+    drive_time_s: f64,
+    /// Displacements that they were last told to reach, metres, …
+    told_m: Vec<f64>,
+    /// … and those that they stand at with the effects on them.
+    at_m: Vec<f64>,
 }
 
 /// How a rod other than the model's own differs.
@@ -59,6 +69,7 @@ struct Variation {
 /// What a variation is built from.
 struct Varied {
     variation: Variation,
+    drive_time_s: f64,
     params: RodParams,
     effects: Vec<Box<dyn Effect>>,
 }
@@ -67,7 +78,8 @@ impl Driven {
     /// A checked model with `extra` effects on top.
     pub fn new(model: &Model, extra: &[EffectSpec]) -> Driven {
         let rods = Nearby::alone(model.rod(extra));
-        Driven { rods, effects: vec![model.effects(extra)], variations: Vec::new(), next: None }
+        let stand = Stand::new(model.robot.drive_time_s, rods.leader());
+        Driven { rods, effects: vec![model.effects(extra)], stands: vec![stand], variations: Vec::new(), next: None }
     }
 
     /// The same, with derivatives of all that it does with respect to `variables`.
@@ -80,6 +92,7 @@ impl Driven {
         for (index, variable) in variables.iter().enumerate() {
             let varied = vary(model, extra, variable, index)?;
             driven.effects.push(varied.effects);
+            driven.stands.push(Stand::new(varied.drive_time_s, driven.rod()));
             driven.variations.push(varied.variation);
             params.push(varied.params);
         }
@@ -121,6 +134,10 @@ impl Driven {
     pub fn restart(&mut self) {
         self.rods.restart();
         self.effects.iter_mut().flatten().for_each(|effect| effect.reset());
+        for stand in &mut self.stands {
+            stand.told_m.fill(0.0);
+            stand.at_m.fill(0.0);
+        }
         self.next = None;
     }
 
@@ -157,24 +174,42 @@ impl Driven {
     /// # Errors
     /// [`PlantError`] when the commands are none of this robot's or the rod finds no equilibrium.
     pub fn settle(&mut self, commands: &[TendonCommand]) -> Result<(), PlantError> {
-        let drives = self.drives(commands, f64::INFINITY)?;
-        self.next = Some(self.next.map_or(0, |number| number + 1));
-        solved(self.rods.settle(&|number| drives[number].clone()))
+        let targets = self.asked_m(commands)?;
+        for ((stand, effects), target) in self.stands.iter_mut().zip(&mut self.effects).zip(targets) {
+            stand.told_m.clone_from(&target);
+            stand.at_m = affected(effects, target, f64::INFINITY);
+        }
+        self.count();
+        let Driven { rods, stands, .. } = self;
+        solved(rods.settle(&|number| drives(commands, &stands[number].at_m, &stands[number].at_m, 1.0)))?;
+        self.follow(commands);
+        Ok(())
     }
 
-    /// Moves for `duration_s` with `commands` held.
+    /// Moves the drives from where they stand to what `commands` ask for, and then holds them until `duration_s` have
+    /// passed.
     ///
     /// # Errors
     /// As [`Driven::settle`].
     pub fn advance(&mut self, commands: &[TendonCommand], duration_s: f64) -> Result<(), PlantError> {
-        // In parts, so that what the drives do late they do at its time.
-        let parts = (duration_s / LONGEST_PART_S - 1e-9).ceil().max(1.0);
-        let part_s = duration_s / parts;
-        for _ in 0..parts as u64 {
-            let drives = self.drives(commands, part_s)?;
-            solved(self.rods.advance_with(&|number, _| drives[number].clone(), part_s))?;
+        let targets = self.asked_m(commands)?;
+        self.count();
+        let each = self.stands.iter_mut().zip(&mut self.effects).zip(targets);
+        let paths: Vec<Path> = each.map(|((stand, effects), target)| stand.go(effects, target, duration_s)).collect();
+        let parts = |number: usize| {
+            // The rods that follow take the parts of the first one, as long as their own are.
+            let own = if paths[number].ends_s.len() == paths[0].ends_s.len() { number } else { 0 };
+            &paths[own].ends_s
+        };
+        let part_s = |number: usize, part: usize| {
+            let start_s = if part == 0 { 0.0 } else { parts(number)[part - 1] };
+            (start_s, parts(number)[part] - start_s)
+        };
+        for part in (0..paths[0].ends_s.len()).filter(|&part| part_s(0, part).1 > 1e-9 * duration_s) {
+            let at = |number: usize, t: f64| paths[number].drives(commands, part_s(number, part).0 + t);
+            solved(self.rods.advance_with(&at, &|number| part_s(number, part).1))?;
         }
-        self.next = Some(self.next.map_or(0, |number| number + 1));
+        self.follow(commands);
         Ok(())
     }
 
@@ -184,7 +219,7 @@ impl Driven {
     /// As [`Driven::settle`].
     pub fn settle_under(&mut self, tensions_n: &[f64]) -> Result<(), PlantError> {
         let drives = self.tensions(tensions_n);
-        self.next = Some(self.next.map_or(0, |number| number + 1));
+        self.count();
         solved(self.rods.settle(&|number| drives[number].clone()))
     }
 
@@ -194,8 +229,8 @@ impl Driven {
     /// As [`Driven::settle`].
     pub fn advance_under(&mut self, tensions_n: &[f64], duration_s: f64) -> Result<(), PlantError> {
         let drives = self.tensions(tensions_n);
-        self.next = Some(self.next.map_or(0, |number| number + 1));
-        solved(self.rods.advance_with(&|number, _| drives[number].clone(), duration_s))
+        self.count();
+        solved(self.rods.advance_with(&|number, _| drives[number].clone(), &|_| duration_s))
     }
 
     /// What is seen at `time_s`, without noise; of a tendon that follows, where its drive stands.
@@ -230,26 +265,48 @@ impl Driven {
         others.map(rate).collect()
     }
 
-    /// For each rod, what its drives do under `commands` that are held for `dt_s` seconds (infinite: until all is at
-    /// rest).
-    fn drives(&mut self, commands: &[TendonCommand], dt_s: f64) -> Result<Vec<Vec<Drive>>, PlantError> {
+    /// One more command has been given.
+    fn count(&mut self) {
+        self.next = Some(self.next.map_or(0, |number| number + 1));
+    }
+
+    /// The model's own rod and those that follow it.
+    fn each_rod(&self) -> impl Iterator<Item = &Rod> {
+        std::iter::once(self.rods.leader()).chain(self.rods.others())
+    }
+
+    /// For each rod, the displacements that `commands` ask for; a drive that follows stands where the shape has taken it.
+    fn asked_m(&self, commands: &[TendonCommand]) -> Result<Vec<Vec<f64>>, PlantError> {
         let tendons = self.rod().params().tendons.len();
         if commands.len() != tendons {
             return Err(PlantError::Refused(format!("{} tendons, expected {tendons}", commands.len())));
         }
-        let Driven { rods, effects, variations, next } = self;
-        let rods = std::iter::once(rods.leader()).chain(rods.others());
-        let shifts = std::iter::once(None).chain(variations.iter().map(|variation| variation.shift(*next)));
-        let each = rods.zip(effects).zip(shifts).map(|((rod, effects), shift)| {
-            let mut commands = commands.to_vec();
-            if let Some((tendon, step)) = shift
-                && let TendonCommand::Pull(pull) = &mut commands[tendon]
-            {
-                *pull += step;
+        let follows = commands.contains(&TendonCommand::Follow);
+        let asked = |(rod, shift): (&Rod, Option<(usize, f64)>)| {
+            let following = if follows { rod.following_pulls_m() } else { vec![0.0; tendons] };
+            let pull = |(tendon, (command, following)): (usize, (&TendonCommand, f64))| match *command {
+                TendonCommand::Pull(pull) => {
+                    pull + shift.filter(|shift| shift.0 == tendon).map_or(0.0, |shift| shift.1)
+                }
+                TendonCommand::Follow => following,
+            };
+            commands.iter().zip(following).enumerate().map(pull).collect()
+        };
+        let shifts = std::iter::once(None).chain(self.variations.iter().map(|variation| variation.shift(self.next)));
+        Ok(self.each_rod().zip(shifts).map(asked).collect())
+    }
+
+    /// Takes note of where the shapes have taken the drives that follow them.
+    fn follow(&mut self, commands: &[TendonCommand]) {
+        if !commands.contains(&TendonCommand::Follow) {
+            return;
+        }
+        let following: Vec<Vec<f64>> = self.each_rod().map(Rod::following_pulls_m).collect();
+        for (stand, following) in self.stands.iter_mut().zip(following) {
+            for (i, _) in commands.iter().enumerate().filter(|(_, command)| **command == TendonCommand::Follow) {
+                (stand.told_m[i], stand.at_m[i]) = (following[i], following[i]);
             }
-            driven(rod, effects, &commands, dt_s)
-        });
-        Ok(each.collect())
+        }
     }
 
     /// For each rod, the tensions as drives.
@@ -274,22 +331,73 @@ impl Variation {
     }
 }
 
-/// A rod's drives once the effects have acted on the commands.
-fn driven(rod: &Rod, effects: &mut [Box<dyn Effect>], commands: &[TendonCommand], dt_s: f64) -> Vec<Drive> {
-    // A drive that follows stands where the shape has taken it; the effects' histories go on from there.
-    let remembered = !effects.is_empty() && commands.contains(&TendonCommand::Follow);
-    let following = if remembered { rod.following_pulls_m() } else { vec![0.0; commands.len()] };
-    let pull = |(command, following): (&TendonCommand, f64)| match *command {
-        TendonCommand::Pull(pull) => pull,
-        TendonCommand::Follow => following,
-    };
-    let mut pulls: Vec<f64> = commands.iter().zip(following).map(pull).collect();
-    effects.iter_mut().for_each(|effect| effect.command(&mut pulls, dt_s));
+impl Stand {
+    fn new(drive_time_s: f64, rod: &Rod) -> Stand {
+        let home = vec![0.0; rod.params().tendons.len()];
+        Stand { drive_time_s, told_m: home.clone(), at_m: home }
+    }
+}
+
+impl Stand {
+    /// The way to `target_m` and then the wait, in all `duration_s`: in parts within which the drives move at constant
+    /// speed, with the effects on them.
+    fn go(&mut self, effects: &mut [Box<dyn Effect>], target_m: Vec<f64>, duration_s: f64) -> Path {
+        let ramp_s = self.drive_time_s.min(duration_s);
+        let late = effects.iter().any(|effect| effect.acts_late());
+        let count = if late { (duration_s / ramp_s - 1e-9).ceil() } else { 1.0 };
+        let parts = if late { vec![duration_s / count; count as usize] } else { vec![ramp_s, duration_s - ramp_s] };
+        let from_m = std::mem::replace(&mut self.told_m, target_m);
+        let mut path = Path { ends_s: Vec::new(), places_m: vec![self.at_m.clone()] };
+        let mut now_s = 0.0;
+        for part_s in parts {
+            now_s += part_s;
+            path.ends_s.push(now_s);
+            if part_s > 1e-9 * duration_s {
+                let asked = between(&from_m, &self.told_m, (now_s / ramp_s).min(1.0));
+                self.at_m = affected(effects, asked, part_s);
+            }
+            path.places_m.push(self.at_m.clone());
+        }
+        path
+    }
+}
+
+/// Where drives stand while a command is held: straight lines between instants.
+struct Path {
+    ends_s: Vec<f64>,
+    /// At the start, and at each of these.
+    places_m: Vec<Vec<f64>>,
+}
+
+impl Path {
+    fn drives(&self, commands: &[TendonCommand], time_s: f64) -> Vec<Drive> {
+        let last = self.ends_s.len() - 1;
+        let part = self.ends_s.iter().position(|end| time_s < end * (1.0 - 1e-12)).unwrap_or(last);
+        let start_s = if part == 0 { 0.0 } else { self.ends_s[part - 1] };
+        let length_s = self.ends_s[part] - start_s;
+        let share = if length_s > 0.0 { ((time_s - start_s) / length_s).clamp(0.0, 1.0) } else { 1.0 };
+        drives(commands, &self.places_m[part], &self.places_m[part + 1], share)
+    }
+}
+
+/// Where drives stand, with the effects on them, `dt_s` seconds after they were last looked at, having moved to `pulls_m`
+/// in the meantime; infinite: once all is at rest.
+fn affected(effects: &mut [Box<dyn Effect>], mut pulls_m: Vec<f64>, dt_s: f64) -> Vec<f64> {
+    effects.iter_mut().for_each(|effect| effect.command(&mut pulls_m, dt_s));
+    pulls_m
+}
+
+fn between(from_m: &[f64], to_m: &[f64], share: f64) -> Vec<f64> {
+    from_m.iter().zip(to_m).map(|(from, to)| from + share * (to - from)).collect()
+}
+
+/// Drives that are `share` of the way between two displacements, or follow.
+fn drives(commands: &[TendonCommand], from_m: &[f64], to_m: &[f64], share: f64) -> Vec<Drive> {
     let drive = |(command, pull): (&TendonCommand, f64)| match command {
         TendonCommand::Pull(_) => Drive::Pull(pull),
         TendonCommand::Follow => Drive::Follow,
     };
-    commands.iter().zip(pulls).map(drive).collect()
+    commands.iter().zip(between(from_m, to_m, share)).map(drive).collect()
 }
 
 /// What a rod shows of itself.
@@ -309,6 +417,7 @@ fn vary(model: &Model, extra: &[EffectSpec], variable: &Variable, index: usize) 
     let params = model.rod(extra);
     let plain = |step: f64, command: Option<(usize, Range<usize>)>, params: RodParams| Varied {
         variation: Variation { step, command },
+        drive_time_s: model.robot.drive_time_s,
         params,
         effects: model.effects(extra),
     };
@@ -324,7 +433,9 @@ fn vary(model: &Model, extra: &[EffectSpec], variable: &Variable, index: usize) 
                 let changed = candidate.rod(extra);
                 if candidate.check().is_ok() && Nearby::possible(&params, &changed) {
                     let effects = candidate.effects(extra);
-                    return Ok(Varied { variation: Variation { step, command: None }, params: changed, effects });
+                    let drive_time_s = candidate.robot.drive_time_s;
+                    let variation = Variation { step, command: None };
+                    return Ok(Varied { variation, drive_time_s, params: changed, effects });
                 }
             }
             Err(VariationError::NotNearby(index))

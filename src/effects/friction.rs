@@ -70,7 +70,7 @@ impl Prandtl {
         if !self.coupled {
             return trial.map(|moment| moment.clamp(-self.moment_nm, self.moment_nm));
         }
-        let size = trial[0].hypot(trial[1]);
+        let size = (trial[0] * trial[0] + trial[1] * trial[1]).sqrt();
         let share = if size > self.moment_nm { self.moment_nm / size } else { 1.0 };
         trial.map(|moment| share * moment)
     }
@@ -78,7 +78,7 @@ impl Prandtl {
     /// d borne / d curvature.
     fn tangent(&self, trial: [f64; 2]) -> [[f64; 2]; 2] {
         let k = self.stiffness_n_m2;
-        let size = trial[0].hypot(trial[1]);
+        let size = (trial[0] * trial[0] + trial[1] * trial[1]).sqrt();
         if !self.coupled {
             let [x, y] = trial.map(|moment| if moment.abs() <= self.moment_nm { k } else { 0.0 });
             return [[x, 0.0], [0.0, y]];

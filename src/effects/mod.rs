@@ -60,8 +60,13 @@ pub trait Effect: Send + Sync + Debug {
     fn check(&self) -> Result<(), BadOption>;
     /// Changes what the rod is made of.
     fn alter(&self, _rod: &mut RodParams) {}
-    /// Changes what the drives do with a command that holds for `dt_s` seconds; displacements in metres.
+    /// Changes where the drives stand after `dt_s` seconds in which they have moved to these displacements, in metres,
+    /// at constant speed; infinite `dt_s` is rest.
     fn command(&mut self, _pulls_m: &mut [f64], _dt_s: f64) {}
+    /// Whether what the drives do changes while a command is held.
+    fn acts_late(&self) -> bool {
+        false
+    }
     /// Changes what is measured.
     fn observe(&self, _seen: &mut Observation) {}
     /// Forgets the history: a new trial begins.

@@ -45,6 +45,10 @@ pub struct Robot {
     /// Bending damping over bending stiffness, s.
     #[serde(default = "damping")]
     pub damping_time_s: f64,
+    /// Time in which the drives carry out a command, at constant speed, s; a command that is held for less takes as long
+    /// as it is held.
+    #[serde(default = "drive_time")]
+    pub drive_time_s: f64,
     /// Quadratic drag per length on each body axis, N s²/m³.
     #[serde(default)]
     pub drag_n_s2_m3: f64,
@@ -68,6 +72,12 @@ fn earth() -> [f64; 3] {
 
 fn damping() -> f64 {
     0.03
+}
+
+/// Fast enough to make no difference to the tip a tick later (`docs/rod.md`), slow enough to be a motion: a rod whose
+/// tendons jump has no limit as the time step goes to nothing.
+fn drive_time() -> f64 {
+    0.02
 }
 
 impl Default for Robot {
@@ -104,6 +114,7 @@ impl Default for Robot {
             },
             gravity_m_s2: earth(),
             damping_time_s: damping(),
+            drive_time_s: drive_time(),
             drag_n_s2_m3: 0.0,
             base_m: [0.0; 3],
             base_rotation_rad: [0.0; 3],
@@ -126,6 +137,7 @@ impl Robot {
         self.tendons.check(length_m)?;
         at("", self.gravity_m_s2.iter().try_for_each(|&g| finite("gravity_m_s2", g)))?;
         at("", non_negative("damping_time_s", self.damping_time_s))?;
+        at("", BadOption::unless_positive("drive_time_s", self.drive_time_s))?;
         at("", non_negative("drag_n_s2_m3", self.drag_n_s2_m3))?;
         at("", self.base_m.iter().try_for_each(|&x| finite("base_m", x)))?;
         at("", self.base_rotation_rad.iter().try_for_each(|&x| finite("base_rotation_rad", x)))?;
@@ -142,6 +154,13 @@ impl Robot {
         let cells = self.backbone.length_m / r.cell_m;
         at(refuse(cells <= MOST_PARTS as f64, "cell_m", &r.cell_m, "at most 10,000 cells along the backbone"))?;
         at(BadOption::unless_positive("time_step_s", r.time_step_s))?;
+        let tolerance_m = r.motion_tolerance_m;
+        at(refuse(
+            tolerance_m > 0.0,
+            "motion_tolerance_m",
+            &tolerance_m,
+            "a positive number, or .inf for equal steps",
+        ))?;
         let counts = [
             ("bending_modes", r.bending_modes),
             ("torsion_modes", r.torsion_modes),

@@ -4,6 +4,7 @@ pub mod least_squares;
 pub mod polynomial;
 pub mod rotation;
 pub mod summary;
+pub mod three;
 mod vector_units;
 
 pub use vector_units::vectorised;

@@ -26,24 +26,107 @@ pub fn exp(rotation_rad: &Vector3<f64>) -> Matrix3<f64> {
     )
 }
 
+/// Largest θ² that the series are used for.
+const LARGEST_IN_SERIES: f64 = 0.25;
+
 /// sin θ / θ and (1 − cos θ) / θ² as functions of θ².
 fn sine_coefficients(angle2: f64) -> (f64, f64) {
-    if angle2 > 0.25 {
+    if angle2 > LARGEST_IN_SERIES {
         let angle = angle2.sqrt();
         return (angle.sin() / angle, (1.0 - angle.cos()) / angle2);
     }
-    // Taylor series to rounding at half a radian, by Horner's rule.
-    let (mut a, mut b) = (1.0, 1.0);
-    for k in (0..7).rev() {
-        a = 1.0 - angle2 * SINE_RATIOS[k] * a;
-        b = 1.0 - angle2 * COSINE_RATIOS[k] * b;
-    }
-    (a, 0.5 * b)
+    sine_series(angle2)
 }
 
-/// 1/((2k)(2k+1)) and 1/((2k+1)(2k+2)), the ratios of successive terms, from k = 1.
-const SINE_RATIOS: [f64; 7] = [1.0 / 6.0, 1.0 / 20.0, 1.0 / 42.0, 1.0 / 72.0, 1.0 / 110.0, 1.0 / 156.0, 1.0 / 210.0];
-const COSINE_RATIOS: [f64; 7] = [1.0 / 12.0, 1.0 / 30.0, 1.0 / 56.0, 1.0 / 90.0, 1.0 / 132.0, 1.0 / 182.0, 1.0 / 240.0];
+/// The same as Taylor series, to rounding at half a radian, by Horner's rule.
+#[inline(always)]
+fn sine_series(angle2: f64) -> (f64, f64) {
+    let (mut a, mut b) = (SINE[0], COSINE[0]);
+    for k in 1..7 {
+        a = a * angle2 + SINE[k];
+        b = b * angle2 + COSINE[k];
+    }
+    (a, b)
+}
+
+/// ±1/(2k+1)! and ±1/(2k+2)!, from k = 6 down to 0.
+const SINE: [f64; 7] =
+    [1.0 / 6_227_020_800.0, -1.0 / 39_916_800.0, 1.0 / 362_880.0, -1.0 / 5040.0, 1.0 / 120.0, -1.0 / 6.0, 1.0];
+const COSINE: [f64; 7] =
+    [1.0 / 87_178_291_200.0, -1.0 / 479_001_600.0, 1.0 / 3_628_800.0, -1.0 / 40_320.0, 1.0 / 720.0, -1.0 / 24.0, 0.5];
+
+/// Many rotations at once, as rows of numbers that vector instructions work on.
+#[derive(Clone, Debug, Default)]
+pub struct Turns {
+    count: usize,
+    /// Rotation vectors: x of all, y of all, z of all, radians.
+    vectors: Vec<f64>,
+    /// Rotation matrices: entry by entry, row-major.
+    matrices: Vec<f64>,
+}
+
+impl Turns {
+    /// Room for `count` rotations.
+    pub fn new(count: usize) -> Turns {
+        Turns { count, vectors: vec![0.0; 3 * count], matrices: vec![0.0; 9 * count] }
+    }
+
+    /// Sets rotation vector `k`, radians.
+    #[inline(always)]
+    pub fn set(&mut self, k: usize, turn_rad: &Vector3<f64>) {
+        for axis in 0..3 {
+            self.vectors[axis * self.count + k] = turn_rad[axis];
+        }
+    }
+
+    /// Computes all rotation matrices.
+    #[inline(always)]
+    pub fn exponentiate(&mut self) {
+        let n = self.count;
+        let (xs, rest) = self.vectors.split_at(n);
+        let (ys, zs) = rest.split_at(n);
+        let mut largest = 0.0_f64;
+        let mut entries = self.matrices.chunks_exact_mut(n.max(1));
+        let mut next = || entries.next().unwrap_or_default();
+        let [m11, m12, m13] = [next(), next(), next()];
+        let [m21, m22, m23] = [next(), next(), next()];
+        let [m31, m32, m33] = [next(), next(), next()];
+        for k in 0..n {
+            let (x, y, z) = (xs[k], ys[k], zs[k]);
+            let angle2 = x * x + y * y + z * z;
+            largest = if angle2 > largest { angle2 } else { largest };
+            let (a, b) = sine_series(angle2);
+            (m11[k], m12[k], m13[k]) = (1.0 - b * (y * y + z * z), b * x * y - a * z, b * x * z + a * y);
+            (m21[k], m22[k], m23[k]) = (b * x * y + a * z, 1.0 - b * (x * x + z * z), b * y * z - a * x);
+            (m31[k], m32[k], m33[k]) = (b * x * z - a * y, b * y * z + a * x, 1.0 - b * (x * x + y * y));
+        }
+        if largest > LARGEST_IN_SERIES {
+            self.redo_large();
+        }
+    }
+
+    /// The series hold up to half a radian; beyond, trigonometric functions do.
+    fn redo_large(&mut self) {
+        for k in 0..self.count {
+            let turn = Vector3::from_fn(|axis, _| self.vectors[axis * self.count + k]);
+            if turn.norm_squared() > LARGEST_IN_SERIES {
+                let matrix = exp(&turn);
+                for row in 0..3 {
+                    for column in 0..3 {
+                        self.matrices[(3 * row + column) * self.count + k] = matrix[(row, column)];
+                    }
+                }
+            }
+        }
+    }
+
+    /// Rotation matrix `k`.
+    #[inline(always)]
+    pub fn matrix(&self, k: usize) -> Matrix3<f64> {
+        let entry = |index: usize| self.matrices[index * self.count + k];
+        Matrix3::new(entry(0), entry(1), entry(2), entry(3), entry(4), entry(5), entry(6), entry(7), entry(8))
+    }
+}
 
 /// Rotation vector in radians of a rotation matrix. The angle is atan2(sin θ, cos θ), which keeps all digits of small
 /// rotations; only near half a turn, where the axis drops out of the antisymmetric part, the library's way is taken.

@@ -1,5 +1,6 @@
 //! Where along the rod things are computed: cells with two Gauss–Legendre points each, and the polynomials on them.
 
+use super::basis::Basis;
 use super::params::{Resolution, RodParams};
 use super::tendon::Tendon;
 use crate::math::polynomial::legendre;
@@ -45,6 +46,8 @@ pub(super) struct Grid {
     pub(super) modes: [usize; COMPONENTS],
     /// Number of polynomial coefficients in all.
     pub(super) unknowns: usize,
+    /// The polynomials at all nodes at once.
+    pub(super) all: Basis,
 }
 
 impl Grid {
@@ -52,19 +55,20 @@ impl Grid {
     /// wrench is one polynomial a component between the places where it may jump: tendon ends, kinks of their paths
     /// and loads.
     pub(super) fn new(params: &RodParams) -> Grid {
-        let cuts = sorted_unique(cell_cuts(params), params.length_m());
-        Grid::on(&params.resolution, subdivided(&cuts, &cuts, params.resolution.cell_m), &element_ends(params))
+        let (elements, cuts) = (element_ends(params), cell_ends(params));
+        let boundaries_m = subdivided(params, &elements, &cuts, &cuts);
+        Grid::on(&params.resolution, boundaries_m, &elements)
     }
 
     /// The discretisation of a rod that differs a little from `params`, the one that this grid is made for: the same
     /// cells and polynomials, moved along. `None` where there is none: parts came or went, or what had one place no
     /// longer has.
-    pub(super) fn moved(&self, params: &RodParams, changed: &RodParams) -> Option<Grid> {
-        let same = params.resolution == changed.resolution;
-        let cuts = sorted_unique(cell_cuts(params), params.length_m());
+    pub(super) fn moved(params: &RodParams, changed: &RodParams) -> Option<Grid> {
+        let (elements, cuts) = (element_ends(params), cell_ends(params));
         let moved = moved_along(&cuts, &cell_cuts(params), &cell_cuts(changed))?;
-        let ends = moved_along(&element_ends(params), &element_cuts(params), &element_cuts(changed))?;
-        same.then(|| Grid::on(&params.resolution, subdivided(&cuts, &moved, params.resolution.cell_m), &ends))
+        let ends = moved_along(&elements, &element_cuts(params), &element_cuts(changed))?;
+        let boundaries_m = subdivided(params, &elements, &cuts, &moved);
+        (params.resolution == changed.resolution).then(|| Grid::on(&params.resolution, boundaries_m, &ends))
     }
 
     /// The grid with cells between `boundaries_m` and polynomials between `elements`.
@@ -77,6 +81,7 @@ impl Grid {
             resolution.shear_modes,
             resolution.axial_modes,
         ];
+        let most = modes.iter().copied().max().unwrap_or(0);
         let per_element: usize = modes.iter().sum();
         let mut grid = Grid {
             cells: Vec::new(),
@@ -84,8 +89,8 @@ impl Grid {
             unknowns: per_element * (elements.len() - 1),
             modes,
             boundaries_m,
+            all: Basis::new(&[], modes),
         };
-        let most = modes.iter().copied().max().unwrap_or(0);
         for window in grid.boundaries_m.windows(2) {
             let (start, length) = (window[0], window[1] - window[0]);
             grid.cells.push(Cell { length_m: length });
@@ -105,6 +110,7 @@ impl Grid {
                 grid.nodes.push(Node { position_m, weight_m: 0.5 * length, offset, basis });
             }
         }
+        grid.all = Basis::new(&grid.nodes, modes);
         grid
     }
 
@@ -148,12 +154,23 @@ fn cell_cuts(params: &RodParams) -> Vec<f64> {
     cuts
 }
 
-/// Ends of cells between `cuts`, as many between two as `cell_m` asks for between the same two of `original`.
-fn subdivided(original: &[f64], cuts: &[f64], cell_m: f64) -> Vec<f64> {
+/// Where cells have to end.
+fn cell_ends(params: &RodParams) -> Vec<f64> {
+    sorted_unique(cell_cuts(params), params.length_m())
+}
+
+/// Ends of all cells: `places`, and between two of them as many as the resolution asks for between the same two of
+/// `cuts`, and so that each element has as many Gauss points as polynomials; with fewer they would not be independent.
+fn subdivided(params: &RodParams, elements: &[f64], cuts: &[f64], places: &[f64]) -> Vec<f64> {
+    let r = &params.resolution;
+    let most_modes = r.bending_modes.max(r.torsion_modes).max(r.shear_modes).max(r.axial_modes);
     let mut ends = vec![0.0];
-    for (before, now) in original.windows(2).zip(cuts.windows(2)) {
-        let count = ((before[1] - before[0]) / cell_m - 1e-9).ceil().max(1.0) as usize;
-        ends.extend((1..=count).map(|k| now[0] + (now[1] - now[0]) * k as f64 / count as f64));
+    for (window, place) in cuts.windows(2).zip(places.windows(2)) {
+        let middle = 0.5 * (window[0] + window[1]);
+        let element = elements.windows(2).find(|element| middle < element[1]).unwrap_or(window);
+        let enough_m = (element[1] - element[0]) / most_modes.div_ceil(2) as f64;
+        let count = ((window[1] - window[0]) / r.cell_m.min(enough_m) - 1e-9).ceil().max(1.0) as usize;
+        ends.extend((1..=count).map(|k| place[0] + (place[1] - place[0]) * k as f64 / count as f64));
     }
     ends
 }

@@ -7,13 +7,14 @@
 
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
+use super::basis::dot;
 use super::conditions::{Conditions, Hold};
 use super::grid::{COMPONENTS, Grid};
 use super::section::Six;
 use super::system::{System, Work};
-use super::triple::Triple;
+use super::triple::{Triple, padded};
 use super::variation::Variation;
-use crate::math::vectorised;
+use crate::math::{rotation, three, vectorised};
 
 /// Room for the derivative of one rod's equations.
 #[derive(Clone, Debug)]
@@ -31,6 +32,9 @@ pub(super) struct Derivative {
     follower: Option<[Triple; 2]>,
     wrench_rows: [Vec<f64>; COMPONENTS],
     border: Vec<f64>,
+    /// Room for a field over the Gauss points, and for the displacements of all masses by unknown.
+    field: Vec<f64>,
+    gathered: Vec<f64>,
 }
 
 impl Derivative {
@@ -46,8 +50,10 @@ impl Derivative {
             follower: follows.then(|| [zero.clone(), zero.clone()]),
             beyond: zero.clone(),
             moment: zero,
-            wrench_rows: std::array::from_fn(|_| vec![0.0; n]),
+            wrench_rows: std::array::from_fn(|_| vec![0.0; padded(n)]),
             border: vec![0.0; n],
+            field: vec![0.0; COMPONENTS * system.grid.nodes.len()],
+            gathered: vec![0.0; n * padded(3 * (system.grid.nodes.len() + system.masses.len()))],
         }
     }
 
@@ -151,7 +157,7 @@ impl Derivative {
         self.moment.add_cross(turn, &work.loads.moment[g], -1.0);
         let back = work.shape.node_r[g].transpose();
         // − Rᵀ (−δθ × F): the force turns in the body frame and nothing else.
-        let turned = back * crate::math::rotation::skew(&work.loads.force[g]);
+        let turned = three::product(&back, &rotation::skew(&work.loads.force[g]));
         let (moments, forces) = self.wrench_rows.split_at_mut(3);
         for axis in 0..3 {
             let r = [back[(axis, 0)], back[(axis, 1)], back[(axis, 2)]];
@@ -236,13 +242,14 @@ impl Derivative {
     /// d balance / d tension and, being the same numbers, d length / d unknown.
     #[inline(always)]
     fn tendon_border(&mut self, system: &System, conditions: &Conditions, work: &Work) {
-        let (n, size) = (system.grid.unknowns, system.size());
+        let (n, size, points) = (system.grid.unknowns, system.size(), system.grid.all.points);
         for (i, hold) in conditions.holds.iter().enumerate() {
-            self.border.fill(0.0);
-            for g in 0..system.grid.nodes.len() {
-                let pull = system.tendon_wrench(g, i, work);
-                system.project(g, &work.shape.compliance[g].apply(&pull), &mut self.border);
+            for (g, node) in system.grid.nodes.iter().enumerate() {
+                let strain = work.shape.compliance[g].apply(&system.tendon_wrench(g, i, work));
+                (0..COMPONENTS).for_each(|c| self.field[c * points + g] = node.weight_m * strain[c]);
             }
+            self.border.fill(0.0);
+            system.grid.all.test(&self.field, &mut self.border);
             for (k, value) in self.border.iter().enumerate() {
                 self.stiffness[k * size + n + i] = *value;
                 self.stiffness[(n + i) * size + k] = *value;
@@ -252,56 +259,67 @@ impl Derivative {
         }
     }
 
-    /// D: viscous wrenches are local and diagonal in the strains.
+    /// D: viscous wrenches are local and diagonal in the strains; only bending about the two axes is coupled.
     #[inline(always)]
     fn add_viscosity(&mut self, system: &System, work: &Work) {
-        let n = system.grid.unknowns;
+        let points = system.grid.all.points;
         self.viscosity.fill(0.0);
-        for (g, node) in system.grid.nodes.iter().enumerate() {
-            let compliance = &work.shape.compliance[g];
-            for column in 0..COMPONENTS {
-                let strain = compliance.column(column);
-                let mut viscous = [0.0; COMPONENTS];
-                (0..COMPONENTS).for_each(|c| viscous[c] = system.sections[g].viscosity[c] * strain[c]);
-                let tested = compliance.apply(&viscous);
-                // Bending about one axis may reach the other; nothing else is coupled.
-                let rows = if column < 2 { 0..2 } else { column..column + 1 };
-                for row in rows {
-                    for i in 0..system.grid.modes[row] {
-                        let weight = node.weight_m * node.basis[i] * tested[row];
-                        let start = (node.offset[row] + i) * n + node.offset[column];
-                        let slots = &mut self.viscosity[start..start + system.grid.modes[column]];
-                        slots.iter_mut().zip(&node.basis).for_each(|(slot, basis)| *slot += weight * basis);
-                    }
-                }
+        const PAIRS: [(usize, usize); 8] = [(0, 0), (0, 1), (1, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5)];
+        for (row, column) in PAIRS {
+            for (g, node) in system.grid.nodes.iter().enumerate() {
+                let compliance = &work.shape.compliance[g];
+                let viscosity = &system.sections[g].viscosity;
+                let (left, right) = (compliance.column(row), compliance.column(column));
+                let tested: f64 = (0..COMPONENTS).map(|c| left[c] * viscosity[c] * right[c]).sum();
+                self.field[g] = node.weight_m * tested;
             }
+            let weights = &self.field[..points];
+            if weights.iter().all(|weight| *weight == 0.0) {
+                continue;
+            }
+            system.grid.all.test_pair(weights, (row, column), &mut self.viscosity, system.grid.unknowns);
         }
     }
 
-    /// M: the Gram matrix of all displacements, weighted with the masses.
+    /// M: the Gram matrix of all displacements, weighted with the masses. The displacements are gathered by unknown,
+    /// all points after one another, so that each entry is one sum of products.
     #[inline(always)]
     fn add_inertia(&mut self, system: &System, work: &Work) {
         let n = system.grid.unknowns;
-        self.inertia.fill(0.0);
+        let length = self.gathered.len() / n;
+        let mut next = 0;
         for (g, section) in system.sections.iter().enumerate() {
-            let mass_kg = section.mass_kg_m * system.grid.nodes[g].weight_m;
-            if mass_kg > 0.0 {
-                add_gram(&mut self.inertia, &self.variation.node_move[g], &(Matrix3::identity() * mass_kg));
-            }
+            let root = (section.mass_kg_m * system.grid.nodes[g].weight_m).sqrt();
+            gather(&mut self.gathered, length, &mut next, &self.variation.node_move[g], root);
         }
         for mass in &system.masses {
-            add_gram(&mut self.inertia, &self.variation.end_move[mass.end], &(Matrix3::identity() * mass.mass_kg));
-            if mass.turns() {
-                let r = &work.shape.end_r[mass.end];
-                let inertia = r * Matrix3::from_diagonal(&mass.inertia_kg_m2) * r.transpose();
-                add_gram(&mut self.inertia, &self.variation.end_turn[mass.end], &inertia);
-            }
+            gather(&mut self.gathered, length, &mut next, &self.variation.end_move[mass.end], mass.mass_kg.sqrt());
         }
         for row in 0..n {
-            for column in 0..row {
-                self.inertia[row * n + column] = self.inertia[column * n + row];
+            let left = &self.gathered[row * length..(row + 1) * length];
+            for column in row..n {
+                let sum = dot(left, &self.gathered[column * length..(column + 1) * length]);
+                self.inertia[row * n + column] = sum;
+                self.inertia[column * n + row] = sum;
             }
         }
+        for mass in system.masses.iter().filter(|mass| mass.turns()) {
+            let r = &work.shape.end_r[mass.end];
+            let inertia = r * Matrix3::from_diagonal(&mass.inertia_kg_m2) * r.transpose();
+            add_gram(&mut self.inertia, &self.variation.end_turn[mass.end], &inertia);
+        }
+    }
+}
+
+/// Writes `factor` times a displacement to places `next`, `next + 1`, `next + 2` of every unknown's row.
+#[inline(always)]
+fn gather(rows: &mut [f64], length: usize, next: &mut usize, from: &Triple, factor: f64) {
+    for values in from.rows() {
+        let unknowns = rows.len() / length;
+        for (k, value) in values[..unknowns].iter().enumerate() {
+            rows[k * length + *next] = factor * value;
+        }
+        *next += 1;
     }
 }
 
@@ -313,15 +331,14 @@ fn combine(out: &mut [f64], [x, y, z]: [&[f64]; 3], [a, b, c]: [f64; 3]) {
     }
 }
 
-/// Adds `directionᵀ weight direction` to the upper triangle of a square matrix.
-#[inline(always)]
+/// Adds `directionᵀ weight direction` to a square matrix.
 fn add_gram(out: &mut [f64], direction: &Triple, weight: &Matrix3<f64>) {
-    let [x, y, z] = direction.rows();
-    let n = x.len();
+    let n = out.len().isqrt();
+    let [x, y, z] = direction.rows().map(|row| &row[..n]);
     for i in 0..n {
         let w = weight * Vector3::new(x[i], y[i], z[i]);
-        let row = &mut out[i * n + i..(i + 1) * n];
-        let columns = x[i..].iter().zip(&y[i..]).zip(&z[i..]);
+        let row = &mut out[i * n..(i + 1) * n];
+        let columns = x.iter().zip(y).zip(z);
         for (slot, ((x, y), z)) in row.iter_mut().zip(columns) {
             *slot += w.x * x + w.y * y + w.z * z;
         }
@@ -338,20 +355,17 @@ fn tendon_stiffness(system: &System, g: usize, tensions: &[f64], work: &Work) ->
             continue;
         }
         let [x, y] = system.guides[g * tensions.len() + i].offset_m;
-        // d path / d strain: columns u_x, u_y, u_z, then the identity.
-        let columns = [
-            Vector3::new(0.0, 0.0, y),
-            Vector3::new(0.0, 0.0, -x),
-            Vector3::new(-y, x, 0.0),
-            Vector3::x(),
-            Vector3::y(),
-            Vector3::z(),
-        ];
-        let lateral = (Matrix3::identity() - t * t.transpose()) * (tension / stretch);
-        for (a, left) in columns.iter().enumerate() {
-            let image = lateral * left;
-            for (b, right) in columns.iter().enumerate() {
-                total[a][b] += image.dot(right);
+        // What lies across the path, (τ/ℓ)(1 − t tᵀ), seen by the strains: the path is v + u × r.
+        let across = Matrix3::from_fn(|i, j| (f64::from(i == j) - t[i] * t[j]) * (tension / stretch));
+        let arm = rotation::skew(&Vector3::new(x, y, 0.0));
+        let mixed = three::product(&arm, &across);
+        let turning = three::product(&mixed, &arm.transpose());
+        for row in 0..3 {
+            for column in 0..3 {
+                total[row][column] += turning[(row, column)];
+                total[row][column + 3] += mixed[(row, column)];
+                total[column + 3][row] += mixed[(row, column)];
+                total[row + 3][column + 3] += across[(row, column)];
             }
         }
     }

@@ -39,6 +39,7 @@ impl Loads {
     }
 
     /// Sums the loads on `shape` under the given conditions.
+    #[inline(always)]
     pub(super) fn update(&mut self, rod: &LoadedRod, shape: &Shape, conditions: &Conditions) {
         let (gravity, motion) = (conditions.gravity_m_s2, conditions.motion);
         for (g, section) in rod.sections.iter().enumerate() {
@@ -62,6 +63,7 @@ impl Loads {
     }
 
     /// Forces and moments at the cell ends: lumped masses, point loads, and the load at the tip.
+    #[inline(always)]
     fn lump(&mut self, rod: &LoadedRod, shape: &Shape, conditions: &Conditions) {
         let motion = conditions.motion;
         self.end_f.fill(Vector3::zeros());
@@ -82,6 +84,7 @@ impl Loads {
     }
 
     /// Carries the wrench at the end of cell `c` (moment about that end) to its Gauss points and its start.
+    #[inline(always)]
     fn through_cell(
         &mut self,
         c: usize,

@@ -4,6 +4,7 @@
 //! derivation is in `docs/rod.md`.
 
 mod advance;
+mod basis;
 mod conditions;
 mod grid;
 mod jacobian;
@@ -31,7 +32,7 @@ pub use nearby::{Nearby, NotNearby};
 pub use params::{CompressibleSection, LineLoad, PointLoad, PointMass, Resolution, RodParams, TipLoad};
 pub use scheme::Scheme;
 pub use sensitivity::{Direction, TipRate};
-pub use simulation::{Drive, Energy, Rod};
+pub use simulation::{Drive, Effort, Energy, Rod};
 pub use span::{Span, Taper};
 pub use state::CrossSection;
 pub use status::Status;

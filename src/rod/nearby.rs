@@ -60,7 +60,7 @@ impl Nearby {
     pub fn new(params: RodParams, others: Vec<RodParams>) -> Result<Nearby, NotNearby> {
         let Nearby { leader, .. } = Nearby::alone(params);
         let other = |(index, changed): (usize, RodParams)| {
-            let grid = leader.system.grid.moved(&leader.system.params, &changed).ok_or(NotNearby(index + 1))?;
+            let grid = Grid::moved(&leader.system.params, &changed).ok_or(NotNearby(index + 1))?;
             Ok(Rod::on(System::on(grid, changed)))
         };
         let others = others.into_iter().enumerate().map(other).collect::<Result<_, _>>()?;
@@ -75,7 +75,7 @@ impl Nearby {
 
     /// Whether a rod of `changed` could follow one of `params`.
     pub fn possible(params: &RodParams, changed: &RodParams) -> bool {
-        Grid::new(params).moved(params, changed).is_some()
+        Grid::moved(params, changed).is_some()
     }
 
     /// The rod itself.
@@ -101,12 +101,18 @@ impl Nearby {
 
     /// [`Rod::settle`]; `drives` gives those of a rod by its number.
     pub fn settle(&mut self, drives: &dyn Fn(usize) -> Vec<Drive>) -> Status {
-        self.lead(&|number, _| drives(number), |leader| leader.settle(&drives(0)))
+        self.lead(&|number, _| drives(number), &|_| 1.0, |leader| leader.settle(&drives(0)))
     }
 
-    /// [`Rod::advance_with`]; `drives` gives those of a rod by its number and the time since now, seconds.
-    pub fn advance_with(&mut self, drives: &dyn Fn(usize, f64) -> Vec<Drive>, duration_s: f64) -> Status {
-        self.lead(drives, |leader| leader.advance_with(&|t| drives(0, t), duration_s))
+    /// [`Rod::advance_with`] for `duration_s(0)`; `drives` gives those of a rod by its number and the time since now,
+    /// seconds. The others take as many steps in the `duration_s` of their number, which differs a little.
+    pub fn advance_with(
+        &mut self,
+        drives: &dyn Fn(usize, f64) -> Vec<Drive>,
+        duration_s: &dyn Fn(usize) -> f64,
+    ) -> Status {
+        let own_s = duration_s(0);
+        self.lead(drives, &|number| duration_s(number) / own_s, |leader| leader.advance_with(&|t| drives(0, t), own_s))
     }
 
     fn all(&mut self) -> impl Iterator<Item = &mut Rod> {
@@ -114,7 +120,12 @@ impl Nearby {
     }
 
     /// Lets the leader move and the others follow what it has solved.
-    fn lead(&mut self, drives: &dyn Fn(usize, f64) -> Vec<Drive>, movement: impl FnOnce(&mut Rod) -> Status) -> Status {
+    fn lead(
+        &mut self,
+        drives: &dyn Fn(usize, f64) -> Vec<Drive>,
+        scale: &dyn Fn(usize) -> f64,
+        movement: impl FnOnce(&mut Rod) -> Status,
+    ) -> Status {
         if self.others.is_empty() {
             return movement(&mut self.leader);
         }
@@ -122,7 +133,8 @@ impl Nearby {
         let status = movement(&mut self.leader);
         let mut start_s = 0.0;
         for solved in self.leader.trace.take().unwrap_or_default().solved {
-            let followed = self.follow(&solved, &|number, t| drives(number, start_s + t));
+            let drives_then = |number: usize, t: f64| drives(number, start_s * scale(number) + t);
+            let followed = self.follow(&solved, &drives_then, scale);
             if followed.is_none() {
                 return if status == Status::Converged { Status::NotConverged } else { status };
             }
@@ -132,21 +144,29 @@ impl Nearby {
     }
 
     /// Takes the others through one step or equilibrium of the leader.
-    fn follow(&mut self, solved: &Solved, drives: &dyn Fn(usize, f64) -> Vec<Drive>) -> Option<()> {
+    /// Time runs `scale` times as fast for a rod as for the leader.
+    fn follow(
+        &mut self,
+        solved: &Solved,
+        drives: &dyn Fn(usize, f64) -> Vec<Drive>,
+        scale: &dyn Fn(usize) -> f64,
+    ) -> Option<()> {
         let Nearby { followed, others, kept, .. } = self;
         let still = solved.duration_s.is_infinite();
-        let starts: Vec<_> = std::iter::once(&*followed).chain(&*others).map(|rod| rod.state.clone()).collect();
+        for Rod { state, before, .. } in std::iter::once(&mut *followed).chain(&mut *others) {
+            before.copy_from(state);
+        }
         for (i, (unknowns, taut)) in solved.stages.iter().enumerate() {
             let share: f64 = followed.tableau.rows[i].iter().sum();
-            let time_s = if still { 0.0 } else { share * solved.duration_s };
             let prepare = |rod: &mut Rod, number: usize| {
+                let duration_s = solved.duration_s * scale(number);
                 if still {
                     rod.motion = Motion::rest(&rod.system.grid, &rod.system.masses);
                 } else {
-                    let Rod { motion, system, tableau, stages, .. } = rod;
-                    motion.prepare(&starts[number], &system.masses, &tableau.rows[i], stages, solved.duration_s);
+                    let Rod { motion, system, tableau, stages, before, .. } = rod;
+                    motion.prepare(before, &system.masses, &tableau.rows[i], stages, duration_s);
                 }
-                rod.holds(&drives(number, time_s))
+                rod.holds(&drives(number, if still { 0.0 } else { share * duration_s }))
             };
             let holds = prepare(followed, 0)?;
             let mut solution = followed.at_solution(unknowns, taut, &holds, still);
@@ -171,13 +191,13 @@ impl Nearby {
                 other.take(&unknowns, taut, i, still);
             }
         }
-        for rod in std::iter::once(followed).chain(others) {
+        for (number, rod) in std::iter::once(followed).chain(others).enumerate() {
             if still {
                 rod.state.rates = Rates::zero(&rod.system.grid, &rod.system.masses);
             } else {
                 rod.state.rates.clone_from(&rod.stages[solved.stages.len() - 1]);
             }
-            rod.commit_memory(solved.duration_s);
+            rod.commit_memory(solved.duration_s * scale(number));
         }
         Some(())
     }

@@ -39,6 +39,7 @@ pub(super) struct Compliance {
 
 impl Compliance {
     /// Compliance times a wrench; the matrix is symmetric.
+    #[inline(always)]
     pub(super) fn apply(&self, w: &Six) -> Six {
         let [a, b, c] = self.bend;
         let [t, s1, s2, z] = self.diagonal;
@@ -46,6 +47,7 @@ impl Compliance {
     }
 
     /// Column `component` of the matrix.
+    #[inline(always)]
     pub(super) fn column(&self, component: usize) -> Six {
         let mut unit = [0.0; 6];
         unit[component] = 1.0;
@@ -91,6 +93,7 @@ impl Section {
 
     /// Strains under the elastic wrench `w` and their derivative. The spine shortens with the axial force that
     /// compresses it (paper, eq. 14) and no further once that exceeds the saturation force.
+    #[inline(always)]
     pub(super) fn strain(&self, w: &Six) -> (Six, Compliance) {
         let [a, b, c] = self.bend;
         let saturated = w[5] < -self.saturation_n;

@@ -4,7 +4,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::grid::{GAUSS, Grid};
 use super::section::{Compliance, Section, Six};
-use crate::math::rotation;
+use crate::math::rotation::{self, Turns};
+use crate::math::three;
 
 /// Poses and strains of a rod under given internal-wrench coefficients.
 #[derive(Clone, Debug, Default)]
@@ -23,6 +24,9 @@ pub(super) struct Shape {
     pub(super) end_r: Vec<Matrix3<f64>>,
     /// Position of the cell ends, metres.
     pub(super) end_p: Vec<Vector3<f64>>,
+    /// Room for the wrench as a field, and for the rotations of every cell.
+    field: Vec<f64>,
+    turns: Turns,
 }
 
 impl Shape {
@@ -37,6 +41,8 @@ impl Shape {
             node_p: vec![base_p; nodes],
             end_r: vec![base_r; ends],
             end_p: vec![base_p; ends],
+            field: vec![0.0; 6 * nodes],
+            turns: Turns::new(3 * grid.cells.len()),
         }
     }
 
@@ -52,37 +58,50 @@ impl Shape {
     }
 
     /// Computes everything from the polynomial coefficients.
+    #[inline(always)]
     pub(super) fn update(&mut self, grid: &Grid, sections: &[Section], coefficients: &[f64]) {
-        for (g, node) in grid.nodes.iter().enumerate() {
-            let mut wrench = [0.0; 6];
-            for (c, value) in wrench.iter_mut().enumerate() {
-                let own = &coefficients[node.offset[c]..node.offset[c] + grid.modes[c]];
-                *value = own.iter().zip(&node.basis).map(|(x, b)| x * b).sum();
-            }
+        grid.all.expand(coefficients, &mut self.field);
+        let points = grid.all.points;
+        for g in 0..points {
+            let wrench: Six = std::array::from_fn(|c| self.field[c * points + g]);
             (self.strain[g], self.compliance[g]) = sections[g].strain(&wrench);
             self.wrench[g] = wrench;
         }
+        for (c, cell) in grid.cells.iter().enumerate() {
+            self.read_turns(c, cell.length_m);
+        }
+        self.turns.exponentiate();
         for (c, cell) in grid.cells.iter().enumerate() {
             self.advance(c, cell.length_m);
         }
     }
 
-    /// Poses at the Gauss points and the end of cell `c`. The rotation vector of a linear curvature from the start
-    /// of the cell over a length x is ∫u + (x/h)³ √3 h²/12 u₁×u₂ (Magnus expansion); positions use the same nodes.
-    fn advance(&mut self, c: usize, h: f64) {
-        let (first, second) = (2 * c, 2 * c + 1);
-        let u1 = Vector3::from_row_slice(&self.strain[first][..3]);
-        let u2 = Vector3::from_row_slice(&self.strain[second][..3]);
+    /// Rotation vectors from the start of cell `c` to its Gauss points and its end. For a linear curvature over a
+    /// length x they are ∫u + (x/h)³ √3 h²/12 u₁×u₂ (Magnus expansion).
+    #[inline(always)]
+    fn read_turns(&mut self, c: usize, h: f64) {
+        let u1 = Vector3::from_row_slice(&self.strain[2 * c][..3]);
+        let u2 = Vector3::from_row_slice(&self.strain[2 * c + 1][..3]);
         let commutator = u1.cross(&u2) * (0.5 * GAUSS * h * h);
         let weights = Grid::partial_weights(h);
-        let start = self.end_r[c];
-        for (row, node, share) in [(0, first, 0.5 - GAUSS), (1, second, 0.5 + GAUSS)] {
+        for (row, share) in [(0, 0.5 - GAUSS), (1, 0.5 + GAUSS)] {
             let turn = u1 * weights[row][0] + u2 * weights[row][1] + commutator * (share * share * share);
-            self.node_r[node] = start * rotation::exp(&turn);
+            self.turns.set(3 * c + row, &turn);
         }
-        self.end_r[c + 1] = start * rotation::exp(&((u1 + u2) * (0.5 * h) + commutator));
-        let d1 = self.node_r[first] * Vector3::from_row_slice(&self.strain[first][3..]);
-        let d2 = self.node_r[second] * Vector3::from_row_slice(&self.strain[second][3..]);
+        self.turns.set(3 * c + 2, &((u1 + u2) * (0.5 * h) + commutator));
+    }
+
+    /// Poses at the Gauss points and the end of cell `c`; positions use the same Gauss points as rotations.
+    #[inline(always)]
+    fn advance(&mut self, c: usize, h: f64) {
+        let (first, second) = (2 * c, 2 * c + 1);
+        let weights = Grid::partial_weights(h);
+        let start = self.end_r[c];
+        self.node_r[first] = three::product(&start, &self.turns.matrix(3 * c));
+        self.node_r[second] = three::product(&start, &self.turns.matrix(3 * c + 1));
+        self.end_r[c + 1] = three::product(&start, &self.turns.matrix(3 * c + 2));
+        let d1 = three::turned(&self.node_r[first], &self.strain[first][3..]);
+        let d2 = three::turned(&self.node_r[second], &self.strain[second][3..]);
         let p = self.end_p[c];
         self.node_p[first] = p + d1 * weights[0][0] + d2 * weights[0][1];
         self.node_p[second] = p + d1 * weights[1][0] + d2 * weights[1][1];

@@ -36,6 +36,17 @@ pub struct Energy {
     pub gravitational_j: f64,
 }
 
+/// What solving has taken so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Effort {
+    /// Evaluations of the equations, one an iteration.
+    pub iterations: u64,
+    /// Evaluations of their derivative.
+    pub derivatives: u64,
+    /// Factorisations of it.
+    pub factorisations: u64,
+}
+
 /// Displacement of the tip that a converged static solve may be off by (its last step, squared for Newton), metres.
 const STATIC_TOLERANCE_M: f64 = 1e-8;
 
@@ -316,9 +327,10 @@ impl Rod {
         self.solver.residual_m
     }
 
-    /// Iterations and derivatives computed so far.
-    pub fn effort(&self) -> (u64, u64) {
-        (self.solver.iterations, self.solver.factorisations)
+    /// Work done so far.
+    pub fn effort(&self) -> Effort {
+        let Solver { iterations, derivatives, factorisations, .. } = self.solver;
+        Effort { iterations, derivatives, factorisations }
     }
 
     /// The fields along the rod at the Gauss points.

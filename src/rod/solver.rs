@@ -49,6 +49,8 @@ pub(super) struct Solver {
     /// Iterations since construction.
     pub(super) iterations: u64,
     /// Derivatives since construction.
+    pub(super) derivatives: u64,
+    /// Factorisations since construction.
     pub(super) factorisations: u64,
 }
 
@@ -78,6 +80,7 @@ impl Solver {
             steps: Vec::new(),
             residual_m: 0.0,
             iterations: 0,
+            derivatives: 0,
             factorisations: 0,
         }
     }
@@ -105,6 +108,7 @@ impl Solver {
                 return self.give_up(Status::NotFinite);
             }
             if stale {
+                self.derivatives += 1;
                 self.derivative.update(system, unknowns, &current, &self.work);
                 self.factors.clear();
                 self.steps.clear();

@@ -12,7 +12,7 @@ use super::params::RodParams;
 use super::section::{Section, Six};
 use super::shape::Shape;
 use super::tendon::Guide;
-use crate::math::rotation;
+use crate::math::{rotation, three, vectorised};
 
 /// A rod with its discretisation; constant during a simulation.
 #[derive(Clone, Debug)]
@@ -42,6 +42,8 @@ pub(super) struct Work {
     pub(super) lengths_m: Vec<f64>,
     /// Tangent stiffness of the history moments at the Gauss points.
     pub(super) history_tangent: Vec<[[f64; 2]; 2]>,
+    /// Room for a field over the Gauss points.
+    field: Vec<f64>,
     /// Equations of balance, then one a tendon.
     pub(super) residual: Vec<f64>,
 }
@@ -94,6 +96,7 @@ impl System {
             tangents: vec![(Vector3::zeros(), 0.0); nodes * tendons],
             lengths_m: vec![0.0; tendons],
             history_tangent: vec![[[0.0; 2]; 2]; nodes],
+            field: vec![0.0; COMPONENTS * nodes],
             residual: vec![0.0; self.size()],
         }
     }
@@ -105,6 +108,14 @@ impl System {
 
     /// Evaluates the equations at `unknowns`.
     pub(super) fn evaluate(&self, unknowns: &[f64], conditions: &Conditions, work: &mut Work) {
+        vectorised(
+            #[inline(always)]
+            || self.evaluate_all(unknowns, conditions, work),
+        );
+    }
+
+    #[inline(always)]
+    fn evaluate_all(&self, unknowns: &[f64], conditions: &Conditions, work: &mut Work) {
         let (coefficients, tensions) = unknowns.split_at(self.grid.unknowns);
         work.shape.update(&self.grid, &self.sections, coefficients);
         self.update_tendons(work);
@@ -117,10 +128,13 @@ impl System {
         };
         work.loads.update(&rod, &work.shape, conditions);
         work.residual.fill(0.0);
-        for g in 0..self.grid.nodes.len() {
+        let points = self.grid.all.points;
+        for (g, node) in self.grid.nodes.iter().enumerate() {
             let imbalance = self.imbalance(g, tensions, conditions, work);
-            self.project(g, &work.shape.compliance[g].apply(&imbalance), &mut work.residual);
+            let strain = work.shape.compliance[g].apply(&imbalance);
+            (0..COMPONENTS).for_each(|c| work.field[c * points + g] = node.weight_m * strain[c]);
         }
+        self.grid.all.test(&work.field, &mut work.residual);
         for (i, hold) in conditions.holds.iter().enumerate() {
             work.residual[self.grid.unknowns + i] = match *hold {
                 Hold::Length(_) if conditions.taut[i] => self.overstretch_m(i, hold, tensions[i], work),
@@ -138,6 +152,7 @@ impl System {
     }
 
     /// Internal minus external wrench at Gauss point `g`, body frame.
+    #[inline(always)]
     fn imbalance(&self, g: usize, tensions: &[f64], conditions: &Conditions, work: &mut Work) -> Six {
         let section = &self.sections[g];
         let strain = work.shape.strain[g];
@@ -172,8 +187,8 @@ impl System {
             }
         }
         let r = &work.shape.node_r[g];
-        let moment = r.tr_mul(&work.loads.moment[g]);
-        let force = r.tr_mul(&work.loads.force[g]);
+        let moment = three::turned_back(r, &work.loads.moment[g]);
+        let force = three::turned_back(r, &work.loads.force[g]);
         for a in 0..3 {
             total[a] -= moment[a];
             total[a + 3] -= force[a];
@@ -183,6 +198,7 @@ impl System {
 
     /// Wrench of a unit tension of tendon `i` on the cross-section at `g`: (r × t, t), zero past the tendon's end.
     /// It is also d length / d strain (Rucker & Webster 2011, in variational form).
+    #[inline(always)]
     pub(super) fn tendon_wrench(&self, g: usize, i: usize, work: &Work) -> Six {
         let (t, stretch) = work.tangents[g * self.params.tendons.len() + i];
         if stretch == 0.0 {
@@ -193,6 +209,7 @@ impl System {
     }
 
     /// Path tangents and lengths of all tendons: a = v + u × r + r′ a length of backbone.
+    #[inline(always)]
     fn update_tendons(&self, work: &mut Work) {
         let count = self.params.tendons.len();
         work.lengths_m.fill(0.0);

@@ -4,14 +4,24 @@
 use nalgebra::Vector3;
 
 /// Derivative of a vector: rows x, y, z over the unknowns, one after the other.
+///
+/// Rows are filled up with zeros to a whole number of the longest strips that loops are unrolled to.
 #[derive(Clone, Debug)]
 pub(super) struct Triple {
     values: Vec<f64>,
 }
 
+/// Numbers to a strip.
+const STRIP: usize = 16;
+
+/// Length of a row for so many unknowns.
+pub(super) fn padded(unknowns: usize) -> usize {
+    unknowns.next_multiple_of(STRIP)
+}
+
 impl Triple {
     pub(super) fn zeros(unknowns: usize) -> Triple {
-        Triple { values: vec![0.0; 3 * unknowns] }
+        Triple { values: vec![0.0; 3 * padded(unknowns)] }
     }
 
     /// The derivative of one component.

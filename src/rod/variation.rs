@@ -1,11 +1,10 @@
 //! How the shape changes with the unknowns: world-frame variations δθ(s) = ∫ R δu and δp(s) = ∫ R δv + δθ × R v, with
 //! the quadrature that the shape itself is computed with.
 
-use nalgebra::Vector3;
-
 use super::grid::{COMPONENTS, Grid};
 use super::shape::Shape;
 use super::triple::Triple;
+use crate::math::three;
 
 /// Derivatives of orientation (as a world rotation vector) and position along the rod.
 #[derive(Clone, Debug)]
@@ -49,7 +48,7 @@ impl Variation {
                 let weights = partial[row];
                 let rates = [(&self.turn_rate[0], weights[0]), (&self.turn_rate[1], weights[1])];
                 self.node_turn[g].set_sum(&self.end_turn[c], rates[0], rates[1]);
-                let tangent = shape.node_r[g] * Vector3::from_row_slice(&shape.strain[g][3..]);
+                let tangent = three::turned(&shape.node_r[g], &shape.strain[g][3..]);
                 self.move_rate[row].add_cross(&self.node_turn[g], &tangent, 1.0);
             }
             for row in 0..2 {
@@ -75,7 +74,7 @@ fn strain_rates(grid: &Grid, shape: &Shape, g: usize, turn: &mut Triple, moved: 
         let strain = shape.compliance[g].column(component);
         let columns = node.offset[component]..node.offset[component] + grid.modes[component];
         let (target, part) = if component < 3 { (&mut *turn, &strain[..3]) } else { (&mut *moved, &strain[3..]) };
-        let world = shape.node_r[g] * Vector3::from_row_slice(part);
+        let world = three::turned(&shape.node_r[g], part);
         for (row, factor) in target.rows_mut().into_iter().zip(world.iter()) {
             for (slot, basis) in row[columns.clone()].iter_mut().zip(&node.basis) {
                 *slot = factor * basis;
