@@ -9,7 +9,7 @@ use spinebench::base::{Plant, Seed};
 use spinebench::effects::Model;
 use spinebench::plants::{Simulated, SimulatedOptions};
 use spinebench::rod::{Drive, Rod, Status};
-use spinebench::tasks::{ExploreOptions, explore};
+use spinebench::tasks::{ExploreOptions, explore, explore_trajectory};
 
 fn model(text: &str) -> Model {
     serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text)).unwrap()
@@ -45,16 +45,76 @@ fn rod(criterion: &mut Criterion) {
             });
         });
     }
-    criterion.bench_function("exploration, 1,000 steps", |bench| {
+    collections(criterion, &nominal);
+}
+
+/// A collection in one continuous exploration, and in independent ones on two threads.
+fn collections(criterion: &mut Criterion, model: &Model) {
+    criterion.bench_function("exploration, 1,000 points, one thread", |bench| {
         let options = ExploreOptions { points: 1000, ..ExploreOptions::default() };
-        let mut plant = Simulated::new(&nominal, &[], SimulatedOptions::default());
+        let mut plant = Simulated::new(model, &[], SimulatedOptions::default());
         bench.iter(|| black_box(explore(&mut plant, &options, Seed(1)).unwrap()));
     });
+    criterion.bench_function("exploration, 10,000 points in 20 trajectories, two threads", |bench| {
+        let options = ExploreOptions { points: 10_000, trajectories: 20, ..ExploreOptions::default() };
+        let own = |first: usize| {
+            let mut plant = Simulated::new(model, &[], SimulatedOptions::default());
+            for index in (first..options.trajectories).step_by(2) {
+                black_box(explore_trajectory(&mut plant, &options, Seed(1), index).unwrap());
+            }
+        };
+        bench.iter(|| {
+            std::thread::scope(|threads| {
+                threads.spawn(|| own(0));
+                own(1);
+            });
+        });
+    });
+}
+
+/// A control step of the nominal robot with more Gauss points, more tendons, or more segments with tendons of their own.
+fn scaling(criterion: &mut Criterion) {
+    let nominal = model(include_str!("../models/nominal.yaml"));
+    let mut step = |name: String, robot: Model| {
+        let tendons = robot.robot.tendons.angles_deg.len();
+        let pulls =
+            |x: f64| -> Vec<Drive> { (0..tendons).map(|i| Drive::Pull(if i % 4 == 0 { x } else { 0.0 })).collect() };
+        let mut rod = Rod::new(robot.rod(&[]));
+        assert_eq!(rod.settle(&pulls(0.01)), Status::Converged);
+        let mut x = 0.01;
+        criterion.bench_function(&name, |bench| {
+            bench.iter(|| {
+                let (from, to) = (x, if x > 0.01 { 0.01 } else { 0.011 });
+                x = to;
+                let ramp = |t: f64| pulls(from + (to - from) * t / 0.02);
+                assert_eq!(rod.advance_with(&ramp, 0.02), Status::Converged);
+                assert_eq!(rod.advance(&pulls(to), 0.18), Status::Converged);
+            });
+        });
+    };
+    for cell_m in [0.02, 0.005, 0.0025, 0.00125] {
+        let mut robot = nominal.clone();
+        robot.robot.resolution.cell_m = cell_m;
+        step(format!("control step, cells of {} mm", cell_m * 1e3), robot);
+    }
+    for count in [4, 8, 16, 32] {
+        let mut robot = nominal.clone();
+        robot.robot.tendons.angles_deg = (0..count).map(|i| 360.0 * f64::from(i) / f64::from(count)).collect();
+        step(format!("control step, {count} tendons"), robot);
+    }
+    for segments in [1_u32, 2, 4] {
+        let mut robot = nominal.clone();
+        let tendons = &mut robot.robot.tendons;
+        tendons.angles_deg = [0.0, 90.0, 180.0, 270.0].repeat(segments as usize);
+        let end = |i: u32| robot.robot.backbone.length_m * f64::from(i / 4 + 1) / f64::from(segments);
+        tendons.ends_m = Some((0..4 * segments).map(end).collect());
+        step(format!("control step, {segments} segments of 4 tendons"), robot);
+    }
 }
 
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(20).measurement_time(Duration::from_secs(3));
-    targets = rod
+    targets = rod, scaling
 }
 criterion_main!(benches);

@@ -154,6 +154,8 @@ impl Robot {
         let cells = self.backbone.length_m / r.cell_m;
         at(refuse(cells <= MOST_PARTS as f64, "cell_m", &r.cell_m, "at most 10,000 cells along the backbone"))?;
         at(BadOption::unless_positive("time_step_s", r.time_step_s))?;
+        let judged = r.static_tolerance_m > 0.0;
+        at(refuse(judged, "static_tolerance_m", &r.static_tolerance_m, "a number above 0, or infinity"))?;
         let tolerance_m = r.motion_tolerance_m;
         at(refuse(
             tolerance_m > 0.0,

@@ -9,8 +9,10 @@ use super::status::Status;
 const STAGE_SHARE: f64 = 1e-2;
 /// … and in steps of one length to this, metres.
 const STAGE_TOLERANCE_M: f64 = 1e-8;
-/// How often a failing time step is halved.
-const MOST_HALVINGS: u32 = 6;
+/// Steps are never shorter than this share of the longest one; those chosen by their error are taken as they are then, …
+const SHORTEST_STEP: f64 = 1.0 / 1024.0;
+/// … and steps of one length are halved so often when they fail.
+const MOST_HALVINGS: i32 = 6;
 /// The next step is this share of what the error of the last one would allow.
 const SAFETY: f64 = 0.9;
 /// A step is repeated when it should have been shorter than this share of itself, …
@@ -51,7 +53,10 @@ impl Rod {
             let wanted = self.pace.next_s.min(resolution.time_step_s);
             let count = (left / wanted - 1e-9).ceil().max(1.0);
             let h = if count <= 2.0 { left / count } else { wanted };
-            let (status, taken) = self.step(&|t| drives(now + t), h);
+            let (mut status, taken) = self.step(&|t| drives(now + t), h);
+            if status == Status::Converged {
+                status = self.examine_motion();
+            }
             if status != Status::Converged {
                 return status;
             }
@@ -63,7 +68,10 @@ impl Rod {
 
     /// One time step of at most `h` seconds, shorter when it fails or its error is too large; also how long it was.
     fn step(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, mut h: f64) -> (Status, f64) {
-        let shortest = h * 0.5_f64.powi(MOST_HALVINGS as i32) * 0.999;
+        let resolution = self.system.params.resolution;
+        let share = if resolution.motion_tolerance_m.is_finite() { SHORTEST_STEP } else { 0.5_f64.powi(MOST_HALVINGS) };
+        let floor = share * resolution.time_step_s;
+        let shortest = 0.999 * floor.min(h);
         let mut before = std::mem::replace(&mut self.before, State::empty());
         before.copy_from(&self.state);
         let status = loop {
@@ -73,7 +81,7 @@ impl Rod {
             if status == Status::BadCommand || fit >= REPEAT_BELOW || again < shortest {
                 if status == Status::Converged {
                     let factor = if (1.0..KEEP_UP_TO).contains(&fit) { 1.0 } else { fit.clamp(0.3, LARGEST_GROWTH) };
-                    self.pace.next_s = h * factor;
+                    self.pace.next_s = (h * factor).max(floor);
                     self.finish_step(h);
                 } else {
                     self.state.copy_from(&before);

@@ -2,6 +2,7 @@
 
 use super::basis::Basis;
 use super::params::{Resolution, RodParams};
+use super::span::Span;
 use super::tendon::Tendon;
 use crate::math::polynomial::legendre;
 
@@ -48,6 +49,8 @@ pub(super) struct Grid {
     pub(super) unknowns: usize,
     /// The polynomials at all nodes at once.
     pub(super) all: Basis,
+    /// Where the polynomials begin and end, metres.
+    pub(super) elements_m: Vec<f64>,
 }
 
 impl Grid {
@@ -90,6 +93,7 @@ impl Grid {
             modes,
             boundaries_m,
             all: Basis::new(&[], modes),
+            elements_m: elements.to_vec(),
         };
         for window in grid.boundaries_m.windows(2) {
             let (start, length) = (window[0], window[1] - window[0]);
@@ -129,18 +133,34 @@ impl Grid {
     }
 }
 
-/// Base, tip, ends and kinks of tendons, loads, in a fixed order.
+/// Base, tip, ends and kinks of tendons, loads, in a fixed order; the jumps of the material as well if the resolution says
+/// so.
 fn element_cuts(params: &RodParams) -> Vec<f64> {
     let mut cuts = vec![0.0, params.length_m()];
     cuts.extend(params.tendons.iter().flat_map(Tendon::borders_m));
     cuts.extend(params.point_loads.iter().map(|load| load.position_m));
     cuts.extend(params.line_loads.iter().flat_map(|load| [load.start_m, load.end_m]));
+    if params.resolution.split_elements {
+        cuts.extend(material_jumps(params));
+    }
     cuts
 }
 
-/// Base, ends and kinks of tendons, loads, tip.
-fn element_ends(params: &RodParams) -> Vec<f64> {
+/// Base, tip and where the internal wrench may jump.
+pub(super) fn element_ends(params: &RodParams) -> Vec<f64> {
     sorted_unique(element_cuts(params), params.length_m())
+}
+
+/// Where stiffness, rest shape or spine change, and the lumped masses.
+fn material_jumps(params: &RodParams) -> Vec<f64> {
+    let alike = |a: &Span, b: &Span| {
+        Span { end_m: a.end_m, mass_kg_m: a.mass_kg_m, spread_mass_kg_m: a.spread_mass_kg_m, ..b.clone() } == *a
+    };
+    let jumps = params.spans.windows(2).filter(|pair| !alike(&pair[0], &pair[1]));
+    let mut places: Vec<f64> = jumps.map(|pair| pair[0].end_m).collect();
+    places.extend(params.masses.iter().map(|mass| mass.position_m));
+    places.extend(params.sections.iter().flat_map(|section| [section.start_m, section.start_m + section.length_m]));
+    places
 }
 
 /// Wherever a property jumps or a mass sits, in a fixed order.
@@ -160,16 +180,17 @@ fn cell_ends(params: &RodParams) -> Vec<f64> {
 }
 
 /// Ends of all cells: `places`, and between two of them as many as the resolution asks for between the same two of
-/// `cuts`, and so that each element has as many Gauss points as polynomials; with fewer they would not be independent.
+/// `cuts`.
 fn subdivided(params: &RodParams, elements: &[f64], cuts: &[f64], places: &[f64]) -> Vec<f64> {
-    let r = &params.resolution;
-    let most_modes = r.bending_modes.max(r.torsion_modes).max(r.shear_modes).max(r.axial_modes);
+    let resolution = &params.resolution;
     let mut ends = vec![0.0];
     for (window, place) in cuts.windows(2).zip(places.windows(2)) {
-        let middle = 0.5 * (window[0] + window[1]);
-        let element = elements.windows(2).find(|element| middle < element[1]).unwrap_or(window);
-        let enough_m = (element[1] - element[0]) / most_modes.div_ceil(2) as f64;
-        let count = ((window[1] - window[0]) / r.cell_m.min(enough_m) - 1e-9).ceil().max(1.0) as usize;
+        let length = window[1] - window[0];
+        let element = elements.windows(2).find(|element| window[0] < element[1] - 0.5 * SAME_PLACE_M);
+        let share = element.map_or(1.0, |element| length / (element[1] - element[0]));
+        // Too few Gauss points could not tell the polynomials of an element apart.
+        let least = (share * resolution.least_cells() as f64 - 1e-9).ceil();
+        let count = (length / resolution.cell_m - 1e-9).ceil().max(least).max(1.0) as usize;
         ends.extend((1..=count).map(|k| place[0] + (place[1] - place[0]) * k as f64 / count as f64));
     }
     ends

@@ -86,6 +86,7 @@ impl Derivative {
         self.tendon_border(system, conditions, work);
         if conditions.motion.rate > 0.0 {
             self.add_viscosity(system, work);
+            self.add_drag(system, conditions, work);
             self.add_inertia(system, work);
         }
     }
@@ -111,6 +112,11 @@ impl Derivative {
         }
         matrix.transpose_mut();
         matrix
+    }
+
+    /// Row-major K with the borders d balance / d tension and d length / d unknown.
+    pub(super) fn stiffness(&self) -> &[f64] {
+        &self.stiffness
     }
 
     /// First-order change of the path length of tendon `i` when the coefficients change by `step`, metres.
@@ -227,7 +233,11 @@ impl Derivative {
             (*x, *y) = (a * *x + b * *y, b * *x + d * *y);
         }
         for component in 0..COMPONENTS {
-            let diagonal = if component < 2 { 1.0 } else { work.shape.compliance[g].diagonal[component - 2] };
+            let diagonal = match component {
+                0 | 1 => 1.0,
+                5 => work.axial_weight[g],
+                _ => work.shape.compliance[g].diagonal[component - 2],
+            };
             for j in 0..system.grid.modes[component] {
                 let weight = node.weight_m * node.basis[j] * diagonal;
                 let start = (node.offset[component] + j) * size;
@@ -239,7 +249,7 @@ impl Derivative {
         }
     }
 
-    /// d balance / d tension and, being the same numbers, d length / d unknown.
+    /// d balance / d tension and, being the same numbers but for weights that are held, d length / d unknown.
     #[inline(always)]
     fn tendon_border(&mut self, system: &System, conditions: &Conditions, work: &Work) {
         let (n, size, points) = (system.grid.unknowns, system.size(), system.grid.all.points);
@@ -250,9 +260,17 @@ impl Derivative {
             }
             self.border.fill(0.0);
             system.grid.all.test(&self.field, &mut self.border);
+            self.stiffness[(n + i) * size..][..n].copy_from_slice(&self.border);
+            if work.weights_held {
+                for (g, node) in system.grid.nodes.iter().enumerate() {
+                    let strain = work.weigh(g, &system.tendon_wrench(g, i, work));
+                    (0..COMPONENTS).for_each(|c| self.field[c * points + g] = node.weight_m * strain[c]);
+                }
+                self.border.fill(0.0);
+                system.grid.all.test(&self.field, &mut self.border);
+            }
             for (k, value) in self.border.iter().enumerate() {
                 self.stiffness[k * size + n + i] = *value;
-                self.stiffness[(n + i) * size + k] = *value;
             }
             let pull = if let Hold::Length(pull) = *hold { pull } else { 0.0 };
             self.stiffness[(n + i) * size + n + i] = -system.params.tendons[i].compliance_at(pull);
@@ -267,17 +285,29 @@ impl Derivative {
         const PAIRS: [(usize, usize); 8] = [(0, 0), (0, 1), (1, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5)];
         for (row, column) in PAIRS {
             for (g, node) in system.grid.nodes.iter().enumerate() {
-                let compliance = &work.shape.compliance[g];
-                let viscosity = &system.sections[g].viscosity;
-                let (left, right) = (compliance.column(row), compliance.column(column));
-                let tested: f64 = (0..COMPONENTS).map(|c| left[c] * viscosity[c] * right[c]).sum();
-                self.field[g] = node.weight_m * tested;
+                let strain = work.shape.compliance[g].column(column);
+                let viscous = std::array::from_fn(|c| system.sections[g].viscosity[c] * strain[c]);
+                self.field[g] = node.weight_m * work.weigh(g, &viscous)[row];
             }
             let weights = &self.field[..points];
             if weights.iter().all(|weight| *weight == 0.0) {
                 continue;
             }
             system.grid.all.test_pair(weights, (row, column), &mut self.viscosity, system.grid.unknowns);
+        }
+    }
+
+    /// Adds the derivative of the drag to D: −c |q|∘q along the body axes has the damping 2 c |q|.
+    fn add_drag(&mut self, system: &System, conditions: &Conditions, work: &Work) {
+        let drag = system.params.drag_n_s2_m3;
+        if drag == 0.0 {
+            return;
+        }
+        for (g, node) in system.grid.nodes.iter().enumerate() {
+            let r = &work.shape.node_r[g];
+            let velocity = r.tr_mul(&conditions.motion.node_velocity(g, &work.shape.node_p[g]));
+            let damping = Matrix3::from_diagonal(&(velocity.abs() * (2.0 * drag * node.weight_m)));
+            add_gram(&mut self.viscosity, &self.variation.node_move[g], &(r * damping * r.transpose()));
         }
     }
 

@@ -90,6 +90,9 @@ impl Nearby {
 
     /// All straight, unloaded, at rest, without history.
     pub fn restart(&mut self) {
+        self.leader.restart();
+        // Where they began they can go back to.
+        let _ = self.regrid();
         self.all().for_each(Rod::restart);
         self.kept = None;
     }
@@ -115,6 +118,23 @@ impl Nearby {
         self.lead(drives, &|number| duration_s(number) / own_s, |leader| leader.advance_with(&|t| drives(0, t), own_s))
     }
 
+    /// Brings the others to the grid that the leader has come to; `None` when one of them has none like it.
+    fn regrid(&mut self) -> Option<()> {
+        let Nearby { leader, followed, others, kept } = self;
+        let level = leader.space.level;
+        if followed.space.level == level {
+            return Some(());
+        }
+        *kept = None;
+        *followed = followed.on_grid(level);
+        for other in others {
+            let params = other.system.params.refined(&leader.space.base, level);
+            let grid = Grid::moved(&leader.system.params, &params)?;
+            *other = other.carried(Rod::on(System::on(grid, params)), level);
+        }
+        Some(())
+    }
+
     fn all(&mut self) -> impl Iterator<Item = &mut Rod> {
         [&mut self.leader, &mut self.followed].into_iter().chain(&mut self.others)
     }
@@ -134,8 +154,10 @@ impl Nearby {
         let mut start_s = 0.0;
         for solved in self.leader.trace.take().unwrap_or_default().solved {
             let drives_then = |number: usize, t: f64| drives(number, start_s * scale(number) + t);
-            let followed = self.follow(&solved, &drives_then, scale);
-            if followed.is_none() {
+            if self.regrid().is_none() {
+                return Status::UnderResolved;
+            }
+            if self.follow(&solved, &drives_then, scale).is_none() {
                 return if status == Status::Converged { Status::NotConverged } else { status };
             }
             start_s += solved.duration_s;
@@ -287,7 +309,7 @@ impl Rod {
                 return None;
             }
             unknowns.iter_mut().zip(step.iter()).for_each(|(x, dx)| *x -= dx);
-            let size_m = system.size_of_step_m(&step.as_slice()[..system.grid.unknowns]);
+            let size_m = system.size_of_step_m(&step.as_slice()[..system.grid.unknowns], &solver.work);
             let rounding = size_m > 0.3 * last_m && size_m < ROUNDING * system.params.length_m();
             if size_m == 0.0 || rounding {
                 return Some((unknowns, done));

@@ -113,6 +113,12 @@ pub struct Resolution {
     pub shear_modes: usize,
     /// Legendre polynomials for the axial force.
     pub axial_modes: usize,
+    /// Whether polynomials also end where stiffness, rest shape, spine or lumped mass jump. The wrench is nearly smooth
+    /// there, so that it pays only for the last micrometres.
+    pub split_elements: bool,
+    /// Displacement of the tip by which the discretisation in space may change a static solution, metres: beyond it the
+    /// rod refines cells and polynomials by itself. Infinite: never.
+    pub static_tolerance_m: f64,
     /// Largest time step, s.
     pub time_step_s: f64,
     /// Error that a time step may add to the position of any part of the rod, metres: steps are shortened to keep it.
@@ -130,9 +136,19 @@ impl Default for Resolution {
             torsion_modes: 4,
             shear_modes: 4,
             axial_modes: 4,
+            split_elements: false,
+            static_tolerance_m: 1e-6,
             time_step_s: 0.1,
             motion_tolerance_m: 1e-4,
             scheme: Scheme::default(),
         }
+    }
+}
+
+impl Resolution {
+    /// Cells that an element needs at least: a Gauss point for each polynomial.
+    pub(super) fn least_cells(&self) -> usize {
+        let bend_or_twist = self.bending_modes.max(self.torsion_modes);
+        bend_or_twist.max(self.shear_modes).max(self.axial_modes).div_ceil(2)
     }
 }

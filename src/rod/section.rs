@@ -1,5 +1,6 @@
 //! The constitutive law at a Gauss point: from the elastic internal wrench to the strains.
 
+use super::grid::GAUSS;
 use super::params::RodParams;
 
 /// Strains in the body frame: curvature and twist u (rad/m), then v (shear, shear, stretch).
@@ -123,6 +124,25 @@ impl Section {
             self.spine * w[5] * w[5]
         };
         0.5 * (bend + others + spine)
+    }
+
+    /// The larger of the bending compliances about the principal axes and the torsional one, 1/(N m²).
+    pub(super) fn softest_turn(&self) -> f64 {
+        let [a, b, c] = self.bend;
+        (0.5 * (a + c) + (0.5 * (a - c)).hypot(b)).max(self.twist)
+    }
+
+    /// What the two Gauss points of a cell of length `h` with the axial forces `a` and `b` miss of the place between
+    /// saturated and not, metres: the exact integral of the law under a linear force minus the rule's.
+    pub(super) fn kink_m(&self, a: f64, b: f64, h: f64) -> f64 {
+        let half = 0.5 / (2.0 * GAUSS) * (b - a).abs();
+        let (low, high) = (0.5 * (a + b) - half + self.saturation_n, 0.5 * (a + b) + half + self.saturation_n);
+        if self.spine == 0.0 || low >= 0.0 || high <= 0.0 {
+            return 0.0;
+        }
+        let exact = 0.5 * high * high / (high - low);
+        let rule = 0.5 * ((a + self.saturation_n).max(0.0) + (b + self.saturation_n).max(0.0));
+        self.spine * h * (exact - rule).abs()
     }
 
     /// Change of curvature from the unloaded shape about the two body axes.

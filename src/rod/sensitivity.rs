@@ -83,7 +83,7 @@ impl Rod {
         if !factors.solve_mut(&mut change) {
             return None;
         }
-        let size_m = self.system.size_of_step_m(&change.as_slice()[..n]);
+        let size_m = self.system.size_of_step_m(&change.as_slice()[..n], shifted);
         if size_m == 0.0 {
             return Some(TipRate { position_m: Vector3::zeros(), rotation_rad: Vector3::zeros() });
         }

@@ -8,6 +8,7 @@ use super::grid::Grid;
 use super::memory::MemoryState;
 use super::motion::Motion;
 use super::params::{RodParams, TipLoad};
+use super::refine::Space;
 use super::scheme::{Scheme, Tableau};
 use super::solver::Solver;
 use super::state::{CrossSection, Rates, State};
@@ -49,6 +50,10 @@ pub struct Effort {
 
 /// Displacement of the tip that a converged static solve may be off by (its last step, squared for Newton), metres.
 const STATIC_TOLERANCE_M: f64 = 1e-8;
+/// Smallest share of the loads that continuation raises before the rod is let go instead.
+const SMALLEST_SHARE: f64 = 0.02;
+/// Iterations after which continuation tries a smaller share.
+const CONTINUATION_PATIENCE: usize = 50;
 
 /// A tendon-driven rod.
 #[derive(Clone, Debug)]
@@ -63,6 +68,7 @@ pub struct Rod {
     pub(super) tableau: Tableau,
     pub(super) pace: Pace,
     pub(super) tip_load: TipLoad,
+    pub(super) space: Space,
     /// Under what the rod came to rest; nothing once it has moved.
     pub(super) rest: Option<Rest>,
     /// What has been solved, for those who follow; nothing is kept when absent.
@@ -128,6 +134,7 @@ impl Rod {
             tip_load,
             rest: None,
             trace: None,
+            space: Space::new(&system),
             system,
         };
         rod.restart();
@@ -136,6 +143,7 @@ impl Rod {
 
     /// Straight, unloaded, at rest, without history.
     pub fn restart(&mut self) {
+        self.forget_refinement();
         self.state.unknowns.fill(0.0);
         self.state.taut.fill(false);
         self.state.memory = self.system.fresh_memory();
@@ -161,6 +169,7 @@ impl Rod {
     /// Brings the rod to rest under `drives` (one a tendon). Histories come to rest as well.
     pub fn settle(&mut self, drives: &[Drive]) -> Status {
         let Some(holds) = self.holds(drives) else { return Status::BadCommand };
+        self.coarsen();
         self.motion = Motion::rest(&self.system.grid, &self.system.masses);
         let before = self.state.clone();
         let mut status = self.solve_static(&holds, 1.0);
@@ -168,10 +177,18 @@ impl Rod {
             self.state = before.clone();
             status = self.continue_load(&holds);
         }
+        if status != Status::Converged {
+            self.state.unknowns.fill(0.0);
+            self.state.taut.fill(false);
+            status = self.relax(&holds, 0.0);
+        }
+        if status == Status::Converged {
+            status = self.examine_rest(&holds);
+        }
         if status == Status::Converged {
             self.state.rates = Rates::zero(&self.system.grid, &self.system.masses);
+            self.rest = Some(Rest { holds, memory: self.state.memory.clone() });
             self.commit_memory(f64::INFINITY);
-            self.rest = Some(Rest { holds, memory: before.memory });
             self.trace_stage();
             self.trace.iter_mut().for_each(|trace| trace.accept(f64::INFINITY));
         } else {
@@ -181,7 +198,7 @@ impl Rod {
     }
 
     /// Static solve with all loads and pulls at `share` of their value.
-    fn solve_static(&mut self, holds: &[Hold], share: f64) -> Status {
+    pub(super) fn solve_static(&mut self, holds: &[Hold], share: f64) -> Status {
         let scaled: Vec<Hold> = holds
             .iter()
             .map(|hold| match *hold {
@@ -199,6 +216,13 @@ impl Rod {
     fn continue_load(&mut self, holds: &[Hold]) -> Status {
         self.state.unknowns.fill(0.0);
         self.state.taut.fill(false);
+        let patience = std::mem::replace(&mut self.solver.patience, CONTINUATION_PATIENCE);
+        let status = self.raise_load(holds);
+        self.solver.patience = patience;
+        status
+    }
+
+    fn raise_load(&mut self, holds: &[Hold]) -> Status {
         let (mut reached, mut step) = (0.0, 0.25);
         while reached < 1.0 {
             let target = f64::min(reached + step, 1.0);
@@ -211,7 +235,7 @@ impl Rod {
                 failure => {
                     self.state = saved;
                     step *= 0.35;
-                    if step < 1e-3 {
+                    if step < SMALLEST_SHARE {
                         return failure;
                     }
                 }

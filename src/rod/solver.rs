@@ -14,6 +14,8 @@ use super::system::{System, Work};
 const MOST_ITERATIONS: usize = 150;
 /// Changes of the taut set at any iterate; after so many, each set is solved for first.
 const QUICK_SET_CHANGES: usize = 10;
+/// Iterations after which the weights of the balance no longer follow the saturation of the spine.
+const HOLD_WEIGHTS_AFTER: usize = 12;
 const MOST_SET_CHANGES: usize = 30;
 /// A tendon may be overstretched by this share of the solve's tolerance before it counts as taut …
 const SET_TOLERANCE: f64 = 0.1;
@@ -46,6 +48,8 @@ pub(super) struct Solver {
     steps: Vec<DVector<f64>>,
     /// Size of the last step, metres: what the residual is worth at the tip.
     pub(super) residual_m: f64,
+    /// Iterations after which a solve is given up.
+    pub(super) patience: usize,
     /// Iterations since construction.
     pub(super) iterations: u64,
     /// Derivatives since construction.
@@ -79,6 +83,7 @@ impl Solver {
             kept: Kept::Nothing,
             steps: Vec::new(),
             residual_m: 0.0,
+            patience: MOST_ITERATIONS,
             iterations: 0,
             derivatives: 0,
             factorisations: 0,
@@ -94,73 +99,90 @@ impl Solver {
         conditions: &Conditions,
         tolerance_m: f64,
     ) -> Status {
+        let length_m = system.params.length_m();
         let mut last_step = f64::INFINITY;
         let mut set_changes = 0;
         self.steps.clear();
-        let mut fresh = false;
         let need = if conditions.motion.rate > 0.0 { Kept::Motion } else { Kept::Rest };
         let mut stale = self.kept != need;
-        for _ in 0..MOST_ITERATIONS {
+        self.work.weights_held = false;
+        for iteration in 0..self.patience {
             self.iterations += 1;
+            let hold_weights = iteration == HOLD_WEIGHTS_AFTER;
+            self.work.weights_held |= hold_weights;
+            let fresh = stale || hold_weights;
             let current = Conditions { taut, ..*conditions };
-            system.evaluate(unknowns, &current, &mut self.work);
-            if !self.work.residual.iter().all(|r| r.is_finite()) {
-                return self.give_up(Status::NotFinite);
-            }
-            if stale {
-                self.derivatives += 1;
-                self.derivative.update(system, unknowns, &current, &self.work);
-                self.factors.clear();
-                self.steps.clear();
-                self.kept = need;
-                (stale, fresh) = (false, true);
-            }
-            self.factor(system, &current);
-            let Some(mut step) = self.step(system) else { return self.give_up(Status::NotConverged) };
-            let size = system.size_of_step_m(&step.as_slice()[..system.grid.unknowns]);
-            if !size.is_finite() {
-                return self.give_up(Status::NotFinite);
-            }
-            let limit = LARGEST_STEP * system.params.length_m();
-            let shortened = size > limit;
-            if shortened {
-                step *= limit / size;
-                self.steps.clear();
-            }
-            for (x, dx) in unknowns.iter_mut().zip(step.iter()) {
-                *x -= dx;
-            }
+            let (step, size) = match self.correct(system, unknowns, &current, fresh) {
+                Ok(correction) => correction,
+                Err(failure) => return self.give_up(failure),
+            };
+            let shortened = size >= LARGEST_STEP * length_m;
+            stale = shortened;
             // Once sets alternate, each is solved for before the next one is tried.
-            let patient = set_changes > QUICK_SET_CHANGES;
-            let ripe = !patient || (!shortened && size < 1e-3 * system.params.length_m());
+            let ripe = set_changes <= QUICK_SET_CHANGES || (!shortened && size < 1e-3 * length_m);
             if ripe && self.change_set(system, unknowns, (taut, conditions.holds), &step, tolerance_m) {
                 set_changes += 1;
                 if set_changes > MOST_SET_CHANGES {
                     return self.give_up(Status::TendonSetUnsettled);
                 }
-                fresh = false;
-                last_step = f64::INFINITY;
+                (stale, last_step) = (false, f64::INFINITY);
                 self.steps.clear();
                 continue;
             }
-            if !shortened {
-                self.steps.push(step);
-            }
             let contraction = if last_step.is_finite() { size / last_step } else { UNPROVEN_CONTRACTION };
             // With a fresh derivative the next error is of the order of the square; with an old one linear.
-            let left =
-                if fresh { size * (size / system.params.length_m()).min(1.0) } else { size * contraction.min(1.0) };
-            if !shortened && left < tolerance_m {
+            let left = if fresh { size * (size / length_m).min(1.0) } else { size * contraction.min(1.0) };
+            if shortened {
+                self.steps.clear();
+            } else if left < tolerance_m {
                 self.residual_m = left;
                 return Status::Converged;
+            } else {
+                self.steps.push(step);
             }
-            fresh = false;
-            if shortened || (contraction > POOR_CONTRACTION && last_step.is_finite()) {
-                stale = true;
-            }
+            stale |= contraction > POOR_CONTRACTION && last_step.is_finite();
             last_step = size;
         }
         self.give_up(Status::NotConverged)
+    }
+
+    /// Evaluates the equations at `unknowns`, their derivative as well when it is `stale`, and takes the correction off
+    /// the unknowns; also its size as a displacement of the tip, metres. A correction that is too large is shortened.
+    fn correct(
+        &mut self,
+        system: &System,
+        unknowns: &mut [f64],
+        conditions: &Conditions,
+        stale: bool,
+    ) -> Result<(DVector<f64>, f64), Status> {
+        system.evaluate(unknowns, conditions, &mut self.work);
+        if !self.work.residual.iter().all(|r| r.is_finite()) {
+            return Err(Status::NotFinite);
+        }
+        if stale {
+            self.derivatives += 1;
+            self.derivative.update(system, unknowns, conditions, &self.work);
+            self.factors.clear();
+            self.steps.clear();
+            self.kept = if conditions.motion.rate > 0.0 { Kept::Motion } else { Kept::Rest };
+        }
+        self.factor(system, conditions);
+        let mut step = self.step(system).ok_or(Status::NotConverged)?;
+        let size = system.size_of_step_m(&step.as_slice()[..system.grid.unknowns], &self.work);
+        if !size.is_finite() {
+            return Err(Status::NotFinite);
+        }
+        let limit = LARGEST_STEP * system.params.length_m();
+        if size > limit {
+            step *= limit / size;
+        }
+        unknowns.iter_mut().zip(step.iter()).for_each(|(x, dx)| *x -= dx);
+        Ok((step, size))
+    }
+
+    /// Makes the next solve begin with a new derivative.
+    pub(super) fn forget(&mut self) {
+        self.kept = Kept::Nothing;
     }
 
     /// A failed solve leaves no derivative worth keeping.

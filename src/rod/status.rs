@@ -13,11 +13,31 @@ pub enum Status {
     TendonSetUnsettled,
     /// Numbers overflowed: the loads are far beyond what the rod can carry.
     NotFinite,
+    /// The equations hold, but the finest grid allowed does not settle the tip to the tolerance (at rest), or the grid
+    /// of the motion is too coarse for this shape (moving).
+    UnderResolved,
+    /// The equations hold for a shape in which cross-sections pass through each other: the backbone, or the path of a
+    /// tendon, is shortened to nothing or beyond.
+    Crushed,
+    /// The equilibrium found is one that the rod would leave at the slightest push, and no stable one was found nearby.
+    Unstable,
     /// The command itself is not finite.
     BadCommand,
 }
 
 impl Status {
+    /// Every status.
+    pub const ALL: [Status; 8] = [
+        Status::Converged,
+        Status::NotConverged,
+        Status::TendonSetUnsettled,
+        Status::NotFinite,
+        Status::UnderResolved,
+        Status::Crushed,
+        Status::Unstable,
+        Status::BadCommand,
+    ];
+
     /// Name used in recordings and tables.
     pub fn name(self) -> &'static str {
         match self {
@@ -25,6 +45,9 @@ impl Status {
             Status::NotConverged => "not_converged",
             Status::TendonSetUnsettled => "tendon_set_unsettled",
             Status::NotFinite => "not_finite",
+            Status::UnderResolved => "under_resolved",
+            Status::Crushed => "crushed",
+            Status::Unstable => "unstable",
             Status::BadCommand => "bad_command",
         }
     }

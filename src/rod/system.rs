@@ -44,8 +44,24 @@ pub(super) struct Work {
     pub(super) history_tangent: Vec<[[f64; 2]; 2]>,
     /// Room for a field over the Gauss points.
     field: Vec<f64>,
+    /// Internal minus external wrench at the Gauss points, body frame.
+    pub(super) imbalance: Vec<Six>,
+    /// Axial compliance that weights the balance at each Gauss point, 1/N.
+    pub(super) axial_weight: Vec<f64>,
+    /// Whether these weights stay as they are. They jump where the spine saturates; a wrench that is no polynomial
+    /// leaves an imbalance there, and the equations with it would jump to and fro without a solution.
+    pub(super) weights_held: bool,
     /// Equations of balance, then one a tendon.
     pub(super) residual: Vec<f64>,
+}
+
+impl Work {
+    /// The strain by which the balance at Gauss point `g` weights a wrench.
+    pub(super) fn weigh(&self, g: usize, wrench: &Six) -> Six {
+        let mut strain = self.shape.compliance[g].apply(wrench);
+        strain[5] = self.axial_weight[g] * wrench[5];
+        strain
+    }
 }
 
 impl System {
@@ -97,6 +113,9 @@ impl System {
             lengths_m: vec![0.0; tendons],
             history_tangent: vec![[[0.0; 2]; 2]; nodes],
             field: vec![0.0; COMPONENTS * nodes],
+            imbalance: vec![[0.0; COMPONENTS]; nodes],
+            axial_weight: vec![0.0; nodes],
+            weights_held: false,
             residual: vec![0.0; self.size()],
         }
     }
@@ -128,11 +147,16 @@ impl System {
         };
         work.loads.update(&rod, &work.shape, conditions);
         work.residual.fill(0.0);
+        if !work.weights_held {
+            let axial = work.shape.compliance.iter().map(|compliance| compliance.diagonal[3]);
+            work.axial_weight.iter_mut().zip(axial).for_each(|(weight, own)| *weight = own);
+        }
         let points = self.grid.all.points;
         for (g, node) in self.grid.nodes.iter().enumerate() {
             let imbalance = self.imbalance(g, tensions, conditions, work);
-            let strain = work.shape.compliance[g].apply(&imbalance);
+            let strain = work.weigh(g, &imbalance);
             (0..COMPONENTS).for_each(|c| work.field[c * points + g] = node.weight_m * strain[c]);
+            work.imbalance[g] = imbalance;
         }
         self.grid.all.test(&work.field, &mut work.residual);
         for (i, hold) in conditions.holds.iter().enumerate() {
@@ -222,12 +246,13 @@ impl System {
                 }
                 let path = guide.path(s);
                 let stretch = path.norm();
-                work.tangents[g * count + i] = (path / stretch, stretch);
+                work.tangents[g * count + i] = (path * (1.0 / stretch), stretch);
                 work.lengths_m[i] += node.weight_m * stretch;
             }
         }
     }
 
+    #[allow(dead_code)] // until sensitivities land
     /// Adds the weak form of a strain-like vector at Gauss point `g` to the balance equations.
     pub(super) fn project(&self, g: usize, value: &Six, out: &mut [f64]) {
         let node = &self.grid.nodes[g];
@@ -240,9 +265,20 @@ impl System {
         }
     }
 
-    /// Size of a change of the unknowns as a displacement of the tip, metres.
-    pub(super) fn size_of_step_m(&self, step: &[f64]) -> f64 {
-        step.iter().zip(&self.scales).map(|(x, scale)| (x * scale).abs()).fold(0.0, f64::max)
+    /// Size of a change of the unknowns as a displacement of the tip, metres. Once every section of the spine is
+    /// saturated, axial forces move it no more than they would without sections.
+    pub(super) fn size_of_step_m(&self, step: &[f64], work: &Work) -> f64 {
+        let length = self.params.length_m();
+        let axial = length * work.axial_weight.iter().copied().fold(0.0, f64::max);
+        let (per_element, axial_modes) = (self.grid.modes.iter().sum::<usize>(), self.grid.modes[5]);
+        let mut largest = 0.0_f64;
+        for (own, scales) in step.chunks(per_element).zip(self.scales.chunks(per_element)) {
+            let (others, forces) = own.split_at(per_element - axial_modes);
+            largest = others.iter().zip(scales).map(|(x, scale)| (x * scale).abs()).fold(largest, f64::max);
+            largest = forces.iter().map(|x| (x * axial).abs()).fold(largest, f64::max);
+        }
+        // The largest of numbers of which one is none must not look small.
+        if step.iter().all(|x| x.is_finite()) { largest } else { f64::NAN }
     }
 
     /// Path lengths of the tendons on the shape in `work`.

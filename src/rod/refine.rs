@@ -1,0 +1,346 @@
+//! Is the grid fine enough? An a-posteriori estimate of what the discretisation in space puts the tip off by, and
+//! static solves that refine cells and polynomials until two grids agree (docs/robustness.md).
+
+use nalgebra::Vector3;
+
+use super::conditions::Hold;
+use super::grid::{COMPONENTS, Grid, element_ends};
+use super::memory::MemoryState;
+use super::params::{Resolution, RodParams};
+use super::section::{Section, Six};
+use super::shape::Shape;
+use super::simulation::Rod;
+use super::status::Status;
+use super::system::{System, Work};
+use crate::math::polynomial::legendre;
+
+/// How often the grid may be refined: cells to an eighth, 24 polynomials for each bending moment.
+const MOST_REFINEMENTS: u32 = 3;
+/// Polynomials added by the first refinement; each further one adds two more than the one before.
+const MORE_MODES: usize = 4;
+/// About as many polynomial coefficients may the levels have.
+const MOST_UNKNOWNS: [usize; MOST_REFINEMENTS as usize] = [250, 400, 600];
+/// Newton iterations from one grid to the next.
+const PATIENCE: usize = 40;
+/// One Picard iteration is the first term of a series; it counts this many times.
+const CAUTION: f64 = 15.0;
+/// A rod whose material remembers has fronts where it yields, kinks that no polynomial resolves: such rods are held to
+/// this many times the tolerance.
+const MEMORY_TOLERANCE: f64 = 100.0;
+/// Share of the length that the indicator may say a moving rod's tip is off by before its answer is refused.
+const MOTION_BOUND: f64 = 0.02;
+/// The two-point Gauss rule leaves h⁵ f⁗ / 4320; three times as much covers the fields that enter each other.
+const CELL_ERROR: f64 = 3.0 / 4320.0;
+/// The fourth-order Magnus step leaves about this share of its commutator times the squared angle of the cell.
+const MAGNUS_ERROR: f64 = 1.0 / 30.0;
+
+/// What a rod knows of its discretisation.
+#[derive(Clone, Debug)]
+pub(super) struct Space {
+    /// Resolution that was asked for.
+    pub(super) base: Resolution,
+    /// How often it has been refined.
+    pub(super) level: u32,
+    /// What the grid may put the tip off by, metres.
+    pub(super) error_m: f64,
+    /// Largest compliance against turning anywhere, 1/(N m²).
+    pub(super) softest: f64,
+}
+
+impl Space {
+    pub(super) fn new(system: &System) -> Space {
+        let softest = system.sections.iter().map(Section::softest_turn).fold(0.0, f64::max);
+        Space { base: system.params.resolution, level: 0, error_m: 0.0, softest }
+    }
+}
+
+impl RodParams {
+    /// The same rod with `base` refined `level` times: each time cells are halved and polynomials added, and from the
+    /// first time on they end at every jump of the material. Many elements get fewer polynomials each.
+    pub(super) fn refined(&self, base: &Resolution, level: u32) -> RodParams {
+        let mut params = RodParams { resolution: *base, ..self.clone() };
+        if level == 0 {
+            return params;
+        }
+        params.resolution.split_elements = true;
+        let own = MOST_UNKNOWNS[level as usize - 1] / (element_ends(&params).len() - 1);
+        // Twice as many for two bending moments as for four other components, half as many again each.
+        let others = (own / 7).max(1 + level as usize);
+        let more: usize = (0..level as usize).map(|k| MORE_MODES + 2 * k).sum();
+        params.resolution = Resolution {
+            cell_m: base.cell_m / f64::from(1 << level),
+            bending_modes: (others + others / 2).min(base.bending_modes + more),
+            torsion_modes: others.min(base.torsion_modes + more),
+            shear_modes: others.min(base.shear_modes + more),
+            axial_modes: others.min(base.axial_modes + more),
+            ..params.resolution
+        };
+        params
+    }
+}
+
+impl System {
+    /// What the cells' quadrature puts the tip off by, metres: the angle that each turns, how far from plane it bends,
+    /// and where the spine begins to saturate inside.
+    fn cell_error_m(&self, shape: &Shape, taut: &[bool]) -> f64 {
+        let strain = &shape.strain;
+        let (length, mut total, mut kinks) = (self.params.length_m(), 0.0, 0.0);
+        for (c, cell) in self.grid.cells.iter().enumerate() {
+            let (h, a, b) = (cell.length_m, &strain[2 * c], &strain[2 * c + 1]);
+            let angle2 = square(a).max(square(b)) * h * h;
+            let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+            let commutator = h * h * (cross[0].powi(2) + cross[1].powi(2) + cross[2].powi(2)).sqrt();
+            total += CELL_ERROR * angle2 * angle2 * h * a[5].abs().max(b[5].abs());
+            total += MAGNUS_ERROR * commutator * angle2 * length;
+            kinks += self.sections[2 * c].kink_m(shape.wrench[2 * c][5], shape.wrench[2 * c + 1][5], h);
+        }
+        if kinks > 0.0 {
+            // A taut tendon bends the rod by what the spine is too long or too short.
+            let offset = |i: usize| {
+                self.guides
+                    .iter()
+                    .skip(i)
+                    .step_by(taut.len())
+                    .map(|g| g.offset_m[0].hypot(g.offset_m[1]))
+                    .fold(0.0, f64::max)
+            };
+            let nearest = (0..taut.len()).filter(|&i| taut[i]).map(offset).fold(f64::INFINITY, f64::min);
+            total += kinks * (1.0 + length / nearest);
+        }
+        total
+    }
+
+    /// What the polynomials that are missing put the tip off by, metres. The imbalance that they leave at the Gauss
+    /// points is weighed to nothing by the polynomials that are there; as a strain that the rod lacks, it moves the tip
+    /// by its product with a lever that is no polynomial (one Picard iteration of the exact balance).
+    /// Where it changes the length of a taut tendon, the tendon bends the rod back by that length over its offset.
+    fn balance_error_m(&self, work: &Work, taut: &[bool]) -> f64 {
+        let tip = work.shape.tip_m();
+        let (mut moved, mut turned) = (Vector3::zeros(), Vector3::zeros());
+        let mut bent_rad = 0.0;
+        for i in (0..taut.len()).filter(|&i| taut[i]) {
+            let (mut longer, mut offset) = (0.0, 0.0_f64);
+            for (g, node) in self.grid.nodes.iter().enumerate() {
+                let pull = self.tendon_wrench(g, i, work);
+                let lacking = work.weigh(g, &work.imbalance[g]);
+                longer += node.weight_m * pull.iter().zip(&lacking).map(|(a, b)| a * b).sum::<f64>();
+                let [x, y] = self.guides[g * taut.len() + i].offset_m;
+                offset = offset.max(x.hypot(y));
+            }
+            bent_rad += (longer / offset).abs();
+        }
+        for (g, node) in self.grid.nodes.iter().enumerate() {
+            let lacking = work.weigh(g, &work.imbalance[g]);
+            let r = &work.shape.node_r[g];
+            let turn = r * Vector3::new(lacking[0], lacking[1], lacking[2]) * node.weight_m;
+            let stretch = r * Vector3::new(lacking[3], lacking[4], lacking[5]) * node.weight_m;
+            moved += stretch + turn.cross(&(tip - work.shape.node_p[g]));
+            turned += turn;
+        }
+        moved.norm().max(turned.norm() * self.params.length_m()) + bent_rad * self.params.length_m()
+    }
+}
+
+/// What the finer of two grids may still be off by when they lie `apart_m` apart and the two before lay `before_m`
+/// apart: the rest of a geometric series, with a ratio that is not trusted below a quarter.
+fn left_m(before_m: f64, apart_m: f64) -> f64 {
+    let ratio = if before_m.is_finite() { apart_m / before_m } else { 1.0 };
+    if ratio < 0.5 { apart_m * ratio.max(0.25) / (1.0 - ratio.max(0.25)) } else { apart_m }
+}
+
+fn square(strain: &Six) -> f64 {
+    strain[0] * strain[0] + strain[1] * strain[1] + strain[2] * strain[2]
+}
+
+impl Rod {
+    /// What the discretisation in space may put the tip off by, metres: after a static solve the difference between
+    /// two grids, or an indicator where that is well below the tolerance; in motion the indicator.
+    pub fn space_error_m(&self) -> f64 {
+        self.space.error_m
+    }
+
+    /// How often the grid has been refined beyond the resolution that was asked for.
+    pub fn refinements(&self) -> u32 {
+        self.space.level
+    }
+
+    /// The estimate on this grid alone, from what the last iteration has left in the solver.
+    fn estimate_m(&self) -> f64 {
+        let estimate = self.system.cell_error_m(&self.state.shape, &self.state.taut)
+            + CAUTION * self.system.balance_error_m(&self.solver.work, &self.state.taut);
+        // What is not a number must not pass for small.
+        if estimate.is_finite() { estimate } else { f64::INFINITY }
+    }
+
+    /// Judges a shape at rest that solves the equations under `holds`: is it possible, does a finer grid agree?
+    /// Refines until two grids agree; a rod whose shape is refused goes back to the grid that it had.
+    pub(super) fn examine_rest(&mut self, holds: &[Hold]) -> Status {
+        let status = self.leave_if_unstable(holds);
+        if status != Status::Converged {
+            return status;
+        }
+        let share = if self.system.params.memory.is_empty() { 1.0 } else { MEMORY_TOLERANCE };
+        let tolerance_m = share * self.space.base.static_tolerance_m;
+        self.space.error_m = self.estimate_m();
+        if self.space.error_m > tolerance_m && self.solve_static(holds, 1.0) == Status::Converged {
+            // The last iteration left an imbalance of its own; one more does not.
+            self.space.error_m = self.estimate_m();
+        }
+        if self.space.error_m <= tolerance_m {
+            return self.possible();
+        }
+        let mut fallback = None;
+        let mut status = Status::UnderResolved;
+        let mut before_m = f64::INFINITY;
+        while self.space.error_m > tolerance_m && self.space.level < MOST_REFINEMENTS {
+            let mut finer = self.on_grid(self.space.level + 1);
+            let patience = std::mem::replace(&mut finer.solver.patience, PATIENCE);
+            status = finer.solve_static(holds, 1.0);
+            finer.solver.patience = patience;
+            let apart_m = finer.distance_m(self);
+            finer.space.error_m = left_m(before_m, apart_m).min(finer.estimate_m());
+            before_m = apart_m;
+            let coarser = std::mem::replace(self, finer);
+            fallback.get_or_insert(coarser);
+            if status != Status::Converged {
+                // The coarse answer stands unconfirmed.
+                status = Status::UnderResolved;
+                break;
+            }
+        }
+        if status == Status::Converged {
+            let settled = self.space.error_m <= tolerance_m;
+            status = if settled { self.possible() } else { Status::UnderResolved };
+        }
+        if let (true, Some(mut coarse)) = (status != Status::Converged, fallback) {
+            coarse.space.error_m = self.space.error_m;
+            *self = coarse;
+        }
+        status
+    }
+
+    /// Judges the shape of a moving rod, whose grid stays as it is. What is missing in the balance meets the viscous
+    /// stiffness as well.
+    pub(super) fn examine_motion(&mut self) -> Status {
+        let stiffer = 1.0 + self.motion.rate * self.system.params.damping_time_s;
+        let error_m = self.system.cell_error_m(&self.state.shape, &self.state.taut)
+            + self.system.balance_error_m(&self.solver.work, &self.state.taut) / stiffer;
+        self.space.error_m = if error_m.is_finite() { error_m } else { f64::INFINITY };
+        if self.space.error_m > MOTION_BOUND * self.system.params.length_m() {
+            return Status::UnderResolved;
+        }
+        self.possible()
+    }
+
+    /// Whether the material keeps its order: no cross-section passes through the next, on the axis or at a tendon.
+    fn possible(&self) -> Status {
+        if self.least_stretch() > 0.0 { Status::Converged } else { Status::Crushed }
+    }
+
+    /// Least length of the backbone, or of the axial part of a tendon's path, per relaxed length.
+    pub(super) fn least_stretch(&self) -> f64 {
+        let count = self.system.params.tendons.len();
+        let mut least = f64::INFINITY;
+        for (g, strain) in self.state.shape.strain.iter().enumerate() {
+            least = least.min(strain[5]);
+            for guide in &self.system.guides[g * count..(g + 1) * count] {
+                let [x, y] = guide.offset_m;
+                if guide.present {
+                    least = least.min(strain[5] + strain[0] * y - strain[1] * x);
+                }
+            }
+        }
+        least
+    }
+
+    /// Goes back to the resolution that was asked for, unless histories along the rod would be lost.
+    pub(super) fn coarsen(&mut self) {
+        if self.space.level > 0 && self.system.params.memory.is_empty() {
+            *self = self.on_grid(0);
+        }
+    }
+
+    /// A rod that starts anew starts on the grid that was asked for.
+    pub(super) fn forget_refinement(&mut self) {
+        if self.space.level > 0 {
+            *self = self.on_grid(0);
+        }
+    }
+
+    /// The same rod in the same state on the grid of another level, at rest.
+    pub(super) fn on_grid(&self, level: u32) -> Rod {
+        self.carried(Rod::new(self.system.params.refined(&self.space.base, level)), level)
+    }
+
+    /// `rod`, on the grid of another level, in the state of this one.
+    pub(super) fn carried(&self, mut rod: Rod, level: u32) -> Rod {
+        rod.trace.clone_from(&self.trace);
+        rod.space = Space { level, error_m: self.space.error_m, base: self.space.base, softest: rod.space.softest };
+        rod.tip_load = self.tip_load;
+        let (from, to) = (&self.system.grid, &rod.system.grid);
+        to.transfer(from, &self.state.unknowns, &mut rod.state.unknowns);
+        rod.state.taut.clone_from(&self.state.taut);
+        rod.state.memory = self.state.memory.iter().map(|states| to.spread(from, states)).collect();
+        rod.state.shape.update(to, &rod.system.sections, &rod.state.unknowns[..to.unknowns]);
+        rod.solver.iterations = self.solver.iterations;
+        rod.solver.factorisations = self.solver.factorisations;
+        rod
+    }
+
+    /// How far the tips of two rods lie apart, metres; a turn counts as what it moves at the rod's length.
+    fn distance_m(&self, other: &Rod) -> f64 {
+        let moved = (self.tip_m() - other.tip_m()).norm();
+        let turned = (self.tip_rotation() - other.tip_rotation()).norm() * self.system.params.length_m();
+        // A comparison with what is not a number must not pass for agreement.
+        if moved.is_finite() && turned.is_finite() { moved.max(turned) } else { f64::INFINITY }
+    }
+}
+
+impl Grid {
+    /// Coefficients and tensions of the grid `from` on this one: the polynomials projected on those of each element.
+    fn transfer(&self, from: &Grid, source: &[f64], target: &mut [f64]) {
+        target[..self.unknowns].fill(0.0);
+        let mut basis = vec![0.0; from.modes.into_iter().max().unwrap_or(0)];
+        for node in &self.nodes {
+            let at = element_of(&from.elements_m, node.position_m);
+            legendre(at.place, &mut basis);
+            let own = element_of(&self.elements_m, node.position_m);
+            let mut offset = at.index * from.modes.iter().sum::<usize>();
+            for c in 0..COMPONENTS {
+                let coefficients = &source[offset..offset + from.modes[c]];
+                let value: f64 = coefficients.iter().zip(&basis).map(|(x, p)| x * p).sum();
+                for (k, own_basis) in node.basis[..self.modes[c]].iter().enumerate() {
+                    let norm = own.length_m / (2 * k + 1) as f64;
+                    target[node.offset[c] + k] += node.weight_m * value * own_basis / norm;
+                }
+                offset += from.modes[c];
+            }
+        }
+        target[self.unknowns..].copy_from_slice(&source[from.unknowns..]);
+    }
+
+    /// Histories at the Gauss points of `from` on those of this grid, linear within each cell, where nothing jumps.
+    fn spread(&self, from: &Grid, states: &[MemoryState]) -> Vec<MemoryState> {
+        let state = |position_m: f64| {
+            let cell = from.boundaries_m.partition_point(|&end| end <= position_m).clamp(1, from.cells.len()) - 1;
+            let [a, b] = [2 * cell, 2 * cell + 1];
+            let (start, end) = (from.nodes[a].position_m, from.nodes[b].position_m);
+            let share = (position_m - start) / (end - start);
+            std::array::from_fn(|k| states[a][k] + share * (states[b][k] - states[a][k]))
+        };
+        self.nodes.iter().map(|node| state(node.position_m)).collect()
+    }
+}
+
+/// An element, and where in it (−1 to 1) a place lies.
+struct Place {
+    index: usize,
+    length_m: f64,
+    place: f64,
+}
+
+fn element_of(ends_m: &[f64], position_m: f64) -> Place {
+    let index = ends_m.partition_point(|&end| end <= position_m).clamp(1, ends_m.len() - 1) - 1;
+    let length_m = ends_m[index + 1] - ends_m[index];
+    Place { index, length_m, place: 2.0 * (position_m - ends_m[index]) / length_m - 1.0 }
+}
