@@ -12,12 +12,15 @@ mod creep;
 mod damping;
 mod delay;
 mod distributed_mass;
+mod driven;
 mod frame_shift;
 mod friction;
 mod hysteresis;
 mod model;
 mod precurvature;
+mod replay;
 mod robot;
+mod sensitivity;
 mod soft_section;
 mod spine_compressibility;
 mod tendon_angle;
@@ -33,10 +36,13 @@ use serde::{Deserialize, Serialize};
 use crate::base::{BadOption, Observation};
 use crate::rod::RodParams;
 
+pub use driven::{Driven, VariationError};
 pub use model::{Model, check_effects};
+pub use replay::{ReplayError, Replayed, Trial, replay};
 pub use robot::{
     Backbone, Disks, Frame, Load, OffsetPoint, OnePlace, Piece, RadiusPoint, Robot, Sections, Spread, Tendons,
 };
+pub use sensitivity::{ModelParameter, ParameterError, Variable};
 
 /// A physical effect. Every hook does nothing unless an effect fills it in.
 ///

@@ -1,5 +1,4 @@
-//! Nonlinear least squares by Levenberg–Marquardt with finite-difference derivatives, and what the data say of the
-//! parameters.
+//! Nonlinear least squares by Levenberg–Marquardt, and what the data say of the parameters.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -25,31 +24,26 @@ pub struct Fit {
     pub converged: bool,
 }
 
-/// How residuals are differentiated.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Differences {
-    /// Change of each parameter.
-    pub step: f64,
-    /// Accuracy to which residuals are computed: a parameter whose step changes them by less, in the root mean square,
-    /// is not seen by the data, and what it seems to do is rounding.
-    pub accuracy: f64,
-}
+/// Residuals at some parameters; `None` where the model has no answer.
+pub type Residuals<'a> = dyn Fn(&[f64]) -> Option<Vec<f64>> + 'a;
+/// Their derivative there: a row a residual, a column a parameter, zero for a parameter that is not seen.
+pub type Derivative<'a> = dyn Fn(&[f64]) -> Option<DMatrix<f64>> + 'a;
 
-/// Minimises the sum of squares of `residuals(parameters)` from `start`. `residuals` returns `None` where the model has
-/// no answer: such a step is shortened. Levenberg–Marquardt with Marquardt's scaling (Nocedal & Wright, Numerical
-/// Optimization, section 10.3). `None` when there is no answer at the start or next to the optimum.
-pub fn fit(residuals: &dyn Fn(&[f64]) -> Option<Vec<f64>>, start: &[f64], differences: Differences) -> Option<Fit> {
+/// Minimises the sum of squares of `residuals(parameters)` from `start`. Where they have no answer, a step is shortened.
+/// Levenberg–Marquardt with Marquardt's scaling (Nocedal & Wright, Numerical Optimization, section 10.3). `None` when
+/// there is no answer, or no derivative, at the start or at a step that was taken.
+pub fn fit(residuals: &Residuals, derivative: &Derivative, start: &[f64]) -> Option<Fit> {
     let mut at = start.to_vec();
     let mut current = DVector::from_vec(residuals(&at)?);
     let (mut damping, mut converged) = (1e-3, false);
-    let mut jacobian = derivative(residuals, &at, current.len(), differences)?;
+    let mut jacobian = derivative(&at)?;
     for _ in 0..MOST_ITERATIONS {
         let before = current.norm_squared();
         let improved = improve(residuals, (&mut at, &mut current), &jacobian, &mut damping);
         // Where no step of any length helps, this is the minimum to rounding.
         converged = !improved || 1.0 - current.norm_squared() / before.max(f64::MIN_POSITIVE) < CONVERGED;
         if improved {
-            jacobian = derivative(residuals, &at, current.len(), differences)?;
+            jacobian = derivative(&at)?;
         }
         if converged {
             break;
@@ -60,9 +54,19 @@ pub fn fit(residuals: &dyn Fn(&[f64]) -> Option<Vec<f64>>, start: &[f64], differ
     Some(Fit { parameters: at, interval_95, rms, converged })
 }
 
+/// `jacobian` with zero for the parameters that the data do not see: those whose change by `step` changes the residuals
+/// by less than the `accuracy` to which they are computed, in the root mean square. What such a one seems to do is rounding.
+pub fn unseen_left_out(mut jacobian: DMatrix<f64>, step: f64, accuracy: f64) -> DMatrix<f64> {
+    let least = accuracy * (jacobian.nrows() as f64).sqrt() / step;
+    for mut column in jacobian.column_iter_mut().filter(|column| column.norm() <= least) {
+        column.fill(0.0);
+    }
+    jacobian
+}
+
 /// One step that does not raise the sum of squares, damped until there is one; false when there is none.
 fn improve(
-    residuals: &dyn Fn(&[f64]) -> Option<Vec<f64>>,
+    residuals: &Residuals,
     (at, current): (&mut Vec<f64>, &mut DVector<f64>),
     jacobian: &DMatrix<f64>,
     damping: &mut f64,
@@ -88,28 +92,6 @@ fn improve(
         }
     }
     false
-}
-
-/// Central differences; zero for a parameter that is not seen.
-fn derivative(
-    residuals: &dyn Fn(&[f64]) -> Option<Vec<f64>>,
-    at: &[f64],
-    rows: usize,
-    differences: Differences,
-) -> Option<DMatrix<f64>> {
-    let mut jacobian = DMatrix::zeros(rows, at.len());
-    for k in 0..at.len() {
-        let shifted = |sign: f64| {
-            let mut moved = at.to_vec();
-            moved[k] += sign * differences.step;
-            residuals(&moved).map(DVector::from_vec)
-        };
-        let change = (shifted(1.0)? - shifted(-1.0)?) * 0.5;
-        if change.norm() > differences.accuracy * (rows as f64).sqrt() {
-            jacobian.set_column(k, &(change / differences.step));
-        }
-    }
-    Some(jacobian)
 }
 
 /// Intervals from the covariance s² (JᵀJ)⁺; infinite for whatever has a share in a direction that the data do not see.
@@ -151,7 +133,22 @@ fn intervals(jacobian: &DMatrix<f64>, residual: &DVector<f64>, at: &[f64]) -> Ve
 mod tests {
     use super::*;
 
-    const FINE: Differences = Differences { step: 1e-5, accuracy: 1e-14 };
+    /// Central differences.
+    fn differences(residuals: &Residuals, at: &[f64], step: f64, accuracy: f64) -> Option<DMatrix<f64>> {
+        let shifted = |k: usize, by: f64| {
+            let mut moved = at.to_vec();
+            moved[k] += by;
+            residuals(&moved).map(DVector::from_vec)
+        };
+        let columns: Vec<DVector<f64>> = (0..at.len())
+            .map(|k| Some((shifted(k, step)? - shifted(k, -step)?) / (2.0 * step)))
+            .collect::<Option<_>>()?;
+        Some(unseen_left_out(DMatrix::from_columns(&columns), step, accuracy))
+    }
+
+    fn found(residuals: &Residuals, start: &[f64], step: f64, accuracy: f64) -> Fit {
+        fit(residuals, &|at| differences(residuals, at, step, accuracy), start).unwrap()
+    }
 
     #[test]
     fn an_exponential_decay_comes_back() {
@@ -159,7 +156,7 @@ mod tests {
         let wobble = |k: usize| 1e-3 * (k as f64 * 12.9898).sin();
         let data: Vec<f64> = times.iter().enumerate().map(|(k, t)| 2.0 * (-1.5 * t).exp() + wobble(k)).collect();
         let residuals = |p: &[f64]| Some(times.iter().zip(&data).map(|(t, y)| p[0] * (-p[1] * t).exp() - y).collect());
-        let fit = fit(&residuals, &[1.0, 0.5], FINE).unwrap();
+        let fit = found(&residuals, &[1.0, 0.5], 1e-5, 1e-14);
         assert!(fit.converged);
         for (value, interval) in [2.0, 1.5].iter().zip(&fit.interval_95) {
             assert!(interval[0] < *value && *value < interval[1], "{fit:?}");
@@ -176,15 +173,15 @@ mod tests {
             Some(data.iter().enumerate().map(|(k, y)| slope * k as f64 + shift + wobble(k) - y).collect::<Vec<f64>>())
         };
         let idle = |p: &[f64]| line(p[0], p[1], 1e-12 * (1e9 * p[2]).sin());
-        let found = fit(&idle, &[1.0, 0.0, 5.0], Differences { step: 1e-4, accuracy: 1e-10 }).unwrap();
-        assert!((found.parameters[0] - 3.0).abs() < 1e-3 && (found.parameters[1] - 1.0).abs() < 1e-2, "{found:?}");
-        assert!(found.parameters[2] == 5.0 && found.interval_95[2][1].is_infinite(), "{found:?}");
-        assert!(found.interval_95[0][1] - found.interval_95[0][0] < 1e-3, "{found:?}");
+        let fitted = found(&idle, &[1.0, 0.0, 5.0], 1e-4, 1e-10);
+        assert!((fitted.parameters[0] - 3.0).abs() < 1e-3 && (fitted.parameters[1] - 1.0).abs() < 1e-2, "{fitted:?}");
+        assert!(fitted.parameters[2] == 5.0 && fitted.interval_95[2][1].is_infinite(), "{fitted:?}");
+        assert!(fitted.interval_95[0][1] - fitted.interval_95[0][0] < 1e-3, "{fitted:?}");
 
         let product = |p: &[f64]| line(p[0] * p[1], p[2], 0.0);
-        let found = fit(&product, &[1.0, 1.0, 0.0], FINE).unwrap();
-        assert!((found.parameters[0] * found.parameters[1] - 3.0).abs() < 1e-3, "{found:?}");
-        let unknown = found.interval_95.iter().map(|interval| interval[1].is_infinite()).collect::<Vec<bool>>();
-        assert_eq!(unknown, [true, true, false], "{found:?}");
+        let fitted = found(&product, &[1.0, 1.0, 0.0], 1e-5, 1e-14);
+        assert!((fitted.parameters[0] * fitted.parameters[1] - 3.0).abs() < 1e-3, "{fitted:?}");
+        let unknown = fitted.interval_95.iter().map(|interval| interval[1].is_infinite()).collect::<Vec<bool>>();
+        assert_eq!(unknown, [true, true, false], "{fitted:?}");
     }
 }

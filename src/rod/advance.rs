@@ -100,6 +100,7 @@ impl Rod {
     fn finish_step(&mut self, h: f64) {
         self.state.rates.copy_from(&self.stages[self.stages.len() - 1]);
         self.commit_memory(h);
+        self.trace.iter_mut().for_each(|trace| trace.accept(h));
     }
 
     /// The length of step that the error of the one just taken allows, as a share of it.
@@ -137,6 +138,8 @@ impl Rod {
         let gravity = self.system.params.gravity_m_s2;
         let allowed_m = self.system.params.resolution.motion_tolerance_m;
         let tolerance_m = if allowed_m.is_finite() { STAGE_SHARE * allowed_m } else { STAGE_TOLERANCE_M };
+        self.rest = None;
+        self.trace.iter_mut().for_each(|trace| trace.stages.clear());
         for i in 0..self.tableau.rows.len() {
             let Some(holds) = self.holds(&drives(self.pace.stage_times[i] * h)) else { return Status::BadCommand };
             self.seed_tensions(&holds);
@@ -146,6 +149,7 @@ impl Rod {
                 return status;
             }
             self.stages[i].read(&self.motion, &self.system.masses, &self.state.shape);
+            self.trace_stage();
         }
         Status::Converged
     }

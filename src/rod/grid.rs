@@ -1,13 +1,16 @@
 //! Where along the rod things are computed: cells with two Gauss–Legendre points each, and the polynomials on them.
 
 use super::basis::Basis;
-use super::params::RodParams;
+use super::params::{Resolution, RodParams};
 use super::span::Span;
 use super::tendon::Tendon;
 use crate::math::polynomial::legendre;
 
 /// Half the distance between the two Gauss points, as a share of the cell: √3/6.
 pub(super) const GAUSS: f64 = 0.288_675_134_594_812_9;
+
+/// Cuts that are closer are one, metres.
+const SAME_PLACE_M: f64 = 1e-6;
 
 /// Internal wrench components in the body frame: moments about x, y, z, then forces along x, y, z.
 pub(super) const COMPONENTS: usize = 6;
@@ -55,8 +58,24 @@ impl Grid {
     /// wrench is one polynomial a component between the places where it may jump: tendon ends, kinks of their paths
     /// and loads.
     pub(super) fn new(params: &RodParams) -> Grid {
-        let elements = element_ends(params);
-        let resolution = &params.resolution;
+        let (elements, cuts) = (element_ends(params), cell_ends(params));
+        let boundaries_m = subdivided(params, &elements, &cuts, &cuts);
+        Grid::on(&params.resolution, boundaries_m, &elements)
+    }
+
+    /// The discretisation of a rod that differs a little from `params`, the one that this grid is made for: the same
+    /// cells and polynomials, moved along. `None` where there is none: parts came or went, or what had one place no
+    /// longer has.
+    pub(super) fn moved(params: &RodParams, changed: &RodParams) -> Option<Grid> {
+        let (elements, cuts) = (element_ends(params), cell_ends(params));
+        let moved = moved_along(&cuts, &cell_cuts(params), &cell_cuts(changed))?;
+        let ends = moved_along(&elements, &element_cuts(params), &element_cuts(changed))?;
+        let boundaries_m = subdivided(params, &elements, &cuts, &moved);
+        (params.resolution == changed.resolution).then(|| Grid::on(&params.resolution, boundaries_m, &ends))
+    }
+
+    /// The grid with cells between `boundaries_m` and polynomials between `elements`.
+    fn on(resolution: &Resolution, boundaries_m: Vec<f64>, elements: &[f64]) -> Grid {
         let modes = [
             resolution.bending_modes,
             resolution.bending_modes,
@@ -66,7 +85,6 @@ impl Grid {
             resolution.axial_modes,
         ];
         let most = modes.iter().copied().max().unwrap_or(0);
-        let boundaries_m = cell_ends(params);
         let per_element: usize = modes.iter().sum();
         let mut grid = Grid {
             cells: Vec::new(),
@@ -75,7 +93,7 @@ impl Grid {
             modes,
             boundaries_m,
             all: Basis::new(&[], modes),
-            elements_m: elements.clone(),
+            elements_m: elements.to_vec(),
         };
         for window in grid.boundaries_m.windows(2) {
             let (start, length) = (window[0], window[1] - window[0]);
@@ -115,16 +133,22 @@ impl Grid {
     }
 }
 
-/// Base, ends and kinks of tendons, loads, tip; the jumps of the material as well if the resolution says so.
-pub(super) fn element_ends(params: &RodParams) -> Vec<f64> {
-    let mut ends = vec![0.0, params.length_m()];
-    ends.extend(params.tendons.iter().flat_map(Tendon::borders_m));
-    ends.extend(params.point_loads.iter().map(|load| load.position_m));
-    ends.extend(params.line_loads.iter().flat_map(|load| [load.start_m, load.end_m]));
+/// Base, tip, ends and kinks of tendons, loads, in a fixed order; the jumps of the material as well if the resolution says
+/// so.
+fn element_cuts(params: &RodParams) -> Vec<f64> {
+    let mut cuts = vec![0.0, params.length_m()];
+    cuts.extend(params.tendons.iter().flat_map(Tendon::borders_m));
+    cuts.extend(params.point_loads.iter().map(|load| load.position_m));
+    cuts.extend(params.line_loads.iter().flat_map(|load| [load.start_m, load.end_m]));
     if params.resolution.split_elements {
-        ends.extend(material_jumps(params));
+        cuts.extend(material_jumps(params));
     }
-    sorted_unique(ends, params.length_m())
+    cuts
+}
+
+/// Base, tip and where the internal wrench may jump.
+pub(super) fn element_ends(params: &RodParams) -> Vec<f64> {
+    sorted_unique(element_cuts(params), params.length_m())
 }
 
 /// Where stiffness, rest shape or spine change, and the lumped masses.
@@ -139,33 +163,60 @@ fn material_jumps(params: &RodParams) -> Vec<f64> {
     places
 }
 
-/// Ends of all cells: wherever a property jumps, subdivided to the wanted resolution.
-fn cell_ends(params: &RodParams) -> Vec<f64> {
-    let elements = element_ends(params);
-    let mut cuts = elements.clone();
+/// Wherever a property jumps or a mass sits, in a fixed order.
+fn cell_cuts(params: &RodParams) -> Vec<f64> {
+    let mut cuts = element_cuts(params);
     cuts.extend(params.spans.iter().map(|span| span.end_m));
     cuts.extend(params.masses.iter().map(|mass| mass.position_m));
     for section in &params.sections {
         cuts.extend([section.start_m, section.start_m + section.length_m]);
     }
-    let cuts = sorted_unique(cuts, params.length_m());
+    cuts
+}
+
+/// Where cells have to end.
+fn cell_ends(params: &RodParams) -> Vec<f64> {
+    sorted_unique(cell_cuts(params), params.length_m())
+}
+
+/// Ends of all cells: `places`, and between two of them as many as the resolution asks for between the same two of
+/// `cuts`.
+fn subdivided(params: &RodParams, elements: &[f64], cuts: &[f64], places: &[f64]) -> Vec<f64> {
+    let resolution = &params.resolution;
     let mut ends = vec![0.0];
-    for window in cuts.windows(2) {
+    for (window, place) in cuts.windows(2).zip(places.windows(2)) {
         let length = window[1] - window[0];
-        let element = elements.windows(2).find(|element| window[0] < element[1] - 5e-7);
+        let element = elements.windows(2).find(|element| window[0] < element[1] - 0.5 * SAME_PLACE_M);
         let share = element.map_or(1.0, |element| length / (element[1] - element[0]));
         // Too few Gauss points could not tell the polynomials of an element apart.
-        let least = (share * params.resolution.least_cells() as f64 - 1e-9).ceil();
-        let count = (length / params.resolution.cell_m - 1e-9).ceil().max(least).max(1.0) as usize;
-        ends.extend((1..=count).map(|k| window[0] + length * k as f64 / count as f64));
+        let least = (share * resolution.least_cells() as f64 - 1e-9).ceil();
+        let count = (length / resolution.cell_m - 1e-9).ceil().max(least).max(1.0) as usize;
+        ends.extend((1..=count).map(|k| place[0] + (place[1] - place[0]) * k as f64 / count as f64));
     }
     ends
 }
 
+/// Where each of `places` goes when the cuts that stand there go from `from` to `to`; `None` when they part, or when
+/// there are not as many.
+fn moved_along(places: &[f64], from: &[f64], to: &[f64]) -> Option<Vec<f64>> {
+    if from.len() != to.len() {
+        return None;
+    }
+    let moved = places.iter().map(|&place| {
+        let here = from.iter().zip(to).filter(|&(&cut, _)| (place..place + SAME_PLACE_M).contains(&cut));
+        let shifts: Vec<f64> = here.map(|(cut, then)| then - cut).collect();
+        let first = *shifts.first()?;
+        let together = shifts.iter().all(|shift| (shift - first).abs() <= 1e-4 * first.abs() + 1e-14);
+        together.then_some(place + first)
+    });
+    let moved: Vec<f64> = moved.collect::<Option<_>>()?;
+    moved.is_sorted_by(|a, b| a < b).then_some(moved)
+}
+
 /// Sorts, drops what lies outside [0, length] and merges what lies closer than a micrometre.
 fn sorted_unique(mut values: Vec<f64>, length_m: f64) -> Vec<f64> {
-    values.retain(|&value| (0.0..=length_m + 1e-6).contains(&value));
+    values.retain(|&value| (0.0..=length_m + SAME_PLACE_M).contains(&value));
     values.sort_by(f64::total_cmp);
-    values.dedup_by(|b, a| *b - *a < 1e-6);
+    values.dedup_by(|b, a| *b - *a < SAME_PLACE_M);
     values
 }

@@ -57,7 +57,7 @@ impl Space {
 impl RodParams {
     /// The same rod with `base` refined `level` times: cells are halved and polynomials added each time. From the second
     /// time on polynomials end at every jump of the material; many elements get fewer polynomials each.
-    fn refined(&self, base: &Resolution, level: u32) -> RodParams {
+    pub(super) fn refined(&self, base: &Resolution, level: u32) -> RodParams {
         let mut params = RodParams { resolution: *base, ..self.clone() };
         if level == 0 {
             return params;
@@ -295,8 +295,13 @@ impl Rod {
     }
 
     /// The same rod in the same state on the grid of another level, at rest.
-    fn on_grid(&self, level: u32) -> Rod {
-        let mut rod = Rod::new(self.system.params.refined(&self.space.base, level));
+    pub(super) fn on_grid(&self, level: u32) -> Rod {
+        self.carried(Rod::new(self.system.params.refined(&self.space.base, level)), level)
+    }
+
+    /// `rod`, on the grid of another level, in the state of this one.
+    pub(super) fn carried(&self, mut rod: Rod, level: u32) -> Rod {
+        rod.trace.clone_from(&self.trace);
         rod.space = Space { level, error_m: self.space.error_m, base: self.space.base, softest: rod.space.softest };
         rod.tip_load = self.tip_load;
         let (from, to) = (&self.system.grid, &rod.system.grid);

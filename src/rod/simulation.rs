@@ -5,6 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::advance::Pace;
 use super::conditions::{Conditions, Hold};
 use super::grid::Grid;
+use super::memory::MemoryState;
 use super::motion::Motion;
 use super::params::{RodParams, TipLoad};
 use super::refine::Space;
@@ -68,14 +69,52 @@ pub struct Rod {
     pub(super) pace: Pace,
     pub(super) tip_load: TipLoad,
     pub(super) space: Space,
+    /// Under what the rod came to rest; nothing once it has moved.
+    pub(super) rest: Option<Rest>,
+    /// What has been solved, for those who follow; nothing is kept when absent.
+    pub(super) trace: Option<Trace>,
+}
+
+/// What a static solve was asked for.
+#[derive(Clone, Debug)]
+pub(super) struct Rest {
+    pub(super) holds: Vec<Hold>,
+    /// Histories before they came to rest as well.
+    pub(super) memory: Vec<Vec<MemoryState>>,
+}
+
+/// What has been solved.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Trace {
+    /// Unknowns and taut set of each stage of the step under way.
+    pub(super) stages: Vec<(Vec<f64>, Vec<bool>)>,
+    /// Equilibria (of infinite duration) and steps that were accepted.
+    pub(super) solved: Vec<Solved>,
+}
+
+/// A time step or an equilibrium.
+#[derive(Clone, Debug)]
+pub(super) struct Solved {
+    pub(super) duration_s: f64,
+    pub(super) stages: Vec<(Vec<f64>, Vec<bool>)>,
+}
+
+impl Trace {
+    /// The stages so far were those of a step of `duration_s`.
+    pub(super) fn accept(&mut self, duration_s: f64) {
+        self.solved.push(Solved { duration_s, stages: std::mem::take(&mut self.stages) });
+    }
 }
 
 impl Rod {
     /// A rod at rest, straight and unloaded; call [`Rod::settle`] before anything else.
     pub fn new(params: RodParams) -> Rod {
-        let tip_load = params.tip_load;
-        let scheme: Scheme = params.resolution.scheme;
-        let system = System::new(params);
+        Rod::on(System::new(params))
+    }
+
+    pub(super) fn on(system: System) -> Rod {
+        let tip_load = system.params.tip_load;
+        let scheme: Scheme = system.params.resolution.scheme;
         let tableau = scheme.tableau();
         let state = State {
             unknowns: vec![0.0; system.size()],
@@ -93,6 +132,8 @@ impl Rod {
             pace: Pace::new(&tableau),
             tableau,
             tip_load,
+            rest: None,
+            trace: None,
             space: Space::new(&system),
             system,
         };
@@ -112,6 +153,7 @@ impl Rod {
         self.solver = Solver::new(system);
         self.pace = Pace::new(&self.tableau);
         self.tip_load = system.params.tip_load;
+        self.rest = None;
     }
 
     /// What the rod is made of.
@@ -145,7 +187,10 @@ impl Rod {
         }
         if status == Status::Converged {
             self.state.rates = Rates::zero(&self.system.grid, &self.system.masses);
+            self.rest = Some(Rest { holds, memory: self.state.memory.clone() });
             self.commit_memory(f64::INFINITY);
+            self.trace_stage();
+            self.trace.iter_mut().for_each(|trace| trace.accept(f64::INFINITY));
         } else {
             self.state = before;
         }
@@ -227,6 +272,12 @@ impl Rod {
             self.state.shape.update(&self.system.grid, &self.system.sections, &self.state.unknowns[..n]);
         }
         status
+    }
+
+    /// Keeps what has just been solved for those who follow.
+    pub(super) fn trace_stage(&mut self) {
+        let State { unknowns, taut, .. } = &self.state;
+        self.trace.iter_mut().for_each(|trace| trace.stages.push((unknowns.clone(), taut.clone())));
     }
 
     pub(super) fn commit_memory(&mut self, dt_s: f64) {

@@ -66,7 +66,11 @@ impl Work {
 
 impl System {
     pub(super) fn new(params: RodParams) -> System {
-        let grid = Grid::new(&params);
+        System::on(Grid::new(&params), params)
+    }
+
+    /// A rod on a grid that was made for it.
+    pub(super) fn on(grid: Grid, params: RodParams) -> System {
         let sections: Vec<Section> = grid.nodes.iter().map(|node| Section::new(&params, node.position_m)).collect();
         let masses = params
             .masses
@@ -248,7 +252,6 @@ impl System {
         }
     }
 
-    #[allow(dead_code)] // until sensitivities land
     /// Adds the weak form of a strain-like vector at Gauss point `g` to the balance equations.
     pub(super) fn project(&self, g: usize, value: &Six, out: &mut [f64]) {
         let node = &self.grid.nodes[g];

@@ -31,6 +31,11 @@ impl Triple {
         &self.values[axis * n..(axis + 1) * n]
     }
 
+    /// Change that a change of the unknowns makes.
+    pub(super) fn times(&self, change: &[f64]) -> Vector3<f64> {
+        Vector3::from(self.rows().map(|row| row.iter().zip(change).map(|(a, b)| a * b).sum()))
+    }
+
     /// All three components.
     #[inline(always)]
     pub(super) fn rows(&self) -> [&[f64]; 3] {

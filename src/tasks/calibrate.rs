@@ -1,37 +1,50 @@
 //! Calibration of a model from a recording (paper, section III-B: Young's modulus from weights hung on tendons and the
 //! tracked tip, Poisson's ratio held).
 
+use nalgebra::DMatrix;
+
 use super::TaskError;
-use super::play::{PlayOptions, play};
-use crate::base::BadOption;
+use super::play::{PlayOptions, play, play_varied};
+use crate::base::{BadOption, Point3};
 use crate::data::Recording;
-use crate::effects::{Model, Robot};
-use crate::math::least_squares::{self, Differences};
+use crate::effects::{Model, ModelParameter, Robot, Variable, VariationError};
+use crate::math::least_squares;
+use crate::rod::TipRate;
 
 /// A number of a robot that can be calibrated; all are positive and fitted on a logarithmic scale.
 pub struct Adjustable {
     /// Its name: the key in the model file.
     pub name: &'static str,
-    /// Where it stands.
+    /// Where it stands in a model file.
+    path: &'static str,
+    /// The same in a robot.
     field: fn(&mut Robot) -> &mut f64,
 }
 
 /// Everything that `--fit` can name.
 pub static ADJUSTABLE: &[Adjustable] = &[
-    Adjustable { name: "youngs_modulus_pa", field: |robot| &mut robot.backbone.youngs_modulus_pa },
-    Adjustable { name: "compliance_m_per_n", field: |robot| &mut robot.sections.compliance_m_per_n },
-    Adjustable { name: "disk_mass_kg", field: |robot| &mut robot.disks.mass_kg },
-    Adjustable { name: "tendon_radius_m", field: |robot| &mut robot.tendons.radius_m },
-    Adjustable { name: "damping_time_s", field: |robot| &mut robot.damping_time_s },
-    Adjustable { name: "length_m", field: |robot| &mut robot.backbone.length_m },
+    Adjustable {
+        name: "youngs_modulus_pa",
+        path: "robot.backbone.youngs_modulus_pa",
+        field: |robot| &mut robot.backbone.youngs_modulus_pa,
+    },
+    Adjustable {
+        name: "compliance_m_per_n",
+        path: "robot.sections.compliance_m_per_n",
+        field: |robot| &mut robot.sections.compliance_m_per_n,
+    },
+    Adjustable { name: "disk_mass_kg", path: "robot.disks.mass_kg", field: |robot| &mut robot.disks.mass_kg },
+    Adjustable { name: "tendon_radius_m", path: "robot.tendons.radius_m", field: |robot| &mut robot.tendons.radius_m },
+    Adjustable { name: "damping_time_s", path: "robot.damping_time_s", field: |robot| &mut robot.damping_time_s },
+    Adjustable { name: "length_m", path: "robot.backbone.length_m", field: |robot| &mut robot.backbone.length_m },
 ];
 
-/// Step of the finite differences in the logarithm of a number.
-const LOG_STEP: f64 = 1e-3;
+/// A number that moves no tip by more than [`TIP_ACCURACY_M`] when it changes by this share is not seen.
+const SEEN_SHARE: f64 = 1e-3;
 /// Accuracy of a played tip, metres: the rod's tolerance.
 const TIP_ACCURACY_M: f64 = 1e-8;
-
-const DIFFERENCES: Differences = Differences { step: LOG_STEP, accuracy: TIP_ACCURACY_M };
+/// Change of a number, over its scale, for differences of whole trials.
+const TRIAL_STEP: f64 = 1e-3;
 
 /// One calibrated number.
 #[derive(Clone, Debug, PartialEq)]
@@ -111,7 +124,13 @@ pub fn calibrate(
     let per_row = |all: &[f64]| (all.iter().map(|r| r * r).sum::<f64>() / rows.len() as f64).sqrt();
     let unplayable = TaskError::NotFinite("the model cannot play these commands");
     let before_m = per_row(&residuals(&start).ok_or_else(|| unplayable.clone())?);
-    let fit = least_squares::fit(&residuals, &start, DIFFERENCES).ok_or_else(|| unplayable.clone())?;
+    let derivative = |logs: &[f64]| {
+        let rates = tip_rates(&with(logs), measured, &options, &fields)?;
+        let slope = |row: usize, k: usize| rates[k][rows[row / 3]][row % 3] * values[k] * logs[k].exp();
+        let jacobian = DMatrix::from_fn(3 * rows.len(), fields.len(), slope);
+        Some(least_squares::unseen_left_out(jacobian, SEEN_SHARE, TIP_ACCURACY_M))
+    };
+    let fit = least_squares::fit(&residuals, &derivative, &start).ok_or_else(|| unplayable.clone())?;
     let numbers = (0..fields.len()).map(|k| Calibrated {
         name: fields[k].name,
         value: values[k] * fit.parameters[k].exp(),
@@ -124,6 +143,35 @@ pub fn calibrate(
         rows: rows.len(),
         model: with(&fit.parameters),
     })
+}
+
+/// For each number: derivative of the tip in each row, metres per unit of the number. `None` when the model cannot play
+/// the commands.
+fn tip_rates(
+    model: &Model,
+    commands: &Recording,
+    options: &PlayOptions,
+    fields: &[&Adjustable],
+) -> Option<Vec<Vec<Point3>>> {
+    let parameter = |field: &&Adjustable| ModelParameter::named(model, field.path);
+    let parameters: Vec<ModelParameter> = fields.iter().map(parameter).collect::<Result<_, _>>().ok()?;
+    let variables: Vec<Variable> = parameters.iter().cloned().map(Variable::Parameter).collect();
+    let (_, rates, left_out) = play_varied(model, commands, options, &variables).ok()?;
+    let played = |candidate: &Model| -> Result<Vec<Point3>, VariationError> {
+        Ok(play(candidate, commands, options).tip_m.unwrap_or_default())
+    };
+    let mut columns = Vec::new();
+    for (k, parameter) in parameters.iter().enumerate() {
+        if left_out.contains(&k) {
+            columns.push(parameter.differences(model, TRIAL_STEP, &played).ok()?);
+        } else {
+            let column = k - left_out.iter().filter(|&&other| other < k).count();
+            // Rows that were not solved have no derivative; they are not compared either.
+            let rate = |row: &Vec<TipRate>| row.get(column).map_or([f64::NAN; 3], |rate| rate.position_m.into());
+            columns.push(rates.iter().map(rate).collect());
+        }
+    }
+    Some(columns)
 }
 
 fn adjustable(name: &str) -> Result<&'static Adjustable, TaskError> {

@@ -7,9 +7,9 @@ use nalgebra::Vector3;
 use crate::base::{Observation, Plant, PlantError, Seed, TendonCommand};
 use crate::data::recording::Extra;
 use crate::data::{Actuation, Recording};
-use crate::effects::{EffectSpec, Model};
+use crate::effects::{EffectSpec, Model, Variable, VariationError};
 use crate::plants::{Simulated, SimulatedOptions};
-use crate::rod::TipLoad;
+use crate::rod::{TipLoad, TipRate};
 
 /// How commands are played.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,25 +36,65 @@ impl Default for PlayOptions {
 pub fn play(model: &Model, commands: &Recording, options: &PlayOptions) -> Recording {
     let mut sheet = Sheet::new(commands.len(), commands.tendons());
     for (number, rows) in commands.trials() {
-        let seed = options.seed.index(number);
-        let mut trial = Trial::new(model, commands, rows.start, options);
-        if let Err(error) = trial.run(commands, rows.clone(), options.at_rest, seed, &mut sheet) {
-            sheet.lose(rows, &error);
-        }
+        let trial = Trial::new(commands, rows.start, |hung| Simulated::new(model, hung, options.plant()));
+        trial.fill(&mut sheet, commands, (number, rows), options);
     }
     sheet.into_recording(commands)
+}
+
+/// [`play`] with the derivative of each row's tip with respect to each of `variables`; a row that could not be solved has
+/// none. The second result names (from 0) those of them that have no derivative along a motion: they are left out.
+///
+/// # Errors
+/// [`VariationError`] for a variable that there is not.
+pub fn play_varied(
+    model: &Model,
+    commands: &Recording,
+    options: &PlayOptions,
+    variables: &[Variable],
+) -> Result<(Recording, Vec<Vec<TipRate>>, Vec<usize>), VariationError> {
+    let mut sheet = Sheet::new(commands.len(), commands.tendons());
+    let mut left_out = Vec::new();
+    for (number, rows) in commands.trials() {
+        let hung = hung(commands, rows.start);
+        let varied = Simulated::varied_where_possible(model, hung.as_slice(), options.plant(), variables)?;
+        left_out = varied.1;
+        let trial = Trial::new(commands, rows.start, |_| varied.0);
+        trial.fill(&mut sheet, commands, (number, rows), options);
+    }
+    let rates = std::mem::take(&mut sheet.rates);
+    Ok((sheet.into_recording(commands), rates, left_out))
+}
+
+impl PlayOptions {
+    fn plant(&self) -> SimulatedOptions {
+        SimulatedOptions { noise_m: self.noise_m, travel_m: self.travel_m, ..SimulatedOptions::default() }
+    }
+}
+
+/// The weight on the tip at a trial's first row.
+fn hung(commands: &Recording, first_row: usize) -> Option<EffectSpec> {
+    let hung_kg = commands.known_load_kg.as_ref().map_or(0.0, |load| load[first_row]);
+    (hung_kg > 0.0).then(|| EffectSpec::tip_load(hung_kg))
 }
 
 /// The columns that playing fills.
 struct Sheet {
     seen: Vec<Option<(Observation, f64)>>,
     status: Vec<String>,
+    /// Derivatives of the tip.
+    rates: Vec<Vec<TipRate>>,
     tendons: usize,
 }
 
 impl Sheet {
     fn new(rows: usize, tendons: usize) -> Sheet {
-        Sheet { seen: vec![None; rows], status: vec!["converged".to_owned(); rows], tendons }
+        Sheet {
+            seen: vec![None; rows],
+            status: vec!["converged".to_owned(); rows],
+            rates: vec![Vec::new(); rows],
+            tendons,
+        }
     }
 
     /// Names the failure in those of `rows` that have not been seen and have no other failure.
@@ -110,12 +150,24 @@ struct Trial {
 
 impl Trial {
     /// The robot with the weight that hangs on its tip in this trial.
-    fn new(model: &Model, commands: &Recording, first_row: usize, options: &PlayOptions) -> Trial {
+    fn new(commands: &Recording, first_row: usize, plant: impl FnOnce(&[EffectSpec]) -> Simulated) -> Trial {
         let hung_kg = commands.known_load_kg.as_ref().map_or(0.0, |load| load[first_row]);
-        let hung = (hung_kg > 0.0).then_some(EffectSpec::tip_load(hung_kg));
-        let (noise_m, travel_m) = (options.noise_m, options.travel_m);
-        let options = SimulatedOptions { noise_m, travel_m, ..SimulatedOptions::default() };
-        Trial { plant: Simulated::new(model, hung.as_slice(), options), actuation: commands.actuation, hung_kg }
+        let plant = plant(hung(commands, first_row).as_slice());
+        Trial { plant, actuation: commands.actuation, hung_kg }
+    }
+
+    /// Plays the rows and names the failure in those that cannot be played.
+    fn fill(
+        mut self,
+        sheet: &mut Sheet,
+        commands: &Recording,
+        (number, rows): (u64, Range<usize>),
+        options: &PlayOptions,
+    ) {
+        let seed = options.seed.index(number);
+        if let Err(error) = self.run(commands, rows.clone(), options.at_rest, seed, sheet) {
+            sheet.lose(rows, &error);
+        }
     }
 
     fn run(
@@ -146,6 +198,7 @@ impl Trial {
                 }
             }
             sheet.seen[row] = Some((seen.clone(), self.plant.rod().residual_m()));
+            sheet.rates[row] = self.plant.tip_rates();
             if !at_rest && row + 1 < rows.end {
                 self.plant.set_step_s(commands.time_s[row + 1] - commands.time_s[row]);
                 seen = self.command(commands.commands.row(row), false)?;
@@ -162,10 +215,11 @@ impl Trial {
             extra.force_n = Vector3::from(loads[row].force_n);
             extra.moment_nm = Vector3::from(loads[row].moment_nm);
         }
-        if let Some(hung) = &commands.known_load_kg {
-            extra.force_n += (hung[row] - self.hung_kg) * self.plant.rod().params().gravity_m_s2;
-        }
-        self.plant.set_extra_tip_load(extra);
+        let added_kg = commands.known_load_kg.as_ref().map_or(0.0, |hung| hung[row] - self.hung_kg);
+        self.plant.set_extra_tip_load_of(&|rod| TipLoad {
+            force_n: extra.force_n + added_kg * rod.gravity_m_s2,
+            moment_nm: extra.moment_nm,
+        });
     }
 
     fn command(&mut self, command: &[f64], at_rest: bool) -> Result<Observation, PlantError> {

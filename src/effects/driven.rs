@@ -1,0 +1,467 @@
+//! A model that is driven: its rod with the effects on what the drives do and on what is measured, and how all of that
+//! changes with numbers of the model, commands and loads. Without noise; [`Simulated`](crate) plants add it.
+
+use std::ops::Range;
+
+use nalgebra::Vector3;
+
+use super::sensitivity::{ParameterError, Variable};
+use super::{Effect, EffectSpec, Model};
+use crate::base::{Observation, PlantError, TendonCommand};
+use crate::math::rotation;
+use crate::rod::{Drive, Nearby, NotNearby, Rod, RodParams, Status, TipLoad, TipRate};
+
+/// Change of a number, over its scale, by which derivatives are taken: as much of their digits is lost to the
+/// curvature of the dependence as to rounding.
+const RELATIVE_STEP: f64 = 1e-7;
+
+/// Why a derivative cannot be had along a motion.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum VariationError {
+    /// The model has no such number.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// Number of the variable (from 0) whose smallest change makes another discretisation, such as a tendon's end that
+    /// leaves the tip: only differences of whole motions can tell.
+    #[error("variable {0} (from 0) does not change the rod by a little in numbers alone")]
+    NotNearby(usize),
+    /// A tendon or an axis that there is not.
+    #[error("variable {0} (from 0) names a tendon or an axis that this robot does not have")]
+    Missing(usize),
+    /// A number that cannot be changed to either side.
+    #[error("{0}: neither a smaller nor a larger value is in its range")]
+    OutOfRange(String),
+}
+
+/// A rod with the effects of a model.
+#[derive(Debug)]
+pub struct Driven {
+    rods: Nearby,
+    /// Those of the model, then those of each variation.
+    effects: Vec<Vec<Box<dyn Effect>>>,
+    /// Those of each rod.
+    stands: Vec<Stand>,
+    variations: Vec<Variation>,
+    /// Number of the next command; the first one after a restart brings the rod home and has none.
+    next: Option<usize>,
+}
+
+/// A rod's drives.
+#[derive(Clone, Debug)]
+struct Stand {
+    /// Time in which they carry out a command, s.
+    drive_time_s: f64,
+    /// Displacements that they were last told to reach, metres, …
+    told_m: Vec<f64>,
+    /// … and those that they stand at with the effects on them.
+    at_m: Vec<f64>,
+}
+
+/// How a rod other than the model's own differs.
+#[derive(Clone, Debug)]
+struct Variation {
+    /// Change of the variable, in its unit.
+    step: f64,
+    /// For a variable of the commands.
+    command: Option<(usize, Range<usize>)>,
+}
+
+/// What a variation is built from.
+struct Varied {
+    variation: Variation,
+    drive_time_s: f64,
+    params: RodParams,
+    effects: Vec<Box<dyn Effect>>,
+}
+
+impl Driven {
+    /// A checked model with `extra` effects on top.
+    pub fn new(model: &Model, extra: &[EffectSpec]) -> Driven {
+        let rods = Nearby::alone(model.rod(extra));
+        let stand = Stand::new(model.robot.drive_time_s, rods.leader());
+        Driven { rods, effects: vec![model.effects(extra)], stands: vec![stand], variations: Vec::new(), next: None }
+    }
+
+    /// The same, with derivatives of all that it does with respect to `variables`.
+    ///
+    /// # Errors
+    /// [`VariationError`] for the first variable without one.
+    pub fn varied(model: &Model, extra: &[EffectSpec], variables: &[Variable]) -> Result<Driven, VariationError> {
+        let mut driven = Driven::new(model, extra);
+        let mut params = Vec::new();
+        for (index, variable) in variables.iter().enumerate() {
+            let varied = vary(model, extra, variable, index)?;
+            driven.effects.push(varied.effects);
+            driven.stands.push(Stand::new(varied.drive_time_s, driven.rod()));
+            driven.variations.push(varied.variation);
+            params.push(varied.params);
+        }
+        driven.rods =
+            Nearby::new(model.rod(extra), params).map_err(|NotNearby(number)| VariationError::NotNearby(number - 1))?;
+        Ok(driven)
+    }
+
+    /// The same with those of `variables` that have such a derivative, and the numbers (from 0) of the others, whose
+    /// smallest change makes another discretisation.
+    ///
+    /// # Errors
+    /// [`VariationError`] for a variable that there is not.
+    pub fn varied_where_possible(
+        model: &Model,
+        extra: &[EffectSpec],
+        variables: &[Variable],
+    ) -> Result<(Driven, Vec<usize>), VariationError> {
+        let mut kept: Vec<usize> = (0..variables.len()).collect();
+        let mut left_out = Vec::new();
+        loop {
+            let near: Vec<Variable> = kept.iter().map(|&index| variables[index].clone()).collect();
+            match Driven::varied(model, extra, &near) {
+                Err(VariationError::NotNearby(index)) => left_out.push(kept.remove(index)),
+                driven => {
+                    left_out.sort_unstable();
+                    return driven.map(|driven| (driven, left_out));
+                }
+            }
+        }
+    }
+
+    /// The rod itself.
+    pub fn rod(&self) -> &Rod {
+        self.rods.leader()
+    }
+
+    /// Straight, without history, tendons slack. The first command brings the rod home, the one after it is number 0.
+    pub fn restart(&mut self) {
+        self.rods.restart();
+        self.effects.iter_mut().flatten().for_each(|effect| effect.reset());
+        for stand in &mut self.stands {
+            stand.told_m.fill(0.0);
+            stand.at_m.fill(0.0);
+        }
+        self.next = None;
+    }
+
+    /// At rest at home, without history; the next command is number 0.
+    ///
+    /// # Errors
+    /// As [`Driven::settle`].
+    pub fn home(&mut self) -> Result<(), PlantError> {
+        self.restart();
+        let tendons = self.rod().params().tendons.len();
+        self.settle(&vec![TendonCommand::Pull(0.0); tendons])
+    }
+
+    /// At rest without tension, without history; the next command is number 0.
+    ///
+    /// # Errors
+    /// As [`Driven::settle`].
+    pub fn slack(&mut self) -> Result<(), PlantError> {
+        self.restart();
+        let tendons = self.rod().params().tendons.len();
+        self.settle_under(&vec![0.0; tendons])
+    }
+
+    /// Replaces the load at the tip that comes on top of the model's; `load` may depend on the rod (on its gravity).
+    pub fn set_extra_tip_load(&mut self, load: &dyn Fn(&RodParams) -> TipLoad) {
+        self.rods.set_tip_load(&|params| {
+            let (own, extra) = (params.tip_load, load(params));
+            TipLoad { force_n: own.force_n + extra.force_n, moment_nm: own.moment_nm + extra.moment_nm }
+        });
+    }
+
+    /// Comes to rest under `commands`, one a tendon.
+    ///
+    /// # Errors
+    /// [`PlantError`] when the commands are none of this robot's or the rod finds no equilibrium.
+    pub fn settle(&mut self, commands: &[TendonCommand]) -> Result<(), PlantError> {
+        let targets = self.asked_m(commands)?;
+        for ((stand, effects), target) in self.stands.iter_mut().zip(&mut self.effects).zip(targets) {
+            stand.told_m.clone_from(&target);
+            stand.at_m = affected(effects, target, f64::INFINITY);
+        }
+        self.count();
+        let Driven { rods, stands, .. } = self;
+        solved(rods.settle(&|number| drives(commands, &stands[number].at_m, &stands[number].at_m, 1.0)))?;
+        self.follow(commands);
+        Ok(())
+    }
+
+    /// Moves the drives from where they stand to what `commands` ask for, and then holds them until `duration_s` have
+    /// passed.
+    ///
+    /// # Errors
+    /// As [`Driven::settle`].
+    pub fn advance(&mut self, commands: &[TendonCommand], duration_s: f64) -> Result<(), PlantError> {
+        let targets = self.asked_m(commands)?;
+        self.count();
+        let each = self.stands.iter_mut().zip(&mut self.effects).zip(targets);
+        let paths: Vec<Path> = each.map(|((stand, effects), target)| stand.go(effects, target, duration_s)).collect();
+        let parts = |number: usize| {
+            // The rods that follow take the parts of the first one, as long as their own are.
+            let own = if paths[number].ends_s.len() == paths[0].ends_s.len() { number } else { 0 };
+            &paths[own].ends_s
+        };
+        let part_s = |number: usize, part: usize| {
+            let start_s = if part == 0 { 0.0 } else { parts(number)[part - 1] };
+            (start_s, parts(number)[part] - start_s)
+        };
+        for part in (0..paths[0].ends_s.len()).filter(|&part| part_s(0, part).1 > 1e-9 * duration_s) {
+            let at = |number: usize, t: f64| paths[number].drives(commands, part_s(number, part).0 + t);
+            solved(self.rods.advance_with(&at, &|number| part_s(number, part).1))?;
+        }
+        self.follow(commands);
+        Ok(())
+    }
+
+    /// Comes to rest under tensions in newtons.
+    ///
+    /// # Errors
+    /// As [`Driven::settle`].
+    pub fn settle_under(&mut self, tensions_n: &[f64]) -> Result<(), PlantError> {
+        let drives = self.tensions(tensions_n);
+        self.count();
+        solved(self.rods.settle(&|number| drives[number].clone()))
+    }
+
+    /// Moves for `duration_s` under tensions in newtons.
+    ///
+    /// # Errors
+    /// As [`Driven::settle`].
+    pub fn advance_under(&mut self, tensions_n: &[f64], duration_s: f64) -> Result<(), PlantError> {
+        let drives = self.tensions(tensions_n);
+        self.count();
+        solved(self.rods.advance_with(&|number, _| drives[number].clone(), &|_| duration_s))
+    }
+
+    /// What is seen at `time_s`, without noise; of a tendon that follows, where its drive stands.
+    pub fn observation(&self, commands: &[TendonCommand], time_s: f64) -> Observation {
+        let following = self.rod().following_pulls_m();
+        let pull = |(command, following): (&TendonCommand, f64)| match *command {
+            TendonCommand::Pull(pull) => pull,
+            TendonCommand::Follow => following,
+        };
+        let pulls_m = commands.iter().zip(following).map(pull).collect();
+        let mut seen = Observation { time_s, pulls_m, ..posture(self.rod()) };
+        self.effects[0].iter().for_each(|effect| effect.observe(&mut seen));
+        seen
+    }
+
+    /// Derivative of the measured tip with respect to each variable, per unit of it.
+    pub fn tip_rates(&self) -> Vec<TipRate> {
+        if self.variations.is_empty() {
+            return Vec::new();
+        }
+        let measured = |rod: &Rod, effects: &[Box<dyn Effect>]| {
+            let mut seen = posture(rod);
+            effects.iter().for_each(|effect| effect.observe(&mut seen));
+            Vector3::from(seen.tip_m)
+        };
+        let (tip, turn) = (measured(self.rod(), &self.effects[0]), self.rod().tip_rotation().transpose());
+        let others = self.rods.others().iter().zip(&self.effects[1..]).zip(&self.variations);
+        let rate = |((rod, effects), variation): ((&Rod, &Vec<Box<dyn Effect>>), &Variation)| TipRate {
+            position_m: (measured(rod, effects) - tip) / variation.step,
+            rotation_rad: rotation::log(&(rod.tip_rotation() * turn)) / variation.step,
+        };
+        others.map(rate).collect()
+    }
+
+    /// One more command has been given.
+    fn count(&mut self) {
+        self.next = Some(self.next.map_or(0, |number| number + 1));
+    }
+
+    /// The model's own rod and those that follow it.
+    fn each_rod(&self) -> impl Iterator<Item = &Rod> {
+        std::iter::once(self.rods.leader()).chain(self.rods.others())
+    }
+
+    /// For each rod, the displacements that `commands` ask for; a drive that follows stands where the shape has taken it.
+    fn asked_m(&self, commands: &[TendonCommand]) -> Result<Vec<Vec<f64>>, PlantError> {
+        let tendons = self.rod().params().tendons.len();
+        if commands.len() != tendons {
+            return Err(PlantError::Refused(format!("{} tendons, expected {tendons}", commands.len())));
+        }
+        let follows = commands.contains(&TendonCommand::Follow);
+        let asked = |(rod, shift): (&Rod, Option<(usize, f64)>)| {
+            let following = if follows { rod.following_pulls_m() } else { vec![0.0; tendons] };
+            let pull = |(tendon, (command, following)): (usize, (&TendonCommand, f64))| match *command {
+                TendonCommand::Pull(pull) => {
+                    pull + shift.filter(|shift| shift.0 == tendon).map_or(0.0, |shift| shift.1)
+                }
+                TendonCommand::Follow => following,
+            };
+            commands.iter().zip(following).enumerate().map(pull).collect()
+        };
+        let shifts = std::iter::once(None).chain(self.variations.iter().map(|variation| variation.shift(self.next)));
+        Ok(self.each_rod().zip(shifts).map(asked).collect())
+    }
+
+    /// Takes note of where the shapes have taken the drives that follow them.
+    fn follow(&mut self, commands: &[TendonCommand]) {
+        if !commands.contains(&TendonCommand::Follow) {
+            return;
+        }
+        let following: Vec<Vec<f64>> = self.each_rod().map(Rod::following_pulls_m).collect();
+        for (stand, following) in self.stands.iter_mut().zip(following) {
+            for (i, _) in commands.iter().enumerate().filter(|(_, command)| **command == TendonCommand::Follow) {
+                (stand.told_m[i], stand.at_m[i]) = (following[i], following[i]);
+            }
+        }
+    }
+
+    /// For each rod, the tensions as drives.
+    fn tensions(&self, tensions_n: &[f64]) -> Vec<Vec<Drive>> {
+        let shifts = std::iter::once(None).chain(self.variations.iter().map(|variation| variation.shift(self.next)));
+        let each = shifts.map(|shift| {
+            let own = |(tendon, &tension): (usize, &f64)| match shift {
+                Some((shifted, step)) if shifted == tendon => Drive::Tension(tension + step),
+                _ => Drive::Tension(tension),
+            };
+            tensions_n.iter().enumerate().map(own).collect()
+        });
+        each.collect()
+    }
+}
+
+impl Variation {
+    /// The tendon whose command number `number` changes, and by how much.
+    fn shift(&self, number: Option<usize>) -> Option<(usize, f64)> {
+        let (tendon, commands) = self.command.as_ref()?;
+        commands.contains(&number?).then_some((*tendon, self.step))
+    }
+}
+
+impl Stand {
+    fn new(drive_time_s: f64, rod: &Rod) -> Stand {
+        let home = vec![0.0; rod.params().tendons.len()];
+        Stand { drive_time_s, told_m: home.clone(), at_m: home }
+    }
+}
+
+impl Stand {
+    /// The way to `target_m` and then the wait, in all `duration_s`: in parts within which the drives move at constant
+    /// speed, with the effects on them.
+    fn go(&mut self, effects: &mut [Box<dyn Effect>], target_m: Vec<f64>, duration_s: f64) -> Path {
+        let ramp_s = self.drive_time_s.min(duration_s);
+        let late = effects.iter().any(|effect| effect.acts_late());
+        let count = if late { (duration_s / ramp_s - 1e-9).ceil() } else { 1.0 };
+        let parts = if late { vec![duration_s / count; count as usize] } else { vec![ramp_s, duration_s - ramp_s] };
+        let from_m = std::mem::replace(&mut self.told_m, target_m);
+        let mut path = Path { ends_s: Vec::new(), places_m: vec![self.at_m.clone()] };
+        let mut now_s = 0.0;
+        for part_s in parts {
+            now_s += part_s;
+            path.ends_s.push(now_s);
+            if part_s > 1e-9 * duration_s {
+                let asked = between(&from_m, &self.told_m, (now_s / ramp_s).min(1.0));
+                self.at_m = affected(effects, asked, part_s);
+            }
+            path.places_m.push(self.at_m.clone());
+        }
+        path
+    }
+}
+
+/// Where drives stand while a command is held: straight lines between instants.
+struct Path {
+    ends_s: Vec<f64>,
+    /// At the start, and at each of these.
+    places_m: Vec<Vec<f64>>,
+}
+
+impl Path {
+    fn drives(&self, commands: &[TendonCommand], time_s: f64) -> Vec<Drive> {
+        let last = self.ends_s.len() - 1;
+        let part = self.ends_s.iter().position(|end| time_s < end * (1.0 - 1e-12)).unwrap_or(last);
+        let start_s = if part == 0 { 0.0 } else { self.ends_s[part - 1] };
+        let length_s = self.ends_s[part] - start_s;
+        let share = if length_s > 0.0 { ((time_s - start_s) / length_s).clamp(0.0, 1.0) } else { 1.0 };
+        drives(commands, &self.places_m[part], &self.places_m[part + 1], share)
+    }
+}
+
+/// Where drives stand, with the effects on them, `dt_s` seconds after they were last looked at, having moved to `pulls_m`
+/// in the meantime; infinite: once all is at rest.
+fn affected(effects: &mut [Box<dyn Effect>], mut pulls_m: Vec<f64>, dt_s: f64) -> Vec<f64> {
+    effects.iter_mut().for_each(|effect| effect.command(&mut pulls_m, dt_s));
+    pulls_m
+}
+
+fn between(from_m: &[f64], to_m: &[f64], share: f64) -> Vec<f64> {
+    from_m.iter().zip(to_m).map(|(from, to)| from + share * (to - from)).collect()
+}
+
+/// Drives that are `share` of the way between two displacements, or follow.
+fn drives(commands: &[TendonCommand], from_m: &[f64], to_m: &[f64], share: f64) -> Vec<Drive> {
+    let drive = |(command, pull): (&TendonCommand, f64)| match command {
+        TendonCommand::Pull(_) => Drive::Pull(pull),
+        TendonCommand::Follow => Drive::Follow,
+    };
+    commands.iter().zip(between(from_m, to_m, share)).map(drive).collect()
+}
+
+/// What a rod shows of itself.
+fn posture(rod: &Rod) -> Observation {
+    Observation {
+        time_s: 0.0,
+        tip_m: rod.tip_m().into(),
+        tip_quaternion: Some(rotation::to_quaternion(&rod.tip_rotation())),
+        pulls_m: Vec::new(),
+        tensions_n: Some(rod.tensions_n().to_vec()),
+        valid: true,
+    }
+}
+
+/// The rod and the effects with one variable changed by a little.
+fn vary(model: &Model, extra: &[EffectSpec], variable: &Variable, index: usize) -> Result<Varied, VariationError> {
+    let params = model.rod(extra);
+    let plain = |step: f64, command: Option<(usize, Range<usize>)>, params: RodParams| Varied {
+        variation: Variation { step, command },
+        drive_time_s: model.robot.drive_time_s,
+        params,
+        effects: model.effects(extra),
+    };
+    let axis = |axis: usize| if axis < 3 { Ok(axis) } else { Err(VariationError::Missing(index)) };
+    let mut changed = params.clone();
+    match variable {
+        Variable::Parameter(parameter) => {
+            let (value, scale) = (parameter.value(model)?, parameter.scale(model)?);
+            for step in [RELATIVE_STEP * scale, -RELATIVE_STEP * scale] {
+                // What the sum of floating-point numbers makes of the step.
+                let (there, step) = (value + step, (value + step) - value);
+                let candidate = parameter.with_value(model, there)?;
+                let changed = candidate.rod(extra);
+                if candidate.check().is_ok() && Nearby::possible(&params, &changed) {
+                    let effects = candidate.effects(extra);
+                    let drive_time_s = candidate.robot.drive_time_s;
+                    let variation = Variation { step, command: None };
+                    return Ok(Varied { variation, drive_time_s, params: changed, effects });
+                }
+            }
+            Err(VariationError::NotNearby(index))
+        }
+        Variable::Command { tendon, commands } => {
+            if *tendon >= params.tendons.len() {
+                return Err(VariationError::Missing(index));
+            }
+            Ok(plain(RELATIVE_STEP * COMMAND_SCALE, Some((*tendon, commands.clone())), params))
+        }
+        Variable::Force(along) => {
+            changed.tip_load.force_n[axis(*along)?] += RELATIVE_STEP * FORCE_SCALE_N;
+            Ok(plain(RELATIVE_STEP * FORCE_SCALE_N, None, changed))
+        }
+        Variable::Moment(about) => {
+            changed.tip_load.moment_nm[axis(*about)?] += RELATIVE_STEP * MOMENT_SCALE_NM;
+            Ok(plain(RELATIVE_STEP * MOMENT_SCALE_NM, None, changed))
+        }
+    }
+}
+
+/// Changes that matter: 10 mm or N of a command, of a force, of a moment on the tip.
+const COMMAND_SCALE: f64 = 0.01;
+const FORCE_SCALE_N: f64 = 0.1;
+const MOMENT_SCALE_NM: f64 = 0.01;
+
+fn solved(status: Status) -> Result<(), PlantError> {
+    if status == Status::Converged { Ok(()) } else { Err(PlantError::Solver(status.name().into())) }
+}

@@ -1,0 +1,235 @@
+//! Numbers of a model by name: what derivatives are taken with respect to, and what a calibration or a discovery moves.
+
+use std::fmt;
+use std::ops::Range;
+
+use serde_json::{Number, Value};
+
+use super::driven::VariationError;
+use super::{Model, Robot};
+use crate::base::Point3;
+use crate::rod::Resolution;
+
+/// A number of a model file: one of the robot's, or a parameter of one of its effects. Whole numbers (counts, which
+/// tendon) and the numerical resolution are none.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct ModelParameter {
+    /// Its place, such as `robot.backbone.youngs_modulus_pa`, `robot.gravity_m_s2[0]` or `effects[0].mass_kg`.
+    path: String,
+    /// Its unit; `1` for a plain ratio.
+    unit: &'static str,
+}
+
+/// A number cannot be read or written.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ParameterError {
+    /// The model has no number there.
+    #[error("the model has no number at `{0}`")]
+    Unknown(String),
+    /// Not a number that a model can hold.
+    #[error("{0}: {1} is not a finite number")]
+    NotFinite(String, f64),
+}
+
+/// What a derivative is taken with respect to.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Variable {
+    /// A number of the model.
+    Parameter(ModelParameter),
+    /// What a tendon (from 0) is told, its displacement in metres or its tension in newtons, in these commands since
+    /// the start of the trial (from 0).
+    Command {
+        /// The tendon.
+        tendon: usize,
+        /// The commands that change together.
+        commands: Range<usize>,
+    },
+    /// A constant force on the tip along an axis of the world, newtons.
+    Force(usize),
+    /// A constant moment on the tip about an axis of the world, newton metres.
+    Moment(usize),
+}
+
+/// Units by the ends of names, and a size at which such a number matters where the model has zero.
+const UNITS: &[(&str, &str, f64)] = &[
+    ("_n_s2_m3", "N s²/m³", 0.1),
+    ("_kg_m3", "kg/m³", 1e3),
+    ("_kg_m2", "kg m²", 1e-6),
+    ("_m_s2", "m/s²", 1.0),
+    ("_m_per_n", "m/N", 1e-4),
+    ("_n_m2", "N m²", 1e-3),
+    ("_rad_m", "rad/m", 1.0),
+    ("_kg_m", "kg/m", 0.1),
+    ("_nm", "N m", 0.01),
+    ("_pa", "Pa", 1e6),
+    ("_deg", "deg", 10.0),
+    ("_rad", "rad", 0.1),
+    ("_kg", "kg", 0.01),
+    ("_s", "s", 0.1),
+    ("_n", "N", 0.1),
+    ("_m", "m", 5e-3),
+    ("", "1", 0.1),
+];
+
+impl ModelParameter {
+    /// Every number of `model`, in the order of its file.
+    pub fn all(model: &Model) -> Vec<ModelParameter> {
+        let mut found = Vec::new();
+        if let Ok(Value::Object(robot)) = serde_json::to_value(&model.robot) {
+            for (key, value) in robot.iter().filter(|(key, _)| *key != "resolution") {
+                collect(value, &format!("robot.{key}"), &mut found);
+            }
+        }
+        for (index, effect) in model.effects.iter().enumerate() {
+            let Ok(value) = serde_json::to_value(effect) else { continue };
+            for (key, value) in value[effect.card().name].as_object().into_iter().flatten() {
+                collect(value, &format!("effects[{index}].{key}"), &mut found);
+            }
+        }
+        found
+    }
+
+    /// The number of `model` at `path`.
+    ///
+    /// # Errors
+    /// [`ParameterError::Unknown`] when there is none.
+    pub fn named(model: &Model, path: &str) -> Result<ModelParameter, ParameterError> {
+        let unknown = || ParameterError::Unknown(path.to_owned());
+        ModelParameter::all(model).into_iter().find(|parameter| parameter.path == path).ok_or_else(unknown)
+    }
+
+    /// Its place in the model file; within an effect the effect's name is left out.
+    pub fn path(&self) -> &str {
+        &self.path
+    }
+
+    /// Its unit.
+    pub fn unit(&self) -> &'static str {
+        self.unit
+    }
+
+    /// Its value in `model`.
+    ///
+    /// # Errors
+    /// [`ParameterError::Unknown`] when the model has no such number.
+    pub fn value(&self, model: &Model) -> Result<f64, ParameterError> {
+        let (root, pointer) = self.place(model)?;
+        root.pointer(&pointer).and_then(Value::as_f64).ok_or_else(|| self.unknown())
+    }
+
+    /// `model` with another value here; whether that leaves its range is for [`Model::check`] to say.
+    ///
+    /// # Errors
+    /// [`ParameterError`] when the model has no such number or `value` is not finite.
+    pub fn with_value(&self, model: &Model, value: f64) -> Result<Model, ParameterError> {
+        let (mut root, pointer) = self.place(model)?;
+        let number = Number::from_f64(value).ok_or_else(|| ParameterError::NotFinite(self.path.clone(), value))?;
+        *root.pointer_mut(&pointer).filter(|leaf| leaf.is_f64()).ok_or_else(|| self.unknown())? = Value::Number(number);
+        let mut changed: Model = serde_json::from_value(root).map_err(|_| self.unknown())?;
+        changed.robot.resolution = model.robot.resolution;
+        Ok(changed)
+    }
+
+    /// A change of it that matters: its value, or what is usual for its unit where it has next to none.
+    ///
+    /// # Errors
+    /// As [`ModelParameter::value`].
+    pub fn scale(&self, model: &Model) -> Result<f64, ParameterError> {
+        let usual = UNITS.iter().find(|(_, unit, _)| *unit == self.unit).map_or(1.0, |row| row.2);
+        let size = self.value(model)?.abs();
+        Ok(if size > 0.1 * usual { size } else { usual })
+    }
+
+    /// Derivative of points by differences of `points` of whole models, `step` times the number's scale to either side,
+    /// or twice to the one side where the other leaves its range: for what has no other.
+    ///
+    /// # Errors
+    /// Those of `points`, and [`ParameterError`] when the model has no such number.
+    pub fn differences<E: From<VariationError>>(
+        &self,
+        model: &Model,
+        step: f64,
+        points: &dyn Fn(&Model) -> Result<Vec<Point3>, E>,
+    ) -> Result<Vec<Point3>, E> {
+        let step = step * self.scale(model).map_err(VariationError::from)?;
+        let value = self.value(model).map_err(VariationError::from)?;
+        let at = |steps: f64| -> Result<Option<Vec<Point3>>, E> {
+            let there = self.with_value(model, value + steps * step).map_err(VariationError::from)?;
+            if there.check().is_ok() { points(&there).map(Some) } else { Ok(None) }
+        };
+        let weighted = |terms: &[(f64, Option<Vec<Point3>>)]| -> Option<Vec<Point3>> {
+            let terms: Vec<(f64, &Vec<Point3>)> =
+                terms.iter().map(|(weight, points)| Some((*weight, points.as_ref()?))).collect::<Option<_>>()?;
+            let sum = |row: usize| -> Point3 {
+                std::array::from_fn(|axis| terms.iter().map(|(weight, all)| weight * all[row][axis] / step).sum())
+            };
+            Some((0..terms[0].1.len()).map(sum).collect())
+        };
+        let (before, after) = (at(-1.0)?, at(1.0)?);
+        let rates = match (before, after) {
+            (Some(before), Some(after)) => weighted(&[(-0.5, Some(before)), (0.5, Some(after))]),
+            (None, after) => weighted(&[(-1.5, at(0.0)?), (2.0, after), (-0.5, at(2.0)?)]),
+            (before, None) => weighted(&[(1.5, at(0.0)?), (-2.0, before), (0.5, at(-2.0)?)]),
+        };
+        rates.ok_or_else(|| VariationError::OutOfRange(self.path.clone()).into())
+    }
+
+    /// The model as a tree and where in it the number stands.
+    fn place(&self, model: &Model) -> Result<(Value, String), ParameterError> {
+        // Numerical settings may be infinite, which a tree cannot hold.
+        let plain = Robot { resolution: Resolution::default(), ..model.robot.clone() };
+        let model = Model { robot: plain, effects: model.effects.clone() };
+        let root = serde_json::to_value(&model).map_err(|_| self.unknown())?;
+        let mut pointer = format!("/{}", self.path.replace(']', "").replace(['.', '['], "/"));
+        if let Some(rest) = pointer.strip_prefix("/effects/") {
+            let (index, field) = rest.split_once('/').ok_or_else(|| self.unknown())?;
+            let effect = index.parse().ok().and_then(|index: usize| model.effects.get(index));
+            pointer = format!("/effects/{index}/{}/{field}", effect.ok_or_else(|| self.unknown())?.card().name);
+        }
+        Ok((root, pointer))
+    }
+
+    fn unknown(&self) -> ParameterError {
+        ParameterError::Unknown(self.path.clone())
+    }
+}
+
+impl fmt::Display for ModelParameter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.path)
+    }
+}
+
+/// Adds the numbers at and below `value`.
+fn collect(value: &Value, path: &str, found: &mut Vec<ModelParameter>) {
+    match value {
+        Value::Number(number) if number.is_f64() => {
+            let name = path.rsplit('.').next().unwrap_or_default().split('[').next().unwrap_or_default();
+            let unit = UNITS.iter().find(|(end, ..)| name.ends_with(end)).map_or("1", |row| row.1);
+            found.push(ModelParameter { path: path.to_owned(), unit });
+        }
+        Value::Array(items) => {
+            items.iter().enumerate().for_each(|(index, item)| collect(item, &format!("{path}[{index}]"), found));
+        }
+        Value::Object(fields) => {
+            fields.iter().for_each(|(key, item)| collect(item, &format!("{path}.{key}"), found));
+        }
+        _ => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::CATALOGUE;
+    use super::*;
+
+    /// The units of the catalogue's cards are those that the names say.
+    #[test]
+    fn names_say_the_units_of_the_cards() {
+        for parameter in CATALOGUE.iter().flat_map(|card| card.parameters).filter(|p| p.unit != "number") {
+            let name = parameter.name.split('[').next().unwrap();
+            let unit = UNITS.iter().find(|(end, ..)| name.ends_with(end)).unwrap().1;
+            assert_eq!(unit, parameter.unit, "{}", parameter.name);
+        }
+    }
+}
