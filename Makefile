@@ -37,6 +37,7 @@ peers: build ## other simulators on the same robots, time against accuracy: resu
 	@{ python3 -m venv $(PEERS_VENV) && $(PEERS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check \
 	  --requirement benches/peers/requirements.txt; } || echo "peers: the Python packages could not be installed"
 	PEERS_PYTHON=$(CURDIR)/$(PEERS_VENV)/bin/python cargo bench --bench peers
+	$(SPINEBENCH) page docs/peers.md
 
 verify: build ## rerun from nothing and compare with the published results/ and plots/, byte for byte
 	$(SPINEBENCH) verify

@@ -13,6 +13,7 @@ pub mod page;
 mod paint;
 pub mod paper;
 mod peers;
+mod peers_table;
 mod published;
 pub mod style;
 mod summarise;

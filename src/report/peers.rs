@@ -4,7 +4,7 @@ use super::axes::{Axis, Panel};
 use super::canvas::{Align, Canvas, Text};
 use super::legend::{Key, legend};
 use super::style::{DASHED, GREY, HAIR, LINE, LOOKS, Look, MARKER, PAGE_WIDTH, SMALL};
-use super::{Artifact, Figure, Published, ReportError, pictures};
+use super::{Artifact, Figure, Published, ReportError, pictures, text};
 use crate::data::rows::PeerRow;
 
 /// Registry entry.
@@ -28,7 +28,9 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     if rows.is_empty() {
         return Err(ReportError::NoRows { figure: FIGURE.name, needs: "work_precision.csv with a finished run" });
     }
-    Ok(pictures(FIGURE.name, FIGURE.name, &draw(&rows))?.to_vec())
+    let mut files = pictures(FIGURE.name, FIGURE.name, &draw(&rows))?.to_vec();
+    files.push(text("peers.md", super::peers_table::markdown(&published.peers)));
+    Ok(files)
 }
 
 /// Whether a row has a place on axes of logarithms.
@@ -41,9 +43,7 @@ fn draw(rows: &[&PeerRow]) -> Canvas {
     let robots = names(rows.iter().map(|row| row.robot.as_str()));
     let seen = names(rows.iter().map(|row| row.peer.as_str()));
     let mut canvas = Canvas::new(PAGE_WIDTH, 378.0);
-    let known =
-        |name: &str| PEERS.iter().find(|(peer, _)| *peer == name).map_or(name.to_owned(), |(_, words)| (*words).into());
-    let labels: Vec<(Look, String)> = order(&seen).into_iter().map(|peer| (look(peer), known(peer))).collect();
+    let labels: Vec<(Look, String)> = order(&seen).into_iter().map(|peer| (look(peer), name(peer))).collect();
     let mut keys: Vec<(Key, &str)> = labels.iter().map(|(look, words)| (Key::Plain(*look), words.as_str())).collect();
     keys.push((Key::Line(GREY, DASHED), "real time"));
     let below = legend(&mut canvas, [LEFT, 18.0], PAGE_WIDTH - 12.0, &keys);
@@ -95,15 +95,21 @@ fn look(peer: &str) -> Look {
     LOOKS[place.unwrap_or(PEERS.len()).min(LOOKS.len() - 1)]
 }
 
+/// What a simulator is called.
+pub(super) fn name(peer: &str) -> String {
+    PEERS.iter().find(|(known, _)| *known == peer).map_or(peer, |(_, words)| *words).to_owned()
+}
+
 /// These simulators in the order of [`PEERS`], unknown ones last.
-fn order<'a>(seen: &[&'a str]) -> Vec<&'a str> {
+pub(super) fn order<'a>(seen: &[&'a str]) -> Vec<&'a str> {
     let place = |peer: &str| PEERS.iter().position(|(known, _)| *known == peer).unwrap_or(PEERS.len());
     let mut peers = seen.to_vec();
     peers.sort_by_key(|peer| place(peer));
     peers
 }
 
-fn title(robot: &str) -> String {
+/// What a robot is called.
+pub(super) fn title(robot: &str) -> String {
     match robot {
         "till" => "Till et al.’s example".to_owned(),
         "paper" => "paper’s robot, lengths".to_owned(),
@@ -113,7 +119,7 @@ fn title(robot: &str) -> String {
 }
 
 /// Each name once, in order of appearance.
-fn names<'a>(all: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+pub(super) fn names<'a>(all: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     let mut found = Vec::new();
     for name in all {
         if !found.contains(&name) {
