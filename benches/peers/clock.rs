@@ -4,9 +4,11 @@ use std::time::Instant;
 
 /// Runs are timed together until they take this long on the clock: the system counts processor time in ticks.
 const BLOCK_S: f64 = 0.12;
-/// Timed blocks, the shortest of which counts; a run that takes longer than this is timed twice.
+/// Timed blocks, the shortest of which counts; a run that takes longer than this is timed twice …
 const BLOCKS: usize = 4;
 const LONG_S: f64 = 1.0;
+/// … and one that takes longer than this once.
+const VERY_LONG_S: f64 = 5.0;
 
 /// Processor time of this thread from Linux's scheduler statistics (nanoseconds in the first field); `None` where the
 /// system does not tell.
@@ -36,7 +38,7 @@ pub fn best<R, E>(mut run: impl FnMut() -> Result<R, E>) -> (Result<R, E>, f64) 
     let spent = timed(|| first = Some(run()));
     let once = began.elapsed().as_secs_f64();
     let mut result = first.unwrap_or_else(&mut run);
-    if result.is_err() {
+    if result.is_err() || once > VERY_LONG_S {
         return (result, spent);
     }
     let each = (BLOCK_S / once.max(1e-9)).ceil().clamp(1.0, 1e6);
