@@ -22,6 +22,8 @@ const MORE_MODES: usize = 4;
 const MOST_UNKNOWNS: [usize; MOST_REFINEMENTS as usize - 1] = [250, 400, 600];
 /// Newton iterations from one grid to the next.
 const PATIENCE: usize = 40;
+/// A tendon closer to the axis than this share of the length shortens the rod rather than bend it.
+const LEAST_OFFSET: f64 = 0.01;
 /// One Picard iteration is the first term of a series; it counts this many times.
 const CAUTION: f64 = 15.0;
 /// A rod whose material remembers has fronts where it yields, kinks that no polynomial resolves: such rods are held to
@@ -110,7 +112,7 @@ impl System {
                     .fold(0.0, f64::max)
             };
             let nearest = (0..taut.len()).filter(|&i| taut[i]).map(offset).fold(f64::INFINITY, f64::min);
-            total += kinks * (1.0 + length / nearest);
+            total += kinks * (1.0 + length / nearest.max(LEAST_OFFSET * length));
         }
         total
     }
@@ -148,9 +150,9 @@ impl System {
                 let pull = self.tendon_wrench(g, i, work);
                 longer += node.weight_m * pull.iter().zip(&lacking[g]).map(|(a, b)| a * b).sum::<f64>();
                 let [x, y] = self.guides[g * taut.len() + i].offset_m;
-                offset = offset.max(x.hypot(y));
+                offset = offset.max(x * x + y * y);
             }
-            bent_rad += (longer / offset).abs();
+            bent_rad += longer.abs() / offset.sqrt().max(LEAST_OFFSET * self.params.length_m());
         }
         for (g, node) in self.grid.nodes.iter().enumerate() {
             let lacking = &lacking[g];
