@@ -3,11 +3,12 @@
 SHELL := bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build reproduce test bench verify
+.PHONY: help build reproduce test bench campaign peers verify
 
 # Repetitions of every experiment, data and training included. Claims need ten; SEEDS=1 takes minutes.
 SEEDS ?= 10
 SPECS := $(addprefix experiments/,table1.yaml fig5.yaml fig6.yaml fig8.yaml no_gap.yaml)
+PEERS_VENV := target/peers-venv
 SPINEBENCH := cargo run --release --quiet --
 
 help: ## this list
@@ -31,6 +32,16 @@ bench: build ## microbenchmarks, then one repetition of everything from nothing:
 	cargo bench
 	@scratch=$$(mktemp -d) && trap 'rm -rf "$$scratch"' EXIT && \
 	$(SPINEBENCH) run $(SPECS) --seeds 1 --out "$$scratch" --cache "$$scratch/cache"
+
+campaign: ## 100,000 random robots and commands, judged by an independent solver (over an hour; CAMPAIGN_DRAWS=1000 for a look)
+	mkdir -p results/robustness
+	CAMPAIGN_OUT=results/robustness/campaign.csv cargo test --release --test rod_campaign full_campaign -- --ignored --nocapture
+
+peers: build ## other simulators on the same robots, time against accuracy: results/peers, plots/peers (docs/peers.md)
+	@{ python3 -m venv $(PEERS_VENV) && $(PEERS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check \
+	  --requirement benches/peers/requirements.txt; } || echo "peers: the Python packages could not be installed"
+	PEERS_PYTHON=$(CURDIR)/$(PEERS_VENV)/bin/python cargo bench --bench peers
+	$(SPINEBENCH) page docs/peers.md
 
 verify: build ## rerun from nothing and compare with the published results/ and plots/, byte for byte
 	$(SPINEBENCH) verify

@@ -4,7 +4,7 @@ mod common;
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use spinebench::effects::Model;
-use spinebench::math::least_squares::{Differences, fit};
+use spinebench::math::least_squares::fit;
 use spinebench::rod::{Drive, Rod, Status};
 
 /// Levels of both motors in the order of the file; a tension is the level over 0.0325 m.
@@ -108,7 +108,7 @@ fn fitted(model: &Model, shapes: &[&Shape], count: usize) -> Model {
         let errors = errors_m(&scaled(model, logs), shapes)?;
         Some(errors.iter().flatten().flat_map(|e| [e.x, e.y, e.z]).collect::<Vec<f64>>())
     };
-    let found = fit(&residuals, &vec![0.0; count], Differences { step: 1e-3, accuracy: 1e-8 }).expect("a fit");
+    let found = fit(&residuals, &common::differences(&residuals, 1e-3), &vec![0.0; count]).expect("a fit");
     scaled(model, &found.parameters)
 }
 

@@ -4,7 +4,7 @@ mod common;
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use spinebench::effects::{EffectSpec, Model};
-use spinebench::math::least_squares::{Differences, fit};
+use spinebench::math::least_squares::fit;
 use spinebench::rod::{Drive, Rod, Status};
 
 /// Rows of the excerpt that the model was fitted to.
@@ -133,7 +133,7 @@ fn the_shipped_numbers_are_the_fitted_ones() {
         Some(errors.flat_map(|e| [e.x, e.y, e.z]).collect::<Vec<f64>>())
     };
     let start = residuals(&[0.0; 16]).expect("every pose is at rest");
-    let found = fit(&residuals, &[0.0; 16], Differences { step: 1e-3, accuracy: 1e-8 }).expect("a fit");
+    let found = fit(&residuals, &common::differences(&residuals, 1e-3), &[0.0; 16]).expect("a fit");
     let rms = (start.iter().map(|r| r * r).sum::<f64>() / start.len() as f64).sqrt();
     println!("{:.4} mm, {:.4} mm after another fit: {:.4?}", rms * 1e3, found.rms * 1e3, found.parameters);
     assert!(rms < 1.005 * found.rms, "{rms} against {}", found.rms);

@@ -102,13 +102,13 @@ fn wrong(outcomes: &[Outcome]) -> Vec<(usize, f64)> {
 
 #[test]
 fn converged_statics_agree_with_an_independent_solver() {
-    let outcomes: Vec<Outcome> = (0..120).map(|k| play(k, Seed(11), k < 60, k % 4 == 0)).collect();
+    let outcomes: Vec<Outcome> = (0..80).map(|k| play(k, Seed(11), k < 40, k % 4 == 0)).collect();
     let judged = outcomes.iter().filter(|outcome| outcome.off_m.is_some()).count();
     println!("{}", table(&outcomes));
     assert_eq!(wrong(&outcomes), [], "draws and how far they are off, metres");
-    assert!(judged > 30, "only {judged} judged");
+    assert!(judged > 20, "only {judged} judged");
     let solved = outcomes.iter().filter(|outcome| outcome.rest == Status::Converged).count();
-    assert!(solved > 90, "only {solved} solved");
+    assert!(solved > 55, "only {solved} solved");
 }
 
 /// Commands to the paper's robot from nothing to its whole length pulled or let out, each from a cold start.
@@ -118,7 +118,7 @@ fn the_papers_robot_answers_any_command() {
         let params = common::shipped(name);
         let mut random = Seed(12).rng();
         let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
-        for k in 0..300 {
+        for k in 0..160 {
             let reach = [0.002, 0.01, 0.03, 0.22][k % 4];
             let pulls: Vec<Drive> = (0..4).map(|_| Drive::Pull(random.random_range(-reach..reach))).collect();
             let mut rod = Rod::new(params.clone());

@@ -2,10 +2,12 @@
 
 mod common;
 
+use nalgebra::Vector3;
 use rand::RngExt;
 use spinebench::base::{Plant, PlantError, Seed};
 use spinebench::effects::Model;
 use spinebench::plants::{Simulated, SimulatedOptions};
+use spinebench::rod::{Drive, Rod, Status, TipLoad};
 
 /// Plays random steps of up to 3 mm (all four tendons on their own, so also slack and against each other) and counts
 /// the failures by name.
@@ -80,4 +82,65 @@ fn four_tendons_against_each_other_end_converged_or_named() {
     }
     // Commands that crush the spine within one tick; far outside what a collection or a policy asks for.
     assert!(failed * 500 <= draws, "{failed} of {draws}");
+}
+
+/// A column that its own weight buckles (w L³ > 7.84 E I) does not stand.
+#[test]
+fn a_column_too_heavy_to_stand_falls_to_one_side() {
+    let upright = |weight: f64| {
+        let mut params = common::round_rod(0.3, 2e-3, 2.33e9, 0.84e9, 0.0);
+        let stiffness = params.spans[0].bending_n_m2[0];
+        params.spans[0].mass_kg_m = weight * stiffness / (9.81 * 0.3_f64.powi(3));
+        params.gravity_m_s2 = Vector3::new(0.0, 0.0, -9.81);
+        let mut rod = Rod::new(params);
+        assert_eq!(rod.settle(&[]), Status::Converged);
+        rod.tip_m()
+    };
+    let (light, heavy) = (upright(7.0), upright(9.0));
+    assert!(light.xy().norm() < 1e-9, "{light}");
+    assert!(heavy.xy().norm() > 0.05, "{heavy}");
+}
+
+/// Where disks would have to meet at the inside of the bend, the answer is a name.
+#[test]
+fn a_rod_bent_tighter_than_its_tendons_run_is_crushed() {
+    let mut params = common::round_rod(0.22, 2e-3, 2.33e9, 0.84e9, 0.05);
+    params.tendons = common::four_tendons(0.02, 0.22, 0.0);
+    let mut rod = Rod::new(params);
+    let pull = |each: f64| [each, 0.0, -2.0 * each, 0.0].map(Drive::Pull);
+    assert_eq!(rod.settle(&pull(0.05)), Status::Converged);
+    assert_eq!(rod.settle(&pull(0.30)), Status::Crushed);
+}
+
+/// Tendons askew over a jump of stiffness: the coarse grid is off by more than the tolerance, and the rod notices.
+#[test]
+fn statics_refine_themselves_where_the_grid_is_too_coarse() {
+    let mut params = common::round_rod(0.3, 1.5e-3, 2.33e9, 0.84e9, 0.05);
+    params.split_at(0.14);
+    params.spans[1].bending_n_m2 = params.spans[1].bending_n_m2.map(|stiffness| 0.4 * stiffness);
+    params.spans[1].torsion_n_m2 *= 0.4;
+    params.gravity_m_s2 = Vector3::new(-9.81, 0.0, 0.0);
+    params.tendons = common::four_tendons(0.02, 0.3, 0.0);
+    let load = TipLoad { force_n: Vector3::new(0.0, 0.15, 0.1), moment_nm: Vector3::new(0.0, 0.0, 0.01) };
+    let settle = |tolerance_m: f64| {
+        let mut params = params.clone();
+        params.resolution.static_tolerance_m = tolerance_m;
+        let mut rod = Rod::new(params);
+        rod.set_tip_load(load);
+        assert_eq!(rod.settle(&[6.0, 1.0, 0.0, 0.0].map(Drive::Tension)), Status::Converged);
+        rod
+    };
+    let (coarse, fine, finest) = (settle(f64::INFINITY), settle(1e-6), settle(1e-9));
+    let off = |rod: &Rod| (rod.tip_m() - finest.tip_m()).norm();
+    println!(
+        "{:e} m coarse, {:e} m fine, estimates {:e} {:e}",
+        off(&coarse),
+        off(&fine),
+        coarse.space_error_m(),
+        fine.space_error_m()
+    );
+    assert_eq!(coarse.refinements(), 0);
+    assert!(off(&coarse) > 1e-6 && coarse.space_error_m() > off(&coarse), "{:e} m", off(&coarse));
+    assert!(fine.refinements() > 0 && off(&fine) < 1e-6, "{:e} m", off(&fine));
+    assert!(fine.space_error_m() < 1e-6);
 }

@@ -304,3 +304,30 @@ pub struct GapSummaryRow {
     /// Repetitions of the whole experiment.
     pub seeds: u64,
 }
+
+/// One setting of one simulator on one robot: work against precision (`docs/peers.md`).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PeerRow {
+    /// Robot and drive: `till`, `paper` or `paper_tension`.
+    pub robot: String,
+    /// Simulator.
+    pub peer: String,
+    /// What else was set, in words.
+    pub setting: String,
+    /// Segments, cells or nodes along the robot.
+    pub segments_or_nodes: f64,
+    /// Time step, s.
+    pub dt_s: f64,
+    /// Processor time per simulated second; of a static solve: per solve.
+    pub cpu_s_per_s: f64,
+    /// Simulated time per processor time; not a number for a static solve.
+    pub real_time_factor: f64,
+    /// Root mean square distance of the tip from the limit, metres.
+    pub rms_error_m: f64,
+    /// Largest such distance, metres.
+    pub max_error_m: f64,
+    /// Distance at rest, before anything moves, metres.
+    pub static_error_m: f64,
+    /// `ok` or the named failure.
+    pub status: String,
+}

@@ -12,6 +12,8 @@ pub mod markup;
 pub mod page;
 mod paint;
 pub mod paper;
+mod peers;
+mod peers_table;
 mod published;
 pub mod style;
 mod summarise;
@@ -93,7 +95,7 @@ pub struct Figure {
 
 /// Every figure and table, in the order of the paper.
 pub const FIGURES: &[Figure] =
-    &[table1::FIGURE, fig5::FIGURE, fig6::FIGURE, fig8::FIGURE, claims::FIGURE, sweep::FIGURE];
+    &[table1::FIGURE, fig5::FIGURE, fig6::FIGURE, fig8::FIGURE, claims::FIGURE, sweep::FIGURE, peers::FIGURE];
 
 /// The figure called `name`.
 pub fn figure(name: &str) -> Option<&'static Figure> {

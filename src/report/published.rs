@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::data::rows::{ClaimRow, GapRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow};
+use crate::data::rows::{ClaimRow, GapRow, PeerRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow};
 use crate::data::{DataError, tables};
 
 /// The rows that a figure may ask for; an experiment fills in those it has.
@@ -25,6 +25,8 @@ pub struct Published {
     pub claims: Vec<ClaimRow>,
     /// Points of a sweep (`sweep.csv`).
     pub sweep: Vec<SweepRow>,
+    /// Simulators beside each other (`work_precision.csv`).
+    pub peers: Vec<PeerRow>,
 }
 
 impl Published {
@@ -41,6 +43,7 @@ impl Published {
             gaps: rows(folder, "gap.csv")?,
             claims: rows(folder, "claims.csv")?,
             sweep: rows(folder, "sweep.csv")?,
+            peers: rows(folder, "work_precision.csv")?,
         })
     }
 
@@ -57,6 +60,7 @@ impl Published {
         write(folder, "gap.csv", &self.gaps)?;
         write(folder, "claims.csv", &self.claims)?;
         write(folder, "sweep.csv", &self.sweep)?;
+        write(folder, "work_precision.csv", &self.peers)?;
         Published::read(folder)
     }
 }

@@ -120,7 +120,7 @@ impl Rod {
     /// have jumped because a drive's did. Their weights make the error of the tip of the paper's robot under random
     /// commands about the tolerance (`docs/rod.md`).
     fn step_error_m(&self, start: &State, h: f64) -> f64 {
-        const TRAPEZOID: f64 = 0.05;
+        const TRAPEZOID: f64 = 0.1;
         const SPREAD: f64 = 0.02;
         let (first, last) = (&self.stages[0].node_v, &self.stages[self.stages.len() - 1].node_v);
         let (mut missed, mut spread) = (0.0_f64, 0.0_f64);

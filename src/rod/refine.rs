@@ -14,21 +14,23 @@ use super::status::Status;
 use super::system::{System, Work};
 use crate::math::polynomial::legendre;
 
-/// How often the grid may be refined: cells to an eighth, 24 polynomials for each bending moment.
-const MOST_REFINEMENTS: u32 = 3;
+/// How often the grid may be refined: cells to an eighth, and polynomials that end at every jump of the material.
+const MOST_REFINEMENTS: u32 = 4;
 /// Polynomials added by the first refinement; each further one adds two more than the one before.
 const MORE_MODES: usize = 4;
-/// About as many polynomial coefficients may the levels have.
-const MOST_UNKNOWNS: [usize; MOST_REFINEMENTS as usize] = [250, 400, 600];
+/// About as many polynomial coefficients may the levels from the second on have.
+const MOST_UNKNOWNS: [usize; MOST_REFINEMENTS as usize - 1] = [250, 400, 600];
 /// Newton iterations from one grid to the next.
 const PATIENCE: usize = 40;
+/// A tendon closer to the axis than this share of the length shortens the rod rather than bend it.
+const LEAST_OFFSET: f64 = 0.01;
 /// One Picard iteration is the first term of a series; it counts this many times.
 const CAUTION: f64 = 15.0;
 /// A rod whose material remembers has fronts where it yields, kinks that no polynomial resolves: such rods are held to
 /// this many times the tolerance.
 const MEMORY_TOLERANCE: f64 = 100.0;
-/// Share of the length that the indicator may say a moving rod's tip is off by before its answer is refused.
-const MOTION_BOUND: f64 = 0.02;
+/// Share of the length that the estimate may say a moving rod's tip is off by before its answer is refused.
+const MOTION_BOUND: f64 = 0.05;
 /// The two-point Gauss rule leaves h⁵ f⁗ / 4320; three times as much covers the fields that enter each other.
 const CELL_ERROR: f64 = 3.0 / 4320.0;
 /// The fourth-order Magnus step leaves about this share of its commutator times the squared angle of the cell.
@@ -55,21 +57,26 @@ impl Space {
 }
 
 impl RodParams {
-    /// The same rod with `base` refined `level` times: each time cells are halved and polynomials added, and from the
-    /// first time on they end at every jump of the material. Many elements get fewer polynomials each.
+    /// The same rod with `base` refined `level` times: cells are halved and polynomials added each time. From the second
+    /// time on polynomials end at every jump of the material; many elements get fewer polynomials each.
     pub(super) fn refined(&self, base: &Resolution, level: u32) -> RodParams {
         let mut params = RodParams { resolution: *base, ..self.clone() };
         if level == 0 {
             return params;
         }
-        params.resolution.split_elements = true;
-        let own = MOST_UNKNOWNS[level as usize - 1] / (element_ends(&params).len() - 1);
-        // Twice as many for two bending moments as for four other components, half as many again each.
-        let others = (own / 7).max(1 + level as usize);
-        let more: usize = (0..level as usize).map(|k| MORE_MODES + 2 * k).sum();
+        let k = level as usize - 1;
+        let more: usize = (0..=k).map(|k| MORE_MODES + 2 * k).sum();
+        let (mut bending, mut others) = (usize::MAX, usize::MAX);
+        if level > 1 {
+            params.resolution.split_elements = true;
+            let own = MOST_UNKNOWNS[k - 1] / (element_ends(&params).len() - 1);
+            // Half as many again for two bending moments as for each of the four other components.
+            others = (own / 7).max(1 + k);
+            bending = others + others / 2;
+        }
         params.resolution = Resolution {
-            cell_m: base.cell_m / f64::from(1 << level),
-            bending_modes: (others + others / 2).min(base.bending_modes + more),
+            cell_m: base.cell_m / f64::from(1 << level.min(3)),
+            bending_modes: bending.min(base.bending_modes + more),
             torsion_modes: others.min(base.torsion_modes + more),
             shear_modes: others.min(base.shear_modes + more),
             axial_modes: others.min(base.axial_modes + more),
@@ -105,9 +112,27 @@ impl System {
                     .fold(0.0, f64::max)
             };
             let nearest = (0..taut.len()).filter(|&i| taut[i]).map(offset).fold(f64::INFINITY, f64::min);
-            total += kinks * (1.0 + length / nearest);
+            total += kinks * (1.0 + length / nearest.max(LEAST_OFFSET * length));
         }
         total
+    }
+
+    /// The strain at Gauss point `g` that the imbalance there amounts to, without its polynomial part: that is what the
+    /// last iteration has not solved for yet and then did.
+    fn lacking(&self, g: usize, work: &Work) -> Six {
+        let node = &self.grid.nodes[g];
+        let mut strain = work.weigh(g, &work.imbalance[g]);
+        let element = node.offset[0] / self.grid.modes.iter().sum::<usize>();
+        let per_length = 1.0 / (self.grid.elements_m[element + 1] - self.grid.elements_m[element]);
+        for (c, value) in strain.iter_mut().enumerate() {
+            let own = &work.residual[node.offset[c]..node.offset[c] + self.grid.modes[c]];
+            let mut odd = per_length;
+            for (residual, basis) in own.iter().zip(&node.basis) {
+                *value -= odd * residual * basis;
+                odd += 2.0 * per_length;
+            }
+        }
+        strain
     }
 
     /// What the polynomials that are missing put the tip off by, metres. The imbalance that they leave at the Gauss
@@ -116,21 +141,21 @@ impl System {
     /// Where it changes the length of a taut tendon, the tendon bends the rod back by that length over its offset.
     fn balance_error_m(&self, work: &Work, taut: &[bool]) -> f64 {
         let tip = work.shape.tip_m();
+        let lacking: Vec<Six> = (0..self.grid.nodes.len()).map(|g| self.lacking(g, work)).collect();
         let (mut moved, mut turned) = (Vector3::zeros(), Vector3::zeros());
         let mut bent_rad = 0.0;
         for i in (0..taut.len()).filter(|&i| taut[i]) {
             let (mut longer, mut offset) = (0.0, 0.0_f64);
             for (g, node) in self.grid.nodes.iter().enumerate() {
                 let pull = self.tendon_wrench(g, i, work);
-                let lacking = work.weigh(g, &work.imbalance[g]);
-                longer += node.weight_m * pull.iter().zip(&lacking).map(|(a, b)| a * b).sum::<f64>();
+                longer += node.weight_m * pull.iter().zip(&lacking[g]).map(|(a, b)| a * b).sum::<f64>();
                 let [x, y] = self.guides[g * taut.len() + i].offset_m;
-                offset = offset.max(x.hypot(y));
+                offset = offset.max(x * x + y * y);
             }
-            bent_rad += (longer / offset).abs();
+            bent_rad += longer.abs() / offset.sqrt().max(LEAST_OFFSET * self.params.length_m());
         }
         for (g, node) in self.grid.nodes.iter().enumerate() {
-            let lacking = work.weigh(g, &work.imbalance[g]);
+            let lacking = &lacking[g];
             let r = &work.shape.node_r[g];
             let turn = r * Vector3::new(lacking[0], lacking[1], lacking[2]) * node.weight_m;
             let stretch = r * Vector3::new(lacking[3], lacking[4], lacking[5]) * node.weight_m;
@@ -154,7 +179,7 @@ fn square(strain: &Six) -> f64 {
 
 impl Rod {
     /// What the discretisation in space may put the tip off by, metres: after a static solve the difference between
-    /// two grids, or an indicator where that is well below the tolerance; in motion the indicator.
+    /// two grids, or an estimate on one grid where that is below the tolerance; in motion that estimate.
     pub fn space_error_m(&self) -> f64 {
         self.space.error_m
     }
@@ -198,8 +223,12 @@ impl Rod {
             status = finer.solve_static(holds, 1.0);
             finer.solver.patience = patience;
             let apart_m = finer.distance_m(self);
-            finer.space.error_m = left_m(before_m, apart_m).min(finer.estimate_m());
-            before_m = apart_m;
+            finer.space.error_m = finer.estimate_m();
+            // More of the same polynomials come nearer so slowly, where the wrench jumps, that agreement says little.
+            if finer.space.level > 2 {
+                finer.space.error_m = finer.space.error_m.min(left_m(before_m, apart_m));
+                before_m = apart_m;
+            }
             let coarser = std::mem::replace(self, finer);
             fallback.get_or_insert(coarser);
             if status != Status::Converged {
@@ -283,6 +312,7 @@ impl Rod {
         rod.state.memory = self.state.memory.iter().map(|states| to.spread(from, states)).collect();
         rod.state.shape.update(to, &rod.system.sections, &rod.state.unknowns[..to.unknowns]);
         rod.solver.iterations = self.solver.iterations;
+        rod.solver.derivatives = self.solver.derivatives;
         rod.solver.factorisations = self.solver.factorisations;
         rod
     }

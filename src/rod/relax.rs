@@ -68,6 +68,7 @@ impl Rod {
             }
         }
         self.solver.iterations += honey.solver.iterations;
+        self.solver.derivatives += honey.solver.derivatives;
         self.solver.factorisations += honey.solver.factorisations;
         if status != Status::Converged || share < 1.0 {
             return if honey.crushed() { Status::Crushed } else { Status::NotConverged };

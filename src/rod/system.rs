@@ -252,7 +252,6 @@ impl System {
         }
     }
 
-    #[allow(dead_code)] // until sensitivities land
     /// Adds the weak form of a strain-like vector at Gauss point `g` to the balance equations.
     pub(super) fn project(&self, g: usize, value: &Six, out: &mut [f64]) {
         let node = &self.grid.nodes[g];

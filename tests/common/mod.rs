@@ -1,6 +1,9 @@
 //! Shared by the integration tests: reference robots and a small CSV reader.
 #![allow(dead_code, unreachable_pub, missing_docs)]
 
+pub mod oracle;
+pub mod random_robot;
+
 use nalgebra::{Matrix3, Vector3};
 use spinebench::effects::Model;
 use spinebench::rod::{Resolution, RodParams, Span, Tendon, TipLoad};
@@ -70,4 +73,28 @@ pub fn vector(row: &HashMap<String, f64>, names: [&str; 3]) -> Vector3<f64> {
 
 pub fn rotation(row: &HashMap<String, f64>, prefix: &str) -> Matrix3<f64> {
     Matrix3::from_fn(|i, j| row[&format!("{prefix}R{}{}", i + 1, j + 1)])
+}
+
+/// Central differences of `residuals` with steps of `step` in every parameter, as [`fit`] wants them.
+///
+/// [`fit`]: spinebench::math::least_squares::fit
+pub fn differences<'a>(
+    residuals: &'a dyn Fn(&[f64]) -> Option<Vec<f64>>,
+    step: f64,
+) -> impl Fn(&[f64]) -> Option<nalgebra::DMatrix<f64>> + 'a {
+    move |at| {
+        let shifted = |k: usize, sign: f64| {
+            let mut moved = at.to_vec();
+            moved[k] += sign * step;
+            residuals(&moved)
+        };
+        let column = |k: usize| {
+            let pair = shifted(k, 1.0)?.into_iter().zip(shifted(k, -1.0)?);
+            Some(nalgebra::DVector::from_iterator(
+                pair.len(),
+                pair.map(|(after, before)| (after - before) / (2.0 * step)),
+            ))
+        };
+        Some(nalgebra::DMatrix::from_columns(&(0..at.len()).map(column).collect::<Option<Vec<_>>>()?))
+    }
 }

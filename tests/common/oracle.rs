@@ -126,9 +126,8 @@ fn base_moment(case: &Case, rod: &Rod) -> Vector3<f64> {
         moment += (place.position_m - base).cross(&force);
     }
     for mass in &p.masses {
-        let near = places.iter().min_by(|a, b| {
-            (a.s_m - mass.position_m).abs().total_cmp(&(b.s_m - mass.position_m).abs())
-        });
+        let near =
+            places.iter().min_by(|a, b| (a.s_m - mass.position_m).abs().total_cmp(&(b.s_m - mass.position_m).abs()));
         moment += (near.unwrap().position_m - base).cross(&(mass.mass_kg * g));
     }
     moment

@@ -3,7 +3,7 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use spinebench::base::{Point3, Seed, distance_m};
-use spinebench::data::rows::{ClaimRow, GapRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow};
+use spinebench::data::rows::{ClaimRow, GapRow, PeerRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow};
 use spinebench::report::Published;
 
 const TRAININGS: [&str; 2] = ["paper", "converged"];
@@ -223,6 +223,37 @@ pub(crate) fn sweep() -> Vec<SweepRow> {
     rows
 }
 
+/// Work against precision: simulators on three robots, each at several time steps, and a run that failed.
+pub(crate) fn peers() -> Vec<PeerRow> {
+    let mut rows = Vec::new();
+    for (place, peer) in ["spinebench", "till_2019", "till_2019_tuned", "mujoco", "pyelastica"].into_iter().enumerate()
+    {
+        for robot in ["till", "paper", "paper_tension"] {
+            for step in 0..6 {
+                let dt_s = 0.05 / 2f64.powi(step);
+                let cpu_s_per_s = 1e-4 * 4f64.powi(place as i32) / dt_s;
+                let rms_error_m = 0.2 * (1.0 + place as f64) * dt_s * dt_s;
+                rows.push(PeerRow {
+                    robot: robot.to_owned(),
+                    peer: peer.to_owned(),
+                    setting: "order 2".to_owned(),
+                    segments_or_nodes: 20.0,
+                    dt_s,
+                    cpu_s_per_s,
+                    real_time_factor: 1.0 / cpu_s_per_s,
+                    rms_error_m,
+                    max_error_m: 3.0 * rms_error_m,
+                    static_error_m: 1e-6,
+                    status: "ok".to_owned(),
+                });
+            }
+        }
+    }
+    rows[7].rms_error_m = f64::NAN;
+    rows[7].status = "not_converged".to_owned();
+    rows
+}
+
 /// Everything, each figure's own rows.
 pub(crate) fn published(figure: &str, seeds: u64) -> Published {
     let mut published = Published::default();
@@ -239,6 +270,7 @@ pub(crate) fn published(figure: &str, seeds: u64) -> Published {
         }
         "claims" => published.claims = claims(),
         "sweep" => published.sweep = sweep(),
+        "peers" => published.peers = peers(),
         other => panic!("no rows for the figure `{other}`"),
     }
     published

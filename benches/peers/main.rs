@@ -1,0 +1,49 @@
+//! Other simulators on the same robots, one after the other on one core: processor time against error of the tip.
+//! `make peers` runs it; `docs/peers.md` says what is compared and why like this.
+#![allow(missing_docs, unreachable_pub)]
+
+mod clock;
+mod drive;
+mod environment;
+mod limits;
+mod ours;
+mod peer_till;
+mod python;
+mod statics;
+mod suite;
+mod table;
+mod till;
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use spinebench::report;
+
+fn main() -> ExitCode {
+    // Cargo passes `--bench`; a word picks one robot, and then nothing is written.
+    let only = std::env::args().skip(1).find(|word| !word.starts_with('-'));
+    match run(only.as_deref()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(reason) => {
+            eprintln!("peers: {reason}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(only: Option<&str>) -> Result<(), String> {
+    let results = suite::run(only)?;
+    if only.is_some() {
+        return Ok(());
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folder = root.join("results/peers");
+    let words = |error: &dyn std::fmt::Display| error.to_string();
+    let published = report::Published { peers: results.rows, ..report::Published::default() };
+    let published = published.write(&folder).map_err(|error| words(&error))?;
+    let text = environment::yaml(&results.facts)?;
+    spinebench::data::write_atomic(&folder.join("environment.yaml"), text.as_bytes()).map_err(|e| words(&e))?;
+    let figure = report::figure("peers").ok_or("no figure called peers")?;
+    let files = (figure.render)(&published).map_err(|error| words(&error))?;
+    report::write(&files, &folder, &root.join("plots")).map_err(|error| words(&error))
+}

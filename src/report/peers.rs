@@ -1,0 +1,154 @@
+//! Work against precision: processor time over the error of the tip, one panel a robot, one look a simulator.
+
+use super::axes::{Axis, Panel};
+use super::canvas::{Align, Canvas, Text};
+use super::legend::{Key, legend};
+use super::style::{DASHED, GREY, HAIR, LINE, LOOKS, Look, MARKER, PAGE_WIDTH, SMALL};
+use super::{Artifact, Figure, Published, ReportError, pictures, text};
+use crate::data::rows::PeerRow;
+
+/// Registry entry.
+pub(super) const FIGURE: Figure =
+    Figure { name: "peers", about: "Processor time against tip error, beside other simulators", render };
+
+/// Simulators in the order of their looks, and their names in the picture.
+const PEERS: [(&str, &str); 5] = [
+    ("spinebench", "spinebench"),
+    ("till_2019", "Till et al. 2019, their solver"),
+    ("till_2019_tuned", "Till et al. 2019, Jacobian kept, RK4"),
+    ("mujoco", "MuJoCo hinge chain"),
+    ("pyelastica", "PyElastica"),
+];
+
+const PANEL_HIGH: f64 = 250.0;
+const LEFT: f64 = 58.0;
+
+fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
+    let rows: Vec<&PeerRow> = published.peers.iter().filter(|row| drawable(row)).collect();
+    if rows.is_empty() {
+        return Err(ReportError::NoRows { figure: FIGURE.name, needs: "work_precision.csv with a finished run" });
+    }
+    let mut files = pictures(FIGURE.name, FIGURE.name, &draw(&rows))?.to_vec();
+    files.push(text("peers.md", super::peers_table::markdown(&published.peers)));
+    Ok(files)
+}
+
+/// Whether a row has a place on axes of logarithms.
+fn drawable(row: &PeerRow) -> bool {
+    let positive = |value: f64| value.is_finite() && value > 0.0;
+    positive(row.rms_error_m) && positive(row.cpu_s_per_s)
+}
+
+fn draw(rows: &[&PeerRow]) -> Canvas {
+    let robots = names(rows.iter().map(|row| row.robot.as_str()));
+    let seen = names(rows.iter().map(|row| row.peer.as_str()));
+    let mut canvas = Canvas::new(PAGE_WIDTH, 378.0);
+    let labels: Vec<(Look, String)> = order(&seen).into_iter().map(|peer| (look(peer), name(peer))).collect();
+    let mut keys: Vec<(Key, &str)> = labels.iter().map(|(look, words)| (Key::Plain(*look), words.as_str())).collect();
+    keys.push((Key::Line(GREY, DASHED), "real time"));
+    let below = legend(&mut canvas, [LEFT, 18.0], PAGE_WIDTH - 12.0, &keys);
+    let y = decades("processor time (ms per simulated s)", rows.iter().map(|row| 1e3 * row.cpu_s_per_s).chain([1e3]));
+    let wide = (PAGE_WIDTH - LEFT - 14.0) / robots.len() as f64;
+    for (index, robot) in robots.iter().enumerate() {
+        let own: Vec<&PeerRow> = rows.iter().copied().filter(|row| row.robot == *robot).collect();
+        let x = decades("rms error of the tip (mm)", own.iter().map(|row| 1e3 * row.rms_error_m));
+        let panel = Panel {
+            corner: [LEFT + wide * index as f64, below + 34.0],
+            size: [wide - 30.0, PANEL_HIGH],
+            x,
+            y: if index == 0 { y.clone() } else { y.bare() },
+            title: format!("({}) {}", char::from(b'a' + (index % 26) as u8), title(robot)),
+        };
+        panel.draw(&mut canvas);
+        panel.line(&mut canvas, &[[panel.x.low, 3.0], [panel.x.high, 3.0]], GREY, DASHED, HAIR);
+        curves(&mut canvas, &panel, &own);
+    }
+    let note = "lower left is better; each line is one setting at different time steps, each simulator at several";
+    canvas
+        .text(Text::new(note, [PAGE_WIDTH - 14.0, below + 34.0 + PANEL_HIGH + 44.0], SMALL, Align::Right).colour(GREY));
+    canvas
+}
+
+/// One line through the time steps of each setting; our own last, so that it lies on top.
+fn curves(canvas: &mut Canvas, panel: &Panel, rows: &[&PeerRow]) {
+    let seen = names(rows.iter().map(|row| row.peer.as_str()));
+    for peer in order(&seen).into_iter().rev() {
+        let own: Vec<&PeerRow> = rows.iter().copied().filter(|row| row.peer == peer).collect();
+        let look = look(peer);
+        let kind = |row: &PeerRow| format!("{} {}", row.setting, row.segments_or_nodes);
+        let kinds: Vec<String> = own.iter().map(|row| kind(row)).collect();
+        for one in names(kinds.iter().map(String::as_str)) {
+            let mut line: Vec<&&PeerRow> = own.iter().filter(|row| kind(row) == one).collect();
+            line.sort_by(|a, b| a.dt_s.total_cmp(&b.dt_s));
+            let points: Vec<[f64; 2]> =
+                line.iter().map(|row| [(1e3 * row.rms_error_m).log10(), (1e3 * row.cpu_s_per_s).log10()]).collect();
+            panel.line(canvas, &points, look.colour, look.dash, 0.7 * LINE);
+            for [x, y] in points {
+                canvas.marker(panel.at(x, y), look.marker, 0.85 * MARKER, look.colour, false);
+            }
+        }
+    }
+}
+
+fn look(peer: &str) -> Look {
+    let place = PEERS.iter().position(|(known, _)| *known == peer);
+    LOOKS[place.unwrap_or(PEERS.len()).min(LOOKS.len() - 1)]
+}
+
+/// What a simulator is called.
+pub(super) fn name(peer: &str) -> String {
+    PEERS.iter().find(|(known, _)| *known == peer).map_or(peer, |(_, words)| *words).to_owned()
+}
+
+/// These simulators in the order of [`PEERS`], unknown ones last.
+pub(super) fn order<'a>(seen: &[&'a str]) -> Vec<&'a str> {
+    let place = |peer: &str| PEERS.iter().position(|(known, _)| *known == peer).unwrap_or(PEERS.len());
+    let mut peers = seen.to_vec();
+    peers.sort_by_key(|peer| place(peer));
+    peers
+}
+
+/// What a robot is called.
+pub(super) fn title(robot: &str) -> String {
+    match robot {
+        "till" => "Till et al.’s example".to_owned(),
+        "paper" => "paper’s robot, lengths".to_owned(),
+        "paper_tension" => "no spine, no damping".to_owned(),
+        other => other.to_owned(),
+    }
+}
+
+/// Each name once, in order of appearance.
+pub(super) fn names<'a>(all: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut found = Vec::new();
+    for name in all {
+        if !found.contains(&name) {
+            found.push(name);
+        }
+    }
+    found
+}
+
+/// An axis of logarithms to base ten that covers `values` (positive), its ends on powers of ten.
+fn decades(label: &str, values: impl Iterator<Item = f64>) -> Axis {
+    let (low, high) = super::axes::range(values.map(f64::log10));
+    let (low, high) = (low.floor(), high.ceil().max(low.floor() + 1.0));
+    // No more labels than have room.
+    let step = ((high - low) / 6.0).ceil().max(1.0) as usize;
+    let ticks = (low as i64..=high as i64).step_by(step).map(|power| (power as f64, power_of_ten(power)));
+    Axis { label: label.to_owned(), low, high, ticks: ticks.collect() }
+}
+
+/// 0.01, 0.1, 1, 10, …; beyond a hundred thousand as a power.
+fn power_of_ten(power: i64) -> String {
+    match power {
+        0..=4 => format!("{}", 10_i64.pow(power as u32)),
+        -4..=-1 => format!("{:.*}", power.unsigned_abs() as usize, 10f64.powi(power as i32)),
+        _ => {
+            let digits = ["⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"];
+            let raised: String =
+                power.unsigned_abs().to_string().bytes().map(|digit| digits[usize::from(digit - b'0')]).collect();
+            format!("10{}{raised}", if power < 0 { "⁻" } else { "" })
+        }
+    }
+}
