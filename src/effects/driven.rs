@@ -1,11 +1,12 @@
 //! A model that is driven: its rod with the effects on what the drives do and on what is measured, and how all of that
-//! changes with numbers of the model, commands and loads. Without noise; [`Simulated`](crate) plants add it.
+//! changes with numbers of the model, commands and loads. Without noise: a simulated plant adds it.
 
 use std::ops::Range;
 
 use nalgebra::Vector3;
 
 use super::sensitivity::{ParameterError, Variable};
+use super::stand::{Path, Stand, affected, drives};
 use super::{Effect, EffectSpec, Model};
 use crate::base::{Observation, PlantError, TendonCommand};
 use crate::math::rotation;
@@ -46,17 +47,6 @@ pub struct Driven {
     next: Option<usize>,
 }
 
-/// A rod's drives.
-#[derive(Clone, Debug)]
-struct Stand {
-    /// Time in which they carry out a command, s.
-    drive_time_s: f64,
-    /// Displacements that they were last told to reach, metres, …
-    told_m: Vec<f64>,
-    /// … and those that they stand at with the effects on them.
-    at_m: Vec<f64>,
-}
-
 /// How a rod other than the model's own differs.
 #[derive(Clone, Debug)]
 struct Variation {
@@ -78,7 +68,7 @@ impl Driven {
     /// A checked model with `extra` effects on top.
     pub fn new(model: &Model, extra: &[EffectSpec]) -> Driven {
         let rods = Nearby::alone(model.rod(extra));
-        let stand = Stand::new(model.robot.drive_time_s, rods.leader());
+        let stand = Stand::new(model.robot.drive_time_s, rods.leader().params().tendons.len());
         Driven { rods, effects: vec![model.effects(extra)], stands: vec![stand], variations: Vec::new(), next: None }
     }
 
@@ -92,7 +82,7 @@ impl Driven {
         for (index, variable) in variables.iter().enumerate() {
             let varied = vary(model, extra, variable, index)?;
             driven.effects.push(varied.effects);
-            driven.stands.push(Stand::new(varied.drive_time_s, driven.rod()));
+            driven.stands.push(Stand::new(varied.drive_time_s, driven.rod().params().tendons.len()));
             driven.variations.push(varied.variation);
             params.push(varied.params);
         }
@@ -257,12 +247,12 @@ impl Driven {
             Vector3::from(seen.tip_m)
         };
         let (tip, turn) = (measured(self.rod(), &self.effects[0]), self.rod().tip_rotation().transpose());
-        let others = self.rods.others().iter().zip(&self.effects[1..]).zip(&self.variations);
-        let rate = |((rod, effects), variation): ((&Rod, &Vec<Box<dyn Effect>>), &Variation)| TipRate {
+        let rods = self.rods.others().iter().zip(&self.effects[1..]);
+        let rate = |variation: &Variation, (rod, effects): (&Rod, &Vec<Box<dyn Effect>>)| TipRate {
             position_m: (measured(rod, effects) - tip) / variation.step,
             rotation_rad: rotation::log(&(rod.tip_rotation() * turn)) / variation.step,
         };
-        others.map(rate).collect()
+        self.variations.iter().zip(rods).map(|(variation, rod)| rate(variation, rod)).collect()
     }
 
     /// One more command has been given.
@@ -329,75 +319,6 @@ impl Variation {
         let (tendon, commands) = self.command.as_ref()?;
         commands.contains(&number?).then_some((*tendon, self.step))
     }
-}
-
-impl Stand {
-    fn new(drive_time_s: f64, rod: &Rod) -> Stand {
-        let home = vec![0.0; rod.params().tendons.len()];
-        Stand { drive_time_s, told_m: home.clone(), at_m: home }
-    }
-}
-
-impl Stand {
-    /// The way to `target_m` and then the wait, in all `duration_s`: in parts within which the drives move at constant
-    /// speed, with the effects on them.
-    fn go(&mut self, effects: &mut [Box<dyn Effect>], target_m: Vec<f64>, duration_s: f64) -> Path {
-        let ramp_s = self.drive_time_s.min(duration_s);
-        let late = effects.iter().any(|effect| effect.acts_late());
-        let count = if late { (duration_s / ramp_s - 1e-9).ceil() } else { 1.0 };
-        let parts = if late { vec![duration_s / count; count as usize] } else { vec![ramp_s, duration_s - ramp_s] };
-        let from_m = std::mem::replace(&mut self.told_m, target_m);
-        let mut path = Path { ends_s: Vec::new(), places_m: vec![self.at_m.clone()] };
-        let mut now_s = 0.0;
-        for part_s in parts {
-            now_s += part_s;
-            path.ends_s.push(now_s);
-            if part_s > 1e-9 * duration_s {
-                let asked = between(&from_m, &self.told_m, (now_s / ramp_s).min(1.0));
-                self.at_m = affected(effects, asked, part_s);
-            }
-            path.places_m.push(self.at_m.clone());
-        }
-        path
-    }
-}
-
-/// Where drives stand while a command is held: straight lines between instants.
-struct Path {
-    ends_s: Vec<f64>,
-    /// At the start, and at each of these.
-    places_m: Vec<Vec<f64>>,
-}
-
-impl Path {
-    fn drives(&self, commands: &[TendonCommand], time_s: f64) -> Vec<Drive> {
-        let last = self.ends_s.len() - 1;
-        let part = self.ends_s.iter().position(|end| time_s < end * (1.0 - 1e-12)).unwrap_or(last);
-        let start_s = if part == 0 { 0.0 } else { self.ends_s[part - 1] };
-        let length_s = self.ends_s[part] - start_s;
-        let share = if length_s > 0.0 { ((time_s - start_s) / length_s).clamp(0.0, 1.0) } else { 1.0 };
-        drives(commands, &self.places_m[part], &self.places_m[part + 1], share)
-    }
-}
-
-/// Where drives stand, with the effects on them, `dt_s` seconds after they were last looked at, having moved to `pulls_m`
-/// in the meantime; infinite: once all is at rest.
-fn affected(effects: &mut [Box<dyn Effect>], mut pulls_m: Vec<f64>, dt_s: f64) -> Vec<f64> {
-    effects.iter_mut().for_each(|effect| effect.command(&mut pulls_m, dt_s));
-    pulls_m
-}
-
-fn between(from_m: &[f64], to_m: &[f64], share: f64) -> Vec<f64> {
-    from_m.iter().zip(to_m).map(|(from, to)| from + share * (to - from)).collect()
-}
-
-/// Drives that are `share` of the way between two displacements, or follow.
-fn drives(commands: &[TendonCommand], from_m: &[f64], to_m: &[f64], share: f64) -> Vec<Drive> {
-    let drive = |(command, pull): (&TendonCommand, f64)| match command {
-        TendonCommand::Pull(_) => Drive::Pull(pull),
-        TendonCommand::Follow => Drive::Follow,
-    };
-    commands.iter().zip(between(from_m, to_m, share)).map(drive).collect()
 }
 
 /// What a rod shows of itself.

@@ -23,6 +23,7 @@ mod robot;
 mod sensitivity;
 mod soft_section;
 mod spine_compressibility;
+mod stand;
 mod tendon_angle;
 mod tendon_radius;
 mod tendon_stretch;

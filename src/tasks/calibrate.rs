@@ -4,7 +4,7 @@
 use nalgebra::DMatrix;
 
 use super::TaskError;
-use super::play::{PlayOptions, play, play_varied};
+use super::play::{PlayOptions, Varied, play, play_varied};
 use crate::base::{BadOption, Point3};
 use crate::data::Recording;
 use crate::effects::{Model, ModelParameter, Robot, Variable, VariationError};
@@ -156,7 +156,7 @@ fn tip_rates(
     let parameter = |field: &&Adjustable| ModelParameter::named(model, field.path);
     let parameters: Vec<ModelParameter> = fields.iter().map(parameter).collect::<Result<_, _>>().ok()?;
     let variables: Vec<Variable> = parameters.iter().cloned().map(Variable::Parameter).collect();
-    let (_, rates, left_out) = play_varied(model, commands, options, &variables).ok()?;
+    let Varied { rates, left_out, .. } = play_varied(model, commands, options, &variables).ok()?;
     let played = |candidate: &Model| -> Result<Vec<Point3>, VariationError> {
         Ok(play(candidate, commands, options).tip_m.unwrap_or_default())
     };

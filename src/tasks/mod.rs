@@ -20,7 +20,7 @@ pub use generate::generate;
 pub use gp_points::{GpPoints, GpPointsOptions, GpPool, Layout, SimulatedBy, gp_points, one_of_each_cluster};
 pub use imagine::imagine;
 pub use path::{PathOptions, interpolate, waypoints};
-pub use play::{PlayOptions, play, play_varied};
+pub use play::{PlayOptions, Varied, play, play_varied};
 pub use reach::{LoopMode, ReachOptions, ReachOutcome, reach};
 pub use samples::Samples;
 pub use targets::{TargetOptions, draw_targets, spread_targets, target_pool};

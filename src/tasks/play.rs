@@ -42,8 +42,19 @@ pub fn play(model: &Model, commands: &Recording, options: &PlayOptions) -> Recor
     sheet.into_recording(commands)
 }
 
-/// [`play`] with the derivative of each row's tip with respect to each of `variables`; a row that could not be solved has
-/// none. The second result names (from 0) those of them that have no derivative along a motion: they are left out.
+/// What [`play_varied`] gives.
+#[derive(Clone, Debug)]
+pub struct Varied {
+    /// What [`play`] gives.
+    pub recording: Recording,
+    /// For each row, derivative of the tip with respect to each variable that is not left out; none for a row that could
+    /// not be solved.
+    pub rates: Vec<Vec<TipRate>>,
+    /// Numbers (from 0) of the variables that have no derivative along a motion.
+    pub left_out: Vec<usize>,
+}
+
+/// [`play`] with the derivative of each row's tip with respect to each of `variables`.
 ///
 /// # Errors
 /// [`VariationError`] for a variable that there is not.
@@ -52,7 +63,7 @@ pub fn play_varied(
     commands: &Recording,
     options: &PlayOptions,
     variables: &[Variable],
-) -> Result<(Recording, Vec<Vec<TipRate>>, Vec<usize>), VariationError> {
+) -> Result<Varied, VariationError> {
     let mut sheet = Sheet::new(commands.len(), commands.tendons());
     let mut left_out = Vec::new();
     for (number, rows) in commands.trials() {
@@ -63,7 +74,7 @@ pub fn play_varied(
         trial.fill(&mut sheet, commands, (number, rows), options);
     }
     let rates = std::mem::take(&mut sheet.rates);
-    Ok((sheet.into_recording(commands), rates, left_out))
+    Ok(Varied { recording: sheet.into_recording(commands), rates, left_out })
 }
 
 impl PlayOptions {
