@@ -101,7 +101,10 @@ impl<const T: usize> Till<T> {
             return Err("lumped masses, moments with a memory and a turned base are not covered".into());
         }
         let pieces = material::pieces(params, &settings);
-        let offset = |i: usize| Vector3::new(params.tendons[i].offset_m[0], params.tendons[i].offset_m[1], 0.0);
+        let offset = |i: usize| {
+            let ([x, y], _) = params.tendons[i].path.at(0.0);
+            Vector3::new(x, y, 0.0)
+        };
         let count = pieces.iter().map(|piece| piece.records(settings.space)).sum();
         Ok(Till {
             params: params.clone(),
