@@ -18,6 +18,7 @@ fn fine(time_step_s: f64, base: Resolution) -> Setting {
     resolution.shear_modes = 8;
     resolution.axial_modes = 8;
     resolution.time_step_s = time_step_s;
+    resolution.motion_tolerance_m = f64::INFINITY;
     resolution.scheme = Scheme::Sdirk2;
     Setting { name: "limit".into(), resolution }
 }
@@ -27,7 +28,8 @@ fn fine(time_step_s: f64, base: Resolution) -> Setting {
 /// # Errors
 /// A run that did not end.
 pub fn of(case: &Case, time_step_s: f64, facts: &mut Facts) -> Result<Tips, String> {
-    let at = |step| ours::tips(&ours::with(case, &fine(step, case.params.resolution)), case).map(Tips);
+    let at =
+        |step| ours::tips(&ours::with(case, &fine(step, case.params.resolution)), case).map(|(tips, _)| Tips(tips));
     let limit = at(time_step_s)?;
     let (rms, most, _) = at(2.0 * time_step_s)?.errors(&limit);
     note(facts, format!("{}: ours, step doubled to {} s, rms", case.name, 2.0 * time_step_s), rms);

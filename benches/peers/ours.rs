@@ -13,8 +13,8 @@ pub struct Setting {
     pub resolution: Resolution,
 }
 
-/// Tips at the samples.
-pub fn tips(params: &RodParams, case: &Case) -> Result<Vec<Vector3<f64>>, String> {
+/// Tips at the samples, and the mean length of the time steps, s.
+pub fn tips(params: &RodParams, case: &Case) -> Result<(Vec<Vector3<f64>>, f64), String> {
     let mut rod = Rod::new(params.clone());
     let converged = |status: Status, t: f64| {
         if status == Status::Converged { Ok(()) } else { Err(format!("{status} at {t:.3} s")) }
@@ -33,7 +33,8 @@ pub fn tips(params: &RodParams, case: &Case) -> Result<Vec<Vector3<f64>>, String
         }
         tips.push(rod.tip_m());
     }
-    Ok(tips)
+    let mean_step_s = case.duration_s / rod.effort().steps.max(1) as f64;
+    Ok((tips, mean_step_s))
 }
 
 /// The rod of `case` at a setting.
@@ -46,6 +47,7 @@ pub fn run(case: &Case, limit: &Tips, setting: &Setting) -> Row {
     let params = with(case, setting);
     let (result, cpu_s) = clock::best(|| tips(&params, case));
     let cells = (params.length_m() / params.resolution.cell_m).ceil().max(1.0);
-    let row = Row::new(case, "spinebench", &setting.name, cells, params.resolution.time_step_s);
-    row.ended(result.map(Tips), limit, cpu_s, case.duration_s)
+    let mean_step_s = result.as_ref().map_or(params.resolution.time_step_s, |(_, step)| *step);
+    let row = Row::new(case, "spinebench", &setting.name, cells, mean_step_s);
+    row.ended(result.map(|(tips, _)| Tips(tips)), limit, cpu_s, case.duration_s)
 }

@@ -68,21 +68,33 @@ fn coarse(base: Resolution, cell_m: f64) -> Resolution {
     Resolution { cell_m, bending_modes: 4, torsion_modes: 2, shear_modes: 2, axial_modes: 3, ..base }
 }
 
-/// Our own curve.
+/// Our own curves: steps by their error, as shipped, and steps of one length.
 fn ours(results: &mut Results, case: &Case, limit: &Tips, steps_ms: &[f64], coarse_cell_m: f64) {
     let shipped = case.params.resolution;
     let coarse = coarse(shipped, coarse_cell_m);
-    let curves = [
-        ("SDIRK2, shipped grid", Scheme::Sdirk2, shipped),
-        ("Euler, coarse grid", Scheme::Euler, coarse),
-        ("SDIRK2, coarse grid", Scheme::Sdirk2, coarse),
-        ("SDIRK3, coarse grid", Scheme::Sdirk3, coarse),
-    ];
-    for (name, scheme, base) in curves {
-        for step_ms in steps_ms {
-            let resolution = Resolution { time_step_s: 1e-3 * step_ms, scheme, ..base };
+    for (name, base) in [("steps by error, shipped grid", shipped), ("steps by error, coarse grid", coarse)] {
+        for motion_tolerance_m in [3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 1e-6, 3e-7] {
+            let resolution = Resolution { time_step_s: 0.1, motion_tolerance_m, ..base };
             results.add(ours::run(case, limit, &Setting { name: name.into(), resolution }));
         }
+    }
+    for (name, scheme) in [("SDIRK2, coarse grid", Scheme::Sdirk2), ("SDIRK3, coarse grid", Scheme::Sdirk3)] {
+        equal_steps(results, case, limit, (name, scheme, coarse), steps_ms);
+    }
+}
+
+/// A curve of steps of one length.
+fn equal_steps(
+    results: &mut Results,
+    case: &Case,
+    limit: &Tips,
+    (name, scheme, base): (&str, Scheme, Resolution),
+    steps_ms: &[f64],
+) {
+    for step_ms in steps_ms {
+        let time_step_s = 1e-3 * step_ms;
+        let resolution = Resolution { time_step_s, scheme, motion_tolerance_m: f64::INFINITY, ..base };
+        results.add(ours::run(case, limit, &Setting { name: name.into(), resolution }));
     }
 }
 
@@ -156,11 +168,8 @@ fn tension(results: &mut Results) -> Result<(), String> {
     let limit = limits::of(&case, 0.0005, &mut results.facts)?;
     table::print_header("the same, 1 s");
     let base = case.params.resolution;
-    for (name, scheme) in [("SDIRK2", Scheme::Sdirk2), ("SDIRK3", Scheme::Sdirk3)] {
-        for step_ms in [25.0, 10.0, 5.0, 2.5, 1.0] {
-            let resolution = Resolution { time_step_s: 1e-3 * step_ms, scheme, ..base };
-            results.add(ours::run(&case, &limit, &Setting { name: format!("{name}, shipped grid"), resolution }));
-        }
+    for (name, scheme) in [("SDIRK2, shipped grid", Scheme::Sdirk2), ("SDIRK3, shipped grid", Scheme::Sdirk3)] {
+        equal_steps(results, &case, &limit, (name, scheme, base), &[25.0, 10.0, 5.0, 2.5, 1.0]);
     }
     // Elements, time step, factor on the rotary inertia.
     let settings =

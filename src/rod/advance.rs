@@ -26,6 +26,8 @@ const LARGEST_GROWTH: f64 = 2.0;
 pub(super) struct Pace {
     /// What the error of the last step suggests for the next one, s; infinite before the first.
     next_s: f64,
+    /// Steps since the rod was made or restarted.
+    pub(super) taken: u64,
     /// Time of each stage as a share of the step.
     stage_times: Vec<f64>,
 }
@@ -33,7 +35,7 @@ pub(super) struct Pace {
 impl Pace {
     pub(super) fn new(tableau: &Tableau) -> Pace {
         let stage_times: Vec<f64> = tableau.rows.iter().map(|row| row.iter().sum()).collect();
-        Pace { next_s: f64::INFINITY, stage_times }
+        Pace { next_s: f64::INFINITY, taken: 0, stage_times }
     }
 }
 
@@ -98,6 +100,7 @@ impl Rod {
 
     /// Takes the last stage as the new state.
     fn finish_step(&mut self, h: f64) {
+        self.pace.taken += 1;
         self.state.rates.copy_from(&self.stages[self.stages.len() - 1]);
         self.commit_memory(h);
         self.trace.iter_mut().for_each(|trace| trace.accept(h));

@@ -40,6 +40,8 @@ pub struct Energy {
 /// What solving has taken so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effort {
+    /// Time steps, those that had to be repeated not counted.
+    pub steps: u64,
     /// Evaluations of the equations, one an iteration.
     pub iterations: u64,
     /// Evaluations of their derivative.
@@ -354,7 +356,7 @@ impl Rod {
     /// Work done so far.
     pub fn effort(&self) -> Effort {
         let Solver { iterations, derivatives, factorisations, .. } = self.solver;
-        Effort { iterations, derivatives, factorisations }
+        Effort { steps: self.pace.taken, iterations, derivatives, factorisations }
     }
 
     /// The fields along the rod at the Gauss points.

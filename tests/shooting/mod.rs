@@ -95,7 +95,7 @@ impl Shooting {
                 .collect();
             let step = Matrix6::from_columns(&columns).lu().solve(&off).expect("a regular border");
             strain -= step;
-            if !(step.norm() > 1e-13 * strain.norm()) {
+            if step.norm() <= 1e-13 * strain.norm() {
                 break;
             }
         }
