@@ -26,6 +26,8 @@ const PATIENCE: usize = 40;
 const LEAST_OFFSET: f64 = 0.01;
 /// One Picard iteration is the first term of a series; it counts this many times.
 const CAUTION: f64 = 15.0;
+/// Refinement stops at cells of this share of the length.
+const MOST_CELLS: f64 = 300.0;
 /// A rod whose material remembers has fronts where it yields, kinks that no polynomial resolves: such rods are held to
 /// this many times the tolerance.
 const MEMORY_TOLERANCE: f64 = 100.0;
@@ -75,7 +77,7 @@ impl RodParams {
             bending = others + others / 2;
         }
         params.resolution = Resolution {
-            cell_m: base.cell_m / f64::from(1 << level.min(3)),
+            cell_m: (base.cell_m / f64::from(1 << level.min(3))).max(self.length_m() / MOST_CELLS).min(base.cell_m),
             bending_modes: bending.min(base.bending_modes + more),
             torsion_modes: others.min(base.torsion_modes + more),
             shear_modes: others.min(base.shear_modes + more),

@@ -14,6 +14,8 @@ const HONEY_S: f64 = 1e4;
 /// Solves and Newton iterations before giving up.
 const MOST_SOLVES: usize = 120;
 const MOST_ITERATIONS: u64 = 1000;
+/// Iterations times cells before giving up.
+const MOST_WORK: u64 = 40_000;
 /// Newton iterations that a step may take before a shorter one is tried.
 const PATIENCE: usize = 25;
 /// Steps in damping times: the first, the shortest, and the one after which the rod counts as being at rest.
@@ -31,6 +33,8 @@ impl Rod {
     /// their value, to a rest that Newton's method then sharpens.
     pub(super) fn relax(&mut self, holds: &[Hold], mut share: f64) -> Status {
         let mut honey = self.in_honey();
+        // Long rods with many cells take longer over each iteration.
+        let patience = (MOST_WORK / honey.system.grid.cells.len() as u64).clamp(200, MOST_ITERATIONS);
         // A rod under its full load starts next to an unstable equilibrium, which longer steps would find again.
         let falling = share == 1.0;
         let (mut step, mut rise) = (if falling { FALLING_STEP } else { FIRST_STEP }, FIRST_SHARE);
@@ -44,7 +48,7 @@ impl Rod {
             if status != Status::Converged {
                 honey.state = start;
                 (step, rise) = (0.25 * step, 0.3 * rise);
-                if step < SHORTEST_STEP || honey.crushed() || honey.solver.iterations > MOST_ITERATIONS {
+                if step < SHORTEST_STEP || honey.crushed() || honey.solver.iterations > patience {
                     break;
                 }
                 continue;
