@@ -97,7 +97,8 @@ fn the_answer_changes_steadily_with_the_robot() {
         driven(model.rod(&[]), &[3.0, 2.0, 1.0, 2.5, 1.5].map(Drive::Tension)).tip_m()
     };
     let home = tip(&|_| {});
-    let changes: [(&str, &dyn Fn(&mut Model, f64)); 7] = [
+    type Change<'a> = &'a dyn Fn(&mut Model, f64);
+    let changes: [(&str, Change); 7] = [
         ("end radius", &|m, x| m.robot.backbone.pieces[1].end_radius_m = Some(0.002 * (1.0 + x))),
         ("piece border", &|m, x| m.robot.backbone.pieces[0].end_m = 0.12 * (1.0 + x)),
         ("tendon end", &|m, x| m.robot.tendons.ends_m.as_mut().unwrap()[2] = 0.12 * (1.0 + x)),

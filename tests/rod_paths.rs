@@ -5,7 +5,7 @@ mod common;
 mod shooting;
 
 use nalgebra::{Matrix3, Vector3, Vector6};
-use shooting::{Cord, Pose, Shooting};
+use shooting::{Cord, Pose, Shooting, Stiffness};
 use spinebench::rod::{
     Drive, LineLoad, PathPoint, PointLoad, Rod, RodParams, Span, Status, Taper, Tendon, TendonPath, TipLoad,
 };
@@ -25,7 +25,7 @@ fn cone(radii_m: [f64; 2]) -> RodParams {
 }
 
 /// Its stiffness and how that changes, for the oracle.
-fn cone_stiffness(radii_m: [f64; 2], anisotropy: f64) -> Box<dyn Fn(f64) -> (Vector6<f64>, Vector6<f64>)> {
+fn cone_stiffness(radii_m: [f64; 2], anisotropy: f64) -> Stiffness {
     Box::new(move |s| {
         let slope = (radii_m[1] - radii_m[0]) / LENGTH_M;
         let a = radii_m[0] + slope * s;

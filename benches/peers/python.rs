@@ -78,7 +78,7 @@ fn describe(case: &Case, settings: &Value) -> Value {
             json!({
                 "start_m": from, "end_m": span.end_m, "bending_n_m2": span.bending_n_m2[0],
                 "torsion_n_m2": span.torsion_n_m2, "shear_n": span.shear_n, "axial_n": span.axial_n,
-                "mass_kg_m": span.mass_kg_m,
+                "mass_kg_m": span.mass_kg_m + span.spread_mass_kg_m,
             })
         })
         .collect();
@@ -101,7 +101,7 @@ fn describe(case: &Case, settings: &Value) -> Value {
         "name": case.name, "length_m": params.length_m(), "radius_m": radius_m, "spans": spans, "sections": sections,
         "cuts_m": cuts_m, "damping_time_s": params.damping_time_s, "drag_n_s2_m3": params.drag_n_s2_m3,
         "gravity_m_s2": params.gravity_m_s2.as_slice(),
-        "offsets_m": params.tendons.iter().map(|t| t.offset_m).collect::<Vec<_>>(),
+        "offsets_m": params.tendons.iter().map(|t| t.path.at(0.0).0).collect::<Vec<_>>(),
         "compliance_m_per_n": params.tendons[0].compliance_m_per_n, "pretension_m": params.tendons[0].pretension_m,
         "times_s": case.series.times_s, "values": case.series.values, "tensions": case.series.tensions,
         "sample_s": SAMPLE_S, "samples": case.samples_s().len(), "settings": settings,

@@ -48,6 +48,8 @@ impl Rod {
     /// Moves the rod for `duration_s`; `drives` gives the drives at a time since now, seconds. A drive whose speed
     /// jumps should do so at the beginning or the end.
     pub fn advance_with(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, duration_s: f64) -> Status {
+        // A rest is known to a micrometre on a finer grid; a motion has the grid that was asked for.
+        self.coarsen();
         let resolution = self.system.params.resolution;
         let mut now = 0.0;
         let mut left = duration_s;

@@ -34,7 +34,7 @@ impl Rod {
     pub(super) fn relax(&mut self, holds: &[Hold], mut share: f64) -> Status {
         let mut honey = self.in_honey();
         // Long rods with many cells take longer over each iteration.
-        let patience = (MOST_WORK / honey.system.grid.cells.len() as u64).clamp(200, MOST_ITERATIONS);
+        let patience = (MOST_WORK / honey.system.grid.cells.len().max(1) as u64).clamp(200, MOST_ITERATIONS);
         // A rod under its full load starts next to an unstable equilibrium, which longer steps would find again.
         let falling = share == 1.0;
         let (mut step, mut rise) = (if falling { FALLING_STEP } else { FIRST_STEP }, FIRST_SHARE);

@@ -14,10 +14,13 @@ pub struct Cord {
     pub tension_n: f64,
 }
 
+/// Stiffness of (u, v) and its derivative, by the distance from the base.
+pub type Stiffness = Box<dyn Fn(f64) -> (Vector6<f64>, Vector6<f64>)>;
+
 /// A rod in the body frame: strains (u, v), diagonal stiffness.
 pub struct Shooting {
     /// Stiffness of (u, v) and its derivative with s.
-    pub stiffness: Box<dyn Fn(f64) -> (Vector6<f64>, Vector6<f64>)>,
+    pub stiffness: Stiffness,
     pub rest: Box<dyn Fn(f64) -> Vector3<f64>>,
     pub cords: Vec<Cord>,
     /// World force per length.

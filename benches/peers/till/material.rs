@@ -98,7 +98,8 @@ fn piece_at(params: &RodParams, middle_m: f64, shape: Piece, settings: &Settings
     let time = params.damping_time_s;
     let linear_time = if settings.linear_damping { time } else { 0.0 };
     // I = A · E I / E A.
-    let inertia = if settings.rotary_inertia { span.mass_kg_m * first / span.axial_n } else { 0.0 };
+    let inertia =
+        if settings.rotary_inertia { (span.mass_kg_m + span.spread_mass_kg_m) * first / span.axial_n } else { 0.0 };
     let bending = 0.5 * (first + second);
     Piece {
         shear_n: span.shear_n,
@@ -108,7 +109,7 @@ fn piece_at(params: &RodParams, middle_m: f64, shape: Piece, settings: &Settings
         turning_n_m2: turning,
         linear_viscosity: Vector3::new(span.shear_n, span.shear_n, 1.0 / (axial_per_n + spine_per_n)) * linear_time,
         turning_viscosity: Vector3::new(bending, bending, span.torsion_n_m2) * time,
-        mass_kg_m: span.mass_kg_m,
+        mass_kg_m: span.mass_kg_m + span.spread_mass_kg_m,
         inertia_kg_m: Vector3::new(inertia, inertia, 2.0 * inertia),
         ..shape
     }
