@@ -316,7 +316,7 @@ impl Derivative {
     #[inline(always)]
     fn add_inertia(&mut self, system: &System, work: &Work) {
         let n = system.grid.unknowns;
-        let length = self.gathered.len() / n;
+        let length = self.gathered.len() / n.max(1);
         let mut next = 0;
         for (g, section) in system.sections.iter().enumerate() {
             let root = (section.mass_kg_m * system.grid.nodes[g].weight_m).sqrt();
@@ -345,7 +345,7 @@ impl Derivative {
 #[inline(always)]
 fn gather(rows: &mut [f64], length: usize, next: &mut usize, from: &Triple, factor: f64) {
     for values in from.rows() {
-        let unknowns = rows.len() / length;
+        let unknowns = rows.len() / length.max(1);
         for (k, value) in values[..unknowns].iter().enumerate() {
             rows[k * length + *next] = factor * value;
         }
