@@ -35,6 +35,7 @@ bench: build ## microbenchmarks, then one repetition of everything from nothing:
 
 campaign: ## 100,000 random robots and commands, judged by an independent solver (over an hour; CAMPAIGN_DRAWS=1000 for a look)
 	mkdir -p results/robustness
+	WORKSPACE_STEPS=100000 cargo test --release --test rod_robust inside_the_workspace
 	CAMPAIGN_OUT=results/robustness/campaign.csv cargo test --release --test rod_campaign full_campaign -- --ignored --nocapture
 
 peers: build ## other simulators on the same robots, time against accuracy: results/peers, plots/peers (docs/peers.md)

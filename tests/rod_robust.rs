@@ -50,8 +50,9 @@ fn failures(
 
 #[test]
 fn random_commands_never_fail_inside_the_workspace() {
+    let steps = std::env::var("WORKSPACE_STEPS").map_or(2000, |steps| steps.parse().expect("a number of steps"));
     for name in ["nominal", "real"] {
-        let failed = failures(&common::model(name), 2000, 1, 0.003, 0.001);
+        let failed = failures(&common::model(name), steps, 1, 0.003, 0.001);
         assert!(failed.is_empty(), "{failed:?}");
     }
 }
