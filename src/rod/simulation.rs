@@ -14,6 +14,7 @@ use super::solver::Solver;
 use super::state::{CrossSection, Rates, State};
 use super::status::Status;
 use super::system::System;
+use crate::math::vectorised;
 
 /// What a tendon is told.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -271,7 +272,11 @@ impl Rod {
             let n = self.system.grid.unknowns;
             // What the tolerance leaves of a push is no tension.
             self.state.unknowns[n..].iter_mut().for_each(|tension| *tension = tension.max(0.0));
-            self.state.shape.update(&self.system.grid, &self.system.sections, &self.state.unknowns[..n]);
+            let (system, state) = (&self.system, &mut self.state);
+            vectorised(
+                #[inline(always)]
+                || state.shape.update(&system.grid, &system.sections, &state.unknowns[..n]),
+            );
         }
         status
     }
