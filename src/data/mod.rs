@@ -4,6 +4,7 @@ mod cells;
 mod csv;
 mod error;
 mod file;
+pub mod findings;
 pub mod recording;
 pub mod rows;
 mod sheet;
