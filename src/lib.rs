@@ -12,6 +12,7 @@ pub mod math;
 pub mod data;
 pub mod rod;
 
+pub mod discovery;
 pub mod effects;
 pub mod plants;
 

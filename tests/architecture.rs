@@ -125,7 +125,7 @@ fn the_cuts_hold() {
     }
 }
 
-/// Packages that one room alone opens, from the table's last column.
+/// Packages that one room alone opens, from the table's last column; rayon has two.
 #[test]
 fn a_package_is_opened_by_one_room() {
     let packages = [
@@ -148,7 +148,8 @@ fn a_package_is_opened_by_one_room() {
         for line in text.lines().filter(|line| !line.trim_start().starts_with("//")) {
             for (package, room) in packages {
                 let opened = line.contains(&format!("{package}::"));
-                assert!(!opened || path.starts_with(room), "{}: {line}\n  {package} belongs to {room}", path.display());
+                let second = package == "rayon" && path.starts_with("discovery");
+                assert!(!opened || second || path.starts_with(room), "{}: {line}\n  {package} belongs to {room}", path.display());
             }
         }
     }

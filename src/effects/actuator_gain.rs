@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Card, Effect, Parameter};
+use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 
 /// What one drive moves is a multiple of what it is told.
@@ -21,8 +21,8 @@ pub(super) const CARD: Card = Card {
     equation: "q_i → scale · q_i",
     source: "steps per millimetre",
     parameters: &[
-        Parameter { name: "tendon", unit: "number", null: 1.0 },
-        Parameter { name: "scale", unit: "1", null: 1.0 },
+        Parameter { name: "tendon", unit: "number", null: 1.0, seek: Seek::Tendon },
+        Parameter { name: "scale", unit: "1", null: 1.0, seek: Seek::Size(0.04) },
     ],
     confused_with: &["tendon_radius", "tendon_stretch"],
 };

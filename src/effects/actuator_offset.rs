@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Card, Effect, Parameter};
+use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 use crate::rod::RodParams;
 
@@ -22,8 +22,8 @@ pub(super) const CARD: Card = Card {
     equation: "q_i → q_i + offset",
     source: "homing error",
     parameters: &[
-        Parameter { name: "tendon", unit: "number", null: 1.0 },
-        Parameter { name: "offset_m", unit: "m", null: 0.0 },
+        Parameter { name: "tendon", unit: "number", null: 1.0, seek: Seek::Tendon },
+        Parameter { name: "offset_m", unit: "m", null: 0.0, seek: Seek::Size(0.001) },
     ],
     confused_with: &["precurvature"],
 };

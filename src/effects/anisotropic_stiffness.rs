@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Card, Effect, Parameter};
+use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 use crate::rod::RodParams;
 
@@ -22,8 +22,8 @@ pub(super) const CARD: Card = Card {
     equation: "k₁ = k (1 + ratio), k₂ = k (1 − ratio)",
     source: "unsymmetric bending; the paper names the spine's triangular shape",
     parameters: &[
-        Parameter { name: "ratio", unit: "1", null: 0.0 },
-        Parameter { name: "angle_rad", unit: "rad", null: 0.0 },
+        Parameter { name: "ratio", unit: "1", null: 0.0, seek: Seek::Size(0.1) },
+        Parameter { name: "angle_rad", unit: "rad", null: 0.0, seek: Seek::Shape(&[0.0, std::f64::consts::FRAC_PI_4]) },
     ],
     confused_with: &["tendon_angle", "bending_stiffness"],
 };

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Card, Effect, Parameter};
+use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 
 /// Play between each drive and its tendon.
@@ -21,7 +21,7 @@ pub(super) const CARD: Card = Card {
     missing: "dead zone on reversal",
     equation: "q' = min(max(q', q − width/2), q + width/2)",
     source: "play operator, Brokate & Sprekels, ch. 2",
-    parameters: &[Parameter { name: "width_m", unit: "m", null: 0.0 }],
+    parameters: &[Parameter { name: "width_m", unit: "m", null: 0.0, seek: Seek::Size(0.001) }],
     confused_with: &["friction", "delay", "hysteresis"],
 };
 

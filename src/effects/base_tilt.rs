@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Card, Effect, Parameter};
+use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 use crate::rod::RodParams;
 
@@ -22,8 +22,8 @@ pub(super) const CARD: Card = Card {
     equation: "R(0) = exp((tilt_x, tilt_y, 0)^)",
     source: "rigid-body kinematics",
     parameters: &[
-        Parameter { name: "tilt_x_rad", unit: "rad", null: 0.0 },
-        Parameter { name: "tilt_y_rad", unit: "rad", null: 0.0 },
+        Parameter { name: "tilt_x_rad", unit: "rad", null: 0.0, seek: Seek::Size(0.01) },
+        Parameter { name: "tilt_y_rad", unit: "rad", null: 0.0, seek: Seek::Size(0.01) },
     ],
     confused_with: &["frame_shift", "precurvature", "tip_force"],
 };

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Card, Effect, Parameter};
+use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 use crate::rod::RodParams;
 
@@ -19,7 +19,7 @@ pub(super) const CARD: Card = Card {
     missing: "E·I is off",
     equation: "E I → scale · E I",
     source: "Euler–Bernoulli beam",
-    parameters: &[Parameter { name: "scale", unit: "1", null: 1.0 }],
+    parameters: &[Parameter { name: "scale", unit: "1", null: 1.0, seek: Seek::Size(0.1) }],
     confused_with: &["soft_section", "distributed_mass", "spine_compressibility"],
 };
 

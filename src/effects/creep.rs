@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Card, Effect, Parameter};
+use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 use crate::rod::{HistoryMoment, MemoryState, MomentLaw, RodParams};
 
@@ -24,8 +24,8 @@ pub(super) const CARD: Card = Card {
     equation: "m = E I (u − share · u_c), u_c,t = (u − u_c) / time",
     source: "standard linear solid in Maxwell form; the paper names a long recovery time from stress",
     parameters: &[
-        Parameter { name: "share", unit: "1", null: 0.0 },
-        Parameter { name: "time_s", unit: "s", null: 10.0 },
+        Parameter { name: "share", unit: "1", null: 0.0, seek: Seek::Size(0.15) },
+        Parameter { name: "time_s", unit: "s", null: 10.0, seek: Seek::Shape(&[0.7, 3.0, 15.0]) },
     ],
     confused_with: &["hysteresis", "damping"],
 };

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Card, Effect, Parameter};
+use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 use crate::rod::RodParams;
 
@@ -19,7 +19,12 @@ pub(super) const CARD: Card = Card {
     missing: "settles slower or faster",
     equation: "m = E I (u − u*) + E I · time · u_t",
     source: "Kelvin–Voigt; Till et al. 2019",
-    parameters: &[Parameter { name: "time_s", unit: "s", null: 0.03 }],
+    parameters: &[Parameter {
+        name: "time_s",
+        unit: "s",
+        null: 0.03,
+        seek: Seek::Replaces("robot.damping_time_s", 0.05),
+    }],
     confused_with: &["delay", "creep"],
 };
 

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Card, Effect, Parameter};
+use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 
 /// A transport delay between command and drive.
@@ -23,7 +23,7 @@ pub(super) const CARD: Card = Card {
     missing: "command acts late",
     equation: "q(t) → q(t − time)",
     source: "transport delay",
-    parameters: &[Parameter { name: "time_s", unit: "s", null: 0.0 }],
+    parameters: &[Parameter { name: "time_s", unit: "s", null: 0.0, seek: Seek::Size(0.05) }],
     confused_with: &["damping", "backlash"],
 };
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Card, Effect, Parameter};
+use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 use crate::base::Observation;
 
@@ -20,9 +20,9 @@ pub(super) const CARD: Card = Card {
     equation: "tip measured = tip + shift",
     source: "rigid-body kinematics",
     parameters: &[
-        Parameter { name: "shift_m[0]", unit: "m", null: 0.0 },
-        Parameter { name: "shift_m[1]", unit: "m", null: 0.0 },
-        Parameter { name: "shift_m[2]", unit: "m", null: 0.0 },
+        Parameter { name: "shift_m[0]", unit: "m", null: 0.0, seek: Seek::Size(0.002) },
+        Parameter { name: "shift_m[1]", unit: "m", null: 0.0, seek: Seek::Size(0.002) },
+        Parameter { name: "shift_m[2]", unit: "m", null: 0.0, seek: Seek::Size(0.002) },
     ],
     confused_with: &["base_tilt"],
 };

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Card, Effect, Parameter};
+use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 use crate::rod::{HistoryMoment, MemoryState, MomentLaw, RodParams};
 
@@ -33,8 +33,8 @@ pub(super) const CARD: Card = Card {
     equation: "m_f = k (u − u_p) about each bending axis, |m_f| ≤ moment; u_p moves where it would be more (k = moment / yield)",
     source: "Prandtl element with return mapping, Simo & Hughes, Computational Inelasticity, ch. 1",
     parameters: &[
-        Parameter { name: "moment_nm", unit: "N m", null: 0.0 },
-        Parameter { name: "yield_rad_m", unit: "rad/m", null: 0.5 },
+        Parameter { name: "moment_nm", unit: "N m", null: 0.0, seek: Seek::Size(0.01) },
+        Parameter { name: "yield_rad_m", unit: "rad/m", null: 0.5, seek: Seek::Shape(&[0.1, 0.5]) },
     ],
     confused_with: &["hysteresis", "backlash"],
 };

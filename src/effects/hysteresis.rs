@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::friction::Prandtl;
-use super::{Card, Effect, Parameter};
+use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 use crate::rod::RodParams;
 
@@ -28,8 +28,8 @@ pub(super) const CARD: Card = Card {
     equation: "m_h = Σ_k clip(k_k (u − u_pk), ± k_k r_k), r_k = range · k / 5, k_k = share · E I / 5",
     source: "Prandtl–Ishlinskii stress model, Brokate & Sprekels, Hysteresis and Phase Transitions, ch. 2",
     parameters: &[
-        Parameter { name: "share", unit: "1", null: 0.0 },
-        Parameter { name: "range_rad_m", unit: "rad/m", null: 5.0 },
+        Parameter { name: "share", unit: "1", null: 0.0, seek: Seek::Size(0.1) },
+        Parameter { name: "range_rad_m", unit: "rad/m", null: 5.0, seek: Seek::Shape(&[2.0, 6.0]) },
     ],
     confused_with: &["friction", "backlash", "creep"],
 };

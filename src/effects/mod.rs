@@ -33,6 +33,7 @@ mod tip_load;
 use std::fmt::Debug;
 
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Number, Value};
 
 use crate::base::{BadOption, Observation};
 use crate::rod::RodParams;
@@ -87,6 +88,23 @@ pub struct Parameter {
     pub unit: &'static str,
     /// The value at which the effect changes nothing (or the default of a secondary parameter).
     pub null: f64,
+    /// How it is looked for in measured data.
+    pub seek: Seek,
+}
+
+/// How a parameter is looked for in measured data.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Seek {
+    /// It is the effect's size: fitted from its null value, first by about this much.
+    Size(f64),
+    /// It is the effect's size and takes the place of this number of the robot, which is its null value.
+    Replaces(&'static str, f64),
+    /// It gives the effect its shape: tried at each of these values, then fitted.
+    Shape(&'static [f64]),
+    /// A place along the robot, metres.
+    Place,
+    /// Which tendon, from 1.
+    Tendon,
 }
 
 /// What the catalogue says of an effect.
@@ -157,6 +175,31 @@ catalogue! {
 }
 
 impl EffectSpec {
+    /// The effect of `card` with these values, one a parameter in the order of the card; none when a value is one that
+    /// no such effect takes. What the card does not list has its default.
+    pub fn from_card(card: &Card, values: &[f64]) -> Option<EffectSpec> {
+        let mut fields = Map::new();
+        for (parameter, &value) in card.parameters.iter().zip(values) {
+            let number = match parameter.seek {
+                Seek::Tendon => Value::from(value as u64),
+                _ => Value::Number(Number::from_f64(value)?),
+            };
+            match parameter.name.split_once('[') {
+                None => fields.insert(parameter.name.to_owned(), number),
+                Some((vector, _)) => match fields.entry(vector).or_insert_with(|| Value::Array(Vec::new())) {
+                    Value::Array(components) => {
+                        components.push(number);
+                        continue;
+                    }
+                    _ => return None,
+                },
+            };
+        }
+        let spec: EffectSpec =
+            serde_json::from_value(Value::Object(Map::from_iter([(card.name.to_owned(), fields.into())]))).ok()?;
+        spec.build().check().is_ok().then_some(spec)
+    }
+
     /// A mass hung on the tip, kg.
     pub fn tip_load(mass_kg: f64) -> EffectSpec {
         EffectSpec::TipLoad(tip_load::TipLoad { mass_kg })

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Card, Effect, Parameter};
+use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 use crate::rod::RodParams;
 
@@ -22,8 +22,8 @@ pub(super) const CARD: Card = Card {
     equation: "u* = (κ_x, κ_y, 0)",
     source: "Rucker & Webster 2011, reference curvature",
     parameters: &[
-        Parameter { name: "kappa_x_rad_m", unit: "rad/m", null: 0.0 },
-        Parameter { name: "kappa_y_rad_m", unit: "rad/m", null: 0.0 },
+        Parameter { name: "kappa_x_rad_m", unit: "rad/m", null: 0.0, seek: Seek::Size(0.2) },
+        Parameter { name: "kappa_y_rad_m", unit: "rad/m", null: 0.0, seek: Seek::Size(0.2) },
     ],
     confused_with: &["tip_force", "base_tilt", "actuator_offset"],
 };

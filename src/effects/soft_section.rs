@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Card, Effect, Parameter};
+use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 use crate::rod::{CompressibleSection, RodParams};
 
@@ -22,8 +22,8 @@ pub(super) const CARD: Card = Card {
     equation: "E I(s) → scale · E I within the section that holds s",
     source: "local stiffness loss",
     parameters: &[
-        Parameter { name: "position_m", unit: "m", null: 0.0 },
-        Parameter { name: "scale", unit: "1", null: 1.0 },
+        Parameter { name: "position_m", unit: "m", null: 0.0, seek: Seek::Place },
+        Parameter { name: "scale", unit: "1", null: 1.0, seek: Seek::Size(-0.3) },
     ],
     confused_with: &["bending_stiffness", "tendon_stretch", "tendon_radius"],
 };

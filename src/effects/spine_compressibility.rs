@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Card, Effect, Parameter};
+use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 use crate::rod::RodParams;
 
@@ -19,7 +19,7 @@ pub(super) const CARD: Card = Card {
     missing: "sections compress more or less",
     equation: "c_spine → scale · c_spine (eq. 14)",
     source: "paper, eq. 14",
-    parameters: &[Parameter { name: "scale", unit: "1", null: 1.0 }],
+    parameters: &[Parameter { name: "scale", unit: "1", null: 1.0, seek: Seek::Size(0.2) }],
     confused_with: &["distributed_mass", "bending_stiffness"],
 };
 

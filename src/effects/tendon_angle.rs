@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Card, Effect, Parameter};
+use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 use crate::rod::RodParams;
 
@@ -19,7 +19,7 @@ pub(super) const CARD: Card = Card {
     missing: "guide holes rotated",
     equation: "r_i → R_z(angle) r_i",
     source: "geometry",
-    parameters: &[Parameter { name: "angle_rad", unit: "rad", null: 0.0 }],
+    parameters: &[Parameter { name: "angle_rad", unit: "rad", null: 0.0, seek: Seek::Size(0.04) }],
     confused_with: &["anisotropic_stiffness", "base_tilt"],
 };
 

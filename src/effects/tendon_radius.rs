@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Card, Effect, Parameter};
+use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 use crate::rod::RodParams;
 
@@ -19,7 +19,7 @@ pub(super) const CARD: Card = Card {
     missing: "guide holes nearer or farther",
     equation: "r_i → scale · r_i",
     source: "geometry",
-    parameters: &[Parameter { name: "scale", unit: "1", null: 1.0 }],
+    parameters: &[Parameter { name: "scale", unit: "1", null: 1.0, seek: Seek::Size(0.04) }],
     confused_with: &["actuator_gain", "soft_section"],
 };
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Card, Effect, Parameter};
+use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 use crate::rod::RodParams;
 
@@ -19,7 +19,7 @@ pub(super) const CARD: Card = Card {
     missing: "tendons are elastic",
     equation: "length + pull = L + C τ",
     source: "Till et al. 2019; Oliver-Butler et al. 2019",
-    parameters: &[Parameter { name: "compliance_m_per_n", unit: "m/N", null: 0.0 }],
+    parameters: &[Parameter { name: "compliance_m_per_n", unit: "m/N", null: 0.0, seek: Seek::Size(1e-4) }],
     confused_with: &["actuator_gain", "soft_section"],
 };
 

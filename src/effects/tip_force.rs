@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Card, Effect, Parameter};
+use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 use crate::rod::RodParams;
 
@@ -20,9 +20,9 @@ pub(super) const CARD: Card = Card {
     equation: "n(L) = F",
     source: "Rucker & Webster 2011, boundary conditions",
     parameters: &[
-        Parameter { name: "force_n[0]", unit: "N", null: 0.0 },
-        Parameter { name: "force_n[1]", unit: "N", null: 0.0 },
-        Parameter { name: "force_n[2]", unit: "N", null: 0.0 },
+        Parameter { name: "force_n[0]", unit: "N", null: 0.0, seek: Seek::Size(0.03) },
+        Parameter { name: "force_n[1]", unit: "N", null: 0.0, seek: Seek::Size(0.03) },
+        Parameter { name: "force_n[2]", unit: "N", null: 0.0, seek: Seek::Size(0.1) },
     ],
     confused_with: &["tip_load", "base_tilt", "precurvature"],
 };

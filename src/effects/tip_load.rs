@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::{Card, Effect, Parameter};
+use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 use crate::rod::{PointMass, RodParams};
 
@@ -20,7 +20,7 @@ pub(super) const CARD: Card = Card {
     missing: "a mass at the tip",
     equation: "F = m g at s = L, and m in the inertia there",
     source: "paper, section V-C (20 g)",
-    parameters: &[Parameter { name: "mass_kg", unit: "kg", null: 0.0 }],
+    parameters: &[Parameter { name: "mass_kg", unit: "kg", null: 0.0, seek: Seek::Size(0.005) }],
     confused_with: &["distributed_mass", "tip_force"],
 };
 

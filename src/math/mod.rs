@@ -1,5 +1,6 @@
 //! Numerics: small linear algebra, rotations, statistics.
 
+pub mod distribution;
 pub mod least_squares;
 pub mod polynomial;
 pub mod rotation;

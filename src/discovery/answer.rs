@@ -1,0 +1,216 @@
+//! From the search to the answer: its verdict, the effects with their intervals, and the words for them.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Number, Value};
+
+use super::hypothesis::{Hypothesis, Member};
+use super::refit::Study;
+use super::search::{Found, Scored};
+use crate::data::findings::{Candidate, FoundEffect, Verdict};
+use crate::math::distribution::student_95;
+
+/// What the search says of the effects.
+pub(super) struct Answer {
+    pub(super) verdict: Verdict,
+    /// Members to be added to the model; empty where nothing is.
+    pub(super) members: Vec<Member>,
+    pub(super) effects: Vec<FoundEffect>,
+}
+
+impl Answer {
+    /// The same answer once held-out trials have spoken against it.
+    pub(super) fn refuted(self) -> Answer {
+        Answer { verdict: Verdict::Unexplained, members: Vec::new(), effects: Vec::new() }
+    }
+}
+
+/// Candidates that are listed.
+const LISTED: usize = 30;
+
+impl Study<'_> {
+    /// The answer; `left`: whether something is still missing with the best set.
+    pub(super) fn answer(&self, found: &Found, left: bool, rival_score: f64) -> Answer {
+        let members = found.best.fitted.members.clone();
+        let nothing = |verdict| Answer { verdict, members: Vec::new(), effects: Vec::new() };
+        if left {
+            return nothing(Verdict::Unexplained);
+        }
+        if members.is_empty() {
+            return nothing(Verdict::Consistent);
+        }
+        let rivals = self.rivals(found, rival_score);
+        let mut effects: Vec<FoundEffect> =
+            (0..members.len()).map(|k| self.found_effect(&found.best, k, found)).collect();
+        for (k, effect) in effects.iter_mut().enumerate() {
+            effect.confusable_with = rivals[k].iter().map(|(name, _)| name.clone()).collect();
+        }
+        let verdict = if rivals.iter().all(Vec::is_empty) { Verdict::Named } else { Verdict::Ambiguous };
+        for (name, rival) in rivals.iter().flatten() {
+            let place = rival.fitted.members.iter().position(|m| self.name(m) == *name);
+            if let Some(place) = place.filter(|_| !effects.iter().any(|effect| effect.name == *name)) {
+                let mut effect = self.found_effect(rival, place, found);
+                effect.confusable_with = members.iter().map(|m| self.name(m).to_owned()).collect();
+                effects.push(effect);
+            }
+        }
+        Answer { verdict, members, effects }
+    }
+
+    fn name(&self, member: &Member) -> &'static str {
+        self.hypotheses[member.hypothesis].card.name
+    }
+
+    /// For each member of the best set, the names that could stand in its place, with the set that has them.
+    fn rivals<'f>(&self, found: &'f Found, rival_score: f64) -> Vec<Vec<(String, &'f Scored)>> {
+        let best = &found.best;
+        let names = |scored: &Scored| -> Vec<&'static str> {
+            let mut names: Vec<_> = scored.fitted.members.iter().map(|member| self.name(member)).collect();
+            names.sort_unstable();
+            names
+        };
+        let own = names(best);
+        let mut rivals: Vec<Vec<(String, &Scored)>> = vec![Vec::new(); own.len()];
+        let near = found.tried.iter().filter(|scored| scored.score > best.score - rival_score);
+        for scored in near.filter(|scored| scored.fitted.members.len() <= best.fitted.members.len()) {
+            let theirs = names(scored);
+            for name in theirs.iter().filter(|name| !own.contains(name)) {
+                for (k, member) in best.fitted.members.iter().enumerate() {
+                    let known = rivals[k].iter().any(|(known, _)| known == name);
+                    if !theirs.contains(&self.name(member)) && !known {
+                        rivals[k].push(((*name).to_owned(), scored));
+                    }
+                }
+            }
+        }
+        rivals
+    }
+
+    fn found_effect(&self, scored: &Scored, k: usize, found: &Found) -> FoundEffect {
+        let member = &scored.fitted.members[k];
+        let hypothesis = &self.hypotheses[member.hypothesis];
+        let intervals = self.intervals(scored, k);
+        let mut parameters = BTreeMap::new();
+        let mut interval_95 = BTreeMap::new();
+        for (index, parameter) in hypothesis.card.parameters.iter().enumerate() {
+            let value = member.values[index];
+            let whole = parameter.unit == "number";
+            let number = if whole { Value::from(value as u64) } else { number(value) };
+            put(&mut parameters, parameter.name, number);
+            if let Some([low, high]) = intervals.get(&index) {
+                put(&mut interval_95, parameter.name, Value::Array(vec![self::number(*low), self::number(*high)]));
+            }
+        }
+        FoundEffect {
+            name: hypothesis.card.name.to_owned(),
+            parameters,
+            interval_95,
+            confidence: self.confidence(hypothesis.card.name, found),
+            confusable_with: Vec::new(),
+        }
+    }
+
+    /// 95 % intervals of the parameters of member `k`, by their number in the card.
+    fn intervals(&self, scored: &Scored, k: usize) -> BTreeMap<usize, [f64; 2]> {
+        let fitted = &scored.fitted;
+        let hypothesis = &self.hypotheses[fitted.members[k].hypothesis];
+        let values = &fitted.members[k].values;
+        let coordinates = self.coordinates(&fitted.members);
+        let mut found = BTreeMap::new();
+        let freedom = 3.0 * self.samples.len() as f64 - coordinates.len() as f64;
+        if let Some(covariance) = self.covariance(fitted) {
+            for (at, &(_, parameter)) in coordinates.iter().enumerate().filter(|(_, (member, _))| *member == k) {
+                let half =
+                    student_95(freedom) * covariance[(at, at)].max(0.0).sqrt() * hypothesis.probe(parameter).abs();
+                let end = |step: f64| hypothesis.moved(values, parameter, step)[parameter];
+                found.insert(parameter, [end(-half), end(half)]);
+            }
+        }
+        // A choice is known to half the way to its neighbours.
+        for beside in hypothesis.neighbours(values) {
+            let Some(parameter) = (0..values.len()).find(|&index| beside[index] != values[index]) else { continue };
+            let half = 0.5 * (beside[parameter] - values[parameter]).abs();
+            found.insert(parameter, [values[parameter] - half, values[parameter] + half]);
+        }
+        found
+    }
+
+    /// Posterior probability that an effect of this name is among those missing: the share of all sets that were
+    /// fitted, weighted by exp(score / 2), that hold it.
+    fn confidence(&self, name: &str, found: &Found) -> f64 {
+        let top = found.best.score;
+        let weight = |scored: &Scored| (0.5 * (scored.score - top)).exp();
+        let sets = || found.tried.iter().chain([&found.null]);
+        let all: f64 = sets().map(weight).sum();
+        let with = |scored: &&Scored| scored.fitted.members.iter().any(|member| self.name(member) == name);
+        let own: f64 = sets().filter(with).map(weight).sum();
+        if all > 0.0 { own / all } else { 0.0 }
+    }
+
+    /// The candidates, the best first; `after_m` gives the error of a set on trials that its fit has not seen.
+    pub(super) fn candidates(
+        &self,
+        found: &Found,
+        answer: &Answer,
+        rival_score: f64,
+        after_m: &dyn Fn(&Scored) -> f64,
+    ) -> Vec<Candidate> {
+        let mut tried: Vec<&Scored> = found.tried.iter().chain([&found.null]).collect();
+        tried.sort_by(|a, b| b.score.total_cmp(&a.score));
+        let mut listed: Vec<Candidate> = Vec::new();
+        for scored in tried {
+            let name = set_name(self.hypotheses, &scored.fitted.members);
+            if listed.len() < LISTED && !listed.iter().any(|known| known.name == name) {
+                let why_not = self.why_not(found, answer, scored, rival_score);
+                listed.push(Candidate { name, score: scored.score, after_m: after_m(scored), why_not });
+            }
+        }
+        listed
+    }
+
+    fn why_not(&self, found: &Found, answer: &Answer, scored: &Scored, rival_score: f64) -> String {
+        let best = &found.best;
+        if scored.fitted.members == answer.members && answer.verdict != Verdict::Unexplained {
+            return String::new();
+        }
+        let behind = best.score - scored.score;
+        if answer.verdict == Verdict::Unexplained && scored.fitted.members == best.fitted.members {
+            return "the best of the catalogue, and yet something is left that other trials foretell".to_owned();
+        }
+        if scored.fitted.members.len() > best.fitted.members.len() {
+            return "one effect more does not pay for its parameters, or moves the tip too little".to_owned();
+        }
+        if behind < rival_score {
+            return "fits equally well: these data cannot tell".to_owned();
+        }
+        format!("fits worse by {behind:.0} (2 ln of the likelihood, less what its parameters cost)")
+    }
+}
+
+/// The effects of a set, joined.
+pub(super) fn set_name(hypotheses: &[Hypothesis], members: &[Member]) -> String {
+    if members.is_empty() {
+        return "nothing missing".to_owned();
+    }
+    members.iter().map(|member| hypotheses[member.hypothesis].label()).collect::<Vec<_>>().join(" + ")
+}
+
+/// Six significant digits: more than any recording holds.
+fn number(value: f64) -> Value {
+    Number::from_f64(crate::data::tables::round_significant(value, 6)).map_or(Value::Null, Value::Number)
+}
+
+/// Puts a value under its name; components of a vector (`name[k]`, in order) into a list.
+fn put(map: &mut BTreeMap<String, Value>, name: &str, value: Value) {
+    match name.split_once('[') {
+        None => {
+            map.insert(name.to_owned(), value);
+        }
+        Some((vector, _)) => {
+            let list = map.entry(vector.to_owned()).or_insert_with(|| Value::Array(Vec::new()));
+            if let Value::Array(items) = list {
+                items.push(value);
+            }
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! What a recording of the robot as built says: its numbers, calibrated, and whatever else it has in common with the
+//! recording in question (the form of the model, the frame, how the robot settles), which is no discovery.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::features::{Circumstances, circumstances};
+use super::hypothesis::{Hypothesis, Member};
+use super::nuisance::Nuisances;
+use super::refit::Study;
+use super::responses::Response;
+use super::samples::Samples;
+use crate::effects::Model;
+
+/// Numbers of the robot that are calibrated, and the effect that scales each.
+const CALIBRATED: [&str; 2] = ["bending_stiffness", "spine_compressibility"];
+
+/// A residual that no calibration explains, an axis and a term, metres: the form of the model.
+const FORM_M: f64 = 5e-4;
+/// The same for terms of the tip's motion.
+const MOTION_FORM_M: f64 = 2e-4;
+
+/// `model` with its numbers calibrated on `baseline`, free of everything else; none when it cannot be played.
+pub(super) fn calibrated(
+    model: &Model,
+    hypotheses: &[Hypothesis],
+    baseline: &Samples,
+    nuisances: &Nuisances,
+) -> Option<Model> {
+    let study = Study { model, hypotheses, open: vec![true; hypotheses.len()], samples: baseline, nuisances };
+    let start = CALIBRATED.iter().filter_map(|name| {
+        let hypothesis = hypotheses.iter().position(|hypothesis| hypothesis.card.name == *name)?;
+        Some(Member { hypothesis, values: hypotheses[hypothesis].variants().swap_remove(0) })
+    });
+    let fitted = study.fit(start.collect())?;
+    let mut calibrated = model.clone();
+    for member in &fitted.members {
+        match hypotheses[member.hypothesis].card.name {
+            "bending_stiffness" => calibrated.robot.backbone.youngs_modulus_pa *= member.values[0],
+            _ => calibrated.robot.sections.compliance_m_per_n *= member.values[0],
+        }
+    }
+    calibrated.check().is_ok().then_some(calibrated)
+}
+
+/// Terms of a smooth error of the tip over where the tip is and how it moves: those that stand for the form of a model.
+pub(super) struct Form {
+    middle_m: [f64; 3],
+    spread_m: [f64; 3],
+    moved_m: f64,
+}
+
+impl Form {
+    /// Terms scaled to the circumstances of a baseline.
+    pub(super) fn new(around: &[Circumstances]) -> Form {
+        let column = |axis: usize| around.iter().map(|at| at.tip_m[axis]).collect::<Vec<f64>>();
+        let moved: Vec<f64> = around.iter().flat_map(|at| at.moved_m).collect();
+        Form {
+            middle_m: std::array::from_fn(|axis| crate::math::summary::mean(&column(axis))),
+            spread_m: std::array::from_fn(|axis| crate::math::summary::standard_deviation(&column(axis)).max(1e-4)),
+            moved_m: crate::math::summary::root_mean_square(&moved).max(1e-5),
+        }
+    }
+
+    /// The terms in every sample, three numbers a sample, with the standard deviation expected of each.
+    fn columns(&self, around: &[Circumstances]) -> Vec<(Vec<f64>, f64)> {
+        let terms: Vec<Vec<f64>> = around.iter().map(|at| self.terms(at)).collect();
+        let moved: Vec<Vec<f64>> = around.iter().map(|at| at.moved_m.map(|m| m / self.moved_m).to_vec()).collect();
+        let mut columns = Vec::new();
+        for (table, deviation) in [(&terms, FORM_M), (&moved, MOTION_FORM_M)] {
+            for term in 0..table.first().map_or(0, Vec::len) {
+                for axis in 0..3 {
+                    let value = |row: usize, a: usize| if a == axis { table[row][term] } else { 0.0 };
+                    columns.push(((0..3 * table.len()).map(|k| value(k / 3, k % 3)).collect(), deviation));
+                }
+            }
+        }
+        columns
+    }
+
+    /// Monomials up to the third degree in the tip's place.
+    fn terms(&self, at: &Circumstances) -> Vec<f64> {
+        let x: [f64; 3] =
+            std::array::from_fn(|axis| ((at.tip_m[axis] - self.middle_m[axis]) / self.spread_m[axis]).clamp(-3.0, 3.0));
+        let mut terms = vec![1.0];
+        for i in 0..3 {
+            terms.push(x[i]);
+            for j in i..3 {
+                terms.push(x[i] * x[j]);
+                terms.extend((j..3).map(|k| x[i] * x[j] * x[k] / 3.0));
+            }
+        }
+        terms
+    }
+}
+
+/// The nuisances of the recording in question as the baseline leaves them: `own` (a column and a deviation each) on
+/// either recording, and the form of the model.
+pub(super) fn in_common(
+    baseline: (&Samples, &[f64], &[(Vec<f64>, f64)]),
+    recording: (&Samples, &[f64], &[(Vec<f64>, f64)]),
+) -> Nuisances {
+    let (samples, played, own) = baseline;
+    let around = circumstances(samples, played);
+    let form = Form::new(&around);
+    let all: Vec<(Vec<f64>, f64)> = own.iter().cloned().chain(form.columns(&around)).collect();
+    let before = Nuisances::independent(played.len(), &all);
+    let explained = before.explain(samples, &samples.residual(played), 0.0);
+    let white = before.whitened(samples, &explained.noise);
+    let precision: DMatrix<f64> = white.tr_mul(&white) + &before.precision;
+    let (samples, played, own) = recording;
+    let around = circumstances(samples, played);
+    let all: Vec<Vec<f64>> = own.iter().chain(&form.columns(&around)).map(|(column, _)| column.clone()).collect();
+    let columns = DMatrix::from_columns(&all.into_iter().map(DVector::from_vec).collect::<Vec<_>>());
+    Nuisances::new(columns, explained.amounts, precision)
+}
+
+/// The columns of the `uncertain` numbers among `responses`, with `widened` times their deviations.
+pub(super) fn uncertain(
+    uncertain: &[super::Uncertainty],
+    hypotheses: &[Hypothesis],
+    responses: &[Response],
+    widened: f64,
+) -> Vec<(Vec<f64>, f64)> {
+    let mut columns = Vec::new();
+    for one in uncertain {
+        let about = responses.iter().filter(|response| hypotheses[response.hypothesis].card.name == one.effect);
+        for response in about {
+            let hypothesis = &hypotheses[response.hypothesis];
+            for (k, size) in hypothesis.sizes().into_iter().enumerate() {
+                let name = hypothesis.card.parameters[size].name;
+                if name.split('[').next() == Some(one.parameter.as_str()) {
+                    columns.push((response.columns.column(k).as_slice().to_vec(), one.deviation * widened));
+                }
+            }
+        }
+    }
+    columns
+}

@@ -1,0 +1,61 @@
+//! What a recording must hold to be judged.
+
+use super::error::DiscoveryError;
+use super::samples::Samples;
+use crate::data::Recording;
+
+/// Fewer tracked rows than this leave nothing to fit and to prove with.
+const FEWEST_SAMPLES: usize = 30;
+/// One to fit, one to prove.
+const FEWEST_TRIALS: usize = 2;
+/// Below this many the answer is weak, and says so.
+const FEW_SAMPLES: usize = 100;
+const FEW_TRIALS: usize = 4;
+
+/// Refuses a recording that allows no answer.
+pub(super) fn check(measured: &Recording, samples: &Samples) -> Result<(), DiscoveryError> {
+    let tracked = samples.len();
+    if tracked < FEWEST_SAMPLES {
+        return Err(DiscoveryError::TooFew { what: "tracked rows", found: tracked, least: FEWEST_SAMPLES, why: "" });
+    }
+    let mut trials: Vec<usize> = samples.rows.iter().map(|row| row.trial).collect();
+    trials.dedup();
+    if trials.len() < FEWEST_TRIALS {
+        let why = ": one is kept back as proof";
+        return Err(DiscoveryError::TooFew { what: "trials", found: trials.len(), least: FEWEST_TRIALS, why });
+    }
+    let rows = measured.len();
+    if (1..rows).all(|row| measured.commands.row(row) == measured.commands.row(0)) {
+        let expected = "commands that move the robot";
+        return Err(DiscoveryError::Constant { column: "tendon_1_m…", rows, expected });
+    }
+    if samples.rows.iter().all(|row| row.tip_m == samples.rows[0].tip_m) {
+        let expected = "a tip that moves with the commands (is the tracker frozen?)";
+        return Err(DiscoveryError::Constant { column: "tip_x_m,tip_y_m,tip_z_m", rows: tracked, expected });
+    }
+    Ok(())
+}
+
+/// What these data could not show whatever the method.
+pub(super) fn limitations(measured: &Recording, samples: &Samples) -> Vec<String> {
+    let mut found = Vec::new();
+    let (rows, tracked) = (measured.len(), samples.len());
+    if tracked < rows {
+        found.push(format!("Tracking was lost in {} of {rows} rows; they were left out.", rows - tracked));
+    }
+    if tracked < FEW_SAMPLES {
+        found.push(format!("{tracked} samples: only strong effects can be told apart with so few."));
+    }
+    if samples.trials.len() < FEW_TRIALS {
+        found.push(format!(
+            "{} trials: what happens in one of them only cannot be told from chance.",
+            samples.trials.len()
+        ));
+    }
+    if measured.base.is_none() {
+        found.push(
+            "The base was not tracked: a tilted base and a turned tracking frame look alike at the tip.".to_owned(),
+        );
+    }
+    found
+}

@@ -1,0 +1,57 @@
+//! What is known of the robot at every sample before anything is measured: where a model has its tip, what its tendons
+//! are told and were told. What residuals are compared with.
+
+use super::samples::Samples;
+
+/// The circumstances of one sample.
+#[derive(Clone, Debug)]
+pub(super) struct Circumstances {
+    /// Time since the trial began, seconds.
+    pub(super) time_s: f64,
+    /// Where the model has the tip, metres.
+    pub(super) tip_m: [f64; 3],
+    /// How it has moved since the sample before, metres.
+    pub(super) moved_m: [f64; 3],
+    /// The command in force up to this sample.
+    pub(super) command: Vec<f64>,
+    /// Its change from the command before.
+    pub(super) change: Vec<f64>,
+    /// The change before that.
+    pub(super) change_before: Vec<f64>,
+    /// The largest command of each tendon in this trial so far.
+    pub(super) largest: Vec<f64>,
+}
+
+/// The circumstances of all samples; `played` is where the model has the tip.
+pub(super) fn circumstances(samples: &Samples, played: &[f64]) -> Vec<Circumstances> {
+    let tip = |row: usize| -> [f64; 3] { std::array::from_fn(|axis| played[3 * row + axis]) };
+    samples
+        .rows
+        .iter()
+        .enumerate()
+        .map(|(index, sample)| {
+            let commands = &samples.trials[sample.trial].commands;
+            let width = commands.width();
+            // The command of a row acts from that row on.
+            let before = |steps: usize| -> Vec<f64> {
+                sample.row.checked_sub(steps).map_or_else(|| vec![0.0; width], |row| commands.row(row).to_vec())
+            };
+            let (now, last, older) = (before(1), before(2), before(3));
+            let difference = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
+            let largest = (0..sample.row).fold(vec![0.0; width], |most: Vec<f64>, row| {
+                most.iter().zip(commands.row(row)).map(|(a, b)| a.max(*b)).collect()
+            });
+            let follows = samples.steps_since_last(index).is_some();
+            let from = if follows { tip(index - 1) } else { tip(index) };
+            Circumstances {
+                time_s: sample.time_s,
+                tip_m: tip(index),
+                moved_m: std::array::from_fn(|axis| tip(index)[axis] - from[axis]),
+                change: difference(&now, &last),
+                change_before: difference(&last, &older),
+                command: now,
+                largest,
+            }
+        })
+        .collect()
+}

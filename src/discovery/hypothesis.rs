@@ -1,0 +1,160 @@
+//! Effects of the catalogue as hypotheses: what of them is fitted, and from where.
+
+use crate::effects::{CATALOGUE, Card, EffectSpec, Model, ModelParameter, Robot, Seek};
+
+/// An effect that may be missing: a line of the catalogue, with the tendon where it is about one.
+#[derive(Clone, Debug)]
+pub(super) struct Hypothesis {
+    pub(super) card: &'static Card,
+    /// How each parameter of the card is found.
+    fields: Vec<Field>,
+}
+
+/// How a parameter is found.
+#[derive(Clone, Debug)]
+enum Field {
+    /// Fitted, in units of `size` from `null`.
+    Size { null: f64, size: f64 },
+    /// Tried at each of these, then fitted; by its logarithm where `positive`.
+    Shape { tries: Vec<f64>, positive: bool },
+    /// One of these.
+    Choice(Vec<f64>),
+    /// Always this.
+    Fixed(f64),
+}
+
+/// A hypothesis with numbers: the values of the card's parameters in their order.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Member {
+    /// Number of the hypothesis.
+    pub(super) hypothesis: usize,
+    pub(super) values: Vec<f64>,
+}
+
+/// Places along the robot that are tried.
+const PLACES: usize = 6;
+
+/// The catalogue as hypotheses about `model`.
+pub(super) fn hypotheses(model: &Model) -> Vec<Hypothesis> {
+    let tendons = model.robot.tendons.angles_deg.len();
+    let each = CATALOGUE.iter().flat_map(|card| {
+        let about_one = card.parameters.iter().any(|parameter| parameter.seek == Seek::Tendon);
+        let each: Vec<usize> = if about_one { (1..=tendons).collect() } else { vec![0] };
+        each.into_iter().map(|tendon| Hypothesis::new(card, model, tendon)).collect::<Vec<_>>()
+    });
+    each.collect()
+}
+
+impl Hypothesis {
+    fn new(card: &'static Card, model: &Model, tendon: usize) -> Hypothesis {
+        let length_m = model.robot.backbone.length_m;
+        let field = |parameter: &crate::effects::Parameter| match parameter.seek {
+            Seek::Size(size) => Field::Size { null: parameter.null, size },
+            Seek::Replaces(path, size) => {
+                let number = ModelParameter::named(model, path).and_then(|number| number.value(model));
+                Field::Size { null: number.unwrap_or(parameter.null), size }
+            }
+            Seek::Shape(tries) => {
+                Field::Shape { tries: tries.to_vec(), positive: tries.iter().all(|&value| value > 0.0) }
+            }
+            Seek::Place => Field::Choice(places(&model.robot, length_m)),
+            Seek::Tendon => Field::Fixed(tendon as f64),
+        };
+        Hypothesis { card, fields: card.parameters.iter().map(field).collect() }
+    }
+
+    /// Its name; with the tendon where it is about one.
+    pub(super) fn label(&self) -> String {
+        let tendon = self.fields.iter().find_map(|field| match field {
+            Field::Fixed(tendon) => Some(*tendon),
+            _ => None,
+        });
+        tendon.map_or_else(|| self.card.name.to_owned(), |tendon| format!("{} (tendon {tendon})", self.card.name))
+    }
+
+    /// Number of parameters that are fitted or chosen: what it costs to bring it in.
+    pub(super) fn freedom(&self) -> usize {
+        self.fields.iter().filter(|field| !matches!(field, Field::Fixed(_))).count()
+    }
+
+    /// Parameters (of the card, from 0) that give the size.
+    pub(super) fn sizes(&self) -> Vec<usize> {
+        self.indices(|field| matches!(field, Field::Size { .. }))
+    }
+
+    /// Parameters (of the card, from 0) that a fit moves.
+    pub(super) fn fitted(&self) -> Vec<usize> {
+        self.indices(|field| matches!(field, Field::Size { .. } | Field::Shape { .. }))
+    }
+
+    fn indices(&self, kept: impl Fn(&Field) -> bool) -> Vec<usize> {
+        (0..self.fields.len()).filter(|&index| kept(&self.fields[index])).collect()
+    }
+
+    /// Its values without any effect, one for each combination of shapes and choices.
+    pub(super) fn variants(&self) -> Vec<Vec<f64>> {
+        let mut found = vec![Vec::new()];
+        for field in &self.fields {
+            let values: &[f64] = match field {
+                Field::Size { null, .. } => std::slice::from_ref(null),
+                Field::Fixed(value) => std::slice::from_ref(value),
+                Field::Shape { tries, .. } | Field::Choice(tries) => tries,
+            };
+            let longer = |known: &Vec<f64>| -> Vec<Vec<f64>> {
+                values.iter().map(|&value| known.iter().copied().chain([value]).collect()).collect()
+            };
+            found = found.iter().flat_map(longer).collect();
+        }
+        found
+    }
+
+    /// Other choices beside these values: its neighbours in every chosen parameter.
+    pub(super) fn neighbours(&self, values: &[f64]) -> Vec<Vec<f64>> {
+        let mut found = Vec::new();
+        for (index, field) in self.fields.iter().enumerate() {
+            let Field::Choice(choices) = field else { continue };
+            let at = choices.iter().position(|&choice| choice == values[index]).unwrap_or(0);
+            for other in [at.checked_sub(1), Some(at + 1)].into_iter().flatten().filter(|&k| k < choices.len()) {
+                let mut beside = values.to_vec();
+                beside[index] = choices[other];
+                found.push(beside);
+            }
+        }
+        found
+    }
+
+    /// A change of parameter `index` that is easily seen, in the coordinate that [`Hypothesis::moved`] takes.
+    pub(super) fn probe(&self, index: usize) -> f64 {
+        match self.fields[index] {
+            Field::Size { size, .. } => size,
+            Field::Shape { positive: true, .. } => 0.25,
+            _ => 0.1,
+        }
+    }
+
+    /// `values` with parameter `index` moved by `step`: by adding, or for a positive shape by a factor exp(step).
+    pub(super) fn moved(&self, values: &[f64], index: usize, step: f64) -> Vec<f64> {
+        let mut there = values.to_vec();
+        match self.fields[index] {
+            Field::Shape { positive: true, .. } => there[index] *= step.exp(),
+            _ => there[index] += step,
+        }
+        there
+    }
+
+    /// The effect with these values; none where they are out of its range.
+    pub(super) fn effect(&self, values: &[f64]) -> Option<EffectSpec> {
+        EffectSpec::from_card(self.card, values)
+    }
+}
+
+/// Places that stand for one section each, or evenly spaced ones.
+fn places(robot: &Robot, length_m: f64) -> Vec<f64> {
+    let count = if robot.sections.count > 0 { robot.sections.count.min(2 * PLACES) } else { PLACES };
+    (0..count).map(|k| length_m * (k as f64 + 0.5) / count as f64).collect()
+}
+
+/// The effects of these members on top of a model; none where one is out of range.
+pub(super) fn effects(hypotheses: &[Hypothesis], members: &[Member]) -> Option<Vec<EffectSpec>> {
+    members.iter().map(|member| hypotheses[member.hypothesis].effect(&member.values)).collect()
+}

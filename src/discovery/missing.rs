@@ -1,0 +1,158 @@
+//! Is anything missing? Where a model lacks something, what is left of one trial can be foretold from the others: the
+//! same circumstances leave the same residual. Noise cannot be foretold. A regression (kernel ridge) on circumstances is
+//! fitted to all trials but one and asked about that one; its success is compared with that under random signs of whole
+//! trials, which noise alone would not mind (a permutation test; Good, Permutation Tests, ch. 2).
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+use rand::RngExt;
+
+use super::features::Circumstances;
+use super::samples::{Samples, rms_m};
+use crate::base::Seed;
+use crate::data::findings::MissingTest;
+use crate::math::distribution::normal_above;
+
+/// On what a residual depends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Pattern {
+    /// Where the robot is.
+    Pose,
+    /// How it got there.
+    History,
+    /// How long the trial has lasted.
+    Time,
+    /// That it is there at all.
+    Constant,
+}
+
+/// The test's result and the pattern that was seen best.
+#[derive(Clone, Debug)]
+pub(super) struct Missing {
+    pub(super) test: MissingTest,
+    pub(super) pattern: Pattern,
+}
+
+/// Random signs that are compared with.
+const DRAWS: usize = 400;
+/// Variance of what is not foretold, over that of what is.
+const RIDGE: f64 = 3.0;
+
+/// Tests whether `residual` (metres, three numbers a sample) holds more than noise.
+pub(super) fn missing(samples: &Samples, around: &[Circumstances], residual: &[f64], seed: Seed) -> Missing {
+    let ranges = samples.ranges();
+    let patterns = [Pattern::Constant, Pattern::Pose, Pattern::History, Pattern::Time];
+    let tables: Vec<Table> = patterns.iter().map(|&p| Table::new(&kernel(p, around), &ranges, residual)).collect();
+    let mut random = seed.child("signs").rng();
+    let flipped: Vec<Vec<f64>> = (0..DRAWS)
+        .map(|_| {
+            let signs: Vec<[f64; 3]> = ranges
+                .iter()
+                .map(|_| std::array::from_fn(|_| if random.random_range(0..2) == 0 { -1.0 } else { 1.0 }))
+                .collect();
+            tables.iter().map(|table| table.success(&signs)).collect()
+        })
+        .collect();
+    let plain = vec![[1.0; 3]; ranges.len()];
+    // Each pattern's success in its own standard deviations, the best of them, and how often chance does as well.
+    let moments: Vec<(f64, f64)> = (0..tables.len()).map(|k| moments(flipped.iter().map(|draw| draw[k]))).collect();
+    let best = |successes: &[f64]| {
+        let scaled = successes.iter().zip(&moments).map(|(value, (mean, deviation))| (value - mean) / deviation);
+        scaled.enumerate().fold((0, f64::NEG_INFINITY), |top, entry| if entry.1 > top.1 { entry } else { top })
+    };
+    let observed: Vec<f64> = tables.iter().map(|table| table.success(&plain)).collect();
+    let (strongest, height) = best(&observed);
+    let above = flipped.iter().filter(|draw| best(draw).1 >= height).count();
+    let counted = (above + 1) as f64 / (DRAWS + 1) as f64;
+    // Beyond what so many draws can show, the tail of a normal law.
+    let p_value = if above == 0 { counted.min(tables.len() as f64 * normal_above(height)) } else { counted };
+    let foretold = tables.iter().map(|table| table.foretold).fold(0.0, f64::max);
+    Missing {
+        test: MissingTest {
+            rms_m: rms_m(residual),
+            foretold_m: (foretold / samples.len().max(1) as f64).sqrt(),
+            p_value,
+        },
+        pattern: patterns[strongest],
+    }
+}
+
+fn moments(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let values: Vec<f64> = values.collect();
+    let deviation = crate::math::summary::standard_deviation(&values);
+    (crate::math::summary::mean(&values), deviation.max(f64::MIN_POSITIVE))
+}
+
+/// Products between what was left in each trial and what each other trial foretells there.
+struct Table {
+    /// For each axis: trial foretold × trial foretelling.
+    products: [DMatrix<f64>; 3],
+    /// Fall of the sum of squares by what is foretold, m²; not below zero.
+    foretold: f64,
+}
+
+impl Table {
+    fn new(kernel: &DMatrix<f64>, ranges: &[std::ops::Range<usize>], residual: &[f64]) -> Table {
+        let count = ranges.len();
+        let mut products: [DMatrix<f64>; 3] = std::array::from_fn(|_| DMatrix::zeros(count, count));
+        let mut foretold = 0.0;
+        for (out, there) in ranges.iter().enumerate() {
+            let others: Vec<usize> =
+                ranges.iter().enumerate().filter(|(k, _)| *k != out).flat_map(|(_, r)| r.clone()).collect();
+            let mut known = DMatrix::from_fn(others.len(), others.len(), |i, j| kernel[(others[i], others[j])]);
+            (0..others.len()).for_each(|k| known[(k, k)] += RIDGE);
+            let Some(factor) = Cholesky::new(known) else { continue };
+            let cross = DMatrix::from_fn(others.len(), there.len(), |i, j| kernel[(others[i], there.start + j)]);
+            let weights = factor.solve(&cross);
+            for axis in 0..3 {
+                let left = DVector::from_iterator(there.len(), there.clone().map(|row| residual[3 * row + axis]));
+                let mut sum = DVector::zeros(there.len());
+                for (other, range) in ranges.iter().enumerate().filter(|(k, _)| *k != out) {
+                    let first = others.partition_point(|&row| row < range.start);
+                    let own = DVector::from_iterator(range.len(), range.clone().map(|row| residual[3 * row + axis]));
+                    let told = weights.rows(first, range.len()).tr_mul(&own);
+                    products[axis][(out, other)] = left.dot(&told);
+                    sum += told;
+                }
+                foretold += 2.0 * left.dot(&sum) - sum.norm_squared();
+            }
+        }
+        Table { products, foretold: foretold.max(0.0) }
+    }
+
+    /// Agreement of what was left with what was foretold, m², each trial's residual with a sign.
+    fn success(&self, signs: &[[f64; 3]]) -> f64 {
+        let one = |axis: usize| -> f64 {
+            let table = &self.products[axis];
+            let term = |i: usize, j: usize| signs[i][axis] * signs[j][axis] * table[(i, j)];
+            (0..table.nrows()).map(|i| (0..table.ncols()).map(|j| term(i, j)).sum::<f64>()).sum()
+        };
+        (0..3).map(one).sum()
+    }
+}
+
+/// How alike the circumstances of two samples are, from 0 to 1.
+fn kernel(pattern: Pattern, around: &[Circumstances]) -> DMatrix<f64> {
+    let features: Vec<Vec<f64>> = around
+        .iter()
+        .map(|at| match pattern {
+            Pattern::Constant => Vec::new(),
+            Pattern::Pose => at.tip_m.iter().chain(&at.command).copied().collect(),
+            Pattern::History => {
+                let within = at.command.iter().zip(&at.largest).map(|(now, most)| most - now);
+                at.change.iter().chain(&at.change_before).copied().chain(at.moved_m).chain(within).collect()
+            }
+            Pattern::Time => vec![at.time_s],
+        })
+        .collect();
+    let width = features.first().map_or(0, Vec::len);
+    let scale: Vec<f64> = (0..width)
+        .map(|k| {
+            let column: Vec<f64> = features.iter().map(|row| row[k]).collect();
+            crate::math::summary::standard_deviation(&column).max(1e-12) * (width as f64).sqrt()
+        })
+        .collect();
+    let distance = |a: &[f64], b: &[f64]| -> f64 {
+        a.iter().zip(b).zip(&scale).map(|((a, b), scale)| ((a - b) / scale).powi(2)).sum()
+    };
+    DMatrix::from_fn(around.len(), around.len(), |i, j| (-0.5 * distance(&features[i], &features[j])).exp())
+}

@@ -1,0 +1,108 @@
+//! What may differ a little between any robot and its model without being news: numbers that a lab would recalibrate,
+//! each with the uncertainty that its calibration leaves, and what a baseline recording shows in common. They are free in
+//! every hypothesis alike, within that uncertainty, and enter linearly.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::noise::Noise;
+use super::samples::Samples;
+
+/// Nuisances with a Gaussian prior: what they add to the tip is `columns · amounts`.
+#[derive(Clone, Debug)]
+pub(super) struct Nuisances {
+    /// Three numbers a sample, a column a nuisance.
+    pub(super) columns: DMatrix<f64>,
+    /// Expected amounts.
+    pub(super) mean: DVector<f64>,
+    /// Inverse of their covariance.
+    pub(super) precision: DMatrix<f64>,
+    /// Its log-determinant.
+    log_determinant: f64,
+}
+
+/// A residual explained by nuisances and noise alone.
+#[derive(Clone, Debug)]
+pub(super) struct Explained {
+    /// Most likely noise.
+    pub(super) noise: Noise,
+    /// Most likely amounts of the nuisances.
+    pub(super) amounts: DVector<f64>,
+    /// What is left, three numbers a sample, metres.
+    pub(super) left_m: Vec<f64>,
+    /// Minus twice the log-likelihood, nuisances integrated out.
+    pub(super) deviance: f64,
+}
+
+/// Rounds of estimating noise and nuisances in turn.
+const ROUNDS: usize = 5;
+
+impl Nuisances {
+    /// Independent ones: columns of a standard deviation each.
+    pub(super) fn independent(rows: usize, columns: &[(Vec<f64>, f64)]) -> Nuisances {
+        let precision = DMatrix::from_diagonal(&DVector::from_iterator(
+            columns.len(),
+            columns.iter().map(|(_, deviation)| deviation.powi(-2)),
+        ));
+        let matrix = DMatrix::from_fn(rows, columns.len(), |row, k| columns[k].0[row]);
+        Nuisances::new(matrix, DVector::zeros(columns.len()), precision)
+    }
+
+    pub(super) fn new(columns: DMatrix<f64>, mean: DVector<f64>, precision: DMatrix<f64>) -> Nuisances {
+        let log_determinant = log_determinant(&precision);
+        Nuisances { columns, mean, precision, log_determinant }
+    }
+
+    /// Explains `residual` as well as nuisances and noise can; of the samples a fit of other parameters has used up
+    /// `freedom` numbers.
+    pub(super) fn explain(&self, samples: &Samples, residual: &[f64], freedom: f64) -> Explained {
+        let mut noise = Noise::of(samples, residual, freedom);
+        let mut found = self.amounts(samples, residual, &noise);
+        for _ in 0..ROUNDS {
+            noise = Noise::of(samples, &self.left(residual, &found.0), freedom + found.2);
+            found = self.amounts(samples, residual, &noise);
+        }
+        let (amounts, log_determinant, _) = found;
+        let left_m = self.left(residual, &amounts);
+        let off = &amounts - &self.mean;
+        let squares: f64 = noise.whiten(samples, &left_m).iter().map(|w| w * w).sum();
+        let deviance = noise.log_determinant(samples) + squares + off.dot(&(&self.precision * &off)) + log_determinant
+            - self.log_determinant;
+        Explained { noise, amounts, left_m, deviance }
+    }
+
+    /// Their columns made white, under which the square root of the precision stands as more rows.
+    pub(super) fn whitened(&self, samples: &Samples, noise: &Noise) -> DMatrix<f64> {
+        let mut white = self.columns.clone();
+        for mut column in white.column_iter_mut() {
+            let values = noise.whiten(samples, column.as_slice());
+            column.copy_from_slice(&values);
+        }
+        white
+    }
+
+    /// Most likely amounts, the log-determinant of their posterior's precision, and how many numbers they use up.
+    fn amounts(&self, samples: &Samples, residual: &[f64], noise: &Noise) -> (DVector<f64>, f64, f64) {
+        if self.mean.is_empty() {
+            return (self.mean.clone(), 0.0, 0.0);
+        }
+        let white = self.whitened(samples, noise);
+        let target = DVector::from_vec(noise.whiten(samples, residual));
+        let information = white.tr_mul(&white);
+        let posterior = &information + &self.precision;
+        let right = white.tr_mul(&target) + &self.precision * &self.mean;
+        let Some(factor) = Cholesky::new(posterior) else { return (self.mean.clone(), 0.0, 0.0) };
+        let used = factor.solve(&information).trace();
+        let log_determinant = 2.0 * factor.l().diagonal().iter().map(|d| d.ln()).sum::<f64>();
+        (factor.solve(&right), log_determinant, used)
+    }
+
+    fn left(&self, residual: &[f64], amounts: &DVector<f64>) -> Vec<f64> {
+        let added = &self.columns * amounts;
+        residual.iter().zip(added.iter()).map(|(r, a)| r - a).collect()
+    }
+}
+
+fn log_determinant(matrix: &DMatrix<f64>) -> f64 {
+    let factor = Cholesky::new(matrix.clone());
+    factor.map_or(0.0, |factor| 2.0 * factor.l().diagonal().iter().map(|d| d.ln()).sum::<f64>())
+}

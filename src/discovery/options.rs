@@ -1,0 +1,102 @@
+//! How a discovery is carried out.
+
+use serde::{Deserialize, Serialize};
+
+use crate::base::{BadOption, Seed};
+
+/// A number of the robot that its file knows only so well.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Uncertainty {
+    /// The effect whose parameter it is.
+    pub effect: String,
+    /// The parameter; all components of a vector, all tendons.
+    pub parameter: String,
+    /// Standard deviation about the value at which the effect changes nothing.
+    pub deviation: f64,
+}
+
+/// How a discovery is carried out.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Options {
+    /// Share of the trials, the last ones, that take no part in naming or fitting.
+    pub held_out_share: f64,
+    /// Effects that are named together at most.
+    pub most_effects: usize,
+    /// What an effect must add to the score (penalised, in units of 2 ln) to be taken.
+    pub least_score: f64,
+    /// How far an effect must move the tip, over the noise floor, to be worth a name.
+    pub least_size: f64,
+    /// Answers whose scores differ by less cannot be told apart.
+    pub rival_score: f64,
+    /// Chance that noise alone is taken for something missing.
+    pub false_alarm: f64,
+    /// What is foretold of the residual, over the noise floor, is not worth mentioning below this.
+    pub least_foretold: f64,
+    /// Effects that are left out of the catalogue.
+    pub left_out: Vec<String>,
+    /// What is not known exactly of any robot, and free in every hypothesis alike.
+    pub uncertain: Vec<Uncertainty>,
+    /// Precision in time with which the model is played, metres; the model's own where that is coarser.
+    pub motion_tolerance_m: f64,
+    /// Seed of the permutation test.
+    pub seed: u64,
+}
+
+/// What a careful calibration leaves unknown (docs/discovery.md says from which facts).
+const UNCERTAIN: &[(&str, &str, f64)] = &[
+    ("bending_stiffness", "scale", 0.01),
+    ("spine_compressibility", "scale", 0.02),
+    ("distributed_mass", "scale", 0.01),
+    ("damping", "time_s", 0.003),
+    ("tendon_radius", "scale", 0.002),
+    ("base_tilt", "tilt_x_rad", 0.001),
+    ("base_tilt", "tilt_y_rad", 0.001),
+    ("frame_shift", "shift_m", 2e-4),
+    ("actuator_offset", "offset_m", 2e-5),
+];
+
+impl Default for Options {
+    fn default() -> Self {
+        let uncertain = UNCERTAIN.iter().map(|&(effect, parameter, deviation)| Uncertainty {
+            effect: effect.to_owned(),
+            parameter: parameter.to_owned(),
+            deviation,
+        });
+        Options {
+            held_out_share: 0.25,
+            most_effects: 3,
+            least_score: 4.0,
+            least_size: 0.25,
+            rival_score: 6.0,
+            false_alarm: 1e-3,
+            least_foretold: 0.4,
+            left_out: Vec::new(),
+            uncertain: uncertain.collect(),
+            motion_tolerance_m: 3e-4,
+            seed: 0,
+        }
+    }
+}
+
+impl Options {
+    /// Refuses settings out of range.
+    ///
+    /// # Errors
+    /// [`BadOption`] names the first one.
+    pub fn check(&self) -> Result<(), BadOption> {
+        if !(self.held_out_share > 0.0 && self.held_out_share < 1.0) {
+            let found = self.held_out_share.to_string();
+            return Err(BadOption { key: "held_out_share", found, expected: "a number between 0 and 1" });
+        }
+        BadOption::unless_counted("most_effects", self.most_effects)?;
+        BadOption::unless_positive("motion_tolerance_m", self.motion_tolerance_m)?;
+        BadOption::unless_positive("false_alarm", self.false_alarm)?;
+        self.uncertain.iter().try_for_each(|one| BadOption::unless_positive("deviation", one.deviation))
+    }
+
+    pub(super) fn seed(&self) -> Seed {
+        Seed(self.seed).child("discovery")
+    }
+}

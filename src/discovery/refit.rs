@@ -1,0 +1,178 @@
+//! Hypotheses fitted to the samples: the physics played anew at every step, nuisances and noise with it.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::hypothesis::{Hypothesis, Member, effects};
+use super::nuisance::{Explained, Nuisances};
+use super::play::tips;
+use super::samples::Samples;
+use crate::effects::Model;
+
+/// What hypotheses are fitted to.
+pub(super) struct Study<'a> {
+    pub(super) model: &'a Model,
+    pub(super) hypotheses: &'a [Hypothesis],
+    /// Which of them may be the answer.
+    pub(super) open: Vec<bool>,
+    pub(super) samples: &'a Samples,
+    pub(super) nuisances: &'a Nuisances,
+}
+
+/// Hypotheses with the values that fit best.
+#[derive(Clone, Debug)]
+pub(super) struct Fitted {
+    pub(super) members: Vec<Member>,
+    /// What is left of the residual.
+    pub(super) explained: Explained,
+    /// Where the model with them has the tip, three numbers a sample, metres.
+    pub(super) played: Vec<f64>,
+    /// Change of the tip over each coordinate in units of its probe.
+    pub(super) jacobian: DMatrix<f64>,
+}
+
+/// Steps of a fit at most.
+const MOST_STEPS: usize = 12;
+/// A fall of the deviance that is not worth another step.
+const SMALL_FALL: f64 = 0.05;
+/// Size of the differences that derivatives are taken by, over the probe.
+const DIFFERENCE: f64 = 0.1;
+
+impl Study<'_> {
+    /// The model as it is, without any hypothesis.
+    pub(super) fn null(&self) -> Option<Fitted> {
+        self.at(Vec::new())
+    }
+
+    /// The best values of all of `start` together, from there; none where the model cannot play them.
+    pub(super) fn fit(&self, start: Vec<Member>) -> Option<Fitted> {
+        let mut best = self.at(start)?;
+        let mut fresh = false;
+        for _ in 0..MOST_STEPS {
+            if best.jacobian.ncols() == 0 {
+                best.jacobian = self.derivative(&best)?;
+                fresh = true;
+            }
+            let step = self.step(&best)?;
+            let next = [1.0, 0.4, 0.1].into_iter().find_map(|share| self.improved(&best, &(share * &step)));
+            let fall = next.as_ref().map_or(0.0, |next| best.explained.deviance - next.explained.deviance);
+            if let Some(next) = next {
+                best = next;
+            }
+            if fall < SMALL_FALL {
+                if fresh {
+                    break;
+                }
+                best.jacobian = self.derivative(&best)?;
+                fresh = true;
+            } else {
+                fresh = false;
+            }
+        }
+        Some(best)
+    }
+
+    /// The fit with a derivative taken where it ended.
+    pub(super) fn sharpened(&self, mut fitted: Fitted) -> Option<Fitted> {
+        fitted.jacobian = self.derivative(&fitted)?;
+        Some(fitted)
+    }
+
+    /// The coordinates of a fit: member and parameter.
+    pub(super) fn coordinates(&self, members: &[Member]) -> Vec<(usize, usize)> {
+        let of = |(k, member): (usize, &Member)| {
+            self.hypotheses[member.hypothesis].fitted().into_iter().map(move |parameter| (k, parameter)).collect()
+        };
+        members.iter().enumerate().flat_map(|entry| -> Vec<(usize, usize)> { of(entry) }).collect()
+    }
+
+    /// Covariance of the coordinates, in units of their probes, nuisances integrated out.
+    pub(super) fn covariance(&self, fitted: &Fitted) -> Option<DMatrix<f64>> {
+        let (normal, free) = self.normal(fitted);
+        let inverse = Cholesky::new(normal)?.inverse();
+        let count = inverse.ncols() - free;
+        Some(inverse.view((free, free), (count, count)).into_owned())
+    }
+
+    fn at(&self, members: Vec<Member>) -> Option<Fitted> {
+        let played = tips(self.model, &effects(self.hypotheses, &members)?, self.samples)?;
+        let freedom = self.coordinates(&members).len() as f64;
+        let explained = self.nuisances.explain(self.samples, &self.samples.residual(&played), freedom);
+        let jacobian = DMatrix::zeros(played.len(), 0);
+        Some(Fitted { members, explained, played, jacobian })
+    }
+
+    /// The members moved by `by`, in units of the probes.
+    fn moved(&self, members: &[Member], by: &DVector<f64>) -> Vec<Member> {
+        let mut there = members.to_vec();
+        for (&(k, parameter), &share) in self.coordinates(members).iter().zip(by.iter()) {
+            let hypothesis = &self.hypotheses[members[k].hypothesis];
+            there[k].values = hypothesis.moved(&there[k].values, parameter, share * hypothesis.probe(parameter));
+        }
+        there
+    }
+
+    /// The fit a step further if that is better, its derivative corrected by what the step has shown (Broyden's
+    /// update; Nocedal & Wright, Numerical Optimization, section 11.1).
+    fn improved(&self, from: &Fitted, step: &DVector<f64>) -> Option<Fitted> {
+        let mut next = self.at(self.moved(&from.members, step))?;
+        if next.explained.deviance >= from.explained.deviance {
+            return None;
+        }
+        let change = DVector::from_iterator(
+            next.played.len(),
+            next.played.iter().zip(&from.played).map(|(there, here)| there - here),
+        );
+        let missed = change - &from.jacobian * step;
+        next.jacobian = &from.jacobian + missed * step.transpose() / step.norm_squared().max(f64::MIN_POSITIVE);
+        Some(next)
+    }
+
+    /// Derivatives by differences of whole recordings, to the side where there is one.
+    fn derivative(&self, fitted: &Fitted) -> Option<DMatrix<f64>> {
+        let count = self.coordinates(&fitted.members).len();
+        let column = |k: usize| -> Option<Vec<f64>> {
+            [DIFFERENCE, -DIFFERENCE].into_iter().find_map(|share| {
+                let mut by = DVector::zeros(count);
+                by[k] = share;
+                let effects = effects(self.hypotheses, &self.moved(&fitted.members, &by))?;
+                let there = tips(self.model, &effects, self.samples)?;
+                Some(there.iter().zip(&fitted.played).map(|(there, here)| (there - here) / share).collect())
+            })
+        };
+        let columns: Vec<Vec<f64>> = (0..count).into_par_iter().map(column).collect::<Option<_>>()?;
+        Some(DMatrix::from_fn(fitted.played.len(), count, |row, k| columns[k][row]))
+    }
+
+    /// Information on nuisances (first) and coordinates, and how many nuisances there are.
+    fn normal(&self, fitted: &Fitted) -> (DMatrix<f64>, usize) {
+        let noise = &fitted.explained.noise;
+        let nuisances = self.nuisances.whitened(self.samples, noise);
+        let free = nuisances.ncols();
+        let mut all = nuisances.resize_horizontally(free + fitted.jacobian.ncols(), 0.0);
+        for (k, column) in fitted.jacobian.column_iter().enumerate() {
+            all.set_column(free + k, &DVector::from_vec(noise.whiten(self.samples, column.as_slice())));
+        }
+        let mut normal = all.tr_mul(&all);
+        let mut block = normal.view_mut((0, 0), (free, free));
+        block += &self.nuisances.precision;
+        (normal, free)
+    }
+
+    /// The Gauss–Newton step of the coordinates, nuisances following.
+    fn step(&self, fitted: &Fitted) -> Option<DVector<f64>> {
+        let (mut normal, free) = self.normal(fitted);
+        let count = normal.ncols() - free;
+        for k in free..free + count {
+            normal[(k, k)] *= 1.0 + 1e-6;
+            normal[(k, k)] += 1e-12;
+        }
+        let noise = &fitted.explained.noise;
+        let left = DVector::from_vec(noise.whiten(self.samples, &fitted.explained.left_m));
+        let mut right = DVector::zeros(free + count);
+        for (k, column) in fitted.jacobian.column_iter().enumerate() {
+            right[free + k] = DVector::from_vec(noise.whiten(self.samples, column.as_slice())).dot(&left);
+        }
+        Some(Cholesky::new(normal)?.solve(&right).rows(free, count).into_owned())
+    }
+}

@@ -1,0 +1,53 @@
+//! How the tip answers to a little of every hypothesis: what a first look at the residual is projected on.
+
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use super::hypothesis::Hypothesis;
+use super::play::tips;
+use super::samples::Samples;
+use crate::effects::{EffectSpec, Model};
+
+/// The answers to one variant of a hypothesis.
+#[derive(Clone, Debug)]
+pub(super) struct Response {
+    /// Number of the hypothesis.
+    pub(super) hypothesis: usize,
+    /// Values of the card's parameters at which nothing changes.
+    pub(super) null: Vec<f64>,
+    /// Change of the tip over change of the parameter, three numbers a sample, a column a size.
+    pub(super) columns: DMatrix<f64>,
+}
+
+/// Answers of `model` with the effects `extra` to every variant of every hypothesis; variants that the model cannot play
+/// are left out. `played`: where the tip is without them.
+pub(super) fn responses(
+    model: &Model,
+    extra: &[EffectSpec],
+    hypotheses: &[Hypothesis],
+    samples: &Samples,
+    played: &[f64],
+) -> Vec<Response> {
+    let variants: Vec<(usize, Vec<f64>)> = hypotheses
+        .iter()
+        .enumerate()
+        .flat_map(|(number, hypothesis)| hypothesis.variants().into_iter().map(move |null| (number, null)))
+        .collect();
+    let answer = |(number, null): (usize, Vec<f64>)| {
+        let hypothesis = &hypotheses[number];
+        let column = |&size: &usize| -> Option<Vec<f64>> {
+            let step = hypothesis.probe(size);
+            // Where the one direction cannot be played, the other may.
+            [step, -step].into_iter().find_map(|step| {
+                let effect = hypothesis.effect(&hypothesis.moved(&null, size, step))?;
+                let all: Vec<EffectSpec> = extra.iter().cloned().chain([effect]).collect();
+                let there = tips(model, &all, samples)?;
+                Some(there.iter().zip(played).map(|(there, here)| (there - here) / step).collect())
+            })
+        };
+        let columns: Vec<Vec<f64>> = hypothesis.sizes().iter().map(column).collect::<Option<_>>()?;
+        let columns = DMatrix::from_fn(played.len(), columns.len(), |row, k| columns[k][row]);
+        Some(Response { hypothesis: number, null, columns })
+    };
+    variants.into_par_iter().filter_map(answer).collect()
+}

@@ -1,0 +1,111 @@
+//! A recording as samples to be explained: the commands of every trial and the rows in which the tip was tracked.
+
+use crate::base::{Point3, Rows};
+use crate::data::{Actuation, Recording};
+
+/// One trial's commands, to be played on models.
+#[derive(Clone, Debug)]
+pub(super) struct TrialCommands {
+    /// Its number in the recording.
+    pub(super) number: u64,
+    /// A row a command, all but the last one of the recording, which nothing is seen of.
+    pub(super) commands: Rows,
+    /// How long each is held, seconds.
+    pub(super) durations_s: Vec<f64>,
+    /// Whether the commands are tensions.
+    pub(super) tensions: bool,
+    /// A weight that hangs on the tip on purpose, kilograms.
+    pub(super) known_load_kg: f64,
+}
+
+/// A row in which the tip was tracked.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sample {
+    /// Number of its trial, from 0, in [`Samples::trials`].
+    pub(super) trial: usize,
+    /// Number of the row in its trial, from 0.
+    pub(super) row: usize,
+    /// Time since the trial began, seconds.
+    pub(super) time_s: f64,
+    /// Where the tip was, metres.
+    pub(super) tip_m: Point3,
+}
+
+/// All samples of a recording, trial by trial. Vectors of residuals have three numbers a sample: x, y, z.
+#[derive(Clone, Debug)]
+pub(super) struct Samples {
+    pub(super) trials: Vec<TrialCommands>,
+    pub(super) rows: Vec<Sample>,
+    /// Usual time from one row to the next, seconds.
+    pub(super) step_s: f64,
+}
+
+impl Samples {
+    /// The samples of a checked recording.
+    pub(super) fn new(measured: &Recording) -> Samples {
+        let mut trials = Vec::new();
+        let mut rows = Vec::new();
+        let mut steps_s = Vec::new();
+        let tips = measured.tip_m.as_deref().unwrap_or_default();
+        for (index, (number, range)) in measured.trials().into_iter().enumerate() {
+            let last = range.end - 1;
+            let mut commands = Rows::new(measured.tendons());
+            (range.start..last).for_each(|row| commands.push(measured.commands.row(row)));
+            let durations_s: Vec<f64> =
+                (range.start..last).map(|row| measured.time_s[row + 1] - measured.time_s[row]).collect();
+            steps_s.extend_from_slice(&durations_s);
+            trials.push(TrialCommands {
+                number,
+                commands,
+                durations_s,
+                tensions: measured.actuation == Actuation::Tensions,
+                known_load_kg: measured.known_load_kg.as_ref().map_or(0.0, |load| load[range.start]),
+            });
+            let start = range.start;
+            let tracked = range.filter(|&row| measured.is_valid(row) && tips[row].iter().all(|x| x.is_finite()));
+            rows.extend(tracked.map(|row| Sample {
+                trial: index,
+                row: row - start,
+                time_s: measured.time_s[row],
+                tip_m: tips[row],
+            }));
+        }
+        steps_s.sort_by(f64::total_cmp);
+        let step_s = steps_s.get(steps_s.len() / 2).copied().unwrap_or(1.0);
+        Samples { trials, rows, step_s }
+    }
+
+    /// Those of the trials with these indices.
+    pub(super) fn of_trials(&self, kept: &[usize]) -> Samples {
+        let place = |trial: usize| kept.iter().position(|&index| index == trial);
+        let rows = self.rows.iter().filter_map(|row| Some(Sample { trial: place(row.trial)?, ..*row })).collect();
+        Samples { trials: kept.iter().map(|&index| self.trials[index].clone()).collect(), rows, step_s: self.step_s }
+    }
+
+    /// Number of samples.
+    pub(super) fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// The samples of each trial, as ranges of rows.
+    pub(super) fn ranges(&self) -> Vec<std::ops::Range<usize>> {
+        let start = |trial: usize| self.rows.partition_point(|row| row.trial < trial);
+        (0..self.trials.len()).map(|trial| start(trial)..start(trial + 1)).collect()
+    }
+
+    /// Measured tip minus `played`, three numbers a sample, metres.
+    pub(super) fn residual(&self, played: &[f64]) -> Vec<f64> {
+        self.rows.iter().flat_map(|row| row.tip_m).zip(played).map(|(tip, played)| tip - played).collect()
+    }
+
+    /// Time between a sample and the one before it in the same trial, in usual steps; none for the first one.
+    pub(super) fn steps_since_last(&self, row: usize) -> Option<f64> {
+        let before = self.rows[..row].last().filter(|before| before.trial == self.rows[row].trial)?;
+        Some((self.rows[row].time_s - before.time_s) / self.step_s)
+    }
+}
+
+/// Root mean square length of the three-vectors in `residual`.
+pub(super) fn rms_m(residual: &[f64]) -> f64 {
+    (residual.iter().map(|r| r * r).sum::<f64>() / (residual.len() as f64 / 3.0).max(1.0)).sqrt()
+}

@@ -1,0 +1,80 @@
+//! A first look: how much of what is left each hypothesis would explain if the tip answered to it linearly.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::hypothesis::{Hypothesis, Member};
+use super::nuisance::{Explained, Nuisances};
+use super::responses::Response;
+use super::samples::Samples;
+
+/// What a variant of a hypothesis promises.
+#[derive(Clone, Debug)]
+pub(super) struct Promise {
+    /// The hypothesis with the values that fit best.
+    pub(super) member: Member,
+    /// Expected fall of the deviance.
+    pub(super) gain: f64,
+}
+
+/// What the variants promise for the residual behind `explained`, the best of each hypothesis, best first. `held`:
+/// answers to the parameters that are fitted already and will be again.
+pub(super) fn screen(
+    hypotheses: &[Hypothesis],
+    responses: &[Response],
+    samples: &Samples,
+    nuisances: &Nuisances,
+    explained: &Explained,
+    held: &DMatrix<f64>,
+) -> Vec<Promise> {
+    let noise = &explained.noise;
+    let white = |matrix: &DMatrix<f64>| {
+        let mut out = matrix.clone();
+        out.column_iter_mut().for_each(|mut column| {
+            let values = noise.whiten(samples, column.as_slice());
+            column.copy_from_slice(&values);
+        });
+        out
+    };
+    let left = DVector::from_vec(noise.whiten(samples, &explained.left_m));
+    let squares = left.norm_squared();
+    let free = nuisances.columns.ncols();
+    let known = DMatrix::from_columns(
+        &nuisances.whitened(samples, noise).column_iter().chain(white(held).column_iter()).collect::<Vec<_>>(),
+    );
+    let known = if known.ncols() == 0 { DMatrix::zeros(left.len(), 0) } else { known };
+    let mut normal = known.tr_mul(&known);
+    let mut block = normal.view_mut((0, 0), (free, free));
+    block += &nuisances.precision;
+    let factor = Cholesky::new(normal);
+    let promise = |response: &Response| -> Option<Promise> {
+        let hypothesis = &hypotheses[response.hypothesis];
+        let columns = white(&response.columns);
+        let mut own = columns.tr_mul(&columns);
+        if let Some(factor) = factor.as_ref().filter(|_| known.ncols() > 0) {
+            let shared = known.tr_mul(&columns);
+            own -= shared.tr_mul(&factor.solve(&shared));
+        }
+        // What the nuisances and the fitted parameters can do as well is not seen.
+        let floor = 1e-9 * columns.norm_squared();
+        (0..own.nrows()).for_each(|k| own[(k, k)] += floor);
+        let right = columns.tr_mul(&left);
+        let sizes = Cholesky::new(own)?.solve(&right);
+        let steps: Vec<(usize, f64)> = hypothesis.sizes().into_iter().zip(sizes.iter().copied()).collect();
+        let values = steps.iter().fold(response.null.clone(), |at, &(size, step)| hypothesis.moved(&at, size, step));
+        let values = within(hypothesis, &response.null, &values)?;
+        let explains = right.dot(&sizes).clamp(0.0, 0.999_999 * squares);
+        let gain = left.len() as f64 * (squares / (squares - explains)).ln();
+        Some(Promise { member: Member { hypothesis: response.hypothesis, values }, gain })
+    };
+    let mut promises: Vec<Promise> = responses.iter().filter_map(promise).collect();
+    promises.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let mut seen = vec![false; hypotheses.len()];
+    promises.retain(|promise| !std::mem::replace(&mut seen[promise.member.hypothesis], true));
+    promises
+}
+
+/// `values`, or values between them and `null` that are in the effect's range: nothing if it is in the wrong direction.
+fn within(hypothesis: &Hypothesis, null: &[f64], values: &[f64]) -> Option<Vec<f64>> {
+    let between = |share: f64| -> Vec<f64> { null.iter().zip(values).map(|(n, v)| n + share * (v - n)).collect() };
+    [1.0, 0.5, 0.25, 0.1].into_iter().map(between).find(|values| hypothesis.effect(values).is_some())
+}

@@ -1,0 +1,189 @@
+//! The search for the effects that are missing: one after the other, then each against all others in its place, then
+//! without each.
+
+use rayon::prelude::*;
+
+use super::hypothesis::Member;
+use super::refit::{Fitted, Study};
+use super::responses::Response;
+use super::screen::{Promise, screen};
+
+/// How far the search goes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    /// Effects at most.
+    pub(super) most_effects: usize,
+    /// Score that an effect must add to be taken.
+    pub(super) least_score: f64,
+    /// Distance that an effect must move the tip beyond the nuisances' reach, over the noise floor.
+    pub(super) least_size: f64,
+}
+
+/// A set of effects that was fitted, with its score.
+#[derive(Clone, Debug)]
+pub(super) struct Scored {
+    pub(super) fitted: Fitted,
+    /// Fall of the deviance since the model as given, less what its parameters and their choice cost.
+    pub(super) score: f64,
+}
+
+/// What the search ends with.
+pub(super) struct Found {
+    /// The best set; empty when nothing is missing.
+    pub(super) best: Scored,
+    /// The model as given.
+    pub(super) null: Scored,
+    /// All sets that were fitted.
+    pub(super) tried: Vec<Scored>,
+}
+
+/// Refits at a time at most.
+const WIDTH: usize = 8;
+/// Promises are taken to be right to this share of the best, or to so much.
+const PROMISE_SHARE: f64 = 0.4;
+const PROMISE_SLACK: f64 = 30.0;
+/// A first look that promises less than this, score and all, is not followed up.
+const HOPELESS: f64 = -6.0;
+
+impl Study<'_> {
+    /// Looks for the set of hypotheses that explains the samples best, one that pays for its parameters (extended
+    /// Bayesian information criterion, Chen & Chen, Biometrika 95, 2008).
+    pub(super) fn search(&self, responses: &[Response], limits: &Limits) -> Option<Found> {
+        let null = Scored { fitted: self.null()?, score: 0.0 };
+        let mut best = null.clone();
+        let mut tried: Vec<Scored> = Vec::new();
+        while best.fitted.members.len() < limits.most_effects {
+            let Some(next) = self.with_another(&best, &null, responses, limits, &mut tried) else { break };
+            best = self.swapped(next, &null, responses, &mut tried);
+        }
+        best = self.pruned(best, &null, limits, &mut tried);
+        Some(Found { best, null, tried })
+    }
+
+    /// Penalty of a set: half of it, the Bayesian information criterion, for its parameters, the rest for their choice
+    /// among all hypotheses.
+    fn penalty(&self, members: &[Member]) -> f64 {
+        let numbers = (3.0 * self.samples.len() as f64).ln();
+        let open = self.open.iter().filter(|open| **open).count().max(1);
+        let choice = 2.0 * (open as f64).ln();
+        members.iter().map(|member| self.hypotheses[member.hypothesis].freedom() as f64 * numbers + choice).sum()
+    }
+
+    fn scored(&self, fitted: Fitted, null: &Scored) -> Scored {
+        let score = null.fitted.explained.deviance - fitted.explained.deviance - self.penalty(&fitted.members);
+        Scored { fitted, score }
+    }
+
+    /// Fits `base` with each of the promising hypotheses besides.
+    fn fitted_with(&self, base: &[Member], promises: &[Promise], null: &Scored) -> Vec<Scored> {
+        let Some(first) = promises.first() else { return Vec::new() };
+        let enough = first.gain - (PROMISE_SHARE * first.gain).max(PROMISE_SLACK);
+        let fit = |promise: &Promise| {
+            let start: Vec<Member> = base.iter().cloned().chain([promise.member.clone()]).collect();
+            Some(self.scored(self.settled(start)?, null))
+        };
+        let kept: Vec<&Promise> = promises.iter().take(WIDTH).filter(|promise| promise.gain >= enough).collect();
+        kept.into_par_iter().filter_map(fit).collect()
+    }
+
+    /// The fit, with every choice (such as a place) moved to its neighbours while that helps.
+    fn settled(&self, start: Vec<Member>) -> Option<Fitted> {
+        let mut best = self.fit(start)?;
+        for k in 0..best.members.len() {
+            loop {
+                let hypothesis = &self.hypotheses[best.members[k].hypothesis];
+                let beside = hypothesis.neighbours(&best.members[k].values);
+                let fits = beside.into_iter().filter_map(|values| {
+                    let mut members = best.members.clone();
+                    members[k].values = values;
+                    self.fit(members)
+                });
+                let next = fits.min_by(|a, b| a.explained.deviance.total_cmp(&b.explained.deviance));
+                match next.filter(|next| next.explained.deviance < best.explained.deviance) {
+                    Some(next) => best = next,
+                    None => break,
+                }
+            }
+        }
+        Some(best)
+    }
+
+    fn promises(&self, from: &Fitted, without: &[usize], responses: &[Response]) -> Vec<Promise> {
+        let mut promises =
+            screen(self.hypotheses, responses, self.samples, self.nuisances, &from.explained, &from.jacobian);
+        promises.retain(|promise| {
+            let taken = |member: &Member| member.hypothesis == promise.member.hypothesis;
+            let open = self.open[promise.member.hypothesis];
+            open && !from.members.iter().any(taken) && !without.contains(&promise.member.hypothesis)
+        });
+        promises
+    }
+
+    /// The best set with one member more, if it is worth having.
+    fn with_another(
+        &self,
+        best: &Scored,
+        null: &Scored,
+        responses: &[Response],
+        limits: &Limits,
+        tried: &mut Vec<Scored>,
+    ) -> Option<Scored> {
+        let mut promises = self.promises(&best.fitted, &[], responses);
+        promises.retain(|promise| {
+            promise.gain - self.penalty(std::slice::from_ref(&promise.member)) > limits.least_score + HOPELESS
+        });
+        let fits = self.fitted_with(&best.fitted.members, &promises, null);
+        tried.extend(fits.iter().cloned());
+        let next = fits.into_iter().max_by(|a, b| a.score.total_cmp(&b.score))?;
+        let before = super::samples::rms_m(&best.fitted.explained.left_m);
+        let after = super::samples::rms_m(&next.fitted.explained.left_m);
+        let size_m = (before * before - after * after).max(0.0).sqrt();
+        let worth = next.score >= best.score + limits.least_score && size_m >= limits.least_size * after;
+        worth.then_some(next)
+    }
+
+    /// The set with a member exchanged, as long as that helps: what was taken first may stand for two others.
+    fn swapped(&self, mut best: Scored, null: &Scored, responses: &[Response], tried: &mut Vec<Scored>) -> Scored {
+        if best.fitted.members.len() < 2 {
+            return best;
+        }
+        loop {
+            let mut better: Option<Scored> = None;
+            for out in 0..best.fitted.members.len() {
+                let mut rest = best.fitted.members.clone();
+                let gone = rest.remove(out);
+                let Some(without) = self.fit(rest).and_then(|fitted| self.sharpened(fitted)) else { continue };
+                let mut promises = self.promises(&without, &[gone.hypothesis], responses);
+                promises.truncate(WIDTH / 2);
+                let fits = self.fitted_with(&without.members, &promises, null);
+                tried.extend(fits.iter().cloned());
+                let top = fits.into_iter().max_by(|a, b| a.score.total_cmp(&b.score));
+                if let Some(top) = top.filter(|top| top.score > better.as_ref().map_or(best.score, |b| b.score)) {
+                    better = Some(top);
+                }
+            }
+            match better {
+                Some(next) => best = next,
+                None => return best,
+            }
+        }
+    }
+
+    /// The set without the members that do not pay for themselves.
+    fn pruned(&self, mut best: Scored, null: &Scored, limits: &Limits, tried: &mut Vec<Scored>) -> Scored {
+        let mut k = 0;
+        while best.fitted.members.len() > 1 && k < best.fitted.members.len() {
+            let mut rest = best.fitted.members.clone();
+            rest.remove(k);
+            match self.fit(rest).map(|fitted| self.scored(fitted, null)) {
+                Some(fewer) if fewer.score + limits.least_score > best.score => best = fewer,
+                Some(fewer) => {
+                    tried.push(fewer);
+                    k += 1;
+                }
+                None => k += 1,
+            }
+        }
+        best
+    }
+}

@@ -1,0 +1,40 @@
+//! How well a fitted set does on trials that its fit has not seen: each trial is left out in turn, and the fit moved to
+//! where it would be without it, to first order (deletion of a block; Cook & Weisberg, Residuals and Influence, ch. 3).
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::refit::{Fitted, Study};
+
+/// For each trial, the root mean square error that a fit without it makes there, metres.
+pub(super) fn unseen_m(study: &Study, fitted: &Fitted) -> Vec<f64> {
+    let samples = study.samples;
+    let noise = &fitted.explained.noise;
+    let nuisances = &study.nuisances.columns;
+    let free = nuisances.ncols();
+    let mut plain = nuisances.clone().resize_horizontally(free + fitted.jacobian.ncols(), 0.0);
+    for (k, column) in fitted.jacobian.column_iter().enumerate() {
+        plain.set_column(free + k, &column);
+    }
+    let mut white = plain.clone();
+    for mut column in white.column_iter_mut() {
+        let values = noise.whiten(samples, column.as_slice());
+        column.copy_from_slice(&values);
+    }
+    let left = DVector::from_vec(noise.whiten(samples, &fitted.explained.left_m));
+    let mut normal = white.tr_mul(&white);
+    let mut block = normal.view_mut((0, 0), (free, free));
+    block += &study.nuisances.precision;
+    let one = |range: std::ops::Range<usize>| -> f64 {
+        let (start, count) = (3 * range.start, 3 * range.len());
+        let own = white.rows(start, count);
+        // Without the trial's equations the optimum moves by this much.
+        let reduced: DMatrix<f64> = &normal - own.tr_mul(&own);
+        let pull = own.tr_mul(&left.rows(start, count));
+        let moved =
+            Cholesky::new(reduced).map_or_else(|| DVector::zeros(normal.ncols()), |factor| -factor.solve(&pull));
+        let change = plain.rows(start, count) * moved;
+        let error = |k: usize| fitted.explained.left_m[start + k] - change[k];
+        ((0..count).map(|k| error(k).powi(2)).sum::<f64>() / range.len().max(1) as f64).sqrt()
+    };
+    samples.ranges().into_iter().map(one).collect()
+}

@@ -1,0 +1,68 @@
+//! The answer in words: only what was computed.
+
+use super::missing::Pattern;
+use crate::data::findings::{Findings, PlaceRow, Verdict};
+
+/// The answer in a sentence or two.
+pub(super) fn summary(findings: &Findings) -> String {
+    let (before_mm, after_mm) = (findings.gap.before_m * 1e3, findings.gap.after_m * 1e3);
+    let floor_mm = findings.noise_floor_m * 1e3;
+    let names = findings.effects.iter().map(|effect| effect.name.as_str()).collect::<Vec<_>>();
+    let proof = format!(
+        "On trials that took no part in this, the tip error goes from {before_mm:.2} mm to {after_mm:.2} mm; noise alone is {floor_mm:.2} mm."
+    );
+    match findings.verdict {
+        Verdict::Consistent => format!(
+            "The data show no more than noise and what is not known exactly of any robot: {before_mm:.2} mm on held-out trials, noise alone {floor_mm:.2} mm."
+        ),
+        Verdict::Named => format!("The model lacks {}. {proof}", names.join(" and ")),
+        Verdict::Ambiguous => format!(
+            "Something is missing, and these data cannot tell between {}. The likeliest is in the model. {proof}",
+            names.join(", ")
+        ),
+        Verdict::Unexplained => format!(
+            "There is a gap ({before_mm:.2} mm on held-out trials, noise alone {floor_mm:.2} mm), and nothing in the catalogue closes it. {}",
+            findings.pattern
+        ),
+    }
+}
+
+/// What the unexplained rest looks like.
+pub(super) fn pattern(pattern: Pattern, places: &[PlaceRow]) -> String {
+    let depends = match pattern {
+        Pattern::Constant => "What is left is the same everywhere, as from a shift of the frame.",
+        Pattern::Pose => "What is left depends on where the robot is, as from a load, a stiffness or a geometry.",
+        Pattern::History => "What is left depends on how the robot got there, as from friction, play or a delay.",
+        Pattern::Time => "What is left depends on how long a trial has lasted, as from drift, creep or slipping.",
+    };
+    let single = places.iter().filter(|row| row.by != "all" && row.axis != "all");
+    let worst = single.max_by(|a, b| (a.rms_before_m / a.floor_m).total_cmp(&(b.rms_before_m / b.floor_m)));
+    worst.map_or_else(
+        || depends.to_owned(),
+        |row| {
+            let times = row.rms_before_m / row.floor_m;
+            format!(
+                "{depends} It is largest along {} for {} {}: {times:.1} times the noise.",
+                row.axis, row.by, row.place
+            )
+        },
+    )
+}
+
+/// What to record next.
+pub(super) fn next(findings: &Findings) -> String {
+    if let Some(first) = findings.proposals.first() {
+        return format!("{} ({:.0} minutes; commands in {}).", first.what, first.minutes, first.file);
+    }
+    match findings.verdict {
+        Verdict::Consistent => "Nothing is needed: these data are explained.".to_owned(),
+        Verdict::Named => "Nothing is needed to tell candidates apart.".to_owned(),
+        Verdict::Ambiguous => {
+            "The same commands again with a known weight on the tip in half of the trials.".to_owned()
+        }
+        Verdict::Unexplained => {
+            "Repeats of one trial, a slow and a fast one, and one with a known weight, to see what the rest depends on."
+                .to_owned()
+        }
+    }
+}
