@@ -149,7 +149,11 @@ fn a_package_is_opened_by_one_room() {
             for (package, room) in packages {
                 let opened = line.contains(&format!("{package}::"));
                 let second = package == "rayon" && path.starts_with("discovery");
-                assert!(!opened || second || path.starts_with(room), "{}: {line}\n  {package} belongs to {room}", path.display());
+                assert!(
+                    !opened || second || path.starts_with(room),
+                    "{}: {line}\n  {package} belongs to {room}",
+                    path.display()
+                );
             }
         }
     }

@@ -16,12 +16,14 @@ pub(super) struct Answer {
     /// Members to be added to the model; empty where nothing is.
     pub(super) members: Vec<Member>,
     pub(super) effects: Vec<FoundEffect>,
+    /// Where these data cannot tell: the sets that fit equally well.
+    pub(super) rivals: Vec<Vec<Member>>,
 }
 
 impl Answer {
     /// The same answer once held-out trials have spoken against it.
     pub(super) fn refuted(self) -> Answer {
-        Answer { verdict: Verdict::Unexplained, members: Vec::new(), effects: Vec::new() }
+        Answer { verdict: Verdict::Unexplained, members: Vec::new(), effects: Vec::new(), rivals: Vec::new() }
     }
 }
 
@@ -32,7 +34,7 @@ impl Study<'_> {
     /// The answer; `left`: whether something is still missing with the best set.
     pub(super) fn answer(&self, found: &Found, left: bool, rival_score: f64) -> Answer {
         let members = found.best.fitted.members.clone();
-        let nothing = |verdict| Answer { verdict, members: Vec::new(), effects: Vec::new() };
+        let nothing = |verdict| Answer { verdict, members: Vec::new(), effects: Vec::new(), rivals: Vec::new() };
         if left {
             return nothing(Verdict::Unexplained);
         }
@@ -54,7 +56,13 @@ impl Study<'_> {
                 effects.push(effect);
             }
         }
-        Answer { verdict, members, effects }
+        let mut sets = vec![members.clone()];
+        for (_, rival) in rivals.iter().flatten() {
+            if !sets.contains(&rival.fitted.members) {
+                sets.push(rival.fitted.members.clone());
+            }
+        }
+        Answer { verdict, members, effects, rivals: sets }
     }
 
     fn name(&self, member: &Member) -> &'static str {
@@ -163,6 +171,16 @@ impl Study<'_> {
             if listed.len() < LISTED && !listed.iter().any(|known| known.name == name) {
                 let why_not = self.why_not(found, answer, scored, rival_score);
                 listed.push(Candidate { name, score: scored.score, after_m: after_m(scored), why_not });
+            }
+        }
+        // Every effect of the catalogue is accounted for.
+        for (promise, score) in &found.looked_at {
+            let name = set_name(self.hypotheses, std::slice::from_ref(&promise.member));
+            if !listed.iter().any(|known| known.name == name) {
+                let left = (-promise.gain / (6.0 * self.samples.len() as f64)).exp();
+                let after_m = left * super::samples::rms_m(&found.null.fitted.explained.left_m);
+                let why_not = "not followed up: a first look, linear, promises no more than this".to_owned();
+                listed.push(Candidate { name, score: *score, after_m, why_not });
             }
         }
         listed

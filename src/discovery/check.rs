@@ -24,6 +24,12 @@ pub(super) fn check(measured: &Recording, samples: &Samples) -> Result<(), Disco
         let why = ": one is kept back as proof";
         return Err(DiscoveryError::TooFew { what: "trials", found: trials.len(), least: FEWEST_TRIALS, why });
     }
+    let hung = measured.known_load_kg.as_deref().unwrap_or_default();
+    for (trial, range) in measured.trials().into_iter().filter(|_| !hung.is_empty()) {
+        if range.clone().any(|row| hung[row] != hung[range.start]) {
+            return Err(DiscoveryError::LoadChanges(trial));
+        }
+    }
     let rows = measured.len();
     if (1..rows).all(|row| measured.commands.row(row) == measured.commands.row(0)) {
         let expected = "commands that move the robot";

@@ -12,7 +12,9 @@ mod error;
 mod features;
 mod floor;
 mod hypothesis;
+mod menu;
 mod missing;
+mod next;
 mod noise;
 mod nuisance;
 mod options;
@@ -42,6 +44,7 @@ use search::{Found, Limits, Scored};
 
 pub use compare::Remedies;
 pub use error::DiscoveryError;
+pub use next::Next;
 pub use options::{Options, Uncertainty};
 
 /// An answer with all that stands behind it.
@@ -57,6 +60,8 @@ pub struct Discovery {
     pub places: Vec<PlaceRow>,
     /// What a lab would try instead.
     pub remedies: Remedies,
+    /// What to record next where these data cannot tell, the best first.
+    pub next: Vec<Next>,
 }
 
 /// What an answer is sought for, and what has been found out on the way.
@@ -120,7 +125,7 @@ impl<'a> Question<'a> {
         };
         let played = played(&model, &fit)?;
         let played_proof = self::played(&model, &proof)?;
-        let responses = responses::responses(&model, &[], &hypotheses, &fit, &played);
+        let responses = responses::responses(&model, &hypotheses, &|_| true, &fit, &played);
         let columns = baseline::uncertain(&options.uncertain, &hypotheses, &responses, 1.0);
         let nuisances = match &base {
             None => Nuisances::independent(played.len(), &columns),
@@ -147,8 +152,9 @@ impl<'a> Question<'a> {
             Scored { fitted, score: scored.score }
         };
         let near = found.best.score - self.options.rival_score;
-        let tried = found.tried.into_iter().map(|scored| if scored.score > near { sharpen(scored) } else { scored });
-        Found { best: sharpen(found.best), null: found.null, tried: tried.collect() }
+        let tried: Vec<Scored> =
+            found.tried.into_iter().map(|scored| if scored.score > near { sharpen(scored) } else { scored }).collect();
+        Found { best: sharpen(found.best), tried, ..found }
     }
 
     /// Whether the samples of the fit hold more than nuisances and noise.
@@ -221,6 +227,8 @@ impl<'a> Question<'a> {
             limitations: check::limitations(measured, &self.all),
             proposals: Vec::new(),
         };
+        let next = self.next(&answer.rivals, &floor.1);
+        findings.proposals = next.iter().map(|next| next.proposal.clone()).collect();
         findings.summary = words::summary(&findings);
         findings.next_measurement = words::next(&findings);
         Discovery {
@@ -229,6 +237,7 @@ impl<'a> Question<'a> {
             residuals,
             places,
             remedies: compare::remedies(study, &self.played, &self.proof, &self.played_proof),
+            next,
         }
     }
 
@@ -311,7 +320,8 @@ impl Base {
         check::check(recording, &samples)?;
         let look = |model: &Model| -> Result<(Vec<f64>, Vec<(Vec<f64>, f64)>), DiscoveryError> {
             let played = played(model, &samples)?;
-            let responses = responses::responses(model, &[], hypotheses, &samples, &played);
+            let responses =
+                responses::responses(model, hypotheses, &|name| options.is_uncertain(name), &samples, &played);
             let columns = baseline::uncertain(&options.uncertain, hypotheses, &responses, BEFORE_CALIBRATION);
             Ok((played, columns))
         };

@@ -96,6 +96,11 @@ impl Options {
         self.uncertain.iter().try_for_each(|one| BadOption::unless_positive("deviation", one.deviation))
     }
 
+    /// Whether a parameter of this effect is uncertain.
+    pub(super) fn is_uncertain(&self, effect: &str) -> bool {
+        self.uncertain.iter().any(|one| one.effect == effect)
+    }
+
     pub(super) fn seed(&self) -> Seed {
         Seed(self.seed).child("discovery")
     }

@@ -19,7 +19,7 @@ fn play(model: &Model, extra: &[EffectSpec], trial: &TrialCommands) -> Option<Ve
         durations_s: &trial.durations_s,
         tensions: trial.tensions,
         at_rest: false,
-        tip_loads: None,
+        tip_loads: trial.tip_loads.as_deref(),
     };
     let hung = (trial.known_load_kg > 0.0).then(|| EffectSpec::tip_load(trial.known_load_kg));
     let extra: Vec<EffectSpec> = extra.iter().cloned().chain(hung).collect();

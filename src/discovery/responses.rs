@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::hypothesis::Hypothesis;
 use super::play::tips;
 use super::samples::Samples;
-use crate::effects::{EffectSpec, Model};
+use crate::effects::Model;
 
 /// The answers to one variant of a hypothesis.
 #[derive(Clone, Debug)]
@@ -19,18 +19,19 @@ pub(super) struct Response {
     pub(super) columns: DMatrix<f64>,
 }
 
-/// Answers of `model` with the effects `extra` to every variant of every hypothesis; variants that the model cannot play
-/// are left out. `played`: where the tip is without them.
+/// Answers of `model` to every variant of those hypotheses that `asked` names; variants that the model cannot play are
+/// left out. `played`: where the tip is without them.
 pub(super) fn responses(
     model: &Model,
-    extra: &[EffectSpec],
     hypotheses: &[Hypothesis],
+    asked: &(dyn Fn(&str) -> bool + Sync),
     samples: &Samples,
     played: &[f64],
 ) -> Vec<Response> {
     let variants: Vec<(usize, Vec<f64>)> = hypotheses
         .iter()
         .enumerate()
+        .filter(|(_, hypothesis)| asked(hypothesis.card.name))
         .flat_map(|(number, hypothesis)| hypothesis.variants().into_iter().map(move |null| (number, null)))
         .collect();
     let answer = |(number, null): (usize, Vec<f64>)| {
@@ -40,8 +41,7 @@ pub(super) fn responses(
             // Where the one direction cannot be played, the other may.
             [step, -step].into_iter().find_map(|step| {
                 let effect = hypothesis.effect(&hypothesis.moved(&null, size, step))?;
-                let all: Vec<EffectSpec> = extra.iter().cloned().chain([effect]).collect();
-                let there = tips(model, &all, samples)?;
+                let there = tips(model, &[effect], samples)?;
                 Some(there.iter().zip(played).map(|(there, here)| (there - here) / step).collect())
             })
         };

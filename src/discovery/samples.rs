@@ -1,7 +1,8 @@
 //! A recording as samples to be explained: the commands of every trial and the rows in which the tip was tracked.
 
 use crate::base::{Point3, Rows};
-use crate::data::{Actuation, Recording};
+use crate::data::{Actuation, Recording, recording};
+use crate::rod::TipLoad;
 
 /// One trial's commands, to be played on models.
 #[derive(Clone, Debug)]
@@ -14,8 +15,10 @@ pub(super) struct TrialCommands {
     pub(super) durations_s: Vec<f64>,
     /// Whether the commands are tensions.
     pub(super) tensions: bool,
-    /// A weight that hangs on the tip on purpose, kilograms.
+    /// A weight that hangs on the tip on purpose from the start, kilograms.
     pub(super) known_load_kg: f64,
+    /// Load on the tip during each command besides that, where there is any.
+    pub(super) tip_loads: Option<Vec<TipLoad>>,
 }
 
 /// A row in which the tip was tracked.
@@ -60,6 +63,10 @@ impl Samples {
                 durations_s,
                 tensions: measured.actuation == Actuation::Tensions,
                 known_load_kg: measured.known_load_kg.as_ref().map_or(0.0, |load| load[range.start]),
+                tip_loads: measured
+                    .tip_load
+                    .as_ref()
+                    .map(|loads| loads[range.start..last].iter().map(tip_load).collect()),
             });
             let start = range.start;
             let tracked = range.filter(|&row| measured.is_valid(row) && tips[row].iter().all(|x| x.is_finite()));
@@ -103,6 +110,10 @@ impl Samples {
         let before = self.rows[..row].last().filter(|before| before.trial == self.rows[row].trial)?;
         Some((self.rows[row].time_s - before.time_s) / self.step_s)
     }
+}
+
+fn tip_load(load: &recording::TipLoad) -> TipLoad {
+    TipLoad { force_n: load.force_n.into(), moment_nm: load.moment_nm.into() }
 }
 
 /// Root mean square length of the three-vectors in `residual`.

@@ -35,6 +35,8 @@ pub(super) struct Found {
     pub(super) null: Scored,
     /// All sets that were fitted.
     pub(super) tried: Vec<Scored>,
+    /// What every hypothesis promises at a first look, with the score that it would have.
+    pub(super) looked_at: Vec<(Promise, f64)>,
 }
 
 /// Refits at a time at most.
@@ -42,6 +44,8 @@ const WIDTH: usize = 8;
 /// Promises are taken to be right to this share of the best, or to so much.
 const PROMISE_SHARE: f64 = 0.4;
 const PROMISE_SLACK: f64 = 30.0;
+/// A first look may be wrong by this share of the size.
+const NEARLY: f64 = 0.7;
 /// A first look that promises less than this, score and all, is not followed up.
 const HOPELESS: f64 = -6.0;
 
@@ -57,7 +61,11 @@ impl Study<'_> {
             best = self.swapped(next, &null, responses, &mut tried);
         }
         best = self.pruned(best, &null, limits, &mut tried);
-        Some(Found { best, null, tried })
+        let looked_at = self.promises(&null.fitted, &[], responses).into_iter().map(|promise| {
+            let score = promise.gain - self.penalty(std::slice::from_ref(&promise.member));
+            (promise, score)
+        });
+        Some(Found { best, tried, looked_at: looked_at.collect(), null })
     }
 
     /// Penalty of a set: half of it, the Bayesian information criterion, for its parameters, the rest for their choice
@@ -129,8 +137,12 @@ impl Study<'_> {
         tried: &mut Vec<Scored>,
     ) -> Option<Scored> {
         let mut promises = self.promises(&best.fitted, &[], responses);
+        // The share of what is left that a set must explain to move the tip far enough.
+        let numbers = 3.0 * self.samples.len() as f64;
+        let least_gain = numbers * (1.0 + (NEARLY * limits.least_size).powi(2)).ln();
         promises.retain(|promise| {
-            promise.gain - self.penalty(std::slice::from_ref(&promise.member)) > limits.least_score + HOPELESS
+            let score = promise.gain - self.penalty(std::slice::from_ref(&promise.member));
+            score > limits.least_score + HOPELESS && promise.gain > least_gain
         });
         let fits = self.fitted_with(&best.fitted.members, &promises, null);
         tried.extend(fits.iter().cloned());
