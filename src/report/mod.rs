@@ -4,6 +4,7 @@
 mod axes;
 mod canvas;
 mod claims;
+pub mod discovery;
 mod fig5;
 mod fig6;
 mod fig8;

@@ -1,0 +1,177 @@
+//! The top of the page: the verdict in words, the gap in numbers, and the effects with their parameters.
+
+use super::html::{Html, lines, list, table, tag, text, words};
+use super::page::section;
+use super::quantity::quantities;
+use super::words::{NONE, enumerate, millimetres, percent, times};
+use super::{EffectText, Story};
+use crate::data::findings::{FoundEffect, Verdict};
+
+/// The answer as a title.
+pub(super) fn title(story: &Story) -> String {
+    let missing: Vec<String> = story.findings.effects.iter().map(|effect| missing(story, effect)).collect();
+    match story.findings.verdict {
+        Verdict::Named if missing.is_empty() => "Something is missing from the model".to_owned(),
+        Verdict::Named => format!("The model lacks: {}", missing.join("; ")),
+        Verdict::Consistent => "Nothing is missing that these data can show".to_owned(),
+        Verdict::Ambiguous if missing.is_empty() => "Something is missing; these data cannot tell what".to_owned(),
+        Verdict::Ambiguous => "Something is missing; these data cannot tell which of several effects".to_owned(),
+        Verdict::Unexplained => "Something is missing, and nothing in the catalogue explains it".to_owned(),
+    }
+}
+
+/// What a model without the effect lacks; its name where the catalogue says nothing.
+fn missing(story: &Story, effect: &FoundEffect) -> String {
+    let text = story.text_of(&effect.name).filter(|text| !text.missing.is_empty());
+    text.map_or_else(|| effect.name.replace('_', " "), |text| text.missing.clone())
+}
+
+/// What the verdict means.
+fn meaning(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Named => {
+            "The effects below explain the disagreement between model and measurement, and no other candidate does as well."
+        }
+        Verdict::Consistent => {
+            "Model and measurement differ by no more than noise and the model’s own uncertainty. The model is left as it was."
+        }
+        Verdict::Ambiguous => {
+            "Each of the candidates below explains the disagreement equally well on its own. \
+             Another recording can tell them apart."
+        }
+        Verdict::Unexplained => {
+            "Model and measurement disagree by more than noise, and no effect in the catalogue closes the gap. \
+             Where they disagree, and in what pattern, is shown below."
+        }
+    }
+}
+
+/// Verdict, summary and the gap in numbers.
+pub(super) fn head(story: &Story) -> Html {
+    let findings = story.findings;
+    let badge = match findings.verdict {
+        Verdict::Named => "p class=\"badge named\"",
+        Verdict::Consistent => "p class=\"badge consistent\"",
+        Verdict::Ambiguous => "p class=\"badge ambiguous\"",
+        Verdict::Unexplained => "p class=\"badge unexplained\"",
+    };
+    let mut parts = vec![words(badge, format!("Verdict: {}", findings.verdict.name())), words("h1", title(story))];
+    if !findings.summary.is_empty() {
+        parts.push(words("p class=\"lead\"", &findings.summary));
+    }
+    parts.push(words("p", meaning(findings.verdict)));
+    if !findings.pattern.is_empty() {
+        parts.push(tag("p", words("strong", "Pattern: ").and(text(&findings.pattern))));
+    }
+    parts.push(tiles(story));
+    tag("header", lines(parts))
+}
+
+/// The numbers that matter most.
+fn tiles(story: &Story) -> Html {
+    let (gap, floor_m) = (&story.findings.gap, story.findings.noise_floor_m);
+    let tile = |name: &str, value: String, note: String| {
+        let inner = lines([words("dt", name), words("dd", value), words("dd class=\"note\"", note)]);
+        tag("div", inner)
+    };
+    let over = |size_m: f64| match times(size_m, floor_m) {
+        ratio if ratio == NONE => String::new(),
+        ratio => format!("{ratio} the noise floor"),
+    };
+    let mut tiles = vec![tile("Error of the model as given", millimetres(gap.before_m), over(gap.before_m))];
+    if story.changed() {
+        tiles.push(tile("Error with the effects", millimetres(gap.after_m), over(gap.after_m)));
+    }
+    tiles.push(tile("Noise floor", millimetres(floor_m), "what no model can beat".to_owned()));
+    if story.changed() {
+        let share = closed(gap.before_m, gap.after_m, floor_m);
+        tiles.push(tile("Gap closed", share.map_or_else(|| NONE.to_owned(), percent), "beyond noise, in squares".to_owned()));
+    }
+    let where_from = match gap.held_out_trials.as_slice() {
+        [] => "No trial was held out: these numbers are of the data that the model was fitted to.".to_owned(),
+        trials => {
+            let numbers: Vec<String> = trials.iter().take(12).map(u64::to_string).collect();
+            let more = if trials.len() > 12 { format!(" and {} more", trials.len() - 12) } else { String::new() };
+            let word = if trials.len() == 1 { "trial" } else { "trials" };
+            let names = if more.is_empty() { enumerate(&numbers, "and") } else { numbers.join(", ") };
+            format!("Measured on {word} {names}{more}, held out: neither naming nor fitting has seen them.")
+        }
+    };
+    let metric = if gap.metric.is_empty() { String::new() } else { format!(" Error means {}.", gap.metric) };
+    lines([tag("dl class=\"tiles\"", lines(tiles)), words("p class=\"note\"", where_from + &metric)])
+}
+
+/// Part of the squared error beyond noise that is gone; none where there was no more than noise.
+pub(super) fn closed(before_m: f64, after_m: f64, floor_m: f64) -> Option<f64> {
+    let [before, after, floor] = [before_m, after_m, floor_m].map(|size| size * size);
+    let share = 1.0 - (after - floor).max(0.0) / (before - floor);
+    (before > floor && share.is_finite()).then_some(share)
+}
+
+/// A card for each effect of the answer.
+pub(super) fn effects(story: &Story) -> Html {
+    let found = &story.findings.effects;
+    let heading = match (story.findings.verdict, found.len()) {
+        (Verdict::Ambiguous, _) => "What it may be",
+        (_, 1) => "What is missing",
+        _ => "What is missing, together",
+    };
+    section(heading, lines(found.iter().map(|effect| card(story, effect))))
+}
+
+fn card(story: &Story, effect: &FoundEffect) -> Html {
+    let known = story.text_of(&effect.name);
+    let name = words("code", &effect.name);
+    let title = match known.filter(|text| !text.missing.is_empty()) {
+        Some(known) => words("span", &known.missing).and(text(" ")).and(name),
+        None => name,
+    };
+    let rows = quantities(effect).into_iter().map(|one| {
+        let interval = if one.interval.is_empty() { NONE.to_owned() } else { one.interval };
+        vec![words("code", one.key), words("strong", one.value), text(interval)]
+    });
+    let mut parts = vec![tag("h3", title), table(&["parameter", "value", "95 % interval"], rows.collect())];
+    parts.push(facts(effect, known));
+    tag("article", lines(parts))
+}
+
+
+/// How sure, what else it could be, and what it means.
+fn facts(effect: &FoundEffect, known: Option<&EffectText>) -> Html {
+    let fact = |name: &str, words: Html| text(name).and(words);
+    let mut facts = Vec::new();
+    if effect.confidence.is_finite() {
+        facts.push(fact("Probability among the candidates that were fitted: ", words("strong", percent(effect.confidence))));
+    }
+    let rivals: Vec<Html> = effect.confusable_with.iter().map(|name| words("code", name)).collect();
+    let mut names = Html::default();
+    for (index, rival) in rivals.into_iter().enumerate() {
+        names = if index == 0 { rival } else { names.and(text(", ")).and(rival) };
+    }
+    if !names.is_empty() {
+        facts.push(fact("As far as these data tell it could also be ", names));
+    }
+    if let Some(known) = known {
+        if !known.equation.is_empty() {
+            facts.push(fact("Equation: ", words("span class=\"equation\"", &known.equation)));
+        }
+        if !known.source.is_empty() {
+            facts.push(fact("Source: ", words("span", &known.source)));
+        }
+    }
+    list(facts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::closed;
+
+    #[test]
+    fn closing_is_measured_beyond_noise() {
+        assert_eq!(closed(5.0, 3.0, 3.0), Some(1.0));
+        assert_eq!(closed(5.0, 5.0, 3.0), Some(0.0));
+        assert_eq!(closed(5.0, 2.0, 3.0), Some(1.0));
+        assert_eq!(closed(3.0, 3.0, 3.0), None);
+        assert_eq!(closed(f64::NAN, 3.0, 3.0), None);
+    }
+}

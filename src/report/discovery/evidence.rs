@@ -1,0 +1,107 @@
+//! The middle of the page: where model and measurement disagree, and the proof that the answer closes the gap.
+
+use super::Story;
+use super::answer::closed;
+use super::html::{Html, lines, table, text, words};
+use super::page::{captioned, section};
+use super::residuals::{after_m, before_m, held_out};
+use super::scale::SIGNIFICANT;
+use super::words::{NONE, enumerate, millimetres, number, percent, probability, times};
+use crate::data::findings::{MissingTest, ResidualRow};
+use crate::math::summary::root_mean_square;
+
+/// Rows of a table; the rest is in the files beside the page.
+const MOST: usize = 12;
+
+/// Where they disagree.
+pub(super) fn place(story: &Story, map: Html) -> Html {
+    let findings = story.findings;
+    let caption = "Each number is the root mean square of measured minus model at that place, along that axis, over \
+                   what noise alone would give there: 1 is noise. The views show the robot’s workspace, its length \
+                   (z) to the right.";
+    let rows = findings.disagreement.iter().take(MOST).map(|place| {
+        let p = probability(place.p_value);
+        let p = if place.p_value < SIGNIFICANT { words("strong", p) } else { text(p) };
+        vec![
+            text(&place.place),
+            text(&place.axis),
+            text(millimetres(place.rms_m)),
+            text(times(place.rms_m, findings.noise_floor_m)),
+            text(percent(place.share)),
+            p,
+        ]
+    });
+    let header = ["place", "axis", "residual, rms", "over the floor", "share of all squares", "p"];
+    let places = table(&header, rows.collect());
+    let note = "p: the probability of as much by noise alone, corrected for the number of places looked at.";
+    let note = if places.is_empty() { Html::default() } else { words("p class=\"note\"", note) };
+    let content = lines([captioned(map, caption), places, note]);
+    section("Where they disagree", lines([content, noise(story)]))
+}
+
+/// What was taken for noise.
+fn noise(story: &Story) -> Html {
+    let noise = &story.findings.noise;
+    let sizes: Vec<String> = noise.sigma_m.iter().map(|sigma| number(1e3 * sigma, 2)).collect();
+    let from = if noise.from.is_empty() { String::new() } else { format!(", estimated from {}", noise.from) };
+    let words_ = format!(
+        "Noise: standard deviation {} mm along x, y and z, correlation {} from one sample to the next{from}.",
+        enumerate(&sizes, "and"),
+        number(noise.correlation, 2),
+    );
+    words("p class=\"note\"", words_)
+}
+
+/// Gap, residuals, the test for more, and each held-out trial.
+pub(super) fn proof(story: &Story, gap: Html, residuals: Html) -> Html {
+    let bars = "Root mean square distance of the tip from the model’s. Dashed: what noise alone makes.";
+    let curves = "Measured minus model on trials that took no part in naming or fitting.";
+    let heading = if story.changed() { "Proof" } else { "How large it is" };
+    let parts = [captioned(gap, bars), captioned(residuals, curves), trials(story), missing(story)];
+    section(heading, lines(parts))
+}
+
+/// A row for each held-out trial.
+fn trials(story: &Story) -> Html {
+    let held_out = held_out(story.residuals);
+    let floor_m = story.findings.noise_floor_m;
+    let changed = story.changed();
+    let rows = held_out.iter().map(|(trial, rows)| {
+        let (before, after) = (rms_m(rows, before_m), rms_m(rows, after_m));
+        let mut cells = vec![text(trial.to_string()), text(rows.len().to_string()), text(millimetres(before))];
+        if changed {
+            let share = closed(before, after, floor_m).map_or_else(|| NONE.to_owned(), percent);
+            cells.extend([millimetres(after), times(after, floor_m), share].map(text));
+        }
+        cells
+    });
+    let header = ["held-out trial", "samples", "before", "after", "after over the floor", "gap closed"];
+    table(&header[..if changed { 6 } else { 3 }], rows.collect())
+}
+
+/// Root mean square of the distance; samples without one are left out.
+fn rms_m(rows: &[&ResidualRow], residual: fn(&ResidualRow) -> [f64; 3]) -> f64 {
+    let sizes = rows.iter().map(|row| residual(row).iter().map(|part| part * part).sum::<f64>().sqrt());
+    root_mean_square(&sizes.filter(|size| size.is_finite()).collect::<Vec<_>>())
+}
+
+/// Is anything missing, before and after?
+fn missing(story: &Story) -> Html {
+    let row = |name: &str, test: &MissingTest| {
+        let verdict = match test.p_value {
+            p if !p.is_finite() => NONE,
+            p if p < SIGNIFICANT => "yes",
+            _ => "no sign of it",
+        };
+        let sizes = [millimetres(test.rms_m), millimetres(test.foretold_m), probability(test.p_value)].map(text);
+        let cells = std::iter::once(text(name)).chain(sizes).chain([words("strong", verdict)]);
+        cells.collect::<Vec<Html>>()
+    };
+    let mut rows = vec![row("as given", &story.findings.missing_before)];
+    if story.changed() {
+        rows.push(row("with the effects", &story.findings.missing_after));
+    }
+    let words_ = "Is anything missing? If the residual were noise, other trials could foretell none of it.";
+    let header = ["model", "residual, rms", "foretold by other trials", "p", "more to find?"];
+    lines([words("p", words_), table(&header, rows)])
+}

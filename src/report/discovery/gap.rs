@@ -1,0 +1,117 @@
+//! The gap: tip error of the model as given, of the answer and of the leading candidates, beside the noise floor.
+
+use super::super::axes::{Axis, Panel};
+use super::super::canvas::{Align, Canvas, Text};
+use super::super::paint::text_width;
+use super::super::style::{BLUE, Colour, DASHED, GREY, HAIR, INK, SMALL, VERMILION};
+use super::words::{fitted, millimetres, times};
+use super::Story;
+
+const BAR: f64 = 13.0;
+const ROW: f64 = 19.0;
+/// Candidates drawn.
+const CANDIDATES: usize = 8;
+/// Grey of a bar that is not the answer, dark enough on white.
+const OTHER: Colour = [170, 170, 170];
+
+/// A bar: name, size in metres, colour.
+struct Bar {
+    name: String,
+    size_m: f64,
+    colour: Colour,
+}
+
+/// The picture at a width in hundredths of an inch; none where no gap was measured.
+pub(super) fn draw(story: &Story, width: f64) -> Option<Canvas> {
+    let floor_m = story.findings.noise_floor_m;
+    let proof = proof(story);
+    let others = others(story);
+    let sizes = || proof.iter().chain(&others).map(|bar| bar.size_m).filter(|size| size.is_finite());
+    if sizes().next().is_none() {
+        return None;
+    }
+    let label = if width > 500.0 { 210.0 } else { 118.0 };
+    let value = 112.0;
+    let mut canvas = Canvas::new(width, 1e5);
+    let title = 18.0;
+    let between = if others.is_empty() { 0.0 } else { 26.0 };
+    let high = ROW * (proof.len() + others.len()) as f64 + between + 6.0;
+    let rows = Axis { label: String::new(), low: 0.0, high: 1.0, ticks: Vec::new() };
+    let panel = Panel {
+        corner: [label, title + 22.0],
+        size: [width - label - value, high],
+        x: Axis::covering("rms tip error (mm)", sizes().chain([floor_m, 0.0]).map(|size| 1e3 * size), 4),
+        y: rows,
+        title: String::new(),
+    };
+    canvas.text(Text::new("On held-out trials", [12.0, title + 14.0], SMALL, Align::Left).bold());
+    panel.draw(&mut canvas);
+    let mut y = panel.corner[1] + 6.0;
+    for bar in &proof {
+        y = draw_bar(&mut canvas, &panel, bar, y, floor_m);
+    }
+    if !others.is_empty() {
+        y += between;
+        let words = "Other candidates, on trials that their fits have not seen";
+        heading(&mut canvas, words, y - 7.0, width);
+    }
+    for bar in &others {
+        y = draw_bar(&mut canvas, &panel, bar, y, floor_m);
+    }
+    noise(&mut canvas, &panel, floor_m);
+    canvas.height = (panel.corner[1] + high + 42.0).ceil();
+    Some(canvas)
+}
+
+/// A heading across the picture; what of the grid is behind it is covered.
+fn heading(canvas: &mut Canvas, words: &str, baseline: f64, width: f64) {
+    let words = fitted(words, 0.97 * SMALL, width - 40.0);
+    let end = 16.0 + text_width(&words, SMALL, true);
+    canvas.rectangle([10.0, baseline - 10.0], [end, baseline + 4.0], super::super::style::WHITE, 1.0);
+    canvas.text(Text::new(words, [12.0, baseline], SMALL, Align::Left).bold());
+}
+
+/// Before and after.
+fn proof(story: &Story) -> Vec<Bar> {
+    let gap = &story.findings.gap;
+    let given = Bar { name: "model as given".to_owned(), size_m: gap.before_m, colour: VERMILION };
+    let names: Vec<&str> = story.findings.effects.iter().map(|effect| effect.name.as_str()).collect();
+    let name = if names.len() == 1 { format!("with {}", names[0]) } else { "with the effects found".to_owned() };
+    let found = story.changed().then(|| Bar { name, size_m: gap.after_m, colour: BLUE });
+    std::iter::once(given).chain(found).collect()
+}
+
+/// The leading candidates that are not the answer.
+fn others(story: &Story) -> Vec<Bar> {
+    let beaten = story.findings.candidates.iter().filter(|one| !one.why_not.is_empty() && one.after_m.is_finite());
+    let bar = |name: &str, size_m: f64| Bar { name: name.to_owned(), size_m, colour: OTHER };
+    beaten.take(CANDIDATES).map(|one| bar(&one.name, one.after_m)).collect()
+}
+
+fn draw_bar(canvas: &mut Canvas, panel: &Panel, bar: &Bar, y: f64, floor_m: f64) -> f64 {
+    let base = y + 0.5 * BAR + 3.6;
+    let name = fitted(&bar.name, SMALL, panel.corner[0] - 22.0);
+    canvas.text(Text::new(name, [panel.corner[0] - 8.0, base], SMALL, Align::Right));
+    let zero = panel.at(0.0, 0.0)[0];
+    let end = if bar.size_m.is_finite() { panel.at(1e3 * bar.size_m, 0.0)[0] } else { zero };
+    canvas.rectangle([zero, y], [end.max(zero + 0.6), y + BAR], bar.colour, 1.0);
+    let words = format!("{}  {}", millimetres(bar.size_m), times(bar.size_m, floor_m));
+    let right = canvas.width - 10.0;
+    canvas.text(Text::new(fitted(&words, SMALL, 100.0), [right, base], SMALL, Align::Right));
+    y + ROW
+}
+
+/// The noise floor: no model can come below it.
+fn noise(canvas: &mut Canvas, panel: &Panel, floor_m: f64) {
+    if !floor_m.is_finite() {
+        return;
+    }
+    let x = panel.at(1e3 * floor_m, 0.0)[0];
+    let [top, bottom] = [panel.corner[1], panel.corner[1] + panel.size[1]];
+    canvas.line(&[[x, top - 4.0], [x, bottom]], 1.3, INK, DASHED);
+    let words = format!("noise floor {}", millimetres(floor_m));
+    let wide = text_width(&words, SMALL, false);
+    let at = (x - 0.5 * wide).clamp(130.0, (canvas.width - 10.0 - wide).max(130.0));
+    canvas.text(Text::new(words, [at, top - 8.0], SMALL, Align::Left));
+    canvas.line(&[[x, top - 6.0], [x, top]], HAIR, GREY, &[]);
+}

@@ -1,0 +1,33 @@
+//! The map of disagreement: at which places model and measurement differ, along which axis and by how much, before and
+//! after; and the same in space.
+
+use super::super::canvas::{Align, Canvas, Text};
+use super::super::style::{GREY, SMALL};
+use super::{Story, arrows, heat, scale};
+
+/// The picture at a width in hundredths of an inch; none where there is neither a place nor a sample.
+pub(super) fn draw(story: &Story, width: f64) -> Option<Canvas> {
+    let Story { places, residuals, .. } = story;
+    if places.is_empty() && residuals.is_empty() {
+        return None;
+    }
+    let mut canvas = Canvas::new(width, 0.0);
+    // Nothing is cut off while the height is not known.
+    canvas.height = 1e5;
+    let heading = "residual over the noise floor";
+    let mut y = scale::key(&mut canvas, [12.0, 18.0], width - 8.0, heading);
+    let both = story.changed();
+    if !places.is_empty() {
+        y += 17.0;
+        heat::key(&mut canvas, [12.0, y]);
+        y = heat::draw(&mut canvas, places, both, y + 24.0) + 12.0;
+    }
+    y = arrows::draw(&mut canvas, residuals, story.findings.noise_floor_m, both, y);
+    if both {
+        y += 16.0;
+        let words = "before: the model as given; after: the model with the effects found";
+        canvas.text(Text::new(words, [12.0, y], SMALL, Align::Left).colour(GREY));
+    }
+    canvas.height = (y + 14.0).ceil();
+    Some(canvas)
+}

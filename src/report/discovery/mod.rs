@@ -1,0 +1,103 @@
+//! What people look at of a discovery: one page with its figures, the figures as files, and the tables behind them.
+//! Pure functions from what was found to bytes; the same findings give the same bytes.
+
+mod answer;
+mod arrows;
+mod evidence;
+mod gap;
+mod heat;
+mod html;
+mod lines;
+mod map;
+mod page;
+mod quantity;
+mod residuals;
+mod rest;
+mod scale;
+mod words;
+
+use super::style::PAGE_WIDTH;
+use super::{Artifact, ReportError, Shelf, csv, pictures};
+use crate::data::findings::{Findings, PlaceRow, ResidualRow};
+
+/// What the catalogue says of an effect, as plain text.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct EffectText {
+    /// Its name in models and findings.
+    pub name: String,
+    /// What a model without it lacks, as a phrase.
+    pub missing: String,
+    /// Its equation in plain text.
+    pub equation: String,
+    /// Where the equation is from.
+    pub source: String,
+}
+
+/// All that the page tells.
+#[derive(Clone, Copy, Debug)]
+pub struct Story<'a> {
+    /// The answer.
+    pub findings: &'a Findings,
+    /// Every sample's residual, before and after.
+    pub residuals: &'a [ResidualRow],
+    /// The places that were looked at, in the order in which they are to be shown.
+    pub places: &'a [PlaceRow],
+    /// Texts of the effects; those that are not named in the findings are not used.
+    pub effects: &'a [EffectText],
+    /// The model as given, YAML.
+    pub model_before: &'a str,
+    /// The model as written, YAML by the same writer: the lines that differ are shown.
+    pub model_after: &'a str,
+}
+
+impl Story<'_> {
+    /// Whether the model with the effects is another one than the model as given.
+    fn changed(&self) -> bool {
+        let other = |row: &ResidualRow| {
+            let pairs =
+                [(row.before_x_m, row.after_x_m), (row.before_y_m, row.after_y_m), (row.before_z_m, row.after_z_m)];
+            pairs.iter().any(|(before, after)| after.is_finite() && before != after)
+        };
+        let moved = |row: &PlaceRow| row.rms_after_m.is_finite() && row.rms_after_m != row.rms_before_m;
+        let gap = &self.findings.gap;
+        gap.after_m.is_finite() && gap.after_m != gap.before_m
+            || self.residuals.iter().any(other)
+            || self.places.iter().any(moved)
+    }
+
+    /// What the catalogue says of an effect.
+    fn text_of(&self, name: &str) -> Option<&EffectText> {
+        self.effects.iter().find(|text| text.name == name)
+    }
+}
+
+/// A figure of the page: its name, and how it is drawn at a width.
+type Drawing = (&'static str, fn(&Story, f64) -> Option<super::canvas::Canvas>);
+
+/// The figures in their order on the page.
+const DRAWINGS: [Drawing; 3] = [("map", map::draw), ("gap", gap::draw), ("residuals", residuals::draw)];
+
+/// Everything that `discover` writes for people: `report.html`, the figures `map`, `gap` and `residuals` as PNG and SVG,
+/// and `disagreement.csv`, `residuals.csv` and `candidates.csv`. A figure or table that has nothing to show is left out.
+///
+/// # Errors
+/// [`ReportError::Draw`] when a figure cannot be painted, [`ReportError::Data`] when a table cannot be written.
+pub fn artifacts(story: &Story) -> Result<Vec<Artifact>, ReportError> {
+    let page = page::page(story)?;
+    let mut files = vec![Artifact { name: "report.html".to_owned(), shelf: Shelf::Results, bytes: page.into_bytes() }];
+    for (name, draw) in DRAWINGS {
+        if let Some(canvas) = draw(story, PAGE_WIDTH) {
+            files.extend(pictures(name, name, &canvas)?);
+        }
+    }
+    if !story.places.is_empty() {
+        files.push(csv("disagreement.csv", story.places)?);
+    }
+    if !story.residuals.is_empty() {
+        files.push(csv("residuals.csv", story.residuals)?);
+    }
+    if !story.findings.candidates.is_empty() {
+        files.push(csv("candidates.csv", &story.findings.candidates)?);
+    }
+    Ok(files)
+}

@@ -1,0 +1,108 @@
+//! What is left on held-out trials: measured minus model against time, one line of panels an axis, with the band in
+//! which noise stays.
+
+use std::collections::BTreeMap;
+
+use super::super::axes::{Axis, Panel};
+use super::super::canvas::{Align, Canvas, Text};
+use super::super::legend::{Key, legend};
+use super::super::style::{BLUE, Colour, DOTTED, GREEN, GREY, HAIR, INK, SMALL, VERMILION};
+use super::Story;
+use crate::data::findings::ResidualRow;
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+const HIGH: f64 = 104.0;
+const LEFT: f64 = 56.0;
+/// White noise stays within so many standard deviations for 95 % of the time.
+const BAND_SIGMAS: f64 = 1.96;
+
+/// The picture at a width in hundredths of an inch; none where no trial was held out.
+pub(super) fn draw(story: &Story, width: f64) -> Option<Canvas> {
+    let trials = held_out(story.residuals);
+    if trials.is_empty() {
+        return None;
+    }
+    let most = if width > 500.0 { 4 } else { 1 };
+    let shown: Vec<(&u64, &Vec<&ResidualRow>)> = trials.iter().take(most).collect();
+    let gap = 14.0;
+    let wide = (width - LEFT - 12.0 - gap * (shown.len() - 1) as f64) / shown.len() as f64;
+    let mut canvas = Canvas::new(width, 1e5);
+    let both = story.changed();
+    let keys: &[(Key, &str)] = &[
+        (Key::Line(VERMILION, DOTTED), "before"),
+        (Key::Line(BLUE, &[]), "after"),
+        (Key::Dot(GREEN), "band: where 95 % of the noise stays"),
+    ];
+    let drawn: Vec<(Key, &str)> = keys.iter().copied().filter(|(_, name)| both || *name != "after").collect();
+    let mut top = legend(&mut canvas, [LEFT, 18.0], width - 8.0, &drawn) + 26.0;
+    let seconds = Axis::covering("time in trial (s)", shown.iter().flat_map(|(_, rows)| rows.iter().map(|row| row.time_s)), 5);
+    for axis in 0..3 {
+        let sigma_mm = 1e3 * story.findings.noise.sigma_m[axis];
+        let y = millimetres(axis, &shown, sigma_mm);
+        for (column, (trial, rows)) in shown.iter().enumerate() {
+            let panel = Panel {
+                corner: [LEFT + column as f64 * (wide + gap), top],
+                size: [wide, HIGH],
+                x: if axis == 2 { seconds.clone() } else { seconds.bare() },
+                y: if column == 0 { y.clone() } else { y.bare() },
+                title: if axis == 0 { format!("trial {trial}") } else { String::new() },
+            };
+            panel.draw(&mut canvas);
+            curves(&mut canvas, &panel, rows, axis, sigma_mm, both);
+        }
+        top += HIGH + 16.0;
+    }
+    top += 32.0;
+    if trials.len() > shown.len() {
+        let words = format!("{} of {} held-out trials", shown.len(), trials.len());
+        canvas.text(Text::new(words, [width - 12.0, top], SMALL, Align::Right).colour(GREY));
+    }
+    canvas.height = (top + 10.0).ceil();
+    Some(canvas)
+}
+
+/// Rows of the trials that took no part in naming or fitting, in order of time.
+pub(super) fn held_out(rows: &[ResidualRow]) -> BTreeMap<u64, Vec<&ResidualRow>> {
+    let mut trials: BTreeMap<u64, Vec<&ResidualRow>> = BTreeMap::new();
+    for row in rows.iter().filter(|row| row.held_out && row.time_s.is_finite()) {
+        trials.entry(row.trial).or_default().push(row);
+    }
+    trials.values_mut().for_each(|rows| rows.sort_by(|a, b| a.time_s.total_cmp(&b.time_s)));
+    trials
+}
+
+pub(super) fn before_m(row: &ResidualRow) -> [f64; 3] {
+    [row.before_x_m, row.before_y_m, row.before_z_m]
+}
+
+pub(super) fn after_m(row: &ResidualRow) -> [f64; 3] {
+    [row.after_x_m, row.after_y_m, row.after_z_m]
+}
+
+/// The axis of residuals along one direction: both curves, nothing and the band.
+fn millimetres(axis: usize, trials: &[(&u64, &Vec<&ResidualRow>)], sigma_mm: f64) -> Axis {
+    let values = trials.iter().flat_map(|(_, rows)| rows.iter());
+    let values = values.flat_map(|row| [1e3 * before_m(row)[axis], 1e3 * after_m(row)[axis]]);
+    let band = [BAND_SIGMAS * sigma_mm, -BAND_SIGMAS * sigma_mm, 0.0];
+    Axis::covering(&format!("{} (mm)", AXES[axis]), values.chain(band), 4)
+}
+
+/// Band, zero, before and after.
+fn curves(canvas: &mut Canvas, panel: &Panel, rows: &[&ResidualRow], axis: usize, sigma_mm: f64, both: bool) {
+    let half = BAND_SIGMAS * sigma_mm;
+    if half.is_finite() {
+        canvas.rectangle(panel.at(panel.x.low, half), panel.at(panel.x.high, -half), GREEN, 0.22);
+    }
+    panel.line(canvas, &[[panel.x.low, 0.0], [panel.x.high, 0.0]], INK, &[], HAIR);
+    let mut curve = |residual: fn(&ResidualRow) -> [f64; 3], colour: Colour, width: f64, dash| {
+        // A gap in the recording is a gap in the line.
+        let points: Vec<[f64; 2]> = rows.iter().map(|row| [row.time_s, 1e3 * residual(row)[axis]]).collect();
+        for piece in points.split(|point| !point[1].is_finite()).filter(|piece| !piece.is_empty()) {
+            panel.line(canvas, piece, colour, dash, width);
+        }
+    };
+    curve(before_m, VERMILION, 1.3, DOTTED);
+    if both {
+        curve(after_m, BLUE, 1.3, &[]);
+    }
+}
