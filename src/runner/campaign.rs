@@ -3,7 +3,7 @@
 use super::graph::{Failure, Graph, Handle};
 use super::metrics::{ANY_TRAINING, Tables};
 use super::schedule::Outcomes;
-use super::stages::Stages;
+use super::stages::{BlindStages, Stages};
 use crate::base::Point3;
 use crate::data::rows::{GapRow, GpRow, TrackRow, TrialRow};
 use crate::learn::rnn::Trained;
@@ -44,6 +44,8 @@ pub(super) struct Repetition {
     /// With the kind of training that each depends on.
     pub(super) gps: Vec<(String, Handle<GpRow>)>,
     pub(super) trained: Vec<TrainedCells>,
+    /// Blind cases of discovery.
+    pub(super) blind: Vec<BlindStages>,
 }
 
 /// The stages of one seed and kind of training.
@@ -96,6 +98,7 @@ impl Entry {
             numbers.extend(one.gap.map(Handle::number));
             numbers.extend(one.waypoints.map(Handle::number));
             numbers.extend(one.gps.iter().map(|(_, stage)| stage.number()));
+            numbers.extend(one.blind.iter().flat_map(BlindStages::wanted));
             for trained in &one.trained {
                 numbers.extend(trained.networks.iter().map(|(_, stage)| stage.number()));
                 numbers.extend(trained.reach.iter().map(|(_, stage)| stage.number()));
@@ -109,6 +112,7 @@ impl Entry {
     pub fn cells(&self) -> Vec<PlannedRun> {
         let mut runs = Vec::new();
         for one in &self.repetitions {
+            runs.extend(one.blind.iter().map(|case| PlannedRun { label: case.label(one.seed), stage: case.last() }));
             for trained in &one.trained {
                 let head = format!("seed {} {}", one.seed, trained.training);
                 let run = |task: &str, cell: &Cell, stage: usize| {
@@ -136,6 +140,7 @@ fn repetition(graph: &mut Graph, experiment: &Experiment, seed: u64) -> Result<R
     one.gap = experiment.runs.gap.map(|gap| stages.gap(gap.rows)).transpose()?;
     one.waypoints = experiment.runs.track.as_ref().map(|_| stages.waypoints()).transpose()?;
     one.gps = gaussian_processes(&mut stages, experiment)?;
+    one.blind = stages.blind()?;
     let (reach, track) = (reach_cells(experiment), track_cells(experiment));
     for (name, training) in &experiment.training {
         let mut cells = TrainedCells { training: name.clone(), networks: vec![], reach: vec![], track: vec![] };

@@ -58,7 +58,8 @@ impl Entry {
         self.tables_to(&tables, &folder, &mut files)?;
         let notices = self.figures_to(&tables, &folder, &mut files);
         let failed = tables.published.trials.iter().filter(|row| row.status != "ok").count()
-            + tables.runs.iter().filter(|row| row.status != "ok").count();
+            + tables.runs.iter().filter(|row| row.status != "ok").count()
+            + tables.published.cases.iter().filter(|row| row.verdict.starts_with("failed")).count();
         Ok(Publication { files, claims, failed, notices })
     }
 
@@ -77,6 +78,7 @@ impl Entry {
         put(files, &folder.join("trials.csv"), &published.trials)?;
         put(files, &folder.join("waypoints.csv"), &published.waypoints)?;
         put(files, &folder.join("tracks.csv"), &published.tracks)?;
+        put(files, &folder.join("discovery.csv"), &published.cases)?;
         put(files, &folder.join("claims.csv"), &published.claims)
     }
 

@@ -31,6 +31,7 @@ pub(super) fn assemble(entry: &Entry, outcomes: &Outcomes) -> Tables {
         }
         let gps = one.gps.iter().filter_map(|(training, stage)| Some((training, outcomes.get(*stage).ok()?)));
         tables.gps.extend(gps.map(|(training, row)| GpRow { seed, training: training.clone(), ..row.clone() }));
+        tables.published.cases.extend(one.blind.iter().map(|case| case.row(outcomes)));
         for cells in &one.trained {
             trained(&mut tables, &entry.experiment, seed, cells, outcomes);
         }

@@ -3,12 +3,12 @@
 use super::cells::uses;
 use super::document::Document;
 use super::error::SpecError;
-use super::experiment::{Experiment, TrackRun};
+use super::experiment::{DiscoveryRun, Experiment, TrackRun};
 use super::locate::End;
 use super::path::KeyPath;
 use super::plant::PlantSpec;
 use crate::base::BadOption;
-use crate::effects::check_effects;
+use crate::effects::{CATALOGUE, check_effects};
 use crate::learn::LearnError;
 use crate::policies::{self, Part};
 use crate::report::FIGURES;
@@ -162,9 +162,9 @@ impl Checker<'_> {
         self.enough(rows, &KeyPath::default().key("explore").key("points"))?;
         let any = runs.gap.is_some() || runs.forward || !runs.gp_points.is_empty() || !runs.reach.is_empty();
         self.unless(
-            any || runs.track.is_some(),
+            any || runs.track.is_some() || runs.discovery.is_some(),
             &path,
-            "at least one of `gap`, `forward`, `gp_points`, `reach`, `track`",
+            "at least one of `gap`, `forward`, `gp_points`, `reach`, `track`, `discovery`",
         )?;
         if let Some(gap) = runs.gap {
             let most = self.experiment.explore.points;
@@ -189,7 +189,37 @@ impl Checker<'_> {
                 self.sizes(&sweep.policies, part, sizes.as_deref(), &path.key(key))?;
             }
         }
-        runs.track.as_ref().map_or(Ok(()), |track| self.track(track, &path.key("track")))
+        runs.track.as_ref().map_or(Ok(()), |track| self.track(track, &path.key("track")))?;
+        runs.discovery.as_ref().map_or(Ok(()), |discovery| self.discovery(discovery, &path.key("discovery")))
+    }
+
+    fn discovery(&self, discovery: &DiscoveryRun, path: &KeyPath) -> Result<(), SpecError> {
+        let rod = matches!(self.experiment.model, PlantSpec::Simulated(_));
+        self.unless(rod, &KeyPath::default().key("model"), "a simulated rod, which is what `discovery` is about")?;
+        let option = |path: &KeyPath, found: Result<(), BadOption>| {
+            found.map_err(|bad| self.option(&path.to_string(), bad.key, &bad.found, bad.expected))
+        };
+        option(&path.key("options"), discovery.options.check())?;
+        option(&path.key("truth"), discovery.truth.check())?;
+        option(&path.key("oracle"), discovery.oracle.check())?;
+        let names: Vec<&str> = CATALOGUE.iter().map(|card| card.name).collect();
+        for (index, name) in discovery.options.left_out.iter().enumerate() {
+            let path = path.key("options").key("left_out").item(index);
+            self.unless(names.contains(&name.as_str()), &path, &one_of(&names))?;
+        }
+        for (index, one) in discovery.options.uncertain.iter().enumerate() {
+            let path = path.key("options").key("uncertain").item(index);
+            let card = CATALOGUE.iter().find(|card| card.name == one.effect);
+            let card = card.ok_or_else(|| self.wrong(&path.key("effect"), one_of(&names)))?;
+            let mut own: Vec<&str> =
+                card.parameters.iter().filter_map(|parameter| parameter.name.split('[').next()).collect();
+            own.dedup();
+            self.unless(own.contains(&one.parameter.as_str()), &path.key("parameter"), &one_of(&own))?;
+        }
+        let batches = path.key("batches");
+        self.unless(!discovery.batches.is_empty(), &batches, "at least one batch")?;
+        let each = discovery.batches.iter().enumerate();
+        each.map(|(index, batch)| option(&batches.item(index), batch.check())).collect()
     }
 
     fn track(&self, track: &TrackRun, path: &KeyPath) -> Result<(), SpecError> {

@@ -2,10 +2,12 @@
 
 use super::claims::Claim;
 use super::plant::PlantSpec;
+use crate::discovery::Options;
 use crate::effects::EffectSpec;
 use crate::learn::gp::GpConfig;
 use crate::learn::rnn::ElmanConfig;
 use crate::policies::PolicyOptions;
+use crate::tasks::blind::{Batch, OracleOptions, TruthOptions};
 use crate::tasks::{ExploreOptions, GpPointsOptions, LoopMode, PathOptions, ReachOptions, TargetOptions, TrackOptions};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -134,6 +136,25 @@ pub struct Runs {
     pub reach: Vec<ReachSweep>,
     /// Path tracking.
     pub track: Option<TrackRun>,
+    /// Blind cases of discovery, about the model.
+    pub discovery: Option<DiscoveryRun>,
+}
+
+/// Blind cases of discovery. Commands are those of `explore`, with the trials and samples of each batch.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DiscoveryRun {
+    /// How each recording is looked into.
+    #[serde(default)]
+    pub options: Options,
+    /// How finely the truth is computed.
+    #[serde(default)]
+    pub truth: TruthOptions,
+    /// When something is outside the span of the catalogue.
+    #[serde(default)]
+    pub oracle: OracleOptions,
+    /// What is hidden, how strongly and how often.
+    pub batches: Vec<Batch>,
 }
 
 /// The exploration side by side.

@@ -19,7 +19,7 @@ pub use cells::{Cell, gp_sizes, reach_cells, track_cells};
 pub use claims::{Axis, Claim, Metric, ReachCell, Relation, Size};
 pub use document::Document;
 pub use error::{Place, SpecError};
-pub use experiment::{Experiment, GapRun, GeneratedStart, Mode, ReachSweep, Runs, TrackRun, Training};
+pub use experiment::{DiscoveryRun, Experiment, GapRun, GeneratedStart, Mode, ReachSweep, Runs, TrackRun, Training};
 pub use locate::{End, locate};
 pub use model::{model_text, read_model, read_plant};
 pub use path::{KeyPath, Step};

@@ -1,6 +1,7 @@
 //! The loops: a plant explored, replayed, and driven by a policy to a target or along a path.
 
 mod actuation;
+pub mod blind;
 mod calibrate;
 mod explore;
 mod generate;

@@ -3,8 +3,11 @@
 //! A stage's parameters are everything of the spec that its job touches, and nothing else: they are its key.
 
 mod data;
+mod discovery;
 mod learning;
 mod trials;
+
+pub(super) use discovery::BlindStages;
 
 use super::graph::{Failure, Graph};
 use crate::base::Seed;

@@ -1,0 +1,209 @@
+//! Blind cases of discovery. The truth is drawn and sealed in a stage of its own: beside the recording, which is made
+//! from it, only the score reads it. What looks into the recording has the recording alone.
+
+use super::{Added, Stages, status};
+use crate::data::findings::CaseRow;
+use crate::discovery::{Options, discover};
+use crate::effects::Model;
+use crate::runner::graph::{Handle, Kind};
+use crate::runner::schedule::Outcomes;
+use crate::specs::{DiscoveryRun, PlantSpec};
+use crate::tasks::ExploreOptions;
+use crate::tasks::blind::{self, Answer, Batch, Commands, Presented, Prior, Robot, Span, Truth};
+
+const COMMANDS: Kind = Kind { name: "blind_commands", version: 1, cost_ms: 300 };
+const SPAN: Kind = Kind { name: "blind_span", version: 1, cost_ms: 15_000 };
+const TRUTH: Kind = Kind { name: "blind_truth", version: 1, cost_ms: 3_000 };
+const RECORDING: Kind = Kind { name: "blind_recording", version: 1, cost_ms: 500 };
+const DISCOVER: Kind = Kind { name: "discover", version: 1, cost_ms: 15_000 };
+const SCORE: Kind = Kind { name: "blind_score", version: 1, cost_ms: 1 };
+
+/// The stages of one case.
+pub(crate) struct BlindStages {
+    case: u64,
+    batch: Batch,
+    correlation: f64,
+    truth: Handle<Truth>,
+    score: Handle<CaseRow>,
+}
+
+impl BlindStages {
+    /// Numbers of the stages whose results the case's row is made of.
+    pub(crate) fn wanted(&self) -> [usize; 2] {
+        [self.truth.number(), self.score.number()]
+    }
+
+    /// Number of the stage that ends it.
+    pub(crate) fn last(&self) -> usize {
+        self.score.number()
+    }
+
+    /// The case in words.
+    pub(crate) fn label(&self, seed: u64) -> String {
+        let (case, group, samples) = (self.case, self.batch.group.name(), self.batch.samples);
+        format!("discovery seed {seed} case {case} {group} samples {samples}")
+    }
+
+    /// Its row; a failure is a row that says so.
+    pub(crate) fn row(&self, outcomes: &Outcomes) -> CaseRow {
+        let truth = outcomes.get(self.truth).ok();
+        let failed = |failure: super::Failure| {
+            blind::failed(self.case, &self.batch, self.correlation, truth, &failure.to_string())
+        };
+        outcomes.get(self.score).cloned().unwrap_or_else(failed)
+    }
+}
+
+/// A set of commands and, where the oracle has been asked about them, what it knows.
+type Asked = (Handle<Commands>, Option<Handle<Span>>);
+
+/// What expanding a part of the experiment yields.
+type Expanded<T> = Result<T, super::Failure>;
+
+impl Stages<'_> {
+    /// All blind cases of the experiment, in the order of its batches.
+    pub(crate) fn blind(&mut self) -> Result<Vec<BlindStages>, super::Failure> {
+        let spec = self.spec;
+        let (Some(run), PlantSpec::Simulated(model)) = (&spec.runs.discovery, &spec.model) else {
+            return Ok(Vec::new());
+        };
+        let all: usize = run.batches.iter().map(|batch| batch.cases).sum();
+        let mut case = self.repetition * all as u64;
+        let mut cases = Vec::with_capacity(all);
+        for batch in &run.batches {
+            for number in 0..batch.cases {
+                cases.push(self.blind_case(run, batch, number, case, &model.model)?);
+                case += 1;
+            }
+        }
+        Ok(cases)
+    }
+
+    fn blind_case(
+        &mut self,
+        run: &DiscoveryRun,
+        batch: &Batch,
+        number: usize,
+        case: u64,
+        model: &Model,
+    ) -> Expanded<BlindStages> {
+        let priors: Vec<Prior> = run.options.uncertain.iter().map(prior).collect();
+        let (commands, span) = self.blind_commands(run, batch, number, case, model, &priors)?;
+        // Kinds take their turn within each size.
+        let sizes = batch.shifts_m.len();
+        let robot = Robot {
+            model: model.clone(),
+            group: batch.group,
+            number: number / sizes,
+            shift_m: batch.shifts_m[number % sizes],
+            noise_m: batch.noise_m,
+            priors,
+            truth: run.truth,
+            oracle: run.oracle,
+            seed: self.seed.child("blind").index(case).0,
+        };
+        let correlation = batch.correlations[number % batch.correlations.len()];
+        let truth = self.blind_truth(&robot, commands, span, case)?;
+        let recording = self.blind_recording(robot, truth, commands, correlation, case)?;
+        let answer = self.discover(model, &run.options, recording, case)?;
+        let (batch, model) = (batch.clone(), model.clone());
+        let params = (case, batch.clone(), correlation, model.clone());
+        let inputs = [truth.number(), answer.number()];
+        let score = {
+            let batch = batch.clone();
+            self.graph.stage(SCORE, self.label(&format!("score of case {case}")), &params, &inputs, move |given| {
+                Ok(blind::score(case, &batch, correlation, &model, given.get(truth)?, given.get(answer)?))
+            })?
+        };
+        Ok(BlindStages { case, batch, correlation, truth, score })
+    }
+
+    /// The commands of a case: its own, or for cases that the oracle judges those of several.
+    fn blind_commands(
+        &mut self,
+        run: &DiscoveryRun,
+        batch: &Batch,
+        number: usize,
+        case: u64,
+        model: &Model,
+        priors: &[Prior],
+    ) -> Expanded<Asked> {
+        let explore = ExploreOptions { points: batch.samples, trajectories: batch.trials, ..self.spec.explore };
+        let judged = batch.group.judged();
+        let seed = if judged {
+            let shared = number / run.oracle.cases_per_commands;
+            self.seed.child("blind_judged").index(batch.samples as u64).index(shared as u64)
+        } else {
+            self.seed.child("blind").index(case).child("commands")
+        };
+        let (step_s, label) = (self.step_s(), self.label("blind commands"));
+        let commands = {
+            let model = model.clone();
+            let params = (model.clone(), explore, step_s, seed.0);
+            self.graph.stage(COMMANDS, label, &params, &[], move |_| {
+                blind::commands(&model, &explore, step_s, seed).map_err(status)
+            })?
+        };
+        if !judged {
+            return Ok((commands, None));
+        }
+        let (model, priors, noise_m) = (model.clone(), priors.to_vec(), batch.noise_m);
+        let params = (model.clone(), priors.clone(), noise_m);
+        let label = self.label("span of the catalogue");
+        let span = self.graph.stage(SPAN, label, &params, &[commands.number()], move |given| {
+            Span::new(&model, given.get(commands)?, &priors, noise_m).map_err(status)
+        })?;
+        Ok((commands, Some(span)))
+    }
+
+    /// What is hidden: the sealed label.
+    fn blind_truth(
+        &mut self,
+        robot: &Robot,
+        commands: Handle<Commands>,
+        span: Option<Handle<Span>>,
+        case: u64,
+    ) -> Added<Truth> {
+        let inputs: Vec<usize> = [commands.number()].into_iter().chain(span.map(Handle::number)).collect();
+        let (params, robot) = (robot.clone(), robot.clone());
+        let label = self.label(&format!("truth of case {case}"));
+        self.graph.stage(TRUTH, label, &params, &inputs, move |given| {
+            let span = span.map(|span| given.get(span)).transpose()?;
+            blind::draw(&robot, given.get(commands)?, span).map_err(status)
+        })
+    }
+
+    fn blind_recording(
+        &mut self,
+        robot: Robot,
+        truth: Handle<Truth>,
+        commands: Handle<Commands>,
+        correlation: f64,
+        case: u64,
+    ) -> Added<Presented> {
+        let params = (robot.clone(), correlation);
+        let inputs = [truth.number(), commands.number()];
+        let label = self.label(&format!("recording of case {case}"));
+        self.graph.stage(RECORDING, label, &params, &inputs, move |given| {
+            blind::present(&robot, given.get(truth)?, given.get(commands)?, correlation).map_err(status)
+        })
+    }
+
+    /// The answer to a recording: of the model, the recording and the options alone.
+    fn discover(&mut self, model: &Model, options: &Options, recording: Handle<Presented>, case: u64) -> Added<Answer> {
+        let (model, options) = (model.clone(), options.clone());
+        let params = (model.clone(), options.clone());
+        let label = self.label(&format!("discovery in case {case}"));
+        self.graph.stage(DISCOVER, label, &params, &[recording.number()], move |given| {
+            let presented = given.get(recording)?;
+            let mut options = options.clone();
+            options.left_out.extend(presented.left_out.iter().cloned());
+            let found = discover(&model, &presented.recording(), None, &options).map_err(status)?;
+            Ok(Answer::new(&found.findings, found.remedies.stiffness_only_m, found.remedies.gp_m))
+        })
+    }
+}
+
+fn prior(one: &crate::discovery::Uncertainty) -> Prior {
+    Prior { effect: one.effect.clone(), parameter: one.parameter.clone(), deviation: one.deviation }
+}

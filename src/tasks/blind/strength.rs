@@ -1,0 +1,79 @@
+//! How strong something must be to move the tip so far.
+
+/// A strength and what it does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reached {
+    /// Strength, in usual sizes.
+    pub amount: f64,
+    /// How far it moves the tip, root mean square, metres.
+    pub shift_m: f64,
+}
+
+/// Shifts are met to this share.
+const ACCURACY: f64 = 0.02;
+/// Strengths that are tried at most.
+const TRIES: usize = 12;
+
+/// The strength, `most` at most, at which `shift_m` (none where the robot cannot follow) moves the tip by `wanted_m`; the
+/// strongest that is possible where none does. None when nothing is possible.
+pub fn reach(wanted_m: f64, most: f64, shift_m: &mut dyn FnMut(f64) -> Option<f64>) -> Option<Reached> {
+    let mut below = Reached { amount: 0.0, shift_m: 0.0 };
+    let mut above: Option<f64> = None;
+    let mut amount = most.min(1.0);
+    for _ in 0..TRIES {
+        match shift_m(amount) {
+            Some(shift_m) if (shift_m / wanted_m - 1.0).abs() <= ACCURACY => {
+                return Some(Reached { amount, shift_m });
+            }
+            Some(shift_m) if shift_m < wanted_m => {
+                below = Reached { amount, shift_m };
+                if amount >= most {
+                    break;
+                }
+                amount = middle(amount * (wanted_m / shift_m).min(4.0), amount, above).min(most);
+            }
+            too_far => {
+                above = Some(amount);
+                let proportional = too_far.map_or(0.0, |shift_m| amount * wanted_m / shift_m);
+                amount = middle(proportional, below.amount, above);
+            }
+        }
+    }
+    (below.amount > 0.0).then_some(below)
+}
+
+/// `guess` where it is well between the two ends, else the middle.
+fn middle(guess: f64, low: f64, high: Option<f64>) -> f64 {
+    match high {
+        None => guess,
+        Some(high) => {
+            let margin = 0.05 * (high - low);
+            if guess > low + margin && guess < high - margin { guess } else { 0.5 * (low + high) }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shifts_that_can_be_reached_are_and_others_come_as_near_as_they_can() {
+        let linear = |amount: f64| Some(0.003 * amount);
+        let kinked = |amount: f64| Some(0.002 * (amount - 0.7).max(0.0));
+        let saturating = |amount: f64| Some(0.01 * (1.0 - (-amount).exp()));
+        let fragile = |amount: f64| (amount < 2.5).then_some(0.001 * amount);
+        for wanted_m in [0.002, 0.004, 0.008] {
+            for (number, shift) in [&linear as &dyn Fn(f64) -> Option<f64>, &kinked, &saturating].iter().enumerate() {
+                let found = reach(wanted_m, 8.0, &mut |amount| shift(amount)).unwrap();
+                assert!((found.shift_m / wanted_m - 1.0).abs() <= ACCURACY, "{number} {wanted_m} {found:?}");
+                assert_eq!(shift(found.amount), Some(found.shift_m));
+            }
+        }
+        let found = reach(0.004, 8.0, &mut |amount| fragile(amount)).unwrap();
+        assert!(found.amount > 2.3 && found.amount < 2.5, "{found:?}");
+        let found = reach(0.1, 8.0, &mut |amount| linear(amount)).unwrap();
+        assert_eq!(found.amount, 8.0);
+        assert_eq!(reach(0.004, 8.0, &mut |_| None), None);
+    }
+}
