@@ -60,19 +60,34 @@ type Asked = (Handle<Commands>, Option<Handle<Span>>);
 /// What expanding a part of the experiment yields.
 type Expanded<T> = Result<T, super::Failure>;
 
+/// What cases are made of.
+struct Benchmark<'a> {
+    run: &'a DiscoveryRun,
+    /// The model as it is given to whoever looks into a recording.
+    model: &'a Model,
+    /// The same with the precision of the look: what strengths and the oracle are computed with.
+    quick: Model,
+    priors: Vec<Prior>,
+}
+
 impl Stages<'_> {
     /// All blind cases of the experiment, in the order of its batches.
-    pub(crate) fn blind(&mut self) -> Result<Vec<BlindStages>, super::Failure> {
+    pub(crate) fn blind(&mut self) -> Expanded<Vec<BlindStages>> {
         let spec = self.spec;
-        let (Some(run), PlantSpec::Simulated(model)) = (&spec.runs.discovery, &spec.model) else {
+        let (Some(run), PlantSpec::Simulated(plant)) = (&spec.runs.discovery, &spec.model) else {
             return Ok(Vec::new());
         };
+        let mut quick = plant.model.clone();
+        let tolerance_m = &mut quick.robot.resolution.motion_tolerance_m;
+        *tolerance_m = tolerance_m.max(run.options.motion_tolerance_m);
+        let priors = run.options.uncertain.iter().map(prior).collect();
+        let benchmark = Benchmark { run, model: &plant.model, quick, priors };
         let all: usize = run.batches.iter().map(|batch| batch.cases).sum();
         let mut case = self.repetition * all as u64;
         let mut cases = Vec::with_capacity(all);
         for batch in &run.batches {
             for number in 0..batch.cases {
-                cases.push(self.blind_case(run, batch, number, case, &model.model)?);
+                cases.push(self.blind_case(&benchmark, batch, number, case)?);
                 case += 1;
             }
         }
@@ -81,73 +96,65 @@ impl Stages<'_> {
 
     fn blind_case(
         &mut self,
-        run: &DiscoveryRun,
+        benchmark: &Benchmark,
         batch: &Batch,
         number: usize,
         case: u64,
-        model: &Model,
     ) -> Expanded<BlindStages> {
-        let priors: Vec<Prior> = run.options.uncertain.iter().map(prior).collect();
-        let (commands, span) = self.blind_commands(run, batch, number, case, model, &priors)?;
+        let run = benchmark.run;
+        let (commands, span) = self.blind_commands(benchmark, batch, number, case)?;
         // Kinds take their turn within each size.
         let sizes = batch.shifts_m.len();
         let robot = Robot {
-            model: model.clone(),
+            model: benchmark.quick.clone(),
             group: batch.group,
             number: number / sizes,
             shift_m: batch.shifts_m[number % sizes],
             noise_m: batch.noise_m,
-            priors,
+            priors: benchmark.priors.clone(),
             truth: run.truth,
             oracle: run.oracle,
             seed: self.seed.child("blind").index(case).0,
         };
-        let correlation = batch.correlations[number % batch.correlations.len()];
+        let correlation = batch.correlations[robot.number % batch.correlations.len()];
         let truth = self.blind_truth(&robot, commands, span, case)?;
         let recording = self.blind_recording(robot, truth, commands, correlation, case)?;
-        let answer = self.discover(model, &run.options, recording, case)?;
-        let (batch, model) = (batch.clone(), model.clone());
-        let params = (case, batch.clone(), correlation, model.clone());
+        let answer = self.discover(benchmark.model, &run.options, recording, case)?;
+        let (model, own) = (benchmark.model.clone(), batch.clone());
+        let params = (case, own.clone(), correlation, model.clone());
         let inputs = [truth.number(), answer.number()];
-        let score = {
-            let batch = batch.clone();
-            self.graph.stage(SCORE, self.label(&format!("score of case {case}")), &params, &inputs, move |given| {
-                Ok(blind::score(case, &batch, correlation, &model, given.get(truth)?, given.get(answer)?))
-            })?
-        };
-        Ok(BlindStages { case, batch, correlation, truth, score })
+        let label = self.label(&format!("score of case {case}"));
+        let score = self.graph.stage(SCORE, label, &params, &inputs, move |given| {
+            Ok(blind::score(case, &own, correlation, &model, given.get(truth)?, given.get(answer)?))
+        })?;
+        Ok(BlindStages { case, batch: batch.clone(), correlation, truth, score })
     }
 
     /// The commands of a case: its own, or for cases that the oracle judges those of several.
     fn blind_commands(
         &mut self,
-        run: &DiscoveryRun,
+        benchmark: &Benchmark,
         batch: &Batch,
         number: usize,
         case: u64,
-        model: &Model,
-        priors: &[Prior],
     ) -> Expanded<Asked> {
         let explore = ExploreOptions { points: batch.samples, trajectories: batch.trials, ..self.spec.explore };
         let judged = batch.group.judged();
         let seed = if judged {
-            let shared = number / run.oracle.cases_per_commands;
+            let shared = number / benchmark.run.oracle.cases_per_commands;
             self.seed.child("blind_judged").index(batch.samples as u64).index(shared as u64)
         } else {
             self.seed.child("blind").index(case).child("commands")
         };
-        let (step_s, label) = (self.step_s(), self.label("blind commands"));
-        let commands = {
-            let model = model.clone();
-            let params = (model.clone(), explore, step_s, seed.0);
-            self.graph.stage(COMMANDS, label, &params, &[], move |_| {
-                blind::commands(&model, &explore, step_s, seed).map_err(status)
-            })?
-        };
+        let (step_s, label, model) = (self.step_s(), self.label("blind commands"), benchmark.quick.clone());
+        let params = (model.clone(), explore, step_s, seed.0);
+        let commands = self.graph.stage(COMMANDS, label, &params, &[], move |_| {
+            blind::commands(&model, &explore, step_s, seed).map_err(status)
+        })?;
         if !judged {
             return Ok((commands, None));
         }
-        let (model, priors, noise_m) = (model.clone(), priors.to_vec(), batch.noise_m);
+        let (model, priors, noise_m) = (benchmark.quick.clone(), benchmark.priors.clone(), batch.noise_m);
         let params = (model.clone(), priors.clone(), noise_m);
         let label = self.label("span of the catalogue");
         let span = self.graph.stage(SPAN, label, &params, &[commands.number()], move |given| {

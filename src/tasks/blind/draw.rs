@@ -40,7 +40,7 @@ pub struct Robot {
 /// The largest strength, in usual sizes.
 const MOST: f64 = 8.0;
 /// An effect of a pair moves the tip at least by this share of what was asked.
-const PAIR_SHARE: f64 = 0.9;
+const PAIR_SHARE: f64 = 0.98;
 /// Robots that are drawn until one can follow the commands.
 const ROBOTS: usize = 20;
 
@@ -81,9 +81,10 @@ impl Drawing<'_> {
         CATALOGUE[self.robot.number % CATALOGUE.len()]
     }
 
-    /// Whether this case follows another law, where there is one: every other round of the catalogue.
-    fn other_law(&self) -> bool {
-        self.robot.truth.other_laws && (self.robot.number / CATALOGUE.len()) % 2 == 1
+    /// Whether an effect follows another law in this case, where it has one: in every other round of the catalogue.
+    fn other_law(&self, card: &Card) -> bool {
+        let index = CATALOGUE.iter().position(|one| one.name == card.name).unwrap_or(0);
+        self.robot.truth.other_laws && (self.robot.number / CATALOGUE.len() + index) % 2 == 1
     }
 
     /// Draws robots until one with what `hide` gives can follow the commands.
@@ -115,7 +116,7 @@ impl Drawing<'_> {
     /// An effect as strong as asked, or as it can be, and how far it moves the tip.
     fn effect(&self, card: &'static Card, uncertain: &[Hidden], random: &mut Generator) -> Option<(Hidden, Reached)> {
         let model = &self.robot.model;
-        let draft = Draft::draw(card, model, self.other_law(), random);
+        let draft = Draft::draw(card, model, self.other_law(card), random);
         let without = tips_m(model, self.commands, uncertain, &[], None)?;
         let shift_m = |amount: f64| {
             let with = tips_m(model, self.commands, uncertain, &[draft.hidden(amount)], None)?;

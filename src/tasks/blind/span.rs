@@ -96,7 +96,7 @@ impl Span {
     /// far as the tip answers in proportion. `left_out`: effects that may not be taken.
     pub fn first_look(&self, moved: &[f64], left_out: &[String], most: usize) -> f64 {
         let wanted: Vec<f64> = moved.iter().map(|x| x / self.noise_m).collect();
-        let metric = Metric::new(&self.uncertain, wanted.len());
+        let metric = Metric::new(&self.uncertain);
         let best = self.sets(&metric, &wanted, left_out, most).into_iter().next();
         rms(best.map_or_else(|| metric.square(&wanted), |set| set.left), wanted.len())
     }
@@ -112,7 +112,7 @@ impl Span {
         outside: bool,
     ) -> f64 {
         let wanted: Vec<f64> = moved.iter().map(|x| x / self.noise_m).collect();
-        let metric = Metric::new(&self.uncertain, wanted.len());
+        let metric = Metric::new(&self.uncertain);
         let Some(here) = commands.tips_m(model, &[]) else { return f64::INFINITY };
         let enough = if outside { options.outside_above } else { options.inside_below };
         let refit = Refit { model, commands, here: &here, noise_m: self.noise_m, metric: &metric, wanted: &wanted };
@@ -200,7 +200,7 @@ struct Metric<'a> {
 }
 
 impl Metric<'_> {
-    fn new(uncertain: &[Vec<f64>], _rows: usize) -> Metric<'_> {
+    fn new(uncertain: &[Vec<f64>]) -> Metric<'_> {
         let count = uncertain.len();
         let precision =
             DMatrix::from_fn(count, count, |a, b| dot(&uncertain[a], &uncertain[b]) + f64::from(u8::from(a == b)));
