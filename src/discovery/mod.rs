@@ -120,7 +120,10 @@ impl<'a> Question<'a> {
         let fit = all.of_trials(&(0..kept).collect::<Vec<usize>>());
         let proof = all.of_trials(&(kept..all.trials.len()).collect::<Vec<usize>>());
         let base = match baseline {
-            Some(recording) => Some(Base::new(&mut model, &hypotheses, recording, options)?),
+            Some(recording) => Some(
+                Base::new(&mut model, &hypotheses, recording, options)
+                    .map_err(|error| DiscoveryError::Baseline(Box::new(error)))?,
+            ),
             None => None,
         };
         let played = played(&model, &fit)?;

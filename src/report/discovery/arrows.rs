@@ -160,7 +160,11 @@ fn arrow(canvas: &mut Canvas, from: Place, to: Place, colour: super::super::styl
     let neck = [to[0] - head * u, to[1] - head * v];
     canvas.line(&[from, neck], 0.9, colour, &[]);
     let side = 0.42 * head;
-    canvas.area(vec![to, [neck[0] - side * v, neck[1] + side * u], [neck[0] + side * v, neck[1] - side * u]], colour, 1.0);
+    canvas.area(
+        vec![to, [neck[0] - side * v, neck[1] + side * u], [neck[0] + side * v, neck[1] - side * u]],
+        colour,
+        1.0,
+    );
 }
 
 #[cfg(test)]

@@ -4,8 +4,8 @@ use super::super::axes::{Axis, Panel};
 use super::super::canvas::{Align, Canvas, Text};
 use super::super::paint::text_width;
 use super::super::style::{BLUE, Colour, DASHED, GREY, HAIR, INK, SMALL, VERMILION};
-use super::words::{fitted, millimetres, times};
 use super::Story;
+use super::words::{fitted, millimetres, times};
 
 const BAR: f64 = 13.0;
 const ROW: f64 = 19.0;

@@ -35,7 +35,8 @@ pub(super) fn draw(story: &Story, width: f64) -> Option<Canvas> {
     ];
     let drawn: Vec<(Key, &str)> = keys.iter().copied().filter(|(_, name)| both || *name != "after").collect();
     let mut top = legend(&mut canvas, [LEFT, 18.0], width - 8.0, &drawn) + 26.0;
-    let seconds = Axis::covering("time in trial (s)", shown.iter().flat_map(|(_, rows)| rows.iter().map(|row| row.time_s)), 5);
+    let seconds =
+        Axis::covering("time in trial (s)", shown.iter().flat_map(|(_, rows)| rows.iter().map(|row| row.time_s)), 5);
     for axis in 0..3 {
         let sigma_mm = 1e3 * story.findings.noise.sigma_m[axis];
         let y = millimetres(axis, &shown, sigma_mm);
