@@ -85,7 +85,11 @@ fn tiles(story: &Story) -> Html {
     tiles.push(tile("Noise floor", millimetres(floor_m), "what no model can beat".to_owned()));
     if story.changed() {
         let share = closed(gap.before_m, gap.after_m, floor_m);
-        tiles.push(tile("Gap closed", share.map_or_else(|| NONE.to_owned(), percent), "beyond noise, in squares".to_owned()));
+        tiles.push(tile(
+            "Gap closed",
+            share.map_or_else(|| NONE.to_owned(), percent),
+            "beyond noise, in squares".to_owned(),
+        ));
     }
     let where_from = match gap.held_out_trials.as_slice() {
         [] => "No trial was held out: these numbers are of the data that the model was fitted to.".to_owned(),
@@ -135,13 +139,15 @@ fn card(story: &Story, effect: &FoundEffect) -> Html {
     tag("article", lines(parts))
 }
 
-
 /// How sure, what else it could be, and what it means.
 fn facts(effect: &FoundEffect, known: Option<&EffectText>) -> Html {
     let fact = |name: &str, words: Html| text(name).and(words);
     let mut facts = Vec::new();
     if effect.confidence.is_finite() {
-        facts.push(fact("Probability among the candidates that were fitted: ", words("strong", percent(effect.confidence))));
+        facts.push(fact(
+            "Probability among the candidates that were fitted: ",
+            words("strong", percent(effect.confidence)),
+        ));
     }
     let rivals: Vec<Html> = effect.confusable_with.iter().map(|name| words("code", name)).collect();
     let mut names = Html::default();
