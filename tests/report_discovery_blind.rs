@@ -75,6 +75,16 @@ fn the_confusion_matrix_holds_every_case_once() {
 }
 
 #[test]
+fn the_same_cases_give_the_same_bytes() {
+    let files = render(cases(2));
+    assert!(files == render(cases(2)));
+    // Left there to be looked at.
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("discovery").join("blind");
+    std::fs::create_dir_all(&folder).unwrap();
+    files.iter().for_each(|(name, bytes)| std::fs::write(folder.join(name), bytes).unwrap());
+}
+
+#[test]
 fn texts_stay_apart() {
     let one = |keep: usize| cases(1).into_iter().take(keep).collect::<Vec<_>>();
     let mut odd = cases(1);

@@ -102,9 +102,11 @@ fn draw_bar(canvas: &mut Canvas, panel: &Panel, bar: &Bar, y: f64, floor_m: f64)
     let zero = panel.at(0.0, 0.0)[0];
     let end = if bar.size_m.is_finite() { panel.at(1e3 * bar.size_m, 0.0)[0] } else { zero };
     canvas.rectangle([zero, y], [end.max(zero + 0.6), y + BAR], bar.colour, 1.0);
-    let words = format!("{}  {}", millimetres(bar.size_m), times(bar.size_m, floor_m));
     let right = canvas.width - 10.0;
-    canvas.text(Text::new(fitted(&words, SMALL, 100.0), [right, base], SMALL, Align::Right));
+    let values = [(right - 42.0, millimetres(bar.size_m)), (right, times(bar.size_m, floor_m))];
+    for (x, words) in values {
+        canvas.text(Text::new(words, [x, base], SMALL, Align::Right));
+    }
     y + ROW
 }
 
