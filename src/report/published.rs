@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::data::findings::CaseRow;
 use crate::data::rows::{ClaimRow, GapRow, PeerRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow};
 use crate::data::{DataError, tables};
 
@@ -27,6 +28,8 @@ pub struct Published {
     pub sweep: Vec<SweepRow>,
     /// Simulators beside each other (`work_precision.csv`).
     pub peers: Vec<PeerRow>,
+    /// Blind cases of discovery (`discovery.csv`).
+    pub cases: Vec<CaseRow>,
 }
 
 impl Published {
@@ -44,6 +47,7 @@ impl Published {
             claims: rows(folder, "claims.csv")?,
             sweep: rows(folder, "sweep.csv")?,
             peers: rows(folder, "work_precision.csv")?,
+            cases: rows(folder, "discovery.csv")?,
         })
     }
 
@@ -61,6 +65,7 @@ impl Published {
         write(folder, "claims.csv", &self.claims)?;
         write(folder, "sweep.csv", &self.sweep)?;
         write(folder, "work_precision.csv", &self.peers)?;
+        write(folder, "discovery.csv", &self.cases)?;
         Published::read(folder)
     }
 }
