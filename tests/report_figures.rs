@@ -73,12 +73,16 @@ fn poor_rows_are_drawn_or_refused_but_never_crash() {
             rows.claims.truncate(keep);
             rows.sweep.truncate(keep);
             rows.peers.truncate(keep);
+            rows.cases.truncate(keep);
             (figure.render)(&rows).unwrap();
             rows.trials.iter_mut().for_each(|row| row.error_m = f64::NAN);
             rows.tracks.iter_mut().for_each(|row| (row.error_m, row.tip_x_m) = (f64::NAN, f64::NAN));
             rows.gaps.iter_mut().for_each(|row| (row.sim_x_m, row.real_y_m) = (f64::NAN, f64::INFINITY));
             rows.claims.iter_mut().for_each(|row| (row.ours, row.paper) = (f64::NAN, 0.0));
             rows.sweep.iter_mut().for_each(|row| (row.mean, row.sd) = (f64::NAN, f64::INFINITY));
+            rows.cases
+                .iter_mut()
+                .for_each(|row| (row.after_m, row.shift_m, row.noise_m) = (f64::NAN, f64::NAN, f64::INFINITY));
             // Of simulators that all failed there is nothing to draw.
             rows.peers.iter_mut().skip(1).for_each(|row| row.rms_error_m = f64::NAN);
             (figure.render)(&rows).unwrap();

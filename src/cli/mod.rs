@@ -2,6 +2,7 @@
 
 mod calibrate;
 mod collect;
+mod discover;
 mod effects;
 mod page;
 mod plan;
@@ -28,6 +29,7 @@ enum Command {
     Simulate(simulate::Simulate),
     Calibrate(calibrate::Calibrate),
     Effects(effects::Effects),
+    Discover(discover::Discover),
     Collect(collect::Collect),
     Page(page::Page),
     Verify(verify::Verify),
@@ -64,6 +66,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Simulate(simulate) => simulate.carry_out(),
         Command::Calibrate(calibrate) => calibrate.carry_out(),
         Command::Effects(effects) => effects.carry_out(),
+        Command::Discover(discover) => discover.carry_out(),
         Command::Collect(collect) => collect.carry_out(),
         Command::Page(page) => page.carry_out(),
         Command::Verify(verify) => verify.carry_out(),

@@ -8,6 +8,7 @@ use super::hypothesis::{Hypothesis, Member};
 use super::refit::Study;
 use super::search::{Found, Scored};
 use crate::data::findings::{Candidate, FoundEffect, Verdict};
+use crate::data::tables::round_significant;
 use crate::math::distribution::student_95;
 
 /// What the search says of the effects.
@@ -27,13 +28,15 @@ impl Answer {
     }
 }
 
+/// Significant digits of what is written.
+const DIGITS: usize = 6;
 /// Candidates that are listed.
 const LISTED: usize = 30;
 
 impl Study<'_> {
     /// The answer; `left`: whether something is still missing with the best set.
     pub(super) fn answer(&self, found: &Found, left: bool, rival_score: f64) -> Answer {
-        let members = found.best.fitted.members.clone();
+        let members: Vec<Member> = found.best.fitted.members.iter().map(|member| self.rounded(member)).collect();
         let nothing = |verdict| Answer { verdict, members: Vec::new(), effects: Vec::new(), rivals: Vec::new() };
         if left {
             return nothing(Verdict::Unexplained);
@@ -63,6 +66,12 @@ impl Study<'_> {
             }
         }
         Answer { verdict, members, effects, rivals: sets }
+    }
+
+    /// The member with values as they are written: six significant digits, more than any recording holds.
+    fn rounded(&self, member: &Member) -> Member {
+        let values = member.values.iter().map(|&value| round_significant(value, DIGITS)).collect();
+        Member { values, ..*member }
     }
 
     fn name(&self, member: &Member) -> &'static str {
@@ -188,7 +197,8 @@ impl Study<'_> {
 
     fn why_not(&self, found: &Found, answer: &Answer, scored: &Scored, rival_score: f64) -> String {
         let best = &found.best;
-        if scored.fitted.members == answer.members && answer.verdict != Verdict::Unexplained {
+        let own: Vec<Member> = scored.fitted.members.iter().map(|member| self.rounded(member)).collect();
+        if own == answer.members && answer.verdict != Verdict::Unexplained {
             return String::new();
         }
         let behind = best.score - scored.score;
@@ -213,9 +223,8 @@ pub(super) fn set_name(hypotheses: &[Hypothesis], members: &[Member]) -> String 
     members.iter().map(|member| hypotheses[member.hypothesis].label()).collect::<Vec<_>>().join(" + ")
 }
 
-/// Six significant digits: more than any recording holds.
 fn number(value: f64) -> Value {
-    Number::from_f64(crate::data::tables::round_significant(value, 6)).map_or(Value::Null, Value::Number)
+    Number::from_f64(round_significant(value, DIGITS)).map_or(Value::Null, Value::Number)
 }
 
 /// Puts a value under its name; components of a vector (`name[k]`, in order) into a list.

@@ -35,6 +35,9 @@ pub enum DiscoveryError {
         "known_load_kg: found it changing within trial {0}, expected the same weight from a trial's start to its end"
     )]
     LoadChanges(u64),
+    /// The same, for the baseline.
+    #[error(transparent)]
+    Baseline(Box<DiscoveryError>),
     /// A setting.
     #[error(transparent)]
     Option(#[from] BadOption),

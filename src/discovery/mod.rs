@@ -112,15 +112,19 @@ impl<'a> Question<'a> {
         options: &'a Options,
     ) -> Result<Question<'a>, DiscoveryError> {
         let mut model = model.clone();
-        let tolerance_m = &mut model.robot.resolution.motion_tolerance_m;
-        *tolerance_m = tolerance_m.max(options.motion_tolerance_m);
+        let resolution = &mut model.robot.resolution;
+        resolution.motion_tolerance_m = options.motion_tolerance_m;
+        resolution.cell_m = resolution.cell_m.max(options.cell_m);
         let hypotheses = hypotheses(&model);
         let held_out = (all.trials.len() as f64 * options.held_out_share).ceil() as usize;
         let kept = all.trials.len() - held_out.clamp(1, all.trials.len() - 1);
         let fit = all.of_trials(&(0..kept).collect::<Vec<usize>>());
         let proof = all.of_trials(&(kept..all.trials.len()).collect::<Vec<usize>>());
         let base = match baseline {
-            Some(recording) => Some(Base::new(&mut model, &hypotheses, recording, options)?),
+            Some(recording) => Some(
+                Base::new(&mut model, &hypotheses, recording, options)
+                    .map_err(|error| DiscoveryError::Baseline(Box::new(error)))?,
+            ),
             None => None,
         };
         let played = played(&model, &fit)?;
@@ -165,7 +169,7 @@ impl<'a> Question<'a> {
         let foretold = found.test.p_value < self.options.false_alarm
             && found.test.foretold_m > self.options.least_foretold * floor_m;
         // More scatter than where the same thing was measured again.
-        let floor = floor::Floor::of_repeats(&self.all);
+        let floor = floor::Floor::of_repeats(&self.fit);
         let freedom = 3.0 * explained.noise.independent(self.fit.len());
         let scatters = floor.p_value(floor_m * floor_m, freedom) < self.options.false_alarm;
         (found, foretold || scatters)
@@ -243,12 +247,18 @@ impl<'a> Question<'a> {
 
     /// The noise, from repeats and, where all is explained, from what is left; in words where from.
     fn floor(&self, explained: Option<&Explained>, best: &Explained) -> (String, Noise) {
-        let repeats = floor::Floor::of_repeats(&self.all);
+        let repeats = floor::Floor::of_repeats(&self.fit);
         let correlation = best.noise.correlation;
         let pooled = match explained {
+            // What the model leaves is more than noise where it is more than repeats show.
             Some(explained) => {
                 let variance_m2 = explained.noise.sigma_m.map(|sigma| sigma * sigma);
-                repeats.pooled(variance_m2, explained.noise.independent(self.fit.len()))
+                let freedom = explained.noise.independent(self.fit.len());
+                if repeats.p_value(variance_m2.iter().sum(), 3.0 * freedom) < MORE_THAN_REPEATS {
+                    repeats
+                } else {
+                    repeats.pooled(variance_m2, freedom)
+                }
             }
             None if repeats.freedom >= 3.0 => repeats,
             None => repeats.pooled(best.noise.sigma_m.map(|sigma| sigma * sigma), 1.0),
@@ -297,6 +307,9 @@ impl<'a> Question<'a> {
         study.candidates(found, answer, self.options.rival_score, &unseen)
     }
 }
+
+/// Chance below which what a model leaves is taken to be more than the noise of repeats.
+const MORE_THAN_REPEATS: f64 = 0.05;
 
 /// A baseline, once the model is calibrated on it.
 struct Base {

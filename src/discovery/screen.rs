@@ -5,7 +5,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use super::hypothesis::{Hypothesis, Member};
 use super::nuisance::{Explained, Nuisances};
 use super::responses::Response;
-use super::samples::Samples;
+use super::samples::{Samples, rms_m};
 
 /// What a variant of a hypothesis promises.
 #[derive(Clone, Debug)]
@@ -14,6 +14,8 @@ pub(super) struct Promise {
     pub(super) member: Member,
     /// Expected fall of the deviance.
     pub(super) gain: f64,
+    /// How far the hypothesis moves the tip, root mean square, metres.
+    pub(super) size_m: f64,
 }
 
 /// What the variants promise for the residual behind `explained`, the best of each hypothesis, best first. `held`:
@@ -63,8 +65,9 @@ pub(super) fn screen(
         let values = steps.iter().fold(response.null.clone(), |at, &(size, step)| hypothesis.moved(&at, size, step));
         let values = within(hypothesis, &response.null, &values)?;
         let explains = right.dot(&sizes).clamp(0.0, 0.999_999 * squares);
+        let size_m = rms_m((&response.columns * &sizes).as_slice());
         let gain = left.len() as f64 * (squares / (squares - explains)).ln();
-        Some(Promise { member: Member { hypothesis: response.hypothesis, values }, gain })
+        Some(Promise { member: Member { hypothesis: response.hypothesis, values }, gain, size_m })
     };
     let mut promises: Vec<Promise> = responses.iter().filter_map(promise).collect();
     promises.sort_by(|a, b| b.gain.total_cmp(&a.gain));

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::hypothesis::Member;
 use super::refit::{Fitted, Study};
 use super::responses::Response;
+use super::samples::rms_m;
 use super::screen::{Promise, screen};
 
 /// How far the search goes.
@@ -15,7 +16,7 @@ pub(super) struct Limits {
     pub(super) most_effects: usize,
     /// Score that an effect must add to be taken.
     pub(super) least_score: f64,
-    /// Distance that an effect must move the tip beyond the nuisances' reach, over the noise floor.
+    /// Distance that an effect must move the tip, over the noise floor.
     pub(super) least_size: f64,
 }
 
@@ -137,21 +138,17 @@ impl Study<'_> {
         tried: &mut Vec<Scored>,
     ) -> Option<Scored> {
         let mut promises = self.promises(&best.fitted, &[], responses);
-        // The share of what is left that a set must explain to move the tip far enough.
-        let numbers = 3.0 * self.samples.len() as f64;
-        let least_gain = numbers * (1.0 + (NEARLY * limits.least_size).powi(2)).ln();
+        let least_m = limits.least_size * best.fitted.explained.noise.rms_m();
         promises.retain(|promise| {
             let score = promise.gain - self.penalty(std::slice::from_ref(&promise.member));
-            score > limits.least_score + HOPELESS && promise.gain > least_gain
+            score > limits.least_score + HOPELESS && promise.size_m > NEARLY * least_m
         });
         let fits = self.fitted_with(&best.fitted.members, &promises, null);
         tried.extend(fits.iter().cloned());
         let next = fits.into_iter().max_by(|a, b| a.score.total_cmp(&b.score))?;
-        let before = super::samples::rms_m(&best.fitted.explained.left_m);
-        let after = super::samples::rms_m(&next.fitted.explained.left_m);
-        let size_m = (before * before - after * after).max(0.0).sqrt();
-        let worth = next.score >= best.score + limits.least_score && size_m >= limits.least_size * after;
-        worth.then_some(next)
+        let moved: Vec<f64> = next.fitted.played.iter().zip(&best.fitted.played).map(|(a, b)| a - b).collect();
+        let far = rms_m(&moved) >= limits.least_size * next.fitted.explained.noise.rms_m();
+        (far && next.score >= best.score + limits.least_score).then_some(next)
     }
 
     /// The set with a member exchanged, as long as that helps: what was taken first may stand for two others.

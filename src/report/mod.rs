@@ -95,8 +95,16 @@ pub struct Figure {
 }
 
 /// Every figure and table, in the order of the paper.
-pub const FIGURES: &[Figure] =
-    &[table1::FIGURE, fig5::FIGURE, fig6::FIGURE, fig8::FIGURE, claims::FIGURE, sweep::FIGURE, peers::FIGURE];
+pub const FIGURES: &[Figure] = &[
+    table1::FIGURE,
+    fig5::FIGURE,
+    fig6::FIGURE,
+    fig8::FIGURE,
+    claims::FIGURE,
+    sweep::FIGURE,
+    peers::FIGURE,
+    discovery::FIGURE,
+];
 
 /// The figure called `name`.
 pub fn figure(name: &str) -> Option<&'static Figure> {

@@ -6,7 +6,8 @@ use super::locate::End;
 use super::path::KeyPath;
 use super::plant::PlantSpec;
 use crate::base::BadOption;
-use crate::effects::Model;
+use crate::discovery::Options;
+use crate::effects::{EffectSpec, Model};
 use std::path::Path;
 
 /// Reads and checks a model file.
@@ -32,6 +33,17 @@ pub fn read_plant(file: &Path) -> Result<PlantSpec, SpecError> {
     Ok(plant)
 }
 
+/// Reads and checks settings of a discovery.
+///
+/// # Errors
+/// As [`read_model`].
+pub fn read_options(file: &Path) -> Result<Options, SpecError> {
+    let document = Document::read(file, &[], &[])?;
+    let options = document.parse::<Options>()?;
+    options.check().map_err(|error| refusal(&document, "", &error))?;
+    Ok(options)
+}
+
 /// The text of a model file, effects as `- name: {…}`.
 ///
 /// # Errors
@@ -41,6 +53,48 @@ pub fn model_text(model: &Model) -> Result<String, serde_yaml::Error> {
     let mut serializer = serde_yaml::Serializer::new(&mut text);
     serde_yaml::with::singleton_map_recursive::serialize(model, &mut serializer)?;
     Ok(String::from_utf8_lossy(&text).into_owned())
+}
+
+/// The text of `file` with the last `added` effects of `model` written below its own, so that all that people wrote in
+/// it stays; the whole model written anew where that cannot be done.
+///
+/// # Errors
+/// As [`model_text`]; a file that cannot be read is written anew.
+pub fn extended_text(file: &Path, model: &Model, added: usize) -> Result<String, serde_yaml::Error> {
+    let written = std::fs::read_to_string(file).unwrap_or_default();
+    let line = |effect: &EffectSpec| -> Result<String, serde_yaml::Error> {
+        let name = effect.card().name;
+        let value = serde_json::to_value(effect).map_err(<serde_yaml::Error as serde::ser::Error>::custom)?;
+        let fields = value[name].to_string().replace('"', "").replace(':', ": ").replace(',', ", ");
+        Ok(format!("  - {name}: {fields}\n"))
+    };
+    let lines: String = model.effects[model.effects.len() - added..].iter().map(line).collect::<Result<_, _>>()?;
+    let extended = with_effects(&written, &lines);
+    let same = |text: &String| {
+        let read: Result<Model, _> =
+            serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text));
+        read.is_ok_and(|read| read == *model)
+    };
+    extended.filter(same).map_or_else(|| model_text(model), Ok)
+}
+
+/// `written` with `lines` below its last effect, where `effects` is its last key.
+fn with_effects(written: &str, lines: &str) -> Option<String> {
+    let mut text = written.to_owned();
+    if !text.ends_with('\n') {
+        text.push('\n');
+    }
+    let Some(start) = text.lines().position(|line| line.starts_with("effects:")) else {
+        return Some(format!("{text}effects:\n{lines}"));
+    };
+    let head: String = text.lines().take(start).map(|line| format!("{line}\n")).collect();
+    let (own, below) = text.lines().skip(start).collect::<Vec<_>>().split_first().map(|(a, b)| (*a, b.to_vec()))?;
+    let comment = own.split_once('#').map_or_else(String::new, |(_, comment)| format!("  # {}", comment.trim()));
+    if own["effects:".len()..].trim_start().starts_with("[]") {
+        let below: String = below.iter().map(|line| format!("{line}\n")).collect();
+        return Some(format!("{head}effects:{comment}\n{lines}{below}"));
+    }
+    Some(format!("{text}{lines}"))
 }
 
 /// The error for a field below `path` that left its range.

@@ -1,5 +1,7 @@
 //! Made-up rows of plausible shape, for tests of the figures. Their numbers mean nothing.
 
+pub(crate) mod cases;
+
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use spinebench::base::{Point3, Seed, distance_m};
@@ -271,6 +273,7 @@ pub(crate) fn published(figure: &str, seeds: u64) -> Published {
         "claims" => published.claims = claims(),
         "sweep" => published.sweep = sweep(),
         "peers" => published.peers = peers(),
+        "discovery" => published.cases = cases::cases(seeds),
         other => panic!("no rows for the figure `{other}`"),
     }
     published

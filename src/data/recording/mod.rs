@@ -2,6 +2,7 @@
 //! one row a control tick: `trial,time_s,tendon_1_m…,tip_x_m,tip_y_m,tip_z_m` and optional columns; see
 //! `docs/outputs.md`.
 
+mod join;
 mod optional;
 mod read;
 mod write;
@@ -11,6 +12,8 @@ use std::path::Path;
 
 use super::DataError;
 use crate::base::{Point3, Rows};
+
+pub use join::Unlike;
 
 /// What a recording's commands are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -52,7 +52,7 @@ pub(super) fn draw(canvas: &mut Canvas, rows: &[ResidualRow], floor_m: f64, both
     let gap = 56.0;
     let room = ((canvas.width - 12.0 - gap * in_row) / in_row).min(250.0);
     let length = |axis: usize| spans[axis][1] - spans[axis][0];
-    let tall = length(0).max(length(1));
+    let tall = length(0);
     let scale = (room / length(2)).min(if wide { 230.0 } else { 190.0 } / tall);
     let sizes: Vec<f64> = samples.iter().map(|sample| size(&sample.before_m)).collect();
     let magnified = magnification(LONG / (1e3 * scale * quantile(&sizes, 0.9)).max(1e-9));
@@ -63,11 +63,11 @@ pub(super) fn draw(canvas: &mut Canvas, rows: &[ResidualRow], floor_m: f64, both
     for (view, (across, up)) in VIEWS.into_iter().enumerate() {
         for (turn, moment) in moments.iter().enumerate() {
             let panel = Panel {
-                corner: [left, y + high - scale * length(up)],
-                size: [scale * length(across), scale * length(up)],
+                corner: [left, y],
+                size: [scale * length(across), high],
                 x: axis(across, &spans, scale),
                 y: axis(up, &spans, scale),
-                title: format!("{}–{}, {moment}", AXES[across], AXES[up]),
+                title: format!("{} over {}, {moment}", AXES[up], AXES[across]),
             };
             panel.draw(canvas);
             let residual = |sample: &Sample| if turn == 0 { sample.before_m } else { sample.after_m };
@@ -114,14 +114,17 @@ fn axis(axis: usize, spans: &[[f64; 2]; 3], scale: f64) -> Axis {
     Axis::exact(&format!("{} (mm)", AXES[axis]), spans[axis][0], spans[axis][1], wanted)
 }
 
-/// What each axis shows, millimetres.
+/// What each axis shows, millimetres: x and y alike, and z at least half as much, so that a path along one axis has a
+/// picture too.
 fn spans_mm(samples: &[Sample]) -> [[f64; 2]; 3] {
-    std::array::from_fn(|axis| {
-        let (low, high) = range(samples.iter().map(|sample| 1e3 * sample.tip_m[axis]));
-        // A path along one axis still has a picture.
-        let room = (0.08 * (high - low)).max(15.0);
-        [low - room, high + room]
-    })
+    let seen = |axis: usize| samples.iter().map(move |sample| 1e3 * sample.tip_m[axis]);
+    let (low, high) = range(seen(0).chain(seen(1)));
+    let room = (0.08 * (high - low)).max(15.0);
+    let across = [low - room, high + room];
+    let (low, high) = range(seen(2));
+    let half = (0.54 * (high - low)).max(0.3 * (across[1] - across[0])).max(15.0);
+    let middle = 0.5 * (low + high);
+    [across, across, [middle - half, middle + half]]
 }
 
 /// The arrows of a panel, the small ones first.

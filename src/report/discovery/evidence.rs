@@ -24,7 +24,7 @@ pub(super) fn place(story: &Story, map: Html) -> Html {
         let p = if place.p_value < SIGNIFICANT { words("strong", p) } else { text(p) };
         vec![
             text(&place.place),
-            text(&place.axis),
+            text(if place.axis == "all" { "distance" } else { &place.axis }),
             text(millimetres(place.rms_m)),
             text(times(place.rms_m, findings.noise_floor_m)),
             text(percent(place.share)),

@@ -3,7 +3,7 @@
 use super::super::axes::{Axis, Panel};
 use super::super::canvas::{Align, Canvas, Text};
 use super::super::paint::text_width;
-use super::super::style::{BLUE, Colour, DASHED, GREY, HAIR, INK, SMALL, VERMILION};
+use super::super::style::{BLUE, Colour, DASHED, INK, SMALL, VERMILION, WHITE};
 use super::Story;
 use super::words::{fitted, millimetres, times};
 
@@ -33,7 +33,7 @@ pub(super) fn draw(story: &Story, width: f64) -> Option<Canvas> {
     let label = if width > 500.0 { 210.0 } else { 118.0 };
     let value = 112.0;
     let mut canvas = Canvas::new(width, 1e5);
-    let title = 18.0;
+    let title = 4.0;
     let between = if others.is_empty() { 0.0 } else { 26.0 };
     let high = ROW * (proof.len() + others.len()) as f64 + between + 6.0;
     let rows = Axis { label: String::new(), low: 0.0, high: 1.0, ticks: Vec::new() };
@@ -50,6 +50,7 @@ pub(super) fn draw(story: &Story, width: f64) -> Option<Canvas> {
     for bar in &proof {
         y = draw_bar(&mut canvas, &panel, bar, y, floor_m);
     }
+    let parted = y;
     if !others.is_empty() {
         y += between;
         let words = "Other candidates, on trials that their fits have not seen";
@@ -58,7 +59,13 @@ pub(super) fn draw(story: &Story, width: f64) -> Option<Canvas> {
     for bar in &others {
         y = draw_bar(&mut canvas, &panel, bar, y, floor_m);
     }
-    noise(&mut canvas, &panel, floor_m);
+    let bottom = panel.corner[1] + high;
+    let pieces = if others.is_empty() {
+        vec![[panel.corner[1], bottom]]
+    } else {
+        vec![[panel.corner[1], parted], [parted + between - 3.0, bottom]]
+    };
+    noise(&mut canvas, panel.at(1e3 * floor_m, 0.0)[0], &pieces, floor_m);
     canvas.height = (panel.corner[1] + high + 42.0).ceil();
     Some(canvas)
 }
@@ -67,7 +74,7 @@ pub(super) fn draw(story: &Story, width: f64) -> Option<Canvas> {
 fn heading(canvas: &mut Canvas, words: &str, baseline: f64, width: f64) {
     let words = fitted(words, 0.97 * SMALL, width - 40.0);
     let end = 16.0 + text_width(&words, SMALL, true);
-    canvas.rectangle([10.0, baseline - 10.0], [end, baseline + 4.0], super::super::style::WHITE, 1.0);
+    canvas.rectangle([10.0, baseline - 10.0], [end, baseline + 4.0], WHITE, 1.0);
     canvas.text(Text::new(words, [12.0, baseline], SMALL, Align::Left).bold());
 }
 
@@ -95,23 +102,23 @@ fn draw_bar(canvas: &mut Canvas, panel: &Panel, bar: &Bar, y: f64, floor_m: f64)
     let zero = panel.at(0.0, 0.0)[0];
     let end = if bar.size_m.is_finite() { panel.at(1e3 * bar.size_m, 0.0)[0] } else { zero };
     canvas.rectangle([zero, y], [end.max(zero + 0.6), y + BAR], bar.colour, 1.0);
-    let words = format!("{}  {}", millimetres(bar.size_m), times(bar.size_m, floor_m));
     let right = canvas.width - 10.0;
-    canvas.text(Text::new(fitted(&words, SMALL, 100.0), [right, base], SMALL, Align::Right));
+    let values = [(right - 42.0, millimetres(bar.size_m)), (right, times(bar.size_m, floor_m))];
+    for (x, words) in values {
+        canvas.text(Text::new(words, [x, base], SMALL, Align::Right));
+    }
     y + ROW
 }
 
-/// The noise floor: no model can come below it.
-fn noise(canvas: &mut Canvas, panel: &Panel, floor_m: f64) {
-    if !floor_m.is_finite() {
-        return;
+/// The noise floor: no model can come below it. The line runs over `pieces` and leaves the heading between them free.
+fn noise(canvas: &mut Canvas, x: f64, pieces: &[[f64; 2]], floor_m: f64) {
+    let Some([top, _]) = pieces.first().copied().filter(|_| x.is_finite()) else { return };
+    for [from, to] in pieces {
+        canvas.line(&[[x, *from], [x, *to]], 1.3, INK, DASHED);
     }
-    let x = panel.at(1e3 * floor_m, 0.0)[0];
-    let [top, bottom] = [panel.corner[1], panel.corner[1] + panel.size[1]];
-    canvas.line(&[[x, top - 4.0], [x, bottom]], 1.3, INK, DASHED);
+    canvas.line(&[[x, top - 6.0], [x, top]], 1.3, INK, &[]);
     let words = format!("noise floor {}", millimetres(floor_m));
     let wide = text_width(&words, SMALL, false);
     let at = (x - 0.5 * wide).clamp(130.0, (canvas.width - 10.0 - wide).max(130.0));
-    canvas.text(Text::new(words, [at, top - 8.0], SMALL, Align::Left));
-    canvas.line(&[[x, top - 6.0], [x, top]], HAIR, GREY, &[]);
+    canvas.text(Text::new(words, [at, top - 9.0], SMALL, Align::Left));
 }

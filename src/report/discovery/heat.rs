@@ -39,7 +39,8 @@ pub(super) fn draw(canvas: &mut Canvas, rows: &[PlaceRow], both: bool, top: f64)
         if group != Some(place.by.as_str()) {
             group = Some(place.by.as_str());
             y += 15.0;
-            let name = fitted(&capital(&place.by), SMALL, 0.9 * (right - left));
+            // Bold letters are up to a sixth wider.
+            let name = fitted(&capital(&place.by), SMALL, 0.8 * (right - left));
             canvas.text(Text::new(name, [left, y], SMALL, Align::Left).bold());
             y += 5.0;
         }
@@ -82,11 +83,14 @@ fn cells(canvas: &mut Canvas, columns: &Columns, row: &PlaceRow, [x, y]: Place) 
         let ratio = rms_m / row.floor_m;
         let (ground, ink) = cell(ratio);
         canvas.rectangle([x0 + 0.6, y + 0.6], [x1 - 0.6, y + ROW - 0.6], ground, 1.0);
-        let number = Text::new(ratio_text(ratio), [0.5 * (x0 + x1), y + 0.5 * ROW + 3.5], SMALL, Align::Centre);
         let real = p < SIGNIFICANT;
+        // In narrow cells the number makes room for the dot.
+        let (aside, corner, radius) = if columns.wide < 40.0 { (2.0, 3.0, 1.3) } else { (0.0, 5.0, 1.7) };
+        let middle = 0.5 * (x0 + x1) - if real { aside } else { 0.0 };
+        let number = Text::new(ratio_text(ratio), [middle, y + 0.5 * ROW + 3.5], SMALL, Align::Centre);
         canvas.text(Text { bold: real, ..number.colour(ink) });
         if real {
-            canvas.disc([x1 - 5.0, y + 5.0], 1.7, ink, 1.0);
+            canvas.disc([x1 - corner, y + corner], radius, ink, 1.0);
         }
     }
 }
@@ -94,7 +98,7 @@ fn cells(canvas: &mut Canvas, columns: &Columns, row: &PlaceRow, [x, y]: Place) 
 /// A sample cell for the key: what the dot and bold type say.
 pub(super) fn key(canvas: &mut Canvas, [x, y]: Place) {
     canvas.disc([x + 3.0, y - 3.5], 1.7, INK, 1.0);
-    let words = "bold, with a dot: more than noise (p < 0.01, corrected for the number of places)";
+    let words = "bold, with a dot: more than noise (p < 0.01, corrected for all places)";
     let room = canvas.width - x - 24.0;
     canvas.text(Text::new(fitted(words, SMALL, room), [x + 10.0, y], SMALL, Align::Left));
 }

@@ -1,5 +1,8 @@
 //! HTML that cannot be broken by what it says: text is escaped where it enters, markup comes from the source alone.
 
+/// A table of more columns scrolls on a telephone.
+const MANY: usize = 4;
+
 /// A piece of a page, well formed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Html(String);
@@ -62,7 +65,8 @@ pub(super) fn table(header: &[&str], rows: Vec<Vec<Html>>) -> Html {
     };
     let body = lines(rows.into_iter().map(line));
     let whole = tag("table", tag("thead", tag("tr", head)).and(tag("tbody", body)));
-    tag("div class=\"scroll\"", whole)
+    let many = header.len() > MANY;
+    tag(if many { "div class=\"scroll many\"" } else { "div class=\"scroll\"" }, whole)
 }
 
 /// A list; nothing for no items.

@@ -3,6 +3,7 @@
 
 mod answer;
 mod arrows;
+mod blind;
 mod evidence;
 mod gap;
 mod heat;
@@ -15,6 +16,8 @@ mod residuals;
 mod rest;
 mod scale;
 mod words;
+
+pub(super) use blind::FIGURE;
 
 use super::style::PAGE_WIDTH;
 use super::{Artifact, ReportError, Shelf, csv, pictures};

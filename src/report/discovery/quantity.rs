@@ -89,10 +89,15 @@ fn ends(interval: &Value) -> Option<[f64; 2]> {
     ends.iter().all(|end| end.is_finite()).then_some(ends)
 }
 
-/// As many digits as the interval's half width bears two of; three without one.
+/// As many digits as the interval's half width bears, two of it where it begins with 1 to 3 and else one (the Particle
+/// Data Group's rule); three without an interval.
 fn rounded(value: f64, ends: Option<[f64; 2]>) -> String {
     match ends {
-        Some([low, high]) if high > low => signed(value, decimals(0.5 * (high - low), 2)),
+        Some([low, high]) if high > low => {
+            let half = 0.5 * (high - low);
+            let lead = half / 10f64.powf(half.log10().floor());
+            signed(value, decimals(half, if lead < 3.55 { 2 } else { 1 }))
+        }
         _ => number(value, 3),
     }
 }
@@ -136,8 +141,8 @@ mod tests {
             [
                 ["angle_rad", "2.86°", ""],
                 ["compliance_m_per_n", "0.100 mm/N", ""],
-                ["mass_kg", "19.70 g", "18.80 to 20.60 g"],
-                ["scale", "1.250", "1.200 to 1.300"],
+                ["mass_kg", "19.7 g", "18.8 to 20.6 g"],
+                ["scale", "1.25", "1.20 to 1.30"],
                 ["tendon", "2", ""],
             ]
         );

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use super::super::axes::{Axis, Panel};
 use super::super::canvas::{Align, Canvas, Text};
 use super::super::legend::{Key, legend};
-use super::super::style::{BLUE, Colour, DOTTED, GREEN, GREY, HAIR, INK, SMALL, VERMILION};
+use super::super::style::{BLUE, Colour, DASHED, GREEN, GREY, HAIR, INK, SMALL, VERMILION};
 use super::Story;
 use crate::data::findings::ResidualRow;
 
@@ -15,6 +15,8 @@ const HIGH: f64 = 104.0;
 const LEFT: f64 = 56.0;
 /// White noise stays within so many standard deviations for 95 % of the time.
 const BAND_SIGMAS: f64 = 1.96;
+/// Opacity of that band.
+const BAND: f64 = 0.22;
 
 /// The picture at a width in hundredths of an inch; none where no trial was held out.
 pub(super) fn draw(story: &Story, width: f64) -> Option<Canvas> {
@@ -24,17 +26,11 @@ pub(super) fn draw(story: &Story, width: f64) -> Option<Canvas> {
     }
     let most = if width > 500.0 { 4 } else { 1 };
     let shown: Vec<(&u64, &Vec<&ResidualRow>)> = trials.iter().take(most).collect();
-    let gap = 14.0;
+    let gap = 22.0;
     let wide = (width - LEFT - 12.0 - gap * (shown.len() - 1) as f64) / shown.len() as f64;
     let mut canvas = Canvas::new(width, 1e5);
     let both = story.changed();
-    let keys: &[(Key, &str)] = &[
-        (Key::Line(VERMILION, DOTTED), "before"),
-        (Key::Line(BLUE, &[]), "after"),
-        (Key::Dot(GREEN), "band: where 95 % of the noise stays"),
-    ];
-    let drawn: Vec<(Key, &str)> = keys.iter().copied().filter(|(_, name)| both || *name != "after").collect();
-    let mut top = legend(&mut canvas, [LEFT, 18.0], width - 8.0, &drawn) + 26.0;
+    let mut top = keys(&mut canvas, both) + 26.0;
     let seconds =
         Axis::covering("time in trial (s)", shown.iter().flat_map(|(_, rows)| rows.iter().map(|row| row.time_s)), 5);
     for axis in 0..3 {
@@ -60,6 +56,17 @@ pub(super) fn draw(story: &Story, width: f64) -> Option<Canvas> {
     }
     canvas.height = (top + 10.0).ceil();
     Some(canvas)
+}
+
+/// What the lines and the band are. Returns the last baseline.
+fn keys(canvas: &mut Canvas, both: bool) -> f64 {
+    let keys = [(Key::Line(VERMILION, DASHED), "before"), (Key::Line(BLUE, &[]), "after")];
+    let right = canvas.width - 8.0;
+    legend(canvas, [LEFT, 18.0], right, &keys[..if both { 2 } else { 1 }]);
+    let x = LEFT + if both { 150.0 } else { 80.0 };
+    canvas.rectangle([x, 8.0], [x + 22.0, 20.0], GREEN, BAND);
+    canvas.text(Text::new("95 % of the noise", [x + 27.0, 18.0], SMALL, Align::Left));
+    18.0
 }
 
 /// Rows of the trials that took no part in naming or fitting, in order of time.
@@ -92,7 +99,7 @@ fn millimetres(axis: usize, trials: &[(&u64, &Vec<&ResidualRow>)], sigma_mm: f64
 fn curves(canvas: &mut Canvas, panel: &Panel, rows: &[&ResidualRow], axis: usize, sigma_mm: f64, both: bool) {
     let half = BAND_SIGMAS * sigma_mm;
     if half.is_finite() {
-        canvas.rectangle(panel.at(panel.x.low, half), panel.at(panel.x.high, -half), GREEN, 0.22);
+        canvas.rectangle(panel.at(panel.x.low, half), panel.at(panel.x.high, -half), GREEN, BAND);
     }
     panel.line(canvas, &[[panel.x.low, 0.0], [panel.x.high, 0.0]], INK, &[], HAIR);
     let mut curve = |residual: fn(&ResidualRow) -> [f64; 3], colour: Colour, width: f64, dash| {
@@ -102,7 +109,7 @@ fn curves(canvas: &mut Canvas, panel: &Panel, rows: &[&ResidualRow], axis: usize
             panel.line(canvas, piece, colour, dash, width);
         }
     };
-    curve(before_m, VERMILION, 1.3, DOTTED);
+    curve(before_m, VERMILION, 1.2, DASHED);
     if both {
         curve(after_m, BLUE, 1.3, &[]);
     }

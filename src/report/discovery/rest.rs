@@ -16,7 +16,7 @@ pub(super) fn candidates(story: &Story) -> Html {
     let (candidates, floor_m) = (&story.findings.candidates, story.findings.noise_floor_m);
     let rows = candidates.iter().take(CANDIDATES).map(|one| {
         let why = if one.why_not.is_empty() { words("strong", "the answer") } else { text(&one.why_not) };
-        let numbers = [number(one.score, 3), millimetres(one.after_m), times(one.after_m, floor_m)].map(text);
+        let numbers = [score(one.score), millimetres(one.after_m), times(one.after_m, floor_m)].map(text);
         std::iter::once(words("code", &one.name)).chain(numbers).chain([why]).collect::<Vec<Html>>()
     });
     let rows: Vec<Vec<Html>> = rows.collect();
@@ -33,6 +33,11 @@ pub(super) fn candidates(story: &Story) -> Html {
         "What else was considered",
         lines([table(&header, rows), words("p class=\"note\"", note.to_owned() + &beyond)]),
     )
+}
+
+/// A score; what is close to a threshold is shown with a decimal.
+fn score(score: f64) -> String {
+    if score.abs() < 10.0 { number(score, 2) } else { number(score, 1) }
 }
 
 /// What to record next.

@@ -1,0 +1,199 @@
+//! `spinebench discover`.
+
+use super::simulate::same_tendons;
+use super::{Ended, Outcome};
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+use spinebench::base::Seed;
+use spinebench::data::findings::Verdict;
+use spinebench::data::{Recording, write_atomic};
+use spinebench::discovery::{Discovery, DiscoveryError, Options, discover};
+use spinebench::effects::{CATALOGUE, Model};
+use spinebench::report::discovery::{EffectText, Story, artifacts};
+use spinebench::specs::{PlantSpec, SimulatedSpec, extended_text, model_text, read_model, read_options, read_plant};
+use spinebench::tasks::{PlayOptions, play};
+use std::path::{Path, PathBuf};
+
+/// Finds where a model and measured data disagree, names the missing effect, adds it and shows the gap shrink.
+#[derive(Args)]
+pub(super) struct Discover {
+    /// What is believed about the robot.
+    #[arg(long, value_name = "MODEL.yaml")]
+    model: PathBuf,
+    /// Recordings of the robot in question; CSV or Parquet.
+    #[arg(long, value_name = "REC.csv", num_args = 1.., required = true)]
+    measured: Vec<PathBuf>,
+    /// A recording of the robot as built: the model is calibrated on it, and what both have in common is no discovery.
+    #[arg(long, value_name = "REC.csv")]
+    baseline: Option<PathBuf>,
+    /// Folder for findings.json, model.yaml, report.html, figures and tables.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Settings of the search, such as `most_effects: 2`; see docs/discovery.md.
+    #[arg(long, value_name = "OPTIONS.yaml")]
+    options: Option<PathBuf>,
+    /// Effects that are not to be thought of, separated by commas.
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = names())]
+    leave_out: Vec<String>,
+    /// A simulated plant on which to record what would tell rivals apart, until it is told.
+    #[arg(long, value_name = "PLANT.yaml")]
+    plant: Option<PathBuf>,
+    /// Recordings on the plant at most.
+    #[arg(long, default_value_t = 3, requires = "plant")]
+    rounds: u64,
+    /// Say nothing.
+    #[arg(long)]
+    quiet: bool,
+}
+
+fn names() -> PossibleValuesParser {
+    CATALOGUE.iter().map(|card| card.name).collect::<Vec<_>>().into()
+}
+
+impl Discover {
+    pub(super) fn carry_out(self) -> Outcome {
+        let given = read_model(&self.model).map_err(Ended::bad)?;
+        let mut options = match &self.options {
+            Some(file) => read_options(file).map_err(Ended::bad)?,
+            None => Options::default(),
+        };
+        options.left_out.extend(self.leave_out.iter().cloned());
+        let parts: Vec<Recording> =
+            self.measured.iter().map(|file| read(file, &given)).collect::<Result<_, Ended>>()?;
+        let measured = Recording::joined(&parts)
+            .map_err(|error| Ended::BadInput(format!("{}, line 1: {error}", self.measured[error.index].display())))?;
+        let baseline = self.baseline.as_ref().map(|file| read(file, &given)).transpose()?;
+        let plant = self.plant.as_ref().map(|file| simulated(file, &given)).transpose()?;
+        let found = self.answer(&given, measured, baseline.as_ref(), plant.as_ref(), &options)?;
+        self.write(&given, &found)?;
+        if !self.quiet {
+            println!("{}", found.findings.summary);
+            println!("next: {}", found.findings.next_measurement);
+            println!("{}", self.out.join("report.html").display());
+        }
+        Ok(())
+    }
+
+    /// The answer, with more recordings from the plant as long as it is ambiguous.
+    fn answer(
+        &self,
+        given: &Model,
+        mut measured: Recording,
+        baseline: Option<&Recording>,
+        plant: Option<&SimulatedSpec>,
+        options: &Options,
+    ) -> Result<Discovery, Ended> {
+        for round in 1.. {
+            let found = discover(given, &measured, baseline, options).map_err(|error| self.refusal(&error))?;
+            // A plant file says how its base stands: turning it is not for us.
+            let next = found.next.iter().find(|next| next.proposal.name != "base_remounted");
+            let (Some(plant), Some(next)) = (plant, next) else { return Ok(found) };
+            if found.findings.verdict != Verdict::Ambiguous || round > self.rounds {
+                return Ok(found);
+            }
+            if !self.quiet {
+                println!("round {round}: {}", found.findings.summary);
+                println!("recording on the plant: {}", next.proposal.what);
+            }
+            let play_options = PlayOptions {
+                at_rest: false,
+                noise_m: plant.noise_m,
+                travel_m: plant.travel_m,
+                seed: Seed(options.seed).child("plant").index(round),
+            };
+            let mut recorded = play(&plant.model, &next.commands, &play_options);
+            recorded.tip_quaternion = None;
+            recorded.extra.clear();
+            // New trials come first: the last ones stay the proof.
+            measured = Recording::joined(&[recorded, measured]).map_err(Ended::failed)?;
+        }
+        unreachable!("the rounds are counted")
+    }
+
+    /// Data that allow no answer, with the file that they are in.
+    fn refusal(&self, error: &DiscoveryError) -> Ended {
+        let file = match error {
+            DiscoveryError::Baseline(_) => self.baseline.as_ref().unwrap_or(&self.model),
+            DiscoveryError::Option(_) => self.options.as_ref().unwrap_or(&self.model),
+            _ => &self.measured[0],
+        };
+        Ended::BadInput(format!("{}: {error}", file.display()))
+    }
+
+    /// Everything is made before anything is written; `findings.json` comes last.
+    fn write(&self, given: &Model, found: &Discovery) -> Outcome {
+        let added = found.model.effects.len() - given.effects.len();
+        let model = if added == 0 {
+            std::fs::read_to_string(&self.model).map_err(Ended::bad)?
+        } else {
+            extended_text(&self.model, &found.model, added).map_err(Ended::failed)?
+        };
+        let texts: Vec<EffectText> = CATALOGUE
+            .iter()
+            .map(|card| EffectText {
+                name: card.name.to_owned(),
+                missing: card.missing.to_owned(),
+                equation: card.equation.to_owned(),
+                source: card.source.to_owned(),
+            })
+            .collect();
+        let before = model_text(given).map_err(Ended::failed)?;
+        let after = if added == 0 { before.clone() } else { model_text(&found.model).map_err(Ended::failed)? };
+        let files = artifacts(&Story {
+            findings: &found.findings,
+            residuals: &found.residuals,
+            places: &found.places,
+            effects: &texts,
+            model_before: &before,
+            model_after: &after,
+        })
+        .map_err(Ended::failed)?;
+        std::fs::create_dir_all(&self.out)
+            .map_err(|error| Ended::failed(format!("{}: {error}", self.out.display())))?;
+        self.remove_old_commands();
+        for file in &files {
+            write_atomic(&self.out.join(&file.name), &file.bytes).map_err(Ended::failed)?;
+        }
+        for next in &found.next {
+            next.commands.write(&self.out.join(&next.proposal.file)).map_err(Ended::failed)?;
+        }
+        write_atomic(&self.out.join("model.yaml"), model.as_bytes()).map_err(Ended::failed)?;
+        found.findings.write(&self.out.join("findings.json")).map_err(Ended::failed)
+    }
+
+    /// Commands that an earlier answer proposed are not this one's.
+    fn remove_old_commands(&self) {
+        for entry in std::fs::read_dir(&self.out).into_iter().flatten().flatten() {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            if name.starts_with("next_") && name.ends_with(".csv") {
+                let _ = std::fs::remove_file(entry.path());
+            }
+        }
+    }
+}
+
+/// A recording of this robot.
+fn read(file: &Path, model: &Model) -> Result<Recording, Ended> {
+    let recording = Recording::read(file).map_err(Ended::bad)?;
+    same_tendons(file, &recording, model.robot.tendons.angles_deg.len())?;
+    recording.check_reach(file, model.robot.backbone.length_m).map_err(Ended::bad)?;
+    Ok(recording)
+}
+
+/// A plant that commands can be played on.
+fn simulated(file: &Path, model: &Model) -> Result<SimulatedSpec, Ended> {
+    let refuse = |found: String, expected: String| {
+        Ended::BadInput(format!("{}: found {found}, expected {expected}", file.display()))
+    };
+    match read_plant(file).map_err(Ended::bad)? {
+        PlantSpec::Simulated(plant) => {
+            let plant = *plant;
+            let (found, expected) = (plant.model.robot.tendons.angles_deg.len(), model.robot.tendons.angles_deg.len());
+            if found == expected {
+                return Ok(plant);
+            }
+            Err(refuse(format!("{found} tendons"), format!("{expected}, as many as the model has")))
+        }
+        _ => Err(refuse("constant_curvature".to_owned(), "a plant that records: simulated".to_owned())),
+    }
+}

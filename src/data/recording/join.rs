@@ -1,0 +1,78 @@
+//! Several recordings of one robot as one.
+
+use super::{Actuation, Recording};
+use crate::base::Rows;
+
+/// Recordings that cannot be taken together.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("found {found}, expected {expected}, as in the recordings before it")]
+pub struct Unlike {
+    /// Number of the recording, from 0.
+    pub index: usize,
+    found: String,
+    expected: String,
+}
+
+impl Recording {
+    /// The trials of all `parts`, one after the other; trials are numbered anew, from 0, where two have the same number.
+    /// Columns that only some have are filled with what their absence means (tracked, no load), or left out (the base's
+    /// pose, orientation, unknown columns).
+    ///
+    /// # Errors
+    /// [`Unlike`] when one has other tendons or is driven otherwise.
+    pub fn joined(parts: &[Recording]) -> Result<Recording, Unlike> {
+        let kind = |part: &Recording| {
+            let unit = if part.actuation == Actuation::Lengths { "lengths" } else { "tensions" };
+            format!("{} tendons driven by {unit}", part.tendons())
+        };
+        let Some(first) = parts.first() else { return Ok(Recording::new(Actuation::Lengths, 0)) };
+        if let Some(index) = parts.iter().position(|part| kind(part) != kind(first)) {
+            return Err(Unlike { index, found: kind(&parts[index]), expected: kind(first) });
+        }
+        if parts.len() == 1 {
+            return Ok(first.clone());
+        }
+        let mut all = Recording::new(first.actuation, first.tendons());
+        all.trial = numbers(parts);
+        all.time_s = parts.iter().flat_map(|part| part.time_s.iter().copied()).collect();
+        let mut commands = Rows::new(first.tendons());
+        parts.iter().flat_map(|part| part.commands.iter()).for_each(|row| commands.push(row));
+        all.commands = commands;
+        all.tip_m = together(parts, |part| part.tip_m.clone());
+        all.tip_quaternion = together(parts, |part| part.tip_quaternion.clone());
+        all.base = together(parts, |part| part.base.clone());
+        all.valid = filled(parts, |part| part.valid.clone(), true);
+        all.known_load_kg = filled(parts, |part| part.known_load_kg.clone(), 0.0);
+        all.tip_load = filled(parts, |part| part.tip_load.clone(), super::TipLoad::default());
+        Ok(all)
+    }
+}
+
+/// Trial numbers of all rows: those of the recordings, or new ones where two trials have the same.
+fn numbers(parts: &[Recording]) -> Vec<u64> {
+    let trials: Vec<(u64, usize)> =
+        parts.iter().flat_map(Recording::trials).map(|(number, rows)| (number, rows.len())).collect();
+    let mut known: Vec<u64> = trials.iter().map(|(number, _)| *number).collect();
+    known.sort_unstable();
+    let unique = known.windows(2).all(|pair| pair[0] != pair[1]);
+    let number = |(index, (own, rows)): (usize, &(u64, usize))| {
+        std::iter::repeat_n(if unique { *own } else { index as u64 }, *rows)
+    };
+    trials.iter().enumerate().flat_map(number).collect()
+}
+
+/// A column that all parts have.
+fn together<T>(parts: &[Recording], column: impl Fn(&Recording) -> Option<Vec<T>>) -> Option<Vec<T>> {
+    let columns: Option<Vec<Vec<T>>> = parts.iter().map(column).collect();
+    columns.map(|columns| columns.into_iter().flatten().collect())
+}
+
+/// A column that some parts have.
+fn filled<T: Clone>(parts: &[Recording], column: impl Fn(&Recording) -> Option<Vec<T>>, absent: T) -> Option<Vec<T>> {
+    let columns: Vec<Option<Vec<T>>> = parts.iter().map(&column).collect();
+    columns.iter().any(Option::is_some).then(|| {
+        let fill =
+            |(column, part): (Option<Vec<T>>, &Recording)| column.unwrap_or_else(|| vec![absent.clone(); part.len()]);
+        columns.into_iter().zip(parts).flat_map(fill).collect()
+    })
+}

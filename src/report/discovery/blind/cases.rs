@@ -1,0 +1,85 @@
+//! Blind cases read: what was answered, in the words of the confusion matrix.
+
+use crate::data::findings::CaseRow;
+
+use super::super::answer::closed;
+
+/// What an answer comes to.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Answer {
+    /// One effect was named.
+    Named(String),
+    /// Several effects were named together.
+    Several,
+    /// No more than noise.
+    Consistent,
+    /// A group that holds the truth.
+    GroupWith,
+    /// A group that does not.
+    GroupWithout,
+    /// A gap that nothing explains.
+    Unexplained,
+    /// No answer.
+    Failed,
+}
+
+impl Answer {
+    /// Answers other than a single name, in the order of their columns.
+    pub(super) const OTHERS: [Answer; 6] = [
+        Answer::Several,
+        Answer::GroupWith,
+        Answer::GroupWithout,
+        Answer::Unexplained,
+        Answer::Consistent,
+        Answer::Failed,
+    ];
+
+    /// Reads a case.
+    pub(super) fn of(case: &CaseRow) -> Answer {
+        match case.verdict.as_str() {
+            "named" if case.answer.contains(" + ") => Answer::Several,
+            "named" => Answer::Named(case.answer.clone()),
+            "consistent" => Answer::Consistent,
+            "ambiguous" if case.in_group => Answer::GroupWith,
+            "ambiguous" => Answer::GroupWithout,
+            "unexplained" => Answer::Unexplained,
+            _ => Answer::Failed,
+        }
+    }
+
+    /// Its name in tables and pictures.
+    pub(super) fn name(&self) -> &str {
+        match self {
+            Answer::Named(name) => name,
+            Answer::Several => "several effects",
+            Answer::Consistent => "consistent",
+            Answer::GroupWith => "group with the truth",
+            Answer::GroupWithout => "group without it",
+            Answer::Unexplained => "unexplained",
+            Answer::Failed => "failed",
+        }
+    }
+}
+
+/// Whether anything was said to be missing.
+pub(super) fn alarmed(case: &CaseRow) -> bool {
+    matches!(case.verdict.as_str(), "named" | "ambiguous" | "unexplained")
+}
+
+/// Whether the hidden effects are of the catalogue.
+pub(super) fn in_catalogue(case: &CaseRow) -> bool {
+    matches!(case.group.as_str(), "single" | "pair")
+}
+
+/// Part of the squared held-out error beyond noise that the answer took away.
+pub(super) fn gap_closed(case: &CaseRow) -> Option<f64> {
+    closed(case.before_m, case.after_m, case.floor_m)
+}
+
+/// Finite values once each, ascending.
+pub(super) fn distinct(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    values
+}

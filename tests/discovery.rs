@@ -1,0 +1,188 @@
+//! What `discover` says of recordings in which something is hidden, or nothing.
+
+mod common;
+
+use rand::RngExt;
+use rand_distr::StandardNormal;
+use spinebench::base::Seed;
+use spinebench::data::Recording;
+use spinebench::data::findings::Verdict;
+use spinebench::discovery::{Discovery, DiscoveryError, Options, discover};
+use spinebench::effects::{EffectSpec, Model};
+use spinebench::tasks::{PlayOptions, play};
+use std::path::Path;
+
+const NOISE_M: f64 = 5e-4;
+
+fn nominal() -> Model {
+    common::model("nominal")
+}
+
+fn twin(name: &str) -> Recording {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/reference/twin/{name}.csv"));
+    Recording::read(&file).unwrap()
+}
+
+/// The trials of `recording` from number `first` on, so many of them.
+fn trials(recording: &Recording, first: usize, count: usize) -> Recording {
+    let rows: Vec<usize> = recording.trials().into_iter().skip(first).take(count).flat_map(|(_, rows)| rows).collect();
+    let mut part = Recording::new(recording.actuation, recording.tendons());
+    part.trial = rows.iter().map(|&row| recording.trial[row]).collect();
+    part.time_s = rows.iter().map(|&row| recording.time_s[row]).collect();
+    part.commands = recording.commands.select(&rows);
+    part.tip_m = recording.tip_m.as_ref().map(|tips| rows.iter().map(|&row| tips[row]).collect());
+    part
+}
+
+/// A recording of a robot with `effects` under the twin's commands, on a finer grid and with finer steps than the
+/// model's, and with noise of a correlation.
+fn recorded(effects: &str, count: usize, seed: u64, correlation: f64) -> Recording {
+    let mut truth = nominal();
+    truth.effects =
+        serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(effects)).unwrap();
+    truth.robot.resolution.cell_m = 0.008;
+    truth.robot.resolution.motion_tolerance_m = 2e-5;
+    let commands = trials(&twin("nothing"), 0, count);
+    let mut recording = play(&truth, &commands, &PlayOptions::default());
+    let mut random = Seed(seed).rng();
+    let mut last = [0.0; 3];
+    for (row, tip) in recording.tip_m.as_mut().unwrap().iter_mut().enumerate() {
+        let kept = if row > 0 && recording.trial[row] == recording.trial[row - 1] { correlation } else { 0.0 };
+        for axis in 0..3 {
+            let new: f64 = random.sample(StandardNormal);
+            last[axis] = kept * last[axis] + NOISE_M * (1.0_f64 - kept * kept).sqrt() * new;
+            tip[axis] += last[axis];
+        }
+    }
+    recording.tip_quaternion = None;
+    recording
+}
+
+fn found(measured: &Recording, options: &Options) -> Discovery {
+    discover(&nominal(), measured, None, options).unwrap()
+}
+
+fn names(found: &Discovery) -> Vec<&str> {
+    found.findings.effects.iter().map(|effect| effect.name.as_str()).collect()
+}
+
+/// The value of a parameter and its interval.
+fn told(found: &Discovery, parameter: &str) -> (f64, [f64; 2]) {
+    let effect = &found.findings.effects[0];
+    let interval = &effect.interval_95[parameter];
+    (effect.parameters[parameter].as_f64().unwrap(), [0, 1].map(|k| interval[k].as_f64().unwrap()))
+}
+
+#[test]
+fn a_hidden_effect_is_named_and_its_strength_told() {
+    let cases = [
+        ("tip_load: {mass_kg: 0.004}", "mass_kg", 0.004),
+        ("backlash: {width_m: 0.0015}", "width_m", 0.0015),
+        ("actuator_gain: {tendon: 2, scale: 1.08}", "scale", 1.08),
+    ];
+    for (k, (effect, parameter, truth)) in cases.into_iter().enumerate() {
+        let found = found(&recorded(&format!("- {effect}"), 4, k as u64, 0.0), &Options::default());
+        let name = effect.split(':').next().unwrap();
+        assert_eq!(found.findings.verdict, Verdict::Named, "{effect}: {}", found.findings.summary);
+        assert_eq!(names(&found), [name]);
+        let (value, [low, high]) = told(&found, parameter);
+        let null = if parameter == "scale" { 1.0 } else { 0.0 };
+        assert!((value - truth).abs() < 0.15 * (truth - null).abs(), "{effect}: {value}");
+        assert!(low < value && value < high && high - low < truth.abs(), "{effect}: {low} to {high}");
+        let gap = &found.findings.gap;
+        assert!(gap.after_m < 1.15 * 3.0_f64.sqrt() * NOISE_M, "{effect}: {gap:?}");
+        assert!(gap.before_m > 1.5 * gap.after_m, "{effect}: {gap:?}");
+        assert_eq!(gap.held_out_trials, [3]);
+        assert_eq!(found.model.effects.len(), 1);
+        assert!(found.findings.missing_before.p_value < 0.01 && found.findings.missing_after.p_value > 1e-3);
+    }
+}
+
+#[test]
+fn nothing_is_found_where_nothing_is_hidden() {
+    for (seed, correlation) in [(7, 0.0), (8, 0.6)] {
+        let found = found(&recorded("[]", 4, seed, correlation), &Options::default());
+        assert_eq!(found.findings.verdict, Verdict::Consistent, "{}", found.findings.summary);
+        assert!(found.findings.effects.is_empty() && found.model.effects.is_empty());
+        let floor = found.findings.noise_floor_m / (3.0_f64.sqrt() * NOISE_M);
+        assert!((0.8..1.2).contains(&floor), "{floor}");
+        assert_eq!(found.findings.gap.before_m, found.findings.gap.after_m);
+    }
+}
+
+/// What is in no catalogue is not given a name that is.
+#[test]
+fn what_the_catalogue_lacks_is_unexplained() {
+    let options = Options { left_out: vec!["actuator_offset".to_owned()], ..Options::default() };
+    let found = found(&recorded("- actuator_offset: {tendon: 3, offset_m: 0.003}", 4, 3, 0.0), &options);
+    assert_eq!(found.findings.verdict, Verdict::Unexplained, "{}", found.findings.summary);
+    assert!(found.findings.effects.is_empty() && found.model.effects.is_empty());
+    assert!(!found.findings.pattern.is_empty());
+}
+
+/// Held-out trials take no part in naming or fitting: other data there change nothing but the proof.
+#[test]
+fn the_proof_is_kept_apart() {
+    let mut measured = recorded("- tip_load: {mass_kg: 0.006}", 4, 5, 0.0);
+    let first = found(&measured, &Options::default());
+    for row in 0..measured.len() {
+        if measured.trial[row] == 3 {
+            measured.tip_m.as_mut().unwrap()[row][1] += 1e-4;
+        }
+    }
+    let second = found(&measured, &Options::default());
+    assert_eq!(first.findings.effects, second.findings.effects);
+    assert_eq!(first.findings.candidates, second.findings.candidates);
+    assert_eq!(first.findings.missing_after, second.findings.missing_after);
+    assert_ne!(first.findings.gap, second.findings.gap);
+}
+
+#[test]
+fn the_same_data_give_the_same_answer() {
+    let measured = recorded("- delay: {time_s: 0.1}", 3, 6, 0.0);
+    let (a, b) = (found(&measured, &Options::default()), found(&measured, &Options::default()));
+    assert_eq!(a.findings, b.findings);
+    assert_eq!(a.model, b.model);
+}
+
+/// Another simulator, a chain of rigid bodies: what the baseline has in common with the recording is no discovery.
+#[test]
+fn recordings_of_another_simulator_are_understood() {
+    let baseline = twin("baseline");
+    let with = |name: &str| discover(&nominal(), &twin(name), Some(&baseline), &Options::default()).unwrap();
+    let nothing = with("nothing");
+    assert_eq!(nothing.findings.verdict, Verdict::Consistent, "{}", nothing.findings.summary);
+    let load = with("tip_load_10g");
+    assert_eq!((load.findings.verdict, names(&load)), (Verdict::Named, vec!["tip_load"]), "{}", load.findings.summary);
+    assert!((told(&load, "mass_kg").0 - 0.01).abs() < 5e-4);
+    let friction = with("friction");
+    assert_eq!((friction.findings.verdict, names(&friction)), (Verdict::Named, vec!["friction"]));
+    assert!((told(&friction, "moment_nm").0 - 0.02).abs() < 2e-3);
+}
+
+#[test]
+fn data_that_allow_no_answer_are_refused() {
+    let refuse = |measured: &Recording| discover(&nominal(), measured, None, &Options::default()).unwrap_err();
+    let whole = twin("nothing");
+    assert!(matches!(refuse(&trials(&whole, 0, 1)), DiscoveryError::TooFew { what: "trials", .. }));
+    let mut frozen = trials(&whole, 0, 3);
+    frozen.tip_m.as_mut().unwrap().fill([0.0, 0.0, 0.2]);
+    assert!(matches!(refuse(&frozen), DiscoveryError::Constant { column: "tip_x_m,tip_y_m,tip_z_m", .. }));
+    let mut lost = trials(&whole, 0, 3);
+    lost.valid = Some((0..lost.len()).map(|row| row % 10 == 0).collect());
+    assert!(matches!(refuse(&lost), DiscoveryError::TooFew { what: "tracked rows", .. }));
+    let mut still = trials(&whole, 0, 3);
+    let home = vec![0.0; 4];
+    let mut commands = spinebench::base::Rows::new(4);
+    (0..still.len()).for_each(|_| commands.push(&home));
+    still.commands = commands;
+    assert!(matches!(refuse(&still), DiscoveryError::Constant { column: "tendon_1_m…", .. }));
+}
+
+/// An effect made from its card is the one that a model file holds.
+#[test]
+fn effects_are_made_from_their_cards() {
+    let spec = EffectSpec::tip_load(0.01);
+    assert_eq!(EffectSpec::from_card(spec.card(), &[0.01]), Some(spec.clone()));
+    assert_eq!(EffectSpec::from_card(spec.card(), &[-0.01]), None);
+}
