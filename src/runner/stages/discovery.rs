@@ -94,13 +94,7 @@ impl Stages<'_> {
         Ok(cases)
     }
 
-    fn blind_case(
-        &mut self,
-        benchmark: &Benchmark,
-        batch: &Batch,
-        number: usize,
-        case: u64,
-    ) -> Expanded<BlindStages> {
+    fn blind_case(&mut self, benchmark: &Benchmark, batch: &Batch, number: usize, case: u64) -> Expanded<BlindStages> {
         let run = benchmark.run;
         let (commands, span) = self.blind_commands(benchmark, batch, number, case)?;
         // Kinds take their turn within each size.
@@ -131,13 +125,7 @@ impl Stages<'_> {
     }
 
     /// The commands of a case: its own, or for cases that the oracle judges those of several.
-    fn blind_commands(
-        &mut self,
-        benchmark: &Benchmark,
-        batch: &Batch,
-        number: usize,
-        case: u64,
-    ) -> Expanded<Asked> {
+    fn blind_commands(&mut self, benchmark: &Benchmark, batch: &Batch, number: usize, case: u64) -> Expanded<Asked> {
         let explore = ExploreOptions { points: batch.samples, trajectories: batch.trials, ..self.spec.explore };
         let judged = batch.group.judged();
         let seed = if judged {
