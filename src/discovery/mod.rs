@@ -99,10 +99,13 @@ pub fn discover(
     let mut question = Question::new(model, all, baseline, options)?;
     question.base_seen = base::BaseSeen::of(measured);
     let study = question.study();
-    let limits =
-        Limits { most_effects: options.most_effects, least_score: options.least_score, least_size: options.least_size };
     let unplayable = || DiscoveryError::Unplayable(question.fit.trials[0].number);
-    let found = study.search(&question.responses, &limits).ok_or_else(unplayable)?;
+    let search = |thorough: bool| study.search(&question.responses, &Limits { thorough, ..options.limits() });
+    let mut found = search(false).ok_or_else(unplayable)?;
+    // Before anything is called unexplained, nothing has been left out because of what it promised.
+    if question.left(&found) {
+        found = search(true).ok_or_else(unplayable)?;
+    }
     let sharp = question.sharpened(&study, found);
     Ok(question.discovery(model, measured, &study, &sharp))
 }
@@ -191,11 +194,16 @@ impl<'a> Question<'a> {
         (found, foretold || scatters)
     }
 
+    /// Whether something is still missing with the best set.
+    fn left(&self, found: &Found) -> bool {
+        let best = &found.best.fitted;
+        self.missing(&best.explained, &best.played).1
+    }
+
     fn discovery(&self, given: &Model, measured: &Recording, study: &Study, found: &Found) -> Discovery {
         let best = &found.best.fitted;
-        let (before, before_missing) = self.missing(&found.null.fitted.explained, &self.played);
-        let (after, after_missing) = self.missing(&best.explained, &best.played);
-        let left = if best.members.is_empty() { before_missing } else { after_missing };
+        let (before, _) = self.missing(&found.null.fitted.explained, &self.played);
+        let (after, left) = self.missing(&best.explained, &best.played);
         let answer = study.answer(found, left, self.options.rival_score);
         let added = effects(&self.hypotheses, &answer.members).unwrap_or_default();
         let mut gap = Gap {

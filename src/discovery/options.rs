@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::search::Limits;
 use crate::base::{BadOption, Seed};
 
 /// A number of the robot that its file knows only so well.
@@ -100,6 +101,15 @@ impl Options {
         BadOption::unless_positive("cell_m", self.cell_m)?;
         BadOption::unless_positive("false_alarm", self.false_alarm)?;
         self.uncertain.iter().try_for_each(|one| BadOption::unless_positive("deviation", one.deviation))
+    }
+
+    pub(super) fn limits(&self) -> Limits {
+        Limits {
+            most_effects: self.most_effects,
+            least_score: self.least_score,
+            least_size: self.least_size,
+            thorough: false,
+        }
     }
 
     /// Whether a parameter of this effect is uncertain.

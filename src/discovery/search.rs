@@ -18,6 +18,8 @@ pub(super) struct Limits {
     pub(super) least_score: f64,
     /// Distance that an effect must move the tip, over the noise floor.
     pub(super) least_size: f64,
+    /// Whether every hypothesis is refitted, whatever it promises at a first look.
+    pub(super) thorough: bool,
 }
 
 /// A set of effects that was fitted, with its score.
@@ -43,7 +45,7 @@ pub(super) struct Found {
 /// Refits at a time at most.
 const WIDTH: usize = 8;
 /// Promises are taken to be right to this share of the best, or to so much.
-const PROMISE_SHARE: f64 = 0.4;
+const PROMISE_SHARE: f64 = 0.7;
 const PROMISE_SLACK: f64 = 30.0;
 /// A first look may be wrong by this share of the size.
 const NEARLY: f64 = 0.7;
@@ -59,7 +61,7 @@ impl Study<'_> {
         let mut tried: Vec<Scored> = Vec::new();
         while best.fitted.members.len() < limits.most_effects {
             let Some(next) = self.with_another(&best, &null, responses, limits, &mut tried) else { break };
-            best = self.swapped(next, &null, responses, &mut tried);
+            best = self.swapped(next, &null, responses, limits, &mut tried);
         }
         best = self.pruned(best, &null, limits, &mut tried);
         let looked_at = self.promises(&null.fitted, &[], responses).into_iter().map(|promise| {
@@ -84,14 +86,18 @@ impl Study<'_> {
     }
 
     /// Fits `base` with each of the promising hypotheses besides.
-    fn fitted_with(&self, base: &[Member], promises: &[Promise], null: &Scored) -> Vec<Scored> {
+    fn fitted_with(&self, base: &[Member], promises: &[Promise], null: &Scored, limits: &Limits) -> Vec<Scored> {
         let Some(first) = promises.first() else { return Vec::new() };
-        let enough = first.gain - (PROMISE_SHARE * first.gain).max(PROMISE_SLACK);
+        let (enough, width) = if limits.thorough {
+            (f64::NEG_INFINITY, usize::MAX)
+        } else {
+            (first.gain - (PROMISE_SHARE * first.gain).max(PROMISE_SLACK), WIDTH)
+        };
         let fit = |promise: &Promise| {
             let start: Vec<Member> = base.iter().cloned().chain([self.begun(base, &promise.member)]).collect();
             Some(self.scored(self.settled(start)?, null))
         };
-        let kept: Vec<&Promise> = promises.iter().take(WIDTH).filter(|promise| promise.gain >= enough).collect();
+        let kept: Vec<&Promise> = promises.iter().take(width).filter(|promise| promise.gain >= enough).collect();
         kept.into_par_iter().filter_map(fit).collect()
     }
 
@@ -160,18 +166,30 @@ impl Study<'_> {
         let least_m = limits.least_size * best.fitted.explained.noise.rms_m();
         promises.retain(|promise| {
             let score = promise.gain - self.penalty(std::slice::from_ref(&promise.member));
-            score > limits.least_score + HOPELESS && promise.size_m > NEARLY * least_m
+            limits.thorough || score > limits.least_score + HOPELESS && promise.size_m > NEARLY * least_m
         });
-        let fits = self.fitted_with(&best.fitted.members, &promises, null);
+        let fits = self.fitted_with(&best.fitted.members, &promises, null, limits);
         tried.extend(fits.iter().cloned());
-        let next = fits.into_iter().max_by(|a, b| a.score.total_cmp(&b.score))?;
-        let moved: Vec<f64> = next.fitted.played.iter().zip(&best.fitted.played).map(|(a, b)| a - b).collect();
-        let far = rms_m(&moved) >= limits.least_size * next.fitted.explained.noise.rms_m();
-        (far && next.score >= best.score + limits.least_score).then_some(next)
+        let moves = |next: &Scored| -> f64 {
+            let moved = next.fitted.played.iter().zip(&best.fitted.played).map(|(there, here)| there - here);
+            rms_m(&moved.collect::<Vec<f64>>())
+        };
+        let worth = |next: &Scored| {
+            moves(next) >= limits.least_size * next.fitted.explained.noise.rms_m()
+                && next.score >= best.score + limits.least_score
+        };
+        fits.into_iter().filter(worth).max_by(|a, b| a.score.total_cmp(&b.score))
     }
 
     /// The set with a member exchanged, as long as that helps: what was taken first may stand for two others.
-    fn swapped(&self, mut best: Scored, null: &Scored, responses: &[Response], tried: &mut Vec<Scored>) -> Scored {
+    fn swapped(
+        &self,
+        mut best: Scored,
+        null: &Scored,
+        responses: &[Response],
+        limits: &Limits,
+        tried: &mut Vec<Scored>,
+    ) -> Scored {
         if best.fitted.members.len() < 2 {
             return best;
         }
@@ -183,7 +201,7 @@ impl Study<'_> {
                 let Some(without) = self.fit(rest).and_then(|fitted| self.sharpened(fitted)) else { continue };
                 let mut promises = self.promises(&without, &[gone.hypothesis], responses);
                 promises.truncate(WIDTH / 2);
-                let fits = self.fitted_with(&without.members, &promises, null);
+                let fits = self.fitted_with(&without.members, &promises, null, limits);
                 tried.extend(fits.iter().cloned());
                 let top = fits.into_iter().max_by(|a, b| a.score.total_cmp(&b.score));
                 if let Some(top) = top.filter(|top| top.score > better.as_ref().map_or(best.score, |b| b.score)) {
