@@ -93,7 +93,7 @@ fn a_hidden_effect_is_named_and_its_strength_told() {
         let gap = &found.findings.gap;
         assert!(gap.after_m < 1.15 * 3.0_f64.sqrt() * NOISE_M, "{effect}: {gap:?}");
         assert!(gap.before_m > 1.5 * gap.after_m, "{effect}: {gap:?}");
-        assert_eq!(gap.held_out_trials, [3]);
+        assert_eq!(gap.held_out_trials.len(), 1);
         assert_eq!(found.model.effects.len(), 1);
         assert!(found.findings.missing_before.p_value < 0.01 && found.findings.missing_after.p_value > 1e-3);
     }
@@ -127,7 +127,7 @@ fn the_proof_is_kept_apart() {
     let mut measured = recorded("- tip_load: {mass_kg: 0.006}", 4, 5, 0.0);
     let first = found(&measured, &Options::default());
     for row in 0..measured.len() {
-        if measured.trial[row] == 3 {
+        if first.findings.gap.held_out_trials.contains(&measured.trial[row]) {
             measured.tip_m.as_mut().unwrap()[row][1] += 1e-4;
         }
     }

@@ -21,6 +21,7 @@ mod nuisance;
 mod options;
 mod places;
 mod play;
+mod proof;
 mod refit;
 mod responses;
 mod samples;
@@ -122,10 +123,8 @@ impl<'a> Question<'a> {
         resolution.motion_tolerance_m = options.motion_tolerance_m;
         resolution.cell_m = resolution.cell_m.max(options.cell_m);
         let hypotheses = hypotheses(&model);
-        let held_out = (all.trials.len() as f64 * options.held_out_share).ceil() as usize;
-        let kept = all.trials.len() - held_out.clamp(1, all.trials.len() - 1);
-        let fit = all.of_trials(&(0..kept).collect::<Vec<usize>>());
-        let proof = all.of_trials(&(kept..all.trials.len()).collect::<Vec<usize>>());
+        let (kept, held_out) = proof::split(&all, options.held_out_share);
+        let (fit, proof) = (all.of_trials(&kept), all.of_trials(&held_out));
         let base = match baseline {
             Some(recording) => Some(
                 Base::new(&mut model, &hypotheses, recording, options)
@@ -317,7 +316,10 @@ impl<'a> Question<'a> {
     fn map(&self, rows: &[ResidualRow], noise: &Noise) -> Vec<PlaceRow> {
         let mut played = self.played.clone();
         played.extend_from_slice(&self.played_proof);
-        let around = circumstances(&self.all, &played);
+        let order: Vec<u64> = self.fit.trials.iter().chain(&self.proof.trials).map(|trial| trial.number).collect();
+        let place = |number: &u64| self.all.trials.iter().position(|trial| trial.number == *number);
+        let all = self.all.of_trials(&order.iter().filter_map(place).collect::<Vec<usize>>());
+        let around = circumstances(&all, &played);
         let before: Vec<f64> = rows.iter().flat_map(|row| [row.before_x_m, row.before_y_m, row.before_z_m]).collect();
         let after: Vec<f64> = rows.iter().flat_map(|row| [row.after_x_m, row.after_y_m, row.after_z_m]).collect();
         places::map(&around, &before, &after, noise)

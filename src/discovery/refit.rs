@@ -38,6 +38,8 @@ pub(super) struct Fitted {
 const MOST_STEPS: usize = 12;
 /// A fall of the deviance that is not worth another step.
 const SMALL_FALL: f64 = 0.05;
+/// The same where the best is not yet asked for.
+const ROUGH_FALL: f64 = 2.0;
 /// Size of the differences that derivatives are taken by, over the probe.
 const DIFFERENCE: f64 = 0.1;
 
@@ -49,27 +51,34 @@ impl Study<'_> {
 
     /// The best values of all of `start` together, from there; none where the model cannot play them.
     pub(super) fn fit(&self, start: Vec<Member>) -> Option<Fitted> {
-        let mut best = self.at(start)?;
-        let mut fresh = false;
+        let start = self.at(start)?;
+        let start = self.sharpened(start)?;
+        self.descend(start, true)
+    }
+
+    /// Nearly the best values, by a derivative that is known roughly (in units of the probes; zero holds a coordinate).
+    pub(super) fn rough_fit(&self, start: Vec<Member>, jacobian: DMatrix<f64>) -> Option<Fitted> {
+        self.descend(Fitted { jacobian, ..self.at(start)? }, false)
+    }
+
+    /// Steps as long as they help; `exact`: with derivatives taken anew before it ends.
+    fn descend(&self, mut best: Fitted, exact: bool) -> Option<Fitted> {
+        let mut fresh = true;
         for _ in 0..MOST_STEPS {
-            if best.jacobian.ncols() == 0 {
-                best.jacobian = self.derivative(&best)?;
-                fresh = true;
-            }
             let step = self.step(&best)?;
             let next = [1.0, 0.4, 0.1].into_iter().find_map(|share| self.improved(&best, &(share * &step)));
             let fall = next.as_ref().map_or(0.0, |next| best.explained.deviance - next.explained.deviance);
-            if let Some(next) = next {
-                best = next;
+            best = next.unwrap_or(best);
+            if !exact && fall < ROUGH_FALL {
+                break;
             }
-            if fall < SMALL_FALL {
-                if fresh {
-                    break;
-                }
-                best.jacobian = self.derivative(&best)?;
-                fresh = true;
-            } else {
+            if fall >= SMALL_FALL {
                 fresh = false;
+            } else if fresh {
+                break;
+            } else {
+                best = self.sharpened(best)?;
+                fresh = true;
             }
         }
         Some(best)

@@ -82,10 +82,13 @@ impl Samples {
         Samples { trials, rows, step_s }
     }
 
-    /// Those of the trials with these indices.
+    /// Those of the trials with these indices, in that order.
     pub(super) fn of_trials(&self, kept: &[usize]) -> Samples {
-        let place = |trial: usize| kept.iter().position(|&index| index == trial);
-        let rows = self.rows.iter().filter_map(|row| Some(Sample { trial: place(row.trial)?, ..*row })).collect();
+        let ranges = self.ranges();
+        let of = |(trial, &index): (usize, &usize)| {
+            self.rows[ranges[index].clone()].iter().map(move |row| Sample { trial, ..*row })
+        };
+        let rows = kept.iter().enumerate().flat_map(of).collect();
         Samples { trials: kept.iter().map(|&index| self.trials[index].clone()).collect(), rows, step_s: self.step_s }
     }
 

@@ -12,6 +12,8 @@ use super::samples::{Samples, rms_m};
 pub(super) struct Promise {
     /// The hypothesis with the values that fit best.
     pub(super) member: Member,
+    /// Number of the answer that it was seen by.
+    pub(super) response: usize,
     /// Expected fall of the deviance.
     pub(super) gain: f64,
     /// How far the hypothesis moves the tip, root mean square, metres.
@@ -48,7 +50,7 @@ pub(super) fn screen(
     let mut block = normal.view_mut((0, 0), (free, free));
     block += &nuisances.precision;
     let factor = Cholesky::new(normal);
-    let promise = |response: &Response| -> Option<Promise> {
+    let promise = |(number, response): (usize, &Response)| -> Option<Promise> {
         let hypothesis = &hypotheses[response.hypothesis];
         let columns = white(&response.columns);
         let mut own = columns.tr_mul(&columns);
@@ -67,9 +69,9 @@ pub(super) fn screen(
         let explains = right.dot(&sizes).clamp(0.0, 0.999_999 * squares);
         let size_m = rms_m((&response.columns * &sizes).as_slice());
         let gain = left.len() as f64 * (squares / (squares - explains)).ln();
-        Some(Promise { member: Member { hypothesis: response.hypothesis, values }, gain, size_m })
+        Some(Promise { member: Member { hypothesis: response.hypothesis, values }, response: number, gain, size_m })
     };
-    let mut promises: Vec<Promise> = responses.iter().filter_map(promise).collect();
+    let mut promises: Vec<Promise> = responses.iter().enumerate().filter_map(promise).collect();
     promises.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let mut seen = vec![false; hypotheses.len()];
     promises.retain(|promise| !std::mem::replace(&mut seen[promise.member.hypothesis], true));

@@ -1,6 +1,7 @@
 //! The search for the effects that are missing: one after the other, then each against all others in its place, then
 //! without each.
 
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::hypothesis::Member;
@@ -47,6 +48,9 @@ const WIDTH: usize = 8;
 /// Promises are taken to be right to this share of the best, or to so much.
 const PROMISE_SHARE: f64 = 0.7;
 const PROMISE_SLACK: f64 = 30.0;
+/// A rough fit is taken to be right to this share of what the best one adds, or to so much.
+const LEADING_SHARE: f64 = 0.4;
+const LEADING_SLACK: f64 = 40.0;
 /// A first look may be wrong by this share of the size.
 const NEARLY: f64 = 0.7;
 /// A first look that promises less than this, score and all, is not followed up.
@@ -85,24 +89,57 @@ impl Study<'_> {
         Scored { fitted, score }
     }
 
-    /// Fits `base` with each of the promising hypotheses besides.
-    fn fitted_with(&self, base: &[Member], promises: &[Promise], null: &Scored, limits: &Limits) -> Vec<Scored> {
+    /// Fits `base` with each of the promising hypotheses besides: all roughly, then the leading ones as well as can be.
+    fn fitted_with(
+        &self,
+        base: &Fitted,
+        promises: &[Promise],
+        responses: &[Response],
+        null: &Scored,
+        limits: &Limits,
+    ) -> Vec<Scored> {
         let Some(first) = promises.first() else { return Vec::new() };
         let (enough, width) = if limits.thorough {
             (f64::NEG_INFINITY, usize::MAX)
         } else {
             (first.gain - (PROMISE_SHARE * first.gain).max(PROMISE_SLACK), WIDTH)
         };
-        let fit = |promise: &Promise| {
-            let start: Vec<Member> = base.iter().cloned().chain([self.begun(base, &promise.member)]).collect();
-            Some(self.scored(self.settled(start)?, null))
+        let rough = |promise: &Promise| {
+            let member = self.begun(base, &promise.member);
+            let jacobian = self.known_slopes(base, &member, &responses[promise.response]);
+            let start: Vec<Member> = base.members.iter().cloned().chain([member]).collect();
+            Some(self.scored(self.rough_fit(start, jacobian)?, null))
         };
         let kept: Vec<&Promise> = promises.iter().take(width).filter(|promise| promise.gain >= enough).collect();
-        kept.into_par_iter().filter_map(fit).collect()
+        let rough: Vec<Scored> = kept.into_par_iter().filter_map(rough).collect();
+        let base_score = null.fitted.explained.deviance - base.explained.deviance - self.penalty(&base.members);
+        let top = rough.iter().map(|scored| scored.score).fold(base_score, f64::max);
+        let leading = top - (LEADING_SHARE * (top - base_score)).max(LEADING_SLACK);
+        let finish = |scored: Scored| {
+            if scored.score < leading {
+                return Some(scored);
+            }
+            Some(self.scored(self.settled(scored.fitted.members)?, null))
+        };
+        rough.into_par_iter().filter_map(finish).collect()
+    }
+
+    /// What is known of the derivatives of `base` with `member` besides: those of the fit, and the first look's.
+    fn known_slopes(&self, base: &Fitted, member: &Member, response: &Response) -> DMatrix<f64> {
+        let hypothesis = &self.hypotheses[member.hypothesis];
+        let (known, sizes) = (base.jacobian.ncols(), hypothesis.sizes());
+        let fitted = hypothesis.fitted();
+        let mut slopes = base.jacobian.clone().resize_horizontally(known + fitted.len(), 0.0);
+        for (k, parameter) in fitted.into_iter().enumerate() {
+            if let Some(size) = sizes.iter().position(|&size| size == parameter) {
+                slopes.set_column(known + k, &(response.columns.column(size) * hypothesis.probe(parameter)));
+            }
+        }
+        slopes
     }
 
     /// The promised member, nearer to nothing where the tip's answer is so far from linear that less of it fits better.
-    fn begun(&self, base: &[Member], promised: &Member) -> Member {
+    fn begun(&self, base: &Fitted, promised: &Member) -> Member {
         let nothing = self.hypotheses[promised.hypothesis].without(&promised.values);
         let part = |share: f64| {
             let between = nothing.iter().zip(&promised.values).map(|(n, v)| n + share * (v - n)).collect();
@@ -111,7 +148,10 @@ impl Study<'_> {
         let mut best: Option<(f64, Member)> = None;
         for share in [1.0, 0.5, 0.25] {
             let member = part(share);
-            let Some(deviance) = self.deviance(base, &member) else { continue };
+            let Some(deviance) = self.deviance(&base.members, &member) else { continue };
+            if deviance < base.explained.deviance {
+                return member;
+            }
             match &best {
                 Some((least, _)) if *least <= deviance => break,
                 _ => best = Some((deviance, member)),
@@ -130,11 +170,11 @@ impl Study<'_> {
                 let fits = beside.into_iter().filter_map(|values| {
                     let mut members = best.members.clone();
                     members[k].values = values;
-                    self.fit(members)
+                    self.rough_fit(members, best.jacobian.clone())
                 });
                 let next = fits.min_by(|a, b| a.explained.deviance.total_cmp(&b.explained.deviance));
                 match next.filter(|next| next.explained.deviance < best.explained.deviance) {
-                    Some(next) => best = next,
+                    Some(next) => best = self.fit(next.members)?,
                     None => break,
                 }
             }
@@ -168,7 +208,7 @@ impl Study<'_> {
             let score = promise.gain - self.penalty(std::slice::from_ref(&promise.member));
             limits.thorough || score > limits.least_score + HOPELESS && promise.size_m > NEARLY * least_m
         });
-        let fits = self.fitted_with(&best.fitted.members, &promises, null, limits);
+        let fits = self.fitted_with(&best.fitted, &promises, responses, null, limits);
         tried.extend(fits.iter().cloned());
         let moves = |next: &Scored| -> f64 {
             let moved = next.fitted.played.iter().zip(&best.fitted.played).map(|(there, here)| there - here);
@@ -201,7 +241,7 @@ impl Study<'_> {
                 let Some(without) = self.fit(rest).and_then(|fitted| self.sharpened(fitted)) else { continue };
                 let mut promises = self.promises(&without, &[gone.hypothesis], responses);
                 promises.truncate(WIDTH / 2);
-                let fits = self.fitted_with(&without.members, &promises, null, limits);
+                let fits = self.fitted_with(&without, &promises, responses, null, limits);
                 tried.extend(fits.iter().cloned());
                 let top = fits.into_iter().max_by(|a, b| a.score.total_cmp(&b.score));
                 if let Some(top) = top.filter(|top| top.score > better.as_ref().map_or(best.score, |b| b.score)) {
