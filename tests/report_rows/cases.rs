@@ -37,7 +37,7 @@ fn case(number: u64, group: &str, truth: &str, verdict: &str, answer: &str) -> C
     let right = match group {
         "nothing" => verdict == "consistent",
         "outside" => verdict == "unexplained",
-        "inside" => verdict != "named" && verdict != "consistent",
+        "inside" => verdict == "ambiguous" || verdict == "unexplained",
         _ => verdict == "named" && answer == truth,
     };
     let in_group = right || (verdict == "ambiguous" && answer.contains(truth));

@@ -27,9 +27,7 @@ pub(super) fn draw(story: &Story, width: f64) -> Option<Canvas> {
     let proof = proof(story);
     let others = others(story);
     let sizes = || proof.iter().chain(&others).map(|bar| bar.size_m).filter(|size| size.is_finite());
-    if sizes().next().is_none() {
-        return None;
-    }
+    sizes().next()?;
     let label = if width > 500.0 { 210.0 } else { 118.0 };
     let value = 112.0;
     let mut canvas = Canvas::new(width, 1e5);
@@ -84,7 +82,7 @@ fn proof(story: &Story) -> Vec<Bar> {
     let given = Bar { name: "model as given".to_owned(), size_m: gap.before_m, colour: VERMILION };
     let names: Vec<&str> = story.findings.effects.iter().map(|effect| effect.name.as_str()).collect();
     let name = if names.len() == 1 { format!("with {}", names[0]) } else { "with the effects found".to_owned() };
-    let found = story.changed().then(|| Bar { name, size_m: gap.after_m, colour: BLUE });
+    let found = story.changed().then_some(Bar { name, size_m: gap.after_m, colour: BLUE });
     std::iter::once(given).chain(found).collect()
 }
 

@@ -131,7 +131,12 @@ const MEASURES: &[Measure] = &[
         Kind::Median(|c| c.after_m / c.floor_m),
         Some([0.0, AT_FLOOR]),
     ),
-    measure("… at most 1.10 times the floor", in_catalogue, Kind::Share(|c| c.after_m <= AT_FLOOR * c.floor_m), None),
+    measure(
+        "held-out error of at most 1.10 times the floor",
+        in_catalogue,
+        Kind::Share(|c| c.after_m <= AT_FLOOR * c.floor_m),
+        None,
+    ),
     measure("gap closed", in_catalogue, Kind::Median(|c| gap_closed(c).unwrap_or(f64::NAN)), None),
     measure(
         "better than a refit of stiffness alone",
