@@ -7,6 +7,7 @@ use rand_distr::StandardNormal;
 use spinebench::base::Seed;
 use spinebench::data::Recording;
 use spinebench::data::findings::Verdict;
+use spinebench::data::recording::BasePose;
 use spinebench::discovery::{Discovery, DiscoveryError, Options, discover};
 use spinebench::effects::{EffectSpec, Model};
 use spinebench::tasks::{PlayOptions, play};
@@ -158,6 +159,16 @@ fn recordings_of_another_simulator_are_understood() {
     let friction = with("friction");
     assert_eq!((friction.findings.verdict, names(&friction)), (Verdict::Named, vec!["friction"]));
     assert!((told(&friction, "moment_nm").0 - 0.02).abs() < 2e-3);
+}
+
+/// Markers on the base say that it stands straight: a turned frame is not called a tilted base.
+#[test]
+fn base_markers_tell_a_turned_frame_from_a_tilted_base() {
+    let mut measured = recorded("- base_tilt: {tilt_x_rad: 0.02, tilt_y_rad: 0.0}", 4, 9, 0.0);
+    assert_eq!(names(&found(&measured, &Options::default())), ["base_tilt"]);
+    let straight = BasePose { position_m: [0.0; 3], quaternion: [1.0, 0.0, 0.0, 0.0] };
+    measured.base = Some(vec![straight; measured.len()]);
+    assert!(!names(&found(&measured, &Options::default())).contains(&"base_tilt"));
 }
 
 #[test]

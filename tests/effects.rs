@@ -15,19 +15,10 @@ fn nominal() -> Model {
     yaml(include_str!("../models/nominal.yaml"))
 }
 
-/// The effect with the given value for each of its parameters; components of vectors are gathered.
+/// The effect with the given value for each of its parameters.
 fn spec(card: &Card, value: &dyn Fn(&str, f64) -> f64) -> EffectSpec {
-    let mut fields: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
-    for parameter in card.parameters {
-        let name = parameter.name.split('[').next().unwrap_or_default();
-        fields.entry(name).or_default().push(value(parameter.name, parameter.null));
-    }
-    let field = |(name, values): (&&str, &Vec<f64>)| {
-        let vector = card.parameters.iter().any(|p| p.name.starts_with(&format!("{name}[")));
-        if vector { format!("{name}: {values:?}") } else { format!("{name}: {}", values[0]) }
-    };
-    let body: Vec<String> = fields.iter().map(field).collect();
-    yaml(&format!("{}: {{{}}}", card.name, body.join(", ")))
+    let values: Vec<f64> = card.parameters.iter().map(|parameter| value(parameter.name, parameter.null)).collect();
+    EffectSpec::from_card(card, &values).unwrap_or_else(|| panic!("{}: {values:?}", card.name))
 }
 
 /// A value at which an effect is clearly there.

@@ -34,17 +34,8 @@ fn adaptive(name: &str) -> Model {
 
 /// The nominal robot with one effect of the catalogue.
 fn with_effect(card: &Card, value: &dyn Fn(&str, f64) -> f64) -> Model {
-    let mut fields: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
-    for parameter in card.parameters {
-        let name = parameter.name.split('[').next().unwrap_or_default();
-        fields.entry(name).or_default().push(value(parameter.name, parameter.null));
-    }
-    let field = |(name, values): (&&str, &Vec<f64>)| {
-        let vector = card.parameters.iter().any(|p| p.name.starts_with(&format!("{name}[")));
-        if vector { format!("{name}: {values:?}") } else { format!("{name}: {}", values[0]) }
-    };
-    let body: Vec<String> = fields.iter().map(field).collect();
-    let effect: EffectSpec = yaml(&format!("{}: {{{}}}", card.name, body.join(", ")));
+    let values: Vec<f64> = card.parameters.iter().map(|parameter| value(parameter.name, parameter.null)).collect();
+    let effect = EffectSpec::from_card(card, &values).unwrap_or_else(|| panic!("{}: {values:?}", card.name));
     Model { effects: vec![effect], ..shipped("nominal") }
 }
 

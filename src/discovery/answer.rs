@@ -9,6 +9,7 @@ use super::refit::Study;
 use super::search::{Found, Scored};
 use crate::data::findings::{Candidate, FoundEffect, Verdict};
 use crate::data::tables::round_significant;
+use crate::effects::Seek;
 use crate::math::distribution::student_95;
 
 /// What the search says of the effects.
@@ -111,9 +112,15 @@ impl Study<'_> {
         let mut interval_95 = BTreeMap::new();
         for (index, parameter) in hypothesis.card.parameters.iter().enumerate() {
             let value = member.values[index];
-            let whole = parameter.unit == "number";
-            let number = if whole { Value::from(value as u64) } else { number(value) };
-            put(&mut parameters, parameter.name, number);
+            let shown = match parameter.seek {
+                Seek::Tendon => Value::from(value as u64),
+                Seek::Flag => Value::Bool(value != 0.0),
+                _ => number(value),
+            };
+            put(&mut parameters, parameter.name, shown);
+            if parameter.seek == Seek::Flag {
+                continue;
+            }
             if let Some([low, high]) = intervals.get(&index) {
                 put(&mut interval_95, parameter.name, Value::Array(vec![self::number(*low), self::number(*high)]));
             }

@@ -59,6 +59,7 @@ impl Hypothesis {
             }
             Seek::Place => Field::Choice(places(&model.robot, length_m)),
             Seek::Tendon => Field::Fixed(tendon as f64),
+            Seek::Flag => Field::Choice(vec![0.0, 1.0]),
         };
         Hypothesis { card, fields: card.parameters.iter().map(field).collect() }
     }
@@ -106,6 +107,12 @@ impl Hypothesis {
             found = found.iter().flat_map(longer).collect();
         }
         found
+    }
+
+    /// `values` with the sizes at which nothing changes.
+    pub(super) fn without(&self, values: &[f64]) -> Vec<f64> {
+        let null = |(field, value): (&Field, &f64)| if let Field::Size { null, .. } = field { *null } else { *value };
+        self.fields.iter().zip(values).map(null).collect()
     }
 
     /// Other choices beside these values: its neighbours in every chosen parameter.

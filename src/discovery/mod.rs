@@ -5,6 +5,7 @@
 //! candidates pay for their parameters; trials that take no part in any of it are the proof.
 
 mod answer;
+mod base;
 mod baseline;
 mod check;
 mod compare;
@@ -78,6 +79,7 @@ struct Question<'a> {
     played_proof: Vec<f64>,
     responses: Vec<responses::Response>,
     nuisances: Nuisances,
+    base_seen: Option<base::BaseSeen>,
 }
 
 /// Finds what `model` lacks to explain `measured`. With a `baseline`, a recording of the robot as built, the model is
@@ -94,7 +96,8 @@ pub fn discover(
     options.check()?;
     let all = Samples::new(measured);
     check::check(measured, &all)?;
-    let question = Question::new(model, all, baseline, options)?;
+    let mut question = Question::new(model, all, baseline, options)?;
+    question.base_seen = base::BaseSeen::of(measured);
     let study = question.study();
     let limits =
         Limits { most_effects: options.most_effects, least_score: options.least_score, least_size: options.least_size };
@@ -135,7 +138,19 @@ impl<'a> Question<'a> {
             None => Nuisances::independent(played.len(), &columns),
             Some(base) => baseline::in_common((&base.samples, &base.played, &base.columns), (&fit, &played, &columns)),
         };
-        Ok(Question { options, model, hypotheses, all, fit, proof, played, played_proof, responses, nuisances })
+        Ok(Question {
+            options,
+            model,
+            hypotheses,
+            all,
+            fit,
+            proof,
+            played,
+            played_proof,
+            responses,
+            nuisances,
+            base_seen: None,
+        })
     }
 
     fn study(&self) -> Study<'_> {
@@ -146,6 +161,7 @@ impl<'a> Question<'a> {
             open: self.hypotheses.iter().map(open).collect(),
             samples: &self.fit,
             nuisances: &self.nuisances,
+            base_seen: self.base_seen,
         }
     }
 

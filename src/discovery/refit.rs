@@ -3,6 +3,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rayon::prelude::*;
 
+use super::base::BaseSeen;
 use super::hypothesis::{Hypothesis, Member, effects};
 use super::nuisance::{Explained, Nuisances};
 use super::play::tips;
@@ -17,6 +18,8 @@ pub(super) struct Study<'a> {
     pub(super) open: Vec<bool>,
     pub(super) samples: &'a Samples,
     pub(super) nuisances: &'a Nuisances,
+    /// What markers on the base say, where there are any.
+    pub(super) base_seen: Option<BaseSeen>,
 }
 
 /// Hypotheses with the values that fit best.
@@ -94,10 +97,17 @@ impl Study<'_> {
         Some(inverse.view((free, free), (count, count)).into_owned())
     }
 
+    /// The deviance of `base` with `member` besides; none where the model cannot play them.
+    pub(super) fn deviance(&self, base: &[Member], member: &Member) -> Option<f64> {
+        let all = base.iter().chain([member]).cloned().collect();
+        self.at(all).map(|fitted| fitted.explained.deviance)
+    }
+
     fn at(&self, members: Vec<Member>) -> Option<Fitted> {
         let played = tips(self.model, &effects(self.hypotheses, &members)?, self.samples)?;
         let freedom = self.coordinates(&members).len() as f64;
-        let explained = self.nuisances.explain(self.samples, &self.samples.residual(&played), freedom);
+        let mut explained = self.nuisances.explain(self.samples, &self.samples.residual(&played), freedom);
+        explained.deviance += self.base_seen.map_or(0.0, |seen| seen.deviance(self.model, self.hypotheses, &members));
         let jacobian = DMatrix::zeros(played.len(), 0);
         Some(Fitted { members, explained, played, jacobian })
     }

@@ -88,11 +88,30 @@ impl Study<'_> {
         let Some(first) = promises.first() else { return Vec::new() };
         let enough = first.gain - (PROMISE_SHARE * first.gain).max(PROMISE_SLACK);
         let fit = |promise: &Promise| {
-            let start: Vec<Member> = base.iter().cloned().chain([promise.member.clone()]).collect();
+            let start: Vec<Member> = base.iter().cloned().chain([self.begun(base, &promise.member)]).collect();
             Some(self.scored(self.settled(start)?, null))
         };
         let kept: Vec<&Promise> = promises.iter().take(WIDTH).filter(|promise| promise.gain >= enough).collect();
         kept.into_par_iter().filter_map(fit).collect()
+    }
+
+    /// The promised member, nearer to nothing where the tip's answer is so far from linear that less of it fits better.
+    fn begun(&self, base: &[Member], promised: &Member) -> Member {
+        let nothing = self.hypotheses[promised.hypothesis].without(&promised.values);
+        let part = |share: f64| {
+            let between = nothing.iter().zip(&promised.values).map(|(n, v)| n + share * (v - n)).collect();
+            Member { values: between, ..*promised }
+        };
+        let mut best: Option<(f64, Member)> = None;
+        for share in [1.0, 0.5, 0.25] {
+            let member = part(share);
+            let Some(deviance) = self.deviance(base, &member) else { continue };
+            match &best {
+                Some((least, _)) if *least <= deviance => break,
+                _ => best = Some((deviance, member)),
+            }
+        }
+        best.map_or_else(|| promised.clone(), |(_, member)| member)
     }
 
     /// The fit, with every choice (such as a place) moved to its neighbours while that helps.

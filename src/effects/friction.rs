@@ -35,6 +35,7 @@ pub(super) const CARD: Card = Card {
     parameters: &[
         Parameter { name: "moment_nm", unit: "N m", null: 0.0, seek: Seek::Size(0.01) },
         Parameter { name: "yield_rad_m", unit: "rad/m", null: 0.5, seek: Seek::Shape(&[0.1, 0.5]) },
+        Parameter { name: "coupled", unit: "flag", null: 0.0, seek: Seek::Flag },
     ],
     confused_with: &["hysteresis", "backlash"],
 };

@@ -105,6 +105,8 @@ pub enum Seek {
     Place,
     /// Which tendon, from 1.
     Tendon,
+    /// Whether or not: 1 or 0.
+    Flag,
 }
 
 /// What the catalogue says of an effect.
@@ -182,6 +184,7 @@ impl EffectSpec {
         for (parameter, &value) in card.parameters.iter().zip(values) {
             let number = match parameter.seek {
                 Seek::Tendon => Value::from(value as u64),
+                Seek::Flag => Value::Bool(value != 0.0),
                 _ => Value::Number(Number::from_f64(value)?),
             };
             match parameter.name.split_once('[') {

@@ -226,7 +226,9 @@ mod tests {
     /// The units of the catalogue's cards are those that the names say.
     #[test]
     fn names_say_the_units_of_the_cards() {
-        for parameter in CATALOGUE.iter().flat_map(|card| card.parameters).filter(|p| p.unit != "number") {
+        for parameter in
+            CATALOGUE.iter().flat_map(|card| card.parameters).filter(|p| !["number", "flag"].contains(&p.unit))
+        {
             let name = parameter.name.split('[').next().unwrap();
             let unit = UNITS.iter().find(|(end, ..)| name.ends_with(end)).unwrap().1;
             assert_eq!(unit, parameter.unit, "{}", parameter.name);

@@ -134,5 +134,6 @@ fn drawn(parameter: &Parameter, model: &Model, random: &mut Generator) -> f64 {
         }
         Seek::Place => random.random_range(0.05..0.95) * model.robot.backbone.length_m,
         Seek::Tendon => random.random_range(1..=model.robot.tendons.angles_deg.len()) as f64,
+        Seek::Flag => parameter.null,
     }
 }

@@ -240,6 +240,7 @@ fn nulls(card: &Card, model: &Model) -> Vec<Vec<f64>> {
             Seek::Shape(tries) => tries.to_vec(),
             Seek::Place => (0..PLACES).map(|k| length_m * (k as f64 + 0.5) / PLACES as f64).collect(),
             Seek::Tendon => (1..=model.robot.tendons.angles_deg.len()).map(|tendon| tendon as f64).collect(),
+            Seek::Flag => vec![0.0, 1.0],
         };
         let longer = |known: &Vec<f64>| -> Vec<Vec<f64>> {
             values.iter().map(|&value| known.iter().copied().chain([value]).collect()).collect()
@@ -321,7 +322,7 @@ impl Refit<'_> {
                 let step = match parameter.seek {
                     Seek::Size(size) | Seek::Replaces(_, size) => 0.05 * size,
                     Seek::Shape(_) => 0.05 * values[index].abs().max(0.5),
-                    Seek::Place | Seek::Tendon => continue,
+                    Seek::Place | Seek::Tendon | Seek::Flag => continue,
                 };
                 let column = [step, -step].into_iter().find_map(|step| {
                     let mut there = members.clone();

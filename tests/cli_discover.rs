@@ -1,0 +1,154 @@
+//! `discover` through the program itself: what it writes, and what it refuses.
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
+/// A folder, and the program run there; NOMINAL and TWIN/x stand for the shipped model and the twin's recordings.
+struct Bench(tempfile::TempDir);
+
+impl Bench {
+    fn new() -> Bench {
+        Bench(tempfile::tempdir().unwrap())
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    fn put(&self, name: &str, text: &str) {
+        std::fs::write(self.path(name), text).unwrap();
+    }
+
+    fn run(&self, arguments: &str) -> Output {
+        let words = arguments.split(' ').map(|word| match word.strip_prefix("TWIN/") {
+            Some(name) => format!("{ROOT}/tests/reference/twin/{name}.csv"),
+            None if word == "NOMINAL" => format!("{ROOT}/models/nominal.yaml"),
+            None => word.to_owned(),
+        });
+        Command::new(Path::new(env!("CARGO_BIN_EXE_spinebench")))
+            .args(words)
+            .current_dir(self.0.path())
+            .output()
+            .unwrap()
+    }
+
+    fn ok(&self, arguments: &str) -> String {
+        let output = self.run(arguments);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(0), "{arguments}: {said}");
+        String::from_utf8(output.stdout).unwrap()
+    }
+
+    /// Runs what must be refused with exit status 2, in one line, and nothing written.
+    fn refused(&self, arguments: &str) -> String {
+        let output = self.run(arguments);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {said}");
+        assert!(said.starts_with("error: ") && said.trim_end().lines().count() == 1, "{said}");
+        assert!(!self.path("out").exists(), "{arguments} left a folder");
+        said
+    }
+
+    /// The first `rows` lines of a twin recording, each changed.
+    fn twin(&self, name: &str, rows: usize, change: &dyn Fn(usize, Vec<String>) -> Vec<String>) {
+        let text = std::fs::read_to_string(format!("{ROOT}/tests/reference/twin/baseline.csv")).unwrap();
+        let mut lines = text.lines().take(rows + 1);
+        let mut out = format!("{}\n", lines.next().unwrap());
+        for (row, line) in lines.enumerate() {
+            out += &change(row, line.split(',').map(str::to_owned).collect()).join(",");
+            out.push('\n');
+        }
+        self.put(name, &out);
+    }
+}
+
+#[test]
+fn everything_that_the_interface_names_is_written() {
+    let bench = Bench::new();
+    // Three trials, so that it is quick.
+    bench.twin("short.csv", 150, &|_, cells| cells);
+    bench.put("plant.yaml", "simulated: {model: loaded.yaml, noise_m: 0.0005}\n");
+    let nominal = std::fs::read_to_string(format!("{ROOT}/models/nominal.yaml")).unwrap();
+    bench.put("given.yaml", &nominal);
+    bench.put("loaded.yaml", &nominal.replace("effects: []", "effects:\n  - tip_load: {mass_kg: 0.008}"));
+    bench.ok("collect --plant plant.yaml --commands short.csv --out loaded.csv");
+    let said = bench.ok("discover --model given.yaml --measured loaded.csv --out out");
+    assert!(said.contains("The model lacks tip_load"), "{said}");
+    let findings: Value = serde_json::from_str(&bench.read("out/findings.json")).unwrap();
+    assert_eq!(findings["verdict"], "named");
+    assert_eq!(findings["effects"][0]["name"], "tip_load");
+    let mass_kg = findings["effects"][0]["parameters"]["mass_kg"].as_f64().unwrap();
+    assert!((mass_kg - 0.008).abs() < 4e-4, "{mass_kg}");
+    for key in ["noise_floor_m", "gap", "disagreement", "candidates", "next_measurement"] {
+        assert!(!findings[key].is_null(), "{key}");
+    }
+    assert_eq!(findings["gap"]["held_out_trials"], serde_json::json!([2]));
+    // One line more below `effects:`, everything else as it was, and the program takes it.
+    let model = bench.read("out/model.yaml");
+    let expected = nominal.replace("effects: []", &format!("effects:\n  - tip_load: {{mass_kg: {mass_kg}}}"));
+    assert_eq!(model.trim_end(), expected.trim_end());
+    bench.ok("simulate --model out/model.yaml --commands loaded.csv --out again.csv");
+    for file in
+        ["report.html", "map.png", "residuals.png", "gap.png", "candidates.csv", "disagreement.csv", "residuals.csv"]
+    {
+        assert!(std::fs::metadata(bench.path("out").join(file)).unwrap().len() > 200, "{file}");
+    }
+    // With the effect in the model nothing is missing any more, and the model stays as it is, to the byte.
+    bench.ok("discover --model out/model.yaml --measured loaded.csv --out after");
+    assert!(bench.read("after/findings.json").contains("\"verdict\": \"consistent\""));
+    assert_eq!(bench.read("after/model.yaml"), model);
+}
+
+#[test]
+fn data_that_allow_no_answer_are_refused_by_file_line_and_key() {
+    let bench = Bench::new();
+    let refused = |change: &dyn Fn(usize, Vec<String>) -> Vec<String>, rows: usize| {
+        bench.twin("in.csv", rows, change);
+        bench.refused("discover --model NOMINAL --measured in.csv --out out")
+    };
+    let with = |cells: Vec<String>, column: usize, value: &str| {
+        let mut cells = cells;
+        cells[column] = value.to_owned();
+        cells
+    };
+    let millimetres =
+        refused(&|_, cells| with(cells.clone(), 8, &format!("{}", 1e3 * cells[8].parse::<f64>().unwrap())), 150);
+    assert!(
+        millimetres.contains("in.csv") && millimetres.contains("line 2") && millimetres.contains("tip_z_m"),
+        "{millimetres}"
+    );
+    let missing = refused(&|row, cells| if row == 20 { with(cells, 6, "NaN") } else { cells }, 150);
+    assert!(missing.contains("line 22") && missing.contains("tip_x_m"), "{missing}");
+    let backwards = refused(&|row, cells| if row == 30 { with(cells, 1, "0.1") } else { cells }, 150);
+    assert!(backwards.contains("line 32") && backwards.contains("time_s"), "{backwards}");
+    let one = refused(&|_, cells| cells, 50);
+    assert!(one.contains("trials: found 1, expected at least 2"), "{one}");
+    let few = refused(&|_, cells| cells, 12);
+    assert!(few.contains("tracked rows: found 12, expected at least 30"), "{few}");
+    let frozen = refused(&|_, cells| with(with(with(cells, 6, "0"), 7, "0"), 8, "0.2"), 150);
+    assert!(frozen.contains("tip_x_m") && frozen.contains("frozen"), "{frozen}");
+    let short = refused(&|_, cells| cells[..8].to_vec(), 150);
+    assert!(short.contains("in.csv"), "{short}");
+}
+
+#[test]
+fn bad_arguments_are_refused() {
+    let bench = Bench::new();
+    bench.put("options.yaml", "most_effects: 0\n");
+    let options = bench.refused("discover --model NOMINAL --measured TWIN/nothing --options options.yaml --out out");
+    assert!(
+        options.contains("options.yaml") && options.contains("line 1") && options.contains("most_effects"),
+        "{options}"
+    );
+    let nowhere = bench.refused("discover --model NOMINAL --measured nowhere.csv --out out");
+    assert!(nowhere.contains("nowhere.csv"), "{nowhere}");
+    let output = bench.run("discover --model NOMINAL --measured TWIN/nothing --leave-out gremlins --out out");
+    assert_eq!(output.status.code(), Some(2));
+}
