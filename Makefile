@@ -19,6 +19,7 @@ build:
 
 reproduce: build ## Table I, Figs 5, 6 and 8 and the claims, into results/ and plots/ (SEEDS=10; SEEDS=1 for a look)
 	$(SPINEBENCH) run $(SPECS) --seeds $(SEEDS)
+	$(SPINEBENCH) run experiments/discovery.yaml
 	$(SPINEBENCH) page README.md
 	$(SPINEBENCH) page docs/error_budget.md
 

@@ -65,7 +65,7 @@ struct Benchmark<'a> {
     run: &'a DiscoveryRun,
     /// The model as it is given to whoever looks into a recording.
     model: &'a Model,
-    /// The same with the precision of the look: what strengths and the oracle are computed with.
+    /// The same on the grid of the look: what strengths and the oracle are computed with.
     quick: Model,
     priors: Vec<Prior>,
 }
@@ -78,8 +78,9 @@ impl Stages<'_> {
             return Ok(Vec::new());
         };
         let mut quick = plant.model.clone();
-        let tolerance_m = &mut quick.robot.resolution.motion_tolerance_m;
-        *tolerance_m = tolerance_m.max(run.options.motion_tolerance_m);
+        let resolution = &mut quick.robot.resolution;
+        resolution.motion_tolerance_m = resolution.motion_tolerance_m.max(run.options.motion_tolerance_m);
+        resolution.cell_m = resolution.cell_m.max(run.options.cell_m);
         let priors = run.options.uncertain.iter().map(prior).collect();
         let benchmark = Benchmark { run, model: &plant.model, quick, priors };
         let all: usize = run.batches.iter().map(|batch| batch.cases).sum();

@@ -139,7 +139,7 @@ pub struct TruthOptions {
 
 impl Default for TruthOptions {
     fn default() -> Self {
-        TruthOptions { cell_m: 0.008, bending_modes: 8, time_step_s: 0.05, motion_tolerance_m: 5e-5, other_laws: true }
+        TruthOptions { cell_m: 0.008, bending_modes: 8, time_step_s: 0.05, motion_tolerance_m: 1e-5, other_laws: true }
     }
 }
 
