@@ -77,7 +77,7 @@ fn told(found: &Discovery, parameter: &str) -> (f64, [f64; 2]) {
 #[test]
 fn a_hidden_effect_is_named_and_its_strength_told() {
     let cases = [
-        ("tip_load: {mass_kg: 0.004}", "mass_kg", 0.004),
+        ("tip_load: {mass_kg: 0.01}", "mass_kg", 0.01),
         ("backlash: {width_m: 0.0015}", "width_m", 0.0015),
         ("actuator_gain: {tendon: 2, scale: 1.08}", "scale", 1.08),
     ];

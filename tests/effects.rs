@@ -1,7 +1,5 @@
 //! Contract of every effect in the catalogue.
 
-use std::collections::BTreeMap;
-
 use spinebench::base::{Plant, Seed};
 use spinebench::effects::{CATALOGUE, Card, EffectSpec, Model};
 use spinebench::plants::{Simulated, SimulatedOptions};
@@ -25,6 +23,7 @@ fn spec(card: &Card, value: &dyn Fn(&str, f64) -> f64) -> EffectSpec {
 fn strong(name: &str, null: f64) -> f64 {
     match name {
         "mass_kg" => 0.02,
+        "coupled" => 0.0,
         "tendon" => 2.0,
         "offset_m" | "width_m" => 0.002,
         "moment_nm" => 0.01,

@@ -1,8 +1,6 @@
 //! Derivatives of the tip against finite differences of whole runs: commands, loads, every number of a robot and of every
 //! effect, at rest and in motion.
 
-use std::collections::BTreeMap;
-
 use nalgebra::{Matrix3xX, Vector3};
 use spinebench::base::{PlantError, Point3, Rows};
 use spinebench::effects::{
@@ -43,6 +41,7 @@ fn with_effect(card: &Card, value: &dyn Fn(&str, f64) -> f64) -> Model {
 fn strong(name: &str, null: f64) -> f64 {
     match name {
         "mass_kg" => 0.02,
+        "coupled" => 0.0,
         "tendon" => 2.0,
         "offset_m" | "width_m" => 0.002,
         "moment_nm" => 0.01,

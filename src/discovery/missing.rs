@@ -1,7 +1,10 @@
 //! Is anything missing? Where a model lacks something, what is left of one trial can be foretold from the others: the
 //! same circumstances leave the same residual. Noise cannot be foretold. A regression (kernel ridge) on circumstances is
-//! fitted to all trials but one and asked about that one; its success is compared with that under random signs of whole
-//! trials, which noise alone would not mind (a permutation test; Good, Permutation Tests, ch. 2).
+//! fitted to all trials but one and asked about that one; its success is compared with that under random signs of blocks
+//! of samples, which noise alone would not mind (a permutation test; Good, Permutation Tests, ch. 2). Blocks are whole
+//! trials, or parts of them where there are few; noise that is correlated over a few samples does not mind either.
+
+use std::ops::Range;
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rand::RngExt;
@@ -32,6 +35,8 @@ pub(super) struct Missing {
     pub(super) pattern: Pattern,
 }
 
+/// Blocks with signs of their own at least.
+const FEWEST_BLOCKS: usize = 12;
 /// Random signs that are compared with.
 const DRAWS: usize = 400;
 /// Variance of what is not foretold, over that of what is.
@@ -40,19 +45,21 @@ const RIDGE: f64 = 3.0;
 /// Tests whether `residual` (metres, three numbers a sample) holds more than noise.
 pub(super) fn missing(samples: &Samples, around: &[Circumstances], residual: &[f64], seed: Seed) -> Missing {
     let ranges = samples.ranges();
+    let blocks = blocks(&ranges);
     let patterns = [Pattern::Constant, Pattern::Pose, Pattern::History, Pattern::Time];
-    let tables: Vec<Table> = patterns.iter().map(|&p| Table::new(&kernel(p, around), &ranges, residual)).collect();
+    let tables: Vec<Table> =
+        patterns.iter().map(|&p| Table::new(&kernel(p, around), &ranges, &blocks, residual)).collect();
     let mut random = seed.child("signs").rng();
     let flipped: Vec<Vec<f64>> = (0..DRAWS)
         .map(|_| {
-            let signs: Vec<[f64; 3]> = ranges
+            let signs: Vec<[f64; 3]> = blocks
                 .iter()
                 .map(|_| std::array::from_fn(|_| if random.random_range(0..2) == 0 { -1.0 } else { 1.0 }))
                 .collect();
             tables.iter().map(|table| table.success(&signs)).collect()
         })
         .collect();
-    let plain = vec![[1.0; 3]; ranges.len()];
+    let plain = vec![[1.0; 3]; blocks.len()];
     // Each pattern's success in its own standard deviations, the best of them, and how often chance does as well.
     let moments: Vec<(f64, f64)> = (0..tables.len()).map(|k| moments(flipped.iter().map(|draw| draw[k]))).collect();
     let best = |successes: &[f64]| {
@@ -82,35 +89,50 @@ fn moments(values: impl Iterator<Item = f64>) -> (f64, f64) {
     (crate::math::summary::mean(&values), deviation.max(f64::MIN_POSITIVE))
 }
 
-/// Products between what was left in each trial and what each other trial foretells there.
+/// Blocks of samples whose signs are drawn together: at least [`FEWEST_BLOCKS`] of them.
+fn blocks(ranges: &[Range<usize>]) -> Vec<Range<usize>> {
+    let parts = FEWEST_BLOCKS.div_ceil(ranges.len().max(1));
+    let cut = |range: &Range<usize>| -> Vec<Range<usize>> {
+        let at = |part: usize| range.start + range.len() * part / parts;
+        (0..parts).map(|part| at(part)..at(part + 1)).filter(|block| !block.is_empty()).collect()
+    };
+    ranges.iter().flat_map(cut).collect()
+}
+
+/// Products between what was left in each block and what each block of another trial foretells there.
 struct Table {
-    /// For each axis: trial foretold × trial foretelling.
+    /// For each axis: block foretold × block foretelling.
     products: [DMatrix<f64>; 3],
     /// Fall of the sum of squares by what is foretold, m²; not below zero.
     foretold: f64,
 }
 
 impl Table {
-    fn new(kernel: &DMatrix<f64>, ranges: &[std::ops::Range<usize>], residual: &[f64]) -> Table {
-        let count = ranges.len();
+    fn new(kernel: &DMatrix<f64>, trials: &[Range<usize>], blocks: &[Range<usize>], residual: &[f64]) -> Table {
+        let count = blocks.len();
         let mut products: [DMatrix<f64>; 3] = std::array::from_fn(|_| DMatrix::zeros(count, count));
         let mut foretold = 0.0;
-        for (out, there) in ranges.iter().enumerate() {
+        for there in trials {
             let others: Vec<usize> =
-                ranges.iter().enumerate().filter(|(k, _)| *k != out).flat_map(|(_, r)| r.clone()).collect();
+                trials.iter().filter(|trial| *trial != there).flat_map(|trial| trial.clone()).collect();
             let mut known = DMatrix::from_fn(others.len(), others.len(), |i, j| kernel[(others[i], others[j])]);
             (0..others.len()).for_each(|k| known[(k, k)] += RIDGE);
             let Some(factor) = Cholesky::new(known) else { continue };
             let cross = DMatrix::from_fn(others.len(), there.len(), |i, j| kernel[(others[i], there.start + j)]);
             let weights = factor.solve(&cross);
+            let inside = |block: &Range<usize>| there.contains(&block.start);
             for axis in 0..3 {
-                let left = DVector::from_iterator(there.len(), there.clone().map(|row| residual[3 * row + axis]));
+                let part =
+                    |rows: Range<usize>| DVector::from_iterator(rows.len(), rows.map(|row| residual[3 * row + axis]));
+                let left = part(there.clone());
                 let mut sum = DVector::zeros(there.len());
-                for (other, range) in ranges.iter().enumerate().filter(|(k, _)| *k != out) {
-                    let first = others.partition_point(|&row| row < range.start);
-                    let own = DVector::from_iterator(range.len(), range.clone().map(|row| residual[3 * row + axis]));
-                    let told = weights.rows(first, range.len()).tr_mul(&own);
-                    products[axis][(out, other)] = left.dot(&told);
+                for (other, block) in blocks.iter().enumerate().filter(|(_, block)| !inside(block)) {
+                    let first = others.partition_point(|&row| row < block.start);
+                    let told = weights.rows(first, block.len()).tr_mul(&part(block.clone()));
+                    for (own, here) in blocks.iter().enumerate().filter(|(_, block)| inside(block)) {
+                        let (start, length) = (here.start - there.start, here.len());
+                        products[axis][(own, other)] = left.rows(start, length).dot(&told.rows(start, length));
+                    }
                     sum += told;
                 }
                 foretold += 2.0 * left.dot(&sum) - sum.norm_squared();

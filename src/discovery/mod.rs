@@ -80,7 +80,8 @@ struct Question<'a> {
     played_proof: Vec<f64>,
     responses: Vec<responses::Response>,
     nuisances: Nuisances,
-    base_seen: Option<base::BaseSeen>,
+    /// Whether markers on the base show it standing straight.
+    base_is_straight: bool,
 }
 
 /// Finds what `model` lacks to explain `measured`. With a `baseline`, a recording of the robot as built, the model is
@@ -98,7 +99,7 @@ pub fn discover(
     let all = Samples::new(measured);
     check::check(measured, &all)?;
     let mut question = Question::new(model, all, baseline, options)?;
-    question.base_seen = base::BaseSeen::of(measured);
+    question.base_is_straight = base::stands_straight(measured);
     let study = question.study();
     let unplayable = || DiscoveryError::Unplayable(question.fit.trials[0].number);
     let search = |thorough: bool| study.search(&question.responses, &Limits { thorough, ..options.limits() });
@@ -151,19 +152,22 @@ impl<'a> Question<'a> {
             played_proof,
             responses,
             nuisances,
-            base_seen: None,
+            base_is_straight: false,
         })
     }
 
     fn study(&self) -> Study<'_> {
-        let open = |hypothesis: &Hypothesis| !self.options.left_out.iter().any(|name| name == hypothesis.card.name);
+        let open = |hypothesis: &Hypothesis| {
+            let name = hypothesis.card.name;
+            let contradicted = self.base_is_straight && name == "base_tilt";
+            !contradicted && !self.options.left_out.iter().any(|left_out| left_out == name)
+        };
         Study {
             model: &self.model,
             hypotheses: &self.hypotheses,
             open: self.hypotheses.iter().map(open).collect(),
             samples: &self.fit,
             nuisances: &self.nuisances,
-            base_seen: self.base_seen,
         }
     }
 

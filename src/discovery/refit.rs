@@ -3,7 +3,6 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::base::BaseSeen;
 use super::hypothesis::{Hypothesis, Member, effects};
 use super::nuisance::{Explained, Nuisances};
 use super::play::tips;
@@ -18,8 +17,6 @@ pub(super) struct Study<'a> {
     pub(super) open: Vec<bool>,
     pub(super) samples: &'a Samples,
     pub(super) nuisances: &'a Nuisances,
-    /// What markers on the base say, where there are any.
-    pub(super) base_seen: Option<BaseSeen>,
 }
 
 /// Hypotheses with the values that fit best.
@@ -115,8 +112,7 @@ impl Study<'_> {
     fn at(&self, members: Vec<Member>) -> Option<Fitted> {
         let played = tips(self.model, &effects(self.hypotheses, &members)?, self.samples)?;
         let freedom = self.coordinates(&members).len() as f64;
-        let mut explained = self.nuisances.explain(self.samples, &self.samples.residual(&played), freedom);
-        explained.deviance += self.base_seen.map_or(0.0, |seen| seen.deviance(self.model, self.hypotheses, &members));
+        let explained = self.nuisances.explain(self.samples, &self.samples.residual(&played), freedom);
         let jacobian = DMatrix::zeros(played.len(), 0);
         Some(Fitted { members, explained, played, jacobian })
     }
