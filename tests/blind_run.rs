@@ -55,7 +55,7 @@ fn the_smallest_spec_runs_end_to_end_and_twice_the_same() {
         "{:?}",
         rows[1]
     );
-    assert!(rows[2].verdict.starts_with("failed: blind_truth: 31 candidates"), "{:?}", rows[2]);
+    assert!(rows[2].verdict.starts_with("failed: blind_truth: 10 candidates"), "{:?}", rows[2]);
     let again = run(folder.path(), &spec, &["--out", "two", "--cache", "b", "--jobs", "2"]);
     assert_eq!(again.status.code(), Some(1));
     let bytes = |out: &str| std::fs::read(folder.path().join(out).join("results/blind/discovery.csv")).unwrap();
