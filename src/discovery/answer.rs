@@ -23,8 +23,8 @@ pub(super) struct Answer {
 }
 
 impl Answer {
-    /// The same answer once held-out trials have spoken against it.
-    pub(super) fn refuted(self) -> Answer {
+    /// What an answer becomes once held-out trials have spoken against it.
+    pub(super) fn refuted() -> Answer {
         Answer { verdict: Verdict::Unexplained, members: Vec::new(), effects: Vec::new(), rivals: Vec::new() }
     }
 }

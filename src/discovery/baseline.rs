@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::features::{Circumstances, circumstances};
 use super::hypothesis::{Hypothesis, Member};
-use super::nuisance::Nuisances;
+use super::nuisance::{Column, Nuisances};
 use super::refit::Study;
 use super::responses::Response;
 use super::samples::Samples;
@@ -62,7 +62,7 @@ impl Form {
     }
 
     /// The terms in every sample, three numbers a sample, with the standard deviation expected of each.
-    fn columns(&self, around: &[Circumstances]) -> Vec<(Vec<f64>, f64)> {
+    fn columns(&self, around: &[Circumstances]) -> Vec<Column> {
         let terms: Vec<Vec<f64>> = around.iter().map(|at| self.terms(at)).collect();
         let moved: Vec<Vec<f64>> = around.iter().map(|at| at.moved_m.map(|m| m / self.moved_m).to_vec()).collect();
         let mut columns = Vec::new();
@@ -93,16 +93,16 @@ impl Form {
     }
 }
 
+/// Samples, where the model has the tip in them, and the uncertain numbers' columns.
+pub(super) type Seen<'a> = (&'a Samples, &'a [f64], &'a [Column]);
+
 /// The nuisances of the recording in question as the baseline leaves them: `own` (a column and a deviation each) on
 /// either recording, and the form of the model.
-pub(super) fn in_common(
-    baseline: (&Samples, &[f64], &[(Vec<f64>, f64)]),
-    recording: (&Samples, &[f64], &[(Vec<f64>, f64)]),
-) -> Nuisances {
+pub(super) fn in_common(baseline: Seen, recording: Seen) -> Nuisances {
     let (samples, played, own) = baseline;
     let around = circumstances(samples, played);
     let form = Form::new(&around);
-    let all: Vec<(Vec<f64>, f64)> = own.iter().cloned().chain(form.columns(&around)).collect();
+    let all: Vec<Column> = own.iter().cloned().chain(form.columns(&around)).collect();
     let before = Nuisances::independent(played.len(), &all);
     let explained = before.explain(samples, &samples.residual(played), 0.0);
     let white = before.whitened(samples, &explained.noise);
@@ -120,7 +120,7 @@ pub(super) fn uncertain(
     hypotheses: &[Hypothesis],
     responses: &[Response],
     widened: f64,
-) -> Vec<(Vec<f64>, f64)> {
+) -> Vec<Column> {
     let mut columns = Vec::new();
     for one in uncertain {
         let about = responses.iter().filter(|response| hypotheses[response.hypothesis].card.name == one.effect);

@@ -42,7 +42,7 @@ pub(super) fn menu(range: &Range) -> Vec<Dish> {
     };
     let paced = |k: usize| {
         let corners: Vec<Vec<f64>> = range.corners(k / 2).into_iter().take(2).collect();
-        range.path(&corners, if k % 2 == 0 { range.step } else { range.step / 3.0 })
+        range.path(&corners, if k.is_multiple_of(2) { range.step } else { range.step / 3.0 })
     };
     vec![
         dish("known_weight", "Play four trials, the second and fourth with 20 g on the tip", 2.0, weighed),

@@ -3,12 +3,13 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::Question;
 use super::baseline::uncertain;
 use super::hypothesis::{Member, effects};
 use super::menu::{Dish, Range, menu};
 use super::noise::Noise;
+use super::nuisance::Column;
 use super::play::tips;
+use super::question::Question;
 use super::responses::responses;
 use super::samples::{Sample, Samples, TrialCommands};
 use crate::data::findings::Proposal;
@@ -135,7 +136,7 @@ impl Question<'_> {
 
 /// What is left of `apart` once the `slopes` and the `free` columns (with a deviation each) have done what they can, in
 /// standard deviations of the noise.
-fn left(samples: &Samples, noise: &Noise, apart: &[f64], slopes: &DMatrix<f64>, free: &[(Vec<f64>, f64)]) -> f64 {
+fn left(samples: &Samples, noise: &Noise, apart: &[f64], slopes: &DMatrix<f64>, free: &[Column]) -> f64 {
     let white = |values: &[f64]| DVector::from_vec(noise.whiten(samples, values));
     let target = white(apart);
     let mut columns: Vec<DVector<f64>> = free.iter().map(|(column, _)| white(column)).collect();

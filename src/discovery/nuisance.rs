@@ -7,6 +7,9 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use super::noise::Noise;
 use super::samples::Samples;
 
+/// What one nuisance adds to the tip, three numbers a sample over its unit, and the standard deviation of its amount.
+pub(super) type Column = (Vec<f64>, f64);
+
 /// Nuisances with a Gaussian prior: what they add to the tip is `columns · amounts`.
 #[derive(Clone, Debug)]
 pub(super) struct Nuisances {
@@ -38,7 +41,7 @@ const ROUNDS: usize = 5;
 
 impl Nuisances {
     /// Independent ones: columns of a standard deviation each.
-    pub(super) fn independent(rows: usize, columns: &[(Vec<f64>, f64)]) -> Nuisances {
+    pub(super) fn independent(rows: usize, columns: &[Column]) -> Nuisances {
         let precision = DMatrix::from_diagonal(&DVector::from_iterator(
             columns.len(),
             columns.iter().map(|(_, deviation)| deviation.powi(-2)),

@@ -219,7 +219,7 @@ impl Checker<'_> {
         let batches = path.key("batches");
         self.unless(!discovery.batches.is_empty(), &batches, "at least one batch")?;
         let each = discovery.batches.iter().enumerate();
-        each.map(|(index, batch)| option(&batches.item(index), batch.check())).collect()
+        each.into_iter().try_for_each(|(index, batch)| option(&batches.item(index), batch.check()))
     }
 
     fn track(&self, track: &TrackRun, path: &KeyPath) -> Result<(), SpecError> {

@@ -14,6 +14,9 @@ use super::unknown::{Disturbance, UNKNOWNS};
 use crate::base::{Generator, Point3, Seed};
 use crate::effects::{CATALOGUE, Card, Model};
 
+/// What is hidden in a robot whose uncertain numbers these are; nothing where it cannot be.
+type Hide<'h> = dyn FnMut(&[Hidden], &mut Generator) -> Option<Vec<Hidden>> + 'h;
+
 /// What a blind case is drawn from.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Robot {
@@ -88,11 +91,7 @@ impl Drawing<'_> {
     }
 
     /// Draws robots until one with what `hide` gives can follow the commands.
-    fn settled(
-        &self,
-        what: &str,
-        hide: &mut dyn FnMut(&[Hidden], &mut Generator) -> Option<Vec<Hidden>>,
-    ) -> Result<Truth, BlindError> {
+    fn settled(&self, what: &str, hide: &mut Hide) -> Result<Truth, BlindError> {
         for tried in 0..ROBOTS {
             let seed = Seed(self.robot.seed).child("robot").index(tried as u64);
             let uncertain = uncertain(&self.robot.priors, &self.robot.model, &mut seed.child("uncertain").rng());

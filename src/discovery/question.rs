@@ -1,0 +1,169 @@
+//! A question: the model, its samples, and what has been found out about them before anything is named.
+
+use super::error::DiscoveryError;
+use super::features::circumstances;
+use super::hypothesis::{Hypothesis, hypotheses};
+use super::missing::{Missing, missing};
+use super::nuisance::{Column, Explained, Nuisances};
+use super::options::Options;
+use super::refit::Study;
+use super::samples::Samples;
+use super::search::{Found, Scored};
+use super::{baseline, check, floor, play, proof, responses};
+use crate::data::Recording;
+use crate::effects::Model;
+
+/// What an answer is sought for, and what has been found out on the way.
+pub(super) struct Question<'a> {
+    pub(super) options: &'a Options,
+    /// The model, calibrated on the baseline where there is one, played with the precision of the options.
+    pub(super) model: Model,
+    pub(super) hypotheses: Vec<Hypothesis>,
+    /// All samples, those of the fit, and the proof.
+    pub(super) all: Samples,
+    pub(super) fit: Samples,
+    pub(super) proof: Samples,
+    pub(super) played: Vec<f64>,
+    pub(super) played_proof: Vec<f64>,
+    pub(super) responses: Vec<responses::Response>,
+    pub(super) nuisances: Nuisances,
+    /// Whether markers on the base show it standing straight.
+    pub(super) base_is_straight: bool,
+}
+
+impl<'a> Question<'a> {
+    pub(super) fn new(
+        model: &Model,
+        all: Samples,
+        baseline: Option<&Recording>,
+        options: &'a Options,
+    ) -> Result<Question<'a>, DiscoveryError> {
+        let mut model = model.clone();
+        let resolution = &mut model.robot.resolution;
+        resolution.motion_tolerance_m = options.motion_tolerance_m;
+        resolution.cell_m = resolution.cell_m.max(options.cell_m);
+        let hypotheses = hypotheses(&model);
+        let (kept, held_out) = proof::split(&all, options.held_out_share);
+        let (fit, proof) = (all.of_trials(&kept), all.of_trials(&held_out));
+        let base = match baseline {
+            Some(recording) => Some(
+                Base::new(&mut model, &hypotheses, recording, options)
+                    .map_err(|error| DiscoveryError::Baseline(Box::new(error)))?,
+            ),
+            None => None,
+        };
+        let played = played(&model, &fit)?;
+        let played_proof = self::played(&model, &proof)?;
+        let responses = responses::responses(&model, &hypotheses, &|_| true, &fit, &played);
+        let columns = baseline::uncertain(&options.uncertain, &hypotheses, &responses, 1.0);
+        let nuisances = match &base {
+            None => Nuisances::independent(played.len(), &columns),
+            Some(base) => baseline::in_common((&base.samples, &base.played, &base.columns), (&fit, &played, &columns)),
+        };
+        Ok(Question {
+            options,
+            model,
+            hypotheses,
+            all,
+            fit,
+            proof,
+            played,
+            played_proof,
+            responses,
+            nuisances,
+            base_is_straight: false,
+        })
+    }
+
+    pub(super) fn study(&self) -> Study<'_> {
+        let open = |hypothesis: &Hypothesis| {
+            let name = hypothesis.card.name;
+            let contradicted = self.base_is_straight && name == "base_tilt";
+            !contradicted && !self.options.left_out.iter().any(|left_out| left_out == name)
+        };
+        Study {
+            model: &self.model,
+            hypotheses: &self.hypotheses,
+            open: self.hypotheses.iter().map(open).collect(),
+            samples: &self.fit,
+            nuisances: &self.nuisances,
+        }
+    }
+
+    /// The best set with derivatives taken where it ended: its intervals depend on them.
+    pub(super) fn sharpened(&self, study: &Study, found: Found) -> Found {
+        let sharpen = |scored: Scored| {
+            let fitted = study.sharpened(scored.fitted.clone()).unwrap_or(scored.fitted);
+            Scored { fitted, score: scored.score }
+        };
+        let near = found.best.score - self.options.rival_score;
+        let tried: Vec<Scored> =
+            found.tried.into_iter().map(|scored| if scored.score > near { sharpen(scored) } else { scored }).collect();
+        Found { best: sharpen(found.best), tried, ..found }
+    }
+
+    /// Whether the samples of the fit hold more than nuisances and noise.
+    pub(super) fn missing(&self, explained: &Explained, played: &[f64]) -> (Missing, bool) {
+        let around = circumstances(&self.fit, played);
+        let found = missing(&self.fit, &around, &explained.left_m, self.options.seed());
+        let floor_m = explained.noise.rms_m();
+        let foretold = found.test.p_value < self.options.false_alarm
+            && found.test.foretold_m > self.options.least_foretold * floor_m;
+        // More scatter than where the same thing was measured again.
+        let floor = floor::Floor::of_repeats(&self.fit);
+        let freedom = 3.0 * explained.noise.independent(self.fit.len());
+        let scatters = floor.p_value(floor_m * floor_m, freedom) < self.options.false_alarm;
+        (found, foretold || scatters)
+    }
+
+    /// Whether something is still missing with the best set.
+    pub(super) fn left(&self, found: &Found) -> bool {
+        let best = &found.best.fitted;
+        self.missing(&best.explained, &best.played).1
+    }
+}
+
+/// A baseline, once the model is calibrated on it.
+struct Base {
+    samples: Samples,
+    played: Vec<f64>,
+    /// What is uncertain, far wider than after a calibration.
+    columns: Vec<Column>,
+}
+
+/// Before a calibration a number is known this many times worse than after it.
+const BEFORE_CALIBRATION: f64 = 10.0;
+
+impl Base {
+    fn new(
+        model: &mut Model,
+        hypotheses: &[Hypothesis],
+        recording: &Recording,
+        options: &Options,
+    ) -> Result<Base, DiscoveryError> {
+        let samples = Samples::new(recording);
+        check::check(recording, &samples)?;
+        let look = |model: &Model| -> Result<(Vec<f64>, Vec<Column>), DiscoveryError> {
+            let played = played(model, &samples)?;
+            let responses =
+                responses::responses(model, hypotheses, &|name| options.is_uncertain(name), &samples, &played);
+            let columns = baseline::uncertain(&options.uncertain, hypotheses, &responses, BEFORE_CALIBRATION);
+            Ok((played, columns))
+        };
+        let (first, columns) = look(model)?;
+        let nuisances = Nuisances::independent(first.len(), &columns);
+        if let Some(better) = baseline::calibrated(model, hypotheses, &samples, &nuisances) {
+            *model = better;
+        }
+        let (played, columns) = look(model)?;
+        Ok(Base { samples, played, columns })
+    }
+}
+
+fn played(model: &Model, samples: &Samples) -> Result<Vec<f64>, DiscoveryError> {
+    play::tips(model, &[], samples).ok_or_else(|| {
+        let alone = |k: usize| play::tips(model, &[], &samples.of_trials(&[k])).is_none();
+        let first = (0..samples.trials.len()).find(|&k| alone(k)).unwrap_or(0);
+        DiscoveryError::Unplayable(samples.trials[first].number)
+    })
+}

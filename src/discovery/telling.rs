@@ -1,0 +1,161 @@
+//! From the search to everything that is told: the answer, its proof, the map, what to record next.
+
+use super::answer::Answer;
+use super::features::circumstances;
+use super::hypothesis::effects;
+use super::noise::Noise;
+use super::nuisance::Explained;
+use super::question::Question;
+use super::refit::Study;
+use super::samples::rms_m;
+use super::search::{Found, Scored};
+use super::{Discovery, check, compare, floor, places, play, unseen, words};
+use crate::data::Recording;
+use crate::data::findings::{self, Candidate, Findings, Gap, PlaceRow, ResidualRow, Verdict};
+use crate::effects::{EffectSpec, Model};
+
+/// Chance below which what a model leaves is taken to be more than the noise of repeats.
+const MORE_THAN_REPEATS: f64 = 0.05;
+
+/// An answer with its proof.
+struct Proved {
+    answer: Answer,
+    /// What it adds to the model.
+    added: Vec<EffectSpec>,
+    gap: Gap,
+    /// Where the model with it has the tip in the held-out trials.
+    played: Vec<f64>,
+}
+
+impl Question<'_> {
+    /// Everything that is told of what the search found.
+    pub(super) fn discovery(&self, given: &Model, measured: &Recording, study: &Study, found: &Found) -> Discovery {
+        let best = &found.best.fitted;
+        let (before, _) = self.missing(&found.null.fitted.explained, &self.played);
+        let (after, left) = self.missing(&best.explained, &best.played);
+        let proved = self.proved(study.answer(found, left, self.options.rival_score));
+        let answer = &proved.answer;
+        let named = !answer.members.is_empty();
+        let (told, played, missing) = if named {
+            (&best.explained, &best.played, &after)
+        } else {
+            (&found.null.fitted.explained, &self.played, &before)
+        };
+        let unexplained = answer.verdict == Verdict::Unexplained;
+        let (from, noise) = self.floor((!unexplained).then_some(told), &best.explained);
+        let residuals = self.residual_rows(played, &proved.played);
+        let places = self.map(&residuals, &noise);
+        let next = self.next(&answer.rivals, &noise);
+        let mut findings = Findings {
+            verdict: answer.verdict,
+            effects: answer.effects.clone(),
+            noise_floor_m: noise.rms_m(),
+            gap: proved.gap.clone(),
+            disagreement: places::disagreements(&places),
+            candidates: self.candidates(study, found, answer),
+            next_measurement: String::new(),
+            summary: String::new(),
+            noise: findings::Noise { sigma_m: noise.sigma_m, correlation: noise.correlation, from },
+            missing_before: before.test.clone(),
+            missing_after: missing.test.clone(),
+            pattern: if unexplained { words::pattern(after.pattern, &places) } else { String::new() },
+            limitations: check::limitations(measured, &self.all),
+            proposals: next.iter().map(|next| next.proposal.clone()).collect(),
+        };
+        findings.summary = words::summary(&findings);
+        findings.next_measurement = words::next(&findings);
+        let mut model = self.model.clone();
+        model.robot.resolution = given.robot.resolution;
+        model.effects.extend(proved.added);
+        let remedies = compare::remedies(study, &self.played, &self.proof, &self.played_proof);
+        Discovery { findings, model, residuals, places, remedies, next }
+    }
+
+    /// The answer on held-out trials; refuted where it makes the model worse there.
+    fn proved(&self, answer: Answer) -> Proved {
+        let added = effects(&self.hypotheses, &answer.members).unwrap_or_default();
+        let mut gap = Gap {
+            metric: "rms tip error on held-out trials".to_owned(),
+            held_out_trials: self.proof.trials.iter().map(|trial| trial.number).collect(),
+            before_m: rms_m(&self.proof.residual(&self.played_proof)),
+            after_m: f64::NAN,
+        };
+        let played = play::tips(&self.model, &added, &self.proof);
+        let after_m = |played: &Vec<f64>| rms_m(&self.proof.residual(played));
+        match played.filter(|played| after_m(played) <= gap.before_m) {
+            Some(played) => {
+                gap.after_m = after_m(&played);
+                Proved { answer, added, gap, played }
+            }
+            None => {
+                gap.after_m = gap.before_m;
+                Proved { answer: Answer::refuted(), added: Vec::new(), gap, played: self.played_proof.clone() }
+            }
+        }
+    }
+
+    /// The noise, from repeats and, where all is explained, from what is left; in words where from.
+    fn floor(&self, explained: Option<&Explained>, best: &Explained) -> (String, Noise) {
+        let repeats = floor::Floor::of_repeats(&self.fit);
+        let correlation = best.noise.correlation;
+        let pooled = match explained {
+            // What the model leaves is more than noise where it is more than repeats show.
+            Some(explained) => {
+                let variance_m2 = explained.noise.sigma_m.map(|sigma| sigma * sigma);
+                let freedom = explained.noise.independent(self.fit.len());
+                if repeats.p_value(variance_m2.iter().sum(), 3.0 * freedom) < MORE_THAN_REPEATS {
+                    repeats
+                } else {
+                    repeats.pooled(variance_m2, freedom)
+                }
+            }
+            None if repeats.freedom >= 3.0 => repeats,
+            None => repeats.pooled(best.noise.sigma_m.map(|sigma| sigma * sigma), 1.0),
+        };
+        let sigma_m = pooled.variance_m2.map(f64::sqrt);
+        (pooled.from, Noise { sigma_m, correlation })
+    }
+
+    fn residual_rows(&self, after: &[f64], after_proof: &[f64]) -> Vec<ResidualRow> {
+        let mut rows = Vec::new();
+        let parts = [(&self.fit, &self.played, after, false), (&self.proof, &self.played_proof, after_proof, true)];
+        for (samples, before, after, held_out) in parts {
+            let (before, after) = (samples.residual(before), samples.residual(after));
+            rows.extend(samples.rows.iter().enumerate().map(|(k, row)| ResidualRow {
+                trial: samples.trials[row.trial].number,
+                time_s: row.time_s,
+                held_out,
+                tip_x_m: row.tip_m[0],
+                tip_y_m: row.tip_m[1],
+                tip_z_m: row.tip_m[2],
+                before_x_m: before[3 * k],
+                before_y_m: before[3 * k + 1],
+                before_z_m: before[3 * k + 2],
+                after_x_m: after[3 * k],
+                after_y_m: after[3 * k + 1],
+                after_z_m: after[3 * k + 2],
+            }));
+        }
+        rows
+    }
+
+    fn map(&self, rows: &[ResidualRow], noise: &Noise) -> Vec<PlaceRow> {
+        let mut played = self.played.clone();
+        played.extend_from_slice(&self.played_proof);
+        let order: Vec<u64> = self.fit.trials.iter().chain(&self.proof.trials).map(|trial| trial.number).collect();
+        let place = |number: &u64| self.all.trials.iter().position(|trial| trial.number == *number);
+        let all = self.all.of_trials(&order.iter().filter_map(place).collect::<Vec<usize>>());
+        let around = circumstances(&all, &played);
+        let before: Vec<f64> = rows.iter().flat_map(|row| [row.before_x_m, row.before_y_m, row.before_z_m]).collect();
+        let after: Vec<f64> = rows.iter().flat_map(|row| [row.after_x_m, row.after_y_m, row.after_z_m]).collect();
+        places::map(&around, &before, &after, noise)
+    }
+
+    fn candidates(&self, study: &Study, found: &Found, answer: &Answer) -> Vec<Candidate> {
+        let unseen = |scored: &Scored| {
+            let each = unseen::unseen_m(study, &scored.fitted);
+            crate::math::summary::root_mean_square(&each)
+        };
+        study.candidates(found, answer, self.options.rival_score, &unseen)
+    }
+}
