@@ -3,7 +3,7 @@
 //! Rooms, lowest first; a room may import only rooms above its own line in `docs/architecture.md`:
 //! [`base`] value types and seeds, [`math`] numerics, [`data`] everything on disk, [`rod`] the Cosserat rod,
 //! [`effects`] the catalogue of missing physics, [`plants`] things that move, [`learn`] networks and Gaussian
-//! processes, [`policies`] controllers, [`tasks`] the loops, [`specs`] YAML experiments, [`runner`] stages,
+//! processes, [`discovery`] what a model lacks, [`policies`] controllers, [`tasks`] the loops, [`specs`] YAML experiments, [`runner`] stages,
 //! cache and threads, [`report`] tables and figures.
 
 pub mod base;
@@ -12,10 +12,10 @@ pub mod math;
 pub mod data;
 pub mod rod;
 
-pub mod discovery;
 pub mod effects;
 pub mod plants;
 
+pub mod discovery;
 pub mod learn;
 pub mod policies;
 

@@ -149,8 +149,11 @@ fn every_disturbance_can_be_hidden() {
     assert!(UNKNOWNS.iter().all(|unknown| CATALOGUE.iter().all(|card| card.name != unknown.name)));
 }
 
-fn answer(verdict: Verdict, effects: &[(&str, &[(&str, f64, [f64; 2])], &[&str])]) -> Answer {
-    let one = |(name, values, rivals): &(&str, &[(&str, f64, [f64; 2])], &[&str])| Answered {
+/// Name, parameters with their intervals, and rivals of an effect in an answer.
+type Told<'t> = (&'t str, &'t [(&'t str, f64, [f64; 2])], &'t [&'t str]);
+
+fn answer(verdict: Verdict, effects: &[Told]) -> Answer {
+    let one = |(name, values, rivals): &Told| Answered {
         name: (*name).to_owned(),
         values: values.iter().map(|(name, value, _)| ((*name).to_owned(), *value)).collect(),
         intervals: values.iter().map(|(name, _, ends)| ((*name).to_owned(), *ends)).collect::<BTreeMap<_, _>>(),

@@ -15,7 +15,7 @@ use crate::data::findings::{self, Candidate, Findings, Gap, PlaceRow, ResidualRo
 use crate::effects::{EffectSpec, Model};
 
 /// Chance below which what a model leaves is taken to be more than the noise of repeats.
-const MORE_THAN_REPEATS: f64 = 0.05;
+const MORE_THAN_REPEATS: f64 = 1e-3;
 
 /// An answer with its proof.
 struct Proved {
