@@ -49,7 +49,7 @@ impl Floor {
     /// Probability that noise of this floor leaves a residual of as much variance (all axes together).
     pub(super) fn p_value(&self, variance_m2: f64, freedom: f64) -> f64 {
         let own: f64 = self.variance_m2.iter().sum();
-        if self.freedom < 3.0 || own <= 0.0 {
+        if self.freedom < 2.0 || own <= 0.0 {
             return 1.0;
         }
         f_above(variance_m2 / own, freedom, 3.0 * self.freedom)

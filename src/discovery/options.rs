@@ -72,7 +72,7 @@ impl Default for Options {
         Options {
             held_out_share: 0.25,
             most_effects: 3,
-            least_score: 4.0,
+            least_score: 12.0,
             least_size: 0.5,
             rival_score: 6.0,
             false_alarm: 1e-3,

@@ -109,10 +109,13 @@ impl<'a> Question<'a> {
         let floor_m = explained.noise.rms_m();
         let foretold = found.test.p_value < self.options.false_alarm
             && found.test.foretold_m > self.options.least_foretold * floor_m;
-        // More scatter than where the same thing was measured again.
+        // More scatter than where the same thing was measured again; scatter that hardly changes from one sample to the
+        // next is no tracker's, and little more of it is enough.
         let floor = floor::Floor::of_repeats(&self.fit);
         let freedom = 3.0 * explained.noise.independent(self.fit.len());
-        let scatters = floor.p_value(floor_m * floor_m, freedom) < self.options.false_alarm;
+        let slow = explained.noise.correlation > SLOW;
+        let least = if slow { SLOW_CHANCE } else { self.options.false_alarm };
+        let scatters = floor.p_value(floor_m * floor_m, freedom) < least;
         (found, foretold || scatters)
     }
 
@@ -122,6 +125,11 @@ impl<'a> Question<'a> {
         self.missing(&best.explained, &best.played).1
     }
 }
+
+/// Correlation from one sample to the next beyond which what is left is not a tracker's noise.
+const SLOW: f64 = 0.8;
+/// Chance below which such a residual is more than the repeats' noise.
+const SLOW_CHANCE: f64 = 0.05;
 
 /// A baseline, once the model is calibrated on it.
 struct Base {

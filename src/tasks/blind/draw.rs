@@ -14,6 +14,9 @@ use super::unknown::{Disturbance, UNKNOWNS};
 use crate::base::{Generator, Point3, Seed};
 use crate::effects::{CATALOGUE, Card, Model};
 
+/// What moves the tip by less than this share of what was asked is not worth a case.
+const FAINT: f64 = 0.25;
+
 /// What is hidden in a robot whose uncertain numbers these are; nothing where it cannot be.
 type Hide<'h> = dyn FnMut(&[Hidden], &mut Generator) -> Option<Vec<Hidden>> + 'h;
 
@@ -199,13 +202,17 @@ impl Drawing<'_> {
                 Some((vec![hidden], None, moved))
             }
             Candidate::Unknown(index) => {
-                let unit = UNKNOWNS[index].draw(model.robot.tendons.angles_deg.len(), random);
-                let shift_m = |amount: f64| {
-                    let with = tips_m(model, self.commands, &[], &[], Some(&unit.times(amount)))?;
-                    Some(apart_m(&with, &without))
-                };
-                let reached = reach(self.robot.shift_m, UNKNOWNS[index].most, &mut { shift_m })?;
-                let unknown = unit.times(reached.amount);
+                // A tendon that is hardly used shows nothing: another is drawn.
+                let drawn = (0..ROBOTS).find_map(|_| {
+                    let unit = UNKNOWNS[index].draw(model.robot.tendons.angles_deg.len(), random);
+                    let shift_m = |amount: f64| {
+                        let with = tips_m(model, self.commands, &[], &[], Some(&unit.times(amount)))?;
+                        Some(apart_m(&with, &without))
+                    };
+                    let reached = reach(self.robot.shift_m, UNKNOWNS[index].most, &mut { shift_m })?;
+                    (reached.shift_m >= FAINT * self.robot.shift_m).then(|| unit.times(reached.amount))
+                });
+                let unknown = drawn?;
                 let moved = moved(&[], Some(&unknown))?;
                 Some((Vec::new(), Some(unknown), moved))
             }
