@@ -128,7 +128,7 @@ fn the_oracle_knows_inside_from_outside() {
     let left = |out: &[String]| span.left(&model(), &commands, &moved, out, &OracleOptions::default(), true);
     // The truth is played more finely than the model: their difference is a fifth of the noise by itself.
     assert!(left(&[]) < 0.3, "{} {load:?}", left(&[]));
-    assert!(span.first_look(&moved, &[], 0) > 5.0, "4 mm over 0.5 mm");
+    assert!(span.first_look(&moved, &[], 0) > 3.0, "4 mm over 0.87 mm, less what the uncertain numbers do");
 }
 
 #[test]

@@ -29,6 +29,8 @@ pub struct Options {
     pub least_score: f64,
     /// How far an effect must move the tip, over the noise floor, to be worth a name.
     pub least_size: f64,
+    /// How far one effect more must move the tip, over what those found before it do: their laws are right to no more.
+    pub least_share: f64,
     /// Answers whose scores differ by less cannot be told apart.
     pub rival_score: f64,
     /// Chance that noise alone is taken for something missing.
@@ -74,6 +76,7 @@ impl Default for Options {
             most_effects: 3,
             least_score: 12.0,
             least_size: 0.5,
+            least_share: 0.1,
             rival_score: 6.0,
             false_alarm: 1e-3,
             least_foretold: 0.4,
@@ -108,6 +111,7 @@ impl Options {
             most_effects: self.most_effects,
             least_score: self.least_score,
             least_size: self.least_size,
+            least_share: self.least_share,
             thorough: false,
         }
     }

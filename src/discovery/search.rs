@@ -19,6 +19,8 @@ pub(super) struct Limits {
     pub(super) least_score: f64,
     /// Distance that an effect must move the tip, over the noise floor.
     pub(super) least_size: f64,
+    /// The same for one effect more, over what those found before it do together.
+    pub(super) least_share: f64,
     /// Whether every hypothesis is refitted, whatever it promises at a first look.
     pub(super) thorough: bool,
 }
@@ -214,9 +216,12 @@ impl Study<'_> {
             let moved = next.fitted.played.iter().zip(&best.fitted.played).map(|(there, here)| there - here);
             rms_m(&moved.collect::<Vec<f64>>())
         };
+        // The laws of the effects found so far are right to a share of what they do: that much is no other effect's.
+        let known: Vec<f64> = best.fitted.played.iter().zip(&null.fitted.played).map(|(a, b)| a - b).collect();
+        let inexact_m = limits.least_share * rms_m(&known);
         let worth = |next: &Scored| {
-            moves(next) >= limits.least_size * next.fitted.explained.noise.rms_m()
-                && next.score >= best.score + limits.least_score
+            let least_m = inexact_m.max(limits.least_size * next.fitted.explained.noise.rms_m());
+            moves(next) >= least_m && next.score >= best.score + limits.least_score
         };
         fits.into_iter().filter(worth).max_by(|a, b| a.score.total_cmp(&b.score))
     }
