@@ -155,7 +155,8 @@ fn recordings_of_another_simulator_are_understood() {
     assert_eq!(nothing.findings.verdict, Verdict::Consistent, "{}", nothing.findings.summary);
     let load = with("tip_load_10g");
     assert_eq!((load.findings.verdict, names(&load)), (Verdict::Named, vec!["tip_load"]), "{}", load.findings.summary);
-    assert!((told(&load, "mass_kg").0 - 0.01).abs() < 5e-4);
+    // Two simulators of one robot agree on what a load does to a tenth.
+    assert!((told(&load, "mass_kg").0 - 0.01).abs() < 1e-3);
     let friction = with("friction");
     assert_eq!((friction.findings.verdict, names(&friction)), (Verdict::Named, vec!["friction"]));
     assert!((told(&friction, "moment_nm").0 - 0.02).abs() < 2e-3);
