@@ -12,7 +12,7 @@ pub struct Reached {
 /// Shifts are met to this share.
 const ACCURACY: f64 = 0.02;
 /// Strengths that are tried at most.
-const TRIES: usize = 12;
+const TRIES: usize = 20;
 
 /// The strength, `most` at most, at which `shift_m` (none where the robot cannot follow) moves the tip by `wanted_m`; the
 /// strongest that is possible where none does. None when nothing is possible.
@@ -20,7 +20,7 @@ pub fn reach(wanted_m: f64, most: f64, shift_m: &mut dyn FnMut(f64) -> Option<f6
     let mut below = Reached { amount: 0.0, shift_m: 0.0 };
     let mut above: Option<f64> = None;
     let mut amount = most.min(1.0);
-    for _ in 0..TRIES {
+    for tried in 0..TRIES {
         match shift_m(amount) {
             Some(shift_m) if (shift_m / wanted_m - 1.0).abs() <= ACCURACY => {
                 return Some(Reached { amount, shift_m });
@@ -30,25 +30,27 @@ pub fn reach(wanted_m: f64, most: f64, shift_m: &mut dyn FnMut(f64) -> Option<f6
                 if amount >= most {
                     break;
                 }
-                amount = middle(amount * (wanted_m / shift_m).min(4.0), amount, above).min(most);
+                amount = middle(amount * (wanted_m / shift_m).min(4.0), amount, above, tried).min(most);
             }
             too_far => {
                 above = Some(amount);
                 let proportional = too_far.map_or(0.0, |shift_m| amount * wanted_m / shift_m);
-                amount = middle(proportional, below.amount, above);
+                amount = middle(proportional, below.amount, above, tried);
             }
         }
     }
     (below.amount > 0.0).then_some(below)
 }
 
-/// `guess` where it is well between the two ends, else the middle.
-fn middle(guess: f64, low: f64, high: Option<f64>) -> f64 {
+/// `guess` where it is well between the two ends, else the middle; every other time the middle, because a guess in
+/// proportion comes from one side for ever where the dependence has a kink.
+fn middle(guess: f64, low: f64, high: Option<f64>, tried: usize) -> f64 {
     match high {
         None => guess,
         Some(high) => {
             let margin = 0.05 * (high - low);
-            if guess > low + margin && guess < high - margin { guess } else { 0.5 * (low + high) }
+            let proportionate = tried.is_multiple_of(2) && guess > low + margin && guess < high - margin;
+            if proportionate { guess } else { 0.5 * (low + high) }
         }
     }
 }
