@@ -132,6 +132,28 @@ fn the_papers_robot_answers_any_command() {
     }
 }
 
+#[test]
+#[ignore = "scratch"]
+fn timing() {
+    let fresh = Rod::new(common::shipped("nominal"));
+    for base in [0.003, 0.006, 0.010, 0.015, 0.02, 0.025, 0.03] {
+        let pulls = |x: f64, y: f64| [x, y, -x, -y].map(Drive::Pull);
+        let mut best = (f64::INFINITY, f64::INFINITY);
+        let mut rod = fresh.clone();
+        for _ in 0..300 {
+            let mut cold = fresh.clone();
+            let t0 = std::time::Instant::now();
+            cold.settle(&pulls(base, 0.67 * base));
+            best.0 = f64::min(best.0, t0.elapsed().as_secs_f64() * 1e6);
+            rod.settle(&pulls(base, 0.67 * base));
+            let t0 = std::time::Instant::now();
+            rod.settle(&pulls(base + 0.001, 0.67 * base));
+            best.1 = f64::min(best.1, t0.elapsed().as_secs_f64() * 1e6);
+        }
+        println!("{base}: cold {:.1} warm {:.1} us; level {} error {:.2e}", best.0, best.1, rod.refinements(), rod.space_error_m());
+    }
+}
+
 /// The full campaign, by `make campaign`: writes its table where CAMPAIGN_OUT says.
 #[test]
 #[ignore = "takes an hour or more"]
@@ -146,6 +168,19 @@ fn full_campaign() {
         }
         outcome
     };
+    if let Ok(only) = std::env::var("CAMPAIGN_ONLY") {
+        let (first, end) = only.split_once("..").expect("first..end");
+        let (first, end): (u64, u64) = (first.parse().unwrap(), end.parse().unwrap());
+        for k in first..end {
+            let t0 = std::time::Instant::now();
+            let o = play(k, Seed(13), false, false);
+            let t1 = t0.elapsed().as_secs_f64();
+            let o2 = play(k, Seed(13), true, false);
+            let t2 = t0.elapsed().as_secs_f64() - 2.0 * t1;
+            println!("draw {k} {} off {:?} allowed {:e} level {} t {t1:.4} {t2:.4}", o.rest, o2.off_m, o.allowed_m, o.refinements);
+        }
+        return;
+    }
     let outcomes: Vec<Outcome> = (0..draws).into_par_iter().map(told).collect();
     let table = table(&outcomes);
     std::fs::write(out, &table).unwrap();
