@@ -34,6 +34,8 @@ const RECONSTRUCTION_CAUTION: f64 = 2.0;
 /// scaled, this many times.
 const NEAR: f64 = 0.05;
 const NEAR_CAUTION: f64 = 5.0;
+/// Shapes on two grids that lie further apart than this share of the length may be two equilibria.
+const ANOTHER: f64 = 1e-3;
 /// Refinement stops at cells of this share of the length.
 const MOST_CELLS: f64 = 300.0;
 /// A rod whose material remembers has fronts where it yields, kinks that no polynomial resolves: such rods are held to
@@ -198,13 +200,6 @@ impl System {
     }
 }
 
-/// What the finer of two grids may still be off by when they lie `apart_m` apart and the two before lay `before_m`
-/// apart: the rest of a geometric series, with a ratio that is not trusted below a quarter.
-fn left_m(before_m: f64, apart_m: f64) -> f64 {
-    let ratio = if before_m.is_finite() { apart_m / before_m } else { 1.0 };
-    if ratio < 0.5 { apart_m * ratio.max(0.25) / (1.0 - ratio.max(0.25)) } else { apart_m }
-}
-
 fn square(strain: &Six) -> f64 {
     strain[0] * strain[0] + strain[1] * strain[1] + strain[2] * strain[2]
 }
@@ -270,19 +265,13 @@ impl Rod {
         }
         let mut fallback = None;
         let mut status = Status::UnderResolved;
-        let mut before_m = f64::INFINITY;
         while self.space.error_m > tolerance_m && self.space.level < MOST_REFINEMENTS {
             let mut finer = self.on_grid(self.space.level + 1);
             let patience = std::mem::replace(&mut finer.solver.patience, PATIENCE);
             status = finer.solve_static(holds, 1.0);
             finer.solver.patience = patience;
-            let apart_m = distance_m(&finer.state.shape, &self.state.shape, self.system.params.length_m());
-            finer.space.error_m = finer.estimate_m();
-            // More of the same polynomials come nearer so slowly, where the wrench jumps, that agreement says little.
-            if finer.space.level > 2 {
-                finer.space.error_m = finer.space.error_m.min(left_m(before_m, apart_m));
-                before_m = apart_m;
-            }
+            // Polynomials that end at every jump leave nothing that the reconstruction would not see.
+            finer.space.error_m = if finer.space.level > 1 { 0.0 } else { finer.estimate_m() };
             finer.confirm(holds, tolerance_m);
             let coarser = std::mem::replace(self, finer);
             fallback.get_or_insert(coarser);
@@ -294,13 +283,25 @@ impl Rod {
         }
         if status == Status::Converged {
             let settled = self.space.error_m <= tolerance_m;
-            status = if settled { self.possible() } else { Status::UnderResolved };
+            status = if settled { self.still_stable(holds, fallback.as_ref()) } else { Status::UnderResolved };
         }
         if let (true, Some(mut coarse)) = (status != Status::Converged, fallback) {
             coarse.space.error_m = self.space.error_m;
             *self = coarse;
         }
         status
+    }
+
+    /// A finer grid may have led to another equilibrium than that of `coarse`, which was a stable one.
+    fn still_stable(&mut self, holds: &[Hold], coarse: Option<&Rod>) -> Status {
+        let length_m = self.system.params.length_m();
+        let elsewhere = coarse.is_some_and(|coarse| {
+            distance_m(&coarse.state.shape, &self.state.shape, length_m) > ANOTHER * length_m
+        });
+        if elsewhere && !self.certainly_stable() && self.unstable_direction(holds).is_some() {
+            return Status::Unstable;
+        }
+        self.possible()
     }
 
     /// Judges the shape of a moving rod, whose grid stays as it is. What is missing in the balance meets the viscous

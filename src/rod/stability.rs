@@ -65,7 +65,7 @@ impl Rod {
     }
 
     /// A motion that lowers the energy, as changes of the polynomial coefficients; none if the equilibrium is stable.
-    fn unstable_direction(&mut self, holds: &[Hold]) -> Option<Vec<f64>> {
+    pub(super) fn unstable_direction(&mut self, holds: &[Hold]) -> Option<Vec<f64>> {
         self.solver.forget();
         if self.solve_static(holds, 1.0) != Status::Converged {
             return None;
