@@ -273,9 +273,10 @@ impl Rod {
             // Polynomials that end at every jump leave nothing that the reconstruction would not see.
             finer.space.error_m = if finer.space.level > 1 { 0.0 } else { finer.estimate_m() };
             finer.confirm(holds, tolerance_m);
+            let hopeless = finer.space.level > 1 && finer.space.error_m > self.system.params.length_m();
             let coarser = std::mem::replace(self, finer);
             fallback.get_or_insert(coarser);
-            if status != Status::Converged {
+            if status != Status::Converged || hopeless {
                 // The coarse answer stands unconfirmed.
                 status = Status::UnderResolved;
                 break;

@@ -12,6 +12,7 @@ const STEPS: f64 = 400.0;
 
 /// Corrections of the base wrench before the oracle gives up.
 const MOST_CORRECTIONS: usize = 15;
+const MOST_HALVINGS: usize = 10;
 
 /// What the oracle finds next to the rod's answer.
 #[derive(Clone, Debug)]
@@ -95,8 +96,17 @@ pub fn judge(case: &Case, rod: &Rod) -> Option<Verdict> {
             factors = Some(derivative(&mut residual, &x, &r)?.lu());
         }
         before = open;
-        x -= factors.as_ref()?.solve(&r)?;
-        (r, end) = residual(&x)?;
+        let mut step: DVector<f64> = factors.as_ref()?.solve(&r)?;
+        let mut after = residual(&(&x - &step));
+        for _ in 0..MOST_HALVINGS {
+            if after.as_ref().is_some_and(|(r, _)| r.norm() < 2.0 * open) {
+                break;
+            }
+            step *= 0.5;
+            after = residual(&(&x - &step));
+        }
+        x -= step;
+        (r, end) = after?;
     }
     let slack = (0..case.drives.len()).filter(|i| matches!(case.drives[*i], Drive::Pull(_)) && !taut.contains(i));
     let overstretch_m = slack.map(|i| shooting.overstretch_m(i, &end)).fold(0.0, f64::max);
@@ -229,13 +239,12 @@ impl Shooting<'_> {
         for _ in 0..100 {
             let open = wrench - wanted;
             let mut step = tangent.lu().solve(&open)?;
-            let fall = open.dot(&step);
             let start = *strain;
             for _ in 0..30 {
                 *strain = start - step;
                 (wrench, tangent) = self.wrench(middle, strain);
                 // Beyond the least the energy rises along the step.
-                if -(wrench - wanted).dot(&step) <= 0.5 * fall {
+                if -(wrench - wanted).dot(&step) <= 0.5 * open.dot(&step) {
                     break;
                 }
                 step *= 0.5;
