@@ -5,7 +5,7 @@
 //! under the loads of the solved shape. What the shape of these strains then leaves open in the mean is taken off with
 //! the solver's own derivative, so that what a slender rod or a rod near buckling makes of a small error is in it.
 
-use nalgebra::{DVector, Matrix6, Vector6};
+use nalgebra::{DVector, Matrix6, Vector3, Vector6};
 
 use super::conditions::{Conditions, Hold};
 use super::grid::COMPONENTS;
@@ -16,7 +16,44 @@ use super::section::Six;
 use super::simulation::Rod;
 use super::system::{System, Work};
 
+/// The reconstruction is right but for terms of higher order; in 600 random robots it was never less than three
+/// quarters of the error.
+const RECONSTRUCTION_CAUTION: f64 = 2.0;
+/// Shapes whose tips lie apart by less than this share of the length are near each other; there the raw estimate counts,
+/// scaled, this many times.
+const NEAR: f64 = 0.05;
+const NEAR_CAUTION: f64 = 5.0;
+
+/// A shape whose error has been told by its reconstruction, and by how much that exceeded what was estimated.
+#[derive(Clone, Debug)]
+pub(super) struct Confirmed {
+    tip_m: Vector3<f64>,
+    taut: Vec<bool>,
+    ratio: f64,
+}
+
 impl Rod {
+    /// Raises an estimate below the tolerance to what the reconstruction says, which knows what the rod makes of it. Next to
+    /// a shape for which that has been told the estimate is scaled instead.
+    pub(super) fn confirm(&mut self, holds: &[Hold], tolerance_m: f64) {
+        if self.space.error_m > tolerance_m || tolerance_m.is_infinite() {
+            return;
+        }
+        let raw_m = self.system.cell_error_m(&self.state.shape, &self.state.taut)
+            + self.system.balance_error_m(&self.solver.work, &self.state.taut);
+        let tip_m = self.tip_m();
+        if let Some(Confirmed { tip_m: there_m, taut, ratio }) = &self.space.confirmed {
+            let near = (tip_m - there_m).norm() < NEAR * self.system.params.length_m() && *taut == self.state.taut;
+            if near && NEAR_CAUTION * ratio * raw_m <= tolerance_m && self.certainly_stable() {
+                return;
+            }
+        }
+        let apart_m = self.reconstruction_m(holds);
+        self.space.error_m = self.space.error_m.max(RECONSTRUCTION_CAUTION * apart_m);
+        let ratio = (apart_m / raw_m.max(f64::MIN_POSITIVE)).max(1.0);
+        self.space.confirmed = Some(Confirmed { tip_m, taut: self.state.taut.clone(), ratio });
+    }
+
     /// How far the tip of the reconstructed solution lies from the tip of this one, metres, after a static solve under
     /// `holds`; a turn counts as what it moves at the rod's length. Infinite where it cannot be told.
     pub(super) fn reconstruction_m(&mut self, holds: &[Hold]) -> f64 {

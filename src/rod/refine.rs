@@ -1,5 +1,5 @@
 //! Is the grid fine enough? An a-posteriori estimate of what the discretisation in space puts the tip off by, and
-//! static solves that refine cells and polynomials until two grids agree (docs/robustness.md).
+//! static solves that refine cells and polynomials until the estimate is small enough (docs/robustness.md).
 
 use std::sync::{Arc, OnceLock};
 
@@ -9,6 +9,7 @@ use super::conditions::Hold;
 use super::grid::{COMPONENTS, Grid, element_ends};
 use super::memory::MemoryState;
 use super::params::{Resolution, RodParams};
+use super::reconstruction::Confirmed;
 use super::section::{Section, Six};
 use super::shape::Shape;
 use super::simulation::Rod;
@@ -16,7 +17,7 @@ use super::status::Status;
 use super::system::{System, Work};
 use crate::math::polynomial::legendre;
 
-/// How often the grid may be refined: cells to an eighth, and polynomials that end at every jump of the material.
+/// How often the grid may be refined: cells to a sixteenth, and polynomials that end at every jump of the material.
 const MOST_REFINEMENTS: u32 = 4;
 /// Polynomials added by the first refinement; each further one adds two more than the one before.
 const MORE_MODES: usize = 4;
@@ -28,12 +29,6 @@ const PATIENCE: usize = 40;
 const LEAST_OFFSET: f64 = 0.01;
 /// One Picard iteration is the first term of a series; it counts this many times.
 const CAUTION: f64 = 15.0;
-/// The reconstruction is right but for terms of higher order; in 1,300 random robots it was never too small by a third.
-const RECONSTRUCTION_CAUTION: f64 = 2.0;
-/// Shapes whose tips lie apart by less than this share of the length are near each other; there the raw estimate counts,
-/// scaled, this many times.
-const NEAR: f64 = 0.05;
-const NEAR_CAUTION: f64 = 5.0;
 /// Shapes on two grids that lie further apart than this share of the length may be two equilibria.
 const ANOTHER: f64 = 1e-3;
 /// Refinement stops at cells of this share of the length.
@@ -62,21 +57,20 @@ pub(super) struct Space {
     /// The same polynomials on twice as many cells, once they have been asked for.
     halved: Arc<OnceLock<System>>,
     /// The last shape that was reconstructed.
-    confirmed: Option<Confirmed>,
-}
-
-/// A shape whose error has been told by its reconstruction, and by how much that exceeded what was estimated.
-#[derive(Clone, Debug)]
-struct Confirmed {
-    tip_m: Vector3<f64>,
-    taut: Vec<bool>,
-    ratio: f64,
+    pub(super) confirmed: Option<Confirmed>,
 }
 
 impl Space {
     pub(super) fn new(system: &System) -> Space {
         let softest = system.sections.iter().map(Section::softest_turn).fold(0.0, f64::max);
-        Space { base: system.params.resolution, level: 0, error_m: 0.0, softest, halved: Arc::default(), confirmed: None }
+        Space {
+            base: system.params.resolution,
+            level: 0,
+            error_m: 0.0,
+            softest,
+            halved: Arc::default(),
+            confirmed: None,
+        }
     }
 
     /// `system` with the same polynomials on twice as many cells.
@@ -109,7 +103,7 @@ impl RodParams {
             bending = others + others / 2;
         }
         params.resolution = Resolution {
-            cell_m: (base.cell_m / f64::from(1 << level.min(3))).max(self.length_m() / MOST_CELLS).min(base.cell_m),
+            cell_m: (base.cell_m / f64::from(1 << level)).max(self.length_m() / MOST_CELLS).min(base.cell_m),
             bending_modes: bending.min(base.bending_modes + more),
             torsion_modes: others.min(base.torsion_modes + more),
             shear_modes: others.min(base.shear_modes + more),
@@ -123,7 +117,7 @@ impl RodParams {
 impl System {
     /// What the cells' quadrature puts the tip off by, metres: the angle that each turns, how far from plane it bends,
     /// and where the spine begins to saturate inside.
-    fn cell_error_m(&self, shape: &Shape, taut: &[bool]) -> f64 {
+    pub(super) fn cell_error_m(&self, shape: &Shape, taut: &[bool]) -> f64 {
         let strain = &shape.strain;
         let (length, mut total, mut kinks) = (self.params.length_m(), 0.0, 0.0);
         for (c, cell) in self.grid.cells.iter().enumerate() {
@@ -173,7 +167,7 @@ impl System {
     /// points is weighed to nothing by the polynomials that are there; as a strain that the rod lacks, it moves the tip
     /// by its product with a lever that is no polynomial (one Picard iteration of the exact balance).
     /// Where it changes the length of a taut tendon, the tendon bends the rod back by that length over its offset.
-    fn balance_error_m(&self, work: &Work, taut: &[bool]) -> f64 {
+    pub(super) fn balance_error_m(&self, work: &Work, taut: &[bool]) -> f64 {
         let tip = work.shape.tip_m();
         let lacking: Vec<Six> = (0..self.grid.nodes.len()).map(|g| self.lacking(g, work)).collect();
         let (mut moved, mut turned) = (Vector3::zeros(), Vector3::zeros());
@@ -205,8 +199,8 @@ fn square(strain: &Six) -> f64 {
 }
 
 impl Rod {
-    /// What the discretisation in space may put the tip off by, metres: after a static solve the difference between
-    /// two grids, or an estimate on one grid where that is below the tolerance; in motion that estimate.
+    /// What the discretisation in space may put the tip off by, metres: after a static solve the larger one of an estimate
+    /// and of what a reconstruction says; in motion an estimate.
     pub fn space_error_m(&self) -> f64 {
         self.space.error_m
     }
@@ -224,29 +218,8 @@ impl Rod {
         if estimate.is_finite() { estimate } else { f64::INFINITY }
     }
 
-    /// Raises an estimate below the tolerance to what the reconstruction says, which knows what the rod makes of it. Next to
-    /// a shape for which that has been told the estimate is scaled instead.
-    fn confirm(&mut self, holds: &[Hold], tolerance_m: f64) {
-        if self.space.error_m > tolerance_m {
-            return;
-        }
-        let raw_m = self.system.cell_error_m(&self.state.shape, &self.state.taut)
-            + self.system.balance_error_m(&self.solver.work, &self.state.taut);
-        let tip_m = self.tip_m();
-        if let Some(Confirmed { tip_m: there_m, taut, ratio }) = &self.space.confirmed {
-            let near = (tip_m - there_m).norm() < NEAR * self.system.params.length_m() && *taut == self.state.taut;
-            if near && NEAR_CAUTION * ratio * raw_m <= tolerance_m && self.certainly_stable() {
-                return;
-            }
-        }
-        let apart_m = self.reconstruction_m(holds);
-        self.space.error_m = self.space.error_m.max(RECONSTRUCTION_CAUTION * apart_m);
-        let ratio = (apart_m / raw_m.max(f64::MIN_POSITIVE)).max(1.0);
-        self.space.confirmed = Some(Confirmed { tip_m, taut: self.state.taut.clone(), ratio });
-    }
-
     /// Judges a shape at rest that solves the equations under `holds`: is it possible, does a finer grid agree?
-    /// Refines until two grids agree; a rod whose shape is refused goes back to the grid that it had.
+    /// Refines until the grid is fine enough; a rod whose shape is refused goes back to the grid that it had.
     pub(super) fn examine_rest(&mut self, holds: &[Hold]) -> Status {
         let status = self.leave_if_unstable(holds);
         if status != Status::Converged {
@@ -296,9 +269,8 @@ impl Rod {
     /// A finer grid may have led to another equilibrium than that of `coarse`, which was a stable one.
     fn still_stable(&mut self, holds: &[Hold], coarse: Option<&Rod>) -> Status {
         let length_m = self.system.params.length_m();
-        let elsewhere = coarse.is_some_and(|coarse| {
-            distance_m(&coarse.state.shape, &self.state.shape, length_m) > ANOTHER * length_m
-        });
+        let elsewhere = coarse
+            .is_some_and(|coarse| distance_m(&coarse.state.shape, &self.state.shape, length_m) > ANOTHER * length_m);
         if elsewhere && !self.certainly_stable() && self.unstable_direction(holds).is_some() {
             return Status::Unstable;
         }
