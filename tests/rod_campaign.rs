@@ -142,8 +142,6 @@ fn full_campaign() {
         let (first, end) = only.split_once("..").expect("first..end");
         let (first, end): (u64, u64) = (first.parse().unwrap(), end.parse().unwrap());
         (first..end).for_each(|k| println!("draw {k}: {:?}", told(k)));
-        if std::env::var("LOOK").is_ok() { let case = case(Seed(13).index(first)); let mut rod = Rod::new(case.params.clone()); rod.set_tip_load(case.load); rod.settle(&case.drives);
-            println!("LOOK tip {:?} tensions {:?} load {:?} drives {:?} sections {:?} EI {:e} EA {:e} stretch {:?}", rod.tip_m(), rod.tensions_n(), case.load, case.drives, case.params.sections.first(), bending_n_m2(&case.params), case.params.spans[0].axial_n, rod.cross_sections().windows(2).map(|w| ((w[1].position_m-w[0].position_m).norm()/(w[1].s_m-w[0].s_m))).fold((9e9f64,0.0f64), |a,b| (a.0.min(b), a.1.max(b)))); }
         return;
     }
     let draws: u64 = std::env::var("CAMPAIGN_DRAWS").map_or(100_000, |text| text.parse().unwrap());
