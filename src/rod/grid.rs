@@ -74,6 +74,14 @@ impl Grid {
         (params.resolution == changed.resolution).then(|| Grid::on(&params.resolution, boundaries_m, &ends))
     }
 
+    /// The same polynomials on twice as many cells.
+    pub(super) fn halved(&self, resolution: &Resolution) -> Grid {
+        let pairs = self.boundaries_m.windows(2);
+        let mut boundaries_m: Vec<f64> = pairs.flat_map(|pair| [pair[0], 0.5 * (pair[0] + pair[1])]).collect();
+        boundaries_m.extend(self.boundaries_m.last());
+        Grid::on(resolution, boundaries_m, &self.elements_m)
+    }
+
     /// The grid with cells between `boundaries_m` and polynomials between `elements`.
     fn on(resolution: &Resolution, boundaries_m: Vec<f64>, elements: &[f64]) -> Grid {
         let modes = [

@@ -377,7 +377,7 @@ fn add_gram(out: &mut [f64], direction: &Triple, weight: &Matrix3<f64>) {
 
 /// Σ tension · ∂²length/∂strain² at Gauss point `g`: the stiffness that taut tendons add.
 #[inline(always)]
-fn tendon_stiffness(system: &System, g: usize, tensions: &[f64], work: &Work) -> [Six; COMPONENTS] {
+pub(super) fn tendon_stiffness(system: &System, g: usize, tensions: &[f64], work: &Work) -> [Six; COMPONENTS] {
     let mut total = [[0.0; COMPONENTS]; COMPONENTS];
     for (i, &tension) in tensions.iter().enumerate() {
         let (t, stretch) = work.tangents[g * tensions.len() + i];

@@ -13,6 +13,7 @@ mod memory;
 mod motion;
 mod nearby;
 mod params;
+mod reconstruction;
 mod refine;
 mod relax;
 mod scheme;

@@ -1,5 +1,7 @@
 //! Is the grid fine enough? An a-posteriori estimate of what the discretisation in space puts the tip off by, and
-//! static solves that refine cells and polynomials until two grids agree (docs/robustness.md).
+//! static solves that refine cells and polynomials until the estimate is small enough (docs/robustness.md).
+
+use std::sync::{Arc, OnceLock};
 
 use nalgebra::Vector3;
 
@@ -7,6 +9,7 @@ use super::conditions::Hold;
 use super::grid::{COMPONENTS, Grid, element_ends};
 use super::memory::MemoryState;
 use super::params::{Resolution, RodParams};
+use super::reconstruction::Confirmed;
 use super::section::{Section, Six};
 use super::shape::Shape;
 use super::simulation::Rod;
@@ -14,7 +17,7 @@ use super::status::Status;
 use super::system::{System, Work};
 use crate::math::polynomial::legendre;
 
-/// How often the grid may be refined: cells to an eighth, and polynomials that end at every jump of the material.
+/// How often the grid may be refined: cells to a sixteenth, and polynomials that end at every jump of the material.
 const MOST_REFINEMENTS: u32 = 4;
 /// Polynomials added by the first refinement; each further one adds two more than the one before.
 const MORE_MODES: usize = 4;
@@ -26,6 +29,8 @@ const PATIENCE: usize = 40;
 const LEAST_OFFSET: f64 = 0.01;
 /// One Picard iteration is the first term of a series; it counts this many times.
 const CAUTION: f64 = 15.0;
+/// Shapes on two grids that lie further apart than this share of the length may be two equilibria.
+const ANOTHER: f64 = 1e-3;
 /// Refinement stops at cells of this share of the length.
 const MOST_CELLS: f64 = 300.0;
 /// A rod whose material remembers has fronts where it yields, kinks that no polynomial resolves: such rods are held to
@@ -49,12 +54,33 @@ pub(super) struct Space {
     pub(super) error_m: f64,
     /// Largest compliance against turning anywhere, 1/(N m²).
     pub(super) softest: f64,
+    /// The same polynomials on twice as many cells, once they have been asked for.
+    halved: Arc<OnceLock<System>>,
+    /// The last shape that was reconstructed.
+    pub(super) confirmed: Option<Confirmed>,
 }
 
 impl Space {
     pub(super) fn new(system: &System) -> Space {
         let softest = system.sections.iter().map(Section::softest_turn).fold(0.0, f64::max);
-        Space { base: system.params.resolution, level: 0, error_m: 0.0, softest }
+        Space {
+            base: system.params.resolution,
+            level: 0,
+            error_m: 0.0,
+            softest,
+            halved: Arc::default(),
+            confirmed: None,
+        }
+    }
+
+    /// `system` with the same polynomials on twice as many cells.
+    pub(super) fn halved(&self, system: &System) -> &System {
+        self.halved.get_or_init(|| System::on(system.grid.halved(&system.params.resolution), system.params.clone()))
+    }
+
+    /// A rod that starts anew does not know its earlier shapes.
+    pub(super) fn forget(&mut self) {
+        self.confirmed = None;
     }
 }
 
@@ -77,7 +103,7 @@ impl RodParams {
             bending = others + others / 2;
         }
         params.resolution = Resolution {
-            cell_m: (base.cell_m / f64::from(1 << level.min(3))).max(self.length_m() / MOST_CELLS).min(base.cell_m),
+            cell_m: (base.cell_m / f64::from(1 << level)).max(self.length_m() / MOST_CELLS).min(base.cell_m),
             bending_modes: bending.min(base.bending_modes + more),
             torsion_modes: others.min(base.torsion_modes + more),
             shear_modes: others.min(base.shear_modes + more),
@@ -91,7 +117,7 @@ impl RodParams {
 impl System {
     /// What the cells' quadrature puts the tip off by, metres: the angle that each turns, how far from plane it bends,
     /// and where the spine begins to saturate inside.
-    fn cell_error_m(&self, shape: &Shape, taut: &[bool]) -> f64 {
+    pub(super) fn cell_error_m(&self, shape: &Shape, taut: &[bool]) -> f64 {
         let strain = &shape.strain;
         let (length, mut total, mut kinks) = (self.params.length_m(), 0.0, 0.0);
         for (c, cell) in self.grid.cells.iter().enumerate() {
@@ -141,7 +167,7 @@ impl System {
     /// points is weighed to nothing by the polynomials that are there; as a strain that the rod lacks, it moves the tip
     /// by its product with a lever that is no polynomial (one Picard iteration of the exact balance).
     /// Where it changes the length of a taut tendon, the tendon bends the rod back by that length over its offset.
-    fn balance_error_m(&self, work: &Work, taut: &[bool]) -> f64 {
+    pub(super) fn balance_error_m(&self, work: &Work, taut: &[bool]) -> f64 {
         let tip = work.shape.tip_m();
         let lacking: Vec<Six> = (0..self.grid.nodes.len()).map(|g| self.lacking(g, work)).collect();
         let (mut moved, mut turned) = (Vector3::zeros(), Vector3::zeros());
@@ -168,20 +194,13 @@ impl System {
     }
 }
 
-/// What the finer of two grids may still be off by when they lie `apart_m` apart and the two before lay `before_m`
-/// apart: the rest of a geometric series, with a ratio that is not trusted below a quarter.
-fn left_m(before_m: f64, apart_m: f64) -> f64 {
-    let ratio = if before_m.is_finite() { apart_m / before_m } else { 1.0 };
-    if ratio < 0.5 { apart_m * ratio.max(0.25) / (1.0 - ratio.max(0.25)) } else { apart_m }
-}
-
 fn square(strain: &Six) -> f64 {
     strain[0] * strain[0] + strain[1] * strain[1] + strain[2] * strain[2]
 }
 
 impl Rod {
-    /// What the discretisation in space may put the tip off by, metres: after a static solve the difference between
-    /// two grids, or an estimate on one grid where that is below the tolerance; in motion that estimate.
+    /// What the discretisation in space may put the tip off by, metres: after a static solve the larger one of an estimate
+    /// and of what a reconstruction says; in motion an estimate.
     pub fn space_error_m(&self) -> f64 {
         self.space.error_m
     }
@@ -200,7 +219,7 @@ impl Rod {
     }
 
     /// Judges a shape at rest that solves the equations under `holds`: is it possible, does a finer grid agree?
-    /// Refines until two grids agree; a rod whose shape is refused goes back to the grid that it had.
+    /// Refines until the grid is fine enough; a rod whose shape is refused goes back to the grid that it had.
     pub(super) fn examine_rest(&mut self, holds: &[Hold]) -> Status {
         let status = self.leave_if_unstable(holds);
         if status != Status::Converged {
@@ -213,27 +232,24 @@ impl Rod {
             // The last iteration left an imbalance of its own; one more does not.
             self.space.error_m = self.estimate_m();
         }
+        self.confirm(holds, tolerance_m);
         if self.space.error_m <= tolerance_m {
             return self.possible();
         }
         let mut fallback = None;
         let mut status = Status::UnderResolved;
-        let mut before_m = f64::INFINITY;
         while self.space.error_m > tolerance_m && self.space.level < MOST_REFINEMENTS {
             let mut finer = self.on_grid(self.space.level + 1);
             let patience = std::mem::replace(&mut finer.solver.patience, PATIENCE);
             status = finer.solve_static(holds, 1.0);
             finer.solver.patience = patience;
-            let apart_m = finer.distance_m(self);
-            finer.space.error_m = finer.estimate_m();
-            // More of the same polynomials come nearer so slowly, where the wrench jumps, that agreement says little.
-            if finer.space.level > 2 {
-                finer.space.error_m = finer.space.error_m.min(left_m(before_m, apart_m));
-                before_m = apart_m;
-            }
+            // Polynomials that end at every jump leave nothing that the reconstruction would not see.
+            finer.space.error_m = if finer.space.level > 1 { 0.0 } else { finer.estimate_m() };
+            finer.confirm(holds, tolerance_m);
+            let hopeless = finer.space.level > 1 && finer.space.error_m > self.system.params.length_m();
             let coarser = std::mem::replace(self, finer);
             fallback.get_or_insert(coarser);
-            if status != Status::Converged {
+            if status != Status::Converged || hopeless {
                 // The coarse answer stands unconfirmed.
                 status = Status::UnderResolved;
                 break;
@@ -241,13 +257,24 @@ impl Rod {
         }
         if status == Status::Converged {
             let settled = self.space.error_m <= tolerance_m;
-            status = if settled { self.possible() } else { Status::UnderResolved };
+            status = if settled { self.still_stable(holds, fallback.as_ref()) } else { Status::UnderResolved };
         }
         if let (true, Some(mut coarse)) = (status != Status::Converged, fallback) {
             coarse.space.error_m = self.space.error_m;
             *self = coarse;
         }
         status
+    }
+
+    /// A finer grid may have led to another equilibrium than that of `coarse`, which was a stable one.
+    fn still_stable(&mut self, holds: &[Hold], coarse: Option<&Rod>) -> Status {
+        let length_m = self.system.params.length_m();
+        let elsewhere = coarse
+            .is_some_and(|coarse| distance_m(&coarse.state.shape, &self.state.shape, length_m) > ANOTHER * length_m);
+        if elsewhere && !self.certainly_stable() && self.unstable_direction(holds).is_some() {
+            return Status::Unstable;
+        }
+        self.possible()
     }
 
     /// Judges the shape of a moving rod, whose grid stays as it is. What is missing in the balance meets the viscous
@@ -306,7 +333,9 @@ impl Rod {
     /// `rod`, on the grid of another level, in the state of this one.
     pub(super) fn carried(&self, mut rod: Rod, level: u32) -> Rod {
         rod.trace.clone_from(&self.trace);
-        rod.space = Space { level, error_m: self.space.error_m, base: self.space.base, softest: rod.space.softest };
+        rod.space.level = level;
+        rod.space.error_m = self.space.error_m;
+        rod.space.base = self.space.base;
         rod.tip_load = self.tip_load;
         let (from, to) = (&self.system.grid, &rod.system.grid);
         to.transfer(from, &self.state.unknowns, &mut rod.state.unknowns);
@@ -318,14 +347,14 @@ impl Rod {
         rod.solver.factorisations = self.solver.factorisations;
         rod
     }
+}
 
-    /// How far the tips of two rods lie apart, metres; a turn counts as what it moves at the rod's length.
-    fn distance_m(&self, other: &Rod) -> f64 {
-        let moved = (self.tip_m() - other.tip_m()).norm();
-        let turned = (self.tip_rotation() - other.tip_rotation()).norm() * self.system.params.length_m();
-        // A comparison with what is not a number must not pass for agreement.
-        if moved.is_finite() && turned.is_finite() { moved.max(turned) } else { f64::INFINITY }
-    }
+/// How far the tips of two shapes lie apart, metres; a turn counts as what it moves at the length of the rod.
+pub(super) fn distance_m(a: &Shape, b: &Shape, length_m: f64) -> f64 {
+    let moved = (a.tip_m() - b.tip_m()).norm();
+    let turned = (a.tip_rotation() - b.tip_rotation()).norm() * length_m;
+    // A comparison with what is not a number must not pass for agreement.
+    if moved.is_finite() && turned.is_finite() { moved.max(turned) } else { f64::INFINITY }
 }
 
 impl Grid {
@@ -352,7 +381,7 @@ impl Grid {
     }
 
     /// Histories at the Gauss points of `from` on those of this grid, linear within each cell, where nothing jumps.
-    fn spread(&self, from: &Grid, states: &[MemoryState]) -> Vec<MemoryState> {
+    pub(super) fn spread(&self, from: &Grid, states: &[MemoryState]) -> Vec<MemoryState> {
         let state = |position_m: f64| {
             let cell = from.boundaries_m.partition_point(|&end| end <= position_m).clamp(1, from.cells.len()) - 1;
             let [a, b] = [2 * cell, 2 * cell + 1];

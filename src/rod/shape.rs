@@ -67,6 +67,21 @@ impl Shape {
             (self.strain[g], self.compliance[g]) = sections[g].strain(&wrench);
             self.wrench[g] = wrench;
         }
+        self.integrate(grid);
+    }
+
+    /// Computes strains and poses from the wrench at each Gauss point, whatever it is; the compliances stay.
+    pub(super) fn update_from(&mut self, grid: &Grid, sections: &[Section], wrench: &[Six]) {
+        for (g, own) in wrench.iter().enumerate() {
+            self.strain[g] = sections[g].strain(own).0;
+            self.wrench[g] = *own;
+        }
+        self.integrate(grid);
+    }
+
+    /// Poses from the strains.
+    #[inline(always)]
+    fn integrate(&mut self, grid: &Grid) {
         for (c, cell) in grid.cells.iter().enumerate() {
             self.read_turns(c, cell.length_m);
         }

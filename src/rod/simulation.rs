@@ -147,6 +147,7 @@ impl Rod {
     /// Straight, unloaded, at rest, without history.
     pub fn restart(&mut self) {
         self.forget_refinement();
+        self.space.forget();
         self.state.unknowns.fill(0.0);
         self.state.taut.fill(false);
         self.state.memory = self.system.fresh_memory();

@@ -35,6 +35,13 @@ const MOST_ACCELERATION: f64 = 0.5;
 /// What an old derivative is trusted with before it has shown its contraction.
 const UNPROVEN_CONTRACTION: f64 = 0.1;
 
+/// What tensions may stiffen a rod by; a step that is smaller yet than the imbalance says is not believed …
+const MOST_STIFFENING: f64 = 1e4;
+/// … unless both are rounding, in lengths of the rod.
+const ROUNDING: f64 = 1e-8;
+/// A derivative that was taken where the balance was open by more than this angle is not one of any rod to be kept.
+const WILD: f64 = 1e8;
+
 /// Newton iteration with everything it keeps between solves.
 #[derive(Clone, Debug)]
 pub(super) struct Solver {
@@ -44,6 +51,8 @@ pub(super) struct Solver {
     factors: Vec<Factors>,
     /// What the derivative is good for.
     kept: Kept,
+    /// Whether the derivative is that of a shape beyond measure.
+    wild: bool,
     /// Steps of the present solve since the derivative or the taut set changed.
     steps: Vec<DVector<f64>>,
     /// Size of the last step, metres: what the residual is worth at the tip.
@@ -81,6 +90,7 @@ impl Solver {
             derivative: Derivative::new(system),
             factors: Vec::new(),
             kept: Kept::Nothing,
+            wild: false,
             steps: Vec::new(),
             residual_m: 0.0,
             patience: MOST_ITERATIONS,
@@ -117,7 +127,7 @@ impl Solver {
                 Err(failure) => return self.give_up(failure),
             };
             let shortened = size >= LARGEST_STEP * length_m;
-            stale = shortened;
+            stale = shortened || self.wild;
             // Once sets alternate, each is solved for before the next one is tried.
             let ripe = set_changes <= QUICK_SET_CHANGES || (!shortened && size < 1e-3 * length_m);
             if ripe && self.change_set(system, unknowns, (taut, conditions.holds), &step, tolerance_m) {
@@ -125,7 +135,7 @@ impl Solver {
                 if set_changes > MOST_SET_CHANGES {
                     return self.give_up(Status::TendonSetUnsettled);
                 }
-                (stale, last_step) = (false, f64::INFINITY);
+                (stale, last_step) = (self.wild, f64::INFINITY);
                 self.steps.clear();
                 continue;
             }
@@ -134,16 +144,29 @@ impl Solver {
             let left = if fresh { size * (size / length_m).min(1.0) } else { size * contraction.min(1.0) };
             if shortened {
                 self.steps.clear();
-            } else if left < tolerance_m {
+            } else if left < tolerance_m && !self.doubtful(system, size, need) {
                 self.residual_m = left;
                 return Status::Converged;
             } else {
                 self.steps.push(step);
             }
             stale |= contraction > POOR_CONTRACTION && last_step.is_finite();
+            stale |= left < tolerance_m;
             last_step = size;
         }
         self.give_up(Status::NotConverged)
+    }
+
+    /// Whether a step of `size` metres at rest is suspiciously small for the balance that it is to restore: then the
+    /// derivative is that of another shape, under tensions beyond measure.
+    fn doubtful(&self, system: &System, size: f64, need: Kept) -> bool {
+        let length_m = system.params.length_m();
+        need == Kept::Rest && self.largest_imbalance(system) * length_m > MOST_STIFFENING * size + ROUNDING * length_m
+    }
+
+    /// The largest residual of the balance: about the angle that the rod lacks, or the share of its length.
+    fn largest_imbalance(&self, system: &System) -> f64 {
+        self.work.residual[..system.grid.unknowns].iter().fold(0.0, |largest, r| f64::max(largest, r.abs()))
     }
 
     /// Evaluates the equations at `unknowns`, their derivative as well when it is `stale`, and takes the correction off
@@ -161,6 +184,7 @@ impl Solver {
         }
         if stale {
             self.derivatives += 1;
+            self.wild = self.largest_imbalance(system) > WILD;
             self.derivative.update(system, unknowns, conditions, &self.work);
             self.factors.clear();
             self.steps.clear();
@@ -178,6 +202,11 @@ impl Solver {
         }
         unknowns.iter_mut().zip(step.iter()).for_each(|(x, dx)| *x -= dx);
         Ok((step, size))
+    }
+
+    /// Divides by the derivative that the last solve ended with; false when it is singular.
+    pub(super) fn divide(&self, residual: &mut DVector<f64>) -> bool {
+        self.factors.last().is_some_and(|factors| factors.lu.solve_mut(residual))
     }
 
     /// Makes the next solve begin with a new derivative.

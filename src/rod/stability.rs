@@ -4,6 +4,7 @@
 //! unstable. A bound on what they can do settles most cases at once; the others are told by the tangent matrix, which is
 //! the second derivative of the energy and has to be positive on all motions that the taut tendons allow.
 
+use nalgebra::linalg::Schur;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::conditions::Hold;
@@ -16,6 +17,9 @@ const SAFE_SHARE: f64 = 0.8;
 const STIFF: f64 = 1e-6;
 /// By how much of its length the tip is pushed off an unstable equilibrium.
 const PUSH: f64 = 0.02;
+/// Iterations a row in which eigenvalues are looked for, at one precision and then at the next.
+const SCHUR_ITERATIONS: usize = 40;
+const SCHUR_PRECISIONS: [f64; 2] = [f64::EPSILON, 1e-11];
 
 impl Rod {
     /// Leaves an equilibrium that is unstable for a stable one.
@@ -41,7 +45,7 @@ impl Rod {
     /// Whether the loads are too small to buckle the rod. A force N(s) that a cross-section carries takes at most
     /// |N| |δθ|² + |∫N| |δθ| |δθ′| from the second variation of the energy, a moment M at most |M| |δθ| |δθ′|; with
     /// |δθ(s)|² ≤ s ∫|δθ′|² both are bounded by integrals that are compared with the least turning stiffness.
-    fn certainly_stable(&self) -> bool {
+    pub(super) fn certainly_stable(&self) -> bool {
         let params = &self.system.params;
         let free = params.point_loads.is_empty() && params.memory.is_empty();
         if !free {
@@ -61,7 +65,7 @@ impl Rod {
     }
 
     /// A motion that lowers the energy, as changes of the polynomial coefficients; none if the equilibrium is stable.
-    fn unstable_direction(&mut self, holds: &[Hold]) -> Option<Vec<f64>> {
+    pub(super) fn unstable_direction(&mut self, holds: &[Hold]) -> Option<Vec<f64>> {
         self.solver.forget();
         if self.solve_static(holds, 1.0) != Status::Converged {
             return None;
@@ -86,11 +90,19 @@ impl Rod {
             return None;
         }
         // A moment that keeps its direction in space has no energy: then it is growth in time that tells.
-        if matrix.complex_eigenvalues().iter().all(|value| value.re > 0.0) {
+        if grows_nowhere(matrix) {
             return None;
         }
-        let eigen = SymmetricEigen::new(symmetric);
+        let eigen = SymmetricEigen::try_new(symmetric, f64::EPSILON, SCHUR_ITERATIONS * n)?;
         let direction = eigen.eigenvectors.column(eigen.eigenvalues.argmin().0);
         Some(direction.iter().zip(&scale).map(|(x, s)| x * s).collect())
     }
+}
+
+/// Whether all eigenvalues have positive real parts; false as well where they are not found.
+fn grows_nowhere(matrix: DMatrix<f64>) -> bool {
+    let most = SCHUR_ITERATIONS * matrix.nrows();
+    // Double eigenvalues, as symmetric rods have them, keep the iteration from ever ending at the last digit.
+    let schur = SCHUR_PRECISIONS.iter().find_map(|&precision| Schur::try_new(matrix.clone(), precision, most));
+    schur.is_some_and(|schur| schur.complex_eigenvalues().iter().all(|value| value.re > 0.0))
 }

@@ -135,8 +135,18 @@ impl System {
 
     #[inline(always)]
     fn evaluate_all(&self, unknowns: &[f64], conditions: &Conditions, work: &mut Work) {
-        let (coefficients, tensions) = unknowns.split_at(self.grid.unknowns);
-        work.shape.update(&self.grid, &self.sections, coefficients);
+        work.shape.update(&self.grid, &self.sections, &unknowns[..self.grid.unknowns]);
+        if !work.weights_held {
+            let axial = work.shape.compliance.iter().map(|compliance| compliance.diagonal[3]);
+            work.axial_weight.iter_mut().zip(axial).for_each(|(weight, own)| *weight = own);
+        }
+        self.balance(unknowns, conditions, work);
+    }
+
+    /// Evaluates the equations for the shape and the weights in `work`.
+    #[inline(always)]
+    pub(super) fn balance(&self, unknowns: &[f64], conditions: &Conditions, work: &mut Work) {
+        let tensions = &unknowns[self.grid.unknowns..];
         self.update_tendons(work);
         let rod = LoadedRod {
             params: &self.params,
@@ -147,10 +157,6 @@ impl System {
         };
         work.loads.update(&rod, &work.shape, conditions);
         work.residual.fill(0.0);
-        if !work.weights_held {
-            let axial = work.shape.compliance.iter().map(|compliance| compliance.diagonal[3]);
-            work.axial_weight.iter_mut().zip(axial).for_each(|(weight, own)| *weight = own);
-        }
         let points = self.grid.all.points;
         for (g, node) in self.grid.nodes.iter().enumerate() {
             let imbalance = self.imbalance(g, tensions, conditions, work);

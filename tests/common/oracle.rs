@@ -10,6 +10,10 @@ use super::random_robot::{Case, bending_n_m2};
 /// Runge–Kutta steps along the rod.
 const STEPS: f64 = 400.0;
 
+/// Corrections of the base wrench before the oracle gives up.
+const MOST_CORRECTIONS: usize = 15;
+const MOST_HALVINGS: usize = 10;
+
 /// What the oracle finds next to the rod's answer.
 #[derive(Clone, Debug)]
 pub struct Verdict {
@@ -81,23 +85,48 @@ pub fn judge(case: &Case, rod: &Rod) -> Option<Verdict> {
     };
     let (mut r, mut end) = residual(&x)?;
     let open_at_start = r.norm();
-    for _ in 0..6 {
-        if r.norm() < 1e-11 {
+    let (mut factors, mut before) = (None, f64::INFINITY);
+    for _ in 0..MOST_CORRECTIONS {
+        let open = r.norm();
+        if open < 1e-11 {
             break;
         }
-        let mut jacobian = DMatrix::zeros(x.len(), x.len());
-        for k in 0..x.len() {
-            let h = 1e-6 * (1.0 + x[k].abs());
-            let mut other = x.clone();
-            other[k] += h;
-            jacobian.set_column(k, &((residual(&other)?.0 - &r) / h));
+        // The derivative serves as long as it takes nine tenths off.
+        if factors.is_none() || open > 0.1 * before {
+            factors = Some(derivative(&mut residual, &x, &r)?.lu());
         }
-        x -= jacobian.lu().solve(&r)?;
-        (r, end) = residual(&x)?;
+        before = open;
+        let mut step: DVector<f64> = factors.as_ref()?.solve(&r)?;
+        let mut after = residual(&(&x - &step));
+        for _ in 0..MOST_HALVINGS {
+            if after.as_ref().is_some_and(|(r, _)| r.norm() < 2.0 * open) {
+                break;
+            }
+            step *= 0.5;
+            after = residual(&(&x - &step));
+        }
+        x -= step;
+        (r, end) = after?;
     }
     let slack = (0..case.drives.len()).filter(|i| matches!(case.drives[*i], Drive::Pull(_)) && !taut.contains(i));
     let overstretch_m = slack.map(|i| shooting.overstretch_m(i, &end)).fold(0.0, f64::max);
     Some(Verdict { tip_m: end.p, rotation: end.r, open: r.norm(), open_at_start, overstretch_m })
+}
+
+/// Derivative of `residual`, which is `r` at `x`, by differences.
+fn derivative(
+    residual: &mut impl FnMut(&DVector<f64>) -> Option<(DVector<f64>, Section)>,
+    x: &DVector<f64>,
+    r: &DVector<f64>,
+) -> Option<DMatrix<f64>> {
+    let mut jacobian = DMatrix::zeros(x.len(), x.len());
+    for k in 0..x.len() {
+        let h = 1e-6 * (1.0 + x[k].abs());
+        let mut other = x.clone();
+        other[k] += h;
+        jacobian.set_column(k, &((residual(&other)?.0 - r) / h));
+    }
+    Some(jacobian)
 }
 
 fn cuts(case: &Case) -> Vec<f64> {
@@ -112,23 +141,22 @@ fn cuts(case: &Case) -> Vec<f64> {
     cuts
 }
 
-/// Moment about the base of all loads on the shape that the rod found.
+/// Moment about the base of all loads on the shape that the rod found. Its cross-sections lie in pairs at the two Gauss
+/// points of a cell, which tell the cell's length.
 fn base_moment(case: &Case, rod: &Rod) -> Vector3<f64> {
     let (p, g) = (&case.params, case.params.gravity_m_s2);
-    let places = rod.cross_sections();
     let base = p.base_m;
     let mut moment = case.load.moment_nm + (rod.tip_m() - base).cross(&case.load.force_n);
-    for (k, place) in places.iter().enumerate() {
-        let low = if k == 0 { 0.0 } else { 0.5 * (places[k - 1].s_m + place.s_m) };
-        let high = places.get(k + 1).map_or(p.length_m(), |next| 0.5 * (next.s_m + place.s_m));
-        let span = p.span_at(place.s_m);
-        let force = (span.mass_kg_m + span.spread_mass_kg_m) * (high - low) * g;
-        moment += (place.position_m - base).cross(&force);
+    for pair in rod.cross_sections().chunks(2) {
+        let half = 0.5 * 3.0_f64.sqrt() * (pair[1].s_m - pair[0].s_m);
+        for place in pair {
+            let span = p.span_at(place.s_m);
+            let force = (span.mass_kg_m + span.spread_mass_kg_m) * half * g;
+            moment += (place.position_m - base).cross(&force);
+        }
     }
     for mass in &p.masses {
-        let near =
-            places.iter().min_by(|a, b| (a.s_m - mass.position_m).abs().total_cmp(&(b.s_m - mass.position_m).abs()));
-        moment += (near.unwrap().position_m - base).cross(&(mass.mass_kg * g));
+        moment += (rod.pose_at(mass.position_m).0 - base).cross(&(mass.mass_kg * g));
     }
     moment
 }
@@ -201,40 +229,58 @@ impl Shooting<'_> {
         })
     }
 
-    /// Strains at which the rod, its histories and the tendons balance the carried wrench.
+    /// Strains at which the rod, its histories and the tendons balance the carried wrench: the least of a convex energy,
+    /// by Newton's method that goes no further along a step than the energy falls.
     fn solve_strain(&self, middle: f64, at: &Section, strain: &mut Vector6<f64>) -> Option<()> {
-        let p = &self.case.params;
+        let length = self.case.params.length_m();
         let (moment, force) = (at.r.tr_mul(&at.moment), at.r.tr_mul(&at.force));
         let wanted = Vector6::new(moment.x, moment.y, moment.z, force.x, force.y, force.z);
-        for _ in 0..60 {
-            let (mut wrench, mut tangent) = self.material(middle, strain);
-            for (tendon, &tension) in p.tendons.iter().zip(&self.tensions) {
-                if middle > tendon.end_m || tension == 0.0 {
-                    continue;
+        let (mut wrench, mut tangent) = self.wrench(middle, strain);
+        for _ in 0..100 {
+            let open = wrench - wanted;
+            let mut step = tangent.lu().solve(&open)?;
+            let start = *strain;
+            for _ in 0..30 {
+                *strain = start - step;
+                (wrench, tangent) = self.wrench(middle, strain);
+                // Beyond the least the energy rises along the step.
+                if -(wrench - wanted).dot(&step) <= 0.5 * open.dot(&step) {
+                    break;
                 }
-                let ([x, y], _) = tendon.path.at(0.0);
-                let map = nalgebra::Matrix3x6::new(
-                    0.0, 0.0, -y, 1.0, 0.0, 0.0, //
-                    0.0, 0.0, x, 0.0, 1.0, 0.0, //
-                    y, -x, 0.0, 0.0, 0.0, 1.0,
-                );
-                let path = map * *strain;
-                let (stretch, t) = (path.norm(), path.normalize());
-                wrench += map.transpose() * t * tension;
-                let lateral = (Matrix3::identity() - t * t.transpose()) * (tension / stretch);
-                tangent += map.transpose() * lateral * map;
+                step *= 0.5;
             }
-            let step = tangent.lu().solve(&(wrench - wanted))?;
-            *strain -= step;
-            if !step.iter().all(|x| x.is_finite()) {
+            let size = step.fixed_rows::<3>(0).norm() * length + step.fixed_rows::<3>(3).norm();
+            if !size.is_finite() {
                 return None;
             }
-            let size = step.fixed_rows::<3>(0).norm() * p.length_m() + step.fixed_rows::<3>(3).norm();
-            if size < 1e-13 * (1.0 + strain.norm() * p.length_m()) {
+            if size < 1e-13 * (1.0 + strain.norm() * length) {
                 return Some(());
             }
         }
         None
+    }
+
+    /// Wrench of the material and the tendons at these strains, and its derivative.
+    fn wrench(&self, middle: f64, strain: &Vector6<f64>) -> (Vector6<f64>, Matrix6<f64>) {
+        let p = &self.case.params;
+        let (mut wrench, mut tangent) = self.material(middle, strain);
+        for (tendon, &tension) in p.tendons.iter().zip(&self.tensions) {
+            if middle > tendon.end_m || tension == 0.0 {
+                continue;
+            }
+            let ([x, y], _) = tendon.path.at(0.0);
+            let map = nalgebra::Matrix3x6::new(
+                0.0, 0.0, -y, 1.0, 0.0, 0.0, //
+                0.0, 0.0, x, 0.0, 1.0, 0.0, //
+                y, -x, 0.0, 0.0, 0.0, 1.0,
+            );
+            let path = map * strain;
+            let (stretch, t) = (path.norm(), path.normalize());
+            wrench += map.transpose() * t * tension;
+            let lateral = (Matrix3::identity() - t * t.transpose()) * (tension / stretch);
+            tangent += map.transpose() * lateral * map;
+        }
+        (wrench, tangent)
     }
 
     /// Wrench of the rod's own material, histories at rest included, and its derivative.
