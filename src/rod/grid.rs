@@ -9,8 +9,10 @@ use crate::math::polynomial::legendre;
 /// Half the distance between the two Gauss points, as a share of the cell: √3/6.
 pub(super) const GAUSS: f64 = 0.288_675_134_594_812_9;
 
-/// Cuts that are closer are one, metres.
-const SAME_PLACE_M: f64 = 1e-6;
+/// Ends of polynomials that are closer are one, metres: what jumps in so short a piece is as good as smooth.
+const SAME_END_M: f64 = 1e-6;
+/// Ends of cells that are closer are one, metres. A tendon that ends elsewhere has another length, so that this is rounding.
+const SAME_PLACE_M: f64 = 1e-10;
 
 /// Internal wrench components in the body frame: moments about x, y, z, then forces along x, y, z.
 pub(super) const COMPONENTS: usize = 6;
@@ -68,8 +70,8 @@ impl Grid {
     /// longer has.
     pub(super) fn moved(params: &RodParams, changed: &RodParams) -> Option<Grid> {
         let (elements, cuts) = (element_ends(params), cell_ends(params));
-        let moved = moved_along(&cuts, &cell_cuts(params), &cell_cuts(changed))?;
-        let ends = moved_along(&elements, &element_cuts(params), &element_cuts(changed))?;
+        let moved = moved_along(&cuts, &cell_cuts(params), &cell_cuts(changed), SAME_PLACE_M)?;
+        let ends = moved_along(&elements, &element_cuts(params), &element_cuts(changed), SAME_END_M)?;
         let boundaries_m = subdivided(params, &elements, &cuts, &moved);
         (params.resolution == changed.resolution).then(|| Grid::on(&params.resolution, boundaries_m, &ends))
     }
@@ -156,7 +158,7 @@ fn element_cuts(params: &RodParams) -> Vec<f64> {
 
 /// Base, tip and where the internal wrench may jump.
 pub(super) fn element_ends(params: &RodParams) -> Vec<f64> {
-    sorted_unique(element_cuts(params), params.length_m())
+    sorted_unique(element_cuts(params), params.length_m(), SAME_END_M)
 }
 
 /// Where stiffness, rest shape or spine change, and the lumped masses.
@@ -184,7 +186,7 @@ fn cell_cuts(params: &RodParams) -> Vec<f64> {
 
 /// Where cells have to end.
 fn cell_ends(params: &RodParams) -> Vec<f64> {
-    sorted_unique(cell_cuts(params), params.length_m())
+    sorted_unique(cell_cuts(params), params.length_m(), SAME_PLACE_M)
 }
 
 /// Ends of all cells: `places`, and between two of them as many as the resolution asks for between the same two of
@@ -204,14 +206,14 @@ fn subdivided(params: &RodParams, elements: &[f64], cuts: &[f64], places: &[f64]
     ends
 }
 
-/// Where each of `places` goes when the cuts that stand there go from `from` to `to`; `None` when they part, or when
-/// there are not as many.
-fn moved_along(places: &[f64], from: &[f64], to: &[f64]) -> Option<Vec<f64>> {
+/// Where each of `places` goes when the cuts that stand there (within `same_m`) go from `from` to `to`; `None` when
+/// they part, or when there are not as many.
+fn moved_along(places: &[f64], from: &[f64], to: &[f64], same_m: f64) -> Option<Vec<f64>> {
     if from.len() != to.len() {
         return None;
     }
     let moved = places.iter().map(|&place| {
-        let here = from.iter().zip(to).filter(|&(&cut, _)| (place..place + SAME_PLACE_M).contains(&cut));
+        let here = from.iter().zip(to).filter(|&(&cut, _)| (place..place + same_m).contains(&cut));
         let shifts: Vec<f64> = here.map(|(cut, then)| then - cut).collect();
         let first = *shifts.first()?;
         let together = shifts.iter().all(|shift| (shift - first).abs() <= 1e-4 * first.abs() + 1e-14);
@@ -221,10 +223,10 @@ fn moved_along(places: &[f64], from: &[f64], to: &[f64]) -> Option<Vec<f64>> {
     moved.is_sorted_by(|a, b| a < b).then_some(moved)
 }
 
-/// Sorts, drops what lies outside [0, length] and merges what lies closer than a micrometre.
-fn sorted_unique(mut values: Vec<f64>, length_m: f64) -> Vec<f64> {
-    values.retain(|&value| (0.0..=length_m + SAME_PLACE_M).contains(&value));
+/// Sorts, drops what lies outside [0, length] and merges what lies closer than `same_m`.
+fn sorted_unique(mut values: Vec<f64>, length_m: f64, same_m: f64) -> Vec<f64> {
+    values.retain(|&value| (0.0..=length_m + same_m).contains(&value));
     values.sort_by(f64::total_cmp);
-    values.dedup_by(|b, a| *b - *a < SAME_PLACE_M);
+    values.dedup_by(|b, a| *b - *a < same_m);
     values
 }

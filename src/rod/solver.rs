@@ -17,10 +17,9 @@ const QUICK_SET_CHANGES: usize = 10;
 /// Iterations after which the weights of the balance no longer follow the saturation of the spine.
 const HOLD_WEIGHTS_AFTER: usize = 12;
 const MOST_SET_CHANGES: usize = 30;
-/// A tendon may be overstretched by this share of the solve's tolerance before it counts as taut …
+/// A tendon may be overstretched by this share of the solve's tolerance before it counts as taut, and its push may move
+/// the tip by as much before it counts as slack.
 const SET_TOLERANCE: f64 = 0.1;
-/// … and push by as much as such a stretch is worth: about the compliance of the softest spine, m/N.
-const PUSH_M_PER_N: f64 = 1e-3;
 /// A step that turns the tip by more than about this many lengths is shortened.
 const LARGEST_STEP: f64 = 0.5;
 /// The derivative is renewed when an iteration leaves more than this share of the step before.
@@ -275,7 +274,7 @@ impl Solver {
         for (i, hold) in holds.iter().enumerate() {
             let own = match hold {
                 Hold::Tension(_) => continue,
-                Hold::Length(_) if taut[i] => -unknowns[n + i] * PUSH_M_PER_N,
+                Hold::Length(_) if taut[i] => -unknowns[n + i] * system.reach_m_per_n[i],
                 Hold::Length(_) => {
                     // Length after the step, to first order.
                     let shift = self.derivative.length_change_m(system, i, &step.as_slice()[..n]);

@@ -29,6 +29,8 @@ pub(super) struct System {
     pub(super) home_lengths_m: Vec<f64>,
     /// Strain that a unit of each unknown produces, as a displacement of the tip, m per unit; for step sizes.
     pub(super) scales: Vec<f64>,
+    /// About how far a unit tension of each tendon moves the tip, m/N.
+    pub(super) reach_m_per_n: Vec<f64>,
 }
 
 /// Everything computed on the way to a residual.
@@ -94,8 +96,9 @@ impl System {
         let at = |node: &Node| params.tendons.iter().map(|tendon| tendon.guide(node.position_m)).collect::<Vec<_>>();
         let guides: Vec<Guide> = grid.nodes.iter().flat_map(at).collect();
         let home_lengths_m = (0..params.tendons.len()).map(|i| home_length_m(&params, &grid, &guides, i)).collect();
+        let reach_m_per_n = (0..params.tendons.len()).map(|i| reach_m_per_n(&params, &sections, &guides, i)).collect();
         let constant = Constant::new(&params, &grid);
-        System { params, grid, sections, masses, constant, guides, home_lengths_m, scales }
+        System { params, grid, sections, masses, constant, guides, home_lengths_m, scales, reach_m_per_n }
     }
 
     /// Number of equations: polynomial coefficients, then tensions.
@@ -290,6 +293,17 @@ impl System {
     pub(super) fn update_lengths(&self, work: &mut Work) {
         self.update_tendons(work);
     }
+}
+
+/// About how far a unit tension of tendon `i` moves the tip, m/N: by what it bends the rod and by what it shortens it.
+fn reach_m_per_n(params: &RodParams, sections: &[Section], guides: &[Guide], i: usize) -> f64 {
+    let length = params.length_m();
+    let passing = sections.iter().zip(guides.iter().skip(i).step_by(params.tendons.len()));
+    let of = |(section, guide): (&Section, &Guide)| {
+        let ([x, y], scales) = (guide.offset_m, section.scales());
+        0.5 * section.softest_turn() * x.hypot(y) * length * length + scales[5] * length
+    };
+    passing.filter(|(_, guide)| guide.present).map(of).fold(0.0, f64::max)
 }
 
 /// Path length of tendon `i` on the rod at home, metres.

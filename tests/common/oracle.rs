@@ -9,6 +9,8 @@ use super::random_robot::{Case, bending_n_m2};
 
 /// Runge–Kutta steps along the rod.
 const STEPS: f64 = 400.0;
+/// The same for derivatives, which only have to lead there.
+const ROUGH_STEPS: f64 = 80.0;
 
 /// Corrections of the base wrench before the oracle gives up.
 const MOST_CORRECTIONS: usize = 15;
@@ -70,12 +72,12 @@ pub fn judge(case: &Case, rod: &Rod) -> Option<Verdict> {
     for (k, &i) in taut.iter().enumerate() {
         x[3 + k] = shooting.tensions[i] * length / moment_scale;
     }
-    let mut residual = |x: &DVector<f64>| {
+    let mut residual = |x: &DVector<f64>, steps: f64| {
         for (k, &i) in taut.iter().enumerate() {
             shooting.tensions[i] = x[3 + k] * moment_scale / length;
         }
         let base: Vector3<f64> = x.fixed_rows::<3>(0) * moment_scale;
-        let end = shooting.integrate(base)?;
+        let end = shooting.integrate(base, steps)?;
         let mut out = DVector::zeros(x.len());
         out.rows_mut(0, 3).copy_from(&((end.moment - case.load.moment_nm) / moment_scale));
         for (k, &i) in taut.iter().enumerate() {
@@ -83,7 +85,7 @@ pub fn judge(case: &Case, rod: &Rod) -> Option<Verdict> {
         }
         Some((out, end))
     };
-    let (mut r, mut end) = residual(&x)?;
+    let (mut r, mut end) = residual(&x, STEPS)?;
     let open_at_start = r.norm();
     let (mut factors, mut before) = (None, f64::INFINITY);
     for _ in 0..MOST_CORRECTIONS {
@@ -93,17 +95,17 @@ pub fn judge(case: &Case, rod: &Rod) -> Option<Verdict> {
         }
         // The derivative serves as long as it takes nine tenths off.
         if factors.is_none() || open > 0.1 * before {
-            factors = Some(derivative(&mut residual, &x, &r)?.lu());
+            factors = Some(derivative(&mut residual, &x)?.lu());
         }
         before = open;
         let mut step: DVector<f64> = factors.as_ref()?.solve(&r)?;
-        let mut after = residual(&(&x - &step));
+        let mut after = residual(&(&x - &step), STEPS);
         for _ in 0..MOST_HALVINGS {
             if after.as_ref().is_some_and(|(r, _)| r.norm() < 2.0 * open) {
                 break;
             }
             step *= 0.5;
-            after = residual(&(&x - &step));
+            after = residual(&(&x - &step), STEPS);
         }
         x -= step;
         (r, end) = after?;
@@ -113,18 +115,18 @@ pub fn judge(case: &Case, rod: &Rod) -> Option<Verdict> {
     Some(Verdict { tip_m: end.p, rotation: end.r, open: r.norm(), open_at_start, overstretch_m })
 }
 
-/// Derivative of `residual`, which is `r` at `x`, by differences.
+/// Derivative of `residual` at `x` by differences.
 fn derivative(
-    residual: &mut impl FnMut(&DVector<f64>) -> Option<(DVector<f64>, Section)>,
+    residual: &mut impl FnMut(&DVector<f64>, f64) -> Option<(DVector<f64>, Section)>,
     x: &DVector<f64>,
-    r: &DVector<f64>,
 ) -> Option<DMatrix<f64>> {
     let mut jacobian = DMatrix::zeros(x.len(), x.len());
+    let here = residual(x, ROUGH_STEPS)?.0;
     for k in 0..x.len() {
         let h = 1e-6 * (1.0 + x[k].abs());
         let mut other = x.clone();
         other[k] += h;
-        jacobian.set_column(k, &((residual(&other)?.0 - r) / h));
+        jacobian.set_column(k, &((residual(&other, ROUGH_STEPS)?.0 - &here) / h));
     }
     Some(jacobian)
 }
@@ -168,7 +170,7 @@ impl Shooting<'_> {
         end.lengths[i] + pull + tendon.pretension_m - tendon.end_m - tendon.compliance_m_per_n * self.tensions[i]
     }
 
-    fn integrate(&self, base_moment: Vector3<f64>) -> Option<Section> {
+    fn integrate(&self, base_moment: Vector3<f64>, steps: f64) -> Option<Section> {
         let p = &self.case.params;
         let weight = |from: f64| -> Vector3<f64> {
             let lumps: f64 = p.masses.iter().filter(|m| m.position_m > from).map(|m| m.mass_kg).sum();
@@ -192,7 +194,7 @@ impl Shooting<'_> {
         let mut strain = Vector6::new(0.0, 0.0, 0.0, 0.0, 0.0, 1.0);
         for &end in &self.cuts {
             let middle = 0.5 * (start + end);
-            let count = ((end - start) / p.length_m() * STEPS).ceil().max(4.0);
+            let count = ((end - start) / p.length_m() * steps).ceil().max(4.0);
             let h = (end - start) / count;
             for _ in 0..count as usize {
                 let a = self.rates(middle, &at, &mut strain)?;

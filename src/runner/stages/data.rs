@@ -6,13 +6,13 @@ use crate::data::rows::GapRow;
 use crate::runner::graph::Kind;
 use crate::tasks::{self, GpPool, Samples, SimulatedBy};
 
-const EXPLORE: Kind = Kind { name: "collect_sim", version: 2, cost_ms: 14000 };
-const REPLAY: Kind = Kind { name: "collect_real", version: 2, cost_ms: 20000 };
+const EXPLORE: Kind = Kind { name: "collect_sim", version: 3, cost_ms: 14000 };
+const REPLAY: Kind = Kind { name: "collect_real", version: 3, cost_ms: 20000 };
 const GAP: Kind = Kind { name: "gap", version: 2, cost_ms: 20 };
-const GP_POOL: Kind = Kind { name: "gp_pool", version: 3, cost_ms: 4000 };
-const TARGET_POOL: Kind = Kind { name: "target_pool", version: 2, cost_ms: 4000 };
+const GP_POOL: Kind = Kind { name: "gp_pool", version: 4, cost_ms: 4000 };
+const TARGET_POOL: Kind = Kind { name: "target_pool", version: 3, cost_ms: 4000 };
 const TARGETS: Kind = Kind { name: "targets", version: 2, cost_ms: 1 };
-const WAYPOINTS: Kind = Kind { name: "waypoints", version: 2, cost_ms: 100 };
+const WAYPOINTS: Kind = Kind { name: "waypoints", version: 3, cost_ms: 100 };
 const PATH: Kind = Kind { name: "path", version: 2, cost_ms: 1 };
 
 /// Targets with their numbers in the pool, metres.

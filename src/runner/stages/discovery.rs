@@ -11,12 +11,12 @@ use crate::specs::{DiscoveryRun, PlantSpec};
 use crate::tasks::ExploreOptions;
 use crate::tasks::blind::{self, Answer, Batch, Commands, Presented, Prior, Robot, Span, Truth};
 
-const COMMANDS: Kind = Kind { name: "blind_commands", version: 1, cost_ms: 300 };
-const SPAN: Kind = Kind { name: "blind_span", version: 1, cost_ms: 15_000 };
-const TRUTH: Kind = Kind { name: "blind_truth", version: 1, cost_ms: 3_000 };
-const RECORDING: Kind = Kind { name: "blind_recording", version: 1, cost_ms: 500 };
-const DISCOVER: Kind = Kind { name: "discover", version: 1, cost_ms: 15_000 };
-const SCORE: Kind = Kind { name: "blind_score", version: 1, cost_ms: 1 };
+const COMMANDS: Kind = Kind { name: "blind_commands", version: 2, cost_ms: 300 };
+const SPAN: Kind = Kind { name: "blind_span", version: 2, cost_ms: 15_000 };
+const TRUTH: Kind = Kind { name: "blind_truth", version: 2, cost_ms: 3_000 };
+const RECORDING: Kind = Kind { name: "blind_recording", version: 2, cost_ms: 500 };
+const DISCOVER: Kind = Kind { name: "discover", version: 2, cost_ms: 15_000 };
+const SCORE: Kind = Kind { name: "blind_score", version: 2, cost_ms: 1 };
 
 /// The stages of one case.
 pub(crate) struct BlindStages {

@@ -12,8 +12,8 @@ use crate::specs::{Cell, Mode, PlantSpec, Training};
 use crate::tasks::{self, LoopMode, ReachOptions, ReachOutcome, TrackStep};
 use std::sync::Arc;
 
-const REACH: Kind = Kind { name: "reach", version: 2, cost_ms: 1000 };
-const TRACK: Kind = Kind { name: "track", version: 2, cost_ms: 1000 };
+const REACH: Kind = Kind { name: "reach", version: 3, cost_ms: 1000 };
+const TRACK: Kind = Kind { name: "track", version: 3, cost_ms: 1000 };
 
 /// Where a policy's parts come from.
 #[derive(Clone, Copy, Default)]
