@@ -5,12 +5,15 @@ mod common;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use common::oracle::judge;
+use common::oracle::{FINE_STEPS, STEPS, judge};
 use common::random_robot::{Case, bending_n_m2, case, drives, log};
 use rand::RngExt;
 use rayon::prelude::*;
 use spinebench::base::Seed;
 use spinebench::rod::{Drive, Rod, RodParams, Status};
+
+/// An answer that is off by more than this share of what is allowed is judged again, more finely.
+const CLEARLY: f64 = 0.3;
 
 /// What becomes of one draw.
 #[derive(Clone, Debug)]
@@ -45,8 +48,14 @@ fn play(k: u64, seed: Seed, judged: bool, moved: bool) -> Outcome {
         return outcome;
     }
     if judged {
-        let verdict = judge(&case, &rod).filter(|verdict| verdict.open < 1e-9);
-        outcome.off_m = verdict.map(|verdict| (verdict.tip_m - rod.tip_m()).norm());
+        let off_m = |steps: f64| {
+            let verdict = judge(&case, &rod, steps).filter(|verdict| verdict.open < 1e-9);
+            verdict.map(|verdict| (verdict.tip_m - rod.tip_m()).norm())
+        };
+        outcome.off_m = off_m(STEPS);
+        if outcome.off_m.is_none_or(|off_m| off_m > CLEARLY * outcome.allowed_m) {
+            outcome.off_m = off_m(FINE_STEPS);
+        }
     }
     // A rod that remembers keeps its finer grid when it moves; with hundreds of unknowns that takes minutes.
     if moved && (case.params.memory.is_empty() || rod.refinements() < 2) {

@@ -5,10 +5,12 @@ use super::graph::{Artifact, Failure, Graph, Handle, Inputs, Node, Value};
 use super::progress::{Progress, Told};
 use super::store::{Lookup, Store};
 use super::timing::{Stopwatch, Timing};
+use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::{Builder, available_parallelism};
 
 type Outcome = Result<Value, Failure>;
 
@@ -83,10 +85,6 @@ pub fn execute(
     threads: usize,
     progress: &Progress,
 ) -> Result<Outcomes, Failure> {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|error| Failure { stage: "threads".into(), status: error.to_string() })?;
     let mut values: Vec<Option<Outcome>> = graph.nodes.iter().map(|_| None).collect();
     let needs = backwards(graph, wanted, |number, node| {
         values[number] = load(node, store, progress).map(Ok);
@@ -96,10 +94,16 @@ pub fn execute(
     let crew = Crew::new(graph, store, progress, values, &needs, wanted);
     let cost_ms = crew.todo().map(|number| graph.nodes[number].kind.cost_ms).sum();
     progress.planned(crew.todo().count(), cached, cost_ms);
-    pool.in_place_scope(|scope| {
-        let ready: Vec<usize> = crew.todo().filter(|&number| crew.waits[number].load(Ordering::Relaxed) == 0).collect();
-        crew.offer(scope, &ready);
+    let threads = if threads == 0 { available_parallelism().map_or(1, usize::from) } else { threads };
+    // Parts of stages share as many more; the first run of a process decides.
+    let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+    let started = std::thread::scope(|scope| {
+        let spawn = |number: usize| Builder::new().name(format!("stage {number}")).spawn_scoped(scope, || crew.work());
+        (0..threads).map(spawn).filter_map(Result::ok).count()
     });
+    if started == 0 {
+        return Err(Failure { stage: "threads".into(), status: "none could be started".into() });
+    }
     progress.done();
     Ok(crew.outcomes(cached))
 }
@@ -122,7 +126,16 @@ fn load(node: &Node, store: &Store, progress: &Progress) -> Option<Value> {
     None
 }
 
-/// The threads' shared view of a run.
+/// Stages that can be carried out now.
+struct Queue {
+    /// With the cost of the chain behind each, the heaviest on top.
+    ready: BinaryHeap<(u64, Reverse<usize>)>,
+    /// Stages that have not been carried out, ready or not.
+    left: usize,
+}
+
+/// The threads' shared view of a run. They are no pool of rayon's: a thread that waits there for a part of its stage may
+/// begin another stage meanwhile, within the first, and another within that.
 struct Crew<'a> {
     graph: &'a Graph,
     store: &'a Store,
@@ -138,7 +151,9 @@ struct Crew<'a> {
     dependents: Vec<Vec<usize>>,
     /// Cost of the longest chain that begins with each stage.
     priority: Vec<u64>,
-    ready: Mutex<BinaryHeap<(u64, std::cmp::Reverse<usize>)>>,
+    queue: Mutex<Queue>,
+    /// Told when stages have become ready, and at the end.
+    news: Condvar,
     store_told: AtomicBool,
 }
 
@@ -167,7 +182,10 @@ impl<'a> Crew<'a> {
             }
         }
         let to_compute = |input: &&usize| needs[**input] == Need::Compute;
-        let waits = graph.nodes.iter().map(|node| AtomicUsize::new(node.inputs.iter().filter(to_compute).count()));
+        let waits: Vec<usize> = graph.nodes.iter().map(|node| node.inputs.iter().filter(to_compute).count()).collect();
+        let todo = || (0..count).filter(|&number| needs[number] == Need::Compute);
+        let ready = todo().filter(|&number| waits[number] == 0).map(|number| (priority[number], Reverse(number)));
+        let queue = Queue { ready: ready.collect(), left: todo().count() };
         let uses = dependents.iter().enumerate();
         let uses = uses.map(|(number, list)| AtomicUsize::new(list.len() + usize::from(wanted.contains(&number))));
         Crew {
@@ -175,13 +193,14 @@ impl<'a> Crew<'a> {
             store,
             progress,
             needs,
-            waits: waits.collect(),
+            waits: waits.into_iter().map(AtomicUsize::new).collect(),
             uses: uses.collect(),
             values: values.into_iter().map(Mutex::new).collect(),
             timings: graph.nodes.iter().map(|_| Mutex::default()).collect(),
             dependents,
             priority,
-            ready: Mutex::default(),
+            queue: Mutex::new(queue),
+            news: Condvar::new(),
             store_told: AtomicBool::new(false),
         }
     }
@@ -190,19 +209,22 @@ impl<'a> Crew<'a> {
         (0..self.needs.len()).filter(|&number| self.needs[number] == Need::Compute)
     }
 
-    /// Puts stages on the heap and asks for as many threads; each takes the heaviest that is there when it comes.
-    fn offer<'scope>(&'scope self, scope: &rayon::Scope<'scope>, numbers: &[usize]) {
-        lock(&self.ready).extend(numbers.iter().map(|&number| (self.priority[number], std::cmp::Reverse(number))));
-        for _ in numbers {
-            scope.spawn(|scope| {
-                let next = lock(&self.ready).pop();
-                if let Some((_, std::cmp::Reverse(number))) = next {
-                    self.carry_out(number);
-                    let waits = |&&next: &&usize| self.waits[next].fetch_sub(1, Ordering::AcqRel) == 1;
-                    let ready: Vec<usize> = self.dependents[number].iter().filter(waits).copied().collect();
-                    self.offer(scope, &ready);
-                }
-            });
+    /// Carries out stages, the heaviest first, until none is left.
+    fn work(&self) {
+        let mut queue = lock(&self.queue);
+        while queue.left > 0 {
+            let Some((_, Reverse(number))) = queue.ready.pop() else {
+                queue = self.news.wait(queue).unwrap_or_else(PoisonError::into_inner);
+                continue;
+            };
+            drop(queue);
+            self.carry_out(number);
+            queue = lock(&self.queue);
+            let waits = |&&next: &&usize| self.waits[next].fetch_sub(1, Ordering::AcqRel) == 1;
+            let ready = self.dependents[number].iter().filter(waits);
+            queue.ready.extend(ready.map(|&next| (self.priority[next], Reverse(next))));
+            queue.left -= 1;
+            self.news.notify_all();
         }
     }
 

@@ -7,8 +7,10 @@ use spinebench::rod::{Drive, Rod};
 
 use super::random_robot::{Case, bending_n_m2};
 
-/// Runge–Kutta steps along the rod.
-const STEPS: f64 = 400.0;
+/// Runge–Kutta steps along the rod …
+pub const STEPS: f64 = 400.0;
+/// … and where that is not yet a verdict: where the spine saturates between two places, its strain has a kink.
+pub const FINE_STEPS: f64 = 3200.0;
 /// The same for derivatives, which only have to lead there.
 const ROUGH_STEPS: f64 = 80.0;
 
@@ -57,8 +59,9 @@ impl Section {
     }
 }
 
-/// Shoots from the base wrench that the rod's own shape implies; none when the local law cannot be solved.
-pub fn judge(case: &Case, rod: &Rod) -> Option<Verdict> {
+/// Shoots in `steps` steps from the base wrench that the rod's own shape implies; none when the local law cannot be
+/// solved.
+pub fn judge(case: &Case, rod: &Rod, steps: f64) -> Option<Verdict> {
     let tensions = rod.tensions_n().to_vec();
     let length = case.params.length_m();
     let moment_scale = bending_n_m2(&case.params) / length;
@@ -85,7 +88,7 @@ pub fn judge(case: &Case, rod: &Rod) -> Option<Verdict> {
         }
         Some((out, end))
     };
-    let (mut r, mut end) = residual(&x, STEPS)?;
+    let (mut r, mut end) = residual(&x, steps)?;
     let open_at_start = r.norm();
     let (mut factors, mut before) = (None, f64::INFINITY);
     for _ in 0..MOST_CORRECTIONS {
@@ -99,13 +102,13 @@ pub fn judge(case: &Case, rod: &Rod) -> Option<Verdict> {
         }
         before = open;
         let mut step: DVector<f64> = factors.as_ref()?.solve(&r)?;
-        let mut after = residual(&(&x - &step), STEPS);
+        let mut after = residual(&(&x - &step), steps);
         for _ in 0..MOST_HALVINGS {
             if after.as_ref().is_some_and(|(r, _)| r.norm() < 2.0 * open) {
                 break;
             }
             step *= 0.5;
-            after = residual(&(&x - &step), STEPS);
+            after = residual(&(&x - &step), steps);
         }
         x -= step;
         (r, end) = after?;
