@@ -51,9 +51,8 @@ impl Question<'_> {
             model.robot.gravity_m_s2 = [-y, x, z];
         }
         let samples = self.samples_of(dish);
-        let plain = tips(&model, &[], &samples)?;
         let asked = |name: &str| self.options.is_uncertain(name);
-        let responses = responses(&model, &self.hypotheses, &asked, &samples, &plain);
+        let responses = responses(&model, &self.hypotheses, &asked, &samples);
         let free = uncertain(&self.options.uncertain, &self.hypotheses, &responses, 1.0);
         let played: Vec<Vec<f64>> = rivals
             .iter()

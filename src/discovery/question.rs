@@ -54,7 +54,7 @@ impl<'a> Question<'a> {
         };
         let played = played(&model, &fit)?;
         let played_proof = self::played(&model, &proof)?;
-        let responses = responses::responses(&model, &hypotheses, &|_| true, &fit, &played);
+        let responses = responses::responses(&model, &hypotheses, &|_| true, &fit);
         let columns = baseline::uncertain(&options.uncertain, &hypotheses, &responses, 1.0);
         let nuisances = match &base {
             None => Nuisances::independent(played.len(), &columns),
@@ -153,8 +153,7 @@ impl Base {
         check::check(recording, &samples)?;
         let look = |model: &Model| -> Result<(Vec<f64>, Vec<Column>), DiscoveryError> {
             let played = played(model, &samples)?;
-            let responses =
-                responses::responses(model, hypotheses, &|name| options.is_uncertain(name), &samples, &played);
+            let responses = responses::responses(model, hypotheses, &|name| options.is_uncertain(name), &samples);
             let columns = baseline::uncertain(&options.uncertain, hypotheses, &responses, BEFORE_CALIBRATION);
             Ok((played, columns))
         };

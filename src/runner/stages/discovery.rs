@@ -13,9 +13,9 @@ use crate::tasks::blind::{self, Answer, Batch, Commands, Presented, Prior, Robot
 
 const COMMANDS: Kind = Kind { name: "blind_commands", version: 2, cost_ms: 300 };
 const SPAN: Kind = Kind { name: "blind_span", version: 2, cost_ms: 15_000 };
-const TRUTH: Kind = Kind { name: "blind_truth", version: 2, cost_ms: 3_000 };
+const TRUTH: Kind = Kind { name: "blind_truth", version: 3, cost_ms: 3_000 };
 const RECORDING: Kind = Kind { name: "blind_recording", version: 2, cost_ms: 500 };
-const DISCOVER: Kind = Kind { name: "discover", version: 2, cost_ms: 15_000 };
+const DISCOVER: Kind = Kind { name: "discover", version: 3, cost_ms: 15_000 };
 const SCORE: Kind = Kind { name: "blind_score", version: 2, cost_ms: 1 };
 
 /// The stages of one case.
@@ -87,7 +87,9 @@ impl Stages<'_> {
         let mut case = self.repetition * all as u64;
         let mut cases = Vec::with_capacity(all);
         for batch in &run.batches {
-            for number in 0..batch.cases {
+            // Kinds and sizes go on from one repetition to the next.
+            let first = self.repetition as usize * batch.cases;
+            for number in first..first + batch.cases {
                 cases.push(self.blind_case(&benchmark, batch, number, case)?);
                 case += 1;
             }

@@ -35,10 +35,12 @@ impl Hidden {
         }
         let pair = |first: EffectSpec, second: EffectSpec| Some(vec![first, second]);
         match spec {
-            // Slip about one axis uses up the friction about the other.
-            EffectSpec::Friction(mut friction) => {
-                friction.coupled = true;
-                Some(vec![EffectSpec::Friction(friction)])
+            // Half of it slips early, half of it late.
+            EffectSpec::Friction(friction) => {
+                let (mut early, mut late) = (friction, friction);
+                (early.moment_nm, early.yield_rad_m) = (0.5 * friction.moment_nm, 0.5 * friction.yield_rad_m);
+                (late.moment_nm, late.yield_rad_m) = (0.5 * friction.moment_nm, 1.5 * friction.yield_rad_m);
+                pair(EffectSpec::Friction(early), EffectSpec::Friction(late))
             }
             // Two relaxation times, two octaves apart.
             EffectSpec::Creep(creep) => {
@@ -122,7 +124,7 @@ impl Draft {
 }
 
 /// A value at which the effect changes nothing: shapes from the range of those that are tried, a place anywhere, any
-/// tendon.
+/// tendon, flags set or not.
 fn drawn(parameter: &Parameter, model: &Model, random: &mut Generator) -> f64 {
     match parameter.seek {
         Seek::Size(_) | Seek::Replaces(..) => null_value(parameter, model),
@@ -134,6 +136,6 @@ fn drawn(parameter: &Parameter, model: &Model, random: &mut Generator) -> f64 {
         }
         Seek::Place => random.random_range(0.05..0.95) * model.robot.backbone.length_m,
         Seek::Tendon => random.random_range(1..=model.robot.tendons.angles_deg.len()) as f64,
-        Seek::Flag => parameter.null,
+        Seek::Flag => f64::from(random.random_range(0..2_u8)),
     }
 }
