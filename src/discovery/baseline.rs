@@ -26,7 +26,8 @@ pub(super) fn calibrated(
     baseline: &Samples,
     nuisances: &Nuisances,
 ) -> Option<Model> {
-    let study = Study { model, hypotheses, open: vec![true; hypotheses.len()], samples: baseline, nuisances };
+    let open = vec![true; hypotheses.len()];
+    let study = Study { model, coarse: model, hypotheses, open, samples: baseline, nuisances };
     let start = CALIBRATED.iter().filter_map(|name| {
         let hypothesis = hypotheses.iter().position(|hypothesis| hypothesis.card.name == *name)?;
         Some(Member { hypothesis, values: hypotheses[hypothesis].variants().swap_remove(0) })

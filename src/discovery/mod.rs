@@ -38,7 +38,6 @@ use crate::effects::Model;
 
 use question::Question;
 use samples::Samples;
-use search::Limits;
 
 pub use compare::Remedies;
 pub use error::DiscoveryError;
@@ -80,11 +79,11 @@ pub fn discover(
     question.base_is_straight = base::stands_straight(measured);
     let study = question.study();
     let unplayable = || DiscoveryError::Unplayable(question.fit.trials[0].number);
-    let search = |thorough: bool| study.search(&question.responses, &Limits { thorough, ..options.limits() });
-    let mut found = search(false).ok_or_else(unplayable)?;
+    let limits = options.limits();
+    let mut found = study.search(&question.responses, &limits).ok_or_else(unplayable)?;
     // Before anything is called unexplained, nothing has been left out because of what it promised.
     if question.left(&found) {
-        found = search(true).ok_or_else(unplayable)?;
+        found = study.search_again(found, &question.responses, &limits);
     }
     let sharp = question.sharpened(&study, found);
     Ok(question.discovery(model, measured, &study, &sharp))

@@ -8,7 +8,7 @@ use super::hypothesis::{Member, effects};
 use super::menu::{Dish, Range, menu};
 use super::noise::Noise;
 use super::nuisance::Column;
-use super::play::tips;
+use super::play::{coarse, tips};
 use super::question::Question;
 use super::responses::responses;
 use super::samples::{Sample, Samples, TrialCommands};
@@ -52,7 +52,7 @@ impl Question<'_> {
         }
         let samples = self.samples_of(dish);
         let asked = |name: &str| self.options.is_uncertain(name);
-        let responses = responses(&model, &self.hypotheses, &asked, &samples);
+        let responses = responses(&coarse(&model), &self.hypotheses, &asked, &samples);
         let free = uncertain(&self.options.uncertain, &self.hypotheses, &responses, 1.0);
         let played: Vec<Vec<f64>> = rivals
             .iter()

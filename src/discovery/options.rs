@@ -112,6 +112,7 @@ impl Options {
             least_score: self.least_score,
             least_size: self.least_size,
             least_share: self.least_share,
+            rival_score: self.rival_score,
             thorough: false,
         }
     }

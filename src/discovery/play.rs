@@ -5,6 +5,16 @@ use rayon::prelude::*;
 use super::samples::{Samples, TrialCommands};
 use crate::effects::{EffectSpec, Model, Trial, replay};
 
+/// First looks and rough fits are played with a tolerance that is larger by this: what they are followed by corrects them.
+const COARSER: f64 = 10.0;
+
+/// `model` with coarser steps in time, which take half as long.
+pub(super) fn coarse(model: &Model) -> Model {
+    let mut coarse = model.clone();
+    coarse.robot.resolution.motion_tolerance_m *= COARSER;
+    coarse
+}
+
 /// Where `model` with `extra` effects has the tip in every sample, three numbers a sample, metres; none where it cannot
 /// follow the commands. Trials run beside each other.
 pub(super) fn tips(model: &Model, extra: &[EffectSpec], samples: &Samples) -> Option<Vec<f64>> {

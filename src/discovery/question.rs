@@ -18,6 +18,8 @@ pub(super) struct Question<'a> {
     pub(super) options: &'a Options,
     /// The model, calibrated on the baseline where there is one, played with the precision of the options.
     pub(super) model: Model,
+    /// The same with coarse time steps.
+    coarse: Model,
     pub(super) hypotheses: Vec<Hypothesis>,
     /// All samples, those of the fit, and the proof.
     pub(super) all: Samples,
@@ -54,7 +56,8 @@ impl<'a> Question<'a> {
         };
         let played = played(&model, &fit)?;
         let played_proof = self::played(&model, &proof)?;
-        let responses = responses::responses(&model, &hypotheses, &|_| true, &fit);
+        let coarse = play::coarse(&model);
+        let responses = responses::responses(&coarse, &hypotheses, &|_| true, &fit);
         let columns = baseline::uncertain(&options.uncertain, &hypotheses, &responses, 1.0);
         let nuisances = match &base {
             None => Nuisances::independent(played.len(), &columns),
@@ -63,6 +66,7 @@ impl<'a> Question<'a> {
         Ok(Question {
             options,
             model,
+            coarse,
             hypotheses,
             all,
             fit,
@@ -83,6 +87,7 @@ impl<'a> Question<'a> {
         };
         Study {
             model: &self.model,
+            coarse: &self.coarse,
             hypotheses: &self.hypotheses,
             open: self.hypotheses.iter().map(open).collect(),
             samples: &self.fit,

@@ -10,8 +10,11 @@ use super::samples::Samples;
 use crate::effects::Model;
 
 /// What hypotheses are fitted to.
+#[derive(Clone)]
 pub(super) struct Study<'a> {
     pub(super) model: &'a Model,
+    /// The model with coarse time steps, for rough fits.
+    pub(super) coarse: &'a Model,
     pub(super) hypotheses: &'a [Hypothesis],
     /// Which of them may be the answer.
     pub(super) open: Vec<bool>,
@@ -44,6 +47,11 @@ impl Study<'_> {
     /// The model as it is, without any hypothesis.
     pub(super) fn null(&self) -> Option<Fitted> {
         self.at(Vec::new())
+    }
+
+    /// The same members as this model plays them, with the derivative that is known.
+    pub(super) fn again(&self, fitted: &Fitted) -> Option<Fitted> {
+        Some(Fitted { jacobian: fitted.jacobian.clone(), ..self.at(fitted.members.clone())? })
     }
 
     /// The best values of all of `start` together, from there; none where the model cannot play them.

@@ -19,9 +19,6 @@ pub(super) struct Response {
     pub(super) columns: DMatrix<f64>,
 }
 
-/// A first look is played with time steps so much coarser: refits correct what it says.
-const COARSER: f64 = 10.0;
-
 /// Answers of `model` to every variant of those hypotheses that `asked` names; variants that the model cannot play are
 /// left out, and all of them when it cannot play the samples as it is.
 pub(super) fn responses(
@@ -30,9 +27,6 @@ pub(super) fn responses(
     asked: &(dyn Fn(&str) -> bool + Sync),
     samples: &Samples,
 ) -> Vec<Response> {
-    let mut model = model.clone();
-    model.robot.resolution.motion_tolerance_m *= COARSER;
-    let model = &model;
     let Some(played) = tips(model, &[], samples) else { return Vec::new() };
     let played = played.as_slice();
     let variants: Vec<(usize, Vec<f64>)> = hypotheses

@@ -21,6 +21,8 @@ pub(super) struct Limits {
     pub(super) least_size: f64,
     /// The same for one effect more, over what those found before it do together.
     pub(super) least_share: f64,
+    /// Sets whose scores are nearer are rivals.
+    pub(super) rival_score: f64,
     /// Whether every hypothesis is refitted, whatever it promises at a first look.
     pub(super) thorough: bool,
 }
@@ -55,7 +57,8 @@ const LEADING_SHARE: f64 = 0.4;
 const LEADING_SLACK: f64 = 40.0;
 /// A first look may be wrong by this share of the size.
 const NEARLY: f64 = 0.7;
-/// A first look that promises less than this, score and all, is not followed up.
+/// A first look that promises less than this, score and all, is not followed up; nor is a rough fit that is worse than
+/// what it was to improve by this and by what makes a rival.
 const HOPELESS: f64 = -6.0;
 
 impl Study<'_> {
@@ -63,8 +66,29 @@ impl Study<'_> {
     /// Bayesian information criterion, Chen & Chen, Biometrika 95, 2008).
     pub(super) fn search(&self, responses: &[Response], limits: &Limits) -> Option<Found> {
         let null = Scored { fitted: self.null()?, score: 0.0 };
-        let mut best = null.clone();
-        let mut tried: Vec<Scored> = Vec::new();
+        Some(self.enlarged(null.clone(), null, Vec::new(), responses, limits))
+    }
+
+    /// Goes on from what a search has found, thoroughly: other single effects first, then more of them.
+    pub(super) fn search_again(&self, found: Found, responses: &[Response], limits: &Limits) -> Found {
+        let Found { mut best, null, mut tried, .. } = found;
+        let limits = Limits { thorough: true, ..*limits };
+        if !best.fitted.members.is_empty() {
+            let single = self.with_another(&null, &null, responses, &limits, &mut tried);
+            best = single.filter(|single| single.score > best.score).unwrap_or(best);
+        }
+        self.enlarged(best, null, tried, responses, &limits)
+    }
+
+    /// `best` with more effects, as long as each is worth having.
+    fn enlarged(
+        &self,
+        mut best: Scored,
+        null: Scored,
+        mut tried: Vec<Scored>,
+        responses: &[Response],
+        limits: &Limits,
+    ) -> Found {
         while best.fitted.members.len() < limits.most_effects {
             let Some(next) = self.with_another(&best, &null, responses, limits, &mut tried) else { break };
             best = self.swapped(next, &null, responses, limits, &mut tried);
@@ -74,7 +98,7 @@ impl Study<'_> {
             let score = promise.gain - self.penalty(std::slice::from_ref(&promise.member));
             (promise, score)
         });
-        Some(Found { best, tried, looked_at: looked_at.collect(), null })
+        Found { best, tried, looked_at: looked_at.collect(), null }
     }
 
     /// Penalty of a set: half of it, the Bayesian information criterion, for its parameters, the rest for their choice
@@ -91,14 +115,16 @@ impl Study<'_> {
         Scored { fitted, score }
     }
 
-    /// Fits `base` with each of the promising hypotheses besides: all roughly, then the leading ones as well as can be.
+    /// Fits `base` with each of the promising hypotheses besides: all roughly, which goes to `tried`, then the leading ones as
+    /// well as can be.
     fn fitted_with(
         &self,
-        base: &Fitted,
+        base: &Scored,
         promises: &[Promise],
         responses: &[Response],
         null: &Scored,
         limits: &Limits,
+        tried: &mut Vec<Scored>,
     ) -> Vec<Scored> {
         let Some(first) = promises.first() else { return Vec::new() };
         let (enough, width) = if limits.thorough {
@@ -106,24 +132,33 @@ impl Study<'_> {
         } else {
             (first.gain - (PROMISE_SHARE * first.gain).max(PROMISE_SLACK), WIDTH)
         };
-        let rough = |promise: &Promise| {
-            let member = self.begun(base, &promise.member);
-            let jacobian = self.known_slopes(base, &member, &responses[promise.response]);
-            let start: Vec<Member> = base.members.iter().cloned().chain([member]).collect();
-            Some(self.scored(self.rough_fit(start, jacobian)?, null))
-        };
         let kept: Vec<&Promise> = promises.iter().take(width).filter(|promise| promise.gain >= enough).collect();
-        let rough: Vec<Scored> = kept.into_par_iter().filter_map(rough).collect();
-        let base_score = null.fitted.explained.deviance - base.explained.deviance - self.penalty(&base.members);
-        let top = rough.iter().map(|scored| scored.score).fold(base_score, f64::max);
-        let leading = top - (LEADING_SHARE * (top - base_score)).max(LEADING_SLACK);
-        let finish = |scored: Scored| {
-            if scored.score < leading {
-                return Some(scored);
-            }
-            Some(self.scored(self.settled(scored.fitted.members)?, null))
+        let rough = self.roughly_with(base, &kept, responses);
+        let top = rough.iter().map(|scored| scored.score).fold(base.score, f64::max);
+        let leading = (top - (LEADING_SHARE * (top - base.score)).max(LEADING_SLACK))
+            .max(base.score + HOPELESS - limits.rival_score);
+        let (rough, others): (Vec<Scored>, Vec<Scored>) = rough.into_iter().partition(|scored| scored.score >= leading);
+        tried.extend(others);
+        let finish = |scored: Scored| Some(self.scored(self.settled(scored.fitted.members)?, null));
+        let finished: Vec<Scored> = rough.into_par_iter().filter_map(finish).collect();
+        tried.extend(finished.iter().cloned());
+        finished
+    }
+
+    /// `base` with each of the promised members, played coarsely on both sides.
+    fn roughly_with(&self, base: &Scored, promises: &[&Promise], responses: &[Response]) -> Vec<Scored> {
+        let coarse = Study { model: self.coarse, ..self.clone() };
+        let Some(start) = coarse.again(&base.fitted) else { return Vec::new() };
+        let fit = |promise: &&Promise| {
+            let member = coarse.begun(&start, &promise.member);
+            let jacobian = coarse.known_slopes(&start, &member, &responses[promise.response]);
+            let all: Vec<Member> = start.members.iter().cloned().chain([member]).collect();
+            let fitted = coarse.rough_fit(all, jacobian)?;
+            let gain = start.explained.deviance - fitted.explained.deviance;
+            let score = base.score + gain - self.penalty(std::slice::from_ref(&promise.member));
+            Some(Scored { fitted, score })
         };
-        rough.into_par_iter().filter_map(finish).collect()
+        promises.par_iter().filter_map(fit).collect()
     }
 
     /// What is known of the derivatives of `base` with `member` besides: those of the fit, and the first look's.
@@ -210,8 +245,7 @@ impl Study<'_> {
             let score = promise.gain - self.penalty(std::slice::from_ref(&promise.member));
             limits.thorough || score > limits.least_score + HOPELESS && promise.size_m > NEARLY * least_m
         });
-        let fits = self.fitted_with(&best.fitted, &promises, responses, null, limits);
-        tried.extend(fits.iter().cloned());
+        let fits = self.fitted_with(best, &promises, responses, null, limits, tried);
         let moves = |next: &Scored| -> f64 {
             let moved = next.fitted.played.iter().zip(&best.fitted.played).map(|(there, here)| there - here);
             rms_m(&moved.collect::<Vec<f64>>())
@@ -244,10 +278,10 @@ impl Study<'_> {
                 let mut rest = best.fitted.members.clone();
                 let gone = rest.remove(out);
                 let Some(without) = self.fit(rest).and_then(|fitted| self.sharpened(fitted)) else { continue };
-                let mut promises = self.promises(&without, &[gone.hypothesis], responses);
+                let without = self.scored(without, null);
+                let mut promises = self.promises(&without.fitted, &[gone.hypothesis], responses);
                 promises.truncate(WIDTH / 2);
-                let fits = self.fitted_with(&without, &promises, responses, null, limits);
-                tried.extend(fits.iter().cloned());
+                let fits = self.fitted_with(&without, &promises, responses, null, limits, tried);
                 let top = fits.into_iter().max_by(|a, b| a.score.total_cmp(&b.score));
                 if let Some(top) = top.filter(|top| top.score > better.as_ref().map_or(best.score, |b| b.score)) {
                     better = Some(top);

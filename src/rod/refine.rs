@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use nalgebra::Vector3;
 
 use super::conditions::Hold;
-use super::grid::{COMPONENTS, Grid, element_ends};
+use super::grid::{COMPONENTS, Cell, Grid, element_ends};
 use super::memory::MemoryState;
 use super::params::{Resolution, RodParams};
 use super::reconstruction::Confirmed;
@@ -119,30 +119,36 @@ impl System {
     /// and where the spine begins to saturate inside.
     pub(super) fn cell_error_m(&self, shape: &Shape, taut: &[bool]) -> f64 {
         let strain = &shape.strain;
-        let (length, mut total, mut kinks) = (self.params.length_m(), 0.0, 0.0);
+        let mut total = 0.0;
         for (c, cell) in self.grid.cells.iter().enumerate() {
             let (h, a, b) = (cell.length_m, &strain[2 * c], &strain[2 * c + 1]);
             let angle2 = square(a).max(square(b)) * h * h;
             let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
             let commutator = h * h * (cross[0].powi(2) + cross[1].powi(2) + cross[2].powi(2)).sqrt();
             total += CELL_ERROR * angle2 * angle2 * h * a[5].abs().max(b[5].abs());
-            total += MAGNUS_ERROR * commutator * angle2 * length;
-            kinks += self.sections[2 * c].kink_m(shape.wrench[2 * c][5], shape.wrench[2 * c + 1][5], h);
+            total += MAGNUS_ERROR * commutator * angle2 * self.params.length_m();
         }
-        if kinks > 0.0 {
-            // A taut tendon bends the rod by what the spine is too long or too short.
-            let offset = |i: usize| {
-                self.guides
-                    .iter()
-                    .skip(i)
-                    .step_by(taut.len())
-                    .map(|g| g.offset_m[0].hypot(g.offset_m[1]))
-                    .fold(0.0, f64::max)
-            };
-            let nearest = (0..taut.len()).filter(|&i| taut[i]).map(offset).fold(f64::INFINITY, f64::min);
-            total += kinks * (1.0 + length / nearest.max(LEAST_OFFSET * length));
+        total + self.kink_error_m(shape, taut)
+    }
+
+    /// The part of it from where the spine begins to saturate. How much a cell with a kink errs depends on where in it the
+    /// kink lies, so that two grids may agree by chance.
+    fn kink_error_m(&self, shape: &Shape, taut: &[bool]) -> f64 {
+        let force = |g: usize| shape.wrench[g][5];
+        let kink =
+            |(c, cell): (usize, &Cell)| self.sections[2 * c].kink_m(force(2 * c), force(2 * c + 1), cell.length_m);
+        let kinks: f64 = self.grid.cells.iter().enumerate().map(kink).sum();
+        if kinks == 0.0 {
+            return 0.0;
         }
-        total
+        // A taut tendon bends the rod by what the spine is too long or too short.
+        let offset = |i: usize| {
+            let along = self.guides.iter().skip(i).step_by(taut.len());
+            along.map(|guide| guide.offset_m[0].hypot(guide.offset_m[1])).fold(0.0, f64::max)
+        };
+        let length_m = self.params.length_m();
+        let nearest = (0..taut.len()).filter(|&i| taut[i]).map(offset).fold(f64::INFINITY, f64::min);
+        kinks * (1.0 + length_m / nearest.max(LEAST_OFFSET * length_m))
     }
 
     /// The strain at Gauss point `g` that the imbalance there amounts to, without its polynomial part: that is what the
@@ -243,8 +249,12 @@ impl Rod {
             let patience = std::mem::replace(&mut finer.solver.patience, PATIENCE);
             status = finer.solve_static(holds, 1.0);
             finer.solver.patience = patience;
-            // Polynomials that end at every jump leave nothing that the reconstruction would not see.
-            finer.space.error_m = if finer.space.level > 1 { 0.0 } else { finer.estimate_m() };
+            // Of what polynomials that end at every jump leave, the reconstruction may miss the kinks inside cells only.
+            finer.space.error_m = if finer.space.level > 1 {
+                finer.system.kink_error_m(&finer.state.shape, &finer.state.taut)
+            } else {
+                finer.estimate_m()
+            };
             finer.confirm(holds, tolerance_m);
             let hopeless = finer.space.level > 1 && finer.space.error_m > self.system.params.length_m();
             let coarser = std::mem::replace(self, finer);
