@@ -57,8 +57,7 @@ fn play(k: u64, seed: Seed, judged: bool, moved: bool) -> Outcome {
             outcome.off_m = off_m(FINE_STEPS);
         }
     }
-    // A rod that remembers keeps its finer grid when it moves; with hundreds of unknowns that takes minutes.
-    if moved && (case.params.memory.is_empty() || rod.refinements() < 2) {
+    if moved {
         outcome.motion = Some(wander(k, seed, &case, &mut rod));
     }
     outcome

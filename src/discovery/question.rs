@@ -43,6 +43,8 @@ impl<'a> Question<'a> {
         let mut model = model.clone();
         let resolution = &mut model.robot.resolution;
         resolution.motion_tolerance_m = options.motion_tolerance_m;
+        // Trials begin at rest, and go on from there no better than they move.
+        resolution.static_tolerance_m = resolution.static_tolerance_m.max(STATIC_SHARE * options.motion_tolerance_m);
         resolution.cell_m = resolution.cell_m.max(options.cell_m);
         let hypotheses = hypotheses(&model);
         let (kept, held_out) = proof::split(&all, options.held_out_share);
@@ -131,6 +133,8 @@ impl<'a> Question<'a> {
     }
 }
 
+/// Tolerance of a rest over that of a step in time.
+const STATIC_SHARE: f64 = 0.3;
 /// Correlation from one sample to the next beyond which what is left is not a tracker's noise.
 const SLOW: f64 = 0.8;
 /// Chance below which such a residual is more than the repeats' noise.

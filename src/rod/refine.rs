@@ -321,15 +321,8 @@ impl Rod {
         least
     }
 
-    /// Goes back to the resolution that was asked for, unless histories along the rod would be lost.
+    /// Goes back to the resolution that was asked for; histories along the rod are taken along.
     pub(super) fn coarsen(&mut self) {
-        if self.space.level > 0 && self.system.params.memory.is_empty() {
-            *self = self.on_grid(0);
-        }
-    }
-
-    /// A rod that starts anew starts on the grid that was asked for.
-    pub(super) fn forget_refinement(&mut self) {
         if self.space.level > 0 {
             *self = self.on_grid(0);
         }

@@ -146,7 +146,7 @@ impl Rod {
 
     /// Straight, unloaded, at rest, without history.
     pub fn restart(&mut self) {
-        self.forget_refinement();
+        self.coarsen();
         self.space.forget();
         self.state.unknowns.fill(0.0);
         self.state.taut.fill(false);
@@ -173,7 +173,10 @@ impl Rod {
     /// Brings the rod to rest under `drives` (one a tendon). Histories come to rest as well.
     pub fn settle(&mut self, drives: &[Drive]) -> Status {
         let Some(holds) = self.holds(drives) else { return Status::BadCommand };
-        self.coarsen();
+        // From rest to rest, histories stay as fine as they are known.
+        if self.system.params.memory.is_empty() {
+            self.coarsen();
+        }
         self.motion = Motion::rest(&self.system.grid, &self.system.masses);
         let before = self.state.clone();
         let mut status = self.solve_static(&holds, 1.0);
