@@ -5,6 +5,7 @@ mod common;
 use nalgebra::Vector3;
 use rand::RngExt;
 use spinebench::base::{Plant, PlantError, Seed};
+use spinebench::effects::EffectSpec;
 use spinebench::effects::Model;
 use spinebench::plants::{Simulated, SimulatedOptions};
 use spinebench::rod::{Drive, Rod, Status, TipLoad};
@@ -144,4 +145,19 @@ fn statics_refine_themselves_where_the_grid_is_too_coarse() {
     assert!(off(&coarse) > 1e-6 && coarse.space_error_m() > off(&coarse), "{:e} m", off(&coarse));
     assert!(fine.refinements() > 0 && off(&fine) < 1e-6, "{:e} m", off(&fine));
     assert!(fine.space_error_m() < 1e-6);
+}
+
+#[test]
+fn a_rod_that_remembers_moves_on_its_own_grid() {
+    let yaml = "- friction: {moment_nm: 0.0128, yield_rad_m: 0.1}\n- tip_load: {mass_kg: 0.0065}";
+    let effects: Vec<EffectSpec> =
+        serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(yaml)).unwrap();
+    let mut rod = Rod::new(common::model("nominal").rod(&effects));
+    let drives = [0.01, 0.0, -0.01, 0.0].map(Drive::Pull);
+    assert_eq!(rod.settle(&drives), Status::Converged);
+    let tip_m = rod.tip_m();
+    assert!(rod.refinements() > 0, "friction leaves kinks at rest that its own grid does not resolve");
+    assert_eq!(rod.advance(&drives, 0.2), Status::Converged);
+    assert_eq!(rod.refinements(), 0);
+    assert!((rod.tip_m() - tip_m).norm() < 1e-3, "its histories came along: {} m", (rod.tip_m() - tip_m).norm());
 }
