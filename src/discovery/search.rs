@@ -137,8 +137,11 @@ impl Study<'_> {
         let top = rough.iter().map(|scored| scored.score).fold(base.score, f64::max);
         let leading = (top - (LEADING_SHARE * (top - base.score)).max(LEADING_SLACK))
             .max(base.score + HOPELESS - limits.rival_score);
-        let (rough, others): (Vec<Scored>, Vec<Scored>) = rough.into_iter().partition(|scored| scored.score >= leading);
+        let (mut rough, others): (Vec<Scored>, Vec<Scored>) =
+            rough.into_iter().partition(|scored| scored.score >= leading);
         tried.extend(others);
+        rough.sort_by(|a, b| b.score.total_cmp(&a.score));
+        rough.truncate(WIDTH);
         let finish = |scored: Scored| Some(self.scored(self.settled(scored.fitted.members)?, null));
         let finished: Vec<Scored> = rough.into_par_iter().filter_map(finish).collect();
         tried.extend(finished.iter().cloned());
