@@ -11,6 +11,8 @@ pub(super) const GAUSS: f64 = 0.288_675_134_594_812_9;
 
 /// Ends of polynomials that are closer are one, metres: what jumps in so short a piece is as good as smooth.
 const SAME_END_M: f64 = 1e-6;
+/// … if that is no more than this share of the rod.
+const SAME_END_SHARE: f64 = 1e-4;
 /// Ends of cells that are closer are one, metres. A tendon that ends elsewhere has another length, so that this is rounding.
 const SAME_PLACE_M: f64 = 1e-10;
 
@@ -71,7 +73,7 @@ impl Grid {
     pub(super) fn moved(params: &RodParams, changed: &RodParams) -> Option<Grid> {
         let (elements, cuts) = (element_ends(params), cell_ends(params));
         let moved = moved_along(&cuts, &cell_cuts(params), &cell_cuts(changed), SAME_PLACE_M)?;
-        let ends = moved_along(&elements, &element_cuts(params), &element_cuts(changed), SAME_END_M)?;
+        let ends = moved_along(&elements, &element_cuts(params), &element_cuts(changed), same_end_m(params))?;
         let boundaries_m = subdivided(params, &elements, &cuts, &moved);
         (params.resolution == changed.resolution).then(|| Grid::on(&params.resolution, boundaries_m, &ends))
     }
@@ -156,9 +158,14 @@ fn element_cuts(params: &RodParams) -> Vec<f64> {
     cuts
 }
 
+/// Ends of polynomials that are closer are one, metres.
+fn same_end_m(params: &RodParams) -> f64 {
+    SAME_END_M.min(SAME_END_SHARE * params.length_m())
+}
+
 /// Base, tip and where the internal wrench may jump.
 pub(super) fn element_ends(params: &RodParams) -> Vec<f64> {
-    sorted_unique(element_cuts(params), params.length_m(), SAME_END_M)
+    sorted_unique(element_cuts(params), params.length_m(), same_end_m(params))
 }
 
 /// Where stiffness, rest shape or spine change, and the lumped masses.
