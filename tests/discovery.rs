@@ -39,8 +39,7 @@ fn trials(recording: &Recording, first: usize, count: usize) -> Recording {
 /// model's, and with noise of a correlation.
 fn recorded(effects: &str, count: usize, seed: u64, correlation: f64) -> Recording {
     let mut truth = nominal();
-    truth.effects =
-        serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(effects)).unwrap();
+    truth.effects = common::effects(effects);
     truth.robot.resolution.cell_m = 0.008;
     truth.robot.resolution.motion_tolerance_m = 2e-5;
     let commands = trials(&twin("nothing"), 0, count);

@@ -5,7 +5,6 @@ mod common;
 use common::random_robot::{bending_n_m2, log, robot};
 use rand::RngExt;
 use spinebench::base::Seed;
-use spinebench::effects::EffectSpec;
 use spinebench::rod::{Drive, MemoryState, MomentLaw, Rod, RodParams, Scheme, Status};
 use std::sync::Arc;
 
@@ -100,8 +99,7 @@ fn laws() -> Vec<(&'static str, Arc<dyn MomentLaw>)> {
     ];
     let mut laws = Vec::new();
     for (name, text) in texts {
-        let specs: Vec<EffectSpec> =
-            serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text)).unwrap();
+        let specs = common::effects(text);
         let mut rod = common::round_rod(0.22, 2e-3, 2.33e9, 0.84e9, 0.05);
         specs[0].build().alter(&mut rod);
         laws.extend(rod.memory.into_iter().map(|law| (name, law)));

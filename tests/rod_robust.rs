@@ -5,7 +5,6 @@ mod common;
 use nalgebra::Vector3;
 use rand::RngExt;
 use spinebench::base::{Plant, PlantError, Seed};
-use spinebench::effects::EffectSpec;
 use spinebench::effects::Model;
 use spinebench::plants::{Simulated, SimulatedOptions};
 use spinebench::rod::{Drive, Rod, Status, TipLoad};
@@ -150,9 +149,7 @@ fn statics_refine_themselves_where_the_grid_is_too_coarse() {
 #[test]
 fn a_rod_that_remembers_moves_on_its_own_grid() {
     let yaml = "- friction: {moment_nm: 0.0128, yield_rad_m: 0.1}\n- tip_load: {mass_kg: 0.0065}";
-    let effects: Vec<EffectSpec> =
-        serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(yaml)).unwrap();
-    let mut rod = Rod::new(common::model("nominal").rod(&effects));
+    let mut rod = Rod::new(common::model("nominal").rod(&common::effects(yaml)));
     let drives = [0.01, 0.0, -0.01, 0.0].map(Drive::Pull);
     assert_eq!(rod.settle(&drives), Status::Converged);
     let tip_m = rod.tip_m();

@@ -10,11 +10,6 @@ fn nominal() -> Model {
     common::model("nominal")
 }
 
-fn effect(yaml: &str) -> Vec<EffectSpec> {
-    let text = if yaml.is_empty() { "[]" } else { yaml };
-    serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text)).unwrap()
-}
-
 /// Tips of the model under the recorded commands, beside the recorded ones.
 fn played(model: &Model, extra: &[EffectSpec], file: &str) -> Vec<([f64; 3], [f64; 3])> {
     let rows = common::read(&format!("tests/reference/twin/{file}.csv"));
@@ -51,7 +46,7 @@ fn gap_m(model: &Model, extra: &[EffectSpec], file: &str) -> f64 {
 fn the_uncalibrated_model_follows_the_recordings() {
     let model = nominal();
     for (file, effects) in [("baseline", ""), ("nothing", ""), ("tip_load_10g", "- tip_load: {mass_kg: 0.01}")] {
-        let all = gap_m(&model, &effect(effects), file);
+        let all = gap_m(&model, &common::effects(effects), file);
         println!("{file}: {:.3} mm rms", all * 1e3);
         assert!(all < 1.3e-3, "{file}: {all} m");
     }
@@ -61,7 +56,7 @@ fn the_uncalibrated_model_follows_the_recordings() {
 fn a_missing_load_is_seen_and_adding_it_closes_the_gap() {
     let model = nominal();
     let without = gap_m(&model, &[], "tip_load_10g");
-    let with = gap_m(&model, &effect("- tip_load: {mass_kg: 0.01}"), "tip_load_10g");
+    let with = gap_m(&model, &common::effects("- tip_load: {mass_kg: 0.01}"), "tip_load_10g");
     assert!(without > 5e-3 && with < 0.25 * without, "{without} m without, {with} m with the load");
 }
 
@@ -70,7 +65,7 @@ fn a_missing_load_is_seen_and_adding_it_closes_the_gap() {
 fn friction_by_another_law_is_closed_by_ours() {
     let model = nominal();
     let without = gap_m(&model, &[], "friction");
-    let with = gap_m(&model, &effect("- friction: {moment_nm: 0.02}"), "friction");
+    let with = gap_m(&model, &common::effects("- friction: {moment_nm: 0.02}"), "friction");
     println!("friction: {without} m without, {with} m with");
     assert!(without > 7e-3 && with < 0.3 * without, "{without} m without, {with} m with friction");
 }

@@ -8,7 +8,7 @@ use std::time::Instant;
 pub struct Timing {
     /// Seconds on the clock.
     pub wall_s: f64,
-    /// Seconds on a processor (of the one thread that a stage runs on); 0 where the system does not tell.
+    /// Seconds on a processor, of the thread that carries the stage out and not of those that it shares its work with; 0 where the system does not tell.
     pub cpu_s: f64,
 }
 

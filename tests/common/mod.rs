@@ -5,7 +5,7 @@ pub mod oracle;
 pub mod random_robot;
 
 use nalgebra::{Matrix3, Vector3};
-use spinebench::effects::Model;
+use spinebench::effects::{EffectSpec, Model};
 use spinebench::rod::{Resolution, RodParams, Span, Tendon, TipLoad};
 use std::collections::HashMap;
 
@@ -65,6 +65,12 @@ pub fn shipped(name: &str) -> RodParams {
 pub fn model(name: &str) -> Model {
     let path = format!("{}/models/{name}.yaml", env!("CARGO_MANIFEST_DIR"));
     spinebench::specs::read_model(std::path::Path::new(&path)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Effects as a model file lists them; nothing for nothing.
+pub fn effects(yaml: &str) -> Vec<EffectSpec> {
+    let text = if yaml.is_empty() { "[]" } else { yaml };
+    serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text)).unwrap()
 }
 
 pub fn vector(row: &HashMap<String, f64>, names: [&str; 3]) -> Vector3<f64> {

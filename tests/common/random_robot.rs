@@ -4,7 +4,6 @@
 use nalgebra::Vector3;
 use rand::{Rng, RngExt};
 use spinebench::base::Seed;
-use spinebench::effects::EffectSpec;
 use spinebench::rod::{CompressibleSection, Drive, PointMass, RodParams, Tendon, TipLoad};
 
 /// A robot and one command.
@@ -162,11 +161,7 @@ fn add_memory(random: &mut impl Rng, params: &mut RodParams) {
         2 => format!("creep: {{share: {:e}, time_s: {:e}}}", log(random, 0.01, 0.8), log(random, 0.1, 100.0)),
         _ => return,
     };
-    let spec: Vec<EffectSpec> = serde_yaml::with::singleton_map_recursive::deserialize(
-        serde_yaml::Deserializer::from_str(&format!("- {yaml}")),
-    )
-    .unwrap();
-    spec[0].build().alter(params);
+    super::effects(&format!("- {yaml}"))[0].build().alter(params);
 }
 
 pub fn tip_load(random: &mut impl Rng, params: &RodParams) -> TipLoad {
