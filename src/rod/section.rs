@@ -133,7 +133,7 @@ impl Section {
     }
 
     /// What the two Gauss points of a cell of length `h` with the axial forces `a` and `b` miss of the place between
-    /// saturated and not, metres: the exact integral of the law under a linear force minus the rule's.
+    /// saturated and not, metres of stretch: the exact integral of the law under a linear force minus the rule's.
     pub(super) fn kink_m(&self, a: f64, b: f64, h: f64) -> f64 {
         let half = 0.5 / (2.0 * GAUSS) * (b - a).abs();
         let (low, high) = (0.5 * (a + b) - half + self.saturation_n, 0.5 * (a + b) + half + self.saturation_n);
@@ -142,7 +142,7 @@ impl Section {
         }
         let exact = 0.5 * high * high / (high - low);
         let rule = 0.5 * ((a + self.saturation_n).max(0.0) + (b + self.saturation_n).max(0.0));
-        self.spine * h * (exact - rule).abs()
+        self.spine * h * (exact - rule)
     }
 
     /// Change of curvature from the unloaded shape about the two body axes.

@@ -70,11 +70,18 @@ impl Shape {
         self.integrate(grid);
     }
 
-    /// Computes strains and poses from the wrench at each Gauss point, whatever it is; the compliances stay.
+    /// Computes strains and poses from the wrench at each Gauss point, whatever it is; the compliances stay. Cells in which
+    /// the spine begins to saturate get the length that the law gives them.
     pub(super) fn update_from(&mut self, grid: &Grid, sections: &[Section], wrench: &[Six]) {
         for (g, own) in wrench.iter().enumerate() {
             self.strain[g] = sections[g].strain(own).0;
             self.wrench[g] = *own;
+        }
+        for (c, cell) in grid.cells.iter().enumerate() {
+            let [a, b] = [2 * c, 2 * c + 1];
+            let missed = sections[a].kink_m(wrench[a][5], wrench[b][5], cell.length_m) / cell.length_m;
+            self.strain[a][5] += missed;
+            self.strain[b][5] += missed;
         }
         self.integrate(grid);
     }
