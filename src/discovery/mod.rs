@@ -10,6 +10,7 @@ mod baseline;
 mod check;
 mod compare;
 mod error;
+mod farther;
 mod features;
 mod floor;
 mod hypothesis;
@@ -80,10 +81,10 @@ pub fn discover(
     let study = question.study();
     let unplayable = || DiscoveryError::Unplayable(question.fit.trials[0].number);
     let limits = options.limits();
-    let mut found = study.search(&question.responses, &limits).ok_or_else(unplayable)?;
+    let mut found = study.search(question.responses.clone(), &limits).ok_or_else(unplayable)?;
     // Before anything is called unexplained, nothing has been left out because of what it promised.
     if question.left(&found) {
-        found = study.search_again(found, &question.responses, &limits);
+        found = study.search_again(found, &limits);
     }
     let sharp = question.sharpened(&study, found);
     Ok(question.discovery(model, measured, &study, &sharp))

@@ -17,6 +17,8 @@ pub(super) struct Response {
     pub(super) null: Vec<f64>,
     /// Change of the tip over change of the parameter, three numbers a sample, a column a size.
     pub(super) columns: DMatrix<f64>,
+    /// The change of its only size that it holds for; none for small changes.
+    pub(super) step: Option<f64>,
 }
 
 /// Answers of `model` to every variant of those hypotheses that `asked` names; variants that the model cannot play are
@@ -48,7 +50,7 @@ pub(super) fn responses(
         };
         let columns: Vec<Vec<f64>> = hypothesis.sizes().iter().map(column).collect::<Option<_>>()?;
         let columns = DMatrix::from_fn(played.len(), columns.len(), |row, k| columns[k][row]);
-        Some(Response { hypothesis: number, null, columns })
+        Some(Response { hypothesis: number, null, columns, step: None })
     };
     variants.into_par_iter().filter_map(answer).collect()
 }

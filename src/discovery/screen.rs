@@ -7,6 +7,9 @@ use super::nuisance::{Explained, Nuisances};
 use super::responses::Response;
 use super::samples::{Samples, rms_m};
 
+/// A look far out is right for changes between these shares of its own.
+const ALIKE: std::ops::Range<f64> = 0.3..2.0;
+
 /// What a variant of a hypothesis promises.
 #[derive(Clone, Debug)]
 pub(super) struct Promise {
@@ -63,6 +66,9 @@ pub(super) fn screen(
         (0..own.nrows()).for_each(|k| own[(k, k)] += floor);
         let right = columns.tr_mul(&left);
         let sizes = Cholesky::new(own)?.solve(&right);
+        if response.step.is_some_and(|step| !ALIKE.contains(&(sizes[0] / step))) {
+            return None;
+        }
         let steps: Vec<(usize, f64)> = hypothesis.sizes().into_iter().zip(sizes.iter().copied()).collect();
         let values = steps.iter().fold(response.null.clone(), |at, &(size, step)| hypothesis.moved(&at, size, step));
         let values = within(hypothesis, &response.null, &values)?;

@@ -45,6 +45,8 @@ pub(super) struct Found {
     pub(super) tried: Vec<Scored>,
     /// What every hypothesis promises at a first look, with the score that it would have.
     pub(super) looked_at: Vec<(Promise, f64)>,
+    /// The answers of the tip that the looks went by.
+    pub(super) responses: Vec<Response>,
 }
 
 /// Refits at a time at most.
@@ -64,17 +66,21 @@ const HOPELESS: f64 = -6.0;
 impl Study<'_> {
     /// Looks for the set of hypotheses that explains the samples best, one that pays for its parameters (extended
     /// Bayesian information criterion, Chen & Chen, Biometrika 95, 2008).
-    pub(super) fn search(&self, responses: &[Response], limits: &Limits) -> Option<Found> {
+    pub(super) fn search(&self, mut responses: Vec<Response>, limits: &Limits) -> Option<Found> {
         let null = Scored { fitted: self.null()?, score: 0.0 };
+        let promises = self.promises(&null.fitted, &[], &responses);
+        if promises.iter().any(|promise| self.promised(promise) > limits.least_score + HOPELESS) {
+            responses.extend(self.farther(&null.fitted, &promises, &responses));
+        }
         Some(self.enlarged(null.clone(), null, Vec::new(), responses, limits))
     }
 
     /// Goes on from what a search has found, thoroughly: other single effects first, then more of them.
-    pub(super) fn search_again(&self, found: Found, responses: &[Response], limits: &Limits) -> Found {
-        let Found { mut best, null, mut tried, .. } = found;
+    pub(super) fn search_again(&self, found: Found, limits: &Limits) -> Found {
+        let Found { mut best, null, mut tried, responses, .. } = found;
         let limits = Limits { thorough: true, ..*limits };
         if !best.fitted.members.is_empty() {
-            let single = self.with_another(&null, &null, responses, &limits, &mut tried);
+            let single = self.with_another(&null, &null, &responses, &limits, &mut tried);
             best = single.filter(|single| single.score > best.score).unwrap_or(best);
         }
         self.enlarged(best, null, tried, responses, &limits)
@@ -86,19 +92,24 @@ impl Study<'_> {
         mut best: Scored,
         null: Scored,
         mut tried: Vec<Scored>,
-        responses: &[Response],
+        responses: Vec<Response>,
         limits: &Limits,
     ) -> Found {
         while best.fitted.members.len() < limits.most_effects {
-            let Some(next) = self.with_another(&best, &null, responses, limits, &mut tried) else { break };
-            best = self.swapped(next, &null, responses, limits, &mut tried);
+            let Some(next) = self.with_another(&best, &null, &responses, limits, &mut tried) else { break };
+            best = self.swapped(next, &null, &responses, limits, &mut tried);
         }
         best = self.pruned(best, &null, limits, &mut tried);
-        let looked_at = self.promises(&null.fitted, &[], responses).into_iter().map(|promise| {
-            let score = promise.gain - self.penalty(std::slice::from_ref(&promise.member));
+        let looked_at = self.promises(&null.fitted, &[], &responses).into_iter().map(|promise| {
+            let score = self.promised(&promise);
             (promise, score)
         });
-        Found { best, tried, looked_at: looked_at.collect(), null }
+        Found { best, tried, looked_at: looked_at.collect(), null, responses }
+    }
+
+    /// What a promise would add to the score.
+    fn promised(&self, promise: &Promise) -> f64 {
+        promise.gain - self.penalty(std::slice::from_ref(&promise.member))
     }
 
     /// Penalty of a set: half of it, the Bayesian information criterion, for its parameters, the rest for their choice
@@ -245,7 +256,7 @@ impl Study<'_> {
         let mut promises = self.promises(&best.fitted, &[], responses);
         let least_m = limits.least_size * best.fitted.explained.noise.rms_m();
         promises.retain(|promise| {
-            let score = promise.gain - self.penalty(std::slice::from_ref(&promise.member));
+            let score = self.promised(promise);
             limits.thorough || score > limits.least_score + HOPELESS && promise.size_m > NEARLY * least_m
         });
         let fits = self.fitted_with(best, &promises, responses, null, limits, tried);

@@ -1,0 +1,59 @@
+//! A second look at each hypothesis, as far out as the residual is large. The tip's answer to a little of an effect may
+//! say nothing of its answer to much of it, or to the other direction: a softer rod sags until tendons are taut, a
+//! stiffer one does not.
+
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use super::play::tips;
+use super::refit::{Fitted, Study};
+use super::responses::Response;
+use super::samples::rms_m;
+use super::screen::Promise;
+
+/// Farther than this, in usual sizes, no one looks.
+const FARTHEST: f64 = 8.0;
+/// Plays at most to find where an effect moves the tip as far as the residual is large.
+const LOOKS: usize = 3;
+/// Between these shares of the residual that is far enough.
+const NEAR_ENOUGH: std::ops::Range<f64> = 0.5..2.0;
+
+impl Study<'_> {
+    /// Answers to each hypothesis of one size, in both directions, where it would move the tip as far as the residual
+    /// that `null` leaves if it went on as in `responses`; of each the variant that `promises` has.
+    pub(super) fn farther(&self, null: &Fitted, promises: &[Promise], responses: &[Response]) -> Vec<Response> {
+        let Some(played) = tips(self.coarse, &[], self.samples) else { return Vec::new() };
+        let left_m = rms_m(&null.explained.left_m);
+        let ways: Vec<(&Response, f64)> = promises
+            .iter()
+            .map(|promise| &responses[promise.response])
+            .filter(|response| response.columns.ncols() == 1)
+            .flat_map(|response| [(response, 1.0), (response, -1.0)])
+            .collect();
+        let look = |(response, sign): (&Response, f64)| {
+            let hypothesis = &self.hypotheses[response.hypothesis];
+            let size = hypothesis.sizes()[0];
+            let farthest = FARTHEST * hypothesis.probe(size).abs();
+            let mut step = sign * farthest.min(left_m / rms_m(response.columns.as_slice()).max(f64::MIN_POSITIVE));
+            let mut found = None;
+            for _ in 0..LOOKS {
+                let effect = hypothesis.effect(&hypothesis.moved(&response.null, size, step));
+                let Some(there) = effect.and_then(|effect| tips(self.coarse, &[effect], self.samples)) else {
+                    step *= 0.5;
+                    continue;
+                };
+                let change: Vec<f64> = there.iter().zip(&played).map(|(there, here)| there - here).collect();
+                let columns = DMatrix::from_column_slice(change.len(), 1, &change) / step;
+                found = Some(Response { columns, step: Some(step), ..response.clone() });
+                let short = left_m / rms_m(&change).max(f64::MIN_POSITIVE);
+                let next = sign * farthest.min(step.abs() * short.clamp(0.25, 4.0));
+                if NEAR_ENOUGH.contains(&short) || next == step {
+                    break;
+                }
+                step = next;
+            }
+            found
+        };
+        ways.into_par_iter().filter_map(look).collect()
+    }
+}
