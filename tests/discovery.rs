@@ -79,6 +79,8 @@ fn a_hidden_effect_is_named_and_its_strength_told() {
         ("tip_load: {mass_kg: 0.01}", "mass_kg", 0.01),
         ("backlash: {width_m: 0.0015}", "width_m", 0.0015),
         ("actuator_gain: {tendon: 2, scale: 1.08}", "scale", 1.08),
+        // A little stiffer, the robot answers quite otherwise than much softer.
+        ("bending_stiffness: {scale: 0.67}", "scale", 0.67),
     ];
     for (k, (effect, parameter, truth)) in cases.into_iter().enumerate() {
         let found = found(&recorded(&format!("- {effect}"), 4, k as u64, 0.0), &Options::default());

@@ -7,6 +7,7 @@
 mod answer;
 mod base;
 mod baseline;
+mod beside;
 mod check;
 mod compare;
 mod error;
@@ -25,11 +26,13 @@ mod play;
 mod proof;
 mod question;
 mod refit;
+mod refuted;
 mod responses;
 mod samples;
 mod screen;
 mod search;
 mod telling;
+mod uneven;
 mod unseen;
 mod words;
 

@@ -135,8 +135,9 @@ impl System {
     /// kink lies, so that two grids may agree by chance.
     fn kink_error_m(&self, shape: &Shape, taut: &[bool]) -> f64 {
         let force = |g: usize| shape.wrench[g][5];
-        let kink =
-            |(c, cell): (usize, &Cell)| self.sections[2 * c].kink_m(force(2 * c), force(2 * c + 1), cell.length_m).abs();
+        let kink = |(c, cell): (usize, &Cell)| {
+            self.sections[2 * c].kink_m(force(2 * c), force(2 * c + 1), cell.length_m).abs()
+        };
         let kinks: f64 = self.grid.cells.iter().enumerate().map(kink).sum();
         if kinks == 0.0 {
             return 0.0;

@@ -1,0 +1,112 @@
+//! A set of hypotheses with one member more, fitted: from what the member promises, first roughly, then as well as can be.
+
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use super::hypothesis::Member;
+use super::refit::{Fitted, Study};
+use super::responses::Response;
+use super::screen::{Promise, screen};
+use super::search::Scored;
+
+impl Study<'_> {
+    /// What a promise would add to the score.
+    pub(super) fn promised(&self, promise: &Promise) -> f64 {
+        promise.gain - self.penalty(std::slice::from_ref(&promise.member))
+    }
+
+    /// Penalty of a set: half of it, the Bayesian information criterion, for its parameters, the rest for their choice
+    /// among all hypotheses.
+    pub(super) fn penalty(&self, members: &[Member]) -> f64 {
+        let numbers = (3.0 * self.samples.len() as f64).ln();
+        let open = self.open.iter().filter(|open| **open).count().max(1);
+        let choice = 2.0 * (open as f64).ln();
+        members.iter().map(|member| self.hypotheses[member.hypothesis].freedom() as f64 * numbers + choice).sum()
+    }
+
+    /// What the hypotheses that are not in `from` and not in `without` promise beside it, the best first.
+    pub(super) fn promises(&self, from: &Fitted, without: &[usize], responses: &[Response]) -> Vec<Promise> {
+        let mut promises =
+            screen(self.hypotheses, responses, self.samples, self.nuisances, &from.explained, &from.jacobian);
+        promises.retain(|promise| {
+            let taken = |member: &Member| member.hypothesis == promise.member.hypothesis;
+            let open = self.open[promise.member.hypothesis];
+            open && !from.members.iter().any(taken) && !without.contains(&promise.member.hypothesis)
+        });
+        promises
+    }
+
+    /// `base` with each of the promised members, played coarsely on both sides.
+    pub(super) fn roughly_with(&self, base: &Scored, promises: &[&Promise], responses: &[Response]) -> Vec<Scored> {
+        let coarse = Study { model: self.coarse, ..self.clone() };
+        let Some(start) = coarse.again(&base.fitted) else { return Vec::new() };
+        let fit = |promise: &&Promise| {
+            let member = coarse.begun(&start, &promise.member);
+            let jacobian = coarse.known_slopes(&start, &member, &responses[promise.response]);
+            let all: Vec<Member> = start.members.iter().cloned().chain([member]).collect();
+            let fitted = coarse.rough_fit(all, jacobian)?;
+            let gain = start.explained.deviance - fitted.explained.deviance;
+            let score = base.score + gain - self.penalty(std::slice::from_ref(&promise.member));
+            Some(Scored { fitted, score })
+        };
+        promises.par_iter().filter_map(fit).collect()
+    }
+
+    /// What is known of the derivatives of `base` with `member` besides: those of the fit, and the first look's.
+    fn known_slopes(&self, base: &Fitted, member: &Member, response: &Response) -> DMatrix<f64> {
+        let hypothesis = &self.hypotheses[member.hypothesis];
+        let (known, sizes) = (base.jacobian.ncols(), hypothesis.sizes());
+        let fitted = hypothesis.fitted();
+        let mut slopes = base.jacobian.clone().resize_horizontally(known + fitted.len(), 0.0);
+        for (k, parameter) in fitted.into_iter().enumerate() {
+            if let Some(size) = sizes.iter().position(|&size| size == parameter) {
+                slopes.set_column(known + k, &(response.columns.column(size) * hypothesis.probe(parameter)));
+            }
+        }
+        slopes
+    }
+
+    /// The promised member, nearer to nothing where the tip's answer is so far from linear that less of it fits better.
+    fn begun(&self, base: &Fitted, promised: &Member) -> Member {
+        let nothing = self.hypotheses[promised.hypothesis].without(&promised.values);
+        let part = |share: f64| {
+            let between = nothing.iter().zip(&promised.values).map(|(n, v)| n + share * (v - n)).collect();
+            Member { values: between, ..*promised }
+        };
+        let mut best: Option<(f64, Member)> = None;
+        for share in [1.0, 0.5, 0.25] {
+            let member = part(share);
+            let Some(deviance) = self.deviance(&base.members, &member) else { continue };
+            if deviance < base.explained.deviance {
+                return member;
+            }
+            match &best {
+                Some((least, _)) if *least <= deviance => break,
+                _ => best = Some((deviance, member)),
+            }
+        }
+        best.map_or_else(|| promised.clone(), |(_, member)| member)
+    }
+
+    /// The fit, with every choice (such as a place) moved to its neighbours while that helps.
+    pub(super) fn settled(&self, start: Vec<Member>) -> Option<Fitted> {
+        let mut best = self.fit(start)?;
+        for k in 0..best.members.len() {
+            loop {
+                let hypothesis = &self.hypotheses[best.members[k].hypothesis];
+                let beside = hypothesis.neighbours(&best.members[k].values);
+                let fits = beside.into_iter().filter_map(|values| {
+                    let mut members = best.members.clone();
+                    members[k].values = values;
+                    self.rough_fit(members, best.jacobian.clone())
+                });
+                let next = fits.min_by(|a, b| a.explained.deviance.total_cmp(&b.explained.deviance));
+                match next.filter(|next| next.explained.deviance < best.explained.deviance) {
+                    Some(next) => best = self.fit(next.members)?,
+                    None => break,
+                }
+            }
+        }
+        Some(best)
+    }
+}
