@@ -33,14 +33,12 @@ pub(super) struct Confirmed {
 }
 
 impl Rod {
-    /// Raises an estimate below the tolerance to what the reconstruction says, which knows what the rod makes of it. Next to
-    /// a shape for which that has been told the estimate is scaled instead.
-    pub(super) fn confirm(&mut self, holds: &[Hold], tolerance_m: f64) {
+    /// Raises an error below the tolerance to what the reconstruction says, which knows what the rod makes of it. Next to
+    /// a shape for which that has been told the estimate `raw_m` is scaled instead.
+    pub(super) fn confirm(&mut self, holds: &[Hold], tolerance_m: f64, raw_m: f64) {
         if self.space.error_m > tolerance_m || tolerance_m.is_infinite() {
             return;
         }
-        let raw_m = self.system.cell_error_m(&self.state.shape, &self.state.taut)
-            + self.system.balance_error_m(&self.solver.work, &self.state.taut);
         let tip_m = self.tip_m();
         if let Some(Confirmed { tip_m: there_m, taut, ratio }) = &self.space.confirmed {
             let near = (tip_m - there_m).norm() < NEAR * self.system.params.length_m() && *taut == self.state.taut;

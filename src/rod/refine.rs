@@ -84,6 +84,24 @@ impl Space {
     }
 }
 
+/// What the cells' quadrature and the missing polynomials put the tip off by, metres, as far as one grid knows.
+struct Estimate {
+    cells_m: f64,
+    balance_m: f64,
+}
+
+impl Estimate {
+    fn plain_m(&self) -> f64 {
+        self.cells_m + self.balance_m
+    }
+
+    fn cautious_m(&self) -> f64 {
+        let estimate_m = self.cells_m + CAUTION * self.balance_m;
+        // What is not a number must not pass for small.
+        if estimate_m.is_finite() { estimate_m } else { f64::INFINITY }
+    }
+}
+
 impl RodParams {
     /// The same rod with `base` refined `level` times: cells are halved and polynomials added each time. From the second
     /// time on polynomials end at every jump of the material; many elements get fewer polynomials each.
@@ -218,11 +236,11 @@ impl Rod {
     }
 
     /// The estimate on this grid alone, from what the last iteration has left in the solver.
-    fn estimate_m(&self) -> f64 {
-        let estimate = self.system.cell_error_m(&self.state.shape, &self.state.taut)
-            + CAUTION * self.system.balance_error_m(&self.solver.work, &self.state.taut);
-        // What is not a number must not pass for small.
-        if estimate.is_finite() { estimate } else { f64::INFINITY }
+    fn estimate(&self) -> Estimate {
+        Estimate {
+            cells_m: self.system.cell_error_m(&self.state.shape, &self.state.taut),
+            balance_m: self.system.balance_error_m(&self.solver.work, &self.state.taut),
+        }
     }
 
     /// Judges a shape at rest that solves the equations under `holds`: is it possible, does a finer grid agree?
@@ -234,12 +252,13 @@ impl Rod {
         }
         let share = if self.system.params.memory.is_empty() { 1.0 } else { MEMORY_TOLERANCE };
         let tolerance_m = share * self.space.base.static_tolerance_m;
-        self.space.error_m = self.estimate_m();
-        if self.space.error_m > tolerance_m && self.solve_static(holds, 1.0) == Status::Converged {
+        let mut estimate = self.estimate();
+        if estimate.cautious_m() > tolerance_m && self.solve_static(holds, 1.0) == Status::Converged {
             // The last iteration left an imbalance of its own; one more does not.
-            self.space.error_m = self.estimate_m();
+            estimate = self.estimate();
         }
-        self.confirm(holds, tolerance_m);
+        self.space.error_m = estimate.cautious_m();
+        self.confirm(holds, tolerance_m, estimate.plain_m());
         if self.space.error_m <= tolerance_m {
             return self.possible();
         }
@@ -251,8 +270,9 @@ impl Rod {
             status = finer.solve_static(holds, 1.0);
             finer.solver.patience = patience;
             // Of what polynomials that end at every jump leave, the reconstruction misses nothing.
-            finer.space.error_m = if finer.space.level > 1 { 0.0 } else { finer.estimate_m() };
-            finer.confirm(holds, tolerance_m);
+            let estimate = finer.estimate();
+            finer.space.error_m = if finer.space.level > 1 { 0.0 } else { estimate.cautious_m() };
+            finer.confirm(holds, tolerance_m, estimate.plain_m());
             let hopeless = finer.space.level > 1 && finer.space.error_m > self.system.params.length_m();
             let coarser = std::mem::replace(self, finer);
             fallback.get_or_insert(coarser);
