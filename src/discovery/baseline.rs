@@ -94,32 +94,25 @@ impl Form {
     }
 }
 
-/// What a baseline says of the nuisances: the uncertain numbers, and the form of the model.
-pub(super) struct Common {
-    form: Form,
-    /// Most likely amounts, and the precision with which they are known.
-    pub(super) mean: DVector<f64>,
-    pub(super) precision: DMatrix<f64>,
-}
+/// Samples, where the model has the tip in them, and the uncertain numbers' columns.
+pub(super) type Seen<'a> = (&'a Samples, &'a [f64], &'a [Column]);
 
-impl Common {
-    /// From the baseline's samples, where the model has the tip in them, and the uncertain numbers' columns there.
-    pub(super) fn new(samples: &Samples, played: &[f64], own: &[Column]) -> Common {
-        let around = circumstances(samples, played);
-        let form = Form::new(&around);
-        let all: Vec<Column> = own.iter().cloned().chain(form.columns(&around)).collect();
-        let before = Nuisances::independent(played.len(), &all);
-        let explained = before.explain(samples, &samples.residual(played), 0.0);
-        let white = before.whitened(samples, &explained.noise);
-        Common { form, mean: explained.amounts, precision: white.tr_mul(&white) + &before.precision }
-    }
-
-    /// The same nuisances in other samples, three numbers a sample, a column each.
-    pub(super) fn columns(&self, samples: &Samples, played: &[f64], own: &[Column]) -> DMatrix<f64> {
-        let form = self.form.columns(&circumstances(samples, played));
-        let all: Vec<&Vec<f64>> = own.iter().chain(&form).map(|(column, _)| column).collect();
-        DMatrix::from_fn(played.len(), all.len(), |row, k| all[k][row])
-    }
+/// The nuisances of the recording in question as the baseline leaves them: `own` (a column and a deviation each) on
+/// either recording, and the form of the model.
+pub(super) fn in_common(baseline: Seen, recording: Seen) -> Nuisances {
+    let (samples, played, own) = baseline;
+    let around = circumstances(samples, played);
+    let form = Form::new(&around);
+    let all: Vec<Column> = own.iter().cloned().chain(form.columns(&around)).collect();
+    let before = Nuisances::independent(played.len(), &all);
+    let explained = before.explain(samples, &samples.residual(played), 0.0);
+    let white = before.whitened(samples, &explained.noise);
+    let precision: DMatrix<f64> = white.tr_mul(&white) + &before.precision;
+    let (samples, played, own) = recording;
+    let around = circumstances(samples, played);
+    let all: Vec<Vec<f64>> = own.iter().chain(&form.columns(&around)).map(|(column, _)| column.clone()).collect();
+    let columns = DMatrix::from_columns(&all.into_iter().map(DVector::from_vec).collect::<Vec<_>>());
+    Nuisances::new(columns, explained.amounts, precision)
 }
 
 /// The columns of the `uncertain` numbers among `responses`, with `widened` times their deviations.

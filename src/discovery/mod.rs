@@ -26,7 +26,6 @@ mod play;
 mod proof;
 mod question;
 mod refit;
-mod refuted;
 mod responses;
 mod samples;
 mod screen;

@@ -1,8 +1,5 @@
 //! A question: the model, its samples, and what has been found out about them before anything is named.
 
-use nalgebra::DMatrix;
-
-use super::baseline::Common;
 use super::error::DiscoveryError;
 use super::features::circumstances;
 use super::hypothesis::{Hypothesis, hypotheses};
@@ -10,7 +7,7 @@ use super::missing::{Missing, missing};
 use super::nuisance::{Column, Explained, Nuisances};
 use super::options::Options;
 use super::refit::Study;
-use super::samples::Samples;
+use super::samples::{Samples, rms_m};
 use super::search::{Found, Scored};
 use super::{baseline, check, floor, play, proof, responses, uneven};
 use crate::data::Recording;
@@ -32,8 +29,6 @@ pub(super) struct Question<'a> {
     pub(super) played_proof: Vec<f64>,
     pub(super) responses: Vec<responses::Response>,
     pub(super) nuisances: Nuisances,
-    /// The nuisances' columns in the proof.
-    pub(super) nuisances_proof: DMatrix<f64>,
     /// Whether markers on the base show it standing straight.
     pub(super) base_is_straight: bool,
 }
@@ -66,21 +61,9 @@ impl<'a> Question<'a> {
         let coarse = play::coarse(&model);
         let responses = responses::responses(&coarse, &hypotheses, &|_| true, &fit);
         let columns = baseline::uncertain(&options.uncertain, &hypotheses, &responses, 1.0);
-        let there = responses::alike(&coarse, &hypotheses, &|name| options.is_uncertain(name), &proof, &responses);
-        let columns_proof = baseline::uncertain(&options.uncertain, &hypotheses, &there, 1.0);
-        let (nuisances, nuisances_proof) = match &base {
-            None => {
-                let nuisances_proof = Nuisances::independent(played_proof.len(), &columns_proof).columns;
-                (Nuisances::independent(played.len(), &columns), nuisances_proof)
-            }
-            Some(Base { samples, played: base_played, columns: base_columns }) => {
-                let common = Common::new(samples, base_played, base_columns);
-                let nuisances_proof = common.columns(&proof, &played_proof, &columns_proof);
-                (
-                    Nuisances::new(common.columns(&fit, &played, &columns), common.mean, common.precision),
-                    nuisances_proof,
-                )
-            }
+        let nuisances = match &base {
+            None => Nuisances::independent(played.len(), &columns),
+            Some(base) => baseline::in_common((&base.samples, &base.played, &base.columns), (&fit, &played, &columns)),
         };
         Ok(Question {
             options,
@@ -94,7 +77,6 @@ impl<'a> Question<'a> {
             played_proof,
             responses,
             nuisances,
-            nuisances_proof,
             base_is_straight: false,
         })
     }
@@ -142,8 +124,15 @@ impl<'a> Question<'a> {
         let least = if slow { SLOW_CHANCE } else { self.options.false_alarm };
         let scatters = floor.p_value(floor_m * floor_m, freedom) < least;
         let spread = uneven::uneven(&self.fit, explained);
-        let uneven = spread.p_value < self.options.false_alarm && spread.more_m > self.options.least_foretold * floor_m;
+        let least_m = (self.options.least_foretold * floor_m).max(self.inexact_m(played));
+        let uneven = spread.p_value < self.options.false_alarm && spread.more_m > least_m;
         (found, foretold || scatters || uneven)
+    }
+
+    /// What the laws of the effects that bring the tip to `played` are off by, at their best, metres.
+    fn inexact_m(&self, played: &[f64]) -> f64 {
+        let moved: Vec<f64> = played.iter().zip(&self.played).map(|(with, without)| with - without).collect();
+        self.options.least_share * rms_m(&moved)
     }
 
     /// Whether something is still missing with the best set.

@@ -21,25 +21,6 @@ pub(super) struct Response {
     pub(super) step: Option<f64>,
 }
 
-/// The same variants as `known` has of those hypotheses that `asked` names, in other samples; nothing changes where the model
-/// cannot play one of them there.
-pub(super) fn alike(
-    model: &Model,
-    hypotheses: &[Hypothesis],
-    asked: &(dyn Fn(&str) -> bool + Sync),
-    samples: &Samples,
-    known: &[Response],
-) -> Vec<Response> {
-    let there = responses(model, hypotheses, asked, samples);
-    let asked = known.iter().filter(|response| asked(hypotheses[response.hypothesis].card.name));
-    let same = |one: &Response| {
-        let found = there.iter().find(|other| other.hypothesis == one.hypothesis && other.null == one.null);
-        let nothing = || DMatrix::zeros(3 * samples.len(), one.columns.ncols());
-        Response { columns: found.map_or_else(nothing, |found| found.columns.clone()), ..one.clone() }
-    };
-    asked.map(same).collect()
-}
-
 /// Answers of `model` to every variant of those hypotheses that `asked` names; variants that the model cannot play are
 /// left out, and all of them when it cannot play the samples as it is.
 pub(super) fn responses(
