@@ -24,8 +24,9 @@ pub(super) fn uneven(samples: &Samples, explained: &Explained) -> Uneven {
     let all = mean(&distance_m);
     for range in &ranges {
         let own = &distance_m[range.clone()];
-        between += own.len() as f64 * (mean(own) - all).powi(2);
-        within += own.iter().map(|distance| (distance - mean(own)).powi(2)).sum::<f64>();
+        let usual = mean(own);
+        between += own.len() as f64 * (usual - all).powi(2);
+        within += own.iter().map(|distance| (distance - usual).powi(2)).sum::<f64>();
     }
     let groups = ranges.len() as f64;
     // Correlated samples count for fewer.

@@ -308,8 +308,8 @@ impl Rod {
     /// stiffness as well.
     pub(super) fn examine_motion(&mut self) -> Status {
         let stiffer = 1.0 + self.motion.rate * self.system.params.damping_time_s;
-        let error_m = self.system.cell_error_m(&self.state.shape, &self.state.taut)
-            + self.system.balance_error_m(&self.solver.work, &self.state.taut) / stiffer;
+        let estimate = self.estimate();
+        let error_m = estimate.cells_m + estimate.balance_m / stiffer;
         self.space.error_m = if error_m.is_finite() { error_m } else { f64::INFINITY };
         if self.space.error_m > MOTION_BOUND * self.system.params.length_m() {
             return Status::UnderResolved;
