@@ -4,6 +4,8 @@ mod common;
 
 use common::{four_tendons, reference, rotation, round_rod, shipped, vector};
 use nalgebra::Vector3;
+use rand::RngExt;
+use spinebench::base::Seed;
 use spinebench::rod::{Drive, Rod, Status, TipLoad};
 
 /// Position in metres and rotation (Frobenius norm) that a static solution may be off by.
@@ -117,4 +119,35 @@ fn a_tip_moment_bends_the_rod_into_an_exact_arc() {
     let expected = Vector3::new(arc_radius * (1.0 - 2.0_f64.cos()), 0.0, arc_radius * 2.0_f64.sin());
     let off = (rod.tip_m() - expected).norm();
     assert!(off < 2e-8, "{off:e} m from the arc");
+}
+
+#[test]
+fn answers_do_not_depend_on_where_the_rod_came_from() {
+    // Lengths, followers and tensions in turn, slack and taut, with a tip load that comes and goes: from each equilibrium
+    // to the next the rod reuses what it knows, and must end where a straight rod does.
+    let mut rod = Rod::new(shipped("nominal"));
+    let mut random = Seed(7).rng();
+    for k in 0..120 {
+        let reach_m = if k % 3 == 0 { 0.015 } else { 0.002 };
+        let drives: [Drive; 4] = std::array::from_fn(|_| {
+            let pull_m: f64 = random.random_range(-reach_m..reach_m);
+            match random.random_range(0..4) {
+                0 if k % 5 == 0 => Drive::Follow,
+                1 if k % 5 == 0 => Drive::Tension(200.0 * pull_m.abs()),
+                _ => Drive::Pull(pull_m),
+            }
+        });
+        let force_n = Vector3::new(if k % 7 == 0 { -0.3 } else { 0.0 }, 0.0, 0.0);
+        let load = TipLoad { force_n, moment_nm: Vector3::zeros() };
+        let mut fresh = Rod::new(shipped("nominal"));
+        rod.set_tip_load(load);
+        fresh.set_tip_load(load);
+        let (status, expected) = (rod.settle(&drives), fresh.settle(&drives));
+        assert_eq!(status, expected, "{k}: {drives:?}");
+        let off_m = (rod.tip_m() - fresh.tip_m()).norm();
+        assert!(off_m < 1e-7, "{k}: {off_m:e} m for {drives:?}");
+        for (warm, cold) in rod.tensions_n().iter().zip(fresh.tensions_n()) {
+            assert!((warm - cold).abs() < 1e-3, "{k}: {warm} N, {cold} N");
+        }
+    }
 }

@@ -85,22 +85,25 @@ impl Turns {
         let n = self.count;
         let (xs, rest) = self.vectors.split_at(n);
         let (ys, zs) = rest.split_at(n);
-        let mut largest = 0.0_f64;
         let mut entries = self.matrices.chunks_exact_mut(n.max(1));
-        let mut next = || entries.next().unwrap_or_default();
+        // Every row of the same length n: without its bounds checks the loop runs in vector instructions.
+        let mut next = || &mut entries.next().unwrap_or_default()[..n];
         let [m11, m12, m13] = [next(), next(), next()];
         let [m21, m22, m23] = [next(), next(), next()];
         let [m31, m32, m33] = [next(), next(), next()];
+        let zs = &zs[..n];
+        // Counted rather than compared with the largest so far, which would order the loop.
+        let mut large = 0_u64;
         for k in 0..n {
             let (x, y, z) = (xs[k], ys[k], zs[k]);
             let angle2 = x * x + y * y + z * z;
-            largest = if angle2 > largest { angle2 } else { largest };
+            large += u64::from(angle2 > LARGEST_IN_SERIES);
             let (a, b) = sine_series(angle2);
             (m11[k], m12[k], m13[k]) = (1.0 - b * (y * y + z * z), b * x * y - a * z, b * x * z + a * y);
             (m21[k], m22[k], m23[k]) = (b * x * y + a * z, 1.0 - b * (x * x + z * z), b * y * z - a * x);
             (m31[k], m32[k], m33[k]) = (b * x * z - a * y, b * y * z + a * x, 1.0 - b * (x * x + y * y));
         }
-        if largest > LARGEST_IN_SERIES {
+        if large > 0 {
             self.redo_large();
         }
     }

@@ -380,7 +380,7 @@ fn add_gram(out: &mut [f64], direction: &Triple, weight: &Matrix3<f64>) {
 pub(super) fn tendon_stiffness(system: &System, g: usize, tensions: &[f64], work: &Work) -> [Six; COMPONENTS] {
     let mut total = [[0.0; COMPONENTS]; COMPONENTS];
     for (i, &tension) in tensions.iter().enumerate() {
-        let (t, stretch) = work.tangents[g * tensions.len() + i];
+        let (t, stretch) = (&work.tangents[g * tensions.len() + i], work.stretches[g * tensions.len() + i]);
         if tension == 0.0 || stretch == 0.0 {
             continue;
         }

@@ -72,6 +72,7 @@ impl Shape {
 
     /// Computes strains and poses from the wrench at each Gauss point, whatever it is; the compliances stay. Cells in which
     /// the spine begins to saturate get the length that the law gives them.
+    #[inline(always)]
     pub(super) fn update_from(&mut self, grid: &Grid, sections: &[Section], wrench: &[Six]) {
         for (g, own) in wrench.iter().enumerate() {
             self.strain[g] = sections[g].strain(own).0;

@@ -82,6 +82,7 @@ pub struct Rod {
 #[derive(Clone, Debug)]
 pub(super) struct Rest {
     pub(super) holds: Vec<Hold>,
+    tip_load: TipLoad,
     /// Histories before they came to rest as well.
     pub(super) memory: Vec<Vec<MemoryState>>,
 }
@@ -179,6 +180,7 @@ impl Rod {
         }
         self.motion = Motion::rest(&self.system.grid, &self.system.masses);
         let before = self.state.clone();
+        self.foretell(&holds);
         let mut status = self.solve_static(&holds, 1.0);
         if status != Status::Converged {
             self.state = before.clone();
@@ -194,7 +196,7 @@ impl Rod {
         }
         if status == Status::Converged {
             self.state.rates = Rates::zero(&self.system.grid, &self.system.masses);
-            self.rest = Some(Rest { holds, memory: self.state.memory.clone() });
+            self.rest = Some(Rest { holds, tip_load: self.tip_load, memory: self.state.memory.clone() });
             self.commit_memory(f64::INFINITY);
             self.trace_stage();
             self.trace.iter_mut().for_each(|trace| trace.accept(f64::INFINITY));
@@ -202,6 +204,15 @@ impl Rod {
             self.state = before;
         }
         status
+    }
+
+    /// From rest to rest under the same loads the first residual is known: what the tendons are taken in by. This saves
+    /// one evaluation of the equations in four.
+    fn foretell(&mut self, holds: &[Hold]) {
+        let unchanged = |rest: &&Rest| rest.tip_load == self.tip_load && self.system.params.memory.is_empty();
+        if let Some(rest) = self.rest.as_ref().filter(unchanged) {
+            self.solver.foretell(&self.system, (&self.state.unknowns, &self.state.taut), (&rest.holds, holds));
+        }
     }
 
     /// Static solve with all loads and pulls at `share` of their value.

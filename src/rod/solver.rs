@@ -52,6 +52,8 @@ pub(super) struct Solver {
     kept: Kept,
     /// Whether the derivative is that of a shape beyond measure.
     wild: bool,
+    /// Whether the residual in `work` is that of the next solve's first iteration.
+    foretold: bool,
     /// Steps of the present solve since the derivative or the taut set changed.
     steps: Vec<DVector<f64>>,
     /// Size of the last step, metres: what the residual is worth at the tip.
@@ -90,6 +92,7 @@ impl Solver {
             factors: Vec::new(),
             kept: Kept::Nothing,
             wild: false,
+            foretold: false,
             steps: Vec::new(),
             residual_m: 0.0,
             patience: MOST_ITERATIONS,
@@ -117,6 +120,7 @@ impl Solver {
         self.work.weights_held = false;
         for iteration in 0..self.patience {
             self.iterations += 1;
+            let foretold = self.foretold;
             let hold_weights = iteration == HOLD_WEIGHTS_AFTER;
             self.work.weights_held |= hold_weights;
             let fresh = stale || hold_weights;
@@ -143,14 +147,14 @@ impl Solver {
             let left = if fresh { size * (size / length_m).min(1.0) } else { size * contraction.min(1.0) };
             if shortened {
                 self.steps.clear();
-            } else if left < tolerance_m && !self.doubtful(system, size, need) {
+            } else if left < tolerance_m && !foretold && !self.doubtful(system, size, need) {
                 self.residual_m = left;
                 return Status::Converged;
             } else {
                 self.steps.push(step);
             }
             stale |= contraction > POOR_CONTRACTION && last_step.is_finite();
-            stale |= left < tolerance_m;
+            stale |= left < tolerance_m && !foretold;
             last_step = size;
         }
         self.give_up(Status::NotConverged)
@@ -177,7 +181,9 @@ impl Solver {
         conditions: &Conditions,
         stale: bool,
     ) -> Result<(DVector<f64>, f64), Status> {
-        system.evaluate(unknowns, conditions, &mut self.work);
+        if !std::mem::take(&mut self.foretold) {
+            system.evaluate(unknowns, conditions, &mut self.work);
+        }
         if !self.work.residual.iter().all(|r| r.is_finite()) {
             return Err(Status::NotFinite);
         }
@@ -201,6 +207,34 @@ impl Solver {
         }
         unknowns.iter_mut().zip(step.iter()).for_each(|(x, dx)| *x -= dx);
         Ok((step, size))
+    }
+
+    /// Tells the next solve its first residual, which is nothing but what tendons `was` held to and `will` be, if the
+    /// `unknowns` and the `taut` set are a solution that the derivative at hand has led to.
+    pub(super) fn foretell(
+        &mut self,
+        system: &System,
+        (unknowns, taut): (&[f64], &[bool]),
+        (was, will): (&[Hold], &[Hold]),
+    ) {
+        let led = |factors: &Factors| factors.rate == 0.0 && factors.taut == taut;
+        if self.kept != Kept::Rest || self.wild || !self.factors.last().is_some_and(led) {
+            return;
+        }
+        let n = system.grid.unknowns;
+        let alike = was.iter().zip(will).all(|pair| match pair {
+            (Hold::Length(_), Hold::Length(_)) => true,
+            (before, after) => before == after,
+        });
+        if !alike {
+            return;
+        }
+        self.work.residual.fill(0.0);
+        for (i, (before, after)) in was.iter().zip(will).enumerate().filter(|&(i, _)| taut[i]) {
+            let overstretch_m = |hold: &Hold| system.overstretch_m(i, hold, unknowns[n + i], &self.work);
+            self.work.residual[n + i] = overstretch_m(after) - overstretch_m(before);
+        }
+        self.foretold = true;
     }
 
     /// Divides by the derivative that the last solve ended with; false when it is singular.

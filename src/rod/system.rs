@@ -38,8 +38,11 @@ pub(super) struct System {
 pub(super) struct Work {
     pub(super) shape: Shape,
     pub(super) loads: Loads,
-    /// For each Gauss point and tendon: unit tangent and length per backbone length (0 past the tendon's end).
-    pub(super) tangents: Vec<(Vector3<f64>, f64)>,
+    /// For each Gauss point and tendon: unit tangent (0 past the tendon's end).
+    pub(super) tangents: Vec<Vector3<f64>>,
+    /// For each Gauss point and tendon: length per backbone length (0 past the tendon's end), and one over it.
+    pub(super) stretches: Vec<f64>,
+    shrinks: Vec<f64>,
     /// Path length of each tendon, metres.
     pub(super) lengths_m: Vec<f64>,
     /// Tangent stiffness of the history moments at the Gauss points.
@@ -112,7 +115,9 @@ impl System {
         Work {
             shape: Shape::new(&self.grid, base, self.params.base_m),
             loads: Loads::new(&self.grid),
-            tangents: vec![(Vector3::zeros(), 0.0); nodes * tendons],
+            tangents: vec![Vector3::zeros(); nodes * tendons],
+            stretches: vec![0.0; nodes * tendons],
+            shrinks: vec![0.0; nodes * tendons],
             lengths_m: vec![0.0; tendons],
             history_tangent: vec![[[0.0; 2]; 2]; nodes],
             field: vec![0.0; COMPONENTS * nodes],
@@ -233,10 +238,7 @@ impl System {
     /// It is also d length / d strain (Rucker & Webster 2011, in variational form).
     #[inline(always)]
     pub(super) fn tendon_wrench(&self, g: usize, i: usize, work: &Work) -> Six {
-        let (t, stretch) = work.tangents[g * self.params.tendons.len() + i];
-        if stretch == 0.0 {
-            return [0.0; 6];
-        }
+        let t = &work.tangents[g * self.params.tendons.len() + i];
         let [x, y] = self.guides[g * self.params.tendons.len() + i].offset_m;
         [y * t.z, -x * t.z, x * t.y - y * t.x, t.x, t.y, t.z]
     }
@@ -245,19 +247,26 @@ impl System {
     #[inline(always)]
     fn update_tendons(&self, work: &mut Work) {
         let count = self.params.tendons.len();
-        work.lengths_m.fill(0.0);
-        for (g, node) in self.grid.nodes.iter().enumerate() {
-            let s = &work.shape.strain[g];
-            for (i, guide) in self.guides[g * count..(g + 1) * count].iter().enumerate() {
-                if !guide.present {
-                    work.tangents[g * count + i] = (Vector3::zeros(), 0.0);
-                    continue;
-                }
-                let path = guide.path(s);
-                let stretch = path.norm();
-                work.tangents[g * count + i] = (path * (1.0 / stretch), stretch);
-                work.lengths_m[i] += node.weight_m * stretch;
+        if count == 0 {
+            return;
+        }
+        let points = self.guides.chunks_exact(count).zip(&work.shape.strain);
+        let each = work.tangents.chunks_exact_mut(count).zip(work.stretches.chunks_exact_mut(count));
+        for ((guides, strain), (paths, squares)) in points.zip(each) {
+            for ((guide, path), square) in guides.iter().zip(paths).zip(squares) {
+                *path = if guide.present { guide.path(strain) } else { Vector3::zeros() };
+                *square = path.norm_squared();
             }
+        }
+        // Roots and quotients of all at once, in vector instructions.
+        for (stretch, shrink) in work.stretches.iter_mut().zip(&mut work.shrinks) {
+            *stretch = stretch.sqrt();
+            *shrink = if *stretch > 0.0 { 1.0 / *stretch } else { 0.0 };
+        }
+        work.tangents.iter_mut().zip(&work.shrinks).for_each(|(tangent, &shrink)| *tangent *= shrink);
+        work.lengths_m.fill(0.0);
+        for (node, stretches) in self.grid.nodes.iter().zip(work.stretches.chunks_exact(count)) {
+            work.lengths_m.iter_mut().zip(stretches).for_each(|(length, stretch)| *length += node.weight_m * stretch);
         }
     }
 

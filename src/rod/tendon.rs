@@ -55,6 +55,7 @@ pub(super) struct Guide {
 
 impl Guide {
     /// Path of the tendon per length of backbone, body frame: v + u × r + r′.
+    #[inline(always)]
     pub(super) fn path(&self, s: &Six) -> Vector3<f64> {
         let ([x, y], [dx, dy]) = (self.offset_m, self.slope);
         Vector3::new(s[3] - s[2] * y + dx, s[4] + s[2] * x + dy, s[5] + s[0] * y - s[1] * x)
