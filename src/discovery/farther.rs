@@ -20,13 +20,16 @@ const NEAR_ENOUGH: std::ops::Range<f64> = 0.5..2.0;
 
 impl Study<'_> {
     /// Answers to each hypothesis of one size, in both directions, where it would move the tip as far as the residual
-    /// that `null` leaves if it went on as in `responses`; of each the variant that `promises` has.
+    /// that `null` leaves if it went on as in `responses`; of each the variant that `promises` has, or the first one if
+    /// none: a little of an effect may promise nothing where much of it does (a delay that ends within the sample).
     pub(super) fn farther(&self, null: &Fitted, promises: &[Promise], responses: &[Response]) -> Vec<Response> {
         let Some(played) = tips(self.coarse, &[], self.samples) else { return Vec::new() };
         let left_m = rms_m(&null.explained.left_m);
-        let ways: Vec<(&Response, f64)> = promises
-            .iter()
-            .map(|promise| &responses[promise.response])
+        let promised = promises.iter().map(|promise| &responses[promise.response]);
+        let mut seen = vec![false; self.hypotheses.len()];
+        let ways: Vec<(&Response, f64)> = promised
+            .chain(responses)
+            .filter(|response| !std::mem::replace(&mut seen[response.hypothesis], true))
             .filter(|response| response.columns.ncols() == 1)
             .flat_map(|response| [(response, 1.0), (response, -1.0)])
             .collect();

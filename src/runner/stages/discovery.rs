@@ -15,7 +15,7 @@ const COMMANDS: Kind = Kind { name: "blind_commands", version: 2, cost_ms: 300 }
 const SPAN: Kind = Kind { name: "blind_span", version: 2, cost_ms: 15_000 };
 const TRUTH: Kind = Kind { name: "blind_truth", version: 3, cost_ms: 3_000 };
 const RECORDING: Kind = Kind { name: "blind_recording", version: 2, cost_ms: 500 };
-const DISCOVER: Kind = Kind { name: "discover", version: 6, cost_ms: 15_000 };
+const DISCOVER: Kind = Kind { name: "discover", version: 7, cost_ms: 15_000 };
 const SCORE: Kind = Kind { name: "blind_score", version: 2, cost_ms: 1 };
 
 /// The stages of one case.
