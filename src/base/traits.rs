@@ -20,6 +20,12 @@ pub enum PlantError {
     /// The simulated mechanics found no equilibrium; holds the solver's named status.
     #[error("rod solver: {0}")]
     Solver(String),
+    /// A robot on a bench stands still for good: why, and how to go on.
+    #[error("robot stopped: {0}")]
+    Stopped(String),
+    /// A recording has no such command to replay.
+    #[error("not in the recording: {0}")]
+    NotRecorded(String),
 }
 
 /// Something that moves: a simulated robot, a replayed recording, hardware.

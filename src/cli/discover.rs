@@ -194,6 +194,6 @@ fn simulated(file: &Path, model: &Model) -> Result<SimulatedSpec, Ended> {
             }
             Err(refuse(format!("{found} tendons"), format!("{expected}, as many as the model has")))
         }
-        _ => Err(refuse("constant_curvature".to_owned(), "a plant that records: simulated".to_owned())),
+        other => Err(refuse(other.kind().to_owned(), "a plant that records by itself: simulated".to_owned())),
     }
 }

@@ -1,8 +1,10 @@
 //! The commands. Exit status 0: done; 1: ran, and the answer is no; 2: bad input or usage, and nothing was written.
 
+mod arm;
 mod calibrate;
 mod collect;
 mod discover;
+mod doctor;
 mod effects;
 mod page;
 mod plan;
@@ -31,6 +33,8 @@ enum Command {
     Effects(effects::Effects),
     Discover(discover::Discover),
     Collect(collect::Collect),
+    Doctor(doctor::Doctor),
+    Arm(arm::Arm),
     Page(page::Page),
     Verify(verify::Verify),
 }
@@ -68,6 +72,8 @@ pub(crate) fn main() -> ExitCode {
         Command::Effects(effects) => effects.carry_out(),
         Command::Discover(discover) => discover.carry_out(),
         Command::Collect(collect) => collect.carry_out(),
+        Command::Doctor(doctor) => doctor.carry_out(),
+        Command::Arm(arm) => arm.carry_out(),
         Command::Page(page) => page.carry_out(),
         Command::Verify(verify) => verify.carry_out(),
     };

@@ -1,9 +1,13 @@
 //! Things that move.
 
 mod constant_curvature;
+pub mod hardware;
+mod replay;
 mod simulated;
 
 pub use constant_curvature::{ConstantCurvature, ConstantCurvatureOptions};
+pub use hardware::{Hardware, HardwareOptions};
+pub use replay::{Replay, ReplayOptions};
 pub use simulated::{Simulated, SimulatedOptions};
 
 use crate::base::Plant;
@@ -16,5 +20,5 @@ pub struct PlantEntry {
     pub example: fn() -> Box<dyn Plant>,
 }
 
-/// Every plant.
+/// Every plant that does the same each time; [`Hardware`] and [`Replay`] stand for one robot and one recording.
 pub static REGISTRY: &[PlantEntry] = &[constant_curvature::ENTRY, simulated::ENTRY];

@@ -110,6 +110,10 @@ impl Checker<'_> {
                 self.unless(noise, &path.key("noise_m"), "0 to 0.05 m of tracking noise")?;
                 self.pulls(name, robot.travel_m)?;
             }
+            if let PlantSpec::Hardware(robot) = plant {
+                self.unless(name == "plant", &root.key(name), "a model, not a robot on a bench")?;
+                self.pulls(name, robot.safety.travel_m)?;
+            }
         }
         for (name, mode) in &spec.modes {
             let path = root.key("modes").key(name).key("effects");

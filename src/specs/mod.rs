@@ -45,7 +45,8 @@ impl Experiment {
     /// # Errors
     /// [`SpecError`] for the first thing that is wrong.
     pub fn read(file: &Path, sets: &[String]) -> Result<Experiment, SpecError> {
-        let includes = ["model", "plant"].map(|key| KeyPath::default().key(key).key("simulated").key("model"));
+        let includes: Vec<KeyPath> =
+            ["model", "plant"].iter().flat_map(|key| PlantSpec::model_paths(&KeyPath::default().key(key))).collect();
         let document = Document::read(file, sets, &includes)?;
         let experiment = document.parse::<Experiment>()?;
         check::check(&experiment, &document)?;

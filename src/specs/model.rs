@@ -26,8 +26,7 @@ pub fn read_model(file: &Path) -> Result<Model, SpecError> {
 /// # Errors
 /// As [`read_model`].
 pub fn read_plant(file: &Path) -> Result<PlantSpec, SpecError> {
-    let include = KeyPath::default().key("simulated").key("model");
-    let document = Document::read(file, &[], &[include])?;
+    let document = Document::read(file, &[], &PlantSpec::model_paths(&KeyPath::default()))?;
     let plant = document.parse::<PlantSpec>()?;
     plant.check().map_err(|(path, error)| refusal(&document, &path, &error))?;
     Ok(plant)

@@ -1,8 +1,12 @@
 //! Which robot a spec names.
 
-use crate::base::{BadOption, Plant};
+use super::path::KeyPath;
+use crate::base::{BadOption, Plant, Seed};
 use crate::effects::{EffectSpec, Model};
-use crate::plants::{ConstantCurvature, ConstantCurvatureOptions, Simulated, SimulatedOptions};
+use crate::plants::{
+    ConstantCurvature, ConstantCurvatureOptions, Hardware, HardwareOptions, Replay, ReplayOptions, Simulated,
+    SimulatedOptions,
+};
 use serde::{Deserialize, Serialize};
 
 /// A robot: the model, or what stands for the real one.
@@ -13,6 +17,10 @@ pub enum PlantSpec {
     Simulated(Box<SimulatedSpec>),
     /// A robot of constant curvature, for tests.
     ConstantCurvature(ConstantCurvatureOptions),
+    /// A robot on a bench, or a rehearsal of one.
+    Hardware(Box<HardwareOptions>),
+    /// What a recording says a robot did.
+    Replay(ReplayOptions),
 }
 
 /// A simulated robot.
@@ -40,6 +48,22 @@ impl SimulatedSpec {
 }
 
 impl PlantSpec {
+    /// Where below a plant's own place the names of model files may stand.
+    pub(super) fn model_paths(plant: &KeyPath) -> Vec<KeyPath> {
+        let hardware = plant.key("hardware");
+        vec![plant.key("simulated").key("model"), hardware.key("model"), hardware.key("rehearsal").key("model")]
+    }
+
+    /// Name of the kind of robot, as in specs.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            PlantSpec::Simulated(_) => "simulated",
+            PlantSpec::ConstantCurvature(_) => "constant_curvature",
+            PlantSpec::Hardware(_) => "hardware",
+            PlantSpec::Replay(_) => "replay",
+        }
+    }
+
     /// Checks every range.
     ///
     /// # Errors
@@ -53,26 +77,32 @@ impl PlantSpec {
                 spec.options(1.0).check().map_err(|error| ("simulated".to_owned(), error))?;
                 spec.model.check().map_err(|(path, error)| (format!("simulated.model.{path}"), error))
             }
+            PlantSpec::Hardware(options) => {
+                let below = |path: String| if path.is_empty() { "hardware".into() } else { format!("hardware.{path}") };
+                options.check().map_err(|(path, error)| (below(path), error))
+            }
+            PlantSpec::Replay(options) => options.check().map_err(|error| ("replay".to_owned(), error)),
         }
     }
 
     /// Number of tendons.
     pub fn tendons(&self) -> usize {
         match self {
-            PlantSpec::ConstantCurvature(_) => 4,
+            PlantSpec::ConstantCurvature(_) | PlantSpec::Hardware(_) => 4,
             PlantSpec::Simulated(spec) => spec.model.robot.tendons.angles_deg.len(),
+            PlantSpec::Replay(options) => options.tendons,
         }
     }
 
     /// True for robots to which effects can be added.
     pub fn takes_effects(&self) -> bool {
-        matches!(self, PlantSpec::Simulated(_))
+        matches!(self, PlantSpec::Simulated(_) | PlantSpec::Hardware(_))
     }
 
-    /// The robot, moving in steps of `step_s` seconds.
+    /// The robot, moving in steps of `step_s` seconds. A robot on a bench is waited for until nobody else here has it.
     ///
     /// # Errors
-    /// What is out of range, in words.
+    /// What is out of range or not as it should be, in words.
     pub fn build(&self, step_s: f64) -> Result<Box<dyn Plant>, String> {
         match self {
             PlantSpec::ConstantCurvature(options) => {
@@ -80,6 +110,8 @@ impl PlantSpec {
                 Ok(Box::new(ConstantCurvature::new(options).map_err(|error| error.to_string())?))
             }
             PlantSpec::Simulated(spec) => Ok(Box::new(Simulated::new(&spec.model, &[], spec.options(step_s)))),
+            PlantSpec::Hardware(options) => Ok(Box::new(Hardware::open(options, step_s, Seed(0))?)),
+            PlantSpec::Replay(options) => Ok(Box::new(Replay::open(options).map_err(|error| error.to_string())?)),
         }
     }
 
@@ -90,6 +122,9 @@ impl PlantSpec {
         match &mut plant {
             PlantSpec::ConstantCurvature(options) => options.noise_m = 0.0,
             PlantSpec::Simulated(spec) => spec.noise_m = 0.0,
+            // A rehearsal can be asked for less noise; a tracker cannot.
+            PlantSpec::Hardware(options) => options.rehearsal.iter_mut().for_each(|rehearsal| rehearsal.noise_m = 0.0),
+            PlantSpec::Replay(_) => {}
         }
         plant
     }
@@ -98,8 +133,10 @@ impl PlantSpec {
     #[must_use]
     pub fn with_effects(&self, effects: &[EffectSpec]) -> PlantSpec {
         let mut plant = self.clone();
-        if let PlantSpec::Simulated(spec) = &mut plant {
-            spec.model.effects.extend_from_slice(effects);
+        match &mut plant {
+            PlantSpec::Simulated(spec) => spec.model.effects.extend_from_slice(effects),
+            PlantSpec::Hardware(options) => options.attached.extend_from_slice(effects),
+            PlantSpec::ConstantCurvature(_) | PlantSpec::Replay(_) => {}
         }
         plant
     }

@@ -113,6 +113,8 @@ impl Sheet {
         let name = match error {
             PlantError::Solver(name) => name.as_str(),
             PlantError::Refused(_) => "refused",
+            PlantError::Stopped(_) => "stopped",
+            PlantError::NotRecorded(_) => "not_recorded",
         };
         for row in rows.filter(|&row| self.seen[row].is_none()) {
             if self.status[row] == "converged" {

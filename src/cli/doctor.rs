@@ -1,0 +1,115 @@
+//! `spinebench doctor`.
+
+use super::{Ended, Outcome};
+use clap::Args;
+use spinebench::base::{Plant, Seed, distance_m};
+use spinebench::plants::hardware::{Examined, Hardware, Timing};
+use spinebench::specs::{PlantSpec, read_plant};
+use std::path::PathBuf;
+
+/// Control step of the check, s.
+const STEP_S: f64 = 0.2;
+/// How long the tracker is watched, s.
+const WATCH_S: f64 = 2.0;
+/// How far each tendon is pulled to see which way the tip goes, metres, in steps of a third of it.
+const PULL_M: f64 = 0.006;
+/// A tip that moves less is not seen to move, metres.
+const SEEN_M: f64 = 0.002;
+
+/// Checks the bench of a plant: ports, versions, settings, rates, frames. Moves nothing unless told to.
+#[derive(Args)]
+pub(super) struct Doctor {
+    /// Plant file of a robot on a bench.
+    #[arg(long, value_name = "PLANT.yaml")]
+    plant: PathBuf,
+    /// Homes the axes and pulls each tendon by 6 mm, to see whether the tip goes where the model says.
+    #[arg(long = "move")]
+    moving: bool,
+}
+
+impl Doctor {
+    pub(super) fn carry_out(self) -> Outcome {
+        let PlantSpec::Hardware(options) = read_plant(&self.plant).map_err(Ended::bad)? else {
+            return Err(Ended::BadInput(format!("{}: expected `hardware`", self.plant.display())));
+        };
+        let mut plant = Hardware::open(&options, STEP_S, Seed(1)).map_err(Ended::failed)?;
+        let examined = plant.examine(WATCH_S);
+        let mut wrong = report(&examined, options.tracking.rate_hz);
+        if self.moving {
+            wrong += try_out(&mut plant)?;
+        } else {
+            println!("       nothing was moved; --move homes the axes and pulls each tendon by 6 mm");
+        }
+        if wrong > 0 { Err(Ended::No(format!("{wrong} things are not as they should be"))) } else { Ok(()) }
+    }
+}
+
+/// One line of the report; how many things it says are wrong.
+fn line(good: bool, what: &str) -> usize {
+    println!("{}  {what}", if good { "ok   " } else { "WRONG" });
+    usize::from(!good)
+}
+
+fn report(examined: &Examined, rate_hz: f64) -> usize {
+    let Examined { controller, homed, position_mm, server, tracking, tip, home_m } = examined;
+    let mut wrong = line(true, &format!("controller: {controller}"));
+    let position = position_mm.map(|mm| format!("{mm:.3}")).join(", ");
+    wrong += line(true, &format!("axes: {}, at {position} mm", if *homed { "homed" } else { "not homed yet" }));
+    wrong += line(true, &format!("tracker: {server}"));
+    let rate = tracking.rate_hz.unwrap_or(0.0);
+    wrong += line((rate - rate_hz).abs() < 0.05 * rate_hz, &format!("frames: {rate:.1} Hz, expected {rate_hz}"));
+    let lost = tracking.lost as f64 / (tracking.lost + tracking.received).max(1) as f64;
+    wrong += line(lost < 0.05, &format!("frames lost: {:.1} %, expected below 5", 100.0 * lost));
+    let jitter_ms = tracking.latency_jitter_s * 1e3;
+    wrong += line(jitter_ms < 20.0, &format!("frames late by up to {jitter_ms:.1} ms, expected below 20"));
+    wrong += line(tracking.foreign == 0, &format!("frames of other servers: {}", tracking.foreign));
+    wrong += line(tracking.malformed == 0, &format!("frames that cannot be read: {}", tracking.malformed));
+    match tip {
+        None => wrong += line(false, "tip: not seen; expected both bodies in view"),
+        Some(tip_m) => {
+            let off_m = distance_m(tip_m, home_m);
+            let place = tip_m.map(|x| format!("{:.1}", x * 1e3)).join(", ");
+            wrong += line(off_m < 0.1, &format!("tip: ({place}) mm, {:.1} mm from the model's home", off_m * 1e3));
+        }
+    }
+    wrong
+}
+
+/// Homes the robot and pulls each tendon; how many do not do what the model says.
+fn try_out(plant: &mut Hardware) -> Result<usize, Ended> {
+    let failed = |error: spinebench::base::PlantError| Ended::No(error.to_string());
+    let mut wrong = 0;
+    let home_m = plant.reset(Seed(1)).map_err(failed)?.tip_m;
+    for tendon in 0..plant.tendons() {
+        let mut seen = None;
+        for share in [1.0, 2.0, 3.0, 3.0, 3.0, 3.0] {
+            let mut pulls_m = vec![0.0; plant.tendons()];
+            pulls_m[tendon] = PULL_M * share / 3.0;
+            pulls_m[(tendon + 2) % 4] = -PULL_M * share / 3.0;
+            seen = Some(plant.step(&pulls_m).map_err(failed)?);
+        }
+        let expected_m = plant.expected_m();
+        let moved = seen.map_or([f64::NAN; 3], |seen| std::array::from_fn(|axis| seen.tip_m[axis] - home_m[axis]));
+        let wanted: [f64; 3] = std::array::from_fn(|axis| expected_m[axis] - home_m[axis]);
+        let length = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let along: f64 =
+            moved.iter().zip(&wanted).map(|(a, b)| a * b).sum::<f64>() / (length(&moved) * length(&wanted));
+        let good = length(&moved) > SEEN_M && along > 0.8;
+        let words = format!(
+            "tendon {}: pulled {:.0} mm, the tip moves {:.1} mm, the model says {:.1} mm, {:.0} degrees apart",
+            tendon + 1,
+            PULL_M * 1e3,
+            length(&moved) * 1e3,
+            length(&wanted) * 1e3,
+            along.clamp(-1.0, 1.0).acos().to_degrees()
+        );
+        wrong += line(good, &words);
+        plant.reset(Seed(1)).map_err(failed)?;
+    }
+    let timing = plant.timing();
+    let (latency_ms, jitter_ms) =
+        (1e3 * Timing::quantile_s(&timing.latency_s, 0.99), 1e3 * Timing::quantile_s(&timing.jitter_s, 0.99));
+    wrong += line(latency_ms <= 2.0, &format!("command to wire: 99 % within {latency_ms:.2} ms, expected 2"));
+    wrong += line(jitter_ms <= 5.0, &format!("ticks late: 99 % by less than {jitter_ms:.2} ms, expected 5"));
+    Ok(wrong)
+}

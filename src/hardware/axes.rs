@@ -1,0 +1,57 @@
+//! From tendon displacements to positions of the lead screws and back.
+
+use serde::{Deserialize, Serialize};
+
+use crate::base::BadOption;
+
+/// Number of lead screws.
+pub const AXES: usize = 4;
+
+/// Where the lead screws stand when the tendons are at home, and which way they pull.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct AxesOptions {
+    /// Machine position of each axis (X, Y, Z, A) with its tendon at home, millimetres from the homing switch.
+    pub home_mm: [f64; AXES],
+    /// True for an axis whose position falls when it pulls its tendon.
+    pub reversed: [bool; AXES],
+}
+
+impl Default for AxesOptions {
+    fn default() -> Self {
+        AxesOptions { home_mm: [30.0; AXES], reversed: [false; AXES] }
+    }
+}
+
+impl AxesOptions {
+    /// Refuses homes from which the limits cannot be reached: every axis has to go `travel_m` either way between 0 and
+    /// `screw_m`.
+    ///
+    /// # Errors
+    /// [`BadOption`] for the first such axis.
+    pub fn check(&self, travel_m: f64, screw_m: f64) -> Result<(), BadOption> {
+        let reaches = |&home_mm: &f64| home_mm - travel_m * 1e3 >= 0.0 && home_mm + travel_m * 1e3 <= screw_m * 1e3;
+        match self.home_mm.iter().find(|home_mm| !reaches(home_mm)) {
+            None => Ok(()),
+            Some(home_mm) => Err(BadOption {
+                key: "home_mm",
+                found: home_mm.to_string(),
+                expected: "safety.travel_m either way within motion.travel_m",
+            }),
+        }
+    }
+
+    /// Machine positions for displacements in metres, millimetres.
+    pub fn machine_mm(&self, pulls_m: &[f64; AXES]) -> [f64; AXES] {
+        std::array::from_fn(|axis| self.home_mm[axis] + self.sign(axis) * pulls_m[axis] * 1e3)
+    }
+
+    /// Displacements at machine positions in millimetres, metres.
+    pub fn pulls_m(&self, machine_mm: &[f64; AXES]) -> [f64; AXES] {
+        std::array::from_fn(|axis| self.sign(axis) * (machine_mm[axis] - self.home_mm[axis]) * 1e-3)
+    }
+
+    fn sign(&self, axis: usize) -> f64 {
+        if self.reversed[axis] { -1.0 } else { 1.0 }
+    }
+}

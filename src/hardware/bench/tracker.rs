@@ -1,0 +1,270 @@
+//! A synthetic motion capture server: NatNet over real UDP on this computer, without threads, with faults on demand.
+
+mod options;
+mod server;
+
+use std::collections::VecDeque;
+use std::io;
+use std::net::Ipv4Addr;
+
+use natnet::{DataSet, FrameOfData, ModelDef, PlannedBody, RigidBodyDef, SyntheticServer, Version};
+use rand::RngExt;
+use rand_distr::{Distribution, Normal};
+
+pub use options::{FakeBody, FakeFault, FakeTrackerOptions};
+use server::{CLOCK_HZ, Server};
+
+use crate::base::Generator;
+use crate::hardware::tracking::{BodyName, Pose, TrackingSettings};
+
+/// Frames that are overdue by more than this, s, are not sent any more.
+const OVERDUE_S: f64 = 2.0;
+
+/// How far beside the truth the second server's tip is, metres.
+const SECOND_SERVER_M: f64 = 0.1;
+
+/// By how much the second server's frame numbers are higher.
+const SECOND_SERVER_FRAMES: i32 = 500_000;
+
+/// Bit of a frame's parameters: the list of bodies has changed.
+const MODEL_CHANGED: u16 = 0x02;
+
+/// A server at 127.0.0.1 that lives in [`FakeTracker::step`].
+pub struct FakeTracker {
+    options: FakeTrackerOptions,
+    server: Server,
+    faults: Vec<FakeFault>,
+    rng: Generator,
+    /// Number of the next frame, and when it is due by the caller's clock once that is known.
+    number: i32,
+    next_s: Option<f64>,
+    /// The server's clock minus the caller's, s.
+    offset_s: f64,
+    clock_from_zero: bool,
+    model_changed: bool,
+    /// Where base and tip were at the end of the last step.
+    before: Option<(f64, Pose, Pose)>,
+    frozen: Option<(Pose, Pose)>,
+    frozen_stamp_s: Option<f64>,
+    held: Option<FrameOfData>,
+    late: VecDeque<(f64, FrameOfData)>,
+}
+
+impl FakeTracker {
+    /// The versions that it speaks: NatNet 3.0, 3.1, 4.0 and 4.1.
+    pub const VERSIONS: [Version; 4] =
+        [Version::new(3, 0, 0, 0), Version::new(3, 1, 0, 0), Version::new(4, 0, 0, 0), Version::V4_1];
+
+    /// Opens the server's sockets.
+    ///
+    /// # Errors
+    /// When the system refuses one of them.
+    pub fn new(options: FakeTrackerOptions) -> io::Result<FakeTracker> {
+        Ok(FakeTracker {
+            server: Server::open(&options)?,
+            faults: Vec::new(),
+            rng: options.seed.child("tracker").rng(),
+            number: options.first_frame,
+            next_s: None,
+            offset_s: options.clock_offset_s,
+            clock_from_zero: false,
+            model_changed: false,
+            before: None,
+            frozen: None,
+            frozen_stamp_s: None,
+            held: None,
+            late: VecDeque::new(),
+            options,
+        })
+    }
+
+    /// Settings for a client of this server: everything that is not about mounting.
+    ///
+    /// # Errors
+    /// When the system does not tell the ports.
+    pub fn settings(&self) -> io::Result<TrackingSettings> {
+        let (command_port, data_port) = self.server.ports()?;
+        Ok(TrackingSettings {
+            server: Ipv4Addr::LOCALHOST,
+            command_port,
+            data_port,
+            transport: self.options.transport,
+            multicast_group: self.options.multicast_group,
+            interface: Ipv4Addr::LOCALHOST,
+            base_body: Some(BodyName::Name(self.options.base.0.clone())),
+            tip_body: BodyName::Name(self.options.tip.0.clone()),
+            rate_hz: self.options.rate_hz,
+            ..TrackingSettings::default()
+        })
+    }
+
+    /// Adds a fault, or changes the one of its kind.
+    pub fn inject(&mut self, fault: FakeFault) {
+        if fault == FakeFault::Restart {
+            self.server.forget_clients();
+            self.late.clear();
+            (self.number, self.next_s, self.held) = (1, None, None);
+            self.clock_from_zero = true;
+            return;
+        }
+        self.model_changed |= fault == FakeFault::BodyGone;
+        self.faults.retain(|other| std::mem::discriminant(other) != std::mem::discriminant(&fault));
+        self.faults.push(fault);
+    }
+
+    /// Ends all faults.
+    pub fn calm(&mut self) {
+        self.model_changed |= self.has(FakeFault::BodyGone);
+        self.faults.clear();
+        (self.held, self.frozen, self.frozen_stamp_s) = (None, None, None);
+    }
+
+    /// Answers what clients asked and sends the frames that are due by `now_s`. The bodies are at `tip` and `base`, as
+    /// Motive sees them, at `now_s`, and have moved there evenly since the last call.
+    pub fn step(&mut self, now_s: f64, tip: &Pose, base: &Pose) {
+        let silent = self.has(FakeFault::Silent);
+        self.server.answer(now_s, &self.model(), silent);
+        let (before_s, base_before, tip_before) =
+            self.before.replace((now_s, *base, *tip)).unwrap_or((now_s, *base, *tip));
+        if std::mem::take(&mut self.clock_from_zero) {
+            self.offset_s = -now_s;
+        }
+        let mut due_s = self.next_s.unwrap_or(now_s);
+        while due_s <= now_s {
+            let share = if now_s > before_s { ((due_s - before_s) / (now_s - before_s)).clamp(0.0, 1.0) } else { 1.0 };
+            if !silent && now_s - due_s <= OVERDUE_S {
+                self.expose(due_s, base_before.towards(base, share), tip_before.towards(tip, share));
+            }
+            self.number = self.number.wrapping_add(1);
+            due_s += 1.0 / self.options.rate_hz;
+        }
+        self.next_s = Some(due_s);
+        while self.late.front().is_some_and(|(time_s, _)| *time_s <= now_s) {
+            if let Some((_, frame)) = self.late.pop_front() {
+                self.send(&frame);
+            }
+        }
+    }
+
+    fn has(&self, fault: FakeFault) -> bool {
+        self.faults.contains(&fault)
+    }
+
+    fn amount(&self, which: impl Fn(&FakeFault) -> Option<f64>) -> Option<f64> {
+        self.faults.iter().find_map(which)
+    }
+
+    /// The bodies that there are.
+    fn model(&self) -> ModelDef {
+        let gone = self.has(FakeFault::BodyGone);
+        let tip = (!gone).then_some(&self.options.tip);
+        let bodies = [&self.options.base].into_iter().chain(tip).chain(&self.options.others);
+        let datasets = bodies.map(|(name, id)| {
+            DataSet::RigidBody(RigidBodyDef {
+                name: name.clone(),
+                id: *id,
+                parent_id: -1,
+                offset: [0.0; 3],
+                // No markers.
+                tail: vec![0; 4],
+            })
+        });
+        ModelDef { datasets: datasets.collect() }
+    }
+
+    /// Takes a frame at `time_s` and sends it, or lets it suffer.
+    fn expose(&mut self, time_s: f64, mut base: Pose, mut tip: Pose) {
+        let mut stamp_s = time_s + self.offset_s;
+        if self.has(FakeFault::Frozen) {
+            (base, tip) = *self.frozen.get_or_insert((base, tip));
+        }
+        if self.has(FakeFault::FrozenClock) {
+            stamp_s = *self.frozen_stamp_s.get_or_insert(stamp_s);
+        }
+        let bodies = self.bodies(base, tip);
+        let mut frame = SyntheticServer::new(self.options.version, CLOCK_HZ).frame(self.number, stamp_s, &bodies);
+        if std::mem::take(&mut self.model_changed) {
+            frame.params |= MODEL_CHANGED;
+        }
+        let loss = self.amount(|fault| if let FakeFault::Loss(share) = fault { Some(*share) } else { None });
+        if self.rng.random::<f64>() < loss.unwrap_or(self.options.loss) {
+            return;
+        }
+        if !self.has(FakeFault::OutOfOrder) {
+            self.deliver(time_s, frame);
+        } else if let Some(earlier) = self.held.take() {
+            self.deliver(time_s, frame);
+            self.deliver(time_s, earlier);
+        } else {
+            self.held = Some(frame);
+        }
+    }
+
+    fn bodies(&mut self, base: Pose, tip: Pose) -> Vec<PlannedBody> {
+        let (mut base, mut tip) = (self.noisy(base), self.noisy(tip));
+        tip.position_m[0] +=
+            self.amount(|fault| if let FakeFault::Jump(m) = fault { Some(*m) } else { None }).unwrap_or(0.0);
+        if self.has(FakeFault::NanPose) {
+            tip.position_m = [f64::NAN; 3];
+        }
+        if self.has(FakeFault::SwappedBodies) {
+            std::mem::swap(&mut base, &mut tip);
+        }
+        let seen = |body, id, pose: &Pose| PlannedBody {
+            tracking_valid: !self.has(FakeFault::Occluded(body)),
+            ..planned(id, pose)
+        };
+        let mut bodies = vec![seen(FakeBody::Base, self.options.base.1, &base)];
+        if !self.has(FakeFault::BodyGone) {
+            bodies.push(seen(FakeBody::Tip, self.options.tip.1, &tip));
+        }
+        bodies.extend(self.options.others.iter().map(|(_, id)| planned(*id, &Pose::default())));
+        bodies
+    }
+
+    fn noisy(&mut self, mut pose: Pose) -> Pose {
+        if self.options.noise_m > 0.0
+            && let Ok(normal) = Normal::new(0.0, self.options.noise_m)
+        {
+            pose.position_m.iter_mut().for_each(|value| *value += normal.sample(&mut self.rng));
+        }
+        pose
+    }
+
+    fn deliver(&mut self, time_s: f64, frame: FrameOfData) {
+        let late_s = self.amount(|fault| if let FakeFault::Late(s) = fault { Some(*s) } else { None });
+        if let Some(late_s) = late_s {
+            self.late.push_back((time_s + late_s, frame));
+            return;
+        }
+        self.send(&frame);
+        if self.has(FakeFault::Duplicate) {
+            self.send(&frame);
+        }
+    }
+
+    fn send(&mut self, frame: &FrameOfData) {
+        let malformed = self.has(FakeFault::Malformed);
+        let rng = &mut self.rng;
+        self.server.send(frame, false, &mut |datagram| {
+            if malformed {
+                datagram.truncate(rng.random_range(0..datagram.len()));
+            }
+        });
+        if self.has(FakeFault::SecondServer) {
+            let mut other = frame.clone();
+            other.frame_number = other.frame_number.wrapping_add(SECOND_SERVER_FRAMES);
+            other.rigid_bodies.iter_mut().for_each(|body| {
+                if body.id == self.options.tip.1 {
+                    body.position[0] += SECOND_SERVER_M as f32;
+                }
+            });
+            self.server.send(&other, true, &mut |_| {});
+        }
+    }
+}
+
+fn planned(id: i32, pose: &Pose) -> PlannedBody {
+    let [w, x, y, z] = pose.quaternion.map(|value| value as f32);
+    PlannedBody::tracked(id, pose.position_m.map(|value| value as f32), [x, y, z, w])
+}

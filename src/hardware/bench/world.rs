@@ -1,0 +1,146 @@
+//! A robot between imitated motors and an imitated tracker, in a thread of its own.
+
+use std::io;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+
+use super::{FakeController, FakeTracker};
+use crate::hardware::axes::{AXES, AxesOptions};
+use crate::hardware::clock::Clock;
+use crate::hardware::tracking::Pose;
+
+/// How often the imitations are looked after, s: twice as often as a tracker sends.
+const STEP_S: f64 = 0.005;
+
+/// What hangs between the motors and the tracker.
+pub trait Body: Send {
+    /// Moves the tendons to `pulls_m` within `duration_s` (both since the last call); where the tip is then, in the base
+    /// frame.
+    fn advance(&mut self, pulls_m: &[f64; AXES], duration_s: f64) -> Pose;
+}
+
+/// Motors, robot and tracker of a rehearsal.
+pub struct World {
+    /// The imitated controller.
+    pub controller: FakeController,
+    /// The imitated tracker.
+    pub tracker: FakeTracker,
+    /// Where the base stands, as the tracker sees it.
+    pub base: Pose,
+    body: Box<dyn Body>,
+    axes: AxesOptions,
+    /// From the frame of the base to what the tracker sees of the tip.
+    seen: Box<dyn Fn(&Pose, &Pose) -> Pose + Send>,
+    now_s: f64,
+    /// When a screw last moved, s.
+    moved_s: f64,
+    stood_mm: [f64; AXES],
+    plans: Vec<(f64, Plan)>,
+}
+
+/// Something that is done to a world.
+pub type Plan = Box<dyn FnOnce(&mut World) + Send>;
+
+impl World {
+    /// A world at rest; `seen` says where the tracker sees the tip's body, given where it sees the base's and where the
+    /// tip is in the base frame.
+    pub fn new(
+        controller: FakeController,
+        tracker: FakeTracker,
+        body: Box<dyn Body>,
+        axes: AxesOptions,
+        seen: Box<dyn Fn(&Pose, &Pose) -> Pose + Send>,
+    ) -> World {
+        let stood_mm = controller.position_mm();
+        World {
+            controller,
+            tracker,
+            base: Pose::default(),
+            body,
+            axes,
+            seen,
+            now_s: 0.0,
+            moved_s: 0.0,
+            stood_mm,
+            plans: Vec::new(),
+        }
+    }
+
+    /// Does `plan` at `time_s`.
+    pub fn at(&mut self, time_s: f64, plan: Plan) {
+        self.plans.push((time_s, plan));
+    }
+
+    /// When a screw last moved, s.
+    pub fn moved_s(&self) -> f64 {
+        self.moved_s
+    }
+
+    /// Everything goes on until `now_s`.
+    pub fn step(&mut self, now_s: f64) {
+        while let Some(due) = self.plans.iter().position(|(time_s, _)| *time_s <= now_s) {
+            let (_, plan) = self.plans.swap_remove(due);
+            plan(self);
+        }
+        self.controller.step(now_s);
+        let screws_mm = self.controller.position_mm();
+        if screws_mm != self.stood_mm {
+            (self.moved_s, self.stood_mm) = (now_s, screws_mm);
+        }
+        let pulls_m = self.axes.pulls_m(&screws_mm);
+        let tip = self.body.advance(&pulls_m, now_s - self.now_s);
+        let seen = (self.seen)(&self.base, &tip);
+        self.tracker.step(now_s, &seen, &self.base);
+        self.now_s = now_s;
+    }
+}
+
+/// A world that goes on by itself until it is dropped.
+pub struct Running {
+    world: Arc<Mutex<World>>,
+    over: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Running {
+    /// Lets `world` go on with `clock`.
+    ///
+    /// # Errors
+    /// When the system refuses the thread.
+    pub fn start(world: World, clock: Arc<dyn Clock>) -> io::Result<Running> {
+        let (world, over) = (Arc::new(Mutex::new(world)), Arc::new(AtomicBool::new(false)));
+        clock.join();
+        let thread = std::thread::Builder::new().name("rehearsal".to_owned()).spawn({
+            let (world, over) = (Arc::clone(&world), Arc::clone(&over));
+            move || {
+                while !over.load(Ordering::SeqCst) {
+                    let now_s = clock.now_s();
+                    lock(&world).step(now_s);
+                    clock.sleep_until(now_s + STEP_S);
+                }
+                clock.leave();
+            }
+        })?;
+        Ok(Running { world, over, thread: Some(thread) })
+    }
+
+    /// The world, which stands still as long as the guard lives.
+    pub fn world(&self) -> MutexGuard<'_, World> {
+        lock(&self.world)
+    }
+}
+
+fn lock(world: &Mutex<World>) -> MutexGuard<'_, World> {
+    world.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        self.over.store(true, Ordering::SeqCst);
+        if let Some(thread) = self.thread.take() {
+            // A rehearsal that failed has nothing left to end.
+            let _ = thread.join();
+        }
+    }
+}

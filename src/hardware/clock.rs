@@ -1,0 +1,47 @@
+//! Time as the drivers see it: the wall clock on a bench, a clock of its own in rehearsals.
+
+use std::time::{Duration, Instant};
+
+/// Seconds since some instant, and a way to wait for a later one.
+pub trait Clock: Send + Sync {
+    /// Seconds since the clock was made; never falls.
+    fn now_s(&self) -> f64;
+    /// Returns once `now_s` is at least `time_s`.
+    fn sleep_until(&self, time_s: f64);
+    /// The calling thread will wait on this clock from now on: a clock that makes its own time may not go on while it runs.
+    fn join(&self) {}
+    /// The opposite of [`Clock::join`].
+    fn leave(&self) {}
+}
+
+/// The computer's monotonic clock.
+#[derive(Clone, Copy, Debug)]
+pub struct WallClock {
+    start: Instant,
+}
+
+impl WallClock {
+    /// A clock that reads 0 now.
+    pub fn new() -> WallClock {
+        WallClock { start: Instant::now() }
+    }
+}
+
+impl Default for WallClock {
+    fn default() -> Self {
+        WallClock::new()
+    }
+}
+
+impl Clock for WallClock {
+    fn now_s(&self) -> f64 {
+        self.start.elapsed().as_secs_f64()
+    }
+
+    fn sleep_until(&self, time_s: f64) {
+        let wait_s = time_s - self.now_s();
+        if wait_s > 0.0 {
+            std::thread::sleep(Duration::from_secs_f64(wait_s));
+        }
+    }
+}

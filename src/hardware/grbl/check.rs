@@ -1,0 +1,106 @@
+//! Whether a controller is set up for the robot.
+
+use std::collections::BTreeMap;
+
+use super::fault::MotionFault;
+use super::settings::MotionSettings;
+
+/// The controller's settings by number.
+pub(super) type Table = BTreeMap<u16, String>;
+
+/// What a setting must be.
+enum Need {
+    Exactly(f64),
+    AtLeast(f64),
+    Bits(u32),
+    Positive,
+}
+
+struct Rule {
+    number: u16,
+    meaning: &'static str,
+    need: Need,
+}
+
+/// Refuses a controller whose settings are not those that the robot needs.
+pub(super) fn check(table: &Table, settings: &MotionSettings) -> Result<(), MotionFault> {
+    rules(settings).iter().try_for_each(|rule| rule.check(table))?;
+    all_axes_home(table)
+}
+
+fn rules(settings: &MotionSettings) -> Vec<Rule> {
+    let rule = |number, meaning, need| Rule { number, meaning, need };
+    let mut rules = vec![
+        rule(10, "fields of the status report: 1 machine position, 2 buffer and 16 pins", Need::Bits(19)),
+        rule(13, "report in inches", Need::Exactly(0.0)),
+        rule(20, "soft limits", Need::Exactly(1.0)),
+        rule(21, "hard limits", Need::Exactly(1.0)),
+        rule(22, "homing: 1 on, 4 required after the start, 8 makes the switch 0", Need::Exactly(13.0)),
+        rule(23, "axes that home downwards", Need::Exactly(f64::from(settings.homing_directions))),
+        rule(376, "axes that turn instead of moving in a line", Need::Exactly(0.0)),
+    ];
+    if settings.hold_when_idle {
+        rules.push(rule(1, "delay before the motors are switched off at rest, 255 never", Need::Exactly(255.0)));
+    }
+    for axis in 0..4 {
+        rules.push(rule(110 + axis, "greatest speed of an axis, mm/min", Need::Positive));
+        rules.push(rule(120 + axis, "greatest acceleration of an axis, mm/s²", Need::Positive));
+        rules.push(rule(130 + axis, "travel of an axis, mm", Need::AtLeast(settings.travel_m * 1e3)));
+    }
+    rules
+}
+
+impl Rule {
+    fn check(&self, table: &Table) -> Result<(), MotionFault> {
+        let value = number(table, self.number);
+        if value.is_some_and(|value| self.need.met(value)) {
+            return Ok(());
+        }
+        let found = table.get(&self.number).map_or("nothing", String::as_str).to_owned();
+        Err(MotionFault::WrongSetting {
+            number: self.number,
+            meaning: self.meaning,
+            found,
+            expected: self.need.words(),
+        })
+    }
+}
+
+impl Need {
+    fn met(&self, value: f64) -> bool {
+        match *self {
+            Need::Exactly(wanted) => value == wanted,
+            // The controller rounds its settings to micrometres.
+            Need::AtLeast(least) => value >= least - 1e-3,
+            Need::Bits(bits) => value >= 0.0 && (value as u32) & bits == bits,
+            Need::Positive => value > 0.0,
+        }
+    }
+
+    fn words(&self) -> String {
+        match self {
+            Need::Exactly(wanted) => wanted.to_string(),
+            Need::AtLeast(least) => format!("at least {least}"),
+            Need::Bits(bits) => format!("a sum that includes {bits}"),
+            Need::Positive => "a number above 0".to_owned(),
+        }
+    }
+}
+
+/// The axes that home in each pass stand in `$44` and the settings after it; together they must be all four.
+fn all_axes_home(table: &Table) -> Result<(), MotionFault> {
+    let passes = 44..=47;
+    let homed = passes.clone().filter_map(|pass| number(table, pass)).fold(0, |all, axes| all | axes as u32);
+    if homed & 15 == 15 {
+        return Ok(());
+    }
+    let found = passes.filter_map(|pass| Some(format!("${pass}={}", table.get(&pass)?))).collect::<Vec<_>>().join(" ");
+    let found = if found.is_empty() { "nothing".to_owned() } else { found };
+    let expected = "1, 2, 4 and 8 (X, Y, Z and A) in one of $44 to $47".to_owned();
+    Err(MotionFault::WrongSetting { number: 44, meaning: "axes that home in each pass", found, expected })
+}
+
+/// The value of a setting as a number.
+pub(super) fn number(table: &Table, number: u16) -> Option<f64> {
+    table.get(&number)?.trim().parse().ok().filter(|value: &f64| value.is_finite())
+}

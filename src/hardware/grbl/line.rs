@@ -1,0 +1,197 @@
+//! What a controller sends, line by line.
+
+use super::state::{Mode, Pins};
+
+/// Longer lines are no GRBL lines.
+pub const LONGEST_LINE: usize = 256;
+
+/// One line of a controller, understood.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Reply {
+    /// `ok`: a line was taken.
+    Ok,
+    /// `error:N`: a line was refused.
+    Error(u16),
+    /// `ALARM:N`: the controller has stopped.
+    Alarm(u16),
+    /// The greeting of a controller that has just started or been reset.
+    Boot(String),
+    /// `<...>`: the answer to `?`.
+    Status(Status),
+    /// `$N=value`.
+    Setting {
+        /// Number of the setting.
+        number: u16,
+        /// Its value, as written.
+        value: String,
+    },
+    /// `[name:text]`: messages and answers to questions.
+    Info {
+        /// What stands before the colon.
+        name: String,
+        /// What stands behind it.
+        text: String,
+    },
+    /// `>...`: a start-up block and its result.
+    StartupBlock(String),
+}
+
+/// A status report. A field that a report leaves out has not changed, except for pins: those are listed when active.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Status {
+    /// What the controller is doing.
+    pub mode: Mode,
+    /// Machine position, millimetres.
+    pub position_mm: Option<[f64; 4]>,
+    /// Free blocks of the motion queue.
+    pub free_blocks: Option<usize>,
+    /// Speed along the path, mm/min.
+    pub feed_mm_min: Option<f64>,
+    /// Limit switches that are closed.
+    pub pins: Pins,
+    /// Work offset, millimetres.
+    pub offset_mm: Option<[f64; 4]>,
+    /// Whether all axes are homed.
+    pub homed: Option<bool>,
+}
+
+/// Understands a line; `None` when it is no GRBL line.
+pub fn parse(line: &str) -> Option<Reply> {
+    if line == "ok" {
+        return Some(Reply::Ok);
+    }
+    if let Some(code) = line.strip_prefix("error:") {
+        return code.parse().ok().map(Reply::Error);
+    }
+    if let Some(code) = line.strip_prefix("ALARM:") {
+        return code.parse().ok().map(Reply::Alarm);
+    }
+    if line.get(..5).is_some_and(|start| start.eq_ignore_ascii_case("grbl ") || start.eq_ignore_ascii_case("grblh")) {
+        return Some(Reply::Boot(line.to_owned()));
+    }
+    match line.chars().next()? {
+        '<' => status(line.strip_prefix('<')?.strip_suffix('>')?).map(Reply::Status),
+        '$' => setting(line.strip_prefix('$')?),
+        '[' => info(line.strip_prefix('[')?.strip_suffix(']')?),
+        '>' => Some(Reply::StartupBlock(line.to_owned())),
+        _ => None,
+    }
+}
+
+fn setting(text: &str) -> Option<Reply> {
+    let (number, value) = text.split_once('=')?;
+    Some(Reply::Setting { number: number.parse().ok()?, value: value.to_owned() })
+}
+
+fn info(text: &str) -> Option<Reply> {
+    let (name, text) = text.split_once(':')?;
+    Some(Reply::Info { name: name.to_owned(), text: text.to_owned() })
+}
+
+fn status(text: &str) -> Option<Status> {
+    let mut fields = text.split('|');
+    let mut status = Status {
+        mode: mode(fields.next()?)?,
+        position_mm: None,
+        free_blocks: None,
+        feed_mm_min: None,
+        pins: Pins::default(),
+        offset_mm: None,
+        homed: None,
+    };
+    for field in fields {
+        let (name, value) = field.split_once(':')?;
+        match name {
+            "MPos" => status.position_mm = Some(four(value)?),
+            "WCO" => status.offset_mm = Some(four(value)?),
+            "Bf" => status.free_blocks = Some(value.split(',').next()?.parse().ok()?),
+            "F" | "FS" => status.feed_mm_min = Some(number(value.split(',').next()?)?),
+            "Pn" => status.pins = Pins::of_letters(value),
+            "H" => status.homed = Some(value.starts_with('1')),
+            _ => {}
+        }
+    }
+    Some(status)
+}
+
+fn mode(text: &str) -> Option<Mode> {
+    let (name, more) = text.split_once(':').map_or((text, None), |(name, more)| (name, Some(more)));
+    Some(match name {
+        "Idle" => Mode::Idle,
+        "Run" => Mode::Run,
+        "Hold" => Mode::Hold { complete: more == Some("0") },
+        "Jog" => Mode::Jog,
+        "Home" => Mode::Home,
+        "Alarm" => Mode::Alarm(more.and_then(|code| code.parse().ok())),
+        "Door" => Mode::Door,
+        "Check" => Mode::Check,
+        "Sleep" => Mode::Sleep,
+        "Tool" => Mode::ToolChange,
+        _ => return None,
+    })
+}
+
+/// Four numbers with commas between them, as many as there are axes.
+pub(super) fn four(text: &str) -> Option<[f64; 4]> {
+    let mut values = text.split(',').map(number);
+    let four = [values.next()??, values.next()??, values.next()??, values.next()??];
+    values.next().is_none().then_some(four)
+}
+
+fn number(text: &str) -> Option<f64> {
+    let value: f64 = text.parse().ok()?;
+    value.is_finite().then_some(value)
+}
+
+/// Something between two line ends.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Piece {
+    /// A line in UTF-8, without its end.
+    Line(String),
+    /// Bytes that are no text, or too many of them without a line end; readable as far as possible.
+    Garbled(String),
+}
+
+/// Cuts the bytes that arrive into lines.
+#[derive(Clone, Debug, Default)]
+pub struct LineReader {
+    bytes: Vec<u8>,
+    /// Inside a line whose beginning was too long already.
+    overlong: bool,
+}
+
+impl LineReader {
+    /// Takes the next byte, and gives what it ends.
+    pub fn push(&mut self, byte: u8) -> Option<Piece> {
+        if byte == b'\n' {
+            let bytes = std::mem::take(&mut self.bytes);
+            if std::mem::take(&mut self.overlong) {
+                return None;
+            }
+            return piece(&bytes);
+        }
+        self.bytes.push(byte);
+        if self.bytes.len() <= LONGEST_LINE {
+            return None;
+        }
+        self.overlong = true;
+        let bytes = std::mem::take(&mut self.bytes);
+        Some(Piece::Garbled(String::from_utf8_lossy(&bytes).into_owned()))
+    }
+
+    /// Forgets the beginning of a line.
+    pub fn clear(&mut self) {
+        *self = LineReader::default();
+    }
+}
+
+/// A finished line; nothing for an empty one.
+fn piece(bytes: &[u8]) -> Option<Piece> {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => {
+            let text = text.trim_end_matches('\r');
+            (!text.is_empty()).then(|| Piece::Line(text.to_owned()))
+        }
+        Err(_) => Some(Piece::Garbled(String::from_utf8_lossy(bytes).into_owned())),
+    }
+}

@@ -1,0 +1,199 @@
+//! What each reply of the controller changes.
+
+use super::controller::{Controller, Homing, Pending, Purpose};
+use super::fault::MotionFault;
+use super::line::{Piece, Reply, Status, parse};
+use super::open;
+use super::state::Mode;
+use super::watch;
+
+/// Unreadable lines within [`GARBLED_S`] that make a fault.
+const MOST_GARBLED: usize = 3;
+/// See [`MOST_GARBLED`], seconds.
+const GARBLED_S: f64 = 10.0;
+/// The alarm of a controller that wants to be homed.
+const HOMING_REQUIRED: u16 = 11;
+
+impl Controller {
+    /// Takes everything that has arrived.
+    pub(super) fn read(&mut self, now_s: f64) {
+        let (pieces, gone) = self.port.read();
+        for piece in pieces {
+            self.state.last_reply_s = now_s;
+            match piece {
+                Piece::Line(line) => match parse(&line) {
+                    Some(reply) => self.take(reply, now_s),
+                    None => self.garbled(line, now_s),
+                },
+                Piece::Garbled(line) => self.garbled(line, now_s),
+            }
+        }
+        if let Err(error) = gone {
+            self.fault = Some(open::unplugged(&error));
+            self.fail(open::unplugged(&error));
+        }
+    }
+
+    fn take(&mut self, reply: Reply, now_s: f64) {
+        match reply {
+            Reply::Ok => self.acknowledged(),
+            Reply::Error(code) => self.refused(code),
+            Reply::Alarm(code) => self.alarmed(code),
+            Reply::Boot(greeting) => self.booted(greeting, now_s),
+            Reply::Status(status) => self.reported(&status, now_s),
+            Reply::Info { name, text } if name == "MSG" && !text.is_empty() => self.state.message = text,
+            Reply::Info { .. } | Reply::Setting { .. } | Reply::StartupBlock(_) => {}
+        }
+    }
+
+    fn garbled(&mut self, line: String, now_s: f64) {
+        self.state.garbled += 1;
+        // It may have been the report that is awaited: ask again.
+        self.asked_s = None;
+        self.garbled_s.retain(|&then_s| now_s - then_s <= GARBLED_S);
+        self.garbled_s.push_back(now_s);
+        let count = self.garbled_s.len();
+        if count >= MOST_GARBLED {
+            self.garbled_s.clear();
+            self.fail(MotionFault::Garbled { count, line });
+        }
+    }
+
+    fn answered(&mut self) -> Option<Pending> {
+        self.state.unacknowledged = 0;
+        self.pending.take()
+    }
+
+    fn acknowledged(&mut self) {
+        // Lines from before a reset or a fault may still be answered.
+        if self.reset_s.is_some() || self.fault.is_some() {
+            return;
+        }
+        match self.answered().map(|pending| pending.purpose) {
+            Some(Purpose::Move) => self.state.queued += 1,
+            Some(Purpose::Setup) => self.set_up = true,
+            Some(Purpose::Homing) => {
+                self.homing = Homing::Settling;
+                self.says_homed = true;
+                self.must_home = false;
+                self.set_up = false;
+                self.state.queued = 0;
+                self.note_homed();
+            }
+            None => self.fail(MotionFault::StrayOk),
+        }
+    }
+
+    fn refused(&mut self, code: u16) {
+        if self.reset_s.is_some() {
+            return;
+        }
+        let line = self.answered().map_or_else(|| "(nothing)".to_owned(), |pending| pending.line);
+        self.fail(MotionFault::Error { code, line });
+    }
+
+    fn alarmed(&mut self, code: u16) {
+        let expected = match self.state.mode {
+            _ if self.reset_s.is_some() => true,
+            Mode::Unknown => true,
+            Mode::Alarm(known) => known == Some(code) || code == HOMING_REQUIRED,
+            _ => false,
+        };
+        self.state.mode = Mode::Alarm(Some(code));
+        self.must_home = true;
+        self.path.forget();
+        self.note_homed();
+        if !expected {
+            self.fail(MotionFault::Alarm { code });
+        }
+    }
+
+    fn booted(&mut self, greeting: String, now_s: f64) {
+        let awaited = self.reset_s.take().is_some();
+        let expected = awaited || (self.pending.is_none() && now_s <= self.greetings_until_s);
+        // A second greeting may just as well be that of a controller that lost its power.
+        self.must_home |= !awaited;
+        let homing = self.homing;
+        self.start_over();
+        if expected && homing == Homing::Wanted {
+            self.homing = homing;
+        }
+        self.next_ask_s = now_s;
+        if !expected {
+            self.fail(MotionFault::Rebooted { greeting });
+        }
+    }
+
+    pub(super) fn reported(&mut self, status: &Status, now_s: f64) {
+        self.asked_s = None;
+        self.state.last_status_s = now_s;
+        self.state.pins = status.pins;
+        let before = std::mem::replace(&mut self.state.mode, status.mode);
+        self.state.position_mm = status.position_mm.unwrap_or(self.state.position_mm);
+        self.state.feed_mm_min = status.feed_mm_min.unwrap_or(self.state.feed_mm_min);
+        if self.homing == Homing::Running {
+            self.state.mode = Mode::Home;
+            return;
+        }
+        self.count_blocks(status, before);
+        if self.reset_s.is_some() {
+            return;
+        }
+        if let Err(fault) = self.judge_mode(status, before).and_then(|()| self.judge_position(status)) {
+            self.fail(fault);
+        }
+    }
+
+    fn count_blocks(&mut self, status: &Status, before: Mode) {
+        if let Some(free) = status.free_blocks {
+            self.state.queued = self.machine.blocks.saturating_sub(free);
+        } else if (before, status.mode) == (Mode::Idle, Mode::Idle) {
+            self.state.queued = 0;
+        }
+    }
+
+    fn judge_mode(&mut self, status: &Status, before: Mode) -> Result<(), MotionFault> {
+        let lost = self.state.homed && status.homed == Some(false) && before != Mode::Unknown;
+        self.says_homed = status.homed.unwrap_or(self.says_homed);
+        self.note_homed();
+        match status.mode {
+            Mode::Alarm(code) => {
+                self.must_home = true;
+                self.note_homed();
+                let expected = matches!(before, Mode::Unknown | Mode::Alarm(_));
+                if expected { Ok(()) } else { Err(MotionFault::Alarm { code: code.unwrap_or(0) }) }
+            }
+            _ if lost => Err(MotionFault::Alarm { code: HOMING_REQUIRED }),
+            Mode::Home if self.homing == Homing::Settling => Ok(()),
+            Mode::Idle | Mode::Run | Mode::Hold { .. } => Ok(()),
+            mode => Err(MotionFault::UnexpectedMode { mode }),
+        }
+    }
+
+    fn judge_position(&mut self, status: &Status) -> Result<(), MotionFault> {
+        if let Some(offset_mm) = status.offset_mm.filter(|offset_mm| offset_mm.iter().any(|&value| value != 0.0)) {
+            let remedy = "G10 L2 P1 X0 Y0 Z0 A0, G92.1 and G49".to_owned();
+            return Err(MotionFault::WorkOffset {
+                name: "its status".to_owned(),
+                found: format!("{offset_mm:?}"),
+                remedy,
+            });
+        }
+        let Some(position_mm) = status.position_mm.filter(|_| self.state.homed) else { return Ok(()) };
+        if !matches!(status.mode, Mode::Idle | Mode::Run | Mode::Hold { .. }) {
+            return Ok(());
+        }
+        watch::within_travel(&position_mm, &self.settings)?;
+        let idle = status.mode == Mode::Idle;
+        if idle && self.homing == Homing::Settling {
+            self.homing = Homing::No;
+        }
+        if !self.path.is_known() {
+            if idle || status.mode == (Mode::Hold { complete: true }) {
+                self.path.start(position_mm);
+            }
+            return Ok(());
+        }
+        self.path.check(position_mm, idle && self.pending.is_none() && self.state.queued == 0)
+    }
+}

@@ -1,0 +1,76 @@
+//! Settings of the motion: the serial line, and what the controller must have been set to.
+
+use serde::{Deserialize, Serialize};
+
+use crate::base::BadOption;
+
+/// How to reach the controller and what it must be like. The controller's own settings are checked, never written.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MotionSettings {
+    /// Serial port.
+    pub port: String,
+    /// Speed of the serial line, bits per second.
+    pub baud: u32,
+    /// A robot whose controller has owed an answer for so long is held, seconds.
+    pub late_s: f64,
+    /// The controller answers within this time, seconds; else the robot is stopped.
+    pub reply_timeout_s: f64,
+    /// Homing ends within this time, seconds.
+    pub homing_timeout_s: f64,
+    /// Length of the screws that may be used, from the switches on, metres.
+    pub travel_m: f64,
+    /// Fastest feed that is ever sent, mm/min along the path in all four axes together.
+    pub max_speed_mm_min: f64,
+    /// Axes whose switch is at the lower end (`$23`): 1 for X, 2 for Y, 4 for Z and 8 for A, added up.
+    pub homing_directions: u8,
+    /// Demands that the motors stay energised at rest (`$1=255`), so that the tendons cannot drive the screws back.
+    pub hold_when_idle: bool,
+}
+
+impl Default for MotionSettings {
+    fn default() -> Self {
+        MotionSettings {
+            port: "/dev/ttyACM0".to_owned(),
+            baud: 115_200,
+            late_s: 0.15,
+            reply_timeout_s: 0.3,
+            homing_timeout_s: 30.0,
+            travel_m: 0.06,
+            max_speed_mm_min: 3000.0,
+            homing_directions: 15,
+            hold_when_idle: true,
+        }
+    }
+}
+
+impl MotionSettings {
+    /// Refuses settings out of range.
+    ///
+    /// # Errors
+    /// [`BadOption`] names the first one.
+    pub fn check(&self) -> Result<(), BadOption> {
+        if self.port.is_empty() {
+            return Err(BadOption { key: "port", found: "nothing".to_owned(), expected: "the name of a serial port" });
+        }
+        if self.baud == 0 {
+            return Err(BadOption { key: "baud", found: "0".to_owned(), expected: "a whole number of at least 1" });
+        }
+        BadOption::unless_positive("late_s", self.late_s)?;
+        BadOption::unless_positive("reply_timeout_s", self.reply_timeout_s)?;
+        BadOption::unless_positive("homing_timeout_s", self.homing_timeout_s)?;
+        BadOption::unless_positive("travel_m", self.travel_m)?;
+        BadOption::unless_positive("max_speed_mm_min", self.max_speed_mm_min)?;
+        if self.homing_directions > 15 {
+            let found = self.homing_directions.to_string();
+            return Err(BadOption { key: "homing_directions", found, expected: "0 to 15" });
+        }
+        Ok(())
+    }
+
+    /// Lowest and highest machine position of an axis, millimetres: the switch is at 0.
+    pub fn limits_mm(&self, axis: usize) -> (f64, f64) {
+        let travel_mm = self.travel_m * 1e3;
+        if self.homing_directions & (1 << axis) == 0 { (-travel_mm, 0.0) } else { (0.0, travel_mm) }
+    }
+}

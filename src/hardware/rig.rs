@@ -1,0 +1,335 @@
+//! Motors, tracker and guard of one robot: everything that leaves goes through here.
+
+use crate::base::{Point3, distance_m};
+
+use super::axes::{AXES, AxesOptions};
+use super::grbl::{self, Controller, Mode, MotionFault};
+use super::interrupt::Interrupt;
+use super::safety::{Cause, Facts, Guard, Latch, Order, Refusal, SafetyLimits, State};
+use super::tracking::{TipPose, Tracking};
+
+/// Share of a tick that a move takes at full speed; the rest is for its acceleration.
+const MOVING_SHARE: f64 = 0.8;
+/// Slowest feed that is sent, mm/min: a controller takes none of 0.
+const LEAST_FEED_MM_MIN: f64 = 6.0;
+/// Moves shorter than this are not sent, millimetres: they would round to nothing.
+const LEAST_MOVE_MM: f64 = 5e-4;
+
+/// Speed that every axis must be able to reach for the largest step in `duration_s`, mm/min.
+pub fn slowest_axis_mm_min(limits: &SafetyLimits, duration_s: f64) -> f64 {
+    let step_m = limits.max_step_m.min(limits.max_speed_m_s * duration_s);
+    step_m * 1e3 / (MOVING_SHARE * duration_s) * 60.0
+}
+
+/// Something that happened, for the log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event {
+    /// When, on the rig's clock, seconds.
+    pub time_s: f64,
+    /// The state that it led to.
+    pub state: &'static str,
+    /// Kind of the cause of a hold or a stop; empty for anything else.
+    pub kind: &'static str,
+    /// What happened and how to go on.
+    pub what: String,
+}
+
+/// Why a command was not carried out.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NotMoved {
+    /// Beyond a limit; nothing left and the robot stays where it is.
+    #[error(transparent)]
+    Refused(#[from] Refusal),
+    /// The last gate before the wire refused it.
+    #[error(transparent)]
+    Gate(grbl::Refusal),
+    /// The controller's queue is full for now.
+    #[error("the controller has two moves to do already")]
+    Busy,
+    /// Not active.
+    #[error("the robot is {0}")]
+    Not(&'static str),
+}
+
+/// What a rig is made of.
+pub struct Parts {
+    /// The motors.
+    pub controller: Controller,
+    /// The tracker.
+    pub tracking: Tracking,
+    /// Where the screws stand at home.
+    pub axes: AxesOptions,
+    /// The limits.
+    pub limits: SafetyLimits,
+    /// A robot whose controller has owed an answer for so long is held, s.
+    pub late_s: f64,
+    /// Where a stop is kept; none in rehearsals.
+    pub latch: Option<Latch>,
+    /// Requests to end.
+    pub interrupt: Interrupt,
+}
+
+/// Motors, tracker and guard.
+pub struct Rig {
+    parts: Parts,
+    guard: Guard,
+    /// The command in force, metres.
+    commanded_m: [f64; AXES],
+    /// Where the model puts the tip, metres.
+    expected_m: Option<Point3>,
+    /// The last tip that was believed, with its time.
+    believed: Option<(f64, Point3)>,
+    events: Vec<Event>,
+}
+
+impl Rig {
+    /// A rig that has not moved.
+    pub fn new(parts: Parts) -> Rig {
+        let commanded_m = parts.axes.pulls_m(&parts.controller.state().position_mm);
+        let guard = Guard::new(parts.limits);
+        Rig { parts, guard, commanded_m, expected_m: None, believed: None, events: Vec::new() }
+    }
+
+    /// What the robot may do.
+    pub fn state(&self) -> &State {
+        self.guard.state()
+    }
+
+    /// What has happened so far.
+    pub fn events(&self) -> &[Event] {
+        &self.events
+    }
+
+    /// The motors.
+    pub fn controller(&self) -> &Controller {
+        &self.parts.controller
+    }
+
+    /// The tracker.
+    pub fn tracking(&self) -> &Tracking {
+        &self.parts.tracking
+    }
+
+    /// The command in force, metres.
+    pub fn commanded_m(&self) -> [f64; AXES] {
+        self.commanded_m
+    }
+
+    /// Where the model puts the tip from now on, metres.
+    pub fn expect(&mut self, tip_m: Option<Point3>) {
+        self.expected_m = tip_m;
+    }
+
+    /// Sends the axes to their switches, or makes a robot active that knows where it is.
+    pub fn begin(&mut self, now_s: f64) -> Result<(), NotMoved> {
+        let homed = self.parts.controller.homed();
+        let may = if homed { self.guard.activate() } else { self.guard.begin_homing() };
+        if !may {
+            return Err(NotMoved::Not(self.state().name()));
+        }
+        if !homed {
+            self.parts.controller.start_homing(now_s);
+        }
+        self.note(now_s, "", if homed { "already homed" } else { "homing" }.to_owned());
+        Ok(())
+    }
+
+    /// Reads what has arrived and does what it calls for.
+    pub fn poll(&mut self, now_s: f64) {
+        let motion = self.parts.controller.poll(now_s);
+        self.parts.tracking.poll(now_s);
+        let was_homing = *self.state() == State::Homing;
+        let mode = self.parts.controller.state().mode;
+        let facts = Facts {
+            motion_fault: motion.err().map(|fault| controller_cause(&fault)),
+            doubt: self.doubt(now_s),
+            interrupted: self.parts.interrupt.raised().then(interrupted),
+            homed: self.parts.controller.homed() && !self.parts.controller.is_homing(),
+            standing: matches!(mode, Mode::Idle | Mode::Hold { complete: true }),
+        };
+        let before = self.state().name();
+        match self.guard.judge(&facts, now_s) {
+            Order::Nothing => {}
+            Order::Hold => self.parts.controller.hold(now_s),
+            Order::Resume => self.parts.controller.resume(now_s),
+            Order::Flush => self.parts.controller.reset(now_s),
+        }
+        if was_homing && *self.state() == State::Active {
+            self.commanded_m = self.parts.axes.pulls_m(&self.parts.controller.state().position_mm);
+        }
+        if self.state().name() != before {
+            self.tell(now_s);
+        }
+    }
+
+    /// Moves the tendons to `pulls_m` in about `duration_s`, if the limits and the state of the robot let them.
+    ///
+    /// # Errors
+    /// [`NotMoved`]: nothing has left.
+    pub fn command(&mut self, pulls_m: &[f64], duration_s: f64, now_s: f64) -> Result<(), NotMoved> {
+        self.admit(pulls_m, duration_s)?;
+        let target: [f64; AXES] = std::array::from_fn(|axis| pulls_m[axis]);
+        self.travel(target, duration_s, now_s)
+    }
+
+    /// Whether [`Rig::command`] would carry it out.
+    ///
+    /// # Errors
+    /// [`NotMoved`].
+    pub fn admit(&self, pulls_m: &[f64], duration_s: f64) -> Result<(), NotMoved> {
+        if *self.state() != State::Active {
+            return Err(NotMoved::Not(self.state().name()));
+        }
+        Ok(self.parts.limits.admit(pulls_m, &self.commanded_m, duration_s)?)
+    }
+
+    /// Moves all tendons towards home by no more than one command may; true once they are there. From the switches the
+    /// way home is longer than any displacement that a policy may ask for, so the limit of travel does not apply to it.
+    ///
+    /// # Errors
+    /// [`NotMoved`]: nothing has left.
+    pub fn towards_home(&mut self, duration_s: f64, now_s: f64) -> Result<bool, NotMoved> {
+        if *self.state() != State::Active {
+            return Err(NotMoved::Not(self.state().name()));
+        }
+        let limits = &self.parts.limits;
+        let step_m = limits.max_step_m.min(limits.max_speed_m_s * duration_s);
+        let largest_m = self.commanded_m.iter().fold(0.0_f64, |largest, pull| largest.max(pull.abs()));
+        let share = if largest_m > step_m { 1.0 - step_m / largest_m } else { 0.0 };
+        self.travel(self.commanded_m.map(|pull| pull * share), duration_s, now_s)?;
+        Ok(share == 0.0)
+    }
+
+    fn travel(&mut self, pulls_m: [f64; AXES], duration_s: f64, now_s: f64) -> Result<(), NotMoved> {
+        let (from_mm, to_mm) = (self.parts.axes.machine_mm(&self.commanded_m), self.parts.axes.machine_mm(&pulls_m));
+        let length_mm = from_mm.iter().zip(&to_mm).map(|(from, to)| (to - from).powi(2)).sum::<f64>().sqrt();
+        if length_mm >= LEAST_MOVE_MM {
+            let feed_mm_min = (length_mm / (MOVING_SHARE * duration_s) * 60.0).max(LEAST_FEED_MM_MIN);
+            match self.parts.controller.move_to(to_mm, feed_mm_min, now_s) {
+                Ok(()) => {}
+                // A controller that was held says so until its next report.
+                Err(MotionFault::Busy | MotionFault::Refused(grbl::Refusal::NotReady(_))) => {
+                    return Err(NotMoved::Busy);
+                }
+                Err(MotionFault::Refused(refusal)) => return Err(NotMoved::Gate(refusal)),
+                // The next poll finds the same fault and acts on it.
+                Err(_) => return Err(NotMoved::Not("without motors")),
+            }
+        }
+        self.commanded_m = pulls_m;
+        Ok(())
+    }
+
+    /// Holds the robot for good, as at the end of a program that ends early.
+    pub fn abandon(&mut self, why: &str, now_s: f64) {
+        let moving = !matches!(self.parts.controller.state().mode, Mode::Idle);
+        if moving || *self.state() == State::Homing {
+            self.parts.controller.hold(now_s);
+            self.note(now_s, "", format!("held: {why}"));
+        }
+    }
+
+    /// The last pose that may be used at `time_s`, none while the tracker is in doubt.
+    pub fn tip_at(&self, time_s: f64) -> Option<TipPose> {
+        self.parts.tracking.pose_at(time_s)
+    }
+
+    /// Why the robot should not go on for now: a controller that owes an answer, or a measurement that is not to be used.
+    fn doubt(&mut self, now_s: f64) -> Option<Cause> {
+        let waiting_s = self.parts.controller.waiting_s(now_s);
+        if waiting_s > self.parts.late_s {
+            let what = format!("the controller has owed an answer for {:.0} ms", waiting_s * 1e3);
+            return Some(Cause { kind: "controller", what, remedy: ARM.to_owned() });
+        }
+        let limits = self.parts.limits;
+        let age_s = self.parts.tracking.age_s(now_s);
+        // Not a number is no age either.
+        if !(age_s <= limits.tracking_hold_s) {
+            return Some(lost(age_s, limits.tracking_hold_s));
+        }
+        let pose = self.parts.tracking.latest()?;
+        let (time_s, tip_m) = (pose.time_s, pose.position_m);
+        if let Some((then_s, there_m)) = self.believed.filter(|(then_s, _)| *then_s < time_s) {
+            let speed_m_s = distance_m(&tip_m, &there_m) / (time_s - then_s);
+            if speed_m_s > limits.tip_speed_m_s {
+                return Some(implausible(format!(
+                    "the tip seems to move at {speed_m_s:.1} m/s, expected at most {}",
+                    limits.tip_speed_m_s
+                )));
+            }
+        }
+        if let Some(expected_m) = &self.expected_m {
+            let off_m = distance_m(&tip_m, expected_m);
+            if off_m > limits.tip_from_model_m {
+                return Some(implausible(format!(
+                    "the tip is measured {off_m:.3} m from where the model puts it, expected at most {} m",
+                    limits.tip_from_model_m
+                )));
+            }
+        }
+        self.believed = Some((time_s, tip_m));
+        None
+    }
+
+    /// Logs the state that has been reached.
+    fn tell(&mut self, now_s: f64) {
+        let (kind, what) = match self.state() {
+            State::Held { cause, .. } => (cause.kind, format!("{}; goes on by itself", cause.what)),
+            State::Stopped { cause, .. } => {
+                let cause = cause.clone();
+                if let Some(latch) = self.parts.latch.as_ref().filter(|_| cause.kind != INTERRUPTED) {
+                    // A stop that cannot be written down is still a stop.
+                    let _ = latch.stop(&cause);
+                }
+                (cause.kind, format!("{}; {}", cause.what, cause.remedy))
+            }
+            state => ("", state.name().to_owned()),
+        };
+        self.note(now_s, kind, what);
+    }
+
+    fn note(&mut self, time_s: f64, kind: &'static str, what: String) {
+        let state = self.state().name();
+        if let Some(latch) = &self.parts.latch {
+            // The log is for people; the robot does not depend on it.
+            let _ = latch.write(&format!("{time_s:10.3} s  {state:8} {kind:12} {what}"));
+        }
+        self.events.push(Event { time_s, state, kind, what });
+    }
+}
+
+const INTERRUPTED: &str = "interrupted";
+/// How to go on after most stops.
+const ARM: &str = "look at the robot, then `spinebench arm --plant PLANT.yaml`";
+
+fn interrupted() -> Cause {
+    Cause {
+        kind: INTERRUPTED,
+        what: "somebody asked the program to end".to_owned(),
+        remedy: "the robot is held where it was; start the program again to go on".to_owned(),
+    }
+}
+
+fn controller_cause(fault: &MotionFault) -> Cause {
+    Cause { kind: "controller", what: fault.to_string(), remedy: ARM.to_owned() }
+}
+
+fn lost(age_s: f64, allowed_s: f64) -> Cause {
+    let aged = || format!("the last valid pose is {:.0} ms old", age_s * 1e3);
+    let found = if age_s.is_finite() { aged() } else { "no valid pose so far".to_owned() };
+    Cause {
+        kind: "tracking",
+        what: format!("{found}, expected at most {:.0} ms", allowed_s * 1e3),
+        remedy: "make both bodies visible and check that Motive streams, then `spinebench arm --plant PLANT.yaml`"
+            .to_owned(),
+    }
+}
+
+fn implausible(what: String) -> Cause {
+    Cause {
+        kind: "tip",
+        what,
+        remedy: "check bodies, frames and tendons with `spinebench doctor`, then `spinebench arm --plant PLANT.yaml`"
+            .to_owned(),
+    }
+}

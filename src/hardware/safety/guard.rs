@@ -1,0 +1,172 @@
+//! The state machine between whoever decides and whatever moves (docs/hardware.md shows it). It knows no device: it is
+//! told what is the case and says what has to be done.
+
+use super::limits::SafetyLimits;
+
+/// Why a robot is held or stopped, in words: what was found and what was expected.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cause {
+    /// One word for tables: `tracking`, `controller`, `tip`, `interrupted`, `deadline`.
+    pub kind: &'static str,
+    /// What happened.
+    pub what: String,
+    /// How to go on.
+    pub remedy: String,
+}
+
+/// What the robot may do.
+#[derive(Clone, Debug, PartialEq)]
+pub enum State {
+    /// Nothing moves: not homed yet.
+    Idle,
+    /// The axes look for their switches.
+    Homing,
+    /// Commands within the limits are carried out.
+    Active,
+    /// Motion is paused where it is and goes on once the cause is gone.
+    Held {
+        /// Why.
+        cause: Cause,
+        /// Since when, seconds.
+        since_s: f64,
+    },
+    /// Motion has ended; nothing moves until somebody has looked at the robot and armed it again.
+    Stopped {
+        /// Why.
+        cause: Cause,
+        /// Since when, seconds.
+        since_s: f64,
+    },
+}
+
+impl State {
+    /// Name for tables and logs.
+    pub fn name(&self) -> &'static str {
+        match self {
+            State::Idle => "idle",
+            State::Homing => "homing",
+            State::Active => "active",
+            State::Held { .. } => "held",
+            State::Stopped { .. } => "stopped",
+        }
+    }
+}
+
+/// What is the case at one moment.
+#[derive(Clone, Debug, Default)]
+pub struct Facts {
+    /// Why the motion cannot be trusted any more; nothing while it can.
+    pub motion_fault: Option<Cause>,
+    /// Why the robot should not go on for now, such as a measurement that is old, invalid or implausible.
+    pub doubt: Option<Cause>,
+    /// A request to end, such as Ctrl-C.
+    pub interrupted: Option<Cause>,
+    /// Homing has ended well.
+    pub homed: bool,
+    /// A hold has come to its end: every axis stands.
+    pub standing: bool,
+}
+
+/// What has to be done about it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Order {
+    /// Nothing.
+    Nothing,
+    /// Pause motion.
+    Hold,
+    /// Go on with it.
+    Resume,
+    /// Forget all motion that is queued; the robot stands.
+    Flush,
+}
+
+/// The state machine.
+#[derive(Clone, Debug)]
+pub struct Guard {
+    limits: SafetyLimits,
+    state: State,
+    /// When queued motion of a stopped robot is forgotten even if the axes have not been seen to stand.
+    flush_at_s: Option<f64>,
+}
+
+/// Time that the axes have to come to a stand before their queue is forgotten, seconds.
+const STAND_S: f64 = 0.15;
+
+impl Guard {
+    /// A guard of a robot that has not been homed.
+    pub fn new(limits: SafetyLimits) -> Guard {
+        Guard { limits, state: State::Idle, flush_at_s: None }
+    }
+
+    /// What the robot may do.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Homing begins, where it may.
+    pub fn begin_homing(&mut self) -> bool {
+        let may = matches!(self.state, State::Idle | State::Active);
+        if may {
+            self.state = State::Homing;
+        }
+        may
+    }
+
+    /// A robot that has been homed before becomes active.
+    pub fn activate(&mut self) -> bool {
+        let may = matches!(self.state, State::Idle);
+        if may {
+            self.state = State::Active;
+        }
+        may
+    }
+
+    /// What the facts at `now_s` call for.
+    pub fn judge(&mut self, facts: &Facts, now_s: f64) -> Order {
+        if let State::Stopped { .. } = self.state {
+            return self.finish_stop(facts, now_s);
+        }
+        if let Some(cause) = facts.interrupted.as_ref().or(facts.motion_fault.as_ref()) {
+            return self.stop(cause.clone(), now_s);
+        }
+        match (&self.state, &facts.doubt) {
+            (State::Homing, _) if facts.homed => self.to(State::Active, Order::Nothing),
+            (State::Active, Some(cause)) => {
+                let held = State::Held { cause: cause.clone(), since_s: now_s };
+                self.to(held, Order::Hold)
+            }
+            (State::Held { .. }, None) => self.to(State::Active, Order::Resume),
+            (State::Held { cause, since_s }, Some(_)) if now_s - since_s >= self.limits.hold_stop_s => {
+                let cause = cause.clone();
+                self.stop(cause, now_s)
+            }
+            _ => Order::Nothing,
+        }
+    }
+
+    fn to(&mut self, state: State, order: Order) -> Order {
+        self.state = state;
+        order
+    }
+
+    /// A robot that homes cannot be paused: its motion is forgotten at once.
+    fn stop(&mut self, cause: Cause, now_s: f64) -> Order {
+        let order = match self.state {
+            State::Homing => Order::Flush,
+            _ => Order::Hold,
+        };
+        self.flush_at_s = (order == Order::Hold).then_some(now_s + STAND_S);
+        self.to(State::Stopped { cause, since_s: now_s }, order)
+    }
+
+    /// Once the axes stand, or should, what is queued is forgotten, so that nothing starts again by itself.
+    fn finish_stop(&mut self, facts: &Facts, now_s: f64) -> Order {
+        match self.flush_at_s {
+            Some(at_s) if facts.standing || now_s >= at_s => {
+                self.flush_at_s = None;
+                Order::Flush
+            }
+            _ => Order::Nothing,
+        }
+    }
+}

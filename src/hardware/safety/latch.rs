@@ -1,0 +1,101 @@
+//! A stop outlives the program: a file that stands until somebody has looked at the robot.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use super::guard::Cause;
+
+/// Latch and log of one robot.
+#[derive(Clone, Debug)]
+pub struct Latch {
+    stopped: PathBuf,
+    log: PathBuf,
+}
+
+impl Latch {
+    /// Those of the robot `name` in `folder`, which is made when the first line is written.
+    pub fn new(folder: &Path, name: &str) -> Latch {
+        Latch { stopped: folder.join(format!("{name}.stopped")), log: folder.join(format!("{name}.log")) }
+    }
+
+    /// Where this user's programs keep their state (`XDG_STATE_HOME`, or `.local/state` at home).
+    pub fn folder() -> PathBuf {
+        let own = std::env::var_os("XDG_STATE_HOME").map(PathBuf::from);
+        let home =
+            || std::env::var_os("HOME").map_or_else(std::env::temp_dir, |home| Path::new(&home).join(".local/state"));
+        own.filter(|path| path.is_absolute()).unwrap_or_else(home).join("spinebench")
+    }
+
+    /// Why the robot is stopped, if it is.
+    pub fn read(&self) -> Option<String> {
+        fs::read_to_string(&self.stopped).ok().map(|text| text.trim().to_owned())
+    }
+
+    /// Stops the robot for this and all later programs, and logs it.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn stop(&self, cause: &Cause) -> io::Result<()> {
+        let line = format!("{} UTC: {} [{}]", utc(SystemTime::now()), cause.what, cause.kind);
+        self.write(&format!("stopped: {line}; {}", cause.remedy))?;
+        fs::write(&self.stopped, format!("{line}\n"))
+    }
+
+    /// Arms the robot again and logs it; what it had been stopped for.
+    ///
+    /// # Errors
+    /// When the file cannot be removed.
+    pub fn release(&self) -> io::Result<Option<String>> {
+        let Some(reason) = self.read() else { return Ok(None) };
+        fs::remove_file(&self.stopped)?;
+        self.write(&format!("armed by hand: {} UTC", utc(SystemTime::now())))?;
+        Ok(Some(reason))
+    }
+
+    /// Adds a line to the log.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write(&self, line: &str) -> io::Result<()> {
+        if let Some(folder) = self.log.parent() {
+            fs::create_dir_all(folder)?;
+        }
+        writeln!(fs::OpenOptions::new().create(true).append(true).open(&self.log)?, "{line}")
+    }
+
+    /// The log's path.
+    pub fn log(&self) -> &Path {
+        &self.log
+    }
+}
+
+/// Date and time of day (Howard Hinnant's civil-from-days algorithm).
+fn utc(time: SystemTime) -> String {
+    let seconds = time.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
+    let (days, rest) = (seconds / 86_400 + 719_468, seconds % 86_400);
+    let era = days / 146_097;
+    let day_of_era = days % 146_097;
+    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let shifted = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * shifted + 2) / 5 + 1;
+    let month = if shifted < 10 { shifted + 3 } else { shifted - 9 };
+    let year = year_of_era + era * 400 + u64::from(month <= 2);
+    format!("{year:04}-{month:02}-{day:02} {:02}:{:02}:{:02}", rest / 3600, rest / 60 % 60, rest % 60)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn dates_are_those_of_the_calendar() {
+        let at = |seconds: u64| utc(UNIX_EPOCH + Duration::from_secs(seconds));
+        assert_eq!(at(0), "1970-01-01 00:00:00");
+        assert_eq!(at(951_827_696), "2000-02-29 12:34:56");
+        assert_eq!(at(4_107_542_399), "2100-02-28 23:59:59");
+    }
+}

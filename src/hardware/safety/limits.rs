@@ -1,0 +1,142 @@
+//! What a command may ask of the drive, whoever asks.
+
+use serde::{Deserialize, Serialize};
+
+use crate::base::BadOption;
+
+/// Limits of the drive and of what the tracker may miss.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SafetyLimits {
+    /// Largest displacement of a tendon either way, metres.
+    pub travel_m: f64,
+    /// Largest change of a displacement from one command to the next, metres.
+    pub max_step_m: f64,
+    /// Fastest that a tendon may be moved, m/s.
+    pub max_speed_m_s: f64,
+    /// By how much two opposite tendons together may be let out, metres: more hangs loose and falls off its spool.
+    pub slack_m: f64,
+    /// By how much two opposite tendons together may be pulled in, metres: more crushes the spine.
+    pub over_tension_m: f64,
+    /// Tracking older than this holds the robot, seconds.
+    pub tracking_hold_s: f64,
+    /// A robot held for longer than this is stopped, seconds.
+    pub hold_stop_s: f64,
+    /// Distance from where the model puts the tip beyond which a measurement is not believed, metres.
+    pub tip_from_model_m: f64,
+    /// Fastest that a tip may seem to move, m/s; what is faster is not believed.
+    pub tip_speed_m_s: f64,
+}
+
+impl Default for SafetyLimits {
+    fn default() -> Self {
+        SafetyLimits {
+            travel_m: 0.03,
+            max_step_m: 0.003,
+            max_speed_m_s: 0.02,
+            slack_m: 0.02,
+            over_tension_m: 0.03,
+            tracking_hold_s: 0.05,
+            hold_stop_s: 0.2,
+            tip_from_model_m: 0.08,
+            tip_speed_m_s: 5.0,
+        }
+    }
+}
+
+/// Rounding that no limit is about, metres.
+const ROUNDING_M: f64 = 1e-9;
+
+/// Why a command does not leave.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Refusal {
+    /// A displacement is no number.
+    #[error("tendon {tendon}: found {found}, expected a finite displacement")]
+    NotFinite {
+        /// From 1.
+        tendon: usize,
+        /// What was asked for.
+        found: f64,
+    },
+    /// Another number of tendons than the robot has.
+    #[error("found {found} displacements, expected {expected}")]
+    Count {
+        /// Number given.
+        found: usize,
+        /// Number of tendons.
+        expected: usize,
+    },
+    /// Beyond a limit.
+    #[error("tendon {tendon}: {what} of {found:.6}, expected {low:.6} to {high:.6}")]
+    Beyond {
+        /// From 1.
+        tendon: usize,
+        /// The limited quantity, with its unit.
+        what: &'static str,
+        /// What was asked for.
+        found: f64,
+        /// Least allowed.
+        low: f64,
+        /// Most allowed.
+        high: f64,
+    },
+}
+
+impl SafetyLimits {
+    /// Refuses settings out of range.
+    ///
+    /// # Errors
+    /// [`BadOption`] names the first one.
+    pub fn check(&self) -> Result<(), BadOption> {
+        BadOption::unless_positive("travel_m", self.travel_m)?;
+        BadOption::unless_positive("max_step_m", self.max_step_m)?;
+        BadOption::unless_positive("max_speed_m_s", self.max_speed_m_s)?;
+        BadOption::unless_positive("slack_m", self.slack_m)?;
+        BadOption::unless_positive("over_tension_m", self.over_tension_m)?;
+        BadOption::unless_positive("tracking_hold_s", self.tracking_hold_s)?;
+        BadOption::unless_positive("hold_stop_s", self.hold_stop_s)?;
+        BadOption::unless_positive("tip_from_model_m", self.tip_from_model_m)?;
+        BadOption::unless_positive("tip_speed_m_s", self.tip_speed_m_s)
+    }
+
+    /// Whether the drive may go from the command `last_m` to `pulls_m` in `duration_s`. Opposite tendons stand half the
+    /// number of tendons apart.
+    ///
+    /// # Errors
+    /// [`Refusal`] names the first limit that is broken.
+    pub fn admit(&self, pulls_m: &[f64], last_m: &[f64], duration_s: f64) -> Result<(), Refusal> {
+        if pulls_m.len() != last_m.len() {
+            return Err(Refusal::Count { found: pulls_m.len(), expected: last_m.len() });
+        }
+        if let Some(index) = pulls_m.iter().position(|pull| !pull.is_finite()) {
+            return Err(Refusal::NotFinite { tendon: index + 1, found: pulls_m[index] });
+        }
+        let step_m = self.max_step_m.min(self.max_speed_m_s * duration_s);
+        for (index, (&to, &from)) in pulls_m.iter().zip(last_m).enumerate() {
+            within("displacement (m)", index, to, -self.travel_m, self.travel_m)?;
+            within("step (m)", index, to - from, -step_m, step_m)?;
+        }
+        self.admit_pairs(pulls_m, last_m)
+    }
+
+    /// A pair that stands beyond a bound may come back towards it.
+    fn admit_pairs(&self, pulls_m: &[f64], last_m: &[f64]) -> Result<(), Refusal> {
+        let half = pulls_m.len() / 2;
+        if pulls_m.len() % 2 != 0 {
+            return Ok(());
+        }
+        for index in 0..half {
+            let (sum, last) = (pulls_m[index] + pulls_m[index + half], last_m[index] + last_m[index + half]);
+            let (low, high) = (f64::min(-self.slack_m, last), f64::max(self.over_tension_m, last));
+            within("sum with its antagonist (m)", index, sum, low, high)?;
+        }
+        Ok(())
+    }
+}
+
+fn within(what: &'static str, index: usize, found: f64, low: f64, high: f64) -> Result<(), Refusal> {
+    if found >= low - ROUNDING_M && found <= high + ROUNDING_M {
+        return Ok(());
+    }
+    Err(Refusal::Beyond { tendon: index + 1, what, found, low, high })
+}

@@ -1,0 +1,9 @@
+//! Between policy and motors: what may leave, and what happens when something goes wrong.
+
+mod guard;
+mod latch;
+mod limits;
+
+pub use guard::{Cause, Facts, Guard, Order, State};
+pub use latch::Latch;
+pub use limits::{Refusal, SafetyLimits};

@@ -1,0 +1,86 @@
+//! Where the robot's base frame is in the base body's frame, from points that are known in both.
+
+use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
+
+use super::fault::TrackingFault;
+use super::pose::Pose;
+use crate::base::Point3;
+
+/// Points whose spread across their longest direction is below this share of the spread along it are a line.
+const THINNEST: f64 = 0.02;
+
+/// Coordinates beyond this are no lengths in metres.
+const LARGEST_M: f64 = 1000.0;
+
+/// The pose found, and how well it fits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Alignment {
+    /// Pose of the robot's base frame in the base body's frame: the setting `alignment`.
+    pub pose: Pose,
+    /// Root mean square of the distances that remain, metres.
+    pub residual_m: f64,
+    /// Largest of them, metres.
+    pub worst_m: f64,
+}
+
+/// The rigid motion that brings the points `robot_m` of the robot's base frame closest to the same points `body_m` as
+/// they were measured with an `alignment` of identity (Kabsch's method, without scale).
+///
+/// # Errors
+/// [`TrackingFault::Alignment`] for fewer than three points, numbers that are no lengths, or points along a line.
+pub fn align(robot_m: &[Point3], body_m: &[Point3]) -> Result<Alignment, TrackingFault> {
+    let refuse = |why: String| Err(TrackingFault::Alignment(why));
+    if robot_m.len() != body_m.len() {
+        return refuse(format!("{} points in the robot's frame and {} measured", robot_m.len(), body_m.len()));
+    }
+    if robot_m.len() < 3 {
+        return refuse(format!("{} points, expected at least 3, better 10 all over the workspace", robot_m.len()));
+    }
+    if robot_m.iter().chain(body_m).flatten().any(|value| !value.is_finite() || value.abs() > LARGEST_M) {
+        return refuse(format!("a coordinate is not a number below {LARGEST_M} m"));
+    }
+    let (robot, robot_centre) = centred(robot_m);
+    let (body, body_centre) = centred(body_m);
+    for (points, whose) in [(&robot, "the robot's points"), (&body, "the measured points")] {
+        let thinness = thinness(points);
+        if thinness < THINNEST {
+            let expected = "bend the robot in at least two directions";
+            return refuse(format!(
+                "{whose} lie on a line (width to length {thinness:.4}, at least {THINNEST}); {expected}"
+            ));
+        }
+    }
+    let turn = turn_between(&robot, &body);
+    let shift = body_centre - turn * robot_centre;
+    let motion = Isometry3::from_parts(shift.into(), UnitQuaternion::from_rotation_matrix(&turn));
+    let squares: Vec<f64> = robot.iter().zip(&body).map(|(from, to)| (turn * from - to).norm_squared()).collect();
+    let residual_m = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
+    let worst_m = squares.iter().copied().fold(0.0, f64::max).sqrt();
+    Ok(Alignment { pose: Pose::of(&motion), residual_m, worst_m })
+}
+
+fn centred(points_m: &[Point3]) -> (Vec<Vector3<f64>>, Vector3<f64>) {
+    let points: Vec<Vector3<f64>> = points_m.iter().map(|point| Vector3::from(*point)).collect();
+    let centre = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
+    (points.iter().map(|point| point - centre).collect(), centre)
+}
+
+/// Spread in the second direction over that in the first; 0 for a line or a point.
+fn thinness(points: &[Vector3<f64>]) -> f64 {
+    let scatter: Matrix3<f64> = points.iter().map(|point| point * point.transpose()).sum();
+    let mut spreads: [f64; 3] = scatter.symmetric_eigenvalues().into();
+    spreads.sort_by(f64::total_cmp);
+    if spreads[2] > 0.0 { (spreads[1].max(0.0) / spreads[2]).sqrt() } else { 0.0 }
+}
+
+/// The rotation that brings `from` closest to `to`.
+fn turn_between(from: &[Vector3<f64>], to: &[Vector3<f64>]) -> Rotation3<f64> {
+    let covariance: Matrix3<f64> = from.iter().zip(to).map(|(from, to)| to * from.transpose()).sum();
+    let svd = covariance.svd(true, true);
+    let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else { return Rotation3::identity() };
+    // The closest orthogonal matrix may be a reflection: then the least direction is turned round. Singular values are
+    // sorted, so it is the last one.
+    let handedness = (u * v_t).determinant().signum();
+    let turn = u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, handedness)) * v_t;
+    Rotation3::from_matrix_unchecked(turn)
+}

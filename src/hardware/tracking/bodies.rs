@@ -1,0 +1,100 @@
+//! The two bodies of the robot among those that the server tracks.
+
+use natnet::{FrameOfData, ModelDef, RigidBody};
+
+use super::fault::TrackingFault;
+use super::pose::Pose;
+use super::settings::{BodyName, TrackingSettings};
+
+/// How far the square of a quaternion's length may be from 1: the server sends single precision.
+const UNIT_TOLERANCE: f64 = 1e-3;
+
+/// No capture volume is larger, metres.
+const LARGEST_M: f64 = 1000.0;
+
+/// Bodies that an error lists.
+const MOST_LISTED: usize = 30;
+
+/// Streaming ids of the bodies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Bodies {
+    /// None where the base does not move.
+    base: Option<i32>,
+    tip: i32,
+}
+
+impl Bodies {
+    /// Looks the bodies of `settings` up.
+    pub(super) fn find(settings: &TrackingSettings, model: &ModelDef) -> Result<Bodies, TrackingFault> {
+        let base = settings.base_body.as_ref().map(|body| id_of("base", body, model)).transpose()?;
+        let tip = id_of("tip", &settings.tip_body, model)?;
+        if base == Some(tip) {
+            return Err(TrackingFault::BodyShared { id: tip });
+        }
+        Ok(Bodies { base, tip })
+    }
+
+    /// Base and tip in a frame, unless one of them is not seen.
+    pub(super) fn poses(&self, frame: &FrameOfData) -> Option<(Pose, Pose)> {
+        let base = match self.base {
+            Some(id) => pose_of(id, frame)?,
+            None => Pose::default(),
+        };
+        Some((base, pose_of(self.tip, frame)?))
+    }
+
+    /// True if the frame holds both, seen or not.
+    pub(super) fn are_in(&self, frame: &FrameOfData) -> bool {
+        let holds = |id| frame.rigid_bodies.iter().any(|body| body.id == id);
+        holds(self.tip) && self.base.is_none_or(holds)
+    }
+}
+
+fn id_of(role: &'static str, body: &BodyName, model: &ModelDef) -> Result<i32, TrackingFault> {
+    let is_it = |(name, id): &(&str, i32)| match body {
+        BodyName::Id(wanted) => id == wanted,
+        BodyName::Name(wanted) => name == wanted,
+    };
+    let found: Vec<(&str, i32)> = model.rigid_bodies().filter(is_it).collect();
+    let [(_, id)] = found[..] else {
+        let (body, there_are) = (body.clone(), listed(model));
+        return Err(match found.len() {
+            0 => TrackingFault::BodyMissing { role, body, there_are },
+            count => TrackingFault::BodyDouble { role, body, count, there_are },
+        });
+    };
+    // Another body with the same id makes its frames ambiguous, whatever its name.
+    let count = model.rigid_bodies().filter(|(_, other)| *other == id).count();
+    if count > 1 {
+        return Err(TrackingFault::BodyDouble { role, body: BodyName::Id(id), count, there_are: listed(model) });
+    }
+    Ok(id)
+}
+
+fn listed(model: &ModelDef) -> String {
+    let mut names: Vec<String> = model.rigid_bodies().map(|(name, id)| format!("'{name}' (id {id})")).collect();
+    if names.is_empty() {
+        return "none".into();
+    }
+    let more = names.len().saturating_sub(MOST_LISTED);
+    names.truncate(MOST_LISTED);
+    if more > 0 {
+        names.push(format!("{more} more"));
+    }
+    names.join(", ")
+}
+
+/// The pose of the one body with this id, if it is tracked and its numbers are a pose.
+fn pose_of(id: i32, frame: &FrameOfData) -> Option<Pose> {
+    let mut same = frame.rigid_bodies.iter().filter(|body| body.id == id);
+    let (body, None) = (same.next()?, same.next()) else { return None };
+    body.tracking_valid().then(|| pose(body))?
+}
+
+fn pose(body: &RigidBody) -> Option<Pose> {
+    let position_m = body.position.map(f64::from);
+    let [x, y, z, w] = body.orientation.map(f64::from);
+    let length2 = w * w + x * x + y * y + z * z;
+    let possible = position_m.iter().all(|value| value.abs() < LARGEST_M) && (length2 - 1.0).abs() < UNIT_TOLERANCE;
+    possible.then_some(Pose { position_m, quaternion: [w, x, y, z] })
+}

@@ -1,0 +1,75 @@
+//! The latest samples, and the pose at a time between them.
+
+use std::collections::VecDeque;
+
+use super::pose::{Pose, TipPose};
+
+/// Samples kept: five seconds at 100 Hz.
+const KEPT: usize = 512;
+
+/// Widest gap that is interpolated, in frame periods: one lost frame, with some play.
+const WIDEST_GAP: f64 = 2.5;
+
+/// Share of a period by which times may differ from round numbers of periods.
+const PLAY: f64 = 1e-6;
+
+#[derive(Clone, Copy, Debug)]
+struct Sample {
+    /// The server's clock, s.
+    stamp_s: f64,
+    tip: TipPose,
+}
+
+/// Valid samples in the order of their stamps.
+#[derive(Clone, Debug)]
+pub(super) struct Samples {
+    period_s: f64,
+    offset_s: f64,
+    samples: VecDeque<Sample>,
+}
+
+impl Samples {
+    /// No samples yet, of a tracker with this frame period in seconds.
+    pub(super) fn new(period_s: f64) -> Samples {
+        Samples { period_s, offset_s: 0.0, samples: VecDeque::with_capacity(KEPT) }
+    }
+
+    /// Sets local time minus the server's, s; samples keep their distances and move together.
+    pub(super) fn set_offset(&mut self, offset_s: f64) {
+        if offset_s != self.offset_s {
+            self.offset_s = offset_s;
+            self.samples.iter_mut().for_each(|sample| sample.tip.time_s = sample.stamp_s + offset_s);
+        }
+    }
+
+    /// Adds a sample that is newer than all others.
+    pub(super) fn push(&mut self, stamp_s: f64, tip: Pose) {
+        if self.samples.len() == KEPT {
+            self.samples.pop_front();
+        }
+        self.samples.push_back(Sample { stamp_s, tip: TipPose::new(stamp_s + self.offset_s, tip) });
+    }
+
+    /// Forgets all samples.
+    pub(super) fn clear(&mut self) {
+        self.samples.clear();
+    }
+
+    /// The newest sample.
+    pub(super) fn latest(&self) -> Option<&TipPose> {
+        self.samples.back().map(|sample| &sample.tip)
+    }
+
+    /// The pose at a local time: between its neighbours if they are close together, else the one before if it is at
+    /// most one period old, else none.
+    pub(super) fn at(&self, time_s: f64) -> Option<TipPose> {
+        let after = self.samples.partition_point(|sample| sample.tip.time_s <= time_s);
+        let before = self.samples.get(after.checked_sub(1)?)?.tip;
+        let next = self.samples.get(after).map(|sample| sample.tip);
+        if let Some(next) = next.filter(|next| next.time_s - before.time_s <= (WIDEST_GAP + PLAY) * self.period_s) {
+            let fraction = (time_s - before.time_s) / (next.time_s - before.time_s);
+            return Some(TipPose::new(time_s, before.pose().towards(&next.pose(), fraction)));
+        }
+        (time_s - before.time_s <= (1.0 + PLAY) * self.period_s).then_some(before)
+    }
+}

@@ -1,0 +1,126 @@
+//! The questions that a connection begins with, and whether the answers will do.
+
+use std::net::SocketAddr;
+
+use natnet::command::{self, CommandError, ConnectOptions, Request};
+use natnet::{ModelDef, ParsePolicy, ServerInfo, Version};
+
+use super::fault::TrackingFault;
+use super::link::Link;
+use super::settings::{TrackingSettings, Transport};
+use crate::hardware::clock::Clock;
+
+/// A question is asked again after this time, s: datagrams get lost.
+const ASK_AGAIN_S: f64 = 0.25;
+
+/// How often is looked for the answer, s.
+const LOOK_S: f64 = 0.002;
+
+/// Datagrams that are read between two looks at the clock.
+const MOST_AT_ONCE: usize = 256;
+
+/// "Who are you?" In unicast it also asks for the frames, in the fixed version if there is one.
+pub(super) fn connect_request(settings: &TrackingSettings) -> Result<Request, CommandError> {
+    match (settings.transport, settings.version.fixed()) {
+        (Transport::Unicast, Some(version)) => command::connect_request_with(ConnectOptions::requesting(version)),
+        _ => command::connect_request(),
+    }
+}
+
+/// Asks the server who it is.
+pub(super) fn connect(
+    link: &mut Link,
+    settings: &TrackingSettings,
+    clock: &dyn Clock,
+) -> Result<ServerInfo, TrackingFault> {
+    let read = |datagram: &[u8]| ServerInfo::parse_with_policy(datagram, ParsePolicy::Compatible).ok();
+    ask(link, settings, clock, connect_request(settings), read)?.map_err(|unreadable| TrackingFault::NoServer {
+        server: link.server(),
+        waited_s: settings.connect_s,
+        unreadable,
+    })
+}
+
+/// Asks the server which bodies it tracks.
+pub(super) fn model(
+    link: &mut Link,
+    settings: &TrackingSettings,
+    version: Version,
+    clock: &dyn Clock,
+) -> Result<ModelDef, TrackingFault> {
+    let read = |datagram: &[u8]| ModelDef::parse_with_policy(datagram, version, ParsePolicy::Compatible).ok();
+    ask(link, settings, clock, command::request_modeldef(), read)?.map_err(|unreadable| TrackingFault::NoModel {
+        server: link.server(),
+        waited_s: settings.connect_s,
+        unreadable,
+    })
+}
+
+/// Asks until there is an answer that can be read, or the time is over: then how many datagrams could not be read.
+fn ask<T>(
+    link: &mut Link,
+    settings: &TrackingSettings,
+    clock: &dyn Clock,
+    request: Result<Request, CommandError>,
+    read: impl Fn(&[u8]) -> Option<T>,
+) -> Result<Result<T, u64>, TrackingFault> {
+    let fault = |source| TrackingFault::Socket { doing: format!("talk to {}", settings.server), source };
+    let request = request.map_err(|error| fault(std::io::Error::other(error)))?;
+    let start_s = clock.now_s();
+    let (mut ask_s, mut unreadable) = (start_s, 0);
+    while clock.now_s() - start_s <= settings.connect_s {
+        if clock.now_s() >= ask_s {
+            link.send(request.as_bytes()).map_err(fault)?;
+            ask_s += ASK_AGAIN_S;
+        }
+        clock.sleep_until(clock.now_s() + LOOK_S);
+        let server = SocketAddr::V4(link.server());
+        for _ in 0..MOST_AT_ONCE {
+            let Some((datagram, from)) = link.receive().map_err(fault)? else { break };
+            if let Some(answer) = read(datagram).filter(|_| from == server) {
+                return Ok(Ok(answer));
+            }
+            // Unicast frames may come before the answer.
+            unreadable += u64::from(natnet::FrameOfData::parse(datagram, Version::V4_1).is_err());
+        }
+    }
+    Ok(Err(unreadable))
+}
+
+/// The version of the frames that the server will send.
+pub(super) fn version(settings: &TrackingSettings, server: &ServerInfo) -> Result<Version, TrackingFault> {
+    let offered = server.protocol_version;
+    let Some(fixed) = settings.version.fixed() else {
+        return if offered.validate().is_ok() { Ok(offered) } else { Err(unreadable_version(server, offered)) };
+    };
+    let same = (fixed.major, fixed.minor) == (offered.major, offered.minor);
+    let can_switch = settings.transport == Transport::Unicast && offered.major >= 3;
+    if same || can_switch {
+        return Ok(fixed);
+    }
+    let expected = format!("{}.{} as `version` says; set it to auto, or stream in unicast", fixed.major, fixed.minor);
+    Err(TrackingFault::Version { application: application(server), found: offered.to_string(), expected })
+}
+
+/// The error for a version without a layout.
+pub(super) fn unreadable_version(server: &ServerInfo, found: Version) -> TrackingFault {
+    let expected = "3.0, 3.1, 4.0 or 4.1; a newer server may stream 4.1 if `version` asks for it in unicast".into();
+    TrackingFault::Version { application: application(server), found: found.to_string(), expected }
+}
+
+/// Refuses a server that sends its frames elsewhere than this client listens.
+pub(super) fn transport(settings: &TrackingSettings, server: &ServerInfo) -> Result<(), TrackingFault> {
+    let connection = &server.connection;
+    let found = if connection.multicast { Transport::Multicast } else { Transport::Unicast };
+    let found_at = std::net::SocketAddrV4::new(server.multicast_group(), connection.data_port);
+    let expected_at = std::net::SocketAddrV4::new(settings.multicast_group, settings.data_port);
+    if found == settings.transport && (found == Transport::Unicast || found_at == expected_at) {
+        return Ok(());
+    }
+    Err(TrackingFault::Transport { found, found_at, expected: settings.transport, expected_at })
+}
+
+/// The server's name and version.
+pub(super) fn application(server: &ServerInfo) -> String {
+    format!("{} {}", server.application_name, server.server_version)
+}

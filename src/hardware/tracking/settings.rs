@@ -1,0 +1,169 @@
+//! What a lab sets about its motion capture.
+
+use std::fmt;
+use std::net::Ipv4Addr;
+
+use natnet::Version;
+use serde::{Deserialize, Serialize};
+
+use super::pose::Pose;
+use crate::base::BadOption;
+
+/// How frames come from the server: what Motive calls the transmission type.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Transport {
+    /// To this computer alone, for as long as it says that it is there.
+    Unicast,
+    /// To a group that any computer may join.
+    Multicast,
+}
+
+/// Which axis of Motive's ground plane settings points up. Bodies are created with their axes along Motive's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum UpAxis {
+    /// Y up, Motive's default: x of the harness is Motive's y, z is Motive's z.
+    Y,
+    /// Z up: x of the harness is Motive's z, z is Motive's x.
+    Z,
+}
+
+/// The layout of the frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum StreamVersion {
+    /// The one that the server names.
+    #[serde(rename = "auto")]
+    Auto,
+    /// NatNet 3.0 (Motive 2.0 and 2.1).
+    #[serde(rename = "3.0")]
+    V3_0,
+    /// NatNet 3.1 (Motive 2.2 and 2.3).
+    #[serde(rename = "3.1")]
+    V3_1,
+    /// NatNet 4.0 (Motive 3.0).
+    #[serde(rename = "4.0")]
+    V4_0,
+    /// NatNet 4.1 (Motive 3.1).
+    #[serde(rename = "4.1")]
+    V4_1,
+}
+
+impl StreamVersion {
+    /// The version, unless it is the server's choice.
+    pub fn fixed(self) -> Option<Version> {
+        match self {
+            StreamVersion::Auto => None,
+            StreamVersion::V3_0 => Some(Version::new(3, 0, 0, 0)),
+            StreamVersion::V3_1 => Some(Version::new(3, 1, 0, 0)),
+            StreamVersion::V4_0 => Some(Version::new(4, 0, 0, 0)),
+            StreamVersion::V4_1 => Some(Version::V4_1),
+        }
+    }
+}
+
+/// A rigid body of Motive, by its name or by its streaming id.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum BodyName {
+    /// Streaming id, as in Motive's properties of the body.
+    Id(i32),
+    /// Name, as in Motive's list of assets; capitals matter.
+    Name(String),
+}
+
+impl fmt::Display for BodyName {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            BodyName::Id(id) => write!(out, "streaming id {id}"),
+            BodyName::Name(name) => write!(out, "'{name}'"),
+        }
+    }
+}
+
+/// Settings of the motion capture.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TrackingSettings {
+    /// IPv4 address of the computer that runs Motive (its "local interface").
+    pub server: Ipv4Addr,
+    /// UDP port of the server for commands.
+    pub command_port: u16,
+    /// UDP port of the frames: of the group in multicast, of the server's end in unicast.
+    pub data_port: u16,
+    /// `unicast` or `multicast`, as in Motive.
+    pub transport: Transport,
+    /// Group that the server sends to in multicast.
+    pub multicast_group: Ipv4Addr,
+    /// IPv4 address of this computer on the network of the cameras; 0.0.0.0 leaves the choice to the system.
+    pub interface: Ipv4Addr,
+    /// Rigid body fixed to the robot's base; null where there is none and the base does not move against the cameras:
+    /// the base body's frame is then Motive's own.
+    pub base_body: Option<BodyName>,
+    /// Rigid body fixed to the robot's tip.
+    pub tip_body: BodyName,
+    /// Frame rate that Motive is set to, Hz: tells gaps between samples that are interpolated from those that are not.
+    pub rate_hz: f64,
+    /// `auto`, or the version of the stream: `3.0`, `3.1`, `4.0`, `4.1`. Unicast servers are asked for it.
+    pub version: StreamVersion,
+    /// A valid sample older than this is stale, s.
+    pub max_age_s: f64,
+    /// How long the server may take to answer when the connection is made, s.
+    pub connect_s: f64,
+    /// `Y` or `Z`, as in Motive's streaming settings.
+    pub up_axis: UpAxis,
+    /// Pose of the robot's base frame in the base body's frame, in the axes that `up_axis` gives: x up, z along the
+    /// straight robot.
+    pub alignment: Pose,
+    /// Pose of the robot's tip in the tip body's frame, in the same axes.
+    pub tip_offset: Pose,
+}
+
+impl Default for TrackingSettings {
+    fn default() -> Self {
+        TrackingSettings {
+            server: Ipv4Addr::LOCALHOST,
+            command_port: 1510,
+            data_port: 1511,
+            transport: Transport::Unicast,
+            multicast_group: Ipv4Addr::new(239, 255, 42, 99),
+            interface: Ipv4Addr::UNSPECIFIED,
+            base_body: Some(BodyName::Name("base".into())),
+            tip_body: BodyName::Name("tip".into()),
+            rate_hz: 100.0,
+            version: StreamVersion::Auto,
+            max_age_s: 0.05,
+            connect_s: 2.0,
+            up_axis: UpAxis::Y,
+            alignment: Pose::default(),
+            tip_offset: Pose::default(),
+        }
+    }
+}
+
+impl TrackingSettings {
+    /// Refuses settings out of range.
+    ///
+    /// # Errors
+    /// [`BadOption`] names the first one.
+    pub fn check(&self) -> Result<(), BadOption> {
+        BadOption::unless_counted("command_port", self.command_port.into())?;
+        BadOption::unless_counted("data_port", self.data_port.into())?;
+        BadOption::unless_positive("rate_hz", self.rate_hz)?;
+        BadOption::unless_positive("max_age_s", self.max_age_s)?;
+        BadOption::unless_positive("connect_s", self.connect_s)?;
+        if !self.multicast_group.is_multicast() {
+            let found = self.multicast_group.to_string();
+            return Err(BadOption {
+                key: "multicast_group",
+                found,
+                expected: "an address of 224.0.0.0 to 239.255.255.255",
+            });
+        }
+        if self.base_body.as_ref() == Some(&self.tip_body) {
+            let found = self.tip_body.to_string();
+            return Err(BadOption { key: "tip_body", found, expected: "another body than base_body" });
+        }
+        self.alignment.check("alignment")?;
+        self.tip_offset.check("tip_offset")
+    }
+}

@@ -1,0 +1,244 @@
+//! From datagrams to samples: everything about the client except its sockets.
+
+use std::collections::VecDeque;
+use std::net::{SocketAddr, SocketAddrV4};
+
+use natnet::{Decoder, FrameOfData, Message, MessageHeader, ModelDef, ParsePolicy, ServerInfo};
+
+use super::bodies::Bodies;
+use super::fault::TrackingFault;
+use super::frames::Samples;
+use super::handshake;
+use super::order::{Mark, Order, Sequence};
+use super::pose::{Mounting, Pose, TipPose};
+use super::settings::TrackingSettings;
+use super::sources::Sources;
+use super::stamps::StampMap;
+use super::status::TrackingStatus;
+
+/// Frames that the rate is measured over.
+const RATE_FRAMES: usize = 128;
+
+/// Bit of a frame's parameters: the list of bodies has changed.
+const MODEL_CHANGED: u16 = 0x02;
+
+/// Stamps beyond this are no times, s: three centuries, be it since the server's start or since 1970.
+const LATEST_STAMP_S: f64 = 1e10;
+
+/// Delays beyond this are no delays of cameras, s.
+const LONGEST_CAMERA_LATENCY_S: f64 = 10.0;
+
+/// What a datagram was.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Heard {
+    /// Nothing of use: foreign, malformed, or of another kind.
+    Nothing,
+    /// A frame of our server; it has been taken into the samples unless it was old.
+    Frame,
+    /// Our server tells who it is.
+    Server(ServerInfo),
+    /// Our server tells which bodies it tracks.
+    Model(ModelDef),
+}
+
+/// The stream of one server: fed with datagrams, asked for poses.
+pub struct Stream {
+    settings: TrackingSettings,
+    decoder: Decoder,
+    clock_hz: u64,
+    sources: Sources,
+    bodies: Option<Bodies>,
+    mounting: Mounting,
+    sequence: Sequence,
+    stamps: StampMap,
+    samples: Samples,
+    recent: VecDeque<Mark>,
+    /// Both bodies as they were last seen, and the stamp since when they have been just so.
+    still: Option<(Pose, Pose, f64)>,
+    wants_model: bool,
+    status: TrackingStatus,
+}
+
+impl Stream {
+    /// The stream of a server that has told who it is and what it tracks.
+    ///
+    /// # Errors
+    /// [`TrackingFault`] for a version that cannot be read, or bodies that are missing or double.
+    pub fn new(settings: &TrackingSettings, server: &ServerInfo, model: &ModelDef) -> Result<Stream, TrackingFault> {
+        let command = SocketAddrV4::new(settings.server, settings.command_port);
+        Ok(Stream {
+            decoder: decoder(settings, server)?,
+            clock_hz: server.high_res_clock_frequency,
+            sources: Sources::new(command, server.connection.data_port),
+            bodies: Some(Bodies::find(settings, model)?),
+            mounting: Mounting::of(settings),
+            sequence: Sequence::default(),
+            stamps: StampMap::default(),
+            samples: Samples::new(1.0 / settings.rate_hz),
+            recent: VecDeque::with_capacity(RATE_FRAMES),
+            still: None,
+            wants_model: false,
+            status: TrackingStatus::default(),
+            settings: settings.clone(),
+        })
+    }
+
+    /// Takes one datagram, received from `from` at local time `now_s`. Any bytes will do.
+    pub fn take(&mut self, datagram: &[u8], from: SocketAddr, now_s: f64) -> Heard {
+        let id = MessageHeader::parse(datagram).map_or(u16::MAX, |header| header.message_id);
+        let ours = match id {
+            natnet::NAT_FRAMEOFDATA => self.sources.frames(from),
+            natnet::NAT_SERVERINFO | natnet::NAT_MODELDEF => self.sources.answers(from),
+            _ => self.sources.same_computer(from),
+        };
+        if !ours {
+            self.status.count_foreign(from);
+            return Heard::Nothing;
+        }
+        let Ok(decoded) = self.decoder.parse(datagram) else {
+            self.status.malformed += 1;
+            return Heard::Nothing;
+        };
+        match decoded.into_message() {
+            Message::FrameOfData(frame) => self.take_frame(&frame, from, now_s),
+            Message::ServerInfo(info) => Heard::Server(info),
+            Message::ModelDef(model) => Heard::Model(model),
+            _ => Heard::Nothing,
+        }
+    }
+
+    fn take_frame(&mut self, frame: &FrameOfData, from: SocketAddr, now_s: f64) -> Heard {
+        let mark = Mark { number: frame.frame_number, stamp_s: frame.timing.timestamp };
+        if !mark.stamp_s.is_finite() || mark.stamp_s.abs() > LATEST_STAMP_S {
+            self.status.malformed += 1;
+            return Heard::Nothing;
+        }
+        self.sources.learn(from);
+        self.status.received += 1;
+        let old = match self.sequence.take(mark, now_s) {
+            Order::New { lost } => {
+                self.status.lost += lost;
+                self.take_new(frame, mark, now_s);
+                return Heard::Frame;
+            }
+            Order::Restart => {
+                self.begin_again();
+                self.take_new(frame, mark, now_s);
+                return Heard::Frame;
+            }
+            Order::Duplicate => &mut self.status.duplicates,
+            Order::Old => &mut self.status.out_of_order,
+            Order::StuckClock => &mut self.status.stuck_clock,
+        };
+        *old += 1;
+        Heard::Frame
+    }
+
+    /// The server counts from another number, by another clock.
+    fn begin_again(&mut self) {
+        self.status.restarts += 1;
+        self.stamps = StampMap::default();
+        self.samples.clear();
+        self.recent.clear();
+        self.still = None;
+        self.wants_model = true;
+    }
+
+    fn take_new(&mut self, frame: &FrameOfData, mark: Mark, now_s: f64) {
+        let offset_s = self.stamps.take(mark.stamp_s, now_s);
+        self.samples.set_offset(offset_s);
+        self.status.latency_jitter_s = self.stamps.jitter_s();
+        self.measure(frame, mark);
+        self.wants_model |= frame.params & MODEL_CHANGED != 0;
+        self.wants_model |= self.bodies.is_none_or(|bodies| !bodies.are_in(frame));
+        let Some((base, tip)) = self.bodies.and_then(|bodies| bodies.poses(frame)) else {
+            self.status.occluded += 1;
+            return;
+        };
+        self.status.valid += 1;
+        self.samples.push(mark.stamp_s, self.mounting.tip(&base, &tip));
+        let since_s =
+            self.still.filter(|still| (still.0, still.1) == (base, tip)).map_or(mark.stamp_s, |still| still.2);
+        self.still = Some((base, tip, since_s));
+        self.status.unchanged_s = mark.stamp_s - since_s;
+    }
+
+    fn measure(&mut self, frame: &FrameOfData, mark: Mark) {
+        if self.recent.len() == RATE_FRAMES {
+            self.recent.pop_front();
+        }
+        self.recent.push_back(mark);
+        let first = self.recent.front().unwrap_or(&mark);
+        let (frames, time_s) = (mark.number.wrapping_sub(first.number), mark.stamp_s - first.stamp_s);
+        self.status.rate_hz = (time_s > 0.0).then(|| f64::from(frames) / time_s);
+        let (exposed, sent) = (frame.timing.camera_mid_exposure, frame.timing.transmit);
+        let latency_s = sent.saturating_sub(exposed) as f64 / self.clock_hz.max(1) as f64;
+        let told = exposed > 0 && sent >= exposed && latency_s < LONGEST_CAMERA_LATENCY_S;
+        self.status.camera_latency_s = told.then_some(latency_s);
+    }
+
+    /// The server answered a new handshake: it may have started again, with other ports, versions and bodies.
+    pub(super) fn meet(&mut self, server: &ServerInfo) {
+        match decoder(&self.settings, server) {
+            Ok(decoder) => self.decoder = decoder,
+            Err(fault) => {
+                self.status.fault = Some(fault.to_string());
+                return;
+            }
+        }
+        self.clock_hz = server.high_res_clock_frequency;
+        self.sources.meet(server.connection.data_port);
+        self.sequence.expect_restart();
+        self.wants_model = true;
+    }
+
+    /// The bodies of the server as they are now.
+    pub(super) fn set_model(&mut self, model: &ModelDef) {
+        self.wants_model = false;
+        self.status.models += 1;
+        let found = Bodies::find(&self.settings, model);
+        self.status.fault = found.as_ref().err().map(ToString::to_string);
+        self.bodies = found.ok();
+    }
+
+    /// True if the list of bodies should be asked for.
+    pub(super) fn wants_model(&self) -> bool {
+        self.wants_model
+    }
+
+    /// Sets where the robot's base frame is in the base body's frame, from now on; samples so far are forgotten.
+    pub fn set_alignment(&mut self, alignment: Pose) {
+        self.settings.alignment = alignment;
+        self.mounting = Mounting::of(&self.settings);
+        self.samples.clear();
+    }
+
+    /// The tip at a local time, s: between the valid samples before and after if they are at most 2.5 frame periods
+    /// apart, else the one before if it is at most one period old, else none.
+    pub fn pose_at(&self, time_s: f64) -> Option<TipPose> {
+        self.samples.at(time_s)
+    }
+
+    /// The newest valid sample.
+    pub fn latest(&self) -> Option<&TipPose> {
+        self.samples.latest()
+    }
+
+    /// What has been counted so far.
+    pub fn status(&self) -> &TrackingStatus {
+        &self.status
+    }
+
+    pub(super) fn status_mut(&mut self) -> &mut TrackingStatus {
+        &mut self.status
+    }
+}
+
+/// Sections that are not read may be of a newer Motive than the decoder knows; they do no harm.
+fn decoder(settings: &TrackingSettings, server: &ServerInfo) -> Result<Decoder, TrackingFault> {
+    let version = handshake::version(settings, server)?;
+    match Decoder::new(version) {
+        Ok(decoder) => Ok(decoder.with_policy(ParsePolicy::Compatible)),
+        Err(_) => Err(handshake::unreadable_version(server, version)),
+    }
+}

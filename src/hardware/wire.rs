@@ -1,0 +1,64 @@
+//! A serial line as bytes that come and go.
+
+use std::io;
+use std::time::Duration;
+
+use serialport::{SerialPort, TTYPort};
+
+/// Bytes to and from a controller. Nothing here waits.
+pub trait Wire: Send {
+    /// Reads what has arrived into `buffer`; 0 when there is nothing.
+    ///
+    /// # Errors
+    /// When the line is gone (unplugged).
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize>;
+
+    /// Writes all of `bytes`.
+    ///
+    /// # Errors
+    /// When the line is gone or takes no more.
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()>;
+}
+
+/// A serial port of this computer.
+pub struct SerialWire {
+    port: TTYPort,
+}
+
+impl SerialWire {
+    /// Opens `path` exclusively at `baud`, eight data bits, no parity, one stop bit, no flow control.
+    ///
+    /// # Errors
+    /// When there is no such port or somebody else has it.
+    pub fn open(path: &str, baud: u32) -> io::Result<SerialWire> {
+        let port = serialport::new(path, baud).timeout(Duration::from_millis(1)).open_native()?;
+        Ok(SerialWire { port })
+    }
+
+    /// Two ends of a pseudo-terminal: a serial line without a cable.
+    ///
+    /// # Errors
+    /// When the system has none left.
+    pub fn pair() -> io::Result<(SerialWire, SerialWire)> {
+        let (one, other) = TTYPort::pair()?;
+        Ok((SerialWire { port: one }, SerialWire { port: other }))
+    }
+}
+
+impl Wire for SerialWire {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let waiting = self.port.bytes_to_read()? as usize;
+        if waiting == 0 {
+            return Ok(0);
+        }
+        let most = buffer.len().min(waiting);
+        match io::Read::read(&mut self.port, &mut buffer[..most]) {
+            Err(error) if error.kind() == io::ErrorKind::TimedOut => Ok(0),
+            other => other,
+        }
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        io::Write::write_all(&mut self.port, bytes)
+    }
+}

@@ -1,0 +1,110 @@
+//! What a hardware plant is told in its YAML file.
+
+use serde::{Deserialize, Serialize};
+
+use crate::base::BadOption;
+use crate::effects::{EffectSpec, Model};
+use crate::hardware::axes::AxesOptions;
+use crate::hardware::grbl::MotionSettings;
+use crate::hardware::safety::SafetyLimits;
+use crate::hardware::tracking::TrackingSettings;
+
+/// Four lead screws, a tracker and what is believed about the robot between them (docs/hardware.md).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HardwareOptions {
+    /// Name of the robot: a stop is remembered and logged under it.
+    pub name: String,
+    /// What is believed about the robot: how far tendons that follow move, and where the tip may be.
+    pub model: Model,
+    /// The motors.
+    #[serde(default)]
+    pub motion: MotionSettings,
+    /// Where the lead screws stand at home.
+    #[serde(default)]
+    pub axes: AxesOptions,
+    /// The tracker.
+    #[serde(default)]
+    pub tracking: TrackingSettings,
+    /// What may leave, and what holds the robot.
+    #[serde(default)]
+    pub safety: SafetyLimits,
+    /// How long the robot rests at home before a trial, s.
+    #[serde(default = "settle_s")]
+    pub settle_s: f64,
+    /// Instead of the motors and the tracker: imitations of both around a simulated robot, behind the same drivers.
+    #[serde(default)]
+    pub rehearsal: Option<RehearsalOptions>,
+    /// What somebody has to do to the robot before a trial, such as hanging a load on it.
+    #[serde(default)]
+    pub attached: Vec<EffectSpec>,
+}
+
+fn settle_s() -> f64 {
+    2.0
+}
+
+/// What moves in a rehearsal.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RehearsalOptions {
+    /// What the imitated robot is made of.
+    pub model: Model,
+    /// Standard deviation of the tracking noise per axis, metres.
+    #[serde(default)]
+    pub noise_m: f64,
+    /// Share of the tracker's frames that are lost on the way.
+    #[serde(default)]
+    pub loss: f64,
+}
+
+impl HardwareOptions {
+    /// The robot `name` of `model` with the usual settings.
+    pub fn of(name: &str, model: Model) -> HardwareOptions {
+        HardwareOptions {
+            name: name.to_owned(),
+            model,
+            motion: MotionSettings::default(),
+            axes: AxesOptions::default(),
+            tracking: TrackingSettings::default(),
+            safety: SafetyLimits::default(),
+            settle_s: settle_s(),
+            rehearsal: None,
+            attached: Vec::new(),
+        }
+    }
+
+    /// Refuses settings out of range.
+    ///
+    /// # Errors
+    /// The path below which the key stands, and the first field out of range.
+    pub fn check(&self) -> Result<(), (String, BadOption)> {
+        let at = |path: &'static str| move |error: BadOption| (path.to_owned(), error);
+        let named = |letter: char| letter.is_ascii_alphanumeric() || "_-".contains(letter);
+        if self.name.is_empty() || !self.name.chars().all(named) {
+            let expected = "letters, digits, `_` and `-`";
+            return Err((String::new(), BadOption { key: "name", found: self.name.clone(), expected }));
+        }
+        self.motion.check().map_err(at("motion"))?;
+        self.safety.check().map_err(at("safety"))?;
+        self.axes.check(self.safety.travel_m, self.motion.travel_m).map_err(at("axes"))?;
+        self.tracking.check().map_err(at("tracking"))?;
+        BadOption::unless_positive("settle_s", self.settle_s).map_err(at(""))?;
+        self.model.check().map_err(|(path, error)| (format!("model.{path}"), error))?;
+        self.rehearsal.as_ref().map_or(Ok(()), RehearsalOptions::check)
+    }
+}
+
+impl RehearsalOptions {
+    fn check(&self) -> Result<(), (String, BadOption)> {
+        let bad =
+            |key, found: f64, expected| ("rehearsal".to_owned(), BadOption { key, found: found.to_string(), expected });
+        if !(0.0..=0.05).contains(&self.noise_m) {
+            return Err(bad("noise_m", self.noise_m, "0 to 0.05 m"));
+        }
+        if !(0.0..1.0).contains(&self.loss) {
+            return Err(bad("loss", self.loss, "0 to less than 1"));
+        }
+        self.model.check().map_err(|(path, error)| (format!("rehearsal.model.{path}"), error))
+    }
+}

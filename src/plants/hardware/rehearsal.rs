@@ -1,0 +1,148 @@
+//! Imitations of the motors and the tracker around a simulated robot, behind the real drivers.
+
+use std::sync::Arc;
+
+use crate::base::{Seed, TendonCommand};
+use crate::effects::{Driven, EffectSpec, Model};
+use crate::hardware::axes::AXES;
+use crate::hardware::bench::{
+    Body, ControllerOptions, FakeController, FakeTracker, RehearsalClock, Running, TrackerFault, TrackerOptions, World,
+    pipe,
+};
+use crate::hardware::clock::Clock;
+use crate::hardware::interrupt::Interrupt;
+use crate::hardware::tracking::{Mounting, Pose, TrackingSettings};
+use crate::hardware::wire::Wire;
+
+use super::options::{HardwareOptions, RehearsalOptions};
+
+/// Speeds (mm/min) and accelerations (mm/s²) of the imitated axes: what steps of 3 mm at 5 Hz need.
+const FAST: [(u16, &str); 8] = [
+    (110, "3000"),
+    (111, "3000"),
+    (112, "3000"),
+    (113, "3000"),
+    (120, "500"),
+    (121, "500"),
+    (122, "500"),
+    (123, "500"),
+];
+
+/// What a rehearsal plays on.
+pub struct Stage {
+    // Dropped first, while its clock still runs.
+    running: Running,
+    clock: Arc<dyn Clock>,
+    interrupt: Interrupt,
+}
+
+impl Stage {
+    /// Opens the imitations: the stage, the driver's end of the serial line, and what the tracker's client has to know.
+    pub(super) fn open(
+        options: &HardwareOptions,
+        rehearsal: &RehearsalOptions,
+        seed: Seed,
+    ) -> Result<(Stage, Box<dyn Wire>, TrackingSettings), String> {
+        let clock: Arc<dyn Clock> = Arc::new(RehearsalClock::new());
+        // A pseudo-terminal would deliver when it pleases, which is late on a clock that does not wait for it.
+        let (theirs, ours) = pipe();
+        let mut imitated = ControllerOptions { seed: seed.0, ..ControllerOptions::default() };
+        for (number, value) in FAST {
+            imitated.settings.insert(number, value.to_owned());
+        }
+        let controller = FakeController::new(Box::new(theirs), imitated);
+        let imitated = TrackerOptions { noise_m: rehearsal.noise_m, seed, ..TrackerOptions::default() };
+        let mut tracker =
+            FakeTracker::new(imitated).map_err(|error| format!("no tracker on this computer: {error}"))?;
+        let network = tracker.settings().map_err(|error| error.to_string())?;
+        if rehearsal.loss > 0.0 {
+            tracker.inject(TrackerFault::Loss(rehearsal.loss));
+        }
+        let tracking = TrackingSettings {
+            up_axis: options.tracking.up_axis,
+            alignment: options.tracking.alignment,
+            tip_offset: options.tracking.tip_offset,
+            ..network
+        };
+        let mounting = Mounting::of(&tracking);
+        let body = Imitated::new(&rehearsal.model, &options.attached);
+        let seen = Box::new(move |base: &Pose, tip: &Pose| mounting.tip_body(base, tip));
+        let world = World::new(controller, tracker, Box::new(body), options.axes, seen);
+        let running = Running::start(world, Arc::clone(&clock)).map_err(|error| error.to_string())?;
+        Ok((Stage { running, clock, interrupt: Interrupt::new() }, Box::new(ours), tracking))
+    }
+
+    /// What the imitations go by.
+    pub(super) fn clock(&self) -> Arc<dyn Clock> {
+        Arc::clone(&self.clock)
+    }
+
+    /// A request to end this rehearsal, as Ctrl-C is one to end a program.
+    pub fn interrupt(&self) -> Interrupt {
+        self.interrupt.clone()
+    }
+
+    /// Does something to the imitations, such as breaking one.
+    pub fn with<T>(&self, what: impl FnOnce(&mut World) -> T) -> T {
+        what(&mut self.running.world())
+    }
+}
+
+/// A simulated robot whose tendons are moved by imitated lead screws.
+struct Imitated {
+    driven: Driven,
+    /// Time that has passed since the robot was last moved on, s.
+    waiting_s: f64,
+    tip: Pose,
+    pulls_m: [f64; AXES],
+    /// How long nothing has changed, s.
+    still_s: f64,
+}
+
+/// The robot is moved on in steps of this length, s: lead screws are slow against it.
+const STEP_S: f64 = 0.02;
+/// A robot whose tendons have stood still for so long stands as well, s.
+const AT_REST_S: f64 = 2.0;
+
+impl Imitated {
+    fn new(model: &Model, attached: &[EffectSpec]) -> Imitated {
+        let driven = Driven::new(model, attached);
+        let mut robot = Imitated { driven, waiting_s: 0.0, tip: Pose::default(), pulls_m: [0.0; AXES], still_s: 0.0 };
+        // Before homing the screws stand anywhere; the robot's first place is that of its tendons at home.
+        let _ = robot.driven.home();
+        robot.look();
+        robot
+    }
+
+    fn commands(&self) -> [TendonCommand; AXES] {
+        self.pulls_m.map(TendonCommand::Pull)
+    }
+
+    fn look(&mut self) {
+        let seen = self.driven.observation(&self.commands(), 0.0);
+        self.tip = Pose { position_m: seen.tip_m, quaternion: seen.tip_quaternion.unwrap_or([1.0, 0.0, 0.0, 0.0]) };
+    }
+}
+
+/// Beyond this the tendons are off their spools and the robot hangs as it hung, metres.
+const OFF_SPOOL_M: f64 = 0.06;
+
+impl Body for Imitated {
+    fn advance(&mut self, pulls_m: &[f64; AXES], duration_s: f64) -> Pose {
+        self.waiting_s += duration_s;
+        if self.waiting_s < STEP_S - 1e-9 {
+            return self.tip;
+        }
+        let moved = *pulls_m != self.pulls_m;
+        self.still_s = if moved { 0.0 } else { self.still_s + self.waiting_s };
+        if self.still_s < AT_REST_S && pulls_m.iter().all(|pull_m| pull_m.abs() < OFF_SPOOL_M) {
+            self.pulls_m = *pulls_m;
+            // A rod that finds no equilibrium stays where it was, as one that is stuck.
+            if self.driven.advance(&self.commands(), self.waiting_s).is_ok() {
+                self.look();
+            }
+        }
+        self.waiting_s = 0.0;
+        self.tip
+    }
+}

@@ -1,0 +1,133 @@
+//! A recording as a plant: what a robot did when it was told the same, for trying out everything that reads a plant.
+
+use std::ops::Range;
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use crate::base::{BadOption, Observation, Plant, PlantError, Seed, TendonCommand};
+use crate::data::{Actuation, DataError, Recording};
+
+/// Which recording is replayed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ReplayOptions {
+    /// The recording, driven by lengths.
+    pub recording: PathBuf,
+    /// By how much a command may differ from the recorded one, metres.
+    #[serde(default = "tolerance_m")]
+    pub tolerance_m: f64,
+    /// Number of tendons of the robot.
+    #[serde(default = "tendons")]
+    pub tendons: usize,
+}
+
+fn tolerance_m() -> f64 {
+    1e-6
+}
+
+fn tendons() -> usize {
+    4
+}
+
+impl ReplayOptions {
+    /// Refuses settings out of range.
+    ///
+    /// # Errors
+    /// [`BadOption`] names the first one.
+    pub fn check(&self) -> Result<(), BadOption> {
+        BadOption::unless_positive("tolerance_m", self.tolerance_m)?;
+        BadOption::unless_counted("tendons", self.tendons)
+    }
+}
+
+/// A recording as a [`Plant`]: each reset begins its next trial (after the last one the first again), each step gives
+/// the next row if it was commanded the same.
+pub struct Replay {
+    recording: Recording,
+    tolerance_m: f64,
+    trials: Vec<Range<usize>>,
+    /// The next trial, the present row and the last row of the present trial.
+    next: usize,
+    row: usize,
+    end: usize,
+}
+
+impl Replay {
+    /// Reads the recording.
+    ///
+    /// # Errors
+    /// [`DataError`] where it is none, is driven by tensions, or has another number of tendons.
+    pub fn open(options: &ReplayOptions) -> Result<Replay, DataError> {
+        let recording = Recording::read(&options.recording)?;
+        if recording.actuation != Actuation::Lengths || recording.tendons() != options.tendons {
+            return Err(DataError::Column {
+                file: options.recording.clone(),
+                place: "line 1",
+                column: recording.actuation.column(0),
+                found: format!("{} tendons", recording.tendons()),
+                expected: format!("the displacements of {} tendons (tendon_1_m…)", options.tendons),
+            });
+        }
+        let trials = recording.trials().into_iter().map(|(_, rows)| rows).collect();
+        Ok(Replay { recording, tolerance_m: options.tolerance_m, trials, next: 0, row: 0, end: 0 })
+    }
+
+    fn seen(&self) -> Observation {
+        let row = self.row;
+        let tip_m = self.recording.tip_m.as_ref().map_or([f64::NAN; 3], |tips| tips[row]);
+        let pulls_m = match row.checked_sub(1).filter(|_| self.recording.time_s[row] > 0.0) {
+            Some(before) => self.recording.commands.row(before).to_vec(),
+            None => vec![0.0; self.tendons()],
+        };
+        Observation {
+            time_s: self.recording.time_s[row],
+            tip_m,
+            tip_quaternion: self.recording.tip_quaternion.as_ref().map(|all| all[row]),
+            pulls_m,
+            tensions_n: None,
+            valid: self.recording.is_valid(row),
+        }
+    }
+}
+
+impl Plant for Replay {
+    fn tendons(&self) -> usize {
+        self.recording.tendons()
+    }
+
+    fn step_s(&self) -> f64 {
+        let next = self.row + usize::from(self.row + 1 < self.end);
+        let before = if next == self.row { self.row.saturating_sub(1) } else { self.row };
+        self.recording.time_s[next.max(before)] - self.recording.time_s[before]
+    }
+
+    fn reset(&mut self, _seed: Seed) -> Result<Observation, PlantError> {
+        let trial = self.trials[self.next % self.trials.len()].clone();
+        self.next += 1;
+        (self.row, self.end) = (trial.start, trial.end);
+        Ok(self.seen())
+    }
+
+    fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
+        if commands.len() != self.tendons() {
+            return Err(PlantError::Refused(format!("{} tendons, expected {}", commands.len(), self.tendons())));
+        }
+        let (line, recorded) = (self.row + 2, self.recording.commands.row(self.row));
+        for (tendon, (command, recorded_m)) in commands.iter().zip(recorded).enumerate() {
+            let TendonCommand::Pull(pull_m) = *command else { continue };
+            if !pull_m.is_finite() {
+                return Err(PlantError::Refused("a displacement that is not finite".into()));
+            }
+            if (pull_m - recorded_m).abs() > self.tolerance_m {
+                let words = format!("tendon {} at {pull_m} m; line {line} has {recorded_m} m", tendon + 1);
+                return Err(PlantError::NotRecorded(words));
+            }
+        }
+        if self.row + 1 >= self.end {
+            return Err(PlantError::NotRecorded(format!("a step after the last row of the trial (line {line})")));
+        }
+        self.row += 1;
+        Ok(self.seen())
+    }
+}

@@ -1,0 +1,79 @@
+//! Plays commands on any plant, trial by trial, and records what its tracker sees.
+
+use std::ops::Range;
+
+use crate::base::{Observation, Plant, PlantError, Rows, Seed};
+use crate::data::Recording;
+
+/// Why commands cannot be played as they are.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum UnevenSteps {
+    /// A plant moves in steps of one length.
+    #[error("trial {trial}: found a step of {found_s} s, expected {expected_s} s as between the first two rows")]
+    Uneven {
+        /// The trial.
+        trial: u64,
+        /// A step that differs.
+        found_s: f64,
+        /// The first step of the file.
+        expected_s: f64,
+    },
+    /// No trial has two rows.
+    #[error("found no trial with two rows, expected commands that are held for a time")]
+    None,
+}
+
+/// Time steps may differ by this much, s: times are written with some digits.
+const SAME_S: f64 = 1e-6;
+
+/// The one length of all steps of `commands`, s.
+///
+/// # Errors
+/// [`UnevenSteps`] where they differ or there are none.
+pub fn step_s(commands: &Recording) -> Result<f64, UnevenSteps> {
+    let mut first_s = None;
+    for (trial, rows) in commands.trials() {
+        for pair in commands.time_s[rows].windows(2) {
+            let found_s = pair[1] - pair[0];
+            let expected_s = *first_s.get_or_insert(found_s);
+            if (found_s - expected_s).abs() > SAME_S {
+                return Err(UnevenSteps::Uneven { trial, found_s, expected_s });
+            }
+        }
+    }
+    first_s.ok_or(UnevenSteps::None)
+}
+
+/// Plays the `rows` of one trial from rest at home: what was seen at each of them, as a recording of these rows alone.
+///
+/// # Errors
+/// [`PlantError`] when the plant stops or refuses; the trial is lost.
+pub fn record_trial(
+    plant: &mut dyn Plant,
+    commands: &Recording,
+    rows: Range<usize>,
+    seed: Seed,
+) -> Result<Recording, PlantError> {
+    let mut seen: Vec<Observation> = vec![plant.reset(seed)?];
+    for row in rows.start..rows.end - 1 {
+        seen.push(plant.step(commands.commands.row(row))?);
+    }
+    Ok(written(commands, rows, &seen))
+}
+
+fn written(commands: &Recording, rows: Range<usize>, seen: &[Observation]) -> Recording {
+    let mut kept = Rows::new(commands.tendons());
+    rows.clone().for_each(|row| kept.push(commands.commands.row(row)));
+    let quaternion: Option<Vec<[f64; 4]>> = seen.iter().map(|seen| seen.tip_quaternion).collect();
+    let valid: Vec<bool> = seen.iter().map(|seen| seen.valid).collect();
+    Recording {
+        commands: kept,
+        trial: commands.trial[rows.clone()].to_vec(),
+        time_s: commands.time_s[rows.clone()].to_vec(),
+        tip_m: Some(seen.iter().map(|seen| seen.tip_m).collect()),
+        tip_quaternion: quaternion,
+        known_load_kg: commands.known_load_kg.as_ref().map(|load| load[rows].to_vec()),
+        valid: valid.contains(&false).then_some(valid),
+        ..Recording::new(commands.actuation, commands.tendons())
+    }
+}
