@@ -4,6 +4,7 @@ mod calibrate;
 mod collect;
 mod discover;
 mod effects;
+mod import;
 mod page;
 mod plan;
 mod run;
@@ -31,6 +32,7 @@ enum Command {
     Effects(effects::Effects),
     Discover(discover::Discover),
     Collect(collect::Collect),
+    Import(import::Import),
     Page(page::Page),
     Verify(verify::Verify),
 }
@@ -68,6 +70,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Effects(effects) => effects.carry_out(),
         Command::Discover(discover) => discover.carry_out(),
         Command::Collect(collect) => collect.carry_out(),
+        Command::Import(import) => import.carry_out(),
         Command::Page(page) => page.carry_out(),
         Command::Verify(verify) => verify.carry_out(),
     };
