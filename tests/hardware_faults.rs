@@ -115,7 +115,11 @@ fn faults() -> Vec<Fault> {
             |w, _| w.controller.inject(ControllerFault::WrongPosition(1, 2.0)),
             [CONTROLLER, CONTROLLER, Nothing],
         ),
-        controller("work offset of 5 mm", |w, _| w.controller.inject(ControllerFault::WorkOffset(2, 5.0)), [Eventually("controller"), CONTROLLER, CONTROLLER]),
+        controller(
+            "work offset of 5 mm",
+            |w, _| w.controller.inject(ControllerFault::WorkOffset(2, 5.0)),
+            [Eventually("controller"), CONTROLLER, CONTROLLER],
+        ),
         tracker("tracker says nothing", |w, _| w.tracker.inject(TrackerFault::Silent), LOST),
         passing(
             "tracker says nothing for 120 ms",
@@ -229,7 +233,9 @@ fn judge(outcome: &Outcome, expected: Expected, phase: Phase) -> bool {
             let stopped = outcome.stopped.as_ref().is_some_and(|(found, ms)| *found == kind && prompt(*ms, STOPPED_MS));
             stopped && outcome.error.is_some() && prompt(outcome.moved_ms, HELD_MS)
         }
-        Eventually(kind) => outcome.error.is_some() && outcome.stopped.as_ref().is_some_and(|(found, _)| *found == kind),
+        Eventually(kind) => {
+            outcome.error.is_some() && outcome.stopped.as_ref().is_some_and(|(found, _)| *found == kind)
+        }
         Held(kind) => {
             let first = outcome.first.as_ref();
             let held =

@@ -6,6 +6,7 @@ mod collect;
 mod discover;
 mod doctor;
 mod effects;
+mod import;
 mod page;
 mod plan;
 mod run;
@@ -35,6 +36,7 @@ enum Command {
     Collect(collect::Collect),
     Doctor(doctor::Doctor),
     Arm(arm::Arm),
+    Import(import::Import),
     Page(page::Page),
     Verify(verify::Verify),
 }
@@ -74,6 +76,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Collect(collect) => collect.carry_out(),
         Command::Doctor(doctor) => doctor.carry_out(),
         Command::Arm(arm) => arm.carry_out(),
+        Command::Import(import) => import.carry_out(),
         Command::Page(page) => page.carry_out(),
         Command::Verify(verify) => verify.carry_out(),
     };

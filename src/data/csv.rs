@@ -34,7 +34,8 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Sheet, DataError> {
     Ok(parsed)
 }
 
-fn decode<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str, DataError> {
+/// The bytes as text.
+pub(super) fn decode<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str, DataError> {
     std::str::from_utf8(bytes).map_err(|error| {
         let line = 1 + bytes[..error.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count();
         line_error(path, line, "bytes that are not text", "UTF-8".to_owned())
@@ -76,7 +77,7 @@ fn check_line(path: &Path, number: usize, line: &str, width: usize) -> Result<()
 }
 
 /// The raw cells of a line; none when a quotation mark is not closed within it.
-fn split(line: &str) -> Option<Vec<&str>> {
+pub(super) fn split(line: &str) -> Option<Vec<&str>> {
     let mut cells = Vec::new();
     let (mut start, mut quoted) = (0, false);
     for (index, byte) in line.bytes().enumerate() {
@@ -93,7 +94,8 @@ fn split(line: &str) -> Option<Vec<&str>> {
     (!quoted).then_some(cells)
 }
 
-fn unclosed(path: &Path, number: usize) -> DataError {
+/// The error for a line with an odd number of quotation marks.
+pub(super) fn unclosed(path: &Path, number: usize) -> DataError {
     line_error(path, number, "a quotation mark that is not closed", "cells that end in their line".to_owned())
 }
 

@@ -5,6 +5,7 @@ mod csv;
 mod error;
 mod file;
 pub mod findings;
+pub mod motive;
 pub mod recording;
 pub mod rows;
 mod sheet;

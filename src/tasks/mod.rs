@@ -7,6 +7,7 @@ mod explore;
 mod generate;
 mod gp_points;
 mod imagine;
+pub mod import;
 mod path;
 mod play;
 mod reach;

@@ -2,6 +2,7 @@
 //! one row a control tick: `trial,time_s,tendon_1_m…,tip_x_m,tip_y_m,tip_z_m` and optional columns; see
 //! `docs/outputs.md`.
 
+mod extra;
 mod join;
 mod optional;
 mod read;
@@ -13,6 +14,7 @@ use std::path::Path;
 use super::DataError;
 use crate::base::{Point3, Rows};
 
+pub(crate) use extra::cell_error;
 pub use join::Unlike;
 
 /// What a recording's commands are.
@@ -191,14 +193,8 @@ impl Recording {
         let tips = self.tip_m.iter().flatten().enumerate();
         for (row, tip) in tips.filter(|&(row, _)| self.is_valid(row)) {
             let Some(axis) = (0..3).find(|&axis| tip[axis].abs() > 2.0 * length_m) else { continue };
-            let parquet = path.extension().is_some_and(|extension| extension == "parquet");
-            return Err(DataError::Cell {
-                file: path.to_owned(),
-                place: if parquet { format!("row {}", row + 1) } else { format!("line {}", row + 2) },
-                column: read::TIP[axis].to_owned(),
-                found: tip[axis].to_string(),
-                expected: format!("metres within reach of a robot of {length_m} m (are these millimetres?)"),
-            });
+            let expected = format!("metres within reach of a robot of {length_m} m (are these millimetres?)");
+            return Err(cell_error(path, row, read::TIP[axis], tip[axis].to_string(), expected));
         }
         Ok(())
     }

@@ -1,0 +1,141 @@
+//! `spinebench import`.
+
+use super::{Ended, Outcome};
+use clap::{Args, Subcommand, ValueEnum};
+use spinebench::data::motive::{Body, Export};
+use spinebench::tasks::import::{Axes, ImportOptions, Imported, Log, TipFrame, import};
+use std::path::PathBuf;
+
+/// Joins a tracking system's own export with a log of commands to a recording.
+#[derive(Args)]
+pub(super) struct Import {
+    #[command(subcommand)]
+    from: From,
+}
+
+#[derive(Subcommand)]
+enum From {
+    Motive(Motive),
+}
+
+/// OptiTrack Motive's CSV export (format versions 1.2x) with the poses of two rigid bodies, one on the robot's base and
+/// one on its tip.
+///
+/// The tip is given from the base body's pivot and interpolated at the times of the commands; rows without tracking have
+/// valid = 0. The log says when it was in the export: by a column export_time_s (the export's time at each row), or by
+/// --offset-s.
+#[derive(Args)]
+struct Motive {
+    /// Export, with its header and rigid bodies, orientations as quaternions (or Euler angles XYZ).
+    #[arg(value_name = "EXPORT.csv")]
+    export: PathBuf,
+    /// Commands: a recording, whose tip columns may be missing; CSV or Parquet.
+    #[arg(long, value_name = "LOG.csv")]
+    commands: PathBuf,
+    /// Recording to write; CSV or Parquet.
+    #[arg(long, value_name = "REC.csv")]
+    out: PathBuf,
+    /// Rigid body on the base [default: `base`, or the only one whose name begins so].
+    #[arg(long, value_name = "NAME")]
+    base: Option<String>,
+    /// Rigid body on the tip [default: `tip`, or the only one whose name begins so].
+    #[arg(long, value_name = "NAME")]
+    tip: Option<String>,
+    /// Export time at which each trial began, seconds: one number a trial; or, for a log with a column wall_time_s (one
+    /// clock for all trials), that of the first row.
+    #[arg(long, value_name = "S[,S…]", value_delimiter = ',', allow_hyphen_values = true, value_parser = seconds)]
+    offset_s: Vec<f64>,
+    /// Our axes (x up, z along the straight robot) in Motive's; the default is Motive's y up and the robot along its z.
+    #[arg(long, default_value = Axes::Y_UP)]
+    axes: Axes,
+    /// Along which axes the tip is given.
+    #[arg(long, value_enum, default_value_t = Frame::Base)]
+    frame: Frame,
+    /// Lost frames are bridged between tracked ones up to so far apart, seconds.
+    #[arg(long, value_name = "S", default_value_t = 0.05, value_parser = gap)]
+    max_gap_s: f64,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Frame {
+    /// Those of the base body: a turned tracking frame drops out.
+    Base,
+    /// Those of the tracking frame, which must be level: a tilted base shows at the tip.
+    Tracking,
+}
+
+/// Angle between base and tracking frame from which on it matters which one the tip is given in, degrees.
+const TURNED_DEG: f64 = 0.5;
+
+impl Import {
+    pub(super) fn carry_out(self) -> Outcome {
+        let From::Motive(motive) = self.from;
+        motive.carry_out()
+    }
+}
+
+impl Motive {
+    fn carry_out(self) -> Outcome {
+        let export = Export::read(&self.export).map_err(Ended::bad)?;
+        let base = body(&export, self.base.as_deref(), "base")?;
+        let tip = body(&export, self.tip.as_deref(), "tip")?;
+        if std::ptr::eq(base, tip) {
+            let (file, name) = (self.export.display(), &base.name);
+            return Err(Ended::BadInput(format!("{file}: found `{name}` as base and as tip, expected two bodies")));
+        }
+        let log = Log::read(&self.commands, &self.offset_s).map_err(Ended::bad)?;
+        let frame = match self.frame {
+            Frame::Base => TipFrame::Base,
+            Frame::Tracking => TipFrame::Tracking,
+        };
+        let options = ImportOptions { axes: self.axes, frame, max_gap_s: self.max_gap_s };
+        let imported = import(&export, [base, tip], &log, &options).map_err(Ended::bad)?;
+        imported.recording.write(&self.out).map_err(Ended::bad)?;
+        self.tell(&export, &imported);
+        Ok(())
+    }
+
+    /// Says what the recording does not.
+    fn tell(&self, export: &Export, imported: &Imported) {
+        let frames = export.time_s.len();
+        if let Some(promised) = export.promised_frames.filter(|&promised| promised > frames) {
+            let file = export.file.display();
+            eprintln!("note: {file} holds {frames} frames of the {promised} that its first line promises");
+        }
+        if imported.lost > 0 {
+            let (lost, all, out) = (imported.lost, imported.recording.len(), self.out.display());
+            eprintln!("note: {lost} of {all} rows were not tracked; they have valid = 0 in {out}");
+        }
+        let turn_deg = imported.base_turn_rad.to_degrees();
+        if turn_deg > TURNED_DEG {
+            let (given, other) = match self.frame {
+                Frame::Base => ("the base's", "--frame tracking shows a tilted base"),
+                Frame::Tracking => ("the tracking frame's", "--frame base takes a turned tracking frame out"),
+            };
+            eprintln!(
+                "note: the base body is turned by {turn_deg:.1}° from the tracking frame; the tip is given along {given} axes ({other})"
+            );
+        }
+    }
+}
+
+/// The body of this name, or the one that is most likely meant.
+fn body<'a>(export: &'a Export, name: Option<&str>, usual: &str) -> Result<&'a Body, Ended> {
+    let found = match name {
+        Some(name) => export.body(name),
+        None => export.body_like(usual),
+    };
+    found.map_err(|error| Ended::BadInput(format!("{error} (--{usual} NAME)")))
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse().ok().filter(|number: &f64| number.is_finite());
+    number.ok_or_else(|| format!("found `{text}`, expected seconds"))
+}
+
+fn gap(text: &str) -> Result<f64, String> {
+    seconds(text)
+        .ok()
+        .filter(|gap_s| *gap_s >= 0.0)
+        .ok_or_else(|| format!("found `{text}`, expected seconds, 0 or more"))
+}
