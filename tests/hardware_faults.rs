@@ -4,10 +4,11 @@
 mod hardware_support;
 
 use std::fmt::Write;
+use std::sync::Arc;
 
 use hardware_support::{STEP_S, open, options};
 use spinebench::base::{Plant, PlantError, Seed};
-use spinebench::hardware::bench::{ControllerFault, Plan, TrackerFault, World};
+use spinebench::hardware::bench::{ControllerFault, FakeBody, Plan, TrackerFault, World};
 use spinebench::hardware::interrupt::Interrupt;
 use spinebench::plants::Hardware;
 
@@ -32,10 +33,13 @@ enum Expected {
     Nothing,
 }
 
+/// What breaks something.
+type Breaks = Box<dyn Fn(&mut World, &Interrupt) + Send + Sync>;
+
 /// A fault, whether it ends by itself, and what must come of it in each phase.
 struct Fault {
     name: &'static str,
-    inject: fn(&mut World, &Interrupt),
+    inject: Breaks,
     /// When it ends, after it has come, s; never if not finite.
     lasts_s: f64,
     expected: [Expected; 3],
@@ -47,113 +51,79 @@ const CONTROLLER: Expected = Stopped("controller");
 const ALL_STOP: [Expected; 3] = [CONTROLLER; 3];
 const LOST: [Expected; 3] = [Stopped("tracking"), Stopped("tracking"), Stopped("tracking")];
 
-fn faults() -> Vec<Fault> {
-    let controller =
-        |name, inject: fn(&mut World, &Interrupt), expected| Fault { name, inject, lasts_s: f64::INFINITY, expected };
-    let tracker = controller;
-    let passing = |name, inject: fn(&mut World, &Interrupt), expected| Fault { name, inject, lasts_s: 0.12, expected };
+/// Faults of the controller, its cable and its machine, that last.
+fn of_the_controller() -> Vec<(&'static str, ControllerFault, [Expected; 3])> {
+    use ControllerFault::*;
+    let in_motion = [Nothing, CONTROLLER, CONTROLLER];
+    let unless_homing = [CONTROLLER, CONTROLLER, Nothing];
     vec![
-        controller("controller says nothing", |w, _| w.controller.inject(ControllerFault::Silent), ALL_STOP),
-        controller("cable pulled", |w, _| w.controller.inject(ControllerFault::Unplugged), ALL_STOP),
-        controller(
-            "power of the controller lost for a moment",
-            |w, _| w.controller.inject(ControllerFault::Reboot),
-            ALL_STOP,
-        ),
-        controller("answers unreadable", |w, _| w.controller.inject(ControllerFault::Garbage), ALL_STOP),
-        controller("one answer unreadable", |w, _| w.controller.inject(ControllerFault::GarbledLine), [Nothing; 3]),
-        controller("answers a second late", |w, _| w.controller.inject(ControllerFault::SlowReplies(1.0)), ALL_STOP),
-        controller(
-            "an ok lost",
-            |w, _| w.controller.inject(ControllerFault::LostOk),
-            [Nothing, CONTROLLER, CONTROLLER],
-        ),
-        controller(
-            "an ok twice",
-            |w, _| w.controller.inject(ControllerFault::DoubledOk),
-            [Nothing, CONTROLLER, CONTROLLER],
-        ),
-        controller(
-            "hard limit X",
-            |w, _| w.controller.inject(ControllerFault::HardLimit(0)),
-            [CONTROLLER, CONTROLLER, Nothing],
-        ),
-        controller(
-            "hard limit A",
-            |w, _| w.controller.inject(ControllerFault::HardLimit(3)),
-            [CONTROLLER, CONTROLLER, Nothing],
-        ),
-        controller("alarm without a cause", |w, _| w.controller.inject(ControllerFault::SpuriousAlarm(3)), ALL_STOP),
-        controller("unknown alarm", |w, _| w.controller.inject(ControllerFault::SpuriousAlarm(77)), ALL_STOP),
-        controller(
-            "line refused, error 2",
-            |w, _| w.controller.inject(ControllerFault::StickyError(2)),
-            [Nothing, CONTROLLER, CONTROLLER],
-        ),
-        controller(
-            "axis X does not turn",
-            |w, _| w.controller.inject(ControllerFault::DeadAxis(0)),
-            [Nothing, CONTROLLER, CONTROLLER],
-        ),
-        controller(
-            "axis A does not turn",
-            |w, _| w.controller.inject(ControllerFault::DeadAxis(3)),
-            [Nothing, CONTROLLER, CONTROLLER],
-        ),
-        controller(
-            "switch X never closes",
-            |w, _| w.controller.inject(ControllerFault::SwitchStuckOpen(0)),
-            [Nothing, Nothing, CONTROLLER],
-        ),
-        controller(
-            "switch A always closed",
-            |w, _| w.controller.inject(ControllerFault::SwitchStuckClosed(3)),
-            [CONTROLLER, CONTROLLER, CONTROLLER],
-        ),
-        controller(
-            "position jumps by 2 mm",
-            |w, _| w.controller.inject(ControllerFault::WrongPosition(1, 2.0)),
-            [CONTROLLER, CONTROLLER, Nothing],
-        ),
-        controller(
-            "work offset of 5 mm",
-            |w, _| w.controller.inject(ControllerFault::WorkOffset(2, 5.0)),
-            [Eventually("controller"), CONTROLLER, CONTROLLER],
-        ),
-        tracker("tracker says nothing", |w, _| w.tracker.inject(TrackerFault::Silent), LOST),
-        passing(
-            "tracker says nothing for 120 ms",
-            |w, _| w.tracker.inject(TrackerFault::Silent),
-            [Held("tracking"), Held("tracking"), Nothing],
-        ),
-        tracker(
-            "tip hidden",
-            |w, _| w.tracker.inject(TrackerFault::Occluded(spinebench::hardware::bench::FakeBody::Tip)),
-            LOST,
-        ),
-        tracker(
-            "base hidden",
-            |w, _| w.tracker.inject(TrackerFault::Occluded(spinebench::hardware::bench::FakeBody::Base)),
-            LOST,
-        ),
-        passing(
-            "tip hidden for 120 ms",
-            |w, _| w.tracker.inject(TrackerFault::Occluded(spinebench::hardware::bench::FakeBody::Tip)),
-            [Held("tracking"), Held("tracking"), Nothing],
-        ),
-        tracker("tip's body removed in Motive", |w, _| w.tracker.inject(TrackerFault::BodyGone), LOST),
-        tracker("poses that are no numbers", |w, _| w.tracker.inject(TrackerFault::NanPose), LOST),
-        tracker("frames that cannot be read", |w, _| w.tracker.inject(TrackerFault::Malformed), LOST),
-        tracker("frames 300 ms late", |w, _| w.tracker.inject(TrackerFault::Late(0.3)), LOST),
-        tracker("19 of 20 frames lost", |w, _| w.tracker.inject(TrackerFault::Loss(0.95)), LOST),
-        tracker("tip jumps by 150 mm", |w, _| w.tracker.inject(TrackerFault::Jump(0.15)), [Stopped("tip"); 3]),
-        tracker("bodies swapped", |w, _| w.tracker.inject(TrackerFault::SwappedBodies), [Stopped("tip"); 3]),
-        tracker("a second server with other poses", |w, _| w.tracker.inject(TrackerFault::SecondServer), [Nothing; 3]),
-        tracker("frames out of order", |w, _| w.tracker.inject(TrackerFault::OutOfOrder), [Nothing; 3]),
-        tracker("frames twice", |w, _| w.tracker.inject(TrackerFault::Duplicate), [Nothing; 3]),
-        tracker("1 % of the frames lost", |w, _| w.tracker.inject(TrackerFault::Loss(0.01)), [Nothing; 3]),
-        controller("Ctrl-C or SIGTERM", |_, interrupt| interrupt.raise(), [Stopped("interrupted"); 3]),
+        ("controller says nothing", Silent, ALL_STOP),
+        ("cable pulled", Unplugged, ALL_STOP),
+        ("power of the controller lost for a moment", Reboot, ALL_STOP),
+        ("answers unreadable", Garbage, ALL_STOP),
+        ("one answer unreadable", GarbledLine, [Nothing; 3]),
+        ("answers a second late", SlowReplies(1.0), ALL_STOP),
+        ("an ok lost", LostOk, in_motion),
+        ("an ok twice", DoubledOk, in_motion),
+        ("hard limit X", HardLimit(0), unless_homing),
+        ("hard limit A", HardLimit(3), unless_homing),
+        ("alarm without a cause", SpuriousAlarm(3), ALL_STOP),
+        ("unknown alarm", SpuriousAlarm(77), ALL_STOP),
+        ("line refused, error 2", StickyError(2), in_motion),
+        ("axis X does not turn", DeadAxis(0), in_motion),
+        ("axis A does not turn", DeadAxis(3), in_motion),
+        ("switch X never closes", SwitchStuckOpen(0), [Nothing, Nothing, CONTROLLER]),
+        ("switch A always closed", SwitchStuckClosed(3), ALL_STOP),
+        ("position jumps by 2 mm", WrongPosition(1, 2.0), unless_homing),
+        ("work offset of 5 mm", WorkOffset(2, 5.0), [Eventually("controller"), CONTROLLER, CONTROLLER]),
     ]
+}
+
+/// Faults of the tracker that last.
+fn of_the_tracker() -> Vec<(&'static str, TrackerFault, [Expected; 3])> {
+    use TrackerFault::*;
+    vec![
+        ("tracker says nothing", Silent, LOST),
+        ("tip hidden", Occluded(FakeBody::Tip), LOST),
+        ("base hidden", Occluded(FakeBody::Base), LOST),
+        ("tip's body removed in Motive", BodyGone, LOST),
+        ("poses that are no numbers", NanPose, LOST),
+        ("frames that cannot be read", Malformed, LOST),
+        ("frames 300 ms late", Late(0.3), LOST),
+        ("19 of 20 frames lost", Loss(0.95), LOST),
+        ("tip jumps by 150 mm", Jump(0.15), [Stopped("tip"); 3]),
+        ("bodies swapped", SwappedBodies, [Stopped("tip"); 3]),
+        ("a second server with other poses", SecondServer, [Nothing; 3]),
+        ("frames out of order", OutOfOrder, [Nothing; 3]),
+        ("frames twice", Duplicate, [Nothing; 3]),
+        ("1 % of the frames lost", Loss(0.01), [Nothing; 3]),
+    ]
+}
+
+/// Faults of the tracker that last for 120 ms.
+fn passing() -> Vec<(&'static str, TrackerFault, [Expected; 3])> {
+    let held = [Held("tracking"), Held("tracking"), Nothing];
+    vec![
+        ("tracker says nothing for 120 ms", TrackerFault::Silent, held),
+        ("tip hidden for 120 ms", TrackerFault::Occluded(FakeBody::Tip), held),
+    ]
+}
+
+fn faults() -> Vec<Fault> {
+    let forever = f64::INFINITY;
+    let mut all = Vec::new();
+    for (name, fault, expected) in of_the_controller() {
+        let inject: Breaks = Box::new(move |world, _| world.controller.inject(fault.clone()));
+        all.push(Fault { name, inject, lasts_s: forever, expected });
+    }
+    let tracker = of_the_tracker().into_iter().map(|fault| (fault, forever));
+    for ((name, fault, expected), lasts_s) in tracker.chain(passing().into_iter().map(|fault| (fault, 0.12))) {
+        let inject: Breaks = Box::new(move |world, _| world.tracker.inject(fault));
+        all.push(Fault { name, inject, lasts_s, expected });
+    }
+    let inject: Breaks = Box::new(|_, interrupt| interrupt.raise());
+    all.push(Fault { name: "Ctrl-C or SIGTERM", inject, lasts_s: forever, expected: [Stopped("interrupted"); 3] });
+    all
 }
 
 /// What came of a fault.
@@ -171,7 +141,7 @@ struct Outcome {
 /// When the fault comes, after the phase has begun, s.
 const AFTER_S: f64 = 1.05;
 
-fn play(fault: &Fault, phase: Phase) -> Outcome {
+fn play(fault: &Arc<Fault>, phase: Phase) -> Outcome {
     let mut plant = open(&options(), 7);
     let begun = match phase {
         Phase::Homing => Ok(()),
@@ -199,11 +169,11 @@ fn play(fault: &Fault, phase: Phase) -> Outcome {
 }
 
 /// Plans the fault and its end; when it comes, s.
-fn plan(plant: &Hardware, fault: &Fault) -> f64 {
+fn plan(plant: &Hardware, fault: &Arc<Fault>) -> f64 {
     let stage = plant.stage().unwrap();
-    let (interrupt, inject, inject_s) = (stage.interrupt(), fault.inject, plant.now_s() + AFTER_S);
+    let (interrupt, breaking, inject_s) = (stage.interrupt(), Arc::clone(fault), plant.now_s() + AFTER_S);
     stage.with(|world| {
-        let breaks: Plan = Box::new(move |world| inject(world, &interrupt));
+        let breaks: Plan = Box::new(move |world| (breaking.inject)(world, &interrupt));
         world.at(inject_s, breaks);
         if fault.lasts_s.is_finite() {
             world.at(inject_s + fault.lasts_s, Box::new(|world| world.tracker.calm()));
@@ -252,7 +222,7 @@ fn every_fault_ends_in_a_robot_that_stands() {
         "fault                                     | phase  | first                  |    ms | stopped      |    ms | last motion, ms\n",
     );
     let mut wrong = Vec::new();
-    for fault in faults() {
+    for fault in faults().into_iter().map(Arc::new) {
         for (phase, expected) in [Phase::Rest, Phase::Motion, Phase::Homing].into_iter().zip(fault.expected) {
             let outcome = play(&fault, phase);
             let (first, first_ms) =

@@ -27,7 +27,7 @@ fn a_million_commands_are_admitted_only_within_the_limits() {
     let mut admitted = 0;
     for _ in 0..1_000_000 {
         let pulls_m: [f64; 4] = std::array::from_fn(|tendon| wild(&mut random, last_m[tendon], 0.004));
-        if limits.admit(&pulls_m, &last_m, STEP_S).is_err() {
+        if limits.admit(&pulls_m, &last_m, STEP_S, 1).is_err() {
             continue;
         }
         admitted += 1;

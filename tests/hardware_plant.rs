@@ -56,10 +56,13 @@ fn what_may_not_leave_is_refused_and_the_robot_goes_on() {
     plant.reset(Seed(0)).unwrap();
     let refused =
         |outcome: Result<_, PlantError>| assert!(matches!(outcome, Err(PlantError::Refused(_))), "{outcome:?}");
-    refused(plant.step(&[0.004, 0.0, 0.0, 0.0]));
+    refused(plant.step(&[0.0121, 0.0, 0.0, 0.0]));
     refused(plant.step(&[f64::NAN, 0.0, 0.0, 0.0]));
     refused(plant.step(&[f64::INFINITY, 0.0, 0.0, 0.0]));
     refused(plant.step(&[0.0; 3]));
+    // Two steps at once take two ticks.
+    let far = plant.step(&[0.006, 0.0, -0.004, 0.0]).unwrap();
+    assert!((far.time_s - 2.0 * STEP_S).abs() < 0.05 && far.pulls_m == [0.006, 0.0, -0.004, 0.0], "{far:?}");
     for k in 1..=9 {
         plant.step(&[0.003 * f64::from(k), 0.0, -0.003 * f64::from(k), 0.0]).unwrap();
     }

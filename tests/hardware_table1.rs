@@ -1,6 +1,6 @@
 //! Table I, small, on a rehearsed bench: the whole closed loop through the drivers of the motors and the tracker.
 
-use std::path::Path;
+use std::collections::BTreeSet;
 use std::process::Command;
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
@@ -16,7 +16,7 @@ plant:
     model: {ROOT}/models/nominal.yaml
     settle_s: 1.0
     rehearsal: {{model: {ROOT}/models/real.yaml, noise_m: 0.0005, loss: 0.01}}
-targets: {{sweep: {{rows: 3, columns: 3, max_pull_m: 0.012, max_step_m: 0.003}}}}
+targets: {{sweep: {{rows: 5, columns: 5, max_pull_m: 0.012, max_step_m: 0.003}}}}
 runs:
   reach:
     - {{policies: [a, b, c, pi_real], modes: [open, closed, closed_load], gp_points: [20], real_points: [200]}}
@@ -45,10 +45,13 @@ fn the_closed_loop_runs_through_the_drivers() {
     assert!(output.status.success(), "{said}");
     let table = std::fs::read_to_string(folder.path().join("results/bench/trials.csv")).unwrap();
     let status = column(&table, "status");
-    assert_eq!(status.len(), 3 * (3 * 3 + 3), "{table}");
+    // Policy C needs to see the tip: it has no open loop.
+    let conditions: BTreeSet<(String, String)> =
+        column(&table, "policy").into_iter().zip(column(&table, "mode")).collect();
+    assert_eq!((conditions.len(), status.len() % conditions.len()), (11, 0), "{table}");
     assert!(status.iter().all(|status| status == "ok"), "{table}");
     // Barely trained networks reach nothing well; that they move the tip by centimetres and not out of the world is the loop's.
     let errors: Vec<f64> = column(&table, "error_m").iter().map(|cell| cell.parse().unwrap()).collect();
     assert!(errors.iter().all(|error_m| *error_m < 0.2), "{errors:?}");
-    assert!(Path::new(&folder.path().join("plots/bench")).is_dir() || folder.path().join("plots").is_dir(), "{said}");
+    assert!(folder.path().join("plots").is_dir(), "{said}");
 }

@@ -16,6 +16,10 @@ const PULL_M: f64 = 0.006;
 /// A tip that moves less is not seen to move, metres.
 const SEEN_M: f64 = 0.002;
 
+/// Cosine between the way that the tip goes and the model's: a robot that sags differs by tens of degrees, swapped tendons
+/// by ninety and more.
+const ALONG: f64 = 0.5;
+
 /// Checks the bench of a plant: ports, versions, settings, rates, frames. Moves nothing unless told to.
 #[derive(Args)]
 pub(super) struct Doctor {
@@ -94,7 +98,7 @@ fn try_out(plant: &mut Hardware) -> Result<usize, Ended> {
         let length = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
         let along: f64 =
             moved.iter().zip(&wanted).map(|(a, b)| a * b).sum::<f64>() / (length(&moved) * length(&wanted));
-        let good = length(&moved) > SEEN_M && along > 0.8;
+        let good = length(&moved) > SEEN_M && along > ALONG;
         let words = format!(
             "tendon {}: pulled {:.0} mm, the tip moves {:.1} mm, the model says {:.1} mm, {:.0} degrees apart",
             tendon + 1,

@@ -17,8 +17,7 @@ const LEAST_MOVE_MM: f64 = 5e-4;
 
 /// Speed that every axis must be able to reach for the largest step in `duration_s`, mm/min.
 pub fn slowest_axis_mm_min(limits: &SafetyLimits, duration_s: f64) -> f64 {
-    let step_m = limits.max_step_m.min(limits.max_speed_m_s * duration_s);
-    step_m * 1e3 / (MOVING_SHARE * duration_s) * 60.0
+    limits.step_m(duration_s) * 1e3 / (MOVING_SHARE * duration_s) * 60.0
 }
 
 /// Something that happened, for the log.
@@ -180,7 +179,7 @@ impl Rig {
         if *self.state() != State::Active {
             return Err(NotMoved::Not(self.state().name()));
         }
-        Ok(self.parts.limits.admit(pulls_m, &self.commanded_m, duration_s)?)
+        Ok(self.parts.limits.admit(pulls_m, &self.commanded_m, duration_s, 1)?)
     }
 
     /// Moves all tendons towards home by no more than one command may; true once they are there. From the switches the
@@ -193,7 +192,7 @@ impl Rig {
             return Err(NotMoved::Not(self.state().name()));
         }
         let limits = &self.parts.limits;
-        let step_m = limits.max_step_m.min(limits.max_speed_m_s * duration_s);
+        let step_m = limits.step_m(duration_s);
         let largest_m = self.commanded_m.iter().fold(0.0_f64, |largest, pull| largest.max(pull.abs()));
         let share = if largest_m > step_m { 1.0 - step_m / largest_m } else { 0.0 };
         self.travel(self.commanded_m.map(|pull| pull * share), duration_s, now_s)?;
@@ -229,9 +228,15 @@ impl Rig {
         }
     }
 
-    /// The last pose that may be used at `time_s`, none while the tracker is in doubt.
+    /// The pose at `time_s`, between the frames around it.
     pub fn tip_at(&self, time_s: f64) -> Option<TipPose> {
         self.parts.tracking.pose_at(time_s)
+    }
+
+    /// The last pose, if it was fresh enough at `time_s` not to hold the robot.
+    pub fn fresh_tip(&self, time_s: f64) -> Option<TipPose> {
+        let fresh = |pose: &&TipPose| time_s - pose.time_s <= self.parts.limits.tracking_hold_s;
+        self.parts.tracking.latest().filter(fresh).cloned()
     }
 
     /// Why the robot should not go on for now: a controller that owes an answer, or a measurement that is not to be used.
@@ -243,8 +248,7 @@ impl Rig {
         }
         let limits = self.parts.limits;
         let age_s = self.parts.tracking.age_s(now_s);
-        // Not a number is no age either.
-        if !(age_s <= limits.tracking_hold_s) {
+        if age_s.is_nan() || age_s > limits.tracking_hold_s {
             return Some(lost(age_s, limits.tracking_hold_s));
         }
         let pose = self.parts.tracking.latest()?;

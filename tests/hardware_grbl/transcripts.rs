@@ -13,7 +13,7 @@ use spinebench::hardware::wire::Wire;
 fn folder() -> Option<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let set = std::env::var_os("SPINEBENCH_GRBL").map(PathBuf::from);
-    let usual = ["tests/data/grbl", "../shared/reference/grbl"].map(|place| root.join(place));
+    let usual = [root.join("tests/data/grbl")];
     let found = set.into_iter().chain(usual).find(|place| place.join("transcript_4axis_switches.txt").exists());
     if found.is_none() {
         println!("skipped: no transcripts of a GRBL controller; set SPINEBENCH_GRBL to their folder");

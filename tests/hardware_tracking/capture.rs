@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 pub(crate) fn folder() -> Option<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let set = std::env::var_os("SPINEBENCH_NATNET").map(PathBuf::from);
-    let usual = ["tests/data/natnet", "../shared/reference/natnet"].map(|place| root.join(place));
+    let usual = [root.join("tests/data/natnet")];
     let found = set.into_iter().chain(usual).find(|place| place.join(CAPTURE).exists());
     if found.is_none() {
         println!("skipped: no recordings of a NatNet server; set SPINEBENCH_NATNET to their folder");

@@ -12,4 +12,4 @@ pub use controller::{FakeController, FakeFault as ControllerFault, FakeOptions a
 pub use controller::{factory_settings, robot_settings};
 pub use pipe::{PipeWire, pipe};
 pub use tracker::{FakeBody, FakeFault as TrackerFault, FakeTracker, FakeTrackerOptions as TrackerOptions};
-pub use world::{Body, Plan, Running, World};
+pub use world::{Body, Plan, Running, Sight, World};

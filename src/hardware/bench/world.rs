@@ -31,13 +31,16 @@ pub struct World {
     body: Box<dyn Body>,
     axes: AxesOptions,
     /// From the frame of the base to what the tracker sees of the tip.
-    seen: Box<dyn Fn(&Pose, &Pose) -> Pose + Send>,
+    seen: Sight,
     now_s: f64,
     /// When a screw last moved, s.
     moved_s: f64,
     stood_mm: [f64; AXES],
     plans: Vec<(f64, Plan)>,
 }
+
+/// From the base's body and the tip in the base frame to the tip's body, as the tracker sees them.
+pub type Sight = Box<dyn Fn(&Pose, &Pose) -> Pose + Send>;
 
 /// Something that is done to a world.
 pub type Plan = Box<dyn FnOnce(&mut World) + Send>;
@@ -50,7 +53,7 @@ impl World {
         tracker: FakeTracker,
         body: Box<dyn Body>,
         axes: AxesOptions,
-        seen: Box<dyn Fn(&Pose, &Pose) -> Pose + Send>,
+        seen: Sight,
     ) -> World {
         let stood_mm = controller.position_mm();
         World {

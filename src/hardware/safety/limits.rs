@@ -99,19 +99,31 @@ impl SafetyLimits {
         BadOption::unless_positive("tip_speed_m_s", self.tip_speed_m_s)
     }
 
-    /// Whether the drive may go from the command `last_m` to `pulls_m` in `duration_s`. Opposite tendons stand half the
+    /// Largest change of a displacement in `duration_s`, metres.
+    pub fn step_m(&self, duration_s: f64) -> f64 {
+        self.max_step_m.min(self.max_speed_m_s * duration_s)
+    }
+
+    /// Ticks of `tick_s` that it takes from `last_m` to `pulls_m`; 0 where nothing moves or something is no number.
+    pub fn ticks(&self, pulls_m: &[f64], last_m: &[f64], tick_s: f64) -> usize {
+        let changes = pulls_m.iter().zip(last_m).map(|(to, from)| (to - from).abs());
+        let largest_m = changes.fold(0.0, |largest, change| if change > largest { change } else { largest });
+        ((largest_m - ROUNDING_M) / self.step_m(tick_s)).ceil().max(0.0) as usize
+    }
+
+    /// Whether the drive may go from the command `last_m` to `pulls_m` in `duration_s` and `steps` steps. Opposite tendons stand half the
     /// number of tendons apart.
     ///
     /// # Errors
     /// [`Refusal`] names the first limit that is broken.
-    pub fn admit(&self, pulls_m: &[f64], last_m: &[f64], duration_s: f64) -> Result<(), Refusal> {
+    pub fn admit(&self, pulls_m: &[f64], last_m: &[f64], duration_s: f64, steps: usize) -> Result<(), Refusal> {
         if pulls_m.len() != last_m.len() {
             return Err(Refusal::Count { found: pulls_m.len(), expected: last_m.len() });
         }
         if let Some(index) = pulls_m.iter().position(|pull| !pull.is_finite()) {
             return Err(Refusal::NotFinite { tendon: index + 1, found: pulls_m[index] });
         }
-        let step_m = self.max_step_m.min(self.max_speed_m_s * duration_s);
+        let step_m = self.step_m(duration_s / steps as f64) * steps as f64;
         for (index, (&to, &from)) in pulls_m.iter().zip(last_m).enumerate() {
             within("displacement (m)", index, to, -self.travel_m, self.travel_m)?;
             within("step (m)", index, to - from, -step_m, step_m)?;
@@ -122,7 +134,7 @@ impl SafetyLimits {
     /// A pair that stands beyond a bound may come back towards it.
     fn admit_pairs(&self, pulls_m: &[f64], last_m: &[f64]) -> Result<(), Refusal> {
         let half = pulls_m.len() / 2;
-        if pulls_m.len() % 2 != 0 {
+        if !pulls_m.len().is_multiple_of(2) {
             return Ok(());
         }
         for index in 0..half {

@@ -28,6 +28,8 @@ use line::Line;
 const HOMING_S: f64 = 120.0;
 /// A tick whose robot is held or whose controller is busy is waited for this long, s; the guard stops the robot before.
 const PATIENCE_S: f64 = 2.0;
+/// A command that needs more ticks than this is a mistake.
+const MOST_TICKS: usize = 4;
 /// Longest that a pose is waited for after a tick, s.
 const POSE_S: f64 = 0.03;
 
@@ -202,33 +204,34 @@ impl Hardware {
         ended.unwrap_or_else(|| Err(late("a hold or homing"))).map(|()| held)
     }
 
-    /// Refuses a command before the model moves, so that both stay where they are.
+    /// Refuses a command before the model moves, so that both stay where they are. How far tendons that follow go is for
+    /// the model to say.
     fn admit(&self, commands: &[TendonCommand]) -> Result<(), PlantError> {
-        let follows = commands.contains(&TendonCommand::Follow);
-        let pulls_m: Vec<f64> = commands.iter().map(pull_m).collect();
         let last_m = self.line.rig().commanded_m();
-        match self.safety.admit(&pulls_m, &last_m, self.step_s) {
-            // How far tendons that follow go, and the others with them, is the plant's own business.
-            Err(Refusal::Beyond { .. }) if follows => Ok(()),
+        let pulls_m: Vec<f64> = commands.iter().map(pull_m).collect();
+        let ticks = self.safety.ticks(&pulls_m, &last_m, self.step_s).clamp(1, MOST_TICKS);
+        match self.safety.admit(&pulls_m, &last_m, self.step_s * ticks as f64, ticks) {
+            Err(Refusal::Beyond { .. }) if commands.contains(&TendonCommand::Follow) => Ok(()),
             other => other.map_err(|refusal| PlantError::Refused(refusal.to_string())),
         }
     }
 
-    /// Where tendons follow, all of them go as far together as one step may: a tendon that is pulled from where it
-    /// followed has further to go.
-    fn limit_followers(&self, commands: &[TendonCommand], pulls_m: &mut [f64]) {
-        if !commands.contains(&TendonCommand::Follow) {
-            return;
+    /// Moves the tendons to `pulls_m` in as many ticks as the limits ask for; true if the robot was held on the way.
+    fn carry_out(&mut self, pulls_m: &[f64], begin_s: f64) -> Result<bool, PlantError> {
+        let from_m = self.line.rig().commanded_m();
+        let ticks = self.safety.ticks(pulls_m, &from_m, self.step_s).max(1);
+        let mut held = false;
+        for tick in 1..=ticks {
+            let share = tick as f64 / ticks as f64;
+            let there_m: Vec<f64> = pulls_m.iter().zip(&from_m).map(|(to, from)| from + share * (to - from)).collect();
+            self.send(&there_m)?;
+            let end_s = begin_s + self.step_s * tick as f64;
+            self.line.clock.sleep_until(end_s);
+            self.timing.jitter_s.push(self.line.clock.now_s() - end_s);
+            held |= self.until_active(end_s + PATIENCE_S)?;
+            self.due_s = end_s;
         }
-        let (from_m, limits) = (self.line.rig().commanded_m(), self.safety);
-        let step_m = limits.max_step_m.min(limits.max_speed_m_s * self.step_s);
-        let within = |pull_m: f64| pull_m.clamp(-limits.travel_m, limits.travel_m);
-        let change_m = |(to, from): (&f64, &f64)| (within(*to) - from).abs();
-        let largest_m = pulls_m.iter().zip(&from_m).map(change_m).fold(0.0, f64::max);
-        let share = if largest_m > step_m { step_m / largest_m } else { 1.0 };
-        for (pull_m, from_m) in pulls_m.iter_mut().zip(&from_m) {
-            *pull_m = from_m + share * (within(*pull_m) - from_m);
-        }
+        Ok(held)
     }
 
     /// Sends the command of a tick that is due, as soon as the robot is active and the controller has room for it.
@@ -249,7 +252,9 @@ impl Hardware {
     /// What the tracker sees now; not valid where it sees nothing.
     fn observe(&self, pulls_m: Vec<f64>) -> Observation {
         let asked_s = self.line.clock.now_s();
-        let pose = self.line.wait(asked_s + POSE_S, |rig, _| rig.tip_at(asked_s));
+        let between = self.line.wait(asked_s + POSE_S, |rig, _| rig.tip_at(asked_s));
+        // Where several frames are lost in a row, the last one does as long as the guard believes it.
+        let pose = between.or_else(|| self.line.rig().fresh_tip(asked_s));
         Observation {
             time_s: asked_s - self.trial_s,
             tip_m: pose.as_ref().map_or([f64::NAN; 3], |pose| pose.position_m),
@@ -359,19 +364,18 @@ impl Plant for Hardware {
         self.admit(commands)?;
         // The model goes first: it says how far the tendons that follow have to move.
         self.model.advance(commands, self.step_s)?;
-        let mut believed = self.model.observation(commands, 0.0);
-        self.limit_followers(commands, &mut believed.pulls_m);
-        self.send(&believed.pulls_m)?;
+        let believed = self.model.observation(commands, 0.0);
+        let travel_m = self.safety.travel_m;
+        let follow = |(command, pull_m): (&TendonCommand, &f64)| match command {
+            TendonCommand::Follow => pull_m.clamp(-travel_m, travel_m),
+            TendonCommand::Pull(asked_m) => *asked_m,
+        };
+        let pulls_m: Vec<f64> = commands.iter().zip(&believed.pulls_m).map(follow).collect();
         self.line.rig().expect(Some(believed.tip_m));
-        let end_s = f64::max(self.due_s, now_s) + self.step_s;
-        self.line.clock.sleep_until(end_s);
-        let woken_s = self.line.clock.now_s();
-        if self.until_active(end_s + PATIENCE_S)? {
+        if self.carry_out(&pulls_m, f64::max(self.due_s, now_s))? {
             self.timing.held += 1;
         }
-        let seen = self.observe(believed.pulls_m);
-        self.timing.jitter_s.push(woken_s - end_s);
-        self.due_s = end_s;
+        let seen = self.observe(pulls_m);
         Ok(seen)
     }
 }
