@@ -1,5 +1,6 @@
 //! A robot on a bench: four lead screws, a tracker, and the guard between them and whoever decides.
 
+mod hands;
 mod line;
 mod options;
 mod rehearsal;
@@ -22,6 +23,7 @@ use crate::hardware::safety::{Latch, Refusal, SafetyLimits, State};
 use crate::hardware::tracking::{Tracking, TrackingStatus};
 use crate::hardware::wire::{SerialWire, Wire};
 
+use hands::Claim;
 use line::Line;
 
 /// Longest that homing and the way home may take, s.
@@ -47,6 +49,8 @@ pub struct Hardware {
     timing: Timing,
     /// The imitations behind the drivers, in a rehearsal.
     stage: Option<Stage>,
+    /// The right to use the robot, where there is one. Given back last.
+    claim: Option<Claim>,
 }
 
 impl Hardware {
@@ -72,12 +76,15 @@ impl Hardware {
                         options.name
                     ));
                 }
+                let claim = Claim::new(&options.attached)?;
                 let wire = SerialWire::open(&options.motion.port, options.motion.baud)
                     .map_err(|error| format!("{}: cannot open the port: {error}", options.motion.port))?;
                 let interrupt = Interrupt::of_process().map_err(|error| error.to_string())?;
                 let parts =
                     Opened { wire: Box::new(wire), clock: Arc::new(WallClock::new()), latch: Some(latch), interrupt };
-                Hardware::of(options, &options.tracking, step_s, parts)
+                let mut plant = Hardware::of(options, &options.tracking, step_s, parts)?;
+                plant.claim = Some(claim);
+                Ok(plant)
             }
         }
     }
@@ -114,6 +121,7 @@ impl Hardware {
             due_s: 0.0,
             timing: Timing::default(),
             stage: None,
+            claim: None,
         })
     }
 
