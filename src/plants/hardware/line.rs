@@ -19,10 +19,9 @@ pub(super) struct Line {
 }
 
 impl Line {
-    /// Watches `rig` from now on. The calling thread and the watching one join the clock.
+    /// Watches `rig` from now on. The calling thread has joined the clock, and leaves it when the line is dropped.
     pub(super) fn new(rig: Rig, clock: Arc<dyn Clock>) -> Line {
         let (rig, over) = (Arc::new(Mutex::new(rig)), Arc::new(AtomicBool::new(false)));
-        clock.join();
         clock.join();
         let watch = std::thread::spawn({
             let (rig, clock, over) = (Arc::clone(&rig), Arc::clone(&clock), Arc::clone(&over));

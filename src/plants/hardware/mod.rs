@@ -89,6 +89,7 @@ impl Hardware {
         }
     }
 
+    /// The calling thread has joined the clock.
     fn of(
         options: &HardwareOptions,
         tracking: &crate::hardware::tracking::TrackingSettings,
@@ -96,12 +97,13 @@ impl Hardware {
         opened: Opened,
     ) -> Result<Hardware, String> {
         let Opened { wire, clock, latch, interrupt } = opened;
-        clock.join();
         let controller = Controller::open(wire, &options.motion, clock.as_ref()).map_err(|fault| fault.to_string());
         let tracking = Tracking::open(tracking.clone(), clock.as_ref()).map_err(|fault| fault.to_string());
-        clock.leave();
-        let (controller, tracking) = (controller?, tracking?);
-        fast_enough(&controller, &options.safety, step_s)?;
+        let ready = controller.and_then(|controller| {
+            fast_enough(&controller, &options.safety, step_s)?;
+            Ok((controller, tracking?))
+        });
+        let (controller, tracking) = ready.inspect_err(|_| clock.leave())?;
         let parts = Parts {
             controller,
             tracking,

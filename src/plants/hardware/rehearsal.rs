@@ -37,7 +37,7 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// Opens the imitations: the stage, the driver's end of the serial line, and what the tracker's client has to know.
+    /// Opens the imitations and joins their clock for the calling thread, which would else go on without it: the stage, the driver's end of the serial line, and what the tracker's client has to know.
     pub(super) fn open(
         options: &HardwareOptions,
         rehearsal: &RehearsalOptions,
@@ -68,6 +68,7 @@ impl Stage {
         let body = Imitated::new(&rehearsal.model, &options.attached);
         let seen = Box::new(move |base: &Pose, tip: &Pose| mounting.tip_body(base, tip));
         let world = World::new(controller, tracker, Box::new(body), options.axes, seen);
+        clock.join();
         let running = Running::start(world, Arc::clone(&clock)).map_err(|error| error.to_string())?;
         Ok((Stage { running, clock, interrupt: Interrupt::new() }, Box::new(ours), tracking))
     }
