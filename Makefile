@@ -26,7 +26,7 @@ reproduce: build ## Table I, Figs 5, 6 and 8 and the claims, into results/ and p
 test: ## format, lints, all tests, documentation
 	cargo fmt --check
 	cargo clippy --release --all-targets -- -D warnings
-	cargo test --release
+	cargo test --release --no-fail-fast
 	RUSTDOCFLAGS="-D warnings" cargo doc --release --no-deps
 
 bench: build ## microbenchmarks, then one repetition of everything from nothing: where the time goes, by stage

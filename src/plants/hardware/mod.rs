@@ -233,7 +233,8 @@ impl Hardware {
         let mut held = false;
         for tick in 1..=ticks {
             let share = tick as f64 / ticks as f64;
-            let there_m: Vec<f64> = pulls_m.iter().zip(&from_m).map(|(to, from)| from + share * (to - from)).collect();
+            let there_m: Vec<f64> =
+                pulls_m.iter().zip(&from_m).map(|(to, from)| share * to + (1.0 - share) * from).collect();
             self.send(&there_m)?;
             let end_s = begin_s + self.step_s * tick as f64;
             self.line.clock.sleep_until(end_s);
