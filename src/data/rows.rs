@@ -331,3 +331,20 @@ pub struct PeerRow {
     /// `ok` or the named failure.
     pub status: String,
 }
+
+/// One stage behind an experiment's results: what it was filed under, what came out and what it took.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StageRow {
+    /// Kind of stage.
+    pub stage: String,
+    /// Which of its kind.
+    pub label: String,
+    /// Digest of everything that it depends on, its code included; shortened.
+    pub key: String,
+    /// Digest of its result; empty where it has failed or could not be kept.
+    pub result: String,
+    /// Seconds on the clock, when it was computed.
+    pub wall_s: f64,
+    /// Seconds on a processor of the thread that carried it out, when it was computed.
+    pub cpu_s: f64,
+}

@@ -12,6 +12,7 @@ mod locate;
 mod model;
 mod path;
 mod plant;
+mod slurm;
 mod suggest;
 mod wording;
 
@@ -24,6 +25,7 @@ pub use locate::{End, locate};
 pub use model::{extended_text, model_text, read_model, read_options, read_plant};
 pub use path::{KeyPath, Step};
 pub use plant::{PlantSpec, SimulatedSpec};
+pub use slurm::SlurmOptions;
 
 use serde::Serialize;
 use std::path::Path;
