@@ -348,3 +348,24 @@ pub struct StageRow {
     /// Seconds on a processor of the thread that carried it out, when it was computed.
     pub cpu_s: f64,
 }
+
+/// How long a campaign takes on so many workers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ScalingRow {
+    /// `threads`, `two processes apart` and `everything stored` (measured), `ideal cluster` and `job arrays` (replayed).
+    pub system: String,
+    /// Threads, or nodes of one processor each.
+    pub workers: u64,
+    /// Stages of the campaign; 0 where it was measured as a whole.
+    pub stages: u64,
+    /// Time from begin to end, s.
+    pub wall_s: f64,
+    /// Share of the workers' time that goes into stages.
+    pub efficiency: f64,
+    /// What goes through the store, gigabytes.
+    pub store_gb: f64,
+    /// The same over the time, megabytes a second.
+    pub store_mb_s: f64,
+    /// What the time is mostly made of.
+    pub bound: String,
+}
