@@ -138,6 +138,7 @@ fn a_package_is_opened_by_one_room() {
         ("plotters", "report"),
         ("rayon", "runner"),
         ("indicatif", "runner"),
+        ("blake3", "runner"),
     ];
     let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut files = Vec::new();

@@ -1,12 +1,15 @@
 //! Runs that are killed, share a store, find it damaged or full: nothing is lost, nothing half-computed is believed,
 //! and the results are the same bytes.
 
+mod run_support;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use rand::RngExt;
+use run_support::published;
 use spinebench::base::Seed;
 use spinebench::runner::Store;
 
@@ -32,24 +35,6 @@ fn run(folder: &Path, more: &[&str]) -> (usize, usize, String) {
     let line = said.lines().find(|line| line.contains("stages computed")).unwrap();
     let numbers: Vec<usize> = line.split(' ').filter_map(|word| word.parse().ok()).collect();
     (numbers[0], numbers[1], said)
-}
-
-/// All published files but those that hold clocks.
-fn published(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    fn visit(folder: &Path, found: &mut BTreeMap<PathBuf, Vec<u8>>) {
-        for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
-            let path = entry.path();
-            if path.is_dir() {
-                visit(&path, found);
-            } else if !path.ends_with("manifest.yaml") && !path.ends_with("stages.csv") {
-                found.insert(path.clone(), std::fs::read(&path).unwrap());
-            }
-        }
-    }
-    let mut found = BTreeMap::new();
-    visit(&folder.join("results"), &mut found);
-    visit(&folder.join("plots"), &mut found);
-    found.into_iter().map(|(path, bytes)| (path.strip_prefix(folder).unwrap().to_owned(), bytes)).collect()
 }
 
 /// What an undisturbed run publishes, how many stages it computes and how long it takes.

@@ -24,13 +24,7 @@ pub struct Assumed {
 impl Default for Assumed {
     /// A scheduler as measured on the emulated one of `tests/slurm`, a store behind one 10-gigabit line.
     fn default() -> Self {
-        Assumed {
-            begin_s: 1.0,
-            launches_per_s: 50.0,
-            store_bytes_s: 1.0e9,
-            store_latency_s: 0.005,
-            task_ms: 60_000,
-        }
+        Assumed { begin_s: 1.0, launches_per_s: 50.0, store_bytes_s: 1.0e9, store_latency_s: 0.005, task_ms: 60_000 }
     }
 }
 
@@ -53,7 +47,10 @@ pub fn replay(campaign: &Campaign, recorded: &Recorded, assumed: &Assumed, nodes
     };
     let chain_s = work.chain_s(graph);
     let bound = if chain_s > 0.9 * ideal_s { "longest chain" } else { "work" };
-    [row("ideal cluster", ideal_s, work.bytes(graph), bound), row("job arrays", arrays.wall_s, arrays.bytes, arrays.bound)]
+    [
+        row("ideal cluster", ideal_s, work.bytes(graph), bound),
+        row("job arrays", arrays.wall_s, arrays.bytes, arrays.bound),
+    ]
 }
 
 /// What each stage takes and how large its result is.

@@ -29,7 +29,10 @@ impl Recorded {
 
     /// What stage number `number` takes: the recorded times of its kind in turn.
     pub fn wall_s(&self, kind: &str, number: usize) -> f64 {
-        self.0.get(kind).filter(|kind| !kind.wall_s.is_empty()).map_or(0.0, |kind| kind.wall_s[number % kind.wall_s.len()])
+        self.0
+            .get(kind)
+            .filter(|kind| !kind.wall_s.is_empty())
+            .map_or(0.0, |kind| kind.wall_s[number % kind.wall_s.len()])
     }
 
     pub fn bytes(&self, kind: &str) -> f64 {

@@ -6,7 +6,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::data::findings::CaseRow;
-use crate::data::rows::{ClaimRow, GapRow, PeerRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow};
+use crate::data::rows::{ClaimRow, GapRow, PeerRow, ScalingRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow};
 use crate::data::{DataError, tables};
 
 /// The rows that a figure may ask for; an experiment fills in those it has.
@@ -30,6 +30,8 @@ pub struct Published {
     pub peers: Vec<PeerRow>,
     /// Blind cases of discovery (`discovery.csv`).
     pub cases: Vec<CaseRow>,
+    /// Campaigns on more and more workers (`scaling.csv`).
+    pub scaling: Vec<ScalingRow>,
 }
 
 impl Published {
@@ -48,6 +50,7 @@ impl Published {
             sweep: rows(folder, "sweep.csv")?,
             peers: rows(folder, "work_precision.csv")?,
             cases: rows(folder, "discovery.csv")?,
+            scaling: rows(folder, "scaling.csv")?,
         })
     }
 
@@ -66,6 +69,7 @@ impl Published {
         write(folder, "sweep.csv", &self.sweep)?;
         write(folder, "work_precision.csv", &self.peers)?;
         write(folder, "discovery.csv", &self.cases)?;
+        write(folder, "scaling.csv", &self.scaling)?;
         Published::read(folder)
     }
 }
