@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use run_support::published;
+use run_support::{assert_same, published};
 use spinebench::runner::Store;
 
 const SMOKE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/experiments/smoke.yaml");
@@ -148,7 +148,7 @@ fn a_node_loses_power(cluster: &Cluster, folder: &Path, expected: &BTreeMap<Path
     let line = words.lines().find(|line| line.contains("stages computed")).unwrap();
     let computed: usize = line.split(' ').find_map(|word| word.parse().ok()).unwrap();
     assert!(computed < stages / 4, "{computed} of {stages} stages were left to this machine");
-    assert!(published(folder) == *expected, "another result than on this machine");
+    assert_same(&published(folder), expected, "not as on this machine");
     cluster.tell("start-node", "n2");
 }
 
@@ -177,7 +177,7 @@ fn leaving_and_coming_back(cluster: &Cluster, folder: &Path, expected: &BTreeMap
 
     let output = end(cluster.spinebench(folder, &arguments).stderr(Stdio::piped()).spawn().unwrap());
     assert!(output.status.success(), "{}", said(&output));
-    assert!(published(folder) == *expected, "another result than on this machine");
+    assert_same(&published(folder), expected, "not as on this machine");
 }
 
 fn calling_off(cluster: &Cluster, folder: &Path) {

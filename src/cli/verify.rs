@@ -37,10 +37,12 @@ impl Verify {
             let file = self.folder(&name).join("spec.yaml");
             specs.push(Experiment::read(&file, &[]).map_err(|error| bad(error.to_string()))?);
         }
-        let on_bench = |spec: &&Experiment| matches!(&spec.plant, PlantSpec::Hardware(robot) if robot.rehearsal.is_none());
+        let on_bench =
+            |spec: &&Experiment| matches!(&spec.plant, PlantSpec::Hardware(robot) if robot.rehearsal.is_none());
         if let Some(spec) = specs.iter().find(on_bench) {
             let name = &spec.name;
-            let words = format!("{name}: found a robot on a bench, expected one that does the same twice; name the others");
+            let words =
+                format!("{name}: found a robot on a bench, expected one that does the same twice; name the others");
             return Err(bad(words));
         }
         let campaign = Campaign::expand(specs).map_err(|failure| bad(failure.to_string()))?;

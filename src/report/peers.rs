@@ -47,7 +47,8 @@ fn draw(rows: &[&PeerRow]) -> Canvas {
     let mut keys: Vec<(Key, &str)> = labels.iter().map(|(look, words)| (Key::Plain(*look), words.as_str())).collect();
     keys.push((Key::Line(GREY, DASHED), "real time"));
     let below = legend(&mut canvas, [LEFT, 18.0], PAGE_WIDTH - 12.0, &keys);
-    let y = Axis::decades("processor time (ms per simulated s)", rows.iter().map(|row| 1e3 * row.cpu_s_per_s).chain([1e3]));
+    let y =
+        Axis::decades("processor time (ms per simulated s)", rows.iter().map(|row| 1e3 * row.cpu_s_per_s).chain([1e3]));
     let wide = (PAGE_WIDTH - LEFT - 14.0) / robots.len() as f64;
     for (index, robot) in robots.iter().enumerate() {
         let own: Vec<&PeerRow> = rows.iter().copied().filter(|row| row.robot == *robot).collect();

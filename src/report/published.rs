@@ -6,7 +6,9 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::data::findings::CaseRow;
-use crate::data::rows::{ClaimRow, GapRow, PeerRow, ScalingRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow};
+use crate::data::rows::{
+    ClaimRow, GapRow, PeerRow, ScalingRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow,
+};
 use crate::data::{DataError, tables};
 
 /// The rows that a figure may ask for; an experiment fills in those it has.

@@ -39,20 +39,22 @@ fn draw(rows: &[&ScalingRow]) -> Canvas {
     let time = Axis::decades("time from begin to end (h)", rows.iter().map(|row| row.wall_s / 3600.0));
     let share = Axis::exact("share of the nodes’ time in stages (%)", 0.0, 100.0, 5);
     let wide = (PAGE_WIDTH - LEFT - 14.0) / 2.0;
-    let panels = [("(a) time", time), ("(b) efficiency", share)].into_iter().enumerate().map(|(index, (title, y))| Panel {
-        corner: [LEFT + (wide + 14.0) * index as f64, below + 34.0],
-        size: [wide - 44.0, PANEL_HIGH],
-        x: nodes.clone(),
-        y,
-        title: title.to_owned(),
-    });
+    let panels =
+        [("(a) time", time), ("(b) efficiency", share)].into_iter().enumerate().map(|(index, (title, y))| Panel {
+            corner: [LEFT + (wide + 14.0) * index as f64, below + 34.0],
+            size: [wide - 44.0, PANEL_HIGH],
+            x: nodes.clone(),
+            y,
+            title: title.to_owned(),
+        });
     for (index, panel) in panels.enumerate() {
         panel.draw(&mut canvas);
         if index == 1 {
             panel.line(&mut canvas, &[[panel.x.low, 90.0], [panel.x.high, 90.0]], GREY, DASHED, HAIR);
         }
         for (look, (system, _)) in LOOKS.iter().zip(SYSTEMS) {
-            let value = |row: &ScalingRow| if index == 0 { (row.wall_s / 3600.0).log10() } else { 100.0 * row.efficiency };
+            let value =
+                |row: &ScalingRow| if index == 0 { (row.wall_s / 3600.0).log10() } else { 100.0 * row.efficiency };
             let own = rows.iter().filter(|row| row.system == system);
             let points: Vec<[f64; 2]> = own.map(|row| [(row.workers as f64).log10(), value(row)]).collect();
             panel.line(&mut canvas, &points, look.colour, look.dash, LINE);
@@ -63,7 +65,9 @@ fn draw(rows: &[&ScalingRow]) -> Canvas {
     }
     let stages = rows.iter().map(|row| row.stages).max().unwrap_or(0);
     let note = format!("{stages} stages, their times recorded on one processor; dashed: 90 %");
-    canvas.text(Text::new(&note, [PAGE_WIDTH - 14.0, below + 34.0 + PANEL_HIGH + 44.0], SMALL, Align::Right).colour(GREY));
+    canvas.text(
+        Text::new(&note, [PAGE_WIDTH - 14.0, below + 34.0 + PANEL_HIGH + 44.0], SMALL, Align::Right).colour(GREY),
+    );
     canvas
 }
 
@@ -72,8 +76,10 @@ fn markdown(rows: &[ScalingRow]) -> String {
         "| system | workers | time | efficiency | through the store | mostly |\n| --- | ---: | ---: | ---: | ---: | --- |\n",
     );
     for row in rows {
-        let time = if row.wall_s < 600.0 { format!("{:.1} s", row.wall_s) } else { format!("{:.2} h", row.wall_s / 3600.0) };
-        let share = if row.efficiency.is_finite() { format!("{:.1} %", 100.0 * row.efficiency) } else { "–".to_owned() };
+        let time =
+            if row.wall_s < 600.0 { format!("{:.1} s", row.wall_s) } else { format!("{:.2} h", row.wall_s / 3600.0) };
+        let share =
+            if row.efficiency.is_finite() { format!("{:.1} %", 100.0 * row.efficiency) } else { "–".to_owned() };
         let store = if row.store_gb.is_finite() {
             format!("{:.1} GB, {:.1} MB/s", row.store_gb, row.store_mb_s)
         } else {

@@ -135,7 +135,7 @@ impl Entry {
 }
 
 fn repetition(graph: &mut Graph, experiment: &Experiment, seed: u64) -> Result<Repetition, Failure> {
-    let mut stages = Stages::new(graph, experiment, seed);
+    let mut stages = Stages::new(graph, experiment, seed)?;
     let mut one = Repetition { seed, ..Repetition::default() };
     one.gap = experiment.runs.gap.map(|gap| stages.gap(gap.rows)).transpose()?;
     one.waypoints = experiment.runs.track.as_ref().map(|_| stages.waypoints()).transpose()?;

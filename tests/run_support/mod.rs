@@ -19,3 +19,10 @@ pub(crate) fn published(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     }
     found
 }
+
+/// Fails with the names of files that one has and the other has not or has otherwise; bytes tell a person nothing.
+pub(crate) fn assert_same(found: &BTreeMap<PathBuf, Vec<u8>>, expected: &BTreeMap<PathBuf, Vec<u8>>, when: &str) {
+    let names = found.keys().chain(expected.keys());
+    let other: Vec<&PathBuf> = names.filter(|name| found.get(*name) != expected.get(*name)).collect();
+    assert!(other.is_empty(), "{when}: {other:?}");
+}

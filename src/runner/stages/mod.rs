@@ -4,6 +4,7 @@
 
 mod data;
 mod discovery;
+mod identified;
 mod learning;
 mod trials;
 
@@ -11,9 +12,11 @@ pub(super) use discovery::BlindStages;
 
 use super::code;
 use super::digest::Digest;
-use super::graph::{Failure, Graph};
-use crate::base::Seed;
+use super::graph::{Failure, Graph, Handle};
+use crate::base::{Point3, Seed};
 use crate::specs::Experiment;
+use crate::tasks::{GpPool, Samples};
+use identified::Identified;
 use std::collections::BTreeMap;
 
 /// The digest of the present code of each kind of stage, by its name.
@@ -26,16 +29,33 @@ pub fn codes() -> BTreeMap<&'static str, Digest> {
 pub struct Stages<'a> {
     graph: &'a mut Graph,
     spec: &'a Experiment,
+    model: Identified,
+    plant: Identified,
     seed: Seed,
     repetition: u64,
+    known: Known,
+}
+
+/// Stages that many others ask for, once they have been added.
+#[derive(Default)]
+struct Known {
+    explored: Option<Handle<Samples>>,
+    replayed: Option<Handle<Samples>>,
+    gp_pool: Option<Handle<GpPool>>,
+    targets: Option<Handle<data::Targets>>,
+    path: Option<Handle<Vec<Point3>>>,
 }
 
 impl<'a> Stages<'a> {
     /// For repetition number `repetition` of `spec`. Its seed depends on the spec's seed and its number only, so that
     /// experiments that share settings share stages.
-    pub fn new(graph: &'a mut Graph, spec: &'a Experiment, repetition: u64) -> Stages<'a> {
+    ///
+    /// # Errors
+    /// [`Failure`] for a robot that cannot be written into a key.
+    pub fn new(graph: &'a mut Graph, spec: &'a Experiment, repetition: u64) -> Result<Stages<'a>, Failure> {
         let seed = Seed(spec.seed).child("repetition").index(repetition);
-        Stages { graph, spec, seed, repetition }
+        let (model, plant) = (Identified::new(spec.model.clone())?, Identified::new(spec.plant.clone())?);
+        Ok(Stages { graph, spec, model, plant, seed, repetition, known: Known::default() })
     }
 
     fn label(&self, what: &str) -> String {
@@ -48,7 +68,7 @@ impl<'a> Stages<'a> {
 }
 
 /// What adding a stage yields.
-type Added<T> = Result<super::graph::Handle<T>, Failure>;
+type Added<T> = Result<Handle<T>, Failure>;
 
 /// An error of a lower room as the status of a stage.
 fn status(error: impl std::fmt::Display) -> String {
