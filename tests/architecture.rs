@@ -136,6 +136,10 @@ fn a_package_is_opened_by_one_room() {
         ("faer", "learn"),
         ("serde_yaml", "specs"),
         ("plotters", "report"),
+        ("serialport", "hardware"),
+        ("natnet", "hardware"),
+        ("socket2", "hardware"),
+        ("signal_hook", "hardware"),
         ("rayon", "runner"),
         ("indicatif", "runner"),
     ];
