@@ -208,10 +208,10 @@ fn failures_are_rows(cluster: &Cluster, folder: &Path, here: &Path) {
         std::fs::write(room.join("other.csv"), recording).unwrap();
     }
     let robot = "plant={replay: {recording: other.csv}}";
-    let modes = "modes={open: {feedback: open}, closed: {feedback: closed}}";
-    let runs = "runs={gap: {rows: 60}, reach: [{policies: [a, pi_real], modes: [open, closed], gp_points: [20], real_points: [200]}]}";
-    let arguments = ["run", SMOKE, "--seeds", "1", "--set", robot, "--set", modes, "--set", runs, "--set", "claims=[]"];
-    let arguments = [&arguments[..], &["--set", "figures=[]"]].concat();
+    let reach = "runs.reach=[{policies: [a, pi_real], modes: [open, closed], gp_points: [20], real_points: [200]}]";
+    let sets = [robot, reach, "modes.closed_load.effects=[]", "runs.track=null", "claims=[]", "figures=[]"];
+    let arguments = ["run", SMOKE, "--seeds", "1"].into_iter().chain(sets.into_iter().flat_map(|set| ["--set", set]));
+    let arguments: Vec<&str> = arguments.collect();
     let local = cluster.spinebench(here, &arguments).output().unwrap();
     let child = cluster.spinebench(folder, &[&arguments[..], &["--executor", "slurm"]].concat());
     let output = end({ child }.stderr(Stdio::piped()).spawn().unwrap());
