@@ -28,7 +28,7 @@ fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
             let path = entry.path();
             if path.is_dir() {
                 visit(root, &path, found);
-            } else if !path.ends_with("manifest.yaml") && path.extension().is_none_or(|end| end != "time") {
+            } else if !path.ends_with("manifest.yaml") && path.extension().is_none_or(|end| end != "note") {
                 found.insert(path.strip_prefix(root).unwrap().to_owned(), std::fs::read(&path).unwrap());
             }
         }

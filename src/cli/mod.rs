@@ -1,7 +1,9 @@
 //! The commands. Exit status 0: done; 1: ran, and the answer is no; 2: bad input or usage, and nothing was written.
 
 mod arm;
+mod cache;
 mod calibrate;
+mod cluster;
 mod collect;
 mod discover;
 mod doctor;
@@ -28,6 +30,7 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     Run(run::Run),
+    Cache(cache::CacheCommand),
     Plan(plan::Plan),
     Simulate(simulate::Simulate),
     Calibrate(calibrate::Calibrate),
@@ -39,6 +42,10 @@ enum Command {
     Import(import::Import),
     Page(page::Page),
     Verify(verify::Verify),
+    Status(cluster::Status),
+    Cancel(cluster::Cancel),
+    #[command(hide = true)]
+    Work(cluster::Work),
 }
 
 /// How a command that did not succeed ends.
@@ -68,6 +75,7 @@ pub(crate) type Outcome = Result<(), Ended>;
 pub(crate) fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Run(run) => run.carry_out(),
+        Command::Cache(cache) => cache.carry_out(),
         Command::Plan(plan) => plan.carry_out(),
         Command::Simulate(simulate) => simulate.carry_out(),
         Command::Calibrate(calibrate) => calibrate.carry_out(),
@@ -79,6 +87,9 @@ pub(crate) fn main() -> ExitCode {
         Command::Import(import) => import.carry_out(),
         Command::Page(page) => page.carry_out(),
         Command::Verify(verify) => verify.carry_out(),
+        Command::Status(status) => status.carry_out(),
+        Command::Cancel(cancel) => cancel.carry_out(),
+        Command::Work(work) => work.carry_out(),
     };
     let (words, status) = match outcome {
         Ok(()) => return ExitCode::SUCCESS,

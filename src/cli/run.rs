@@ -1,12 +1,14 @@
 //! `spinebench run`.
 
+use super::cluster::Cluster;
 use super::shared::{Cache, Specs, Telling};
 use super::{Ended, Outcome};
 use clap::{Args, ValueEnum};
 use spinebench::data::rows::ClaimRow;
-use spinebench::runner::{self, Campaign, Files, Manifest, Outcomes, Progress, Publication, StageTimes, Store};
-use std::collections::BTreeMap;
+use spinebench::runner::{self, Campaign, Files, Manifest, Orders, Outcomes, Progress, Publication, StageTimes, Store};
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 /// Expands specs to stages, runs what is not stored, writes tables and figures.
@@ -24,21 +26,24 @@ pub(super) struct Run {
     /// Where stages are carried out.
     #[arg(long, value_enum, default_value_t = Executor::Local)]
     executor: Executor,
+    #[command(flatten)]
+    cluster: Cluster,
     /// Exit status 1 when a claim is not reproduced or a trial failed (a stage without which trials are missing: always).
     #[arg(long)]
     strict: bool,
 }
 
 /// Where stages are carried out.
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Executor {
     /// On this machine's threads.
     Local,
+    /// As job arrays on a Slurm cluster that shares this folder; `--jobs` tasks at a time.
+    Slurm,
 }
 
 impl Run {
     pub(super) fn carry_out(self) -> Outcome {
-        let Executor::Local = self.executor;
         let campaign = self.specs.campaign()?;
         writable(&self.out)
             .map_err(|error| Ended::BadInput(format!("{}: found {error}, expected a folder", self.out.display())))?;
@@ -46,7 +51,17 @@ impl Run {
         let began = Instant::now();
         let wanted = campaign.wanted();
         let store = self.cache.store();
-        let outcomes = runner::execute(&campaign.graph, &store, &wanted, self.telling.jobs, &progress)
+        let mut known = HashMap::new();
+        let mut threads = self.telling.jobs;
+        if self.executor == Executor::Slurm {
+            match self.cluster.fill(&campaign, &store, self.telling.jobs, &progress)? {
+                Some(failures) => known = failures,
+                None => return Ok(()),
+            }
+            threads = 1;
+        }
+        let orders = Orders { threads, progress: &progress, stop: &AtomicBool::new(false), known: &known };
+        let outcomes = runner::carry_out(&campaign.graph, &store, &wanted, &orders)
             .map_err(|failure| Ended::No(failure.to_string()))?;
         let wall_s = began.elapsed().as_secs_f64();
         let published = self.publish(&campaign, &outcomes, &store, wall_s).map_err(Ended::No)?;
@@ -76,8 +91,10 @@ impl Run {
             let name = entry.experiment.name.clone();
             let publication = entry.publish(outcomes).map_err(|error| format!("{name}: {error}"))?;
             let manifest = Manifest::new(campaign, entry, outcomes, store, self.telling.jobs, wall_s);
-            let path = Path::new("results").join(&name).join("manifest.yaml");
-            files.insert(path, manifest.to_yaml()?);
+            let folder = Path::new("results").join(&name);
+            files.insert(folder.join("manifest.yaml"), manifest.to_yaml()?);
+            let trail = runner::trail(campaign, entry, outcomes, store);
+            runner::put(&mut files, &folder.join("stages.csv"), &trail).map_err(|error| words(&error))?;
             files.extend(publication.files.clone());
             claims.insert(name, publication.claims.clone());
             published.push(publication);

@@ -3,11 +3,14 @@
 use super::shared::Telling;
 use super::{Ended, Outcome};
 use clap::Args;
-use spinebench::runner::{self, Campaign, Store};
+use spinebench::data::rows::StageRow;
+use spinebench::data::tables::read_csv;
+use spinebench::runner::{self, Campaign, Entry, Files, Manifest, Standard, Store};
 use spinebench::specs::Experiment;
 use std::path::{Path, PathBuf};
 
-/// Reruns the published experiments from nothing and compares with `results/` and `plots/`, byte for byte.
+/// Reruns the published experiments from nothing and compares with `results/` and `plots/`: byte for byte where the
+/// same kind of processor computed them, number by number where another did.
 #[derive(Args)]
 pub(super) struct Verify {
     /// Names of published experiments; all when none is given.
@@ -16,6 +19,9 @@ pub(super) struct Verify {
     /// Folder that `results/` and `plots/` are in.
     #[arg(long, value_name = "DIR", default_value = ".")]
     out: PathBuf,
+    /// Share by which numbers may differ [default: 0 on the processor that the manifest names, else 1e-6].
+    #[arg(long, value_name = "SHARE")]
+    tolerance: Option<f64>,
     #[command(flatten)]
     telling: Telling,
 }
@@ -23,9 +29,12 @@ pub(super) struct Verify {
 impl Verify {
     pub(super) fn carry_out(self) -> Outcome {
         let bad = |words: String| Ended::BadInput(words);
+        if let Some(found) = self.tolerance.filter(|share| !(0.0..1.0).contains(share)) {
+            return Err(bad(format!("--tolerance: found {found}, expected a share of at least 0 and below 1")));
+        }
         let mut specs = Vec::new();
         for name in self.names().map_err(bad)? {
-            let file = self.out.join("results").join(&name).join("spec.yaml");
+            let file = self.folder(&name).join("spec.yaml");
             specs.push(Experiment::read(&file, &[]).map_err(|error| bad(error.to_string()))?);
         }
         let campaign = Campaign::expand(specs).map_err(|failure| bad(failure.to_string()))?;
@@ -34,14 +43,51 @@ impl Verify {
         let (store, wanted) = (Store::at(&scratch.0), campaign.wanted());
         let outcomes = runner::execute(&campaign.graph, &store, &wanted, self.telling.jobs, &progress)
             .map_err(|failure| Ended::No(failure.to_string()))?;
+        let mut wrong = Vec::new();
         for entry in &campaign.entries {
             let name = &entry.experiment.name;
             let publication = entry.publish(&outcomes).map_err(|error| Ended::No(format!("{name}: {error}")))?;
-            runner::compare(&publication.files, &self.out)
-                .map_err(|difference| Ended::No(format!("{name}: differs: {difference}")))?;
-            progress.say(&format!("{name}: {} files are the same", publication.files.len()));
+            let trail = runner::trail(&campaign, entry, &outcomes, &store);
+            match self.compare(entry, &publication.files, &trail) {
+                Ok(said) => progress.say(&format!("{name}: {said}")),
+                Err(said) => wrong.push(format!("{name}: differs: {said}")),
+            }
         }
-        Ok(())
+        if wrong.is_empty() { Ok(()) } else { Err(Ended::No(wrong.join("\n"))) }
+    }
+
+    /// Compares one experiment: what agrees, or what differs first.
+    fn compare(&self, entry: &Entry, files: &Files, trail: &[StageRow]) -> Result<String, String> {
+        let folder = self.folder(&entry.experiment.name);
+        let standard = self.standard(&folder);
+        runner::compare(files, &self.out, standard).map_err(|difference| {
+            let published: Vec<StageRow> = read_csv(&folder.join("stages.csv")).unwrap_or_default();
+            match runner::parting(&published, trail).filter(|_| !published.is_empty()) {
+                Some(parting) => format!("{difference}; first stage that differs: {parting}"),
+                None => difference.to_string(),
+            }
+        })?;
+        Ok(match standard {
+            Standard::Bytes => format!("{} files are the same", files.len()),
+            Standard::Numbers(share) => {
+                format!("the tables of {} files agree to {share:e} of each number; pictures not compared", files.len())
+            }
+        })
+    }
+
+    /// Bytes where the processor is the published one and nobody asks for less.
+    fn standard(&self, folder: &Path) -> Standard {
+        let published = || Manifest::read(&folder.join("manifest.yaml")).map(|manifest| manifest.processor);
+        match self.tolerance {
+            Some(share) if share > 0.0 => Standard::Numbers(share),
+            Some(_) => Standard::Bytes,
+            None if published().is_ok_and(|processor| processor != runner::processor()) => Standard::Numbers(1e-6),
+            None => Standard::Bytes,
+        }
+    }
+
+    fn folder(&self, experiment: &str) -> PathBuf {
+        self.out.join("results").join(experiment)
     }
 
     /// The experiments that are asked for, or all that are published.

@@ -12,5 +12,5 @@ mod sheet;
 pub mod tables;
 
 pub use error::DataError;
-pub use file::write_atomic;
+pub use file::{write_atomic, write_together};
 pub use recording::{Actuation, Recording};

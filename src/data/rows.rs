@@ -331,3 +331,41 @@ pub struct PeerRow {
     /// `ok` or the named failure.
     pub status: String,
 }
+
+/// One stage behind an experiment's results: what it was filed under, what came out and what it took.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StageRow {
+    /// Kind of stage.
+    pub stage: String,
+    /// Which of its kind.
+    pub label: String,
+    /// Digest of everything that it depends on, its code included; shortened.
+    pub key: String,
+    /// Digest of its result; empty where it has failed or could not be kept.
+    pub result: String,
+    /// Seconds on the clock, when it was computed.
+    pub wall_s: f64,
+    /// Seconds on a processor of the thread that carried it out, when it was computed.
+    pub cpu_s: f64,
+}
+
+/// How long a campaign takes on so many workers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ScalingRow {
+    /// `threads`, `two processes apart` and `everything stored` (measured), `ideal cluster` and `job arrays` (replayed).
+    pub system: String,
+    /// Threads, or nodes of one processor each.
+    pub workers: u64,
+    /// Stages of the campaign; 0 where it was measured as a whole.
+    pub stages: u64,
+    /// Time from begin to end, s.
+    pub wall_s: f64,
+    /// Share of the workers' time that goes into stages.
+    pub efficiency: f64,
+    /// What goes through the store, gigabytes.
+    pub store_gb: f64,
+    /// The same over the time, megabytes a second.
+    pub store_mb_s: f64,
+    /// What the time is mostly made of.
+    pub bound: String,
+}

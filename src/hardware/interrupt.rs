@@ -1,10 +1,10 @@
-//! Ctrl-C and SIGTERM: the robot is held before the program ends.
+//! Signals that ask the program to end: the robot is held, or what was begun is ended, before it does.
 
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
-use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR2};
 use signal_hook::flag;
 
 /// Whether somebody has asked the program to end.
@@ -32,6 +32,21 @@ impl Interrupt {
             flag::register(signal, Arc::clone(&interrupt.0))?;
         }
         Ok(OWN.get_or_init(|| interrupt).clone())
+    }
+
+    /// The one of a task on a cluster, which SIGUSR2 tells that its time is nearly over.
+    ///
+    /// # Errors
+    /// When the system refuses the handler.
+    pub fn of_batch() -> io::Result<Interrupt> {
+        let interrupt = Interrupt::new();
+        flag::register(SIGUSR2, Arc::clone(&interrupt.0))?;
+        Ok(interrupt)
+    }
+
+    /// What is true once the program has been asked to end.
+    pub fn flag(&self) -> &AtomicBool {
+        &self.0
     }
 
     /// Asks the program to end.

@@ -2,7 +2,7 @@
 
 use super::graph::{Failure, Graph, Handle};
 use super::metrics::{ANY_TRAINING, Tables};
-use super::schedule::Outcomes;
+use super::outcomes::Outcomes;
 use super::stages::{BlindStages, Stages};
 use crate::base::Point3;
 use crate::data::rows::{GapRow, GpRow, TrackRow, TrialRow};

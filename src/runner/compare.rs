@@ -1,7 +1,19 @@
-//! Results against published ones, to the byte.
+//! Results against published ones: to the byte, or where another processor computed them, to a stated tolerance.
 
 use super::results::Files;
 use std::path::{Path, PathBuf};
+
+/// How alike results must be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Standard {
+    /// To the byte, pictures included.
+    Bytes,
+    /// Numbers in tables to this share of the larger one (or a nanometre); other words exactly; no pictures.
+    Numbers(f64),
+}
+
+/// Numbers that are this close together are the same under any tolerance.
+const NEGLIGIBLE: f64 = 1e-9;
 
 /// The first difference found.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -31,7 +43,7 @@ pub enum Difference {
 }
 
 /// Tables in the order in which the stages behind them depend on each other.
-const ORDER: [(&str, &str); 7] = [
+const ORDER: [(&str, &str); 8] = [
     ("spec.yaml", "spec"),
     ("gap.csv", "collect_real"),
     ("gp.csv", "gp_fit"),
@@ -39,6 +51,7 @@ const ORDER: [(&str, &str); 7] = [
     ("waypoints.csv", "waypoints"),
     ("trials.csv", "reach"),
     ("tracks.csv", "track"),
+    ("discovery.csv", "discover"),
 ];
 
 /// Compares files with those of the same names below `published`; the first difference is the one whose stage comes
@@ -46,16 +59,21 @@ const ORDER: [(&str, &str); 7] = [
 ///
 /// # Errors
 /// The first [`Difference`].
-pub fn compare(files: &Files, published: &Path) -> Result<(), Difference> {
+pub fn compare(files: &Files, published: &Path, standard: Standard) -> Result<(), Difference> {
     let mut paths: Vec<&PathBuf> = files.keys().collect();
     paths.sort_by_key(|path| (rank(path).0, (*path).clone()));
     for path in paths {
         let stage = rank(path).1;
-        let found = &files[path];
-        match std::fs::read(published.join(path)) {
-            Err(_) => return Err(Difference::Missing { stage, file: path.clone() }),
-            Ok(bytes) if bytes == *found => {}
-            Ok(bytes) => return Err(changed(stage, path, &bytes, found)),
+        let Ok(bytes) = std::fs::read(published.join(path)) else {
+            return Err(Difference::Missing { stage, file: path.clone() });
+        };
+        if bytes != files[path] && !(standard != Standard::Bytes && is_picture(path)) {
+            match difference(&bytes, &files[path], standard) {
+                None => {}
+                Some((line, published, found)) => {
+                    return Err(Difference::Changed { stage, file: path.clone(), line, published, found });
+                }
+            }
         }
     }
     Ok(())
@@ -67,17 +85,68 @@ fn rank(path: &Path) -> (usize, &'static str) {
     place.map_or((ORDER.len(), "report"), |place| (place, ORDER[place].1))
 }
 
-fn changed(stage: &'static str, path: &Path, published: &[u8], found: &[u8]) -> Difference {
+fn is_picture(path: &Path) -> bool {
+    path.extension().is_some_and(|end| end == "png" || end == "svg")
+}
+
+/// The first line that differs, as published and as found.
+fn difference(published: &[u8], found: &[u8], standard: Standard) -> Option<(usize, String, String)> {
     let (published, found) = (String::from_utf8_lossy(published), String::from_utf8_lossy(found));
     let (mut old, mut new) = (published.lines(), found.lines());
-    let mut line = 1;
-    loop {
+    let short = |text: Option<&str>| text.unwrap_or("(end of file)").chars().take(160).collect();
+    for line in 1.. {
         let (before, now) = (old.next(), new.next());
-        if before != now || before.is_none() {
-            let short = |text: Option<&str>| text.unwrap_or("(end of file)").chars().take(160).collect();
-            let file = path.to_owned();
-            return Difference::Changed { stage, file, line, published: short(before), found: short(now) };
+        let same = match (before, now, standard) {
+            // Other bytes and the same lines: the ends of lines differ.
+            (None, None, Standard::Bytes) => false,
+            (None, None, Standard::Numbers(_)) => return None,
+            (Some(before), Some(now), Standard::Numbers(share)) => alike(before, now, share),
+            _ => before == now,
+        };
+        if !same {
+            return Some((line, short(before), short(now)));
         }
-        line += 1;
+    }
+    None
+}
+
+/// Whether two lines have the same words, and numbers that are this close.
+fn alike(one: &str, other: &str, share: f64) -> bool {
+    let words = |line: &str| -> Vec<String> {
+        line.split([',', ' ', '|', '(', ')', '[', ']', ':']).map(str::to_owned).collect()
+    };
+    let close = |one: &String, other: &String| match (one.parse::<f64>(), other.parse::<f64>()) {
+        (Ok(one), Ok(other)) => (one - other).abs() <= NEGLIGIBLE.max(share * one.abs().max(other.abs())),
+        _ => one == other,
+    };
+    let (one, other) = (words(one), words(other));
+    one.len() == other.len() && one.iter().zip(&other).all(|(one, other)| one == other || close(one, other))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tolerance_is_about_numbers_and_bytes_are_about_everything() {
+        let folder = tempfile::tempdir().unwrap();
+        let table = Path::new("results/one/trials.csv");
+        std::fs::create_dir_all(folder.path().join("results/one")).unwrap();
+        std::fs::write(folder.path().join(table), "a,b,c\nx,1.000000,\ny,2.5,-3e-12\n").unwrap();
+        let told = |text: &str, standard: Standard| {
+            compare(&Files::from([(table.to_owned(), text.as_bytes().to_vec())]), folder.path(), standard)
+        };
+        let numbers = Standard::Numbers(1e-6);
+        assert_eq!(told("a,b,c\nx,1.000000,\ny,2.5,-3e-12\n", Standard::Bytes), Ok(()));
+        assert!(told("a,b,c\nx,1.0000001,\ny,2.5,-3e-12\n", Standard::Bytes).is_err());
+        assert_eq!(told("a,b,c\nx,1.0000001,\ny,2.5,0\n", numbers), Ok(()));
+        let wrong =
+            ["a,b,c\nx,1.00001,\ny,2.5,0\n", "a,b,c\nz,1,\ny,2.5,0\n", "a,b,c\nx,1,0\ny,2.5,0\n", "a,b,c\nx,1,\n"];
+        for text in wrong {
+            let Err(Difference::Changed { stage, .. }) = told(text, numbers) else { panic!("{text}") };
+            assert_eq!(stage, "reach");
+        }
+        let files = Files::from([(PathBuf::from("results/one/gp.csv"), b"1\n".to_vec())]);
+        assert!(matches!(compare(&files, folder.path(), numbers), Err(Difference::Missing { stage: "gp_fit", .. })));
     }
 }

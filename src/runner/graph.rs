@@ -2,11 +2,13 @@
 //!
 //! A stage that is asked for twice, by one spec or by several, has one key and therefore stands in the graph once.
 
+use super::code::{self, Sources};
 use super::codec::{CodecError, decode, encode};
-use super::key::Key;
-use serde::{Serialize, de::DeserializeOwned};
+use super::digest::Digest;
+use super::key::{Key, key};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::any::Any;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::marker::PhantomData;
 use std::sync::Arc;
 
@@ -18,7 +20,7 @@ impl<T: Serialize + DeserializeOwned + Send + Sync + 'static> Artifact for T {}
 pub(super) type Value = Arc<dyn Any + Send + Sync>;
 
 /// Why a stage has no result. It becomes the status of the rows that needed it.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, thiserror::Error)]
 #[error("{stage}: {status}")]
 pub struct Failure {
     /// Name of the stage that failed.
@@ -32,8 +34,8 @@ pub struct Failure {
 pub struct Kind {
     /// Its name, also its folder in the store.
     pub name: &'static str,
-    /// Raised whenever its code would give other numbers for the same inputs.
-    pub version: u32,
+    /// The sources that its numbers come from.
+    pub sources: Sources,
     /// Rough cost of one, in milliseconds: it orders work and weighs the progress bar, nothing else.
     pub cost_ms: u64,
 }
@@ -76,6 +78,8 @@ pub(super) struct Node {
 pub struct Graph {
     pub(super) nodes: Vec<Node>,
     by_key: HashMap<Key, usize>,
+    /// Digests of the code of the kinds that have been met.
+    codes: BTreeMap<&'static str, Digest>,
 }
 
 impl Graph {
@@ -93,8 +97,9 @@ impl Graph {
         job: impl Fn(&Inputs) -> Result<T, String> + Send + Sync + 'static,
     ) -> Result<Handle<T>, Failure> {
         let keys: Vec<Key> = inputs.iter().map(|&input| self.nodes[input].key).collect();
-        let key = Key::new(kind.name, kind.version, params, &keys)
-            .map_err(|status| Failure { stage: kind.name.to_owned(), status })?;
+        let code = self.codes.entry(kind.name).or_insert_with(|| code::digest(kind.sources));
+        let key =
+            key(kind.name, code, params, &keys).map_err(|status| Failure { stage: kind.name.to_owned(), status })?;
         let node = *self.by_key.entry(key).or_insert_with(|| {
             self.nodes.push(Node {
                 kind,
@@ -123,6 +128,17 @@ impl Graph {
     /// Numbers of the stages whose results stage number `node` reads.
     pub fn inputs(&self, node: usize) -> &[usize] {
         &self.nodes[node].inputs
+    }
+
+    /// Rough cost of stage number `node`, in milliseconds.
+    pub fn cost_ms(&self, node: usize) -> u64 {
+        self.nodes[node].kind.cost_ms
+    }
+
+    /// The digest of the code of stage number `node`.
+    pub(super) fn code(&self, node: usize) -> Digest {
+        let kind = self.nodes[node].kind;
+        self.codes.get(kind.name).copied().unwrap_or_else(|| code::digest(kind.sources))
     }
 
     /// Name, label and key of stage number `node`.

@@ -1,12 +1,14 @@
-//! What is needed to repeat a run, and what it took: the only published file that holds clocks, hosts and paths.
+//! What is needed to repeat a run, and what it took. Beside the trail of stages the only published file that holds clocks.
 
 use super::campaign::{Campaign, Entry};
-use super::schedule::Outcomes;
+use super::outcomes::Outcomes;
 use super::store::Store;
 use super::timing::Timing;
-use crate::specs::to_yaml;
+use super::trail::needed;
+use crate::specs::{Document, SpecError, to_yaml};
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
+use std::path::Path;
 use std::process::Command;
 
 /// The manifest of one experiment.
@@ -63,7 +65,7 @@ impl Manifest {
         let mut stages = stage_times(campaign, needed.iter().copied(), outcomes);
         for number in needed.into_iter().filter(|&number| outcomes.timings[number].is_none()) {
             let (kind, _, key) = campaign.graph.describe(number);
-            let Timing { wall_s, cpu_s } = store.timing(kind, &key).unwrap_or_default();
+            let Timing { wall_s, cpu_s } = store.noted(kind, &key).map(|note| note.timing).unwrap_or_default();
             let times = stages.entry(kind).or_default();
             times.wall_s += wall_s;
             times.cpu_s += cpu_s;
@@ -80,6 +82,14 @@ impl Manifest {
             run_wall_s,
             stages: stages.into_iter().map(|(kind, times)| (kind.to_owned(), times)).collect(),
         }
+    }
+
+    /// Reads a published manifest.
+    ///
+    /// # Errors
+    /// [`SpecError`] for a file that is none.
+    pub fn read(file: &Path) -> Result<Manifest, SpecError> {
+        Document::read(file, &[], &[])?.parse()
     }
 
     /// The manifest as YAML.
@@ -110,17 +120,6 @@ pub fn stage_times<'a>(
     stages
 }
 
-/// All stages behind what an experiment publishes.
-fn needed(campaign: &Campaign, entry: &Entry) -> BTreeSet<usize> {
-    let mut needed = entry.wanted();
-    for number in (0..campaign.graph.len()).rev() {
-        if needed.contains(&number) {
-            needed.extend(campaign.graph.inputs(number));
-        }
-    }
-    needed
-}
-
 fn git_revision() -> String {
     let git = |arguments: &[&str]| {
         let output = Command::new("git").args(arguments).output().ok().filter(|output| output.status.success())?;
@@ -131,7 +130,8 @@ fn git_revision() -> String {
     if changed { revision + "+" } else { revision }
 }
 
-fn processor() -> String {
+/// The processor as the system names it.
+pub fn processor() -> String {
     let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let line = text.lines().find(|line| line.starts_with("model name"));
     line.and_then(|line| line.split(':').nth(1)).map_or_else(|| "unknown".to_owned(), |name| name.trim().to_owned())

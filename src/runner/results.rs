@@ -3,9 +3,9 @@
 use super::campaign::Entry;
 use super::claims::evaluate;
 use super::metrics::Tables;
-use super::schedule::Outcomes;
+use super::outcomes::Outcomes;
 use crate::data::rows::ClaimRow;
-use crate::data::{DataError, tables, write_atomic};
+use crate::data::{DataError, tables, write_together};
 use crate::report::{self, ReportError, Shelf};
 use crate::specs::to_yaml;
 use serde::Serialize;
@@ -64,7 +64,10 @@ impl Entry {
     }
 
     /// The resolved spec: what it extends, includes and leaves to defaults filled in. It runs as it is.
-    fn spec_yaml(&self) -> Result<Vec<u8>, PublishError> {
+    ///
+    /// # Errors
+    /// [`PublishError::Spec`] for what YAML cannot hold.
+    pub fn spec_yaml(&self) -> Result<Vec<u8>, PublishError> {
         let head = "# The spec as it was run, with everything filled in.\n";
         let body = to_yaml(&self.experiment).map_err(PublishError::Spec)?;
         Ok((head.to_owned() + &body).into_bytes())
@@ -108,7 +111,11 @@ impl Entry {
     }
 }
 
-fn put<R: Serialize>(files: &mut Files, path: &Path, rows: &[R]) -> Result<(), DataError> {
+/// Adds a table to `files`, unless it has no rows.
+///
+/// # Errors
+/// [`DataError::Write`] for rows that make no table.
+pub fn put<R: Serialize>(files: &mut Files, path: &Path, rows: &[R]) -> Result<(), DataError> {
     if !rows.is_empty() {
         files.insert(path.to_owned(), tables::to_csv(path, rows)?);
     }
@@ -142,10 +149,10 @@ pub fn all_claims(out: &Path, fresh: &BTreeMap<String, Vec<ClaimRow>>) -> Result
     Ok(files)
 }
 
-/// Writes files below `out`, each whole or not at all.
+/// Writes files below `out`: all of them or, where one cannot be written, none.
 ///
 /// # Errors
 /// [`DataError::Write`] for the first file that cannot be written.
 pub fn write_files(out: &Path, files: &Files) -> Result<(), DataError> {
-    files.iter().try_for_each(|(path, bytes)| write_atomic(&out.join(path), bytes))
+    write_together(files.iter().map(|(path, bytes)| (out.join(path), bytes.as_slice())))
 }

@@ -3,7 +3,7 @@
 use super::campaign::{Entry, Network, TrainedCells};
 use super::graph::Failure;
 use super::metrics::Tables;
-use super::schedule::Outcomes;
+use super::outcomes::Outcomes;
 use crate::data::rows::{GpRow, NetworkRow, TrackRow, TrialRow, WaypointRow};
 use crate::learn::rnn::Trained;
 use crate::report::track_summary;

@@ -90,6 +90,7 @@ impl Checker<'_> {
         option("reach", spec.reach.check())?;
         option("path", spec.path.check())?;
         option("track", spec.track.check())?;
+        option("slurm", spec.slurm.check())?;
         self.plants()?;
         self.learn("gp", spec.gp.check())?;
         self.learn("network", spec.network.check())?;

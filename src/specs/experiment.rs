@@ -2,6 +2,7 @@
 
 use super::claims::Claim;
 use super::plant::PlantSpec;
+use super::slurm::SlurmOptions;
 use crate::discovery::Options;
 use crate::effects::EffectSpec;
 use crate::learn::gp::GpConfig;
@@ -73,6 +74,13 @@ pub struct Experiment {
     /// What the paper claims of it.
     #[serde(default)]
     pub claims: Vec<Claim>,
+    /// What a Slurm cluster is asked for.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub slurm: SlurmOptions,
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 fn one() -> u64 {

@@ -14,6 +14,7 @@ mod model;
 mod path;
 mod plant;
 mod series;
+mod slurm;
 mod study;
 mod suggest;
 mod sweep_option;
@@ -28,6 +29,7 @@ pub use locate::{End, locate};
 pub use model::{extended_text, model_text, read_model, read_options, read_plant};
 pub use path::{KeyPath, Step};
 pub use plant::{PlantSpec, SimulatedSpec};
+pub use slurm::SlurmOptions;
 pub use study::{Point, Study, SweptField};
 
 use serde::Serialize;

@@ -5,18 +5,21 @@ use super::{Added, Stages, status};
 use crate::data::findings::CaseRow;
 use crate::discovery::{Options, discover};
 use crate::effects::Model;
+use crate::runner::code::{DISCOVERY, ROBOT};
 use crate::runner::graph::{Handle, Kind};
-use crate::runner::schedule::Outcomes;
+use crate::runner::outcomes::Outcomes;
 use crate::specs::{DiscoveryRun, PlantSpec};
 use crate::tasks::ExploreOptions;
 use crate::tasks::blind::{self, Answer, Batch, Commands, Presented, Prior, Robot, Span, Truth};
 
-const COMMANDS: Kind = Kind { name: "blind_commands", version: 2, cost_ms: 300 };
-const SPAN: Kind = Kind { name: "blind_span", version: 2, cost_ms: 15_000 };
-const TRUTH: Kind = Kind { name: "blind_truth", version: 3, cost_ms: 3_000 };
-const RECORDING: Kind = Kind { name: "blind_recording", version: 2, cost_ms: 500 };
-const DISCOVER: Kind = Kind { name: "discover", version: 7, cost_ms: 15_000 };
-const SCORE: Kind = Kind { name: "blind_score", version: 2, cost_ms: 1 };
+const COMMANDS: Kind = Kind { name: "blind_commands", sources: ROBOT, cost_ms: 300 };
+const SPAN: Kind = Kind { name: "blind_span", sources: ROBOT, cost_ms: 15_000 };
+const TRUTH: Kind = Kind { name: "blind_truth", sources: ROBOT, cost_ms: 3_000 };
+const RECORDING: Kind = Kind { name: "blind_recording", sources: ROBOT, cost_ms: 500 };
+const DISCOVER: Kind = Kind { name: "discover", sources: DISCOVERY, cost_ms: 15_000 };
+const SCORE: Kind = Kind { name: "blind_score", sources: DISCOVERY, cost_ms: 1 };
+/// All of this file.
+pub(super) const KINDS: [Kind; 6] = [COMMANDS, SPAN, TRUTH, RECORDING, DISCOVER, SCORE];
 
 /// The stages of one case.
 pub(crate) struct BlindStages {

@@ -9,9 +9,18 @@ mod trials;
 
 pub(super) use discovery::BlindStages;
 
+use super::code;
+use super::digest::Digest;
 use super::graph::{Failure, Graph};
 use crate::base::Seed;
 use crate::specs::Experiment;
+use std::collections::BTreeMap;
+
+/// The digest of the present code of each kind of stage, by its name.
+pub fn codes() -> BTreeMap<&'static str, Digest> {
+    let kinds = [&data::KINDS[..], &learning::KINDS, &trials::KINDS, &discovery::KINDS];
+    kinds.into_iter().flatten().map(|kind| (kind.name, code::digest(kind.sources))).collect()
+}
 
 /// Adds the stages of one repetition of an experiment to a graph.
 pub struct Stages<'a> {

@@ -7,13 +7,16 @@ use crate::data::rows::{TrackRow, TrialRow};
 use crate::learn::gp::Gp;
 use crate::learn::rnn::Trained;
 use crate::policies::{self, ElmanInverse, GpError, InverseModel, Part, PolicyEntry, PolicyOptions, PolicyParts};
+use crate::runner::code::TRIAL;
 use crate::runner::graph::{Failure, Handle, Inputs, Kind};
 use crate::specs::{Cell, Mode, PlantSpec, Training};
 use crate::tasks::{self, LoopMode, ReachOptions, ReachOutcome, TrackStep};
 use std::sync::Arc;
 
-const REACH: Kind = Kind { name: "reach", version: 3, cost_ms: 1000 };
-const TRACK: Kind = Kind { name: "track", version: 3, cost_ms: 1000 };
+const REACH: Kind = Kind { name: "reach", sources: TRIAL, cost_ms: 1000 };
+const TRACK: Kind = Kind { name: "track", sources: TRIAL, cost_ms: 1000 };
+/// All of this file.
+pub(super) const KINDS: [Kind; 2] = [REACH, TRACK];
 
 /// Where a policy's parts come from.
 #[derive(Clone, Copy, Default)]

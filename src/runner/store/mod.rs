@@ -1,17 +1,26 @@
 //! The content-addressed store: results of stages on disk, under their keys.
 //!
 //! An entry is written to a temporary file, flushed to the disk and renamed, so that it is either whole or absent
-//! whenever the process dies. It carries the checksum of its bytes and is checked on every read.
+//! whenever the process dies. It carries the digest of its bytes and a seal over key and digest, both checked on every
+//! read. Whoever computes an entry holds a claim on it, so that processes that share a store share the work as well.
 
+mod claim;
+mod keep;
+
+pub use claim::{Claim, Claimed};
+pub use keep::{Kept, State};
+
+use super::digest::Digest;
 use super::key::Key;
 use super::timing::Timing;
+use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-const MAGIC: &[u8; 16] = b"spinebench-rec-1";
-const HEADER: usize = 16 + 32;
+const MAGIC: &[u8; 16] = b"spinebench-rec-2";
+const HEADER: usize = 16 + 32 + 32;
 
 /// What the store has under a key.
 #[derive(Debug, PartialEq)]
@@ -22,6 +31,17 @@ pub enum Lookup {
     Absent,
     /// Something that fails its check, and why.
     Damaged(String),
+}
+
+/// What is noted beside an entry: for manifests and for `cache`, never for results.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Note {
+    /// Which of its kind it is.
+    pub label: String,
+    /// Digest of the code that computed it.
+    pub code: String,
+    /// What it took.
+    pub timing: Timing,
 }
 
 /// A folder of entries.
@@ -55,7 +75,7 @@ impl Store {
 
     /// The checked bytes of an entry.
     pub fn read(&self, stage: &str, key: &Key) -> Lookup {
-        let bytes = match fs::read(self.path(stage, key)) {
+        let mut bytes = match fs::read(self.path(stage, key)) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Lookup::Absent,
             Err(error) => return Lookup::Damaged(error.to_string()),
@@ -66,10 +86,18 @@ impl Store {
         if &header[..16] != MAGIC {
             return Lookup::Damaged("it is of another format".into());
         }
-        if header[16..] != checksum(key, payload) {
+        if header[16..48] != *Digest::of(payload).bytes() || header[48..] != seal(key, &header[16..48]) {
             return Lookup::Damaged("its checksum does not match".into());
         }
-        Lookup::Found(payload.to_vec())
+        Lookup::Found(bytes.split_off(HEADER))
+    }
+
+    /// The digest of an entry's bytes as it says itself, if its seal holds; the bytes are not read.
+    pub fn digest(&self, stage: &str, key: &Key) -> Option<Digest> {
+        let mut header = [0; HEADER];
+        File::open(self.path(stage, key)).ok()?.read_exact(&mut header).ok()?;
+        let digest: [u8; 32] = header[16..48].try_into().ok()?;
+        (header[..16] == *MAGIC && header[48..] == seal(key, &digest)).then(|| digest.into())
     }
 
     /// Files `payload` under a key, replacing what was there.
@@ -81,42 +109,43 @@ impl Store {
         let folder = path.parent().unwrap_or(&self.root);
         fs::create_dir_all(folder)?;
         let number = self.temporary.fetch_add(1, Ordering::Relaxed);
-        let temporary = folder.join(format!(".{}.{}.{number}.tmp", key.short(), std::process::id()));
+        let temporary = folder.join(format!(".{key}.{}.{number}.tmp", std::process::id()));
+        let digest = Digest::of(payload);
         let written = (|| {
             let mut file = File::create(&temporary)?;
             file.write_all(MAGIC)?;
-            file.write_all(&checksum(key, payload))?;
+            file.write_all(digest.bytes())?;
+            file.write_all(&seal(key, digest.bytes()))?;
             file.write_all(payload)?;
             file.sync_all()?;
-            fs::rename(&temporary, &path)
+            fs::rename(&temporary, &path)?;
+            // The new name itself must survive a loss of power; systems that cannot flush a folder do without.
+            File::open(folder).and_then(|folder| folder.sync_all()).or(Ok(()))
         })();
         if written.is_err() {
             let _ = fs::remove_file(&temporary); // already failing: the first error is the one to report
         }
         written
     }
-}
 
-impl Store {
-    /// Notes beside an entry what it took to compute: for manifests, never for results.
-    pub fn note_timing(&self, stage: &str, key: &Key, timing: &Timing) {
-        if let Ok(text) = serde_json::to_vec(timing) {
-            // A lost note costs a line of a manifest.
-            let _ = fs::write(self.path(stage, key).with_extension("time"), text);
+    /// Notes something beside an entry. A lost note costs a line of a manifest.
+    pub fn note(&self, stage: &str, key: &Key, note: &Note) {
+        if let Ok(text) = serde_json::to_vec(note) {
+            let _ = fs::write(self.path(stage, key).with_extension("note"), text);
         }
     }
 
-    /// What an entry took to compute, where that was noted.
-    pub fn timing(&self, stage: &str, key: &Key) -> Option<Timing> {
-        serde_json::from_slice(&fs::read(self.path(stage, key).with_extension("time")).ok()?).ok()
+    /// What was noted beside an entry.
+    pub fn noted(&self, stage: &str, key: &Key) -> Option<Note> {
+        serde_json::from_slice(&fs::read(self.path(stage, key).with_extension("note")).ok()?).ok()
     }
 }
 
-/// The checksum covers the key, so that an entry under another's name is found out.
-fn checksum(key: &Key, payload: &[u8]) -> [u8; 32] {
+/// The seal covers the key, so that an entry under another's name is found out.
+fn seal(key: &Key, digest: &[u8]) -> [u8; 32] {
     let mut hasher = blake3::Hasher::new();
-    hasher.update(key.to_string().as_bytes());
-    hasher.update(payload);
+    hasher.update(key.bytes());
+    hasher.update(digest);
     *hasher.finalize().as_bytes()
 }
 
@@ -128,10 +157,11 @@ mod tests {
     fn entries_come_back_and_every_flipped_byte_or_lost_end_is_noticed() {
         let folder = tempfile::tempdir().unwrap();
         let store = Store::at(folder.path().join("cache"));
-        let key = Key::new("stage", 1, &"p", &[]).unwrap();
+        let key = Digest::of(b"key");
         assert_eq!(store.read("stage", &key), Lookup::Absent);
         store.write("stage", &key, b"payload").unwrap();
         assert_eq!(store.read("stage", &key), Lookup::Found(b"payload".to_vec()));
+        assert_eq!(store.digest("stage", &key), Some(Digest::of(b"payload")));
 
         let path = store.path("stage", &key);
         let good = fs::read(&path).unwrap();
@@ -143,6 +173,13 @@ mod tests {
             fs::write(&path, &good[..index]).unwrap();
             assert!(matches!(store.read("stage", &key), Lookup::Damaged(_)), "length {index}");
         }
+        // A good entry under another's name.
+        let other = Digest::of(b"other");
+        fs::create_dir_all(store.path("stage", &other).parent().unwrap()).unwrap();
+        fs::write(store.path("stage", &other), &good).unwrap();
+        assert!(matches!(store.read("stage", &other), Lookup::Damaged(_)));
+        assert_eq!(store.digest("stage", &other), None);
+
         store.write("stage", &key, b"payload").unwrap();
         assert_eq!(store.read("stage", &key), Lookup::Found(b"payload".to_vec()));
         let left = fs::read_dir(path.parent().unwrap()).unwrap().count();
@@ -154,6 +191,6 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("cache"), "a file").unwrap();
         let store = Store::at(folder.path().join("cache"));
-        assert!(store.write("stage", &Key::new("stage", 1, &1, &[]).unwrap(), b"x").is_err());
+        assert!(store.write("stage", &Digest::of(b"key"), b"x").is_err());
     }
 }

@@ -1,0 +1,144 @@
+//! `spinebench cache`.
+
+use super::shared::Cache;
+use super::{Ended, Outcome};
+use clap::{Args, Subcommand};
+use spinebench::runner::stages::codes;
+use spinebench::runner::{Digest, Kept, State, Store};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::time::Duration;
+
+/// What results of stages are stored, how much room they take, whether they are good; takes out what is of no use.
+#[derive(Args)]
+pub(super) struct CacheCommand {
+    #[command(subcommand)]
+    action: Action,
+    #[command(flatten)]
+    cache: Cache,
+}
+
+#[derive(Subcommand)]
+enum Action {
+    /// Every entry: kind of stage, key, size, age, whether the present code reads it, which of its kind it is.
+    List {
+        /// Only this kind of stage.
+        #[arg(long, value_name = "STAGE")]
+        stage: Option<String>,
+    },
+    /// Entries and bytes by kind of stage.
+    Size,
+    /// Reads every entry and checks it; exit status 1 when one is damaged.
+    Verify,
+    /// Takes out what is damaged, what other code has computed and what dead processes left behind.
+    Prune {
+        /// Takes out entries that were written longer ago than this, too.
+        #[arg(long, value_name = "DAYS")]
+        older_than: Option<f64>,
+        /// Says what it would take out and takes out nothing.
+        #[arg(long)]
+        dry_run: bool,
+    },
+}
+
+impl CacheCommand {
+    pub(super) fn carry_out(self) -> Outcome {
+        let store = self.cache.store();
+        let unreadable =
+            |error| Ended::BadInput(format!("{}: found {error}, expected a store", store.root().display()));
+        let entries = store.entries().map_err(unreadable)?;
+        let mut text = String::new();
+        let outcome = match &self.action {
+            Action::List { stage } => {
+                list(&entries, stage.as_deref(), &mut text);
+                Ok(())
+            }
+            Action::Size => {
+                size(&entries, &mut text);
+                Ok(())
+            }
+            Action::Verify => verify(&store, &entries, &mut text),
+            Action::Prune { older_than, dry_run } => prune(&store, &entries, *older_than, *dry_run, &mut text),
+        };
+        // A reader that has seen enough closes the pipe: no error.
+        let _ = std::io::stdout().write_all(text.as_bytes());
+        outcome
+    }
+}
+
+fn list(entries: &[Kept], stage: Option<&str>, text: &mut String) {
+    let codes = codes();
+    for entry in entries.iter().filter(|entry| stage.is_none_or(|stage| entry.stage == stage)) {
+        let state = if entry.state(&codes) == State::Current { "current" } else { "stale" };
+        let label = entry.note.as_ref().map_or("", |note| note.label.as_str());
+        let (stage, key, bytes, age) = (&entry.stage, entry.key.short(), entry.bytes, days(entry.age));
+        let _ = writeln!(text, "{stage:16} {key} {bytes:>10} B {age:8.2} days {state:7} {label}");
+    }
+}
+
+fn size(entries: &[Kept], text: &mut String) {
+    let codes: BTreeMap<&str, Digest> = codes();
+    let mut kinds: BTreeMap<&str, [u64; 4]> = BTreeMap::new();
+    for entry in entries {
+        let counts = kinds.entry(&entry.stage).or_default();
+        let stale = entry.state(&codes) == State::Stale;
+        let add = [1, entry.bytes, u64::from(stale), if stale { entry.bytes } else { 0 }];
+        counts.iter_mut().zip(add).for_each(|(count, add)| *count += add);
+    }
+    let mut line = |kind: &str, [count, bytes, stale, stale_bytes]: [u64; 4]| {
+        let (all, old) = (megabytes(bytes), megabytes(stale_bytes));
+        let _ = writeln!(text, "{kind:16} {count:7} entries {all:10.3} MB, stale {stale:7} {old:10.3} MB");
+    };
+    let mut sum = [0; 4];
+    for (kind, counts) in kinds {
+        line(kind, counts);
+        sum.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count);
+    }
+    line("all", sum);
+}
+
+fn verify(store: &Store, entries: &[Kept], text: &mut String) -> Outcome {
+    let damaged: Vec<(&Kept, String)> =
+        entries.iter().filter_map(|entry| Some((entry, store.damage(entry)?))).collect();
+    for (entry, reason) in &damaged {
+        let _ = writeln!(text, "{} {}: {reason}", entry.stage, entry.key.short());
+    }
+    let good = entries.len() - damaged.len();
+    let _ = writeln!(text, "{good} good, {} damaged", damaged.len());
+    match damaged.len() {
+        0 => Ok(()),
+        count => Err(Ended::No(format!("{count} entries are damaged; a run computes them again"))),
+    }
+}
+
+fn prune(store: &Store, entries: &[Kept], older_than: Option<f64>, dry_run: bool, text: &mut String) -> Outcome {
+    if let Some(found) = older_than.filter(|days| !(days.is_finite() && *days >= 0.0)) {
+        return Err(Ended::BadInput(format!("--older-than: found {found}, expected a number of days")));
+    }
+    let codes = codes();
+    let useless = |entry: &&Kept| {
+        let old = older_than.is_some_and(|limit| days(entry.age) > limit);
+        old || entry.state(&codes) == State::Stale || store.damage(entry).is_some()
+    };
+    let useless: Vec<&Kept> = entries.iter().filter(useless).collect();
+    let left = store.leftovers().map_err(Ended::failed)?;
+    let bytes = useless.iter().map(|entry| entry.bytes).chain(left.iter().map(|(_, bytes)| *bytes)).sum();
+    if !dry_run {
+        useless.iter().try_for_each(|entry| store.remove(entry)).map_err(Ended::failed)?;
+        left.iter().try_for_each(|(path, _)| std::fs::remove_file(path)).map_err(Ended::failed)?;
+    }
+    let (entries, leftovers, megabytes) = (useless.len(), left.len(), megabytes(bytes));
+    let verb = if dry_run { "would take out" } else { "took out" };
+    let _ = writeln!(text, "{verb} {entries} entries and {leftovers} unfinished files, {megabytes:.3} MB");
+    Ok(())
+}
+
+fn days(age: Duration) -> f64 {
+    age.as_secs_f64() / 86_400.0
+}
+
+#[allow(clippy::cast_precision_loss)] // a size for a person
+fn megabytes(bytes: u64) -> f64 {
+    bytes as f64 / 1e6
+}

@@ -1,0 +1,66 @@
+//! What the code of a stage is: a digest of the sources and packages that its numbers come from. It is part of the
+//! stage's key, so that a result of other code is never taken for one of this code.
+
+use super::digest::Digest;
+
+include!(concat!(env!("OUT_DIR"), "/sources.rs"));
+
+/// Sources of a kind of stage: what the path of a source below `src/` begins with. A trailing `!` leaves out.
+pub(super) type Sources = &'static [&'static str];
+
+/// Whatever moves: the rod, its effects, simulated robots, the loops.
+pub(super) const ROBOT: Sources =
+    &["base/", "math/", "data/", "rod/", "effects/", "plants/", "plants/hardware/!", "tasks/", "runner/stages/"];
+/// Whatever learns.
+pub(super) const LEARN: Sources = &["base/", "math/", "learn/", "policies/", "tasks/", "runner/stages/"];
+/// Policies on robots.
+pub(super) const TRIAL: Sources = &[
+    "base/",
+    "math/",
+    "data/",
+    "rod/",
+    "effects/",
+    "plants/",
+    "plants/hardware/!",
+    "learn/",
+    "policies/",
+    "tasks/",
+    "runner/stages/",
+];
+/// Whatever looks for what a model lacks.
+pub(super) const DISCOVERY: Sources =
+    &["base/", "math/", "data/", "rod/", "effects/", "learn/", "discovery/", "tasks/", "runner/stages/"];
+
+/// The digest of the code that `sources` name, and of the packages.
+pub(super) fn digest(sources: Sources) -> Digest {
+    let (out, within): (Vec<&str>, Vec<&str>) = sources.iter().partition(|source| source.ends_with('!'));
+    let counts = |name: &str| {
+        let below = |folder: &&str| name.starts_with(folder.trim_end_matches('!'));
+        name == "packages" || (within.iter().any(|folder| below(folder)) && !out.iter().any(|folder| below(folder)))
+    };
+    let mut hasher = blake3::Hasher::new();
+    for (name, code) in SOURCES.iter().filter(|(name, _)| counts(name)) {
+        hasher.update(name.as_bytes());
+        for half in code {
+            hasher.update(&half.to_le_bytes());
+        }
+    }
+    Digest::from(hasher.finalize())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_is_a_folder_of_sources_and_the_digests_differ() {
+        let all = [ROBOT, LEARN, TRIAL, DISCOVERY];
+        for folder in all.iter().flat_map(|sources| sources.iter()) {
+            let folder = folder.trim_end_matches('!');
+            assert!(SOURCES.iter().any(|(name, _)| name.starts_with(folder)), "{folder}");
+        }
+        let digests: std::collections::BTreeSet<Digest> = all.iter().map(|sources| digest(sources)).collect();
+        assert_eq!(digests.len(), all.len());
+        assert_eq!(digest(&[]), digest(&["no such folder"]), "packages always count");
+    }
+}

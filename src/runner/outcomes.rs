@@ -1,0 +1,55 @@
+//! What became of the stages of a run.
+
+use super::graph::{Artifact, Failure, Handle, Value};
+use super::timing::Timing;
+
+pub(super) type Outcome = Result<Value, Failure>;
+
+/// What became of the stages that were wanted, and of those computed for them.
+pub struct Outcomes {
+    pub(super) values: Vec<Option<Outcome>>,
+    /// Time of each computed stage; `None` for those read from the store or not needed.
+    pub timings: Vec<Option<Timing>>,
+    /// Stages computed now.
+    pub computed: usize,
+    /// Stages read from the store.
+    pub cached: usize,
+    /// Failures of stages that were carried out, in the order of the graph.
+    pub failures: Vec<Failure>,
+    /// True when the run was told to stop before everything was done.
+    pub stopped: bool,
+}
+
+impl Outcomes {
+    /// The result of a wanted stage.
+    ///
+    /// # Errors
+    /// The failure of the stage or of one before it.
+    pub fn get<T: Artifact>(&self, handle: Handle<T>) -> Result<&T, Failure> {
+        let missing = || Failure { stage: "runner".into(), status: format!("stage {} was not wanted", handle.node) };
+        match self.values.get(handle.node).and_then(Option::as_ref) {
+            Some(Ok(value)) => value.downcast_ref::<T>().ok_or_else(missing),
+            Some(Err(failure)) => Err(failure.clone()),
+            None => Err(missing()),
+        }
+    }
+
+    /// The failure of stage number `node`, if it was carried out and failed.
+    pub fn failure(&self, node: usize) -> Option<&Failure> {
+        self.values.get(node)?.as_ref()?.as_ref().err()
+    }
+
+    pub(super) fn new(
+        values: Vec<Option<Outcome>>,
+        timings: Vec<Option<Timing>>,
+        cached: usize,
+        stopped: bool,
+    ) -> Self {
+        let mut failures: Vec<Failure> = Vec::new();
+        for failure in values.iter().filter_map(|value| value.as_ref()?.as_ref().err()) {
+            failures.extend((!failures.contains(failure)).then(|| failure.clone()));
+        }
+        let computed = timings.iter().flatten().count();
+        Outcomes { values, timings, computed, cached, failures, stopped }
+    }
+}

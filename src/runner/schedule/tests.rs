@@ -1,0 +1,132 @@
+use super::super::graph::{Handle, Kind};
+use super::super::progress::Style;
+use super::super::survey::survey;
+use super::*;
+use std::sync::Arc;
+
+const KIND: Kind = Kind { name: "add", sources: &[], cost_ms: 1 };
+
+/// A ladder of stages: number n adds the two before it; counts how often any was carried out.
+fn ladder(count: Arc<AtomicUsize>) -> (Graph, Vec<Handle<u64>>) {
+    let mut graph = Graph::default();
+    let mut handles: Vec<Handle<u64>> = Vec::new();
+    for number in 0..20_usize {
+        let (inputs, count) = (handles[number.saturating_sub(2)..].to_vec(), count.clone());
+        let numbers: Vec<usize> = inputs.iter().map(|handle| handle.node).collect();
+        let stage = graph.stage(KIND, format!("{number}"), &number, &numbers, move |given| {
+            count.fetch_add(1, Ordering::Relaxed);
+            std::thread::sleep(Duration::from_micros(200));
+            inputs.iter().try_fold(0_u64, |sum, input| Ok(sum + given.get(*input)?)).map(|sum| sum.max(1))
+        });
+        handles.push(stage.unwrap());
+    }
+    (graph, handles)
+}
+
+fn run(graph: &Graph, store: &Store, wanted: usize, threads: usize) -> Outcomes {
+    execute(graph, store, &[wanted], threads, &Progress::new(Style::Quiet)).unwrap()
+}
+
+#[test]
+fn computed_once_then_read_and_recomputed_when_damaged() {
+    let folder = tempfile::tempdir().unwrap();
+    for threads in [1, 2, 8] {
+        let store = Store::at(folder.path().join(threads.to_string()));
+        let count = Arc::new(AtomicUsize::new(0));
+        let (graph, handles) = ladder(count.clone());
+        let last = handles[19];
+        assert_eq!(*run(&graph, &store, 19, threads).get(last).unwrap(), 6765);
+        assert_eq!(count.swap(0, Ordering::Relaxed), 20);
+
+        let again = run(&graph, &store, 19, threads);
+        assert_eq!((*again.get(last).unwrap(), again.computed, again.cached), (6765, 0, 1));
+
+        let (name, _, key) = graph.describe(19);
+        std::fs::write(store.path(name, &key), "rubbish").unwrap();
+        let third = run(&graph, &store, 19, threads);
+        assert_eq!((*third.get(last).unwrap(), third.computed, third.cached), (6765, 1, 2));
+        assert_eq!(count.load(Ordering::Relaxed), 1);
+        assert!(matches!(store.read(name, &key), Lookup::Found(_)));
+    }
+}
+
+#[test]
+fn a_failure_reaches_those_that_need_it_and_nobody_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::at(folder.path());
+    let mut graph = Graph::default();
+    let bad: Handle<u64> = graph.stage(KIND, "bad", &"bad", &[], |_| Err("diverged".into())).unwrap();
+    let after: Handle<u64> = graph.stage(KIND, "after", &"after", &[0], move |given| given.get(bad).copied()).unwrap();
+    let good: Handle<u64> = graph.stage(KIND, "good", &"good", &[], |_| Ok(3)).unwrap();
+    let done = execute(&graph, &store, &[1, 2], 2, &Progress::new(Style::Quiet)).unwrap();
+    assert_eq!(done.get(after).unwrap_err(), Failure { stage: "add".into(), status: "diverged".into() });
+    assert_eq!(*done.get(good).unwrap(), 3);
+    assert_eq!(survey(&graph, &store, &[1, 2]), [Need::Compute, Need::Compute, Need::Cached]);
+}
+
+#[test]
+fn a_store_that_takes_nothing_does_not_stop_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("file"), "").unwrap();
+    let (graph, handles) = ladder(Arc::default());
+    let done = run(&graph, &Store::at(folder.path().join("file")), 19, 2);
+    assert_eq!(*done.get(handles[19]).unwrap(), 6765);
+}
+
+#[test]
+fn runs_that_share_a_store_share_the_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let count = Arc::new(AtomicUsize::new(0));
+    let (counts, results): (Vec<usize>, Vec<u64>) = std::thread::scope(|scope| {
+        let run = || {
+            let (graph, handles) = ladder(count.clone());
+            let done = run(&graph, &Store::at(folder.path()), 19, 2);
+            (done.computed, *done.get(handles[19]).unwrap())
+        };
+        let runs: Vec<_> = (0..3).map(|_| scope.spawn(run)).collect();
+        runs.into_iter().map(|run| run.join().unwrap()).unzip()
+    });
+    assert_eq!(results, [6765; 3]);
+    assert_eq!((counts.iter().sum::<usize>(), count.load(Ordering::Relaxed)), (20, 20), "{counts:?}");
+}
+
+#[test]
+fn a_run_that_is_told_to_stop_begins_nothing_more_and_goes_on_later() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::at(folder.path());
+    let count = Arc::new(AtomicUsize::new(0));
+    let (graph, handles) = ladder(count.clone());
+    let (stop, known, progress) = (AtomicBool::new(false), HashMap::new(), Progress::new(Style::Quiet));
+    let orders = Orders { threads: 1, progress: &progress, stop: &stop, known: &known };
+    let stopped = std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while count.load(Ordering::Relaxed) < 5 {
+                std::thread::yield_now();
+            }
+            stop.store(true, Ordering::Relaxed);
+        });
+        super::carry_out(&graph, &store, &[19], &orders).unwrap()
+    });
+    let before = count.load(Ordering::Relaxed);
+    assert!(stopped.stopped && stopped.computed == before && before < 20, "{before}");
+    let done = run(&graph, &store, 19, 2);
+    assert_eq!((*done.get(handles[19]).unwrap(), done.stopped), (6765, false));
+    assert_eq!(count.load(Ordering::Relaxed), 20, "what was done is not done again");
+}
+
+#[test]
+fn what_is_known_to_fail_is_not_tried_again_and_a_panic_says_what_it_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::at(folder.path());
+    let mut graph = Graph::default();
+    let bad: Handle<u64> = graph.stage(KIND, "bad", &"bad", &[], |_| panic!("seven is not eight")).unwrap();
+    let done = execute(&graph, &store, &[0], 1, &Progress::new(Style::Quiet)).unwrap();
+    assert_eq!(done.get(bad).unwrap_err().status, "panicked: seven is not eight");
+
+    let failure = Failure { stage: "add".into(), status: "lost".into() };
+    let known = HashMap::from([(graph.describe(0).2, failure.clone())]);
+    let (stop, progress) = (AtomicBool::new(false), Progress::new(Style::Quiet));
+    let orders = Orders { threads: 1, progress: &progress, stop: &stop, known: &known };
+    let done = super::carry_out(&graph, &store, &[0], &orders).unwrap();
+    assert_eq!((done.get(bad).unwrap_err(), done.failure(0)), (failure.clone(), Some(&failure)));
+}

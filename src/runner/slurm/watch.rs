@@ -1,0 +1,246 @@
+//! Submits a campaign and watches it until everything is in the store, has failed, or somebody ends it.
+
+use super::folder::{About, Folder};
+use super::queue::{self, Array};
+use super::{job_name, plan};
+use crate::hardware::interrupt::Interrupt;
+use crate::runner::campaign::Campaign;
+use crate::runner::graph::Failure;
+use crate::runner::key::Key;
+use crate::runner::progress::{Progress, Told};
+use crate::runner::store::Store;
+use crate::runner::survey::{Need, survey};
+use crate::specs::SlurmOptions;
+use std::collections::{BTreeMap, HashMap};
+use std::time::{Duration, Instant};
+
+/// How often the store is looked at.
+const LOOK: Duration = Duration::from_millis(500);
+/// How often the cluster is asked.
+const ASK: Duration = Duration::from_secs(3);
+/// How long the queue may be empty with results missing before they are taken for lost: a shared folder may lag behind.
+const GRACE: Duration = Duration::from_secs(6);
+
+/// How watching ended.
+#[derive(Debug)]
+pub enum Ended {
+    /// Everything is in the store, or has failed in the way that is told.
+    Done(HashMap<Key, Failure>),
+    /// The jobs go on without anybody watching.
+    Detached,
+    /// Somebody has called the campaign off.
+    Cancelled,
+}
+
+/// A campaign on a cluster.
+pub struct Watch<'a> {
+    /// Its stages.
+    pub campaign: &'a Campaign,
+    /// Where its results go, as an absolute path.
+    pub store: &'a Store,
+    /// What it asks of the cluster.
+    pub options: &'a SlurmOptions,
+    /// Tasks that may run at a time; 0: any number.
+    pub at_a_time: usize,
+    /// Leave as soon as everything is submitted.
+    pub detach: bool,
+    /// Whom it is told to.
+    pub progress: &'a Progress,
+}
+
+impl Watch<'_> {
+    /// The name of the campaign: what asks for the same results by the same code has the same.
+    pub fn id(&self) -> String {
+        Folder::id(self.campaign.wanted().into_iter().map(|stage| self.campaign.graph.describe(stage).2))
+    }
+
+    /// Submits what is neither stored nor under way, and watches it.
+    ///
+    /// # Errors
+    /// What the file system or the cluster says, in words.
+    pub fn run(&self) -> Result<Ended, String> {
+        let id = self.id();
+        let folder = Folder::of(self.store, &id);
+        let needs = survey(&self.campaign.graph, self.store, &self.campaign.wanted());
+        let missing: Vec<usize> = (0..needs.len()).filter(|&stage| needs[stage] == Need::Compute).collect();
+        if missing.is_empty() {
+            return Ok(Ended::Done(HashMap::new()));
+        }
+        let specs = self.campaign.entries.iter().map(|entry| entry.spec_yaml().map_err(|error| error.to_string()));
+        folder.begin(&specs.collect::<Result<Vec<_>, _>>()?, &self.about(&missing))?;
+        let Some(_right) = folder.watch() else {
+            return Err(format!(
+                "campaign {id} is watched by another process; `spinebench status` tells how it stands"
+            ));
+        };
+        folder.call_off(false)?;
+        let alive = queue::queued(&job_name(&id))?;
+        if alive.is_empty() {
+            folder.forget_failures();
+            self.submit(&folder, &needs)?;
+        } else {
+            self.progress.say(&format!("campaign {id} is under way already ({}); watching it", counts(&alive)));
+        }
+        if self.detach {
+            return Ok(Ended::Detached);
+        }
+        self.watch(&folder, &needs, missing)
+    }
+
+    fn about(&self, missing: &[usize]) -> About {
+        let describe = |&stage: &usize| self.campaign.graph.describe(stage);
+        About {
+            experiments: self.campaign.entries.iter().map(|entry| entry.experiment.name.clone()).collect(),
+            waited_for: missing.iter().map(describe).map(|(_, _, key)| key).collect(),
+            kinds: missing.iter().map(describe).map(|(kind, _, _)| kind.to_owned()).collect(),
+        }
+    }
+
+    /// Submits what is needed as the next attempt: a wave after the other, each as arrays of the size that is allowed.
+    fn submit(&self, folder: &Folder, needs: &[Need]) -> Result<(), String> {
+        let waves = plan::waves(&self.campaign.graph, needs, (self.options.task_s * 1e3) as u64);
+        let attempt = folder.last_attempt() + 1;
+        folder.put_attempt(attempt, &self.campaign.graph, &waves)?;
+        let (name, largest) = (job_name(&self.id()), queue::largest_array());
+        let mut after: Vec<String> = Vec::new();
+        let mut tasks = 0;
+        for (wave, list) in waves.iter().enumerate() {
+            let mut jobs = Vec::new();
+            for first in (0..list.len()).step_by(largest) {
+                let tasks = largest.min(list.len() - first);
+                let at_a_time = self.at_a_time;
+                let array = Array { name: &name, attempt, wave, first, tasks, at_a_time, after: &after };
+                jobs.push(queue::submit(folder, &array, self.options)?);
+            }
+            tasks += list.len();
+            after = jobs;
+        }
+        let (id, waves) = (self.id(), waves.len());
+        self.progress.say(&format!("campaign {id}: submitted {tasks} tasks in {waves} waves"));
+        Ok(())
+    }
+
+    fn watch(&self, folder: &Folder, needs: &[Need], missing: Vec<usize>) -> Result<Ended, String> {
+        let graph = &self.campaign.graph;
+        let cached = needs.iter().filter(|&&need| need == Need::Cached).count();
+        self.progress.planned(missing.len(), cached, missing.iter().map(|&stage| graph.cost_ms(stage)).sum());
+        let interrupt = Interrupt::of_process().map_err(|error| error.to_string())?;
+        let mut left = missing;
+        let mut silence = Silence::new(left.len());
+        let ended = loop {
+            let failures = folder.failures();
+            left.retain(|&stage| !self.is_over(stage, &failures));
+            if left.is_empty() {
+                break Ended::Done(failures);
+            }
+            if folder.called_off() {
+                break Ended::Cancelled;
+            }
+            if interrupt.raised() {
+                break Ended::Detached;
+            }
+            match silence.look(left.len(), || queue::queued(&job_name(&self.id())), self.progress) {
+                Silent::No => std::thread::sleep(LOOK),
+                Silent::Lost if silence.in_vain >= self.options.attempts => {
+                    break Ended::Done(self.lost(folder, &left, failures));
+                }
+                Silent::Lost => {
+                    self.progress
+                        .notice(&format!("{} stages got lost on the cluster; submitting them again", left.len()));
+                    self.submit(folder, &survey(graph, self.store, &self.campaign.wanted()))?;
+                }
+            }
+        };
+        self.progress.done();
+        Ok(ended)
+    }
+
+    /// Whether a stage is in the store, has failed or cannot be computed any more; tells of it.
+    fn is_over(&self, stage: usize, failures: &HashMap<Key, Failure>) -> bool {
+        let graph = &self.campaign.graph;
+        let (kind, label, key) = graph.describe(stage);
+        let failure = failures.get(&key);
+        let over = failure.is_some() || self.store.contains(kind, &key);
+        if over {
+            let short = key.short();
+            let told = Told { stage: kind, label, key: &short, cost_ms: graph.cost_ms(stage) };
+            let timing = self.store.noted(kind, &key).map(|note| note.timing).unwrap_or_default();
+            let own = failure.filter(|failure| failure.stage == kind).map(|failure| failure.status.as_str());
+            self.progress.finished(told, timing, own);
+        }
+        over
+    }
+
+    /// Stages that came to nothing however often they were submitted, as failures.
+    fn lost(&self, folder: &Folder, left: &[usize], mut failures: HashMap<Key, Failure>) -> HashMap<Key, Failure> {
+        let (times, logs) = (self.options.attempts, folder.logs());
+        for &stage in left {
+            let (kind, _, key) = self.campaign.graph.describe(stage);
+            let status = format!("lost on the cluster {times} times; its output is in {}", logs.display());
+            failures.insert(key, Failure { stage: kind.to_owned(), status });
+        }
+        failures
+    }
+}
+
+/// Whether anybody is still at work.
+enum Silent {
+    /// Somebody is, or it is too early to tell.
+    No,
+    /// Nobody is, and results are missing.
+    Lost,
+}
+
+/// Watches the queue for the time when nobody is at work any more.
+struct Silence {
+    asked: Option<Instant>,
+    since: Option<Instant>,
+    /// What was missing when the last attempt was submitted.
+    missing: usize,
+    /// Attempts since anything new has come.
+    in_vain: u32,
+    told: String,
+}
+
+impl Silence {
+    fn new(missing: usize) -> Silence {
+        Silence { asked: None, since: None, missing, in_vain: 0, told: String::new() }
+    }
+
+    fn look(
+        &mut self,
+        missing: usize,
+        queued: impl FnOnce() -> Result<BTreeMap<String, usize>, String>,
+        progress: &Progress,
+    ) -> Silent {
+        if self.asked.is_some_and(|asked| asked.elapsed() < ASK) {
+            return Silent::No;
+        }
+        self.asked = Some(Instant::now());
+        let told = match queued() {
+            Ok(states) if states.is_empty() => {
+                let since = *self.since.get_or_insert_with(Instant::now);
+                if since.elapsed() < GRACE {
+                    return Silent::No;
+                }
+                self.in_vain = if missing < self.missing { 0 } else { self.in_vain } + 1;
+                (self.missing, self.since) = (missing, None);
+                return Silent::Lost;
+            }
+            // Held tasks wait for a person.
+            Ok(states) => states.keys().find(|state| state.contains("eld")).cloned(),
+            // A controller that does not answer is waited for: results come without it.
+            Err(words) => Some(words),
+        };
+        self.since = None;
+        if let Some(words) = told.filter(|words| *words != self.told) {
+            progress.notice(&format!("the cluster: {words}"));
+            self.told = words;
+        }
+        Silent::No
+    }
+}
+
+fn counts(states: &BTreeMap<String, usize>) -> String {
+    states.iter().map(|(state, count)| format!("{count} {state}")).collect::<Vec<_>>().join(", ")
+}
