@@ -6,7 +6,7 @@ use clap::Args;
 use spinebench::data::rows::StageRow;
 use spinebench::data::tables::read_csv;
 use spinebench::runner::{self, Campaign, Entry, Files, Manifest, Standard, Store};
-use spinebench::specs::Experiment;
+use spinebench::specs::Study;
 use std::path::{Path, PathBuf};
 
 /// Reruns the published experiments from nothing and compares with `results/` and `plots/`: byte for byte where the
@@ -35,7 +35,7 @@ impl Verify {
         let mut specs = Vec::new();
         for name in self.names().map_err(bad)? {
             let file = self.folder(&name).join("spec.yaml");
-            specs.push(Experiment::read(&file, &[]).map_err(|error| bad(error.to_string()))?);
+            specs.push(Study::read(&file, &[], &[]).map_err(|error| bad(error.to_string()))?);
         }
         let campaign = Campaign::expand(specs).map_err(|failure| bad(failure.to_string()))?;
         let scratch = Scratch::new().map_err(|error| Ended::No(format!("no temporary folder: {error}")))?;

@@ -1,6 +1,7 @@
 //! Trials: goal reaching and path tracking of one policy under one condition.
 
 use super::data::Targets;
+use super::parts::Part as SpecPart;
 use super::{Added, Stages, status};
 use crate::base::{Point3, Policy, Seed};
 use crate::data::rows::{TrackRow, TrialRow};
@@ -58,8 +59,8 @@ impl PartStages {
 #[derive(Clone, serde::Serialize)]
 struct Condition {
     policy: String,
-    options: PolicyOptions,
-    plant: PlantSpec,
+    options: SpecPart<PolicyOptions>,
+    plant: SpecPart<PlantSpec>,
     feedback: LoopMode,
     step_s: f64,
     seed: u64,
@@ -67,7 +68,7 @@ struct Condition {
 
 impl Stages<'_> {
     /// Goal reaching in one cell; seed and training of the rows are filled in by whoever publishes them.
-    pub fn reach(&mut self, cell: &Cell, training: &Training) -> Added<Vec<TrialRow>> {
+    pub(crate) fn reach(&mut self, cell: &Cell, training: &Training) -> Added<Vec<TrialRow>> {
         let (entry, condition) = self.condition(cell, "reach")?;
         let (parts, targets, options) = (self.parts(entry, cell, training)?, self.targets()?, self.spec.reach);
         let inputs: Vec<usize> = parts.numbers().into_iter().chain([targets.number()]).collect();
@@ -80,7 +81,7 @@ impl Stages<'_> {
     }
 
     /// Path tracking of one policy; seed and training of the rows are filled in by whoever publishes them.
-    pub fn track(&mut self, cell: &Cell, training: &Training) -> Added<Vec<TrackRow>> {
+    pub(crate) fn track(&mut self, cell: &Cell, training: &Training) -> Added<Vec<TrackRow>> {
         let (entry, condition) = self.condition(cell, "track")?;
         let (parts, path, options) = (self.parts(entry, cell, training)?, self.path()?, self.spec.track);
         let inputs: Vec<usize> = parts.numbers().into_iter().chain([path.number()]).collect();
@@ -100,8 +101,8 @@ impl Stages<'_> {
         let mode: &Mode = self.spec.modes.get(&cell.mode).ok_or_else(|| unknown(&cell.mode))?;
         let condition = Condition {
             policy: cell.policy.clone(),
-            options: self.spec.policies,
-            plant: self.spec.plant.with_effects(&mode.effects),
+            options: self.parts.policies.clone(),
+            plant: self.parts.modes.get(&cell.mode).ok_or_else(|| unknown(&cell.mode))?.clone(),
             feedback: mode.feedback,
             step_s: self.step_s(),
             seed: self.seed.child(task).0,
