@@ -71,7 +71,8 @@ fn poor_rows_are_drawn_or_refused_but_never_crash() {
             rows.workspace.truncate(keep);
             rows.gaps.truncate(keep);
             rows.claims.truncate(keep);
-            rows.sweep.truncate(keep);
+            rows.sweep.rows.truncate(keep);
+            rows.sweep.fields.iter_mut().for_each(|(_, cells)| cells.truncate(keep));
             rows.peers.truncate(keep);
             rows.cases.truncate(keep);
             (figure.render)(&rows).unwrap();
@@ -79,7 +80,7 @@ fn poor_rows_are_drawn_or_refused_but_never_crash() {
             rows.tracks.iter_mut().for_each(|row| (row.error_m, row.tip_x_m) = (f64::NAN, f64::NAN));
             rows.gaps.iter_mut().for_each(|row| (row.sim_x_m, row.real_y_m) = (f64::NAN, f64::INFINITY));
             rows.claims.iter_mut().for_each(|row| (row.ours, row.paper) = (f64::NAN, 0.0));
-            rows.sweep.iter_mut().for_each(|row| (row.mean, row.sd) = (f64::NAN, f64::INFINITY));
+            rows.sweep.rows.iter_mut().for_each(|row| (row.mean_m, row.sd_over_seeds_m) = (f64::NAN, f64::INFINITY));
             rows.cases
                 .iter_mut()
                 .for_each(|row| (row.after_m, row.shift_m, row.noise_m) = (f64::NAN, f64::NAN, f64::INFINITY));

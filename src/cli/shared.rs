@@ -3,7 +3,7 @@
 use super::Ended;
 use clap::{Args, ValueEnum};
 use spinebench::runner::{Campaign, Progress, Store, Style};
-use spinebench::specs::{Experiment, SpecError};
+use spinebench::specs::{SpecError, Study};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
@@ -19,6 +19,10 @@ pub(super) struct Specs {
     /// Override of a key of every spec, such as `gp.starts=21`; may be given several times.
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
+    /// A field that every spec sweeps: values `gp.kernel=matern32,matern52`, or `from:to:count`, `log:from:to:count`,
+    /// `random:from:to:count`; several make a product.
+    #[arg(long, value_name = "KEY=VALUES")]
+    sweep: Vec<String>,
 }
 
 impl Specs {
@@ -26,13 +30,13 @@ impl Specs {
     pub(super) fn campaign(&self) -> Result<Campaign, Ended> {
         let mut sets = self.set.clone();
         sets.extend(self.seeds.map(|seeds| format!("seeds={seeds}")));
-        let read = |file: &PathBuf| Experiment::read(file, &sets);
-        let experiments: Result<Vec<Experiment>, SpecError> = self.specs.iter().map(read).collect();
+        let read = |file: &PathBuf| Study::read(file, &sets, &self.sweep);
+        let experiments: Result<Vec<Study>, SpecError> = self.specs.iter().map(read).collect();
         let experiments = experiments.map_err(|error| Ended::BadInput(error.to_string()))?;
         let mut names = BTreeSet::new();
-        for (experiment, file) in experiments.iter().zip(&self.specs) {
-            if !names.insert(&experiment.name) {
-                let (name, file) = (&experiment.name, file.display());
+        for (study, file) in experiments.iter().zip(&self.specs) {
+            if !names.insert(&study.experiment.name) {
+                let (name, file) = (&study.experiment.name, file.display());
                 let words = format!("{file}: name: found `{name}`, expected a name that no other spec here has");
                 return Err(Ended::BadInput(words));
             }

@@ -6,7 +6,7 @@ use clap::Args;
 use spinebench::data::rows::StageRow;
 use spinebench::data::tables::read_csv;
 use spinebench::runner::{self, Campaign, Entry, Files, Manifest, Standard, Store};
-use spinebench::specs::{Experiment, PlantSpec};
+use spinebench::specs::{PlantSpec, Study};
 use std::path::{Path, PathBuf};
 
 /// Reruns the published experiments from nothing and compares with `results/` and `plots/`: byte for byte where the
@@ -35,12 +35,12 @@ impl Verify {
         let mut specs = Vec::new();
         for name in self.names().map_err(bad)? {
             let file = self.folder(&name).join("spec.yaml");
-            specs.push(Experiment::read(&file, &[]).map_err(|error| bad(error.to_string()))?);
+            specs.push(Study::read(&file, &[], &[]).map_err(|error| bad(error.to_string()))?);
         }
         let on_bench =
-            |spec: &&Experiment| matches!(&spec.plant, PlantSpec::Hardware(robot) if robot.rehearsal.is_none());
+            |spec: &&Study| matches!(&spec.experiment.plant, PlantSpec::Hardware(robot) if robot.rehearsal.is_none());
         if let Some(spec) = specs.iter().find(on_bench) {
-            let name = &spec.name;
+            let name = &spec.experiment.name;
             let words =
                 format!("{name}: found a robot on a bench, expected one that does the same twice; name the others");
             return Err(bad(words));

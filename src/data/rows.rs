@@ -202,23 +202,36 @@ pub struct WorkspaceRow {
     pub z_m: f64,
 }
 
-/// One point of a swept quantity: the default figure of an experiment that sweeps something.
+/// An error at one point of a sweep, over seeds; the swept fields stand in columns before these (`sweep.csv`).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SweepRow {
-    /// What is swept, with its unit, as the axis shows it.
-    pub x_label: String,
-    /// Its value.
-    pub x: f64,
-    /// What is measured, with its unit, as the axis shows it.
-    pub y_label: String,
-    /// What tells this line from the others (policy, mode, the second swept quantity).
-    pub series: String,
-    /// Mean.
-    pub mean: f64,
-    /// Standard deviation.
-    pub sd: f64,
-    /// Values behind the mean.
+    /// What the error is of: `reach` (distance to the target at the end of a trial), `track` (mean distance to the target
+    /// over a run) or `gp` (cross-validated error of the Gaussian process).
+    pub task: String,
+    /// `paper`, `converged`, or `any` where no network takes part.
+    pub training: String,
+    /// `a`, `b`, `c` or `pi_real`; empty for `gp`.
+    pub policy: String,
+    /// `open`, `closed`, …; empty for `gp`.
+    pub mode: String,
+    /// Real points behind the Gaussian process.
+    pub gp_points: u64,
+    /// Real points behind the network.
+    pub real_points: u64,
+    /// Mean over seeds of the error's mean within a seed, metres.
+    pub mean_m: f64,
+    /// Standard deviation over seeds of that mean, metres; none for one seed.
+    pub sd_over_seeds_m: f64,
+    /// 95 % interval of the mean over seeds (Student's t), metres; none for one seed.
+    pub low_95_m: f64,
+    /// 95 % interval, metres.
+    pub high_95_m: f64,
+    /// Repetitions that gave an error.
+    pub seeds: u64,
+    /// Trials, runs or processes behind them.
     pub count: u64,
+    /// Those that gave none (status other than `ok`).
+    pub failed: u64,
 }
 
 /// Goal-reaching error over the trials of one policy, mode and data size: a cell of Table I or a point of Fig. 6.

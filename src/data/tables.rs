@@ -28,6 +28,17 @@ pub fn round_significant(value: f64, digits: usize) -> f64 {
 /// # Errors
 /// [`DataError::Write`] (with `name` for the file) when there is no row or a field is not a number, text or flag.
 pub fn to_csv<R: Serialize>(name: &Path, rows: &[R]) -> Result<Vec<u8>, DataError> {
+    to_csv_beside(name, &[], rows)
+}
+
+/// A column of text that stands beside the rows: its name and one cell a row.
+pub type Beside = (String, Vec<String>);
+
+/// The same with further columns before those of the rows.
+///
+/// # Errors
+/// As [`to_csv`], and when a column does not have one cell a row.
+pub fn to_csv_beside<R: Serialize>(name: &Path, beside: &[Beside], rows: &[R]) -> Result<Vec<u8>, DataError> {
     let refused = |reason: String| DataError::Write { file: name.to_owned(), reason };
     if rows.is_empty() {
         return Err(refused("no rows to write".to_owned()));
@@ -40,7 +51,8 @@ pub fn to_csv<R: Serialize>(name: &Path, rows: &[R]) -> Result<Vec<u8>, DataErro
         column(cells).map(|cells| (name.to_owned(), cells)).ok_or_else(|| format!("column `{name}` mixes kinds"))
     });
     let columns = columns.collect::<Result<Vec<_>, _>>().map_err(refused)?;
-    csv_bytes(columns).map_err(refused)
+    let beside = beside.iter().map(|(name, cells)| (name.clone(), Cells::Text(cells.clone())));
+    csv_bytes(beside.chain(columns).collect()).map_err(refused)
 }
 
 /// Writes rows to a CSV, the whole file or nothing.
@@ -56,6 +68,17 @@ pub fn write_csv<R: Serialize>(path: &Path, rows: &[R]) -> Result<(), DataError>
 /// # Errors
 /// [`DataError`] names file, line, column, what was found and what was expected.
 pub fn read_csv<R: DeserializeOwned>(path: &Path) -> Result<Vec<R>, DataError> {
+    read_csv_beside(path, |_| false).map(|(_, rows)| rows)
+}
+
+/// Reads rows back, and beside them the columns whose name `apart` picks.
+///
+/// # Errors
+/// As [`read_csv`].
+pub fn read_csv_beside<R: DeserializeOwned>(
+    path: &Path,
+    apart: impl Fn(&str) -> bool,
+) -> Result<(Vec<Beside>, Vec<R>), DataError> {
     let sheet = Sheet::read(path)?;
     let names: Vec<&str> = sheet.columns.iter().map(|(name, _)| name.as_str()).collect();
     let text = |cells: &Cells| match cells {
@@ -63,11 +86,14 @@ pub fn read_csv<R: DeserializeOwned>(path: &Path) -> Result<Vec<R>, DataError> {
         _ => (0..sheet.rows).map(|row| cells.show(row)).collect(),
     };
     let columns: Vec<Vec<String>> = sheet.columns.iter().map(|(_, cells)| text(cells)).collect();
+    let (beside, own): (Vec<_>, Vec<_>) = names.into_iter().zip(columns).partition(|(name, _)| apart(name));
+    let (names, columns): (Vec<&str>, Vec<Vec<String>>) = own.into_iter().unzip();
     let rows = (0..sheet.rows).map(|row| {
         let cells: Vec<&str> = columns.iter().map(|column| column[row].as_str()).collect();
         R::deserialize(TextRow { names: &names, cells: &cells }).map_err(|error| place(&sheet, row, error))
     });
-    rows.collect()
+    let rows = rows.collect::<Result<_, DataError>>()?;
+    Ok((beside.into_iter().map(|(name, cells)| (name.to_owned(), cells)).collect(), rows))
 }
 
 /// Puts a reading error where it belongs.

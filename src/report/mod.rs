@@ -20,6 +20,7 @@ mod scaling;
 pub mod style;
 mod summarise;
 mod sweep;
+mod swept;
 mod table1;
 mod view;
 
@@ -29,6 +30,7 @@ use crate::data::{DataError, write_atomic};
 
 pub use published::Published;
 pub use summarise::{OSCILLATION_WINDOW_S, reach_summary, track_summary};
+pub use swept::{Swept, gp_sweep, reach_sweep, track_sweep};
 
 /// Where a file that a figure makes belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,11 +5,10 @@ use std::path::Path;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use super::swept::Swept;
 use crate::data::findings::CaseRow;
-use crate::data::rows::{
-    ClaimRow, GapRow, PeerRow, ScalingRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow,
-};
-use crate::data::{DataError, tables};
+use crate::data::rows::{ClaimRow, GapRow, PeerRow, ScalingRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow};
+use crate::data::{DataError, tables, write_atomic};
 
 /// The rows that a figure may ask for; an experiment fills in those it has.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,7 +26,7 @@ pub struct Published {
     /// Claims (`claims.csv`).
     pub claims: Vec<ClaimRow>,
     /// Points of a sweep (`sweep.csv`).
-    pub sweep: Vec<SweepRow>,
+    pub sweep: Swept,
     /// Simulators beside each other (`work_precision.csv`).
     pub peers: Vec<PeerRow>,
     /// Blind cases of discovery (`discovery.csv`).
@@ -49,7 +48,7 @@ impl Published {
             workspace: rows(folder, "workspace.csv")?,
             gaps: rows(folder, "gap.csv")?,
             claims: rows(folder, "claims.csv")?,
-            sweep: rows(folder, "sweep.csv")?,
+            sweep: swept(folder)?,
             peers: rows(folder, "work_precision.csv")?,
             cases: rows(folder, "discovery.csv")?,
             scaling: rows(folder, "scaling.csv")?,
@@ -68,7 +67,10 @@ impl Published {
         write(folder, "workspace.csv", &self.workspace)?;
         write(folder, "gap.csv", &self.gaps)?;
         write(folder, "claims.csv", &self.claims)?;
-        write(folder, "sweep.csv", &self.sweep)?;
+        if !self.sweep.rows.is_empty() {
+            let path = folder.join("sweep.csv");
+            write_atomic(&path, &tables::to_csv_beside(&path, &self.sweep.fields, &self.sweep.rows)?)?;
+        }
         write(folder, "work_precision.csv", &self.peers)?;
         write(folder, "discovery.csv", &self.cases)?;
         write(folder, "scaling.csv", &self.scaling)?;
@@ -79,6 +81,16 @@ impl Published {
 fn rows<R: DeserializeOwned>(folder: &Path, name: &str) -> Result<Vec<R>, DataError> {
     let path = folder.join(name);
     if path.exists() { tables::read_csv(&path) } else { Ok(Vec::new()) }
+}
+
+/// The summary of a sweep: what is swept stands in the columns with a dot in their names.
+fn swept(folder: &Path) -> Result<Swept, DataError> {
+    let path = folder.join("sweep.csv");
+    if !path.exists() {
+        return Ok(Swept::default());
+    }
+    let (fields, rows) = tables::read_csv_beside(&path, |name| name.contains('.'))?;
+    Ok(Swept { fields, rows })
 }
 
 fn write<R: Serialize>(folder: &Path, name: &str, rows: &[R]) -> Result<(), DataError> {

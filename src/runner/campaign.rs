@@ -3,14 +3,15 @@
 use super::graph::{Failure, Graph, Handle};
 use super::metrics::{ANY_TRAINING, Tables};
 use super::outcomes::Outcomes;
-use super::stages::{BlindStages, Stages};
+use super::stages::{BlindStages, Parts, Stages};
 use crate::base::Point3;
 use crate::data::rows::{GapRow, GpRow, TrackRow, TrialRow};
 use crate::learn::rnn::Trained;
 use crate::policies::{self, Part};
-use crate::specs::{Cell, Experiment, Training, gp_sizes, reach_cells, track_cells};
+use crate::specs::{Cell, Experiment, Point, Study, SweptField, Training, gp_sizes, reach_cells, track_cells};
 use crate::tasks::SimulatedBy;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// Some experiments, expanded into the stages that they need. What they share is there once.
 pub struct Campaign {
@@ -22,8 +23,21 @@ pub struct Campaign {
 
 /// An experiment and its stages.
 pub struct Entry {
-    /// What is run.
+    /// What is run; of a sweep, its first point.
     pub experiment: Experiment,
+    /// What is swept; nothing for a single experiment.
+    pub sweep: Vec<SweptField>,
+    /// The spec with everything filled in.
+    pub(super) spec_yaml: String,
+    /// The points of the sweep, or the one experiment.
+    pub(super) points: Vec<PointStages>,
+}
+
+/// The stages of one point of a sweep, or of the one experiment.
+pub(super) struct PointStages {
+    /// Which of its values each swept field has.
+    pub(super) values: Vec<usize>,
+    pub(super) experiment: Arc<Experiment>,
     pub(super) repetitions: Vec<Repetition>,
 }
 
@@ -68,18 +82,14 @@ pub(super) enum Network {
 }
 
 impl Campaign {
-    /// Expands experiments.
+    /// Expands experiments, or what their specs sweep.
     ///
     /// # Errors
     /// [`Failure`] for settings that cannot be written into a key.
-    pub fn expand(experiments: Vec<Experiment>) -> Result<Campaign, Failure> {
+    pub fn expand<S: Into<Study>>(studies: impl IntoIterator<Item = S>) -> Result<Campaign, Failure> {
         let mut graph = Graph::default();
-        let mut entries = Vec::with_capacity(experiments.len());
-        for experiment in experiments {
-            let repetitions = (0..experiment.seeds).map(|seed| repetition(&mut graph, &experiment, seed));
-            let repetitions = repetitions.collect::<Result<Vec<_>, Failure>>()?;
-            entries.push(Entry { experiment, repetitions });
-        }
+        let entries =
+            studies.into_iter().map(|study| entry(&mut graph, study.into())).collect::<Result<_, Failure>>()?;
         Ok(Campaign { graph, entries })
     }
 
@@ -94,7 +104,7 @@ impl Entry {
     /// The stages whose results this experiment publishes.
     pub fn wanted(&self) -> BTreeSet<usize> {
         let mut numbers = BTreeSet::new();
-        for one in &self.repetitions {
+        for one in self.points.iter().flat_map(|point| &point.repetitions) {
             numbers.extend(one.gap.map(Handle::number));
             numbers.extend(one.waypoints.map(Handle::number));
             numbers.extend(one.gps.iter().map(|(_, stage)| stage.number()));
@@ -108,34 +118,70 @@ impl Entry {
         numbers
     }
 
-    /// The runs: products of seeds, trainings, policies, modes and sizes, in the order of their expansion.
+    /// The runs: products of swept values, seeds, trainings, policies, modes and sizes, in the order of their expansion.
     pub fn cells(&self) -> Vec<PlannedRun> {
         let mut runs = Vec::new();
-        for one in &self.repetitions {
-            runs.extend(one.blind.iter().map(|case| PlannedRun { label: case.label(one.seed), stage: case.last() }));
-            for trained in &one.trained {
-                let head = format!("seed {} {}", one.seed, trained.training);
-                let run = |task: &str, cell: &Cell, stage: usize| {
-                    let (policy, mode, gp, real) = (&cell.policy, &cell.mode, cell.gp_points, cell.real_points);
-                    let gp = if gp > 0 { format!(" gp_points {gp}") } else { String::new() };
-                    let real = if real > 0 { format!(" real_points {real}") } else { String::new() };
-                    PlannedRun { label: format!("{task} {head} {policy} {mode}{gp}{real}"), stage }
-                };
-                runs.extend(trained.reach.iter().map(|(cell, stage)| run("reach", cell, stage.number())));
-                runs.extend(trained.track.iter().map(|(cell, stage)| run("track", cell, stage.number())));
-            }
+        for point in &self.points {
+            let swept = self.label(point);
+            let swept = if swept.is_empty() { swept } else { format!(" {swept}") };
+            point.repetitions.iter().for_each(|one| one.cells(&swept, &mut runs));
         }
         runs
     }
 
-    /// The experiment's tables: rows sorted, failures as rows with a status.
-    pub fn tables(&self, outcomes: &Outcomes) -> Tables {
+    /// The values of a point's swept fields, in words.
+    pub(super) fn label(&self, point: &PointStages) -> String {
+        Point { values: point.values.clone(), experiment: point.experiment.clone() }.label(&self.sweep)
+    }
+}
+
+impl PointStages {
+    /// The tables of this point: rows sorted, failures as rows with a status.
+    pub(super) fn tables(&self, outcomes: &Outcomes) -> Tables {
         super::tables::assemble(self, outcomes)
     }
 }
 
-fn repetition(graph: &mut Graph, experiment: &Experiment, seed: u64) -> Result<Repetition, Failure> {
-    let mut stages = Stages::new(graph, experiment, seed)?;
+impl Repetition {
+    fn cells(&self, swept: &str, runs: &mut Vec<PlannedRun>) {
+        let blind = |case: &BlindStages| PlannedRun { label: case.label(self.seed) + swept, stage: case.last() };
+        runs.extend(self.blind.iter().map(blind));
+        for trained in &self.trained {
+            let head = format!("seed {} {}", self.seed, trained.training);
+            let run = |task: &str, cell: &Cell, stage: usize| {
+                let (policy, mode, gp, real) = (&cell.policy, &cell.mode, cell.gp_points, cell.real_points);
+                let gp = if gp > 0 { format!(" gp_points {gp}") } else { String::new() };
+                let real = if real > 0 { format!(" real_points {real}") } else { String::new() };
+                PlannedRun { label: format!("{task} {head} {policy} {mode}{gp}{real}{swept}"), stage }
+            };
+            runs.extend(trained.reach.iter().map(|(cell, stage)| run("reach", cell, stage.number())));
+            runs.extend(trained.track.iter().map(|(cell, stage)| run("track", cell, stage.number())));
+        }
+    }
+}
+
+/// The stages of one study.
+fn entry(graph: &mut Graph, study: Study) -> Result<Entry, Failure> {
+    let failed = |status: String| Failure { stage: "spec".into(), status };
+    let spec_yaml = study.to_yaml().map_err(failed)?;
+    let Study { experiment, sweep, mut points, .. } = study;
+    if points.is_empty() {
+        points.push(Point { values: Vec::new(), experiment: Arc::new(experiment.clone()) });
+    }
+    let mut stages = Vec::with_capacity(points.len());
+    let mut before: Option<Parts> = None;
+    for Point { values, experiment } in points {
+        let parts = Parts::new(&experiment, before.as_ref()).map_err(failed)?;
+        let repetitions = (0..experiment.seeds).map(|seed| repetition(graph, &experiment, &parts, seed));
+        let repetitions = repetitions.collect::<Result<Vec<_>, Failure>>()?;
+        stages.push(PointStages { values, experiment, repetitions });
+        before = Some(parts);
+    }
+    Ok(Entry { experiment, sweep, spec_yaml, points: stages })
+}
+
+fn repetition(graph: &mut Graph, experiment: &Experiment, parts: &Parts, seed: u64) -> Result<Repetition, Failure> {
+    let mut stages = Stages::new(graph, experiment, parts, seed);
     let mut one = Repetition { seed, ..Repetition::default() };
     one.gap = experiment.runs.gap.map(|gap| stages.gap(gap.rows)).transpose()?;
     one.waypoints = experiment.runs.track.as_ref().map(|_| stages.waypoints()).transpose()?;

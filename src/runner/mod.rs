@@ -18,6 +18,7 @@ pub mod slurm;
 pub mod stages;
 mod store;
 mod survey;
+mod sweep;
 mod tables;
 mod timing;
 mod trail;

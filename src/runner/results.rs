@@ -1,13 +1,12 @@
 //! The files that an experiment publishes, as bytes: writing them is one more step, comparing them another.
 
-use super::campaign::Entry;
+use super::campaign::{Entry, PointStages};
 use super::claims::evaluate;
 use super::metrics::Tables;
 use super::outcomes::Outcomes;
 use crate::data::rows::ClaimRow;
 use crate::data::{DataError, tables, write_together};
-use crate::report::{self, ReportError, Shelf};
-use crate::specs::to_yaml;
+use crate::report::{self, Published, ReportError, Shelf};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -47,20 +46,27 @@ impl Entry {
     /// # Errors
     /// [`PublishError`] for a table or figure that cannot be made.
     pub fn publish(&self, outcomes: &Outcomes) -> Result<Publication, PublishError> {
-        let mut tables = self.tables(outcomes);
-        let seeds: Vec<u64> = self.repetitions.iter().map(|one| one.seed).collect();
-        let trainings: Vec<String> = self.experiment.training.keys().cloned().collect();
-        let claims = evaluate(&self.experiment.claims, &tables, &seeds, &trainings);
+        let [point] = self.points.as_slice() else { return self.publish_sweep(outcomes) };
+        if !self.sweep.is_empty() {
+            return self.publish_sweep(outcomes);
+        }
+        let mut tables = point.tables(outcomes);
+        let claims = self.claims(point, &tables);
         tables.published.claims.clone_from(&claims);
         let folder = Path::new("results").join(&self.experiment.name);
         let mut files = Files::new();
         files.insert(folder.join("spec.yaml"), self.spec_yaml()?);
         self.tables_to(&tables, &folder, &mut files)?;
         let notices = self.figures_to(&tables, &folder, &mut files);
-        let failed = tables.published.trials.iter().filter(|row| row.status != "ok").count()
-            + tables.runs.iter().filter(|row| row.status != "ok").count()
-            + tables.published.cases.iter().filter(|row| row.verdict.starts_with("failed")).count();
+        let failed = failed(&tables);
         Ok(Publication { files, claims, failed, notices })
+    }
+
+    /// What became of the claims at one point.
+    pub(super) fn claims(&self, point: &PointStages, tables: &Tables) -> Vec<ClaimRow> {
+        let seeds: Vec<u64> = point.repetitions.iter().map(|one| one.seed).collect();
+        let trainings: Vec<String> = point.experiment.training.keys().cloned().collect();
+        evaluate(&self.experiment.claims, tables, &seeds, &trainings)
     }
 
     /// The resolved spec: what it extends, includes and leaves to defaults filled in. It runs as it is.
@@ -69,8 +75,7 @@ impl Entry {
     /// [`PublishError::Spec`] for what YAML cannot hold.
     pub fn spec_yaml(&self) -> Result<Vec<u8>, PublishError> {
         let head = "# The spec as it was run, with everything filled in.\n";
-        let body = to_yaml(&self.experiment).map_err(PublishError::Spec)?;
-        Ok((head.to_owned() + &body).into_bytes())
+        Ok((head.to_owned() + &self.spec_yaml).into_bytes())
     }
 
     fn tables_to(&self, tables: &Tables, folder: &Path, files: &mut Files) -> Result<(), DataError> {
@@ -87,12 +92,23 @@ impl Entry {
 
     /// Figures that carry the experiment's name lie in `plots/`, others in a folder of the experiment there.
     fn figures_to(&self, tables: &Tables, folder: &Path, files: &mut Files) -> Vec<String> {
+        self.draw(&self.experiment.figures, &tables.published, folder, files)
+    }
+
+    /// Draws the figures of these names.
+    pub(super) fn draw(
+        &self,
+        figures: &[String],
+        published: &Published,
+        folder: &Path,
+        files: &mut Files,
+    ) -> Vec<String> {
         let mut notices = Vec::new();
-        for name in &self.experiment.figures {
+        for name in figures {
             let Some(figure) = report::figure(name) else { continue };
             let plots = Path::new("plots");
             let plots = if *name == self.experiment.name { plots.into() } else { plots.join(&self.experiment.name) };
-            let artifacts = (figure.render)(&tables.published).unwrap_or_else(|error| {
+            let artifacts = (figure.render)(published).unwrap_or_else(|error| {
                 notices.push(format!("{}: {error}", self.experiment.name));
                 Vec::new()
             });
@@ -109,6 +125,13 @@ impl Entry {
         }
         notices
     }
+}
+
+/// Trials, tracking runs and cases that failed.
+pub(super) fn failed(tables: &Tables) -> usize {
+    tables.published.trials.iter().filter(|row| row.status != "ok").count()
+        + tables.runs.iter().filter(|row| row.status != "ok").count()
+        + tables.published.cases.iter().filter(|row| row.verdict.starts_with("failed")).count()
 }
 
 /// Adds a table to `files`, unless it has no rows.
@@ -132,7 +155,9 @@ pub fn all_claims(out: &Path, fresh: &BTreeMap<String, Vec<ClaimRow>>) -> Result
     let mut by_experiment = fresh.clone();
     for folder in std::fs::read_dir(out.join(results)).into_iter().flatten().flatten() {
         let (name, path) = (folder.file_name().to_string_lossy().into_owned(), folder.path().join("claims.csv"));
-        if !by_experiment.contains_key(&name) && path.is_file() {
+        // The claims of a sweep are about its points, not about the paper's settings.
+        let swept = folder.path().join("sweep.csv").exists();
+        if !by_experiment.contains_key(&name) && path.is_file() && !swept {
             by_experiment.insert(name, tables::read_csv(&path)?);
         }
     }
@@ -140,7 +165,7 @@ pub fn all_claims(out: &Path, fresh: &BTreeMap<String, Vec<ClaimRow>>) -> Result
     let mut files = Files::new();
     put(&mut files, &results.join("claims.csv"), &claims)?;
     if let (Some(figure), false) = (report::figure("claims"), claims.is_empty()) {
-        let published = report::Published { claims, ..report::Published::default() };
+        let published = Published { claims, ..Published::default() };
         for artifact in (figure.render)(&published)? {
             let shelf = if artifact.shelf == Shelf::Plots { Path::new("plots") } else { results };
             files.insert(shelf.join(artifact.name), artifact.bytes);

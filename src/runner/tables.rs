@@ -1,6 +1,6 @@
 //! Stage results to published rows: labels filled in, failures turned into rows, everything in a fixed order.
 
-use super::campaign::{Entry, Network, TrainedCells};
+use super::campaign::{Network, PointStages, TrainedCells};
 use super::graph::Failure;
 use super::metrics::Tables;
 use super::outcomes::Outcomes;
@@ -9,9 +9,9 @@ use crate::learn::rnn::Trained;
 use crate::report::track_summary;
 use crate::specs::{Cell, Experiment};
 
-pub(super) fn assemble(entry: &Entry, outcomes: &Outcomes) -> Tables {
+pub(super) fn assemble(point: &PointStages, outcomes: &Outcomes) -> Tables {
     let mut tables = Tables::default();
-    for one in &entry.repetitions {
+    for one in &point.repetitions {
         let seed = one.seed;
         if let Some(Ok(rows)) = one.gap.map(|stage| outcomes.get(stage)) {
             tables.published.gaps.extend(rows.iter().cloned().map(|mut row| {
@@ -33,7 +33,7 @@ pub(super) fn assemble(entry: &Entry, outcomes: &Outcomes) -> Tables {
         tables.gps.extend(gps.map(|(training, row)| GpRow { seed, training: training.clone(), ..row.clone() }));
         tables.published.cases.extend(one.blind.iter().map(|case| case.row(outcomes)));
         for cells in &one.trained {
-            trained(&mut tables, &entry.experiment, seed, cells, outcomes);
+            trained(&mut tables, &point.experiment, seed, cells, outcomes);
         }
     }
     tables.runs = track_summary(&tables.published.tracks);

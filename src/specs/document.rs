@@ -4,14 +4,20 @@
 //! Mappings merge key by key, the extending file's values winning; lists and scalars replace what they override.
 //! Where a key may name a file (a model), that file's content takes the name's place.
 
+mod sweep;
+
+use super::alias::canonical as unaliased;
 use super::emit::{describe, emit};
 use super::error::{Place, SpecError};
 use super::locate::{End, locate};
 use super::path::{KeyPath, Step};
+use super::sweep_option;
 use super::wording::explain;
 use serde::de::DeserializeOwned;
 use serde_yaml::{Mapping, Value};
 use std::path::{Path, PathBuf};
+
+pub(super) use sweep::{Origin, Written, put};
 
 /// One source of values.
 #[derive(Clone, Debug)]
@@ -35,6 +41,8 @@ pub struct Document {
     merged: Value,
     /// The file as the user named it.
     pub file: String,
+    /// Where swept values came from, while they stand in the tree.
+    origins: Vec<Origin>,
 }
 
 impl Document {
@@ -44,7 +52,20 @@ impl Document {
     /// # Errors
     /// A missing file, text that is not YAML, a cycle of `extends`, a malformed override.
     pub fn read(file: &Path, sets: &[String], includes: &[KeyPath]) -> Result<Document, SpecError> {
+        Document::read_swept(file, sets, &[], includes)
+    }
+
+    /// The same with what the command line sweeps.
+    pub(super) fn read_swept(
+        file: &Path,
+        sets: &[String],
+        sweeps: &[String],
+        includes: &[KeyPath],
+    ) -> Result<Document, SpecError> {
         let mut layers = Vec::new();
+        for sweep in sweeps.iter().rev() {
+            layers.push(Layer::sweep(sweep)?);
+        }
         for set in sets.iter().rev() {
             Layer::option(set)?.push_with_included(includes, &mut layers)?;
         }
@@ -62,7 +83,7 @@ impl Document {
             }
             merge(&mut merged, layer.rooted());
         }
-        Ok(Document { layers, merged, file: file.display().to_string() })
+        Ok(Document { layers, merged, file: file.display().to_string(), origins: Vec::new() })
     }
 
     /// The document as a `T`, refusing what `T` refuses with the place that it came from.
@@ -128,6 +149,9 @@ impl Document {
 
     /// Where `path`, or what of it exists, was written.
     pub fn place(&self, path: &KeyPath, end: End) -> Place {
+        if let Some(place) = self.origins.iter().rev().find_map(|origin| origin.place(self, path, end)) {
+            return place;
+        }
         // What is only in a layer that another one overrides is not there.
         match self.owner(path).filter(|_| self.has(path)) {
             Some(layer) => layer.place(path, end),
@@ -142,6 +166,10 @@ impl Document {
         self.layers.iter().find(|layer| !above_option(layer) && get(&layer.rooted(), path).is_some())
     }
 }
+
+/// How the names of sources on the command line begin.
+const SET: &str = "--set ";
+const SWEEP: &str = "--sweep ";
 
 impl Layer {
     /// A file as the layer below `include` (a path and where its name stands), or as the root.
@@ -171,7 +199,7 @@ impl Layer {
     }
 
     fn option(set: &str) -> Result<Layer, SpecError> {
-        let name = format!("--set {set}");
+        let name = format!("{SET}{set}");
         let refuse = |found: String| SpecError::Key {
             place: Place::Option(name.clone()),
             key: KeyPath::default(),
@@ -179,12 +207,30 @@ impl Layer {
             expected: "path.to.key=value".to_owned(),
         };
         let (path, text) = set.split_once('=').ok_or_else(|| refuse(format!("`{set}`")))?;
-        let root = KeyPath::parse(path.trim()).map_err(refuse)?;
+        let root = unaliased(KeyPath::parse(path.trim()).map_err(refuse)?);
         if root.0.iter().any(|step| matches!(step, Step::Item(_))) {
             return Err(refuse(format!("`{path}`, which names one item of a list")));
         }
         let value = yaml(text, &name)?;
         Ok(Layer { name, text: text.to_owned(), value, folder: PathBuf::new(), root, replaces: false })
+    }
+
+    /// What the command line sweeps, as the entry of `sweep:` that it stands for.
+    fn sweep(option: &str) -> Result<Layer, SpecError> {
+        let name = format!("{SWEEP}{option}");
+        let (path, values) = sweep_option::parse(option).map_err(|found| SpecError::Key {
+            place: Place::Option(name.clone()),
+            key: KeyPath::default(),
+            found,
+            expected: format!("path.to.key= and {}", sweep_option::EXPECTED),
+        })?;
+        let value = Value::Mapping(Mapping::from_iter([(Value::from(path.to_string()), values)]));
+        let root = KeyPath::default().key("sweep");
+        Ok(Layer { name, text: option.to_owned(), value, folder: PathBuf::new(), root, replaces: false })
+    }
+
+    fn is_option(&self) -> bool {
+        self.name.starts_with(SET) || self.name.starts_with(SWEEP)
     }
 
     /// Appends this layer and, below it, the files that it names at the paths `includes`.
@@ -228,7 +274,7 @@ impl Layer {
     }
 
     fn place(&self, path: &KeyPath, end: End) -> Place {
-        if self.name.starts_with("--set ") {
+        if self.is_option() {
             return Place::Option(self.name.clone());
         }
         let below = path.0.strip_prefix(self.root.0.as_slice()).unwrap_or_default();
@@ -248,7 +294,7 @@ impl Layer {
 fn yaml(text: &str, name: &str) -> Result<Value, SpecError> {
     serde_yaml::from_str(text).map_err(|error| {
         let (line, column) = error.location().map_or((1, 1), |at| (at.line(), at.column()));
-        let place = if name.starts_with("--set ") {
+        let place = if name.starts_with(SET) {
             Place::Option(name.to_owned())
         } else {
             Place::File { file: name.to_owned(), line, column }

@@ -1,5 +1,6 @@
 //! Experiments as YAML: strictly checked, with the file, line and key of whatever is wrong.
 
+mod alias;
 mod cells;
 mod check;
 mod check_claims;
@@ -12,8 +13,11 @@ mod locate;
 mod model;
 mod path;
 mod plant;
+mod series;
 mod slurm;
+mod study;
 mod suggest;
+mod sweep_option;
 mod wording;
 
 pub use cells::{Cell, gp_sizes, reach_cells, track_cells};
@@ -26,6 +30,7 @@ pub use model::{extended_text, model_text, read_model, read_options, read_plant}
 pub use path::{KeyPath, Step};
 pub use plant::{PlantSpec, SimulatedSpec};
 pub use slurm::SlurmOptions;
+pub use study::{Point, Study, SweptField};
 
 use serde::Serialize;
 use std::path::Path;
@@ -42,16 +47,17 @@ pub fn to_yaml<T: Serialize>(value: &T) -> Result<String, String> {
 }
 
 impl Experiment {
-    /// Reads and checks a spec with overrides `path.to.key=value`.
+    /// Reads and checks a spec with overrides `path.to.key=value`; one that sweeps is a [`Study`].
     ///
     /// # Errors
     /// [`SpecError`] for the first thing that is wrong.
     pub fn read(file: &Path, sets: &[String]) -> Result<Experiment, SpecError> {
-        let includes: Vec<KeyPath> =
-            ["model", "plant"].iter().flat_map(|key| PlantSpec::model_paths(&KeyPath::default().key(key))).collect();
-        let document = Document::read(file, sets, &includes)?;
-        let experiment = document.parse::<Experiment>()?;
-        check::check(&experiment, &document)?;
-        Ok(experiment)
+        let study = Study::read(file, sets, &[])?;
+        let swept = study.sweep.first().map(|field| SpecError::File {
+            file: file.display().to_string(),
+            found: format!("a sweep of `{}`", field.name),
+            expected: "a spec that sweeps nothing",
+        });
+        swept.map_or(Ok(study.experiment), Err)
     }
 }

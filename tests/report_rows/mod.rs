@@ -6,7 +6,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use spinebench::base::{Point3, Seed, distance_m};
 use spinebench::data::rows::{ClaimRow, GapRow, PeerRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow};
-use spinebench::report::Published;
+use spinebench::report::{Published, Swept};
 
 const TRAININGS: [&str; 2] = ["paper", "converged"];
 
@@ -207,22 +207,55 @@ pub(crate) fn claims() -> Vec<ClaimRow> {
     rows
 }
 
-pub(crate) fn sweep() -> Vec<SweepRow> {
-    let mut rows = Vec::new();
-    for (place, series) in ["A", "B", "C", "πᵣₑₐₗ"].into_iter().enumerate() {
-        for step in 0..6 {
-            rows.push(SweepRow {
-                x_label: "switching threshold (m)".to_owned(),
-                x: 0.005 * f64::from(step),
-                y_label: "goal-reaching error (mm)".to_owned(),
-                series: series.to_owned(),
-                mean: 15.0 - place as f64 + (f64::from(step) - 3.0).powi(2),
-                sd: 4.0 + place as f64,
-                count: 50,
-            });
+/// A sweep of these fields (name and values), four policies in two modes.
+pub(crate) fn sweep(fields: &[(&str, &[&str])], seeds: u64) -> Swept {
+    let count: usize = fields.iter().map(|(_, values)| values.len()).product();
+    let mut swept =
+        Swept { fields: fields.iter().map(|(name, _)| ((*name).to_owned(), Vec::new())).collect(), rows: Vec::new() };
+    for point in 0..count {
+        let mut rest = point;
+        let digits: Vec<usize> = fields
+            .iter()
+            .rev()
+            .map(|(_, values)| {
+                let digit = rest % values.len();
+                rest /= values.len();
+                digit
+            })
+            .collect();
+        for (place, policy) in ["a", "b", "c", "pi_real"].into_iter().enumerate() {
+            for (turn, mode) in
+                ["open", "closed"].into_iter().enumerate().filter(|(_, mode)| policy != "c" || *mode == "closed")
+            {
+                for (index, digit) in digits.iter().rev().enumerate() {
+                    swept.fields[index].1.push(fields[index].1[*digit].to_owned());
+                }
+                let bowl: f64 = digits.iter().map(|&digit| (digit as f64 - 2.5).powi(2)).sum();
+                let mean_m = 1e-3 * (15.0 - place as f64 - 4.0 * turn as f64 + bowl);
+                swept.rows.push(SweepRow {
+                    task: "reach".to_owned(),
+                    training: "paper".to_owned(),
+                    policy: policy.to_owned(),
+                    mode: mode.to_owned(),
+                    gp_points: if policy == "pi_real" { 0 } else { 100 },
+                    real_points: if policy == "pi_real" { 10_000 } else { 0 },
+                    mean_m,
+                    sd_over_seeds_m: if seeds > 1 { 0.001 } else { f64::NAN },
+                    low_95_m: if seeds > 1 { mean_m - 0.002 } else { f64::NAN },
+                    high_95_m: if seeds > 1 { mean_m + 0.002 } else { f64::NAN },
+                    seeds,
+                    count: 50 * seeds,
+                    failed: 0,
+                });
+            }
         }
     }
-    rows
+    swept
+}
+
+/// Six switching thresholds.
+pub(crate) fn thresholds(seeds: u64) -> Swept {
+    sweep(&[("policies.c.error_m", &["0.005", "0.01", "0.015", "0.02", "0.025", "0.03"])], seeds)
 }
 
 /// Work against precision: simulators on three robots, each at several time steps, and a run that failed.
@@ -271,7 +304,7 @@ pub(crate) fn published(figure: &str, seeds: u64) -> Published {
             published.waypoints = (0..seeds).flat_map(waypoints).collect();
         }
         "claims" => published.claims = claims(),
-        "sweep" => published.sweep = sweep(),
+        "sweep" => published.sweep = thresholds(seeds),
         "peers" => published.peers = peers(),
         "discovery" => published.cases = cases::cases(seeds),
         other => panic!("no rows for the figure `{other}`"),

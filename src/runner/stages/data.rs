@@ -1,6 +1,5 @@
 //! Recordings: exploration, replay, predefined points, targets, the path.
 
-use super::identified::Identified;
 use super::{Added, Stages, status};
 use crate::base::{Point3, Seed};
 use crate::data::rows::GapRow;
@@ -24,37 +23,37 @@ pub(super) type Targets = Vec<(usize, Point3)>;
 
 impl Stages<'_> {
     /// The random exploration on the model.
-    pub fn explore(&mut self) -> Added<Samples> {
-        if let Some(known) = self.known.explored {
-            return Ok(known);
-        }
-        let (model, options, step_s) = (self.model.clone(), self.spec.explore, self.step_s());
+    pub(crate) fn explore(&mut self) -> Added<Samples> {
+        self.once((EXPLORE.name, None, 0), Self::add_explore)
+    }
+
+    fn add_explore(&mut self) -> Added<Samples> {
+        let (model, options, step_s) = (self.parts.model.clone(), self.spec.explore, self.step_s());
         let seed = self.seed.child("explore");
         let params = (model.clone(), options, step_s, seed.0);
-        let explored = self.graph.stage(EXPLORE, self.label("exploration"), &params, &[], move |_| {
-            let mut plant = model.build(&[], step_s)?;
+        self.graph.stage(EXPLORE, self.label("exploration"), &params, &[], move |_| {
+            let mut plant = model.build(step_s)?;
             tasks::explore(plant.as_mut(), &options, seed).map_err(status)
-        })?;
-        Ok(*self.known.explored.insert(explored))
+        })
     }
 
     /// The same commands on the robot.
-    pub fn replay(&mut self) -> Added<Samples> {
-        if let Some(known) = self.known.replayed {
-            return Ok(known);
-        }
+    pub(crate) fn replay(&mut self) -> Added<Samples> {
+        self.once((REPLAY.name, None, 0), Self::add_replay)
+    }
+
+    fn add_replay(&mut self) -> Added<Samples> {
         let explored = self.explore()?;
-        let (plant, step_s, seed) = (self.plant.clone(), self.step_s(), self.seed.child("replay"));
+        let (plant, step_s, seed) = (self.parts.plant.clone(), self.step_s(), self.seed.child("replay"));
         let params = (plant.clone(), step_s, seed.0);
-        let replayed = self.graph.stage(REPLAY, self.label("replay"), &params, &[explored.number()], move |given| {
-            let mut plant = plant.build(&[], step_s)?;
+        self.graph.stage(REPLAY, self.label("replay"), &params, &[explored.number()], move |given| {
+            let mut plant = plant.build(step_s)?;
             tasks::replay(plant.as_mut(), given.get(explored)?, seed).map_err(status)
-        })?;
-        Ok(*self.known.replayed.insert(replayed))
+        })
     }
 
     /// Model and robot side by side, `rows` samples spread over the exploration; the rows' seed is filled in by whoever publishes them.
-    pub fn gap(&mut self, rows: usize) -> Added<Vec<GapRow>> {
+    pub(crate) fn gap(&mut self, rows: usize) -> Added<Vec<GapRow>> {
         let (explored, replayed) = (self.explore()?, self.replay()?);
         let inputs = [explored.number(), replayed.number()];
         self.graph.stage(GAP, self.label("gap"), &rows, &inputs, move |given| {
@@ -68,66 +67,64 @@ impl Stages<'_> {
     }
 
     /// The predefined points of the Gaussian process, on model and robot.
-    pub fn gp_pool(&mut self) -> Added<GpPool> {
-        if let Some(known) = self.known.gp_pool {
-            return Ok(known);
-        }
-        let (model, robot, mut options) = (self.model.clone(), self.plant.clone(), self.spec.gp_points);
+    pub(crate) fn gp_pool(&mut self) -> Added<GpPool> {
+        self.once((GP_POOL.name, None, 0), Self::add_gp_pool)
+    }
+
+    fn add_gp_pool(&mut self) -> Added<GpPool> {
+        let (model, robot, mut options) = (self.parts.model.clone(), self.parts.plant.clone(), self.spec.gp_points);
         options.p_sim = SimulatedBy::Rod; // the recording is the same whatever p_sim is later taken from
         let (step_s, seed) = (self.step_s(), self.seed.child("gp_pool"));
         let params = (model.clone(), robot.clone(), options, step_s, seed.0);
-        let pool = self.graph.stage(GP_POOL, self.label("predefined points"), &params, &[], move |_| {
-            let (mut model, mut robot) = (model.build(&[], step_s)?, robot.build(&[], step_s)?);
+        self.graph.stage(GP_POOL, self.label("predefined points"), &params, &[], move |_| {
+            let (mut model, mut robot) = (model.build(step_s)?, robot.build(step_s)?);
             tasks::gp_points(model.as_mut(), robot.as_mut(), &options, seed).map_err(status)
-        })?;
-        Ok(*self.known.gp_pool.insert(pool))
+        })
     }
 
     /// All points that may become targets: of the robot without measurement noise, the same for every seed.
     fn target_pool(&mut self) -> Added<Vec<Point3>> {
-        let (robot, step_s) = (Identified::new(self.spec.plant.without_noise())?, self.step_s());
+        let (robot, step_s) = (self.parts.quiet.clone(), self.step_s());
         let mut options = self.spec.targets;
         options.drawn = 1; // how many are drawn later does not change the pool
         self.graph.stage(TARGET_POOL, "target pool", &(robot.clone(), options, step_s), &[], move |_| {
-            let mut robot = robot.build(&[], step_s)?;
+            let mut robot = robot.build(step_s)?;
             tasks::target_pool(robot.as_mut(), &options, Seed(0)).map_err(status)
         })
     }
 
     /// The targets of this repetition: of no policy's choosing, so that every policy meets the same.
-    pub fn targets(&mut self) -> Added<Targets> {
-        if let Some(known) = self.known.targets {
-            return Ok(known);
-        }
+    pub(crate) fn targets(&mut self) -> Added<Targets> {
+        self.once((TARGETS.name, None, 0), Self::add_targets)
+    }
+
+    fn add_targets(&mut self) -> Added<Targets> {
         let pool = self.target_pool()?;
         let (drawn, seed) = (self.spec.targets.drawn, self.seed.child("targets"));
-        let targets =
-            self.graph.stage(TARGETS, self.label("targets"), &(drawn, seed.0), &[pool.number()], move |given| {
-                tasks::draw_targets(given.get(pool)?, drawn, seed).map_err(status)
-            })?;
-        Ok(*self.known.targets.insert(targets))
+        self.graph.stage(TARGETS, self.label("targets"), &(drawn, seed.0), &[pool.number()], move |given| {
+            tasks::draw_targets(given.get(pool)?, drawn, seed).map_err(status)
+        })
     }
 
     /// The points through which the path goes: of the robot without measurement noise, the same for every seed.
-    pub fn waypoints(&mut self) -> Added<Vec<Point3>> {
-        let (robot, step_s) = (Identified::new(self.spec.plant.without_noise())?, self.step_s());
-        let options = self.spec.path;
+    pub(crate) fn waypoints(&mut self) -> Added<Vec<Point3>> {
+        let (robot, options, step_s) = (self.parts.quiet.clone(), self.spec.path, self.step_s());
         self.graph.stage(WAYPOINTS, "way-points", &(robot.clone(), options, step_s), &[], move |_| {
-            let mut robot = robot.build(&[], step_s)?;
+            let mut robot = robot.build(step_s)?;
             tasks::waypoints(robot.as_mut(), &options, Seed(0)).map_err(status)
         })
     }
 
     /// The path that is tracked.
-    pub fn path(&mut self) -> Added<Vec<Point3>> {
-        if let Some(known) = self.known.path {
-            return Ok(known);
-        }
+    pub(crate) fn path(&mut self) -> Added<Vec<Point3>> {
+        self.once((PATH.name, None, 0), Self::add_path)
+    }
+
+    fn add_path(&mut self) -> Added<Vec<Point3>> {
         let (waypoints, options) = (self.waypoints()?, self.spec.path);
-        let path = self.graph.stage(PATH, "path", &options, &[waypoints.number()], move |given| {
+        self.graph.stage(PATH, "path", &options, &[waypoints.number()], move |given| {
             tasks::interpolate(given.get(waypoints)?, &options).map_err(status)
-        })?;
-        Ok(*self.known.path.insert(path))
+        })
     }
 }
 

@@ -1,6 +1,6 @@
 //! Networks and Gaussian processes.
 
-use super::{Added, Stages, status};
+use super::{Added, Stages, status, stops};
 use crate::base::Rows;
 use crate::data::rows::GpRow;
 use crate::learn::gp::Gp;
@@ -23,7 +23,11 @@ pub(super) const KINDS: [Kind; 6] = [FORWARD, INVERSE, GENERATED, REAL, GP_SCORE
 
 impl Stages<'_> {
     /// The forward model of eq. (17): (u_i, x_i) → x_{i+1}.
-    pub fn forward(&mut self, training: &Training) -> Added<Trained> {
+    pub(crate) fn forward(&mut self, training: &Training) -> Added<Trained> {
+        self.once((FORWARD.name, stops(training), 0), |stages| stages.add_forward(training))
+    }
+
+    fn add_forward(&mut self, training: &Training) -> Added<Trained> {
         let samples = self.explore()?;
         let config = self.network(training.forward_mae_m);
         let seed = self.seed.child("forward");
@@ -36,7 +40,11 @@ impl Stages<'_> {
     }
 
     /// The inverse mapping of eq. (21) from simulated data: (x_i, x_{i+1}) → u_i.
-    pub fn inverse(&mut self, training: &Training) -> Added<Trained> {
+    pub(crate) fn inverse(&mut self, training: &Training) -> Added<Trained> {
+        self.once((INVERSE.name, stops(training), 0), |stages| stages.add_inverse(training))
+    }
+
+    fn add_inverse(&mut self, training: &Training) -> Added<Trained> {
         let samples = self.explore()?;
         let config = self.network(training.inverse_mae_m);
         let seed = self.seed.child("inverse");
@@ -49,7 +57,11 @@ impl Stages<'_> {
     }
 
     /// The inverse mapping from the first `points` real data (π_real).
-    pub fn pi_real(&mut self, training: &Training, points: usize) -> Added<Trained> {
+    pub(crate) fn pi_real(&mut self, training: &Training, points: usize) -> Added<Trained> {
+        self.once((REAL.name, stops(training), points), |stages| stages.add_pi_real(training, points))
+    }
+
+    fn add_pi_real(&mut self, training: &Training, points: usize) -> Added<Trained> {
         let samples = self.replay()?;
         let config = self.network(training.pi_real_mae_m);
         let seed = self.seed.child("pi_real");
@@ -62,7 +74,11 @@ impl Stages<'_> {
     }
 
     /// The Gaussian process of eq. (20) on one point of each of `points` clusters.
-    pub fn gp(&mut self, training: &Training, points: usize) -> Added<Gp> {
+    pub(crate) fn gp(&mut self, training: &Training, points: usize) -> Added<Gp> {
+        self.once((GP.name, stops(training), points), |stages| stages.add_gp(training, points))
+    }
+
+    fn add_gp(&mut self, training: &Training, points: usize) -> Added<Gp> {
         let (pool, network) = (self.gp_pool()?, self.simulating_network(training)?);
         let inputs: Vec<usize> = [pool.number()].into_iter().chain(network.map(Handle::number)).collect();
         let (config, seed) = (self.spec.gp.clone(), self.seed.child("gp"));
@@ -80,14 +96,18 @@ impl Stages<'_> {
 
     /// How good that process is; the row's seed and training are filled in by whoever publishes it. A stage of its own, so that
     /// publishing holds no process in memory.
-    pub fn gp_score(&mut self, training: &Training, points: usize) -> Added<GpRow> {
+    pub(crate) fn gp_score(&mut self, training: &Training, points: usize) -> Added<GpRow> {
         let gp = self.gp(training, points)?;
         let label = self.label(&format!("score of the process on {points} points"));
         self.graph.stage(GP_SCORE, label, &(), &[gp.number()], move |given| Ok(gp_row(given.get(gp)?)))
     }
 
     /// The inverse mapping from generated data (eq. 24), with the Gaussian process on `points` points.
-    pub fn generated(&mut self, training: &Training, points: usize) -> Added<Trained> {
+    pub(crate) fn generated(&mut self, training: &Training, points: usize) -> Added<Trained> {
+        self.once((GENERATED.name, stops(training), points), |stages| stages.add_generated(training, points))
+    }
+
+    fn add_generated(&mut self, training: &Training, points: usize) -> Added<Trained> {
         let (samples, gp, start) = (self.explore()?, self.gp(training, points)?, self.inverse(training)?);
         let network = self.simulating_network(training)?;
         let (config, seed) = (self.network(training.inverse_b_mae_m), self.seed.child("inverse_b"));

@@ -4,20 +4,20 @@
 
 mod data;
 mod discovery;
-mod identified;
 mod learning;
+mod parts;
 mod trials;
 
 pub(super) use discovery::BlindStages;
+pub(super) use parts::Parts;
 
 use super::code;
 use super::digest::Digest;
 use super::graph::{Failure, Graph, Handle};
-use crate::base::{Point3, Seed};
-use crate::specs::Experiment;
-use crate::tasks::{GpPool, Samples};
-use identified::Identified;
-use std::collections::BTreeMap;
+use crate::base::Seed;
+use crate::specs::{Experiment, Training};
+use std::any::Any;
+use std::collections::{BTreeMap, HashMap};
 
 /// The digest of the present code of each kind of stage, by its name.
 pub fn codes() -> BTreeMap<&'static str, Digest> {
@@ -26,36 +26,35 @@ pub fn codes() -> BTreeMap<&'static str, Digest> {
 }
 
 /// Adds the stages of one repetition of an experiment to a graph.
-pub struct Stages<'a> {
+pub(super) struct Stages<'a> {
     graph: &'a mut Graph,
     spec: &'a Experiment,
-    model: Identified,
-    plant: Identified,
+    parts: &'a Parts,
     seed: Seed,
     repetition: u64,
-    known: Known,
+    /// Stages of this repetition that were added before: asking again costs no key.
+    known: HashMap<Asked, Box<dyn Any>>,
 }
 
-/// Stages that many others ask for, once they have been added.
-#[derive(Default)]
-struct Known {
-    explored: Option<Handle<Samples>>,
-    replayed: Option<Handle<Samples>>,
-    gp_pool: Option<Handle<GpPool>>,
-    targets: Option<Handle<data::Targets>>,
-    path: Option<Handle<Vec<Point3>>>,
-}
+/// What one of several like stages of a repetition was asked for: its kind, where the networks behind it stop, its size.
+type Asked = (&'static str, Option<[Option<u64>; 4]>, usize);
 
 impl<'a> Stages<'a> {
     /// For repetition number `repetition` of `spec`. Its seed depends on the spec's seed and its number only, so that
     /// experiments that share settings share stages.
-    ///
-    /// # Errors
-    /// [`Failure`] for a robot that cannot be written into a key.
-    pub fn new(graph: &'a mut Graph, spec: &'a Experiment, repetition: u64) -> Result<Stages<'a>, Failure> {
+    pub(super) fn new(graph: &'a mut Graph, spec: &'a Experiment, parts: &'a Parts, repetition: u64) -> Stages<'a> {
         let seed = Seed(spec.seed).child("repetition").index(repetition);
-        let (model, plant) = (Identified::new(spec.model.clone())?, Identified::new(spec.plant.clone())?);
-        Ok(Stages { graph, spec, model, plant, seed, repetition, known: Known::default() })
+        Stages { graph, spec, parts, seed, repetition, known: HashMap::new() }
+    }
+
+    /// The stage that was added for `asked` before, or the one that `add` adds now.
+    fn once<T: 'static>(&mut self, asked: Asked, add: impl FnOnce(&mut Self) -> Added<T>) -> Added<T> {
+        if let Some(handle) = self.known.get(&asked).and_then(|known| known.downcast_ref::<Handle<T>>()) {
+            return Ok(*handle);
+        }
+        let handle = add(self)?;
+        self.known.insert(asked, Box::new(handle));
+        Ok(handle)
     }
 
     fn label(&self, what: &str) -> String {
@@ -65,6 +64,12 @@ impl<'a> Stages<'a> {
     fn step_s(&self) -> f64 {
         1.0 / self.spec.control_hz
     }
+}
+
+/// A kind of training as part of what is asked for.
+fn stops(training: &Training) -> Option<[Option<u64>; 4]> {
+    let Training { forward_mae_m, inverse_mae_m, inverse_b_mae_m, pi_real_mae_m } = *training;
+    Some([forward_mae_m, inverse_mae_m, inverse_b_mae_m, pi_real_mae_m].map(|stop_m| stop_m.map(f64::to_bits)))
 }
 
 /// What adding a stage yields.

@@ -1,17 +1,16 @@
 //! Trials: goal reaching and path tracking of one policy under one condition.
 
 use super::data::Targets;
-use super::identified::Identified;
+use super::parts::Part as SpecPart;
 use super::{Added, Stages, status};
 use crate::base::{Point3, Policy, Seed};
 use crate::data::rows::{TrackRow, TrialRow};
-use crate::effects::EffectSpec;
 use crate::learn::gp::Gp;
 use crate::learn::rnn::Trained;
 use crate::policies::{self, ElmanInverse, GpError, InverseModel, Part, PolicyEntry, PolicyOptions, PolicyParts};
 use crate::runner::code::TRIAL;
 use crate::runner::graph::{Failure, Handle, Inputs, Kind};
-use crate::specs::{Cell, Mode, Training};
+use crate::specs::{Cell, Mode, PlantSpec, Training};
 use crate::tasks::{self, LoopMode, ReachOptions, ReachOutcome, TrackStep};
 use std::sync::Arc;
 
@@ -60,10 +59,8 @@ impl PartStages {
 #[derive(Clone, serde::Serialize)]
 struct Condition {
     policy: String,
-    options: PolicyOptions,
-    plant: Identified,
-    /// What the mode puts on top of the robot's own.
-    effects: Vec<EffectSpec>,
+    options: SpecPart<PolicyOptions>,
+    plant: SpecPart<PlantSpec>,
     feedback: LoopMode,
     step_s: f64,
     seed: u64,
@@ -71,7 +68,7 @@ struct Condition {
 
 impl Stages<'_> {
     /// Goal reaching in one cell; seed and training of the rows are filled in by whoever publishes them.
-    pub fn reach(&mut self, cell: &Cell, training: &Training) -> Added<Vec<TrialRow>> {
+    pub(crate) fn reach(&mut self, cell: &Cell, training: &Training) -> Added<Vec<TrialRow>> {
         let (entry, condition) = self.condition(cell, "reach")?;
         let (parts, targets, options) = (self.parts(entry, cell, training)?, self.targets()?, self.spec.reach);
         let inputs: Vec<usize> = parts.numbers().into_iter().chain([targets.number()]).collect();
@@ -84,14 +81,14 @@ impl Stages<'_> {
     }
 
     /// Path tracking of one policy; seed and training of the rows are filled in by whoever publishes them.
-    pub fn track(&mut self, cell: &Cell, training: &Training) -> Added<Vec<TrackRow>> {
+    pub(crate) fn track(&mut self, cell: &Cell, training: &Training) -> Added<Vec<TrackRow>> {
         let (entry, condition) = self.condition(cell, "track")?;
         let (parts, path, options) = (self.parts(entry, cell, training)?, self.path()?, self.spec.track);
         let inputs: Vec<usize> = parts.numbers().into_iter().chain([path.number()]).collect();
         let label = self.label(&format!("{} tracks", cell.policy));
         self.graph.stage(TRACK, label, &(condition.clone(), options), &inputs, move |given| {
             let mut policy = parts.policy(given, entry, &condition.options)?;
-            let mut plant = condition.plant.build(&condition.effects, condition.step_s)?;
+            let mut plant = condition.plant.build(condition.step_s)?;
             let path: &Vec<Point3> = given.get(path)?;
             let steps = tasks::track(plant.as_mut(), policy.as_mut(), path, &options, Seed(condition.seed));
             Ok(steps.map_err(status)?.iter().map(|step| track_row(&condition.policy, step)).collect())
@@ -104,9 +101,8 @@ impl Stages<'_> {
         let mode: &Mode = self.spec.modes.get(&cell.mode).ok_or_else(|| unknown(&cell.mode))?;
         let condition = Condition {
             policy: cell.policy.clone(),
-            options: self.spec.policies,
-            plant: self.plant.clone(),
-            effects: mode.effects.clone(),
+            options: self.parts.policies.clone(),
+            plant: self.parts.modes.get(&cell.mode).ok_or_else(|| unknown(&cell.mode))?.clone(),
             feedback: mode.feedback,
             step_s: self.step_s(),
             seed: self.seed.child(task).0,
@@ -136,7 +132,7 @@ fn reach_all(
     options: &ReachOptions,
     cell: &Cell,
 ) -> Result<Vec<TrialRow>, String> {
-    let mut plant = condition.plant.build(&condition.effects, condition.step_s)?;
+    let mut plant = condition.plant.build(condition.step_s)?;
     let mut rows = Vec::with_capacity(targets.len());
     for (draw, (_, target_m)) in targets.iter().enumerate() {
         let seed = Seed(condition.seed).index(draw as u64);

@@ -21,7 +21,8 @@ pub use se_iso::SeIso;
 /// The registry.
 pub const KERNELS: &[&dyn Kernel] = &[&SeArd, &SeIso, &Matern32Ard, &Matern52Ard, &RationalQuadratic];
 
-/// The kernel registered under `name`.
+/// The kernel registered under `name`; `matern52` is short for `matern52_ard`, and so for its like.
 pub fn find(name: &str) -> Option<&'static dyn Kernel> {
-    KERNELS.iter().copied().find(|kernel| kernel.name() == name)
+    let named = |kernel: &&dyn Kernel| kernel.name() == name || kernel.name().strip_suffix("_ard") == Some(name);
+    KERNELS.iter().copied().find(named)
 }

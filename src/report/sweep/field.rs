@@ -1,0 +1,220 @@
+//! A swept field as an axis: even or logarithmic for numbers, equal distances for names.
+
+use super::super::axes::{Axis, signed};
+use super::super::paint::text_width;
+use super::super::style::{SMALL, TEXT};
+use std::collections::{HashMap, HashSet};
+
+/// Largest over smallest value from which on an axis is logarithmic.
+const WIDE: f64 = 20.0;
+/// At most so many values are ticks themselves.
+const OWN_TICKS: usize = 9;
+
+/// Ends of names that say a unit.
+const UNITS: [(&str, &str); 12] = [
+    ("_m_per_n", "m/N"),
+    ("_kg_m3", "kg/m³"),
+    ("_n_m2", "N m²"),
+    ("_rad_m", "rad/m"),
+    ("_pa", "Pa"),
+    ("_kg", "kg"),
+    ("_hz", "Hz"),
+    ("_rad", "rad"),
+    ("_deg", "°"),
+    ("_m", "m"),
+    ("_s", "s"),
+    ("_n", "N"),
+];
+
+/// How its values are spread along an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Spread {
+    Even,
+    Log,
+    Names,
+}
+
+/// A swept field.
+pub(super) struct Field {
+    name: String,
+    spread: Spread,
+    /// Its values, numbers increasing, names in order of appearance.
+    pub(super) values: Vec<String>,
+    numbers: HashMap<String, usize>,
+}
+
+impl Field {
+    pub(super) fn new(name: &str, cells: &[String]) -> Field {
+        let mut seen = HashSet::new();
+        let mut values: Vec<String> = cells.iter().filter(|cell| seen.insert(*cell)).cloned().collect();
+        let numbers: Option<Vec<f64>> = values.iter().map(|value| number(value)).collect();
+        let spread = numbers.map_or(Spread::Names, |mut numbers| {
+            numbers.sort_by(f64::total_cmp);
+            values.sort_by(|one, other| number(one).unwrap_or(0.0).total_cmp(&number(other).unwrap_or(0.0)));
+            spread(&numbers)
+        });
+        let numbers = values.iter().cloned().zip(0..).collect();
+        Field { name: name.to_owned(), spread, values, numbers }
+    }
+
+    /// Whether neighbours of a value are its neighbours in fact, so that a line may join them.
+    pub(super) fn is_number(&self) -> bool {
+        self.spread != Spread::Names
+    }
+
+    /// The number of a value among the field's.
+    pub(super) fn index(&self, value: Option<&&str>) -> Option<usize> {
+        self.numbers.get(*value?).copied()
+    }
+
+    /// Where a value stands along the axis.
+    pub(super) fn place(&self, value: &str) -> f64 {
+        let index = || self.index(Some(&value)).unwrap_or(0) as f64;
+        match self.spread {
+            Spread::Even => number(value).unwrap_or(f64::NAN),
+            Spread::Log => number(value).unwrap_or(f64::NAN).log10(),
+            Spread::Names => index(),
+        }
+    }
+
+    /// The field's name with its unit, as much of its end as has room.
+    pub(super) fn label(&self, room: f64) -> String {
+        let (stem, unit) = UNITS
+            .iter()
+            .find_map(|(end, unit)| self.name.strip_suffix(end).map(|stem| (stem, format!(" ({unit})"))))
+            .unwrap_or((&self.name, String::new()));
+        let mut stem = stem.strip_prefix("spec.").unwrap_or(stem);
+        let mut head = "";
+        while text_width(&format!("{head}{stem}{unit}"), TEXT, false) > room {
+            let Some((_, tail)) = stem.split_once('.') else { break };
+            (head, stem) = ("…", tail);
+        }
+        format!("{head}{stem}{unit}")
+    }
+
+    /// An axis `long` hundredths of an inch long.
+    pub(super) fn axis(&self, long: f64) -> Axis {
+        let label = self.label(long + 40.0);
+        if self.spread == Spread::Names {
+            let room = long / self.values.len() as f64 - 6.0;
+            let names: Vec<String> = self.values.iter().map(|value| shown(value, room)).collect();
+            return Axis::categories(&label, &names);
+        }
+        let places: Vec<f64> = self.values.iter().map(|value| self.place(value)).collect();
+        let (low, high) = super::super::axes::range(places.iter().copied());
+        let room = 0.05 * (high - low);
+        let axis = Axis::exact(&label, low - room, high + room, (long / 45.0).clamp(3.0, 7.0) as usize);
+        let own: Vec<(f64, String)> = places.into_iter().zip(self.values.iter().map(|value| written(value))).collect();
+        if self.values.len() <= OWN_TICKS && apart(&own, long / (axis.high - axis.low)) {
+            return Axis { ticks: own, ..axis };
+        }
+        if self.spread == Spread::Log { Axis { ticks: decades(axis.low, axis.high), ..axis } } else { axis }
+    }
+}
+
+fn number(cell: &str) -> Option<f64> {
+    cell.parse().ok().filter(|value: &f64| value.is_finite())
+}
+
+/// Numbers in order; a constant ratio says logarithm as well as a wide span does.
+fn spread(numbers: &[f64]) -> Spread {
+    let (Some(first), Some(last)) = (numbers.first(), numbers.last()) else { return Spread::Even };
+    if *first <= 0.0 || numbers.len() < 3 {
+        return Spread::Even;
+    }
+    let ratio = numbers[1] / first;
+    let constant = numbers.windows(2).all(|pair| (pair[1] / pair[0] / ratio - 1.0).abs() < 1e-3);
+    if constant || last / first >= WIDE { Spread::Log } else { Spread::Even }
+}
+
+/// Whether labels at these places, at so many hundredths of an inch a unit, leave each other room.
+fn apart(ticks: &[(f64, String)], scale: f64) -> bool {
+    let half = |label: &str| 0.5 * text_width(label, SMALL, false) + 3.0;
+    ticks.windows(2).all(|pair| scale * (pair[1].0 - pair[0].0) > half(&pair[0].1) + half(&pair[1].1))
+}
+
+/// Ticks at powers of ten, and at twice and five times them where these are few.
+fn decades(low: f64, high: f64) -> Vec<(f64, String)> {
+    let powers: Vec<i32> = (low.floor() as i32..=high.ceil() as i32).collect();
+    let factors: &[f64] = if high - low < 2.0 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+    let step = powers.len().div_ceil(7).max(1);
+    let values = powers.into_iter().step_by(step).flat_map(|power| factors.iter().map(move |f| f * 10f64.powi(power)));
+    let inside = values.filter(|value| (low..=high).contains(&value.log10()));
+    inside.map(|value| (value.log10(), written(&format!("{value:e}")))).collect()
+}
+
+/// A number as people write it, with a typographer's minus.
+fn written(value: &str) -> String {
+    let Some(number) = number(value) else { return value.to_owned() };
+    let plain = signed(number, 6);
+    let plain = if plain.contains('.') { plain.trim_end_matches('0').trim_end_matches('.') } else { &plain };
+    let exact = plain.replace('−', "-").parse::<f64>().is_ok_and(|read| (read / number - 1.0).abs() < 1e-6);
+    if number == 0.0 || (exact && number.abs() < 1e6) {
+        plain.to_owned()
+    } else {
+        format!("{number:.3e}").replace('-', "−")
+    }
+}
+
+/// A value where it has so much room: a number as it is written, of a long name (a file's) its end.
+pub(super) fn shown(value: &str, room: f64) -> String {
+    let text = if number(value).is_some() { written(value) } else { value.trim_end_matches(".yaml").to_owned() };
+    if text_width(&text, SMALL, false) <= room {
+        return text;
+    }
+    let mut letters: Vec<char> = text.rsplit('/').next().unwrap_or(&text).chars().collect();
+    let whole = letters.len();
+    while letters.len() > 1 {
+        let mark = if letters.len() < whole { "…" } else { "" };
+        let text: String = letters.iter().collect::<String>() + mark;
+        if text_width(&text, SMALL, false) <= room {
+            return text;
+        }
+        letters.pop();
+    }
+    String::new()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn field(name: &str, values: &[&str]) -> Field {
+        Field::new(name, &values.iter().map(|value| (*value).to_owned()).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn numbers_are_even_or_logarithmic_and_names_keep_their_order() {
+        assert_eq!(field("a.b", &["0.03", "0.01", "0.02"]).values, ["0.01", "0.02", "0.03"]);
+        assert_eq!(field("a.b", &["0.01", "0.02", "0.03"]).spread, Spread::Even);
+        assert_eq!(field("a.b", &["1e-3", "0.01", "0.1"]).spread, Spread::Log);
+        assert_eq!(field("a.b", &["20", "40", "80"]).spread, Spread::Log);
+        assert_eq!(field("a.b", &["50", "100", "200", "1500"]).spread, Spread::Log);
+        assert_eq!(field("a.b", &["-1", "10", "100"]).spread, Spread::Even);
+        let names = field("gp.kernel", &["se_ard", "matern52", "se_ard"]);
+        assert_eq!((names.spread, names.values.len()), (Spread::Names, 2));
+        assert_eq!(names.place("matern52"), 1.0);
+    }
+
+    #[test]
+    fn labels_carry_the_unit_and_shorten_from_the_front() {
+        assert_eq!(field("policies.c.error_m", &["1"]).label(400.0), "policies.c.error (m)");
+        assert_eq!(field("spec.control_hz", &["1"]).label(400.0), "control (Hz)");
+        let long = field("plant.simulated.model.robot.backbone.youngs_modulus_pa", &["1"]);
+        assert_eq!(long.label(200.0), "…backbone.youngs_modulus (Pa)");
+        assert_eq!(shown("../models/tentacle.yaml", 60.0), "tentacle");
+        assert_eq!((written("1e-5"), written("0.015"), written("-2")), ("0.00001".into(), "0.015".into(), "−2".into()));
+        assert_eq!((written("1e-9"), written("2.33e9")), ("1.000e−9".into(), "2.330e9".into()));
+    }
+
+    #[test]
+    fn a_few_values_are_the_ticks_and_many_leave_round_ones() {
+        let ticks =
+            |field: &Field, long| field.axis(long).ticks.into_iter().map(|(_, label)| label).collect::<Vec<_>>();
+        assert_eq!(ticks(&field("a.b", &["0.005", "0.01", "0.03"]), 300.0), ["0.005", "0.01", "0.03"]);
+        let many: Vec<String> = (0..200).map(|value| value.to_string()).collect();
+        assert!(ticks(&Field::new("a.b", &many), 300.0).len() < 10);
+        let many: Vec<String> = (0..60).map(|step| format!("{:e}", 10f64.powf(f64::from(step) / 10.0 - 3.0))).collect();
+        assert_eq!(ticks(&Field::new("a.b", &many), 300.0).first().map(String::as_str), Some("0.001"));
+    }
+}

@@ -1,0 +1,203 @@
+//! Two swept fields: a heat map for each kind of training, mode and policy, all to one scale of colours.
+
+use super::super::canvas::{Align, Canvas, Place, Text};
+use super::super::paint::text_width;
+use super::super::style::{Colour, GREY, HAIR, INK, PAGE_WIDTH, SMALL, TEXT, WHITE, heading};
+use super::field::{Field, shown};
+use super::{Entry, distinct, mode_label, series_label, sized, training_heading};
+
+/// Light to dark, so that a grey print keeps their order; ColorBrewer's YlOrBr, told apart with every common vision.
+const SHADES: [Colour; 6] =
+    [[255, 250, 232], [254, 227, 145], [254, 175, 67], [224, 106, 19], [153, 52, 4], [84, 20, 0]];
+/// Width of a cell that has room for a number.
+const LEAST_WIDE: f64 = 36.0;
+const CELL_HIGH: f64 = 22.0;
+/// Height of all cells of a map at most.
+const MOST_HIGH: f64 = 300.0;
+/// Room for the name of a row.
+const NAME: f64 = 90.0;
+
+/// One map: its heading, and the rows that it shows.
+struct Map<'a> {
+    title: String,
+    entries: Vec<&'a Entry<'a>>,
+}
+
+/// Sizes of a map.
+struct Layout {
+    /// Room for the names of the rows.
+    names: f64,
+    cell: [f64; 2],
+    /// Maps side by side, and from one to the next.
+    columns: usize,
+    pitch: [f64; 2],
+}
+
+pub(super) fn draw(entries: &[&Entry], [down, across]: [&Field; 2], measure: &str) -> Canvas {
+    let layout = Layout::new(down, across);
+    let values_mm = || entries.iter().map(|entry| 1e3 * entry.row.mean_m).filter(|value| value.is_finite());
+    let scale = (values_mm().fold(f64::INFINITY, f64::min), values_mm().fold(f64::NEG_INFINITY, f64::max));
+    let mut canvas = Canvas::new(PAGE_WIDTH, super::TALL);
+    let mut top = key(&mut canvas, scale, measure) + 8.0;
+    for training in super::super::trainings(entries.iter().map(|entry| entry.row.training.as_str())) {
+        if !training_heading(training).is_empty() {
+            top += 18.0;
+            canvas.text(Text::new(heading(training), [12.0, top], TEXT, Align::Left).bold());
+        }
+        let maps = maps(entries, training);
+        for (index, map) in maps.iter().enumerate() {
+            let (line, column) = (index / layout.columns, index % layout.columns);
+            let left = 12.0 + layout.pitch[0] * column as f64;
+            let corner = [left + layout.names, top + 24.0 + layout.pitch[1] * line as f64];
+            paint(&mut canvas, map, [down, across], &layout, corner, scale);
+        }
+        top += layout.pitch[1] * maps.len().div_ceil(layout.columns) as f64;
+    }
+    canvas.height = (top + 4.0).round();
+    canvas
+}
+
+/// The maps of one kind of training, mode by mode.
+fn maps<'a>(entries: &[&'a Entry<'a>], training: &str) -> Vec<Map<'a>> {
+    let own: Vec<&'a Entry<'a>> = entries.iter().copied().filter(|entry| entry.row.training == training).collect();
+    let sized = sized(entries);
+    let mut maps = Vec::new();
+    for mode in distinct(own.iter().map(|entry| entry.row.mode.as_str())) {
+        let own: Vec<&'a Entry<'a>> = own.iter().copied().filter(|entry| entry.row.mode == mode).collect();
+        for name in distinct(own.iter().map(|entry| series_label(entry.row, sized))) {
+            let ours = own.iter().copied().filter(|entry| series_label(entry.row, sized) == name);
+            let words = mode_label(mode);
+            let title = if words.is_empty() { name.clone() } else { format!("{name}, {words}") };
+            maps.push(Map { title, entries: ours.collect() });
+        }
+    }
+    maps
+}
+
+/// One map whose cells begin at `corner`.
+fn paint(
+    canvas: &mut Canvas,
+    map: &Map,
+    [down, across]: [&Field; 2],
+    layout: &Layout,
+    corner: Place,
+    scale: (f64, f64),
+) {
+    let [wide, high] = layout.cell;
+    let (width, height) = (wide * across.values.len() as f64, high * down.values.len() as f64);
+    canvas.text(Text::new(&map.title, [corner[0], corner[1] - 6.0], TEXT, Align::Left).bold());
+    for entry in &map.entries {
+        let [Some(row), Some(column)] = [down.index(entry.at.first()), across.index(entry.at.get(1))] else { continue };
+        let [x, y] = [corner[0] + wide * column as f64, corner[1] + high * row as f64];
+        let value_mm = 1e3 * entry.row.mean_m;
+        let (ground, ink) = shade(value_mm, scale);
+        canvas.rectangle([x, y], [x + wide, y + high], ground, 1.0);
+        let words = if value_mm.is_finite() { digits(value_mm, scale) } else { "–".to_owned() };
+        if high >= SMALL + 2.0 && text_width(&words, SMALL, false) + 2.0 <= wide {
+            let middle = [x + 0.5 * wide, y + 0.5 * high + 0.36 * SMALL];
+            canvas.text(Text::new(words, middle, SMALL, Align::Centre).colour(ink));
+        }
+    }
+    // Names of rows and columns, no denser than they can be read.
+    let every = ((SMALL + 2.0) / high).ceil().max(1.0) as usize;
+    for (row, value) in down.values.iter().enumerate().step_by(every) {
+        let y = corner[1] + high * (row as f64 + 0.5) + 0.36 * SMALL;
+        canvas.text(Text::new(shown(value, NAME), [corner[0] - 5.0, y], SMALL, Align::Right));
+    }
+    let widest = across.values.iter().map(|value| text_width(&shown(value, NAME), SMALL, false)).fold(0.0, f64::max);
+    let every = if across.is_number() { ((widest + 5.0) / wide).ceil().max(1.0) as usize } else { 1 };
+    for (column, value) in across.values.iter().enumerate().step_by(every) {
+        let room = wide * every as f64 - 3.0;
+        let x = corner[0] + wide * (column as f64 + 0.5);
+        canvas.text(Text::new(shown(value, room), [x, corner[1] + height + SMALL + 4.0], SMALL, Align::Centre));
+    }
+    let [x1, y1] = [corner[0] + width, corner[1] + height];
+    let frame = [corner, [x1, corner[1]], [x1, y1], [corner[0], y1], corner];
+    canvas.line(&frame, HAIR, GREY, &[]);
+    let below = [corner[0] + 0.5 * width, y1 + SMALL + TEXT + 8.0];
+    canvas.text(Text::new(across.label(layout.pitch[0]), below, TEXT, Align::Centre));
+    let beside = [corner[0] - layout.names + TEXT, corner[1] + 0.5 * height];
+    canvas.text(Text::new(down.label(height + 60.0), beside, TEXT, Align::Centre).upwards());
+}
+
+/// The scale of colours with its two ends; returns where it ends.
+fn key(canvas: &mut Canvas, scale: (f64, f64), measure: &str) -> f64 {
+    let y = 18.0;
+    canvas.text(Text::new(measure, [12.0, y], SMALL, Align::Left));
+    let mut x = 12.0 + text_width(measure, SMALL, false) + 14.0;
+    let low = digits(scale.0, scale);
+    canvas.text(Text::new(&low, [x, y], SMALL, Align::Left));
+    x += text_width(&low, SMALL, false) + 6.0;
+    let steps = 60;
+    for step in 0..steps {
+        let value = scale.0 + (scale.1 - scale.0) * (step as f64 + 0.5) / steps as f64;
+        canvas.rectangle([x, y - 9.0], [x + 2.6, y + 2.0], shade(value, scale).0, 1.0);
+        x += 2.5;
+    }
+    canvas.text(Text::new(digits(scale.1, scale), [x + 6.0, y], SMALL, Align::Left));
+    let note = "mean over repetitions; –: every trial failed";
+    canvas.text(Text::new(note, [PAGE_WIDTH - 12.0, y], SMALL, Align::Right).colour(GREY));
+    y
+}
+
+/// As many digits as tell the ends of the scale apart, three of the larger.
+fn digits(value: f64, (low, high): (f64, f64)) -> String {
+    let largest = low.abs().max(high.abs()).max(1e-12);
+    let places = (2.0 - largest.log10().floor()).clamp(0.0, 4.0) as usize;
+    if value.is_finite() { format!("{value:.places$}") } else { "–".to_owned() }
+}
+
+/// Colour of a cell and of the number on it.
+fn shade(value: f64, (low, high): (f64, f64)) -> (Colour, Colour) {
+    if !value.is_finite() {
+        return (WHITE, GREY);
+    }
+    let share = if high > low { (value - low) / (high - low) } else { 0.0 };
+    let place = share.clamp(0.0, 1.0) * (SHADES.len() - 1) as f64;
+    let first = (place.floor() as usize).min(SHADES.len() - 2);
+    let part = place - first as f64;
+    let mix = |channel: usize| {
+        let [from, to] = [SHADES[first][channel], SHADES[first + 1][channel]].map(f64::from);
+        (from + part * (to - from)).round() as u8
+    };
+    ([mix(0), mix(1), mix(2)], if place > 3.3 { WHITE } else { INK })
+}
+
+impl Layout {
+    fn new(down: &Field, across: &Field) -> Layout {
+        let widest = down.values.iter().map(|value| text_width(&shown(value, NAME), SMALL, false)).fold(0.0, f64::max);
+        let names = widest + TEXT + 14.0;
+        let wanted = across.values.iter().map(|value| text_width(&shown(value, NAME), SMALL, false) + 8.0);
+        let wanted = wanted.fold(LEAST_WIDE, f64::max);
+        let free = PAGE_WIDTH - 24.0 - names;
+        let wide = wanted.min(free / across.values.len() as f64);
+        let high = CELL_HIGH.min(MOST_HIGH / down.values.len() as f64);
+        let map = names + wide * across.values.len() as f64 + 16.0;
+        let columns = (((PAGE_WIDTH - 12.0) / map).floor() as usize).max(1);
+        Layout { names, cell: [wide, high], columns, pitch: [map, high * down.values.len() as f64 + 64.0] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shades_grow_darker_and_numbers_on_them_are_read() {
+        let light = |colour: Colour| {
+            let part = |index: usize| {
+                let value = f64::from(colour[index]) / 255.0;
+                if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+            };
+            0.2126 * part(0) + 0.7152 * part(1) + 0.0722 * part(2)
+        };
+        let shades: Vec<(Colour, Colour)> = (0..=100).map(|step| shade(f64::from(step), (0.0, 100.0))).collect();
+        assert!(shades.windows(2).all(|pair| light(pair[0].0) > light(pair[1].0)));
+        for (ground, ink) in shades {
+            let (a, b) = (light(ground).max(light(ink)), light(ground).min(light(ink)));
+            assert!((a + 0.05) / (b + 0.05) > 3.9, "{ground:?}");
+        }
+        assert_eq!(shade(f64::NAN, (0.0, 1.0)), (WHITE, GREY));
+        assert_eq!(shade(2.0, (2.0, 2.0)).0, SHADES[0]);
+    }
+}

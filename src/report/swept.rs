@@ -1,0 +1,91 @@
+//! The rows of a sweep: errors at one point, summarised over seeds.
+
+use std::collections::BTreeMap;
+
+use super::style::POLICIES;
+use super::summarise::{MODES, rank};
+use crate::data::rows::{GpRow, SweepRow, TrackSummaryRow, TrialRow};
+use crate::data::tables::Beside;
+use crate::math::summary::{interval_95, mean, standard_deviation};
+
+/// A summary of a sweep: its rows and, beside them, the columns of the swept fields.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Swept {
+    /// Name and cells of each swept field, one cell a row.
+    pub fields: Vec<Beside>,
+    /// The summary, the rows of each point together.
+    pub rows: Vec<SweepRow>,
+}
+
+/// What the trials or runs of one cell have in common, in the order of the table.
+type Cell<'a> = (usize, &'a str, usize, &'a str, usize, &'a str, [u64; 2]);
+
+/// One trial, run or process: its seed, and its error where it gave one, metres.
+type Sample = (u64, Option<f64>);
+
+/// Goal reaching at one point.
+pub fn reach_sweep(trials: &[TrialRow]) -> Vec<SweepRow> {
+    let names = super::trainings(trials.iter().map(|row| row.training.as_str()));
+    let mut cells: BTreeMap<Cell, Vec<Sample>> = BTreeMap::new();
+    for row in trials {
+        let cell = cell(&names, [&row.training, &row.policy, &row.mode], [row.gp_points, row.real_points]);
+        let good = row.status == "ok" && row.error_m.is_finite();
+        cells.entry(cell).or_default().push((row.seed, good.then_some(row.error_m)));
+    }
+    rows("reach", cells)
+}
+
+/// Path tracking at one point; `sizes` are each policy's real points, those of the Gaussian process first.
+pub fn track_sweep(runs: &[TrackSummaryRow], mode: &str, sizes: impl Fn(&str) -> [u64; 2]) -> Vec<SweepRow> {
+    let names = super::trainings(runs.iter().map(|row| row.training.as_str()));
+    let mut cells: BTreeMap<Cell, Vec<Sample>> = BTreeMap::new();
+    for row in runs {
+        let cell = cell(&names, [&row.training, &row.policy, mode], sizes(&row.policy));
+        let good = row.status == "ok" && row.mean_error_m.is_finite();
+        cells.entry(cell).or_default().push((row.seed, good.then_some(row.mean_error_m)));
+    }
+    rows("track", cells)
+}
+
+/// Gaussian processes at one point.
+pub fn gp_sweep(gps: &[GpRow]) -> Vec<SweepRow> {
+    let names = super::trainings(gps.iter().map(|row| row.training.as_str()));
+    let mut cells: BTreeMap<Cell, Vec<Sample>> = BTreeMap::new();
+    for row in gps {
+        let error_m = row.cross_validation_mae_m;
+        let cell = cell(&names, [&row.training, "", ""], [row.points, 0]);
+        cells.entry(cell).or_default().push((row.seed, error_m.is_finite().then_some(error_m)));
+    }
+    rows("gp", cells)
+}
+
+fn cell<'a>(trainings: &[&str], [training, policy, mode]: [&'a str; 3], sizes: [u64; 2]) -> Cell<'a> {
+    (rank(trainings, training), training, rank(&POLICIES, policy), policy, rank(&MODES, mode), mode, sizes)
+}
+
+fn rows(task: &str, cells: BTreeMap<Cell, Vec<Sample>>) -> Vec<SweepRow> {
+    let row = |((_, training, _, policy, _, mode, [gp_points, real_points]), samples): (Cell, Vec<Sample>)| {
+        let mut seeds: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
+        for (seed, error_m) in &samples {
+            seeds.entry(*seed).or_default().extend(error_m);
+        }
+        let means: Vec<f64> = seeds.values().filter(|errors| !errors.is_empty()).map(|errors| mean(errors)).collect();
+        let [low_95_m, high_95_m] = interval_95(&means).unwrap_or([f64::NAN; 2]);
+        SweepRow {
+            task: task.to_owned(),
+            training: training.to_owned(),
+            policy: policy.to_owned(),
+            mode: mode.to_owned(),
+            gp_points,
+            real_points,
+            mean_m: mean(&means),
+            sd_over_seeds_m: if means.len() > 1 { standard_deviation(&means) } else { f64::NAN },
+            low_95_m,
+            high_95_m,
+            seeds: means.len() as u64,
+            count: samples.len() as u64,
+            failed: samples.iter().filter(|(_, error_m)| error_m.is_none()).count() as u64,
+        }
+    };
+    cells.into_iter().map(row).collect()
+}

@@ -1,0 +1,341 @@
+//! The values of a swept field: a list, an even or logarithmic range, random samples, or values with names.
+
+use super::emit::describe;
+use super::path::KeyPath;
+use super::wording::explain;
+use crate::base::Seed;
+use crate::data::tables::{SIGNIFICANT_DIGITS, round_significant};
+use rand::RngExt;
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use serde_yaml::{Number, Value};
+
+/// Values of one field beyond this are a mistyped count.
+pub(super) const MOST_VALUES: usize = 100_000;
+
+/// What the values of a field may be.
+pub(super) const FORMS: &str = "a list, or one of `range`, `log_range`, `random`, `named`";
+
+/// One value of a swept field.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct One {
+    /// What tables and figures call it.
+    pub(super) name: String,
+    /// As it goes into the spec.
+    pub(super) value: Value,
+    /// Where below the field's entry it is written; nowhere when it was computed.
+    pub(super) below: Option<super::path::Step>,
+}
+
+/// What is wrong with the values of a field: the path below them, what was found, what was expected.
+pub(super) type Wrong = (KeyPath, String, String);
+
+/// Evenly spaced values, both ends included.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Range {
+    from: f64,
+    to: f64,
+    /// How many values; or the distance between two.
+    count: Option<usize>,
+    step: Option<f64>,
+    /// Rounded to whole numbers.
+    #[serde(default)]
+    whole: bool,
+}
+
+/// Values with one ratio between neighbours, both ends included.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LogRange {
+    from: f64,
+    to: f64,
+    count: usize,
+    #[serde(default)]
+    whole: bool,
+}
+
+/// Values drawn uniformly, or uniformly in the logarithm.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Random {
+    from: f64,
+    to: f64,
+    count: usize,
+    #[serde(default)]
+    log: bool,
+    #[serde(default)]
+    whole: bool,
+    /// Root of the draw; the spec's seed when there is none.
+    seed: Option<u64>,
+}
+
+/// The values that `written` stands for. Random ones come from the child `sweep`, `field` of `seed`, one generator a
+/// sample, so that more samples leave the first ones as they are.
+///
+/// # Errors
+/// The first thing that is wrong.
+pub(super) fn expand(written: &Value, field: &KeyPath, seed: Seed) -> Result<Vec<One>, Wrong> {
+    let values = match written {
+        Value::Sequence(items) => listed(items)?,
+        Value::Mapping(form) if form.len() == 1 => {
+            let (kind, inside) = form.iter().next().unwrap_or((&Value::Null, &Value::Null));
+            match kind.as_str() {
+                Some("range") => even(&read::<Range>(inside, "range")?)?,
+                Some("log_range") => logarithmic(&read::<LogRange>(inside, "log_range")?)?,
+                Some("random") => random(&read::<Random>(inside, "random")?, field, seed)?,
+                Some("named") => named(inside)?,
+                _ => return Err(wrong("", format!("the unknown key `{}`", name(kind)), FORMS)),
+            }
+        }
+        other => return Err(wrong("", describe(other), FORMS)),
+    };
+    if values.is_empty() {
+        return Err(wrong("", "no values".to_owned(), "at least one value"));
+    }
+    each_once(&values)?;
+    Ok(values)
+}
+
+fn wrong(below: &str, found: impl Into<String>, expected: impl Into<String>) -> Wrong {
+    (KeyPath::parse(below).unwrap_or_default(), found.into(), expected.into())
+}
+
+fn listed(items: &[Value]) -> Result<Vec<One>, Wrong> {
+    if items.len() > MOST_VALUES {
+        return Err(too_many("", items.len()));
+    }
+    let one = |(index, value): (usize, &Value)| One {
+        name: name(value),
+        value: value.clone(),
+        below: Some(super::path::Step::Item(index)),
+    };
+    Ok(items.iter().enumerate().map(one).collect())
+}
+
+fn named(inside: &Value) -> Result<Vec<One>, Wrong> {
+    let Value::Mapping(mapping) = inside else {
+        return Err(wrong("named", describe(inside), "a mapping from names to values"));
+    };
+    let one = |(key, value): (&Value, &Value)| One { name: name(key), value: value.clone(), below: None };
+    Ok(mapping.iter().map(one).collect())
+}
+
+fn even(range: &Range) -> Result<Vec<One>, Wrong> {
+    ordered("range", range.from, range.to)?;
+    let span = range.to - range.from;
+    let (steps, step) = match (range.count, range.step) {
+        (Some(count), None) => (counted("range", count)? - 1, span / (count - 1) as f64),
+        (None, Some(step)) if step > 0.0 && step.is_finite() => {
+            let steps = (span / step * (1.0 + 1e-12)).floor();
+            if steps < 1.0 {
+                return Err(wrong(
+                    "range.step",
+                    step.to_string(),
+                    format!("at most {span}, from one end to the other"),
+                ));
+            }
+            if steps >= MOST_VALUES as f64 {
+                return Err(too_many("range.step", steps as usize + 1));
+            }
+            (steps as usize, step)
+        }
+        (None, Some(step)) => return Err(wrong("range.step", step.to_string(), "a finite number above 0")),
+        (Some(_), Some(_)) => return Err(wrong("range", "both `count` and `step`", "one of them")),
+        (None, None) => return Err(wrong("range", "neither `count` nor `step`", "one of them")),
+    };
+    let value = |index: usize| range.from + step * index as f64;
+    // The last one is the end itself where the steps lead there.
+    let last = |index: usize| index == steps && (value(index) - range.to).abs() <= 1e-9 * span;
+    let values = (0..=steps).map(|index| if last(index) { range.to } else { value(index) });
+    Ok(numbers(values, range.whole, [range.from, range.to]))
+}
+
+fn logarithmic(range: &LogRange) -> Result<Vec<One>, Wrong> {
+    positive("log_range", range.from, range.to)?;
+    let steps = counted("log_range", range.count)? - 1;
+    let ratio = (range.to / range.from).ln();
+    let values = (0..=steps).map(|index| match index {
+        0 => range.from,
+        _ if index == steps => range.to,
+        _ => range.from * (ratio * index as f64 / steps as f64).exp(),
+    });
+    Ok(numbers(values, range.whole, [range.from, range.to]))
+}
+
+fn random(random: &Random, field: &KeyPath, seed: Seed) -> Result<Vec<One>, Wrong> {
+    if random.log {
+        positive("random", random.from, random.to)?
+    } else {
+        ordered("random", random.from, random.to)?
+    }
+    let seed = random.seed.map_or(seed, Seed).child("sweep").child(&field.to_string());
+    let values = (0..counted("random", random.count)? as u64).map(|index| {
+        let share: f64 = seed.index(index).rng().random();
+        if random.log {
+            random.from * (share * (random.to / random.from).ln()).exp()
+        } else {
+            random.from + share * (random.to - random.from)
+        }
+    });
+    Ok(numbers(values, random.whole, [f64::NAN; 2]))
+}
+
+fn read<T: DeserializeOwned>(inside: &Value, form: &str) -> Result<T, Wrong> {
+    serde_yaml::from_value(inside.clone()).map_err(|error| {
+        let said = explain(&error, &KeyPath::default().key(form));
+        (said.key, said.found, said.expected)
+    })
+}
+
+fn ordered(form: &str, from: f64, to: f64) -> Result<(), Wrong> {
+    let expected = "two finite numbers, `from` below `to`";
+    if from.is_finite() && to.is_finite() && from < to {
+        return Ok(());
+    }
+    Err(wrong(&format!("{form}.from"), format!("{from} to {to}"), expected))
+}
+
+fn positive(form: &str, from: f64, to: f64) -> Result<(), Wrong> {
+    if from > 0.0 {
+        return ordered(form, from, to);
+    }
+    Err(wrong(&format!("{form}.from"), from.to_string(), "a number above 0, as it has a logarithm"))
+}
+
+fn counted(form: &str, count: usize) -> Result<usize, Wrong> {
+    match count {
+        0 | 1 => Err(wrong(&format!("{form}.count"), count.to_string(), "at least 2 values")),
+        2..=MOST_VALUES => Ok(count),
+        _ => Err(too_many(&format!("{form}.count"), count)),
+    }
+}
+
+fn too_many(below: &str, found: usize) -> Wrong {
+    wrong(below, format!("{found} values"), format!("at most {MOST_VALUES}"))
+}
+
+fn each_once(values: &[One]) -> Result<(), Wrong> {
+    let mut names = std::collections::HashSet::new();
+    match values.iter().find(|one| !names.insert(&one.name)) {
+        None => Ok(()),
+        Some(twice) => {
+            let path = KeyPath(twice.below.iter().cloned().collect());
+            Err((path, format!("`{}` twice", twice.name), "each value once".to_owned()))
+        }
+    }
+}
+
+/// Computed numbers, rounded to the digits that tables have, so that what is published is what was run; `exact` ones
+/// stay as they were written. A whole number is one also where it came from a division.
+fn numbers(values: impl Iterator<Item = f64>, whole: bool, exact: [f64; 2]) -> Vec<One> {
+    let rounded = |value: f64| match whole {
+        true => value.round(),
+        false if exact.contains(&value) => value,
+        false => round_significant(value, SIGNIFICANT_DIGITS),
+    };
+    let one = |value: f64| {
+        // Fields that count take no `3.0`.
+        let number =
+            if value.fract() == 0.0 && value.abs() < 1e15 { Number::from(value as i64) } else { Number::from(value) };
+        One { name: number_name(value), value: Value::Number(number), below: None }
+    };
+    values.map(rounded).map(one).collect()
+}
+
+/// A value in one cell of a table.
+fn name(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        Value::Number(number) => number.as_f64().map_or_else(|| number.to_string(), number_name),
+        Value::Null => "null".to_owned(),
+        Value::Bool(flag) => flag.to_string(),
+        other => serde_json::to_string(other).unwrap_or_else(|_| describe(other)),
+    }
+}
+
+/// A number as published tables have it.
+fn number_name(value: f64) -> String {
+    let value = round_significant(value, SIGNIFICANT_DIGITS);
+    if value != 0.0 && !(1e-4..1e15).contains(&value.abs()) { format!("{value:e}") } else { value.to_string() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(text: &str) -> Result<Vec<String>, String> {
+        let field = KeyPath::parse("gp.noise_floor").unwrap();
+        let values = expand(&serde_yaml::from_str(text).unwrap(), &field, Seed(7));
+        values
+            .map(|values| values.into_iter().map(|one| one.name).collect())
+            .map_err(|(path, found, expected)| format!("{path}: found {found}, expected {expected}"))
+    }
+
+    #[test]
+    fn values_are_what_a_person_would_write() {
+        let cases = [
+            ("{range: {from: 0.005, to: 0.03, count: 6}}", "0.005 0.01 0.015 0.02 0.025 0.03"),
+            ("{range: {from: 0, to: 1, step: 0.1}}", "0 0.1 0.2 0.3 0.4 0.5 0.6 0.7 0.8 0.9 1"),
+            ("{range: {from: 0, to: 1, step: 0.4}}", "0 0.4 0.8"),
+            ("{log_range: {from: 1e-3, to: 0.1, count: 3}}", "0.001 0.01 0.1"),
+            ("{log_range: {from: 50, to: 1000, count: 4, whole: true}}", "50 136 368 1000"),
+            ("{log_range: {from: 1e-6, to: 1e-4, count: 3}}", "1e-6 1e-5 0.0001"),
+            ("[matern32, 3, 2.5, true, null, [1, 2]]", "matern32 3 2.5 true null [1,2]"),
+            ("{named: {none: [], heavy: [{tip_load: {mass_kg: 0.1}}]}}", "none heavy"),
+        ];
+        for (text, expected) in cases {
+            assert_eq!(names(text).map(|names| names.join(" ")), Ok(expected.to_owned()), "{text}");
+        }
+        let whole =
+            expand(&serde_yaml::from_str("{range: {from: 1, to: 5, count: 3}}").unwrap(), &KeyPath::default(), Seed(0));
+        assert!(
+            whole.unwrap().iter().all(|one| one.value.is_u64() || one.value.is_i64()),
+            "fields that count take them"
+        );
+    }
+
+    #[test]
+    fn random_values_repeat_and_more_of_them_begin_alike() {
+        let draw = |text: &str| names(text).unwrap();
+        let few = draw("{random: {from: 2, to: 3, count: 5}}");
+        assert_eq!(few, draw("{random: {from: 2, to: 3, count: 9}}")[..5]);
+        assert_ne!(few, draw("{random: {from: 2, to: 3, count: 5, seed: 8}}"));
+        assert_eq!(few, draw("{random: {from: 2, to: 3, count: 5, seed: 7}}"), "the spec's seed is the default");
+        let log: Vec<f64> =
+            draw("{random: {from: 1e-6, to: 1, count: 400, log: true}}").iter().map(|x| x.parse().unwrap()).collect();
+        let below = log.iter().filter(|&&value| value < 1e-3).count();
+        assert!((150..250).contains(&below), "half of the values lie in the lower half of the decades: {below}");
+        assert!(log.iter().all(|value| (1e-6..1.0).contains(value)));
+    }
+
+    #[test]
+    fn what_makes_no_series_is_refused() {
+        let cases = [
+            ("[]", "(whole document): found no values"),
+            ("3", "(whole document): found 3, expected a list, or one of"),
+            ("{rang: {}}", "(whole document): found the unknown key `rang`, expected a list, or one of"),
+            ("{range: {from: 0, to: 1}}", "range: found neither `count` nor `step`"),
+            ("{range: {from: 0, to: 1, count: 3, step: 1}}", "range: found both"),
+            ("{range: {from: 0, to: 1, count: 1}}", "range.count: found 1, expected at least 2"),
+            ("{range: {from: 0, to: 1, count: 0}}", "range.count: found 0, expected at least 2"),
+            ("{range: {from: 1, to: 1, count: 3}}", "range.from: found 1 to 1, expected two finite numbers"),
+            ("{range: {from: 0, to: .inf, count: 3}}", "range.from: found 0 to inf"),
+            ("{range: {from: 0, to: 1, step: 2}}", "range.step: found 2, expected at most 1"),
+            ("{range: {from: 0, to: 1, step: 1e-9}}", "range.step: found 1000000001 values, expected at most"),
+            ("{range: {from: 0, to: 1, count: 1000000}}", "range.count: found 1000000 values, expected at most"),
+            ("{range: {from: 0, to: 1, cuont: 3}}", "range.cuont: found the unknown key `cuont`"),
+            ("{range: {from: 0, to: x, count: 3}}", "range: found text \"x\", expected a number"),
+            ("{log_range: {from: 0, to: 1, count: 3}}", "log_range.from: found 0, expected a number above 0"),
+            ("{log_range: {from: 2, to: 1, count: 3}}", "log_range.from: found 2 to 1, expected two finite numbers"),
+            ("{random: {from: -1, to: 1, count: 3, log: true}}", "random.from: found -1, expected a number above 0"),
+            ("{random: {to: 1, count: 3}}", "random.from: found no such key"),
+            ("[1, 2, 1.0]", "found `1` twice"),
+            ("{range: {from: 1, to: 2, count: 9, whole: true}}", "found `1` twice"),
+        ];
+        for (text, expected) in cases {
+            let said = names(text).unwrap_err();
+            assert!(said.contains(expected), "{text}\n  {said}\n  {expected}");
+        }
+    }
+}

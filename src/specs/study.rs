@@ -1,0 +1,265 @@
+//! A spec with what it sweeps: one checked experiment for each point of the product.
+
+use super::check;
+use super::document::{Document, Origin, Written};
+use super::error::SpecError;
+use super::experiment::Experiment;
+use super::path::{KeyPath, Step};
+use super::plant::PlantSpec;
+use super::series::{One, expand};
+use super::to_yaml;
+use crate::base::Seed;
+use serde_yaml::{Mapping, Value};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Points of one sweep: more are a mistyped count, and would fill the memory before anything runs.
+const MOST_POINTS: usize = 100_000;
+
+/// Fields that name or repeat an experiment, or say what is shown of it, and change no trial.
+const NOT_SWEPT: [&str; 7] = ["name", "extends", "sweep", "seeds", "figures", "claims", "slurm"];
+
+/// An experiment, or one for each point of what its spec sweeps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Study {
+    /// The experiment; of a sweep, its first point, with the claims, which its other points leave out.
+    pub experiment: Experiment,
+    /// The swept fields, the last of which changes first from point to point; none without a sweep.
+    pub sweep: Vec<SweptField>,
+    /// All points in their fixed order; none without a sweep.
+    pub points: Vec<Point>,
+    /// The fields with their values as they were written, files read in.
+    written: Mapping,
+}
+
+/// A swept field.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SweptField {
+    /// Name of its column: its path; one at the root, `spec.` and its key.
+    pub name: String,
+    /// Its values as tables have them, in their order.
+    pub values: Vec<String>,
+}
+
+/// One point of a sweep.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// Which of its values each field has.
+    pub values: Vec<usize>,
+    /// The experiment there.
+    pub experiment: Arc<Experiment>,
+}
+
+impl From<Experiment> for Study {
+    fn from(experiment: Experiment) -> Study {
+        Study { experiment, sweep: Vec::new(), points: Vec::new(), written: Mapping::new() }
+    }
+}
+
+impl Study {
+    /// Reads and checks a spec with overrides `path.to.key=value` and sweeps `path.to.key=values`. Paths may be
+    /// written with the aliases of `docs/sweeps.md`.
+    ///
+    /// # Errors
+    /// [`SpecError`] for the first thing that is wrong, at whichever point.
+    pub fn read(file: &Path, sets: &[String], sweeps: &[String]) -> Result<Study, SpecError> {
+        let includes: Vec<KeyPath> =
+            ["model", "plant"].iter().flat_map(|key| PlantSpec::model_paths(&KeyPath::default().key(key))).collect();
+        let mut document = Document::read_swept(file, sets, sweeps, &includes)?;
+        let written = document.take_sweep()?;
+        if written.is_empty() {
+            return checked(&document, false).map(Study::from);
+        }
+        let seed = document.value(&KeyPath::default().key("seed")).and_then(Value::as_u64).unwrap_or_default();
+        let fields = written.into_iter().map(|written| Field::read(&document, written, &includes, Seed(seed)));
+        let fields = fields.collect::<Result<Vec<Field>, SpecError>>()?;
+        let count = count(&document, &fields)?;
+        let mut study = Study {
+            experiment: at_point(&mut document, &fields, [0, count], false)?,
+            sweep: fields.iter().map(Field::swept).collect(),
+            points: Vec::with_capacity(count),
+            written: fields.iter().map(|field| field.resolved(seed)).collect(),
+        };
+        document.drop_key("claims");
+        for number in 0..count {
+            let experiment = Arc::new(at_point(&mut document, &fields, [number, count], true)?);
+            study.points.push(Point { values: digits(&fields, number), experiment });
+        }
+        Ok(study)
+    }
+
+    /// The spec with everything filled in, which reads as this study wherever it lies.
+    ///
+    /// # Errors
+    /// What the serialiser says.
+    pub fn to_yaml(&self) -> Result<String, String> {
+        let body = to_yaml(&self.experiment)?;
+        if self.sweep.is_empty() {
+            return Ok(body);
+        }
+        let sweep = Mapping::from_iter([(Value::from("sweep"), Value::Mapping(self.written.clone()))]);
+        Ok(body + &to_yaml(&sweep)?)
+    }
+}
+
+impl Point {
+    /// Its values in words, `field=value` for each field.
+    pub fn label(&self, sweep: &[SweptField]) -> String {
+        label(sweep.iter().zip(&self.values).map(|(field, &value)| (field.name.as_str(), field.values[value].as_str())))
+    }
+}
+
+fn label<'a>(values: impl Iterator<Item = (&'a str, &'a str)>) -> String {
+    values.map(|(field, value)| format!("{field}={value}")).collect::<Vec<_>>().join(" ")
+}
+
+/// A swept field with its values.
+struct Field {
+    written: Arc<Written>,
+    values: Vec<(One, Files)>,
+}
+
+/// The files that a value names: where below the field each name stood, the file and its text.
+type Files = Arc<Vec<(KeyPath, String, String)>>;
+
+impl Field {
+    fn read(document: &Document, written: Written, includes: &[KeyPath], seed: Seed) -> Result<Field, SpecError> {
+        let field = &written.field;
+        let refuse = |found: &str, expected: &str| document.refuse_swept(&written, &[], found.to_owned(), expected);
+        if let Some(Step::Key(first)) = field.0.first()
+            && NOT_SWEPT.contains(&first.as_str())
+        {
+            return Err(refuse(&format!("`{first}`"), "a field that the trials depend on"));
+        }
+        if let Some(place) = document.set_by(field) {
+            let expected = "a field either set or swept (`--set sweep=null` drops what the file sweeps)".to_owned();
+            return Err(SpecError::Key { place, key: field.clone(), found: "a field that is swept".into(), expected });
+        }
+        let values = expand(&written.value, field, seed)
+            .map_err(|(below, found, expected)| document.refuse_swept(&written, &below.0, found, &expected))?;
+        let with_files = |mut one: One| {
+            let files = read_files(document, &written, &mut one, includes)?;
+            Ok((one, files))
+        };
+        let values = values.into_iter().map(with_files).collect::<Result<Vec<_>, SpecError>>()?;
+        Ok(Field { written: Arc::new(written), values })
+    }
+
+    fn swept(&self) -> SweptField {
+        SweptField { name: self.name(), values: self.values.iter().map(|(one, _)| one.name.clone()).collect() }
+    }
+
+    fn name(&self) -> String {
+        let path = self.written.field.to_string();
+        if self.written.field.0.len() == 1 { format!("spec.{path}") } else { path }
+    }
+
+    /// The field's entry in a spec that lies elsewhere and may have another seed.
+    fn resolved(&self, seed: u64) -> (Value, Value) {
+        let mut value = self.written.value.clone();
+        if let Some(Value::Mapping(random)) = value.get_mut("random") {
+            random.entry(Value::from("seed")).or_insert(Value::from(seed));
+        }
+        if self.values.iter().any(|(_, files)| !files.is_empty()) {
+            let named = self.values.iter().map(|(one, _)| (Value::from(one.name.as_str()), one.value.clone()));
+            let named = Value::Mapping(named.collect());
+            value = Value::Mapping(Mapping::from_iter([(Value::from("named"), named)]));
+        }
+        (Value::from(self.written.field.to_string()), value)
+    }
+}
+
+/// Reads the files that `one` names where a name may stand for a file, and puts their content there.
+fn read_files(document: &Document, written: &Written, one: &mut One, includes: &[KeyPath]) -> Result<Files, SpecError> {
+    let mut files = Vec::new();
+    for include in includes {
+        let Some(below) = include.0.strip_prefix(written.field.0.as_slice()) else { continue };
+        let below = KeyPath(below.to_vec());
+        let Some(Value::String(name)) = super::document::get(&one.value, &below).cloned() else { continue };
+        let at: Vec<Step> = one.below.iter().chain(&below.0).cloned().collect();
+        let (content, file, text) = document.read_swept_file(written, &at, &name)?;
+        super::document::put(&mut one.value, &below.0, content).unwrap_or_default(); // the name stood there
+        files.push((below, file, text));
+    }
+    Ok(Arc::new(files))
+}
+
+/// The size of the product.
+fn count(document: &Document, fields: &[Field]) -> Result<usize, SpecError> {
+    let sizes: Vec<usize> = fields.iter().map(|field| field.values.len()).collect();
+    let count = sizes.iter().try_fold(1_usize, |product, &size| product.checked_mul(size));
+    match (count.filter(|&count| count <= MOST_POINTS), fields.last()) {
+        (Some(count), _) => Ok(count),
+        (None, Some(last)) => {
+            let sizes: Vec<String> = sizes.iter().map(usize::to_string).collect();
+            let found = format!("{} points", sizes.join(" × "));
+            Err(document.refuse_swept(&last.written, &[], found, &format!("at most {MOST_POINTS} in one sweep")))
+        }
+        (None, None) => Ok(0),
+    }
+}
+
+/// Which value of each field point `number` has: the last field's changes first.
+fn digits(fields: &[Field], number: usize) -> Vec<usize> {
+    let mut rest = number;
+    let mut digits: Vec<usize> = fields
+        .iter()
+        .rev()
+        .map(|field| {
+            let digit = rest % field.values.len();
+            rest /= field.values.len();
+            digit
+        })
+        .collect();
+    digits.reverse();
+    digits
+}
+
+/// Puts the values of point `number` into the document and reads the experiment there.
+fn at_point(
+    document: &mut Document,
+    fields: &[Field],
+    [number, count]: [usize; 2],
+    fast: bool,
+) -> Result<Experiment, SpecError> {
+    let digits = digits(fields, number);
+    let mut put: Vec<(&Field, &One, &Files)> = fields
+        .iter()
+        .zip(&digits)
+        .map(|(field, &digit)| (field, &field.values[digit].0, &field.values[digit].1))
+        .collect();
+    // A field inside another swept one (a number of a model, and the model's file) is put there after it.
+    put.sort_by_key(|(field, _, _)| field.written.field.0.len());
+    let origin = |&(field, one, files): &(&Field, &One, &Files)| Origin {
+        written: field.written.clone(),
+        below: one.below.clone(),
+        files: files.clone(),
+    };
+    document.note(put.iter().map(origin).collect());
+    for (field, one, _) in &put {
+        document.put(&field.written.field, one.value.clone()).map_err(|found| {
+            document.refuse_swept(&field.written, &[], format!("{found} on the way there"), "a field of this spec")
+        })?;
+    }
+    let values = || {
+        let all = fields.iter().zip(&digits);
+        let all: Vec<(String, &str)> =
+            all.map(|(field, &digit)| (field.name(), field.values[digit].0.name.as_str())).collect();
+        label(all.iter().map(|(name, value)| (name.as_str(), *value)))
+    };
+    checked(document, fast).map_err(|error| match error {
+        SpecError::Key { place, key, found, expected } => {
+            let expected = format!("{expected} (point {} of {count}: {})", number + 1, values());
+            SpecError::Key { place, key, found, expected }
+        }
+        other => other,
+    })
+}
+
+/// The document as a checked experiment; `fast` for one of many, of which the first was read with all care.
+fn checked(document: &Document, fast: bool) -> Result<Experiment, SpecError> {
+    let read = if fast { document.parse_fast::<Experiment>() } else { None };
+    let experiment = read.map_or_else(|| document.parse(), Ok)?;
+    check::check(&experiment, document)?;
+    Ok(experiment)
+}
