@@ -9,7 +9,7 @@ use super::actuation::{Bend, GridOptions, check_pairs, drive_to};
 use crate::base::{BadOption, Plant, Point3, Seed};
 
 /// Settings of the pool of targets.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TargetOptions {
     /// Points in the pool.

@@ -10,7 +10,7 @@ use crate::base::{BadOption, Point3};
 const UNIT_TOLERANCE: f64 = 1e-3;
 
 /// A position and an orientation: where a frame is, seen from another one.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Pose {
     /// Position, metres.
