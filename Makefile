@@ -3,7 +3,7 @@
 SHELL := bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build reproduce test bench campaign peers verify
+.PHONY: help build reproduce test bench campaign peers scaling verify
 
 # Repetitions of every experiment, data and training included. Claims need ten; SEEDS=1 takes minutes.
 SEEDS ?= 10
@@ -44,6 +44,10 @@ peers: build ## other simulators on the same robots, time against accuracy: resu
 	  --requirement benches/peers/requirements.txt; } || echo "peers: the Python packages could not be installed"
 	PEERS_PYTHON=$(CURDIR)/$(PEERS_VENV)/bin/python cargo bench --bench peers
 	$(SPINEBENCH) page docs/peers.md
+
+scaling: build ## runs on one and two threads, and a cluster on paper: results/scaling, plots/scaling (docs/scaling.md)
+	cargo bench --bench scaling
+	$(SPINEBENCH) page docs/scaling.md
 
 verify: build ## rerun from nothing and compare with the published results/ and plots/, byte for byte
 	$(SPINEBENCH) verify

@@ -136,8 +136,13 @@ fn a_package_is_opened_by_one_room() {
         ("faer", "learn"),
         ("serde_yaml", "specs"),
         ("plotters", "report"),
+        ("serialport", "hardware"),
+        ("natnet", "hardware"),
+        ("socket2", "hardware"),
+        ("signal_hook", "hardware"),
         ("rayon", "runner"),
         ("indicatif", "runner"),
+        ("blake3", "runner"),
     ];
     let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut files = Vec::new();

@@ -21,14 +21,16 @@ fn run(folder: &Path, arguments: &[&str]) -> (usize, usize) {
     (numbers[0], numbers[1])
 }
 
-/// All files below a folder except manifests and notes of times, which hold clocks.
+/// All files below a folder, entries of the store included, except those that hold clocks.
 fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     fn visit(root: &Path, folder: &Path, found: &mut BTreeMap<PathBuf, Vec<u8>>) {
         for entry in std::fs::read_dir(folder).unwrap().flatten() {
             let path = entry.path();
             if path.is_dir() {
                 visit(root, &path, found);
-            } else if !path.ends_with("manifest.yaml") && path.extension().is_none_or(|end| end != "note") {
+            } else if !["manifest.yaml", "stages.csv"].iter().any(|name| path.ends_with(name))
+                && path.extension().is_none_or(|end| end != "note")
+            {
                 found.insert(path.strip_prefix(root).unwrap().to_owned(), std::fs::read(&path).unwrap());
             }
         }
@@ -64,6 +66,19 @@ fn one_two_and_eight_threads_give_the_same_bytes_and_verify_agrees() {
     assert_eq!(differs.status.code(), Some(1));
     let said = String::from_utf8(differs.stderr).unwrap();
     assert!(said.starts_with("error: smoke: differs: reach: results/smoke/trials.csv:"), "{said}");
+
+    // Another result of an early stage: the trail names it.
+    let trail = folder.path().join("out1/results/smoke/stages.csv");
+    let text = std::fs::read_to_string(&trail).unwrap();
+    let row = text.lines().find(|line| line.starts_with("gp_fit,")).unwrap();
+    let mut cells: Vec<&str> = row.split(',').collect();
+    let at = cells.len() - 3;
+    cells[at] = "0123456789ab";
+    std::fs::write(&trail, text.replacen(row, &cells.join(","), 1)).unwrap();
+    let differs = spinebench(folder.path(), &["verify", "--out", "out1", "--quiet"]);
+    let said = String::from_utf8(differs.stderr).unwrap();
+    assert!(said.contains("; first stage that differs: gp_fit (Gaussian process"), "{said}");
+    assert!(said.contains("published 0123456789ab, found "), "{said}");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use rand_distr::StandardNormal;
 use spinebench::base::Seed;
 use spinebench::data::Recording;
 use spinebench::data::findings::Verdict;
-use spinebench::data::recording::BasePose;
+use spinebench::data::recording::Pose;
 use spinebench::discovery::{Discovery, DiscoveryError, Options, discover};
 use spinebench::effects::{EffectSpec, Model};
 use spinebench::tasks::{PlayOptions, play};
@@ -168,7 +168,7 @@ fn recordings_of_another_simulator_are_understood() {
 fn base_markers_tell_a_turned_frame_from_a_tilted_base() {
     let mut measured = recorded("- base_tilt: {tilt_x_rad: 0.02, tilt_y_rad: 0.0}", 4, 9, 0.0);
     assert_eq!(names(&found(&measured, &Options::default())), ["base_tilt"]);
-    let straight = BasePose { position_m: [0.0; 3], quaternion: [1.0, 0.0, 0.0, 0.0] };
+    let straight = Pose { position_m: [0.0; 3], quaternion: [1.0, 0.0, 0.0, 0.0] };
     measured.base = Some(vec![straight; measured.len()]);
     assert!(!names(&found(&measured, &Options::default())).contains(&"base_tilt"));
 }

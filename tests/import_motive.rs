@@ -9,12 +9,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use spinebench::data::Recording;
 use spinebench::data::motive::Export;
+use spinebench::math::rotation::parts;
 use std::path::Path;
-
-fn parts(turn: UnitQuaternion<f64>) -> [f64; 4] {
-    let sign = if turn.w < 0.0 { -1.0 } else { 1.0 };
-    [turn.w, turn.i, turn.j, turn.k].map(|part| sign * part)
-}
 
 #[test]
 fn every_dialect_gives_the_motion_that_was_written() {
@@ -32,11 +28,11 @@ fn every_dialect_gives_the_motion_that_was_written() {
         for row in (0..6).filter(|&row| valid[row]) {
             let (place_m, turn) = tip(AT_S[row]);
             assert!(apart(&recording.tip_m.as_ref().unwrap()[row], place_m.as_slice()) < 1e-4, "row {row}");
-            assert!(apart(&recording.tip_quaternion.as_ref().unwrap()[row], &parts(turn)) < 1e-4, "row {row}");
+            assert!(apart(&recording.tip_quaternion.as_ref().unwrap()[row], &parts(&turn)) < 1e-4, "row {row}");
             let pose = recording.base.as_ref().unwrap()[row];
             assert!(apart(&pose.position_m, &[1.1, -0.4, -0.3]) < 1e-6, "{pose:?}");
             let turn = UnitQuaternion::new(Vector3::new(0.6, -0.05, -0.02));
-            assert!(apart(&pose.quaternion, &parts(turn)) < 1e-6, "{pose:?}");
+            assert!(apart(&pose.quaternion, &parts(&turn)) < 1e-6, "{pose:?}");
         }
         let first = first.get_or_insert_with(|| recording.clone());
         let apart = difference(first, &recording);
@@ -58,7 +54,7 @@ fn the_tip_may_be_given_along_the_tracking_axes_or_other_ones() {
         let (place_m, turn) = tip(AT_S[row]);
         let base = UnitQuaternion::new(Vector3::new(0.6, -0.05, -0.02));
         assert!(apart(&recording.tip_m.as_ref().unwrap()[row], (base * place_m).as_slice()) < 1e-4);
-        assert!(apart(&recording.tip_quaternion.as_ref().unwrap()[row], &parts(base * turn)) < 1e-4);
+        assert!(apart(&recording.tip_quaternion.as_ref().unwrap()[row], &parts(&(base * turn))) < 1e-4);
     }
     // The robot along Motive's −x.
     let (turned, _) = bench.imported(&["--axes", "x=+y,y=-z,z=-x"]);

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
 use spinebench::base::Rows;
-use spinebench::data::recording::{BasePose, Extra, TipLoad};
+use spinebench::data::recording::{Extra, Pose, TipLoad};
 use spinebench::data::{Actuation, DataError, Recording};
 
 const GOOD: &str = "\
@@ -36,7 +36,7 @@ fn full(rows: usize) -> Recording {
     let each = |part| (0..rows).map(move |row| wave(row, part));
     recording.tip_m = Some(each(1).map(|x| [x, -x, 0.22]).collect());
     recording.tip_quaternion = Some(each(2).map(|x| [x.cos(), x.sin(), 0.0, 0.0]).collect());
-    let pose = |x: f64| BasePose { position_m: [x, 0.0, 1e-300], quaternion: [1.0, 0.0, 0.0, 0.0] };
+    let pose = |x: f64| Pose { position_m: [x, 0.0, 1e-300], quaternion: [1.0, 0.0, 0.0, 0.0] };
     recording.base = Some(each(3).map(pose).collect());
     recording.known_load_kg = Some(each(4).map(f64::abs).collect());
     recording.valid = Some((0..rows).map(|row| row % 3 != 1).collect());
@@ -191,6 +191,20 @@ fn millimetres_are_noticed() {
     assert_eq!(read(GOOD).unwrap().check_reach(Path::new("rec.csv"), 0.22), Ok(()));
     let error = recording.check_reach(Path::new("rec.csv"), 0.22).unwrap_err().to_string();
     assert!(error.contains("line 3, column `tip_z_m`: found 218.833"), "{error}");
+}
+
+/// What a file begins with tells where its rows stand; its name need not.
+#[test]
+fn a_misnamed_file_is_told_about_as_what_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let [parquet, misnamed] = ["rec.parquet", "rec.csv"].map(|name| folder.path().join(name));
+    let mut written = full(4);
+    written.tip_m.as_mut().unwrap()[2][0] = 218.8;
+    written.write(&parquet).unwrap();
+    fs::rename(parquet, &misnamed).unwrap();
+    let read = Recording::read(&misnamed).unwrap();
+    let error = read.check_reach(&misnamed, 0.22).unwrap_err().to_string();
+    assert!(error.contains("rec.csv, row 3, column `tip_x_m`: found 218.8"), "{error}");
 }
 
 #[test]

@@ -1,12 +1,15 @@
 //! Runs that are killed, share a store, find it damaged or full: nothing is lost, nothing half-computed is believed,
 //! and the results are the same bytes.
 
+mod run_support;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use rand::RngExt;
+use run_support::{assert_same, published};
 use spinebench::base::Seed;
 use spinebench::runner::Store;
 
@@ -32,24 +35,6 @@ fn run(folder: &Path, more: &[&str]) -> (usize, usize, String) {
     let line = said.lines().find(|line| line.contains("stages computed")).unwrap();
     let numbers: Vec<usize> = line.split(' ').filter_map(|word| word.parse().ok()).collect();
     (numbers[0], numbers[1], said)
-}
-
-/// All published files but those that hold clocks.
-fn published(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    fn visit(folder: &Path, found: &mut BTreeMap<PathBuf, Vec<u8>>) {
-        for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
-            let path = entry.path();
-            if path.is_dir() {
-                visit(&path, found);
-            } else if !path.ends_with("manifest.yaml") && !path.ends_with("stages.csv") {
-                found.insert(path.clone(), std::fs::read(&path).unwrap());
-            }
-        }
-    }
-    let mut found = BTreeMap::new();
-    visit(&folder.join("results"), &mut found);
-    visit(&folder.join("plots"), &mut found);
-    found.into_iter().map(|(path, bytes)| (path.strip_prefix(folder).unwrap().to_owned(), bytes)).collect()
 }
 
 /// What an undisturbed run publishes, how many stages it computes and how long it takes.
@@ -98,7 +83,7 @@ fn two_hundred_kills_change_no_byte_and_lose_only_what_was_in_flight() {
             assert_eq!(store.damage(entry), None, "after kill {kills}");
         }
         if status.success() {
-            assert_eq!(published(folder.path()), expected, "after {kills_of_this} kills");
+            assert_same(&published(folder.path()), &expected, &format!("after {kills_of_this} kills"));
             finished += 1;
             kills_of_this = 0;
             std::fs::remove_dir_all(folder.path()).unwrap();
@@ -107,7 +92,7 @@ fn two_hundred_kills_change_no_byte_and_lose_only_what_was_in_flight() {
     }
     let before = store(folder.path()).entries().unwrap().len();
     let (computed, _, _) = run(folder.path(), &[]);
-    assert_eq!(published(folder.path()), expected);
+    assert_same(&published(folder.path()), &expected, "at last");
     assert_eq!(before + computed, stages, "what was stored is not computed again, and nothing is missing");
     assert!(finished > 5, "{finished} runs got through");
 
@@ -144,7 +129,7 @@ fn fifty_damages_are_all_detected_and_mended() {
             // A run mends it if it asks for it, and gives the same bytes in any case.
             let (computed, _, said) = run(folder.path(), &[]);
             assert!(computed <= 1 && said.matches("is damaged").count() == computed, "{said}");
-            assert_eq!(published(folder.path()), expected);
+            assert_same(&published(folder.path()), &expected, "mended");
         }
         std::fs::write(&path, &good).unwrap();
     }
@@ -175,7 +160,7 @@ fn processes_that_share_a_store_share_the_work() {
     }
     assert_eq!(computed, stages, "every stage is computed by one of them");
     for out in outs {
-        assert_eq!(published(&folder.path().join(out)), expected, "{out}");
+        assert_same(&published(&folder.path().join(out)), &expected, out);
     }
 }
 
@@ -207,7 +192,7 @@ fn a_full_disk_is_told_and_leaves_everything_good() {
     // The store is full: the run goes on without it.
     let (_, _, said) = run(folder.path(), &["--cache", "small/cache"]);
     assert_eq!(said.matches("results cannot be kept in small/cache: No space left").count(), 1, "{said}");
-    assert_eq!(published(folder.path()), expected);
+    assert_same(&published(folder.path()), &expected, "without a store");
     let kept = Store::at(folder.path().join("small/cache"));
     let entries = kept.entries().unwrap();
     assert!(!entries.is_empty() && entries.iter().all(|entry| kept.damage(entry).is_none()), "{}", entries.len());
@@ -260,5 +245,5 @@ fn a_limit_on_memory_leaves_a_good_store() {
     }
     assert!(ended > 0, "the limits were not felt");
     run(folder.path(), &[]);
-    assert_eq!(published(folder.path()), expected);
+    assert_same(&published(folder.path()), &expected, "at last");
 }

@@ -4,7 +4,7 @@ mod policy_support;
 
 use policy_support::{ConstantError, negative, robot};
 use proptest::prelude::*;
-use spinebench::base::{Plant, Point3, Seed, distance_m};
+use spinebench::base::{Observation, Plant, PlantError, Point3, Seed, TendonCommand, distance_m};
 use spinebench::plants::{ConstantCurvature, ConstantCurvatureOptions};
 use spinebench::tasks::{
     ExploreOptions, GpPointsOptions, GridOptions, Layout, PathOptions, Samples, TargetOptions, TaskError, draw_targets,
@@ -85,6 +85,77 @@ fn a_replay_has_the_same_inputs_and_the_other_robots_tips() {
             assert!((real_m[axis] - model_m[axis] - SHIFT_M[axis]).abs() < 1e-12);
         }
     }
+}
+
+/// A robot that follows at once, whose tracker sees nothing at some of its looks (the one at home is number 0).
+struct Blinking {
+    robot: ConstantCurvature,
+    looks: usize,
+    sees: fn(usize) -> bool,
+}
+
+impl Blinking {
+    fn new(sees: fn(usize) -> bool) -> Blinking {
+        Blinking { robot: at_once(SHIFT_M), looks: 0, sees }
+    }
+
+    fn look(&mut self, there: Observation) -> Observation {
+        let valid = (self.sees)(self.looks);
+        self.looks += 1;
+        if valid { there } else { Observation { valid, tip_m: [f64::NAN; 3], tip_quaternion: None, ..there } }
+    }
+}
+
+impl Plant for Blinking {
+    fn tendons(&self) -> usize {
+        self.robot.tendons()
+    }
+    fn step_s(&self) -> f64 {
+        self.robot.step_s()
+    }
+    fn reset(&mut self, seed: Seed) -> Result<Observation, PlantError> {
+        let there = self.robot.reset(seed)?;
+        Ok(self.look(there))
+    }
+    fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
+        let there = self.robot.drive(commands)?;
+        Ok(self.look(there))
+    }
+}
+
+/// On a robot that follows at once a command that is held ends where it did: nothing is missing and nothing else moves.
+#[test]
+fn where_the_tip_is_not_seen_the_tick_is_repeated() {
+    let walk = ExploreOptions { points: 200, trajectories: 2, ..ExploreOptions::default() };
+    let sweep = GridOptions { rows: 5, columns: 7, ..GridOptions::default() };
+    let points = GpPointsOptions { layout: Layout::Grid(sweep), ..GpPointsOptions::default() };
+    let targets = TargetOptions { pool: 20, drawn: 5, sweep };
+    let path = PathOptions { points: 9, hold_steps: 0, ..PathOptions::default() };
+    let record = |robot: &mut dyn Plant| {
+        let samples = explore(robot, &walk, Seed(7)).unwrap();
+        let played = replay(robot, &samples, Seed(7)).unwrap();
+        let pool = gp_points(&mut at_once([0.0; 3]), robot, &points, Seed(7)).unwrap();
+        let simulated = gp_points(robot, &mut at_once([0.0; 3]), &points, Seed(7)).unwrap();
+        assert_eq!((&samples.starts[..], &played.starts[..]), (&[0, 100][..], &[0, 100][..]));
+        let mut tips = target_pool(robot, &targets, Seed(7)).unwrap();
+        tips.extend(waypoints(robot, &path, Seed(7)).unwrap());
+        let recorded = [samples, played, pool.steps, simulated.steps];
+        let rows = recorded.iter().flat_map(|samples| [&samples.from_m, &samples.pulls_m, &samples.to_m]);
+        let numbers = rows.chain([&pool.real_m, &simulated.real_m]).flat_map(|rows| rows.values().to_vec());
+        numbers.chain(tips.into_iter().flatten()).collect::<Vec<f64>>()
+    };
+    let whole = record(&mut at_once(SHIFT_M));
+    let sees: [fn(usize) -> bool; 3] = [|look| look % 5 != 0, |look| look % 11 == 10, |look| look % 2 == 1];
+    for sees in sees {
+        let blinked = record(&mut Blinking::new(sees));
+        assert_eq!(blinked.len(), whole.len());
+        assert!(blinked.iter().zip(&whole).all(|(a, b)| (a - b).abs() < 1e-12), "not the same recordings");
+    }
+    let mut gone = Blinking::new(|look| look < 30);
+    let error = explore(&mut gone, &walk, Seed(7)).unwrap_err();
+    assert_eq!(error, TaskError::Plant(PlantError::Unseen { steps: 10 }));
+    assert_eq!(gone.looks, 30 + 1 + 10, "it is not waited for ever");
+    assert!(error.to_string().starts_with("tracking lost: "), "{error}");
 }
 
 #[test]

@@ -23,6 +23,12 @@ pub enum PlantError {
     /// A robot on a bench stands still for good: why, and how to go on.
     #[error("robot stopped: {0}")]
     Stopped(String),
+    /// Tracking saw nothing, however often the command was held once more.
+    #[error("tracking lost: the tip was not seen in {steps} further steps with the same command")]
+    Unseen {
+        /// Number of times.
+        steps: usize,
+    },
     /// A recording has no such command to replay.
     #[error("not in the recording: {0}")]
     NotRecorded(String),

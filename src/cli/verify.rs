@@ -6,7 +6,7 @@ use clap::Args;
 use spinebench::data::rows::StageRow;
 use spinebench::data::tables::read_csv;
 use spinebench::runner::{self, Campaign, Entry, Files, Manifest, Standard, Store};
-use spinebench::specs::Study;
+use spinebench::specs::{PlantSpec, Study};
 use std::path::{Path, PathBuf};
 
 /// Reruns the published experiments from nothing and compares with `results/` and `plots/`: byte for byte where the
@@ -36,6 +36,13 @@ impl Verify {
         for name in self.names().map_err(bad)? {
             let file = self.folder(&name).join("spec.yaml");
             specs.push(Study::read(&file, &[], &[]).map_err(|error| bad(error.to_string()))?);
+        }
+        let on_bench = |robot: &PlantSpec| matches!(robot, PlantSpec::Hardware(robot) if robot.rehearsal.is_none());
+        if let Some(study) = specs.iter().find(|study| study.experiments().any(|spec| on_bench(&spec.plant))) {
+            let name = &study.experiment.name;
+            let words =
+                format!("{name}: found a robot on a bench, expected one that does the same twice; name the others");
+            return Err(bad(words));
         }
         let campaign = Campaign::expand(specs).map_err(|failure| bad(failure.to_string()))?;
         let scratch = Scratch::new().map_err(|error| Ended::No(format!("no temporary folder: {error}")))?;

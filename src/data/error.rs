@@ -2,6 +2,11 @@
 
 use std::path::PathBuf;
 
+/// The text of a cell as it is shown in a message.
+pub(super) fn shown(cell: &str) -> String {
+    if cell.is_empty() { "nothing".to_owned() } else { format!("`{cell}`") }
+}
+
 /// Why a file could not be read or written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DataError {

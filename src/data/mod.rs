@@ -10,7 +10,9 @@ pub mod recording;
 pub mod rows;
 mod sheet;
 pub mod tables;
+mod together;
 
 pub use error::DataError;
-pub use file::{write_atomic, write_together};
+pub use file::write_atomic;
 pub use recording::{Actuation, Recording};
+pub use together::write_together;

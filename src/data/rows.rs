@@ -25,13 +25,13 @@ pub struct TrialRow {
     pub target_y_m: f64,
     /// Target, metres.
     pub target_z_m: f64,
-    /// True (noise-free where the plant knows it) tip at the end of the trial, metres.
+    /// Tip as it was last measured, tracking noise included, metres; not a number when it never was.
     pub tip_x_m: f64,
-    /// Tip at the end, metres.
+    /// Tip, metres.
     pub tip_y_m: f64,
-    /// Tip at the end, metres.
+    /// Tip, metres.
     pub tip_z_m: f64,
-    /// Distance between the two, metres.
+    /// Mean distance from the target over the last measurements, as many as the spec says (usually one), metres.
     pub error_m: f64,
     /// Control steps taken.
     pub steps: u64,
@@ -285,7 +285,7 @@ pub struct TrackSummaryRow {
     pub mean_error_m: f64,
     /// Standard deviation of that distance, metres.
     pub sd_error_m: f64,
-    /// Distance to the target in the first row, metres.
+    /// Distance to the target when the first path point is left, to which the robot comes from home, metres.
     pub start_error_m: f64,
     /// Time of the last row, seconds.
     pub completion_time_s: f64,

@@ -1,6 +1,7 @@
 //! A table file as named columns, before anybody asks what the columns mean. CSV and Parquet meet here.
 
-use std::io::Cursor;
+use std::fs::File;
+use std::io::{Cursor, Read as _};
 use std::path::{Path, PathBuf};
 
 use polars::prelude::{
@@ -8,6 +9,7 @@ use polars::prelude::{
     SerReader, SerWriter,
 };
 
+use super::error::shown;
 use super::{DataError, file};
 
 /// The cells of one column. Text is what a CSV holds; numbers come from Parquet and go out to both.
@@ -31,8 +33,7 @@ impl Cells {
             Cells::Unsigned(cells) => cells[row].to_string(),
             Cells::Numbers(cells) => cells[row].to_string(),
             Cells::Flags(cells) => cells[row].to_string(),
-            Cells::Text(cells) if cells[row].is_empty() => "nothing".to_owned(),
-            Cells::Text(cells) => format!("`{}`", cells[row]),
+            Cells::Text(cells) => shown(&cells[row]),
         }
     }
 
@@ -54,6 +55,27 @@ impl Cells {
     }
 }
 
+/// What a Parquet file begins with; anything else is taken for a CSV, whatever its name.
+const PARQUET: &[u8] = b"PAR1";
+
+/// Whether the rows of the file at `path` have line numbers, for messages about what was read from it before.
+pub(super) fn has_lines(path: &Path) -> bool {
+    let mut first = Vec::new();
+    // A file that has gone since is best told about as the text that most are.
+    let _ = File::open(path).and_then(|file| file.take(PARQUET.len() as u64).read_to_end(&mut first));
+    first != PARQUET
+}
+
+/// Where row number `row` (from 0) stands, in words.
+pub(super) fn row_place(lines: bool, row: usize) -> String {
+    if lines { format!("line {}", row + 2) } else { format!("row {}", row + 1) }
+}
+
+/// Where the names stand.
+pub(super) fn header_place(lines: bool) -> &'static str {
+    if lines { "line 1" } else { "schema" }
+}
+
 /// The columns of a file, all of the same length.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Sheet {
@@ -68,7 +90,7 @@ impl Sheet {
     /// Reads a file, CSV or Parquet by its first bytes.
     pub(super) fn read(path: &Path) -> Result<Sheet, DataError> {
         let bytes = file::read(path)?;
-        if bytes.starts_with(b"PAR1") { read_parquet(path, bytes) } else { super::csv::read(path, &bytes) }
+        if bytes.starts_with(PARQUET) { read_parquet(path, bytes) } else { super::csv::read(path, &bytes) }
     }
 
     /// The cells of the column `name`.
@@ -78,12 +100,12 @@ impl Sheet {
 
     /// Where row number `row` (from 0) stands, in words.
     pub(super) fn place(&self, row: usize) -> String {
-        if self.lines { format!("line {}", row + 2) } else { format!("row {}", row + 1) }
+        row_place(self.lines, row)
     }
 
     /// Where the names stand.
     pub(super) fn header_place(&self) -> &'static str {
-        if self.lines { "line 1" } else { "schema" }
+        header_place(self.lines)
     }
 
     /// The names in the order of the file.

@@ -1,7 +1,7 @@
 //! What a recording of the robot as built says: its numbers, calibrated, and whatever else it has in common with the
 //! recording in question (the form of the model, the frame, how the robot settles), which is no discovery.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use super::features::{Circumstances, circumstances};
 use super::hypothesis::{Hypothesis, Member};
@@ -44,7 +44,7 @@ pub(super) fn calibrated(
 }
 
 /// Terms of a smooth error of the tip over where the tip is and how it moves: those that stand for the form of a model.
-pub(super) struct Form {
+struct Form {
     middle_m: [f64; 3],
     spread_m: [f64; 3],
     moved_m: f64,
@@ -52,7 +52,7 @@ pub(super) struct Form {
 
 impl Form {
     /// Terms scaled to the circumstances of a baseline.
-    pub(super) fn new(around: &[Circumstances]) -> Form {
+    fn new(around: &[Circumstances]) -> Form {
         let column = |axis: usize| around.iter().map(|at| at.tip_m[axis]).collect::<Vec<f64>>();
         let moved: Vec<f64> = around.iter().flat_map(|at| at.moved_m).collect();
         Form {
@@ -110,8 +110,9 @@ pub(super) fn in_common(baseline: Seen, recording: Seen) -> Nuisances {
     let precision: DMatrix<f64> = white.tr_mul(&white) + &before.precision;
     let (samples, played, own) = recording;
     let around = circumstances(samples, played);
-    let all: Vec<Vec<f64>> = own.iter().chain(&form.columns(&around)).map(|(column, _)| column.clone()).collect();
-    let columns = DMatrix::from_columns(&all.into_iter().map(DVector::from_vec).collect::<Vec<_>>());
+    let form = form.columns(&around);
+    let all: Vec<&Column> = own.iter().chain(&form).collect();
+    let columns = DMatrix::from_fn(played.len(), all.len(), |row, k| all[k].0[row]);
     Nuisances::new(columns, explained.amounts, precision)
 }
 

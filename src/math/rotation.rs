@@ -151,9 +151,19 @@ pub fn log(rotation: &Matrix3<f64>) -> Vector3<f64> {
 
 /// Unit quaternion (w, x, y, z), w ≥ 0, of a rotation matrix.
 pub fn to_quaternion(rotation: &Matrix3<f64>) -> [f64; 4] {
-    let q = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation));
-    let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
-    [sign * q.w, sign * q.i, sign * q.j, sign * q.k]
+    parts(&UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation)))
+}
+
+/// The parts (w, x, y, z) of a quaternion. Of the two that stand for the same turn it is the one with w ≥ 0.
+pub fn parts(turn: &UnitQuaternion<f64>) -> [f64; 4] {
+    let sign = if turn.w < 0.0 { -1.0 } else { 1.0 };
+    [turn.w, turn.i, turn.j, turn.k].map(|part| sign * part)
+}
+
+/// The turn at `share` of the way from one to another, at constant rate about one axis and the short way round. (The
+/// library's slerp takes the angle from a cosine, which loses half of the digits of small turns.)
+pub fn between(from: &UnitQuaternion<f64>, to: &UnitQuaternion<f64>, share: f64) -> UnitQuaternion<f64> {
+    UnitQuaternion::from_scaled_axis((to * from.inverse()).scaled_axis() * share) * from
 }
 
 #[cfg(test)]
@@ -168,5 +178,28 @@ mod tests {
             assert!((exp(&v) - expected).norm() < 2e-15, "{v}");
             assert!((log(&exp(&v)) - v).norm() < 1e-15 + 1e-14 * v.norm(), "{v}");
         }
+    }
+
+    #[test]
+    fn a_share_of_the_way_keeps_the_digits_of_small_turns() {
+        let from = UnitQuaternion::from_scaled_axis(Vector3::new(0.3, -0.8, 0.5));
+        for angle_rad in [1e-9, 1e-6, 1e-3, 1.0, 3.0] {
+            let way = Vector3::new(2.0, -1.0, 2.0) / 3.0 * angle_rad;
+            let to = UnitQuaternion::from_scaled_axis(way) * from;
+            // The same turn, written the other way.
+            for to in [to, UnitQuaternion::new_unchecked(-to.into_inner())] {
+                let came = (between(&from, &to, 0.25) * from.inverse()).scaled_axis();
+                assert!((came - way * 0.25).norm() < 1e-15 + 1e-15 * angle_rad, "{angle_rad}: {came}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_parts_of_a_quaternion_are_those_with_w_not_negative() {
+        let turn = UnitQuaternion::from_scaled_axis(Vector3::new(0.3, -0.8, 0.5));
+        let other = UnitQuaternion::new_unchecked(-turn.into_inner());
+        assert_eq!(parts(&turn), [turn.w, turn.i, turn.j, turn.k]);
+        assert_eq!(parts(&other), parts(&turn));
+        assert!(turn.w > 0.0 && parts(&UnitQuaternion::from_scaled_axis(Vector3::x() * 4.0))[0] > 0.0);
     }
 }

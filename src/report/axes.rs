@@ -49,6 +49,16 @@ impl Axis {
         Axis { label: label.to_owned(), low: -0.4, high: names.len() as f64 - 0.6, ticks }
     }
 
+    /// An axis of logarithms to base ten that covers `values` (positive), its ends on powers of ten.
+    pub(super) fn decades(label: &str, values: impl Iterator<Item = f64>) -> Axis {
+        let (low, high) = range(values.map(f64::log10));
+        let (low, high) = (low.floor(), high.ceil().max(low.floor() + 1.0));
+        // No more labels than have room.
+        let step = ((high - low) / 6.0).ceil().max(1.0) as usize;
+        let ticks = (low as i64..=high as i64).step_by(step).map(|power| (power as f64, power_of_ten(power)));
+        Axis { label: label.to_owned(), low, high, ticks: ticks.collect() }
+    }
+
     /// The same without tick labels and label: for a panel whose neighbour shows them.
     pub(super) fn bare(&self) -> Axis {
         let ticks = self.ticks.iter().map(|(value, _)| (*value, String::new())).collect();
@@ -57,6 +67,20 @@ impl Axis {
 
     fn share(&self, value: f64) -> f64 {
         (value - self.low) / (self.high - self.low)
+    }
+}
+
+/// 0.01, 0.1, 1, 10, …; beyond a hundred thousand as a power.
+fn power_of_ten(power: i64) -> String {
+    match power {
+        0..=4 => format!("{}", 10_i64.pow(power as u32)),
+        -4..=-1 => format!("{:.*}", power.unsigned_abs() as usize, 10f64.powi(power as i32)),
+        _ => {
+            let digits = ["⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"];
+            let raised: String =
+                power.unsigned_abs().to_string().bytes().map(|digit| digits[usize::from(digit - b'0')]).collect();
+            format!("10{}{raised}", if power < 0 { "⁻" } else { "" })
+        }
     }
 }
 

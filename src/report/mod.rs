@@ -16,6 +16,7 @@ pub mod paper;
 mod peers;
 mod peers_table;
 mod published;
+mod scaling;
 pub mod style;
 mod summarise;
 mod sweep;
@@ -106,6 +107,7 @@ pub const FIGURES: &[Figure] = &[
     sweep::FIGURE,
     peers::FIGURE,
     discovery::FIGURE,
+    scaling::FIGURE,
 ];
 
 /// The figure called `name`.

@@ -47,11 +47,12 @@ fn draw(rows: &[&PeerRow]) -> Canvas {
     let mut keys: Vec<(Key, &str)> = labels.iter().map(|(look, words)| (Key::Plain(*look), words.as_str())).collect();
     keys.push((Key::Line(GREY, DASHED), "real time"));
     let below = legend(&mut canvas, [LEFT, 18.0], PAGE_WIDTH - 12.0, &keys);
-    let y = decades("processor time (ms per simulated s)", rows.iter().map(|row| 1e3 * row.cpu_s_per_s).chain([1e3]));
+    let y =
+        Axis::decades("processor time (ms per simulated s)", rows.iter().map(|row| 1e3 * row.cpu_s_per_s).chain([1e3]));
     let wide = (PAGE_WIDTH - LEFT - 14.0) / robots.len() as f64;
     for (index, robot) in robots.iter().enumerate() {
         let own: Vec<&PeerRow> = rows.iter().copied().filter(|row| row.robot == *robot).collect();
-        let x = decades("rms error of the tip (mm)", own.iter().map(|row| 1e3 * row.rms_error_m));
+        let x = Axis::decades("rms error of the tip (mm)", own.iter().map(|row| 1e3 * row.rms_error_m));
         let panel = Panel {
             corner: [LEFT + wide * index as f64, below + 34.0],
             size: [wide - 30.0, PANEL_HIGH],
@@ -127,28 +128,4 @@ pub(super) fn names<'a>(all: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
         }
     }
     found
-}
-
-/// An axis of logarithms to base ten that covers `values` (positive), its ends on powers of ten.
-fn decades(label: &str, values: impl Iterator<Item = f64>) -> Axis {
-    let (low, high) = super::axes::range(values.map(f64::log10));
-    let (low, high) = (low.floor(), high.ceil().max(low.floor() + 1.0));
-    // No more labels than have room.
-    let step = ((high - low) / 6.0).ceil().max(1.0) as usize;
-    let ticks = (low as i64..=high as i64).step_by(step).map(|power| (power as f64, power_of_ten(power)));
-    Axis { label: label.to_owned(), low, high, ticks: ticks.collect() }
-}
-
-/// 0.01, 0.1, 1, 10, …; beyond a hundred thousand as a power.
-fn power_of_ten(power: i64) -> String {
-    match power {
-        0..=4 => format!("{}", 10_i64.pow(power as u32)),
-        -4..=-1 => format!("{:.*}", power.unsigned_abs() as usize, 10f64.powi(power as i32)),
-        _ => {
-            let digits = ["⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"];
-            let raised: String =
-                power.unsigned_abs().to_string().bytes().map(|digit| digits[usize::from(digit - b'0')]).collect();
-            format!("10{}{raised}", if power < 0 { "⁻" } else { "" })
-        }
-    }
 }

@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 
 use super::swept::Swept;
 use crate::data::findings::CaseRow;
-use crate::data::rows::{ClaimRow, GapRow, PeerRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow};
+use crate::data::rows::{ClaimRow, GapRow, PeerRow, ScalingRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow};
 use crate::data::{DataError, tables, write_atomic};
 
 /// The rows that a figure may ask for; an experiment fills in those it has.
@@ -31,6 +31,8 @@ pub struct Published {
     pub peers: Vec<PeerRow>,
     /// Blind cases of discovery (`discovery.csv`).
     pub cases: Vec<CaseRow>,
+    /// Campaigns on more and more workers (`scaling.csv`).
+    pub scaling: Vec<ScalingRow>,
 }
 
 impl Published {
@@ -54,6 +56,7 @@ impl Published {
             sweep,
             peers: rows(folder, "work_precision.csv")?,
             cases: rows(folder, "discovery.csv")?,
+            scaling: rows(folder, "scaling.csv")?,
         })
     }
 
@@ -75,6 +78,7 @@ impl Published {
         }
         write(folder, "work_precision.csv", &self.peers)?;
         write(folder, "discovery.csv", &self.cases)?;
+        write(folder, "scaling.csv", &self.scaling)?;
         Published::read(folder)
     }
 }

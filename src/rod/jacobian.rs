@@ -5,12 +5,11 @@
 //! and its components in the body with the orientation, δ(Rᵀ M) = Rᵀ (δM − δθ × M). Inertia is the Gram matrix of the
 //! displacements, M = Σ m_k δp_kᵀ δp_k.
 
-use nalgebra::{DMatrix, Matrix3, Vector3};
+use nalgebra::{DMatrix, Vector3};
 
-use super::basis::dot;
 use super::conditions::{Conditions, Hold};
 use super::grid::{COMPONENTS, Grid};
-use super::section::Six;
+use super::rates::RateMatrices;
 use super::system::{System, Work};
 use super::triple::{Triple, padded};
 use super::variation::Variation;
@@ -22,9 +21,8 @@ pub(super) struct Derivative {
     pub(super) variation: Variation,
     /// Row-major K with the borders d balance / d tension and d length / d unknown.
     stiffness: Vec<f64>,
-    /// Row-major D and M over the polynomial coefficients.
-    viscosity: Vec<f64>,
-    inertia: Vec<f64>,
+    /// D and M.
+    rates: RateMatrices,
     /// Σ δp × f of the loads beyond a place, and the same with what is in the cell beyond a Gauss point.
     beyond: Triple,
     moment: Triple,
@@ -32,9 +30,8 @@ pub(super) struct Derivative {
     follower: Option<[Triple; 2]>,
     wrench_rows: [Vec<f64>; COMPONENTS],
     border: Vec<f64>,
-    /// Room for a field over the Gauss points, and for the displacements of all masses by unknown.
+    /// Room for a field over the Gauss points.
     field: Vec<f64>,
-    gathered: Vec<f64>,
 }
 
 impl Derivative {
@@ -45,15 +42,13 @@ impl Derivative {
         Derivative {
             variation: Variation::new(&system.grid),
             stiffness: vec![0.0; system.size() * system.size()],
-            viscosity: vec![0.0; n * n],
-            inertia: vec![0.0; n * n],
+            rates: RateMatrices::new(system),
             follower: follows.then(|| [zero.clone(), zero.clone()]),
             beyond: zero.clone(),
             moment: zero,
             wrench_rows: std::array::from_fn(|_| vec![0.0; padded(n)]),
             border: vec![0.0; n],
             field: vec![0.0; COMPONENTS * system.grid.nodes.len()],
-            gathered: vec![0.0; n * padded(3 * (system.grid.nodes.len() + system.masses.len()))],
         }
     }
 
@@ -85,9 +80,7 @@ impl Derivative {
         }
         self.tendon_border(system, conditions, work);
         if conditions.motion.rate > 0.0 {
-            self.add_viscosity(system, work);
-            self.add_drag(system, conditions, work);
-            self.add_inertia(system, work);
+            self.rates.update(system, conditions, work, &self.variation);
         }
     }
 
@@ -99,9 +92,8 @@ impl Derivative {
         let rate = conditions.motion.rate;
         if rate > 0.0 {
             for row in 0..n {
-                let parts = self.viscosity[row * n..].iter().zip(&self.inertia[row * n..]);
                 let column = &mut matrix.as_mut_slice()[row * size..row * size + n];
-                column.iter_mut().zip(parts).for_each(|(k, (d, m))| *k += rate * (d + rate * m));
+                column.iter_mut().zip(self.rates.row(row)).for_each(|(k, (d, m))| *k += rate * (d + rate * m));
             }
         }
         for (i, hold) in conditions.holds.iter().enumerate() {
@@ -198,7 +190,7 @@ impl Derivative {
     #[inline(always)]
     fn add_material(&mut self, system: &System, g: usize, unknowns: &[f64], work: &Work) {
         let node = &system.grid.nodes[g];
-        let stiffness = tendon_stiffness(system, g, &unknowns[system.grid.unknowns..], work);
+        let stiffness = system.tendon_stiffness(g, &unknowns[system.grid.unknowns..], work);
         for component in 0..COMPONENTS {
             let strain = work.shape.compliance[g].column(component);
             let mut change = [0.0; COMPONENTS];
@@ -276,81 +268,6 @@ impl Derivative {
             self.stiffness[(n + i) * size + n + i] = -system.params.tendons[i].compliance_at(pull);
         }
     }
-
-    /// D: viscous wrenches are local and diagonal in the strains; only bending about the two axes is coupled.
-    #[inline(always)]
-    fn add_viscosity(&mut self, system: &System, work: &Work) {
-        let points = system.grid.all.points;
-        self.viscosity.fill(0.0);
-        const PAIRS: [(usize, usize); 8] = [(0, 0), (0, 1), (1, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5)];
-        for (row, column) in PAIRS {
-            for (g, node) in system.grid.nodes.iter().enumerate() {
-                let strain = work.shape.compliance[g].column(column);
-                let viscous = std::array::from_fn(|c| system.sections[g].viscosity[c] * strain[c]);
-                self.field[g] = node.weight_m * work.weigh(g, &viscous)[row];
-            }
-            let weights = &self.field[..points];
-            if weights.iter().all(|weight| *weight == 0.0) {
-                continue;
-            }
-            system.grid.all.test_pair(weights, (row, column), &mut self.viscosity, system.grid.unknowns);
-        }
-    }
-
-    /// Adds the derivative of the drag to D: −c |q|∘q along the body axes has the damping 2 c |q|.
-    fn add_drag(&mut self, system: &System, conditions: &Conditions, work: &Work) {
-        let drag = system.params.drag_n_s2_m3;
-        if drag == 0.0 {
-            return;
-        }
-        for (g, node) in system.grid.nodes.iter().enumerate() {
-            let r = &work.shape.node_r[g];
-            let velocity = r.tr_mul(&conditions.motion.node_velocity(g, &work.shape.node_p[g]));
-            let damping = Matrix3::from_diagonal(&(velocity.abs() * (2.0 * drag * node.weight_m)));
-            add_gram(&mut self.viscosity, &self.variation.node_move[g], &(r * damping * r.transpose()));
-        }
-    }
-
-    /// M: the Gram matrix of all displacements, weighted with the masses. The displacements are gathered by unknown,
-    /// all points after one another, so that each entry is one sum of products.
-    #[inline(always)]
-    fn add_inertia(&mut self, system: &System, work: &Work) {
-        let n = system.grid.unknowns;
-        let length = self.gathered.len() / n.max(1);
-        let mut next = 0;
-        for (g, section) in system.sections.iter().enumerate() {
-            let root = (section.mass_kg_m * system.grid.nodes[g].weight_m).sqrt();
-            gather(&mut self.gathered, length, &mut next, &self.variation.node_move[g], root);
-        }
-        for mass in &system.masses {
-            gather(&mut self.gathered, length, &mut next, &self.variation.end_move[mass.end], mass.mass_kg.sqrt());
-        }
-        for row in 0..n {
-            let left = &self.gathered[row * length..(row + 1) * length];
-            for column in row..n {
-                let sum = dot(left, &self.gathered[column * length..(column + 1) * length]);
-                self.inertia[row * n + column] = sum;
-                self.inertia[column * n + row] = sum;
-            }
-        }
-        for mass in system.masses.iter().filter(|mass| mass.turns()) {
-            let r = &work.shape.end_r[mass.end];
-            let inertia = r * Matrix3::from_diagonal(&mass.inertia_kg_m2) * r.transpose();
-            add_gram(&mut self.inertia, &self.variation.end_turn[mass.end], &inertia);
-        }
-    }
-}
-
-/// Writes `factor` times a displacement to places `next`, `next + 1`, `next + 2` of every unknown's row.
-#[inline(always)]
-fn gather(rows: &mut [f64], length: usize, next: &mut usize, from: &Triple, factor: f64) {
-    for values in from.rows() {
-        let unknowns = rows.len() / length.max(1);
-        for (k, value) in values[..unknowns].iter().enumerate() {
-            rows[k * length + *next] = factor * value;
-        }
-        *next += 1;
-    }
 }
 
 /// `out = a·x + b·y + c·z`.
@@ -359,45 +276,4 @@ fn combine(out: &mut [f64], [x, y, z]: [&[f64]; 3], [a, b, c]: [f64; 3]) {
     for (out, ((x, y), z)) in out.iter_mut().zip(x.iter().zip(y).zip(z)) {
         *out = a * x + b * y + c * z;
     }
-}
-
-/// Adds `directionᵀ weight direction` to a square matrix.
-fn add_gram(out: &mut [f64], direction: &Triple, weight: &Matrix3<f64>) {
-    let n = out.len().isqrt();
-    let [x, y, z] = direction.rows().map(|row| &row[..n]);
-    for i in 0..n {
-        let w = weight * Vector3::new(x[i], y[i], z[i]);
-        let row = &mut out[i * n..(i + 1) * n];
-        let columns = x.iter().zip(y).zip(z);
-        for (slot, ((x, y), z)) in row.iter_mut().zip(columns) {
-            *slot += w.x * x + w.y * y + w.z * z;
-        }
-    }
-}
-
-/// Σ tension · ∂²length/∂strain² at Gauss point `g`: the stiffness that taut tendons add.
-#[inline(always)]
-pub(super) fn tendon_stiffness(system: &System, g: usize, tensions: &[f64], work: &Work) -> [Six; COMPONENTS] {
-    let mut total = [[0.0; COMPONENTS]; COMPONENTS];
-    for (i, &tension) in tensions.iter().enumerate() {
-        let (t, stretch) = (&work.tangents[g * tensions.len() + i], work.stretches[g * tensions.len() + i]);
-        if tension == 0.0 || stretch == 0.0 {
-            continue;
-        }
-        let [x, y] = system.guides[g * tensions.len() + i].offset_m;
-        // What lies across the path, (τ/ℓ)(1 − t tᵀ), seen by the strains: the path is v + u × r.
-        let across = Matrix3::from_fn(|i, j| (f64::from(i == j) - t[i] * t[j]) * (tension / stretch));
-        let arm = rotation::skew(&Vector3::new(x, y, 0.0));
-        let mixed = three::product(&arm, &across);
-        let turning = three::product(&mixed, &arm.transpose());
-        for row in 0..3 {
-            for column in 0..3 {
-                total[row][column] += turning[(row, column)];
-                total[row][column + 3] += mixed[(row, column)];
-                total[column + 3][row] += mixed[(row, column)];
-                total[row + 3][column + 3] += across[(row, column)];
-            }
-        }
-    }
-    total
 }

@@ -12,10 +12,11 @@ use super::conditions::{Conditions, Hold};
 use super::grid::Grid;
 use super::motion::Motion;
 use super::params::{RodParams, TipLoad};
-use super::simulation::{Drive, Rod, Solved, Trace};
+use super::simulation::{Drive, Rod};
 use super::state::Rates;
 use super::status::Status;
 use super::system::System;
+use super::trace::{Solved, Trace};
 
 /// A rod cannot follow the first one: other parts, or parts that no longer share a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

@@ -9,7 +9,6 @@ use nalgebra::{DVector, Matrix6, Vector3, Vector6};
 
 use super::conditions::{Conditions, Hold};
 use super::grid::COMPONENTS;
-use super::jacobian::tendon_stiffness;
 use super::motion::Motion;
 use super::refine::distance_m;
 use super::section::Six;
@@ -104,7 +103,7 @@ impl System {
     fn local_balance(&self, unknowns: &[f64], work: &Work) -> Option<Vec<Six>> {
         let tensions = &unknowns[self.grid.unknowns..];
         let own = |g: usize| {
-            let stiffness = tendon_stiffness(self, g, tensions, work);
+            let stiffness = self.tendon_stiffness(g, tensions, work);
             let mut tangent = Matrix6::from_fn(|row, column| stiffness[row][column]);
             for row in 0..2 {
                 for column in 0..2 {

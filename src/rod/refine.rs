@@ -1,21 +1,17 @@
-//! Is the grid fine enough? An a-posteriori estimate of what the discretisation in space puts the tip off by, and
-//! static solves that refine cells and polynomials until the estimate is small enough (docs/robustness.md).
+//! Is the grid fine enough? Static solves that refine cells and polynomials until the estimate of what the
+//! discretisation in space puts the tip off by is small enough (docs/robustness.md).
 
 use std::sync::{Arc, OnceLock};
 
-use nalgebra::Vector3;
-
 use super::conditions::Hold;
-use super::grid::{COMPONENTS, Cell, Grid, element_ends};
-use super::memory::MemoryState;
+use super::grid::element_ends;
 use super::params::{Resolution, RodParams};
 use super::reconstruction::Confirmed;
-use super::section::{Section, Six};
+use super::section::Section;
 use super::shape::Shape;
 use super::simulation::Rod;
 use super::status::Status;
-use super::system::{System, Work};
-use crate::math::polynomial::legendre;
+use super::system::System;
 
 /// How often the grid may be refined: cells to a sixteenth, and polynomials that end at every jump of the material.
 const MOST_REFINEMENTS: u32 = 4;
@@ -25,10 +21,6 @@ const MORE_MODES: usize = 4;
 const MOST_UNKNOWNS: [usize; MOST_REFINEMENTS as usize - 1] = [250, 400, 600];
 /// Newton iterations from one grid to the next.
 const PATIENCE: usize = 40;
-/// A tendon closer to the axis than this share of the length shortens the rod rather than bend it.
-const LEAST_OFFSET: f64 = 0.01;
-/// One Picard iteration is the first term of a series; it counts this many times.
-const CAUTION: f64 = 15.0;
 /// Shapes on two grids that lie further apart than this share of the length may be two equilibria.
 const ANOTHER: f64 = 1e-3;
 /// Refinement stops at cells of this share of the length.
@@ -38,11 +30,6 @@ const MOST_CELLS: f64 = 300.0;
 const MEMORY_TOLERANCE: f64 = 100.0;
 /// Share of the length that the estimate may say a moving rod's tip is off by before its answer is refused.
 const MOTION_BOUND: f64 = 0.05;
-/// The two-point Gauss rule leaves h⁵ f⁗ / 4320; three times as much covers the fields that enter each other.
-const CELL_ERROR: f64 = 3.0 / 4320.0;
-/// The fourth-order Magnus step leaves about this share of its commutator times the squared angle of the cell.
-const MAGNUS_ERROR: f64 = 1.0 / 30.0;
-
 /// What a rod knows of its discretisation.
 #[derive(Clone, Debug)]
 pub(super) struct Space {
@@ -84,24 +71,6 @@ impl Space {
     }
 }
 
-/// What the cells' quadrature and the missing polynomials put the tip off by, metres, as far as one grid knows.
-struct Estimate {
-    cells_m: f64,
-    balance_m: f64,
-}
-
-impl Estimate {
-    fn plain_m(&self) -> f64 {
-        self.cells_m + self.balance_m
-    }
-
-    fn cautious_m(&self) -> f64 {
-        let estimate_m = self.cells_m + CAUTION * self.balance_m;
-        // What is not a number must not pass for small.
-        if estimate_m.is_finite() { estimate_m } else { f64::INFINITY }
-    }
-}
-
 impl RodParams {
     /// The same rod with `base` refined `level` times: cells are halved and polynomials added each time. From the second
     /// time on polynomials end at every jump of the material; many elements get fewer polynomials each.
@@ -132,97 +101,6 @@ impl RodParams {
     }
 }
 
-impl System {
-    /// What the cells' quadrature puts the tip off by, metres: the angle that each turns, how far from plane it bends,
-    /// and where the spine begins to saturate inside.
-    pub(super) fn cell_error_m(&self, shape: &Shape, taut: &[bool]) -> f64 {
-        let strain = &shape.strain;
-        let mut total = 0.0;
-        for (c, cell) in self.grid.cells.iter().enumerate() {
-            let (h, a, b) = (cell.length_m, &strain[2 * c], &strain[2 * c + 1]);
-            let angle2 = square(a).max(square(b)) * h * h;
-            let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-            let commutator = h * h * (cross[0].powi(2) + cross[1].powi(2) + cross[2].powi(2)).sqrt();
-            total += CELL_ERROR * angle2 * angle2 * h * a[5].abs().max(b[5].abs());
-            total += MAGNUS_ERROR * commutator * angle2 * self.params.length_m();
-        }
-        total + self.kink_error_m(shape, taut)
-    }
-
-    /// The part of it from where the spine begins to saturate. How much a cell with a kink errs depends on where in it the
-    /// kink lies, so that two grids may agree by chance.
-    fn kink_error_m(&self, shape: &Shape, taut: &[bool]) -> f64 {
-        let force = |g: usize| shape.wrench[g][5];
-        let kink = |(c, cell): (usize, &Cell)| {
-            self.sections[2 * c].kink_m(force(2 * c), force(2 * c + 1), cell.length_m).abs()
-        };
-        let kinks: f64 = self.grid.cells.iter().enumerate().map(kink).sum();
-        if kinks == 0.0 {
-            return 0.0;
-        }
-        // A taut tendon bends the rod by what the spine is too long or too short.
-        let offset = |i: usize| {
-            let along = self.guides.iter().skip(i).step_by(taut.len());
-            along.map(|guide| guide.offset_m[0].hypot(guide.offset_m[1])).fold(0.0, f64::max)
-        };
-        let length_m = self.params.length_m();
-        let nearest = (0..taut.len()).filter(|&i| taut[i]).map(offset).fold(f64::INFINITY, f64::min);
-        kinks * (1.0 + length_m / nearest.max(LEAST_OFFSET * length_m))
-    }
-
-    /// The strain at Gauss point `g` that the imbalance there amounts to, without its polynomial part: that is what the
-    /// last iteration has not solved for yet and then did.
-    fn lacking(&self, g: usize, work: &Work) -> Six {
-        let node = &self.grid.nodes[g];
-        let mut strain = work.weigh(g, &work.imbalance[g]);
-        let element = node.offset[0] / self.grid.modes.iter().sum::<usize>();
-        let per_length = 1.0 / (self.grid.elements_m[element + 1] - self.grid.elements_m[element]);
-        for (c, value) in strain.iter_mut().enumerate() {
-            let own = &work.residual[node.offset[c]..node.offset[c] + self.grid.modes[c]];
-            let mut odd = per_length;
-            for (residual, basis) in own.iter().zip(&node.basis) {
-                *value -= odd * residual * basis;
-                odd += 2.0 * per_length;
-            }
-        }
-        strain
-    }
-
-    /// What the polynomials that are missing put the tip off by, metres. The imbalance that they leave at the Gauss
-    /// points is weighed to nothing by the polynomials that are there; as a strain that the rod lacks, it moves the tip
-    /// by its product with a lever that is no polynomial (one Picard iteration of the exact balance).
-    /// Where it changes the length of a taut tendon, the tendon bends the rod back by that length over its offset.
-    pub(super) fn balance_error_m(&self, work: &Work, taut: &[bool]) -> f64 {
-        let tip = work.shape.tip_m();
-        let lacking: Vec<Six> = (0..self.grid.nodes.len()).map(|g| self.lacking(g, work)).collect();
-        let (mut moved, mut turned) = (Vector3::zeros(), Vector3::zeros());
-        let mut bent_rad = 0.0;
-        for i in (0..taut.len()).filter(|&i| taut[i]) {
-            let (mut longer, mut offset) = (0.0, 0.0_f64);
-            for (g, node) in self.grid.nodes.iter().enumerate() {
-                let pull = self.tendon_wrench(g, i, work);
-                longer += node.weight_m * pull.iter().zip(&lacking[g]).map(|(a, b)| a * b).sum::<f64>();
-                let [x, y] = self.guides[g * taut.len() + i].offset_m;
-                offset = offset.max(x * x + y * y);
-            }
-            bent_rad += longer.abs() / offset.sqrt().max(LEAST_OFFSET * self.params.length_m());
-        }
-        for (g, node) in self.grid.nodes.iter().enumerate() {
-            let lacking = &lacking[g];
-            let r = &work.shape.node_r[g];
-            let turn = r * Vector3::new(lacking[0], lacking[1], lacking[2]) * node.weight_m;
-            let stretch = r * Vector3::new(lacking[3], lacking[4], lacking[5]) * node.weight_m;
-            moved += stretch + turn.cross(&(tip - work.shape.node_p[g]));
-            turned += turn;
-        }
-        moved.norm().max(turned.norm() * self.params.length_m()) + bent_rad * self.params.length_m()
-    }
-}
-
-fn square(strain: &Six) -> f64 {
-    strain[0] * strain[0] + strain[1] * strain[1] + strain[2] * strain[2]
-}
-
 impl Rod {
     /// What the discretisation in space may put the tip off by, metres: after a static solve the larger one of an estimate
     /// and of what a reconstruction says; in motion an estimate.
@@ -233,14 +111,6 @@ impl Rod {
     /// How often the grid has been refined beyond the resolution that was asked for.
     pub fn refinements(&self) -> u32 {
         self.space.level
-    }
-
-    /// The estimate on this grid alone, from what the last iteration has left in the solver.
-    fn estimate(&self) -> Estimate {
-        Estimate {
-            cells_m: self.system.cell_error_m(&self.state.shape, &self.state.taut),
-            balance_m: self.system.balance_error_m(&self.solver.work, &self.state.taut),
-        }
     }
 
     /// Judges a shape at rest that solves the equations under `holds`: is it possible, does a finer grid agree?
@@ -375,53 +245,4 @@ pub(super) fn distance_m(a: &Shape, b: &Shape, length_m: f64) -> f64 {
     let turned = (a.tip_rotation() - b.tip_rotation()).norm() * length_m;
     // A comparison with what is not a number must not pass for agreement.
     if moved.is_finite() && turned.is_finite() { moved.max(turned) } else { f64::INFINITY }
-}
-
-impl Grid {
-    /// Coefficients and tensions of the grid `from` on this one: the polynomials projected on those of each element.
-    fn transfer(&self, from: &Grid, source: &[f64], target: &mut [f64]) {
-        target[..self.unknowns].fill(0.0);
-        let mut basis = vec![0.0; from.modes.into_iter().max().unwrap_or(0)];
-        for node in &self.nodes {
-            let at = element_of(&from.elements_m, node.position_m);
-            legendre(at.place, &mut basis);
-            let own = element_of(&self.elements_m, node.position_m);
-            let mut offset = at.index * from.modes.iter().sum::<usize>();
-            for c in 0..COMPONENTS {
-                let coefficients = &source[offset..offset + from.modes[c]];
-                let value: f64 = coefficients.iter().zip(&basis).map(|(x, p)| x * p).sum();
-                for (k, own_basis) in node.basis[..self.modes[c]].iter().enumerate() {
-                    let norm = own.length_m / (2 * k + 1) as f64;
-                    target[node.offset[c] + k] += node.weight_m * value * own_basis / norm;
-                }
-                offset += from.modes[c];
-            }
-        }
-        target[self.unknowns..].copy_from_slice(&source[from.unknowns..]);
-    }
-
-    /// Histories at the Gauss points of `from` on those of this grid, linear within each cell, where nothing jumps.
-    pub(super) fn spread(&self, from: &Grid, states: &[MemoryState]) -> Vec<MemoryState> {
-        let state = |position_m: f64| {
-            let cell = from.boundaries_m.partition_point(|&end| end <= position_m).clamp(1, from.cells.len()) - 1;
-            let [a, b] = [2 * cell, 2 * cell + 1];
-            let (start, end) = (from.nodes[a].position_m, from.nodes[b].position_m);
-            let share = (position_m - start) / (end - start);
-            std::array::from_fn(|k| states[a][k] + share * (states[b][k] - states[a][k]))
-        };
-        self.nodes.iter().map(|node| state(node.position_m)).collect()
-    }
-}
-
-/// An element, and where in it (−1 to 1) a place lies.
-struct Place {
-    index: usize,
-    length_m: f64,
-    place: f64,
-}
-
-fn element_of(ends_m: &[f64], position_m: f64) -> Place {
-    let index = ends_m.partition_point(|&end| end <= position_m).clamp(1, ends_m.len() - 1) - 1;
-    let length_m = ends_m[index + 1] - ends_m[index];
-    Place { index, length_m, place: 2.0 * (position_m - ends_m[index]) / length_m - 1.0 }
 }

@@ -4,16 +4,16 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::advance::Pace;
 use super::conditions::{Conditions, Hold};
-use super::grid::Grid;
-use super::memory::MemoryState;
 use super::motion::Motion;
 use super::params::{RodParams, TipLoad};
 use super::refine::Space;
+use super::rest::Rest;
 use super::scheme::{Scheme, Tableau};
 use super::solver::Solver;
-use super::state::{CrossSection, Rates, State};
+use super::state::{Rates, State};
 use super::status::Status;
 use super::system::System;
+use super::trace::Trace;
 use crate::math::vectorised;
 
 /// What a tendon is told.
@@ -25,17 +25,6 @@ pub enum Drive {
     Tension(f64),
     /// No tension and no slack: the drive follows the shape.
     Follow,
-}
-
-/// Energy of the rod, J.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Energy {
-    /// Of motion.
-    pub kinetic_j: f64,
-    /// Of bending, twist, shear and stretch, the compressible spine included.
-    pub elastic_j: f64,
-    /// Of weight, zero at the base.
-    pub gravitational_j: f64,
 }
 
 /// What solving has taken so far.
@@ -50,13 +39,6 @@ pub struct Effort {
     /// Factorisations of it.
     pub factorisations: u64,
 }
-
-/// Displacement of the tip that a converged static solve may be off by (its last step, squared for Newton), metres.
-const STATIC_TOLERANCE_M: f64 = 1e-8;
-/// Smallest share of the loads that continuation raises before the rod is let go instead.
-const SMALLEST_SHARE: f64 = 0.02;
-/// Iterations after which continuation tries a smaller share.
-const CONTINUATION_PATIENCE: usize = 50;
 
 /// A tendon-driven rod.
 #[derive(Clone, Debug)]
@@ -76,38 +58,6 @@ pub struct Rod {
     pub(super) rest: Option<Rest>,
     /// What has been solved, for those who follow; nothing is kept when absent.
     pub(super) trace: Option<Trace>,
-}
-
-/// What a static solve was asked for.
-#[derive(Clone, Debug)]
-pub(super) struct Rest {
-    pub(super) holds: Vec<Hold>,
-    tip_load: TipLoad,
-    /// Histories before they came to rest as well.
-    pub(super) memory: Vec<Vec<MemoryState>>,
-}
-
-/// What has been solved.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Trace {
-    /// Unknowns and taut set of each stage of the step under way.
-    pub(super) stages: Vec<(Vec<f64>, Vec<bool>)>,
-    /// Equilibria (of infinite duration) and steps that were accepted.
-    pub(super) solved: Vec<Solved>,
-}
-
-/// A time step or an equilibrium.
-#[derive(Clone, Debug)]
-pub(super) struct Solved {
-    pub(super) duration_s: f64,
-    pub(super) stages: Vec<(Vec<f64>, Vec<bool>)>,
-}
-
-impl Trace {
-    /// The stages so far were those of a step of `duration_s`.
-    pub(super) fn accept(&mut self, duration_s: f64) {
-        self.solved.push(Solved { duration_s, stages: std::mem::take(&mut self.stages) });
-    }
 }
 
 impl Rod {
@@ -171,97 +121,6 @@ impl Rod {
         self.tip_load = load;
     }
 
-    /// Brings the rod to rest under `drives` (one a tendon). Histories come to rest as well.
-    pub fn settle(&mut self, drives: &[Drive]) -> Status {
-        let Some(holds) = self.holds(drives) else { return Status::BadCommand };
-        // From rest to rest, histories stay as fine as they are known.
-        if self.system.params.memory.is_empty() {
-            self.coarsen();
-        }
-        self.motion = Motion::rest(&self.system.grid, &self.system.masses);
-        let before = self.state.clone();
-        self.foretell(&holds);
-        let mut status = self.solve_static(&holds, 1.0);
-        if status != Status::Converged {
-            self.state = before.clone();
-            status = self.continue_load(&holds);
-        }
-        if status != Status::Converged {
-            self.state.unknowns.fill(0.0);
-            self.state.taut.fill(false);
-            status = self.relax(&holds, 0.0);
-        }
-        if status == Status::Converged {
-            status = self.examine_rest(&holds);
-        }
-        if status == Status::Converged {
-            self.state.rates = Rates::zero(&self.system.grid, &self.system.masses);
-            self.rest = Some(Rest { holds, tip_load: self.tip_load, memory: self.state.memory.clone() });
-            self.commit_memory(f64::INFINITY);
-            self.trace_stage();
-            self.trace.iter_mut().for_each(|trace| trace.accept(f64::INFINITY));
-        } else {
-            self.state = before;
-        }
-        status
-    }
-
-    /// From rest to rest under the same loads the first residual is known: what the tendons are taken in by. This saves
-    /// one evaluation of the equations in four.
-    fn foretell(&mut self, holds: &[Hold]) {
-        let unchanged = |rest: &&Rest| rest.tip_load == self.tip_load && self.system.params.memory.is_empty();
-        if let Some(rest) = self.rest.as_ref().filter(unchanged) {
-            self.solver.foretell(&self.system, (&self.state.unknowns, &self.state.taut), (&rest.holds, holds));
-        }
-    }
-
-    /// Static solve with all loads and pulls at `share` of their value.
-    pub(super) fn solve_static(&mut self, holds: &[Hold], share: f64) -> Status {
-        let scaled: Vec<Hold> = holds
-            .iter()
-            .map(|hold| match *hold {
-                Hold::Length(pull) => Hold::Length(share * pull),
-                Hold::Tension(tension) => Hold::Tension(share * tension),
-            })
-            .collect();
-        let load = TipLoad { force_n: self.tip_load.force_n * share, moment_nm: self.tip_load.moment_nm * share };
-        self.seed_tensions(&scaled);
-        let gravity = self.system.params.gravity_m_s2 * share;
-        self.solve(&scaled, (&load, share), gravity, true, STATIC_TOLERANCE_M)
-    }
-
-    /// Raises all loads from nothing in steps that shrink on failure and grow on success.
-    fn continue_load(&mut self, holds: &[Hold]) -> Status {
-        self.state.unknowns.fill(0.0);
-        self.state.taut.fill(false);
-        let patience = std::mem::replace(&mut self.solver.patience, CONTINUATION_PATIENCE);
-        let status = self.raise_load(holds);
-        self.solver.patience = patience;
-        status
-    }
-
-    fn raise_load(&mut self, holds: &[Hold]) -> Status {
-        let (mut reached, mut step) = (0.0, 0.25);
-        while reached < 1.0 {
-            let target = f64::min(reached + step, 1.0);
-            let saved = self.state.clone();
-            match self.solve_static(holds, target) {
-                Status::Converged => {
-                    reached = target;
-                    step *= 1.5;
-                }
-                failure => {
-                    self.state = saved;
-                    step *= 0.35;
-                    if step < SMALLEST_SHARE {
-                        return failure;
-                    }
-                }
-            }
-        }
-        Status::Converged
-    }
-
     pub(super) fn solve(
         &mut self,
         holds: &[Hold],
@@ -294,12 +153,6 @@ impl Rod {
             );
         }
         status
-    }
-
-    /// Keeps what has just been solved for those who follow.
-    pub(super) fn trace_stage(&mut self) {
-        let State { unknowns, taut, .. } = &self.state;
-        self.trace.iter_mut().for_each(|trace| trace.stages.push((unknowns.clone(), taut.clone())));
     }
 
     pub(super) fn commit_memory(&mut self, dt_s: f64) {
@@ -361,10 +214,8 @@ impl Rod {
 
     /// Displacement at which each tendon would be neither slack nor under tension, metres.
     pub fn following_pulls_m(&self) -> Vec<f64> {
-        let mut work = self.solver.work.clone();
-        work.shape = self.state.shape.clone();
-        self.system.update_lengths(&mut work);
-        let homes = work.lengths_m.iter().zip(&self.system.home_lengths_m);
+        let lengths_m = self.system.lengths_m(&self.state.shape);
+        let homes = lengths_m.iter().zip(&self.system.home_lengths_m);
         homes.zip(&self.system.params.tendons).map(|((now, home), t)| home - now - t.pretension_m).collect()
     }
 
@@ -377,64 +228,5 @@ impl Rod {
     pub fn effort(&self) -> Effort {
         let Solver { iterations, derivatives, factorisations, .. } = self.solver;
         Effort { steps: self.pace.taken, iterations, derivatives, factorisations }
-    }
-
-    /// The fields along the rod at the Gauss points.
-    pub fn cross_sections(&self) -> Vec<CrossSection> {
-        let (shape, rates) = (&self.state.shape, &self.state.rates);
-        let turning = self.angular_velocities_rad_s();
-        let section = |g: usize| {
-            let r = shape.node_r[g];
-            let wrench = shape.wrench[g];
-            CrossSection {
-                s_m: self.system.grid.nodes[g].position_m,
-                position_m: shape.node_p[g],
-                rotation: r,
-                moment_nm: r * Vector3::from_row_slice(&wrench[..3]),
-                force_n: r * Vector3::from_row_slice(&wrench[3..]),
-                velocity_m_s: r.tr_mul(&rates.node_v[g]),
-                angular_velocity_rad_s: r.tr_mul(&turning[g]),
-            }
-        };
-        (0..self.system.grid.nodes.len()).map(section).collect()
-    }
-
-    /// World-frame angular velocities at the Gauss points, from the rates of curvature below each: ω(s) = ∫ R u_t.
-    fn angular_velocities_rad_s(&self) -> Vec<Vector3<f64>> {
-        let (shape, rates) = (&self.state.shape, &self.state.rates);
-        let rate = |g: usize| shape.node_r[g] * Vector3::from_row_slice(&rates.strain_v[g][..3]);
-        let mut below = Vector3::zeros();
-        let mut all = Vec::with_capacity(shape.node_r.len());
-        for (c, cell) in self.system.grid.cells.iter().enumerate() {
-            let both = [rate(2 * c), rate(2 * c + 1)];
-            let partial = Grid::partial_weights(cell.length_m);
-            all.extend(partial.map(|[first, second]| below + both[0] * first + both[1] * second));
-            below += (both[0] + both[1]) * (0.5 * cell.length_m);
-        }
-        all
-    }
-
-    /// Energy now.
-    pub fn energy(&self) -> Energy {
-        let (shape, rates) = (&self.state.shape, &self.state.rates);
-        let gravity = self.system.params.gravity_m_s2;
-        let mut energy = Energy { kinetic_j: 0.0, elastic_j: 0.0, gravitational_j: 0.0 };
-        for (g, node) in self.system.grid.nodes.iter().enumerate() {
-            let section = &self.system.sections[g];
-            let mass = section.mass_kg_m * node.weight_m;
-            energy.kinetic_j += 0.5 * mass * rates.node_v[g].norm_squared();
-            energy.gravitational_j -= mass * gravity.dot(&shape.node_p[g]);
-            energy.elastic_j += node.weight_m * section.energy_j_m(&shape.wrench[g]);
-        }
-        for (k, mass) in self.system.masses.iter().enumerate() {
-            energy.kinetic_j += 0.5 * mass.mass_kg * rates.mass_v[k].norm_squared();
-            let spin = rates.spin[k];
-            energy.kinetic_j += 0.5 * spin.dot(&mass.inertia_kg_m2.component_mul(&spin));
-            energy.gravitational_j -= mass.mass_kg * gravity.dot(&shape.end_p[mass.end]);
-        }
-        for (tension, tendon) in self.tensions_n().iter().zip(&self.system.params.tendons) {
-            energy.elastic_j += 0.5 * tendon.compliance_m_per_n * tension * tension;
-        }
-        energy
     }
 }

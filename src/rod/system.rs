@@ -243,6 +243,20 @@ impl System {
         [y * t.z, -x * t.z, x * t.y - y * t.x, t.x, t.y, t.z]
     }
 
+    /// The stiffness at Gauss point `g` that taut tendons add: Σ tension · ∂²length/∂strain².
+    #[inline(always)]
+    pub(super) fn tendon_stiffness(&self, g: usize, tensions: &[f64], work: &Work) -> [Six; COMPONENTS] {
+        let mut total = [[0.0; COMPONENTS]; COMPONENTS];
+        for (i, &tension) in tensions.iter().enumerate() {
+            let k = g * tensions.len() + i;
+            let stretch = work.stretches[k];
+            if tension != 0.0 && stretch != 0.0 {
+                self.guides[k].add_stiffness(&work.tangents[k], stretch, tension, &mut total);
+            }
+        }
+        total
+    }
+
     /// Path tangents and lengths of all tendons: a = v + u × r + r′ a length of backbone.
     #[inline(always)]
     fn update_tendons(&self, work: &mut Work) {
@@ -298,9 +312,18 @@ impl System {
         if step.iter().all(|x| x.is_finite()) { largest } else { f64::NAN }
     }
 
-    /// Path lengths of the tendons on the shape in `work`.
-    pub(super) fn update_lengths(&self, work: &mut Work) {
-        self.update_tendons(work);
+    /// Path lengths of the tendons on a shape, metres.
+    pub(super) fn lengths_m(&self, shape: &Shape) -> Vec<f64> {
+        let count = self.params.tendons.len();
+        let mut lengths_m = vec![0.0; count];
+        for (g, node) in self.grid.nodes.iter().enumerate() {
+            for (length_m, guide) in lengths_m.iter_mut().zip(&self.guides[g * count..]) {
+                if guide.present {
+                    *length_m += node.weight_m * guide.path(&shape.strain[g]).norm();
+                }
+            }
+        }
+        lengths_m
     }
 }
 

@@ -1,8 +1,10 @@
 //! Tendons: where they run inside the rod, and what holds them.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
+use super::grid::COMPONENTS;
 use super::section::Six;
+use crate::math::{rotation, three};
 
 /// A tendon that runs through guide holes from the base, or from a point further on, to where it is anchored. It slides
 /// without friction and pulls only.
@@ -59,6 +61,26 @@ impl Guide {
     pub(super) fn path(&self, s: &Six) -> Vector3<f64> {
         let ([x, y], [dx, dy]) = (self.offset_m, self.slope);
         Vector3::new(s[3] - s[2] * y + dx, s[4] + s[2] * x + dy, s[5] + s[0] * y - s[1] * x)
+    }
+
+    /// Adds tension · ∂²length/∂strain², the stiffness of a taut tendon, to `total`. Its path has the direction `t` and
+    /// this `stretch`, its length per length of backbone.
+    #[inline(always)]
+    pub(super) fn add_stiffness(&self, t: &Vector3<f64>, stretch: f64, tension: f64, total: &mut [Six; COMPONENTS]) {
+        let [x, y] = self.offset_m;
+        // What lies across the path, (τ/ℓ)(1 − t tᵀ), seen by the strains: the path is v + u × r.
+        let across = Matrix3::from_fn(|i, j| (f64::from(i == j) - t[i] * t[j]) * (tension / stretch));
+        let arm = rotation::skew(&Vector3::new(x, y, 0.0));
+        let mixed = three::product(&arm, &across);
+        let turning = three::product(&mixed, &arm.transpose());
+        for row in 0..3 {
+            for column in 0..3 {
+                total[row][column] += turning[(row, column)];
+                total[row][column + 3] += mixed[(row, column)];
+                total[column + 3][row] += mixed[(row, column)];
+                total[row + 3][column + 3] += across[(row, column)];
+            }
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 use super::timing::Timing;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
+use std::collections::BTreeMap;
 use std::io::IsTerminal;
 use std::sync::Mutex;
 
@@ -42,6 +43,19 @@ struct Left {
     total: usize,
     done: usize,
     failed: usize,
+    /// Done and all of each kind.
+    kinds: BTreeMap<String, [usize; 2]>,
+}
+
+impl Left {
+    /// How far everything and the kind of the last stage are, and how fast it goes.
+    fn words(&self, stage: &str, elapsed_s: f64) -> String {
+        let failed = if self.failed > 0 { format!(", {} failed", self.failed) } else { String::new() };
+        let [done, all] = self.kinds.get(stage).copied().unwrap_or_default();
+        #[allow(clippy::cast_precision_loss)] // counts for a person
+        let per_min = 60.0 * self.done as f64 / elapsed_s.max(1e-3);
+        format!("{} of {} stages{failed}, {per_min:.0}/min, {stage} {done}/{all}", self.done, self.total)
+    }
 }
 
 impl Progress {
@@ -52,13 +66,21 @@ impl Progress {
         Progress { style, bar: ProgressBar::with_draw_target(Some(0), target), left: Mutex::default() }
     }
 
-    /// The work is known: `compute` stages of `cost_ms` together, and `cached` that need nothing.
-    pub fn planned(&self, compute: usize, cached: usize, cost_ms: u64) {
-        if let Ok(mut left) = self.left.lock() {
-            left.total = compute;
+    /// The work is known: stages to compute, each with its kind and rough cost in milliseconds, and `cached` that need
+    /// nothing.
+    pub fn planned<'a>(&self, compute: impl Iterator<Item = (&'a str, u64)>, cached: usize) {
+        let mut left = Left::default();
+        let mut all_ms = 0;
+        for (kind, cost_ms) in compute {
+            left.kinds.entry(kind.to_owned()).or_default()[1] += 1;
+            (left.total, all_ms) = (left.total + 1, all_ms + cost_ms);
         }
-        self.event("planned", json!({ "compute": compute, "cached": cached }));
-        self.bar.set_length(cost_ms);
+        self.event("planned", json!({ "compute": left.total, "cached": cached }));
+        if let Ok(mut known) = self.left.lock() {
+            *known = left;
+        }
+        self.bar.set_length(all_ms);
+        self.bar.reset();
         let template = "{bar:32} {percent:>3} %  {msg}  left: {eta}";
         self.bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
         self.bar.enable_steady_tick(std::time::Duration::from_millis(250));
@@ -80,8 +102,10 @@ impl Progress {
         let Ok(mut left) = self.left.lock() else { return };
         left.done += 1;
         left.failed += usize::from(failure.is_some());
-        let failed = if left.failed > 0 { format!(", {} failed", left.failed) } else { String::new() };
-        self.bar.set_message(format!("{} of {} stages{failed}, last {}", left.done, left.total, told.stage));
+        if let Some([done, _]) = left.kinds.get_mut(told.stage) {
+            *done += 1;
+        }
+        self.bar.set_message(left.words(told.stage, self.bar.elapsed().as_secs_f64()));
         self.bar.inc(told.cost_ms);
     }
 
@@ -112,5 +136,19 @@ impl Progress {
             fields["event"] = name.into();
             eprintln!("{fields}");
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_person_reads_how_far_and_how_fast_it_goes() {
+        let kinds = BTreeMap::from([("reach".to_owned(), [3, 8]), ("train".to_owned(), [2, 2])]);
+        let mut left = Left { total: 10, done: 5, failed: 0, kinds };
+        assert_eq!(left.words("reach", 60.0), "5 of 10 stages, 5/min, reach 3/8");
+        left.failed = 1;
+        assert_eq!(left.words("train", 30.0), "5 of 10 stages, 1 failed, 10/min, train 2/2");
     }
 }

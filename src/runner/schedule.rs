@@ -59,8 +59,8 @@ pub fn carry_out(graph: &Graph, store: &Store, wanted: &[usize], orders: &Orders
     });
     let cached = needs.iter().filter(|&&need| need == Need::Cached).count();
     let crew = Crew::new(graph, store, orders, values, &needs, wanted);
-    let cost_ms = crew.todo().map(|number| graph.nodes[number].kind.cost_ms).sum();
-    orders.progress.planned(crew.todo().count(), cached, cost_ms);
+    let kinds = crew.todo().map(|number| graph.nodes[number].kind);
+    orders.progress.planned(kinds.map(|kind| (kind.name, kind.cost_ms)), cached);
     let threads = if orders.threads == 0 { available_parallelism().map_or(1, usize::from) } else { orders.threads };
     // Parts of stages share as many more; the first run of a process decides.
     let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();

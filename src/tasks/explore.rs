@@ -5,6 +5,7 @@ use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
 use super::actuation::{bend_commands, check_pairs};
+use super::watched::Watched;
 use super::{Samples, TaskError};
 use crate::base::{BadOption, Plant, Seed};
 
@@ -84,6 +85,7 @@ pub fn explore_trajectory(
 ) -> Result<Samples, TaskError> {
     options.check()?;
     check_pairs(plant)?;
+    let mut plant = Watched(plant);
     let seed = seed.child("explore").index(index as u64);
     let mut random = seed.child("walk").rng();
     let mut tip_m = plant.reset(seed.child("plant"))?.tip_m;
@@ -129,6 +131,7 @@ pub fn replay_trajectory(
         asked: index + 1,
         available: ranges.len(),
     })?;
+    let mut plant = Watched(plant);
     let mut tip_m = plant.reset(seed.child("replay").index(index as u64))?.tip_m;
     let mut played = Samples::begin(plant.tendons());
     for row in range {

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::actuation::{Bend, GridOptions, bend_commands, check_pairs, drive_to};
 use super::explore::{ExploreOptions, explore_trajectory};
+use super::watched::Watched;
 use super::{Samples, TaskError};
 use crate::base::{BadOption, Observation, Plant, Rows, Seed, TendonCommand};
 
@@ -162,6 +163,7 @@ pub fn gp_points(
         }
     };
     let mut real_m = Rows::new(3);
+    let mut robot = Watched(robot);
     robot.reset(seed.child("robot"))?;
     let mut kept = visited.kept.iter().copied().peekable();
     for row in 0..visited.steps.len() {
@@ -176,8 +178,9 @@ pub fn gp_points(
 
 fn visit_grid(model: &mut dyn Plant, grid: &GridOptions, hold_steps: usize, seed: Seed) -> Result<Visited, TaskError> {
     check_pairs(model)?;
+    let mut model = Watched(model);
     let start = model.reset(seed.child("model"))?;
-    let mut recorder = Recorder { plant: model, tip_m: start.tip_m, steps: Samples::begin(4) };
+    let mut recorder = Recorder { plant: &mut model, tip_m: start.tip_m, steps: Samples::begin(4) };
     let mut bend_m: Bend = [0.0; 2];
     let mut kept = Vec::with_capacity(grid.rows * grid.columns);
     for point_m in grid.points_m() {

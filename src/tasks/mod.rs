@@ -15,6 +15,7 @@ mod record;
 mod samples;
 mod targets;
 mod track;
+mod watched;
 
 pub use actuation::{GridOptions, bend_commands};
 pub use calibrate::{ADJUSTABLE, Adjustable, Calibrated, Calibration, calibrate};

@@ -114,6 +114,7 @@ impl Sheet {
             PlantError::Solver(name) => name.as_str(),
             PlantError::Refused(_) => "refused",
             PlantError::Stopped(_) => "stopped",
+            PlantError::Unseen { .. } => "unseen",
             PlantError::NotRecorded(_) => "not_recorded",
         };
         for row in rows.filter(|&row| self.seen[row].is_none()) {

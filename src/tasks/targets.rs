@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::TaskError;
 use super::actuation::{Bend, GridOptions, check_pairs, drive_to};
+use super::watched::Watched;
 use crate::base::{BadOption, Plant, Point3, Seed};
 
 /// Settings of the pool of targets.
@@ -55,11 +56,12 @@ impl TargetOptions {
 pub fn target_pool(robot: &mut dyn Plant, options: &TargetOptions, seed: Seed) -> Result<Vec<Point3>, TaskError> {
     options.check()?;
     check_pairs(robot)?;
+    let mut robot = Watched(robot);
     let mut tip_m = robot.reset(seed.child("target_pool"))?.tip_m;
     let mut bend_m: Bend = [0.0; 2];
     let mut candidates = Vec::with_capacity(options.sweep.rows * options.sweep.columns);
     for point_m in options.sweep.points_m() {
-        if let Some(seen) = drive_to(robot, &mut bend_m, point_m, options.sweep.max_step_m)? {
+        if let Some(seen) = drive_to(&mut robot, &mut bend_m, point_m, options.sweep.max_step_m)? {
             tip_m = seen.tip_m;
         }
         candidates.push(tip_m);

@@ -2,20 +2,21 @@
 
 use std::path::Path;
 
-use super::{Line, shown, wrong_line};
+use super::{Line, wrong_line};
 use crate::data::DataError;
+use crate::data::error::shown;
 
 /// How orientations are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rotation {
-    /// x, y, z, w.
+    /// Unit quaternions.
     Quaternion,
     /// Degrees about x, then about the new y, then about the new z: the order and sense that Motive calls XYZ.
     Xyz,
 }
 
 impl Rotation {
-    /// Names of the columns that it takes.
+    /// Names of the columns that it takes, in the order in which this project keeps the numbers.
     pub(super) fn parts(self) -> &'static [&'static str] {
         match self {
             Rotation::Quaternion => &["W", "X", "Y", "Z"],

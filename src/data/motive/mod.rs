@@ -7,24 +7,15 @@ mod read;
 
 use std::path::{Path, PathBuf};
 
+use super::recording::Pose;
 use super::{DataError, file};
-use crate::base::Point3;
-
-/// Where a body is in the frame of the export.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pose {
-    /// Position of the body's pivot, metres.
-    pub position_m: Point3,
-    /// Unit quaternion w, x, y, z: from the body's axes to those of the export.
-    pub quaternion: [f64; 4],
-}
 
 /// A rigid body over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
     /// Its name in Motive.
     pub name: String,
-    /// A pose a frame; none where the body was not tracked.
+    /// A pose of its pivot a frame, in the frame of the export; none where the body was not tracked.
     pub poses: Vec<Option<Pose>>,
 }
 
@@ -121,9 +112,4 @@ impl Line<'_> {
 fn wrong_line(path: &Path, number: usize, found: impl Into<String>, expected: impl Into<String>) -> DataError {
     let place = format!("line {number}");
     DataError::Line { file: path.to_owned(), place, found: found.into(), expected: expected.into() }
-}
-
-/// A cell as it is shown in a message.
-fn shown(cell: &str) -> String {
-    if cell.is_empty() { "nothing".to_owned() } else { format!("`{cell}`") }
 }

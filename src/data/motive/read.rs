@@ -5,11 +5,10 @@ use std::path::Path;
 
 use super::header::{self, Layout, Places};
 use super::meta::{self, Meta, Rotation};
-use super::{Body, Export, Line, Pose, shown, wrong_line};
+use super::{Body, Export, Line, wrong_line};
+use crate::data::error::shown;
+use crate::data::recording::{Pose, unit_length};
 use crate::data::{DataError, csv};
-
-/// How far a quaternion's length may be from 1, as in recordings.
-const UNIT_TOLERANCE: f64 = 1e-2;
 
 /// Reads a whole export.
 pub(super) fn export(path: &Path, bytes: &[u8]) -> Result<Export, DataError> {
@@ -155,14 +154,13 @@ impl Frames<'_> {
     }
 
     fn unit(&self, line: &Line, places: &Places, turn: [f64; 4]) -> Result<[f64; 4], DataError> {
-        let length = turn.iter().map(|part| part * part).sum::<f64>().sqrt();
-        if (length - 1.0).abs() > UNIT_TOLERANCE {
+        let length = unit_length(&turn).map_err(|length| {
             let expected = "a unit quaternion".to_owned();
             let found = format!("{} of length {length:.4}", shown(line.cell(places.rotation[0])));
             let column = format!("{} Rotation W", places.name);
             let place = format!("line {}", line.number);
-            return Err(DataError::Cell { file: self.path.to_owned(), place, column, found, expected });
-        }
+            DataError::Cell { file: self.path.to_owned(), place, column, found, expected }
+        })?;
         Ok(turn.map(|part| part / length))
     }
 

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use super::{Extra, Recording};
-use crate::data::DataError;
+use crate::data::error::shown;
+use crate::data::{DataError, sheet};
 
 impl Recording {
     /// The numbers of a column beyond the format, if there is such a column. `path` is the file that the recording came
@@ -14,23 +15,26 @@ impl Recording {
     pub fn extra_numbers(&self, path: &Path, name: &str, expected: &str) -> Result<Option<Vec<f64>>, DataError> {
         let Some((_, cells)) = self.extra.iter().find(|(known, _)| known == name) else { return Ok(None) };
         let number = |row: usize| {
-            let (number, shown) = match cells {
+            let (number, cell) = match cells {
                 Extra::Integers(cells) => (Some(cells[row] as f64), cells[row].to_string()),
                 Extra::Numbers(cells) => (Some(cells[row]), cells[row].to_string()),
                 Extra::Text(cells) => (cells[row].trim().parse().ok(), cells[row].clone()),
             };
-            number.filter(|number: &f64| number.is_finite()).ok_or_else(|| {
-                let found = if shown.is_empty() { "nothing".to_owned() } else { format!("`{shown}`") };
-                cell_error(path, row, name, found, expected.to_owned())
-            })
+            number
+                .filter(|number: &f64| number.is_finite())
+                .ok_or_else(|| cell_error(path, row, name, shown(&cell), expected.to_owned()))
         };
         (0..cells.len()).map(number).collect::<Result<_, _>>().map(Some)
     }
 }
 
-/// The error for one cell of a recording that came from `path`, CSV or Parquet by its name.
+/// The error for one cell of a recording that came from `path`.
 pub(crate) fn cell_error(path: &Path, row: usize, column: &str, found: String, expected: String) -> DataError {
-    let parquet = path.extension().is_some_and(|extension| extension == "parquet");
-    let place = if parquet { format!("row {}", row + 1) } else { format!("line {}", row + 2) };
+    let place = sheet::row_place(sheet::has_lines(path), row);
     DataError::Cell { file: path.to_owned(), place, column: column.to_owned(), found, expected }
+}
+
+/// Where the names of a recording's columns stand in the file that it came from.
+pub(crate) fn header_place(path: &Path) -> &'static str {
+    sheet::header_place(sheet::has_lines(path))
 }

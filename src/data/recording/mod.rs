@@ -14,8 +14,9 @@ use std::path::Path;
 use super::DataError;
 use crate::base::{Point3, Rows};
 
-pub(crate) use extra::cell_error;
+pub(crate) use extra::{cell_error, header_place};
 pub use join::Unlike;
+pub(super) use optional::unit_length;
 
 /// What a recording's commands are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,12 +38,12 @@ impl Actuation {
     }
 }
 
-/// Position and orientation of the base markers.
+/// Where a tracked body is and how it is turned.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BasePose {
-    /// Position, metres (`base_x_m,base_y_m,base_z_m`).
+pub struct Pose {
+    /// Position, metres.
     pub position_m: Point3,
-    /// Unit quaternion w, x, y, z (`base_qw…`).
+    /// Unit quaternion w, x, y, z: from the body's axes to those of the frame that it is seen in.
     pub quaternion: [f64; 4],
 }
 
@@ -97,8 +98,8 @@ pub struct Recording {
     pub tip_m: Option<Vec<Point3>>,
     /// Tip orientation, unit quaternion w, x, y, z (`tip_qw,tip_qx,tip_qy,tip_qz`).
     pub tip_quaternion: Option<Vec<[f64; 4]>>,
-    /// Pose of the base markers.
-    pub base: Option<Vec<BasePose>>,
+    /// Pose of the base markers (`base_x_m,base_y_m,base_z_m,base_qw…`).
+    pub base: Option<Vec<Pose>>,
     /// A weight that the experimenter hung on the tip on purpose, kilograms.
     pub known_load_kg: Option<Vec<f64>>,
     /// False where tracking was lost (`valid` is 0); such rows keep their command.

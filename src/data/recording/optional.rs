@@ -41,8 +41,7 @@ impl Group<'_> {
     pub(super) fn quaternions(&self) -> Result<Option<Vec<[f64; 4]>>, DataError> {
         let quaternions = self.read::<4>()?;
         for (row, quaternion) in quaternions.iter().flatten().enumerate() {
-            let length = quaternion.iter().map(|part| part * part).sum::<f64>().sqrt();
-            if (length - 1.0).abs() > UNIT_TOLERANCE {
+            if let Err(length) = unit_length(quaternion) {
                 let expected = format!("a unit quaternion (this row's has length {length:.4})");
                 return Err(self.sheet.cell_error(row, self.names[0], expected));
             }
@@ -60,6 +59,15 @@ impl Group<'_> {
             Some(_) => "a number (rows without tracking have valid = 0)",
         }
     }
+}
+
+/// Length of a quaternion when it stands for a turn, or has no numbers because tracking was lost.
+///
+/// # Errors
+/// The length, when it is another than 1.
+pub(in crate::data) fn unit_length(quaternion: &[f64; 4]) -> Result<f64, f64> {
+    let length = quaternion.iter().map(|part| part * part).sum::<f64>().sqrt();
+    if (length - 1.0).abs() > UNIT_TOLERANCE { Err(length) } else { Ok(length) }
 }
 
 /// The finite number in a cell, if there is one.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::optional::{self, Group};
-use super::{Actuation, BasePose, Extra, Recording, TipLoad};
+use super::{Actuation, Extra, Pose, Recording, TipLoad};
 use crate::base::Rows;
 use crate::data::DataError;
 use crate::data::sheet::{Cells, Sheet};
@@ -40,7 +40,7 @@ pub(super) fn recording(path: &Path, need_tip: bool) -> Result<Recording, DataEr
     let base_m = measured(&BASE, base_q.is_some()).read::<3>()?;
     let base = base_m.zip(base_q).map(|(positions, turns)| {
         let poses = positions.into_iter().zip(turns);
-        poses.map(|(position_m, quaternion)| BasePose { position_m, quaternion }).collect()
+        poses.map(|(position_m, quaternion)| Pose { position_m, quaternion }).collect()
     });
     let load: Vec<&'static str> = FORCE.into_iter().chain(MOMENT).collect();
     let tip_load = given(&load).read::<6>()?.map(|rows| rows.into_iter().map(tip_load).collect());

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::settings::{TrackingSettings, UpAxis};
 use crate::base::{BadOption, Point3};
+use crate::math::rotation;
 
 /// Quaternions whose length is further from 1 are refused rather than normalised.
 const UNIT_TOLERANCE: f64 = 1e-3;
@@ -33,12 +34,7 @@ impl Pose {
 
     /// The pose of a rigid motion; its quaternion has w ≥ 0.
     pub fn of(motion: &Isometry3<f64>) -> Pose {
-        let q = motion.rotation;
-        let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
-        Pose {
-            position_m: motion.translation.vector.into(),
-            quaternion: [sign * q.w, sign * q.i, sign * q.j, sign * q.k],
-        }
+        Pose { position_m: motion.translation.vector.into(), quaternion: rotation::parts(&motion.rotation) }
     }
 
     /// The rigid motion of this pose; the quaternion is normalised.
@@ -51,11 +47,9 @@ impl Pose {
     /// The pose at `fraction` of the way to `other`: straight in position, at constant rate about one axis in rotation.
     pub fn towards(&self, other: &Pose, fraction: f64) -> Pose {
         let (from, to) = (self.motion(), other.motion());
-        // The library's slerp takes the angle from a cosine, which loses half of the digits of small turns.
-        let turn = to.rotation * from.rotation.inverse();
-        let part = UnitQuaternion::from_scaled_axis(turn.scaled_axis() * fraction);
+        let turn = rotation::between(&from.rotation, &to.rotation, fraction);
         let position = from.translation.vector.lerp(&to.translation.vector, fraction);
-        Pose::of(&Isometry3::from_parts(position.into(), part * from.rotation))
+        Pose::of(&Isometry3::from_parts(position.into(), turn))
     }
 
     /// Refuses numbers that are not finite and quaternions that are not of length 1.

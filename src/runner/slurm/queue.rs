@@ -8,6 +8,8 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
+/// Reasons to wait that nobody needs to hear of.
+const USUAL: [&str; 7] = ["", "None", "Resources", "Priority", "Dependency", "BeginTime", "JobArrayTaskLimit"];
 /// Seconds before a task's limit at which it is told to end what it has begun.
 const NOTICE_S: u32 = 90;
 
@@ -106,7 +108,7 @@ fn counted(said: &str) -> BTreeMap<String, usize> {
     for line in said.lines().map(str::trim).filter(|line| !line.is_empty()) {
         let (state, reason) = line.split_once(' ').unwrap_or((line, ""));
         let state = state.to_lowercase();
-        let telling = state == "pending" && !matches!(reason, "" | "None" | "Resources" | "Priority" | "Dependency");
+        let telling = state == "pending" && !USUAL.contains(&reason);
         *states.entry(if telling { format!("{state} ({reason})") } else { state }).or_default() += 1;
     }
     states
@@ -130,7 +132,8 @@ pub(super) fn cancel(name: &str) -> Result<(), String> {
     succeeded("scancel", &output).map(drop)
 }
 
-/// Puts the task that this process is back into the queue, which ends it.
+/// Puts the task that this process is back into the queue, which ends it. It is named as a task: the number of its job may
+/// be that of the whole array.
 ///
 /// # Errors
 /// What `scontrol` says, or that this is no task.

@@ -123,7 +123,8 @@ impl Watch<'_> {
     fn watch(&self, folder: &Folder, needs: &[Need], missing: Vec<usize>) -> Result<Ended, String> {
         let graph = &self.campaign.graph;
         let cached = needs.iter().filter(|&&need| need == Need::Cached).count();
-        self.progress.planned(missing.len(), cached, missing.iter().map(|&stage| graph.cost_ms(stage)).sum());
+        let kinds = missing.iter().map(|&stage| (graph.describe(stage).0, graph.cost_ms(stage)));
+        self.progress.planned(kinds, cached);
         let interrupt = Interrupt::of_process().map_err(|error| error.to_string())?;
         let mut left = missing;
         let mut silence = Silence::new(left.len());

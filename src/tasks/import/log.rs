@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::data::recording::cell_error;
+use crate::data::recording::{cell_error, header_place};
 use crate::data::{DataError, Recording};
 
 /// Time of a row in the export, seconds.
@@ -96,10 +96,9 @@ fn export_times(path: &Path, commands: &Recording, offsets_s: &[f64]) -> Result<
 }
 
 fn unplaced(path: &Path, found: String, expected: &str) -> DataError {
-    let parquet = path.extension().is_some_and(|extension| extension == "parquet");
     DataError::Column {
         file: path.to_owned(),
-        place: if parquet { "schema" } else { "line 1" },
+        place: header_place(path),
         column: EXPORT_TIME.to_owned(),
         found,
         expected: expected.to_owned(),

@@ -7,12 +7,13 @@ mod resample;
 pub use axes::{Axes, BadAxes};
 pub use log::Log;
 
-use nalgebra::UnitQuaternion;
+use nalgebra::Isometry3;
 
 use crate::data::motive::{Body, Export};
-use crate::data::recording::{BasePose, Extra};
+use crate::data::recording::{Extra, Pose};
 use crate::data::{DataError, Recording};
-use resample::{Placed, at};
+use crate::math::rotation;
+use resample::at;
 
 /// Along which axes the tip is given; its origin is the base body's pivot in both cases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,14 +64,15 @@ pub fn import(
     for (row, &time_s) in log.at_s.iter().enumerate() {
         let base = pose(base, time_s);
         let seen = base.zip(pose(tip, time_s)).filter(|_| log.commands.is_valid(row));
-        let seen = seen.map(|(base, tip)| from_base(&base, &tip, options));
-        angles_rad.extend(base.map(|base| base.turn.angle()));
-        let turned = |turn| quaternion(&options.axes.rotation(&turn));
-        tips.push(seen.map_or([f64::NAN; 3], |seen| options.axes.vector(&seen.position_m).into()));
-        turns.push(seen.map_or([f64::NAN; 4], |seen| turned(seen.turn)));
-        bases.push(BasePose {
-            position_m: base.map_or([f64::NAN; 3], |base| options.axes.vector(&base.position_m).into()),
-            quaternion: base.map_or([f64::NAN; 4], |base| turned(base.turn)),
+        let seen = seen.map(|(base, tip)| from_base(&base, &tip, options.frame));
+        angles_rad.extend(base.map(|base| base.rotation.angle()));
+        let turned = |pose: Isometry3<f64>| rotation::parts(&options.axes.rotation(&pose.rotation));
+        let place_m = |pose: Isometry3<f64>| options.axes.vector(&pose.translation.vector).into();
+        tips.push(seen.map_or([f64::NAN; 3], place_m));
+        turns.push(seen.map_or([f64::NAN; 4], turned));
+        bases.push(Pose {
+            position_m: base.map_or([f64::NAN; 3], place_m),
+            quaternion: base.map_or([f64::NAN; 4], turned),
         });
         valid.push(seen.is_some());
     }
@@ -89,21 +91,14 @@ pub fn import(
 }
 
 /// The tip from the base's pivot, along the axes asked for (still the tracker's names for them).
-fn from_base(base: &Placed, tip: &Placed, options: &ImportOptions) -> Placed {
-    let away_m = tip.position_m - base.position_m;
-    match options.frame {
-        TipFrame::Base => {
-            let back = base.turn.inverse();
-            Placed { position_m: back * away_m, turn: back * tip.turn }
+fn from_base(base: &Isometry3<f64>, tip: &Isometry3<f64>, frame: TipFrame) -> Isometry3<f64> {
+    match frame {
+        TipFrame::Base => base.inv_mul(tip),
+        TipFrame::Tracking => {
+            let away_m = tip.translation.vector - base.translation.vector;
+            Isometry3::from_parts(away_m.into(), tip.rotation)
         }
-        TipFrame::Tracking => Placed { position_m: away_m, turn: tip.turn },
     }
-}
-
-/// w, x, y, z with w ≥ 0.
-fn quaternion(turn: &UnitQuaternion<f64>) -> [f64; 4] {
-    let sign = if turn.w < 0.0 { -1.0 } else { 1.0 };
-    [turn.w, turn.i, turn.j, turn.k].map(|part| sign * part)
 }
 
 fn check_overlap(export: &Export, log: &Log) -> Result<(), DataError> {

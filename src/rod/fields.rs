@@ -1,0 +1,79 @@
+//! What a rod carries along its length, and its energy.
+
+use nalgebra::Vector3;
+
+use super::grid::Grid;
+use super::simulation::Rod;
+use super::state::CrossSection;
+
+/// Energy of the rod, J.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Energy {
+    /// Of motion.
+    pub kinetic_j: f64,
+    /// Of bending, twist, shear and stretch, the compressible spine included.
+    pub elastic_j: f64,
+    /// Of weight, zero at the base.
+    pub gravitational_j: f64,
+}
+
+impl Rod {
+    /// The fields along the rod at the Gauss points.
+    pub fn cross_sections(&self) -> Vec<CrossSection> {
+        let (shape, rates) = (&self.state.shape, &self.state.rates);
+        let turning = self.angular_velocities_rad_s();
+        let section = |g: usize| {
+            let r = shape.node_r[g];
+            let wrench = shape.wrench[g];
+            CrossSection {
+                s_m: self.system.grid.nodes[g].position_m,
+                position_m: shape.node_p[g],
+                rotation: r,
+                moment_nm: r * Vector3::from_row_slice(&wrench[..3]),
+                force_n: r * Vector3::from_row_slice(&wrench[3..]),
+                velocity_m_s: r.tr_mul(&rates.node_v[g]),
+                angular_velocity_rad_s: r.tr_mul(&turning[g]),
+            }
+        };
+        (0..self.system.grid.nodes.len()).map(section).collect()
+    }
+
+    /// World-frame angular velocities at the Gauss points, from the rates of curvature below each: ω(s) = ∫ R u_t.
+    fn angular_velocities_rad_s(&self) -> Vec<Vector3<f64>> {
+        let (shape, rates) = (&self.state.shape, &self.state.rates);
+        let rate = |g: usize| shape.node_r[g] * Vector3::from_row_slice(&rates.strain_v[g][..3]);
+        let mut below = Vector3::zeros();
+        let mut all = Vec::with_capacity(shape.node_r.len());
+        for (c, cell) in self.system.grid.cells.iter().enumerate() {
+            let both = [rate(2 * c), rate(2 * c + 1)];
+            let partial = Grid::partial_weights(cell.length_m);
+            all.extend(partial.map(|[first, second]| below + both[0] * first + both[1] * second));
+            below += (both[0] + both[1]) * (0.5 * cell.length_m);
+        }
+        all
+    }
+
+    /// Energy now.
+    pub fn energy(&self) -> Energy {
+        let (shape, rates) = (&self.state.shape, &self.state.rates);
+        let gravity = self.system.params.gravity_m_s2;
+        let mut energy = Energy { kinetic_j: 0.0, elastic_j: 0.0, gravitational_j: 0.0 };
+        for (g, node) in self.system.grid.nodes.iter().enumerate() {
+            let section = &self.system.sections[g];
+            let mass = section.mass_kg_m * node.weight_m;
+            energy.kinetic_j += 0.5 * mass * rates.node_v[g].norm_squared();
+            energy.gravitational_j -= mass * gravity.dot(&shape.node_p[g]);
+            energy.elastic_j += node.weight_m * section.energy_j_m(&shape.wrench[g]);
+        }
+        for (k, mass) in self.system.masses.iter().enumerate() {
+            energy.kinetic_j += 0.5 * mass.mass_kg * rates.mass_v[k].norm_squared();
+            let spin = rates.spin[k];
+            energy.kinetic_j += 0.5 * spin.dot(&mass.inertia_kg_m2.component_mul(&spin));
+            energy.gravitational_j -= mass.mass_kg * gravity.dot(&shape.end_p[mass.end]);
+        }
+        for (tension, tendon) in self.tensions_n().iter().zip(&self.system.params.tendons) {
+            energy.elastic_j += 0.5 * tendon.compliance_m_per_n * tension * tension;
+        }
+        energy
+    }
+}
