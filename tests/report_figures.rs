@@ -4,7 +4,7 @@ mod report_rows;
 
 use std::path::Path;
 
-use report_rows::published;
+use report_rows::{published, sweep};
 use spinebench::report::{FIGURES, Published, ReportError, Shelf, figure, write};
 
 #[test]
@@ -100,4 +100,53 @@ fn names_that_nobody_foresaw_are_drawn_too() {
     let files = (figure("table1").unwrap().render)(&rows).unwrap();
     let svg = files.iter().find(|file| file.name == "table1.svg").unwrap();
     assert!(!String::from_utf8_lossy(&svg.bytes).contains("<odd>"), "text in SVG is escaped");
+}
+
+#[test]
+fn sweeps_of_two_fields_are_heat_maps_and_of_three_are_left_to_the_table() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("report");
+    std::fs::create_dir_all(&folder).unwrap();
+    let render = |fields: &[(&str, &[&str])]| {
+        let rows = Published { sweep: sweep(fields, 3), ..Published::default() };
+        (figure("sweep").unwrap().render)(&rows)
+    };
+    let thresholds = ("policies.c.error_m", ["0.005", "0.01", "0.02"].as_slice());
+    let kernels = ("gp.kernel", ["se_ard", "matern32", "matern52"].as_slice());
+    let models = ("plant.simulated.model", ["../models/nominal.yaml", "../models/real.yaml"].as_slice());
+    let files = render(&[kernels, thresholds]).unwrap();
+    let svg = String::from_utf8_lossy(&files[1].bytes).into_owned();
+    // Every cell has its number: A, B and pi_real in two modes, C in one.
+    let numbers = svg.lines().filter(|line| line.trim().parse::<f64>().is_ok_and(|mm| mm > 1.0)).count();
+    assert!(numbers >= 9 * 7, "{numbers}");
+    assert!(svg.contains("matern52") && svg.contains("policies.c.error (m)"), "{svg}");
+    for (name, fields) in [("pair", [kernels, thresholds]), ("files", [models, kernels])] {
+        for file in render(&fields).unwrap() {
+            std::fs::write(folder.join(format!("{name}_{}", file.name)), file.bytes).unwrap();
+        }
+    }
+    let error = render(&[kernels, thresholds, models]).unwrap_err();
+    assert_eq!(error.to_string(), "sweep: found rows of 3 swept fields, expected one or two of them");
+}
+
+#[test]
+fn sweeps_of_any_size_and_kind_of_value_are_drawn() {
+    let numbers =
+        |count: i32, value: &dyn Fn(i32) -> f64| (0..count).map(|k| format!("{:e}", value(k))).collect::<Vec<_>>();
+    let cases: [Vec<String>; 5] = [
+        numbers(1500, &f64::from),
+        numbers(40, &|k| 10f64.powf(f64::from(k) / 8.0 - 4.0)),
+        numbers(1, &f64::from),
+        vec!["true".into(), "null".into(), "[{\"tip_load\":{\"mass_kg\":0.02}}]".into(), "<&>".into()],
+        (0..30).map(|k| format!("a rather long name of a value, number {k}")).collect(),
+    ];
+    for values in &cases {
+        let values: Vec<&str> = values.iter().map(String::as_str).collect();
+        for fields in [
+            &[("a.b", values.as_slice())] as &[(&str, &[&str])],
+            &[("a.b", &values[..values.len().min(45)]), ("c.d", &values[..values.len().min(60)])],
+        ] {
+            let rows = Published { sweep: sweep(fields, 1), ..Published::default() };
+            (figure("sweep").unwrap().render)(&rows).unwrap();
+        }
+    }
 }

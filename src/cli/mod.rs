@@ -5,6 +5,7 @@ mod cache;
 mod calibrate;
 mod cluster;
 mod collect;
+mod completions;
 mod discover;
 mod doctor;
 mod effects;
@@ -12,6 +13,7 @@ mod import;
 mod page;
 mod plan;
 mod run;
+mod schema;
 mod shared;
 mod simulate;
 mod verify;
@@ -41,6 +43,8 @@ enum Command {
     Arm(arm::Arm),
     Import(import::Import),
     Page(page::Page),
+    Schema(schema::Schema),
+    Completions(completions::Completions),
     Verify(verify::Verify),
     Status(cluster::Status),
     Cancel(cluster::Cancel),
@@ -86,6 +90,8 @@ pub(crate) fn main() -> ExitCode {
         Command::Arm(arm) => arm.carry_out(),
         Command::Import(import) => import.carry_out(),
         Command::Page(page) => page.carry_out(),
+        Command::Schema(schema) => schema.carry_out(),
+        Command::Completions(completions) => completions.carry_out(),
         Command::Verify(verify) => verify.carry_out(),
         Command::Status(status) => status.carry_out(),
         Command::Cancel(cancel) => cancel.carry_out(),

@@ -37,10 +37,9 @@ impl Verify {
             let file = self.folder(&name).join("spec.yaml");
             specs.push(Study::read(&file, &[], &[]).map_err(|error| bad(error.to_string()))?);
         }
-        let on_bench =
-            |spec: &&Study| matches!(&spec.experiment.plant, PlantSpec::Hardware(robot) if robot.rehearsal.is_none());
-        if let Some(spec) = specs.iter().find(on_bench) {
-            let name = &spec.experiment.name;
+        let on_bench = |robot: &PlantSpec| matches!(robot, PlantSpec::Hardware(robot) if robot.rehearsal.is_none());
+        if let Some(study) = specs.iter().find(|study| study.experiments().any(|spec| on_bench(&spec.plant))) {
+            let name = &study.experiment.name;
             let words =
                 format!("{name}: found a robot on a bench, expected one that does the same twice; name the others");
             return Err(bad(words));

@@ -6,7 +6,7 @@ use super::search::Limits;
 use crate::base::{BadOption, Seed};
 
 /// A number of the robot that its file knows only so well.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Uncertainty {
     /// The effect whose parameter it is.
@@ -18,7 +18,7 @@ pub struct Uncertainty {
 }
 
 /// How a discovery is carried out.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Options {
     /// Share of the trials, the last ones, that take no part in naming or fitting.

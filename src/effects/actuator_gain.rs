@@ -6,7 +6,7 @@ use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 
 /// What one drive moves is a multiple of what it is told.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ActuatorGain {
     /// Tendon, from 1.

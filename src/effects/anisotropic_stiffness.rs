@@ -7,7 +7,7 @@ use crate::base::BadOption;
 use crate::rod::RodParams;
 
 /// Bending stiffnesses k₁, k₂ about two principal axes with the mean kept.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AnisotropicStiffness {
     /// (k₁ − k₂)/(k₁ + k₂), between −1 and 1.

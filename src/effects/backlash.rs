@@ -6,7 +6,7 @@ use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 
 /// Play between each drive and its tendon.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Backlash {
     /// Width of the dead zone, metres.

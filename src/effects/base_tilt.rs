@@ -7,7 +7,7 @@ use crate::base::BadOption;
 use crate::rod::RodParams;
 
 /// The base is tilted about x and y; what is measured is in the frame that was assumed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BaseTilt {
     /// Rotation of the base about x, rad.

@@ -9,7 +9,7 @@ use crate::base::BadOption;
 use crate::rod::{HistoryMoment, MemoryState, MomentLaw, RodParams};
 
 /// Part of the bending stiffness relaxes: a standard linear solid.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Creep {
     /// Share of the instantaneous bending stiffness that relaxes, 0 to below 1.

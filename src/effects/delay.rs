@@ -8,7 +8,7 @@ use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 
 /// A transport delay between command and drive.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Delay {
     /// Delay, s.

@@ -7,7 +7,7 @@ use crate::base::BadOption;
 use crate::rod::RodParams;
 
 /// Mass along the body, disks included, times `scale`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DistributedMass {
     /// Factor on every mass, 1 changes nothing.

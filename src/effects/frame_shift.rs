@@ -7,7 +7,7 @@ use crate::base::BadOption;
 use crate::base::Observation;
 
 /// A constant offset between the tracked and the true tip.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FrameShift {
     /// Added to the measured position, metres.

@@ -9,7 +9,7 @@ use crate::base::BadOption;
 use crate::rod::{HistoryMoment, MemoryState, MomentLaw, RodParams};
 
 /// An elastoplastic moment in every cross-section.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Friction {
     /// Moment at which a cross-section slips, N m.

@@ -10,7 +10,7 @@ use crate::base::BadOption;
 use crate::rod::RodParams;
 
 /// Elastoplastic elements of equal stiffness that yield one after the other: a Prandtl–Ishlinskii stress model.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Hysteresis {
     /// Stiffness that all elements add together, as a share of the bending stiffness.

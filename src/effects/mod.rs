@@ -129,7 +129,7 @@ pub struct Card {
 macro_rules! catalogue {
     ($($module:ident :: $effect:ident),* $(,)?) => {
         /// An effect as it stands in YAML: its name and its parameters.
-        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
         #[serde(rename_all = "snake_case")]
         pub enum EffectSpec {
             $(#[doc = concat!("See `", stringify!($module), "`.")] $effect($module::$effect)),*

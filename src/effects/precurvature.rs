@@ -7,7 +7,7 @@ use crate::base::BadOption;
 use crate::rod::RodParams;
 
 /// A constant curvature of the unloaded rod.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Precurvature {
     /// Curvature about body x, rad/m (positive bends towards −y).

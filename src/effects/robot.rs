@@ -26,7 +26,7 @@ const MOST_MODES: usize = 50;
 type Checked = Result<(), (String, BadOption)>;
 
 /// A tendon-driven robot; as a whole it defaults to the nominal robot of `models/nominal.yaml`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Robot {
     /// The elastic backbone.

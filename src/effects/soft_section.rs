@@ -7,7 +7,7 @@ use crate::base::BadOption;
 use crate::rod::{CompressibleSection, RodParams};
 
 /// The compressible section nearest to a place bends more easily.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SoftSection {
     /// Place along the robot, metres from the base.

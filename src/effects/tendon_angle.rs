@@ -7,7 +7,7 @@ use crate::base::BadOption;
 use crate::rod::RodParams;
 
 /// All tendons turned about the backbone by one angle.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TendonAngle {
     /// Rotation from x towards y, rad.

@@ -7,7 +7,7 @@ use crate::base::BadOption;
 use crate::rod::RodParams;
 
 /// Every tendon stretches with its tension.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TendonStretch {
     /// Stretch of a whole tendon per tension, m/N.

@@ -8,7 +8,7 @@ use crate::base::BadOption;
 use crate::rod::{PointMass, RodParams};
 
 /// A mass at the tip: its weight and its inertia.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TipLoad {
     /// Mass, kg.

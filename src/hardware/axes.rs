@@ -8,7 +8,7 @@ use crate::base::BadOption;
 pub const AXES: usize = 4;
 
 /// Where the lead screws stand when the tendons are at home, and which way they pull.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct AxesOptions {
     /// Machine position of each axis (X, Y, Z, A) with its tendon at home, millimetres from the homing switch.

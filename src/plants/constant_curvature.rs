@@ -17,7 +17,7 @@ pub(super) const ENTRY: PlantEntry = PlantEntry {
 };
 
 /// Settings of [`ConstantCurvature`]; the defaults are the paper's robot with the contract's assumed routing radius.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ConstantCurvatureOptions {
     /// Length of the backbone.

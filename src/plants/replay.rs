@@ -9,7 +9,7 @@ use crate::base::{BadOption, Observation, Plant, PlantError, Seed, TendonCommand
 use crate::data::{Actuation, DataError, Recording};
 
 /// Which recording is replayed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ReplayOptions {
     /// The recording, driven by lengths.

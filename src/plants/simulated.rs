@@ -9,7 +9,7 @@ use crate::effects::{Driven, EffectSpec, Model, Variable, VariationError};
 use crate::rod::{Rod, RodParams, TipLoad, TipRate};
 
 /// Settings of a simulated robot besides its model.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SimulatedOptions {
     /// Duration of one control step, s.

@@ -31,7 +31,7 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
 };
 
 /// What Algorithm 2 leaves open.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct AOptions {
     /// The loop ends when x_s-target moves no further than this in one iteration; the paper's 0.001 m.

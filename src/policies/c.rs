@@ -37,7 +37,7 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
 };
 
 /// When C compares the error with e_c.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Check {
     /// At the end of a leg ("the final position tracking error").
@@ -48,7 +48,7 @@ pub enum Check {
 }
 
 /// Which controller a new target starts with.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Start {
     /// A ("mainly relies on control policy A").
@@ -59,7 +59,7 @@ pub enum Start {
 }
 
 /// What C does when both controllers ended a leg at this target with an error above e_c.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum AfterBoth {
     /// Goes to the one whose error was smaller.
@@ -72,7 +72,7 @@ pub enum AfterBoth {
 }
 
 /// What the paper leaves open about C.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct COptions {
     /// e_c: above this error the other controller gets its turn; the paper's 0.015 m.

@@ -9,7 +9,7 @@ use super::{InverseModel, NetworkOptions, PolicyOptions};
 use crate::base::{Action, BadOption, Displacements, Observation, Point3, Policy, PolicyError};
 
 /// When a network alone has settled.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct DirectOptions {
     /// Settled when no tendon's wanted displacement changed by more than this since the last tick.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::base::{BadOption, Displacements, PolicyError};
 
 /// Limits of the drive, the same for every policy.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct LimitOptions {
     /// Largest displacement of a tendon either way.

@@ -6,7 +6,7 @@ use super::InverseModel;
 use crate::base::{BadOption, Displacements, Point3, PolicyError, distance_m};
 
 /// When the memory of a recurrent network moves on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Memory {
     /// At each control tick, new measurement or not: open and closed loop differ in the measured input alone.
@@ -19,7 +19,7 @@ pub enum Memory {
 }
 
 /// How the networks are asked; the same for every policy.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct NetworkOptions {
     /// When the memory moves on.

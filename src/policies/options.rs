@@ -6,7 +6,7 @@ use super::{AOptions, COptions, DirectOptions, LimitOptions, NetworkOptions};
 use crate::base::BadOption;
 
 /// Settings of all policies; each default and its alternatives are argued in `docs/decisions.md`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct PolicyOptions {
     /// What the drive can do; the same for every policy.

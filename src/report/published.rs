@@ -41,6 +41,11 @@ impl Published {
     /// # Errors
     /// [`DataError`] for the first file that is there and cannot be read.
     pub fn read(folder: &Path) -> Result<Published, DataError> {
+        let sweep = swept(folder)?;
+        if !sweep.rows.is_empty() {
+            // The other tables are those of all its points: no figure is made of them together.
+            return Ok(Published { sweep, ..Published::default() });
+        }
         Ok(Published {
             trials: rows(folder, "trials.csv")?,
             tracks: rows(folder, "tracks.csv")?,
@@ -48,7 +53,7 @@ impl Published {
             workspace: rows(folder, "workspace.csv")?,
             gaps: rows(folder, "gap.csv")?,
             claims: rows(folder, "claims.csv")?,
-            sweep: swept(folder)?,
+            sweep,
             peers: rows(folder, "work_precision.csv")?,
             cases: rows(folder, "discovery.csv")?,
             scaling: rows(folder, "scaling.csv")?,

@@ -100,7 +100,7 @@ pub struct RodParams {
 }
 
 /// Numerical resolution of the solver. The defaults keep statics of the paper's robot within a micrometre.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Resolution {
     /// Largest length of an integration cell (two Gauss points each), metres.

@@ -5,7 +5,7 @@
 use serde::{Deserialize, Serialize};
 
 /// One claim.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Claim {
     /// Short name.
@@ -20,7 +20,7 @@ pub struct Claim {
 }
 
 /// What must hold.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Relation {
     /// left < times · right, paired by seed; the number is left − times · right.
@@ -88,7 +88,7 @@ fn one() -> f64 {
 }
 
 /// A data size that is swept.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Size {
     /// Real points of the Gaussian process.
@@ -98,7 +98,7 @@ pub enum Size {
 }
 
 /// A quantity with one value per seed (and kind of training, where networks take part).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Metric {
     /// Mean goal-reaching error over the targets, metres.
@@ -146,7 +146,7 @@ pub enum Metric {
 }
 
 /// Which trials of goal reaching.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ReachCell {
     /// Policy.
@@ -162,7 +162,7 @@ pub struct ReachCell {
 }
 
 /// An axis of the base frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Axis {
     /// Up, against gravity.

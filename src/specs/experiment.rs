@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// An experiment. Keys that a spec leaves out take the defaults of their rooms, each argued in `docs/decisions.md`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Experiment {
     /// Name of its folder under `results/`.
@@ -88,7 +88,7 @@ fn one() -> u64 {
 }
 
 /// What the network of policy B starts from when it is trained on generated data.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum GeneratedStart {
     /// The weights of policy A's network ("we can retrain the RNN in control policy A").
@@ -99,7 +99,7 @@ pub enum GeneratedStart {
 }
 
 /// A kind of training: where it may end before its validation error stops falling.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Training {
     /// Validation mean absolute error at which the forward model is taken, metres; `null`: trained to convergence.
@@ -113,7 +113,7 @@ pub struct Training {
 }
 
 /// A condition of a trial.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Mode {
     /// Whether the policy sees the tip after the first step.
@@ -131,7 +131,7 @@ impl Mode {
 }
 
 /// What is run. Each part is one table of results.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Runs {
     /// The exploration on model and robot side by side (Fig. 5).
@@ -149,7 +149,7 @@ pub struct Runs {
 }
 
 /// Blind cases of discovery. Commands are those of `explore`, with the trials and samples of each batch.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DiscoveryRun {
     /// How each recording is looked into.
@@ -166,7 +166,7 @@ pub struct DiscoveryRun {
 }
 
 /// The exploration side by side.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GapRun {
     /// Samples that are published for each seed, evenly spread over the exploration.
@@ -174,7 +174,7 @@ pub struct GapRun {
 }
 
 /// A product of policies, modes and data sizes. A size counts for the policies that use it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ReachSweep {
     /// Policies.
@@ -190,7 +190,7 @@ pub struct ReachSweep {
 }
 
 /// Tracking of the path by some policies.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TrackRun {
     /// Policies.

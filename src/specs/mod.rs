@@ -13,6 +13,7 @@ mod locate;
 mod model;
 mod path;
 mod plant;
+mod schema;
 mod series;
 mod slurm;
 mod study;
@@ -29,6 +30,7 @@ pub use locate::{End, locate};
 pub use model::{extended_text, model_text, read_model, read_options, read_plant};
 pub use path::{KeyPath, Step};
 pub use plant::{PlantSpec, SimulatedSpec};
+pub use schema::{SchemaOf, schema};
 pub use slurm::SlurmOptions;
 pub use study::{Point, Study, SweptField};
 

@@ -10,7 +10,7 @@ use crate::plants::{
 use serde::{Deserialize, Serialize};
 
 /// A robot: the model, or what stands for the real one.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum PlantSpec {
     /// The Cosserat rod with the effects of a model file.
@@ -24,7 +24,7 @@ pub enum PlantSpec {
 }
 
 /// A simulated robot.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SimulatedSpec {
     /// What it is made of; in a spec, the name of a model file.

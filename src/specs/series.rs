@@ -6,9 +6,11 @@ use super::wording::explain;
 use crate::base::Seed;
 use crate::data::tables::{SIGNIFICANT_DIGITS, round_significant};
 use rand::RngExt;
+use schemars::JsonSchema;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_yaml::{Number, Value};
+use std::collections::BTreeMap;
 
 /// Values of one field beyond this are a mistyped count.
 pub(super) const MOST_VALUES: usize = 100_000;
@@ -30,14 +32,32 @@ pub(super) struct One {
 /// What is wrong with the values of a field: the path below them, what was found, what was expected.
 pub(super) type Wrong = (KeyPath, String, String);
 
+/// The forms of values other than a list, as a schema knows them.
+#[derive(JsonSchema)]
+#[schemars(rename_all = "snake_case")]
+#[allow(dead_code)] // read by its schema alone
+pub(super) enum Form {
+    /// Evenly spaced values, both ends included.
+    Range(Range),
+    /// Values with one ratio between neighbours, both ends included.
+    LogRange(LogRange),
+    /// Values drawn at random, the same ones every time.
+    Random(Random),
+    /// Values by the names that tables and figures have for them.
+    Named(BTreeMap<String, serde_json::Value>),
+}
+
 /// Evenly spaced values, both ends included.
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct Range {
+pub(super) struct Range {
+    /// First value.
     from: f64,
+    /// Last value.
     to: f64,
-    /// How many values; or the distance between two.
+    /// How many values, at least 2; or `step`.
     count: Option<usize>,
+    /// Distance between two values; or `count`.
     step: Option<f64>,
     /// Rounded to whole numbers.
     #[serde(default)]
@@ -45,25 +65,34 @@ struct Range {
 }
 
 /// Values with one ratio between neighbours, both ends included.
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct LogRange {
+pub(super) struct LogRange {
+    /// First value, above 0.
     from: f64,
+    /// Last value.
     to: f64,
+    /// How many values, at least 2.
     count: usize,
+    /// Rounded to whole numbers.
     #[serde(default)]
     whole: bool,
 }
 
 /// Values drawn uniformly, or uniformly in the logarithm.
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct Random {
+pub(super) struct Random {
+    /// Smallest value.
     from: f64,
+    /// Largest value.
     to: f64,
+    /// How many values, at least 2.
     count: usize,
+    /// Uniform in the logarithm.
     #[serde(default)]
     log: bool,
+    /// Rounded to whole numbers.
     #[serde(default)]
     whole: bool,
     /// Root of the draw; the spec's seed when there is none.

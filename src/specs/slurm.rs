@@ -4,7 +4,7 @@ use crate::base::BadOption;
 use serde::{Deserialize, Serialize};
 
 /// Resources of each task and where it runs. What is left out is for the cluster to decide.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SlurmOptions {
     /// Partition.

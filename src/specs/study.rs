@@ -88,6 +88,11 @@ impl Study {
         Ok(study)
     }
 
+    /// The experiments at all points, the first one again among them.
+    pub fn experiments(&self) -> impl Iterator<Item = &Experiment> {
+        std::iter::once(&self.experiment).chain(self.points.iter().map(|point| point.experiment.as_ref()))
+    }
+
     /// The spec with everything filled in, which reads as this study wherever it lies.
     ///
     /// # Errors

@@ -51,7 +51,7 @@ pub(super) fn drive_to(
 }
 
 /// A serpentine over a square of the actuation plane: `rows` values of a, in each `columns` values of b.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct GridOptions {
     /// Values of a (pull towards tendon 1 or 3).

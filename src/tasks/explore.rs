@@ -13,7 +13,7 @@ use crate::base::{BadOption, Plant, Seed};
 const MOST_POINTS: usize = 10_000_000;
 
 /// Settings of the exploration.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ExploreOptions {
     /// Transitions over all trajectories.

@@ -11,7 +11,7 @@ use super::{Samples, TaskError};
 use crate::base::{BadOption, Observation, Plant, Rows, Seed, TendonCommand};
 
 /// How the predefined points lie in the workspace.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Layout {
     /// A serpentine over the actuation plane, one point a grid node, visited in order.
@@ -31,7 +31,7 @@ pub enum Layout {
 
 /// What eq. (20) starts from: p_sim "could either generated from our learned dynamic neural network or directly
 /// from simulated mathematical model".
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SimulatedBy {
     /// The rod model, the paper's "preferred choice".
@@ -42,7 +42,7 @@ pub enum SimulatedBy {
 }
 
 /// Settings of the predefined points.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct GpPointsOptions {
     /// How they lie in the workspace.

@@ -9,7 +9,7 @@ use crate::base::{BadOption, Plant, Point3, Seed, distance_m};
 
 /// Settings of the path: a smooth closed curve in the actuation plane, r(φ) = radius (1 + petal_share cos(petals φ)),
 /// driven on the real robot, whose tips at equal φ are the way-points.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct PathOptions {
     /// Way-points.

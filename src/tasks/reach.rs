@@ -6,7 +6,7 @@ use super::TaskError;
 use crate::base::{BadOption, Observation, Plant, PlantError, Point3, Policy, PolicyError, Seed, distance_m};
 
 /// Which observation the policy is shown.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LoopMode {
     /// The one before the first step, throughout.
@@ -17,7 +17,7 @@ pub enum LoopMode {
 }
 
 /// When a trial ends and what is measured then.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ReachOptions {
     /// Control steps after which the trial ends in any case.

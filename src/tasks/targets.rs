@@ -10,7 +10,7 @@ use super::watched::Watched;
 use crate::base::{BadOption, Plant, Point3, Seed};
 
 /// Settings of the pool of targets.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TargetOptions {
     /// Points in the pool.

@@ -8,7 +8,7 @@ use super::reach::{TrialError, status};
 use crate::base::{BadOption, Plant, Point3, Policy, Seed, distance_m};
 
 /// When the target moves on.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrackOptions {
     /// Steps after which the next point becomes the target in any case.

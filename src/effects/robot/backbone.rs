@@ -9,7 +9,7 @@ use crate::effects::{finite, non_negative};
 use crate::rod::{Span, Taper};
 
 /// A round backbone, of one material and one cross-section unless `pieces` says otherwise.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Backbone {
     /// Length, metres.
@@ -45,7 +45,7 @@ pub struct Backbone {
 
 /// A piece of a backbone. Radii change linearly along it, and everything that follows from them with them; a measured
 /// stiffness holds at its start and changes as the computed one would.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Piece {
     /// Where it ends, metres from the base; it begins where the one before ends.

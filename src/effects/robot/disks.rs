@@ -9,7 +9,7 @@ use crate::effects::non_negative;
 use crate::rod::{CompressibleSection, PointMass, RodParams};
 
 /// Compressible sections, with the disks between them filling the rest of the backbone evenly (paper, Fig. 1b).
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Sections {
     /// How many.
@@ -23,7 +23,7 @@ pub struct Sections {
 }
 
 /// Rigid disks.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Disks {
     /// How many.

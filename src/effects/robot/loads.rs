@@ -9,7 +9,7 @@ use crate::effects::finite;
 use crate::rod::{LineLoad, PointLoad, RodParams};
 
 /// A constant load.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Load {
     /// At one place.
@@ -19,7 +19,7 @@ pub enum Load {
 }
 
 /// A force and a moment on one cross-section.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OnePlace {
     /// Distance from the base along the relaxed backbone, metres.
@@ -36,7 +36,7 @@ pub struct OnePlace {
 }
 
 /// Axes that a load is given in.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Frame {
     /// The world's: the load keeps its direction (a dead load).
@@ -47,7 +47,7 @@ pub enum Frame {
 }
 
 /// A force per length, in the world frame.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Spread {
     /// Where it begins, metres from the base along the relaxed backbone.

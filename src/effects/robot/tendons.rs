@@ -8,7 +8,7 @@ use crate::effects::{finite, non_negative};
 use crate::rod::{PathPoint, Tendon, TendonPath};
 
 /// Tendons: at one radius all along, unless a key says otherwise. Lists hold one entry a tendon.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Tendons {
     /// Distance from the backbone at the base, metres.
@@ -47,7 +47,7 @@ pub struct Tendons {
 }
 
 /// Distance of the tendons from the backbone at one place.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RadiusPoint {
     /// Distance from the base, metres.
@@ -57,7 +57,7 @@ pub struct RadiusPoint {
 }
 
 /// Where a tendon passes at one place.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OffsetPoint {
     /// Distance from the base, metres.

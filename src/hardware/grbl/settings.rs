@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::base::BadOption;
 
 /// How to reach the controller and what it must be like. The controller's own settings are checked, never written.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MotionSettings {
     /// Serial port.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::base::BadOption;
 
 /// Limits of the drive and of what the tracker may miss.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SafetyLimits {
     /// Largest displacement of a tendon either way, metres.

@@ -11,7 +11,7 @@ use crate::math::rotation;
 const UNIT_TOLERANCE: f64 = 1e-3;
 
 /// A position and an orientation: where a frame is, seen from another one.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Pose {
     /// Position, metres.

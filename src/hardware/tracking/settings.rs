@@ -10,7 +10,7 @@ use super::pose::Pose;
 use crate::base::BadOption;
 
 /// How frames come from the server: what Motive calls the transmission type.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Transport {
     /// To this computer alone, for as long as it says that it is there.
@@ -20,7 +20,7 @@ pub enum Transport {
 }
 
 /// Which axis of Motive's ground plane settings points up. Bodies are created with their axes along Motive's.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 pub enum UpAxis {
     /// Y up, Motive's default: x of the harness is Motive's y, z is Motive's z.
     Y,
@@ -29,7 +29,7 @@ pub enum UpAxis {
 }
 
 /// The layout of the frames.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 pub enum StreamVersion {
     /// The one that the server names.
     #[serde(rename = "auto")]
@@ -62,7 +62,7 @@ impl StreamVersion {
 }
 
 /// A rigid body of Motive, by its name or by its streaming id.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(untagged)]
 pub enum BodyName {
     /// Streaming id, as in Motive's properties of the body.
@@ -81,7 +81,7 @@ impl fmt::Display for BodyName {
 }
 
 /// Settings of the motion capture.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrackingSettings {
     /// IPv4 address of the computer that runs Motive (its "local interface").

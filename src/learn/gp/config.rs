@@ -37,8 +37,20 @@ impl<'de> Deserialize<'de> for KernelChoice {
     }
 }
 
+impl schemars::JsonSchema for KernelChoice {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Kernel".into()
+    }
+
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        let names = KERNELS.iter().flat_map(|kernel| [Some(kernel.name()), kernel.name().strip_suffix("_ard")]);
+        let names: Vec<&str> = names.flatten().collect();
+        schemars::json_schema!({ "description": "A registered kernel; `_ard` may be left out.", "enum": names })
+    }
+}
+
 /// How the matrix λ of the paper's eq. 18 is read.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Lambda {
     /// λ = diag(l₁⁻², …): `l` is the distance over which the function varies, as in the textbooks.
@@ -50,7 +62,7 @@ pub enum Lambda {
 }
 
 /// How a Gaussian process is fitted. Unknown keys are refused; missing ones take the values of [`Default`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct GpConfig {
     /// Covariance function.
@@ -73,7 +85,7 @@ pub struct GpConfig {
 }
 
 /// How rows are dealt to the folds of a cross-validation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FoldOrder {
     /// Contiguous blocks, so that a row's neighbours in time are held out with it: the honest choice for a walk.

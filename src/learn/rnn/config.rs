@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::learn::LearnError;
 
 /// Which rows of a window the loss counts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Loss {
     /// Every row: the network is taught to answer from its first step after a reset on, as it is used.
@@ -16,7 +16,7 @@ pub enum Loss {
 }
 
 /// How an Elman network is trained. Unknown keys are refused; missing ones take the values of [`Default`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ElmanConfig {
     /// Hidden units (paper: 30).

@@ -10,7 +10,7 @@ use crate::hardware::safety::SafetyLimits;
 use crate::hardware::tracking::TrackingSettings;
 
 /// Four lead screws, a tracker and what is believed about the robot between them (docs/hardware.md).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HardwareOptions {
     /// Name of the robot: a stop is remembered and logged under it.
@@ -45,7 +45,7 @@ fn settle_s() -> f64 {
 }
 
 /// What moves in a rehearsal.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RehearsalOptions {
     /// What the imitated robot is made of.

@@ -32,7 +32,7 @@ impl Stages<'_> {
         let seed = self.seed.child("explore");
         let params = (model.clone(), options, step_s, seed.0);
         self.graph.stage(EXPLORE, self.label("exploration"), &params, &[], move |_| {
-            let mut plant = model.build(step_s)?;
+            let mut plant = model.build(&[], step_s)?;
             tasks::explore(plant.as_mut(), &options, seed).map_err(status)
         })
     }
@@ -47,7 +47,7 @@ impl Stages<'_> {
         let (plant, step_s, seed) = (self.parts.plant.clone(), self.step_s(), self.seed.child("replay"));
         let params = (plant.clone(), step_s, seed.0);
         self.graph.stage(REPLAY, self.label("replay"), &params, &[explored.number()], move |given| {
-            let mut plant = plant.build(step_s)?;
+            let mut plant = plant.build(&[], step_s)?;
             tasks::replay(plant.as_mut(), given.get(explored)?, seed).map_err(status)
         })
     }
@@ -77,7 +77,7 @@ impl Stages<'_> {
         let (step_s, seed) = (self.step_s(), self.seed.child("gp_pool"));
         let params = (model.clone(), robot.clone(), options, step_s, seed.0);
         self.graph.stage(GP_POOL, self.label("predefined points"), &params, &[], move |_| {
-            let (mut model, mut robot) = (model.build(step_s)?, robot.build(step_s)?);
+            let (mut model, mut robot) = (model.build(&[], step_s)?, robot.build(&[], step_s)?);
             tasks::gp_points(model.as_mut(), robot.as_mut(), &options, seed).map_err(status)
         })
     }
@@ -88,7 +88,7 @@ impl Stages<'_> {
         let mut options = self.spec.targets;
         options.drawn = 1; // how many are drawn later does not change the pool
         self.graph.stage(TARGET_POOL, "target pool", &(robot.clone(), options, step_s), &[], move |_| {
-            let mut robot = robot.build(step_s)?;
+            let mut robot = robot.build(&[], step_s)?;
             tasks::target_pool(robot.as_mut(), &options, Seed(0)).map_err(status)
         })
     }
@@ -108,9 +108,10 @@ impl Stages<'_> {
 
     /// The points through which the path goes: of the robot without measurement noise, the same for every seed.
     pub(crate) fn waypoints(&mut self) -> Added<Vec<Point3>> {
-        let (robot, options, step_s) = (self.parts.quiet.clone(), self.spec.path, self.step_s());
+        let (robot, step_s) = (self.parts.quiet.clone(), self.step_s());
+        let options = self.spec.path;
         self.graph.stage(WAYPOINTS, "way-points", &(robot.clone(), options, step_s), &[], move |_| {
-            let mut robot = robot.build(step_s)?;
+            let mut robot = robot.build(&[], step_s)?;
             tasks::waypoints(robot.as_mut(), &options, Seed(0)).map_err(status)
         })
     }

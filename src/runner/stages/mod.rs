@@ -4,6 +4,7 @@
 
 mod data;
 mod discovery;
+mod identified;
 mod learning;
 mod parts;
 mod trials;

@@ -1,16 +1,18 @@
 //! Trials: goal reaching and path tracking of one policy under one condition.
 
 use super::data::Targets;
+use super::identified::Identified;
 use super::parts::Part as SpecPart;
 use super::{Added, Stages, status};
 use crate::base::{Point3, Policy, Seed};
 use crate::data::rows::{TrackRow, TrialRow};
+use crate::effects::EffectSpec;
 use crate::learn::gp::Gp;
 use crate::learn::rnn::Trained;
 use crate::policies::{self, ElmanInverse, GpError, InverseModel, Part, PolicyEntry, PolicyOptions, PolicyParts};
 use crate::runner::code::TRIAL;
 use crate::runner::graph::{Failure, Handle, Inputs, Kind};
-use crate::specs::{Cell, Mode, PlantSpec, Training};
+use crate::specs::{Cell, Mode, Training};
 use crate::tasks::{self, LoopMode, ReachOptions, ReachOutcome, TrackStep};
 use std::sync::Arc;
 
@@ -60,7 +62,9 @@ impl PartStages {
 struct Condition {
     policy: String,
     options: SpecPart<PolicyOptions>,
-    plant: SpecPart<PlantSpec>,
+    plant: Identified,
+    /// What the mode puts on top of the robot's own.
+    effects: Vec<EffectSpec>,
     feedback: LoopMode,
     step_s: f64,
     seed: u64,
@@ -88,7 +92,7 @@ impl Stages<'_> {
         let label = self.label(&format!("{} tracks", cell.policy));
         self.graph.stage(TRACK, label, &(condition.clone(), options), &inputs, move |given| {
             let mut policy = parts.policy(given, entry, &condition.options)?;
-            let mut plant = condition.plant.build(condition.step_s)?;
+            let mut plant = condition.plant.build(&condition.effects, condition.step_s)?;
             let path: &Vec<Point3> = given.get(path)?;
             let steps = tasks::track(plant.as_mut(), policy.as_mut(), path, &options, Seed(condition.seed));
             Ok(steps.map_err(status)?.iter().map(|step| track_row(&condition.policy, step)).collect())
@@ -102,7 +106,8 @@ impl Stages<'_> {
         let condition = Condition {
             policy: cell.policy.clone(),
             options: self.parts.policies.clone(),
-            plant: self.parts.modes.get(&cell.mode).ok_or_else(|| unknown(&cell.mode))?.clone(),
+            plant: self.parts.plant.clone(),
+            effects: mode.effects.clone(),
             feedback: mode.feedback,
             step_s: self.step_s(),
             seed: self.seed.child(task).0,
@@ -132,7 +137,7 @@ fn reach_all(
     options: &ReachOptions,
     cell: &Cell,
 ) -> Result<Vec<TrialRow>, String> {
-    let mut plant = condition.plant.build(condition.step_s)?;
+    let mut plant = condition.plant.build(&condition.effects, condition.step_s)?;
     let mut rows = Vec::with_capacity(targets.len());
     for (draw, (_, target_m)) in targets.iter().enumerate() {
         let seed = Seed(condition.seed).index(draw as u64);

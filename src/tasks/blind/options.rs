@@ -7,7 +7,7 @@ use crate::effects::Robot;
 use crate::rod::Resolution;
 
 /// What is hidden.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Group {
     /// Nothing but noise and the uncertainty of the model's numbers.
@@ -41,7 +41,7 @@ impl Group {
 }
 
 /// Cases of one kind.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Batch {
     /// What is hidden in them.
@@ -122,7 +122,7 @@ impl Batch {
 }
 
 /// How finely the truth is computed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TruthOptions {
     /// Largest length of an integration cell, metres.
@@ -169,7 +169,7 @@ impl TruthOptions {
 }
 
 /// When something is outside the span of the catalogue, and when inside.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct OracleOptions {
     /// Outside: the best few others leave more than this, over the noise.
@@ -209,7 +209,7 @@ impl OracleOptions {
 
 /// A number that a lab knows only so well: normally distributed about the value at which the effect changes nothing, all
 /// components of a vector and all tendons each for itself.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Prior {
     /// The effect whose parameter it is.
     pub effect: String,

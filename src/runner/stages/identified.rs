@@ -1,0 +1,71 @@
+//! A robot of a spec beside the digest of all that it is: stages are filed under the digest, so that a model need not be
+//! written out for each of a hundred thousand of them.
+
+use crate::base::Plant;
+use crate::effects::EffectSpec;
+use crate::runner::digest::Digest;
+use crate::runner::graph::Failure;
+use crate::specs::PlantSpec;
+use serde::{Serialize, Serializer};
+use std::sync::Arc;
+
+/// A robot and its digest. Written by serde as the digest.
+#[derive(Clone)]
+pub(super) struct Identified {
+    spec: Arc<PlantSpec>,
+    digest: Digest,
+}
+
+impl Identified {
+    /// Digests a robot; of one that replays a recording the content, wherever the file lies.
+    ///
+    /// # Errors
+    /// [`Failure`] for a robot that cannot be written as JSON.
+    pub(super) fn new(spec: PlantSpec) -> Result<Identified, Failure> {
+        let failed = |error: serde_json::Error| Failure { stage: "plant".into(), status: error.to_string() };
+        let mut bytes = serde_json::to_vec(&spec).map_err(failed)?;
+        if let PlantSpec::Replay(options) = &spec {
+            // A recording that cannot be read fails the stages that ask for it.
+            bytes.extend(std::fs::read(&options.recording).unwrap_or_default());
+        }
+        Ok(Identified { digest: Digest::of(&bytes), spec: Arc::new(spec) })
+    }
+
+    /// True for a robot with the same settings.
+    pub(super) fn is(&self, spec: &PlantSpec) -> bool {
+        *self.spec == *spec
+    }
+
+    /// The robot with further effects, moving in steps of `step_s` seconds.
+    ///
+    /// # Errors
+    /// What is out of range or not as it should be, in words.
+    pub(super) fn build(&self, effects: &[EffectSpec], step_s: f64) -> Result<Box<dyn Plant>, String> {
+        if effects.is_empty() { self.spec.build(step_s) } else { self.spec.with_effects(effects).build(step_s) }
+    }
+}
+
+impl Serialize for Identified {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.digest.serialize(serializer)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plants::ReplayOptions;
+
+    #[test]
+    fn another_recording_under_the_same_name_is_another_robot() {
+        let folder = tempfile::tempdir().unwrap();
+        let recording = folder.path().join("rec.csv");
+        let digest = |text: &str| {
+            std::fs::write(&recording, text).unwrap();
+            let options = ReplayOptions { recording: recording.clone(), tolerance_m: 1e-6, tendons: 4 };
+            Identified::new(PlantSpec::Replay(options)).unwrap().digest
+        };
+        assert_eq!(digest("a"), digest("a"));
+        assert_ne!(digest("a"), digest("b"));
+    }
+}

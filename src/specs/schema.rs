@@ -1,0 +1,129 @@
+//! JSON Schema of specs, for editors: derived from the types that specs are read into, and what is done to a spec before
+//! that (it may extend another, name files in place of mappings, sweep fields) added.
+
+use super::experiment::Experiment;
+use super::plant::PlantSpec;
+use super::series::Form;
+use crate::effects::Model;
+use schemars::{JsonSchema, generate::SchemaSettings};
+use serde_json::{Map, Value, json};
+
+/// What a schema is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SchemaOf {
+    /// An experiment.
+    Experiment,
+    /// A plant file.
+    Plant,
+    /// A model file.
+    Model,
+}
+
+/// The JSON Schema (draft 2020-12) of a kind of file.
+pub fn schema(of: SchemaOf) -> Value {
+    match of {
+        SchemaOf::Model => of_type::<Model>("a model of spinebench"),
+        SchemaOf::Plant => with_files(of_type::<PlantSpec>("a plant of spinebench")),
+        SchemaOf::Experiment => experiment(),
+    }
+}
+
+fn of_type<T: JsonSchema>(title: &str) -> Value {
+    let schema = SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<T>();
+    let mut value = schema.to_value();
+    value["title"] = title.into();
+    value
+}
+
+fn experiment() -> Value {
+    let mut schema = with_files(of_type::<Experiment>("an experiment of spinebench"));
+    let required = schema["required"].take();
+    merging(&mut schema);
+    let extends = json!({
+        "type": "string",
+        "description": "File beside this one that this one adds to: mappings are merged key by key, all else is replaced.",
+    });
+    let sweep = json!({
+        "type": ["object", "null"],
+        "description": "Fields that are swept, by their dotted paths, and the values of each; see docs/sweeps.md.",
+        "additionalProperties": { "anyOf": [
+            { "type": "array", "minItems": 1, "description": "The values." },
+            of_form(),
+            { "type": "null", "description": "Not swept, though what this file extends does." },
+        ]},
+    });
+    schema["properties"]["extends"] = extends;
+    schema["properties"]["sweep"] = sweep;
+    // What a spec that stands alone must have; one that extends another may have it from there.
+    schema["anyOf"] = json!([{ "required": ["extends"] }, { "required": required }]);
+    if let Value::Object(schema) = &mut schema {
+        schema.remove("required");
+    }
+    schema
+}
+
+/// The forms of swept values other than a list, without their own schema's head.
+fn of_form() -> Value {
+    let mut form = SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
+    form.meta_schema = None;
+    form.into_generator().into_root_schema_for::<Form>().to_value()
+}
+
+/// A model may be the name of a file in place of a mapping.
+fn with_files(mut schema: Value) -> Value {
+    const MODEL: &str = "#/$defs/Model";
+    fn visit(value: &mut Value) {
+        match value {
+            Value::Object(object) if object.get("$ref").is_some_and(|to| to == MODEL) => {
+                let file = json!({ "type": "string", "description": "Name of a model file." });
+                object.remove("$ref");
+                object.insert("anyOf".into(), json!([file, { "$ref": MODEL }]));
+            }
+            Value::Object(object) => object.values_mut().for_each(visit),
+            Value::Array(items) => items.iter_mut().for_each(visit),
+            _ => {}
+        }
+    }
+    visit(&mut schema);
+    schema
+}
+
+/// What is reached from the root through mappings alone is merged with what a spec extends, so that no key of it must be
+/// there; in lists, which are replaced as a whole, every item must be complete.
+fn merging(schema: &mut Value) {
+    let mut names = Vec::new();
+    let mut root = schema.clone();
+    loosen(&mut root, false, &mut names);
+    let mut next = 0;
+    while let Some(name) = names.get(next).cloned() {
+        let mut definition = root["$defs"][&name].take();
+        loosen(&mut definition, false, &mut names);
+        root["$defs"][&name] = definition;
+        next += 1;
+    }
+    *schema = root;
+}
+
+/// Drops `required` where mappings merge, and collects the definitions that are reached; an alternative keeps its name.
+fn loosen(schema: &mut Value, alternative: bool, names: &mut Vec<String>) {
+    let Value::Object(object) = schema else { return };
+    if !alternative {
+        object.remove("required");
+    }
+    if let Some(name) = object.get("$ref").and_then(Value::as_str).and_then(|to| to.strip_prefix("#/$defs/"))
+        && !names.iter().any(|known| known == name)
+    {
+        names.push(name.to_owned());
+    }
+    for (key, alternatives) in [("properties", false), ("oneOf", true), ("anyOf", true)] {
+        let below: Vec<&mut Value> = match object.get_mut(key) {
+            Some(Value::Object(properties)) => Map::values_mut(properties).collect(),
+            Some(Value::Array(items)) => items.iter_mut().collect(),
+            _ => continue,
+        };
+        below.into_iter().for_each(|below| loosen(below, alternatives, names));
+    }
+    if let Some(below) = object.get_mut("additionalProperties") {
+        loosen(below, false, names);
+    }
+}
