@@ -116,7 +116,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("rows.csv");
         let [dead, living, other] = ["7", "8", "x"].map(|who| folder.path().join(format!(".rows.csv.{who}.tmp")));
-        [&dead, &other].map(|file| fs::write(file, "half").unwrap());
+        [&dead, &other].iter().for_each(|file| fs::write(file, "half").unwrap());
         let held = File::create(&living).unwrap();
         held.lock().unwrap();
         write_together([(path.clone(), &b"1"[..])].into_iter()).unwrap();
