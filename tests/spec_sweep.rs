@@ -313,7 +313,7 @@ fn a_plan_tells_the_points() {
     assert!(text.contains("  left   reach seed 0 paper a open gp_points 20 gp.kernel=se_iso\n"), "{text}");
 }
 
-/// As many runs as one asks for at most: what they share is keyed once, so that this ends at all in a debug build.
+/// What a hundred thousand runs share is in the graph once.
 #[test]
 fn a_hundred_thousand_runs_share_what_they_do_not_sweep() {
     let few = smoke(&["runs.track=null"], &["policies.c.error_m=0.001:0.1:10"]).unwrap();
@@ -321,4 +321,19 @@ fn a_hundred_thousand_runs_share_what_they_do_not_sweep() {
     let campaign = Campaign::expand([many]).unwrap();
     assert_eq!(campaign.entries[0].cells().len(), 4600 * 22);
     assert_eq!(campaign.graph.len(), stages(vec![few]) + 4590 * 22);
+}
+
+#[test]
+fn the_shipped_sweeps_are_studies_and_resolved_the_same_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, points) in [("thresholds", 6), ("kernels", 20)] {
+        let file = experiments().join("sweeps").join(name).with_extension("yaml");
+        let study = Study::read(&file, &[], &[]).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((study.experiment.name.as_str(), study.points.len()), (name, points));
+        let resolved = folder.path().join("spec.yaml");
+        std::fs::write(&resolved, study.to_yaml().unwrap()).unwrap();
+        assert_eq!(Study::read(&resolved, &[], &[]).unwrap(), study);
+        let error = spinebench::specs::Experiment::read(&file, &[]).unwrap_err().to_string();
+        assert!(error.contains("expected a spec that sweeps nothing"), "{error}");
+    }
 }
