@@ -125,6 +125,7 @@ fn runs_on_a_real_cluster_are_those_of_this_machine() {
     assert!(output.status.success(), "{}", said(&output));
     let (expected, stages) = (published(&here), entries(&here));
     a_node_loses_power(&cluster, &room("power"), &expected, stages);
+    the_limit_is_near(&cluster, &room("limit"), &expected);
     leaving_and_coming_back(&cluster, &room("leave"), &expected);
     calling_off(&cluster, &room("off"));
     failures_are_rows(&cluster, &room("bad"), &room("bad_here"));
@@ -150,6 +151,29 @@ fn a_node_loses_power(cluster: &Cluster, folder: &Path, expected: &BTreeMap<Path
     assert!(computed < stages / 4, "{computed} of {stages} stages were left to this machine");
     assert_same(&published(folder), expected, "not as on this machine");
     cluster.tell("start-node", "n2");
+}
+
+/// The signal that comes before a task's limit: it ends what it has begun, goes back into the queue and goes on later.
+fn the_limit_is_near(cluster: &Cluster, folder: &Path, expected: &BTreeMap<PathBuf, Vec<u8>>) {
+    let arguments = ["run", SMOKE, "--seeds", "2", "--executor", "slurm", "--task-s", "1000", "--time-min", "30"];
+    let child = cluster.spinebench(folder, &arguments).stderr(Stdio::piped()).spawn().unwrap();
+    let running = || {
+        let tasks = cluster.squeue("%F_%K %T");
+        tasks.lines().filter_map(|line| line.trim().strip_suffix(" RUNNING").map(str::to_owned)).collect::<Vec<_>>()
+    };
+    until("a task at work", || entries(folder) > 3 && !running().is_empty());
+    let task = running().remove(0);
+    let told = cluster.command("scancel").args(["--batch", "--signal=USR2", &task]).output().unwrap();
+    assert!(told.status.success(), "{}", said(&told));
+    let restarts = || {
+        let output = cluster.command("scontrol").args(["--oneliner", "show", "job", &task]).output().unwrap();
+        String::from_utf8_lossy(&output.stdout).contains("Restarts=1")
+    };
+    until("the task back in the queue", restarts);
+    let output = end(child);
+    assert!(output.status.success(), "{}", said(&output));
+    assert!(!said(&output).contains("got lost"), "{}", said(&output));
+    assert_same(&published(folder), expected, "not as on this machine");
 }
 
 fn leaving_and_coming_back(cluster: &Cluster, folder: &Path, expected: &BTreeMap<PathBuf, Vec<u8>>) {
