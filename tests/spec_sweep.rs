@@ -155,98 +155,91 @@ fn a_spec_adds_to_what_it_extends_replaces_and_drops() {
     assert_eq!(fields(&read(&["sweep=null"], &["gp.folds=2,3"])), ["gp.folds 2"]);
 }
 
+/// The text after `extends:` (which is line 1), and how the error begins after `error: `.
+const BAD_SPECS: &[(&str, &str)] = &[
+    ("sweep: {gp.kernle: [a]}", "spec.yaml:2:9: gp.kernle: found the unknown key `kernle`, expected one of"),
+    ("sweep: {gp.kernel: []}", "spec.yaml:2:20: gp.kernel: found no values, expected at least one value"),
+    (
+        "sweep: {gp.kernel: [se_ard, se_adr]}",
+        "spec.yaml:2:29: gp.kernel: found the unknown kernel `se_adr`, expected one of",
+    ),
+    (
+        "sweep:\n  policies.c.error_m: [0.01, -0.01]",
+        "spec.yaml:3:30: policies.c.error_m: found -0.01, expected a finite number above 0 (point 2 of 2: policies.c.error_m=-0.01)",
+    ),
+    (
+        "sweep:\n  gp.starts: [1, 2]\n  targets.drawn: {range: {from: 10, to: 30, count: 3}}",
+        "spec.yaml:4:18: targets.drawn: found 30, expected at most pool (point 3 of 6: gp.starts=1 targets.drawn=30)",
+    ),
+    (
+        "sweep: {gp.starts: {range: {from: 1, to: 5, count: 1}}}",
+        "spec.yaml:2:52: gp.starts: found 1, expected at least 2",
+    ),
+    (
+        "sweep: {gp.starts: {log_range: {from: 0, to: 5, count: 3}}}",
+        "spec.yaml:2:39: gp.starts: found 0, expected a number above 0",
+    ),
+    ("sweep: {gp: {kernel: [a]}}", "spec.yaml:2:13: gp: found the unknown key `kernel`, expected a list, or one of"),
+    ("sweep: [gp.kernel]", "spec.yaml:2:8: sweep: found a list of 1, expected a mapping from fields to their values"),
+    ("sweep: {name: [a, b]}", "spec.yaml:2:15: name: found `name`, expected a field that the trials depend on"),
+    ("sweep: {seeds: [1, 2]}", "spec.yaml:2:16: seeds: found `seeds`, expected a field that the trials depend on"),
+    (
+        "sweep: {\"runs.reach[7].modes\": [[open]]}",
+        "spec.yaml:2:32: runs.reach[7].modes: found a list of 1 on the way there, expected a field of this spec",
+    ),
+    ("sweep: {control_hz.more: [1, 2]}", "spec.yaml:2:26: control_hz.more: found 5 on the way there, expected a field"),
+    (
+        "sweep: {policy.c.switch_threshold_m: [0.01], policies.c.error_m: [0.02]}",
+        "spec.yaml:2:46: policies.c.error_m: found a field that is swept already, expected each field once",
+    ),
+    (
+        "sweep: {plant.simulated.model: [nowhere.yaml]}",
+        "spec.yaml:2:33: plant.simulated.model: found no file `nowhere.yaml`, expected the name of a YAML file",
+    ),
+    (
+        "sweep:\n  gp.noise_floor: {range: {from: 0.001, to: 0.1, count: 1000}}\n  gp.tolerance: {range: {from: 0.001, to: 0.1, count: 1000}}",
+        "spec.yaml:4:17: gp.tolerance: found 1000 × 1000 points, expected at most 100000 in one sweep",
+    ),
+];
+/// Arguments, and how the error begins.
+const BAD_OPTIONS: &[(&[&str], &str)] = &[
+    (&["--sweep", "gp.kernle=a,b"], "--sweep gp.kernle=a,b: gp.kernle: found the unknown key `kernle`"),
+    (&["--sweep", "gp.kernel="], "--sweep gp.kernel=: gp.kernel: found no values"),
+    (
+        &["--sweep", "gp.kernel"],
+        "--sweep gp.kernel: (whole document): found `gp.kernel`, expected path.to.key= and values",
+    ),
+    (
+        &["--sweep", "gp.starts=1:2"],
+        "--sweep gp.starts=1:2: (whole document): found `1:2`, expected path.to.key= and values",
+    ),
+    (
+        &["--sweep", "policies.c.error_m=log:-1:1:5"],
+        "--sweep policies.c.error_m=log:-1:1:5: policies.c.error_m: found -1",
+    ),
+    (
+        &["--sweep", "gp.starts=1,2", "--sweep", "gp.starts=3,4"],
+        "--sweep gp.starts=3,4: gp.starts: found a field that is swept already",
+    ),
+    (
+        &["--set", "policy.c.switch_threshold_m=0.01", "--sweep", "policies.c.error_m=0.01,0.02"],
+        "--set policy.c.switch_threshold_m=0.01: policies.c.error_m: found a field that is swept, expected",
+    ),
+    (
+        &["--set", "gp={kernel: se_ard}", "--sweep", "gp.kernel=se_ard,se_iso"],
+        "--set gp={kernel: se_ard}: gp.kernel: found a field that is swept, expected",
+    ),
+    (
+        &["--sweep", "explore.points=240:241:3"],
+        "--sweep explore.points=240:241:3: explore.points: found floating point `240.5`",
+    ),
+];
 #[test]
 fn what_cannot_be_swept_is_refused_with_its_place() {
-    let file: &[(&str, &str)] = &[
-        ("sweep: {gp.kernle: [a]}", "spec.yaml:2:9: gp.kernle: found the unknown key `kernle`, expected one of"),
-        ("sweep: {gp.kernel: []}", "spec.yaml:2:20: gp.kernel: found no values, expected at least one value"),
-        (
-            "sweep: {gp.kernel: [se_ard, se_adr]}",
-            "spec.yaml:2:29: gp.kernel: found the unknown kernel `se_adr`, expected one of",
-        ),
-        (
-            "sweep:\n  policies.c.error_m: [0.01, -0.01]",
-            "spec.yaml:3:30: policies.c.error_m: found -0.01, expected a finite number above 0 (point 2 of 2: policies.c.error_m=-0.01)",
-        ),
-        (
-            "sweep:\n  gp.starts: [1, 2]\n  targets.drawn: {range: {from: 10, to: 30, count: 3}}",
-            "spec.yaml:4:18: targets.drawn: found 30, expected at most pool (point 3 of 6: gp.starts=1 targets.drawn=30)",
-        ),
-        (
-            "sweep: {gp.starts: {range: {from: 1, to: 5, count: 1}}}",
-            "spec.yaml:2:52: gp.starts: found 1, expected at least 2",
-        ),
-        (
-            "sweep: {gp.starts: {log_range: {from: 0, to: 5, count: 3}}}",
-            "spec.yaml:2:39: gp.starts: found 0, expected a number above 0",
-        ),
-        (
-            "sweep: {gp: {kernel: [a]}}",
-            "spec.yaml:2:13: gp: found the unknown key `kernel`, expected a list, or one of",
-        ),
-        (
-            "sweep: [gp.kernel]",
-            "spec.yaml:2:8: sweep: found a list of 1, expected a mapping from fields to their values",
-        ),
-        ("sweep: {name: [a, b]}", "spec.yaml:2:15: name: found `name`, expected a field that the trials depend on"),
-        ("sweep: {seeds: [1, 2]}", "spec.yaml:2:16: seeds: found `seeds`, expected a field that the trials depend on"),
-        (
-            "sweep: {\"runs.reach[7].modes\": [[open]]}",
-            "spec.yaml:2:32: runs.reach[7].modes: found a list of 1 on the way there, expected a field of this spec",
-        ),
-        (
-            "sweep: {control_hz.more: [1, 2]}",
-            "spec.yaml:2:26: control_hz.more: found 5 on the way there, expected a field",
-        ),
-        (
-            "sweep: {policy.c.switch_threshold_m: [0.01], policies.c.error_m: [0.02]}",
-            "spec.yaml:2:46: policies.c.error_m: found a field that is swept already, expected each field once",
-        ),
-        (
-            "sweep: {plant.simulated.model: [nowhere.yaml]}",
-            "spec.yaml:2:33: plant.simulated.model: found no file `nowhere.yaml`, expected the name of a YAML file",
-        ),
-        (
-            "sweep:\n  gp.noise_floor: {range: {from: 0.001, to: 0.1, count: 1000}}\n  gp.tolerance: {range: {from: 0.001, to: 0.1, count: 1000}}",
-            "spec.yaml:4:17: gp.tolerance: found 1000 × 1000 points, expected at most 100000 in one sweep",
-        ),
-    ];
-    let options: &[(&[&str], &str)] = &[
-        (&["--sweep", "gp.kernle=a,b"], "--sweep gp.kernle=a,b: gp.kernle: found the unknown key `kernle`"),
-        (&["--sweep", "gp.kernel="], "--sweep gp.kernel=: gp.kernel: found no values"),
-        (
-            &["--sweep", "gp.kernel"],
-            "--sweep gp.kernel: (whole document): found `gp.kernel`, expected path.to.key= and values",
-        ),
-        (
-            &["--sweep", "gp.starts=1:2"],
-            "--sweep gp.starts=1:2: (whole document): found `1:2`, expected path.to.key= and values",
-        ),
-        (
-            &["--sweep", "policies.c.error_m=log:-1:1:5"],
-            "--sweep policies.c.error_m=log:-1:1:5: policies.c.error_m: found -1",
-        ),
-        (
-            &["--sweep", "gp.starts=1,2", "--sweep", "gp.starts=3,4"],
-            "--sweep gp.starts=3,4: gp.starts: found a field that is swept already",
-        ),
-        (
-            &["--set", "policy.c.switch_threshold_m=0.01", "--sweep", "policies.c.error_m=0.01,0.02"],
-            "--set policy.c.switch_threshold_m=0.01: policies.c.error_m: found a field that is swept, expected",
-        ),
-        (
-            &["--set", "gp={kernel: se_ard}", "--sweep", "gp.kernel=se_ard,se_iso"],
-            "--set gp={kernel: se_ard}: gp.kernel: found a field that is swept, expected",
-        ),
-        (
-            &["--sweep", "explore.points=240:241:3"],
-            "--sweep explore.points=240:241:3: explore.points: found floating point `240.5`",
-        ),
-    ];
     let mut wrong = Vec::new();
-    let file = file.iter().map(|(text, expected)| (*text, &[] as &[&str], *expected));
+    let file = BAD_SPECS.iter().map(|(text, expected)| (*text, &[] as &[&str], *expected));
     for (text, arguments, expected) in
-        file.chain(options.iter().map(|(arguments, expected)| ("", *arguments, *expected)))
+        file.chain(BAD_OPTIONS.iter().map(|(arguments, expected)| ("", *arguments, *expected)))
     {
         let folder = tempfile::tempdir().unwrap();
         let output =
@@ -313,7 +306,7 @@ fn a_plan_tells_the_points() {
     assert!(text.contains("  left   reach seed 0 paper a open gp_points 20 gp.kernel=se_iso\n"), "{text}");
 }
 
-/// As many runs as one asks for at most: what they share is keyed once, so that this ends at all in a debug build.
+/// What a hundred thousand runs share is in the graph once.
 #[test]
 fn a_hundred_thousand_runs_share_what_they_do_not_sweep() {
     let few = smoke(&["runs.track=null"], &["policies.c.error_m=0.001:0.1:10"]).unwrap();
@@ -321,4 +314,19 @@ fn a_hundred_thousand_runs_share_what_they_do_not_sweep() {
     let campaign = Campaign::expand([many]).unwrap();
     assert_eq!(campaign.entries[0].cells().len(), 4600 * 22);
     assert_eq!(campaign.graph.len(), stages(vec![few]) + 4590 * 22);
+}
+
+#[test]
+fn the_shipped_sweeps_are_studies_and_resolved_the_same_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, points) in [("thresholds", 6), ("kernels", 20)] {
+        let file = experiments().join("sweeps").join(name).with_extension("yaml");
+        let study = Study::read(&file, &[], &[]).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((study.experiment.name.as_str(), study.points.len()), (name, points));
+        let resolved = folder.path().join("spec.yaml");
+        std::fs::write(&resolved, study.to_yaml().unwrap()).unwrap();
+        assert_eq!(Study::read(&resolved, &[], &[]).unwrap(), study);
+        let error = spinebench::specs::Experiment::read(&file, &[]).unwrap_err().to_string();
+        assert!(error.contains("expected a spec that sweeps nothing"), "{error}");
+    }
 }

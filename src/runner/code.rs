@@ -36,7 +36,7 @@ pub(super) fn digest(sources: Sources) -> Digest {
     let (out, within): (Vec<&str>, Vec<&str>) = sources.iter().partition(|source| source.ends_with('!'));
     let counts = |name: &str| {
         let below = |folder: &&str| name.starts_with(folder.trim_end_matches('!'));
-        name == "packages" || (within.iter().any(|folder| below(folder)) && !out.iter().any(|folder| below(folder)))
+        name == "packages" || (within.iter().any(below) && !out.iter().any(below))
     };
     let mut hasher = blake3::Hasher::new();
     for (name, code) in SOURCES.iter().filter(|(name, _)| counts(name)) {

@@ -5,7 +5,9 @@ pub(crate) mod cases;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use spinebench::base::{Point3, Seed, distance_m};
-use spinebench::data::rows::{ClaimRow, GapRow, PeerRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow};
+use spinebench::data::rows::{
+    ClaimRow, GapRow, PeerRow, ScalingRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow,
+};
 use spinebench::report::{Published, Swept};
 
 const TRAININGS: [&str; 2] = ["paper", "converged"];
@@ -258,6 +260,22 @@ pub(crate) fn thresholds(seeds: u64) -> Swept {
     sweep(&[("policies.c.error_m", &["0.005", "0.01", "0.015", "0.02", "0.025", "0.03"])], seeds)
 }
 
+/// A campaign on clusters of growing size.
+pub(crate) fn scaling() -> Vec<ScalingRow> {
+    let row = |(system, share): (&str, f64), workers: u64| ScalingRow {
+        system: system.to_owned(),
+        workers,
+        stages: 5000,
+        wall_s: 1e5 / workers as f64 / share,
+        efficiency: share,
+        store_gb: 3.0,
+        store_mb_s: 0.03 * workers as f64,
+        bound: "stages".to_owned(),
+    };
+    let systems = [("ideal cluster", 0.98), ("job arrays", 0.9)];
+    systems.into_iter().flat_map(|system| [1, 10, 100, 1000].map(|workers| row(system, workers))).collect()
+}
+
 /// Work against precision: simulators on three robots, each at several time steps, and a run that failed.
 pub(crate) fn peers() -> Vec<PeerRow> {
     let mut rows = Vec::new();
@@ -306,6 +324,7 @@ pub(crate) fn published(figure: &str, seeds: u64) -> Published {
         "claims" => published.claims = claims(),
         "sweep" => published.sweep = thresholds(seeds),
         "peers" => published.peers = peers(),
+        "scaling" => published.scaling = scaling(),
         "discovery" => published.cases = cases::cases(seeds),
         other => panic!("no rows for the figure `{other}`"),
     }

@@ -86,7 +86,8 @@ fn training_heading(training: &str) -> String {
 fn series_label(row: &SweepRow, sized: bool) -> String {
     let points = row.gp_points.max(row.real_points);
     match (row.policy.as_str(), sized) {
-        ("", _) => format!("{points} points"),
+        ("", true) => format!("{points} points"),
+        ("", false) => "Gaussian process".to_owned(),
         (policy, true) => format!("{}, {points} points", policy_label(policy)),
         (policy, false) => policy_label(policy),
     }
