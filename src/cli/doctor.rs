@@ -3,7 +3,7 @@
 use super::{Ended, Outcome};
 use clap::Args;
 use spinebench::base::{Plant, Seed, distance_m};
-use spinebench::plants::hardware::{Examined, Hardware, Timing};
+use spinebench::plants::hardware::{Examined, Hardware};
 use spinebench::specs::{PlantSpec, read_plant};
 use std::path::PathBuf;
 
@@ -111,8 +111,7 @@ fn try_out(plant: &mut Hardware) -> Result<usize, Ended> {
         plant.reset(Seed(1)).map_err(failed)?;
     }
     let timing = plant.timing();
-    let (latency_ms, jitter_ms) =
-        (1e3 * Timing::quantile_s(&timing.latency_s, 0.99), 1e3 * Timing::quantile_s(&timing.jitter_s, 0.99));
+    let (latency_ms, jitter_ms) = (1e3 * timing.latency.quantile_s(0.99), 1e3 * timing.jitter.quantile_s(0.99));
     wrong += line(latency_ms <= 2.0, &format!("command to wire: 99 % within {latency_ms:.2} ms, expected 2"));
     wrong += line(jitter_ms <= 5.0, &format!("ticks late: 99 % by less than {jitter_ms:.2} ms, expected 5"));
     Ok(wrong)

@@ -35,6 +35,17 @@ impl SerialWire {
         Ok(SerialWire { port })
     }
 
+    /// One end of a pseudo-terminal, and the name of the other, which programs open as a serial port.
+    ///
+    /// # Errors
+    /// When the system has none left.
+    pub fn served() -> io::Result<(SerialWire, String)> {
+        let (one, other) = TTYPort::pair()?;
+        // Only one program may have a port open: this end's own handle of it is closed.
+        let name = other.name().ok_or_else(|| io::Error::other("a pseudo-terminal without a name"))?;
+        Ok((SerialWire { port: one }, name))
+    }
+
     /// Two ends of a pseudo-terminal: a serial line without a cable.
     ///
     /// # Errors

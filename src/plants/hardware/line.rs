@@ -9,6 +9,8 @@ use crate::hardware::rig::Rig;
 
 /// How often the rig is looked at, s.
 const WATCH_S: f64 = 0.005;
+/// Longest that a robot is waited for at the end until it stands, s.
+const LEAVE_S: f64 = 1.0;
 
 /// A rig that is watched whatever its user does.
 pub(super) struct Line {
@@ -69,7 +71,10 @@ impl Drop for Line {
     /// Whatever ends the program, a moving robot is held first.
     fn drop(&mut self) {
         let why = if std::thread::panicking() { "the program failed" } else { "the program ended" };
-        self.rig().abandon(why, self.clock.now_s());
+        let now_s = self.clock.now_s();
+        if self.rig().leave(why, now_s) {
+            self.wait(now_s + LEAVE_S, |rig, now_s| (!rig.leave(why, now_s)).then_some(()));
+        }
         self.over.store(true, Ordering::SeqCst);
         self.clock.leave();
         if let Some(watch) = self.watch.take() {
