@@ -1,6 +1,7 @@
 //! A robot on a bench: four lead screws, a tracker, and the guard between them and whoever decides.
 
 mod examine;
+mod foresight;
 pub mod hands;
 mod line;
 mod opening;
@@ -11,6 +12,7 @@ mod served;
 mod timing;
 
 pub use examine::Examined;
+pub use foresight::{Foreseen, NotPlayable, foresee};
 pub use options::{HardwareOptions, RehearsalOptions};
 pub use rehearsal::Stage;
 pub use served::Served;

@@ -8,8 +8,6 @@ use crate::hardware::safety::{Refusal, State};
 
 /// Longest that homing and the way home may take, s.
 const HOMING_S: f64 = 120.0;
-/// A command that needs more ticks than this is a mistake.
-pub(super) const MOST_TICKS: usize = 4;
 /// Longest that a pose is waited for after a tick, s.
 const POSE_S: f64 = 0.03;
 /// Share of a tick by which a command may come late without shifting the ticks after it: the pose of the last tick has to
@@ -64,10 +62,9 @@ impl Hardware {
     fn admit(&self, commands: &[TendonCommand]) -> Result<(), PlantError> {
         let last_m = self.line.rig().commanded_m();
         let pulls_m: Vec<f64> = commands.iter().map(pull_m).collect();
-        let ticks = self.safety.ticks(&pulls_m, &last_m, self.step_s).clamp(1, MOST_TICKS);
-        match self.safety.admit(&pulls_m, &last_m, self.step_s * ticks as f64, ticks) {
+        match self.safety.admit_in_ticks(&pulls_m, &last_m, self.step_s) {
             Err(Refusal::Beyond { .. }) if commands.contains(&TendonCommand::Follow) => Ok(()),
-            other => other.map_err(|refusal| PlantError::Refused(refusal.to_string())),
+            other => other.map(|_| ()).map_err(|refusal| PlantError::Refused(refusal.to_string())),
         }
     }
 
