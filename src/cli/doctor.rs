@@ -55,7 +55,7 @@ fn line(good: bool, what: &str) -> usize {
 }
 
 fn report(examined: &Examined, rate_hz: f64) -> usize {
-    let Examined { controller, homed, position_mm, server, tracking, tip, home_m } = examined;
+    let Examined { controller, homed, position_mm, server, tracking, tip, home_m, urgent } = examined;
     let mut wrong = line(true, &format!("controller: {controller}"));
     let position = position_mm.map(|mm| format!("{mm:.3}")).join(", ");
     wrong += line(true, &format!("axes: {}, at {position} mm", if *homed { "homed" } else { "not homed yet" }));
@@ -75,6 +75,11 @@ fn report(examined: &Examined, rate_hz: f64) -> usize {
             let place = tip_m.map(|x| format!("{:.1}", x * 1e3)).join(", ");
             wrong += line(off_m < 0.1, &format!("tip: ({place}) mm, {:.1} mm from the model's home", off_m * 1e3));
         }
+    }
+    if let Some(granted) = urgent {
+        let words =
+            if *granted { "granted" } else { "not granted: other programs can delay commands; see docs/hardware.md" };
+        println!("       real-time priority: {words}");
     }
     wrong
 }

@@ -42,16 +42,15 @@ impl Robot {
         } else {
             format!("trial {trial}: take everything off the tip")
         };
-        let Robot::Bench(hardware) = self else {
-            return hands::ask(&what).map_err(Ended::No);
-        };
-        if hardware.stage().is_some() || assume_done {
-            eprintln!("note: {what}");
-        } else {
-            hands::ask(&what).map_err(Ended::No)?;
+        match self {
+            Robot::Other(_) => hands::ask(&what),
+            Robot::Bench(hardware) if hardware.stage().is_some() || assume_done => {
+                eprintln!("note: {what}");
+                hardware.hang(load_kg, None)
+            }
+            Robot::Bench(hardware) => hardware.hang(load_kg, Some(&what)),
         }
-        hardware.hang(load_kg);
-        Ok(())
+        .map_err(Ended::No)
     }
 }
 

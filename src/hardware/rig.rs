@@ -133,6 +133,22 @@ impl Rig {
         Ok(())
     }
 
+    /// Leaves a robot that stands to whoever works on it, until [`Rig::begin`]; false while it moves or may not.
+    pub fn park(&mut self, now_s: f64) -> bool {
+        let parked = self.stands() && self.guard.park();
+        if parked {
+            self.expected_m = None;
+            self.note(now_s, "", "parked".to_owned());
+        }
+        parked
+    }
+
+    /// Nothing moves and nothing is about to.
+    fn stands(&self) -> bool {
+        let state = self.parts.controller.state();
+        state.mode == Mode::Idle && state.queued == 0 && state.unacknowledged == 0
+    }
+
     /// Reads what has arrived and does what it calls for.
     pub fn poll(&mut self, now_s: f64) {
         let motion = self.parts.controller.poll(now_s);
@@ -227,8 +243,7 @@ impl Rig {
     /// The program ends: a robot that moves is held, and what is queued is forgotten at one of the next polls, as after a
     /// stop, so that the next program finds it standing. False when there is nothing left to wait for.
     pub fn leave(&mut self, why: &str, now_s: f64) -> bool {
-        let stands = matches!(self.parts.controller.state().mode, Mode::Idle) && *self.state() != State::Homing;
-        if !stands {
+        if !self.stands() || *self.state() == State::Homing {
             let order = self.guard.end(ended(why), now_s);
             self.obey(order, now_s);
             if order != Order::Nothing {

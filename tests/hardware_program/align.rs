@@ -18,7 +18,7 @@ fn put_plant(bench: &Bench, model: &str) {
     bench.put(
         "plant.yaml",
         &format!(
-            "hardware: {{name: robot, model: {ROOT}/models/nominal.yaml, rehearsal: {{model: {model}, noise_m: 0.0003, alignment: {alignment}}}}}\n"
+            "hardware: {{name: robot, model: {ROOT}/models/nominal.yaml, rehearsal: {{model: {model}, noise_m: 0.0001, alignment: {alignment}}}}}\n"
         ),
     );
 }

@@ -99,6 +99,13 @@ impl Bench {
         Started::of(self.command(Path::new(PROGRAM), arguments))
     }
 
+    /// Starts the program with somebody at its standard input.
+    pub(crate) fn start_with_hands(&self, arguments: &str) -> Started {
+        let mut command = self.command(Path::new(PROGRAM), arguments);
+        command.stdin(Stdio::piped());
+        Started::of(command)
+    }
+
     /// Starts one of this file's tests that need a robot, in a process of its own.
     pub(crate) fn start_test(&self, name: &str, plant: &str) -> Started {
         let own = std::env::current_exe().unwrap();
@@ -153,6 +160,10 @@ impl Started {
     pub(crate) fn signal(&self, name: &str) {
         let status = Command::new("kill").args([&format!("-{name}"), &self.0.id().to_string()]).status().unwrap();
         assert!(status.success());
+    }
+
+    pub(crate) fn press_enter(&mut self) {
+        writeln!(self.0.stdin.as_mut().unwrap()).unwrap();
     }
 
     pub(crate) fn end(self) -> Ended {

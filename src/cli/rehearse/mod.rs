@@ -9,6 +9,7 @@ use log::Log;
 use spinebench::base::Seed;
 use spinebench::data::write_atomic;
 use spinebench::hardware::interrupt::Interrupt;
+use spinebench::hardware::urgency::{Rank, Urgent};
 use spinebench::plants::hardware::Served;
 use spinebench::specs::{PlantSpec, read_plant, to_yaml};
 use std::io::stdin;
@@ -31,6 +32,9 @@ pub(super) struct Rehearse {
     /// File for all that the controller hears and when the screws move, as a table.
     #[arg(long, value_name = "LOG.csv")]
     log: Option<PathBuf>,
+    /// Goes before all other programs, as devices with processors of their own do; needs the right to real-time priorities.
+    #[arg(long)]
+    urgent: bool,
     /// Seed of noise and losses.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -60,6 +64,7 @@ impl Rehearse {
         );
         println!("try `spinebench doctor --plant {}`; `help` lists what can go wrong here", self.out.display());
         let wishes = lines_of_stdin();
+        let _urgent = self.urgent.then(|| Urgent::new(Rank::Device));
         while !interrupt.raised() {
             let now_s = served.step();
             log.look(now_s, served.world())?;

@@ -121,6 +121,16 @@ impl Guard {
         may
     }
 
+    /// A robot that stands and is not told to move for now, such as while somebody works on it: what the tracker sees does
+    /// not matter until it becomes active again.
+    pub fn park(&mut self) -> bool {
+        let may = matches!(self.state, State::Active);
+        if may {
+            self.state = State::Idle;
+        }
+        may
+    }
+
     /// The program ends: a robot that may move is stopped, one that homes as well.
     pub fn end(&mut self, cause: Cause, now_s: f64) -> Order {
         match self.state {

@@ -4,6 +4,7 @@ use super::Hardware;
 use crate::base::Point3;
 use crate::hardware::axes::AXES;
 use crate::hardware::tracking::TrackingStatus;
+use crate::hardware::urgency::{Rank, Urgent};
 
 /// What motors and tracker say about themselves.
 #[derive(Clone, Debug)]
@@ -22,6 +23,8 @@ pub struct Examined {
     pub tip: Option<Point3>,
     /// Where the model puts the tip at home, metres.
     pub home_m: Point3,
+    /// Whether the loop may go before everything else on this computer; none where time waits for it.
+    pub urgent: Option<bool>,
 }
 
 impl Hardware {
@@ -31,6 +34,7 @@ impl Hardware {
         // Where the tip should be while nothing has been pulled; a model without rest says nothing.
         let _ = self.model.home();
         let home_m = self.expected_m();
+        let urgent = self.line.clock.is_real().then(|| Urgent::new(Rank::Loop).is_granted());
         let rig = self.line.rig();
         Examined {
             controller: format!("{} {}", rig.controller().machine().firmware, rig.controller().machine().version),
@@ -40,6 +44,7 @@ impl Hardware {
             tracking: rig.tracking().status().clone(),
             tip: rig.tracking().latest().map(|pose| pose.position_m),
             home_m,
+            urgent,
         }
     }
 }

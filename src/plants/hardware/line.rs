@@ -6,6 +6,7 @@ use std::thread::JoinHandle;
 
 use crate::hardware::clock::Clock;
 use crate::hardware::rig::Rig;
+use crate::hardware::urgency::{Rank, Urgent};
 
 /// How often the rig is looked at, s.
 const WATCH_S: f64 = 0.005;
@@ -28,6 +29,7 @@ impl Line {
         let watch = std::thread::spawn({
             let (rig, clock, over) = (Arc::clone(&rig), Arc::clone(&clock), Arc::clone(&over));
             move || {
+                let _urgent = clock.is_real().then(|| Urgent::new(Rank::Watch));
                 while !over.load(Ordering::SeqCst) {
                     lock(&rig).poll(clock.now_s());
                     clock.sleep_until(clock.now_s() + WATCH_S);

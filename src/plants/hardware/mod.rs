@@ -10,6 +10,7 @@ mod plant;
 mod rehearsal;
 mod served;
 mod timing;
+mod weight;
 
 pub use examine::Examined;
 pub use foresight::{Foreseen, NotPlayable, foresee};
@@ -19,7 +20,7 @@ pub use served::Served;
 pub use timing::{Lateness, Timing};
 
 use crate::base::Point3;
-use crate::effects::{Driven, EffectSpec, Model};
+use crate::effects::{Driven, Model};
 use crate::hardware::rig::{Event, Rig};
 use crate::hardware::safety::SafetyLimits;
 
@@ -78,17 +79,6 @@ impl Hardware {
     pub fn expected_m(&self) -> Point3 {
         use crate::base::TendonCommand::Pull;
         self.model.observation(&[Pull(0.0); crate::hardware::axes::AXES], 0.0).tip_m
-    }
-
-    /// A weight of `load_kg` hangs on the tip from the next trial on, and nothing else: the model knows it, and in a
-    /// rehearsal the imitated robot is given it.
-    pub fn hang(&mut self, load_kg: f64) {
-        let hung: Vec<EffectSpec> = (load_kg > 0.0).then(|| EffectSpec::tip_load(load_kg)).into_iter().collect();
-        self.model = Driven::new(&self.believed, &hung);
-        self.line.rig().expect(None);
-        if let Some(stage) = &self.stage {
-            stage.with(|world| world.hang(load_kg));
-        }
     }
 
     /// Looks at the rig for a moment.

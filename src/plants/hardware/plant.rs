@@ -5,6 +5,7 @@ use crate::base::{Observation, Plant, PlantError, Seed, TendonCommand};
 use crate::hardware::axes::AXES;
 use crate::hardware::rig::NotMoved;
 use crate::hardware::safety::{Refusal, State};
+use crate::hardware::urgency::{Rank, Urgent};
 
 /// Longest that homing and the way home may take, s.
 const HOMING_S: f64 = 120.0;
@@ -16,7 +17,7 @@ const LATE_SHARE: f64 = 0.1;
 
 impl Hardware {
     /// Homes the robot unless it is homed, and brings its tendons home.
-    fn go_home(&mut self) -> Result<(), PlantError> {
+    pub(super) fn go_home(&mut self) -> Result<(), PlantError> {
         self.line.rig().expect(None);
         let deadline_s = self.line.clock.now_s() + HOMING_S;
         if *self.line.rig().state() == State::Idle {
@@ -171,6 +172,7 @@ impl Plant for Hardware {
 
     fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
         let now_s = self.line.clock.now_s();
+        let _urgent = self.line.clock.is_real().then(|| Urgent::new(Rank::Loop));
         if now_s > self.due_s + 0.5 * self.step_s {
             self.timing.missed += 1;
         }
