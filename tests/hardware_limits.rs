@@ -81,7 +81,7 @@ fn an_hour_with_lost_frames_misses_nothing() {
         }
     }
     let status = plant.look(|rig| rig.tracking().status().clone());
-    println!("{} ticks, {} frames, {} lost", plant.timing().jitter_s.len(), status.received, status.lost);
+    println!("{} ticks, {} frames, {} lost", plant.timing().jitter.count(), status.received, status.lost);
     assert!(status.lost as f64 > 0.005 * status.received as f64, "{status:?}");
     assert_eq!((invalid, plant.timing().missed, plant.timing().held), (0, 0, 0));
     assert_eq!(plant.events().len(), 2, "{:?}", plant.events());

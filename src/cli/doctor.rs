@@ -3,7 +3,7 @@
 use super::{Ended, Outcome};
 use clap::Args;
 use spinebench::base::{Plant, Seed, distance_m};
-use spinebench::plants::hardware::{Examined, Hardware, Timing};
+use spinebench::plants::hardware::{Examined, Hardware};
 use spinebench::specs::{PlantSpec, read_plant};
 use std::path::PathBuf;
 
@@ -55,7 +55,7 @@ fn line(good: bool, what: &str) -> usize {
 }
 
 fn report(examined: &Examined, rate_hz: f64) -> usize {
-    let Examined { controller, homed, position_mm, server, tracking, tip, home_m } = examined;
+    let Examined { controller, homed, position_mm, server, tracking, tip, home_m, urgent } = examined;
     let mut wrong = line(true, &format!("controller: {controller}"));
     let position = position_mm.map(|mm| format!("{mm:.3}")).join(", ");
     wrong += line(true, &format!("axes: {}, at {position} mm", if *homed { "homed" } else { "not homed yet" }));
@@ -75,6 +75,11 @@ fn report(examined: &Examined, rate_hz: f64) -> usize {
             let place = tip_m.map(|x| format!("{:.1}", x * 1e3)).join(", ");
             wrong += line(off_m < 0.1, &format!("tip: ({place}) mm, {:.1} mm from the model's home", off_m * 1e3));
         }
+    }
+    if let Some(granted) = urgent {
+        let words =
+            if *granted { "granted" } else { "not granted: other programs can delay commands; see docs/hardware.md" };
+        println!("       real-time priority: {words}");
     }
     wrong
 }
@@ -111,8 +116,7 @@ fn try_out(plant: &mut Hardware) -> Result<usize, Ended> {
         plant.reset(Seed(1)).map_err(failed)?;
     }
     let timing = plant.timing();
-    let (latency_ms, jitter_ms) =
-        (1e3 * Timing::quantile_s(&timing.latency_s, 0.99), 1e3 * Timing::quantile_s(&timing.jitter_s, 0.99));
+    let (latency_ms, jitter_ms) = (1e3 * timing.latency.quantile_s(0.99), 1e3 * timing.jitter.quantile_s(0.99));
     wrong += line(latency_ms <= 2.0, &format!("command to wire: 99 % within {latency_ms:.2} ms, expected 2"));
     wrong += line(jitter_ms <= 5.0, &format!("ticks late: 99 % by less than {jitter_ms:.2} ms, expected 5"));
     Ok(wrong)

@@ -1,5 +1,6 @@
 //! The commands. Exit status 0: done; 1: ran, and the answer is no; 2: bad input or usage, and nothing was written.
 
+mod align;
 mod arm;
 mod cache;
 mod calibrate;
@@ -12,11 +13,14 @@ mod effects;
 mod import;
 mod page;
 mod plan;
+mod rehearse;
 mod run;
 mod schema;
+mod session;
 mod shared;
 mod simulate;
 mod verify;
+mod weigh;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -41,6 +45,9 @@ enum Command {
     Collect(collect::Collect),
     Doctor(doctor::Doctor),
     Arm(arm::Arm),
+    Align(align::Align),
+    Weigh(weigh::Weigh),
+    Rehearse(rehearse::Rehearse),
     Import(import::Import),
     Page(page::Page),
     Schema(schema::Schema),
@@ -88,6 +95,9 @@ pub(crate) fn main() -> ExitCode {
         Command::Collect(collect) => collect.carry_out(),
         Command::Doctor(doctor) => doctor.carry_out(),
         Command::Arm(arm) => arm.carry_out(),
+        Command::Align(align) => align.carry_out(),
+        Command::Weigh(weigh) => weigh.carry_out(),
+        Command::Rehearse(rehearse) => rehearse.carry_out(),
         Command::Import(import) => import.carry_out(),
         Command::Page(page) => page.carry_out(),
         Command::Schema(schema) => schema.carry_out(),

@@ -12,6 +12,10 @@ pub trait Clock: Send + Sync {
     fn join(&self) {}
     /// The opposite of [`Clock::join`].
     fn leave(&self) {}
+    /// True when it goes on whether or not anybody is ready for it.
+    fn is_real(&self) -> bool {
+        false
+    }
 }
 
 /// The computer's monotonic clock.
@@ -34,6 +38,10 @@ impl Default for WallClock {
 }
 
 impl Clock for WallClock {
+    fn is_real(&self) -> bool {
+        true
+    }
+
     fn now_s(&self) -> f64 {
         self.start.elapsed().as_secs_f64()
     }

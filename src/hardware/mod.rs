@@ -8,4 +8,5 @@ pub mod interrupt;
 pub mod rig;
 pub mod safety;
 pub mod tracking;
+pub mod urgency;
 pub mod wire;

@@ -133,6 +133,22 @@ impl Rig {
         Ok(())
     }
 
+    /// Leaves a robot that stands to whoever works on it, until [`Rig::begin`]; false while it moves or may not.
+    pub fn park(&mut self, now_s: f64) -> bool {
+        let parked = self.stands() && self.guard.park();
+        if parked {
+            self.expected_m = None;
+            self.note(now_s, "", "parked".to_owned());
+        }
+        parked
+    }
+
+    /// Nothing moves and nothing is about to.
+    fn stands(&self) -> bool {
+        let state = self.parts.controller.state();
+        state.mode == Mode::Idle && state.queued == 0 && state.unacknowledged == 0
+    }
+
     /// Reads what has arrived and does what it calls for.
     pub fn poll(&mut self, now_s: f64) {
         let motion = self.parts.controller.poll(now_s);
@@ -147,17 +163,22 @@ impl Rig {
             standing: matches!(mode, Mode::Idle | Mode::Hold { complete: true }),
         };
         let before = self.state().name();
-        match self.guard.judge(&facts, now_s) {
-            Order::Nothing => {}
-            Order::Hold => self.parts.controller.hold(now_s),
-            Order::Resume => self.parts.controller.resume(now_s),
-            Order::Flush => self.parts.controller.reset(now_s),
-        }
+        let order = self.guard.judge(&facts, now_s);
+        self.obey(order, now_s);
         if was_homing && *self.state() == State::Active {
             self.commanded_m = self.parts.axes.pulls_m(&self.parts.controller.state().position_mm);
         }
         if self.state().name() != before {
             self.tell(now_s);
+        }
+    }
+
+    fn obey(&mut self, order: Order, now_s: f64) {
+        match order {
+            Order::Nothing => {}
+            Order::Hold => self.parts.controller.hold(now_s),
+            Order::Resume => self.parts.controller.resume(now_s),
+            Order::Flush => self.parts.controller.reset(now_s),
         }
     }
 
@@ -219,13 +240,17 @@ impl Rig {
         Ok(())
     }
 
-    /// Holds the robot for good, as at the end of a program that ends early.
-    pub fn abandon(&mut self, why: &str, now_s: f64) {
-        let moving = !matches!(self.parts.controller.state().mode, Mode::Idle);
-        if moving || *self.state() == State::Homing {
-            self.parts.controller.hold(now_s);
-            self.note(now_s, "", format!("held: {why}"));
+    /// The program ends: a robot that moves is held, and what is queued is forgotten at one of the next polls, as after a
+    /// stop, so that the next program finds it standing. False when there is nothing left to wait for.
+    pub fn leave(&mut self, why: &str, now_s: f64) -> bool {
+        if !self.stands() || *self.state() == State::Homing {
+            let order = self.guard.end(ended(why), now_s);
+            self.obey(order, now_s);
+            if order != Order::Nothing {
+                self.tell(now_s);
+            }
         }
+        self.guard.is_stopping()
     }
 
     /// The pose at `time_s`, between the frames around it.
@@ -281,7 +306,7 @@ impl Rig {
             State::Held { cause, .. } => (cause.kind, format!("{}; goes on by itself", cause.what)),
             State::Stopped { cause, .. } => {
                 let cause = cause.clone();
-                if let Some(latch) = self.parts.latch.as_ref().filter(|_| cause.kind != INTERRUPTED) {
+                if let Some(latch) = self.parts.latch.as_ref().filter(|_| ![INTERRUPTED, ENDED].contains(&cause.kind)) {
                     // A stop that cannot be written down is still a stop.
                     let _ = latch.stop(&cause);
                 }
@@ -303,6 +328,7 @@ impl Rig {
 }
 
 const INTERRUPTED: &str = "interrupted";
+const ENDED: &str = "ended";
 /// How to go on after most stops.
 const ARM: &str = "look at the robot, then `spinebench arm --plant PLANT.yaml`";
 
@@ -312,6 +338,10 @@ fn interrupted() -> Cause {
         what: "somebody asked the program to end".to_owned(),
         remedy: "the robot is held where it was; start the program again to go on".to_owned(),
     }
+}
+
+fn ended(why: &str) -> Cause {
+    Cause { kind: ENDED, what: why.to_owned(), remedy: "start the program again to go on".to_owned() }
 }
 
 fn controller_cause(fault: &MotionFault) -> Cause {

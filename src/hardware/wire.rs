@@ -1,8 +1,10 @@
 //! A serial line as bytes that come and go.
 
 use std::io;
+use std::os::fd::AsRawFd;
 use std::time::Duration;
 
+use nix::errno::Errno;
 use serialport::{SerialPort, TTYPort};
 
 /// Bytes to and from a controller. Nothing here waits.
@@ -20,6 +22,9 @@ pub trait Wire: Send {
     fn write(&mut self, bytes: &[u8]) -> io::Result<()>;
 }
 
+/// Bytes that may wait on their way out: a line that takes nothing may not hold the program up.
+const MOST_WAITING: usize = 2048;
+
 /// A serial port of this computer.
 pub struct SerialWire {
     port: TTYPort,
@@ -33,6 +38,17 @@ impl SerialWire {
     pub fn open(path: &str, baud: u32) -> io::Result<SerialWire> {
         let port = serialport::new(path, baud).timeout(Duration::from_millis(1)).open_native()?;
         Ok(SerialWire { port })
+    }
+
+    /// One end of a pseudo-terminal, and the name of the other, which programs open as a serial port.
+    ///
+    /// # Errors
+    /// When the system has none left.
+    pub fn served() -> io::Result<(SerialWire, String)> {
+        let (one, other) = TTYPort::pair()?;
+        // Only one program may have a port open: this end's own handle of it is closed.
+        let name = other.name().ok_or_else(|| io::Error::other("a pseudo-terminal without a name"))?;
+        Ok((SerialWire { port: one }, name))
     }
 
     /// Two ends of a pseudo-terminal: a serial line without a cable.
@@ -58,7 +74,20 @@ impl Wire for SerialWire {
         }
     }
 
+    /// Not by the port's own writer: that asks first whether there is room, for which the kernel waits until it has passed on
+    /// all that has arrived on the line, tens of milliseconds on a busy computer.
     fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
-        io::Write::write_all(&mut self.port, bytes)
+        if self.port.bytes_to_write()? as usize + bytes.len() > MOST_WAITING {
+            return Err(io::Error::new(io::ErrorKind::TimedOut, "the line takes no more"));
+        }
+        let mut rest = bytes;
+        while !rest.is_empty() {
+            match nix::unistd::write(self.port.as_raw_fd(), rest) {
+                Ok(count) => rest = &rest[count..],
+                Err(Errno::EINTR) => {}
+                Err(error) => return Err(error.into()),
+            }
+        }
+        Ok(())
     }
 }

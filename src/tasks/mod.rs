@@ -15,6 +15,7 @@ mod record;
 mod samples;
 mod targets;
 mod track;
+mod visit;
 mod watched;
 
 pub use actuation::{GridOptions, bend_commands};
@@ -30,6 +31,7 @@ pub use record::{UnevenSteps, record_trial, step_s};
 pub use samples::Samples;
 pub use targets::{TargetOptions, draw_targets, spread_targets, target_pool};
 pub use track::{TrackOptions, TrackStep, track};
+pub use visit::{VisitOptions, star_m, visit_trial, visits};
 
 use crate::base::{BadOption, PlantError, PolicyError};
 

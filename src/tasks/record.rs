@@ -61,7 +61,7 @@ pub fn record_trial(
     Ok(written(commands, rows, &seen))
 }
 
-fn written(commands: &Recording, rows: Range<usize>, seen: &[Observation]) -> Recording {
+pub(super) fn written(commands: &Recording, rows: Range<usize>, seen: &[Observation]) -> Recording {
     let mut kept = Rows::new(commands.tendons());
     rows.clone().for_each(|row| kept.push(commands.commands.row(row)));
     let quaternion: Option<Vec<[f64; 4]>> = seen.iter().map(|seen| seen.tip_quaternion).collect();

@@ -18,6 +18,8 @@ pub trait Body: Send {
     /// Moves the tendons to `pulls_m` within `duration_s` (both since the last call); where the tip is then, in the base
     /// frame.
     fn advance(&mut self, pulls_m: &[f64; AXES], duration_s: f64) -> Pose;
+    /// A weight of `load_kg` hangs on the tip from now on, and nothing else.
+    fn hang(&mut self, _load_kg: f64) {}
 }
 
 /// Motors, robot and tracker of a rehearsal.
@@ -75,6 +77,11 @@ impl World {
         self.plans.push((time_s, plan));
     }
 
+    /// A weight of `load_kg` hangs on the tip from now on, and nothing else.
+    pub fn hang(&mut self, load_kg: f64) {
+        self.body.hang(load_kg);
+    }
+
     /// When a screw last moved, s.
     pub fn moved_s(&self) -> f64 {
         self.moved_s
@@ -121,6 +128,8 @@ impl Running {
                     let now_s = clock.now_s();
                     lock(&world).step(now_s);
                     clock.sleep_until(now_s + STEP_S);
+                    // Alone on a clock of its own it would never wait, and keep a processor from everybody else.
+                    std::thread::yield_now();
                 }
                 clock.leave();
             }

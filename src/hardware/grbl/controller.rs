@@ -18,7 +18,7 @@ const MOST_QUEUED: usize = 2;
 
 const HOLD: u8 = b'!';
 const RESUME: u8 = b'~';
-const RESET: u8 = 0x18;
+pub(super) const RESET: u8 = 0x18;
 
 /// What a line that waits for its `ok` was for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,7 @@
 //! The first talk with a controller: who it is and how it is set up. Nothing moves.
 
 use super::check::{self, Table};
+use super::controller::RESET;
 use super::fault::MotionFault;
 use super::line::{Piece, Reply, Status, four, parse};
 use super::port::Port;
@@ -12,6 +13,10 @@ use crate::hardware::clock::Clock;
 const WAKE_S: f64 = 5.0;
 /// Time between two looks at the line, seconds.
 const LOOK_S: f64 = 0.005;
+/// Moves that another program has left may take this long, seconds, and are asked after so often.
+const LEFT_S: f64 = 2.0;
+/// See [`LEFT_S`].
+const ASK_S: f64 = 0.05;
 /// Longest silence that is waited for before the first question, seconds.
 const QUIET_S: f64 = 1.0;
 /// Unreadable lines after which an answer is no longer waited for.
@@ -43,7 +48,7 @@ pub(super) fn introduce(
     clock: &dyn Clock,
 ) -> Result<(Machine, Status), MotionFault> {
     let mut talk = Talk { port, clock, timeout_s: settings.reply_timeout_s };
-    // A controller that restarts when its port is opened may do so in the middle of the talk.
+    // A controller that restarts when its port is opened, or is reset, may do so in the middle of the talk.
     for _ in 0..2 {
         match talk.introduce(settings) {
             Err(MotionFault::Rebooted { .. }) => {}
@@ -62,7 +67,7 @@ struct Talk<'a> {
 impl Talk<'_> {
     fn introduce(&mut self, settings: &MotionSettings) -> Result<(Machine, Status), MotionFault> {
         self.wake()?;
-        let first = self.status()?;
+        let first = self.standing()?;
         if !matches!(first.mode, Mode::Idle | Mode::Alarm(_)) {
             return Err(MotionFault::UnexpectedMode { mode: first.mode });
         }
@@ -78,6 +83,25 @@ impl Talk<'_> {
         let mut last = self.status()?;
         last.homed = last.homed.or(first.homed);
         Ok((machine, last))
+    }
+
+    /// The status once nothing moves. A program that was killed has left two moves at most, which end by themselves; one
+    /// that held the robot may have left them waiting: a reset forgets them, and standing axes keep their position.
+    fn standing(&mut self) -> Result<Status, MotionFault> {
+        let began_s = self.clock.now_s();
+        loop {
+            let status = self.status()?;
+            match status.mode {
+                Mode::Run | Mode::Hold { complete: false } if self.clock.now_s() - began_s < LEFT_S => {
+                    self.clock.sleep_until(self.clock.now_s() + ASK_S);
+                }
+                Mode::Hold { complete: true } => {
+                    self.port.send_byte(RESET).map_err(|error| unplugged(&error))?;
+                    return Err(MotionFault::Rebooted { greeting: "reset out of a hold".to_owned() });
+                }
+                _ => return Ok(status),
+            }
+        }
     }
 
     /// Ends half a line and a repeating error; waits until nothing more comes of the past.

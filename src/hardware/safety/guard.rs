@@ -6,7 +6,7 @@ use super::limits::SafetyLimits;
 /// Why a robot is held or stopped, in words: what was found and what was expected.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cause {
-    /// One word for tables: `tracking`, `controller`, `tip`, `interrupted`, `deadline`.
+    /// One word for tables: `tracking`, `controller`, `tip`, `interrupted`, `ended`.
     pub kind: &'static str,
     /// What happened.
     pub what: String,
@@ -119,6 +119,29 @@ impl Guard {
             self.state = State::Active;
         }
         may
+    }
+
+    /// A robot that stands and is not told to move for now, such as while somebody works on it: what the tracker sees does
+    /// not matter until it becomes active again.
+    pub fn park(&mut self) -> bool {
+        let may = matches!(self.state, State::Active);
+        if may {
+            self.state = State::Idle;
+        }
+        may
+    }
+
+    /// The program ends: a robot that may move is stopped, one that homes as well.
+    pub fn end(&mut self, cause: Cause, now_s: f64) -> Order {
+        match self.state {
+            State::Idle | State::Stopped { .. } => Order::Nothing,
+            State::Homing | State::Active | State::Held { .. } => self.stop(cause, now_s),
+        }
+    }
+
+    /// Whether queued motion of a stopped robot has yet to be forgotten.
+    pub fn is_stopping(&self) -> bool {
+        self.flush_at_s.is_some()
     }
 
     /// What the facts at `now_s` call for.

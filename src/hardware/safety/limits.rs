@@ -44,6 +44,9 @@ impl Default for SafetyLimits {
     }
 }
 
+/// A command that needs more ticks than this is a mistake.
+pub const MOST_TICKS: usize = 4;
+
 /// Rounding that no limit is about, metres.
 const ROUNDING_M: f64 = 1e-9;
 
@@ -129,6 +132,15 @@ impl SafetyLimits {
             within("step (m)", index, to - from, -step_m, step_m)?;
         }
         self.admit_pairs(pulls_m, last_m)
+    }
+
+    /// The ticks of `tick_s` in which the drive may go from the command `last_m` to `pulls_m`, at least one.
+    ///
+    /// # Errors
+    /// [`Refusal`] names the first limit that is broken, in [`MOST_TICKS`] if it needs more.
+    pub fn admit_in_ticks(&self, pulls_m: &[f64], last_m: &[f64], tick_s: f64) -> Result<usize, Refusal> {
+        let ticks = self.ticks(pulls_m, last_m, tick_s).clamp(1, MOST_TICKS);
+        self.admit(pulls_m, last_m, tick_s * ticks as f64, ticks).map(|()| ticks)
     }
 
     /// A pair that stands beyond a bound may come back towards it.

@@ -6,4 +6,4 @@ mod limits;
 
 pub use guard::{Cause, Facts, Guard, Order, State};
 pub use latch::Latch;
-pub use limits::{Refusal, SafetyLimits};
+pub use limits::{MOST_TICKS, Refusal, SafetyLimits};

@@ -9,6 +9,9 @@ use crate::base::Point3;
 /// Points whose spread across their longest direction is below this share of the spread along it are a line.
 const THINNEST: f64 = 0.02;
 
+/// Normal deviates within which 95 % lie.
+const NORMAL_95: f64 = 1.96;
+
 /// Coordinates beyond this are no lengths in metres.
 const LARGEST_M: f64 = 1000.0;
 
@@ -21,6 +24,21 @@ pub struct Alignment {
     pub residual_m: f64,
     /// Largest of them, metres.
     pub worst_m: f64,
+    /// Root mean square of the distances of the points from their centre, metres.
+    pub spread_m: f64,
+    /// How well the turn is known about the axis about which it is known least, half of a 95 % interval, radians, if what
+    /// remains is noise.
+    pub turn_rad: f64,
+}
+
+/// [`align`] for points that were measured with the alignment `present`: the alignment that should take its place.
+///
+/// # Errors
+/// As [`align`].
+pub fn realign(present: &Pose, robot_m: &[Point3], measured_m: &[Point3]) -> Result<Alignment, TrackingFault> {
+    let motion = present.motion();
+    let body = |point: &Point3| (motion * nalgebra::Point3::from(*point)).coords.into();
+    align(robot_m, &measured_m.iter().map(body).collect::<Vec<Point3>>())
 }
 
 /// The rigid motion that brings the points `robot_m` of the robot's base frame closest to the same points `body_m` as
@@ -56,7 +74,14 @@ pub fn align(robot_m: &[Point3], body_m: &[Point3]) -> Result<Alignment, Trackin
     let squares: Vec<f64> = robot.iter().zip(&body).map(|(from, to)| (turn * from - to).norm_squared()).collect();
     let residual_m = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
     let worst_m = squares.iter().copied().fold(0.0, f64::max).sqrt();
-    Ok(Alignment { pose: Pose::of(&motion), residual_m, worst_m })
+    let count = robot.len() as f64;
+    let spread_m = (robot.iter().map(|point| point.norm_squared()).sum::<f64>() / count).sqrt();
+    // About the axis of the largest spread only the other two hold the turn; six numbers are fitted.
+    let [least, middle, _] = spreads(&robot);
+    let freedom = (3.0 * count - 6.0).max(1.0);
+    let noise2 = squares.iter().sum::<f64>() / freedom;
+    let turn_rad = NORMAL_95 * (noise2 / (least + middle)).sqrt();
+    Ok(Alignment { pose: Pose::of(&motion), residual_m, worst_m, spread_m, turn_rad })
 }
 
 fn centred(points_m: &[Point3]) -> (Vec<Vector3<f64>>, Vector3<f64>) {
@@ -67,10 +92,16 @@ fn centred(points_m: &[Point3]) -> (Vec<Vector3<f64>>, Vector3<f64>) {
 
 /// Spread in the second direction over that in the first; 0 for a line or a point.
 fn thinness(points: &[Vector3<f64>]) -> f64 {
+    let [_, middle, largest] = spreads(points);
+    if largest > 0.0 { (middle / largest).sqrt() } else { 0.0 }
+}
+
+/// Sums of squares along the principal directions, smallest first, square metres.
+fn spreads(points: &[Vector3<f64>]) -> [f64; 3] {
     let scatter: Matrix3<f64> = points.iter().map(|point| point * point.transpose()).sum();
     let mut spreads: [f64; 3] = scatter.symmetric_eigenvalues().into();
     spreads.sort_by(f64::total_cmp);
-    if spreads[2] > 0.0 { (spreads[1].max(0.0) / spreads[2]).sqrt() } else { 0.0 }
+    spreads.map(|spread| spread.max(0.0))
 }
 
 /// The rotation that brings `from` closest to `to`.

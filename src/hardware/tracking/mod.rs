@@ -19,7 +19,7 @@ mod stamps;
 mod status;
 mod stream;
 
-pub use align::{Alignment, align};
+pub use align::{Alignment, align, realign};
 pub use client::Tracking;
 pub use fault::TrackingFault;
 pub use pose::{Mounting, Pose, TipPose};

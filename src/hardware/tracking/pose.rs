@@ -52,8 +52,11 @@ impl Pose {
         Pose::of(&Isometry3::from_parts(position.into(), turn))
     }
 
-    /// Refuses numbers that are not finite and quaternions that are not of length 1.
-    pub(super) fn check(&self, key: &'static str) -> Result<(), BadOption> {
+    /// Refuses numbers that are not finite and quaternions that are not of length 1; `key` is where the pose stands.
+    ///
+    /// # Errors
+    /// [`BadOption`].
+    pub fn check(&self, key: &'static str) -> Result<(), BadOption> {
         let length = self.quaternion.iter().map(|value| value * value).sum::<f64>().sqrt();
         let finite = self.position_m.iter().all(|value| value.is_finite());
         if finite && (length - 1.0).abs() <= UNIT_TOLERANCE {

@@ -1,9 +1,12 @@
 //! One robot, one user at a time, and the things that only hands can do to it.
 
-use std::io::{BufRead, stdin};
+use std::io::stdin;
+use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Condvar, Mutex, PoisonError};
+use std::time::Duration;
 
 use crate::effects::EffectSpec;
+use crate::hardware::interrupt::Interrupt;
 
 /// Whether somebody in this program has the robot, and what hangs on it.
 struct Bench {
@@ -28,7 +31,7 @@ impl Claim {
             bench = FREE.wait(bench).unwrap_or_else(PoisonError::into_inner);
         }
         if bench.attached != attached {
-            ask(attached)?;
+            attach(attached)?;
             bench.attached = attached.to_vec();
         }
         bench.taken = true;
@@ -44,17 +47,40 @@ impl Drop for Claim {
 }
 
 /// Asks for the robot to be changed and waits until somebody says that it has been.
-fn ask(attached: &[EffectSpec]) -> Result<(), String> {
+fn attach(attached: &[EffectSpec]) -> Result<(), String> {
     let what = serde_json::to_string(attached).map_err(|error| error.to_string())?;
-    let words = if attached.is_empty() {
-        "take everything off the robot".to_owned()
+    if attached.is_empty() {
+        ask("take everything off the robot")
     } else {
-        format!("attach to the robot: {what}")
-    };
-    eprint!("{words}, then press Enter: ");
-    let mut line = String::new();
-    match stdin().lock().read_line(&mut line) {
-        Ok(count) if count > 0 => Ok(()),
-        _ => Err(format!("nobody there to do this: {words}")),
+        ask(&format!("attach to the robot: {what}"))
+    }
+}
+
+/// How often a request to end is looked for, s.
+const LOOK_S: f64 = 0.05;
+
+/// Asks for what only hands can do and waits until somebody presses Enter.
+///
+/// # Errors
+/// In words, when there is nobody (standard input has ended) or the program is to end.
+pub fn ask(what: &str) -> Result<(), String> {
+    let interrupt = Interrupt::of_process().map_err(|error| error.to_string())?;
+    eprint!("{what}, then press Enter: ");
+    let (sender, answer) = channel();
+    // A signal does not end the reading of a line, so that somebody else has to do it.
+    std::thread::spawn(move || {
+        let mut line = String::new();
+        // Whoever asked may have gone.
+        let _ = sender.send(matches!(stdin().read_line(&mut line), Ok(count) if count > 0));
+    });
+    loop {
+        match answer.recv_timeout(Duration::from_secs_f64(LOOK_S)) {
+            Ok(true) => return Ok(()),
+            Err(RecvTimeoutError::Timeout) if !interrupt.raised() => {}
+            Err(RecvTimeoutError::Timeout) => return Err(format!("interrupted before this was done: {what}")),
+            Ok(false) | Err(RecvTimeoutError::Disconnected) => {
+                return Err(format!("nobody there to do this: {what}"));
+            }
+        }
     }
 }

@@ -6,9 +6,12 @@ use std::thread::JoinHandle;
 
 use crate::hardware::clock::Clock;
 use crate::hardware::rig::Rig;
+use crate::hardware::urgency::{Rank, Urgent};
 
 /// How often the rig is looked at, s.
 const WATCH_S: f64 = 0.005;
+/// Longest that a robot is waited for at the end until it stands, s.
+const LEAVE_S: f64 = 1.0;
 
 /// A rig that is watched whatever its user does.
 pub(super) struct Line {
@@ -26,6 +29,7 @@ impl Line {
         let watch = std::thread::spawn({
             let (rig, clock, over) = (Arc::clone(&rig), Arc::clone(&clock), Arc::clone(&over));
             move || {
+                let _urgent = clock.is_real().then(|| Urgent::new(Rank::Watch));
                 while !over.load(Ordering::SeqCst) {
                     lock(&rig).poll(clock.now_s());
                     clock.sleep_until(clock.now_s() + WATCH_S);
@@ -69,7 +73,10 @@ impl Drop for Line {
     /// Whatever ends the program, a moving robot is held first.
     fn drop(&mut self) {
         let why = if std::thread::panicking() { "the program failed" } else { "the program ended" };
-        self.rig().abandon(why, self.clock.now_s());
+        let now_s = self.clock.now_s();
+        if self.rig().leave(why, now_s) {
+            self.wait(now_s + LEAVE_S, |rig, now_s| (!rig.leave(why, now_s)).then_some(()));
+        }
         self.over.store(true, Ordering::SeqCst);
         self.clock.leave();
         if let Some(watch) = self.watch.take() {

@@ -7,7 +7,7 @@ use crate::effects::{EffectSpec, Model};
 use crate::hardware::axes::AxesOptions;
 use crate::hardware::grbl::MotionSettings;
 use crate::hardware::safety::SafetyLimits;
-use crate::hardware::tracking::TrackingSettings;
+use crate::hardware::tracking::{Pose, TrackingSettings};
 
 /// Four lead screws, a tracker and what is believed about the robot between them (docs/hardware.md).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -56,6 +56,10 @@ pub struct RehearsalOptions {
     /// Share of the tracker's frames that are lost on the way.
     #[serde(default)]
     pub loss: f64,
+    /// Where the robot's base frame really is in the base body's frame; null: where `tracking.alignment` has it. For trying
+    /// out `spinebench align`.
+    #[serde(default)]
+    pub alignment: Option<Pose>,
 }
 
 impl HardwareOptions {
@@ -105,6 +109,8 @@ impl RehearsalOptions {
         if !(0.0..1.0).contains(&self.loss) {
             return Err(bad("loss", self.loss, "0 to less than 1"));
         }
+        let alignment = self.alignment.map_or(Ok(()), |alignment| alignment.check("alignment"));
+        alignment.map_err(|error| ("rehearsal".to_owned(), error))?;
         self.model.check().map_err(|(path, error)| (format!("rehearsal.model.{path}"), error))
     }
 }

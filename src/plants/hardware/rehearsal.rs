@@ -37,7 +37,8 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// Opens the imitations and joins their clock for the calling thread, which would else go on without it: the stage, the driver's end of the serial line, and what the tracker's client has to know.
+    /// Opens the imitations and joins their clock for the calling thread, which would else go on without it: the stage, the
+    /// driver's end of the serial line, and what the tracker's client has to know.
     pub(super) fn open(
         options: &HardwareOptions,
         rehearsal: &RehearsalOptions,
@@ -46,28 +47,7 @@ impl Stage {
         let clock: Arc<dyn Clock> = Arc::new(RehearsalClock::new());
         // A pseudo-terminal would deliver when it pleases, which is late on a clock that does not wait for it.
         let (theirs, ours) = pipe();
-        let mut imitated = ControllerOptions { seed: seed.0, ..ControllerOptions::default() };
-        for (number, value) in FAST {
-            imitated.settings.insert(number, value.to_owned());
-        }
-        let controller = FakeController::new(Box::new(theirs), imitated);
-        let imitated = TrackerOptions { noise_m: rehearsal.noise_m, seed, ..TrackerOptions::default() };
-        let mut tracker =
-            FakeTracker::new(imitated).map_err(|error| format!("no tracker on this computer: {error}"))?;
-        let network = tracker.settings().map_err(|error| error.to_string())?;
-        if rehearsal.loss > 0.0 {
-            tracker.inject(TrackerFault::Loss(rehearsal.loss));
-        }
-        let tracking = TrackingSettings {
-            up_axis: options.tracking.up_axis,
-            alignment: options.tracking.alignment,
-            tip_offset: options.tracking.tip_offset,
-            ..network
-        };
-        let mounting = Mounting::of(&tracking);
-        let body = Imitated::new(&rehearsal.model, &options.attached);
-        let seen = Box::new(move |base: &Pose, tip: &Pose| mounting.tip_body(base, tip));
-        let world = World::new(controller, tracker, Box::new(body), options.axes, seen);
+        let (world, tracking) = imitations(options, rehearsal, Box::new(theirs), seed)?;
         clock.join();
         let running = Running::start(world, Arc::clone(&clock)).map_err(|error| error.to_string())?;
         Ok((Stage { running, clock, interrupt: Interrupt::new() }, Box::new(ours), tracking))
@@ -89,8 +69,41 @@ impl Stage {
     }
 }
 
+/// Motors at the other end of `wire`, a tracker and a robot between them, and what the tracker's client has to know.
+pub(super) fn imitations(
+    options: &HardwareOptions,
+    rehearsal: &RehearsalOptions,
+    wire: Box<dyn Wire>,
+    seed: Seed,
+) -> Result<(World, TrackingSettings), String> {
+    let mut imitated = ControllerOptions { seed: seed.0, ..ControllerOptions::default() };
+    for (number, value) in FAST {
+        imitated.settings.insert(number, value.to_owned());
+    }
+    let controller = FakeController::new(wire, imitated);
+    let imitated = TrackerOptions { noise_m: rehearsal.noise_m, seed, ..TrackerOptions::default() };
+    let mut tracker = FakeTracker::new(imitated).map_err(|error| format!("no tracker on this computer: {error}"))?;
+    let network = tracker.settings().map_err(|error| error.to_string())?;
+    if rehearsal.loss > 0.0 {
+        tracker.inject(TrackerFault::Loss(rehearsal.loss));
+    }
+    let tracking = TrackingSettings {
+        up_axis: options.tracking.up_axis,
+        alignment: options.tracking.alignment,
+        tip_offset: options.tracking.tip_offset,
+        ..network
+    };
+    let truth = TrackingSettings { alignment: rehearsal.alignment.unwrap_or(tracking.alignment), ..tracking.clone() };
+    let mounting = Mounting::of(&truth);
+    let body = Imitated::new(&rehearsal.model, &options.attached);
+    let seen = Box::new(move |base: &Pose, tip: &Pose| mounting.tip_body(base, tip));
+    Ok((World::new(controller, tracker, Box::new(body), options.axes, seen), tracking))
+}
+
 /// A simulated robot whose tendons are moved by imitated lead screws.
 struct Imitated {
+    model: Model,
+    attached: Vec<EffectSpec>,
     driven: Driven,
     /// Time that has passed since the robot was last moved on, s.
     waiting_s: f64,
@@ -107,8 +120,15 @@ const AT_REST_S: f64 = 2.0;
 
 impl Imitated {
     fn new(model: &Model, attached: &[EffectSpec]) -> Imitated {
-        let driven = Driven::new(model, attached);
-        let mut robot = Imitated { driven, waiting_s: 0.0, tip: Pose::default(), pulls_m: [0.0; AXES], still_s: 0.0 };
+        let mut robot = Imitated {
+            model: model.clone(),
+            attached: attached.to_vec(),
+            driven: Driven::new(model, attached),
+            waiting_s: 0.0,
+            tip: Pose::default(),
+            pulls_m: [0.0; AXES],
+            still_s: 0.0,
+        };
         // Before homing the screws stand anywhere; the robot's first place is that of its tendons at home.
         let _ = robot.driven.home();
         robot.look();
@@ -145,5 +165,17 @@ impl Body for Imitated {
         }
         self.waiting_s = 0.0;
         self.tip
+    }
+
+    /// The weight is let down gently: the robot comes to rest under it at once.
+    fn hang(&mut self, load_kg: f64) {
+        let hung = (load_kg > 0.0).then(|| EffectSpec::tip_load(load_kg));
+        let all: Vec<EffectSpec> = self.attached.iter().cloned().chain(hung).collect();
+        self.driven = Driven::new(&self.model, &all);
+        let rests = self.driven.home().and_then(|()| self.driven.settle(&self.commands()));
+        if rests.is_ok() {
+            self.look();
+        }
+        self.still_s = 0.0;
     }
 }

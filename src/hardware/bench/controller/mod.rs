@@ -28,6 +28,8 @@ use table::Settings;
 const BLOCKS: usize = 100;
 /// Longer lines are refused.
 const LONGEST_LINE: usize = 256;
+/// Things heard that are kept for whoever asks.
+const MOST_HEARD: usize = 1000;
 /// The motion is looked at this often, seconds.
 const LOOK_S: f64 = 0.01;
 /// Screws end this far beyond their switches and their travel, mm.
@@ -92,6 +94,7 @@ pub struct FakeController {
     closed: [bool; 4],
     half_line: Vec<u8>,
     lines: VecDeque<Result<String, u16>>,
+    heard: VecDeque<String>,
     /// Answers with the time at which they leave.
     answers: VecDeque<(f64, Vec<u8>)>,
     now_s: f64,
@@ -120,6 +123,7 @@ impl FakeController {
             closed: [false; 4],
             half_line: Vec::new(),
             lines: VecDeque::new(),
+            heard: VecDeque::new(),
             answers: VecDeque::new(),
             now_s: 0.0,
             started: false,
@@ -141,6 +145,19 @@ impl FakeController {
         self.listen();
         self.work();
         self.speak();
+    }
+
+    /// What has arrived since this was last asked, status queries left out: lines as they came, single bytes as `!` hold,
+    /// `~` resume, `^X` reset and `\x..` any other. The last thousand of them.
+    pub fn heard(&mut self) -> Vec<String> {
+        self.heard.drain(..).collect()
+    }
+
+    fn note(&mut self, what: String) {
+        if self.heard.len() == MOST_HEARD {
+            self.heard.pop_front();
+        }
+        self.heard.push_back(what);
     }
 
     /// Where the screws really are, mm from home.
@@ -227,6 +244,7 @@ impl FakeController {
         let bytes = std::mem::take(&mut self.half_line);
         let too_long = bytes.len() > LONGEST_LINE;
         let line = String::from_utf8_lossy(&bytes).trim().to_owned();
+        self.note(line.clone());
         self.lines.push_back(if too_long { Err(11) } else { Ok(line) });
         // Realtime bytes come after the lines before them.
         self.work();

@@ -11,6 +11,12 @@ impl FakeController {
     /// Obeys a byte; false when it belongs to a line.
     pub(super) fn realtime(&mut self, byte: u8) -> bool {
         match byte {
+            b'!' | b'~' => self.note(char::from(byte).to_string()),
+            0x18 => self.note("^X".to_owned()),
+            0x19 | 0x80..=0xff => self.note(format!("\\x{byte:02x}")),
+            _ => {}
+        }
+        match byte {
             b'?' => self.ask(),
             b'!' => self.hold(),
             b'~' => self.go_on(),

@@ -1,0 +1,132 @@
+//! `spinebench align`.
+
+use super::simulate::same_tendons;
+use super::weigh::{STEP_S, visiting};
+use super::{Ended, Outcome};
+use clap::Args;
+use spinebench::base::{Point3, Seed};
+use spinebench::data::{Recording, write_atomic};
+use spinebench::hardware::tracking::{Alignment, Pose, realign};
+use spinebench::plants::hardware::{Hardware, HardwareOptions};
+use spinebench::specs::{PlantSpec, read_plant, to_yaml};
+use spinebench::tasks::{PlayOptions, play, star_m, visit_trial, visits};
+use std::path::PathBuf;
+
+/// Steps for which the robot comes to rest in each pose.
+const REST_STEPS: usize = 8;
+/// Largest root mean square of the distances that remain, over that of the points from their centre: more is not a frame
+/// that is turned or shifted, but points that do not belong together.
+const MISFIT: f64 = 0.35;
+
+/// Finds where the robot's base frame is in the tracker's base body, from where the tip is measured and where the model
+/// puts it.
+///
+/// Prints the setting `tracking.alignment`, to paste into the plant file, or writes the plant with it. What the model gets
+/// wrong is in the answer: take a calibrated one, and poses all round.
+#[derive(Args)]
+pub(super) struct Align {
+    /// Plant file of a robot on a bench.
+    #[arg(long, value_name = "PLANT.yaml")]
+    plant: PathBuf,
+    /// Recording of this robot, measured with the alignment that the plant file has now.
+    #[arg(long, value_name = "REC.csv", required_unless_present = "moving", conflicts_with = "moving")]
+    measured: Option<PathBuf>,
+    /// Every row of the recording is a pose at rest, as `weigh` writes them.
+    #[arg(long = "static", conflicts_with = "moving")]
+    at_rest: bool,
+    /// Instead of a recording: homes the robot and bends it in eight directions.
+    #[arg(long = "move")]
+    moving: bool,
+    /// How far tendons are pulled with --move, metres.
+    #[arg(long, value_name = "M", default_value_t = 0.012)]
+    reach_m: f64,
+    /// Plant file to write, complete and with the alignment.
+    #[arg(long, value_name = "PLANT2.yaml")]
+    out: Option<PathBuf>,
+}
+
+impl Align {
+    pub(super) fn carry_out(self) -> Outcome {
+        let PlantSpec::Hardware(mut options) = read_plant(&self.plant).map_err(Ended::bad)? else {
+            return Err(Ended::BadInput(format!("{}: expected `hardware`", self.plant.display())));
+        };
+        let (recording, at_rest) = match &self.measured {
+            Some(file) => {
+                let recording = Recording::read(file).map_err(Ended::bad)?;
+                same_tendons(file, &recording, 4)?;
+                (recording, self.at_rest)
+            }
+            None => (self.look(&options)?, true),
+        };
+        let found = aligned(&options, &recording, at_rest).map_err(|words| match &self.measured {
+            Some(file) => Ended::BadInput(format!("{}: {words}", file.display())),
+            None => Ended::No(words),
+        })?;
+        options.tracking.alignment = found.pose;
+        tell(&found)?;
+        if let Some(out) = &self.out {
+            let text = to_yaml(&PlantSpec::Hardware(options)).map_err(Ended::failed)?;
+            write_atomic(out, text.as_bytes()).map_err(Ended::bad)?;
+        }
+        Ok(())
+    }
+
+    /// Poses at rest, measured now.
+    fn look(&self, options: &HardwareOptions) -> Result<Recording, Ended> {
+        let travel_m = options.safety.travel_m;
+        if !(self.reach_m > 0.0 && self.reach_m <= travel_m) {
+            let found = self.reach_m;
+            return Err(Ended::BadInput(format!(
+                "--reach-m: found {found}, expected more than 0 and at most {travel_m}"
+            )));
+        }
+        // Where the tip is seen is what is to be found out: it cannot hold the robot.
+        let mut unaligned = options.clone();
+        unaligned.safety.tip_from_model_m = f64::MAX;
+        let visiting = visiting(options, REST_STEPS);
+        let planned = visits(&star_m(self.reach_m), &[0.0], &visiting, STEP_S);
+        let mut plant = Hardware::open(&unaligned, STEP_S, Seed(1)).map_err(Ended::No)?;
+        visit_trial(&mut plant, &planned, 0..planned.len(), &visiting, Seed(1)).map_err(Ended::failed)
+    }
+}
+
+/// The alignment that brings the measured tips to where the model puts them; in words why there is none.
+fn aligned(options: &HardwareOptions, measured: &Recording, at_rest: bool) -> Result<Alignment, String> {
+    let played = play(&options.model, measured, &PlayOptions { at_rest, ..PlayOptions::default() });
+    let (Some(model_m), Some(seen_m)) = (&played.tip_m, &measured.tip_m) else {
+        return Err("found no tip".to_owned());
+    };
+    let finite = |point: &Point3| point.iter().all(|value| value.is_finite());
+    let rows = (0..measured.len())
+        .filter(|&row| measured.is_valid(row) && played.is_valid(row) && finite(&model_m[row]) && finite(&seen_m[row]));
+    let (model_m, seen_m): (Vec<Point3>, Vec<Point3>) = rows.map(|row| (model_m[row], seen_m[row])).unzip();
+    let found = realign(&options.tracking.alignment, &model_m, &seen_m).map_err(|fault| fault.to_string())?;
+    if found.residual_m > MISFIT * found.spread_m {
+        let (left_mm, spread_mm) = (found.residual_m * 1e3, found.spread_m * 1e3);
+        return Err(format!(
+            "the measured tips fit no turned or shifted frame: {left_mm:.1} mm remain of {spread_mm:.1} mm; check tip_body, \
+             base_body, up_axis, which tendon is which, and the model"
+        ));
+    }
+    Ok(found)
+}
+
+fn tell(found: &Alignment) -> Outcome {
+    let Alignment { pose, residual_m, worst_m, turn_rad, .. } = found;
+    #[derive(serde::Serialize)]
+    struct Tracking<'a> {
+        alignment: &'a Pose,
+    }
+    #[derive(serde::Serialize)]
+    struct Setting<'a> {
+        tracking: Tracking<'a>,
+    }
+    print!("{}", to_yaml(&Setting { tracking: Tracking { alignment: pose } }).map_err(Ended::failed)?);
+    println!(
+        "# {:.2} mm rms remain, {:.2} mm at most; the turn is known to {:.2} degrees (95 %), if the model is right",
+        residual_m * 1e3,
+        worst_m * 1e3,
+        turn_rad.to_degrees()
+    );
+    Ok(())
+}

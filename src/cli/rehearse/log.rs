@@ -1,0 +1,67 @@
+//! What happens to the imitations, for a person and for a file.
+
+use super::super::Ended;
+use spinebench::hardware::bench::World;
+use std::fs::File;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Screws that have not moved for so long stand, s.
+const STAND_S: f64 = 0.05;
+
+/// A log on standard output and, with all details, in a file: `time_s,what,x_mm,y_mm,z_mm,a_mm`, where the screws are.
+pub(super) struct Log {
+    file: Option<(PathBuf, File)>,
+    moving: bool,
+}
+
+impl Log {
+    pub(super) fn open(path: Option<&Path>) -> Result<Log, Ended> {
+        let failed = |path: &Path, error| Ended::BadInput(format!("{}: cannot be written: {error}", path.display()));
+        let open = |path: &Path| -> Result<(PathBuf, File), Ended> {
+            let mut file = File::create(path).map_err(|error| failed(path, error))?;
+            writeln!(file, "time_s,what,x_mm,y_mm,z_mm,a_mm").map_err(|error| failed(path, error))?;
+            Ok((path.to_owned(), file))
+        };
+        Ok(Log { file: path.map(open).transpose()?, moving: false })
+    }
+
+    /// Writes down what has happened since the last call.
+    pub(super) fn look(&mut self, now_s: f64, world: &mut World) -> Result<(), Ended> {
+        for heard in world.controller.heard() {
+            // A person sees what holds the robot; a move a tick is for the file.
+            let told = match heard.as_str() {
+                "!" => Some("held"),
+                "~" => Some("goes on"),
+                "^X" => Some("reset"),
+                "$H" => Some("homes"),
+                _ => None,
+            };
+            if let Some(told) = told {
+                println!("{now_s:9.3} s  {told}");
+            }
+            self.write(now_s, &format!("heard {heard}"), world)?;
+        }
+        let moving = world.moved_s() > 0.0 && now_s - world.moved_s() < STAND_S;
+        if moving != self.moving {
+            self.moving = moving;
+            self.write(now_s, if moving { "moves" } else { "stands" }, world)?;
+        }
+        Ok(())
+    }
+
+    /// Writes down something that somebody did.
+    pub(super) fn tell(&mut self, now_s: f64, what: &str, world: &World) -> Result<(), Ended> {
+        println!("{now_s:9.3} s  {what}");
+        self.write(now_s, &format!("done {what}"), world)
+    }
+
+    fn write(&mut self, now_s: f64, what: &str, world: &World) -> Result<(), Ended> {
+        let Some((path, file)) = &mut self.file else { return Ok(()) };
+        let [x_mm, y_mm, z_mm, a_mm] = world.controller.position_mm();
+        // A controller hears anything; a table has commas of its own.
+        let what = what.replace([',', '"'], " ");
+        writeln!(file, "{now_s:.3},{what},{x_mm:.4},{y_mm:.4},{z_mm:.4},{a_mm:.4}")
+            .map_err(|error| Ended::No(format!("{}: cannot be written: {error}", path.display())))
+    }
+}

@@ -1,0 +1,100 @@
+//! `spinebench rehearse`.
+
+mod log;
+mod wish;
+
+use super::{Ended, Outcome};
+use clap::Args;
+use log::Log;
+use spinebench::base::Seed;
+use spinebench::data::write_atomic;
+use spinebench::hardware::interrupt::Interrupt;
+use spinebench::hardware::urgency::{Rank, Urgent};
+use spinebench::plants::hardware::Served;
+use spinebench::specs::{PlantSpec, read_plant, to_yaml};
+use std::io::stdin;
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, channel};
+
+/// Serves imitated motors on a serial port and an imitated tracker on UDP, around a simulated robot, so that every command
+/// can be tried before there is a robot.
+///
+/// Other commands use them by the plant file that this one writes. Lines on standard input break things: `help` lists
+/// them. Ends with Ctrl-C or `quit`.
+#[derive(Args)]
+pub(super) struct Rehearse {
+    /// Plant file of a robot on a bench with a `rehearsal`.
+    #[arg(long, value_name = "PLANT.yaml")]
+    plant: PathBuf,
+    /// Plant file to write, for other commands to use.
+    #[arg(long, value_name = "SERVED.yaml")]
+    out: PathBuf,
+    /// File for all that the controller hears and when the screws move, as a table.
+    #[arg(long, value_name = "LOG.csv")]
+    log: Option<PathBuf>,
+    /// Goes before all other programs, as devices with processors of their own do; needs the right to real-time priorities.
+    #[arg(long)]
+    urgent: bool,
+    /// Seed of noise and losses.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+impl Rehearse {
+    pub(super) fn carry_out(self) -> Outcome {
+        let PlantSpec::Hardware(options) = read_plant(&self.plant).map_err(Ended::bad)? else {
+            return Err(Ended::BadInput(format!("{}: expected `hardware`", self.plant.display())));
+        };
+        if options.rehearsal.is_none() {
+            let file = self.plant.display();
+            return Err(Ended::BadInput(format!(
+                "{file}: hardware: found no `rehearsal`, expected what is to be imitated"
+            )));
+        }
+        let interrupt = Interrupt::of_process().map_err(Ended::failed)?;
+        let mut served = Served::open(&options, Seed(self.seed)).map_err(Ended::No)?;
+        let mut log = Log::open(self.log.as_deref())?;
+        let plant = served.plant();
+        let text = to_yaml(&PlantSpec::Hardware(Box::new(plant.clone()))).map_err(Ended::failed)?;
+        // Whoever waits for the file finds somebody who answers: what arrives meanwhile is kept by the system.
+        write_atomic(&self.out, text.as_bytes()).map_err(Ended::bad)?;
+        println!(
+            "motors at {}, tracker at {}:{}",
+            plant.motion.port, plant.tracking.server, plant.tracking.command_port
+        );
+        println!("try `spinebench doctor --plant {}`; `help` lists what can go wrong here", self.out.display());
+        let wishes = lines_of_stdin();
+        let _urgent = self.urgent.then(|| Urgent::new(Rank::Device));
+        while !interrupt.raised() {
+            let now_s = served.step();
+            log.look(now_s, served.world())?;
+            for line in wishes.try_iter() {
+                match line.trim() {
+                    "quit" => return Ok(()),
+                    "" => {}
+                    text => match wish::read(text) {
+                        Ok(plan) => {
+                            plan(served.world());
+                            log.tell(now_s, text, served.world())?;
+                        }
+                        Err(words) => println!("{words}"),
+                    },
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What is typed, line by line; nothing more once standard input has ended.
+fn lines_of_stdin() -> Receiver<String> {
+    let (sender, lines) = channel();
+    std::thread::spawn(move || {
+        for line in stdin().lines().map_while(Result::ok) {
+            if sender.send(line).is_err() {
+                return;
+            }
+        }
+    });
+    lines
+}

@@ -1,0 +1,145 @@
+//! A recording under way: trial by trial, resumable.
+
+use super::{Ended, Outcome};
+use spinebench::base::{Plant, PlantError, Seed};
+use spinebench::data::Recording;
+use spinebench::plants::hardware::{Hardware, hands};
+use spinebench::specs::PlantSpec;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// What is recorded.
+pub(super) enum Robot {
+    /// A robot on a bench, on which hands may hang something, or a rehearsal of one.
+    Bench(Box<Hardware>),
+    /// Anything else.
+    Other(Box<dyn Plant>),
+}
+
+impl Robot {
+    pub(super) fn open(plant: &PlantSpec, step_s: f64, seed: Seed) -> Result<Robot, Ended> {
+        match plant {
+            PlantSpec::Hardware(options) => {
+                let hardware = Hardware::open(options, step_s, seed).map_err(Ended::No)?;
+                Ok(Robot::Bench(Box::new(hardware)))
+            }
+            other => Ok(Robot::Other(other.build(step_s).map_err(Ended::No)?)),
+        }
+    }
+
+    fn plant(&mut self) -> &mut dyn Plant {
+        match self {
+            Robot::Bench(hardware) => hardware.as_mut(),
+            Robot::Other(plant) => plant.as_mut(),
+        }
+    }
+
+    /// Has a weight hung on the tip, in place of whatever hangs there. An imitated robot takes it by itself.
+    fn hang(&mut self, trial: u64, load_kg: f64, assume_done: bool) -> Outcome {
+        let grams = load_kg * 1e3;
+        let what = if load_kg > 0.0 {
+            format!("trial {trial}: hang {grams:.1} g on the tip")
+        } else {
+            format!("trial {trial}: take everything off the tip")
+        };
+        match self {
+            Robot::Other(_) => hands::ask(&what),
+            Robot::Bench(hardware) if hardware.stage().is_some() || assume_done => {
+                eprintln!("note: {what}");
+                hardware.hang(load_kg, None)
+            }
+            Robot::Bench(hardware) => hardware.hang(load_kg, Some(&what)),
+        }
+        .map_err(Ended::No)
+    }
+}
+
+/// How a trial is recorded: on which plant, of which commands, which rows of them, with which seed.
+pub(super) type Records<'a> =
+    &'a dyn Fn(&mut dyn Plant, &Recording, Range<usize>, Seed) -> Result<Recording, PlantError>;
+
+/// A recording under way. What has been recorded stands beside the recording until it is whole, so that a session that
+/// ends early goes on where it ended.
+pub(super) struct Session<'a> {
+    out: &'a Path,
+    part: PathBuf,
+    commands: &'a Recording,
+    done: Vec<Recording>,
+    /// Nobody is asked whether a weight hangs.
+    pub(super) assume_done: bool,
+}
+
+impl<'a> Session<'a> {
+    /// What an earlier session has left of the recording `out` of these `commands`.
+    pub(super) fn open(out: &'a Path, commands: &'a Recording) -> Result<Session<'a>, Ended> {
+        let extension = out.extension().map_or("csv".into(), |extension| extension.to_string_lossy().into_owned());
+        let part = out.with_extension(format!("part.{extension}"));
+        let mut session = Session { out, part, commands, done: Vec::new(), assume_done: false };
+        if !session.part.exists() {
+            return Ok(session);
+        }
+        let earlier = Recording::read(&session.part).map_err(Ended::bad)?;
+        if !session.begins_with(&earlier) {
+            let part = session.part.display();
+            return Err(Ended::BadInput(format!(
+                "{part}: found a recording of other commands, expected the first trials of these; remove it to begin anew"
+            )));
+        }
+        let (done, all) = (earlier.trials().len(), commands.trials().len());
+        eprintln!("note: {}: goes on after {done} of {all} trials", session.part.display());
+        session.done.push(earlier);
+        Ok(session)
+    }
+
+    fn begins_with(&self, earlier: &Recording) -> bool {
+        let (count, commands) = (earlier.len(), self.commands);
+        let hung = |recording: &Recording, row: usize| recording.known_load_kg.as_ref().map_or(0.0, |load| load[row]);
+        count <= commands.len()
+            && earlier.trial == commands.trial[..count]
+            && earlier.time_s == commands.time_s[..count]
+            && (0..count).all(|row| {
+                earlier.commands.row(row) == commands.commands.row(row) && hung(earlier, row) == hung(commands, row)
+            })
+    }
+
+    /// Records what is missing and writes the whole.
+    pub(super) fn go_on(mut self, robot: &mut Robot, seed: Seed, record: Records) -> Outcome {
+        let (trials, recorded) = (self.commands.trials(), self.done.iter().map(Recording::len).sum::<usize>());
+        // After an interruption nobody knows what hangs there.
+        let mut hung_kg = if recorded == 0 { Some(0.0) } else { None };
+        for (number, rows) in trials.iter().filter(|(_, rows)| rows.start >= recorded) {
+            if let Some(load_kg) = self.commands.known_load_kg.as_ref().map(|load| load[rows.start])
+                && hung_kg != Some(load_kg)
+            {
+                robot.hang(*number, load_kg, self.assume_done)?;
+                hung_kg = Some(load_kg);
+            }
+            match record(robot.plant(), self.commands, rows.clone(), seed.index(*number)) {
+                Ok(trial) => self.keep(trial)?,
+                Err(error) => {
+                    let (done, all) = (self.trials(), trials.len());
+                    let words = "the same command goes on from there";
+                    return Err(Ended::No(format!(
+                        "trial {number}: {error}; {done} of {all} trials are kept, {words}"
+                    )));
+                }
+            }
+        }
+        let whole = Recording::joined(&self.done).map_err(Ended::failed)?;
+        whole.write(self.out).map_err(Ended::bad)?;
+        if self.part.exists() {
+            std::fs::remove_file(&self.part).map_err(|error| Ended::No(format!("{}: {error}", self.part.display())))?;
+        }
+        Ok(())
+    }
+
+    fn trials(&self) -> usize {
+        self.done.iter().map(|part| part.trials().len()).sum()
+    }
+
+    fn keep(&mut self, trial: Recording) -> Outcome {
+        self.done.push(trial);
+        let all = Recording::joined(&self.done).map_err(Ended::failed)?;
+        all.write(&self.part).map_err(Ended::bad)
+    }
+}

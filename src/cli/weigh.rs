@@ -1,0 +1,114 @@
+//! `spinebench weigh`.
+
+use super::session::{Robot, Session};
+use super::simulate::same_tendons;
+use super::{Ended, Outcome};
+use clap::Args;
+use spinebench::base::Seed;
+use spinebench::data::{Actuation, Recording};
+use spinebench::plants::hardware::HardwareOptions;
+use spinebench::specs::{PlantSpec, read_plant};
+use spinebench::tasks::{VisitOptions, star_m, visit_trial, visits};
+use std::path::PathBuf;
+
+/// Control step of the session, s.
+pub(super) const STEP_S: f64 = 0.2;
+
+/// Guides through a calibration with weights: asks for each to be hung on the tip, brings the robot to poses and records
+/// it at rest in each of them.
+///
+/// The recording is one for `spinebench calibrate --static`. A session that ends early goes on with the same command.
+/// In a rehearsal the imitated robot is given the weights and nobody is asked.
+#[derive(Args)]
+pub(super) struct Weigh {
+    /// Plant file of a robot on a bench.
+    #[arg(long, value_name = "PLANT.yaml")]
+    plant: PathBuf,
+    /// Weights in the order in which they are hung on the tip, kilograms; 0 is none.
+    #[arg(long, value_name = "KG,…", value_delimiter = ',', default_value = "0,0.01,0.02", value_parser = kilograms)]
+    weights: Vec<f64>,
+    /// Recording to write; CSV or Parquet.
+    #[arg(long, value_name = "REC.csv")]
+    out: PathBuf,
+    /// Poses to bring the robot to, one a row of a file of commands [default: home, and bent in eight directions].
+    #[arg(long, value_name = "POSES.csv")]
+    poses: Option<PathBuf>,
+    /// How far tendons are pulled in the default poses, metres.
+    #[arg(long, value_name = "M", default_value_t = 0.012)]
+    reach_m: f64,
+    /// Steps of 0.2 s for which the robot comes to rest in each pose.
+    #[arg(long, value_name = "N", default_value_t = VisitOptions::default().rest_steps)]
+    rest_steps: usize,
+    /// Nobody is asked: the weights hang as soon as they are due.
+    #[arg(long)]
+    yes: bool,
+}
+
+fn kilograms(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse().ok().filter(|load_kg: &f64| (0.0..=10.0).contains(load_kg));
+    number.ok_or_else(|| format!("found `{text}`, expected 0 to 10 kg"))
+}
+
+impl Weigh {
+    pub(super) fn carry_out(self) -> Outcome {
+        let plant = read_plant(&self.plant).map_err(Ended::bad)?;
+        let PlantSpec::Hardware(options) = &plant else {
+            return Err(Ended::BadInput(format!("{}: expected `hardware`", self.plant.display())));
+        };
+        let visiting = visiting(options, self.rest_steps);
+        let poses_m = self.poses_m(options)?;
+        let planned = visits(&poses_m, &self.weights, &visiting, STEP_S);
+        let mut session = Session::open(&self.out, &planned)?;
+        session.assume_done = self.yes;
+        let mut robot = Robot::open(&plant, STEP_S, Seed(1))?;
+        let (poses, minutes) = (poses_m.len(), minutes(&planned));
+        eprintln!("note: {poses} poses under each of {} weights, about {minutes:.0} minutes", self.weights.len());
+        session.go_on(&mut robot, Seed(1), &|plant, planned, rows, seed| {
+            visit_trial(plant, planned, rows, &visiting, seed)
+        })?;
+        println!(
+            "next: spinebench calibrate --static --model MODEL.yaml --measured {} --out CALIBRATED.yaml",
+            self.out.display()
+        );
+        Ok(())
+    }
+
+    fn poses_m(&self, options: &HardwareOptions) -> Result<Vec<Vec<f64>>, Ended> {
+        let travel_m = options.safety.travel_m;
+        let Some(file) = &self.poses else {
+            if !(self.reach_m > 0.0 && self.reach_m <= travel_m) {
+                let found = self.reach_m;
+                return Err(Ended::BadInput(format!(
+                    "--reach-m: found {found}, expected more than 0 and at most {travel_m}"
+                )));
+            }
+            return Ok(star_m(self.reach_m));
+        };
+        let commands = Recording::read_commands(file).map_err(Ended::bad)?;
+        same_tendons(file, &commands, 4)?;
+        if commands.actuation != Actuation::Lengths {
+            return Err(Ended::BadInput(format!(
+                "{}, line 1: found tensions, expected displacements (tendon_1_m…)",
+                file.display()
+            )));
+        }
+        let poses_m: Vec<Vec<f64>> = commands.commands.iter().map(<[f64]>::to_vec).collect();
+        for (row, pose) in poses_m.iter().enumerate() {
+            // On the way from home the step is kept; the pose itself is what may be out of bounds.
+            options
+                .safety
+                .admit(pose, &[0.0; 4], f64::INFINITY, usize::MAX)
+                .map_err(|refusal| Ended::BadInput(format!("{}, line {}: {refusal}", file.display(), row + 2)))?;
+        }
+        Ok(poses_m)
+    }
+}
+
+/// How poses are visited within the limits of a robot.
+pub(super) fn visiting(options: &HardwareOptions, rest_steps: usize) -> VisitOptions {
+    VisitOptions { max_step_m: options.safety.step_m(STEP_S), rest_steps, ..VisitOptions::default() }
+}
+
+fn minutes(planned: &Recording) -> f64 {
+    planned.trials().iter().map(|(_, rows)| planned.time_s[rows.end - 1]).sum::<f64>() / 60.0
+}

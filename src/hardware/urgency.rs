@@ -1,0 +1,107 @@
+//! Threads that go before all others of the computer for the moment in which the robot depends on them.
+
+use thread_priority::unix::{
+    NormalThreadSchedulePolicy, RealtimeThreadSchedulePolicy, ThreadSchedulePolicy, set_thread_priority_and_policy,
+    thread_native_id, thread_schedule_policy,
+};
+use thread_priority::{ThreadPriority, ThreadPriorityValue};
+
+/// Threads that may push each other aside, the first one least.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rank {
+    /// Imitations of devices, which in reality have processors of their own.
+    Device,
+    /// Whoever sends the commands.
+    Loop,
+    /// Whoever watches over the robot.
+    Watch,
+}
+
+/// Until this is dropped, the calling thread goes before all others (`SCHED_FIFO`), where the system lets it: a user needs
+/// the right to real-time priorities for that, `rtprio` in `/etc/security/limits.conf`. It must not compute for long.
+#[derive(Debug)]
+pub struct Urgent {
+    /// The nice value to go back to; none where nothing was changed.
+    before: Option<i32>,
+}
+
+impl Urgent {
+    /// Lets the calling thread go before others. A thread that is urgent already stays what it is.
+    pub fn new(rank: Rank) -> Urgent {
+        let normal = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
+        if thread_schedule_policy().ok() != Some(normal) {
+            return Urgent { before: None };
+        }
+        let value = match rank {
+            Rank::Device => 5,
+            Rank::Loop => 10,
+            Rank::Watch => 20,
+        };
+        let nice = nice();
+        let fifo = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
+        let granted = priority(value)
+            .is_some_and(|priority| set_thread_priority_and_policy(thread_native_id(), priority, fifo).is_ok());
+        Urgent { before: granted.then_some(nice) }
+    }
+
+    /// Whether the system has let it.
+    pub fn is_granted(&self) -> bool {
+        self.before.is_some()
+    }
+}
+
+impl Drop for Urgent {
+    fn drop(&mut self) {
+        let Some(nice) = self.before else { return };
+        let normal = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
+        // What was granted can be given back; at worst the nice value is refused, which then stays as it was.
+        let _ = priority(share_of_nice(nice))
+            .map(|priority| set_thread_priority_and_policy(thread_native_id(), priority, normal));
+    }
+}
+
+fn priority(value: u8) -> Option<ThreadPriority> {
+    ThreadPriorityValue::try_from(value).ok().map(ThreadPriority::Crossplatform)
+}
+
+/// Nice value of the calling thread; 0 where the system does not tell.
+fn nice() -> i32 {
+    // The name in parentheses may contain anything; nice is the seventeenth field behind it (proc(5): 19).
+    let text = std::fs::read_to_string("/proc/thread-self/stat").unwrap_or_default();
+    let fields = text.rsplit_once(')').map_or("", |(_, fields)| fields);
+    fields.split_whitespace().nth(16).and_then(|field| field.parse().ok()).unwrap_or(0)
+}
+
+/// The package counts from 0 to 99 and makes of that nice values from 20 down to -20.
+fn share_of_nice(nice: i32) -> u8 {
+    let share = 1.0 - (f64::from(nice.clamp(-20, 19)) + 20.5) / 40.0;
+    (99.0 * share).round() as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn urgency_ends_and_leaves_the_thread_as_it_was() {
+        std::thread::spawn(|| {
+            let before = (thread_schedule_policy().unwrap(), nice());
+            let urgent = Urgent::new(Rank::Watch);
+            let granted = urgent.is_granted();
+            assert_eq!(thread_schedule_policy().unwrap() != before.0, granted);
+            assert!(!Urgent::new(Rank::Loop).is_granted() || !granted, "nothing to give back twice");
+            drop(urgent);
+            assert_eq!((thread_schedule_policy().unwrap(), nice()), before);
+        })
+        .join()
+        .unwrap();
+    }
+
+    #[test]
+    fn every_nice_value_is_found_again() {
+        for nice in -20..=19 {
+            let share = 1.0_f32 - f32::from(share_of_nice(nice)) / 99.0;
+            assert_eq!((40.0 * share) as i32 - 20, nice);
+        }
+    }
+}

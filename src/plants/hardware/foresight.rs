@@ -1,0 +1,58 @@
+//! What commands would do on the robot, without it.
+
+use crate::data::Recording;
+use crate::hardware::safety::{Refusal, SafetyLimits};
+
+/// What playing a recording's commands would take.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Foreseen {
+    /// Trials.
+    pub trials: usize,
+    /// Commands that are sent: that of a trial's last row is not, since nothing is measured after it.
+    pub commands: usize,
+    /// Ticks that they take: one that goes further than a step takes several.
+    pub ticks: usize,
+    /// Largest change of a displacement from one command to the next, metres.
+    pub largest_step_m: f64,
+    /// Row in which that is, from 0.
+    pub largest_row: usize,
+    /// Least and largest displacement, metres.
+    pub reach_m: [f64; 2],
+}
+
+/// The first command that the robot would refuse.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{refusal}")]
+pub struct NotPlayable {
+    /// Its row, from 0.
+    pub row: usize,
+    /// Why.
+    pub refusal: Refusal,
+}
+
+/// Plays `commands` (displacements) against `limits` alone, in ticks of `step_s`; every trial starts at home.
+///
+/// # Errors
+/// [`NotPlayable`]: the first command that the robot would refuse.
+pub fn foresee(limits: &SafetyLimits, commands: &Recording, step_s: f64) -> Result<Foreseen, NotPlayable> {
+    let mut foreseen = Foreseen::default();
+    for (_, rows) in commands.trials() {
+        foreseen.trials += 1;
+        let mut last_m = vec![0.0; commands.tendons()];
+        for row in rows.start..rows.end - 1 {
+            let pulls_m = commands.commands.row(row);
+            let ticks = limits.admit_in_ticks(pulls_m, &last_m, step_s);
+            foreseen.ticks += ticks.map_err(|refusal| NotPlayable { row, refusal })?;
+            foreseen.commands += 1;
+            let changes = pulls_m.iter().zip(&last_m).map(|(to, from)| (to - from).abs());
+            let step_m = changes.fold(0.0, f64::max);
+            if step_m > foreseen.largest_step_m {
+                (foreseen.largest_step_m, foreseen.largest_row) = (step_m, row);
+            }
+            let [low, high] = foreseen.reach_m;
+            foreseen.reach_m = pulls_m.iter().fold([low, high], |[low, high], &pull| [low.min(pull), high.max(pull)]);
+            last_m = pulls_m.to_vec();
+        }
+    }
+    Ok(foreseen)
+}

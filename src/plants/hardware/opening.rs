@@ -1,0 +1,120 @@
+//! Opening the motors and the tracker, or imitations of both.
+
+use std::sync::Arc;
+
+use super::hands::Claim;
+use super::line::Line;
+use super::{Hardware, HardwareOptions, Stage, Timing};
+use crate::base::Seed;
+use crate::effects::Driven;
+use crate::hardware::clock::{Clock, WallClock};
+use crate::hardware::grbl::Controller;
+use crate::hardware::interrupt::Interrupt;
+use crate::hardware::rig::{Parts, Rig, slowest_axis_mm_min};
+use crate::hardware::safety::{Latch, SafetyLimits};
+use crate::hardware::tracking::{Tracking, TrackingSettings};
+use crate::hardware::wire::{SerialWire, Wire};
+
+/// A tick whose robot is held or whose controller is busy is waited for this much longer than the guard would wait, s.
+const PATIENCE_S: f64 = 2.0;
+
+impl Hardware {
+    /// Opens the motors and the tracker of `options`, or imitations of both for a rehearsal; moves nothing.
+    ///
+    /// # Errors
+    /// In words: a stop that nobody has looked at, a port, a setting or a body that is not as it should be.
+    pub fn open(options: &HardwareOptions, step_s: f64, seed: Seed) -> Result<Hardware, String> {
+        match &options.rehearsal {
+            Some(rehearsal) => {
+                let (stage, wire, tracking) = Stage::open(options, rehearsal, seed)?;
+                let clock = stage.clock();
+                let parts = Opened { wire, clock, latch: None, interrupt: stage.interrupt() };
+                let mut plant = Hardware::of(options, &tracking, step_s, parts)?;
+                plant.stage = Some(stage);
+                Ok(plant)
+            }
+            None => Hardware::on_the_bench(options, step_s),
+        }
+    }
+
+    fn on_the_bench(options: &HardwareOptions, step_s: f64) -> Result<Hardware, String> {
+        let latch = Latch::new(&Latch::folder(), &options.name);
+        if let Some(reason) = latch.read() {
+            return Err(format!("robot `{}` is stopped: {reason}; look at it, then `spinebench arm`", options.name));
+        }
+        let claim = Claim::new(&options.attached)?;
+        let wire = SerialWire::open(&options.motion.port, options.motion.baud)
+            .map_err(|error| format!("{}: cannot open the port: {error}", options.motion.port))?;
+        let interrupt = Interrupt::of_process().map_err(|error| error.to_string())?;
+        let parts = Opened { wire: Box::new(wire), clock: Arc::new(WallClock::new()), latch: Some(latch), interrupt };
+        let mut plant = Hardware::of(options, &options.tracking, step_s, parts)?;
+        plant.claim = Some(claim);
+        Ok(plant)
+    }
+
+    /// The calling thread has joined the clock.
+    fn of(
+        options: &HardwareOptions,
+        tracking: &TrackingSettings,
+        step_s: f64,
+        opened: Opened,
+    ) -> Result<Hardware, String> {
+        let Opened { wire, clock, latch, interrupt } = opened;
+        let controller = Controller::open(wire, &options.motion, clock.as_ref()).map_err(|fault| fault.to_string());
+        let controller =
+            controller.and_then(|controller| fast_enough(&controller, &options.safety, step_s).map(|()| controller));
+        let tracking = Tracking::open(tracking.clone(), clock.as_ref()).map_err(|fault| fault.to_string());
+        let ready = match (controller, tracking) {
+            (Ok(controller), Ok(tracking)) => Ok((controller, tracking)),
+            (Err(one), Err(other)) => Err(format!("{one}; and {other}")),
+            (Err(fault), Ok(_)) | (Ok(_), Err(fault)) => Err(fault),
+        };
+        let (controller, tracking) = ready.inspect_err(|_| clock.leave())?;
+        let parts = Parts {
+            controller,
+            tracking,
+            axes: options.axes,
+            limits: options.safety,
+            late_s: options.motion.late_s,
+            latch,
+            interrupt,
+        };
+        Ok(Hardware {
+            line: Line::new(Rig::new(parts), clock),
+            believed: options.model.clone(),
+            model: Driven::new(&options.model, &[]),
+            step_s,
+            settle_s: options.settle_s,
+            safety: options.safety,
+            patience_s: PATIENCE_S + options.safety.hold_stop_s.max(options.motion.reply_timeout_s),
+            trial_s: 0.0,
+            due_s: 0.0,
+            timing: Timing::default(),
+            stage: None,
+            claim: None,
+        })
+    }
+}
+
+/// What [`Hardware::of`] drives.
+struct Opened {
+    wire: Box<dyn Wire>,
+    clock: Arc<dyn Clock>,
+    latch: Option<Latch>,
+    interrupt: Interrupt,
+}
+
+/// Refuses axes that are too slow for the largest step in the time that a tick has for it.
+fn fast_enough(controller: &Controller, safety: &SafetyLimits, step_s: f64) -> Result<(), String> {
+    let needed_mm_min = slowest_axis_mm_min(safety, step_s);
+    let speeds = controller.machine().max_speed_mm_min;
+    match speeds.iter().position(|&speed| speed < needed_mm_min) {
+        None => Ok(()),
+        Some(axis) => Err(format!(
+            "setting ${}: found {} mm/min, expected at least {needed_mm_min:.0} for steps of {} m in {step_s} s",
+            110 + axis,
+            speeds[axis],
+            safety.max_step_m
+        )),
+    }
+}

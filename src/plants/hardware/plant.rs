@@ -1,0 +1,197 @@
+//! The robot in ticks: homing, commands, what is seen.
+
+use super::Hardware;
+use crate::base::{Observation, Plant, PlantError, Seed, TendonCommand};
+use crate::hardware::axes::AXES;
+use crate::hardware::rig::NotMoved;
+use crate::hardware::safety::{Refusal, State};
+use crate::hardware::urgency::{Rank, Urgent};
+
+/// Longest that homing and the way home may take, s.
+const HOMING_S: f64 = 120.0;
+/// Longest that a pose is waited for after a tick, s.
+const POSE_S: f64 = 0.03;
+/// Share of a tick by which a command may come late without shifting the ticks after it: the pose of the last tick has to
+/// be waited for.
+const LATE_SHARE: f64 = 0.1;
+
+impl Hardware {
+    /// Homes the robot unless it is homed, and brings its tendons home.
+    pub(super) fn go_home(&mut self) -> Result<(), PlantError> {
+        self.line.rig().expect(None);
+        let deadline_s = self.line.clock.now_s() + HOMING_S;
+        if *self.line.rig().state() == State::Idle {
+            let now_s = self.line.clock.now_s();
+            self.line.rig().begin(now_s).map_err(refused)?;
+        }
+        self.until_active(deadline_s)?;
+        loop {
+            let tick_s = self.line.clock.now_s() + self.step_s;
+            let step_s = self.step_s;
+            let arrived = self.line.wait(deadline_s, |rig, now_s| match rig.state() {
+                State::Active => match rig.towards_home(step_s, now_s) {
+                    Err(NotMoved::Busy | NotMoved::Not(_)) => None,
+                    other => Some(other.map_err(refused)),
+                },
+                state => stopped(state).map(Err),
+            });
+            let arrived = arrived.unwrap_or_else(|| Err(late("the way home")))?;
+            self.line.clock.sleep_until(tick_s);
+            self.until_active(deadline_s)?;
+            if arrived {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Waits while the robot homes or is held.
+    fn until_active(&self, deadline_s: f64) -> Result<bool, PlantError> {
+        let mut held = false;
+        let ended = self.line.wait(deadline_s, |rig, _| match rig.state() {
+            State::Active => Some(Ok(())),
+            State::Held { .. } => {
+                held = true;
+                None
+            }
+            state => stopped(state).map(Err),
+        });
+        ended.unwrap_or_else(|| Err(late("a hold or homing"))).map(|()| held)
+    }
+
+    /// Refuses a command before the model moves, so that both stay where they are. How far tendons that follow go is for
+    /// the model to say.
+    fn admit(&self, commands: &[TendonCommand]) -> Result<(), PlantError> {
+        let last_m = self.line.rig().commanded_m();
+        let pulls_m: Vec<f64> = commands.iter().map(pull_m).collect();
+        match self.safety.admit_in_ticks(&pulls_m, &last_m, self.step_s) {
+            Err(Refusal::Beyond { .. }) if commands.contains(&TendonCommand::Follow) => Ok(()),
+            other => other.map(|_| ()).map_err(|refusal| PlantError::Refused(refusal.to_string())),
+        }
+    }
+
+    /// Moves the tendons to `pulls_m` in as many ticks as the limits ask for; true if the robot was held on the way. The
+    /// command was given at `called_s`, the first tick begins at `begin_s`.
+    fn carry_out(&mut self, pulls_m: &[f64], called_s: f64, begin_s: f64) -> Result<bool, PlantError> {
+        let from_m = self.line.rig().commanded_m();
+        let ticks = self.safety.ticks(pulls_m, &from_m, self.step_s).max(1);
+        let (mut held, mut called_s) = (false, called_s);
+        for tick in 1..=ticks {
+            let share = tick as f64 / ticks as f64;
+            let there_m: Vec<f64> =
+                pulls_m.iter().zip(&from_m).map(|(to, from)| share * to + (1.0 - share) * from).collect();
+            self.send(&there_m, called_s)?;
+            let end_s = begin_s + self.step_s * tick as f64;
+            self.line.clock.sleep_until(end_s);
+            called_s = self.line.clock.now_s();
+            self.timing.jitter.push(called_s - end_s);
+            held |= self.until_active(end_s + self.patience_s)?;
+            self.due_s = end_s;
+        }
+        Ok(held)
+    }
+
+    /// Sends the command of a tick that is due, as soon as the robot is active and the controller has room for it.
+    fn send(&mut self, pulls_m: &[f64], called_s: f64) -> Result<(), PlantError> {
+        let (step_s, now_s) = (self.step_s, self.line.clock.now_s());
+        let sent = self.line.wait(now_s + self.patience_s, |rig, now_s| match rig.state() {
+            State::Active => match rig.command(pulls_m, step_s, now_s) {
+                // The next look at the state names what is in the way.
+                Err(NotMoved::Busy | NotMoved::Not(_)) => None,
+                other => Some(other.map_err(refused)),
+            },
+            state => stopped(state).map(Err),
+        });
+        self.timing.latency.push(self.line.clock.now_s() - called_s);
+        sent.unwrap_or_else(|| Err(late("room in the controller's queue")))
+    }
+
+    /// What the tracker sees now; not valid where it sees nothing.
+    fn observe(&self, pulls_m: Vec<f64>) -> Observation {
+        let asked_s = self.line.clock.now_s();
+        let between = self.line.wait(asked_s + POSE_S, |rig, _| rig.tip_at(asked_s));
+        // Where several frames are lost in a row, the last one does as long as the guard believes it.
+        let pose = between.or_else(|| self.line.rig().fresh_tip(asked_s));
+        Observation {
+            time_s: asked_s - self.trial_s,
+            tip_m: pose.as_ref().map_or([f64::NAN; 3], |pose| pose.position_m),
+            tip_quaternion: pose.as_ref().map(|pose| pose.quaternion),
+            pulls_m,
+            tensions_n: None,
+            valid: pose.is_some(),
+        }
+    }
+}
+
+/// The displacement that a command asks for; of a tendon that follows, none yet.
+fn pull_m(command: &TendonCommand) -> f64 {
+    match *command {
+        TendonCommand::Pull(pull_m) => pull_m,
+        TendonCommand::Follow => 0.0,
+    }
+}
+
+/// Why a stopped robot does nothing.
+fn stopped(state: &State) -> Option<PlantError> {
+    let State::Stopped { cause, .. } = state else { return None };
+    Some(PlantError::Stopped(format!("{}; {}", cause.what, cause.remedy)))
+}
+
+fn refused(error: NotMoved) -> PlantError {
+    match error {
+        NotMoved::Not(_) => PlantError::Stopped(error.to_string()),
+        NotMoved::Refused(_) | NotMoved::Gate(_) | NotMoved::Busy => PlantError::Refused(error.to_string()),
+    }
+}
+
+fn late(what: &str) -> PlantError {
+    PlantError::Stopped(format!("{what} took longer than it may; look at the robot"))
+}
+
+impl Plant for Hardware {
+    fn tendons(&self) -> usize {
+        AXES
+    }
+
+    fn step_s(&self) -> f64 {
+        self.step_s
+    }
+
+    /// The robot is brought home and rests there. Its noise is its own: the seed is not used.
+    fn reset(&mut self, _seed: Seed) -> Result<Observation, PlantError> {
+        self.go_home()?;
+        self.model.home()?;
+        let rested_s = self.line.clock.now_s() + self.settle_s;
+        self.line.clock.sleep_until(rested_s);
+        self.until_active(rested_s + self.patience_s)?;
+        let home = [TendonCommand::Pull(0.0); AXES];
+        self.line.rig().expect(Some(self.model.observation(&home, 0.0).tip_m));
+        self.trial_s = self.line.clock.now_s();
+        self.due_s = self.trial_s;
+        Ok(self.observe(vec![0.0; AXES]))
+    }
+
+    fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
+        let now_s = self.line.clock.now_s();
+        let _urgent = self.line.clock.is_real().then(|| Urgent::new(Rank::Loop));
+        if now_s > self.due_s + 0.5 * self.step_s {
+            self.timing.missed += 1;
+        }
+        self.admit(commands)?;
+        // The model goes first: it says how far the tendons that follow have to move.
+        self.model.advance(commands, self.step_s)?;
+        let believed = self.model.observation(commands, 0.0);
+        let travel_m = self.safety.travel_m;
+        let follow = |(command, pull_m): (&TendonCommand, &f64)| match command {
+            TendonCommand::Follow => pull_m.clamp(-travel_m, travel_m),
+            TendonCommand::Pull(asked_m) => *asked_m,
+        };
+        let pulls_m: Vec<f64> = commands.iter().zip(&believed.pulls_m).map(follow).collect();
+        self.line.rig().expect(Some(believed.tip_m));
+        let in_time = now_s <= self.due_s + LATE_SHARE * self.step_s;
+        let begin_s = if in_time { self.due_s } else { now_s };
+        if self.carry_out(&pulls_m, now_s, begin_s)? {
+            self.timing.held += 1;
+        }
+        Ok(self.observe(pulls_m))
+    }
+}

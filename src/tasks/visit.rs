@@ -1,0 +1,128 @@
+//! Poses at rest: the tendons are brought to each in even steps, the robot comes to rest, and the tracker looks for a while.
+
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
+
+use super::record::written;
+use crate::base::{BadOption, Observation, Plant, PlantError, Seed};
+use crate::data::{Actuation, Recording};
+
+/// How poses are visited.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct VisitOptions {
+    /// Largest change of a displacement in a step, metres.
+    pub max_step_m: f64,
+    /// Steps for which the robot comes to rest.
+    pub rest_steps: usize,
+    /// Measurements that are averaged, one a step.
+    pub looks: usize,
+}
+
+impl Default for VisitOptions {
+    fn default() -> Self {
+        VisitOptions { max_step_m: 0.003, rest_steps: 8, looks: 5 }
+    }
+}
+
+impl VisitOptions {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// [`BadOption`] names the first field out of range.
+    pub fn check(&self) -> Result<(), BadOption> {
+        BadOption::unless_positive("max_step_m", self.max_step_m)?;
+        BadOption::unless_counted("looks", self.looks)
+    }
+
+    /// Steps from one pose to the next, the looks at the latter included.
+    fn steps(&self, from_m: &[f64], to_m: &[f64]) -> usize {
+        self.steps_on_the_way(from_m, to_m) + self.rest_steps + self.looks
+    }
+
+    fn steps_on_the_way(&self, from_m: &[f64], to_m: &[f64]) -> usize {
+        let largest_m = from_m.iter().zip(to_m).map(|(from, to)| (to - from).abs()).fold(0.0, f64::max);
+        // The tolerance keeps a step of exactly the limit from becoming two.
+        (largest_m / self.max_step_m - 1e-9).ceil().max(0.0) as usize
+    }
+}
+
+/// Home, and the robot bent in eight directions by `reach_m` and by half of it: displacements of the four tendons, metres.
+pub fn star_m(reach_m: f64) -> Vec<Vec<f64>> {
+    let mut poses = vec![vec![0.0; 4]];
+    for share in [0.5, 1.0] {
+        for direction in 0..8 {
+            let angle_rad = std::f64::consts::FRAC_PI_4 * f64::from(direction);
+            let (x_m, y_m) = (share * reach_m * angle_rad.cos(), share * reach_m * angle_rad.sin());
+            poses.push(vec![x_m, y_m, -x_m, -y_m]);
+        }
+    }
+    poses
+}
+
+/// The commands for `poses_m` (displacements in metres, home added as the first of all) under each of the weights, kilograms: a
+/// trial a weight, a row a pose, each at the time at which it has been looked at.
+pub fn visits(poses_m: &[Vec<f64>], weights_kg: &[f64], options: &VisitOptions, step_s: f64) -> Recording {
+    let tendons = poses_m.first().map_or(4, Vec::len);
+    let mut planned = Recording::new(Actuation::Lengths, tendons);
+    let mut hung_kg = Vec::new();
+    for (trial, &weight_kg) in (0..).zip(weights_kg) {
+        let mut at_m = vec![0.0; tendons];
+        let mut steps = 0;
+        let further = poses_m.iter().filter(|pose| pose.iter().any(|&pull_m| pull_m != 0.0));
+        for (number, pose) in std::iter::once(&vec![0.0; tendons]).chain(further).enumerate() {
+            // At home the robot rests already.
+            steps += if number == 0 { 0 } else { options.steps(&at_m, pose) };
+            at_m.clone_from(pose);
+            planned.trial.push(trial);
+            planned.time_s.push(steps as f64 * step_s);
+            planned.commands.push(pose);
+            hung_kg.push(weight_kg);
+        }
+    }
+    planned.known_load_kg = Some(hung_kg);
+    planned
+}
+
+/// Visits the poses of one trial of [`visits`]: what was seen at rest at each of them. Every row is a pose at rest under its
+/// own command.
+///
+/// # Errors
+/// [`PlantError`] when the plant stops or refuses; the trial is lost.
+pub fn visit_trial(
+    plant: &mut dyn Plant,
+    planned: &Recording,
+    rows: Range<usize>,
+    options: &VisitOptions,
+    seed: Seed,
+) -> Result<Recording, PlantError> {
+    let mut at_m = vec![0.0; plant.tendons()];
+    let mut seen = vec![plant.reset(seed)?];
+    for row in rows.start + 1..rows.end {
+        let to_m = planned.commands.row(row);
+        let ways = options.steps_on_the_way(&at_m, to_m);
+        for step in 1..=ways {
+            let share = step as f64 / ways as f64;
+            let there_m: Vec<f64> = at_m.iter().zip(to_m).map(|(from, to)| share * to + (1.0 - share) * from).collect();
+            plant.step(&there_m)?;
+        }
+        for _ in 0..options.rest_steps {
+            plant.step(to_m)?;
+        }
+        let looks: Vec<Observation> = (0..options.looks).map(|_| plant.step(to_m)).collect::<Result<_, _>>()?;
+        at_m = to_m.to_vec();
+        seen.push(averaged(looks));
+    }
+    Ok(written(planned, rows, &seen))
+}
+
+/// The last of several looks with the mean of all valid ones.
+fn averaged(looks: Vec<Observation>) -> Observation {
+    let valid: Vec<[f64; 3]> = looks.iter().filter(|look| look.valid).map(|look| look.tip_m).collect();
+    let tip_m = std::array::from_fn(|axis| valid.iter().map(|tip| tip[axis]).sum::<f64>() / valid.len() as f64);
+    let last = looks.into_iter().last();
+    let quaternion = last.as_ref().and_then(|look| look.tip_quaternion);
+    let (time_s, pulls_m) = last.map_or((0.0, Vec::new()), |look| (look.time_s, look.pulls_m));
+    Observation { time_s, tip_m, tip_quaternion: quaternion, pulls_m, tensions_n: None, valid: !valid.is_empty() }
+}

@@ -1,0 +1,134 @@
+//! However a session ends, the robot stands where it was told to be, and the next one goes on.
+
+use crate::bench::{Bench, Entry, Served, target_mm, until};
+use crate::in_process::SLOWED;
+use spinebench::data::Recording;
+
+const COLLECT: &str = "collect --plant served.yaml --commands in.csv --out out.csv";
+const TRIALS: usize = 3;
+const ROWS: usize = 16;
+
+fn bench() -> Bench {
+    let bench = Bench::new();
+    bench.put_rehearsal("plant.yaml", "noise_m: 0.0002");
+    bench.put_commands("in.csv", TRIALS, ROWS);
+    bench
+}
+
+/// Waits until one trial has been kept and the second one is under way.
+fn in_the_second_trial(bench: &Bench, served: &Served) {
+    until(|| bench.path("out.part.csv").exists().then_some(()));
+    let before = served.moves();
+    // The way home takes a few moves, and then come those of the trial.
+    until(|| (served.moves() > before + 8).then_some(()));
+}
+
+/// The screws stand within the last tick that was sent.
+fn stands_within_the_last_tick(log: &[Entry]) {
+    let targets: Vec<[f64; 4]> = log.iter().filter_map(|entry| target_mm(&entry.what)).collect();
+    let [from, to] = [targets[targets.len() - 2], targets[targets.len() - 1]];
+    let screws_mm = log[log.len() - 1].screws_mm;
+    for axis in 0..4 {
+        let (low, high) = (from[axis].min(to[axis]) - 0.01, from[axis].max(to[axis]) + 0.01);
+        assert!((low..=high).contains(&screws_mm[axis]), "axis {axis}: {screws_mm:?}, sent from {from:?} to {to:?}");
+    }
+}
+
+/// A hold was heard, then a reset, and no move after it.
+fn was_held(log: &[Entry]) {
+    let last = |what: &str| log.iter().rposition(|entry| entry.what == what);
+    let held = last("heard !").expect("no hold was heard");
+    assert!(last("heard ^X").expect("no reset was heard") > held);
+    assert!(log[held..].iter().all(|entry| target_mm(&entry.what).is_none()), "a move after the hold");
+}
+
+/// The same command finishes the recording, and keeps what there was.
+fn goes_on(bench: &Bench) {
+    let kept = Recording::read(&bench.path("out.part.csv")).unwrap();
+    bench.run(COLLECT).is(0, &["goes on after 1 of 3 trials"]);
+    let whole = Recording::read(&bench.path("out.csv")).unwrap();
+    assert_eq!((whole.len(), whole.trials().len()), (TRIALS * ROWS, TRIALS));
+    assert_eq!(whole.tip_m.unwrap()[..ROWS], kept.tip_m.unwrap());
+    assert!(!bench.path("out.part.csv").exists());
+}
+
+fn interrupted_by(signal: &str) {
+    let bench = bench();
+    let served = bench.serve("plant.yaml", "served.yaml");
+    let collect = bench.start(COLLECT);
+    in_the_second_trial(&bench, &served);
+    collect.signal(signal);
+    collect.end().is(1, &["trial 1: robot stopped: somebody asked the program to end", "1 of 3 trials are kept"]);
+    let log = served.stands();
+    was_held(&log);
+    stands_within_the_last_tick(&log);
+    assert!(!bench.is_latched(), "an interrupt is no fault");
+    goes_on(&bench);
+}
+
+#[test]
+fn an_interrupt_holds_the_robot() {
+    interrupted_by("INT");
+}
+
+#[test]
+fn a_termination_holds_the_robot() {
+    interrupted_by("TERM");
+}
+
+#[test]
+fn a_killed_program_leaves_a_robot_that_ends_its_tick() {
+    let bench = bench();
+    let served = bench.serve("plant.yaml", "served.yaml");
+    let collect = bench.start(COLLECT);
+    in_the_second_trial(&bench, &served);
+    collect.signal("KILL");
+    assert_eq!(collect.end().status, None);
+    stands_within_the_last_tick(&served.stands());
+    assert!(!bench.is_latched());
+    goes_on(&bench);
+}
+
+#[test]
+fn a_panic_holds_the_robot() {
+    let bench = bench();
+    let mut served = bench.serve("plant.yaml", "served.yaml");
+    let failing = bench.start_test("in_process::panics_in_motion", "served.yaml");
+    until(|| served.log().iter().any(|entry| entry.what.contains("X40.000")).then_some(()));
+    served.stands();
+    served.wish("set 110 200");
+    bench.put(SLOWED, "");
+    failing.end().is(101, &["whoever decides has failed"]);
+    let log = served.stands();
+    was_held(&log);
+    stands_within_the_last_tick(&log);
+}
+
+#[test]
+fn a_pulled_cable_stops_until_somebody_has_looked() {
+    let bench = bench();
+    let mut served = bench.serve("plant.yaml", "served.yaml");
+    let collect = bench.start(COLLECT);
+    in_the_second_trial(&bench, &served);
+    served.wish("unplug");
+    collect.end().is(1, &["trial 1: robot stopped: the serial line to the controller is gone", "spinebench arm"]);
+    stands_within_the_last_tick(&served.stands());
+    assert!(bench.is_latched());
+    drop(served);
+    // Plugged in again.
+    let _served = bench.serve("plant.yaml", "served.yaml");
+    bench.run(COLLECT).is(1, &["robot `robot` is stopped", "the serial line to the controller is gone"]);
+    bench.run("arm --plant served.yaml").is(0, &["armed: `robot` had been stopped"]);
+    bench.run("arm --plant served.yaml").is(0, &["`robot` was not stopped"]);
+    goes_on(&bench);
+    let log = bench.text("spinebench/robot.log");
+    assert!(log.contains("stopped: ") && log.contains("armed by hand"), "{log}");
+}
+
+#[test]
+fn a_closed_loop_runs_over_the_terminal() {
+    let bench = bench();
+    let served = bench.serve("plant.yaml", "served.yaml");
+    bench.start_test("in_process::reaches_a_target", "served.yaml").end().is(0, &["1 passed"]);
+    assert!(served.moves() >= 20, "{}", served.moves());
+}
