@@ -117,7 +117,7 @@ fn paint(
     let below = [corner[0] + 0.5 * width, y1 + SMALL + TEXT + 8.0];
     canvas.text(Text::new(across.label(layout.pitch[0]), below, TEXT, Align::Centre));
     let beside = [corner[0] - layout.names + TEXT, corner[1] + 0.5 * height];
-    canvas.text(Text::new(down.label(height + 60.0), beside, TEXT, Align::Centre).upwards());
+    canvas.text(Text::new(down.label(height + 20.0), beside, TEXT, Align::Centre).upwards());
 }
 
 /// The scale of colours with its two ends; returns where it ends.
