@@ -135,8 +135,10 @@ fn apart(ticks: &[(f64, String)], scale: f64) -> bool {
 
 /// Ticks at powers of ten, and at twice and five times them where these are few.
 fn decades(low: f64, high: f64) -> Vec<(f64, String)> {
-    let powers: Vec<i32> = (low.floor() as i32..=high.ceil() as i32).collect();
-    let factors: &[f64] = if high - low < 2.0 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+    let few = high - low < 2.0;
+    let factors: &[f64] = if few { &[1.0, 2.0, 5.0] } else { &[1.0] };
+    let [first, last] = if few { [low.floor(), high.ceil()] } else { [low.ceil(), high.floor()] };
+    let powers: Vec<i32> = (first as i32..=last as i32).collect();
     let step = powers.len().div_ceil(7).max(1);
     let values = powers.into_iter().step_by(step).flat_map(|power| factors.iter().map(move |f| f * 10f64.powi(power)));
     let inside = values.filter(|value| (low..=high).contains(&value.log10()));

@@ -160,7 +160,21 @@ fn shade(value: f64, (low, high): (f64, f64)) -> (Colour, Colour) {
         let [from, to] = [SHADES[first][channel], SHADES[first + 1][channel]].map(f64::from);
         (from + part * (to - from)).round() as u8
     };
-    ([mix(0), mix(1), mix(2)], if place > 3.3 { WHITE } else { INK })
+    let ground = [mix(0), mix(1), mix(2)];
+    (ground, if contrast(ground, WHITE) > contrast(ground, INK) { WHITE } else { INK })
+}
+
+/// Contrast of two colours as the Web Content Accessibility Guidelines 2.1 define it, from 1.
+fn contrast(one: Colour, other: Colour) -> f64 {
+    let light = |colour: Colour| {
+        let part = |index: usize| {
+            let value = f64::from(colour[index]) / 255.0;
+            if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+        };
+        0.2126 * part(0) + 0.7152 * part(1) + 0.0722 * part(2) + 0.05
+    };
+    let (one, other) = (light(one), light(other));
+    one.max(other) / one.min(other)
 }
 
 impl Layout {
@@ -184,18 +198,12 @@ mod tests {
 
     #[test]
     fn shades_grow_darker_and_numbers_on_them_are_read() {
-        let light = |colour: Colour| {
-            let part = |index: usize| {
-                let value = f64::from(colour[index]) / 255.0;
-                if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
-            };
-            0.2126 * part(0) + 0.7152 * part(1) + 0.0722 * part(2)
-        };
         let shades: Vec<(Colour, Colour)> = (0..=100).map(|step| shade(f64::from(step), (0.0, 100.0))).collect();
-        assert!(shades.windows(2).all(|pair| light(pair[0].0) > light(pair[1].0)));
+        assert!(shades.windows(2).all(|pair| contrast(pair[0].0, WHITE) < contrast(pair[1].0, WHITE)));
+        // On a ground halfway between white and ink neither stands out by more than the root of their own contrast.
+        let least = contrast(WHITE, INK).sqrt() * 0.99;
         for (ground, ink) in shades {
-            let (a, b) = (light(ground).max(light(ink)), light(ground).min(light(ink)));
-            assert!((a + 0.05) / (b + 0.05) > 3.9, "{ground:?}");
+            assert!(contrast(ground, ink) > least, "{ground:?}");
         }
         assert_eq!(shade(f64::NAN, (0.0, 1.0)), (WHITE, GREY));
         assert_eq!(shade(2.0, (2.0, 2.0)).0, SHADES[0]);
