@@ -79,6 +79,11 @@ impl Collect {
                 "{file}, line 1: found tensions, expected displacements (tendon_1_m…)"
             )));
         }
+        if commands.tip_load.is_some() {
+            return Err(Ended::BadInput(format!(
+                "{file}, line 1: found loads on the tip (tip_force_x_n…), expected none: only a simulated plant has them"
+            )));
+        }
         let step_s = step_s(commands).map_err(|error| Ended::BadInput(format!("{file}: {error}")))?;
         let foreseen = match plant {
             PlantSpec::Hardware(options) => Some(self.foresee(options, commands, step_s)?),

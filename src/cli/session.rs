@@ -125,7 +125,8 @@ impl<'a> Session<'a> {
                 }
             }
         }
-        let whole = Recording::joined(&self.done).map_err(Ended::failed)?;
+        let mut whole = Recording::joined(&self.done).map_err(Ended::failed)?;
+        whole.extra.clone_from(&self.commands.extra);
         whole.write(self.out).map_err(Ended::bad)?;
         if self.part.exists() {
             std::fs::remove_file(&self.part).map_err(|error| Ended::No(format!("{}: {error}", self.part.display())))?;

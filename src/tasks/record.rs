@@ -64,7 +64,9 @@ pub fn record_trial(
 pub(super) fn written(commands: &Recording, rows: Range<usize>, seen: &[Observation]) -> Recording {
     let mut kept = Rows::new(commands.tendons());
     rows.clone().for_each(|row| kept.push(commands.commands.row(row)));
-    let quaternion: Option<Vec<[f64; 4]>> = seen.iter().map(|seen| seen.tip_quaternion).collect();
+    // A row in which the tip was not seen has no orientation; the others keep theirs.
+    let turned = seen.iter().any(|seen| seen.tip_quaternion.is_some());
+    let quaternion = turned.then(|| seen.iter().map(|seen| seen.tip_quaternion.unwrap_or([f64::NAN; 4])).collect());
     let valid: Vec<bool> = seen.iter().map(|seen| seen.valid).collect();
     Recording {
         commands: kept,

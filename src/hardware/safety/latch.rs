@@ -28,9 +28,13 @@ impl Latch {
         own.filter(|path| path.is_absolute()).unwrap_or_else(home).join("spinebench")
     }
 
-    /// Why the robot is stopped, if it is.
+    /// Why the robot is stopped, if it is. A latch that cannot be read is one that holds.
     pub fn read(&self) -> Option<String> {
-        fs::read_to_string(&self.stopped).ok().map(|text| text.trim().to_owned())
+        match fs::read_to_string(&self.stopped) {
+            Ok(text) => Some(text.trim().to_owned()),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+            Err(error) => Some(format!("{}: {error}", self.stopped.display())),
+        }
     }
 
     /// Stops the robot for this and all later programs, and logs it.
@@ -90,6 +94,15 @@ fn utc(time: SystemTime) -> String {
 mod tests {
     use super::*;
     use std::time::Duration;
+
+    #[test]
+    fn a_latch_that_cannot_be_read_holds() {
+        let folder = tempfile::tempdir().unwrap();
+        let latch = Latch::new(folder.path(), "robot");
+        assert_eq!(latch.read(), None);
+        std::fs::write(folder.path().join("robot.stopped"), [0xff, 0xfe]).unwrap();
+        assert!(latch.read().is_some());
+    }
 
     #[test]
     fn dates_are_those_of_the_calendar() {

@@ -120,6 +120,15 @@ impl SafetyLimits {
     /// # Errors
     /// [`Refusal`] names the first limit that is broken.
     pub fn admit(&self, pulls_m: &[f64], last_m: &[f64], duration_s: f64, steps: usize) -> Result<(), Refusal> {
+        self.admit_each(pulls_m, last_m, duration_s, steps)?;
+        self.admit_pairs(pulls_m, last_m)
+    }
+
+    /// What [`SafetyLimits::admit`] asks of each tendon by itself.
+    ///
+    /// # Errors
+    /// [`Refusal`] names the first limit that is broken.
+    pub fn admit_each(&self, pulls_m: &[f64], last_m: &[f64], duration_s: f64, steps: usize) -> Result<(), Refusal> {
         if pulls_m.len() != last_m.len() {
             return Err(Refusal::Count { found: pulls_m.len(), expected: last_m.len() });
         }
@@ -131,7 +140,7 @@ impl SafetyLimits {
             within("displacement (m)", index, to, -self.travel_m, self.travel_m)?;
             within("step (m)", index, to - from, -step_m, step_m)?;
         }
-        self.admit_pairs(pulls_m, last_m)
+        Ok(())
     }
 
     /// The ticks of `tick_s` in which the drive may go from the command `last_m` to `pulls_m`, at least one.

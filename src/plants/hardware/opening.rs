@@ -38,11 +38,12 @@ impl Hardware {
     }
 
     fn on_the_bench(options: &HardwareOptions, step_s: f64) -> Result<Hardware, String> {
+        // Whoever has the robot now may stop it: the latch is read when it is ours.
+        let claim = Claim::new(&options.attached)?;
         let latch = Latch::new(&Latch::folder(), &options.name);
         if let Some(reason) = latch.read() {
             return Err(format!("robot `{}` is stopped: {reason}; look at it, then `spinebench arm`", options.name));
         }
-        let claim = Claim::new(&options.attached)?;
         let wire = SerialWire::open(&options.motion.port, options.motion.baud)
             .map_err(|error| format!("{}: cannot open the port: {error}", options.motion.port))?;
         let interrupt = Interrupt::of_process().map_err(|error| error.to_string())?;

@@ -4,7 +4,7 @@ use super::Hardware;
 use crate::base::{Observation, Plant, PlantError, Seed, TendonCommand};
 use crate::hardware::axes::AXES;
 use crate::hardware::rig::NotMoved;
-use crate::hardware::safety::{Refusal, State};
+use crate::hardware::safety::{MOST_TICKS, State};
 use crate::hardware::urgency::{Rank, Urgent};
 
 /// Longest that homing and the way home may take, s.
@@ -59,14 +59,21 @@ impl Hardware {
     }
 
     /// Refuses a command before the model moves, so that both stay where they are. How far tendons that follow go is for
-    /// the model to say.
+    /// the model to say; the others keep to the limits of each by itself.
     fn admit(&self, commands: &[TendonCommand]) -> Result<(), PlantError> {
         let last_m = self.line.rig().commanded_m();
-        let pulls_m: Vec<f64> = commands.iter().map(pull_m).collect();
-        match self.safety.admit_in_ticks(&pulls_m, &last_m, self.step_s) {
-            Err(Refusal::Beyond { .. }) if commands.contains(&TendonCommand::Follow) => Ok(()),
-            other => other.map(|_| ()).map_err(|refusal| PlantError::Refused(refusal.to_string())),
-        }
+        let asked = |(command, last_m): (&TendonCommand, &f64)| match *command {
+            TendonCommand::Pull(pull_m) => pull_m,
+            TendonCommand::Follow => *last_m,
+        };
+        let pulls_m: Vec<f64> = commands.iter().zip(&last_m).map(asked).collect();
+        let admitted = if commands.contains(&TendonCommand::Follow) {
+            let ticks = self.safety.ticks(&pulls_m, &last_m, self.step_s).clamp(1, MOST_TICKS);
+            self.safety.admit_each(&pulls_m, &last_m, self.step_s * ticks as f64, ticks)
+        } else {
+            self.safety.admit_in_ticks(&pulls_m, &last_m, self.step_s).map(|_| ())
+        };
+        admitted.map_err(|refusal| PlantError::Refused(refusal.to_string()))
     }
 
     /// Moves the tendons to `pulls_m` in as many ticks as the limits ask for; true if the robot was held on the way. The
@@ -119,14 +126,6 @@ impl Hardware {
             tensions_n: None,
             valid: pose.is_some(),
         }
-    }
-}
-
-/// The displacement that a command asks for; of a tendon that follows, none yet.
-fn pull_m(command: &TendonCommand) -> f64 {
-    match *command {
-        TendonCommand::Pull(pull_m) => pull_m,
-        TendonCommand::Follow => 0.0,
     }
 }
 
@@ -186,6 +185,10 @@ impl Plant for Hardware {
             TendonCommand::Pull(asked_m) => *asked_m,
         };
         let pulls_m: Vec<f64> = commands.iter().zip(&believed.pulls_m).map(follow).collect();
+        // What the model has the followers do is held to the limits as a whole, before anything leaves.
+        let last_m = self.line.rig().commanded_m();
+        let admitted = self.safety.admit_in_ticks(&pulls_m, &last_m, self.step_s);
+        admitted.map_err(|refusal| PlantError::Refused(refusal.to_string()))?;
         self.line.rig().expect(Some(believed.tip_m));
         let in_time = now_s <= self.due_s + LATE_SHARE * self.step_s;
         let begin_s = if in_time { self.due_s } else { now_s };
