@@ -10,6 +10,7 @@ pub struct Kind {
     pub wall_s: Vec<f64>,
     /// Mean size of a result, bytes.
     pub bytes: f64,
+    entries: usize,
 }
 
 /// All kinds.
@@ -22,8 +23,9 @@ impl Recorded {
             let kind = kinds.entry(entry.stage).or_default();
             kind.wall_s.extend(entry.note.map(|note| note.timing.wall_s));
             kind.bytes += entry.bytes as f64;
+            kind.entries += 1;
         }
-        kinds.values_mut().for_each(|kind| kind.bytes /= kind.wall_s.len().max(1) as f64);
+        kinds.values_mut().for_each(|kind| kind.bytes /= kind.entries as f64);
         if kinds.is_empty() { Err("the run has stored nothing".to_owned()) } else { Ok(Recorded(kinds)) }
     }
 

@@ -29,7 +29,7 @@ pub(super) struct Cluster {
     memory_mb: Option<u32>,
     /// Processors of a task.
     #[arg(long, value_name = "N")]
-    cpus: Option<u32>,
+    pub(super) cpus: Option<u32>,
     /// Length of a task that short stages are put together to, seconds.
     #[arg(long, value_name = "SECONDS")]
     task_s: Option<f64>,

@@ -5,10 +5,13 @@ use super::shared::{Cache, Specs, Telling};
 use super::{Ended, Outcome};
 use clap::{Args, ValueEnum};
 use spinebench::data::rows::ClaimRow;
-use spinebench::runner::{self, Campaign, Files, Manifest, Orders, Outcomes, Progress, Publication, StageTimes, Store};
+use spinebench::runner::{
+    self, Campaign, Entry, Files, Manifest, Orders, Outcomes, Progress, Publication, StageTimes, Store,
+};
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
+use std::thread::available_parallelism;
 use std::time::Instant;
 
 /// Expands specs to stages, runs what is not stored, writes tables and figures.
@@ -90,7 +93,7 @@ impl Run {
         for entry in &campaign.entries {
             let name = entry.experiment.name.clone();
             let publication = entry.publish(outcomes).map_err(|error| format!("{name}: {error}"))?;
-            let manifest = Manifest::new(campaign, entry, outcomes, store, self.telling.jobs, wall_s);
+            let manifest = Manifest::new(campaign, entry, outcomes, store, self.threads(entry), wall_s);
             let folder = Path::new("results").join(&name);
             files.insert(folder.join("manifest.yaml"), manifest.to_yaml()?);
             let trail = runner::trail(campaign, entry, outcomes, store);
@@ -102,6 +105,15 @@ impl Run {
         files.extend(runner::all_claims(&self.out, &claims).map_err(|error| words(&error))?);
         runner::write_files(&self.out, &files).map_err(|error| words(&error))?;
         Ok(published)
+    }
+
+    /// Threads that stages were given: of this machine, or of a task on the cluster.
+    fn threads(&self, entry: &Entry) -> usize {
+        match self.executor {
+            Executor::Slurm => self.cluster.cpus.unwrap_or(entry.experiment.slurm.cpus) as usize,
+            Executor::Local if self.telling.jobs > 0 => self.telling.jobs,
+            Executor::Local => available_parallelism().map_or(1, usize::from),
+        }
     }
 
     fn verdict(&self, published: &[Publication]) -> Outcome {
@@ -123,8 +135,9 @@ impl Run {
 fn writable(folder: &Path) -> std::io::Result<()> {
     std::fs::create_dir_all(folder)?;
     let probe = folder.join(format!(".spinebench-{}", std::process::id()));
-    std::fs::File::create_new(&probe)?;
-    std::fs::remove_file(&probe)
+    std::fs::File::create(&probe)?;
+    // Another process of the same number, on another machine, may have been quicker.
+    std::fs::remove_file(&probe).or_else(|error| if probe.exists() { Err(error) } else { Ok(()) })
 }
 
 fn summarise(progress: &Progress, campaign: &Campaign, outcomes: &Outcomes, published: &[Publication], wall_s: f64) {

@@ -117,9 +117,16 @@ struct Scratch(PathBuf);
 
 impl Scratch {
     fn new() -> std::io::Result<Scratch> {
-        let folder = std::env::temp_dir().join(format!("spinebench-verify-{}", std::process::id()));
-        std::fs::create_dir_all(Path::new(&folder))?;
-        Ok(Scratch(folder))
+        // A folder of its own: a process of the same number may have left one behind.
+        for number in 0.. {
+            let name = format!("spinebench-verify-{}-{number}", std::process::id());
+            let folder = std::env::temp_dir().join(name);
+            match std::fs::create_dir(&folder) {
+                Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
+                made => return made.map(|()| Scratch(folder)),
+            }
+        }
+        Err(std::io::ErrorKind::AlreadyExists.into())
     }
 }
 

@@ -8,9 +8,15 @@ include!(concat!(env!("OUT_DIR"), "/sources.rs"));
 /// Sources of a kind of stage: what the path of a source below `src/` begins with. A trailing `!` leaves out.
 pub(super) type Sources = &'static [&'static str];
 
+/// How a robot is made of its spec.
+const SPEC: &str = "specs/plant.rs";
+/// How results are laid out in the store.
+const CODEC: &str = "runner/codec/";
+const STAGES: &str = "runner/stages/";
+
 /// Whatever moves: the rod, its effects, simulated robots, the loops.
 pub(super) const ROBOT: Sources =
-    &["base/", "math/", "data/", "rod/", "effects/", "plants/", "plants/hardware/!", "tasks/", "runner/stages/"];
+    &["base/", "math/", "data/", "rod/", "effects/", "plants/", "plants/hardware/!", "tasks/", SPEC, CODEC, STAGES];
 /// Whatever learns.
 pub(super) const LEARN: Sources = &["base/", "math/", "learn/", "policies/", "tasks/", "runner/stages/"];
 /// Policies on robots.
@@ -25,11 +31,15 @@ pub(super) const TRIAL: Sources = &[
     "learn/",
     "policies/",
     "tasks/",
-    "runner/stages/",
+    SPEC,
+    CODEC,
+    STAGES,
 ];
 /// Whatever looks for what a model lacks.
 pub(super) const DISCOVERY: Sources =
-    &["base/", "math/", "data/", "rod/", "effects/", "learn/", "discovery/", "tasks/", "runner/stages/"];
+    &["base/", "math/", "data/", "rod/", "effects/", "learn/", "discovery/", "tasks/", SPEC, CODEC, STAGES];
+/// Robots on a bench and rehearsals of them; part of the digest of such a robot, not of all stages.
+pub(super) const BENCH: Sources = &["plants/hardware/", "hardware/"];
 
 /// The digest of the code that `sources` name, and of the packages.
 pub(super) fn digest(sources: Sources) -> Digest {
@@ -54,7 +64,7 @@ mod tests {
 
     #[test]
     fn every_name_is_a_folder_of_sources_and_the_digests_differ() {
-        let all = [ROBOT, LEARN, TRIAL, DISCOVERY];
+        let all = [ROBOT, LEARN, TRIAL, DISCOVERY, BENCH];
         for folder in all.iter().flat_map(|sources| sources.iter()) {
             let folder = folder.trim_end_matches('!');
             assert!(SOURCES.iter().any(|(name, _)| name.starts_with(folder)), "{folder}");

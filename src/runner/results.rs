@@ -155,10 +155,12 @@ pub fn all_claims(out: &Path, fresh: &BTreeMap<String, Vec<ClaimRow>>) -> Result
     let mut by_experiment = fresh.clone();
     for folder in std::fs::read_dir(out.join(results)).into_iter().flatten().flatten() {
         let (name, path) = (folder.file_name().to_string_lossy().into_owned(), folder.path().join("claims.csv"));
-        // The claims of a sweep are about its points, not about the paper's settings.
-        let swept = folder.path().join("sweep.csv").exists();
-        if !by_experiment.contains_key(&name) && path.is_file() && !swept {
-            by_experiment.insert(name, tables::read_csv(&path)?);
+        if !by_experiment.contains_key(&name) && path.is_file() {
+            let (swept, claims) = tables::read_csv_beside(&path, |column| column.contains('.'))?;
+            // The claims of a sweep are about its points, not about the paper's settings.
+            if swept.is_empty() {
+                by_experiment.insert(name, claims);
+            }
         }
     }
     let claims: Vec<ClaimRow> = by_experiment.into_values().flatten().collect();

@@ -43,7 +43,7 @@ pub fn parting(published: &[StageRow], found: &[StageRow]) -> Option<String> {
         if (&before.stage, &before.label) != (&now.stage, &now.label) {
             return Some(format!("{name}: published was {} ({}) in its place", before.stage, before.label));
         }
-        if before.result != now.result && !before.result.is_empty() {
+        if before.result != now.result && !before.result.is_empty() && !now.result.is_empty() {
             let (key, was, is) = (&now.key, &before.result, &now.result);
             let why = if before.key == *key { "the same settings and code" } else { "other settings or other code" };
             return Some(format!("{name}: published {was}, found {is}, by {why}"));

@@ -267,7 +267,8 @@ fn numbers(values: impl Iterator<Item = f64>, whole: bool, exact: [f64; 2]) -> V
         // Fields that count take no `3.0`.
         let number =
             if value.fract() == 0.0 && value.abs() < 1e15 { Number::from(value as i64) } else { Number::from(value) };
-        One { name: number_name(value), value: Value::Number(number), below: None }
+        let value = Value::Number(number);
+        One { name: name(&value), value, below: None }
     };
     values.map(rounded).map(one).collect()
 }
@@ -276,6 +277,7 @@ fn numbers(values: impl Iterator<Item = f64>, whole: bool, exact: [f64; 2]) -> V
 fn name(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),
+        Value::Number(number) if !number.is_f64() => number.to_string(),
         Value::Number(number) => number.as_f64().map_or_else(|| number.to_string(), number_name),
         Value::Null => "null".to_owned(),
         Value::Bool(flag) => flag.to_string(),

@@ -3,6 +3,9 @@
 use crate::base::BadOption;
 use serde::{Deserialize, Serialize};
 
+/// Shortest limit of a task, minutes: it is told 90 s before, and clusters round that up by as much as a minute.
+const LEAST_MIN: u32 = 4;
+
 /// Resources of each task and where it runs. What is left out is for the cluster to decide.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
@@ -48,6 +51,10 @@ impl SlurmOptions {
     /// [`BadOption`] names the first one.
     pub fn check(&self) -> Result<(), BadOption> {
         BadOption::unless_positive("task_s", self.task_s)?;
+        if let Some(minutes) = self.time_min.filter(|&minutes| minutes < LEAST_MIN) {
+            let expected = "at least 4: the notice comes up to two and a half minutes before the end";
+            return Err(BadOption { key: "time_min", found: minutes.to_string(), expected });
+        }
         BadOption::unless_counted("cpus", self.cpus as usize)?;
         BadOption::unless_counted("attempts", self.attempts as usize)
     }

@@ -5,7 +5,8 @@
 #
 #   cluster.sh install             install what is missing (exit 77: cannot, and why)
 #   cluster.sh start DIR [NODES]   a fresh cluster with the nodes n1, n2, …; DIR/env
-#                                  has the lines that clients need in their environment
+#                                  has the lines that clients need in their environment;
+#                                  MAX_ARRAY_SIZE in the environment: indices are below it
 #   cluster.sh kill-node DIR nK    that node loses power, with all that runs on it
 #   cluster.sh start-node DIR nK   that node is switched on again
 #   cluster.sh stop-ctl DIR        the controller ends, having saved its state; jobs go on
@@ -244,7 +245,7 @@ KillWait=3
 InactiveLimit=0
 MinJobAge=600
 MaxJobCount=250000
-MaxArraySize=100001
+MaxArraySize=${MAX_ARRAY_SIZE:-100001}
 SchedulerType=sched/backfill
 SchedulerParameters=sched_interval=1,batch_sched_delay=0,bf_interval=1
 SelectType=select/cons_tres

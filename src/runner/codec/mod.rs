@@ -1,7 +1,7 @@
 //! The bytes of stored results: serde to a compact little-endian form that keeps every bit of a number.
 //!
 //! Text formats were not taken because what is read back must equal what was computed to the last bit, NaN included.
-//! The form says nothing about itself: a stage's version tells which types wrote it.
+//! The form says nothing about itself: the code that a stage is filed under tells which types wrote it.
 //!
 //! Whole numbers, lengths and alternatives take 8 bytes, numbers their IEEE bits, options one byte and the value.
 

@@ -37,6 +37,12 @@ pub(super) struct Array<'a> {
 /// What `sbatch` says, or that there is none.
 pub(super) fn submit(folder: &Folder, array: &Array, options: &SlurmOptions) -> Result<String, String> {
     let program = std::env::current_exe().map_err(|error| format!("this program's own file: {error}"))?;
+    if !program.is_file() {
+        let found = program.display();
+        return Err(format!(
+            "{found}: found it replaced since it began, expected the same build; run the command again"
+        ));
+    }
     let mut command = Command::new("sbatch");
     command.args(arguments(folder, array, options)).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = command.spawn().map_err(|error| absent("sbatch", &error))?;

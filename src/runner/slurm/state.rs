@@ -39,7 +39,7 @@ fn one(store: &Store, id: String) -> Option<Standing> {
         done,
         failed: folder.failures().len(),
         cancelled: folder.called_off(),
-        queue: queue::queued(&job_name(&id)),
+        queue: queue::queued(&job_name(&folder)),
         id,
     })
 }
@@ -57,5 +57,5 @@ pub fn cancel(store: &Store, id: &str) -> Result<(), String> {
         return Err(format!("found campaign `{id}`, expected {known}"));
     }
     folder.call_off(true)?;
-    queue::cancel(&job_name(id))
+    queue::cancel(&job_name(&folder))
 }

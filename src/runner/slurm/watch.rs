@@ -74,12 +74,15 @@ impl Watch<'_> {
             ));
         };
         folder.call_off(false)?;
-        let alive = queue::queued(&job_name(&id))?;
+        let alive = queue::queued(&job_name(&folder))?;
         if alive.is_empty() {
             folder.forget_failures();
             self.submit(&folder, &needs)?;
         } else {
             self.progress.say(&format!("campaign {id} is under way already ({}); watching it", counts(&alive)));
+        }
+        if folder.called_off() {
+            return Ok(Ended::Cancelled);
         }
         if self.detach {
             return Ok(Ended::Detached);
@@ -101,16 +104,31 @@ impl Watch<'_> {
         let waves = plan::waves(&self.campaign.graph, needs, (self.options.task_s * 1e3) as u64);
         let attempt = folder.last_attempt() + 1;
         folder.put_attempt(attempt, &self.campaign.graph, &waves)?;
-        let (name, largest) = (job_name(&self.id()), queue::largest_array());
+        let (name, largest) = (job_name(folder), queue::largest_array());
         let mut after: Vec<String> = Vec::new();
         let mut tasks = 0;
         for (wave, list) in waves.iter().enumerate() {
-            let mut jobs = Vec::new();
+            let mut jobs: Vec<String> = Vec::new();
             for first in (0..list.len()).step_by(largest) {
-                let tasks = largest.min(list.len() - first);
                 let at_a_time = self.at_a_time;
-                let array = Array { name: &name, attempt, wave, first, tasks, at_a_time, after: &after };
-                jobs.push(queue::submit(folder, &array, self.options)?);
+                // The limit is of one array: where a wave has several, one follows the other.
+                let before = if at_a_time > 0 { jobs.last().map(std::slice::from_ref) } else { None };
+                let (first, tasks) = (first, largest.min(list.len() - first));
+                let array =
+                    Array { name: &name, attempt, wave, first, tasks, at_a_time, after: before.unwrap_or(&after) };
+                match queue::submit(folder, &array, self.options) {
+                    Ok(job) => jobs.push(job),
+                    Err(words) if jobs.is_empty() && after.is_empty() => return Err(words),
+                    // What is submitted goes on; what is not counts as lost when that is done, and is submitted then.
+                    Err(words) => {
+                        self.progress.notice(&format!("{words}; the rest follows when what is submitted is done"));
+                        return Ok(());
+                    }
+                }
+                // Who cancels marks the campaign first and then cancels the jobs that are there.
+                if folder.called_off() {
+                    return queue::cancel(&name);
+                }
             }
             tasks += list.len();
             after = jobs;
@@ -129,6 +147,7 @@ impl Watch<'_> {
         let mut left = missing;
         let mut silence = Silence::new(left.len());
         let ended = loop {
+            let looked = Instant::now();
             let failures = folder.failures();
             left.retain(|&stage| !self.is_over(stage, &failures));
             if left.is_empty() {
@@ -140,8 +159,9 @@ impl Watch<'_> {
             if interrupt.raised() {
                 break Ended::Detached;
             }
-            match silence.look(left.len(), || queue::queued(&job_name(&self.id())), self.progress) {
-                Silent::No => std::thread::sleep(LOOK),
+            match silence.look(left.len(), || queue::queued(&job_name(folder)), self.progress) {
+                // A large campaign on a slow folder is not looked at all the time.
+                Silent::No => std::thread::sleep(LOOK.max(10 * looked.elapsed())),
                 Silent::Lost if silence.in_vain >= self.options.attempts => {
                     break Ended::Done(self.lost(folder, &left, failures));
                 }
@@ -224,12 +244,12 @@ impl Silence {
                 if since.elapsed() < GRACE {
                     return Silent::No;
                 }
-                self.in_vain = if missing < self.missing { 0 } else { self.in_vain } + 1;
+                self.in_vain = if missing < self.missing { 0 } else { self.in_vain + 1 };
                 (self.missing, self.since) = (missing, None);
                 return Silent::Lost;
             }
-            // Held tasks wait for a person.
-            Ok(states) => states.keys().find(|state| state.contains("eld")).cloned(),
+            // Some reasons to wait need a person: a hold, a limit, a resource that no node has.
+            Ok(states) => states.keys().find(|state| state.contains('(')).cloned(),
             // A controller that does not answer is waited for: results come without it.
             Err(words) => Some(words),
         };

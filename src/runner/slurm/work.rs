@@ -43,7 +43,8 @@ pub fn work(folder: &Folder, place: Place, threads: usize, progress: &Progress) 
     let keys = tasks.get(place.task).ok_or_else(|| missing(folder, "task"))?;
     let campaign = campaign(folder)?;
     let Some(wanted) = numbers(&campaign, keys) else {
-        let status = "the program that runs here is not the one that submitted".to_owned();
+        let status =
+            "the program, or a recording that it replays, is another here than where it was submitted".to_owned();
         let failure = Failure { stage: "slurm".into(), status: status.clone() };
         keys.iter().try_for_each(|key| folder.put_failure(key, &failure))?;
         return Err(status);

@@ -3,6 +3,7 @@
 
 use crate::base::Plant;
 use crate::effects::EffectSpec;
+use crate::runner::code::{self, BENCH};
 use crate::runner::digest::Digest;
 use crate::runner::graph::Failure;
 use crate::specs::PlantSpec;
@@ -17,7 +18,8 @@ pub(super) struct Identified {
 }
 
 impl Identified {
-    /// Digests a robot; of one that replays a recording the content, wherever the file lies.
+    /// Digests a robot; of one that replays a recording the content, wherever the file lies, and of one on a bench the
+    /// code that drives it.
     ///
     /// # Errors
     /// [`Failure`] for a robot that cannot be written as JSON.
@@ -27,6 +29,9 @@ impl Identified {
         if let PlantSpec::Replay(options) = &spec {
             // A recording that cannot be read fails the stages that ask for it.
             bytes.extend(std::fs::read(&options.recording).unwrap_or_default());
+        }
+        if let PlantSpec::Hardware(_) = &spec {
+            bytes.extend(code::digest(BENCH).bytes());
         }
         Ok(Identified { digest: Digest::of(&bytes), spec: Arc::new(spec) })
     }
