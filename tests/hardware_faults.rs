@@ -75,6 +75,9 @@ fn of_the_controller() -> Vec<(&'static str, ControllerFault, [Expected; 3])> {
         ("switch X never closes", SwitchStuckOpen(0), [Nothing, Nothing, CONTROLLER]),
         ("switch A always closed", SwitchStuckClosed(3), ALL_STOP),
         ("position jumps by 2 mm", WrongPosition(1, 2.0), unless_homing),
+        ("somebody presses hold", HoldButton, unless_homing),
+        ("somebody halves all speeds", FeedOverride(50), ALL_STOP),
+        ("reports without machine positions", WorkPositions, ALL_STOP),
         ("work offset of 5 mm", WorkOffset(2, 5.0), [Eventually("controller"), CONTROLLER, CONTROLLER]),
     ]
 }
@@ -212,7 +215,7 @@ fn judge(outcome: &Outcome, expected: Expected, phase: Phase) -> bool {
                 first.is_some_and(|(state, found, ms)| *state == "held" && found == kind && prompt(*ms, HELD_MS));
             held && outcome.error.is_none()
         }
-        Nothing => outcome.error.is_none() && outcome.stopped.is_none(),
+        Nothing => outcome.error.is_none() && outcome.first.is_none(),
     }
 }
 

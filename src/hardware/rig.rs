@@ -6,7 +6,7 @@ use super::axes::{AXES, AxesOptions};
 use super::grbl::{self, Controller, Mode, MotionFault};
 use super::interrupt::Interrupt;
 use super::safety::{Cause, Facts, Guard, Latch, Order, Refusal, SafetyLimits, State};
-use super::tracking::{TipPose, Tracking};
+use super::tracking::{TipPose, Tracking, TrackingStatus};
 
 /// Share of a tick that a move takes at full speed; the rest is for its acceleration.
 const MOVING_SHARE: f64 = 0.8;
@@ -240,6 +240,15 @@ impl Rig {
         Ok(())
     }
 
+    /// The robot does not do what it was told in the time that it has: it is stopped, for whoever comes next as well.
+    pub fn give_up(&mut self, what: String, now_s: f64) {
+        let order = self.guard.end(Cause { kind: "controller", what, remedy: ARM.to_owned() }, now_s);
+        self.obey(order, now_s);
+        if order != Order::Nothing {
+            self.tell(now_s);
+        }
+    }
+
     /// The program ends: a robot that moves is held, and what is queued is forgotten at one of the next polls, as after a
     /// stop, so that the next program finds it standing. False when there is nothing left to wait for.
     pub fn leave(&mut self, why: &str, now_s: f64) -> bool {
@@ -253,15 +262,20 @@ impl Rig {
         self.guard.is_stopping()
     }
 
-    /// The pose at `time_s`, between the frames around it.
+    /// The pose at `time_s`, between the frames around it, if the guard would believe it.
     pub fn tip_at(&self, time_s: f64) -> Option<TipPose> {
-        self.parts.tracking.pose_at(time_s)
+        self.parts.tracking.pose_at(time_s).filter(|pose| self.is_plausible(pose))
+    }
+
+    fn is_plausible(&self, pose: &TipPose) -> bool {
+        let near = |expected_m: &Point3| distance_m(&pose.position_m, expected_m) <= self.parts.limits.tip_from_model_m;
+        self.expected_m.as_ref().is_none_or(near)
     }
 
     /// The last pose, if it was fresh enough at `time_s` not to hold the robot.
     pub fn fresh_tip(&self, time_s: f64) -> Option<TipPose> {
         let fresh = |pose: &&TipPose| time_s - pose.time_s <= self.parts.limits.tracking_hold_s;
-        self.parts.tracking.latest().filter(fresh).cloned()
+        self.parts.tracking.latest().filter(fresh).filter(|pose| self.is_plausible(pose)).cloned()
     }
 
     /// Why the robot should not go on for now: a controller that owes an answer, or a measurement that is not to be used.
@@ -274,7 +288,7 @@ impl Rig {
         let limits = self.parts.limits;
         let age_s = self.parts.tracking.age_s(now_s);
         if age_s.is_nan() || age_s > limits.tracking_hold_s {
-            return Some(lost(age_s, limits.tracking_hold_s));
+            return Some(lost(age_s, limits.tracking_hold_s, self.parts.tracking.status()));
         }
         let pose = self.parts.tracking.latest()?;
         let (time_s, tip_m) = (pose.time_s, pose.position_m);
@@ -306,11 +320,12 @@ impl Rig {
             State::Held { cause, .. } => (cause.kind, format!("{}; goes on by itself", cause.what)),
             State::Stopped { cause, .. } => {
                 let cause = cause.clone();
-                if let Some(latch) = self.parts.latch.as_ref().filter(|_| ![INTERRUPTED, ENDED].contains(&cause.kind)) {
-                    // A stop that cannot be written down is still a stop.
-                    let _ = latch.stop(&cause);
+                let mut what = format!("{}; {}", cause.what, cause.remedy);
+                let latch = self.parts.latch.as_ref().filter(|_| ![INTERRUPTED, ENDED].contains(&cause.kind));
+                if let Some(Err(error)) = latch.map(|latch| latch.stop(&cause)) {
+                    what = format!("{what}; this stop could not be written down for the next program: {error}");
                 }
-                (cause.kind, format!("{}; {}", cause.what, cause.remedy))
+                (cause.kind, what)
             }
             state => ("", state.name().to_owned()),
         };
@@ -348,12 +363,18 @@ fn controller_cause(fault: &MotionFault) -> Cause {
     Cause { kind: "controller", what: fault.to_string(), remedy: ARM.to_owned() }
 }
 
-fn lost(age_s: f64, allowed_s: f64) -> Cause {
+fn lost(age_s: f64, allowed_s: f64, status: &TrackingStatus) -> Cause {
     let aged = || format!("the last valid pose is {:.0} ms old", age_s * 1e3);
     let found = if age_s.is_finite() { aged() } else { "no valid pose so far".to_owned() };
+    let stranger = || {
+        let from = status.foreign_source?;
+        Some(format!("{} datagrams came from {from}, which is not the server", status.foreign))
+    };
+    let why = status.fault.clone().or_else(stranger).or_else(|| status.socket_error.clone());
+    let why = why.map(|why| format!(" ({why})")).unwrap_or_default();
     Cause {
         kind: "tracking",
-        what: format!("{found}, expected at most {:.0} ms", allowed_s * 1e3),
+        what: format!("{found}, expected at most {:.0} ms{why}", allowed_s * 1e3),
         remedy: "make both bodies visible and check that Motive streams, then `spinebench arm --plant PLANT.yaml`"
             .to_owned(),
     }

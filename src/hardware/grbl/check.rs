@@ -34,8 +34,8 @@ fn rules(settings: &MotionSettings) -> Vec<Rule> {
         rule(10, "fields of the status report: 1 machine position, 2 buffer and 16 pins", Need::Bits(19)),
         rule(13, "report in inches", Need::Exactly(0.0)),
         rule(20, "soft limits", Need::Exactly(1.0)),
-        rule(21, "hard limits", Need::Exactly(1.0)),
-        rule(22, "homing: 1 on, 4 required after the start, 8 makes the switch 0", Need::Exactly(13.0)),
+        rule(21, "hard limits", Need::Bits(1)),
+        rule(22, "homing: 1 on, 4 required after the start, 8 makes the switch 0", Need::Bits(13)),
         rule(23, "axes that home downwards", Need::Exactly(f64::from(settings.homing_directions))),
         rule(376, "axes that turn instead of moving in a line", Need::Exactly(0.0)),
     ];

@@ -65,6 +65,8 @@ pub struct Controller {
     /// Until then a greeting may still be due to a reset: the controller may have reset itself just before.
     pub(super) greetings_until_s: f64,
     pub(super) held: bool,
+    /// When moves that were held were last told to go on, s; its reports may lag behind.
+    pub(super) resumed_s: f64,
     pub(super) set_up: bool,
     /// What the controller says; it leaves this out of most reports.
     pub(super) says_homed: bool,
@@ -109,12 +111,17 @@ impl Controller {
             reset_s: None,
             greetings_until_s: now_s,
             held: false,
+            resumed_s: f64::NEG_INFINITY,
             set_up: false,
             says_homed: false,
             must_home: false,
             garbled_s: VecDeque::new(),
             path: Path::default(),
         };
+        // Nothing moves: all blocks that there are are free, whatever the controller said that it has.
+        if let (Mode::Idle, Some(free)) = (status.mode, status.free_blocks) {
+            controller.machine.blocks = free;
+        }
         controller.reported(&status, now_s);
         controller.fault.clone().map_or(Ok(controller), Err)
     }
@@ -199,9 +206,10 @@ impl Controller {
     }
 
     /// Goes on with the moves that were held, unless there is a fault.
-    pub fn resume(&mut self, _now_s: f64) {
+    pub fn resume(&mut self, now_s: f64) {
         if self.fault.is_none() {
             self.held = false;
+            self.resumed_s = now_s;
             self.send_byte(RESUME);
         }
     }

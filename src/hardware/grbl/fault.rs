@@ -129,6 +129,14 @@ pub enum MotionFault {
         /// The mode.
         mode: Mode,
     },
+    /// Somebody has changed what all speeds are multiplied by.
+    #[error(
+        "the controller multiplies all speeds by {percent} %; set its feed override to 100 %, then reset and home again"
+    )]
+    Override {
+        /// Per cent.
+        percent: f64,
+    },
     /// An axis stays where it is.
     #[error(
         "axis {} stands at {reached_mm:.3} mm and should have gone to {target_mm:.3} mm; check motor, driver and \

@@ -53,6 +53,8 @@ pub struct Status {
     pub offset_mm: Option<[f64; 4]>,
     /// Whether all axes are homed.
     pub homed: Option<bool>,
+    /// What all speeds are multiplied by, per cent.
+    pub feed_override: Option<f64>,
 }
 
 /// Understands a line; `None` when it is no GRBL line.
@@ -98,15 +100,18 @@ fn status(text: &str) -> Option<Status> {
         pins: Pins::default(),
         offset_mm: None,
         homed: None,
+        feed_override: None,
     };
     for field in fields {
-        let (name, value) = field.split_once(':')?;
+        // Controllers differ in what else they tell.
+        let Some((name, value)) = field.split_once(':') else { continue };
         match name {
             "MPos" => status.position_mm = Some(four(value)?),
             "WCO" => status.offset_mm = Some(four(value)?),
             "Bf" => status.free_blocks = Some(value.split(',').next()?.parse().ok()?),
             "F" | "FS" => status.feed_mm_min = Some(number(value.split(',').next()?)?),
             "Pn" => status.pins = Pins::of_letters(value),
+            "Ov" => status.feed_override = Some(number(value.split(',').next()?)?),
             "H" => status.homed = Some(value.starts_with('1')),
             _ => {}
         }

@@ -226,7 +226,7 @@ fn understand(piece: Piece) -> Result<Reply, String> {
     }
 }
 
-fn no_position() -> MotionFault {
+pub(super) fn no_position() -> MotionFault {
     let found = "a report without MPos".to_owned();
     MotionFault::WrongFirmware { what: "status", found, expected: "the machine position of four axes" }
 }

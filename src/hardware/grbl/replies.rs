@@ -132,6 +132,15 @@ impl Controller {
         self.state.position_mm = status.position_mm.unwrap_or(self.state.position_mm);
         self.state.feed_mm_min = status.feed_mm_min.unwrap_or(self.state.feed_mm_min);
         if self.homing == Homing::Running {
+            // An alarm whose own line was not readable; one from before homing may still be on its way.
+            let begun =
+                self.pending.as_ref().is_some_and(|homing| now_s - homing.sent_s > self.settings.reply_timeout_s);
+            if let Mode::Alarm(Some(code)) = status.mode
+                && code != HOMING_REQUIRED
+                && begun
+            {
+                return self.fail(MotionFault::Alarm { code });
+            }
             self.state.mode = Mode::Home;
             return;
         }
@@ -139,7 +148,7 @@ impl Controller {
         if self.reset_s.is_some() {
             return;
         }
-        if let Err(fault) = self.judge_mode(status, before).and_then(|()| self.judge_position(status)) {
+        if let Err(fault) = self.judge_mode(status, before, now_s).and_then(|()| self.judge_position(status)) {
             self.fail(fault);
         }
     }
@@ -152,10 +161,13 @@ impl Controller {
         }
     }
 
-    fn judge_mode(&mut self, status: &Status, before: Mode) -> Result<(), MotionFault> {
+    fn judge_mode(&mut self, status: &Status, before: Mode, now_s: f64) -> Result<(), MotionFault> {
         let lost = self.state.homed && status.homed == Some(false) && before != Mode::Unknown;
         self.says_homed = status.homed.unwrap_or(self.says_homed);
         self.note_homed();
+        if let Some(percent) = status.feed_override.filter(|&percent| percent != 100.0) {
+            return Err(MotionFault::Override { percent });
+        }
         match status.mode {
             Mode::Alarm(code) => {
                 self.must_home = true;
@@ -165,6 +177,10 @@ impl Controller {
             }
             _ if lost => Err(MotionFault::Alarm { code: HOMING_REQUIRED }),
             Mode::Home if self.homing == Homing::Settling => Ok(()),
+            // Somebody has pressed the controller's own hold, or the word to go on got lost.
+            mode @ Mode::Hold { .. } if !self.held && now_s - self.resumed_s > self.settings.reply_timeout_s => {
+                Err(MotionFault::UnexpectedMode { mode })
+            }
             Mode::Idle | Mode::Run | Mode::Hold { .. } => Ok(()),
             mode => Err(MotionFault::UnexpectedMode { mode }),
         }
@@ -179,7 +195,10 @@ impl Controller {
                 remedy,
             });
         }
-        let Some(position_mm) = status.position_mm.filter(|_| self.state.homed) else { return Ok(()) };
+        let Some(position_mm) = status.position_mm else { return Err(open::no_position()) };
+        if !self.state.homed {
+            return Ok(());
+        }
         if !matches!(status.mode, Mode::Idle | Mode::Run | Mode::Hold { .. }) {
             return Ok(());
         }

@@ -149,7 +149,8 @@ impl Guard {
         if let State::Stopped { .. } = self.state {
             return self.finish_stop(facts, now_s);
         }
-        if let Some(cause) = facts.interrupted.as_ref().or(facts.motion_fault.as_ref()) {
+        // A fault outlives the program, a request to end does not.
+        if let Some(cause) = facts.motion_fault.as_ref().or(facts.interrupted.as_ref()) {
             return self.stop(cause.clone(), now_s);
         }
         match (&self.state, &facts.doubt) {
@@ -159,7 +160,7 @@ impl Guard {
                 self.to(held, Order::Hold)
             }
             (State::Held { .. }, None) => self.to(State::Active, Order::Resume),
-            (State::Held { cause, since_s }, Some(_)) if now_s - since_s >= self.limits.hold_stop_s => {
+            (State::Held { since_s, .. }, Some(cause)) if now_s - since_s >= self.limits.hold_stop_s => {
                 let cause = cause.clone();
                 self.stop(cause, now_s)
             }

@@ -43,8 +43,12 @@ impl Latch {
     /// When the file cannot be written.
     pub fn stop(&self, cause: &Cause) -> io::Result<()> {
         let line = format!("{} UTC: {} [{}]", utc(SystemTime::now()), cause.what, cause.kind);
-        self.write(&format!("stopped: {line}; {}", cause.remedy))?;
-        fs::write(&self.stopped, format!("{line}\n"))
+        if let Some(folder) = self.stopped.parent() {
+            fs::create_dir_all(folder)?;
+        }
+        // The latch first: the log is for people, and may be full.
+        fs::write(&self.stopped, format!("{line}\n"))?;
+        self.write(&format!("stopped: {line}; {}", cause.remedy))
     }
 
     /// Arms the robot again and logs it; what it had been stopped for.

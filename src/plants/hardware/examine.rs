@@ -35,6 +35,7 @@ impl Hardware {
         let _ = self.model.home();
         let home_m = self.expected_m();
         let urgent = self.line.clock.is_real().then(|| Urgent::new(Rank::Loop).is_granted());
+        let now_s = self.line.clock.now_s();
         let rig = self.line.rig();
         Examined {
             controller: format!("{} {}", rig.controller().machine().firmware, rig.controller().machine().version),
@@ -42,7 +43,7 @@ impl Hardware {
             position_mm: rig.controller().state().position_mm,
             server: rig.tracking().server(),
             tracking: rig.tracking().status().clone(),
-            tip: rig.tracking().latest().map(|pose| pose.position_m),
+            tip: rig.fresh_tip(now_s).map(|pose| pose.position_m),
             home_m,
             urgent,
         }

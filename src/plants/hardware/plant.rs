@@ -35,7 +35,7 @@ impl Hardware {
                 },
                 state => stopped(state).map(Err),
             });
-            let arrived = arrived.unwrap_or_else(|| Err(late("the way home")))?;
+            let arrived = arrived.unwrap_or_else(|| Err(self.late("the way home")))?;
             self.line.clock.sleep_until(tick_s);
             self.until_active(deadline_s)?;
             if arrived {
@@ -55,7 +55,15 @@ impl Hardware {
             }
             state => stopped(state).map(Err),
         });
-        ended.unwrap_or_else(|| Err(late("a hold or homing"))).map(|()| held)
+        ended.unwrap_or_else(|| Err(self.late("a hold or homing"))).map(|()| held)
+    }
+
+    /// What takes longer than it may stops the robot.
+    pub(super) fn late(&self, what: &str) -> PlantError {
+        let words = format!("{what} took longer than it may; look at the robot");
+        let now_s = self.line.clock.now_s();
+        self.line.rig().give_up(words.clone(), now_s);
+        PlantError::Stopped(words)
     }
 
     /// Refuses a command before the model moves, so that both stay where they are. How far tendons that follow go is for
@@ -109,7 +117,7 @@ impl Hardware {
             state => stopped(state).map(Err),
         });
         self.timing.latency.push(self.line.clock.now_s() - called_s);
-        sent.unwrap_or_else(|| Err(late("room in the controller's queue")))
+        sent.unwrap_or_else(|| Err(self.late("room in the controller's queue")))
     }
 
     /// What the tracker sees now; not valid where it sees nothing.
@@ -140,10 +148,6 @@ fn refused(error: NotMoved) -> PlantError {
         NotMoved::Not(_) => PlantError::Stopped(error.to_string()),
         NotMoved::Refused(_) | NotMoved::Gate(_) | NotMoved::Busy => PlantError::Refused(error.to_string()),
     }
-}
-
-fn late(what: &str) -> PlantError {
-    PlantError::Stopped(format!("{what} took longer than it may; look at the robot"))
 }
 
 impl Plant for Hardware {

@@ -41,6 +41,12 @@ pub enum FakeFault {
     WorkOffset(usize, f64),
     /// A setting has another value.
     WrongSettings(u16, String),
+    /// Somebody presses the controller's own hold.
+    HoldButton,
+    /// Somebody changes what all speeds are multiplied by, per cent.
+    FeedOverride(u32),
+    /// Somebody has it report work positions instead of machine positions.
+    WorkPositions,
 }
 
 /// The lasting ones.
@@ -56,6 +62,8 @@ pub(super) struct Injected {
     pub(super) stuck_closed: [bool; 4],
     pub(super) pressed: [bool; 4],
     pub(super) sticky: Option<u16>,
+    pub(super) feed_percent: Option<u32>,
+    pub(super) work_positions: bool,
 }
 
 impl Injected {
@@ -99,6 +107,9 @@ impl FakeController {
             FakeFault::DoubledOk => injected.double_ok = true,
             FakeFault::WrongPosition(axis, way_mm) => self.axes.counted_mm[axis] += way_mm,
             FakeFault::WorkOffset(axis, offset_mm) => self.offset_mm[axis] = offset_mm,
+            FakeFault::HoldButton => self.hold(),
+            FakeFault::FeedOverride(percent) => injected.feed_percent = Some(percent),
+            FakeFault::WorkPositions => injected.work_positions = true,
             FakeFault::WrongSettings(number, value) => {
                 self.settings.insert(number, value);
             }

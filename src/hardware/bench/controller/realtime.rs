@@ -39,7 +39,7 @@ impl FakeController {
     }
 
     /// Jogs are not held.
-    fn hold(&mut self) {
+    pub(super) fn hold(&mut self) {
         if matches!(self.doing, Doing::Ready) && !self.jogging {
             self.doing = Doing::Holding;
             self.axes.holding = true;

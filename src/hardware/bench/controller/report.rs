@@ -52,7 +52,8 @@ impl FakeController {
         });
         let (free, room) = (BLOCKS - self.axes.queued().min(BLOCKS), 1023);
         let feed = self.axes.speed_mm_min().round();
-        let mut text = format!("<{}|MPos:{}|Bf:{free},{room}|FS:{feed},0", self.mode(), four(&position_mm));
+        let which = if self.injected.work_positions { "WPos" } else { "MPos" };
+        let mut text = format!("<{}|{which}:{}|Bf:{free},{room}|FS:{feed},0", self.mode(), four(&position_mm));
         self.add_changes(&mut text);
         text.push('>');
         text
@@ -69,6 +70,8 @@ impl FakeController {
         }
         if count % OFFSET_EVERY == 1 {
             text.push_str(&format!("|WCO:{}", four(&self.offset_mm)));
+        } else if let Some(percent) = self.injected.feed_percent {
+            text.push_str(&format!("|Ov:{percent},100,100"));
         } else if count.is_multiple_of(OVERRIDES_EVERY) {
             text.push_str("|Ov:100,100,100");
         }
