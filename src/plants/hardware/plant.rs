@@ -189,9 +189,11 @@ impl Plant for Hardware {
             TendonCommand::Pull(asked_m) => *asked_m,
         };
         let pulls_m: Vec<f64> = commands.iter().zip(&believed.pulls_m).map(follow).collect();
-        // What the model has the followers do is held to the limits as a whole, before anything leaves.
+        // What the model has the followers do is held to the limits as a whole, before anything leaves; they take the
+        // ticks that they need.
         let last_m = self.line.rig().commanded_m();
-        let admitted = self.safety.admit_in_ticks(&pulls_m, &last_m, self.step_s);
+        let ticks = self.safety.ticks(&pulls_m, &last_m, self.step_s).max(1);
+        let admitted = self.safety.admit(&pulls_m, &last_m, self.step_s * ticks as f64, ticks);
         admitted.map_err(|refusal| PlantError::Refused(refusal.to_string()))?;
         self.line.rig().expect(Some(believed.tip_m));
         let in_time = now_s <= self.due_s + LATE_SHARE * self.step_s;
