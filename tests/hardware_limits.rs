@@ -4,7 +4,7 @@ mod hardware_support;
 
 use hardware_support::{STEP_S, open, options};
 use rand::RngExt;
-use spinebench::base::{Plant, PlantError, Seed};
+use spinebench::base::{Plant, PlantError, Seed, TendonCommand};
 use spinebench::hardware::safety::SafetyLimits;
 
 /// A number that a broken policy may give: mostly near the last one, sometimes anything.
@@ -62,6 +62,23 @@ fn a_wild_policy_moves_no_screw_out_of_bounds() {
         assert_eq!(commanded_m.to_vec(), last_m, "a refused command has left something behind");
     }
     assert!(moved > 300 && refused > 300, "{moved} moved, {refused} refused");
+}
+
+/// Tendons that follow waive nothing of what the others keep to, and nothing moves before that is judged.
+#[test]
+fn a_tendon_that_follows_waives_no_limit_of_the_others() {
+    let mut plant = open(&options(), 5);
+    plant.reset(Seed(0)).unwrap();
+    let follow = TendonCommand::Follow;
+    for asked_m in [0.05, -0.031, f64::NAN, f64::INFINITY] {
+        let before_mm = plant.stage().unwrap().with(|world| world.controller.position_mm());
+        let commands = [TendonCommand::Pull(asked_m), TendonCommand::Pull(0.001), follow, follow];
+        let Err(PlantError::Refused(words)) = plant.drive(&commands) else { panic!("{asked_m} was not refused") };
+        assert!(words.contains("tendon 1"), "{words}");
+        assert_eq!(plant.stage().unwrap().with(|world| world.controller.position_mm()), before_mm);
+    }
+    let seen = plant.drive(&[TendonCommand::Pull(0.002), TendonCommand::Pull(0.001), follow, follow]).unwrap();
+    assert!(seen.valid);
 }
 
 #[test]

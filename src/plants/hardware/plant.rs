@@ -4,7 +4,7 @@ use super::Hardware;
 use crate::base::{Observation, Plant, PlantError, Seed, TendonCommand};
 use crate::hardware::axes::AXES;
 use crate::hardware::rig::NotMoved;
-use crate::hardware::safety::{MOST_TICKS, State};
+use crate::hardware::safety::State;
 use crate::hardware::urgency::{Rank, Urgent};
 
 /// Longest that homing and the way home may take, s.
@@ -67,7 +67,8 @@ impl Hardware {
     }
 
     /// Refuses a command before the model moves, so that both stay where they are. How far tendons that follow go is for
-    /// the model to say; the others keep to the limits of each by itself.
+    /// the model to say; the others keep to the limits of each by itself, in the ticks that they need: one that has
+    /// followed so far may have a way to go.
     fn admit(&self, commands: &[TendonCommand]) -> Result<(), PlantError> {
         let last_m = self.line.rig().commanded_m();
         let asked = |(command, last_m): (&TendonCommand, &f64)| match *command {
@@ -76,7 +77,7 @@ impl Hardware {
         };
         let pulls_m: Vec<f64> = commands.iter().zip(&last_m).map(asked).collect();
         let admitted = if commands.contains(&TendonCommand::Follow) {
-            let ticks = self.safety.ticks(&pulls_m, &last_m, self.step_s).clamp(1, MOST_TICKS);
+            let ticks = self.safety.ticks(&pulls_m, &last_m, self.step_s).max(1);
             self.safety.admit_each(&pulls_m, &last_m, self.step_s * ticks as f64, ticks)
         } else {
             self.safety.admit_in_ticks(&pulls_m, &last_m, self.step_s).map(|_| ())
