@@ -4,36 +4,29 @@ use spinebench::data::rows::ScalingRow;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::Instant;
+use tempfile::TempDir;
 
 /// Repetitions of the experiment that is measured.
 const SEEDS: &str = "2";
 
 /// A folder that goes when it is dropped.
-pub struct Scratch(PathBuf);
+pub struct Scratch(TempDir);
 
 impl Scratch {
     pub fn new() -> Result<Scratch, String> {
-        let folder = std::env::temp_dir().join(format!("spinebench-scaling-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-        Ok(Scratch(folder))
+        tempfile::tempdir().map(Scratch).map_err(|error| error.to_string())
     }
 
     /// The store of the run called `name`.
     pub fn cache(&self, name: &str) -> PathBuf {
-        self.0.join(name).join("cache")
+        self.0.path().join(name).join("cache")
     }
 
     fn begin(&self, name: &str, spec: &Path, threads: usize) -> Result<Child, String> {
         let mut command = Command::new(env!("CARGO_BIN_EXE_spinebench"));
         command.arg("run").arg(spec).args(["--seeds", SEEDS, "--quiet", "--threads", &threads.to_string()]);
-        command.arg("--out").arg(self.0.join(name)).arg("--cache").arg(self.cache(name));
+        command.arg("--out").arg(self.0.path().join(name)).arg("--cache").arg(self.cache(name));
         command.stdout(Stdio::null()).spawn().map_err(|error| error.to_string())
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0); // what stays is in the system's temporary folder
     }
 }
 

@@ -101,17 +101,10 @@ impl Status {
     pub(super) fn carry_out(self) -> Outcome {
         let mut text = String::new();
         for one in slurm::standing(&self.cache.store()) {
-            let queue = match &one.queue {
-                Ok(states) if states.is_empty() => "no jobs".to_owned(),
-                Ok(states) => {
-                    states.iter().map(|(state, count)| format!("{count} {state}")).collect::<Vec<_>>().join(", ")
-                }
-                Err(words) => words.clone(),
-            };
             let (id, names, done, all) = (&one.id, one.experiments.join(" "), one.done, one.stages);
             let failed = if one.failed > 0 { format!(", {} failed", one.failed) } else { String::new() };
             let off = if one.cancelled { ", cancelled" } else { "" };
-            let _ = writeln!(text, "{id}  {names}: {done} of {all} stages{failed}{off}; {queue}");
+            let _ = writeln!(text, "{id}  {names}: {done} of {all} stages{failed}{off}; {}", one.queue);
         }
         if text.is_empty() {
             text = "no campaigns\n".to_owned();

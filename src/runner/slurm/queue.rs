@@ -120,6 +120,11 @@ fn counted(said: &str) -> BTreeMap<String, usize> {
     states
 }
 
+/// Tasks by state, in words.
+pub(super) fn words(states: &BTreeMap<String, usize>) -> String {
+    states.iter().map(|(state, count)| format!("{count} {state}")).collect::<Vec<_>>().join(", ")
+}
+
 /// Largest number of tasks that one array may have.
 pub(super) fn largest_array() -> usize {
     let output = Command::new("scontrol").args(["show", "config"]).output();

@@ -3,7 +3,6 @@
 use super::folder::Folder;
 use super::{job_name, queue};
 use crate::runner::store::Store;
-use std::collections::BTreeMap;
 
 /// How a campaign stands.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -20,8 +19,8 @@ pub struct Standing {
     pub failed: usize,
     /// Whether it was called off.
     pub cancelled: bool,
-    /// Its tasks in the queue by state; or what the cluster said instead.
-    pub queue: Result<BTreeMap<String, usize>, String>,
+    /// Its tasks in the queue by state, in words; or what the cluster said instead.
+    pub queue: String,
 }
 
 /// How the campaigns of a store stand, by name.
@@ -39,7 +38,11 @@ fn one(store: &Store, id: String) -> Option<Standing> {
         done,
         failed: folder.failures().len(),
         cancelled: folder.called_off(),
-        queue: queue::queued(&job_name(&folder)),
+        queue: match queue::queued(&job_name(&folder)) {
+            Ok(states) if states.is_empty() => "no jobs".to_owned(),
+            Ok(states) => queue::words(&states),
+            Err(words) => words,
+        },
         id,
     })
 }

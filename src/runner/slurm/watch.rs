@@ -79,7 +79,7 @@ impl Watch<'_> {
             folder.forget_failures();
             self.submit(&folder, &needs)?;
         } else {
-            self.progress.say(&format!("campaign {id} is under way already ({}); watching it", counts(&alive)));
+            self.progress.say(&format!("campaign {id} is under way already ({}); watching it", queue::words(&alive)));
         }
         if folder.called_off() {
             return Ok(Ended::Cancelled);
@@ -260,8 +260,4 @@ impl Silence {
         }
         Silent::No
     }
-}
-
-fn counts(states: &BTreeMap<String, usize>) -> String {
-    states.iter().map(|(state, count)| format!("{count} {state}")).collect::<Vec<_>>().join(", ")
 }
