@@ -56,8 +56,8 @@ fn store(folder: &Path) -> Store {
     Store::at(folder.join(".spinebench/cache"))
 }
 
-/// Two hundred times a run is killed at a random moment and begun again; whenever one gets through, its bytes are
-/// those of an undisturbed run and the store is emptied.
+/// Two hundred times a run is killed at a random moment and begun again. After up to twenty kills it is left to get
+/// through, however slow the machine is meanwhile: its bytes are those of an undisturbed run, and the store is emptied.
 #[test]
 fn two_hundred_kills_change_no_byte_and_lose_only_what_was_in_flight() {
     let folder = tempfile::tempdir().unwrap();
@@ -65,17 +65,20 @@ fn two_hundred_kills_change_no_byte_and_lose_only_what_was_in_flight() {
     let (expected, stages, whole) = undisturbed(calm.path());
     let mut random = Seed(21).rng();
     let (mut kills, mut kills_of_this, mut finished) = (0, 0, 0);
+    let mut patience = random.random_range(1..=20);
     while kills < 200 {
         let mut child = begin(folder.path());
-        // Late and early moments alike, those of publishing included.
-        let wait = whole.mul_f64(random.random_range(0.0..0.5_f64));
-        let began = Instant::now();
-        while began.elapsed() < wait && child.try_wait().unwrap().is_none() {
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        if child.try_wait().unwrap().is_none() {
-            child.kill().unwrap();
-            (kills, kills_of_this) = (kills + 1, kills_of_this + 1);
+        if kills_of_this < patience {
+            // Late and early moments alike, those of publishing included.
+            let wait = whole.mul_f64(random.random_range(0.0..0.5_f64));
+            let began = Instant::now();
+            while began.elapsed() < wait && child.try_wait().unwrap().is_none() {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            if child.try_wait().unwrap().is_none() {
+                child.kill().unwrap();
+                (kills, kills_of_this) = (kills + 1, kills_of_this + 1);
+            }
         }
         let status = child.wait().unwrap();
         let store = store(folder.path());
@@ -87,6 +90,7 @@ fn two_hundred_kills_change_no_byte_and_lose_only_what_was_in_flight() {
             assert_same(&published(folder.path()), &expected, &format!("after {kills_of_this} kills"));
             finished += 1;
             kills_of_this = 0;
+            patience = random.random_range(1..=20);
             std::fs::remove_dir_all(folder.path()).unwrap();
             std::fs::create_dir(folder.path()).unwrap();
         }
@@ -95,7 +99,7 @@ fn two_hundred_kills_change_no_byte_and_lose_only_what_was_in_flight() {
     let (computed, _, _) = run(folder.path(), &[]);
     assert_same(&published(folder.path()), &expected, "at last");
     assert_eq!(before + computed, stages, "what was stored is not computed again, and nothing is missing");
-    assert!(finished > 5, "{finished} runs got through");
+    assert!(finished >= 9, "{finished} runs got through");
 
     let pruned = spinebench(folder.path(), &["cache", "prune"]);
     let said = String::from_utf8(pruned.stdout).unwrap();
