@@ -168,7 +168,10 @@ impl Watch<'_> {
                 Silent::Lost => {
                     self.progress
                         .notice(&format!("{} stages got lost on the cluster; submitting them again", left.len()));
-                    self.submit(folder, &survey(graph, self.store, &self.campaign.wanted()))?;
+                    // A cluster that refuses now may not a while later: it counts as an attempt in vain.
+                    if let Err(words) = self.submit(folder, &survey(graph, self.store, &self.campaign.wanted())) {
+                        self.progress.notice(&words);
+                    }
                 }
             }
         };
