@@ -12,7 +12,8 @@ use crate::data::{Actuation, DataError, Recording};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ReplayOptions {
-    /// The recording, driven by lengths; its name counts from the folder of the file that names it.
+    /// The recording, driven by lengths. Its name counts from the folder of the plant file; in an experiment, from the folder in
+    /// which the program runs.
     pub recording: PathBuf,
     /// By how much a command may differ from the recorded one, metres.
     #[serde(default = "tolerance_m")]

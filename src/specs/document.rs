@@ -167,19 +167,6 @@ impl Document {
     }
 }
 
-/// Puts `folder` before the names of recordings that are to be replayed.
-fn rename_recordings(value: &mut Value, folder: &Path) {
-    let Value::Mapping(mapping) = value else { return };
-    for (key, below) in mapping.iter_mut() {
-        match below.get_mut("recording") {
-            Some(Value::String(name)) if key.as_str() == Some("replay") => {
-                *name = folder.join(&*name).display().to_string();
-            }
-            _ => rename_recordings(below, folder),
-        }
-    }
-}
-
 /// How the names of sources on the command line begin.
 const SET: &str = "--set ";
 const SWEEP: &str = "--sweep ";
@@ -246,10 +233,8 @@ impl Layer {
         self.name.starts_with(SET) || self.name.starts_with(SWEEP)
     }
 
-    /// Appends this layer and, below it, the files that it names at the paths `includes`. The names of recordings that are
-    /// replayed stay names, from then on as seen from where the program runs.
+    /// Appends this layer and, below it, the files that it names at the paths `includes`.
     fn push_with_included(mut self, includes: &[KeyPath], layers: &mut Vec<Layer>) -> Result<(), SpecError> {
-        rename_recordings(&mut self.value, &self.folder);
         let mut included = Vec::new();
         for path in includes {
             let Some(Value::String(name)) = get(&self.rooted(), path).cloned() else { continue };

@@ -63,7 +63,7 @@ fn a_recording_stands_for_the_robot_that_made_it() {
 }
 
 #[test]
-fn a_recording_is_named_from_the_file_that_names_it_and_has_the_steps_of_the_commands() {
+fn a_recording_is_named_from_the_plant_file_and_has_the_steps_of_the_commands() {
     let bench = Bench::new();
     std::fs::create_dir(bench.path("robots")).unwrap();
     bench.put("curved.yaml", "constant_curvature: {}\n");
