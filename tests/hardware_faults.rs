@@ -58,6 +58,7 @@ fn of_the_controller() -> Vec<(&'static str, ControllerFault, [Expected; 3])> {
     let unless_homing = [CONTROLLER, CONTROLLER, Nothing];
     vec![
         ("controller says nothing", Silent, ALL_STOP),
+        ("motion freezes, reports go on", Frozen, in_motion),
         ("cable pulled", Unplugged, ALL_STOP),
         ("power of the controller lost for a moment", Reboot, ALL_STOP),
         ("answers unreadable", Garbage, ALL_STOP),
@@ -94,6 +95,7 @@ fn of_the_tracker() -> Vec<(&'static str, TrackerFault, [Expected; 3])> {
         ("frames that cannot be read", Malformed, LOST),
         ("frames 300 ms late", Late(0.3), LOST),
         ("19 of 20 frames lost", Loss(0.95), LOST),
+        ("one pose for ever", Frozen, [Nothing, Stopped("tracking"), Nothing]),
         ("tip jumps by 150 mm", Jump(0.15), [Stopped("tip"); 3]),
         ("bodies swapped", SwappedBodies, [Stopped("tip"); 3]),
         ("a second server with other poses", SecondServer, [Nothing; 3]),
@@ -154,7 +156,8 @@ fn play(fault: &Arc<Fault>, phase: Phase) -> Outcome {
     let inject_s = plan(&plant, fault);
     let error = match phase {
         Phase::Homing => plant.reset(Seed(0)).map(|_| ()).and_then(|()| wander(&mut plant, 3, 0.0)).err(),
-        Phase::Rest => wander(&mut plant, 12, 0.0).err(),
+        // Some things a controller mentions once in a second or two.
+        Phase::Rest => wander(&mut plant, 20, 0.0).err(),
         Phase::Motion => wander(&mut plant, 12, 0.0025).err(),
     };
     let events = plant.events();
@@ -217,6 +220,55 @@ fn judge(outcome: &Outcome, expected: Expected, phase: Phase) -> bool {
         }
         Nothing => outcome.error.is_none() && outcome.first.is_none(),
     }
+}
+
+/// Plans that the tip is hidden `times` times, for `hidden_s` of every `period_s`.
+fn blink(plant: &Hardware, times: u32, period_s: f64, hidden_s: f64) {
+    let begun_s = plant.now_s();
+    plant.stage().unwrap().with(|world| {
+        for k in 1..=times {
+            let hide_s = begun_s + period_s * f64::from(k);
+            world.at(hide_s, Box::new(|world| world.tracker.inject(TrackerFault::Occluded(FakeBody::Tip))));
+            world.at(hide_s + hidden_s, Box::new(|world| world.tracker.calm()));
+        }
+    });
+}
+
+#[test]
+fn a_robot_that_is_held_again_and_again_is_stopped() {
+    let mut plant = open(&options(), 8);
+    plant.reset(Seed(0)).unwrap();
+    blink(&plant, 9, 0.5, 0.1);
+    let Err(PlantError::Stopped(words)) = wander(&mut plant, 40, 0.0005) else { panic!("{:?}", plant.events()) };
+    assert!(words.contains("held 6 times within 10 s, expected at most 5"), "{words}");
+    let holds = plant.events().iter().filter(|event| event.state == "held").count();
+    assert_eq!(holds, 5, "{:?}", plant.events());
+    // As often as that, but not within ten seconds.
+    let mut plant = open(&options(), 8);
+    plant.reset(Seed(0)).unwrap();
+    blink(&plant, 9, 2.5, 0.1);
+    wander(&mut plant, 130, 0.0002).unwrap();
+    assert_eq!(plant.events().iter().filter(|event| event.state == "held").count(), 9, "{:?}", plant.events());
+}
+
+/// Axes that slow down for longer than a reset would wait are waited for.
+#[test]
+fn a_stop_keeps_the_position() {
+    let mut plant = open(&options(), 9);
+    plant.reset(Seed(0)).unwrap();
+    plant.stage().unwrap().with(|world| {
+        (120..124).for_each(|k| world.controller.inject(ControllerFault::WrongSettings(k, "40".to_owned())));
+    });
+    let interrupt = plant.stage().unwrap().interrupt();
+    let raise_s = plant.now_s() + AFTER_S;
+    plant.stage().unwrap().with(|world| world.at(raise_s, Box::new(move |_| interrupt.raise())));
+    let stopped = wander(&mut plant, 12, 0.0025).unwrap_err();
+    assert!(matches!(stopped, PlantError::Stopped(_)), "{stopped:?}");
+    plant.examine(2.0);
+    let moved_ms = 1e3 * (plant.stage().unwrap().with(|world| world.moved_s()) - raise_s);
+    assert!(moved_ms > 200.0, "{moved_ms} ms: too short to tell");
+    let homed = plant.stage().unwrap().with(|world| world.controller.homed());
+    assert!(homed && plant.look(|rig| !rig.controller().is_distrusted()), "{:?}", plant.events());
 }
 
 #[test]

@@ -6,6 +6,8 @@ mod bench;
 mod faults;
 #[path = "hardware_grbl/gate.rs"]
 mod gate;
+#[path = "hardware_grbl/others.rs"]
+mod others;
 #[path = "hardware_grbl/terminal.rs"]
 mod terminal;
 #[path = "hardware_grbl/transcripts.rs"]
@@ -88,7 +90,7 @@ fn moves_arrive() {
     assert_eq!(controller.state().position_mm, [10.0, 5.0, 8.0, 6.0]);
     assert!(near(bench.position_mm(), [10.0, 5.0, 8.0, 6.0], 1e-3));
     let lines = bench.sent_lines();
-    assert_eq!(lines[lines.len() - 2..], ["G21 G90 G94", "G1 X10.000 Y5.000 Z8.000 A6.000 F600.0"]);
+    assert_eq!(lines[lines.len() - 2..], ["G21 G90 G94 G54", "G1 X10.000 Y5.000 Z8.000 A6.000 F600.0"]);
     assert!(!bench.sent().contains(&b'\r'));
 }
 
@@ -186,9 +188,23 @@ fn a_reset_of_standing_axes_keeps_the_position() {
     assert!(near(controller.state().position_mm, held_mm, 0.002));
     bench.go(&mut controller, [2.0; 4], 600.0).unwrap();
     let lines = bench.sent_lines();
-    assert_eq!(lines[lines.len() - 2], "G21 G90 G94", "set up again");
+    assert_eq!(lines[lines.len() - 2], "G21 G90 G94 G54", "set up again");
     bench.run(&mut controller, 4.0).unwrap();
     assert!(near(bench.position_mm(), [2.0; 4], 0.01));
+}
+
+#[test]
+fn a_position_in_doubt_is_found_by_homing() {
+    let bench = Bench::new(ControllerOptions::default());
+    bench.home_beforehand();
+    let mut controller = bench.open();
+    assert!(controller.homed());
+    controller.distrust();
+    bench.run(&mut controller, 4.0).unwrap();
+    assert!(!controller.homed() && controller.is_distrusted(), "whatever it says");
+    assert_eq!(controller.move_to([1.0; 4], 600.0, bench.now_s()), Err(MotionFault::Refused(Refusal::NotHomed)));
+    bench.home(&mut controller).unwrap();
+    assert!(controller.homed() && !controller.is_distrusted());
 }
 
 #[test]

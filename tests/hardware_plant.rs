@@ -51,6 +51,41 @@ fn a_reset_brings_the_robot_home_from_anywhere() {
 }
 
 #[test]
+fn a_trials_noise_is_that_of_its_seed() {
+    let mut options = options();
+    options.rehearsal.as_mut().unwrap().noise_m = 0.0005;
+    let seen = |seed: u64| {
+        let mut plant = open(&options, 0);
+        plant.reset(Seed(seed)).unwrap();
+        (1..=4).map(|k| plant.step(&[0.001 * f64::from(k), 0.0, 0.0, 0.0]).unwrap().tip_m).collect::<Vec<_>>()
+    };
+    let [one, other, again] = [seen(1), seen(2), seen(1)];
+    assert_eq!(one, again);
+    assert!(one.iter().zip(&other).all(|(a, b)| a != b), "{one:?} {other:?}");
+}
+
+/// Wherever the switches are, home and pulls are the same distances from them.
+#[test]
+fn switches_at_upper_ends_are_the_same_robot() {
+    let seen = |homing_directions: u8| {
+        let mut options = options();
+        options.motion.homing_directions = homing_directions;
+        let mut plant = open(&options, 6);
+        plant.reset(Seed(0)).unwrap();
+        let tip_m = plant.step(&[0.003, 0.001, -0.003, -0.001]).unwrap().tip_m;
+        plant.step(&[0.003, 0.001, -0.003, -0.001]).unwrap();
+        let screws_mm = plant.stage().unwrap().with(|world| world.controller.position_mm());
+        (tip_m, screws_mm, plant.look(|rig| rig.controller().state().position_mm))
+    };
+    let [lower, upper, mixed] = [15, 0, 6].map(seen);
+    assert_eq!(lower.2, [33.0, 31.0, 27.0, 29.0]);
+    assert_eq!(upper.2, [-33.0, -31.0, -27.0, -29.0]);
+    assert_eq!(mixed.2, [-33.0, 31.0, 27.0, -29.0]);
+    assert_eq!((lower.0, lower.1), (upper.0, upper.1));
+    assert_eq!((lower.0, lower.1), (mixed.0, mixed.1));
+}
+
+#[test]
 fn what_may_not_leave_is_refused_and_the_robot_goes_on() {
     let mut plant = open(&options(), 3);
     plant.reset(Seed(0)).unwrap();

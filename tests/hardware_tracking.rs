@@ -4,6 +4,8 @@
 mod bench;
 #[path = "hardware_tracking/capture.rs"]
 mod capture;
+#[path = "hardware_tracking/crowd.rs"]
+mod crowd;
 #[path = "hardware_tracking/faults.rs"]
 mod faults;
 #[path = "hardware_tracking/fuzz.rs"]

@@ -1,5 +1,6 @@
 //! `spinebench align`.
 
+use super::session::bench;
 use super::simulate::same_tendons;
 use super::weigh::{STEP_S, visiting};
 use super::{Ended, Outcome};
@@ -8,7 +9,7 @@ use spinebench::base::{Point3, Seed};
 use spinebench::data::{Recording, write_atomic};
 use spinebench::hardware::tracking::{Alignment, Pose, realign};
 use spinebench::plants::hardware::{Hardware, HardwareOptions};
-use spinebench::specs::{PlantSpec, read_plant, to_yaml};
+use spinebench::specs::{PlantSpec, to_yaml};
 use spinebench::tasks::{PlayOptions, play, star_m, visit_trial, visits};
 use std::path::PathBuf;
 
@@ -47,9 +48,7 @@ pub(super) struct Align {
 
 impl Align {
     pub(super) fn carry_out(self) -> Outcome {
-        let PlantSpec::Hardware(mut options) = read_plant(&self.plant).map_err(Ended::bad)? else {
-            return Err(Ended::BadInput(format!("{}: expected `hardware`", self.plant.display())));
-        };
+        let mut options = bench(&self.plant)?;
         let (recording, at_rest) = match &self.measured {
             Some(file) => {
                 let recording = Recording::read(file).map_err(Ended::bad)?;

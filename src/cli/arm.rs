@@ -1,9 +1,9 @@
 //! `spinebench arm`.
 
+use super::session::bench;
 use super::{Ended, Outcome};
 use clap::Args;
 use spinebench::hardware::safety::Latch;
-use spinebench::specs::{PlantSpec, read_plant};
 use std::path::PathBuf;
 
 /// Lets a robot move again that has been stopped, once somebody has looked at it.
@@ -16,12 +16,13 @@ pub(super) struct Arm {
 
 impl Arm {
     pub(super) fn carry_out(self) -> Outcome {
-        let PlantSpec::Hardware(options) = read_plant(&self.plant).map_err(Ended::bad)? else {
-            return Err(Ended::BadInput(format!("{}: expected `hardware`", self.plant.display())));
-        };
+        let options = bench(&self.plant)?;
         let latch = Latch::new(&Latch::folder(), &options.name);
         match latch.release().map_err(Ended::failed)? {
-            Some(reason) => println!("armed: `{}` had been stopped {reason}", options.name),
+            Some(reason) => {
+                println!("armed: `{}` had been stopped {reason}", options.name);
+                println!("steps may have been lost: it is homed before it moves again");
+            }
             None => println!("`{}` was not stopped", options.name),
         }
         Ok(())

@@ -1,10 +1,10 @@
 //! `spinebench doctor`.
 
+use super::session::bench;
 use super::{Ended, Outcome};
 use clap::Args;
 use spinebench::base::{Plant, Seed, distance_m};
-use spinebench::plants::hardware::{Examined, Hardware};
-use spinebench::specs::{PlantSpec, read_plant};
+use spinebench::plants::hardware::{Examined, Hardware, HardwareOptions};
 use std::path::PathBuf;
 
 /// Control step of the check, s.
@@ -33,12 +33,10 @@ pub(super) struct Doctor {
 
 impl Doctor {
     pub(super) fn carry_out(self) -> Outcome {
-        let PlantSpec::Hardware(options) = read_plant(&self.plant).map_err(Ended::bad)? else {
-            return Err(Ended::BadInput(format!("{}: expected `hardware`", self.plant.display())));
-        };
+        let options = bench(&self.plant)?;
         let mut plant = Hardware::open(&options, STEP_S, Seed(1)).map_err(Ended::failed)?;
         let examined = plant.examine(WATCH_S);
-        let mut wrong = report(&examined, options.tracking.rate_hz);
+        let mut wrong = report(&examined, &options);
         if self.moving {
             wrong += try_out(&mut plant)?;
         } else {
@@ -54,7 +52,8 @@ fn line(good: bool, what: &str) -> usize {
     usize::from(!good)
 }
 
-fn report(examined: &Examined, rate_hz: f64) -> usize {
+fn report(examined: &Examined, options: &HardwareOptions) -> usize {
+    let (rate_hz, near_m) = (options.tracking.rate_hz, options.safety.tip_from_model_m);
     let Examined { controller, homed, position_mm, server, tracking, tip, home_m, urgent } = examined;
     let mut wrong = line(true, &format!("controller: {controller}"));
     let position = position_mm.map(|mm| format!("{mm:.3}")).join(", ");
@@ -73,7 +72,10 @@ fn report(examined: &Examined, rate_hz: f64) -> usize {
         Some(tip_m) => {
             let off_m = distance_m(tip_m, home_m);
             let place = tip_m.map(|x| format!("{:.1}", x * 1e3)).join(", ");
-            wrong += line(off_m < 0.1, &format!("tip: ({place}) mm, {:.1} mm from the model's home", off_m * 1e3));
+            wrong += line(
+                off_m <= near_m,
+                &format!("tip: ({place}) mm, {:.1} mm from the model's home, allowed {:.1}", off_m * 1e3, near_m * 1e3),
+            );
         }
     }
     if let Some(granted) = urgent {

@@ -1,12 +1,23 @@
-//! A recording under way: trial by trial, resumable.
+//! What commands at the bench share: the robot, and a recording under way, trial by trial, resumable.
 
 use super::{Ended, Outcome};
 use spinebench::base::{Plant, PlantError, Seed};
 use spinebench::data::Recording;
-use spinebench::plants::hardware::{Hardware, hands};
-use spinebench::specs::PlantSpec;
+use spinebench::plants::hardware::{Hardware, HardwareOptions, hands};
+use spinebench::specs::{PlantSpec, read_plant};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+
+/// The robot on a bench that a plant file describes.
+pub(super) fn bench(file: &Path) -> Result<Box<HardwareOptions>, Ended> {
+    match read_plant(file).map_err(Ended::bad)? {
+        PlantSpec::Hardware(options) => Ok(options),
+        other => {
+            let (file, kind) = (file.display(), other.kind());
+            Err(Ended::BadInput(format!("{file}: expected `hardware`, found `{kind}`")))
+        }
+    }
+}
 
 /// What is recorded.
 pub(super) enum Robot {
@@ -19,12 +30,14 @@ pub(super) enum Robot {
 impl Robot {
     pub(super) fn open(plant: &PlantSpec, step_s: f64, seed: Seed) -> Result<Robot, Ended> {
         match plant {
-            PlantSpec::Hardware(options) => {
-                let hardware = Hardware::open(options, step_s, seed).map_err(Ended::No)?;
-                Ok(Robot::Bench(Box::new(hardware)))
-            }
+            PlantSpec::Hardware(options) => Robot::bench(options, step_s, seed),
             other => Ok(Robot::Other(other.build(step_s).map_err(Ended::No)?)),
         }
+    }
+
+    pub(super) fn bench(options: &HardwareOptions, step_s: f64, seed: Seed) -> Result<Robot, Ended> {
+        let hardware = Hardware::open(options, step_s, seed).map_err(Ended::No)?;
+        Ok(Robot::Bench(Box::new(hardware)))
     }
 
     fn plant(&mut self) -> &mut dyn Plant {
@@ -64,7 +77,7 @@ pub(super) struct Session<'a> {
     out: &'a Path,
     part: PathBuf,
     commands: &'a Recording,
-    done: Vec<Recording>,
+    done: Option<Recording>,
     /// Nobody is asked whether a weight hangs.
     pub(super) assume_done: bool,
 }
@@ -74,7 +87,7 @@ impl<'a> Session<'a> {
     pub(super) fn open(out: &'a Path, commands: &'a Recording) -> Result<Session<'a>, Ended> {
         let extension = out.extension().map_or("csv".into(), |extension| extension.to_string_lossy().into_owned());
         let part = out.with_extension(format!("part.{extension}"));
-        let mut session = Session { out, part, commands, done: Vec::new(), assume_done: false };
+        let mut session = Session { out, part, commands, done: None, assume_done: false };
         if !session.part.exists() {
             return Ok(session);
         }
@@ -87,7 +100,7 @@ impl<'a> Session<'a> {
         }
         let (done, all) = (earlier.trials().len(), commands.trials().len());
         eprintln!("note: {}: goes on after {done} of {all} trials", session.part.display());
-        session.done.push(earlier);
+        session.done = Some(earlier);
         Ok(session)
     }
 
@@ -104,7 +117,7 @@ impl<'a> Session<'a> {
 
     /// Records what is missing and writes the whole.
     pub(super) fn go_on(mut self, robot: &mut Robot, seed: Seed, record: Records) -> Outcome {
-        let (trials, recorded) = (self.commands.trials(), self.done.iter().map(Recording::len).sum::<usize>());
+        let (trials, recorded) = (self.commands.trials(), self.done.as_ref().map_or(0, Recording::len));
         // After an interruption nobody knows what hangs there.
         let mut hung_kg = if recorded == 0 { Some(0.0) } else { None };
         for (number, rows) in trials.iter().filter(|(_, rows)| rows.start >= recorded) {
@@ -125,7 +138,8 @@ impl<'a> Session<'a> {
                 }
             }
         }
-        let mut whole = Recording::joined(&self.done).map_err(Ended::failed)?;
+        // Commands without a trial make a recording without one.
+        let mut whole = self.done.take().unwrap_or_else(|| self.commands.clone());
         whole.extra.clone_from(&self.commands.extra);
         whole.write(self.out).map_err(Ended::bad)?;
         if self.part.exists() {
@@ -135,12 +149,14 @@ impl<'a> Session<'a> {
     }
 
     fn trials(&self) -> usize {
-        self.done.iter().map(|part| part.trials().len()).sum()
+        self.done.as_ref().map_or(0, |done| done.trials().len())
     }
 
     fn keep(&mut self, trial: Recording) -> Outcome {
-        self.done.push(trial);
-        let all = Recording::joined(&self.done).map_err(Ended::failed)?;
-        all.write(&self.part).map_err(Ended::bad)
+        let all = match self.done.take() {
+            Some(done) => Recording::joined(&[done, trial]).map_err(Ended::failed)?,
+            None => trial,
+        };
+        self.done.insert(all).write(&self.part).map_err(Ended::bad)
     }
 }

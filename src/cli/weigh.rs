@@ -1,13 +1,12 @@
 //! `spinebench weigh`.
 
-use super::session::{Robot, Session};
+use super::session::{Robot, Session, bench};
 use super::simulate::same_tendons;
 use super::{Ended, Outcome};
 use clap::Args;
 use spinebench::base::Seed;
 use spinebench::data::{Actuation, Recording};
 use spinebench::plants::hardware::HardwareOptions;
-use spinebench::specs::{PlantSpec, read_plant};
 use spinebench::tasks::{VisitOptions, star_m, visit_trial, visits};
 use std::path::PathBuf;
 
@@ -51,16 +50,13 @@ fn kilograms(text: &str) -> Result<f64, String> {
 
 impl Weigh {
     pub(super) fn carry_out(self) -> Outcome {
-        let plant = read_plant(&self.plant).map_err(Ended::bad)?;
-        let PlantSpec::Hardware(options) = &plant else {
-            return Err(Ended::BadInput(format!("{}: expected `hardware`", self.plant.display())));
-        };
-        let visiting = visiting(options, self.rest_steps);
-        let poses_m = self.poses_m(options)?;
+        let options = bench(&self.plant)?;
+        let visiting = visiting(&options, self.rest_steps);
+        let poses_m = self.poses_m(&options)?;
         let planned = visits(&poses_m, &self.weights, &visiting, STEP_S);
         let mut session = Session::open(&self.out, &planned)?;
         session.assume_done = self.yes;
-        let mut robot = Robot::open(&plant, STEP_S, Seed(1))?;
+        let mut robot = Robot::bench(&options, STEP_S, Seed(1))?;
         let (poses, minutes) = (poses_m.len(), minutes(&planned));
         eprintln!("note: {poses} poses under each of {} weights, about {minutes:.0} minutes", self.weights.len());
         session.go_on(&mut robot, Seed(1), &|plant, planned, rows, seed| {

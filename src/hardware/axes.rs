@@ -11,9 +11,9 @@ pub const AXES: usize = 4;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct AxesOptions {
-    /// Machine position of each axis (X, Y, Z, A) with its tendon at home, millimetres from the homing switch.
+    /// Where each axis (X, Y, Z, A) stands with its tendon at home, millimetres from its homing switch.
     pub home_mm: [f64; AXES],
-    /// True for an axis whose position falls when it pulls its tendon.
+    /// True for an axis that comes nearer to its switch when it pulls its tendon.
     pub reversed: [bool; AXES],
 }
 
@@ -41,14 +41,14 @@ impl AxesOptions {
         }
     }
 
-    /// Machine positions for displacements in metres, millimetres.
-    pub fn machine_mm(&self, pulls_m: &[f64; AXES]) -> [f64; AXES] {
+    /// Distances from the switches for displacements in metres, millimetres.
+    pub fn from_switch_mm(&self, pulls_m: &[f64; AXES]) -> [f64; AXES] {
         std::array::from_fn(|axis| self.home_mm[axis] + self.sign(axis) * pulls_m[axis] * 1e3)
     }
 
-    /// Displacements at machine positions in millimetres, metres.
-    pub fn pulls_m(&self, machine_mm: &[f64; AXES]) -> [f64; AXES] {
-        std::array::from_fn(|axis| self.sign(axis) * (machine_mm[axis] - self.home_mm[axis]) * 1e-3)
+    /// Displacements at distances from the switches in millimetres, metres.
+    pub fn pulls_m(&self, from_switch_mm: &[f64; AXES]) -> [f64; AXES] {
+        std::array::from_fn(|axis| self.sign(axis) * (from_switch_mm[axis] - self.home_mm[axis]) * 1e-3)
     }
 
     fn sign(&self, axis: usize) -> f64 {

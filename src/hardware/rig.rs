@@ -1,12 +1,17 @@
 //! Motors, tracker and guard of one robot: everything that leaves goes through here.
 
+mod causes;
+mod doubts;
+
 use crate::base::{Point3, distance_m};
 
 use super::axes::{AXES, AxesOptions};
 use super::grbl::{self, Controller, Mode, MotionFault};
 use super::interrupt::Interrupt;
 use super::safety::{Cause, Facts, Guard, Latch, Order, Refusal, SafetyLimits, State};
-use super::tracking::{TipPose, Tracking, TrackingStatus};
+use super::tracking::{TipPose, Tracking};
+use causes::{ARM, ENDED, INTERRUPTED, controller_cause, ended, interrupted};
+use doubts::Changed;
 
 /// Share of a tick that a move takes at full speed; the rest is for its acceleration.
 const MOVING_SHARE: f64 = 0.8;
@@ -68,6 +73,18 @@ pub struct Parts {
     pub interrupt: Interrupt,
 }
 
+impl Parts {
+    /// Displacements as the axes stand, metres.
+    fn pulls_m(&self) -> [f64; AXES] {
+        self.axes.pulls_m(&self.controller.faced_mm(self.controller.state().position_mm))
+    }
+
+    /// Machine positions for displacements in metres, mm.
+    fn machine_mm(&self, pulls_m: &[f64; AXES]) -> [f64; AXES] {
+        self.controller.faced_mm(self.axes.from_switch_mm(pulls_m))
+    }
+}
+
 /// Motors, tracker and guard.
 pub struct Rig {
     parts: Parts,
@@ -76,17 +93,30 @@ pub struct Rig {
     commanded_m: [f64; AXES],
     /// Where the model puts the tip, metres.
     expected_m: Option<Point3>,
+    /// What things were like when the tracker's pose last changed.
+    changed: Changed,
     /// The last tip that was believed, with its time.
     believed: Option<(f64, Point3)>,
     events: Vec<Event>,
 }
 
 impl Rig {
-    /// A rig that has not moved.
-    pub fn new(parts: Parts) -> Rig {
-        let commanded_m = parts.axes.pulls_m(&parts.controller.state().position_mm);
+    /// A rig that has not moved. Where a stop has left the position in doubt, the axes have to be homed.
+    pub fn new(mut parts: Parts) -> Rig {
+        if parts.latch.as_ref().is_some_and(|latch| latch.distrusted().is_some()) {
+            parts.controller.distrust();
+        }
+        let commanded_m = parts.pulls_m();
         let guard = Guard::new(parts.limits);
-        Rig { parts, guard, commanded_m, expected_m: None, believed: None, events: Vec::new() }
+        Rig {
+            parts,
+            guard,
+            commanded_m,
+            expected_m: None,
+            changed: Changed::default(),
+            believed: None,
+            events: Vec::new(),
+        }
     }
 
     /// What the robot may do.
@@ -154,19 +184,19 @@ impl Rig {
         let motion = self.parts.controller.poll(now_s);
         self.parts.tracking.poll(now_s);
         let was_homing = *self.state() == State::Homing;
-        let mode = self.parts.controller.state().mode;
         let facts = Facts {
             motion_fault: motion.err().map(|fault| controller_cause(&fault)),
             doubt: self.doubt(now_s),
             interrupted: self.parts.interrupt.raised().then(interrupted),
             homed: self.parts.controller.homed() && !self.parts.controller.is_homing(),
-            standing: matches!(mode, Mode::Idle | Mode::Hold { complete: true }),
+            standing: self.parts.controller.stands(),
         };
         let before = self.state().name();
         let order = self.guard.judge(&facts, now_s);
         self.obey(order, now_s);
         if was_homing && *self.state() == State::Active {
-            self.commanded_m = self.parts.axes.pulls_m(&self.parts.controller.state().position_mm);
+            self.commanded_m = self.parts.pulls_m();
+            self.trust(now_s);
         }
         if self.state().name() != before {
             self.tell(now_s);
@@ -178,7 +208,26 @@ impl Rig {
             Order::Nothing => {}
             Order::Hold => self.parts.controller.hold(now_s),
             Order::Resume => self.parts.controller.resume(now_s),
-            Order::Flush => self.parts.controller.reset(now_s),
+            Order::Flush => {
+                self.parts.controller.reset(now_s);
+                self.distrust(now_s);
+            }
+        }
+    }
+
+    /// Axes that were reset before they stood may have lost steps, which the next program has to know.
+    fn distrust(&mut self, now_s: f64) {
+        let lost = self.parts.controller.is_distrusted();
+        let latch = self.parts.latch.as_ref().filter(|latch| lost && latch.distrusted().is_none());
+        if let Some(Err(error)) = latch.map(|latch| latch.distrust("reset before the axes were seen to stand")) {
+            self.note(now_s, "", format!("that the position is lost could not be written down: {error}"));
+        }
+    }
+
+    /// The axes have been homed.
+    fn trust(&mut self, now_s: f64) {
+        if let Some(Err(error)) = self.parts.latch.as_ref().map(Latch::trust) {
+            self.note(now_s, "", format!("that the axes are homed could not be written down: {error}"));
         }
     }
 
@@ -221,7 +270,7 @@ impl Rig {
     }
 
     fn travel(&mut self, pulls_m: [f64; AXES], duration_s: f64, now_s: f64) -> Result<(), NotMoved> {
-        let (from_mm, to_mm) = (self.parts.axes.machine_mm(&self.commanded_m), self.parts.axes.machine_mm(&pulls_m));
+        let (from_mm, to_mm) = (self.parts.machine_mm(&self.commanded_m), self.parts.machine_mm(&pulls_m));
         let length_mm = from_mm.iter().zip(&to_mm).map(|(from, to)| (to - from).powi(2)).sum::<f64>().sqrt();
         if length_mm >= LEAST_MOVE_MM {
             let feed_mm_min = (length_mm / (MOVING_SHARE * duration_s) * 60.0).max(LEAST_FEED_MM_MIN);
@@ -278,42 +327,6 @@ impl Rig {
         self.parts.tracking.latest().filter(fresh).filter(|pose| self.is_plausible(pose)).cloned()
     }
 
-    /// Why the robot should not go on for now: a controller that owes an answer, or a measurement that is not to be used.
-    fn doubt(&mut self, now_s: f64) -> Option<Cause> {
-        let waiting_s = self.parts.controller.waiting_s(now_s);
-        if waiting_s > self.parts.late_s {
-            let what = format!("the controller has owed an answer for {:.0} ms", waiting_s * 1e3);
-            return Some(Cause { kind: "controller", what, remedy: ARM.to_owned() });
-        }
-        let limits = self.parts.limits;
-        let age_s = self.parts.tracking.age_s(now_s);
-        if age_s.is_nan() || age_s > limits.tracking_hold_s {
-            return Some(lost(age_s, limits.tracking_hold_s, self.parts.tracking.status()));
-        }
-        let pose = self.parts.tracking.latest()?;
-        let (time_s, tip_m) = (pose.time_s, pose.position_m);
-        if let Some((then_s, there_m)) = self.believed.filter(|(then_s, _)| *then_s < time_s) {
-            let speed_m_s = distance_m(&tip_m, &there_m) / (time_s - then_s);
-            if speed_m_s > limits.tip_speed_m_s {
-                return Some(implausible(format!(
-                    "the tip seems to move at {speed_m_s:.1} m/s, expected at most {}",
-                    limits.tip_speed_m_s
-                )));
-            }
-        }
-        if let Some(expected_m) = &self.expected_m {
-            let off_m = distance_m(&tip_m, expected_m);
-            if off_m > limits.tip_from_model_m {
-                return Some(implausible(format!(
-                    "the tip is measured {off_m:.3} m from where the model puts it, expected at most {} m",
-                    limits.tip_from_model_m
-                )));
-            }
-        }
-        self.believed = Some((time_s, tip_m));
-        None
-    }
-
     /// Logs the state that has been reached.
     fn tell(&mut self, now_s: f64) {
         let (kind, what) = match self.state() {
@@ -339,52 +352,5 @@ impl Rig {
             let _ = latch.write(&format!("{time_s:10.3} s  {state:8} {kind:12} {what}"));
         }
         self.events.push(Event { time_s, state, kind, what });
-    }
-}
-
-const INTERRUPTED: &str = "interrupted";
-const ENDED: &str = "ended";
-/// How to go on after most stops.
-const ARM: &str = "look at the robot, then `spinebench arm --plant PLANT.yaml`";
-
-fn interrupted() -> Cause {
-    Cause {
-        kind: INTERRUPTED,
-        what: "somebody asked the program to end".to_owned(),
-        remedy: "the robot is held where it was; start the program again to go on".to_owned(),
-    }
-}
-
-fn ended(why: &str) -> Cause {
-    Cause { kind: ENDED, what: why.to_owned(), remedy: "start the program again to go on".to_owned() }
-}
-
-fn controller_cause(fault: &MotionFault) -> Cause {
-    Cause { kind: "controller", what: fault.to_string(), remedy: ARM.to_owned() }
-}
-
-fn lost(age_s: f64, allowed_s: f64, status: &TrackingStatus) -> Cause {
-    let aged = || format!("the last valid pose is {:.0} ms old", age_s * 1e3);
-    let found = if age_s.is_finite() { aged() } else { "no valid pose so far".to_owned() };
-    let stranger = || {
-        let from = status.foreign_source?;
-        Some(format!("{} datagrams came from {from}, which is not the server", status.foreign))
-    };
-    let why = status.fault.clone().or_else(stranger).or_else(|| status.socket_error.clone());
-    let why = why.map(|why| format!(" ({why})")).unwrap_or_default();
-    Cause {
-        kind: "tracking",
-        what: format!("{found}, expected at most {:.0} ms{why}", allowed_s * 1e3),
-        remedy: "make both bodies visible and check that Motive streams, then `spinebench arm --plant PLANT.yaml`"
-            .to_owned(),
-    }
-}
-
-fn implausible(what: String) -> Cause {
-    Cause {
-        kind: "tip",
-        what,
-        remedy: "check bodies, frames and tendons with `spinebench doctor`, then `spinebench arm --plant PLANT.yaml`"
-            .to_owned(),
     }
 }

@@ -12,7 +12,8 @@ use crate::data::{Actuation, DataError, Recording};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ReplayOptions {
-    /// The recording, driven by lengths.
+    /// The recording, driven by lengths. Its name counts from the folder of the plant file; in an experiment, from the folder in
+    /// which the program runs.
     pub recording: PathBuf,
     /// By how much a command may differ from the recorded one, metres.
     #[serde(default = "tolerance_m")]
@@ -54,21 +55,23 @@ pub struct Replay {
 }
 
 impl Replay {
-    /// Reads the recording.
+    /// Reads the recording, whose rows are `step_s` seconds apart.
     ///
     /// # Errors
-    /// [`DataError`] where it is none, is driven by tensions, or has another number of tendons.
-    pub fn open(options: &ReplayOptions) -> Result<Replay, DataError> {
+    /// [`DataError`] where it is none, is driven by tensions, or has another number of tendons or other steps.
+    pub fn open(options: &ReplayOptions, step_s: f64) -> Result<Replay, DataError> {
         let recording = Recording::read(&options.recording)?;
         if recording.actuation != Actuation::Lengths || recording.tendons() != options.tendons {
+            let driven = if recording.actuation == Actuation::Lengths { "displacements" } else { "tensions" };
             return Err(DataError::Column {
                 file: options.recording.clone(),
                 place: "line 1",
                 column: recording.actuation.column(0),
-                found: format!("{} tendons", recording.tendons()),
+                found: format!("the {driven} of {} tendons", recording.tendons()),
                 expected: format!("the displacements of {} tendons (tendon_1_m…)", options.tendons),
             });
         }
+        same_steps(options, &recording, step_s)?;
         let trials = recording.trials().into_iter().map(|(_, rows)| rows).collect();
         Ok(Replay { recording, tolerance_m: options.tolerance_m, trials, next: 0, row: 0, end: 0 })
     }
@@ -89,6 +92,27 @@ impl Replay {
             valid: self.recording.is_valid(row),
         }
     }
+}
+
+/// Steps may differ by this much, s: times are written with some digits.
+const SAME_S: f64 = 1e-6;
+
+/// What was measured after another time is not what would be now.
+fn same_steps(options: &ReplayOptions, recording: &Recording, step_s: f64) -> Result<(), DataError> {
+    for (_, rows) in recording.trials() {
+        for row in rows.start + 1..rows.end {
+            let found_s = recording.time_s[row] - recording.time_s[row - 1];
+            if (found_s - step_s).abs() > SAME_S {
+                return Err(DataError::Line {
+                    file: options.recording.clone(),
+                    place: format!("line {}", row + 2),
+                    found: format!("a step of {found_s:.6} s"),
+                    expected: format!("{step_s} s, as the commands have"),
+                });
+            }
+        }
+    }
+    Ok(())
 }
 
 impl Plant for Replay {

@@ -119,7 +119,7 @@ impl Checker<'_> {
         for (name, mode) in &spec.modes {
             let path = root.key("modes").key(name).key("effects");
             let allowed = mode.effects.is_empty() || spec.plant.takes_effects();
-            self.unless(allowed, &path, "no effects, as the plant is not a simulated rod")?;
+            self.unless(allowed, &path, "no effects, as the plant is neither a simulated rod nor a robot on a bench")?;
             check_effects(&mode.effects, spec.plant.tendons()).map_err(|(index, effect, bad)| {
                 let path = path.item(index).key(effect).key(bad.key);
                 self.document.refuse(&path, End::Value, bad.found, bad.expected)

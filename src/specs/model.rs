@@ -21,14 +21,18 @@ pub fn read_model(file: &Path) -> Result<Model, SpecError> {
     Ok(model)
 }
 
-/// Reads and checks a plant file: a robot as in an experiment's `plant`, whose model may be the name of a model file.
+/// Reads and checks a plant file: a robot as in an experiment's `plant`, whose model may be the name of a model file. The name of
+/// a recording to be replayed counts from the folder of the plant file, as that of a model does.
 ///
 /// # Errors
 /// As [`read_model`].
 pub fn read_plant(file: &Path) -> Result<PlantSpec, SpecError> {
     let document = Document::read(file, &[], &PlantSpec::model_paths(&KeyPath::default()))?;
-    let plant = document.parse::<PlantSpec>()?;
+    let mut plant = document.parse::<PlantSpec>()?;
     plant.check().map_err(|(path, error)| refusal(&document, &path, &error))?;
+    if let (PlantSpec::Replay(options), Some(folder)) = (&mut plant, file.parent()) {
+        options.recording = folder.join(&options.recording);
+    }
     Ok(plant)
 }
 

@@ -111,7 +111,9 @@ impl PlantSpec {
             }
             PlantSpec::Simulated(spec) => Ok(Box::new(Simulated::new(&spec.model, &[], spec.options(step_s)))),
             PlantSpec::Hardware(options) => Ok(Box::new(Hardware::open(options, step_s, Seed(0))?)),
-            PlantSpec::Replay(options) => Ok(Box::new(Replay::open(options).map_err(|error| error.to_string())?)),
+            PlantSpec::Replay(options) => {
+                Ok(Box::new(Replay::open(options, step_s).map_err(|error| error.to_string())?))
+            }
         }
     }
 

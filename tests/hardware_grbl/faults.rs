@@ -104,6 +104,30 @@ fn no_answers() {
 }
 
 #[test]
+fn motion_that_freezes() {
+    let found = moving(ControllerFault::Frozen);
+    assert!(matches!(found, MotionFault::NotMoving { target_mm: 50.0, .. }), "{found}");
+    let found = on_the_next_move(ControllerFault::Frozen);
+    assert!(matches!(found, MotionFault::NotMoving { .. }), "{found}");
+    let found = in_the_middle_of_homing(ControllerFault::Frozen);
+    assert!(matches!(found, MotionFault::HomingTimeout { .. }), "{found}");
+    // As slow as it may be told to be is not frozen.
+    let bench = Bench::new(ControllerOptions::default());
+    let mut controller = bench.ready();
+    bench.go(&mut controller, [0.05, 0.0, 0.0, 0.0], 0.6).unwrap();
+    bench.run(&mut controller, 6.0).unwrap();
+    assert_eq!(controller.state().position_mm[0], 0.05);
+    // Nor is a hold, however long, and what goes on after it.
+    bench.go(&mut controller, [20.0; 4], 600.0).unwrap();
+    bench.run(&mut controller, 0.5).unwrap();
+    controller.hold(bench.now_s());
+    bench.run(&mut controller, 3.0).unwrap();
+    controller.resume(bench.now_s());
+    bench.run(&mut controller, 6.0).unwrap();
+    assert!(near(controller.state().position_mm, [20.0; 4], 0.002));
+}
+
+#[test]
 fn slow_answers() {
     let found = standing(ControllerFault::SlowReplies(1.0));
     assert!(matches!(found, MotionFault::Silent { .. }), "{found}");

@@ -58,10 +58,3 @@ fn a_serial_line_is_opened_and_noticed_when_it_goes() {
     let found = std::iter::repeat_with(|| controller.poll(clock.now_s())).find_map(Result::err).unwrap();
     assert!(matches!(found, MotionFault::Unplugged { .. }), "{found}");
 }
-
-#[test]
-fn a_missing_port_is_named() {
-    let missing = MotionSettings { port: "/dev/no-such-port".to_owned(), ..settings() };
-    let found = Controller::connect(&missing, &WallClock::new()).map(|_| ()).unwrap_err();
-    assert!(found.to_string().contains("/dev/no-such-port"), "{found}");
-}

@@ -1,4 +1,4 @@
-//! Dialogues with the simulator of a real grblHAL, if they are on this computer.
+//! Dialogues with the simulator of a real grblHAL.
 
 use std::path::{Path, PathBuf};
 
@@ -9,16 +9,9 @@ use spinebench::hardware::grbl::line::{Reply, parse};
 use spinebench::hardware::grbl::{Mode, codes};
 use spinebench::hardware::wire::Wire;
 
-/// Folder of the transcripts: `SPINEBENCH_GRBL` or one of the usual places.
-fn folder() -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let set = std::env::var_os("SPINEBENCH_GRBL").map(PathBuf::from);
-    let usual = [root.join("tests/data/grbl")];
-    let found = set.into_iter().chain(usual).find(|place| place.join("transcript_4axis_switches.txt").exists());
-    if found.is_none() {
-        println!("skipped: no transcripts of a GRBL controller; set SPINEBENCH_GRBL to their folder");
-    }
-    found
+/// Folder of the transcripts: they come with the tests.
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/grbl")
 }
 
 /// A line of a transcript.
@@ -53,7 +46,7 @@ fn kind(line: &str) -> Option<String> {
 
 #[test]
 fn every_received_line_is_understood() {
-    let Some(folder) = folder() else { return };
+    let folder = folder();
     let mut count = 0;
     for file in std::fs::read_dir(folder).unwrap() {
         let path = file.unwrap().path();
@@ -129,7 +122,7 @@ fn replay(entries: &[Entry], options: ControllerOptions, fault: Option<Controlle
 
 /// Replays a transcript; `same` turns the kinds of the simulator into those that are expected.
 fn compare(name: &str, options: ControllerOptions, fault: Option<ControllerFault>, same: impl Fn(&mut Vec<String>)) {
-    let Some(folder) = folder() else { return };
+    let folder = folder();
     let entries = entries(&std::fs::read_to_string(folder.join(name)).unwrap());
     let mut theirs: Vec<String> =
         entries.iter().filter(|entry| !entry.sent).filter_map(|entry| kind(&entry.text)).collect();
@@ -225,7 +218,7 @@ fn limits_and_failed_homing() {
 
 #[test]
 fn the_fake_controller_moves_as_fast_as_the_real_one() {
-    let Some(folder) = folder() else { return };
+    let folder = folder();
     let text = std::fs::read_to_string(folder.join("transcript_stream_5hz_g1.txt")).unwrap();
     let entries = entries(&text);
     let position = |line: &str| match parse(line)? {

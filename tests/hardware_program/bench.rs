@@ -119,6 +119,11 @@ impl Bench {
         self.path("spinebench/robot.stopped").exists()
     }
 
+    /// Whether the position is known to be in doubt.
+    pub(crate) fn is_distrusted(&self) -> bool {
+        self.path("spinebench/robot.rehome").exists()
+    }
+
     /// Serves the imitations of `plant`; other programs use them by `served`.
     pub(crate) fn serve(&self, plant: &str, served: &str) -> Served<'_> {
         let log = format!("{served}.log.csv");
@@ -200,6 +205,11 @@ impl Served<'_> {
         let text = self.bench.text(&self.log);
         let whole = text.rfind('\n').map_or("", |end| &text[..end]);
         whole.lines().skip(1).map(entry).collect()
+    }
+
+    /// Number of times that homing was asked for.
+    pub(crate) fn homings(&self) -> usize {
+        self.log().iter().filter(|entry| entry.what == "heard $H").count()
     }
 
     /// Number of moves heard so far.

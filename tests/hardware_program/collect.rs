@@ -62,6 +62,41 @@ fn a_recording_stands_for_the_robot_that_made_it() {
     assert!(!bench.path("other-out.csv").exists() && !bench.path("long-out.csv").exists());
 }
 
+#[test]
+fn a_recording_is_named_from_the_plant_file_and_has_the_steps_of_the_commands() {
+    let bench = Bench::new();
+    std::fs::create_dir(bench.path("robots")).unwrap();
+    bench.put("curved.yaml", "constant_curvature: {}\n");
+    bench.put("robots/replay.yaml", "replay: {recording: rec.csv}\n");
+    bench.put_commands("in.csv", 1, 12);
+    bench.run("collect --plant curved.yaml --commands in.csv --out robots/rec.csv").is(0, &[]);
+    bench.run("collect --plant robots/replay.yaml --commands in.csv --out again.csv").is(0, &[]);
+
+    // Twice as fast.
+    let recorded = bench.text("robots/rec.csv");
+    bench.put("quick.csv", &halved_times(&bench.text("in.csv")));
+    let refused = bench.run("collect --plant robots/replay.yaml --commands quick.csv --out quick-out.csv");
+    refused.is(1, &["robots/rec.csv, line 3: found a step of 0.200000 s, expected 0.1 s, as the commands have"]);
+    // Driven by tensions.
+    bench.put(
+        "robots/rec.csv",
+        &recorded.replace("1_m,", "1_n,").replace("2_m,", "2_n,").replace("3_m,", "3_n,").replace("4_m,", "4_n,"),
+    );
+    let refused = bench.run("collect --plant robots/replay.yaml --commands in.csv --out tensions-out.csv");
+    refused.is(1, &["found the tensions of 4 tendons, expected the displacements of 4 tendons (tendon_1_m"]);
+    assert!(!bench.path("quick-out.csv").exists() && !bench.path("tensions-out.csv").exists());
+}
+
+/// Commands twice as fast.
+fn halved_times(text: &str) -> String {
+    let (header, rows) = text.split_once('\n').unwrap();
+    let halved = rows.lines().map(|row| {
+        let cells: Vec<&str> = row.splitn(3, ',').collect();
+        format!("{},{:.1},{}\n", cells[0], 0.5 * cells[1].parse::<f64>().unwrap(), cells[2])
+    });
+    format!("{header}\n{}", halved.collect::<String>())
+}
+
 /// The third command of the first trial is another one.
 fn other_command(text: &str) -> String {
     let line = |(number, line): (usize, &str)| {

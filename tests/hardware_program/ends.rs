@@ -34,12 +34,16 @@ fn stands_within_the_last_tick(log: &[Entry]) {
     }
 }
 
-/// A hold was heard, then a reset, and no move after it.
-fn was_held(log: &[Entry]) {
+/// A hold was heard, then a reset, and no move after it; the log.
+fn was_held(served: &Served) -> Vec<Entry> {
+    // The last bytes of a program may still be on their way.
+    until(|| served.log().iter().any(|entry| entry.what == "heard ^X").then_some(()));
+    let log = served.stands();
     let last = |what: &str| log.iter().rposition(|entry| entry.what == what);
     let held = last("heard !").expect("no hold was heard");
     assert!(last("heard ^X").expect("no reset was heard") > held);
     assert!(log[held..].iter().all(|entry| target_mm(&entry.what).is_none()), "a move after the hold");
+    log
 }
 
 /// The same command finishes the recording, and keeps what there was.
@@ -59,9 +63,7 @@ fn interrupted_by(signal: &str) {
     in_the_second_trial(&bench, &served);
     collect.signal(signal);
     collect.end().is(1, &["trial 1: robot stopped: somebody asked the program to end", "1 of 3 trials are kept"]);
-    let log = served.stands();
-    was_held(&log);
-    stands_within_the_last_tick(&log);
+    stands_within_the_last_tick(&was_held(&served));
     assert!(!bench.is_latched(), "an interrupt is no fault");
     goes_on(&bench);
 }
@@ -99,9 +101,7 @@ fn a_panic_holds_the_robot() {
     served.wish("set 110 200");
     bench.put(SLOWED, "");
     failing.end().is(101, &["whoever decides has failed"]);
-    let log = served.stands();
-    was_held(&log);
-    stands_within_the_last_tick(&log);
+    stands_within_the_last_tick(&was_held(&served));
 }
 
 #[test]
@@ -123,6 +123,35 @@ fn a_pulled_cable_stops_until_somebody_has_looked() {
     goes_on(&bench);
     let log = bench.text("spinebench/robot.log");
     assert!(log.contains("stopped: ") && log.contains("armed by hand"), "{log}");
+}
+
+/// Steps may have been lost although the controller says that it is homed: another program homes the robot, however often it is armed.
+#[test]
+fn after_a_stop_the_position_is_found_anew() {
+    let bench = bench();
+    let mut served = bench.serve("plant.yaml", "served.yaml");
+    let collect = bench.start(COLLECT);
+    in_the_second_trial(&bench, &served);
+    assert_eq!((served.homings(), bench.is_distrusted()), (1, false));
+    // The motors and the controller are as they were: only the tip is elsewhere.
+    served.wish("jump 0.15");
+    collect.end().is(1, &["trial 1: robot stopped: the tip is measured", "spinebench arm"]);
+    assert!(bench.is_latched() && bench.is_distrusted());
+    served.stands();
+    served.wish("repair");
+    served.wish("tell homed");
+    bench.run("arm --plant served.yaml").is(0, &["armed: `robot`", "homed before it moves"]);
+    assert!(!bench.is_latched() && bench.is_distrusted(), "arming finds no position");
+    // What else it says depends on how busy the computer is.
+    let found = |words: &str| assert!(bench.run("doctor --plant served.yaml").said.contains(words), "no `{words}`");
+    found("axes: not homed yet");
+    assert!(bench.is_distrusted() && served.homings() == 1, "nothing was moved");
+    goes_on(&bench);
+    assert_eq!((served.homings(), bench.is_distrusted()), (2, false));
+    // Now it is known.
+    found("axes: homed");
+    bench.run("collect --plant served.yaml --commands in.csv --out again.csv").is(0, &[]);
+    assert_eq!(served.homings(), 2);
 }
 
 #[test]

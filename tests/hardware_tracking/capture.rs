@@ -1,18 +1,11 @@
-//! Recorded packets of a real server, if they are on this computer.
+//! Recorded packets of a real server.
 
 use std::net::{Ipv4Addr, SocketAddr, SocketAddrV4};
 use std::path::{Path, PathBuf};
 
-/// Folder of the recordings: `SPINEBENCH_NATNET` or one of the usual places.
-pub(crate) fn folder() -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let set = std::env::var_os("SPINEBENCH_NATNET").map(PathBuf::from);
-    let usual = [root.join("tests/data/natnet")];
-    let found = set.into_iter().chain(usual).find(|place| place.join(CAPTURE).exists());
-    if found.is_none() {
-        println!("skipped: no recordings of a NatNet server; set SPINEBENCH_NATNET to their folder");
-    }
-    found
+/// Folder of the recordings: they come with the tests.
+pub(crate) fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/natnet")
 }
 
 /// Motive 2.1 with NatNet 3.0, one rigid body at 120 Hz.

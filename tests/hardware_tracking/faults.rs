@@ -4,14 +4,14 @@ use spinebench::hardware::bench::{FakeBody, TrackerFault, TrackerOptions};
 use spinebench::hardware::clock::Clock;
 use spinebench::hardware::tracking::{Tracking, Transport};
 
-use super::bench::{Bench, at_rest, steady};
+use super::bench::{Bench, at_rest, fresh, steady};
 use super::{WIRE_M, WIRE_RAD};
 
 fn tracked() -> (Bench, Tracking) {
     let bench = Bench::new(TrackerOptions::default(), steady);
     let mut tracking = bench.open().unwrap();
     bench.run(&mut tracking, 0.5);
-    assert!(tracking.is_fresh(bench.now_s()));
+    assert!(fresh(&tracking, bench.now_s()));
     (bench, tracking)
 }
 
@@ -74,7 +74,7 @@ fn what_is_not_seen_is_not_valid() {
         let status = tracking.status();
         assert!(status.occluded >= 29 && status.valid == valid, "{fault:?}: {status:?}");
         assert!((tracking.latest().unwrap().time_s - before.time_s).abs() < 1e-6);
-        assert!(!tracking.is_fresh(bench.now_s()) && tracking.age_s(bench.now_s()) > 0.28);
+        assert!(!fresh(&tracking, bench.now_s()) && tracking.age_s(bench.now_s()) > 0.28);
         assert!(tracking.pose_at(bench.now_s() - 0.05).is_none());
         assert_eq!(status.fault.is_some(), fault == TrackerFault::BodyGone, "{status:?}");
         recovers(&bench, &mut tracking, 0.6);
@@ -109,7 +109,7 @@ fn a_restart_is_noticed() {
         }
         bench.inject(TrackerFault::Restart);
         bench.run(&mut tracking, 0.8);
-        assert!(!tracking.is_fresh(bench.now_s()), "frames of an unknown count are not samples");
+        assert!(!fresh(&tracking, bench.now_s()), "frames of an unknown count are not samples");
         recovers(&bench, &mut tracking, 1.2);
         assert_eq!(tracking.status().restarts, 1);
         // Twenty seconds later all is as it was.
@@ -124,7 +124,7 @@ fn silence_makes_samples_old_and_is_survived() {
     bench.inject(TrackerFault::Silent);
     // Long enough that the server forgets its clients.
     bench.run(&mut tracking, 8.0);
-    assert!(!tracking.is_fresh(bench.now_s()) && tracking.age_s(bench.now_s()) > 7.9);
+    assert!(!fresh(&tracking, bench.now_s()) && tracking.age_s(bench.now_s()) > 7.9);
     recovers(&bench, &mut tracking, 1.2);
     assert_eq!((tracking.status().restarts, tracking.status().occluded), (0, 0));
 }
@@ -146,7 +146,7 @@ fn a_standing_clock_gives_no_samples() {
     let (bench, mut tracking) = tracked();
     bench.inject(TrackerFault::FrozenClock);
     bench.run(&mut tracking, 3.0);
-    assert!(!tracking.is_fresh(bench.now_s()) && tracking.status().stuck_clock >= 290);
+    assert!(!fresh(&tracking, bench.now_s()) && tracking.status().stuck_clock >= 290);
     recovers(&bench, &mut tracking, 0.1);
     assert_eq!(tracking.status().restarts, 0);
 }
@@ -157,7 +157,7 @@ fn a_picture_that_stands_still_is_reported() {
     assert!(tracking.status().unchanged_s < 1e-9);
     bench.inject(TrackerFault::Frozen);
     bench.run(&mut tracking, 1.0);
-    assert!(tracking.is_fresh(bench.now_s()) && (tracking.status().unchanged_s - 1.0).abs() < 0.03);
+    assert!(fresh(&tracking, bench.now_s()) && (tracking.status().unchanged_s - 1.0).abs() < 0.03);
     recovers(&bench, &mut tracking, 0.1);
     assert!(tracking.status().unchanged_s < 1e-9);
 }
@@ -182,7 +182,7 @@ fn cut_frames_are_counted() {
     bench.run(&mut tracking, 3.0);
     let status = tracking.status();
     assert!(status.malformed >= 290 && status.valid < 60, "{status:?}");
-    assert!(!tracking.is_fresh(bench.now_s()));
+    assert!(!fresh(&tracking, bench.now_s()));
     recovers(&bench, &mut tracking, 0.1);
 }
 

@@ -30,7 +30,7 @@ fn model() -> ModelDef {
 }
 
 fn stream(version: Version) -> Stream {
-    Stream::new(&TrackingSettings::default(), &server(version), &model()).unwrap()
+    Stream::new(&TrackingSettings::default(), &server(version), Some(&model())).unwrap()
 }
 
 /// A frame, the list of bodies and the server's introduction.
@@ -111,7 +111,7 @@ proptest! {
 
 #[test]
 fn real_packets_with_any_one_bit_wrong() {
-    let Some(folder) = capture::folder() else { return };
+    let folder = capture::folder();
     let settings = TrackingSettings {
         base_body: None,
         tip_body: spinebench::hardware::tracking::BodyName::Id(2),
@@ -123,12 +123,12 @@ fn real_packets_with_any_one_bit_wrong() {
         for bit in 0..packet.len() * 8 {
             let mut broken = packet.clone();
             broken[bit / 8] ^= 1 << (bit % 8);
-            let mut stream = Stream::new(&settings, &server(Version::new(3, 0, 0, 0)), &model()).unwrap();
+            let mut stream = Stream::new(&settings, &server(Version::new(3, 0, 0, 0)), Some(&model())).unwrap();
             stream.take(&broken, SERVER.parse().unwrap(), 0.0);
             is_sane(&stream);
         }
         for length in 0..packet.len() {
-            let mut stream = Stream::new(&settings, &server(Version::new(3, 0, 0, 0)), &model()).unwrap();
+            let mut stream = Stream::new(&settings, &server(Version::new(3, 0, 0, 0)), Some(&model())).unwrap();
             let heard = stream.take(&packet[..length], SERVER.parse().unwrap(), 0.0);
             assert!(!matches!(heard, Heard::Frame), "{name} cut to {length} bytes");
         }

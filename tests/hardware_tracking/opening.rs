@@ -55,6 +55,23 @@ fn wrong_transport_or_version() {
 }
 
 #[test]
+fn bodies_set_by_their_ids_need_no_description() {
+    let ids = |settings: &mut TrackingSettings| {
+        (settings.base_body, settings.tip_body) = (Some(BodyName::Id(1)), BodyName::Id(2));
+    };
+    let bench = Bench::with(TrackerOptions::default(), at_rest, ids);
+    bench.inject(TrackerFault::Undescribed);
+    let mut tracking = bench.open().unwrap();
+    let (m, _, fresh) = bench.judge(&mut tracking, 1.0);
+    assert!(m < super::WIRE_M && fresh > 0.98, "{m} {fresh}");
+
+    let bench = Bench::new(TrackerOptions::default(), at_rest);
+    bench.inject(TrackerFault::Undescribed);
+    let fault = bench.open().err().unwrap();
+    assert!(matches!(fault, TrackingFault::NoModel { .. }), "{fault}");
+}
+
+#[test]
 fn a_unicast_server_is_asked_for_the_version() {
     let options = TrackerOptions { version: Version::V4_1, ..Default::default() };
     let bench = Bench::with(options, at_rest, |settings| settings.version = StreamVersion::V3_0);
@@ -82,7 +99,6 @@ fn settings_are_read_and_checked() {
         assert_eq!(settings.check().unwrap_err().key, key);
     };
     bad("rate_hz", &|settings| settings.rate_hz = f64::NAN);
-    bad("max_age_s", &|settings| settings.max_age_s = 0.0);
     bad("command_port", &|settings| settings.command_port = 0);
     bad("multicast_group", &|settings| settings.multicast_group = [10, 0, 0, 1].into());
     bad("alignment", &|settings| settings.alignment.quaternion = [0.0; 4]);

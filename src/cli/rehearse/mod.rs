@@ -3,6 +3,7 @@
 mod log;
 mod wish;
 
+use super::session::bench;
 use super::{Ended, Outcome};
 use clap::Args;
 use log::Log;
@@ -11,7 +12,7 @@ use spinebench::data::write_atomic;
 use spinebench::hardware::interrupt::Interrupt;
 use spinebench::hardware::urgency::{Rank, Urgent};
 use spinebench::plants::hardware::Served;
-use spinebench::specs::{PlantSpec, read_plant, to_yaml};
+use spinebench::specs::{PlantSpec, to_yaml};
 use std::io::stdin;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, channel};
@@ -42,9 +43,7 @@ pub(super) struct Rehearse {
 
 impl Rehearse {
     pub(super) fn carry_out(self) -> Outcome {
-        let PlantSpec::Hardware(options) = read_plant(&self.plant).map_err(Ended::bad)? else {
-            return Err(Ended::BadInput(format!("{}: expected `hardware`", self.plant.display())));
-        };
+        let options = bench(&self.plant)?;
         if options.rehearsal.is_none() {
             let file = self.plant.display();
             return Err(Ended::BadInput(format!(

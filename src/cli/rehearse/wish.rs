@@ -8,6 +8,7 @@ hang KG          a weight on the tip, kilograms; 0 takes it off
 unplug           the serial cable is pulled
 power            the controller loses its power for a moment
 mute MOTORS      the controller (`motors`) or the tracker (`tracker`) says nothing
+freeze DEVICE    `motors` stand still and say what they said last; `tracker` sends one pose for ever
 slow S           the controller answers so many seconds later
 hide BODY        the cameras do not see `tip` or `base`
 jump M           the tip is seen so many metres beside where it is
@@ -15,6 +16,7 @@ swap             the two bodies are taken for each other
 dead AXIS        an axis (X, Y, Z, A) does not turn
 press AXIS       a limit switch closes
 alarm N          the controller stops with alarm N
+tell homed       every report of the controller says whether it is homed
 set N VALUE      setting $N of the controller has another value
 repair           all of this ends, except for a pulled cable and settings
 quit             the rehearsal ends";
@@ -37,6 +39,7 @@ pub(super) fn read(text: &str) -> Result<Plan, String> {
             world.controller.repair();
             world.tracker.calm();
         })),
+        ["freeze", "tracker"] => tracker(TrackerFault::Frozen),
         ["mute", "tracker"] => tracker(TrackerFault::Silent),
         ["hide", "tip"] => tracker(TrackerFault::Occluded(FakeBody::Tip)),
         ["hide", "base"] => tracker(TrackerFault::Occluded(FakeBody::Base)),
@@ -51,10 +54,12 @@ fn of_motors(words: &[&str]) -> Result<Plan, String> {
         ["unplug"] => motors(ControllerFault::Unplugged),
         ["power"] => motors(ControllerFault::Reboot),
         ["mute", "motors"] => motors(ControllerFault::Silent),
+        ["freeze", "motors"] => motors(ControllerFault::Frozen),
         ["slow", late] => motors(ControllerFault::SlowReplies(number(late)?.max(0.0))),
         ["dead", name] => motors(ControllerFault::DeadAxis(axis(name)?)),
         ["press", name] => motors(ControllerFault::HardLimit(axis(name)?)),
         ["alarm", code] => motors(ControllerFault::SpuriousAlarm(whole(code)?)),
+        ["tell", "homed"] => motors(ControllerFault::TellsHomed),
         ["set", setting, value] => motors(ControllerFault::WrongSettings(whole(setting)?, value.to_owned())),
         _ => Err(HELP.to_owned()),
     }

@@ -14,7 +14,7 @@ use rand_distr::{Distribution, Normal};
 pub use options::{FakeBody, FakeFault, FakeTrackerOptions};
 use server::{CLOCK_HZ, Server};
 
-use crate::base::Generator;
+use crate::base::{Generator, Seed};
 use crate::hardware::tracking::{BodyName, Pose, TrackingSettings};
 
 /// Frames that are overdue by more than this, s, are not sent any more.
@@ -44,7 +44,7 @@ pub struct FakeTracker {
     model_changed: bool,
     /// Where base and tip were at the end of the last step.
     before: Option<(f64, Pose, Pose)>,
-    frozen: Option<(Pose, Pose)>,
+    frozen: Option<Vec<PlannedBody>>,
     frozen_stamp_s: Option<f64>,
     held: Option<FrameOfData>,
     late: VecDeque<(f64, FrameOfData)>,
@@ -112,6 +112,11 @@ impl FakeTracker {
         self.faults.push(fault);
     }
 
+    /// Its noise and its losses are those of `seed` from now on.
+    pub fn reseed(&mut self, seed: Seed) {
+        self.rng = seed.child("tracker").rng();
+    }
+
     /// Ends all faults.
     pub fn calm(&mut self) {
         self.model_changed |= self.has(FakeFault::BodyGone);
@@ -123,7 +128,8 @@ impl FakeTracker {
     /// Motive sees them, at `now_s`, and have moved there evenly since the last call.
     pub fn step(&mut self, now_s: f64, tip: &Pose, base: &Pose) {
         let silent = self.has(FakeFault::Silent);
-        self.server.answer(now_s, &self.model(), silent);
+        let model = (!self.has(FakeFault::Undescribed)).then(|| self.model());
+        self.server.answer(now_s, model.as_ref(), silent);
         let (before_s, base_before, tip_before) =
             self.before.replace((now_s, *base, *tip)).unwrap_or((now_s, *base, *tip));
         if std::mem::take(&mut self.clock_from_zero) {
@@ -173,15 +179,15 @@ impl FakeTracker {
     }
 
     /// Takes a frame at `time_s` and sends it, or lets it suffer.
-    fn expose(&mut self, time_s: f64, mut base: Pose, mut tip: Pose) {
+    fn expose(&mut self, time_s: f64, base: Pose, tip: Pose) {
         let mut stamp_s = time_s + self.offset_s;
-        if self.has(FakeFault::Frozen) {
-            (base, tip) = *self.frozen.get_or_insert((base, tip));
-        }
         if self.has(FakeFault::FrozenClock) {
             stamp_s = *self.frozen_stamp_s.get_or_insert(stamp_s);
         }
-        let bodies = self.bodies(base, tip);
+        let mut bodies = self.bodies(base, tip);
+        if self.has(FakeFault::Frozen) {
+            bodies = self.frozen.get_or_insert(bodies).clone();
+        }
         let mut frame = SyntheticServer::new(self.options.version, CLOCK_HZ).frame(self.number, stamp_s, &bodies);
         if std::mem::take(&mut self.model_changed) {
             frame.params |= MODEL_CHANGED;

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
 use super::{FakeController, FakeTracker};
+use crate::base::Seed;
 use crate::hardware::axes::{AXES, AxesOptions};
 use crate::hardware::clock::Clock;
 use crate::hardware::tracking::Pose;
@@ -80,6 +81,12 @@ impl World {
     /// A weight of `load_kg` hangs on the tip from now on, and nothing else.
     pub fn hang(&mut self, load_kg: f64) {
         self.body.hang(load_kg);
+    }
+
+    /// All that is left to chance is `seed`'s from now on.
+    pub fn reseed(&mut self, seed: Seed) {
+        self.controller.reseed(seed);
+        self.tracker.reseed(seed);
     }
 
     /// When a screw last moved, s.

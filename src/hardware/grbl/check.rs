@@ -20,24 +20,34 @@ struct Rule {
     number: u16,
     meaning: &'static str,
     need: Need,
+    /// Versions without this setting are all right.
+    optional: bool,
 }
 
 /// Refuses a controller whose settings are not those that the robot needs.
 pub(super) fn check(table: &Table, settings: &MotionSettings) -> Result<(), MotionFault> {
-    rules(settings).iter().try_for_each(|rule| rule.check(table))?;
-    all_axes_home(table)
+    // GRBL itself, and what follows it closely, has its homing passes compiled in, and `$22` only turns homing on.
+    let plain = PASSES.iter().all(|pass| !table.contains_key(pass));
+    rules(settings, plain).iter().try_for_each(|rule| rule.check(table))?;
+    if plain { Ok(()) } else { all_axes_home(table) }
 }
 
-fn rules(settings: &MotionSettings) -> Vec<Rule> {
-    let rule = |number, meaning, need| Rule { number, meaning, need };
+/// The settings that say which axes home in each pass.
+const PASSES: [u16; 4] = [44, 45, 46, 47];
+
+fn rules(settings: &MotionSettings, plain: bool) -> Vec<Rule> {
+    let rule = |number, meaning, need| Rule { number, meaning, need, optional: false };
+    let optional = |number, meaning, need| Rule { number, meaning, need, optional: true };
+    let homing = if plain { 1 } else { 13 };
     let mut rules = vec![
-        rule(10, "fields of the status report: 1 machine position, 2 buffer and 16 pins", Need::Bits(19)),
+        // Whether reports have machine positions shows in the reports.
+        optional(10, "fields of the status report: 1 machine position", Need::Bits(1)),
         rule(13, "report in inches", Need::Exactly(0.0)),
         rule(20, "soft limits", Need::Exactly(1.0)),
         rule(21, "hard limits", Need::Bits(1)),
-        rule(22, "homing: 1 on, 4 required after the start, 8 makes the switch 0", Need::Bits(13)),
+        rule(22, "homing: 1 on, 4 required after the start, 8 makes the switch 0", Need::Bits(homing)),
         rule(23, "axes that home downwards", Need::Exactly(f64::from(settings.homing_directions))),
-        rule(376, "axes that turn instead of moving in a line", Need::Exactly(0.0)),
+        optional(376, "axes that turn instead of moving in a line", Need::Exactly(0.0)),
     ];
     if settings.hold_when_idle {
         rules.push(rule(1, "delay before the motors are switched off at rest, 255 never", Need::Exactly(255.0)));
@@ -53,7 +63,8 @@ fn rules(settings: &MotionSettings) -> Vec<Rule> {
 impl Rule {
     fn check(&self, table: &Table) -> Result<(), MotionFault> {
         let value = number(table, self.number);
-        if value.is_some_and(|value| self.need.met(value)) {
+        let missing = self.optional && !table.contains_key(&self.number);
+        if missing || value.is_some_and(|value| self.need.met(value)) {
             return Ok(());
         }
         let found = table.get(&self.number).map_or("nothing", String::as_str).to_owned();
@@ -89,18 +100,21 @@ impl Need {
 
 /// The axes that home in each pass stand in `$44` and the settings after it; together they must be all four.
 fn all_axes_home(table: &Table) -> Result<(), MotionFault> {
-    let passes = 44..=47;
-    let homed = passes.clone().filter_map(|pass| number(table, pass)).fold(0, |all, axes| all | axes as u32);
+    let homed = PASSES.into_iter().filter_map(|pass| number(table, pass)).fold(0, |all, axes| all | axes as u32);
     if homed & 15 == 15 {
         return Ok(());
     }
-    let found = passes.filter_map(|pass| Some(format!("${pass}={}", table.get(&pass)?))).collect::<Vec<_>>().join(" ");
-    let found = if found.is_empty() { "nothing".to_owned() } else { found };
+    let found = PASSES
+        .into_iter()
+        .filter_map(|pass| Some(format!("${pass}={}", table.get(&pass)?)))
+        .collect::<Vec<_>>()
+        .join(" ");
     let expected = "1, 2, 4 and 8 (X, Y, Z and A) in one of $44 to $47".to_owned();
     Err(MotionFault::WrongSetting { number: 44, meaning: "axes that home in each pass", found, expected })
 }
 
-/// The value of a setting as a number.
+/// The value of a setting as a number; what some versions say about it behind it is left out.
 pub(super) fn number(table: &Table, number: u16) -> Option<f64> {
-    table.get(&number)?.trim().parse().ok().filter(|value: &f64| value.is_finite())
+    let value = table.get(&number)?.split_whitespace().next()?;
+    value.parse().ok().filter(|value: &f64| value.is_finite())
 }

@@ -9,9 +9,9 @@ use super::port::Port;
 use super::schedule::RESET_S;
 use super::settings::MotionSettings;
 use super::state::{Mode, State};
-use super::watch::Path;
+use super::watch::{Path, Stillness};
 use crate::hardware::clock::Clock;
-use crate::hardware::wire::{SerialWire, Wire};
+use crate::hardware::wire::Wire;
 
 /// Moves that the controller may have in its queue.
 const MOST_QUEUED: usize = 2;
@@ -74,20 +74,10 @@ pub struct Controller {
     pub(super) must_home: bool,
     pub(super) garbled_s: VecDeque<f64>,
     pub(super) path: Path,
+    pub(super) stillness: Stillness,
 }
 
 impl Controller {
-    /// Opens the serial port of `settings` and then the controller as [`Controller::open`] does.
-    ///
-    /// # Errors
-    /// [`MotionFault::NoPort`] and those of [`Controller::open`].
-    pub fn connect(settings: &MotionSettings, clock: &dyn Clock) -> Result<Controller, MotionFault> {
-        settings.check()?;
-        let wire = SerialWire::open(&settings.port, settings.baud)
-            .map_err(|error| MotionFault::NoPort { port: settings.port.clone(), detail: error.to_string() })?;
-        Controller::open(Box::new(wire), settings, clock)
-    }
-
     /// Wakes the controller and checks that it is the right one with the right settings; moves nothing. Waits on
     /// `clock`, some seconds at most.
     ///
@@ -117,6 +107,7 @@ impl Controller {
             must_home: false,
             garbled_s: VecDeque::new(),
             path: Path::default(),
+            stillness: Stillness::default(),
         };
         // Nothing moves: all blocks that there are are free, whatever the controller said that it has.
         if let (Mode::Idle, Some(free)) = (status.mode, status.free_blocks) {
@@ -156,9 +147,33 @@ impl Controller {
         self.state.homed
     }
 
+    /// Whatever the controller says, its count of steps is not believed before it has been homed again.
+    pub fn distrust(&mut self) {
+        self.must_home = true;
+        self.path.forget();
+        self.note_homed();
+    }
+
+    /// True while the count of steps is not believed whatever the controller says.
+    pub fn is_distrusted(&self) -> bool {
+        self.must_home
+    }
+
+    /// True when nothing moves and nothing is about to, be it because everything has been done or because a hold has come to
+    /// its end: a reset now keeps the position.
+    pub fn stands(&self) -> bool {
+        let done = self.state.mode == Mode::Idle && self.pending.is_none() && self.state.queued == 0;
+        done || self.state.mode == Mode::Hold { complete: true }
+    }
+
     /// What is known of the controller.
     pub fn state(&self) -> &State {
         &self.state
+    }
+
+    /// Machine positions for distances from the switches and the other way round, mm.
+    pub fn faced_mm(&self, along_mm: [f64; 4]) -> [f64; 4] {
+        std::array::from_fn(|axis| self.settings.facing(axis) * along_mm[axis])
     }
 
     /// What the controller said about itself when it was opened.
@@ -202,6 +217,10 @@ impl Controller {
     /// Slows all axes down to a stand, which keeps the position. The rest of the moves waits.
     pub fn hold(&mut self, _now_s: f64) {
         self.held = true;
+        if matches!(self.state.mode, Mode::Hold { .. }) {
+            // It may have begun to move since it said so.
+            self.state.mode = Mode::Hold { complete: false };
+        }
         self.send_byte(HOLD);
     }
 
@@ -210,6 +229,7 @@ impl Controller {
         if self.fault.is_none() {
             self.held = false;
             self.resumed_s = now_s;
+            self.stillness.begin_again(now_s);
             self.send_byte(RESUME);
         }
     }
@@ -217,9 +237,7 @@ impl Controller {
     /// Stops the controller and drops its moves. Standing axes keep their position; moving ones have to be homed again,
     /// and so do all after a fault.
     pub fn reset(&mut self, now_s: f64) {
-        let idle = self.state.mode == Mode::Idle && self.pending.is_none() && self.state.queued == 0;
-        let standing = idle || self.state.mode == Mode::Hold { complete: true };
-        if !standing || self.fault.is_some() || self.is_homing() {
+        if !self.stands() || self.fault.is_some() || self.is_homing() {
             self.must_home = true;
         }
         if !matches!(self.fault, Some(MotionFault::Unplugged { .. })) {

@@ -50,16 +50,6 @@ pub enum MotionFault {
     /// A setting of this program.
     #[error(transparent)]
     BadSettings(#[from] BadOption),
-    /// There is no such port, or another program has it.
-    #[error(
-        "cannot open the serial port {port} ({detail}); check the cable, the name and that no other program uses it"
-    )]
-    NoPort {
-        /// Name of the port.
-        port: String,
-        /// What the system said.
-        detail: String,
-    },
     /// The serial line is gone.
     #[error("the serial line to the controller is gone ({detail}); plug it in, then connect and home again")]
     Unplugged {

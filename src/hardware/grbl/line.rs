@@ -41,6 +41,8 @@ pub enum Reply {
 pub struct Status {
     /// What the controller is doing.
     pub mode: Mode,
+    /// It holds and does not tell whether that has come to its end, as most versions do by a number behind it.
+    pub bare_hold: bool,
     /// Machine position, millimetres.
     pub position_mm: Option<[f64; 4]>,
     /// Free blocks of the motion queue.
@@ -59,14 +61,15 @@ pub struct Status {
 
 /// Understands a line; `None` when it is no GRBL line.
 pub fn parse(line: &str) -> Option<Reply> {
+    let line = line.trim();
     if line == "ok" {
         return Some(Reply::Ok);
     }
     if let Some(code) = line.strip_prefix("error:") {
-        return code.parse().ok().map(Reply::Error);
+        return code.trim().parse().ok().map(Reply::Error);
     }
     if let Some(code) = line.strip_prefix("ALARM:") {
-        return code.parse().ok().map(Reply::Alarm);
+        return code.trim().parse().ok().map(Reply::Alarm);
     }
     if line.get(..5).is_some_and(|start| start.eq_ignore_ascii_case("grbl ") || start.eq_ignore_ascii_case("grblh")) {
         return Some(Reply::Boot(line.to_owned()));
@@ -92,8 +95,10 @@ fn info(text: &str) -> Option<Reply> {
 
 fn status(text: &str) -> Option<Status> {
     let mut fields = text.split('|');
+    let name = fields.next()?;
     let mut status = Status {
-        mode: mode(fields.next()?)?,
+        mode: mode(name)?,
+        bare_hold: name == "Hold",
         position_mm: None,
         free_blocks: None,
         feed_mm_min: None,
@@ -137,7 +142,7 @@ fn mode(text: &str) -> Option<Mode> {
 }
 
 /// Four numbers with commas between them, as many as there are axes.
-pub(super) fn four(text: &str) -> Option<[f64; 4]> {
+fn four(text: &str) -> Option<[f64; 4]> {
     let mut values = text.split(',').map(number);
     let four = [values.next()??, values.next()??, values.next()??, values.next()??];
     values.next().is_none().then_some(four)

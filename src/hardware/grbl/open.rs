@@ -3,7 +3,7 @@
 use super::check::{self, Table};
 use super::controller::RESET;
 use super::fault::MotionFault;
-use super::line::{Piece, Reply, Status, four, parse};
+use super::line::{Piece, Reply, Status, parse};
 use super::port::Port;
 use super::settings::MotionSettings;
 use super::state::Mode;
@@ -71,7 +71,7 @@ impl Talk<'_> {
         if !matches!(first.mode, Mode::Idle | Mode::Alarm(_)) {
             return Err(MotionFault::UnexpectedMode { mode: first.mode });
         }
-        let mut machine = identify(&self.ask("$I")?)?;
+        let mut machine = identify(&self.ask("$I")?, first.free_blocks)?;
         machine.settings = table(&self.ask("$$")?);
         check::check(&machine.settings, settings)?;
         offsets(&self.ask("$#")?)?;
@@ -89,9 +89,12 @@ impl Talk<'_> {
     /// that held the robot may have left them waiting: a reset forgets them, and standing axes keep their position.
     fn standing(&mut self) -> Result<Status, MotionFault> {
         let began_s = self.clock.now_s();
+        let mut before_mm = None;
         loop {
             let status = self.status()?;
-            match status.mode {
+            let stood = std::mem::replace(&mut before_mm, status.position_mm) == status.position_mm;
+            let mode = if status.bare_hold && stood { Mode::Hold { complete: true } } else { status.mode };
+            match mode {
                 Mode::Run | Mode::Hold { complete: false } if self.clock.now_s() - began_s < LEFT_S => {
                     self.clock.sleep_until(self.clock.now_s() + ASK_S);
                 }
@@ -181,7 +184,7 @@ impl Talk<'_> {
         mut judge: impl FnMut(Reply) -> Option<Result<T, MotionFault>>,
     ) -> Result<T, MotionFault> {
         let began_s = self.clock.now_s();
-        let (mut last_s, mut garbled) = (began_s, 0);
+        let (mut last_s, mut garbled) = (began_s, Vec::new());
         while self.clock.now_s() - last_s <= self.timeout_s && self.clock.now_s() - began_s <= WAKE_S {
             for piece in self.look()? {
                 last_s = self.clock.now_s();
@@ -193,12 +196,18 @@ impl Talk<'_> {
                             return result;
                         }
                     }
-                    Err(_) if garbled + 1 < MOST_GARBLED => garbled += 1,
-                    Err(line) => return Err(MotionFault::Garbled { count: MOST_GARBLED, line }),
+                    Err(line) => garbled.push(line),
                 }
             }
+            if garbled.len() >= MOST_GARBLED {
+                break;
+            }
         }
-        Err(MotionFault::Silent { to: question.to_owned(), waited_s: self.clock.now_s() - began_s })
+        // What cannot be read may have been the answer.
+        Err(match garbled.pop() {
+            Some(line) => MotionFault::Garbled { count: garbled.len() + 1, line },
+            None => MotionFault::Silent { to: question.to_owned(), waited_s: self.clock.now_s() - began_s },
+        })
     }
 
     /// What has arrived after a short wait.
@@ -231,8 +240,8 @@ pub(super) fn no_position() -> MotionFault {
     MotionFault::WrongFirmware { what: "status", found, expected: "the machine position of four axes" }
 }
 
-/// Refuses anything but GRBL 1.1 with the axes X, Y, Z and A.
-fn identify(answers: &[Reply]) -> Result<Machine, MotionFault> {
+/// Refuses anything but GRBL 1.1 with the axes X, Y, Z and A; `free_blocks` of its queue were free at rest.
+fn identify(answers: &[Reply], free_blocks: Option<usize>) -> Result<Machine, MotionFault> {
     let info = |wanted: &str| {
         answers.iter().find_map(|reply| match reply {
             Reply::Info { name, text } if name == wanted => Some(text.clone()),
@@ -243,16 +252,13 @@ fn identify(answers: &[Reply]) -> Result<Machine, MotionFault> {
     if !version.starts_with("1.1") {
         return Err(MotionFault::WrongFirmware { what: "version", found: version, expected: "GRBL 1.1 or grblHAL" });
     }
-    let axes = info("AXS").unwrap_or_default();
-    if axes != "4:XYZA" {
+    // A version that does not name its axes has reported four positions.
+    if let Some(axes) = info("AXS").filter(|axes| axes != "4:XYZA") {
         return Err(MotionFault::WrongFirmware { what: "axes", found: axes, expected: "4:XYZA" });
     }
-    let options = info("OPT").unwrap_or_default();
-    let Some(blocks) = options.split(',').nth(1).and_then(|blocks| blocks.parse().ok()).filter(|&blocks| blocks > 0)
-    else {
-        let expected = "the size of its motion queue";
-        return Err(MotionFault::WrongFirmware { what: "options", found: options, expected });
-    };
+    let told = info("OPT").and_then(|options| options.split(',').nth(1)?.trim().parse().ok());
+    // Without either, moves count as done when the controller says that it is idle.
+    let blocks = told.or(free_blocks).unwrap_or(0);
     Ok(Machine { version, firmware: info("FIRMWARE").unwrap_or_default(), blocks, ..Machine::default() })
 }
 
@@ -271,7 +277,9 @@ fn offsets(answers: &[Reply]) -> Result<(), MotionFault> {
     for reply in answers {
         let Reply::Info { name, text } = reply else { continue };
         let Some((_, remedy)) = OFFSETS.iter().find(|(offset, _)| offset == name) else { continue };
-        if four(text).is_some_and(|values| values.iter().any(|&value| value != 0.0)) {
+        // Of the length of a tool some versions give one number.
+        let shifted = |value: &str| value.trim().parse().is_ok_and(|value: f64| value != 0.0);
+        if text.split(',').any(shifted) {
             return Err(MotionFault::WorkOffset {
                 name: name.clone(),
                 found: text.clone(),

@@ -11,6 +11,8 @@ use super::watch;
 const MOST_GARBLED: usize = 3;
 /// See [`MOST_GARBLED`], seconds.
 const GARBLED_S: f64 = 10.0;
+/// Axes that should move and have not for so long, or for as long as an answer may take if that is longer, do not, s.
+const STILL_S: f64 = 0.3;
 /// The alarm of a controller that wants to be homed.
 const HOMING_REQUIRED: u16 = 11;
 
@@ -125,6 +127,7 @@ impl Controller {
     }
 
     pub(super) fn reported(&mut self, status: &Status, now_s: f64) {
+        let status = &self.completed(status);
         self.asked_s = None;
         self.state.last_status_s = now_s;
         self.state.pins = status.pins;
@@ -148,9 +151,17 @@ impl Controller {
         if self.reset_s.is_some() {
             return;
         }
-        if let Err(fault) = self.judge_mode(status, before, now_s).and_then(|()| self.judge_position(status)) {
+        if let Err(fault) = self.judge_mode(status, before, now_s).and_then(|()| self.judge_position(status, now_s)) {
             self.fail(fault);
         }
+    }
+
+    /// A hold that does not tell whether it has come to its end has when two reports name the same position.
+    fn completed(&self, status: &Status) -> Status {
+        let stands = status.position_mm == Some(self.state.position_mm);
+        let held = matches!(self.state.mode, Mode::Hold { .. });
+        let mode = if status.bare_hold && held { Mode::Hold { complete: stands } } else { status.mode };
+        Status { mode, ..*status }
     }
 
     fn count_blocks(&mut self, status: &Status, before: Mode) {
@@ -186,7 +197,7 @@ impl Controller {
         }
     }
 
-    fn judge_position(&mut self, status: &Status) -> Result<(), MotionFault> {
+    fn judge_position(&mut self, status: &Status, now_s: f64) -> Result<(), MotionFault> {
         if let Some(offset_mm) = status.offset_mm.filter(|offset_mm| offset_mm.iter().any(|&value| value != 0.0)) {
             let remedy = "G10 L2 P1 X0 Y0 Z0 A0, G92.1 and G49".to_owned();
             return Err(MotionFault::WorkOffset {
@@ -208,11 +219,27 @@ impl Controller {
             self.homing = Homing::No;
         }
         if !self.path.is_known() {
+            self.stillness.begin_again(now_s);
             if idle || status.mode == (Mode::Hold { complete: true }) {
                 self.path.start(position_mm);
             }
             return Ok(());
         }
-        self.path.check(position_mm, idle && self.pending.is_none() && self.state.queued == 0)
+        self.path.check(position_mm, idle && self.pending.is_none() && self.state.queued == 0)?;
+        self.judge_stillness(status.mode, position_mm, now_s)
+    }
+
+    /// A controller that has somewhere to go goes there: the times for which it does not are those of its answers.
+    fn judge_stillness(&mut self, mode: Mode, position_mm: [f64; 4], now_s: f64) -> Result<(), MotionFault> {
+        let queued = self.state.queued;
+        let due = !self.held && (mode == Mode::Run || (mode == Mode::Idle && queued > 0));
+        let still_s = self.stillness.take(due, position_mm, queued, now_s);
+        if still_s < self.settings.reply_timeout_s.max(STILL_S) {
+            return Ok(());
+        }
+        match self.path.ahead(&position_mm) {
+            Some((axis, target_mm)) => Err(MotionFault::NotMoving { axis, reached_mm: position_mm[axis], target_mm }),
+            None => Ok(()),
+        }
     }
 }

@@ -9,8 +9,8 @@ use super::state::Mode;
 const ASK_EVERY_S: f64 = 0.05;
 /// A controller greets within this time after a reset, besides its reply time, seconds.
 pub(super) const RESET_S: f64 = 1.0;
-/// Millimetres, absolute positions, feed per minute.
-const SETUP: &str = "G21 G90 G94";
+/// Millimetres, absolute positions, feed per minute, in the first of the work coordinate systems.
+const SETUP: &str = "G21 G90 G94 G54";
 
 impl Controller {
     /// No line is later than it may be.

@@ -1,4 +1,4 @@
-//! Whether the axes are where their commands put them.
+//! Whether the axes are where their commands put them, and move while they should.
 
 use std::collections::VecDeque;
 
@@ -11,6 +11,8 @@ const TOLERANCE_MM: f64 = 0.02;
 const BESIDE_MM: f64 = 0.1;
 /// The start of the oldest move that may still be running and the targets of at most two.
 const KEPT: usize = 3;
+/// Reports alike that tell of axes that stand, however far apart they are.
+const STILL_REPORTS: u32 = 3;
 
 /// The last commands: between them is where an axis may be.
 #[derive(Clone, Debug, Default)]
@@ -61,6 +63,14 @@ impl Path {
         Ok(())
     }
 
+    /// The axis that has the longest way to its last command, and that command, mm; none when all have arrived.
+    pub(super) fn ahead(&self, position_mm: &[f64; 4]) -> Option<(usize, f64)> {
+        let target_mm = self.targets_mm.back()?;
+        let left_mm = |axis: usize| (target_mm[axis] - position_mm[axis]).abs();
+        let axis = (0..4).max_by(|&a, &b| left_mm(a).total_cmp(&left_mm(b)))?;
+        (left_mm(axis) > TOLERANCE_MM).then_some((axis, target_mm[axis]))
+    }
+
     /// All axes arrive together: one that stands while the others move is beside the line.
     fn check_line(&self, position_mm: &[f64; 4]) -> Result<(), MotionFault> {
         let targets: Vec<&[f64; 4]> = self.targets_mm.iter().collect();
@@ -95,6 +105,34 @@ impl Path {
             return Err(MotionFault::NotMoving { axis, reached_mm: position_mm, target_mm });
         }
         Err(MotionFault::Moved { axis, position_mm, low_mm, high_mm })
+    }
+}
+
+/// Since when neither the axes nor the queue have gone on although they should: a controller that freezes may go on
+/// telling that it moves.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Stillness {
+    since_s: f64,
+    reports: u32,
+    position_mm: [f64; 4],
+    queued: usize,
+}
+
+impl Stillness {
+    /// Motion is due from now on.
+    pub(super) fn begin_again(&mut self, now_s: f64) {
+        (self.since_s, self.reports) = (now_s, 0);
+    }
+
+    /// Takes the next report, of a controller that should be moving when `due`; for how long it has not, s.
+    pub(super) fn take(&mut self, due: bool, position_mm: [f64; 4], queued: usize, now_s: f64) -> f64 {
+        let gone_on = position_mm != self.position_mm || queued < self.queued;
+        (self.position_mm, self.queued) = (position_mm, queued);
+        if gone_on || !due {
+            self.begin_again(now_s);
+        }
+        self.reports += 1;
+        if self.reports > STILL_REPORTS { now_s - self.since_s } else { 0.0 }
     }
 }
 

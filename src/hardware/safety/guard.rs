@@ -1,6 +1,8 @@
 //! The state machine between whoever decides and whatever moves (docs/hardware.md shows it). It knows no device: it is
 //! told what is the case and says what has to be done.
 
+use std::collections::VecDeque;
+
 use super::limits::SafetyLimits;
 
 /// Why a robot is held or stopped, in words: what was found and what was expected.
@@ -85,17 +87,24 @@ pub enum Order {
 pub struct Guard {
     limits: SafetyLimits,
     state: State,
-    /// When queued motion of a stopped robot is forgotten even if the axes have not been seen to stand.
-    flush_at_s: Option<f64>,
+    /// Since when a stopped robot has queued motion that has yet to be forgotten.
+    stopping_s: Option<f64>,
+    /// When it was last held.
+    holds_s: VecDeque<f64>,
 }
 
-/// Time that the axes have to come to a stand before their queue is forgotten, seconds.
-const STAND_S: f64 = 0.15;
+/// Longest that the axes are waited for until they stand, before their queue is forgotten, seconds: a reset of axes that
+/// still slow down loses their position.
+const STAND_S: f64 = 1.0;
+/// The same where the motors cannot be trusted, nor their position.
+const STAND_ANYWAY_S: f64 = 0.15;
+/// The last so many seconds are those in which a robot may be held `most_holds` times.
+const HOLDS_S: f64 = 10.0;
 
 impl Guard {
     /// A guard of a robot that has not been homed.
     pub fn new(limits: SafetyLimits) -> Guard {
-        Guard { limits, state: State::Idle, flush_at_s: None }
+        Guard { limits, state: State::Idle, stopping_s: None, holds_s: VecDeque::new() }
     }
 
     /// What the robot may do.
@@ -141,7 +150,7 @@ impl Guard {
 
     /// Whether queued motion of a stopped robot has yet to be forgotten.
     pub fn is_stopping(&self) -> bool {
-        self.flush_at_s.is_some()
+        self.stopping_s.is_some()
     }
 
     /// What the facts at `now_s` call for.
@@ -155,10 +164,7 @@ impl Guard {
         }
         match (&self.state, &facts.doubt) {
             (State::Homing, _) if facts.homed => self.to(State::Active, Order::Nothing),
-            (State::Active, Some(cause)) => {
-                let held = State::Held { cause: cause.clone(), since_s: now_s };
-                self.to(held, Order::Hold)
-            }
+            (State::Active, Some(cause)) => self.hold(cause.clone(), now_s),
             (State::Held { .. }, None) => self.to(State::Active, Order::Resume),
             (State::Held { since_s, .. }, Some(cause)) if now_s - since_s >= self.limits.hold_stop_s => {
                 let cause = cause.clone();
@@ -166,6 +172,18 @@ impl Guard {
             }
             _ => Order::Nothing,
         }
+    }
+
+    /// A robot that is held again and again is not one that goes on.
+    fn hold(&mut self, cause: Cause, now_s: f64) -> Order {
+        self.holds_s.retain(|&then_s| now_s - then_s < HOLDS_S);
+        self.holds_s.push_back(now_s);
+        let (count, most) = (self.holds_s.len(), self.limits.most_holds);
+        if count > most {
+            let what = format!("held {count} times within {HOLDS_S} s, expected at most {most}; now: {}", cause.what);
+            return self.stop(Cause { what, ..cause }, now_s);
+        }
+        self.to(State::Held { cause, since_s: now_s }, Order::Hold)
     }
 
     fn to(&mut self, state: State, order: Order) -> Order {
@@ -179,15 +197,16 @@ impl Guard {
             State::Homing => Order::Flush,
             _ => Order::Hold,
         };
-        self.flush_at_s = (order == Order::Hold).then_some(now_s + STAND_S);
+        self.stopping_s = (order == Order::Hold).then_some(now_s);
         self.to(State::Stopped { cause, since_s: now_s }, order)
     }
 
-    /// Once the axes stand, or should, what is queued is forgotten, so that nothing starts again by itself.
+    /// Once the axes stand, or should have for long, what is queued is forgotten, so that nothing starts again by itself.
     fn finish_stop(&mut self, facts: &Facts, now_s: f64) -> Order {
-        match self.flush_at_s {
-            Some(at_s) if facts.standing || now_s >= at_s => {
-                self.flush_at_s = None;
+        let patience_s = if facts.motion_fault.is_some() { STAND_ANYWAY_S } else { STAND_S };
+        match self.stopping_s {
+            Some(since_s) if facts.standing || now_s - since_s >= patience_s => {
+                self.stopping_s = None;
                 Order::Flush
             }
             _ => Order::Nothing,

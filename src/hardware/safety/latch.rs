@@ -7,17 +7,19 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use super::guard::Cause;
 
-/// Latch and log of one robot.
+/// Latch and log of one robot, and whether its controller's count of steps may be believed.
 #[derive(Clone, Debug)]
 pub struct Latch {
     stopped: PathBuf,
+    rehome: PathBuf,
     log: PathBuf,
 }
 
 impl Latch {
     /// Those of the robot `name` in `folder`, which is made when the first line is written.
     pub fn new(folder: &Path, name: &str) -> Latch {
-        Latch { stopped: folder.join(format!("{name}.stopped")), log: folder.join(format!("{name}.log")) }
+        let file = |ending: &str| folder.join(format!("{name}.{ending}"));
+        Latch { stopped: file("stopped"), rehome: file("rehome"), log: file("log") }
     }
 
     /// Where this user's programs keep their state (`XDG_STATE_HOME`, or `.local/state` at home).
@@ -30,28 +32,56 @@ impl Latch {
 
     /// Why the robot is stopped, if it is. A latch that cannot be read is one that holds.
     pub fn read(&self) -> Option<String> {
-        match fs::read_to_string(&self.stopped) {
-            Ok(text) => Some(text.trim().to_owned()),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
-            Err(error) => Some(format!("{}: {error}", self.stopped.display())),
+        read(&self.stopped)
+    }
+
+    /// Why the controller's count of steps is not to be believed whatever it says, until the axes have been homed; none when
+    /// it may be. A file that cannot be read is there.
+    pub fn distrusted(&self) -> Option<String> {
+        read(&self.rehome)
+    }
+
+    /// From now on the controller's count of steps is not to be believed, by later programs either.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn distrust(&self, why: &str) -> io::Result<()> {
+        self.put(&self.rehome, why)
+    }
+
+    /// The axes have been homed: their count may be believed again.
+    ///
+    /// # Errors
+    /// When the file cannot be removed.
+    pub fn trust(&self) -> io::Result<()> {
+        match fs::remove_file(&self.rehome) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+            _ => Ok(()),
         }
     }
 
-    /// Stops the robot for this and all later programs, and logs it.
+    fn put(&self, file: &Path, line: &str) -> io::Result<()> {
+        if let Some(folder) = file.parent() {
+            fs::create_dir_all(folder)?;
+        }
+        fs::write(file, format!("{line}\n"))
+    }
+
+    /// Stops the robot for this and all later programs, distrusts its position, and logs it: whatever went wrong may have cost
+    /// steps.
     ///
     /// # Errors
     /// When the file cannot be written.
     pub fn stop(&self, cause: &Cause) -> io::Result<()> {
         let line = format!("{} UTC: {} [{}]", utc(SystemTime::now()), cause.what, cause.kind);
-        if let Some(folder) = self.stopped.parent() {
-            fs::create_dir_all(folder)?;
-        }
         // The latch first: the log is for people, and may be full.
-        fs::write(&self.stopped, format!("{line}\n"))?;
+        let (latched, distrusted) = (self.put(&self.stopped, &line), self.distrust(&line));
+        latched.and(distrusted)?;
         self.write(&format!("stopped: {line}; {}", cause.remedy))
     }
 
-    /// Arms the robot again and logs it; what it had been stopped for.
+    /// Arms the robot again and logs it; what it had been stopped for. Where it stands has to be found out by homing all the
+    /// same.
     ///
     /// # Errors
     /// When the file cannot be removed.
@@ -76,6 +106,14 @@ impl Latch {
     /// The log's path.
     pub fn log(&self) -> &Path {
         &self.log
+    }
+}
+
+fn read(file: &Path) -> Option<String> {
+    match fs::read_to_string(file) {
+        Ok(text) => Some(text.trim().to_owned()),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+        Err(error) => Some(format!("{}: {error}", file.display())),
     }
 }
 
@@ -106,6 +144,19 @@ mod tests {
         assert_eq!(latch.read(), None);
         std::fs::write(folder.path().join("robot.stopped"), [0xff, 0xfe]).unwrap();
         assert!(latch.read().is_some());
+    }
+
+    #[test]
+    fn arming_does_not_bring_the_position_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let latch = Latch::new(folder.path(), "robot");
+        let cause = Cause { kind: "tip", what: "somewhere else".to_owned(), remedy: "look".to_owned() };
+        latch.stop(&cause).unwrap();
+        assert!(latch.release().unwrap().is_some() && latch.read().is_none());
+        assert!(latch.distrusted().is_some_and(|why| why.contains("somewhere else")));
+        latch.trust().unwrap();
+        latch.trust().unwrap();
+        assert_eq!(latch.distrusted(), None);
     }
 
     #[test]

@@ -22,6 +22,8 @@ pub struct SafetyLimits {
     pub tracking_hold_s: f64,
     /// A robot held for longer than this is stopped, seconds.
     pub hold_stop_s: f64,
+    /// A robot that is held more often than this within ten seconds is stopped.
+    pub most_holds: usize,
     /// Distance from where the model puts the tip beyond which a measurement is not believed, metres.
     pub tip_from_model_m: f64,
     /// Fastest that a tip may seem to move, m/s; what is faster is not believed.
@@ -38,6 +40,7 @@ impl Default for SafetyLimits {
             over_tension_m: 0.03,
             tracking_hold_s: 0.05,
             hold_stop_s: 0.2,
+            most_holds: 5,
             tip_from_model_m: 0.08,
             tip_speed_m_s: 5.0,
         }
@@ -98,6 +101,7 @@ impl SafetyLimits {
         BadOption::unless_positive("over_tension_m", self.over_tension_m)?;
         BadOption::unless_positive("tracking_hold_s", self.tracking_hold_s)?;
         BadOption::unless_positive("hold_stop_s", self.hold_stop_s)?;
+        BadOption::unless_counted("most_holds", self.most_holds)?;
         BadOption::unless_positive("tip_from_model_m", self.tip_from_model_m)?;
         BadOption::unless_positive("tip_speed_m_s", self.tip_speed_m_s)
     }

@@ -24,10 +24,17 @@ pub(super) struct Bodies {
 }
 
 impl Bodies {
-    /// Looks the bodies of `settings` up.
-    pub(super) fn find(settings: &TrackingSettings, model: &ModelDef) -> Result<Bodies, TrackingFault> {
-        let base = settings.base_body.as_ref().map(|body| id_of("base", body, model)).transpose()?;
-        let tip = id_of("tip", &settings.tip_body, model)?;
+    /// Looks the bodies of `settings` up; without a model they are known by their ids alone.
+    pub(super) fn find(settings: &TrackingSettings, model: Option<&ModelDef>) -> Result<Bodies, TrackingFault> {
+        let id = |role, body: &BodyName| match (body, model) {
+            (body, Some(model)) => id_of(role, body, model),
+            (BodyName::Id(id), None) => Ok(*id),
+            (BodyName::Name(_), None) => {
+                Err(TrackingFault::BodyMissing { role, body: body.clone(), there_are: "described none".to_owned() })
+            }
+        };
+        let base = settings.base_body.as_ref().map(|body| id("base", body)).transpose()?;
+        let tip = id("tip", &settings.tip_body)?;
         if base == Some(tip) {
             return Err(TrackingFault::BodyShared { id: tip });
         }
@@ -41,6 +48,19 @@ impl Bodies {
             None => Pose::default(),
         };
         Some((base, pose_of(self.tip, frame)?))
+    }
+
+    /// Why [`Bodies::poses`] has none.
+    pub(super) fn unseen(&self, frame: &FrameOfData) -> &'static str {
+        let missing = |id| !frame.rigid_bodies.iter().any(|body| body.id == id);
+        let seen = |id| pose_of(id, frame).is_some();
+        match self.base {
+            _ if missing(self.tip) => "frames without the tip's body",
+            Some(base) if missing(base) => "frames without the base's body",
+            Some(base) if !seen(base) && !seen(self.tip) => "base and tip are not seen",
+            Some(base) if !seen(base) => "the base is not seen",
+            _ => "the tip is not seen",
+        }
     }
 
     /// True if the frame holds both, seen or not.

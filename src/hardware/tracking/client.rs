@@ -5,7 +5,7 @@ use natnet::{ServerInfo, command};
 use super::fault::TrackingFault;
 use super::handshake;
 use super::link::Link;
-use super::pose::{Pose, TipPose};
+use super::pose::TipPose;
 use super::settings::{TrackingSettings, Transport};
 use super::status::TrackingStatus;
 use super::stream::{Heard, Stream};
@@ -49,8 +49,12 @@ impl Tracking {
         if settings.transport == Transport::Multicast {
             link.join(&settings)?;
         }
-        let model = handshake::model(&mut link, &settings, version, clock)?;
-        let stream = Stream::new(&settings, &server, &model)?;
+        let model = match handshake::model(&mut link, &settings, version, clock) {
+            // Bodies that are set by their streaming ids need nobody to look them up.
+            Err(TrackingFault::NoModel { .. }) if settings.names_no_body() => None,
+            other => Some(other?),
+        };
+        let stream = Stream::new(&settings, &server, model.as_ref())?;
         let now_s = clock.now_s();
         Ok(Tracking { settings, link, stream, server, keepalive_s: now_s, question_s: now_s, last_frame_s: now_s })
     }
@@ -136,11 +140,6 @@ impl Tracking {
         self.latest().map_or(f64::INFINITY, |tip| now_s - tip.time_s)
     }
 
-    /// True while the newest valid sample is not older than the setting `max_age_s`.
-    pub fn is_fresh(&self, now_s: f64) -> bool {
-        self.age_s(now_s) <= self.settings.max_age_s
-    }
-
     /// What has been counted and measured so far.
     pub fn status(&self) -> &TrackingStatus {
         self.stream.status()
@@ -149,11 +148,6 @@ impl Tracking {
     /// The server's name and version, and the version of its protocol.
     pub fn server(&self) -> String {
         format!("{}, NatNet {}", handshake::application(&self.server), self.server.protocol_version)
-    }
-
-    /// Sets where the robot's base frame is in the base body's frame, from now on; samples so far are forgotten.
-    pub fn set_alignment(&mut self, alignment: Pose) {
-        self.stream.set_alignment(alignment);
     }
 }
 

@@ -105,8 +105,6 @@ pub struct TrackingSettings {
     pub rate_hz: f64,
     /// `auto`, or the version of the stream: `3.0`, `3.1`, `4.0`, `4.1`. Unicast servers are asked for it.
     pub version: StreamVersion,
-    /// A valid sample older than this is stale, s.
-    pub max_age_s: f64,
     /// How long the server may take to answer when the connection is made, s.
     pub connect_s: f64,
     /// `Y` or `Z`, as in Motive's streaming settings.
@@ -131,7 +129,6 @@ impl Default for TrackingSettings {
             tip_body: BodyName::Name("tip".into()),
             rate_hz: 100.0,
             version: StreamVersion::Auto,
-            max_age_s: 0.05,
             connect_s: 2.0,
             up_axis: UpAxis::Y,
             alignment: Pose::default(),
@@ -141,6 +138,12 @@ impl Default for TrackingSettings {
 }
 
 impl TrackingSettings {
+    /// True when both bodies are set by their streaming ids.
+    pub fn names_no_body(&self) -> bool {
+        let named = |body: &BodyName| matches!(body, BodyName::Name(_));
+        !named(&self.tip_body) && !self.base_body.as_ref().is_some_and(named)
+    }
+
     /// Refuses settings out of range.
     ///
     /// # Errors
@@ -149,7 +152,6 @@ impl TrackingSettings {
         BadOption::unless_counted("command_port", self.command_port.into())?;
         BadOption::unless_counted("data_port", self.data_port.into())?;
         BadOption::unless_positive("rate_hz", self.rate_hz)?;
-        BadOption::unless_positive("max_age_s", self.max_age_s)?;
         BadOption::unless_positive("connect_s", self.connect_s)?;
         if !self.multicast_group.is_multicast() {
             let found = self.multicast_group.to_string();

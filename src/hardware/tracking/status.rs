@@ -37,8 +37,12 @@ pub struct TrackingStatus {
     pub latency_jitter_s: f64,
     /// From mid-exposure to transmission of the last frame by the server's clock, s, where it tells.
     pub camera_latency_s: Option<f64>,
-    /// For how long all numbers of both bodies have been the same to the last bit, s: real cameras are never so still.
+    /// What is the matter with the frames that have come since the last valid one.
+    pub unseen: Option<&'static str>,
+    /// For how long all numbers of the tip's body have been the same to the last bit, s: real cameras are never so still.
     pub unchanged_s: f64,
+    /// Times that they were others than before.
+    pub changes: u64,
     /// Times that the system refused to send or receive.
     pub socket_errors: u64,
     /// The last of its reasons.

@@ -25,6 +25,9 @@ const MODEL_CHANGED: u16 = 0x02;
 /// Stamps beyond this are no times, s: three centuries, be it since the server's start or since 1970.
 const LATEST_STAMP_S: f64 = 1e10;
 
+/// After so long without a sample, s, frames that are of no use are the reason.
+const UNSEEN_S: f64 = 0.04;
+
 /// Delays beyond this are no delays of cameras, s.
 const LONGEST_CAMERA_LATENCY_S: f64 = 10.0;
 
@@ -53,18 +56,23 @@ pub struct Stream {
     stamps: StampMap,
     samples: Samples,
     recent: VecDeque<Mark>,
-    /// Both bodies as they were last seen, and the stamp since when they have been just so.
-    still: Option<(Pose, Pose, f64)>,
+    /// The tip's body as it was last seen, and the stamp since when it has been just so.
+    still: Option<(Pose, f64)>,
     wants_model: bool,
     status: TrackingStatus,
 }
 
 impl Stream {
-    /// The stream of a server that has told who it is and what it tracks.
+    /// The stream of a server that has told who it is and what it tracks; the latter is not needed where the bodies are set by
+    /// their streaming ids.
     ///
     /// # Errors
     /// [`TrackingFault`] for a version that cannot be read, or bodies that are missing or double.
-    pub fn new(settings: &TrackingSettings, server: &ServerInfo, model: &ModelDef) -> Result<Stream, TrackingFault> {
+    pub fn new(
+        settings: &TrackingSettings,
+        server: &ServerInfo,
+        model: Option<&ModelDef>,
+    ) -> Result<Stream, TrackingFault> {
         let command = SocketAddrV4::new(settings.server, settings.command_port);
         Ok(Stream {
             decoder: decoder(settings, server)?,
@@ -97,6 +105,7 @@ impl Stream {
         }
         let Ok(decoded) = self.decoder.parse(datagram) else {
             self.status.malformed += 1;
+            self.status.unseen = Some("frames that cannot be read");
             return Heard::Nothing;
         };
         match decoded.into_message() {
@@ -111,11 +120,12 @@ impl Stream {
         let mark = Mark { number: frame.frame_number, stamp_s: frame.timing.timestamp };
         if !mark.stamp_s.is_finite() || mark.stamp_s.abs() > LATEST_STAMP_S {
             self.status.malformed += 1;
+            self.status.unseen = Some("time stamps that are none, in seconds");
             return Heard::Nothing;
         }
         self.sources.learn(from);
         self.status.received += 1;
-        let old = match self.sequence.take(mark, now_s) {
+        let (old, why) = match self.sequence.take(mark, now_s) {
             Order::New { lost } => {
                 self.status.lost += lost;
                 self.take_new(frame, mark, now_s);
@@ -126,11 +136,15 @@ impl Stream {
                 self.take_new(frame, mark, now_s);
                 return Heard::Frame;
             }
-            Order::Duplicate => &mut self.status.duplicates,
-            Order::Old => &mut self.status.out_of_order,
-            Order::StuckClock => &mut self.status.stuck_clock,
+            Order::Duplicate => (&mut self.status.duplicates, "frames with the number of the one before"),
+            Order::Old => (&mut self.status.out_of_order, "frames with lower numbers than before"),
+            Order::StuckClock => (&mut self.status.stuck_clock, "frames whose time stamps do not go on"),
         };
         *old += 1;
+        // Where others come besides, these do no harm.
+        if self.samples.latest().is_none_or(|tip| now_s - tip.time_s > UNSEEN_S) {
+            self.status.unseen = Some(why);
+        }
         Heard::Frame
     }
 
@@ -153,13 +167,16 @@ impl Stream {
         self.wants_model |= self.bodies.is_none_or(|bodies| !bodies.are_in(frame));
         let Some((base, tip)) = self.bodies.and_then(|bodies| bodies.poses(frame)) else {
             self.status.occluded += 1;
+            self.status.unseen = self.bodies.map(|bodies| bodies.unseen(frame));
             return;
         };
         self.status.valid += 1;
+        self.status.unseen = None;
         self.samples.push(mark.stamp_s, self.mounting.tip(&base, &tip));
-        let since_s =
-            self.still.filter(|still| (still.0, still.1) == (base, tip)).map_or(mark.stamp_s, |still| still.2);
-        self.still = Some((base, tip, since_s));
+        let still_s = self.still.filter(|still| still.0 == tip).map(|still| still.1);
+        self.status.changes += u64::from(still_s.is_none());
+        let since_s = still_s.unwrap_or(mark.stamp_s);
+        self.still = Some((tip, since_s));
         self.status.unchanged_s = mark.stamp_s - since_s;
     }
 
@@ -196,7 +213,7 @@ impl Stream {
     pub(super) fn set_model(&mut self, model: &ModelDef) {
         self.wants_model = false;
         self.status.models += 1;
-        let found = Bodies::find(&self.settings, model);
+        let found = Bodies::find(&self.settings, Some(model));
         self.status.fault = found.as_ref().err().map(ToString::to_string);
         self.bodies = found.ok();
     }
@@ -204,13 +221,6 @@ impl Stream {
     /// True if the list of bodies should be asked for.
     pub(super) fn wants_model(&self) -> bool {
         self.wants_model
-    }
-
-    /// Sets where the robot's base frame is in the base body's frame, from now on; samples so far are forgotten.
-    pub fn set_alignment(&mut self, alignment: Pose) {
-        self.settings.alignment = alignment;
-        self.mounting = Mounting::of(&self.settings);
-        self.samples.clear();
     }
 
     /// The tip at a local time, s: between the valid samples before and after if they are at most 2.5 frame periods

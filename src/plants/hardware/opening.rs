@@ -45,7 +45,7 @@ impl Hardware {
             return Err(format!("robot `{}` is stopped: {reason}; look at it, then `spinebench arm`", options.name));
         }
         let wire = SerialWire::open(&options.motion.port, options.motion.baud)
-            .map_err(|error| format!("{}: cannot open the port: {error}", options.motion.port))?;
+            .map_err(|error| no_port(&options.motion.port, &error))?;
         let interrupt = Interrupt::of_process().map_err(|error| error.to_string())?;
         let parts = Opened { wire: Box::new(wire), clock: Arc::new(WallClock::new()), latch: Some(latch), interrupt };
         let mut plant = Hardware::of(options, &options.tracking, step_s, parts)?;
@@ -95,6 +95,10 @@ impl Hardware {
             claim: None,
         })
     }
+}
+
+fn no_port(port: &str, error: &std::io::Error) -> String {
+    format!("{port}: cannot open the port: {error}; check the cable, the name and that no other program uses it")
 }
 
 /// What [`Hardware::of`] drives.

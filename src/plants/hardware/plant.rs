@@ -160,8 +160,11 @@ impl Plant for Hardware {
         self.step_s
     }
 
-    /// The robot is brought home and rests there. Its noise is its own: the seed is not used.
-    fn reset(&mut self, _seed: Seed) -> Result<Observation, PlantError> {
+    /// The robot is brought home and rests there. The noise of a robot on a bench is its own; that of a rehearsal is `seed`'s.
+    fn reset(&mut self, seed: Seed) -> Result<Observation, PlantError> {
+        if let Some(stage) = &self.stage {
+            stage.with(|world| world.reseed(seed));
+        }
         self.go_home()?;
         self.model.home()?;
         let rested_s = self.line.clock.now_s() + self.settle_s;

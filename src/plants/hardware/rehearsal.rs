@@ -80,6 +80,7 @@ pub(super) fn imitations(
     for (number, value) in FAST {
         imitated.settings.insert(number, value.to_owned());
     }
+    imitated.settings.insert(23, options.motion.homing_directions.to_string());
     let controller = FakeController::new(wire, imitated);
     let imitated = TrackerOptions { noise_m: rehearsal.noise_m, seed, ..TrackerOptions::default() };
     let mut tracker = FakeTracker::new(imitated).map_err(|error| format!("no tracker on this computer: {error}"))?;

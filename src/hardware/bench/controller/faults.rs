@@ -7,6 +7,8 @@ use super::{Doing, FakeController};
 pub enum FakeFault {
     /// It says nothing more.
     Silent,
+    /// Its motion stands still, and it says for ever what it said last.
+    Frozen,
     /// It answers this many seconds later than usual.
     SlowReplies(f64),
     /// Everything that it says is unreadable.
@@ -45,6 +47,10 @@ pub enum FakeFault {
     HoldButton,
     /// Somebody changes what all speeds are multiplied by, per cent.
     FeedOverride(u32),
+    /// Every report says whether it is homed, as those of some do; others say so once.
+    TellsHomed,
+    /// Its reports have three axes.
+    ThreeAxes,
     /// Somebody has it report work positions instead of machine positions.
     WorkPositions,
 }
@@ -53,6 +59,8 @@ pub enum FakeFault {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Injected {
     pub(super) silent: bool,
+    pub(super) frozen: bool,
+    pub(super) last_status: Option<String>,
     pub(super) slow_s: f64,
     pub(super) garbage: bool,
     pub(super) garble_next: bool,
@@ -64,6 +72,8 @@ pub(super) struct Injected {
     pub(super) sticky: Option<u16>,
     pub(super) feed_percent: Option<u32>,
     pub(super) work_positions: bool,
+    pub(super) tells_homed: bool,
+    pub(super) three_axes: bool,
 }
 
 impl Injected {
@@ -91,6 +101,7 @@ impl FakeController {
         let injected = &mut self.injected;
         match fault {
             FakeFault::Silent => injected.silent = true,
+            FakeFault::Frozen => injected.frozen = true,
             FakeFault::SlowReplies(slow_s) => injected.slow_s = slow_s,
             FakeFault::Garbage => injected.garbage = true,
             FakeFault::GarbledLine => injected.garble_next = true,
@@ -109,6 +120,8 @@ impl FakeController {
             FakeFault::WorkOffset(axis, offset_mm) => self.offset_mm[axis] = offset_mm,
             FakeFault::HoldButton => self.hold(),
             FakeFault::FeedOverride(percent) => injected.feed_percent = Some(percent),
+            FakeFault::TellsHomed => injected.tells_homed = true,
+            FakeFault::ThreeAxes => injected.three_axes = true,
             FakeFault::WorkPositions => injected.work_positions = true,
             FakeFault::WrongSettings(number, value) => {
                 self.settings.insert(number, value);

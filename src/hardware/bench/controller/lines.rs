@@ -49,7 +49,7 @@ impl FakeController {
         match action {
             Action::Nothing => Ok(Answer::Ok),
             Action::Shift(axes) => {
-                let here_mm = self.axes.planned_mm();
+                let here_mm = self.faced_mm(self.axes.planned_mm());
                 for axis in 0..4 {
                     self.offset_mm[axis] = axes[axis].map_or(self.offset_mm[axis], |value| here_mm[axis] - value);
                 }
@@ -73,7 +73,7 @@ impl FakeController {
     }
 
     fn target_mm(&self, axes: [Option<f64>; 4], modes: &Modes, offset_mm: &[f64; 4]) -> [f64; 4] {
-        let from_mm = self.axes.planned_mm();
+        let from_mm = self.faced_mm(self.axes.planned_mm());
         std::array::from_fn(|axis| match axes[axis] {
             None => from_mm[axis],
             Some(way_mm) if modes.incremental => from_mm[axis] + way_mm,
@@ -96,7 +96,15 @@ impl FakeController {
         })
     }
 
+    /// Machine positions of the screws and the other way round: where homing goes up, they fall away from the switches.
+    pub(super) fn faced_mm(&self, along_mm: [f64; 4]) -> [f64; 4] {
+        let downwards = table::bits(&self.settings, 23);
+        let upwards = |axis: usize| self.homed && downwards & (1 << axis) == 0;
+        std::array::from_fn(|axis| if upwards(axis) { -along_mm[axis] } else { along_mm[axis] })
+    }
+
     fn queue(&mut self, target_mm: [f64; 4], modes: &Modes) {
+        let target_mm = self.faced_mm(target_mm);
         let from_mm = self.axes.planned_mm();
         let length_mm = (0..4).map(|axis| (target_mm[axis] - from_mm[axis]).powi(2)).sum::<f64>().sqrt();
         let feed_mm_min = match modes {

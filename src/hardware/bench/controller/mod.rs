@@ -48,6 +48,9 @@ pub struct FakeOptions {
     pub delay_s: [f64; 2],
     /// Seed of these times.
     pub seed: u64,
+    /// It speaks as other controllers do that follow GRBL 1.1: names neither its axes nor the homing passes, says nothing of
+    /// homing in its reports, has its fields in another order, and a hold is a hold.
+    pub plain: bool,
 }
 
 impl Default for FakeOptions {
@@ -58,6 +61,7 @@ impl Default for FakeOptions {
             start_mm: [8.0, 8.0, 12.5, 12.5],
             delay_s: [0.02, 0.06],
             seed: 0,
+            plain: false,
         }
     }
 }
@@ -101,6 +105,7 @@ pub struct FakeController {
     started: bool,
     first_boot: bool,
     delay_s: [f64; 2],
+    plain: bool,
     random: Generator,
 }
 
@@ -129,8 +134,14 @@ impl FakeController {
             started: false,
             first_boot: options.first_boot,
             delay_s: options.delay_s,
+            plain: options.plain,
             random: Seed(options.seed).child("controller").rng(),
         }
+    }
+
+    /// The times to its answers are those of `seed` from now on.
+    pub fn reseed(&mut self, seed: Seed) {
+        self.random = seed.child("controller").rng();
     }
 
     /// Does all that happens until `now_s`, seconds: moves, reads, answers.
@@ -197,6 +208,7 @@ impl FakeController {
             left_s -= part_s;
             self.now_s += part_s;
             match self.doing {
+                _ if self.injected.frozen => {}
                 Doing::Homing(_) => self.home_on(part_s),
                 Doing::Alarm(..) => {}
                 Doing::Ready | Doing::Holding => self.axes.advance(part_s),

@@ -3,6 +3,7 @@
 use super::{Doing, FakeController, Modes, table};
 
 const GREETING: &str = "GrblHAL 1.1f ['$' or '$HELP' for help]";
+const PLAIN_GREETING: &str = "Grbl 1.1h ['$' for help]";
 /// Time from an alarm to its message, seconds.
 const MESSAGE_S: f64 = 0.1;
 const HOMING_REQUIRED: u16 = 11;
@@ -107,7 +108,7 @@ impl FakeController {
         self.last_error = 0;
         self.modes = Modes::default();
         self.reporting.start_over();
-        self.say_after(wait_s, GREETING);
+        self.say_after(wait_s, if self.plain { PLAIN_GREETING } else { GREETING });
         let homing_required = table::bits(&self.settings, 22) & 5 == 5 && !self.homed;
         if homing_required {
             if alarm != Some(HOMING_REQUIRED) {

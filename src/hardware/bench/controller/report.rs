@@ -35,8 +35,12 @@ impl Reporting {
 impl FakeController {
     /// Answers `?`.
     pub(super) fn report(&mut self) {
-        let status = self.status();
+        let status = match self.injected.last_status.take().filter(|_| self.injected.frozen) {
+            Some(last) => last,
+            None => self.status(),
+        };
         self.say(&status);
+        self.injected.last_status = Some(status);
         let parser_state = table::bits(&self.settings, 10) & 512 != 0;
         if std::mem::take(&mut self.reporting.modes_changed) && parser_state {
             let text = self.modes.text();
@@ -46,15 +50,40 @@ impl FakeController {
 
     fn status(&mut self) -> String {
         let steps_per_mm = table::of_axes(&self.settings, 100);
+        let counted_mm = self.faced_mm(self.axes.counted_mm);
         let position_mm = std::array::from_fn(|axis| {
             let steps_per_mm = steps_per_mm[axis].max(1.0);
-            (self.axes.counted_mm[axis] * steps_per_mm).round() / steps_per_mm
+            (counted_mm[axis] * steps_per_mm).round() / steps_per_mm
         });
         let (free, room) = (BLOCKS - self.axes.queued().min(BLOCKS), 1023);
         let feed = self.axes.speed_mm_min().round();
+        if self.plain {
+            return self.plain_status(&position_mm, feed);
+        }
         let which = if self.injected.work_positions { "WPos" } else { "MPos" };
-        let mut text = format!("<{}|{which}:{}|Bf:{free},{room}|FS:{feed},0", self.mode(), four(&position_mm));
+        let mut position = four(&position_mm);
+        if self.injected.three_axes {
+            position.truncate(position.rfind(',').unwrap_or_default());
+        }
+        let mut text = format!("<{}|{which}:{position}|Bf:{free},{room}|FS:{feed},0", self.mode());
         self.add_changes(&mut text);
+        text.push('>');
+        text
+    }
+
+    /// As GRBL itself: `$10` has 2 for the queue, and the work offset comes now and then.
+    fn plain_status(&mut self, position_mm: &[f64; 4], feed: f64) -> String {
+        let mut text = format!("<{}|FS:{feed},0|MPos:{}", self.mode(), four(position_mm));
+        if table::bits(&self.settings, 10) & 2 != 0 {
+            text.push_str(&format!("|Bf:{},128", BLOCKS - self.axes.queued().min(BLOCKS)));
+        }
+        match self.reporting.count % OFFSET_EVERY {
+            0 => text.push_str(&format!("|WCO:{}", four(&self.offset_mm))),
+            1 => text.push_str("|Ov:100,100,100"),
+            2 => text.push_str("|Ln:12|Pn:P"),
+            _ => {}
+        }
+        self.reporting.count += 1;
         text.push('>');
         text
     }
@@ -79,7 +108,7 @@ impl FakeController {
             text.push_str("|A:");
         }
         let homing = matches!(self.doing, Doing::Homing(_));
-        if self.reporting.homed != self.homed && !homing {
+        if (self.reporting.homed != self.homed || self.injected.tells_homed) && !homing {
             self.reporting.homed = self.homed;
             text.push_str(&format!("|H:{}", u8::from(self.homed)));
         }
@@ -94,6 +123,7 @@ impl FakeController {
             Doing::Ready if self.axes.queued() == 0 => "Idle".to_owned(),
             Doing::Ready if self.jogging => "Jog".to_owned(),
             Doing::Ready => "Run".to_owned(),
+            Doing::Holding if self.plain => "Hold".to_owned(),
             Doing::Holding => format!("Hold:{}", u8::from(self.axes.speed_mm_min() > 0.0)),
             Doing::Homing(_) => "Home".to_owned(),
             Doing::Alarm(code, _) if substates => format!("Alarm:{code}"),
@@ -103,6 +133,10 @@ impl FakeController {
 
     /// Answers `$I`.
     pub(super) fn identify(&mut self) {
+        if self.plain {
+            self.say("[VER:1.1h.20190830:another]");
+            return self.say("[OPT:V]");
+        }
         let lines = [
             "[VER:1.1f.20260817:]",
             "[OPT:VNML+,100,1024,4,0]",
@@ -133,7 +167,7 @@ impl FakeController {
         self.say(&format!("[G92:{offset}]"));
         let axes = if self.homed { 15 } else { 0 };
         self.say(&format!("[HOME:{none}:{axes}]"));
-        self.say(&format!("[TLO:{none}]"));
+        self.say(&if self.plain { "[TLO:0.000]".to_owned() } else { format!("[TLO:{none}]") });
         self.say(&format!("[PRB:{none}:0]"));
     }
 }

@@ -102,6 +102,8 @@ pub enum FakeFault {
     Malformed,
     /// Frames come so much later than they were taken, s.
     Late(f64),
+    /// Requests for the list of bodies are not answered.
+    Undescribed,
     /// The tip's body is no longer in the frames, nor in the list of bodies.
     BodyGone,
 }

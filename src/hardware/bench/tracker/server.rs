@@ -66,7 +66,7 @@ impl Server {
     }
 
     /// Reads what clients asked, and answers unless `silent`.
-    pub(super) fn answer(&mut self, now_s: f64, model: &ModelDef, silent: bool) {
+    pub(super) fn answer(&mut self, now_s: f64, model: Option<&ModelDef>, silent: bool) {
         let mut request = [0; REQUEST_BYTES];
         for _ in 0..MOST_REQUESTS {
             let Ok((length, from)) = self.command.recv_from(&mut request) else { break };
@@ -80,7 +80,7 @@ impl Server {
         self.clients.retain(|client| now_s - client.heard_s <= CLIENT_GONE_S);
     }
 
-    fn reply(&mut self, request: &[u8], from: SocketAddr, now_s: f64, model: &ModelDef) -> Option<Vec<u8>> {
+    fn reply(&mut self, request: &[u8], from: SocketAddr, now_s: f64, model: Option<&ModelDef>) -> Option<Vec<u8>> {
         let id = natnet::MessageHeader::parse(request).ok()?.message_id;
         let payload = &request[natnet::HEADER_LEN..];
         match id {
@@ -89,7 +89,7 @@ impl Server {
                 self.info()
             }
             natnet::NAT_DISCOVERY => self.info(),
-            natnet::NAT_REQUEST_MODELDEF => model.to_datagram(self.version_of(from)).ok(),
+            natnet::NAT_REQUEST_MODELDEF => model?.to_datagram(self.version_of(from)).ok(),
             natnet::NAT_ECHOREQUEST => Some(echo(payload, now_s)),
             natnet::NAT_KEEPALIVE => {
                 self.clients
