@@ -76,7 +76,10 @@ fn a_recording_is_named_from_the_plant_file_and_has_the_steps_of_the_commands() 
     let recorded = bench.text("robots/rec.csv");
     bench.put("quick.csv", &halved_times(&bench.text("in.csv")));
     let refused = bench.run("collect --plant robots/replay.yaml --commands quick.csv --out quick-out.csv");
-    refused.is(1, &["robots/rec.csv, line 3: found a step of 0.200000 s, expected 0.1 s, as the commands have"]);
+    refused.is(
+        1,
+        &["robots/rec.csv, all rows, column `time_s`: found steps of 0.200000 s, expected 0.1 s, as the commands have"],
+    );
     // Driven by tensions.
     bench.put(
         "robots/rec.csv",
