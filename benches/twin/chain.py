@@ -165,6 +165,8 @@ class Chain:
         mujoco.mj_resetData(self.model, self.data)
         self.data.xfrc_applied[:] = forces
         self.data.qpos[:] = self.home
+        # Drives that act late stand at home until the first command reaches them.
+        self.set_pulls(np.zeros(4))
         mujoco.mj_forward(self.model, self.data)
         for law in self.memory:
             law.go_home()

@@ -13,9 +13,9 @@ pub(super) struct Hypothesis {
 /// How a parameter is found.
 #[derive(Clone, Debug)]
 enum Field {
-    /// Fitted, in units of `size` from `null`.
-    Size { null: f64, size: f64 },
-    /// Tried at each of these, then fitted; by its logarithm where `positive`.
+    /// Fitted, in units of `size` from `null`; begun from the best of `scan`, if there are any.
+    Size { null: f64, size: f64, scan: &'static [f64] },
+    /// Tried at each of these, then fitted; by its logarithm where `positive`, and then no farther than [`BEYOND`] them.
     Shape { tries: Vec<f64>, positive: bool },
     /// One of these.
     Choice(Vec<f64>),
@@ -34,6 +34,10 @@ pub(super) struct Member {
 /// Places along the robot that are tried.
 const PLACES: usize = 6;
 
+/// A positive shape is fitted up to so many times beyond the values that are tried: farther out it is another effect, or
+/// none that the model could play (friction without a yield is rigid).
+const BEYOND: f64 = 5.0;
+
 /// The catalogue as hypotheses about `model`.
 pub(super) fn hypotheses(model: &Model) -> Vec<Hypothesis> {
     let tendons = model.robot.tendons.angles_deg.len();
@@ -49,10 +53,11 @@ impl Hypothesis {
     fn new(card: &'static Card, model: &Model, tendon: usize) -> Hypothesis {
         let length_m = model.robot.backbone.length_m;
         let field = |parameter: &crate::effects::Parameter| match parameter.seek {
-            Seek::Size(size) => Field::Size { null: parameter.null, size },
+            Seek::Size(size) => Field::Size { null: parameter.null, size, scan: &[] },
+            Seek::Scanned(size, scan) => Field::Size { null: parameter.null, size, scan },
             Seek::Replaces(path, size) => {
                 let number = ModelParameter::named(model, path).and_then(|number| number.value(model));
-                Field::Size { null: number.unwrap_or(parameter.null), size }
+                Field::Size { null: number.unwrap_or(parameter.null), size, scan: &[] }
             }
             Seek::Shape(tries) => {
                 Field::Shape { tries: tries.to_vec(), positive: tries.iter().all(|&value| value > 0.0) }
@@ -115,6 +120,15 @@ impl Hypothesis {
         self.fields.iter().zip(values).map(null).collect()
     }
 
+    /// Steps from nothing to each of the sizes that are looked at whatever a little of the effect promises.
+    pub(super) fn scan(&self) -> Vec<f64> {
+        let steps = |field: &Field| match *field {
+            Field::Size { null, scan, .. } => scan.iter().map(|value| value - null).collect(),
+            _ => Vec::new(),
+        };
+        self.fields.iter().flat_map(steps).collect()
+    }
+
     /// Other choices beside these values: its neighbours in every chosen parameter.
     pub(super) fn neighbours(&self, values: &[f64]) -> Vec<Vec<f64>> {
         let mut found = Vec::new();
@@ -139,14 +153,27 @@ impl Hypothesis {
         }
     }
 
-    /// `values` with parameter `index` moved by `step`: by adding, or for a positive shape by a factor exp(step).
+    /// `values` with parameter `index` moved by `step`: by adding, or for a positive shape by a factor exp(step), within
+    /// its range.
     pub(super) fn moved(&self, values: &[f64], index: usize, step: f64) -> Vec<f64> {
         let mut there = values.to_vec();
         match self.fields[index] {
-            Field::Shape { positive: true, .. } => there[index] *= step.exp(),
+            Field::Shape { ref tries, positive: true } => {
+                let least = tries.iter().copied().fold(f64::INFINITY, f64::min) / BEYOND;
+                let most = tries.iter().copied().fold(0.0, f64::max) * BEYOND;
+                there[index] = (values[index] * step.exp()).clamp(least, most);
+            }
             _ => there[index] += step,
         }
         there
+    }
+
+    /// The step that [`Hypothesis::moved`] took from `values` to `there`.
+    pub(super) fn step(&self, values: &[f64], there: &[f64], index: usize) -> f64 {
+        match self.fields[index] {
+            Field::Shape { positive: true, .. } => (there[index] / values[index]).ln(),
+            _ => there[index] - values[index],
+        }
     }
 
     /// The effect with these values; none where they are out of its range.

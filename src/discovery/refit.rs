@@ -40,6 +40,8 @@ const MOST_STEPS: usize = 12;
 const SMALL_FALL: f64 = 0.05;
 /// The same where the best is not yet asked for.
 const ROUGH_FALL: f64 = 2.0;
+/// Makes a coordinate so much stiffer that it stays where it is.
+const HOLDS: f64 = 1e12;
 /// Size of the differences that derivatives are taken by, over the probe.
 const DIFFERENCE: f64 = 0.1;
 
@@ -82,7 +84,9 @@ impl Study<'_> {
             } else if fresh {
                 break;
             } else {
-                best = self.sharpened(best)?;
+                // At the edge of what the model can play the fit ends with the derivative that it has.
+                let Some(sharp) = self.sharpened(best.clone()) else { break };
+                best = sharp;
                 fresh = true;
             }
         }
@@ -135,10 +139,20 @@ impl Study<'_> {
         there
     }
 
+    /// The step from one set of values to another, in units of the probes.
+    fn between(&self, here: &[Member], there: &[Member]) -> DVector<f64> {
+        let steps = self.coordinates(here).into_iter().map(|(k, parameter)| {
+            let hypothesis = &self.hypotheses[here[k].hypothesis];
+            hypothesis.step(&here[k].values, &there[k].values, parameter) / hypothesis.probe(parameter)
+        });
+        DVector::from_vec(steps.collect())
+    }
+
     /// The fit a step further if that is better, its derivative corrected by what the step has shown (Broyden's
     /// update; Nocedal & Wright, Numerical Optimization, section 11.1).
     fn improved(&self, from: &Fitted, step: &DVector<f64>) -> Option<Fitted> {
         let mut next = self.at(self.moved(&from.members, step))?;
+        let step = &self.between(&from.members, &next.members);
         if next.explained.deviance >= from.explained.deviance {
             return None;
         }
@@ -158,7 +172,11 @@ impl Study<'_> {
             [DIFFERENCE, -DIFFERENCE].into_iter().find_map(|share| {
                 let mut by = DVector::zeros(count);
                 by[k] = share;
-                let effects = effects(self.hypotheses, &self.moved(&fitted.members, &by))?;
+                let members = self.moved(&fitted.members, &by);
+                if members == fitted.members {
+                    return None;
+                }
+                let effects = effects(self.hypotheses, &members)?;
                 let there = tips(self.model, &effects, self.samples)?;
                 Some(there.iter().zip(&fitted.played).map(|(there, here)| (there - here) / share).collect())
             })
@@ -182,14 +200,26 @@ impl Study<'_> {
         (normal, free)
     }
 
-    /// The Gauss–Newton step of the coordinates, nuisances following.
+    /// The Gauss–Newton step of the coordinates, nuisances following; those that would leave their range are held.
     fn step(&self, fitted: &Fitted) -> Option<DVector<f64>> {
+        let free = self.step_holding(fitted, &[])?;
+        let stays = |&k: &usize| {
+            let mut alone = DVector::zeros(free.len());
+            alone[k] = free[k];
+            free[k] != 0.0 && self.moved(&fitted.members, &alone) == fitted.members
+        };
+        let held: Vec<usize> = (0..free.len()).filter(stays).collect();
+        if held.is_empty() { Some(free) } else { self.step_holding(fitted, &held) }
+    }
+
+    fn step_holding(&self, fitted: &Fitted, held: &[usize]) -> Option<DVector<f64>> {
         let (mut normal, free) = self.normal(fitted);
         let count = normal.ncols() - free;
         for k in free..free + count {
             normal[(k, k)] *= 1.0 + 1e-6;
             normal[(k, k)] += 1e-12;
         }
+        held.iter().for_each(|k| normal[(free + k, free + k)] *= HOLDS);
         let noise = &fitted.explained.noise;
         let left = DVector::from_vec(noise.whiten(self.samples, &fitted.explained.left_m));
         let mut right = DVector::zeros(free + count);

@@ -142,8 +142,12 @@ impl Search<'_> {
         self.tried.extend(others);
         rough.sort_by(|a, b| b.score.total_cmp(&a.score));
         rough.truncate(WIDTH);
-        let finish = |scored: Scored| Some(self.scored(self.study.settled(scored.fitted.members)?));
-        let finished: Vec<Scored> = rough.into_par_iter().filter_map(finish).collect();
+        // What cannot be fitted further stays as roughly as it is, so that nothing that promises much is lost.
+        let finish = |scored: Scored| match self.study.settled(scored.fitted.members.clone()) {
+            Some(fitted) => self.scored(fitted),
+            None => scored,
+        };
+        let finished: Vec<Scored> = rough.into_par_iter().map(finish).collect();
         self.tried.extend(finished.iter().cloned());
         finished
     }

@@ -97,6 +97,8 @@ pub struct Parameter {
 pub enum Seek {
     /// It is the effect's size: fitted from its null value, first by about this much.
     Size(f64),
+    /// The same, but the tip's answer rises and falls with it: begun from the best of these values.
+    Scanned(f64, &'static [f64]),
     /// It is the effect's size and takes the place of this number of the robot, which is its null value.
     Replaces(&'static str, f64),
     /// It gives the effect its shape: tried at each of these values, then fitted.

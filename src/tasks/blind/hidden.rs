@@ -80,7 +80,7 @@ pub(super) fn null_value(parameter: &Parameter, model: &Model) -> f64 {
 /// A change of a parameter that gives its effect a size; none for the others.
 pub(super) fn size(parameter: &Parameter) -> Option<f64> {
     match parameter.seek {
-        Seek::Size(size) | Seek::Replaces(_, size) => Some(size),
+        Seek::Size(size) | Seek::Scanned(size, _) | Seek::Replaces(_, size) => Some(size),
         _ => None,
     }
 }
@@ -127,7 +127,7 @@ impl Draft {
 /// tendon, flags set or not.
 fn drawn(parameter: &Parameter, model: &Model, random: &mut Generator) -> f64 {
     match parameter.seek {
-        Seek::Size(_) | Seek::Replaces(..) => null_value(parameter, model),
+        Seek::Size(_) | Seek::Scanned(..) | Seek::Replaces(..) => null_value(parameter, model),
         Seek::Shape(tries) => {
             let (low, high) =
                 tries.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)));

@@ -236,7 +236,7 @@ fn nulls(card: &Card, model: &Model) -> Vec<Vec<f64>> {
     let mut found = vec![Vec::new()];
     for parameter in card.parameters {
         let values: Vec<f64> = match parameter.seek {
-            Seek::Size(_) | Seek::Replaces(..) => vec![null_value(parameter, model)],
+            Seek::Size(_) | Seek::Scanned(..) | Seek::Replaces(..) => vec![null_value(parameter, model)],
             Seek::Shape(tries) => tries.to_vec(),
             Seek::Place => (0..PLACES).map(|k| length_m * (k as f64 + 0.5) / PLACES as f64).collect(),
             Seek::Tendon => (1..=model.robot.tendons.angles_deg.len()).map(|tendon| tendon as f64).collect(),
@@ -320,7 +320,7 @@ impl Refit<'_> {
         for (k, (card, values)) in members.iter().enumerate() {
             for (index, parameter) in card.parameters.iter().enumerate() {
                 let step = match parameter.seek {
-                    Seek::Size(size) | Seek::Replaces(_, size) => 0.05 * size,
+                    Seek::Size(size) | Seek::Scanned(size, _) | Seek::Replaces(_, size) => 0.05 * size,
                     Seek::Shape(_) => 0.05 * values[index].abs().max(0.5),
                     Seek::Place | Seek::Tendon | Seek::Flag => continue,
                 };
