@@ -81,6 +81,8 @@ fn a_hidden_effect_is_named_and_its_strength_told() {
         ("actuator_gain: {tendon: 2, scale: 1.08}", "scale", 1.08),
         // A little stiffer, the robot answers quite otherwise than much softer.
         ("bending_stiffness: {scale: 0.67}", "scale", 0.67),
+        // Half as late or half as late again, the tip is further off than without any delay.
+        ("delay: {time_s: 0.177}", "time_s", 0.177),
     ];
     for (k, (effect, parameter, truth)) in cases.into_iter().enumerate() {
         let found = found(&recorded(&format!("- {effect}"), 4, k as u64, 0.0), &Options::default());

@@ -192,3 +192,32 @@ fn places(robot: &Robot, length_m: f64) -> Vec<f64> {
 pub(super) fn effects(hypotheses: &[Hypothesis], members: &[Member]) -> Option<Vec<EffectSpec>> {
     members.iter().map(|member| hypotheses[member.hypothesis].effect(&member.values)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn hypothesis(name: &str) -> Hypothesis {
+        let model = Model { robot: Robot::default(), effects: Vec::new() };
+        hypotheses(&model).into_iter().find(|hypothesis| hypothesis.card.name == name).unwrap()
+    }
+
+    #[test]
+    fn a_shape_stays_within_its_range_and_a_step_says_how_far_it_went() {
+        let friction = hypothesis("friction");
+        let from = &friction.variants()[0];
+        let there = friction.moved(from, 1, -9.0);
+        assert_eq!(there[1], 0.1 / BEYOND);
+        assert_eq!(friction.moved(&there, 1, -0.1), there);
+        let step = friction.step(from, &there, 1);
+        assert!((friction.moved(from, 1, step)[1] - there[1]).abs() < 1e-12 && step > -9.0);
+        assert_eq!(friction.step(from, &friction.moved(from, 0, 0.25), 0), 0.25);
+    }
+
+    #[test]
+    fn what_rises_and_falls_is_looked_at_everywhere() {
+        let scan = hypothesis("delay").scan();
+        assert!(scan.len() > 10 && scan.is_sorted() && scan[0] > 0.0);
+        assert!(hypothesis("tip_load").scan().is_empty());
+    }
+}
