@@ -141,6 +141,24 @@ fn the_proof_is_kept_apart() {
     assert_ne!(first.findings.gap, second.findings.gap);
 }
 
+/// A name that held-out trials do not bear out is taken back, though they had no part in finding it.
+#[test]
+fn held_out_trials_can_refute_an_answer() {
+    let mut measured = recorded("- tip_load: {mass_kg: 0.01}", 4, 5, 0.0);
+    let first = found(&measured, &Options::default());
+    assert_eq!(first.findings.verdict, Verdict::Named);
+    for row in 0..measured.len() {
+        if first.findings.gap.held_out_trials.contains(&measured.trial[row]) {
+            // Still far nearer to the answer than to the model without it.
+            measured.tip_m.as_mut().unwrap()[row][1] += 1.2e-3 * (0.7 * row as f64).sin();
+        }
+    }
+    let second = found(&measured, &Options::default());
+    assert_eq!(second.findings.verdict, Verdict::Unexplained, "{}", second.findings.summary);
+    assert_eq!(first.findings.candidates[0].name, second.findings.candidates[0].name);
+    assert!(second.model.effects.is_empty());
+}
+
 #[test]
 fn the_same_data_give_the_same_answer() {
     let measured = recorded("- delay: {time_s: 0.1}", 3, 6, 0.0);

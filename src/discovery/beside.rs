@@ -47,7 +47,7 @@ impl Study<'_> {
             let fitted = coarse.rough_fit(all, jacobian)?;
             let gain = start.explained.deviance - fitted.explained.deviance;
             let score = base.score + gain - self.penalty(std::slice::from_ref(&promise.member));
-            Some(Scored { fitted, score })
+            Some(Scored { fitted, score, exact: false })
         };
         promises.par_iter().filter_map(fit).collect()
     }
@@ -88,9 +88,9 @@ impl Study<'_> {
         best.map_or_else(|| promised.clone(), |(_, member)| member)
     }
 
-    /// The fit, with every choice (such as a place) moved to its neighbours while that helps.
-    pub(super) fn settled(&self, start: Vec<Member>) -> Option<Fitted> {
-        let mut best = self.fit(start)?;
+    /// The fit from near it, with every choice (such as a place) moved to its neighbours while that helps.
+    pub(super) fn settled(&self, near: &Fitted) -> Option<Fitted> {
+        let mut best = self.refit(near.members.clone(), near.jacobian.clone())?;
         for k in 0..best.members.len() {
             loop {
                 let hypothesis = &self.hypotheses[best.members[k].hypothesis];
@@ -102,7 +102,7 @@ impl Study<'_> {
                 });
                 let next = fits.min_by(|a, b| a.explained.deviance.total_cmp(&b.explained.deviance));
                 match next.filter(|next| next.explained.deviance < best.explained.deviance) {
-                    Some(next) => best = self.fit(next.members)?,
+                    Some(next) => best = self.refit(next.members, next.jacobian)?,
                     None => break,
                 }
             }

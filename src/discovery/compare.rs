@@ -5,6 +5,7 @@ use super::features::circumstances;
 use super::hypothesis::{Hypothesis, Member, effects};
 use super::play::tips;
 use super::refit::Study;
+use super::responses::Response;
 use super::samples::{Samples, rms_m};
 use crate::base::Rows;
 use crate::learn::gp::{Gp, GpConfig};
@@ -22,17 +23,25 @@ pub struct Remedies {
 }
 
 /// The remedies on the same trials: `study` has those of the fit, `proof` those held out; `played` each without effects.
-pub(super) fn remedies(study: &Study, played: &[f64], proof: &Samples, proof_played: &[f64]) -> Remedies {
+pub(super) fn remedies(
+    study: &Study,
+    responses: &[Response],
+    played: &[f64],
+    proof: &Samples,
+    proof_played: &[f64],
+) -> Remedies {
     Remedies {
-        stiffness_only_m: stiffness_only(study, proof),
+        stiffness_only_m: stiffness_only(study, responses, proof),
         gp_m: process(study.samples, played, proof, proof_played),
     }
 }
 
-fn stiffness_only(study: &Study, proof: &Samples) -> Option<f64> {
+fn stiffness_only(study: &Study, responses: &[Response], proof: &Samples) -> Option<f64> {
     let hypothesis = study.hypotheses.iter().position(|h: &Hypothesis| h.card.name == "bending_stiffness")?;
     let start = Member { hypothesis, values: study.hypotheses[hypothesis].variants().swap_remove(0) };
-    let fitted = study.fit(vec![start])?;
+    let known = responses.iter().find(|response| response.hypothesis == hypothesis)?;
+    let probe = study.hypotheses[hypothesis].probe(study.hypotheses[hypothesis].sizes()[0]);
+    let fitted = study.rough_fit(vec![start], &known.columns * probe)?;
     let there = tips(study.model, &effects(study.hypotheses, &fitted.members)?, proof)?;
     Some(rms_m(&proof.residual(&there)))
 }

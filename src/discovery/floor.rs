@@ -1,6 +1,7 @@
 //! The noise floor from the data themselves: every trial starts at rest at home, so its first rows are repeats of one
 //! measurement; commands that are held show the tip at rest.
 
+use super::noise::Noise;
 use super::samples::Samples;
 use crate::math::distribution::f_above;
 
@@ -21,9 +22,7 @@ const SETTLED_S: f64 = 1.0;
 impl Floor {
     /// From repeats of the first row and from rests; no degrees of freedom where there are neither.
     pub(super) fn of_repeats(samples: &Samples) -> Floor {
-        let firsts: Vec<usize> = (0..samples.len()).filter(|&row| samples.rows[row].row == 0).collect();
-        let mut groups = vec![firsts];
-        groups.extend(rests(samples));
+        let groups = groups(samples);
         let mut variance_m2 = [0.0; 3];
         let mut freedom = 0.0;
         for group in groups.iter().filter(|group| group.len() > 1) {
@@ -67,6 +66,44 @@ impl Floor {
     }
 }
 
+/// What a model leaves of things that were measured again and again, in the mean.
+pub(super) struct Bias {
+    /// Chance of as much where the model is right: the test for lack of fit against pure error (Draper & Smith, Applied
+    /// Regression Analysis, section 2.1).
+    pub(super) p_value: f64,
+    /// Root mean square, metres.
+    pub(super) rms_m: f64,
+}
+
+/// The bias of `left_m` (three numbers a sample) where commands were repeated or held. Starts are as independent as
+/// trials, samples at rest as much as `noise` lets them be.
+pub(super) fn bias(samples: &Samples, left_m: &[f64], noise: &Noise) -> Bias {
+    let groups: Vec<Vec<usize>> = groups(samples).into_iter().filter(|group| group.len() > 1).collect();
+    let (mut squares, mut weighed, mut weights) = (0.0, 0.0, 0.0);
+    for (number, group) in groups.iter().enumerate() {
+        let apart = number == 0 && samples.rows[group[0]].row == 0;
+        let independent = if apart { group.len() as f64 } else { noise.independent(group.len()).max(1.0) };
+        let mean = |axis: usize| group.iter().map(|&row| left_m[3 * row + axis]).sum::<f64>() / group.len() as f64;
+        let square: f64 = (0..3).map(|axis| mean(axis).powi(2)).sum();
+        squares += independent * square;
+        weighed += group.len() as f64 * square;
+        weights += group.len() as f64;
+    }
+    let floor = Floor::of_repeats(samples);
+    let own = floor.variance_m2.iter().sum::<f64>() / 3.0;
+    let freedom = 3.0 * groups.len() as f64;
+    let enough = floor.freedom >= 2.0 && own > 0.0;
+    let p_value = if enough { f_above(squares / freedom / own, freedom, 3.0 * floor.freedom) } else { 1.0 };
+    Bias { p_value, rms_m: (weighed / f64::max(weights, 1.0)).sqrt() }
+}
+
+/// Samples that measure the same thing again: the first rows of all trials, then each rest.
+fn groups(samples: &Samples) -> Vec<Vec<usize>> {
+    let mut groups = vec![(0..samples.len()).filter(|&row| samples.rows[row].row == 0).collect()];
+    groups.extend(rests(samples));
+    groups
+}
+
 /// Runs of samples under one command that has been held long enough.
 fn rests(samples: &Samples) -> Vec<Vec<usize>> {
     let mut found: Vec<Vec<usize>> = Vec::new();
@@ -86,4 +123,53 @@ fn rests(samples: &Samples) -> Vec<Vec<usize>> {
     found.push(run);
     found.retain(|run| run.len() > 1);
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use rand_distr::{Distribution, StandardNormal};
+
+    use super::super::samples::{Sample, TrialCommands};
+    use super::*;
+    use crate::base::{Rows, Seed};
+
+    const NOISE_M: f64 = 5e-4;
+
+    /// What a model leaves in eight trials of ten samples that all begin in one place: noise, and at the start a bias.
+    fn tested(bias_m: f64, seed: u64) -> Bias {
+        let mut commands = Rows::new(1);
+        (0..9).for_each(|k| commands.push(&[f64::from(k)]));
+        let trial = |number| TrialCommands {
+            number,
+            commands: commands.clone(),
+            durations_s: vec![0.2; 9],
+            tensions: false,
+            known_load_kg: 0.0,
+            tip_loads: None,
+        };
+        let mut random = Seed(seed).rng();
+        let mut noise = || -> f64 {
+            let drawn: f64 = StandardNormal.sample(&mut random);
+            NOISE_M * drawn
+        };
+        let mut left_m = Vec::new();
+        let mut rows = Vec::new();
+        for k in 0..80 {
+            let bias_m = if k % 10 == 0 { bias_m } else { 0.0 };
+            let tip_m = [bias_m + noise(), noise(), noise()];
+            left_m.extend(tip_m);
+            rows.push(Sample { trial: k / 10, row: k % 10, time_s: 0.2 * (k % 10) as f64, tip_m });
+        }
+        let samples = Samples { trials: (0..8).map(trial).collect(), rows, step_s: 0.2 };
+        bias(&samples, &left_m, &Noise { sigma_m: [NOISE_M; 3], correlation: 0.0 })
+    }
+
+    #[test]
+    fn a_model_that_is_wrong_at_home_is_seen_and_noise_is_not() {
+        let low = (0..200).filter(|&seed| tested(0.0, seed).p_value < 0.05).count();
+        assert!((2..22).contains(&low), "{low} of 200 below 0.05");
+        let found = tested(1e-3, 1);
+        assert!(found.p_value < 1e-3, "{}", found.p_value);
+        assert!((found.rms_m / 1e-3 - 1.0).abs() < 0.4, "{}", found.rms_m);
+    }
 }

@@ -88,6 +88,11 @@ impl Hypothesis {
         self.indices(|field| matches!(field, Field::Size { .. }))
     }
 
+    /// Whether there is more to it than sizes, which alone a rough fit moves at first.
+    pub(super) fn has_shape(&self) -> bool {
+        self.fields.iter().any(|field| matches!(field, Field::Shape { .. } | Field::Choice(_)))
+    }
+
     /// Parameters (of the card, from 0) that a fit moves.
     pub(super) fn fitted(&self) -> Vec<usize> {
         self.indices(|field| matches!(field, Field::Size { .. } | Field::Shape { .. }))

@@ -10,8 +10,8 @@ pub(super) struct Dish {
     pub(super) setup_min: f64,
     /// Commands of each trial, and the weight that hangs on the tip, kilograms.
     pub(super) trials: Vec<(Rows, f64)>,
-    /// Whether the base is turned so that gravity pulls along −y, across where it pulled.
-    pub(super) remounted: bool,
+    /// Gravity as the base sees it, m/s², where it is mounted another way.
+    pub(super) gravity_m_s2: Option<[f64; 3]>,
 }
 
 /// The recorded range that commands may use.
@@ -29,12 +29,15 @@ const CORNERS: usize = 6;
 /// A weight that labs have and robots bear.
 const WEIGHT_KG: f64 = 0.02;
 
-/// The menu: every entry takes four trials.
-pub(super) fn menu(range: &Range) -> Vec<Dish> {
+/// The menu, for a base that sees gravity like this: every entry takes four trials.
+pub(super) fn menu(range: &Range, gravity_m_s2: [f64; 3]) -> Vec<Dish> {
     let path = |first: usize| range.path(&range.corners(first), range.step);
     let four = |trial: &dyn Fn(usize) -> Rows| -> Vec<(Rows, f64)> { (0..4).map(|k| (trial(k), 0.0)).collect() };
-    let dish =
-        |name, what: &str, setup_min, trials| Dish { name, what: what.to_owned(), setup_min, trials, remounted: false };
+    let dish = |name, what: &str, setup_min, trials| {
+        let what = what.to_owned();
+        Dish { name, what, setup_min, trials, gravity_m_s2: None }
+    };
+    let (mounted, gravity_m_s2) = remounted(gravity_m_s2);
     let weighed = (0..4).map(|k| (path(k / 2), if k % 2 == 1 { WEIGHT_KG } else { 0.0 })).collect();
     let looped = |k: usize| {
         let corners: Vec<Vec<f64>> = range.corners(k).into_iter().take(2).collect();
@@ -47,8 +50,8 @@ pub(super) fn menu(range: &Range) -> Vec<Dish> {
     vec![
         dish("known_weight", "Play four trials, the second and fourth with 20 g on the tip", 2.0, weighed),
         Dish {
-            remounted: true,
-            ..dish("base_remounted", "Turn the base a quarter about its axis and play four trials", 5.0, four(&path))
+            gravity_m_s2: Some(gravity_m_s2),
+            ..dish("base_remounted", &format!("{mounted} and play four trials"), 5.0, four(&path))
         },
         dish("dwell", "Go to four far poses and stay there for eight seconds", 0.5, four(&|k| range.dwell(k))),
         dish("repeated_loop", "Play one loop three times over, in four trials", 0.5, four(&looped)),
@@ -61,6 +64,14 @@ pub(super) fn menu(range: &Range) -> Vec<Dish> {
         ),
         dish("far_poses", "Go through the farthest poses one after the other, in four trials", 0.5, four(&path)),
     ]
+}
+
+/// Another way to mount the base, in words, and gravity as it is seen then: across where it pulled.
+fn remounted([x, y, z]: [f64; 3]) -> (&'static str, [f64; 3]) {
+    if x.hypot(y) < z.abs() {
+        return ("Lay the base on its side, so that gravity pulls along −x,", [-z.abs(), y, x]);
+    }
+    ("Turn the base a quarter about its axis", [-y, x, z])
 }
 
 impl Range {
@@ -129,4 +140,83 @@ impl Range {
 /// The largest difference of any tendon.
 fn farthest(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ACROSS: [f64; 3] = [-9.81, 0.0, 0.0];
+
+    #[test]
+    fn another_mount_turns_gravity_to_where_it_did_not_pull() {
+        for gravity in [ACROSS, [0.0, 0.0, -9.81], [0.0, 0.0, 9.81], [3.0, -6.0, 2.0]] {
+            let (mounted, there) = remounted(gravity);
+            let size = |g: [f64; 3]| g.map(|x| x * x).iter().sum::<f64>().sqrt();
+            assert!((size(gravity) - size(there)).abs() < 1e-12);
+            let across = |k: usize| gravity[k] * there[k];
+            assert!((across(0) + across(1)).abs() < 1e-12, "{mounted}: {there:?}");
+            assert!(size([gravity[0] - there[0], gravity[1] - there[1], gravity[2] - there[2]]) > 0.9 * size(gravity));
+        }
+    }
+
+    /// Two recorded trials of four tendons, of which two pull at a time.
+    fn recorded() -> Vec<Rows> {
+        let trial = |phase: f64| {
+            let mut rows = Rows::new(4);
+            for k in 0..40 {
+                let angle = 0.3 * f64::from(k) + phase;
+                let (x, y) = (8e-3 * angle.cos(), 8e-3 * (0.6 * angle).sin());
+                rows.push(&[x.max(0.0), y.max(0.0), (-x).max(0.0), (-y).max(0.0)]);
+            }
+            rows
+        };
+        vec![trial(0.0), trial(1.0)]
+    }
+
+    #[test]
+    fn commands_go_no_farther_and_no_faster_than_what_was_recorded() {
+        let trials = recorded();
+        let range = Range::new(trials.iter());
+        let most = trials.iter().flat_map(Rows::iter).flatten().copied().fold(0.0, f64::max);
+        let dishes = menu(&range, ACROSS);
+        assert_eq!(dishes.len(), 7);
+        for dish in &dishes {
+            assert_eq!(dish.trials.len(), 4, "{}", dish.name);
+            for (rows, _) in &dish.trials {
+                assert_eq!(rows.len(), LENGTH, "{}", dish.name);
+                let mut at = vec![0.0; 4];
+                for row in rows.iter() {
+                    assert!(farthest(&at, row) < range.step + 1e-12, "{}: {at:?} to {row:?}", dish.name);
+                    assert!(row.iter().all(|x| (0.0..=most).contains(x)), "{}: {row:?}", dish.name);
+                    at = row.to_vec();
+                }
+            }
+            let weights: Vec<f64> = dish.trials.iter().map(|trial| trial.1).collect();
+            let weighed = if dish.name == "known_weight" { WEIGHT_KG } else { 0.0 };
+            assert_eq!(weights, [0.0, weighed, 0.0, weighed], "{}", dish.name);
+            assert_eq!(dish.gravity_m_s2.is_some(), dish.name == "base_remounted");
+        }
+    }
+
+    #[test]
+    fn a_loop_comes_again_a_dwell_stays_and_reversals_grow() {
+        let trials = recorded();
+        let range = Range::new(trials.iter());
+        let dish = |name: &str| {
+            menu(&range, ACROSS).into_iter().find(|dish| dish.name == name).unwrap().trials.swap_remove(0).0
+        };
+        let dwell: Vec<Vec<f64>> = dish("dwell").iter().map(<[f64]>::to_vec).collect();
+        assert!(dwell[LENGTH - 40..].iter().all(|row| *row == dwell[LENGTH - 1]) && dwell[LENGTH - 1] != dwell[0]);
+        let slow_and_fast = menu(&range, ACROSS).into_iter().find(|dish| dish.name == "slow_and_fast").unwrap().trials;
+        let fastest = |rows: &Rows| (1..LENGTH).map(|k| farthest(rows.row(k - 1), rows.row(k))).fold(0.0, f64::max);
+        assert!(fastest(&slow_and_fast[1].0) < 0.4 * fastest(&slow_and_fast[0].0));
+        let out: Vec<f64> = dish("reversals").iter().map(|row| row.iter().copied().fold(0.0, f64::max)).collect();
+        let peaks: Vec<f64> =
+            (1..LENGTH - 1).filter(|&k| out[k] > out[k - 1] && out[k] > out[k + 1]).map(|k| out[k]).collect();
+        assert_eq!(peaks.len(), 3, "{out:?}");
+        assert!(peaks.is_sorted() && (peaks[0] / peaks[2] - 1.0 / 3.0).abs() < 1e-9, "{peaks:?}");
+        let corner = range.corners(0).swap_remove(0);
+        assert!(dish("repeated_loop").iter().filter(|row| **row == corner[..]).count() >= 2);
+    }
 }

@@ -35,7 +35,10 @@ impl Question<'_> {
             return Vec::new();
         }
         let range = Range::new(self.all.trials.iter().map(|trial| &trial.commands));
-        let mut found: Vec<Next> = menu(&range).iter().filter_map(|dish| self.promise(dish, rivals, noise)).collect();
+        let mut found: Vec<Next> = menu(&range, self.model.robot.gravity_m_s2)
+            .iter()
+            .filter_map(|dish| self.promise(dish, rivals, noise))
+            .collect();
         let rate = |next: &Next| next.proposal.separation / next.proposal.minutes;
         found.sort_by(|a, b| rate(b).total_cmp(&rate(a)));
         for (rank, next) in found.iter_mut().enumerate() {
@@ -46,10 +49,7 @@ impl Question<'_> {
 
     fn promise(&self, dish: &Dish, rivals: &[Vec<Member>], noise: &Noise) -> Option<Next> {
         let mut model = self.model.clone();
-        if dish.remounted {
-            let [x, y, z] = model.robot.gravity_m_s2;
-            model.robot.gravity_m_s2 = [-y, x, z];
-        }
+        model.robot.gravity_m_s2 = dish.gravity_m_s2.unwrap_or(model.robot.gravity_m_s2);
         let samples = self.samples_of(dish);
         let asked = |name: &str| self.options.is_uncertain(name);
         let responses = responses(&coarse(&model), &self.hypotheses, &asked, &samples);
@@ -154,4 +154,59 @@ fn left(samples: &Samples, noise: &Noise, apart: &[f64], slopes: &DMatrix<f64>, 
     let right = all.tr_mul(&target);
     let explained = Cholesky::new(normal).map_or(0.0, |factor| right.dot(&factor.solve(&right)));
     (target.norm_squared() - explained).max(0.0).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::options::Options;
+    use super::*;
+    use crate::effects::Robot;
+
+    /// Samples of three trials of a robot that is just as its model has it.
+    fn recorded(model: &Model) -> Samples {
+        let mut recording = Recording::new(Actuation::Lengths, 4);
+        let mut tips_m = Vec::new();
+        for trial in 0..3_u64 {
+            for row in 0..20 {
+                let angle = 0.4 * f64::from(row) + trial as f64;
+                let (x, y) = (6e-3 * angle.sin(), 6e-3 * (0.6 * angle).sin());
+                recording.trial.push(trial);
+                recording.time_s.push(0.2 * f64::from(row));
+                recording.commands.push(&[x.max(0.0), y.max(0.0), (-x).max(0.0), (-y).max(0.0)]);
+                tips_m.push([0.0; 3]);
+            }
+        }
+        recording.tip_m = Some(tips_m);
+        let mut samples = Samples::new(&recording);
+        let played = tips(model, &[], &samples).unwrap();
+        for (row, tip) in samples.rows.iter_mut().zip(played.chunks_exact(3)) {
+            row.tip_m = [tip[0], tip[1], tip[2]];
+        }
+        samples
+    }
+
+    /// A weight pulls where gravity does, a force where it did: nothing but turning the base tells them apart.
+    #[test]
+    fn a_weight_and_a_force_like_it_are_told_apart_by_turning_the_base() {
+        let model = Model { robot: Robot::default(), effects: Vec::new() };
+        let options = Options::default();
+        let question = Question::new(&model, recorded(&model), None, &options).unwrap();
+        let member = |name: &str, values: Vec<f64>| {
+            let hypothesis = question.hypotheses.iter().position(|one| one.card.name == name).unwrap();
+            vec![Member { hypothesis, values }]
+        };
+        let force_n = model.robot.gravity_m_s2.map(|g| 0.01 * g).to_vec();
+        let rivals = [member("tip_load", vec![0.01]), member("tip_force", force_n)];
+        let noise = Noise { sigma_m: [5e-4; 3], correlation: 0.0 };
+        let found = question.next(&rivals, &noise);
+        assert_eq!(found.len(), 7);
+        let proposals: Vec<&Proposal> = found.iter().map(|next| &next.proposal).collect();
+        let rates: Vec<f64> = proposals.iter().map(|one| one.separation / one.minutes).collect();
+        assert!(rates.is_sorted_by(|a, b| a >= b), "{rates:?}");
+        assert_eq!(proposals[0].name, "base_remounted");
+        assert_eq!(proposals[0].file, "next_1_base_remounted.csv");
+        assert!(proposals[0].separation > 20.0 && proposals[1].separation < 0.5, "{proposals:?}");
+        // One alone needs nothing more.
+        assert!(question.next(&rivals[..1], &noise).is_empty());
+    }
 }

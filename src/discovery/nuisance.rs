@@ -55,6 +55,11 @@ impl Nuisances {
         Nuisances { columns, mean, precision, log_determinant }
     }
 
+    /// The same in those rows of the samples alone (three numbers a sample).
+    pub(super) fn in_rows(&self, rows: &[usize]) -> Nuisances {
+        Nuisances { columns: self.columns.select_rows(rows), ..self.clone() }
+    }
+
     /// Explains `residual` as well as nuisances and noise can; of the samples a fit of other parameters has used up
     /// `freedom` numbers.
     pub(super) fn explain(&self, samples: &Samples, residual: &[f64], freedom: f64) -> Explained {

@@ -6,12 +6,13 @@ use super::hypothesis::{Hypothesis, hypotheses};
 use super::missing::{Missing, missing};
 use super::nuisance::{Column, Explained, Nuisances};
 use super::options::Options;
-use super::refit::Study;
+use super::refit::{Fitted, Study};
 use super::samples::{Samples, rms_m};
 use super::search::{Found, Scored};
 use super::{baseline, check, floor, play, proof, responses, uneven};
 use crate::data::Recording;
 use crate::effects::Model;
+use crate::math::distribution::f_above;
 
 /// What an answer is sought for, and what has been found out on the way.
 pub(super) struct Question<'a> {
@@ -20,6 +21,7 @@ pub(super) struct Question<'a> {
     pub(super) model: Model,
     /// The same with coarse time steps.
     coarse: Model,
+    base: Option<Base>,
     pub(super) hypotheses: Vec<Hypothesis>,
     /// All samples, those of the fit, and the proof.
     pub(super) all: Samples,
@@ -61,14 +63,12 @@ impl<'a> Question<'a> {
         let coarse = play::coarse(&model);
         let responses = responses::responses(&coarse, &hypotheses, &|_| true, &fit);
         let columns = baseline::uncertain(&options.uncertain, &hypotheses, &responses, 1.0);
-        let nuisances = match &base {
-            None => Nuisances::independent(played.len(), &columns),
-            Some(base) => baseline::in_common((&base.samples, &base.played, &base.columns), (&fit, &played, &columns)),
-        };
+        let nuisances = nuisances(base.as_ref(), &fit, &played, &columns);
         Ok(Question {
             options,
             model,
             coarse,
+            base,
             hypotheses,
             all,
             fit,
@@ -101,7 +101,7 @@ impl<'a> Question<'a> {
     pub(super) fn sharpened(&self, study: &Study, found: Found) -> Found {
         let sharpen = |scored: Scored| {
             let fitted = study.sharpened(scored.fitted.clone()).unwrap_or(scored.fitted);
-            Scored { fitted, score: scored.score }
+            Scored { fitted, ..scored }
         };
         let near = found.best.score - self.options.rival_score;
         let tried: Vec<Scored> =
@@ -126,7 +126,33 @@ impl<'a> Question<'a> {
         let spread = uneven::uneven(&self.fit, explained);
         let least_m = (self.options.least_foretold * floor_m).max(self.inexact_m(played));
         let uneven = spread.p_value < self.options.false_alarm && spread.more_m > least_m;
-        (found, foretold || scatters || uneven)
+        let bias = floor::bias(&self.fit, &explained.left_m, &explained.noise);
+        let biased = bias.p_value < self.options.false_alarm && bias.rms_m > least_m;
+        (found, foretold || scatters || uneven || biased)
+    }
+
+    /// Whether trials that took no part scatter more about `answer` than those of its fit, what is uncertain of any robot
+    /// within what the fit leaves of it. `played`: where the model with the answer has the tip in them.
+    pub(super) fn speaks_against(&self, study: &Study, answer: &Fitted, played: &[f64]) -> bool {
+        let Some(precision) = study.nuisance_precision(answer) else { return false };
+        let columns = self.nuisances_of(&self.proof, &self.played_proof).columns;
+        let nuisances = Nuisances::new(columns, answer.explained.amounts.clone(), precision);
+        let unseen = nuisances.explain(&self.proof, &self.proof.residual(played), 0.0);
+        let square_m2 = |explained: &Explained| explained.noise.rms_m().powi(2);
+        let freedom = |explained: &Explained, samples: &Samples| 3.0 * explained.noise.independent(samples.len());
+        let (there, here) = (square_m2(&unseen), square_m2(&answer.explained));
+        let above = freedom(&unseen, &self.proof);
+        let p_value = f_above(there / here, above, freedom(&answer.explained, &self.fit));
+        let least_m = (self.options.least_foretold * here.sqrt()).max(self.inexact_m(&answer.played));
+        p_value < self.options.false_alarm && (there - here).max(0.0).sqrt() > least_m
+    }
+
+    /// What may differ a little from the model, in `samples` where it has the tip at `played`.
+    fn nuisances_of(&self, samples: &Samples, played: &[f64]) -> Nuisances {
+        let asked = |name: &str| self.options.is_uncertain(name);
+        let responses = responses::responses(&self.coarse, &self.hypotheses, &asked, samples);
+        let columns = baseline::uncertain(&self.options.uncertain, &self.hypotheses, &responses, 1.0);
+        nuisances(self.base.as_ref(), samples, played, &columns)
     }
 
     /// What the laws of the effects that bring the tip to `played` are off by, at their best, metres.
@@ -182,6 +208,14 @@ impl Base {
         }
         let (played, columns) = look(model)?;
         Ok(Base { samples, played, columns })
+    }
+}
+
+/// What may differ a little between the model and the robot in `samples`, where the model has the tip at `played`.
+fn nuisances(base: Option<&Base>, samples: &Samples, played: &[f64], uncertain: &[Column]) -> Nuisances {
+    match base {
+        None => Nuisances::independent(played.len(), uncertain),
+        Some(base) => baseline::in_common((&base.samples, &base.played, &base.columns), (samples, played, uncertain)),
     }
 }
 

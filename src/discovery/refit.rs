@@ -45,6 +45,15 @@ const HOLDS: f64 = 1e12;
 /// Size of the differences that derivatives are taken by, over the probe.
 const DIFFERENCE: f64 = 0.1;
 
+/// How well a fit is to be known.
+#[derive(Clone, Copy)]
+enum Precision {
+    /// Until steps bring little.
+    Rough,
+    /// As well as can be, with derivatives taken anew before it ends; `fresh`: they are at the start.
+    Exact { fresh: bool },
+}
+
 impl Study<'_> {
     /// The model as it is, without any hypothesis.
     pub(super) fn null(&self) -> Option<Fitted> {
@@ -60,26 +69,38 @@ impl Study<'_> {
     pub(super) fn fit(&self, start: Vec<Member>) -> Option<Fitted> {
         let start = self.at(start)?;
         let start = self.sharpened(start)?;
-        self.descend(start, true)
+        self.descend(start, Precision::Exact { fresh: true })
+    }
+
+    /// The same from near them, by a derivative that is known roughly (in units of the probes; zero holds a coordinate
+    /// until derivatives are taken anew).
+    pub(super) fn refit(&self, start: Vec<Member>, jacobian: DMatrix<f64>) -> Option<Fitted> {
+        self.descend(Fitted { jacobian, ..self.at(start)? }, Precision::Exact { fresh: false })
     }
 
     /// Nearly the best values, by a derivative that is known roughly (in units of the probes; zero holds a coordinate).
     pub(super) fn rough_fit(&self, start: Vec<Member>, jacobian: DMatrix<f64>) -> Option<Fitted> {
-        self.descend(Fitted { jacobian, ..self.at(start)? }, false)
+        self.descend(Fitted { jacobian, ..self.at(start)? }, Precision::Rough)
     }
 
-    /// Steps as long as they help; `exact`: with derivatives taken anew before it ends.
-    fn descend(&self, mut best: Fitted, exact: bool) -> Option<Fitted> {
-        let mut fresh = true;
+    /// Steps as long as they help.
+    fn descend(&self, mut best: Fitted, precision: Precision) -> Option<Fitted> {
+        let (exact, mut fresh) = match precision {
+            Precision::Rough => (false, true),
+            Precision::Exact { fresh } => (true, fresh),
+        };
+        let small = if exact { SMALL_FALL } else { ROUGH_FALL };
         for _ in 0..MOST_STEPS {
-            let step = self.step(&best)?;
-            let next = [1.0, 0.4, 0.1].into_iter().find_map(|share| self.improved(&best, &(share * &step)));
+            let (step, promised) = self.step(&best)?;
+            // What promises nothing is not played.
+            let shares: &[f64] = if promised < small { &[] } else { &[1.0, 0.4, 0.1] };
+            let next = shares.iter().find_map(|&share| self.improved(&best, &(share * &step)));
             let fall = next.as_ref().map_or(0.0, |next| best.explained.deviance - next.explained.deviance);
             best = next.unwrap_or(best);
-            if !exact && fall < ROUGH_FALL {
+            if !exact && fall < small {
                 break;
             }
-            if fall >= SMALL_FALL {
+            if fall >= small {
                 fresh = false;
             } else if fresh {
                 break;
@@ -107,12 +128,28 @@ impl Study<'_> {
         members.iter().enumerate().flat_map(|entry| -> Vec<(usize, usize)> { of(entry) }).collect()
     }
 
+    /// The derivative of a fit without the coordinates of member number `out`.
+    pub(super) fn slopes_without(&self, fitted: &Fitted, out: usize) -> DMatrix<f64> {
+        let coordinates = self.coordinates(&fitted.members);
+        let gone: Vec<usize> = (0..coordinates.len()).filter(|&k| coordinates[k].0 == out).collect();
+        fitted.jacobian.clone().remove_columns_at(&gone)
+    }
+
     /// Covariance of the coordinates, in units of their probes, nuisances integrated out.
     pub(super) fn covariance(&self, fitted: &Fitted) -> Option<DMatrix<f64>> {
         let (normal, free) = self.normal(fitted);
         let inverse = Cholesky::new(normal)?.inverse();
         let count = inverse.ncols() - free;
         Some(inverse.view((free, free), (count, count)).into_owned())
+    }
+
+    /// Inverse of the covariance that a fit leaves of the nuisances, coordinates integrated out.
+    pub(super) fn nuisance_precision(&self, fitted: &Fitted) -> Option<DMatrix<f64>> {
+        let (normal, free) = self.normal(fitted);
+        let count = normal.ncols() - free;
+        let shared = normal.view((0, free), (free, count)).into_owned();
+        let own = Cholesky::new(normal.view((free, free), (count, count)).into_owned())?;
+        Some(normal.view((0, 0), (free, free)) - &shared * own.solve(&shared.transpose()))
     }
 
     /// The deviance of `base` with `member` besides; none where the model cannot play them.
@@ -200,19 +237,20 @@ impl Study<'_> {
         (normal, free)
     }
 
-    /// The Gauss–Newton step of the coordinates, nuisances following; those that would leave their range are held.
-    fn step(&self, fitted: &Fitted) -> Option<DVector<f64>> {
-        let free = self.step_holding(fitted, &[])?;
+    /// The Gauss–Newton step of the coordinates, nuisances following, and by how much it makes the deviance fall if the
+    /// tip follows it linearly; coordinates that would leave their range are held.
+    fn step(&self, fitted: &Fitted) -> Option<(DVector<f64>, f64)> {
+        let (free, promised) = self.step_holding(fitted, &[])?;
         let stays = |&k: &usize| {
             let mut alone = DVector::zeros(free.len());
             alone[k] = free[k];
             free[k] != 0.0 && self.moved(&fitted.members, &alone) == fitted.members
         };
         let held: Vec<usize> = (0..free.len()).filter(stays).collect();
-        if held.is_empty() { Some(free) } else { self.step_holding(fitted, &held) }
+        if held.is_empty() { Some((free, promised)) } else { self.step_holding(fitted, &held) }
     }
 
-    fn step_holding(&self, fitted: &Fitted, held: &[usize]) -> Option<DVector<f64>> {
+    fn step_holding(&self, fitted: &Fitted, held: &[usize]) -> Option<(DVector<f64>, f64)> {
         let (mut normal, free) = self.normal(fitted);
         let count = normal.ncols() - free;
         for k in free..free + count {
@@ -226,6 +264,7 @@ impl Study<'_> {
         for (k, column) in fitted.jacobian.column_iter().enumerate() {
             right[free + k] = DVector::from_vec(noise.whiten(self.samples, column.as_slice())).dot(&left);
         }
-        Some(Cholesky::new(normal)?.solve(&right).rows(free, count).into_owned())
+        let step = Cholesky::new(normal)?.solve(&right);
+        Some((step.rows(free, count).into_owned(), right.dot(&step)))
     }
 }

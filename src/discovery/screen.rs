@@ -33,6 +33,22 @@ pub(super) fn screen(
     explained: &Explained,
     held: &DMatrix<f64>,
 ) -> Vec<Promise> {
+    let mut promises = each(hypotheses, responses, samples, nuisances, explained, held);
+    promises.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let mut seen = vec![false; hypotheses.len()];
+    promises.retain(|promise| !std::mem::replace(&mut seen[promise.member.hypothesis], true));
+    promises
+}
+
+/// The same of every variant that may help, in their order.
+pub(super) fn each(
+    hypotheses: &[Hypothesis],
+    responses: &[Response],
+    samples: &Samples,
+    nuisances: &Nuisances,
+    explained: &Explained,
+    held: &DMatrix<f64>,
+) -> Vec<Promise> {
     let noise = &explained.noise;
     let white = |matrix: &DMatrix<f64>| {
         let mut out = matrix.clone();
@@ -77,11 +93,7 @@ pub(super) fn screen(
         let gain = left.len() as f64 * (squares / (squares - explains)).ln();
         Some(Promise { member: Member { hypothesis: response.hypothesis, values }, response: number, gain, size_m })
     };
-    let mut promises: Vec<Promise> = responses.iter().enumerate().filter_map(promise).collect();
-    promises.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    let mut seen = vec![false; hypotheses.len()];
-    promises.retain(|promise| !std::mem::replace(&mut seen[promise.member.hypothesis], true));
-    promises
+    responses.iter().enumerate().filter_map(promise).collect()
 }
 
 /// `values`, or values between them and `null` that are in the effect's range: nothing if it is in the wrong direction.

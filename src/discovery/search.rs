@@ -3,9 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use rayon::prelude::*;
-
-use super::hypothesis::Member;
+use super::hypothesis::{Hypothesis, Member};
 use super::refit::{Fitted, Study};
 use super::responses::Response;
 use super::samples::rms_m;
@@ -34,6 +32,8 @@ pub(super) struct Scored {
     pub(super) fitted: Fitted,
     /// Fall of the deviance since the model as given, less what its parameters and their choice cost.
     pub(super) score: f64,
+    /// Whether it is fitted as well as can be.
+    pub(super) exact: bool,
 }
 
 /// What the search ends with.
@@ -55,9 +55,11 @@ const WIDTH: usize = 8;
 /// Promises are taken to be right to this share of the best, or to so much.
 const PROMISE_SHARE: f64 = 0.7;
 const PROMISE_SLACK: f64 = 30.0;
-/// A rough fit may be short by this share of what it adds and by so much.
-const SHORT_SHARE: f64 = 0.25;
-const SHORT: f64 = 20.0;
+/// A rough fit may be short by this share of what it adds, where it is of sizes alone and where a shape or a place is
+/// yet to be found, and by so much.
+const SHORT_SHARE: f64 = 0.1;
+const SHAPELESS_SHARE: f64 = 0.25;
+const SHORT: f64 = 10.0;
 /// A first look may be wrong by this share of the size.
 const NEARLY: f64 = 0.7;
 /// A first look that promises less than this, score and all, is not followed up; nor is a rough fit that is worse than
@@ -78,9 +80,9 @@ impl Study<'_> {
     /// Looks for the set of hypotheses that explains the samples best, one that pays for its parameters (extended
     /// Bayesian information criterion, Chen & Chen, Biometrika 95, 2008).
     pub(super) fn search(&self, mut responses: Vec<Response>, limits: &Limits) -> Option<Found> {
-        let null = Scored { fitted: self.null()?, score: 0.0 };
+        let null = Scored { fitted: self.null()?, score: 0.0, exact: true };
         let promises = self.promises(&null.fitted, &[], &responses);
-        if promises.iter().any(|promise| self.promised(promise) > limits.least_score + HOPELESS) {
+        if promises.iter().any(|promise| self.is_worth_fitting(promise, &null.fitted, limits)) {
             responses.extend(self.farther(&null.fitted, &promises, &responses));
         }
         let best = null.clone();
@@ -89,14 +91,24 @@ impl Study<'_> {
 
     /// Goes on from what a search has found, thoroughly: other single effects first, then more of them.
     pub(super) fn search_again(&self, found: Found, limits: &Limits) -> Found {
-        let Found { mut best, null, tried, responses, .. } = found;
+        let Found { mut best, null, tried, mut responses, .. } = found;
         let limits = Limits { thorough: true, ..*limits };
+        let promises = self.promises(&best.fitted, &[], &responses);
+        responses.extend(self.farther(&best.fitted, &promises, &responses));
         let mut search = Search { study: self, limits, null, responses, tried };
         if !best.fitted.members.is_empty() {
             let single = search.with_another(&search.null.clone());
             best = single.filter(|single| single.score > best.score).unwrap_or(best);
         }
         search.enlarged(best)
+    }
+}
+
+impl Study<'_> {
+    /// Whether what a first look promises beside `base` may turn out to be worth having.
+    fn is_worth_fitting(&self, promise: &Promise, base: &Fitted, limits: &Limits) -> bool {
+        let least_m = NEARLY * limits.least_size * base.explained.noise.rms_m();
+        self.promised(promise) > limits.least_score + HOPELESS && promise.size_m > least_m
     }
 }
 
@@ -118,7 +130,7 @@ impl Search<'_> {
 
     fn scored(&self, fitted: Fitted) -> Scored {
         let fall = self.null.fitted.explained.deviance - fitted.explained.deviance;
-        Scored { score: fall - self.study.penalty(&fitted.members), fitted }
+        Scored { score: fall - self.study.penalty(&fitted.members), fitted, exact: true }
     }
 
     /// Fits `base` with each of the promising hypotheses besides: all roughly, then as well as can be those that may come
@@ -131,25 +143,32 @@ impl Search<'_> {
             (first.gain - (PROMISE_SHARE * first.gain).max(PROMISE_SLACK), WIDTH)
         };
         let kept: Vec<&Promise> = promises.iter().take(width).filter(|promise| promise.gain >= least).collect();
-        let rough = self.study.roughly_with(base, &kept, &self.responses);
-        let top = rough.iter().map(|scored| scored.score).fold(base.score.max(enough), f64::max);
-        let leads = |scored: &Scored| {
-            let adds = scored.score - base.score;
-            let hopeless = adds < HOPELESS - self.limits.rival_score;
-            !hopeless && scored.score + SHORT_SHARE * adds.max(0.0) + SHORT >= top - self.limits.rival_score
-        };
-        let (mut rough, others): (Vec<Scored>, Vec<Scored>) = rough.into_iter().partition(leads);
-        self.tried.extend(others);
+        let mut rough = self.study.roughly_with(base, &kept, &self.responses);
         rough.sort_by(|a, b| b.score.total_cmp(&a.score));
-        rough.truncate(WIDTH);
-        // What cannot be fitted further stays as roughly as it is, so that nothing that promises much is lost.
-        let finish = |scored: Scored| match self.study.settled(scored.fitted.members.clone()) {
-            Some(fitted) => self.scored(fitted),
-            None => scored,
-        };
-        let finished: Vec<Scored> = rough.into_par_iter().map(finish).collect();
+        let mut top = rough.iter().map(|scored| scored.score).fold(base.score.max(enough), f64::max);
+        let mut finished: Vec<Scored> = Vec::new();
+        for scored in rough {
+            if finished.len() == WIDTH || !self.may_lead(&scored, base, top) {
+                self.tried.push(scored);
+                continue;
+            }
+            // What cannot be fitted further stays as roughly as it is, so that nothing that promises much is lost.
+            let fitted = self.study.settled(&scored.fitted);
+            let scored = fitted.map_or(scored, |fitted| self.scored(fitted));
+            top = top.max(scored.score);
+            finished.push(scored);
+        }
         self.tried.extend(finished.iter().cloned());
         finished
+    }
+
+    /// Whether a rough fit of `base` with one member more may come near the score `top` once it is fitted further.
+    fn may_lead(&self, rough: &Scored, base: &Scored, top: f64) -> bool {
+        let adds = rough.score - base.score;
+        let added = rough.fitted.members.last().map(|member| &self.study.hypotheses[member.hypothesis]);
+        let share = if added.is_some_and(Hypothesis::has_shape) { SHAPELESS_SHARE } else { SHORT_SHARE };
+        let hopeless = adds < HOPELESS - self.limits.rival_score;
+        !hopeless && rough.score + share * adds.max(0.0) + SHORT >= top - self.limits.rival_score
     }
 
     /// The best set with one member more, if it is worth having.
@@ -160,11 +179,9 @@ impl Search<'_> {
             // What has been fitted beside this set before has had its chance.
             promises.retain(|promise| !has_been_tried(&self.tried, &best.fitted.members, promise.member.hypothesis));
         } else {
-            let least_m = NEARLY * limits.least_size * best.fitted.explained.noise.rms_m();
-            let least_score = limits.least_score + HOPELESS;
-            promises.retain(|promise| self.study.promised(promise) > least_score && promise.size_m > least_m);
+            promises.retain(|promise| self.study.is_worth_fitting(promise, &best.fitted, &limits));
         }
-        let fits = self.fitted_with(best, &promises, f64::NEG_INFINITY);
+        let fits = self.fitted_with(best, &promises, best.score + limits.least_score);
         let apart_m = |there: &Scored, here: &Scored| -> f64 {
             let moved = there.fitted.played.iter().zip(&here.fitted.played).map(|(there, here)| there - here);
             rms_m(&moved.collect::<Vec<f64>>())
@@ -183,15 +200,12 @@ impl Search<'_> {
         if best.fitted.members.len() < 2 {
             return best;
         }
-        let study = self.study;
         loop {
             let mut better: Option<Scored> = None;
             for out in 0..best.fitted.members.len() {
-                let mut rest = best.fitted.members.clone();
-                let gone = rest.remove(out);
-                let Some(without) = study.fit(rest).and_then(|fitted| study.sharpened(fitted)) else { continue };
-                let without = self.scored(without);
-                let mut promises = study.promises(&without.fitted, &[gone.hypothesis], &self.responses);
+                let gone = best.fitted.members[out].hypothesis;
+                let Some(without) = self.without(&best, out) else { continue };
+                let mut promises = self.study.promises(&without.fitted, &[gone], &self.responses);
                 promises.truncate(WIDTH / 2);
                 let enough = better.as_ref().map_or(best.score, |better| better.score);
                 let fits = self.fitted_with(&without, &promises, enough);
@@ -209,25 +223,36 @@ impl Search<'_> {
     fn pruned(&mut self, mut best: Scored) -> Scored {
         let mut k = 0;
         while best.fitted.members.len() > 1 && k < best.fitted.members.len() {
-            let mut rest = best.fitted.members.clone();
-            rest.remove(k);
-            match self.study.fit(rest).map(|fitted| self.scored(fitted)) {
+            match self.without(&best, k) {
                 Some(fewer) if fewer.score + self.limits.least_score > best.score => best = fewer,
-                Some(fewer) => {
-                    self.tried.push(fewer);
-                    k += 1;
-                }
-                None => k += 1,
+                _ => k += 1,
             }
         }
         best
+    }
+
+    /// The set without the member number `out`, fitted, unless it has been before.
+    fn without(&mut self, best: &Scored, out: usize) -> Option<Scored> {
+        let mut rest = best.fitted.members.clone();
+        rest.remove(out);
+        let wanted = hypotheses(&rest);
+        let known = self.tried.iter().filter(|scored| scored.exact && hypotheses(&scored.fitted.members) == wanted);
+        if let Some(known) = known.max_by(|a, b| a.score.total_cmp(&b.score)) {
+            return Some(known.clone());
+        }
+        let fewer = self.scored(self.study.refit(rest, self.study.slopes_without(&best.fitted, out))?);
+        self.tried.push(fewer.clone());
+        Some(fewer)
     }
 }
 
 /// Whether `members` with the hypothesis `more` are among the sets.
 fn has_been_tried(sets: &[Scored], members: &[Member], more: usize) -> bool {
-    let set = |members: &[Member]| members.iter().map(|member| member.hypothesis).collect::<BTreeSet<usize>>();
-    let mut all = set(members);
+    let mut all = hypotheses(members);
     all.insert(more);
-    sets.iter().any(|scored| set(&scored.fitted.members) == all)
+    sets.iter().any(|scored| hypotheses(&scored.fitted.members) == all)
+}
+
+fn hypotheses(members: &[Member]) -> BTreeSet<usize> {
+    members.iter().map(|member| member.hypothesis).collect()
 }

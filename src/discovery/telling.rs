@@ -6,7 +6,7 @@ use super::hypothesis::effects;
 use super::noise::Noise;
 use super::nuisance::Explained;
 use super::question::Question;
-use super::refit::Study;
+use super::refit::{Fitted, Study};
 use super::samples::rms_m;
 use super::search::{Found, Scored};
 use super::{Discovery, check, compare, floor, places, play, unseen, words};
@@ -33,7 +33,7 @@ impl Question<'_> {
         let best = &found.best.fitted;
         let (before, _) = self.missing(&found.null.fitted.explained, &self.played);
         let (after, left) = self.missing(&best.explained, &best.played);
-        let proved = self.proved(study.answer(found, left, self.options.rival_score));
+        let proved = self.proved(study, best, study.answer(found, left, self.options.rival_score));
         let answer = &proved.answer;
         let named = !answer.members.is_empty();
         let (told, played, missing) = if named {
@@ -67,12 +67,13 @@ impl Question<'_> {
         let mut model = self.model.clone();
         model.robot.resolution = given.robot.resolution;
         model.effects.extend(proved.added);
-        let remedies = compare::remedies(study, &self.played, &self.proof, &self.played_proof);
+        let remedies = compare::remedies(study, &self.responses, &self.played, &self.proof, &self.played_proof);
         Discovery { findings, model, residuals, places, remedies, next }
     }
 
-    /// The answer on held-out trials; refuted where it makes the model worse there.
-    fn proved(&self, answer: Answer) -> Proved {
+    /// The answer on held-out trials; refuted where it makes the model worse there, or they scatter about it more than the
+    /// trials that it was fitted to.
+    fn proved(&self, study: &Study, best: &Fitted, answer: Answer) -> Proved {
         let added = effects(&self.hypotheses, &answer.members).unwrap_or_default();
         let mut gap = Gap {
             metric: "rms tip error on held-out trials".to_owned(),
@@ -82,7 +83,11 @@ impl Question<'_> {
         };
         let played = play::tips(&self.model, &added, &self.proof);
         let after_m = |played: &Vec<f64>| rms_m(&self.proof.residual(played));
-        match played.filter(|played| after_m(played) <= gap.before_m) {
+        let stands = |played: &Vec<f64>| {
+            let better = after_m(played) <= gap.before_m;
+            better && (added.is_empty() || !self.speaks_against(study, best, played))
+        };
+        match played.filter(stands) {
             Some(played) => {
                 gap.after_m = after_m(&played);
                 Proved { answer, added, gap, played }
