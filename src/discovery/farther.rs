@@ -38,31 +38,17 @@ impl Study<'_> {
         let all = Far { study: self, base, samples: self.samples.clone(), rows: (0..3 * self.samples.len()).collect() };
         let some = all.most_telling();
         let (Some(here), Some(there)) = (some.played(&[]), all.played(&[])) else { return Vec::new() };
-        let promised = promises.iter().map(|promise| &responses[promise.response]);
-        let mut seen = vec![false; self.hypotheses.len()];
-        let members: Vec<usize> = base.members.iter().map(|member| member.hypothesis).collect();
-        let each: Vec<Response> = promised
-            .chain(responses.iter().filter(|response| response.step.is_none()))
-            .filter(|response| !std::mem::replace(&mut seen[response.hypothesis], true))
-            .filter(|response| response.columns.ncols() == 1 && !members.contains(&response.hypothesis))
-            .map(|response| some.part(response))
-            .collect();
-        let left_m = rms_m(&some.left_m());
-        let looks = |response: &Response| {
-            let scan = self.hypotheses[response.hypothesis].scan();
-            if scan.is_empty() {
-                let sides = [1.0, -1.0].into_par_iter();
-                sides.flat_map(|sign| some.outward(response, &here, left_m, sign)).collect::<Vec<Response>>()
-            } else {
-                scan.into_par_iter()
-                    .filter_map(|step| some.look(response, &here, step))
-                    .map(|(found, _)| found)
-                    .collect()
-            }
-        };
-        let found: Vec<Response> = each.par_iter().flat_map(looks).collect();
         let known: Vec<Response> = responses.iter().map(|response| some.part(response)).collect();
-        let worth = some.worth(found, &known);
+        let promised = promises.iter().map(|promise| &known[promise.response]);
+        let mut seen = vec![false; self.hypotheses.len()];
+        base.members.iter().for_each(|member| seen[member.hypothesis] = true);
+        let begun: Vec<&Response> = promised
+            .chain(known.iter().filter(|response| response.step.is_none()))
+            .filter(|response| !std::mem::replace(&mut seen[response.hypothesis], true))
+            .filter(|response| response.columns.ncols() == 1)
+            .collect();
+        let looks: Vec<Response> = begun.into_par_iter().flat_map(|response| some.looks(response, &here)).collect();
+        let worth = some.worth(looks, &known);
         worth.into_par_iter().filter_map(|look| all.look(&look, &there, look.step?)).map(|(found, _)| found).collect()
     }
 }
@@ -115,6 +101,17 @@ impl Far<'_> {
         let change: Vec<f64> = self.played(&[effect])?.iter().zip(here).map(|(there, here)| there - here).collect();
         let columns = DMatrix::from_column_slice(change.len(), 1, &change) / step;
         Some((Response { columns, step: Some(step), ..response.clone() }, rms_m(&change)))
+    }
+
+    /// All looks at a hypothesis, of which a little answers with `response`.
+    fn looks(&self, response: &Response, here: &[f64]) -> Vec<Response> {
+        let scan = self.study.hypotheses[response.hypothesis].scan();
+        if scan.is_empty() {
+            let left_m = rms_m(&self.left_m());
+            return [1.0, -1.0].into_par_iter().flat_map(|sign| self.outward(response, here, left_m, sign)).collect();
+        }
+        let seen = scan.into_par_iter().filter_map(|step| self.look(response, here, step));
+        seen.map(|(found, _)| found).collect()
     }
 
     /// Looks on the way to where the tip is moved far enough. Each is an answer: where that is far from even, the last one

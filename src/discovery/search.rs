@@ -102,9 +102,7 @@ impl Study<'_> {
         }
         search.enlarged(best)
     }
-}
 
-impl Study<'_> {
     /// Whether what a first look promises beside `base` may turn out to be worth having.
     fn is_worth_fitting(&self, promise: &Promise, base: &Fitted, limits: &Limits) -> bool {
         let least_m = NEARLY * limits.least_size * base.explained.noise.rms_m();
