@@ -106,6 +106,35 @@ fn everything_that_the_interface_names_is_written() {
     assert_eq!(bench.read("after/model.yaml"), model);
 }
 
+/// A gram on the tip looks like a heavier rod, until more has been recorded on the plant.
+#[test]
+fn a_plant_is_recorded_on_until_rivals_are_told_apart() {
+    let bench = Bench::new();
+    bench.twin("short.csv", 150, &|_, cells| cells);
+    let nominal = std::fs::read_to_string(format!("{ROOT}/models/nominal.yaml")).unwrap();
+    bench.put("given.yaml", &nominal);
+    bench.put("loaded.yaml", &nominal.replace("effects: []", "effects:\n  - tip_load: {mass_kg: 0.0012}"));
+    bench.put("plant.yaml", "simulated: {model: loaded.yaml, noise_m: 0.0005}\n");
+    bench.ok("collect --plant plant.yaml --commands short.csv --out loaded.csv");
+    let alone = bench.ok("discover --model given.yaml --measured loaded.csv --out alone");
+    assert!(alone.contains("these data cannot tell between tip_load, distributed_mass"), "{alone}");
+    let verdict = |out: &str| -> Value {
+        let findings: Value = serde_json::from_str(&bench.read(&format!("{out}/findings.json"))).unwrap();
+        findings["verdict"].clone()
+    };
+    assert_eq!(verdict("alone"), "ambiguous");
+    // What it would record first, and the same for hands.
+    assert!(bench.path("alone/next_1_far_poses.csv").exists());
+    bench.ok("collect --plant plant.yaml --commands alone/next_1_far_poses.csv --out more.csv");
+    let said = bench.ok("discover --model given.yaml --measured loaded.csv --plant plant.yaml --rounds 6 --out told");
+    assert!(
+        said.starts_with("round 1: ") && said.contains("recording on the plant: Go through the farthest"),
+        "{said}"
+    );
+    assert!(said.contains("The model lacks tip_load."), "{said}");
+    assert_eq!(verdict("told"), "named");
+}
+
 #[test]
 fn data_that_allow_no_answer_are_refused_by_file_line_and_key() {
     let bench = Bench::new();
