@@ -15,7 +15,7 @@ use super::play::tips;
 use super::refit::{Fitted, Study};
 use super::responses::Response;
 use super::samples::{Samples, rms_m};
-use super::screen::{Promise, each};
+use super::screen::{Promise, screen};
 
 /// Farther than this, in usual sizes, no one looks.
 const FARTHEST: f64 = 8.0;
@@ -148,7 +148,7 @@ impl Far<'_> {
         let nuisances: Nuisances = study.nuisances.in_rows(&self.rows);
         let held = self.base.jacobian.select_rows(&self.rows);
         let promises =
-            |responses: &[Response]| each(study.hypotheses, responses, &self.samples, &nuisances, &explained, &held);
+            |responses: &[Response]| screen(study.hypotheses, responses, &self.samples, &nuisances, &explained, &held);
         let found = promises(&looks);
         let best = found.iter().chain(&promises(known)).map(|promise| promise.gain).fold(0.0, f64::max);
         let least = (WORTH_SHARE * best).min(best - WORTH_SLACK);

@@ -1,5 +1,7 @@
 //! A first look: how much of what is left each hypothesis would explain if the tip answered to it linearly.
 
+use std::collections::BTreeSet;
+
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::hypothesis::{Hypothesis, Member};
@@ -23,25 +25,17 @@ pub(super) struct Promise {
     pub(super) size_m: f64,
 }
 
-/// What the variants promise for the residual behind `explained`, the best of each hypothesis, best first. `held`:
-/// answers to the parameters that are fitted already and will be again.
-pub(super) fn screen(
-    hypotheses: &[Hypothesis],
-    responses: &[Response],
-    samples: &Samples,
-    nuisances: &Nuisances,
-    explained: &Explained,
-    held: &DMatrix<f64>,
-) -> Vec<Promise> {
-    let mut promises = each(hypotheses, responses, samples, nuisances, explained, held);
+/// The best promise of each hypothesis, best first.
+pub(super) fn best_of_each(mut promises: Vec<Promise>) -> Vec<Promise> {
     promises.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    let mut seen = vec![false; hypotheses.len()];
-    promises.retain(|promise| !std::mem::replace(&mut seen[promise.member.hypothesis], true));
+    let mut seen = BTreeSet::new();
+    promises.retain(|promise| seen.insert(promise.member.hypothesis));
     promises
 }
 
-/// The same of every variant that may help, in their order.
-pub(super) fn each(
+/// What the variants promise for the residual behind `explained`, those that may help, in their order. `held`: answers to
+/// the parameters that are fitted already and will be again.
+pub(super) fn screen(
     hypotheses: &[Hypothesis],
     responses: &[Response],
     samples: &Samples,

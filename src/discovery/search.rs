@@ -50,7 +50,7 @@ pub(super) struct Found {
     pub(super) responses: Vec<Response>,
 }
 
-/// Refits at a time at most.
+/// Rough fits at most, and of them those that are fitted further.
 const WIDTH: usize = 8;
 /// Promises are taken to be right to this share of the best, or to so much.
 const PROMISE_SHARE: f64 = 0.7;
