@@ -3,7 +3,7 @@
 SHELL := bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build reproduce test bench campaign peers scaling verify
+.PHONY: help build reproduce test bench blind campaign peers scaling verify
 
 # Repetitions of every experiment, data and training included. Claims need ten; SEEDS=1 takes minutes.
 SEEDS ?= 10
@@ -34,6 +34,12 @@ bench: build ## microbenchmarks, then one repetition of everything from nothing:
 	@scratch=$$(mktemp -d) && trap 'rm -rf "$$scratch"' EXIT && \
 	$(SPINEBENCH) run $(SPECS) --seeds 1 --out "$$scratch" --cache "$$scratch/cache"
 
+# Parts of the blind benchmark, 164 cases each.
+PARTS ?= 8
+blind: build ## `discover` on 1,312 blind cases (hours; PARTS=1 for an eighth): docs/blind_benchmark.md
+	$(SPINEBENCH) run experiments/discovery_full.yaml --seeds $(PARTS)
+	$(SPINEBENCH) page docs/blind_benchmark.md
+
 campaign: ## 100,000 random robots and commands, judged by an independent solver (over an hour; CAMPAIGN_DRAWS=1000 for a look)
 	mkdir -p results/robustness
 	WORKSPACE_STEPS=100000 cargo test --release --test rod_robust inside_the_workspace
@@ -49,5 +55,5 @@ scaling: build ## runs on one and two threads, and a cluster on paper: results/s
 	cargo bench --bench scaling
 	$(SPINEBENCH) page docs/scaling.md
 
-verify: build ## rerun from nothing and compare with the published results/ and plots/, byte for byte
-	$(SPINEBENCH) verify
+verify: build ## rerun from nothing what `reproduce` makes and compare with the published results/ and plots/, byte for byte
+	$(SPINEBENCH) verify $(notdir $(basename $(SPECS))) discovery

@@ -53,11 +53,16 @@ impl Urgent {
 impl Drop for Urgent {
     fn drop(&mut self) {
         let Some(nice) = self.before else { return };
-        let normal = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
         // What was granted can be given back; at worst the nice value is refused, which then stays as it was.
-        let _ = priority(share_of_nice(nice))
-            .map(|priority| set_thread_priority_and_policy(thread_native_id(), priority, normal));
+        be_nice(nice);
     }
+}
+
+/// Makes the calling thread an ordinary one of that nice value, as far as the system lets it.
+fn be_nice(nice: i32) {
+    let normal = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
+    let _ = priority(share_of_nice(nice))
+        .map(|priority| set_thread_priority_and_policy(thread_native_id(), priority, normal));
 }
 
 fn priority(value: u8) -> Option<ThreadPriority> {
@@ -72,9 +77,9 @@ fn nice() -> i32 {
     fields.split_whitespace().nth(16).and_then(|field| field.parse().ok()).unwrap_or(0)
 }
 
-/// The package counts from 0 to 99 and makes of that nice values from 20 down to -20.
+/// The package counts from 0 to 99 and makes of that nice values from 19 down to -20, which it rounds down.
 fn share_of_nice(nice: i32) -> u8 {
-    let share = 1.0 - (f64::from(nice.clamp(-20, 19)) + 20.5) / 40.0;
+    let share = 1.0 - (f64::from(nice.clamp(-20, 19)) + 20.5) / 39.0;
     (99.0 * share).round() as u8
 }
 
@@ -97,11 +102,16 @@ mod tests {
         .unwrap();
     }
 
+    /// Any thread may be nicer than it is.
     #[test]
     fn every_nice_value_is_found_again() {
-        for nice in -20..=19 {
-            let share = 1.0_f32 - f32::from(share_of_nice(nice)) / 99.0;
-            assert_eq!((40.0 * share) as i32 - 20, nice);
-        }
+        std::thread::spawn(|| {
+            for wanted in nice()..=19 {
+                be_nice(wanted);
+                assert_eq!(nice(), wanted);
+            }
+        })
+        .join()
+        .unwrap();
     }
 }
