@@ -110,7 +110,8 @@ impl Bench {
     pub(crate) fn start_test(&self, name: &str, plant: &str) -> Started {
         let own = std::env::current_exe().unwrap();
         let mut command = self.command(&own, &format!("--ignored --exact --nocapture {name}"));
-        command.env(PLANT, self.path(plant));
+        // Printing where a panic came from takes longer than the moves that it is to interrupt.
+        command.env(PLANT, self.path(plant)).env("RUST_BACKTRACE", "0");
         Started::of(command)
     }
 

@@ -98,7 +98,8 @@ fn a_panic_holds_the_robot() {
     let failing = bench.start_test("in_process::panics_in_motion", "served.yaml");
     until(|| served.log().iter().any(|entry| entry.what.contains("X40.000")).then_some(()));
     served.stands();
-    served.wish("set 110 200");
+    // Slow enough for the last move to last until a busy computer comes to hold it.
+    served.wish("set 110 50");
     bench.put(SLOWED, "");
     failing.end().is(101, &["whoever decides has failed"]);
     stands_within_the_last_tick(&was_held(&served));
