@@ -6,8 +6,9 @@ use nalgebra::DMatrix;
 use super::features::{Circumstances, circumstances};
 use super::hypothesis::{Hypothesis, Member};
 use super::nuisance::{Column, Nuisances};
+use super::options::{Options, Uncertainty};
 use super::refit::Study;
-use super::responses::Response;
+use super::responses::{Response, responses};
 use super::samples::Samples;
 use crate::effects::Model;
 
@@ -116,13 +117,20 @@ pub(super) fn in_common(baseline: Seen, recording: Seen) -> Nuisances {
     Nuisances::new(columns, explained.amounts, precision)
 }
 
-/// The columns of the `uncertain` numbers among `responses`, with `widened` times their deviations.
-pub(super) fn uncertain(
-    uncertain: &[super::Uncertainty],
+/// The columns of what is uncertain of `model` with the `members`.
+pub(super) fn free(
+    options: &Options,
+    model: &Model,
     hypotheses: &[Hypothesis],
-    responses: &[Response],
-    widened: f64,
+    members: &[Member],
+    samples: &Samples,
 ) -> Vec<Column> {
+    let asked = |hypothesis: &_| options.is_uncertain(hypothesis);
+    uncertain(&options.uncertain, hypotheses, &responses(model, hypotheses, members, &asked, samples))
+}
+
+/// The columns of the `uncertain` numbers among `responses`.
+pub(super) fn uncertain(uncertain: &[Uncertainty], hypotheses: &[Hypothesis], responses: &[Response]) -> Vec<Column> {
     let mut columns = Vec::new();
     for one in uncertain {
         let about = responses.iter().filter(|response| hypotheses[response.hypothesis].card.name == one.effect);
@@ -131,7 +139,7 @@ pub(super) fn uncertain(
             for (k, size) in hypothesis.sizes().into_iter().enumerate() {
                 let name = hypothesis.card.parameters[size].name;
                 if name.split('[').next() == Some(one.parameter.as_str()) {
-                    columns.push((response.columns.column(k).as_slice().to_vec(), one.deviation * widened));
+                    columns.push((response.columns.column(k).as_slice().to_vec(), one.deviation));
                 }
             }
         }

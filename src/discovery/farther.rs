@@ -6,16 +6,16 @@
 
 use std::ops::Range;
 
-use nalgebra::DMatrix;
+use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::hypothesis::effects;
+use super::hypothesis::{Hypothesis, Member, effects};
 use super::nuisance::{Explained, Nuisances};
 use super::play::tips;
 use super::refit::{Fitted, Study};
-use super::responses::Response;
+use super::responses::{Response, responses};
 use super::samples::{Samples, rms_m};
-use super::screen::{Promise, screen};
+use super::screen::{ALIKE, Promise, screen};
 
 /// Farther than this, in usual sizes, no one looks.
 const FARTHEST: f64 = 8.0;
@@ -23,6 +23,9 @@ const FARTHEST: f64 = 8.0;
 const LOOKS: usize = 5;
 /// Between these shares of the residual that is far enough.
 const NEAR_ENOUGH: Range<f64> = 0.5..2.0;
+/// Looks at most nearer to where the best of those promises to fit, and how near to that is near enough.
+const NEARER: usize = 3;
+const THERE: f64 = 0.2;
 /// Trials that are looked at first.
 const SHOWN: usize = 2;
 /// A look is followed up when it promises there this share of what the best one does, or all but so much.
@@ -30,26 +33,32 @@ const WORTH_SHARE: f64 = 0.2;
 const WORTH_SLACK: f64 = 10.0;
 
 impl Study<'_> {
-    /// Answers to each hypothesis of one size beside those of `base`, in both directions, where it would move the tip as
-    /// far as the residual that `base` leaves if it went on as in `responses`; of each the variant that `promises` has, or
-    /// the first one if none: a little of an effect may promise nothing where much of it does. Those whose answer rises
-    /// and falls are looked at everywhere (a delay hardly shows until the command acts after the tracker has looked).
+    /// Answers to each hypothesis beside those of `base`, in both directions, where it would move the tip as far as the
+    /// residual that `base` leaves if it went on as in `responses`, and from there where it fits; of each the variant
+    /// that `promises` has, or the first one if none: a little of an effect may promise nothing where much of it does.
+    /// Those whose answer rises and falls are looked at everywhere (a delay hardly shows until the command acts after the
+    /// tracker has looked).
     pub(super) fn farther(&self, base: &Fitted, promises: &[Promise], responses: &[Response]) -> Vec<Response> {
         let all = Far { study: self, base, samples: self.samples.clone(), rows: (0..3 * self.samples.len()).collect() };
         let some = all.most_telling();
         let (Some(here), Some(there)) = (some.played(&[]), all.played(&[])) else { return Vec::new() };
         let known: Vec<Response> = responses.iter().map(|response| some.part(response)).collect();
-        let promised = promises.iter().map(|promise| &known[promise.response]);
+        let beside = some.beside();
+        let little = |of: &Response| beside.iter().chain(&known).find(|response| response.is_little_of(of));
+        let promised = promises.iter().filter_map(|promise| little(&known[promise.response]));
         let mut seen = vec![false; self.hypotheses.len()];
         base.members.iter().for_each(|member| seen[member.hypothesis] = true);
         let begun: Vec<&Response> = promised
-            .chain(known.iter().filter(|response| response.step.is_none()))
+            .chain(known.iter().filter_map(little))
             .filter(|response| !std::mem::replace(&mut seen[response.hypothesis], true))
-            .filter(|response| response.columns.ncols() == 1)
             .collect();
         let looks: Vec<Response> = begun.into_par_iter().flat_map(|response| some.looks(response, &here)).collect();
         let worth = some.worth(looks, &known);
-        worth.into_par_iter().filter_map(|look| all.look(&look, &there, look.step?)).map(|(found, _)| found).collect()
+        let everywhere = |look: Response| {
+            let little = responses.iter().find(|response| response.is_little_of(&look))?;
+            Some(all.look(little, &there, look.step.as_ref()?)?.0)
+        };
+        worth.into_par_iter().filter_map(everywhere).collect()
     }
 }
 
@@ -82,6 +91,14 @@ impl Far<'_> {
         Response { columns: response.columns.select_rows(&self.rows), ..response.clone() }
     }
 
+    /// Answers to a little of those hypotheses that have a direction, beside the members of the base: with those the
+    /// rod may hang on other tendons.
+    fn beside(&self) -> Vec<Response> {
+        let (study, members) = (self.study, &self.base.members);
+        let asked = |hypothesis: &Hypothesis| !members.is_empty() && hypothesis.sizes().len() > 1;
+        responses(study.coarse, study.hypotheses, members, &asked, &self.samples)
+    }
+
     /// What is left in these samples.
     fn left_m(&self) -> Vec<f64> {
         self.rows.iter().map(|&row| self.base.explained.left_m[row]).collect()
@@ -93,38 +110,73 @@ impl Far<'_> {
         tips(self.study.coarse, &[&known, more].concat(), &self.samples)
     }
 
-    /// The answer to so much of a hypothesis, over its size, and how far it moves the tip from where it is `here`; none where
-    /// it cannot be played.
-    fn look(&self, response: &Response, here: &[f64], step: f64) -> Option<(Response, f64)> {
+    /// `response` corrected by what so much of it does (Broyden's update, in units of the probes), and how far that moves
+    /// the tip from where it is `here`; none where it cannot be played.
+    fn look(&self, response: &Response, here: &[f64], step: &[f64]) -> Option<(Response, f64)> {
         let hypothesis = &self.study.hypotheses[response.hypothesis];
-        let effect = hypothesis.effect(&hypothesis.moved(&response.null, hypothesis.sizes()[0], step))?;
+        let sizes = hypothesis.sizes();
+        let moves = sizes.iter().zip(step);
+        let values = moves.fold(response.null.clone(), |at, (&size, &by)| hypothesis.moved(&at, size, by));
+        let effect = hypothesis.effect(&values)?;
         let change: Vec<f64> = self.played(&[effect])?.iter().zip(here).map(|(there, here)| there - here).collect();
-        let columns = DMatrix::from_column_slice(change.len(), 1, &change) / step;
-        Some((Response { columns, step: Some(step), ..response.clone() }, rms_m(&change)))
+        let by = DVector::from_column_slice(step);
+        let along = DVector::from_iterator(
+            step.len(),
+            sizes.iter().zip(step).map(|(&size, by)| by / hypothesis.probe(size).powi(2)),
+        );
+        let missed = DVector::from_column_slice(&change) - &response.columns * &by;
+        let columns = &response.columns + missed * along.transpose() / along.dot(&by);
+        Some((Response { columns, step: Some(step.to_vec()), ..response.clone() }, rms_m(&change)))
     }
 
     /// All looks at a hypothesis, of which a little answers with `response`.
     fn looks(&self, response: &Response, here: &[f64]) -> Vec<Response> {
         let scan = self.study.hypotheses[response.hypothesis].scan();
-        if scan.is_empty() {
-            let left_m = rms_m(&self.left_m());
-            return [1.0, -1.0].into_par_iter().flat_map(|sign| self.outward(response, here, left_m, sign)).collect();
+        if !scan.is_empty() {
+            let seen = scan.into_par_iter().filter_map(|step| self.look(response, here, &[step]));
+            return seen.map(|(found, _)| found).collect();
         }
-        let seen = scan.into_par_iter().filter_map(|step| self.look(response, here, step));
-        seen.map(|(found, _)| found).collect()
+        let Some(direction) = self.direction(response) else { return Vec::new() };
+        let both = [1.0, -1.0].into_par_iter().map(|sign| sign * &direction);
+        let looks = both.flat_map(|direction| self.outward(response, here, &direction)).collect();
+        self.nearer(looks, here)
+    }
+
+    /// Where a hypothesis points: at what is promised by a little of it, if it has several sizes.
+    fn direction(&self, response: &Response) -> Option<DVector<f64>> {
+        let hypothesis = &self.study.hypotheses[response.hypothesis];
+        match hypothesis.sizes()[..] {
+            [size] => Some(DVector::from_element(1, hypothesis.probe(size).abs())),
+            _ => Some(self.step(&self.promises(std::slice::from_ref(response)).pop()?.member, response)),
+        }
+    }
+
+    /// The change of the sizes from nothing to `member`.
+    fn step(&self, member: &Member, response: &Response) -> DVector<f64> {
+        let hypothesis = &self.study.hypotheses[response.hypothesis];
+        let each = hypothesis.sizes().into_iter().map(|size| hypothesis.step(&response.null, &member.values, size));
+        DVector::from_vec(each.collect())
+    }
+
+    /// A step in units of the probes.
+    fn in_probes(&self, response: &Response, step: &DVector<f64>) -> DVector<f64> {
+        let hypothesis = &self.study.hypotheses[response.hypothesis];
+        let each = hypothesis.sizes().into_iter().zip(step.iter()).map(|(size, by)| by / hypothesis.probe(size));
+        DVector::from_vec(each.collect())
     }
 
     /// Looks on the way to where the tip is moved far enough. Each is an answer: where that is far from even, the last one
     /// may say least.
-    fn outward(&self, response: &Response, here: &[f64], left_m: f64, sign: f64) -> Vec<Response> {
-        let hypothesis = &self.study.hypotheses[response.hypothesis];
-        let farthest = FARTHEST * hypothesis.probe(hypothesis.sizes()[0]).abs();
-        let mut size = farthest.min(left_m / rms_m(response.columns.as_slice()).max(f64::MIN_POSITIVE));
+    fn outward(&self, response: &Response, here: &[f64], direction: &DVector<f64>) -> Vec<Response> {
+        let left_m = rms_m(&self.left_m());
+        let farthest = FARTHEST / self.in_probes(response, direction).amax().max(f64::MIN_POSITIVE);
+        let usual_m = rms_m((&response.columns * direction).as_slice());
+        let mut size = farthest.min(left_m / usual_m.max(f64::MIN_POSITIVE));
         // Known to be too little and too much.
         let (mut little, mut much) = (0.0, f64::INFINITY);
         let mut found = Vec::new();
         for _ in 0..LOOKS {
-            let Some((seen, moved_m)) = self.look(response, here, sign * size) else {
+            let Some((seen, moved_m)) = self.look(response, here, (size * direction).as_slice()) else {
                 much = size;
                 size = 0.5 * (little + much);
                 continue;
@@ -141,16 +193,47 @@ impl Far<'_> {
         found
     }
 
-    /// Those of the looks that promise enough in these samples, beside what is `known`.
-    fn worth(&self, looks: Vec<Response>, known: &[Response]) -> Vec<Response> {
+    /// The looks, with more of them where the best promises that it fits, as long as the newest is the best.
+    fn nearer(&self, mut looks: Vec<Response>, here: &[f64]) -> Vec<Response> {
+        let mut followed = looks.len();
+        for _ in 0..NEARER {
+            // How far each holds is not asked yet.
+            let anywhere: Vec<Response> = looks.iter().map(|look| Response { step: None, ..look.clone() }).collect();
+            let Some(best) = self.promises(&anywhere).into_iter().max_by(|a, b| a.gain.total_cmp(&b.gain)) else {
+                break;
+            };
+            let look = &looks[best.response];
+            let Some(next) = look.step.as_ref().and_then(|step| self.next(look, step, &best.member)) else { break };
+            if std::mem::replace(&mut followed, best.response) == best.response {
+                break;
+            }
+            let Some((seen, _)) = self.look(look, here, next.as_slice()) else { break };
+            looks.push(seen);
+        }
+        looks
+    }
+
+    /// Where to look after a look at `step` has promised `best`; none where that is near enough.
+    fn next(&self, look: &Response, step: &[f64], best: &Member) -> Option<DVector<f64>> {
+        let (there, wanted) = (DVector::from_column_slice(step), self.step(best, look));
+        let size = |step: &DVector<f64>| self.in_probes(look, step).norm();
+        let wanted = &wanted * (ALIKE.end * size(&there) / size(&wanted).max(f64::MIN_POSITIVE)).min(1.0);
+        (size(&(&wanted - there)) >= THERE * size(&wanted)).then_some(wanted)
+    }
+
+    /// What the responses promise in these samples, in their order.
+    fn promises(&self, responses: &[Response]) -> Vec<Promise> {
         let study = self.study;
         let explained = Explained { left_m: self.left_m(), ..self.base.explained.clone() };
         let nuisances: Nuisances = study.nuisances.in_rows(&self.rows);
         let held = self.base.jacobian.select_rows(&self.rows);
-        let promises =
-            |responses: &[Response]| screen(study.hypotheses, responses, &self.samples, &nuisances, &explained, &held);
-        let found = promises(&looks);
-        let best = found.iter().chain(&promises(known)).map(|promise| promise.gain).fold(0.0, f64::max);
+        screen(study.hypotheses, responses, &self.samples, &nuisances, &explained, &held)
+    }
+
+    /// Those of the looks that promise enough in these samples, beside what is `known`.
+    fn worth(&self, looks: Vec<Response>, known: &[Response]) -> Vec<Response> {
+        let found = self.promises(&looks);
+        let best = found.iter().chain(&self.promises(known)).map(|promise| promise.gain).fold(0.0, f64::max);
         let least = (WORTH_SHARE * best).min(best - WORTH_SLACK);
         let kept = found.into_iter().filter(|promise| promise.gain >= least);
         kept.map(|promise| looks[promise.response].clone()).collect()

@@ -93,6 +93,11 @@ impl Hypothesis {
         self.fields.iter().any(|field| matches!(field, Field::Shape { .. } | Field::Choice(_)))
     }
 
+    /// Whether it puts a number in the place of the model's.
+    pub(super) fn replaces(&self) -> bool {
+        self.card.parameters.iter().any(|parameter| matches!(parameter.seek, Seek::Replaces(..)))
+    }
+
     /// Parameters (of the card, from 0) that a fit moves.
     pub(super) fn fitted(&self) -> Vec<usize> {
         self.indices(|field| matches!(field, Field::Size { .. } | Field::Shape { .. }))

@@ -40,6 +40,7 @@ use crate::data::findings::{Findings, PlaceRow, ResidualRow};
 use crate::effects::Model;
 
 use question::Question;
+use refit::{Fitted, Study};
 use samples::Samples;
 
 pub use compare::Remedies;
@@ -83,11 +84,9 @@ pub fn discover(
     let study = question.study();
     let unplayable = || DiscoveryError::Unplayable(question.fit.trials[0].number);
     let limits = options.limits();
-    let mut found = study.search(question.responses.clone(), &limits).ok_or_else(unplayable)?;
-    // Before anything is called unexplained, nothing has been left out because of what it promised.
-    if question.left(&found) {
-        found = study.search_again(found, &limits);
-    }
-    let sharp = question.sharpened(&study, found);
-    Ok(question.discovery(model, measured, &study, &sharp))
+    let left = |best: &Fitted| question.missing(&best.explained, &best.played).1;
+    let found = study.search(question.responses.clone(), &limits, left).ok_or_else(unplayable)?;
+    let (nuisances, found) = question.ended(found);
+    let study = Study { nuisances: &nuisances, ..study };
+    Ok(question.discovery(model, measured, &study, &found))
 }

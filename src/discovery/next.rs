@@ -3,14 +3,13 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::baseline::uncertain;
+use super::baseline::free;
 use super::hypothesis::{Member, effects};
 use super::menu::{Dish, Range, menu};
 use super::noise::Noise;
 use super::nuisance::Column;
 use super::play::{coarse, tips};
 use super::question::Question;
-use super::responses::responses;
 use super::samples::{Sample, Samples, TrialCommands};
 use crate::data::findings::Proposal;
 use crate::data::{Actuation, Recording};
@@ -51,9 +50,7 @@ impl Question<'_> {
         let mut model = self.model.clone();
         model.robot.gravity_m_s2 = dish.gravity_m_s2.unwrap_or(model.robot.gravity_m_s2);
         let samples = self.samples_of(dish);
-        let asked = |name: &str| self.options.is_uncertain(name);
-        let responses = responses(&coarse(&model), &self.hypotheses, &asked, &samples);
-        let free = uncertain(&self.options.uncertain, &self.hypotheses, &responses, 1.0);
+        let free = free(self.options, &coarse(&model), &self.hypotheses, &[], &samples);
         let played: Vec<Vec<f64>> = rivals
             .iter()
             .map(|members| tips(&model, &effects(&self.hypotheses, members)?, &samples))

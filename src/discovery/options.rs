@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::hypothesis::Hypothesis;
 use super::search::Limits;
 use crate::base::{BadOption, Seed};
 
@@ -118,8 +119,8 @@ impl Options {
     }
 
     /// Whether a parameter of this effect is uncertain.
-    pub(super) fn is_uncertain(&self, effect: &str) -> bool {
-        self.uncertain.iter().any(|one| one.effect == effect)
+    pub(super) fn is_uncertain(&self, hypothesis: &Hypothesis) -> bool {
+        self.uncertain.iter().any(|one| one.effect == hypothesis.card.name)
     }
 
     pub(super) fn seed(&self) -> Seed {

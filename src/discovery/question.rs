@@ -2,7 +2,7 @@
 
 use super::error::DiscoveryError;
 use super::features::circumstances;
-use super::hypothesis::{Hypothesis, hypotheses};
+use super::hypothesis::{Hypothesis, Member, hypotheses};
 use super::missing::{Missing, missing};
 use super::nuisance::{Column, Explained, Nuisances};
 use super::options::Options;
@@ -61,8 +61,8 @@ impl<'a> Question<'a> {
         let played = played(&model, &fit)?;
         let played_proof = self::played(&model, &proof)?;
         let coarse = play::coarse(&model);
-        let responses = responses::responses(&coarse, &hypotheses, &|_| true, &fit);
-        let columns = baseline::uncertain(&options.uncertain, &hypotheses, &responses, 1.0);
+        let responses = responses::responses(&coarse, &hypotheses, &[], &|_| true, &fit);
+        let columns = baseline::uncertain(&options.uncertain, &hypotheses, &responses);
         let nuisances = nuisances(base.as_ref(), &fit, &played, &columns);
         Ok(Question {
             options,
@@ -97,16 +97,24 @@ impl<'a> Question<'a> {
         }
     }
 
-    /// The best set with derivatives taken where it ended: its intervals depend on them.
-    pub(super) fn sharpened(&self, study: &Study, found: Found) -> Found {
-        let sharpen = |scored: Scored| {
+    /// What was found, to be studied where it ended: its intervals depend on the derivatives and the nuisances there.
+    pub(super) fn ended(&self, found: Found) -> (Nuisances, Found) {
+        let members = &found.best.fitted.members;
+        if members.is_empty() {
+            return (self.nuisances.clone(), found);
+        }
+        let nuisances = self.nuisances_beside(members, &self.fit, &self.played);
+        let study = Study { nuisances: &nuisances, ..self.study() };
+        let near = found.best.score - self.options.rival_score;
+        let sharp = |scored: Scored| {
             let fitted = study.sharpened(scored.fitted.clone()).unwrap_or(scored.fitted);
             Scored { fitted, ..scored }
         };
-        let near = found.best.score - self.options.rival_score;
-        let tried: Vec<Scored> =
-            found.tried.into_iter().map(|scored| if scored.score > near { sharpen(scored) } else { scored }).collect();
-        Found { best: sharpen(found.best), tried, ..found }
+        let tried = found.tried.into_iter().map(|scored| if scored.score > near { sharp(scored) } else { scored });
+        let best = found.best.fitted;
+        let fitted = study.refit(best.members.clone(), best.jacobian.clone()).unwrap_or(best);
+        let found = Found { tried: tried.collect(), best: Scored { fitted, ..found.best }, ..found };
+        (nuisances, found)
     }
 
     /// Whether the samples of the fit hold more than nuisances and noise.
@@ -135,7 +143,7 @@ impl<'a> Question<'a> {
     /// within what the fit leaves of it. `played`: where the model with the answer has the tip in them.
     pub(super) fn speaks_against(&self, study: &Study, answer: &Fitted, played: &[f64]) -> bool {
         let Some(precision) = study.nuisance_precision(answer) else { return false };
-        let columns = self.nuisances_of(&self.proof, &self.played_proof).columns;
+        let columns = self.nuisances_beside(&answer.members, &self.proof, &self.played_proof).columns;
         let nuisances = Nuisances::new(columns, answer.explained.amounts.clone(), precision);
         let unseen = nuisances.explain(&self.proof, &self.proof.residual(played), 0.0);
         let square_m2 = |explained: &Explained| explained.noise.rms_m().powi(2);
@@ -147,11 +155,10 @@ impl<'a> Question<'a> {
         p_value < self.options.false_alarm && (there - here).max(0.0).sqrt() > least_m
     }
 
-    /// What may differ a little from the model, in `samples` where it has the tip at `played`.
-    fn nuisances_of(&self, samples: &Samples, played: &[f64]) -> Nuisances {
-        let asked = |name: &str| self.options.is_uncertain(name);
-        let responses = responses::responses(&self.coarse, &self.hypotheses, &asked, samples);
-        let columns = baseline::uncertain(&self.options.uncertain, &self.hypotheses, &responses, 1.0);
+    /// What may differ a little from the model with the `members`, in `samples` where it has the tip at `played` without
+    /// them: with much of an effect the tip answers to the rest otherwise than without.
+    fn nuisances_beside(&self, members: &[Member], samples: &Samples, played: &[f64]) -> Nuisances {
+        let columns = baseline::free(self.options, &self.coarse, &self.hypotheses, members, samples);
         nuisances(self.base.as_ref(), samples, played, &columns)
     }
 
@@ -159,12 +166,6 @@ impl<'a> Question<'a> {
     fn inexact_m(&self, played: &[f64]) -> f64 {
         let moved: Vec<f64> = played.iter().zip(&self.played).map(|(with, without)| with - without).collect();
         self.options.least_share * rms_m(&moved)
-    }
-
-    /// Whether something is still missing with the best set.
-    pub(super) fn left(&self, found: &Found) -> bool {
-        let best = &found.best.fitted;
-        self.missing(&best.explained, &best.played).1
     }
 }
 
@@ -197,8 +198,8 @@ impl Base {
         check::check(recording, &samples)?;
         let look = |model: &Model| -> Result<(Vec<f64>, Vec<Column>), DiscoveryError> {
             let played = played(model, &samples)?;
-            let responses = responses::responses(model, hypotheses, &|name| options.is_uncertain(name), &samples);
-            let columns = baseline::uncertain(&options.uncertain, hypotheses, &responses, BEFORE_CALIBRATION);
+            let mut columns = baseline::free(options, model, hypotheses, &[], &samples);
+            columns.iter_mut().for_each(|(_, deviation)| *deviation *= BEFORE_CALIBRATION);
             Ok((played, columns))
         };
         let (first, columns) = look(model)?;

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::hypothesis::Hypothesis;
+use super::hypothesis::{Hypothesis, Member, effects};
 use super::play::tips;
 use super::samples::Samples;
 use crate::effects::Model;
@@ -17,25 +17,34 @@ pub(super) struct Response {
     pub(super) null: Vec<f64>,
     /// Change of the tip over change of the parameter, three numbers a sample, a column a size.
     pub(super) columns: DMatrix<f64>,
-    /// The change of its only size that it holds for; none for small changes.
-    pub(super) step: Option<f64>,
+    /// The change of the sizes, one a column, that it holds for; none for small changes.
+    pub(super) step: Option<Vec<f64>>,
 }
 
-/// Answers of `model` to every variant of those hypotheses that `asked` names; variants that the model cannot play are
-/// left out, and all of them when it cannot play the samples as it is.
+impl Response {
+    /// Whether it is the answer to a little of the same variant.
+    pub(super) fn is_little_of(&self, other: &Response) -> bool {
+        self.step.is_none() && self.hypothesis == other.hypothesis && self.null == other.null
+    }
+}
+
+/// Answers of `model` with the `members` to every variant of those hypotheses that are `asked` about; variants that the
+/// model cannot play are left out, and all of them when it cannot play the samples as it is.
 pub(super) fn responses(
     model: &Model,
     hypotheses: &[Hypothesis],
-    asked: &(dyn Fn(&str) -> bool + Sync),
+    members: &[Member],
+    asked: &(dyn Fn(&Hypothesis) -> bool + Sync),
     samples: &Samples,
 ) -> Vec<Response> {
-    let Some(played) = tips(model, &[], samples) else { return Vec::new() };
+    let known = effects(hypotheses, members).unwrap_or_default();
+    let Some(played) = tips(model, &known, samples) else { return Vec::new() };
     let played = played.as_slice();
     let variants: Vec<(usize, Vec<f64>)> = hypotheses
         .iter()
         .enumerate()
-        .filter(|(_, hypothesis)| asked(hypothesis.card.name))
-        .flat_map(|(number, hypothesis)| hypothesis.variants().into_iter().map(move |null| (number, null)))
+        .filter(|(_, hypothesis)| asked(hypothesis))
+        .flat_map(|(number, hypothesis)| nulls(number, hypothesis, members).into_iter().map(move |null| (number, null)))
         .collect();
     let answer = |(number, null): (usize, Vec<f64>)| {
         let hypothesis = &hypotheses[number];
@@ -44,7 +53,7 @@ pub(super) fn responses(
             // Where the one direction cannot be played, the other may.
             [step, -step].into_iter().find_map(|step| {
                 let effect = hypothesis.effect(&hypothesis.moved(&null, size, step))?;
-                let there = tips(model, &[effect], samples)?;
+                let there = tips(model, &[known.as_slice(), &[effect]].concat(), samples)?;
                 Some(there.iter().zip(played).map(|(there, here)| (there - here) / step).collect())
             })
         };
@@ -53,4 +62,12 @@ pub(super) fn responses(
         Some(Response { hypothesis: number, null, columns, step: None })
     };
     variants.into_par_iter().filter_map(answer).collect()
+}
+
+/// The values of each variant at which nothing changes beside the members: what replaces a number then replaces theirs.
+fn nulls(number: usize, hypothesis: &Hypothesis, members: &[Member]) -> Vec<Vec<f64>> {
+    match members.iter().find(|member| member.hypothesis == number && hypothesis.replaces()) {
+        Some(member) => vec![member.values.clone()],
+        None => hypothesis.variants(),
+    }
 }

@@ -10,7 +10,7 @@ use super::responses::Response;
 use super::samples::{Samples, rms_m};
 
 /// A look far out is right for changes between these shares of its own.
-const ALIKE: std::ops::Range<f64> = 0.3..2.0;
+pub(super) const ALIKE: std::ops::Range<f64> = 0.3..2.0;
 
 /// What a variant of a hypothesis promises.
 #[derive(Clone, Debug)]
@@ -76,7 +76,7 @@ pub(super) fn screen(
         (0..own.nrows()).for_each(|k| own[(k, k)] += floor);
         let right = columns.tr_mul(&left);
         let sizes = Cholesky::new(own)?.solve(&right);
-        if response.step.is_some_and(|step| !ALIKE.contains(&(sizes[0] / step))) {
+        if response.step.as_ref().is_some_and(|step| !ALIKE.contains(&share_of(hypothesis, step, sizes.as_slice()))) {
             return None;
         }
         let steps: Vec<(usize, f64)> = hypothesis.sizes().into_iter().zip(sizes.iter().copied()).collect();
@@ -88,6 +88,13 @@ pub(super) fn screen(
         Some(Promise { member: Member { hypothesis: response.hypothesis, values }, response: number, gain, size_m })
     };
     responses.iter().enumerate().filter_map(promise).collect()
+}
+
+/// How much of `step` there is in `sizes`, each over what is easily seen of it.
+fn share_of(hypothesis: &Hypothesis, step: &[f64], sizes: &[f64]) -> f64 {
+    let seen: Vec<f64> = hypothesis.sizes().into_iter().map(|size| hypothesis.probe(size).powi(-2)).collect();
+    let product = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).zip(&seen).map(|((a, b), seen)| a * b * seen).sum() };
+    product(step, sizes) / product(step, step)
 }
 
 /// `values`, or values between them and `null` that are in the effect's range: nothing if it is in the wrong direction.

@@ -46,8 +46,6 @@ pub(super) struct Found {
     pub(super) tried: Vec<Scored>,
     /// What every hypothesis promises at a first look, with the score that it would have.
     pub(super) looked_at: Vec<(Promise, f64)>,
-    /// The answers of the tip that the looks went by.
-    pub(super) responses: Vec<Response>,
 }
 
 /// Rough fits at most, and of them those that are fitted further.
@@ -73,34 +71,30 @@ struct Search<'s> {
     null: Scored,
     /// The tip's answers to the hypotheses.
     responses: Vec<Response>,
+    /// The sets beside which they were looked at far out.
+    looked: BTreeSet<BTreeSet<usize>>,
     tried: Vec<Scored>,
 }
 
 impl Study<'_> {
     /// Looks for the set of hypotheses that explains the samples best, one that pays for its parameters (extended
-    /// Bayesian information criterion, Chen & Chen, Biometrika 95, 2008).
-    pub(super) fn search(&self, mut responses: Vec<Response>, limits: &Limits) -> Option<Found> {
+    /// Bayesian information criterion, Chen & Chen, Biometrika 95, 2008). Where there is something `left` with it, nothing
+    /// is left out because of what it promised.
+    pub(super) fn search(
+        &self,
+        responses: Vec<Response>,
+        limits: &Limits,
+        left: impl Fn(&Fitted) -> bool,
+    ) -> Option<Found> {
         let null = Scored { fitted: self.null()?, score: 0.0, exact: true };
-        let promises = self.promises(&null.fitted, &[], &responses);
-        if promises.iter().any(|promise| self.is_worth_fitting(promise, &null.fitted, limits)) {
-            responses.extend(self.farther(&null.fitted, &promises, &responses));
+        let mut best = null.clone();
+        let (looked, tried) = (BTreeSet::new(), Vec::new());
+        let mut search = Search { study: self, limits: *limits, null, responses, looked, tried };
+        best = search.enlarged(best);
+        if left(&best.fitted) {
+            best = search.thoroughly(best);
         }
-        let best = null.clone();
-        Some(Search { study: self, limits: *limits, null, responses, tried: Vec::new() }.enlarged(best))
-    }
-
-    /// Goes on from what a search has found, thoroughly: other single effects first, then more of them.
-    pub(super) fn search_again(&self, found: Found, limits: &Limits) -> Found {
-        let Found { mut best, null, tried, mut responses, .. } = found;
-        let limits = Limits { thorough: true, ..*limits };
-        let promises = self.promises(&best.fitted, &[], &responses);
-        responses.extend(self.farther(&best.fitted, &promises, &responses));
-        let mut search = Search { study: self, limits, null, responses, tried };
-        if !best.fitted.members.is_empty() {
-            let single = search.with_another(&search.null.clone());
-            best = single.filter(|single| single.score > best.score).unwrap_or(best);
-        }
-        search.enlarged(best)
+        Some(search.ended(best))
     }
 
     /// Whether what a first look promises beside `base` may turn out to be worth having.
@@ -112,18 +106,43 @@ impl Study<'_> {
 
 impl Search<'_> {
     /// `best` with more effects, as long as each is worth having.
-    fn enlarged(mut self, mut best: Scored) -> Found {
+    fn enlarged(&mut self, mut best: Scored) -> Scored {
         while best.fitted.members.len() < self.limits.most_effects {
+            self.look_farther(&best);
             let Some(next) = self.with_another(&best) else { break };
             best = self.swapped(next);
         }
-        best = self.pruned(best);
+        self.pruned(best)
+    }
+
+    /// Goes on from `best`, whatever is promised: other single effects first, then more of them.
+    fn thoroughly(&mut self, mut best: Scored) -> Scored {
+        self.limits.thorough = true;
+        self.look_farther(&best);
+        if !best.fitted.members.is_empty() {
+            let single = self.with_another(&self.null.clone());
+            best = single.filter(|single| single.score > best.score).unwrap_or(best);
+        }
+        self.enlarged(best)
+    }
+
+    /// Looks far out beside `best`, once, if anything may be missing there.
+    fn look_farther(&mut self, best: &Scored) {
+        let promises = self.study.promises(&best.fitted, &[], &self.responses);
+        let worth = |promise: &Promise| self.study.is_worth_fitting(promise, &best.fitted, &self.limits);
+        if (self.limits.thorough || promises.iter().any(worth)) && self.looked.insert(hypotheses(&best.fitted.members))
+        {
+            self.responses.extend(self.study.farther(&best.fitted, &promises, &self.responses));
+        }
+    }
+
+    fn ended(self, best: Scored) -> Found {
         let Search { study, null, responses, tried, .. } = self;
         let looked_at = study.promises(&null.fitted, &[], &responses).into_iter().map(|promise| {
             let score = study.promised(&promise);
             (promise, score)
         });
-        Found { best, tried, looked_at: looked_at.collect(), null, responses }
+        Found { best, tried, looked_at: looked_at.collect(), null }
     }
 
     fn scored(&self, fitted: Fitted) -> Scored {
@@ -175,7 +194,7 @@ impl Search<'_> {
         let mut promises = self.study.promises(&best.fitted, &[], &self.responses);
         if limits.thorough {
             // What has been fitted beside this set before has had its chance.
-            promises.retain(|promise| !has_been_tried(&self.tried, &best.fitted.members, promise.member.hypothesis));
+            promises.retain(|promise| self.is_new(best, promise));
         } else {
             promises.retain(|promise| self.study.is_worth_fitting(promise, &best.fitted, &limits));
         }
@@ -204,6 +223,7 @@ impl Search<'_> {
                 let gone = best.fitted.members[out].hypothesis;
                 let Some(without) = self.without(&best, out) else { continue };
                 let mut promises = self.study.promises(&without.fitted, &[gone], &self.responses);
+                promises.retain(|promise| self.is_new(&without, promise));
                 promises.truncate(WIDTH / 2);
                 let enough = better.as_ref().map_or(best.score, |better| better.score);
                 let fits = self.fitted_with(&without, &promises, enough);
@@ -215,6 +235,13 @@ impl Search<'_> {
                 None => return best,
             }
         }
+    }
+
+    /// Whether `base` has not been fitted with what is promised.
+    fn is_new(&self, base: &Scored, promise: &Promise) -> bool {
+        let mut all = hypotheses(&base.fitted.members);
+        all.insert(promise.member.hypothesis);
+        !self.tried.iter().any(|scored| hypotheses(&scored.fitted.members) == all)
     }
 
     /// The set without the members that do not pay for themselves.
@@ -242,13 +269,6 @@ impl Search<'_> {
         self.tried.push(fewer.clone());
         Some(fewer)
     }
-}
-
-/// Whether `members` with the hypothesis `more` are among the sets.
-fn has_been_tried(sets: &[Scored], members: &[Member], more: usize) -> bool {
-    let mut all = hypotheses(members);
-    all.insert(more);
-    sets.iter().any(|scored| hypotheses(&scored.fitted.members) == all)
 }
 
 fn hypotheses(members: &[Member]) -> BTreeSet<usize> {
