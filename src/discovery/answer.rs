@@ -5,12 +5,11 @@ use std::collections::BTreeMap;
 use serde_json::{Number, Value};
 
 use super::hypothesis::{Hypothesis, Member};
-use super::refit::{Fitted, Study};
+use super::refit::Study;
 use super::search::{Found, Scored};
 use crate::data::findings::{Candidate, FoundEffect, Verdict};
 use crate::data::tables::round_significant;
 use crate::effects::Seek;
-use crate::math::distribution::student_95;
 
 /// What the search says of the effects.
 pub(super) struct Answer {
@@ -107,7 +106,7 @@ impl Study<'_> {
     fn found_effect(&self, scored: &Scored, k: usize, found: &Found) -> FoundEffect {
         let member = &scored.fitted.members[k];
         let hypothesis = &self.hypotheses[member.hypothesis];
-        let intervals = self.intervals(scored, k);
+        let intervals = self.intervals(&scored.fitted, k);
         let mut parameters = BTreeMap::new();
         let mut interval_95 = BTreeMap::new();
         for (index, parameter) in hypothesis.card.parameters.iter().enumerate() {
@@ -131,80 +130,6 @@ impl Study<'_> {
             interval_95,
             confidence: self.confidence(hypothesis.card.name, found),
             confusable_with: Vec::new(),
-        }
-    }
-
-    /// 95 % intervals of the parameters of member `k`, by their number in the card.
-    fn intervals(&self, scored: &Scored, k: usize) -> BTreeMap<usize, [f64; 2]> {
-        let best = &scored.fitted;
-        let freedom = 3.0 * self.samples.len() as f64 - self.coordinates(&best.members).len() as f64;
-        let reach = student_95(freedom);
-        let mut found = self.within(best, k, reach);
-        let hypothesis = &self.hypotheses[best.members[k].hypothesis];
-        for direction in hypothesis.neighbours(&best.members[k].values) {
-            let Some(parameter) = (0..direction.len()).find(|&at| direction[at] != best.members[k].values[at]) else {
-                continue;
-            };
-            self.beside(best, k, parameter, direction, reach, &mut found);
-        }
-        found
-    }
-
-    /// The sizes and shapes of member `k` within so many standard deviations.
-    fn within(&self, fitted: &Fitted, k: usize, reach: f64) -> BTreeMap<usize, [f64; 2]> {
-        let Some(covariance) = self.covariance(fitted) else { return BTreeMap::new() };
-        let hypothesis = &self.hypotheses[fitted.members[k].hypothesis];
-        let values = &fitted.members[k].values;
-        let coordinates = self.coordinates(&fitted.members).into_iter().enumerate();
-        let interval = |(at, (_, parameter)): (usize, (usize, usize))| {
-            let half = reach * covariance[(at, at)].max(0.0).sqrt() * hypothesis.probe(parameter).abs();
-            let end = |step: f64| hypothesis.moved(values, parameter, step)[parameter];
-            (parameter, [end(-half), end(half)])
-        };
-        coordinates.filter(|(_, (member, _))| *member == k).map(interval).collect()
-    }
-
-    /// Widens the intervals of `best` by the choices of `parameter` of member `k`, from the one `beside` it outwards, that
-    /// fit all but as well: what is within `reach` of any of them is plausible (profile likelihood; Venzon & Moolgavkar,
-    /// Applied Statistics 37, 1988). A choice itself stands for half the way to its neighbours.
-    fn beside(
-        &self,
-        best: &Fitted,
-        k: usize,
-        parameter: usize,
-        mut beside: Vec<f64>,
-        reach: f64,
-        found: &mut BTreeMap<usize, [f64; 2]>,
-    ) {
-        let hypothesis = &self.hypotheses[best.members[k].hypothesis];
-        let here = best.members[k].values[parameter];
-        let half = 0.5 * (beside[parameter] - here);
-        let mut add = |parameter: usize, value: f64| {
-            let interval = found.entry(parameter).or_insert([value, value]);
-            *interval = [interval[0].min(value), interval[1].max(value)];
-        };
-        // On the side where there is no other choice the interval ends as far from this one.
-        add(parameter, here - half);
-        add(parameter, here + half);
-        loop {
-            let mut members = best.members.clone();
-            members[k].values = beside;
-            let Some(there) = self.refit(members, best.jacobian.clone()) else { return };
-            let square = reach * reach - (there.explained.deviance - best.explained.deviance);
-            if square <= 0.0 {
-                return;
-            }
-            for (parameter, ends) in self.within(&there, k, square.min(reach * reach).sqrt()) {
-                ends.into_iter().for_each(|end| add(parameter, end));
-            }
-            let values = &there.members[k].values;
-            add(parameter, values[parameter] + half);
-            let next = hypothesis
-                .neighbours(values)
-                .into_iter()
-                .find(|next| half * (next[parameter] - values[parameter]) > 0.0);
-            let Some(next) = next else { return };
-            beside = next;
         }
     }
 

@@ -15,6 +15,7 @@ mod farther;
 mod features;
 mod floor;
 mod hypothesis;
+mod intervals;
 mod menu;
 mod missing;
 mod next;
