@@ -115,6 +115,8 @@ fn a_hidden_effect_is_named_and_its_strength_told() {
         assert!(gap.before_m > 1.5 * gap.after_m, "{effect}: {gap:?}");
         assert_eq!(gap.held_out_trials.len(), 1);
         assert_eq!(found.model.effects.len(), 1);
+        let first = &found.findings.candidates[0];
+        assert!(first.name.starts_with(name) && first.why_not.is_empty(), "{effect}: {first:?}");
         assert!(found.findings.missing_before.p_value < 0.01 && found.findings.missing_after.p_value > 1e-3);
     }
 }

@@ -53,7 +53,7 @@ impl Study<'_> {
     }
 
     /// What is known of the derivatives of `base` with `member` besides: those of the fit, and the first look's.
-    fn known_slopes(&self, base: &Fitted, member: &Member, response: &Response) -> DMatrix<f64> {
+    pub(super) fn known_slopes(&self, base: &Fitted, member: &Member, response: &Response) -> DMatrix<f64> {
         let hypothesis = &self.hypotheses[member.hypothesis];
         let (known, sizes) = (base.jacobian.ncols(), hypothesis.sizes());
         let fitted = hypothesis.fitted();

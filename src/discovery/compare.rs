@@ -4,7 +4,7 @@
 use super::features::circumstances;
 use super::hypothesis::{Hypothesis, Member, effects};
 use super::play::tips;
-use super::refit::Study;
+use super::refit::{Fitted, Study};
 use super::responses::Response;
 use super::samples::{Samples, rms_m};
 use crate::base::Rows;
@@ -22,26 +22,27 @@ pub struct Remedies {
     pub gp_m: Option<f64>,
 }
 
-/// The remedies on the same trials: `study` has those of the fit, `proof` those held out; `played` each without effects.
+/// The remedies on the same trials: `study` has those of the fit, `proof` those held out; `null` and `proof_played` are
+/// without effects.
 pub(super) fn remedies(
     study: &Study,
     responses: &[Response],
-    played: &[f64],
+    null: &Fitted,
     proof: &Samples,
     proof_played: &[f64],
 ) -> Remedies {
     Remedies {
-        stiffness_only_m: stiffness_only(study, responses, proof),
-        gp_m: process(study.samples, played, proof, proof_played),
+        stiffness_only_m: stiffness_only(study, responses, null, proof),
+        gp_m: process(study.samples, &null.played, proof, proof_played),
     }
 }
 
-fn stiffness_only(study: &Study, responses: &[Response], proof: &Samples) -> Option<f64> {
+fn stiffness_only(study: &Study, responses: &[Response], null: &Fitted, proof: &Samples) -> Option<f64> {
     let hypothesis = study.hypotheses.iter().position(|h: &Hypothesis| h.card.name == "bending_stiffness")?;
     let start = Member { hypothesis, values: study.hypotheses[hypothesis].variants().swap_remove(0) };
     let known = responses.iter().find(|response| response.hypothesis == hypothesis)?;
-    let probe = study.hypotheses[hypothesis].probe(study.hypotheses[hypothesis].sizes()[0]);
-    let fitted = study.rough_fit(vec![start], &known.columns * probe)?;
+    let slopes = study.known_slopes(null, &start, known);
+    let fitted = study.rough_fit(vec![start], slopes)?;
     let there = tips(study.model, &effects(study.hypotheses, &fitted.members)?, proof)?;
     Some(rms_m(&proof.residual(&there)))
 }

@@ -8,7 +8,7 @@ use super::nuisance::{Column, Explained, Nuisances};
 use super::options::Options;
 use super::refit::{Fitted, Study};
 use super::samples::{Samples, rms_m};
-use super::search::{Found, Scored};
+use super::search::Found;
 use super::{baseline, check, floor, play, proof, responses, uneven};
 use crate::data::Recording;
 use crate::effects::Model;
@@ -98,22 +98,25 @@ impl<'a> Question<'a> {
     }
 
     /// What was found, to be studied where it ended: its intervals depend on the derivatives and the nuisances there.
-    pub(super) fn ended(&self, found: Found) -> (Nuisances, Found) {
-        let members = &found.best.fitted.members;
+    pub(super) fn ended(&self, mut found: Found) -> (Nuisances, Found) {
+        let members = found.best.fitted.members.clone();
         if members.is_empty() {
             return (self.nuisances.clone(), found);
         }
-        let nuisances = self.nuisances_beside(members, &self.fit, &self.played);
+        let nuisances = self.nuisances_beside(&members, &self.fit, &self.played);
         let study = Study { nuisances: &nuisances, ..self.study() };
-        let near = found.best.score - self.options.rival_score;
-        let sharp = |scored: Scored| {
-            let fitted = study.sharpened(scored.fitted.clone()).unwrap_or(scored.fitted);
-            Scored { fitted, ..scored }
-        };
-        let tried = found.tried.into_iter().map(|scored| if scored.score > near { sharp(scored) } else { scored });
-        let best = found.best.fitted;
-        let fitted = study.refit(best.members.clone(), best.jacobian.clone()).unwrap_or(best);
-        let found = Found { tried: tried.collect(), best: Scored { fitted, ..found.best }, ..found };
+        if let Some(fitted) = study.refit(members.clone(), found.best.fitted.jacobian.clone()) {
+            found.best.fitted = fitted;
+        }
+        for scored in &mut found.tried {
+            if scored.fitted.members == members {
+                *scored = found.best.clone();
+            } else if scored.score > found.best.score - self.options.rival_score
+                && let Some(fitted) = study.sharpened(scored.fitted.clone())
+            {
+                scored.fitted = fitted;
+            }
+        }
         (nuisances, found)
     }
 

@@ -67,7 +67,8 @@ impl Question<'_> {
         let mut model = self.model.clone();
         model.robot.resolution = given.robot.resolution;
         model.effects.extend(proved.added);
-        let remedies = compare::remedies(&self.study(), &self.responses, &self.played, &self.proof, &self.played_proof);
+        let remedies =
+            compare::remedies(&self.study(), &self.responses, &found.null.fitted, &self.proof, &self.played_proof);
         Discovery { findings, model, residuals, places, remedies, next }
     }
 
