@@ -91,6 +91,7 @@ impl Study<'_> {
         let (looked, tried) = (BTreeSet::new(), Vec::new());
         let mut search = Search { study: self, limits: *limits, null, responses, looked, tried };
         best = search.enlarged(best);
+        best = search.begun_otherwise(best);
         if left(&best.fitted) {
             best = search.thoroughly(best);
         }
@@ -109,10 +110,31 @@ impl Search<'_> {
     fn enlarged(&mut self, mut best: Scored) -> Scored {
         while best.fitted.members.len() < self.limits.most_effects {
             self.look_farther(&best);
-            let Some(next) = self.with_another(&best) else { break };
+            let enough = best.score + self.limits.least_score;
+            let Some(next) = self.with_another(&best, enough) else { break };
             best = self.swapped(next);
         }
         self.pruned(best)
+    }
+
+    /// The better of `best`, if it has several members, and what comes of beginning with the best effect that is not
+    /// among them: what was taken first may have led away from two others.
+    fn begun_otherwise(&mut self, best: Scored) -> Scored {
+        let members = hypotheses(&best.fitted.members);
+        let other = |scored: &&Scored| {
+            let own = hypotheses(&scored.fitted.members);
+            own.len() == 1 && own.is_disjoint(&members) && scored.score >= self.limits.least_score
+        };
+        let first = self.tried.iter().filter(other).max_by(|a, b| a.score.total_cmp(&b.score)).cloned();
+        let Some(first) = first.filter(|_| members.len() > 1) else { return best };
+        self.look_farther(&first);
+        match self.with_another(&first, best.score) {
+            Some(next) => {
+                let next = self.swapped(next);
+                self.enlarged(next)
+            }
+            None => best,
+        }
     }
 
     /// Goes on from `best`, whatever is promised: other single effects first, then more of them.
@@ -120,8 +142,7 @@ impl Search<'_> {
         self.limits.thorough = true;
         self.look_farther(&best);
         if !best.fitted.members.is_empty() {
-            let single = self.with_another(&self.null.clone());
-            best = single.filter(|single| single.score > best.score).unwrap_or(best);
+            best = self.with_another(&self.null.clone(), best.score).unwrap_or(best);
         }
         self.enlarged(best)
     }
@@ -188,26 +209,25 @@ impl Search<'_> {
         !hopeless && rough.score + share * adds.max(0.0) + SHORT >= top - self.limits.rival_score
     }
 
-    /// The best set with one member more, if it is worth having.
-    fn with_another(&mut self, best: &Scored) -> Option<Scored> {
+    /// `base` with the best member more, if that is worth having and its score `enough`.
+    fn with_another(&mut self, base: &Scored, enough: f64) -> Option<Scored> {
         let limits = self.limits;
-        let mut promises = self.study.promises(&best.fitted, &[], &self.responses);
-        if limits.thorough {
-            // What has been fitted beside this set before has had its chance.
-            promises.retain(|promise| self.is_new(best, promise));
-        } else {
-            promises.retain(|promise| self.study.is_worth_fitting(promise, &best.fitted, &limits));
+        let mut promises = self.study.promises(&base.fitted, &[], &self.responses);
+        // What has been fitted beside this set before has had its chance.
+        promises.retain(|promise| self.is_new(base, promise));
+        if !limits.thorough {
+            promises.retain(|promise| self.study.is_worth_fitting(promise, &base.fitted, &limits));
         }
-        let fits = self.fitted_with(best, &promises, best.score + limits.least_score);
+        let fits = self.fitted_with(base, &promises, enough);
         let apart_m = |there: &Scored, here: &Scored| -> f64 {
             let moved = there.fitted.played.iter().zip(&here.fitted.played).map(|(there, here)| there - here);
             rms_m(&moved.collect::<Vec<f64>>())
         };
         // The laws of the effects found so far are right to a share of what they do: that much is no other effect's.
-        let inexact_m = limits.least_share * apart_m(best, &self.null);
+        let inexact_m = limits.least_share * apart_m(base, &self.null);
         let worth = |next: &Scored| {
             let least_m = inexact_m.max(limits.least_size * next.fitted.explained.noise.rms_m());
-            apart_m(next, best) >= least_m && next.score >= best.score + limits.least_score
+            apart_m(next, base) >= least_m && next.score >= enough
         };
         fits.into_iter().filter(worth).max_by(|a, b| a.score.total_cmp(&b.score))
     }
