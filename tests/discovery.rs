@@ -134,6 +134,14 @@ fn an_effect_of_which_a_little_promises_nothing_is_named() {
 }
 
 #[test]
+fn two_effects_that_look_like_a_third_are_named() {
+    // A force on the tip explains more than either, and something else the rest of both.
+    let hidden = "- creep: {share: 0.33, time_s: 2.0}\n- soft_section: {position_m: 0.17, scale: 0.15}";
+    let found = found(&explored(hidden, 8, 2), &Options::default());
+    assert_eq!(names(&found), ["creep", "soft_section"], "{}", found.findings.summary);
+}
+
+#[test]
 fn intervals_hold_every_place_that_the_data_leave_open() {
     let found = found(&recorded("- soft_section: {position_m: 0.05, scale: 0.6}", 4, 7, 0.0), &Options::default());
     assert_eq!(names(&found), ["soft_section"], "{}", found.findings.summary);

@@ -45,6 +45,8 @@ impl Study<'_> {
             let jacobian = coarse.known_slopes(&start, &member, &responses[promise.response]);
             let all: Vec<Member> = start.members.iter().cloned().chain([member]).collect();
             let fitted = coarse.rough_fit(all, jacobian)?;
+            let last = fitted.members.len() - 1;
+            let fitted = coarse.placed(fitted, last);
             let gain = start.explained.deviance - fitted.explained.deviance;
             let score = base.score + gain - self.penalty(std::slice::from_ref(&promise.member));
             Some(Scored { fitted, score, exact: false })
@@ -88,25 +90,32 @@ impl Study<'_> {
         best.map_or_else(|| promised.clone(), |(_, member)| member)
     }
 
-    /// The fit from near it, with every choice (such as a place) moved to its neighbours while that helps.
+    /// The fit from near it, with every choice where it fits best.
     pub(super) fn settled(&self, near: &Fitted) -> Option<Fitted> {
         let mut best = self.refit(near.members.clone(), near.jacobian.clone())?;
         for k in 0..best.members.len() {
-            loop {
-                let hypothesis = &self.hypotheses[best.members[k].hypothesis];
-                let beside = hypothesis.neighbours(&best.members[k].values);
-                let fits = beside.into_iter().filter_map(|values| {
-                    let mut members = best.members.clone();
-                    members[k].values = values;
-                    self.rough_fit(members, best.jacobian.clone())
-                });
-                let next = fits.min_by(|a, b| a.explained.deviance.total_cmp(&b.explained.deviance));
-                match next.filter(|next| next.explained.deviance < best.explained.deviance) {
-                    Some(next) => best = self.refit(next.members, next.jacobian)?,
-                    None => break,
-                }
+            let placed = self.placed(best.clone(), k);
+            if placed.members != best.members {
+                best = self.refit(placed.members, placed.jacobian)?;
             }
         }
         Some(best)
+    }
+
+    /// The fit with every choice of member `k` (such as a place) moved to its neighbours while that helps, roughly.
+    fn placed(&self, mut best: Fitted, k: usize) -> Fitted {
+        let hypothesis = &self.hypotheses[best.members[k].hypothesis];
+        loop {
+            let fits = hypothesis.neighbours(&best.members[k].values).into_iter().filter_map(|values| {
+                let mut members = best.members.clone();
+                members[k].values = values;
+                self.rough_fit(members, best.jacobian.clone())
+            });
+            let next = fits.min_by(|a, b| a.explained.deviance.total_cmp(&b.explained.deviance));
+            match next.filter(|next| next.explained.deviance < best.explained.deviance) {
+                Some(next) => best = next,
+                None => return best,
+            }
+        }
     }
 }
