@@ -87,14 +87,12 @@ impl Study<'_> {
         left: impl Fn(&Fitted) -> bool,
     ) -> Option<Found> {
         let null = Scored { fitted: self.null()?, score: 0.0, exact: true };
-        let mut best = null.clone();
+        let nothing = null.clone();
         let (looked, tried) = (BTreeSet::new(), Vec::new());
         let mut search = Search { study: self, limits: *limits, null, responses, looked, tried };
-        best = search.enlarged(best);
-        best = search.begun_otherwise(best);
-        if left(&best.fitted) {
-            best = search.thoroughly(best);
-        }
+        let best = search.enlarged(nothing);
+        let best = search.begun_otherwise(best);
+        let best = if left(&best.fitted) { search.thoroughly(best) } else { best };
         Some(search.ended(best))
     }
 
