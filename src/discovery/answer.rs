@@ -34,8 +34,9 @@ const DIGITS: usize = 6;
 const LISTED: usize = 30;
 
 impl Study<'_> {
-    /// The answer; `left`: whether something is still missing with the best set.
-    pub(super) fn answer(&self, found: &Found, left: bool, rival_score: f64) -> Answer {
+    /// The answer, with rivals as `plain` has them, without what is particular to the best; `left`: whether something is
+    /// still missing with the best set.
+    pub(super) fn answer(&self, plain: &Study, found: &Found, left: bool, rival_score: f64) -> Answer {
         let members: Vec<Member> = found.best.fitted.members.iter().map(|member| self.rounded(member)).collect();
         let nothing = |verdict| Answer { verdict, members: Vec::new(), effects: Vec::new(), rivals: Vec::new() };
         if left {
@@ -54,7 +55,7 @@ impl Study<'_> {
         for (name, rival) in rivals.iter().flatten() {
             let place = rival.fitted.members.iter().position(|m| self.name(m) == *name);
             if let Some(place) = place.filter(|_| !effects.iter().any(|effect| effect.name == *name)) {
-                let mut effect = self.found_effect(rival, place, found);
+                let mut effect = plain.found_effect(rival, place, found);
                 effect.confusable_with = members.iter().map(|m| self.name(m).to_owned()).collect();
                 effects.push(effect);
             }

@@ -50,6 +50,7 @@ impl Study<'_> {
         base.members.iter().for_each(|member| seen[member.hypothesis] = true);
         let begun: Vec<&Response> = promised
             .chain(known.iter().filter_map(little))
+            .filter(|response| self.open[response.hypothesis])
             .filter(|response| !std::mem::replace(&mut seen[response.hypothesis], true))
             .collect();
         let looks: Vec<Response> = begun.into_par_iter().flat_map(|response| some.looks(response, &here)).collect();
@@ -217,17 +218,20 @@ impl Far<'_> {
     fn next(&self, look: &Response, step: &[f64], best: &Member) -> Option<DVector<f64>> {
         let (there, wanted) = (DVector::from_column_slice(step), self.step(best, look));
         let size = |step: &DVector<f64>| self.in_probes(look, step).norm();
-        let wanted = &wanted * (ALIKE.end * size(&there) / size(&wanted).max(f64::MIN_POSITIVE)).min(1.0);
+        let most = FARTHEST.min(ALIKE.end * size(&there));
+        let wanted = &wanted * (most / size(&wanted).max(f64::MIN_POSITIVE)).min(1.0);
         (size(&(&wanted - there)) >= THERE * size(&wanted)).then_some(wanted)
     }
 
-    /// What the responses promise in these samples, in their order.
+    /// What the responses to hypotheses that may be the answer promise in these samples, in their order.
     fn promises(&self, responses: &[Response]) -> Vec<Promise> {
         let study = self.study;
         let explained = Explained { left_m: self.left_m(), ..self.base.explained.clone() };
         let nuisances: Nuisances = study.nuisances.in_rows(&self.rows);
         let held = self.base.jacobian.select_rows(&self.rows);
-        screen(study.hypotheses, responses, &self.samples, &nuisances, &explained, &held)
+        let mut found = screen(study.hypotheses, responses, &self.samples, &nuisances, &explained, &held);
+        found.retain(|promise| study.open[promise.member.hypothesis]);
+        found
     }
 
     /// Those of the looks that promise enough in these samples, beside what is `known`.

@@ -41,8 +41,9 @@ use crate::data::findings::{Findings, PlaceRow, ResidualRow};
 use crate::effects::Model;
 
 use question::Question;
-use refit::{Fitted, Study};
+use refit::Study;
 use samples::Samples;
+use search::Search;
 
 pub use compare::Remedies;
 pub use error::DiscoveryError;
@@ -85,9 +86,14 @@ pub fn discover(
     let study = question.study();
     let unplayable = || DiscoveryError::Unplayable(question.fit.trials[0].number);
     let limits = options.limits();
-    let left = |best: &Fitted| question.missing(&best.explained, &best.played).1;
-    let found = study.search(question.responses.clone(), &limits, left).ok_or_else(unplayable)?;
-    let (nuisances, found) = question.ended(found);
-    let study = Study { nuisances: &nuisances, ..study };
+    let mut search = Search::new(&study, question.responses.clone(), &limits).ok_or_else(unplayable)?;
+    let mut best = search.best();
+    let (mut nuisances, mut about) = question.about(&best.fitted);
+    if question.missing(&about.explained, &about.played).1 {
+        best = search.thoroughly(best);
+        (nuisances, about) = question.about(&best.fitted);
+    }
+    let found = question.sharpened(search.ended(best), about);
+    let study = Study { nuisances: &nuisances, ..study.clone() };
     Ok(question.discovery(model, measured, &study, &found))
 }

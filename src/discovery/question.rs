@@ -31,6 +31,8 @@ pub(super) struct Question<'a> {
     pub(super) played_proof: Vec<f64>,
     pub(super) responses: Vec<responses::Response>,
     pub(super) nuisances: Nuisances,
+    /// How many of them are of numbers that are uncertain.
+    free: usize,
     /// Whether markers on the base show it standing straight.
     pub(super) base_is_straight: bool,
 }
@@ -77,6 +79,7 @@ impl<'a> Question<'a> {
             played_proof,
             responses,
             nuisances,
+            free: columns.len(),
             base_is_straight: false,
         })
     }
@@ -97,17 +100,23 @@ impl<'a> Question<'a> {
         }
     }
 
-    /// What was found, to be studied where it ended: its intervals depend on the derivatives and the nuisances there.
-    pub(super) fn ended(&self, mut found: Found) -> (Nuisances, Found) {
-        let members = found.best.fitted.members.clone();
-        if members.is_empty() {
-            return (self.nuisances.clone(), found);
+    /// A set fitted with the nuisances as they are beside it, and those: tests and intervals depend on them.
+    pub(super) fn about(&self, best: &Fitted) -> (Nuisances, Fitted) {
+        if best.members.is_empty() {
+            return (self.nuisances.clone(), best.clone());
         }
-        let nuisances = self.nuisances_beside(&members, &self.fit, &self.played);
+        let nuisances = self.nuisances_beside(&best.members, &self.fit, &self.played);
         let study = Study { nuisances: &nuisances, ..self.study() };
-        if let Some(fitted) = study.refit(members.clone(), found.best.fitted.jacobian.clone()) {
-            found.best.fitted = fitted;
+        if let Some(fitted) = study.refit(best.members.clone(), best.jacobian.clone()) {
+            return (nuisances, fitted);
         }
+        (self.nuisances.clone(), self.study().sharpened(best.clone()).unwrap_or_else(|| best.clone()))
+    }
+
+    /// What was found, with its best set fitted anew as `best`, and the derivatives of its rivals where they ended.
+    pub(super) fn sharpened(&self, mut found: Found, best: Fitted) -> Found {
+        let study = self.study();
+        let members = std::mem::replace(&mut found.best.fitted, best).members;
         for scored in &mut found.tried {
             if scored.fitted.members == members {
                 *scored = found.best.clone();
@@ -117,7 +126,7 @@ impl<'a> Question<'a> {
                 scored.fitted = fitted;
             }
         }
-        (nuisances, found)
+        found
     }
 
     /// Whether the samples of the fit hold more than nuisances and noise.
@@ -147,6 +156,9 @@ impl<'a> Question<'a> {
     pub(super) fn speaks_against(&self, study: &Study, answer: &Fitted, played: &[f64]) -> bool {
         let Some(precision) = study.nuisance_precision(answer) else { return false };
         let columns = self.nuisances_beside(&answer.members, &self.proof, &self.played_proof).columns;
+        if columns.ncols() != answer.explained.amounts.len() {
+            return false;
+        }
         let nuisances = Nuisances::new(columns, answer.explained.amounts.clone(), precision);
         let unseen = nuisances.explain(&self.proof, &self.proof.residual(played), 0.0);
         let square_m2 = |explained: &Explained| explained.noise.rms_m().powi(2);
@@ -161,7 +173,12 @@ impl<'a> Question<'a> {
     /// What may differ a little from the model with the `members`, in `samples` where it has the tip at `played` without
     /// them: with much of an effect the tip answers to the rest otherwise than without.
     fn nuisances_beside(&self, members: &[Member], samples: &Samples, played: &[f64]) -> Nuisances {
-        let columns = baseline::free(self.options, &self.coarse, &self.hypotheses, members, samples);
+        let free = |members: &[Member]| baseline::free(self.options, &self.coarse, &self.hypotheses, members, samples);
+        let mut columns = free(members);
+        if columns.len() != self.free {
+            // Roughly played, the model cannot follow with them.
+            columns = free(&[]);
+        }
         nuisances(self.base.as_ref(), samples, played, &columns)
     }
 

@@ -55,11 +55,11 @@ pub(super) fn screen(
     let left = DVector::from_vec(noise.whiten(samples, &explained.left_m));
     let squares = left.norm_squared();
     let free = nuisances.columns.ncols();
-    let known = DMatrix::from_columns(
-        &nuisances.whitened(samples, noise).column_iter().chain(white(held).column_iter()).collect::<Vec<_>>(),
-    );
-    let known = if known.ncols() == 0 { DMatrix::zeros(left.len(), 0) } else { known };
+    let mut known = nuisances.whitened(samples, noise).resize_horizontally(free + held.ncols(), 0.0);
+    known.columns_mut(free, held.ncols()).copy_from(&white(held));
     let mut normal = known.tr_mul(&known);
+    // What is held at zero has no answer.
+    (free..known.ncols()).for_each(|k| normal[(k, k)] += 1e-12);
     let mut block = normal.view_mut((0, 0), (free, free));
     block += &nuisances.precision;
     let factor = Cholesky::new(normal);

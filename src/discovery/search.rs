@@ -1,5 +1,5 @@
 //! The search for the effects that are missing: one after the other, then each against all others in its place, then
-//! without each.
+//! without each; then once more from another first effect.
 
 use std::collections::BTreeSet;
 
@@ -65,7 +65,7 @@ const NEARLY: f64 = 0.7;
 const HOPELESS: f64 = -6.0;
 
 /// A search on its way.
-struct Search<'s> {
+pub(super) struct Search<'s> {
     study: &'s Study<'s>,
     limits: Limits,
     null: Scored,
@@ -76,26 +76,22 @@ struct Search<'s> {
     tried: Vec<Scored>,
 }
 
-impl Study<'_> {
-    /// Looks for the set of hypotheses that explains the samples best, one that pays for its parameters (extended
-    /// Bayesian information criterion, Chen & Chen, Biometrika 95, 2008). Where there is something `left` with it, nothing
-    /// is left out because of what it promised.
-    pub(super) fn search(
-        &self,
-        responses: Vec<Response>,
-        limits: &Limits,
-        left: impl Fn(&Fitted) -> bool,
-    ) -> Option<Found> {
-        let null = Scored { fitted: self.null()?, score: 0.0, exact: true };
-        let nothing = null.clone();
-        let (looked, tried) = (BTreeSet::new(), Vec::new());
-        let mut search = Search { study: self, limits: *limits, null, responses, looked, tried };
-        let best = search.enlarged(nothing);
-        let best = search.begun_otherwise(best);
-        let best = if left(&best.fitted) { search.thoroughly(best) } else { best };
-        Some(search.ended(best))
+impl<'s> Search<'s> {
+    /// A search for the set of hypotheses that explains the samples best, one that pays for its parameters (extended
+    /// Bayesian information criterion, Chen & Chen, Biometrika 95, 2008). None where the model cannot play the samples.
+    pub(super) fn new(study: &'s Study<'s>, responses: Vec<Response>, limits: &Limits) -> Option<Search<'s>> {
+        let null = Scored { fitted: study.null()?, score: 0.0, exact: true };
+        Some(Search { study, limits: *limits, null, responses, looked: BTreeSet::new(), tried: Vec::new() })
     }
 
+    /// The best set as far as promises lead.
+    pub(super) fn best(&mut self) -> Scored {
+        let best = self.enlarged(self.null.clone());
+        self.begun_otherwise(best)
+    }
+}
+
+impl Study<'_> {
     /// Whether what a first look promises beside `base` may turn out to be worth having.
     fn is_worth_fitting(&self, promise: &Promise, base: &Fitted, limits: &Limits) -> bool {
         let least_m = NEARLY * limits.least_size * base.explained.noise.rms_m();
@@ -124,7 +120,12 @@ impl Search<'_> {
             own.len() == 1 && own.is_disjoint(&members) && scored.score >= self.limits.least_score
         };
         let first = self.tried.iter().filter(other).max_by(|a, b| a.score.total_cmp(&b.score)).cloned();
-        let Some(first) = first.filter(|_| members.len() > 1) else { return best };
+        let Some(mut first) = first.filter(|_| members.len() > 1) else { return best };
+        if !first.exact {
+            let Some(fitted) = self.study.settled(&first.fitted) else { return best };
+            first = self.scored(fitted);
+            self.tried.push(first.clone());
+        }
         self.look_farther(&first);
         match self.with_another(&first, best.score) {
             Some(next) => {
@@ -135,8 +136,9 @@ impl Search<'_> {
         }
     }
 
-    /// Goes on from `best`, whatever is promised: other single effects first, then more of them.
-    fn thoroughly(&mut self, mut best: Scored) -> Scored {
+    /// Goes on from `best`, so that nothing is left out because of what it promised: other single effects first, then more
+    /// of them.
+    pub(super) fn thoroughly(&mut self, mut best: Scored) -> Scored {
         self.limits.thorough = true;
         self.look_farther(&best);
         if !best.fitted.members.is_empty() {
@@ -155,7 +157,8 @@ impl Search<'_> {
         }
     }
 
-    fn ended(self, best: Scored) -> Found {
+    /// What was found, with all that was tried on the way.
+    pub(super) fn ended(self, best: Scored) -> Found {
         let Search { study, null, responses, tried, .. } = self;
         let looked_at = study.promises(&null.fitted, &[], &responses).into_iter().map(|promise| {
             let score = study.promised(&promise);
@@ -255,11 +258,14 @@ impl Search<'_> {
         }
     }
 
-    /// Whether `base` has not been fitted with what is promised.
+    /// Whether `base` has not been fitted with what is promised, from there or as well as can be.
     fn is_new(&self, base: &Scored, promise: &Promise) -> bool {
+        let added = promise.member.hypothesis;
         let mut all = hypotheses(&base.fitted.members);
-        all.insert(promise.member.hypothesis);
-        !self.tried.iter().any(|scored| hypotheses(&scored.fitted.members) == all)
+        all.insert(added);
+        let same = |scored: &&Scored| hypotheses(&scored.fitted.members) == all;
+        let from_here = |scored: &Scored| scored.fitted.members.last().is_some_and(|last| last.hypothesis == added);
+        !self.tried.iter().filter(same).any(|scored| scored.exact || from_here(scored))
     }
 
     /// The set without the members that do not pay for themselves.

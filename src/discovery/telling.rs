@@ -33,7 +33,7 @@ impl Question<'_> {
         let best = &found.best.fitted;
         let (before, _) = self.missing(&found.null.fitted.explained, &self.played);
         let (after, left) = self.missing(&best.explained, &best.played);
-        let proved = self.proved(study, best, study.answer(found, left, self.options.rival_score));
+        let proved = self.proved(study, best, study.answer(&self.study(), found, left, self.options.rival_score));
         let answer = &proved.answer;
         let named = !answer.members.is_empty();
         let (told, played, missing) = if named {
@@ -158,8 +158,10 @@ impl Question<'_> {
     }
 
     fn candidates(&self, study: &Study, found: &Found, answer: &Answer) -> Vec<Candidate> {
+        let plain = self.study();
         let unseen = |scored: &Scored| {
-            let each = unseen::unseen_m(study, &scored.fitted);
+            let own = scored.fitted.members == found.best.fitted.members;
+            let each = unseen::unseen_m(if own { study } else { &plain }, &scored.fitted);
             crate::math::summary::root_mean_square(&each)
         };
         study.candidates(found, answer, self.options.rival_score, &unseen)

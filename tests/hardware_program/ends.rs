@@ -99,7 +99,7 @@ fn a_panic_holds_the_robot() {
     until(|| served.log().iter().any(|entry| entry.what.contains("X40.000")).then_some(()));
     served.stands();
     // Slow enough for the last move to last until a busy computer comes to hold it.
-    served.wish("set 110 50");
+    served.wish("set 110 10");
     bench.put(SLOWED, "");
     failing.end().is(101, &["whoever decides has failed"]);
     stands_within_the_last_tick(&was_held(&served));
