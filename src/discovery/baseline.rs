@@ -107,8 +107,7 @@ pub(super) fn in_common(baseline: Seen, recording: Seen) -> Nuisances {
     let all: Vec<Column> = own.iter().cloned().chain(form.columns(&around)).collect();
     let before = Nuisances::independent(played.len(), &all);
     let explained = before.explain(samples, &samples.residual(played), 0.0);
-    let white = before.whitened(samples, &explained.noise);
-    let precision: DMatrix<f64> = white.tr_mul(&white) + &before.precision;
+    let precision = before.information(&explained.noise.whitened(samples, &before.columns));
     let (samples, played, own) = recording;
     let around = circumstances(samples, played);
     let form = form.columns(&around);
@@ -117,7 +116,8 @@ pub(super) fn in_common(baseline: Seen, recording: Seen) -> Nuisances {
     Nuisances::new(columns, explained.amounts, precision)
 }
 
-/// The columns of what is uncertain of `model` with the `members`.
+/// The columns of what is uncertain of `model` with the `members`; where they cannot be played beside those, as they are
+/// without.
 pub(super) fn free(
     options: &Options,
     model: &Model,
@@ -125,21 +125,39 @@ pub(super) fn free(
     members: &[Member],
     samples: &Samples,
 ) -> Vec<Column> {
-    let asked = |hypothesis: &_| options.is_uncertain(hypothesis);
-    uncertain(&options.uncertain, hypotheses, &responses(model, hypotheses, members, &asked, samples))
+    // A number that a member has replaced is no longer uncertain.
+    let named =
+        |hypothesis: &Hypothesis, member: &Member| hypotheses[member.hypothesis].card.name == hypothesis.card.name;
+    let replaced = |own: &Hypothesis| own.replaces() && members.iter().any(|member| named(own, member));
+    let asked = |hypothesis: &Hypothesis| options.is_uncertain(hypothesis) && !replaced(hypothesis);
+    let wanted: usize = hypotheses.iter().filter(|own| asked(own)).map(|own| own.variants().len()).sum();
+    let mut answers = responses(model, hypotheses, members, &asked, samples);
+    if answers.len() < wanted && !members.is_empty() {
+        answers.extend(responses(model, hypotheses, &[], &asked, samples));
+    }
+    uncertain(&options.uncertain, hypotheses, &answers, 3 * samples.len())
 }
 
-/// The columns of the `uncertain` numbers among `responses`.
-pub(super) fn uncertain(uncertain: &[Uncertainty], hypotheses: &[Hypothesis], responses: &[Response]) -> Vec<Column> {
+/// The columns of the `uncertain` numbers, `rows` long: the first of the `answers` to a little of each; zero if there is
+/// none.
+pub(super) fn uncertain(
+    uncertain: &[Uncertainty],
+    hypotheses: &[Hypothesis],
+    answers: &[Response],
+    rows: usize,
+) -> Vec<Column> {
     let mut columns = Vec::new();
     for one in uncertain {
-        let about = responses.iter().filter(|response| hypotheses[response.hypothesis].card.name == one.effect);
-        for response in about {
-            let hypothesis = &hypotheses[response.hypothesis];
-            for (k, size) in hypothesis.sizes().into_iter().enumerate() {
-                let name = hypothesis.card.parameters[size].name;
-                if name.split('[').next() == Some(one.parameter.as_str()) {
-                    columns.push((response.columns.column(k).as_slice().to_vec(), one.deviation));
+        let about = hypotheses.iter().enumerate().filter(|(_, hypothesis)| hypothesis.card.name == one.effect);
+        for (number, hypothesis) in about {
+            for null in hypothesis.variants() {
+                let answer = answers.iter().find(|answer| answer.hypothesis == number && answer.null == null);
+                for (k, size) in hypothesis.sizes().into_iter().enumerate() {
+                    let name = hypothesis.card.parameters[size].name;
+                    if name.split('[').next() == Some(one.parameter.as_str()) {
+                        let column = answer.map(|answer| answer.columns.column(k).as_slice().to_vec());
+                        columns.push((column.unwrap_or_else(|| vec![0.0; rows]), one.deviation));
+                    }
                 }
             }
         }

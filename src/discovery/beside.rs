@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::hypothesis::Member;
 use super::refit::{Fitted, Study};
 use super::responses::Response;
-use super::screen::{Promise, best_of_each, screen};
+use super::screen::{Promise, Screen, best_of_each};
 use super::search::Scored;
 
 impl Study<'_> {
@@ -26,8 +26,9 @@ impl Study<'_> {
 
     /// What the hypotheses that are not in `from` and not in `without` promise beside it, the best first.
     pub(super) fn promises(&self, from: &Fitted, without: &[usize], responses: &[Response]) -> Vec<Promise> {
-        let each = screen(self.hypotheses, responses, self.samples, self.nuisances, &from.explained, &from.jacobian);
-        let mut promises = best_of_each(each);
+        let left = (&from.explained.noise, from.explained.left_m.as_slice());
+        let screen = Screen::new(self.hypotheses, self.samples, self.nuisances, left, &from.jacobian);
+        let mut promises = best_of_each(screen.promises(responses));
         promises.retain(|promise| {
             let taken = |member: &Member| member.hypothesis == promise.member.hypothesis;
             let open = self.open[promise.member.hypothesis];

@@ -10,12 +10,11 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::hypothesis::{Hypothesis, Member, effects};
-use super::nuisance::{Explained, Nuisances};
 use super::play::tips;
 use super::refit::{Fitted, Study};
 use super::responses::{Response, responses};
 use super::samples::{Samples, rms_m};
-use super::screen::{ALIKE, Promise, screen};
+use super::screen::{ALIKE, Promise, Screen};
 
 /// Farther than this, in usual sizes, no one looks.
 const FARTHEST: f64 = 8.0;
@@ -39,8 +38,8 @@ impl Study<'_> {
     /// Those whose answer rises and falls are looked at everywhere (a delay hardly shows until the command acts after the
     /// tracker has looked).
     pub(super) fn farther(&self, base: &Fitted, promises: &[Promise], responses: &[Response]) -> Vec<Response> {
-        let all = Far { study: self, base, samples: self.samples.clone(), rows: (0..3 * self.samples.len()).collect() };
-        let some = all.most_telling();
+        let all = Far::new(self, base, &(0..self.samples.trials.len()).collect::<Vec<usize>>());
+        let some = Far::new(self, base, &self.most_telling(base));
         let (Some(here), Some(there)) = (some.played(&[]), all.played(&[])) else { return Vec::new() };
         let known: Vec<Response> = responses.iter().map(|response| some.part(response)).collect();
         let beside = some.beside();
@@ -61,9 +60,21 @@ impl Study<'_> {
         };
         worth.into_par_iter().filter_map(everywhere).collect()
     }
+
+    /// The trials where most is left.
+    fn most_telling(&self, base: &Fitted) -> Vec<usize> {
+        let ranges = self.samples.ranges();
+        let left = |trial: usize| -> f64 {
+            base.explained.left_m[3 * ranges[trial].start..3 * ranges[trial].end].iter().map(|left| left * left).sum()
+        };
+        let mut trials: Vec<usize> = (0..ranges.len()).collect();
+        trials.sort_by(|&a, &b| left(b).total_cmp(&left(a)));
+        trials.truncate(SHOWN);
+        trials
+    }
 }
 
-/// What is looked for far out, in some of the samples.
+/// What is looked for far out, in some of the trials.
 struct Far<'a> {
     study: &'a Study<'a>,
     /// What is known to be missing.
@@ -71,20 +82,22 @@ struct Far<'a> {
     samples: Samples,
     /// Their numbers among all of the study, three a sample.
     rows: Vec<usize>,
+    /// What is left in them, metres.
+    left_m: Vec<f64>,
+    screen: Screen<'a>,
 }
 
-impl Far<'_> {
-    /// The same in the trials where most is left.
-    fn most_telling(&self) -> Far<'_> {
-        let ranges = self.samples.ranges();
-        let rows = |trial: usize| 3 * ranges[trial].start..3 * ranges[trial].end;
-        let left =
-            |trial: usize| -> f64 { self.base.explained.left_m[rows(trial)].iter().map(|left| left * left).sum() };
-        let mut trials: Vec<usize> = (0..ranges.len()).collect();
-        trials.sort_by(|&a, &b| left(b).total_cmp(&left(a)));
-        trials.truncate(SHOWN);
-        let samples = self.samples.of_trials(&trials);
-        Far { study: self.study, base: self.base, samples, rows: trials.into_iter().flat_map(rows).collect() }
+impl<'a> Far<'a> {
+    fn new(study: &'a Study<'a>, base: &'a Fitted, trials: &[usize]) -> Far<'a> {
+        let ranges = study.samples.ranges();
+        let rows: Vec<usize> =
+            trials.iter().flat_map(|&trial| 3 * ranges[trial].start..3 * ranges[trial].end).collect();
+        let samples = study.samples.of_trials(trials);
+        let left_m: Vec<f64> = rows.iter().map(|&row| base.explained.left_m[row]).collect();
+        let nuisances = study.nuisances.in_rows(&rows);
+        let held = base.jacobian.select_rows(&rows);
+        let screen = Screen::new(study.hypotheses, &samples, &nuisances, (&base.explained.noise, &left_m), &held);
+        Far { study, base, samples, rows, left_m, screen }
     }
 
     /// An answer in these samples.
@@ -98,11 +111,6 @@ impl Far<'_> {
         let (study, members) = (self.study, &self.base.members);
         let asked = |hypothesis: &Hypothesis| !members.is_empty() && hypothesis.sizes().len() > 1;
         responses(study.coarse, study.hypotheses, members, &asked, &self.samples)
-    }
-
-    /// What is left in these samples.
-    fn left_m(&self) -> Vec<f64> {
-        self.rows.iter().map(|&row| self.base.explained.left_m[row]).collect()
     }
 
     /// Where the coarse model with the members of the base and `more` has the tip.
@@ -148,7 +156,7 @@ impl Far<'_> {
         let hypothesis = &self.study.hypotheses[response.hypothesis];
         match hypothesis.sizes()[..] {
             [size] => Some(DVector::from_element(1, hypothesis.probe(size).abs())),
-            _ => Some(self.step(&self.promises(std::slice::from_ref(response)).pop()?.member, response)),
+            _ => Some(self.step(&self.screen.promises(std::slice::from_ref(response)).pop()?.member, response)),
         }
     }
 
@@ -169,7 +177,7 @@ impl Far<'_> {
     /// Looks on the way to where the tip is moved far enough. Each is an answer: where that is far from even, the last one
     /// may say least.
     fn outward(&self, response: &Response, here: &[f64], direction: &DVector<f64>) -> Vec<Response> {
-        let left_m = rms_m(&self.left_m());
+        let left_m = rms_m(&self.left_m);
         let farthest = FARTHEST / self.in_probes(response, direction).amax().max(f64::MIN_POSITIVE);
         let usual_m = rms_m((&response.columns * direction).as_slice());
         let mut size = farthest.min(left_m / usual_m.max(f64::MIN_POSITIVE));
@@ -198,11 +206,8 @@ impl Far<'_> {
     fn nearer(&self, mut looks: Vec<Response>, here: &[f64]) -> Vec<Response> {
         let mut followed = looks.len();
         for _ in 0..NEARER {
-            // How far each holds is not asked yet.
-            let anywhere: Vec<Response> = looks.iter().map(|look| Response { step: None, ..look.clone() }).collect();
-            let Some(best) = self.promises(&anywhere).into_iter().max_by(|a, b| a.gain.total_cmp(&b.gain)) else {
-                break;
-            };
+            let promises = self.screen.promises_anywhere(&looks).into_iter();
+            let Some(best) = promises.max_by(|a, b| a.gain.total_cmp(&b.gain)) else { break };
             let look = &looks[best.response];
             let Some(next) = look.step.as_ref().and_then(|step| self.next(look, step, &best.member)) else { break };
             if std::mem::replace(&mut followed, best.response) == best.response {
@@ -223,21 +228,12 @@ impl Far<'_> {
         (size(&(&wanted - there)) >= THERE * size(&wanted)).then_some(wanted)
     }
 
-    /// What the responses to hypotheses that may be the answer promise in these samples, in their order.
-    fn promises(&self, responses: &[Response]) -> Vec<Promise> {
-        let study = self.study;
-        let explained = Explained { left_m: self.left_m(), ..self.base.explained.clone() };
-        let nuisances: Nuisances = study.nuisances.in_rows(&self.rows);
-        let held = self.base.jacobian.select_rows(&self.rows);
-        let mut found = screen(study.hypotheses, responses, &self.samples, &nuisances, &explained, &held);
-        found.retain(|promise| study.open[promise.member.hypothesis]);
-        found
-    }
-
     /// Those of the looks that promise enough in these samples, beside what is `known`.
     fn worth(&self, looks: Vec<Response>, known: &[Response]) -> Vec<Response> {
-        let found = self.promises(&looks);
-        let best = found.iter().chain(&self.promises(known)).map(|promise| promise.gain).fold(0.0, f64::max);
+        let found = self.screen.promises(&looks);
+        let mut rivals = self.screen.promises(known);
+        rivals.retain(|promise| self.study.open[promise.member.hypothesis]);
+        let best = found.iter().chain(&rivals).map(|promise| promise.gain).fold(0.0, f64::max);
         let least = (WORTH_SHARE * best).min(best - WORTH_SLACK);
         let kept = found.into_iter().filter(|promise| promise.gain >= least);
         kept.map(|promise| looks[promise.response].clone()).collect()

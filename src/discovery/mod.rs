@@ -4,6 +4,7 @@
 //! The physics is fitted anew for every candidate; numbers that a lab would recalibrate are free in all of them alike;
 //! candidates pay for their parameters; trials that take no part in any of it are the proof.
 
+mod about;
 mod answer;
 mod base;
 mod baseline;
@@ -41,7 +42,6 @@ use crate::data::findings::{Findings, PlaceRow, ResidualRow};
 use crate::effects::Model;
 
 use question::Question;
-use refit::Study;
 use samples::Samples;
 use search::Search;
 
@@ -88,12 +88,11 @@ pub fn discover(
     let limits = options.limits();
     let mut search = Search::new(&study, question.responses.clone(), &limits).ok_or_else(unplayable)?;
     let mut best = search.best();
-    let (mut nuisances, mut about) = question.about(&best.fitted);
-    if question.missing(&about.explained, &about.played).1 {
+    let mut about = question.about(&best.fitted);
+    if about.left {
         best = search.thoroughly(best);
-        (nuisances, about) = question.about(&best.fitted);
+        about = question.about(&best.fitted);
     }
-    let found = question.sharpened(search.ended(best), about);
-    let study = Study { nuisances: &nuisances, ..study.clone() };
-    Ok(question.discovery(model, measured, &study, &found))
+    let found = question.sharpened(search.ended(best), &about);
+    Ok(question.discovery(model, measured, &about, &found))
 }

@@ -1,5 +1,7 @@
 //! Measurement noise: its size an axis and its correlation from one sample to the next, and residuals made white by it.
 
+use nalgebra::DMatrix;
+
 use super::samples::Samples;
 
 /// A first-order autoregression, Gaussian, stationary, starting anew in every trial.
@@ -25,6 +27,16 @@ impl Noise {
     /// Independent samples that tell as much about a constant as `samples` correlated ones.
     pub(super) fn independent(&self, samples: usize) -> f64 {
         samples as f64 * (1.0 - self.correlation) / (1.0 + self.correlation)
+    }
+
+    /// The columns of a matrix (three rows a sample) as independent numbers of variance one.
+    pub(super) fn whitened(&self, samples: &Samples, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut white = columns.clone();
+        for mut column in white.column_iter_mut() {
+            let values = self.whiten(samples, column.as_slice());
+            column.copy_from_slice(&values);
+        }
+        white
     }
 
     /// `values` (three numbers a sample) as independent numbers of variance one.

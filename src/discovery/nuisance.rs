@@ -78,14 +78,22 @@ impl Nuisances {
         Explained { noise, amounts, left_m, deviance }
     }
 
-    /// Their columns made white, under which the square root of the precision stands as more rows.
-    pub(super) fn whitened(&self, samples: &Samples, noise: &Noise) -> DMatrix<f64> {
-        let mut white = self.columns.clone();
-        for mut column in white.column_iter_mut() {
-            let values = noise.whiten(samples, column.as_slice());
-            column.copy_from_slice(&values);
-        }
-        white
+    /// Their columns, and after them `others`.
+    pub(super) fn with(&self, others: &DMatrix<f64>) -> DMatrix<f64> {
+        let own = self.columns.ncols();
+        let mut all = self.columns.clone().resize_horizontally(own + others.ncols(), 0.0);
+        all.columns_mut(own, others.ncols()).copy_from(others);
+        all
+    }
+
+    /// Information on them and on what comes after them (see [`Nuisances::with`]): that of the `white` columns, and
+    /// their prior's.
+    pub(super) fn information(&self, white: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut information = white.tr_mul(white);
+        let own = self.columns.ncols();
+        let mut block = information.view_mut((0, 0), (own, own));
+        block += &self.precision;
+        information
     }
 
     /// Most likely amounts, the log-determinant of their posterior's precision, and how many numbers they use up.
@@ -93,7 +101,7 @@ impl Nuisances {
         if self.mean.is_empty() {
             return (self.mean.clone(), 0.0, 0.0);
         }
-        let white = self.whitened(samples, noise);
+        let white = noise.whitened(samples, &self.columns);
         let target = DVector::from_vec(noise.whiten(samples, residual));
         let information = white.tr_mul(&white);
         let posterior = &information + &self.precision;

@@ -8,7 +8,6 @@ use super::nuisance::{Column, Explained, Nuisances};
 use super::options::Options;
 use super::refit::{Fitted, Study};
 use super::samples::{Samples, rms_m};
-use super::search::Found;
 use super::{baseline, check, floor, play, proof, responses, uneven};
 use crate::data::Recording;
 use crate::effects::Model;
@@ -31,8 +30,6 @@ pub(super) struct Question<'a> {
     pub(super) played_proof: Vec<f64>,
     pub(super) responses: Vec<responses::Response>,
     pub(super) nuisances: Nuisances,
-    /// How many of them are of numbers that are uncertain.
-    free: usize,
     /// Whether markers on the base show it standing straight.
     pub(super) base_is_straight: bool,
 }
@@ -64,7 +61,7 @@ impl<'a> Question<'a> {
         let played_proof = self::played(&model, &proof)?;
         let coarse = play::coarse(&model);
         let responses = responses::responses(&coarse, &hypotheses, &[], &|_| true, &fit);
-        let columns = baseline::uncertain(&options.uncertain, &hypotheses, &responses);
+        let columns = baseline::uncertain(&options.uncertain, &hypotheses, &responses, 3 * fit.len());
         let nuisances = nuisances(base.as_ref(), &fit, &played, &columns);
         Ok(Question {
             options,
@@ -79,7 +76,6 @@ impl<'a> Question<'a> {
             played_proof,
             responses,
             nuisances,
-            free: columns.len(),
             base_is_straight: false,
         })
     }
@@ -98,35 +94,6 @@ impl<'a> Question<'a> {
             samples: &self.fit,
             nuisances: &self.nuisances,
         }
-    }
-
-    /// A set fitted with the nuisances as they are beside it, and those: tests and intervals depend on them.
-    pub(super) fn about(&self, best: &Fitted) -> (Nuisances, Fitted) {
-        if best.members.is_empty() {
-            return (self.nuisances.clone(), best.clone());
-        }
-        let nuisances = self.nuisances_beside(&best.members, &self.fit, &self.played);
-        let study = Study { nuisances: &nuisances, ..self.study() };
-        if let Some(fitted) = study.refit(best.members.clone(), best.jacobian.clone()) {
-            return (nuisances, fitted);
-        }
-        (self.nuisances.clone(), self.study().sharpened(best.clone()).unwrap_or_else(|| best.clone()))
-    }
-
-    /// What was found, with its best set fitted anew as `best`, and the derivatives of its rivals where they ended.
-    pub(super) fn sharpened(&self, mut found: Found, best: Fitted) -> Found {
-        let study = self.study();
-        let members = std::mem::replace(&mut found.best.fitted, best).members;
-        for scored in &mut found.tried {
-            if scored.fitted.members == members {
-                *scored = found.best.clone();
-            } else if scored.score > found.best.score - self.options.rival_score
-                && let Some(fitted) = study.sharpened(scored.fitted.clone())
-            {
-                scored.fitted = fitted;
-            }
-        }
-        found
     }
 
     /// Whether the samples of the fit hold more than nuisances and noise.
@@ -156,9 +123,6 @@ impl<'a> Question<'a> {
     pub(super) fn speaks_against(&self, study: &Study, answer: &Fitted, played: &[f64]) -> bool {
         let Some(precision) = study.nuisance_precision(answer) else { return false };
         let columns = self.nuisances_beside(&answer.members, &self.proof, &self.played_proof).columns;
-        if columns.ncols() != answer.explained.amounts.len() {
-            return false;
-        }
         let nuisances = Nuisances::new(columns, answer.explained.amounts.clone(), precision);
         let unseen = nuisances.explain(&self.proof, &self.proof.residual(played), 0.0);
         let square_m2 = |explained: &Explained| explained.noise.rms_m().powi(2);
@@ -172,13 +136,8 @@ impl<'a> Question<'a> {
 
     /// What may differ a little from the model with the `members`, in `samples` where it has the tip at `played` without
     /// them: with much of an effect the tip answers to the rest otherwise than without.
-    fn nuisances_beside(&self, members: &[Member], samples: &Samples, played: &[f64]) -> Nuisances {
-        let free = |members: &[Member]| baseline::free(self.options, &self.coarse, &self.hypotheses, members, samples);
-        let mut columns = free(members);
-        if columns.len() != self.free {
-            // Roughly played, the model cannot follow with them.
-            columns = free(&[]);
-        }
+    pub(super) fn nuisances_beside(&self, members: &[Member], samples: &Samples, played: &[f64]) -> Nuisances {
+        let columns = baseline::free(self.options, &self.coarse, &self.hypotheses, members, samples);
         nuisances(self.base.as_ref(), samples, played, &columns)
     }
 

@@ -225,16 +225,8 @@ impl Study<'_> {
     /// Information on nuisances (first) and coordinates, and how many nuisances there are.
     fn normal(&self, fitted: &Fitted) -> (DMatrix<f64>, usize) {
         let noise = &fitted.explained.noise;
-        let nuisances = self.nuisances.whitened(self.samples, noise);
-        let free = nuisances.ncols();
-        let mut all = nuisances.resize_horizontally(free + fitted.jacobian.ncols(), 0.0);
-        for (k, column) in fitted.jacobian.column_iter().enumerate() {
-            all.set_column(free + k, &DVector::from_vec(noise.whiten(self.samples, column.as_slice())));
-        }
-        let mut normal = all.tr_mul(&all);
-        let mut block = normal.view_mut((0, 0), (free, free));
-        block += &self.nuisances.precision;
-        (normal, free)
+        let white = noise.whitened(self.samples, &self.nuisances.with(&fitted.jacobian));
+        (self.nuisances.information(&white), self.nuisances.columns.ncols())
     }
 
     /// The Gauss–Newton step of the coordinates, nuisances following, and by how much it makes the deviance fall if the

@@ -44,7 +44,7 @@ pub(super) fn responses(
         .iter()
         .enumerate()
         .filter(|(_, hypothesis)| asked(hypothesis))
-        .flat_map(|(number, hypothesis)| nulls(number, hypothesis, members).into_iter().map(move |null| (number, null)))
+        .flat_map(|(number, hypothesis)| hypothesis.variants().into_iter().map(move |null| (number, null)))
         .collect();
     let answer = |(number, null): (usize, Vec<f64>)| {
         let hypothesis = &hypotheses[number];
@@ -62,12 +62,4 @@ pub(super) fn responses(
         Some(Response { hypothesis: number, null, columns, step: None })
     };
     variants.into_par_iter().filter_map(answer).collect()
-}
-
-/// The values of each variant at which nothing changes beside the members: what replaces a number then replaces theirs.
-fn nulls(number: usize, hypothesis: &Hypothesis, members: &[Member]) -> Vec<Vec<f64>> {
-    match members.iter().find(|member| member.hypothesis == number && hypothesis.replaces()) {
-        Some(member) => vec![member.values.clone()],
-        None => hypothesis.variants(),
-    }
 }

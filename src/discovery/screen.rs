@@ -2,10 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::hypothesis::{Hypothesis, Member};
-use super::nuisance::{Explained, Nuisances};
+use super::noise::Noise;
+use super::nuisance::Nuisances;
 use super::responses::Response;
 use super::samples::{Samples, rms_m};
 
@@ -19,6 +20,8 @@ pub(super) struct Promise {
     pub(super) member: Member,
     /// Number of the answer that it was seen by.
     pub(super) response: usize,
+    /// How much of the change that the answer holds for it would be; one for an answer to a little.
+    pub(super) share: f64,
     /// Expected fall of the deviance.
     pub(super) gain: f64,
     /// How far the hypothesis moves the tip, root mean square, metres.
@@ -33,61 +36,71 @@ pub(super) fn best_of_each(mut promises: Vec<Promise>) -> Vec<Promise> {
     promises
 }
 
-/// What the variants promise for the residual behind `explained`, those that may help, in their order. `held`: answers to
-/// the parameters that are fitted already and will be again.
-pub(super) fn screen(
-    hypotheses: &[Hypothesis],
-    responses: &[Response],
-    samples: &Samples,
-    nuisances: &Nuisances,
-    explained: &Explained,
-    held: &DMatrix<f64>,
-) -> Vec<Promise> {
-    let noise = &explained.noise;
-    let white = |matrix: &DMatrix<f64>| {
-        let mut out = matrix.clone();
-        out.column_iter_mut().for_each(|mut column| {
-            let values = noise.whiten(samples, column.as_slice());
-            column.copy_from_slice(&values);
-        });
-        out
-    };
-    let left = DVector::from_vec(noise.whiten(samples, &explained.left_m));
-    let squares = left.norm_squared();
-    let free = nuisances.columns.ncols();
-    let mut known = nuisances.whitened(samples, noise).resize_horizontally(free + held.ncols(), 0.0);
-    known.columns_mut(free, held.ncols()).copy_from(&white(held));
-    let mut normal = known.tr_mul(&known);
-    // What is held at zero has no answer.
-    (free..known.ncols()).for_each(|k| normal[(k, k)] += 1e-12);
-    let mut block = normal.view_mut((0, 0), (free, free));
-    block += &nuisances.precision;
-    let factor = Cholesky::new(normal);
-    let promise = |(number, response): (usize, &Response)| -> Option<Promise> {
-        let hypothesis = &hypotheses[response.hypothesis];
-        let columns = white(&response.columns);
+/// The residual behind a fit, with all that is to be free beside whatever is looked at.
+pub(super) struct Screen<'a> {
+    hypotheses: &'a [Hypothesis],
+    samples: Samples,
+    noise: Noise,
+    /// What is left, white.
+    left: DVector<f64>,
+    /// White answers to what is free, with the factor of its information; none where there is no such factor.
+    free: Option<(DMatrix<f64>, Cholesky<f64, Dyn>)>,
+}
+
+impl<'a> Screen<'a> {
+    /// `held`: answers to the parameters that are fitted already and will be again.
+    pub(super) fn new(
+        hypotheses: &'a [Hypothesis],
+        samples: &Samples,
+        nuisances: &Nuisances,
+        (noise, left_m): (&Noise, &[f64]),
+        held: &DMatrix<f64>,
+    ) -> Screen<'a> {
+        let known = noise.whitened(samples, &nuisances.with(held));
+        let mut normal = nuisances.information(&known);
+        // What is held at zero has no answer.
+        (nuisances.columns.ncols()..known.ncols()).for_each(|k| normal[(k, k)] += 1e-12);
+        let free = Cholesky::new(normal).filter(|_| known.ncols() > 0).map(|factor| (known, factor));
+        let left = DVector::from_vec(noise.whiten(samples, left_m));
+        Screen { hypotheses, samples: samples.clone(), noise: *noise, left, free }
+    }
+
+    /// What the variants promise, those that may help, in the order of the `responses`.
+    pub(super) fn promises(&self, responses: &[Response]) -> Vec<Promise> {
+        let mut promises = self.promises_anywhere(responses);
+        promises.retain(|promise| ALIKE.contains(&promise.share));
+        promises
+    }
+
+    /// The same, however far that is from where each was looked at.
+    pub(super) fn promises_anywhere(&self, responses: &[Response]) -> Vec<Promise> {
+        responses.iter().enumerate().filter_map(|(number, response)| self.promise(number, response)).collect()
+    }
+
+    fn promise(&self, number: usize, response: &Response) -> Option<Promise> {
+        let hypothesis = &self.hypotheses[response.hypothesis];
+        let columns = self.noise.whitened(&self.samples, &response.columns);
         let mut own = columns.tr_mul(&columns);
-        if let Some(factor) = factor.as_ref().filter(|_| known.ncols() > 0) {
+        if let Some((known, factor)) = &self.free {
             let shared = known.tr_mul(&columns);
             own -= shared.tr_mul(&factor.solve(&shared));
         }
         // What the nuisances and the fitted parameters can do as well is not seen.
         let floor = 1e-9 * columns.norm_squared();
         (0..own.nrows()).for_each(|k| own[(k, k)] += floor);
-        let right = columns.tr_mul(&left);
+        let right = columns.tr_mul(&self.left);
         let sizes = Cholesky::new(own)?.solve(&right);
-        if response.step.as_ref().is_some_and(|step| !ALIKE.contains(&share_of(hypothesis, step, sizes.as_slice()))) {
-            return None;
-        }
-        let steps: Vec<(usize, f64)> = hypothesis.sizes().into_iter().zip(sizes.iter().copied()).collect();
-        let values = steps.iter().fold(response.null.clone(), |at, &(size, step)| hypothesis.moved(&at, size, step));
+        let share = response.step.as_ref().map_or(1.0, |step| share_of(hypothesis, step, sizes.as_slice()));
+        let steps = hypothesis.sizes().into_iter().zip(sizes.iter());
+        let values = steps.fold(response.null.clone(), |at, (size, &step)| hypothesis.moved(&at, size, step));
         let values = within(hypothesis, &response.null, &values)?;
+        let squares = self.left.norm_squared();
         let explains = right.dot(&sizes).clamp(0.0, 0.999_999 * squares);
         let size_m = rms_m((&response.columns * &sizes).as_slice());
-        let gain = left.len() as f64 * (squares / (squares - explains)).ln();
-        Some(Promise { member: Member { hypothesis: response.hypothesis, values }, response: number, gain, size_m })
-    };
-    responses.iter().enumerate().filter_map(promise).collect()
+        let gain = self.left.len() as f64 * (squares / (squares - explains)).ln();
+        let member = Member { hypothesis: response.hypothesis, values };
+        Some(Promise { member, response: number, share, gain, size_m })
+    }
 }
 
 /// How much of `step` there is in `sizes`, each over what is easily seen of it.

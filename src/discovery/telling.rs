@@ -1,5 +1,6 @@
 //! From the search to everything that is told: the answer, its proof, the map, what to record next.
 
+use super::about::About;
 use super::answer::Answer;
 use super::features::circumstances;
 use super::hypothesis::effects;
@@ -29,15 +30,16 @@ struct Proved {
 
 impl Question<'_> {
     /// Everything that is told of what the search found.
-    pub(super) fn discovery(&self, given: &Model, measured: &Recording, study: &Study, found: &Found) -> Discovery {
+    pub(super) fn discovery(&self, given: &Model, measured: &Recording, about: &About, found: &Found) -> Discovery {
         let best = &found.best.fitted;
+        let study = &Study { nuisances: &about.nuisances, ..self.study() };
         let (before, _) = self.missing(&found.null.fitted.explained, &self.played);
-        let (after, left) = self.missing(&best.explained, &best.played);
-        let proved = self.proved(study, best, study.answer(&self.study(), found, left, self.options.rival_score));
+        let after = &about.missing;
+        let proved = self.proved(study, best, study.answer(&self.study(), found, about.left, self.options.rival_score));
         let answer = &proved.answer;
         let named = !answer.members.is_empty();
         let (told, played, missing) = if named {
-            (&best.explained, &best.played, &after)
+            (&best.explained, &best.played, after)
         } else {
             (&found.null.fitted.explained, &self.played, &before)
         };

@@ -9,21 +9,10 @@ use super::refit::{Fitted, Study};
 pub(super) fn unseen_m(study: &Study, fitted: &Fitted) -> Vec<f64> {
     let samples = study.samples;
     let noise = &fitted.explained.noise;
-    let nuisances = &study.nuisances.columns;
-    let free = nuisances.ncols();
-    let mut plain = nuisances.clone().resize_horizontally(free + fitted.jacobian.ncols(), 0.0);
-    for (k, column) in fitted.jacobian.column_iter().enumerate() {
-        plain.set_column(free + k, &column);
-    }
-    let mut white = plain.clone();
-    for mut column in white.column_iter_mut() {
-        let values = noise.whiten(samples, column.as_slice());
-        column.copy_from_slice(&values);
-    }
+    let plain = study.nuisances.with(&fitted.jacobian);
+    let white = noise.whitened(samples, &plain);
     let left = DVector::from_vec(noise.whiten(samples, &fitted.explained.left_m));
-    let mut normal = white.tr_mul(&white);
-    let mut block = normal.view_mut((0, 0), (free, free));
-    block += &study.nuisances.precision;
+    let normal = study.nuisances.information(&white);
     let one = |range: std::ops::Range<usize>| -> f64 {
         let (start, count) = (3 * range.start, 3 * range.len());
         let own = white.rows(start, count);

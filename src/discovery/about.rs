@@ -1,0 +1,57 @@
+//! The best set of effects, with all that depends on what is uncertain beside it.
+
+use super::missing::Missing;
+use super::nuisance::Nuisances;
+use super::question::Question;
+use super::refit::{Fitted, Study};
+use super::search::Found;
+
+/// What is found out about a set before it is an answer.
+pub(super) struct About {
+    /// What may differ a little from the model with the set.
+    pub(super) nuisances: Nuisances,
+    /// The set, fitted with those.
+    pub(super) fitted: Fitted,
+    /// Whether what it leaves can be foretold.
+    pub(super) missing: Missing,
+    /// Whether it leaves more than nuisances and noise in any way.
+    pub(super) left: bool,
+}
+
+impl Question<'_> {
+    /// All about the set that fits `best`.
+    pub(super) fn about(&self, best: &Fitted) -> About {
+        let (nuisances, fitted) = self.beside(best);
+        let (missing, left) = self.missing(&fitted.explained, &fitted.played);
+        About { nuisances, fitted, missing, left }
+    }
+
+    /// The set fitted with the nuisances as they are beside it, and those: tests and intervals depend on them.
+    fn beside(&self, best: &Fitted) -> (Nuisances, Fitted) {
+        if best.members.is_empty() {
+            return (self.nuisances.clone(), best.clone());
+        }
+        let nuisances = self.nuisances_beside(&best.members, &self.fit, &self.played);
+        let study = Study { nuisances: &nuisances, ..self.study() };
+        if let Some(fitted) = study.refit(best.members.clone(), best.jacobian.clone()) {
+            return (nuisances, fitted);
+        }
+        (self.nuisances.clone(), self.study().sharpened(best.clone()).unwrap_or_else(|| best.clone()))
+    }
+
+    /// What was found, with its best set as it was fitted last, and the derivatives of its rivals where they ended.
+    pub(super) fn sharpened(&self, mut found: Found, about: &About) -> Found {
+        let study = self.study();
+        let members = std::mem::replace(&mut found.best.fitted, about.fitted.clone()).members;
+        for scored in &mut found.tried {
+            if scored.fitted.members == members {
+                *scored = found.best.clone();
+            } else if scored.score > found.best.score - self.options.rival_score
+                && let Some(fitted) = study.sharpened(scored.fitted.clone())
+            {
+                scored.fitted = fitted;
+            }
+        }
+        found
+    }
+}
