@@ -1,10 +1,10 @@
 //! From the search to the answer: its verdict, the effects with their intervals, and the words for them.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Number, Value};
 
-use super::hypothesis::{Hypothesis, Member};
+use super::hypothesis::{Hypothesis, Member, set_of};
 use super::refit::Study;
 use super::search::{Found, Scored};
 use crate::data::findings::{Candidate, FoundEffect, Verdict};
@@ -157,17 +157,18 @@ impl Study<'_> {
         let mut tried: Vec<&Scored> = found.tried.iter().chain([&found.null]).collect();
         tried.sort_by(|a, b| b.score.total_cmp(&a.score));
         let mut listed: Vec<Candidate> = Vec::new();
+        let mut seen = BTreeSet::new();
         for scored in tried {
-            let name = set_name(self.hypotheses, &scored.fitted.members);
-            if listed.len() < LISTED && !listed.iter().any(|known| known.name == name) {
+            if listed.len() < LISTED && seen.insert(set_of(&scored.fitted.members)) {
+                let name = set_name(self.hypotheses, &scored.fitted.members);
                 let why_not = self.why_not(found, answer, scored, rival_score);
                 listed.push(Candidate { name, score: scored.score, after_m: after_m(scored), why_not });
             }
         }
         // Every effect of the catalogue is accounted for.
         for (promise, score) in &found.looked_at {
-            let name = set_name(self.hypotheses, std::slice::from_ref(&promise.member));
-            if !listed.iter().any(|known| known.name == name) {
+            if seen.insert(BTreeSet::from([promise.member.hypothesis])) {
+                let name = set_name(self.hypotheses, std::slice::from_ref(&promise.member));
                 let left = (-promise.gain / (6.0 * self.samples.len() as f64)).exp();
                 let after_m = left * super::samples::rms_m(&found.null.fitted.explained.left_m);
                 let why_not = "not followed up: a first look, linear, promises no more than this".to_owned();
@@ -193,7 +194,7 @@ impl Study<'_> {
         if behind < rival_score {
             return "fits equally well: these data cannot tell".to_owned();
         }
-        format!("fits worse by {behind:.0} (2 ln of the likelihood, less what its parameters cost)")
+        format!("fits worse: its score is {behind:.0} lower")
     }
 }
 

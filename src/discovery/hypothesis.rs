@@ -1,5 +1,7 @@
 //! Effects of the catalogue as hypotheses: what of them is fitted, and from where.
 
+use std::collections::BTreeSet;
+
 use crate::effects::{CATALOGUE, Card, EffectSpec, Model, ModelParameter, Robot, Seek};
 
 /// An effect that may be missing: a line of the catalogue, with the tendon where it is about one.
@@ -196,6 +198,11 @@ impl Hypothesis {
 fn places(robot: &Robot, length_m: f64) -> Vec<f64> {
     let count = if robot.sections.count > 0 { robot.sections.count.min(2 * PLACES) } else { PLACES };
     (0..count).map(|k| length_m * (k as f64 + 0.5) / count as f64).collect()
+}
+
+/// Which hypotheses the members are, whatever their order.
+pub(super) fn set_of(members: &[Member]) -> BTreeSet<usize> {
+    members.iter().map(|member| member.hypothesis).collect()
 }
 
 /// The effects of these members on top of a model; none where one is out of range.

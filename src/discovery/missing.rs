@@ -28,11 +28,11 @@ pub(super) enum Pattern {
     Constant,
 }
 
-/// The test's result and the pattern that was seen best.
+/// The test's result, and what share of the residual's squares each pattern foretells, the best first.
 #[derive(Clone, Debug)]
 pub(super) struct Missing {
     pub(super) test: MissingTest,
-    pub(super) pattern: Pattern,
+    pub(super) foretold: Vec<(Pattern, f64)>,
 }
 
 /// Blocks with signs of their own at least.
@@ -60,27 +60,24 @@ pub(super) fn missing(samples: &Samples, around: &[Circumstances], residual: &[f
         })
         .collect();
     let plain = vec![[1.0; 3]; blocks.len()];
-    // Each pattern's success in its own standard deviations, the best of them, and how often chance does as well.
+    // The best of the patterns' successes, each in its own standard deviations, and how often chance does as well.
     let moments: Vec<(f64, f64)> = (0..tables.len()).map(|k| moments(flipped.iter().map(|draw| draw[k]))).collect();
     let best = |successes: &[f64]| {
         let scaled = successes.iter().zip(&moments).map(|(value, (mean, deviation))| (value - mean) / deviation);
-        scaled.enumerate().fold((0, f64::NEG_INFINITY), |top, entry| if entry.1 > top.1 { entry } else { top })
+        scaled.fold(f64::NEG_INFINITY, f64::max)
     };
     let observed: Vec<f64> = tables.iter().map(|table| table.success(&plain)).collect();
-    let (strongest, height) = best(&observed);
-    let above = flipped.iter().filter(|draw| best(draw).1 >= height).count();
+    let height = best(&observed);
+    let above = flipped.iter().filter(|draw| best(draw) >= height).count();
     let counted = (above + 1) as f64 / (DRAWS + 1) as f64;
     // Beyond what so many draws can show, the tail of a normal law.
     let p_value = if above == 0 { counted.min(tables.len() as f64 * normal_above(height)) } else { counted };
-    let foretold = tables.iter().map(|table| table.foretold).fold(0.0, f64::max);
-    Missing {
-        test: MissingTest {
-            rms_m: rms_m(residual),
-            foretold_m: (foretold / samples.len().max(1) as f64).sqrt(),
-            p_value,
-        },
-        pattern: patterns[strongest],
-    }
+    let squares = residual.iter().map(|r| r * r).sum::<f64>().max(f64::MIN_POSITIVE);
+    let mut foretold: Vec<(Pattern, f64)> =
+        patterns.into_iter().zip(&tables).map(|(pattern, table)| (pattern, table.foretold / squares)).collect();
+    foretold.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let most_m2 = foretold[0].1 * squares / samples.len().max(1) as f64;
+    Missing { test: MissingTest { rms_m: rms_m(residual), foretold_m: most_m2.sqrt(), p_value }, foretold }
 }
 
 fn moments(values: impl Iterator<Item = f64>) -> (f64, f64) {

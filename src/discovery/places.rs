@@ -91,9 +91,9 @@ fn places(around: &[Circumstances]) -> Vec<Place> {
     };
     for axis in 0..3 {
         let middle = quantile(&around.iter().map(|at| at.tip_m[axis]).collect::<Vec<f64>>(), 0.5);
-        let mm = middle * 1e3;
-        add("workspace", format!("{} below {mm:.0} mm", AXES[axis]), &|at| at.tip_m[axis] < middle);
-        add("workspace", format!("{} above {mm:.0} mm", AXES[axis]), &|at| at.tip_m[axis] >= middle);
+        let mm = whole_mm(middle);
+        add("workspace", format!("{} below {mm} mm", AXES[axis]), &|at| at.tip_m[axis] < middle);
+        add("workspace", format!("{} above {mm} mm", AXES[axis]), &|at| at.tip_m[axis] >= middle);
     }
     let longest = around.iter().map(|at| at.time_s).fold(0.0, f64::max);
     for (third, name) in ["first third", "second third", "last third"].into_iter().enumerate() {
@@ -119,4 +119,20 @@ fn places(around: &[Circumstances]) -> Vec<Place> {
     add("history", "further out than before".to_owned(), &further);
     add("history", "where it has been before".to_owned(), &|at| !further(at));
     places
+}
+
+/// A length in whole millimetres, with a typographer's minus and none before zero.
+fn whole_mm(length_m: f64) -> String {
+    let mm = (1e3 * length_m).round();
+    format!("{}{:.0}", if mm < 0.0 { "−" } else { "" }, mm.abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_is_below_minus_zero() {
+        assert_eq!([-0.0002, 0.0004, -0.0124, 0.212].map(whole_mm), ["0", "0", "−12", "212"]);
+    }
 }

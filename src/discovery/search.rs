@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use super::hypothesis::{Hypothesis, Member};
+use super::hypothesis::{Hypothesis, set_of};
 use super::refit::{Fitted, Study};
 use super::responses::Response;
 use super::samples::rms_m;
@@ -114,9 +114,9 @@ impl Search<'_> {
     /// The better of `best`, if it has several members, and what comes of beginning with the best effect that is not
     /// among them: what was taken first may have led away from two others.
     fn begun_otherwise(&mut self, best: Scored) -> Scored {
-        let members = hypotheses(&best.fitted.members);
+        let members = set_of(&best.fitted.members);
         let other = |scored: &&Scored| {
-            let own = hypotheses(&scored.fitted.members);
+            let own = set_of(&scored.fitted.members);
             own.len() == 1 && own.is_disjoint(&members) && scored.score >= self.limits.least_score
         };
         let first = self.tried.iter().filter(other).max_by(|a, b| a.score.total_cmp(&b.score)).cloned();
@@ -151,8 +151,7 @@ impl Search<'_> {
     fn look_farther(&mut self, best: &Scored) {
         let promises = self.study.promises(&best.fitted, &[], &self.responses);
         let worth = |promise: &Promise| self.study.is_worth_fitting(promise, &best.fitted, &self.limits);
-        if (self.limits.thorough || promises.iter().any(worth)) && self.looked.insert(hypotheses(&best.fitted.members))
-        {
+        if (self.limits.thorough || promises.iter().any(worth)) && self.looked.insert(set_of(&best.fitted.members)) {
             self.responses.extend(self.study.farther(&best.fitted, &promises, &self.responses));
         }
     }
@@ -261,9 +260,9 @@ impl Search<'_> {
     /// Whether `base` has not been fitted with what is promised, from there or as well as can be.
     fn is_new(&self, base: &Scored, promise: &Promise) -> bool {
         let added = promise.member.hypothesis;
-        let mut all = hypotheses(&base.fitted.members);
+        let mut all = set_of(&base.fitted.members);
         all.insert(added);
-        let same = |scored: &&Scored| hypotheses(&scored.fitted.members) == all;
+        let same = |scored: &&Scored| set_of(&scored.fitted.members) == all;
         let from_here = |scored: &Scored| scored.fitted.members.last().is_some_and(|last| last.hypothesis == added);
         !self.tried.iter().filter(same).any(|scored| scored.exact || from_here(scored))
     }
@@ -284,8 +283,8 @@ impl Search<'_> {
     fn without(&mut self, best: &Scored, out: usize) -> Option<Scored> {
         let mut rest = best.fitted.members.clone();
         rest.remove(out);
-        let wanted = hypotheses(&rest);
-        let known = self.tried.iter().filter(|scored| scored.exact && hypotheses(&scored.fitted.members) == wanted);
+        let wanted = set_of(&rest);
+        let known = self.tried.iter().filter(|scored| scored.exact && set_of(&scored.fitted.members) == wanted);
         if let Some(known) = known.max_by(|a, b| a.score.total_cmp(&b.score)) {
             return Some(known.clone());
         }
@@ -293,8 +292,4 @@ impl Search<'_> {
         self.tried.push(fewer.clone());
         Some(fewer)
     }
-}
-
-fn hypotheses(members: &[Member]) -> BTreeSet<usize> {
-    members.iter().map(|member| member.hypothesis).collect()
 }

@@ -60,7 +60,7 @@ impl Question<'_> {
             noise: findings::Noise { sigma_m: noise.sigma_m, correlation: noise.correlation, from },
             missing_before: before.test.clone(),
             missing_after: missing.test.clone(),
-            pattern: if unexplained { words::pattern(after.pattern, &places) } else { String::new() },
+            pattern: if unexplained { words::pattern(&before.foretold, &places) } else { String::new() },
             limitations: check::limitations(measured, &self.all),
             proposals: next.iter().map(|next| next.proposal.clone()).collect(),
         };

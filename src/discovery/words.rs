@@ -27,26 +27,51 @@ pub(super) fn summary(findings: &Findings) -> String {
     }
 }
 
-/// What the unexplained rest looks like.
-pub(super) fn pattern(pattern: Pattern, places: &[PlaceRow]) -> String {
-    let depends = match pattern {
-        Pattern::Constant => "What is left is the same everywhere, as from a shift of the frame.",
-        Pattern::Pose => "What is left depends on where the robot is, as from a load, a stiffness or a geometry.",
-        Pattern::History => "What is left depends on how the robot got there, as from friction, play or a delay.",
-        Pattern::Time => "What is left depends on how long a trial has lasted, as from drift, creep or slipping.",
+/// A pattern that foretells less than this share of the squares is none.
+const LEAST_SHARE: f64 = 0.1;
+
+/// What the unexplained gap looks like, with the shares of its squares that each pattern `foretold`, the best first.
+pub(super) fn pattern(foretold: &[(Pattern, f64)], places: &[PlaceRow]) -> String {
+    let depends = match foretold.first() {
+        Some((pattern, share)) if *share >= LEAST_SHARE => {
+            let told = |(pattern, share): &(Pattern, f64)| format!("{:.0} % by {}", 100.0 * share, knowing(*pattern));
+            let each: Vec<String> = foretold.iter().map(told).collect();
+            format!("{} Other trials foretell, of its squares, {}.", depends(*pattern), each.join(", "))
+        }
+        _ => "It differs from trial to trial: none of them foretells another, as from something that moves or slips."
+            .to_owned(),
     };
     let single = places.iter().filter(|row| row.by != "all" && row.axis != "all");
     let worst = single.max_by(|a, b| (a.rms_before_m / a.floor_m).total_cmp(&(b.rms_before_m / b.floor_m)));
     worst.map_or_else(
-        || depends.to_owned(),
+        || depends.clone(),
         |row| {
             let times = row.rms_before_m / row.floor_m;
             format!(
-                "{depends} It is largest along {} for {} {}: {times:.1} times the noise.",
+                "{depends} It is largest along {} for {}, {}: {times:.1} times the noise.",
                 row.axis, row.by, row.place
             )
         },
     )
+}
+
+fn depends(pattern: Pattern) -> &'static str {
+    match pattern {
+        Pattern::Constant => "The gap is much the same everywhere, as from a shift of the frame.",
+        Pattern::Pose => "The gap depends on where the robot is, as from a load, a stiffness or a geometry.",
+        Pattern::History => "The gap depends on how the robot got there, as from friction, play or a delay.",
+        Pattern::Time => "The gap depends on how long a trial has lasted, as from drift, creep or slipping.",
+    }
+}
+
+/// What a pattern goes by.
+fn knowing(pattern: Pattern) -> &'static str {
+    match pattern {
+        Pattern::Constant => "a constant",
+        Pattern::Pose => "pose",
+        Pattern::History => "history",
+        Pattern::Time => "time",
+    }
 }
 
 /// What to record next.
@@ -64,5 +89,19 @@ pub(super) fn next(findings: &Findings) -> String {
             "Repeats of one trial, a slow and a fast one, and one with a known weight, to see what the rest depends on."
                 .to_owned()
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pattern_is_the_best_of_those_that_foretell_enough() {
+        let told = pattern(&[(Pattern::Time, 0.92), (Pattern::Pose, 0.4)], &[]);
+        assert!(told.starts_with("The gap depends on how long"), "{told}");
+        assert!(told.ends_with("of its squares, 92 % by time, 40 % by pose."), "{told}");
+        let none = pattern(&[(Pattern::Pose, 0.05), (Pattern::Time, 0.0)], &[]);
+        assert!(none.starts_with("It differs from trial to trial"), "{none}");
     }
 }

@@ -60,7 +60,7 @@ pub(super) fn head(story: &Story) -> Html {
         parts.push(words("p class=\"lead\"", &findings.summary));
     }
     parts.push(words("p", meaning(findings.verdict)));
-    if !findings.pattern.is_empty() {
+    if !findings.summary.contains(&findings.pattern) {
         parts.push(tag("p", words("strong", "Pattern: ").and(text(&findings.pattern))));
     }
     parts.push(tiles(story));

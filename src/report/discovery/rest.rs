@@ -25,8 +25,8 @@ pub(super) fn candidates(story: &Story) -> Html {
     }
     let more = candidates.len().saturating_sub(CANDIDATES);
     let beyond = if more > 0 { format!(" {more} more stand in candidates.csv.") } else { String::new() };
-    let note = "Score: how much better the data are explained than by the model as given, less a penalty for \
-                parameters and for the number of candidates; more is better. Errors are on trials that the \
+    let note = "Score: how much better the data are explained than by the model as given (2 ln of the likelihood), less a \
+                penalty for parameters and for the number of candidates; more is better. Errors are on trials that the \
                 candidate’s fit has not seen.";
     let header = ["candidate", "score", "error", "over the floor", "why not"];
     section(

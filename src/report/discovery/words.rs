@@ -21,15 +21,15 @@ pub(super) fn decimals(value: f64, digits: i32) -> usize {
     (f64::from(digits) - 1.0 - power).clamp(0.0, 6.0) as usize
 }
 
-/// A length in metres as millimetres with their unit.
+/// A length in metres as millimetres with their unit, on one line.
 pub(super) fn millimetres(value_m: f64) -> String {
-    if value_m.is_finite() { format!("{} mm", number(1e3 * value_m, 3)) } else { NONE.to_owned() }
+    if value_m.is_finite() { format!("{}\u{a0}mm", number(1e3 * value_m, 3)) } else { NONE.to_owned() }
 }
 
 /// How many times the noise floor a size is.
 pub(super) fn times(size_m: f64, floor_m: f64) -> String {
     let ratio = size_m / floor_m;
-    if ratio.is_finite() { format!("{} ×", ratio_text(ratio)) } else { NONE.to_owned() }
+    if ratio.is_finite() { format!("{}\u{a0}×", ratio_text(ratio)) } else { NONE.to_owned() }
 }
 
 /// A ratio with one decimal below ten.
@@ -95,12 +95,12 @@ mod tests {
         assert_eq!(number(-1234.5, 3), "−1234");
         assert_eq!(number(0.0, 3), "0.00");
         assert_eq!(number(f64::NAN, 3), "–");
-        assert_eq!(millimetres(0.0121), "12.1 mm");
+        assert_eq!(millimetres(0.0121), "12.1\u{a0}mm");
         assert_eq!(percent(0.9999), "99.9 %");
         assert_eq!(percent(1.0), "100 %");
         assert_eq!(percent(-0.07), "−7 %");
         assert_eq!(probability(1e-9), "< 0.001");
-        assert_eq!(times(0.0121, 0.00087), "14 ×");
+        assert_eq!(times(0.0121, 0.00087), "14\u{a0}×");
         assert_eq!(times(1.0, 0.0), "–");
     }
 
