@@ -9,9 +9,6 @@ use super::status::Status;
 const STAGE_SHARE: f64 = 1e-2;
 /// … and in steps of one length to this, metres.
 const STAGE_TOLERANCE_M: f64 = 1e-8;
-/// Iterations after which a stage is given up and the step shortened: stages that converge take a few, seldom twenty;
-/// those that have not by then go back and forth between two branches of a friction.
-const PATIENCE: usize = 30;
 /// Steps are never shorter than this share of the longest one; those chosen by their error are taken as they are then, …
 const SHORTEST_STEP: f64 = 1.0 / 1024.0;
 /// … and steps of one length are halved so often when they fail.
@@ -152,9 +149,7 @@ impl Rod {
             let Some(holds) = self.holds(&drives(self.pace.stage_times[i] * h)) else { return Status::BadCommand };
             self.seed_tensions(&holds);
             self.motion.prepare(start, &self.system.masses, &self.tableau.rows[i], &self.stages, h);
-            let patience = std::mem::replace(&mut self.solver.patience, PATIENCE);
             let status = self.solve(&holds, (&load, 1.0), gravity, false, tolerance_m);
-            self.solver.patience = patience;
             if status != Status::Converged {
                 return status;
             }

@@ -12,6 +12,9 @@ use super::status::Status;
 use super::system::{System, Work};
 
 const MOST_ITERATIONS: usize = 150;
+/// Iterations with one taut set after which a motion is given up, for shorter steps: those that converge take a few, seldom
+/// twenty; those that have not by then go back and forth between two branches of a friction.
+const MOST_WITH_ONE_SET: usize = 30;
 /// Changes of the taut set at any iterate; after so many, each set is solved for first.
 const QUICK_SET_CHANGES: usize = 10;
 /// Iterations after which the weights of the balance no longer follow the saturation of the spine.
@@ -113,12 +116,15 @@ impl Solver {
     ) -> Status {
         let length_m = system.params.length_m();
         let mut last_step = f64::INFINITY;
-        let mut set_changes = 0;
+        let (mut set_changes, mut set_since) = (0, 0);
         self.steps.clear();
         let need = if conditions.motion.rate > 0.0 { Kept::Motion } else { Kept::Rest };
         let mut stale = self.kept != need;
         self.work.weights_held = false;
         for iteration in 0..self.patience {
+            if need == Kept::Motion && iteration - set_since == MOST_WITH_ONE_SET {
+                break;
+            }
             self.iterations += 1;
             let foretold = self.foretold;
             let hold_weights = iteration == HOLD_WEIGHTS_AFTER;
@@ -135,6 +141,7 @@ impl Solver {
             let ripe = set_changes <= QUICK_SET_CHANGES || (!shortened && size < 1e-3 * length_m);
             if ripe && self.change_set(system, unknowns, (taut, conditions.holds), &step, tolerance_m) {
                 set_changes += 1;
+                set_since = iteration + 1;
                 if set_changes > MOST_SET_CHANGES {
                     return self.give_up(Status::TendonSetUnsettled);
                 }
