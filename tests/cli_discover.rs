@@ -165,6 +165,44 @@ fn data_that_allow_no_answer_are_refused_by_file_line_and_key() {
     assert!(frozen.contains("tip_x_m") && frozen.contains("frozen"), "{frozen}");
     let short = refused(&|_, cells| cells[..8].to_vec(), 150);
     assert!(short.contains("in.csv"), "{short}");
+    let thousand = |text: &str| (1e3 * text.parse::<f64>().unwrap()).to_string();
+    let milliseconds = refused(&|_, cells| with(cells.clone(), 1, &thousand(&cells[1])), 150);
+    assert!(milliseconds.contains("line 151") && milliseconds.contains("time_s"), "{milliseconds}");
+    let far = refused(&|row, cells| if row == 7 { with(cells, 3, "12.5") } else { cells }, 150);
+    assert!(far.contains("line 9") && far.contains("tendon_2_m") && far.contains("millimetres"), "{far}");
+}
+
+/// A weight that comes or goes is told with its file and line, whatever recordings stand before it; a recording that is
+/// given twice is not its own proof.
+#[test]
+fn of_several_recordings_the_bad_one_is_named() {
+    let bench = Bench::new();
+    bench.twin("first.csv", 100, &|_, cells| cells);
+    let text = bench.read("first.csv");
+    let loaded = |(row, line): (usize, &str)| match row {
+        0 => format!("{line},known_load_kg\n"),
+        60.. => format!("{line},0.02\n"),
+        _ => format!("{line},0\n"),
+    };
+    bench.put("second.csv", &text.lines().enumerate().map(loaded).collect::<String>());
+    let changes = bench.refused("discover --model NOMINAL --measured first.csv second.csv --out out");
+    assert!(changes.contains("second.csv, line 61") && changes.contains("known_load_kg"), "{changes}");
+    let twice = bench.refused("discover --model NOMINAL --measured first.csv first.csv --out out");
+    assert!(twice.contains("first.csv again"), "{twice}");
+}
+
+/// Nothing that is read is overwritten or removed.
+#[test]
+fn what_is_given_stays() {
+    let bench = Bench::new();
+    bench.twin("taken", 100, &|_, cells| cells);
+    let taken = bench.refused("discover --model NOMINAL --measured TWIN/nothing --out taken");
+    assert!(taken.contains("taken: found a file"), "{taken}");
+    std::fs::create_dir(bench.path("folder")).unwrap();
+    bench.twin("folder/next_dwell.csv", 100, &|_, cells| cells);
+    let inside = bench.refused("discover --model NOMINAL --measured folder/next_dwell.csv --out folder");
+    assert!(inside.contains("next_dwell.csv"), "{inside}");
+    assert!(bench.path("folder/next_dwell.csv").exists());
 }
 
 #[test]
@@ -173,6 +211,16 @@ fn bad_arguments_are_refused() {
     bench.put("options.yaml", "most_effects: 0\n");
     let options = bench.refused("discover --model NOMINAL --measured TWIN/nothing --options options.yaml --out out");
     assert!(options.contains("options.yaml:1:") && options.contains("most_effects"), "{options}");
+    for bad in ["left_out: [gremlins]", "least_size: .nan", "false_alarm: 5", "least_score: -1"] {
+        bench.put("options.yaml", bad);
+        let options =
+            bench.refused("discover --model NOMINAL --measured TWIN/nothing --options options.yaml --out out");
+        assert!(options.contains("options.yaml:1:"), "{options}");
+        assert!(options.contains(bad.split(':').next().unwrap()), "{options}");
+    }
+    bench.put("options.yaml", "uncertain:\n  - {effect: damping, parameter: scale, deviation: 0.1}\n");
+    let uncertain = bench.refused("discover --model NOMINAL --measured TWIN/nothing --options options.yaml --out out");
+    assert!(uncertain.contains("parameter: found scale"), "{uncertain}");
     let nowhere = bench.refused("discover --model NOMINAL --measured nowhere.csv --out out");
     assert!(nowhere.contains("nowhere.csv"), "{nowhere}");
     let output = bench.run("discover --model NOMINAL --measured TWIN/nothing --leave-out gremlins --out out");

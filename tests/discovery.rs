@@ -192,6 +192,22 @@ fn the_proof_is_kept_apart() {
     assert_ne!(first.findings.gap, second.findings.gap);
 }
 
+/// Trials in which the tracker saw nothing are neither fitted nor a proof.
+#[test]
+fn trials_without_tracking_prove_nothing() {
+    let measured = recorded("- tip_load: {mass_kg: 0.006}", 4, 5, 0.0);
+    let last = *measured.trial.last().unwrap();
+    let lost = |trial: u64| trial == last || trial == measured.trial[0];
+    let valid = measured.trial.iter().map(|&trial| !lost(trial)).collect();
+    let measured = Recording { valid: Some(valid), ..measured.clone() };
+    let found = found(&measured, &Options::default());
+    // One trial to fit may leave a load and a heavier rod alike.
+    assert_eq!(names(&found)[0], "tip_load");
+    let gap = &found.findings.gap;
+    assert!(gap.held_out_trials.len() == 1 && !lost(gap.held_out_trials[0]), "{gap:?}");
+    assert!(gap.before_m > gap.after_m && gap.after_m > NOISE_M, "{gap:?}");
+}
+
 /// A name that held-out trials do not bear out is taken back, though they had no part in finding it.
 #[test]
 fn held_out_trials_can_refute_an_answer() {
@@ -248,7 +264,7 @@ fn base_markers_tell_a_turned_frame_from_a_tilted_base() {
 fn data_that_allow_no_answer_are_refused() {
     let refuse = |measured: &Recording| discover(&nominal(), measured, None, &Options::default()).unwrap_err();
     let whole = twin("nothing");
-    assert!(matches!(refuse(&trials(&whole, 0, 1)), DiscoveryError::TooFew { what: "trials", .. }));
+    assert!(matches!(refuse(&trials(&whole, 0, 1)), DiscoveryError::TooFew { what: "tracked trials", .. }));
     let mut frozen = trials(&whole, 0, 3);
     frozen.tip_m.as_mut().unwrap().fill([0.0, 0.0, 0.2]);
     assert!(matches!(refuse(&frozen), DiscoveryError::Constant { column: "tip_x_m,tip_y_m,tip_z_m", .. }));

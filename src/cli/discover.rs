@@ -52,6 +52,7 @@ fn names() -> PossibleValuesParser {
 
 impl Discover {
     pub(super) fn carry_out(self) -> Outcome {
+        self.check_out()?;
         let given = read_model(&self.model).map_err(Ended::bad)?;
         let mut options = match &self.options {
             Some(file) => read_options(file).map_err(Ended::bad)?,
@@ -60,11 +61,18 @@ impl Discover {
         options.left_out.extend(self.leave_out.iter().cloned());
         let parts: Vec<Recording> =
             self.measured.iter().map(|file| read(file, &given)).collect::<Result<_, Ended>>()?;
+        self.refuse_twins(&parts)?;
         let measured = Recording::joined(&parts)
             .map_err(|error| Ended::BadInput(format!("{}, line 1: {error}", self.measured[error.index].display())))?;
         let baseline = self.baseline.as_ref().map(|file| read(file, &given)).transpose()?;
         let plant = self.plant.as_ref().map(|file| simulated(file, &given)).transpose()?;
-        let found = self.answer(&given, measured, baseline.as_ref(), plant.as_ref(), &options)?;
+        let trials = self
+            .measured
+            .iter()
+            .zip(&parts)
+            .flat_map(|(file, part)| part.trials().into_iter().map(move |(number, _)| (file.as_path(), number)));
+        let trials: Vec<(&Path, u64)> = trials.collect();
+        let found = self.answer(&given, measured, &trials, (baseline.as_ref(), plant.as_ref()), &options)?;
         self.write(&given, &found)?;
         if !self.quiet {
             println!("{}", found.findings.summary);
@@ -74,17 +82,52 @@ impl Discover {
         Ok(())
     }
 
-    /// The answer, with more recordings from the plant as long as it is ambiguous.
+    /// Refuses a folder that is a file, or where what is written would take the place of what is given.
+    fn check_out(&self) -> Outcome {
+        let refuse = |found: String, expected: &str| {
+            Err(Ended::BadInput(format!("{}: found {found}, expected {expected}", self.out.display())))
+        };
+        if self.out.exists() && !self.out.is_dir() {
+            return refuse("a file".to_owned(), "a folder or nothing");
+        }
+        let Ok(out) = self.out.canonicalize() else { return Ok(()) };
+        let rest = [&self.baseline, &self.options, &self.plant].into_iter().flatten();
+        for file in self.measured.iter().chain([&self.model]).chain(rest) {
+            let Ok(place) = file.canonicalize() else { continue };
+            let name = place.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+            if place.parent() == Some(&*out) && is_written(&name) {
+                return refuse(format!("{name} in it, which is read"), "a folder where nothing is overwritten");
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses what is given twice: its copy would be its proof.
+    fn refuse_twins(&self, parts: &[Recording]) -> Outcome {
+        for (k, part) in parts.iter().enumerate() {
+            if let Some(first) = parts[..k].iter().position(|earlier| earlier == part) {
+                let [again, first] = [k, first].map(|index| self.measured[index].display());
+                return Err(Ended::BadInput(format!(
+                    "{again}: found the recording {first} again, expected another one"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// The answer, with more recordings from the plant as long as it is ambiguous. `trials`: file and number of those that
+    /// were measured.
     fn answer(
         &self,
         given: &Model,
         mut measured: Recording,
-        baseline: Option<&Recording>,
-        plant: Option<&SimulatedSpec>,
+        trials: &[(&Path, u64)],
+        (baseline, plant): (Option<&Recording>, Option<&SimulatedSpec>),
         options: &Options,
     ) -> Result<Discovery, Ended> {
         for round in 1.. {
-            let found = discover(given, &measured, baseline, options).map_err(|error| self.refusal(&error))?;
+            let found = discover(given, &measured, baseline, options)
+                .map_err(|error| self.refusal(&error, &measured, trials))?;
             // A plant file says how its base stands: turning it is not for us.
             let next = found.next.iter().find(|next| next.proposal.name != "base_remounted");
             let (Some(plant), Some(next)) = (plant, next) else { return Ok(found) };
@@ -104,20 +147,27 @@ impl Discover {
             let mut recorded = play(&plant.model, &next.commands, &play_options);
             recorded.tip_quaternion = None;
             recorded.extra.clear();
-            // New trials come first: the last ones stay the proof.
+            // What was measured stands last, where `trials` looks for it.
             measured = Recording::joined(&[recorded, measured]).map_err(Ended::failed)?;
         }
         unreachable!("the rounds are counted")
     }
 
-    /// Data that allow no answer, with the file that they are in.
-    fn refusal(&self, error: &DiscoveryError) -> Ended {
-        let file = match error {
-            DiscoveryError::Baseline(_) => self.baseline.as_ref().unwrap_or(&self.model),
-            DiscoveryError::Option(_) => self.options.as_ref().unwrap_or(&self.model),
-            _ => &self.measured[0],
-        };
-        Ended::BadInput(format!("{}: {error}", file.display()))
+    /// Data that allow no answer, with the file that they are in and the number of a trial there.
+    fn refusal(&self, error: &DiscoveryError, measured: &Recording, trials: &[(&Path, u64)]) -> Ended {
+        let told = |file: &Path, error: &DiscoveryError| Ended::BadInput(format!("{}: {error}", file.display()));
+        match error {
+            DiscoveryError::Baseline(_) => told(self.baseline.as_ref().unwrap_or(&self.model), error),
+            DiscoveryError::Option(_) => told(self.options.as_ref().unwrap_or(&self.model), error),
+            DiscoveryError::Unplayable(number) => {
+                let later = measured.trials().iter().rev().position(|(known, _)| known == number);
+                match later.and_then(|later| trials.iter().rev().nth(later)) {
+                    Some((file, own)) => told(file, &DiscoveryError::Unplayable(*own)),
+                    None => told(&self.measured[0], error),
+                }
+            }
+            _ => told(&self.measured[0], error),
+        }
     }
 
     /// Everything is made before anything is written; `findings.json` comes last.
@@ -150,33 +200,52 @@ impl Discover {
         .map_err(Ended::failed)?;
         std::fs::create_dir_all(&self.out)
             .map_err(|error| Ended::failed(format!("{}: {error}", self.out.display())))?;
-        self.remove_old_commands();
+        let old = self.old_commands();
         for file in &files {
             write_atomic(&self.out.join(&file.name), &file.bytes).map_err(Ended::failed)?;
         }
         for next in &found.next {
             next.commands.write(&self.out.join(&next.proposal.file)).map_err(Ended::failed)?;
         }
+        for file in old.iter().filter(|old| !found.next.iter().any(|next| next.proposal.file == **old)) {
+            let _ = std::fs::remove_file(self.out.join(file));
+        }
         write_atomic(&self.out.join("model.yaml"), model.as_bytes()).map_err(Ended::failed)?;
         found.findings.write(&self.out.join("findings.json")).map_err(Ended::failed)
     }
 
-    /// Commands that an earlier answer proposed are not this one's.
-    fn remove_old_commands(&self) {
-        for entry in std::fs::read_dir(&self.out).into_iter().flatten().flatten() {
-            let name = entry.file_name().to_string_lossy().into_owned();
-            if name.starts_with("next_") && name.ends_with(".csv") {
-                let _ = std::fs::remove_file(entry.path());
-            }
-        }
+    /// Files of commands that an earlier answer in this folder proposed: they are not this one's.
+    fn old_commands(&self) -> Vec<String> {
+        let text = std::fs::read_to_string(self.out.join("findings.json")).unwrap_or_default();
+        let earlier: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
+        let proposals = earlier["proposals"].as_array().into_iter().flatten();
+        let files = proposals.filter_map(|proposal| proposal["file"].as_str());
+        files.filter(|file| is_commands(file)).map(str::to_owned).collect()
     }
+}
+
+/// Whether a file of this name is one of proposed commands.
+fn is_commands(name: &str) -> bool {
+    name.starts_with("next_") && name.ends_with(".csv") && !name.contains(['/', '\\'])
+}
+
+/// Whether a file of this name is written.
+fn is_written(name: &str) -> bool {
+    let always = ["findings.json", "model.yaml", "residuals.csv", "disagreement.csv", "candidates.csv"];
+    always.contains(&name) || is_commands(name)
 }
 
 /// A recording of this robot.
 fn read(file: &Path, model: &Model) -> Result<Recording, Ended> {
     let recording = Recording::read(file).map_err(Ended::bad)?;
     same_tendons(file, &recording, model.robot.tendons.angles_deg.len())?;
-    recording.check_reach(file, model.robot.backbone.length_m).map_err(Ended::bad)?;
+    let length_m = model.robot.backbone.length_m;
+    recording
+        .check_reach(file, length_m)
+        .and_then(|()| recording.check_travel(file, length_m))
+        .and_then(|()| recording.check_duration(file))
+        .and_then(|()| recording.check_loads(file))
+        .map_err(Ended::bad)?;
     Ok(recording)
 }
 

@@ -135,14 +135,17 @@ impl Study<'_> {
     }
 
     /// Posterior probability that an effect of this name is among those missing: the share of all sets that were
-    /// fitted, weighted by exp(score / 2), that hold it.
+    /// fitted, each at its best and weighted by exp(score / 2), that hold it.
     fn confidence(&self, name: &str, found: &Found) -> f64 {
-        let top = found.best.score;
-        let weight = |scored: &Scored| (0.5 * (scored.score - top)).exp();
-        let sets = || found.tried.iter().chain([&found.null]);
-        let all: f64 = sets().map(weight).sum();
-        let with = |scored: &&Scored| scored.fitted.members.iter().any(|member| self.name(member) == name);
-        let own: f64 = sets().filter(with).map(weight).sum();
+        let mut scores: BTreeMap<BTreeSet<usize>, f64> = BTreeMap::new();
+        for scored in found.tried.iter().chain([&found.null]) {
+            let best = scores.entry(set_of(&scored.fitted.members)).or_insert(scored.score);
+            *best = best.max(scored.score);
+        }
+        let weight = |score: &f64| (0.5 * (score - found.best.score)).exp();
+        let all: f64 = scores.values().map(weight).sum();
+        let named = |number: &usize| self.hypotheses[*number].card.name == name;
+        let own: f64 = scores.iter().filter(|(set, _)| set.iter().any(named)).map(|(_, score)| weight(score)).sum();
         if all > 0.0 { own / all } else { 0.0 }
     }
 

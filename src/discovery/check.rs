@@ -6,6 +6,9 @@ use crate::data::Recording;
 
 /// Fewer tracked rows than this leave nothing to fit and to prove with.
 const FEWEST_SAMPLES: usize = 30;
+/// And so many of them in the trials of the fit and of the proof.
+const FEWEST_TO_FIT: usize = 15;
+const FEWEST_TO_PROVE: usize = 5;
 /// One to fit, one to prove.
 const FEWEST_TRIALS: usize = 2;
 /// Below this many the answer is weak, and says so.
@@ -18,17 +21,10 @@ pub(super) fn check(measured: &Recording, samples: &Samples) -> Result<(), Disco
     if tracked < FEWEST_SAMPLES {
         return Err(DiscoveryError::TooFew { what: "tracked rows", found: tracked, least: FEWEST_SAMPLES, why: "" });
     }
-    let mut trials: Vec<usize> = samples.rows.iter().map(|row| row.trial).collect();
-    trials.dedup();
-    if trials.len() < FEWEST_TRIALS {
+    let trials = samples.trials.len();
+    if trials < FEWEST_TRIALS {
         let why = ": one is kept back as proof";
-        return Err(DiscoveryError::TooFew { what: "trials", found: trials.len(), least: FEWEST_TRIALS, why });
-    }
-    let hung = measured.known_load_kg.as_deref().unwrap_or_default();
-    for (trial, range) in measured.trials().into_iter().filter(|_| !hung.is_empty()) {
-        if range.clone().any(|row| hung[row] != hung[range.start]) {
-            return Err(DiscoveryError::LoadChanges(trial));
-        }
+        return Err(DiscoveryError::TooFew { what: "tracked trials", found: trials, least: FEWEST_TRIALS, why });
     }
     let rows = measured.len();
     if (1..rows).all(|row| measured.commands.row(row) == measured.commands.row(0)) {
@@ -38,6 +34,21 @@ pub(super) fn check(measured: &Recording, samples: &Samples) -> Result<(), Disco
     if samples.rows.iter().all(|row| row.tip_m == samples.rows[0].tip_m) {
         let expected = "a tip that moves with the commands (is the tracker frozen?)";
         return Err(DiscoveryError::Constant { column: "tip_x_m,tip_y_m,tip_z_m", rows: tracked, expected });
+    }
+    Ok(())
+}
+
+/// Refuses trials of which one of the two parts holds too little.
+pub(super) fn check_parts(fit: &Samples, proof: &Samples) -> Result<(), DiscoveryError> {
+    let [to_fit, to_prove] = [fit, proof].map(Samples::len);
+    if to_fit < FEWEST_TO_FIT {
+        let why = ": the rest is kept back as proof";
+        return Err(DiscoveryError::TooFew { what: "tracked rows to fit", found: to_fit, least: FEWEST_TO_FIT, why });
+    }
+    if to_prove < FEWEST_TO_PROVE {
+        let why = "";
+        let what = "tracked rows in the trials that are kept back as proof";
+        return Err(DiscoveryError::TooFew { what, found: to_prove, least: FEWEST_TO_PROVE, why });
     }
     Ok(())
 }

@@ -30,11 +30,6 @@ pub enum DiscoveryError {
     /// The model cannot follow the commands.
     #[error("the model cannot follow the commands of trial {0}: expected commands within the robot's reach")]
     Unplayable(u64),
-    /// A weight that comes or goes within a trial.
-    #[error(
-        "known_load_kg: found it changing within trial {0}, expected the same weight from a trial's start to its end"
-    )]
-    LoadChanges(u64),
     /// The same, for the baseline.
     #[error(transparent)]
     Baseline(Box<DiscoveryError>),

@@ -34,8 +34,10 @@ impl Floor {
             }
         }
         variance_m2.iter_mut().for_each(|sum| *sum /= f64::max(freedom, 1.0));
-        let rests = groups[1..].iter().map(Vec::len).sum::<usize>();
-        let firsts = groups[0].len();
+        let repeated = groups.iter().filter(|group| group.len() > 1);
+        let (starts, rests): (Vec<&Vec<usize>>, Vec<&Vec<usize>>) =
+            repeated.partition(|group| is_start(samples, group));
+        let [firsts, rests] = [starts, rests].map(|groups| groups.iter().map(|group| group.len()).sum::<usize>());
         let from = match (firsts > 1, rests > 1) {
             (true, true) => format!("{firsts} starts at home and {rests} samples at rest"),
             (true, false) => format!("{firsts} starts at home"),
@@ -80,9 +82,9 @@ pub(super) struct Bias {
 pub(super) fn bias(samples: &Samples, left_m: &[f64], noise: &Noise) -> Bias {
     let groups: Vec<Vec<usize>> = groups(samples).into_iter().filter(|group| group.len() > 1).collect();
     let (mut squares, mut weighed, mut weights) = (0.0, 0.0, 0.0);
-    for (number, group) in groups.iter().enumerate() {
-        let apart = number == 0 && samples.rows[group[0]].row == 0;
-        let independent = if apart { group.len() as f64 } else { noise.independent(group.len()).max(1.0) };
+    for group in &groups {
+        let independent =
+            if is_start(samples, group) { group.len() as f64 } else { noise.independent(group.len()).max(1.0) };
         let mean = |axis: usize| group.iter().map(|&row| left_m[3 * row + axis]).sum::<f64>() / group.len() as f64;
         let square: f64 = (0..3).map(|axis| mean(axis).powi(2)).sum();
         squares += independent * square;
@@ -97,11 +99,28 @@ pub(super) fn bias(samples: &Samples, left_m: &[f64], noise: &Noise) -> Bias {
     Bias { p_value, rms_m: (weighed / f64::max(weights, 1.0)).sqrt() }
 }
 
-/// Samples that measure the same thing again: the first rows of all trials, then each rest.
+/// Samples that measure the same thing again: the first rows of all trials under the same weight, then each rest.
 fn groups(samples: &Samples) -> Vec<Vec<usize>> {
-    let mut groups = vec![(0..samples.len()).filter(|&row| samples.rows[row].row == 0).collect()];
+    let mut groups = starts(samples);
     groups.extend(rests(samples));
     groups
+}
+
+fn is_start(samples: &Samples, group: &[usize]) -> bool {
+    group.first().is_some_and(|&row| samples.rows[row].row == 0)
+}
+
+/// The first rows of the trials, those under the same weight together.
+fn starts(samples: &Samples) -> Vec<Vec<usize>> {
+    let mut found: Vec<(f64, Vec<usize>)> = Vec::new();
+    for row in (0..samples.len()).filter(|&row| samples.rows[row].row == 0) {
+        let load_kg = samples.trials[samples.rows[row].trial].known_load_kg;
+        match found.iter_mut().find(|(known_kg, _)| *known_kg == load_kg) {
+            Some((_, rows)) => rows.push(row),
+            None => found.push((load_kg, vec![row])),
+        }
+    }
+    found.into_iter().map(|(_, rows)| rows).collect()
 }
 
 /// Runs of samples under one command that has been held long enough.
@@ -162,6 +181,28 @@ mod tests {
         }
         let samples = Samples { trials: (0..8).map(trial).collect(), rows, step_s: 0.2 };
         bias(&samples, &left_m, &Noise { sigma_m: [NOISE_M; 3], correlation: 0.0 })
+    }
+
+    #[test]
+    fn starts_under_another_weight_are_no_repeats() {
+        let mut commands = Rows::new(1);
+        commands.push(&[0.0]);
+        let trial = |number: u64| TrialCommands {
+            number,
+            commands: commands.clone(),
+            durations_s: vec![0.2],
+            tensions: false,
+            known_load_kg: if number.is_multiple_of(2) { 0.0 } else { 0.02 },
+            tip_loads: None,
+        };
+        let row = |k: usize| {
+            let weighed_m = if k.is_multiple_of(2) { 0.0 } else { 0.01 };
+            Sample { trial: k, row: 0, time_s: 0.0, tip_m: [weighed_m + 1e-4 * (k / 2) as f64, 0.0, 0.2] }
+        };
+        let samples = Samples { trials: (0..4).map(trial).collect(), rows: (0..4).map(row).collect(), step_s: 0.2 };
+        let floor = Floor::of_repeats(&samples);
+        assert_eq!((floor.freedom, floor.from.as_str()), (2.0, "4 starts at home"));
+        assert!((floor.variance_m2[0] - 0.5e-8).abs() < 1e-15, "{:?}", floor.variance_m2);
     }
 
     #[test]

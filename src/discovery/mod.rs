@@ -68,7 +68,8 @@ pub struct Discovery {
 }
 
 /// Finds what `model` lacks to explain `measured`. With a `baseline`, a recording of the robot as built, the model is
-/// first calibrated on it, and what the two have in common is no discovery.
+/// first calibrated on it, and what the two have in common is no discovery. Every trial starts at rest under its first
+/// row's weight ([`Recording::check_loads`]).
 ///
 /// # Errors
 /// [`DiscoveryError`] for data that allow no answer.

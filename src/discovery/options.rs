@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::hypothesis::Hypothesis;
 use super::search::Limits;
 use crate::base::{BadOption, Seed};
+use crate::effects::{CATALOGUE, Card};
 
 /// A number of the robot that its file knows only so well.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -22,7 +23,7 @@ pub struct Uncertainty {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Options {
-    /// Share of the trials, the last ones, that take no part in naming or fitting.
+    /// Share of the trials that take no part in naming or fitting; which ones is chosen by their commands.
     pub held_out_share: f64,
     /// Effects that are named together at most.
     pub most_effects: usize,
@@ -65,6 +66,25 @@ const UNCERTAIN: &[(&str, &str, f64)] = &[
     ("actuator_offset", "offset_m", 1e-5),
 ];
 
+impl Uncertainty {
+    fn check(&self) -> Result<(), BadOption> {
+        let Some(card) = card(&self.effect) else {
+            let expected = "the name of an effect of the catalogue";
+            return Err(BadOption { key: "effect", found: self.effect.clone(), expected });
+        };
+        let named = |name: &str| name.split('[').next() == Some(self.parameter.as_str());
+        if !card.parameters.iter().any(|parameter| named(parameter.name)) {
+            let expected = "a parameter of that effect, without an index";
+            return Err(BadOption { key: "parameter", found: self.parameter.clone(), expected });
+        }
+        BadOption::unless_positive("deviation", self.deviation)
+    }
+}
+
+fn card(name: &str) -> Option<&'static Card> {
+    CATALOGUE.iter().copied().find(|card| card.name == name)
+}
+
 impl Default for Options {
     fn default() -> Self {
         let uncertain = UNCERTAIN.iter().map(|&(effect, parameter, deviation)| Uncertainty {
@@ -103,8 +123,26 @@ impl Options {
         BadOption::unless_counted("most_effects", self.most_effects)?;
         BadOption::unless_positive("motion_tolerance_m", self.motion_tolerance_m)?;
         BadOption::unless_positive("cell_m", self.cell_m)?;
-        BadOption::unless_positive("false_alarm", self.false_alarm)?;
-        self.uncertain.iter().try_for_each(|one| BadOption::unless_positive("deviation", one.deviation))
+        if !(self.false_alarm > 0.0 && self.false_alarm < 1.0) {
+            let found = self.false_alarm.to_string();
+            return Err(BadOption { key: "false_alarm", found, expected: "a number between 0 and 1" });
+        }
+        let sizes = [
+            ("least_score", self.least_score),
+            ("least_size", self.least_size),
+            ("least_share", self.least_share),
+            ("rival_score", self.rival_score),
+            ("least_foretold", self.least_foretold),
+        ];
+        for (key, value) in sizes {
+            if !(value.is_finite() && value >= 0.0) {
+                return Err(BadOption { key, found: value.to_string(), expected: "a finite number of at least 0" });
+            }
+        }
+        if let Some(unknown) = self.left_out.iter().find(|name| card(name).is_none()) {
+            return Err(BadOption { key: "left_out", found: unknown.clone(), expected: "names of the catalogue" });
+        }
+        self.uncertain.iter().try_for_each(Uncertainty::check)
     }
 
     pub(super) fn limits(&self) -> Limits {

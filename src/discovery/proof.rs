@@ -3,7 +3,7 @@
 
 use super::samples::Samples;
 
-/// More ways to choose than this are not all compared; the last trials are the proof then.
+/// More ways to choose than this are not all compared: these are, from the last trials backwards.
 const MOST_CHOICES: usize = 20_000;
 
 /// The trials of the fit and those of the proof, by their index.

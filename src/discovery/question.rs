@@ -50,6 +50,7 @@ impl<'a> Question<'a> {
         let hypotheses = hypotheses(&model);
         let (kept, held_out) = proof::split(&all, options.held_out_share);
         let (fit, proof) = (all.of_trials(&kept), all.of_trials(&held_out));
+        check::check_parts(&fit, &proof)?;
         let base = match baseline {
             Some(recording) => Some(
                 Base::new(&mut model, &hypotheses, recording, options)

@@ -44,13 +44,18 @@ pub(super) struct Samples {
 }
 
 impl Samples {
-    /// The samples of a checked recording.
+    /// The samples of a checked recording. Trials in which the tip was never tracked tell nothing and are left out.
     pub(super) fn new(measured: &Recording) -> Samples {
         let mut trials = Vec::new();
         let mut rows = Vec::new();
         let mut steps_s = Vec::new();
         let tips = measured.tip_m.as_deref().unwrap_or_default();
-        for (index, (number, range)) in measured.trials().into_iter().enumerate() {
+        for (number, range) in measured.trials() {
+            let seen = |&row: &usize| measured.is_valid(row) && tips[row].iter().all(|x| x.is_finite());
+            let tracked: Vec<usize> = range.clone().filter(seen).collect();
+            if tracked.is_empty() {
+                continue;
+            }
             let last = range.end - 1;
             let mut commands = Rows::new(measured.tendons());
             (range.start..last).for_each(|row| commands.push(measured.commands.row(row)));
@@ -68,11 +73,10 @@ impl Samples {
                     .as_ref()
                     .map(|loads| loads[range.start..last].iter().map(tip_load).collect()),
             });
-            let start = range.start;
-            let tracked = range.filter(|&row| measured.is_valid(row) && tips[row].iter().all(|x| x.is_finite()));
-            rows.extend(tracked.map(|row| Sample {
-                trial: index,
-                row: row - start,
+            let trial = trials.len() - 1;
+            rows.extend(tracked.into_iter().map(|row| Sample {
+                trial,
+                row: row - range.start,
                 time_s: measured.time_s[row],
                 tip_m: tips[row],
             }));

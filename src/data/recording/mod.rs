@@ -2,6 +2,7 @@
 //! one row a control tick: `trial,time_s,tendon_1_m…,tip_x_m,tip_y_m,tip_z_m` and optional columns; see
 //! `docs/outputs.md`.
 
+mod check;
 mod extra;
 mod join;
 mod optional;
@@ -183,20 +184,5 @@ impl Recording {
     /// Whether the tip was tracked in this row.
     pub fn is_valid(&self, row: usize) -> bool {
         self.valid.as_ref().is_none_or(|valid| valid[row])
-    }
-
-    /// Refuses a tip that no robot of this length could reach (twice its length from the base): most often millimetres
-    /// taken for metres. `path` is the file that the recording came from.
-    ///
-    /// # Errors
-    /// [`DataError::Cell`] for the first such row.
-    pub fn check_reach(&self, path: &Path, length_m: f64) -> Result<(), DataError> {
-        let tips = self.tip_m.iter().flatten().enumerate();
-        for (row, tip) in tips.filter(|&(row, _)| self.is_valid(row)) {
-            let Some(axis) = (0..3).find(|&axis| tip[axis].abs() > 2.0 * length_m) else { continue };
-            let expected = format!("metres within reach of a robot of {length_m} m (are these millimetres?)");
-            return Err(cell_error(path, row, read::TIP[axis], tip[axis].to_string(), expected));
-        }
-        Ok(())
     }
 }

@@ -1,0 +1,79 @@
+//! Recordings that no robot makes: wrong units, a weight that comes and goes.
+
+use std::path::Path;
+
+use super::extra::cell_error;
+use super::{Actuation, Recording, read};
+use crate::data::DataError;
+
+/// A recording lasts no longer, seconds: six hours.
+const LONGEST_S: f64 = 6.0 * 3600.0;
+
+/// `path` is always the file that the recording came from.
+impl Recording {
+    /// Refuses a tip that no robot of this length could reach (twice its length from the base): most often millimetres
+    /// taken for metres.
+    ///
+    /// # Errors
+    /// [`DataError::Cell`] for the first such row.
+    pub fn check_reach(&self, path: &Path, length_m: f64) -> Result<(), DataError> {
+        let tips = self.tip_m.iter().flatten().enumerate();
+        for (row, tip) in tips.filter(|&(row, _)| self.is_valid(row)) {
+            let Some(axis) = (0..3).find(|&axis| tip[axis].abs() > 2.0 * length_m) else { continue };
+            let expected = format!("metres within reach of a robot of {length_m} m (are these millimetres?)");
+            return Err(cell_error(path, row, read::TIP[axis], tip[axis].to_string(), expected));
+        }
+        Ok(())
+    }
+
+    /// Refuses commands of more than twice a robot's length: most often millimetres taken for metres. Tensions have no
+    /// such bound.
+    ///
+    /// # Errors
+    /// [`DataError::Cell`] for the first such row.
+    pub fn check_travel(&self, path: &Path, length_m: f64) -> Result<(), DataError> {
+        if self.actuation == Actuation::Tensions {
+            return Ok(());
+        }
+        for (row, command) in self.commands.iter().enumerate() {
+            let Some(tendon) = command.iter().position(|pull| pull.abs() > 2.0 * length_m) else { continue };
+            let expected = format!("metres that a robot of {length_m} m could be pulled by (are these millimetres?)");
+            let column = self.actuation.column(tendon);
+            return Err(cell_error(path, row, &column, command[tendon].to_string(), expected));
+        }
+        Ok(())
+    }
+
+    /// Refuses trials that last longer, all together, than anybody records: most often milliseconds taken for seconds.
+    ///
+    /// # Errors
+    /// [`DataError::Cell`] for the last row of the trial that is one too many.
+    pub fn check_duration(&self, path: &Path) -> Result<(), DataError> {
+        let mut all_s = 0.0;
+        for (_, range) in self.trials() {
+            let last = range.end - 1;
+            all_s += self.time_s[last] - self.time_s[range.start];
+            if all_s > LONGEST_S {
+                let expected = format!("seconds, {LONGEST_S} of them in all trials at most (are these milliseconds?)");
+                return Err(cell_error(path, last, "time_s", self.time_s[last].to_string(), expected));
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses a weight that comes or goes within a trial, which every trial starts at rest under.
+    ///
+    /// # Errors
+    /// [`DataError::Cell`] for the first row with another weight than the trial's first.
+    pub fn check_loads(&self, path: &Path) -> Result<(), DataError> {
+        let Some(hung) = &self.known_load_kg else { return Ok(()) };
+        for (_, range) in self.trials() {
+            let first = hung[range.start];
+            if let Some(row) = range.clone().find(|&row| hung[row] != first) {
+                let expected = format!("{first} as at the trial's start: the same weight to its end");
+                return Err(cell_error(path, row, "known_load_kg", hung[row].to_string(), expected));
+            }
+        }
+        Ok(())
+    }
+}
