@@ -220,7 +220,7 @@ fn bad_arguments_are_refused() {
     }
     bench.put("options.yaml", "uncertain:\n  - {effect: damping, parameter: scale, deviation: 0.1}\n");
     let uncertain = bench.refused("discover --model NOMINAL --measured TWIN/nothing --options options.yaml --out out");
-    assert!(uncertain.contains("parameter: found scale"), "{uncertain}");
+    assert!(uncertain.contains("options.yaml:2:") && uncertain.contains("expected one of `time_s`"), "{uncertain}");
     let nowhere = bench.refused("discover --model NOMINAL --measured nowhere.csv --out out");
     assert!(nowhere.contains("nowhere.csv"), "{nowhere}");
     let output = bench.run("discover --model NOMINAL --measured TWIN/nothing --leave-out gremlins --out out");

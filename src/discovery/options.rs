@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 use super::hypothesis::Hypothesis;
 use super::search::Limits;
 use crate::base::{BadOption, Seed};
-use crate::effects::{CATALOGUE, Card};
 
 /// A number of the robot that its file knows only so well.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -66,25 +65,6 @@ const UNCERTAIN: &[(&str, &str, f64)] = &[
     ("actuator_offset", "offset_m", 1e-5),
 ];
 
-impl Uncertainty {
-    fn check(&self) -> Result<(), BadOption> {
-        let Some(card) = card(&self.effect) else {
-            let expected = "the name of an effect of the catalogue";
-            return Err(BadOption { key: "effect", found: self.effect.clone(), expected });
-        };
-        let named = |name: &str| name.split('[').next() == Some(self.parameter.as_str());
-        if !card.parameters.iter().any(|parameter| named(parameter.name)) {
-            let expected = "a parameter of that effect, without an index";
-            return Err(BadOption { key: "parameter", found: self.parameter.clone(), expected });
-        }
-        BadOption::unless_positive("deviation", self.deviation)
-    }
-}
-
-fn card(name: &str) -> Option<&'static Card> {
-    CATALOGUE.iter().copied().find(|card| card.name == name)
-}
-
 impl Default for Options {
     fn default() -> Self {
         let uncertain = UNCERTAIN.iter().map(|&(effect, parameter, deviation)| Uncertainty {
@@ -139,10 +119,7 @@ impl Options {
                 return Err(BadOption { key, found: value.to_string(), expected: "a finite number of at least 0" });
             }
         }
-        if let Some(unknown) = self.left_out.iter().find(|name| card(name).is_none()) {
-            return Err(BadOption { key: "left_out", found: unknown.clone(), expected: "names of the catalogue" });
-        }
-        self.uncertain.iter().try_for_each(Uncertainty::check)
+        self.uncertain.iter().try_for_each(|one| BadOption::unless_positive("deviation", one.deviation))
     }
 
     pub(super) fn limits(&self) -> Limits {

@@ -1,6 +1,7 @@
 //! What the types cannot say: ranges, names and sizes that must fit each other.
 
 use super::cells::uses;
+use super::discovery::check_names;
 use super::document::Document;
 use super::error::SpecError;
 use super::experiment::{DiscoveryRun, Experiment, TrackRun};
@@ -8,7 +9,7 @@ use super::locate::End;
 use super::path::KeyPath;
 use super::plant::PlantSpec;
 use crate::base::BadOption;
-use crate::effects::{CATALOGUE, check_effects};
+use crate::effects::check_effects;
 use crate::learn::LearnError;
 use crate::policies::{self, Part};
 use crate::report::FIGURES;
@@ -207,20 +208,7 @@ impl Checker<'_> {
         option(&path.key("options"), discovery.options.check())?;
         option(&path.key("truth"), discovery.truth.check())?;
         option(&path.key("oracle"), discovery.oracle.check())?;
-        let names: Vec<&str> = CATALOGUE.iter().map(|card| card.name).collect();
-        for (index, name) in discovery.options.left_out.iter().enumerate() {
-            let path = path.key("options").key("left_out").item(index);
-            self.unless(names.contains(&name.as_str()), &path, &one_of(&names))?;
-        }
-        for (index, one) in discovery.options.uncertain.iter().enumerate() {
-            let path = path.key("options").key("uncertain").item(index);
-            let card = CATALOGUE.iter().find(|card| card.name == one.effect);
-            let card = card.ok_or_else(|| self.wrong(&path.key("effect"), one_of(&names)))?;
-            let mut own: Vec<&str> =
-                card.parameters.iter().filter_map(|parameter| parameter.name.split('[').next()).collect();
-            own.dedup();
-            self.unless(own.contains(&one.parameter.as_str()), &path.key("parameter"), &one_of(&own))?;
-        }
+        check_names(self.document, &discovery.options, &path.key("options"))?;
         let batches = path.key("batches");
         self.unless(!discovery.batches.is_empty(), &batches, "at least one batch")?;
         let each = discovery.batches.iter().enumerate();

@@ -5,6 +5,7 @@ mod cells;
 mod check;
 mod check_claims;
 mod claims;
+mod discovery;
 mod document;
 mod emit;
 mod error;

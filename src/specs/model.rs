@@ -1,5 +1,6 @@
 //! Model files and plant files, read and checked on their own.
 
+use super::discovery::check_names;
 use super::document::Document;
 use super::error::SpecError;
 use super::locate::End;
@@ -44,6 +45,7 @@ pub fn read_options(file: &Path) -> Result<Options, SpecError> {
     let document = Document::read(file, &[], &[])?;
     let options = document.parse::<Options>()?;
     options.check().map_err(|error| refusal(&document, "", &error))?;
+    check_names(&document, &options, &KeyPath::default())?;
     Ok(options)
 }
 

@@ -1,0 +1,29 @@
+//! Settings of a discovery that name effects and parameters.
+
+use super::check::one_of;
+use super::document::Document;
+use super::error::SpecError;
+use super::path::KeyPath;
+use crate::discovery::Options;
+use crate::effects::CATALOGUE;
+
+/// Refuses names that are not in the catalogue; `path` is where the settings stand in the document.
+pub(super) fn check_names(document: &Document, options: &Options, path: &KeyPath) -> Result<(), SpecError> {
+    let unless = |holds: bool, path: &KeyPath, expected: &[&str]| {
+        if holds { Ok(()) } else { Err(document.wrong(path, one_of(expected))) }
+    };
+    let names: Vec<&str> = CATALOGUE.iter().map(|card| card.name).collect();
+    for (index, name) in options.left_out.iter().enumerate() {
+        unless(names.contains(&name.as_str()), &path.key("left_out").item(index), &names)?;
+    }
+    for (index, one) in options.uncertain.iter().enumerate() {
+        let path = path.key("uncertain").item(index);
+        let card = CATALOGUE.iter().find(|card| card.name == one.effect);
+        let card = card.ok_or_else(|| document.wrong(&path.key("effect"), one_of(&names)))?;
+        let mut own: Vec<&str> =
+            card.parameters.iter().filter_map(|parameter| parameter.name.split('[').next()).collect();
+        own.dedup();
+        unless(own.contains(&one.parameter.as_str()), &path.key("parameter"), &own)?;
+    }
+    Ok(())
+}
