@@ -10,8 +10,9 @@ use crate::hardware::urgency::{Rank, Urgent};
 
 /// How often the rig is looked at, s.
 const WATCH_S: f64 = 0.005;
-/// Longest that a robot is waited for at the end until it stands, s.
-const LEAVE_S: f64 = 1.5;
+/// Longest that a robot is waited for at the end until it stands and what is queued is forgotten, s: a controller that
+/// answers late must still be heard.
+const LEAVE_S: f64 = 5.0;
 
 /// A rig that is watched whatever its user does.
 pub(super) struct Line {
