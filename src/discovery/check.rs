@@ -46,9 +46,8 @@ pub(super) fn check_parts(fit: &Samples, proof: &Samples) -> Result<(), Discover
         return Err(DiscoveryError::TooFew { what: "tracked rows to fit", found: to_fit, least: FEWEST_TO_FIT, why });
     }
     if to_prove < FEWEST_TO_PROVE {
-        let why = "";
         let what = "tracked rows in the trials that are kept back as proof";
-        return Err(DiscoveryError::TooFew { what, found: to_prove, least: FEWEST_TO_PROVE, why });
+        return Err(DiscoveryError::TooFew { what, found: to_prove, least: FEWEST_TO_PROVE, why: "" });
     }
     Ok(())
 }

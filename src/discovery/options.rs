@@ -96,17 +96,14 @@ impl Options {
     /// # Errors
     /// [`BadOption`] names the first one.
     pub fn check(&self) -> Result<(), BadOption> {
-        if !(self.held_out_share > 0.0 && self.held_out_share < 1.0) {
-            let found = self.held_out_share.to_string();
-            return Err(BadOption { key: "held_out_share", found, expected: "a number between 0 and 1" });
+        for (key, value) in [("held_out_share", self.held_out_share), ("false_alarm", self.false_alarm)] {
+            if !(value > 0.0 && value < 1.0) {
+                return Err(BadOption { key, found: value.to_string(), expected: "a number between 0 and 1" });
+            }
         }
         BadOption::unless_counted("most_effects", self.most_effects)?;
         BadOption::unless_positive("motion_tolerance_m", self.motion_tolerance_m)?;
         BadOption::unless_positive("cell_m", self.cell_m)?;
-        if !(self.false_alarm > 0.0 && self.false_alarm < 1.0) {
-            let found = self.false_alarm.to_string();
-            return Err(BadOption { key: "false_alarm", found, expected: "a number between 0 and 1" });
-        }
         let sizes = [
             ("least_score", self.least_score),
             ("least_size", self.least_size),
