@@ -296,6 +296,14 @@ fn bad_commands_and_places_are_refused() {
         assert!(said.contains(out), "{said}");
     }
     bench.refused("calibrate --model NOMINAL --measured in.csv --out out.yaml");
+    let measured = |rows: &str| {
+        bench.put("in.csv", &format!("{LENGTHS},tip_x_m,tip_y_m,tip_z_m\n{rows}"));
+        bench.refused("calibrate --model NOMINAL --measured in.csv --out out.yaml")
+    };
+    let far = measured("0,0,0,0,0,0,0,0,0.2\n0,0.2,3,0,-3,0,0,0,0.2\n");
+    assert!(["in.csv", "line 3", "tendon_1_m", "millimetres"].iter().all(|word| far.contains(word)), "{far}");
+    let long = measured("0,0,0,0,0,0,0,0,0.2\n0,1e8,0,0,0,0,0,0,0.2\n");
+    assert!(["in.csv", "line 3", "time_s", "milliseconds"].iter().all(|word| long.contains(word)), "{long}");
 }
 
 #[test]

@@ -142,6 +142,23 @@ fn two_effects_that_look_like_a_third_are_named() {
 }
 
 #[test]
+fn what_stands_for_an_effect_or_hides_it_gives_way() {
+    // Beside a drive's zero, creep within a fifth of a second is like a softer rod; a section that is yet softer hides
+    // most of what compression does.
+    let cases = [
+        "- actuator_offset: {tendon: 3, offset_m: -0.0012}\n- bending_stiffness: {scale: 0.76}",
+        "- soft_section: {position_m: 0.09, scale: 0.11}\n- spine_compressibility: {scale: 1.15}",
+    ];
+    for hidden in cases {
+        let found = found(&explored(hidden, 8, 2), &Options::default());
+        let mut named = names(&found);
+        named.sort_unstable();
+        let expected: Vec<&str> = hidden.lines().map(|line| line[2..].split(':').next().unwrap()).collect();
+        assert_eq!(named, expected, "{}", found.findings.summary);
+    }
+}
+
+#[test]
 fn intervals_hold_every_place_that_the_data_leave_open() {
     let found = found(&recorded("- soft_section: {position_m: 0.05, scale: 0.6}", 4, 7, 0.0), &Options::default());
     assert_eq!(names(&found), ["soft_section"], "{}", found.findings.summary);
@@ -248,6 +265,12 @@ fn recordings_of_another_simulator_are_understood() {
     let friction = with("friction");
     assert_eq!((friction.findings.verdict, names(&friction)), (Verdict::Named, vec!["friction"]));
     assert!((told(&friction, "moment_nm").0 - 0.02).abs() < 2e-3);
+    // With a baseline that was itself recorded under a load, the answer is worth little, and says so.
+    let doubts = |found: &Discovery| found.findings.limitations.iter().filter(|told| told.contains("baseline")).count();
+    assert_eq!([&nothing, &load, &friction].map(doubts), [0; 3]);
+    let loaded = twin("tip_load_10g");
+    let other = discover(&nominal(), &twin("nothing"), Some(&loaded), &Options::default()).unwrap();
+    assert_eq!(doubts(&other), 1, "{:?}", other.findings.limitations);
 }
 
 /// Markers on the base say that it stands straight: a turned frame is not called a tilted base.

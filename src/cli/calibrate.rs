@@ -37,7 +37,12 @@ impl Calibrate {
         let model = read_model(&self.model).map_err(Ended::bad)?;
         let measured = Recording::read(&self.measured).map_err(Ended::bad)?;
         same_tendons(&self.measured, &measured, model.robot.tendons.angles_deg.len())?;
-        measured.check_reach(&self.measured, model.robot.backbone.length_m).map_err(Ended::bad)?;
+        let length_m = model.robot.backbone.length_m;
+        measured.check_reach(&self.measured, length_m).map_err(Ended::bad)?;
+        measured.check_travel(&self.measured, length_m).map_err(Ended::bad)?;
+        if !self.at_rest {
+            measured.check_duration(&self.measured).map_err(Ended::bad)?;
+        }
         let found = calibrate(&model, &measured, &self.fit, self.at_rest).map_err(|error| {
             let file = if matches!(error, TaskError::Option(_)) { &self.model } else { &self.measured };
             Ended::bad(format!("{}: {error}", file.display()))

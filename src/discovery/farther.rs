@@ -14,7 +14,7 @@ use super::play::tips;
 use super::refit::{Fitted, Study};
 use super::responses::{Response, responses};
 use super::samples::{Samples, rms_m};
-use super::screen::{ALIKE, Promise, Screen};
+use super::screen::{ALIKE, Promise, Screen, best_of_each};
 
 /// Farther than this, in usual sizes, no one looks.
 const FARTHEST: f64 = 8.0;
@@ -33,17 +33,22 @@ const WORTH_SLACK: f64 = 10.0;
 
 impl Study<'_> {
     /// Answers to each hypothesis beside those of `base`, in both directions, where it would move the tip as far as the
-    /// residual that `base` leaves if it went on as in `responses`, and from there where it fits; of each the variant
-    /// that `promises` has, or the first one if none: a little of an effect may promise nothing where much of it does.
+    /// residual that `base` leaves if it went on as a little of it does, and from there where it fits; of each the variant
+    /// that `promises` most, or the first one if none: a little of an effect may promise nothing where much of it does.
     /// Those whose answer rises and falls are looked at everywhere (a delay hardly shows until the command acts after the
     /// tracker has looked).
     pub(super) fn farther(&self, base: &Fitted, promises: &[Promise], responses: &[Response]) -> Vec<Response> {
         let all = Far::new(self, base, &(0..self.samples.trials.len()).collect::<Vec<usize>>());
         let some = Far::new(self, base, &self.most_telling(base));
         let (Some(here), Some(there)) = (some.played(&[]), all.played(&[])) else { return Vec::new() };
-        let known: Vec<Response> = responses.iter().map(|response| some.part(response)).collect();
-        let beside = some.beside();
-        let little = |of: &Response| beside.iter().chain(&known).find(|response| response.is_little_of(of));
+        let beside = some.beside(&|_| true);
+        let (known, promises) = if beside.is_empty() {
+            (responses.iter().map(|response| some.part(response)).collect(), promises.to_vec())
+        } else {
+            let promises = best_of_each(some.screen.promises(&beside));
+            (beside, promises)
+        };
+        let little = |of: &Response| known.iter().find(|response| response.is_little_of(of));
         let promised = promises.iter().filter_map(|promise| little(&known[promise.response]));
         let mut seen = vec![false; self.hypotheses.len()];
         base.members.iter().for_each(|member| seen[member.hypothesis] = true);
@@ -54,11 +59,17 @@ impl Study<'_> {
             .collect();
         let looks: Vec<Response> = begun.into_par_iter().flat_map(|response| some.looks(response, &here)).collect();
         let worth = some.worth(looks, &known);
-        let everywhere = |look: Response| {
-            let little = responses.iter().find(|response| response.is_little_of(&look))?;
+        // A look corrects the answer in its own direction; the others are right beside the base only.
+        let wide = |hypothesis: &Hypothesis| {
+            let of = |look: &Response| std::ptr::eq(hypothesis, &self.hypotheses[look.hypothesis]);
+            hypothesis.sizes().len() > 1 && worth.iter().any(of)
+        };
+        let beside = all.beside(&wide);
+        let everywhere = |look: &Response| {
+            let little = beside.iter().chain(responses).find(|response| response.is_little_of(look))?;
             Some(all.look(little, &there, look.step.as_ref()?)?.0)
         };
-        worth.into_par_iter().filter_map(everywhere).collect()
+        worth.par_iter().filter_map(everywhere).collect()
     }
 
     /// The trials where most is left.
@@ -105,11 +116,11 @@ impl<'a> Far<'a> {
         Response { columns: response.columns.select_rows(&self.rows), ..response.clone() }
     }
 
-    /// Answers to a little of those hypotheses that have a direction, beside the members of the base: with those the
-    /// rod may hang on other tendons.
-    fn beside(&self) -> Vec<Response> {
+    /// Answers to a little of those hypotheses beside the members of the base, where there are any: with those the rod may
+    /// hang on other tendons.
+    fn beside(&self, asked: &(dyn Fn(&Hypothesis) -> bool + Sync)) -> Vec<Response> {
         let (study, members) = (self.study, &self.base.members);
-        let asked = |hypothesis: &Hypothesis| !members.is_empty() && hypothesis.sizes().len() > 1;
+        let asked = |hypothesis: &Hypothesis| !members.is_empty() && asked(hypothesis);
         responses(study.coarse, study.hypotheses, members, &asked, &self.samples)
     }
 

@@ -2,6 +2,7 @@
 //! are told and were told. What residuals are compared with.
 
 use super::samples::Samples;
+use crate::base::Rows;
 
 /// The circumstances of one sample.
 #[derive(Clone, Debug)]
@@ -25,6 +26,7 @@ pub(super) struct Circumstances {
 /// The circumstances of all samples; `played` is where the model has the tip.
 pub(super) fn circumstances(samples: &Samples, played: &[f64]) -> Vec<Circumstances> {
     let tip = |row: usize| -> [f64; 3] { std::array::from_fn(|axis| played[3 * row + axis]) };
+    let largest: Vec<Vec<Vec<f64>>> = samples.trials.iter().map(|trial| so_far(&trial.commands)).collect();
     samples
         .rows
         .iter()
@@ -38,9 +40,6 @@ pub(super) fn circumstances(samples: &Samples, played: &[f64]) -> Vec<Circumstan
             };
             let (now, last, older) = (before(1), before(2), before(3));
             let difference = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
-            let largest = (0..sample.row).fold(vec![0.0; width], |most: Vec<f64>, row| {
-                most.iter().zip(commands.row(row)).map(|(a, b)| a.max(*b)).collect()
-            });
             let follows = samples.steps_since_last(index).is_some();
             let from = if follows { tip(index - 1) } else { tip(index) };
             Circumstances {
@@ -50,8 +49,18 @@ pub(super) fn circumstances(samples: &Samples, played: &[f64]) -> Vec<Circumstan
                 change: difference(&now, &last),
                 change_before: difference(&last, &older),
                 command: now,
-                largest,
+                largest: largest[sample.trial][sample.row].clone(),
             }
         })
         .collect()
+}
+
+/// The largest command of each tendon before the first row, the second, and so on to after the last one.
+fn so_far(commands: &Rows) -> Vec<Vec<f64>> {
+    let mut found = vec![vec![0.0; commands.width()]];
+    for row in commands.iter() {
+        let most = &found[found.len() - 1];
+        found.push(most.iter().zip(row).map(|(most, now): (&f64, &f64)| most.max(*now)).collect());
+    }
+    found
 }

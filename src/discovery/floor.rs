@@ -47,6 +47,11 @@ impl Floor {
         Floor { variance_m2, freedom, from }
     }
 
+    /// Root mean square distance, metres.
+    pub(super) fn rms_m(&self) -> f64 {
+        self.variance_m2.iter().sum::<f64>().sqrt()
+    }
+
     /// Probability that noise of this floor leaves a residual of as much variance (all axes together).
     pub(super) fn p_value(&self, variance_m2: f64, freedom: f64) -> f64 {
         let own: f64 = self.variance_m2.iter().sum();
@@ -148,58 +153,35 @@ fn rests(samples: &Samples) -> Vec<Vec<usize>> {
 mod tests {
     use rand_distr::{Distribution, StandardNormal};
 
-    use super::super::samples::{Sample, TrialCommands};
     use super::*;
-    use crate::base::{Rows, Seed};
+    use crate::base::Seed;
 
     const NOISE_M: f64 = 5e-4;
 
     /// What a model leaves in eight trials of ten samples that all begin in one place: noise, and at the start a bias.
     fn tested(bias_m: f64, seed: u64) -> Bias {
-        let mut commands = Rows::new(1);
-        (0..9).for_each(|k| commands.push(&[f64::from(k)]));
-        let trial = |number| TrialCommands {
-            number,
-            commands: commands.clone(),
-            durations_s: vec![0.2; 9],
-            tensions: false,
-            known_load_kg: 0.0,
-            tip_loads: None,
-        };
         let mut random = Seed(seed).rng();
         let mut noise = || -> f64 {
             let drawn: f64 = StandardNormal.sample(&mut random);
             NOISE_M * drawn
         };
-        let mut left_m = Vec::new();
-        let mut rows = Vec::new();
-        for k in 0..80 {
-            let bias_m = if k % 10 == 0 { bias_m } else { 0.0 };
-            let tip_m = [bias_m + noise(), noise(), noise()];
-            left_m.extend(tip_m);
-            rows.push(Sample { trial: k / 10, row: k % 10, time_s: 0.2 * (k % 10) as f64, tip_m });
+        let mut samples = Samples::alike(8, 10);
+        for sample in &mut samples.rows {
+            let bias_m = if sample.row == 0 { bias_m } else { 0.0 };
+            sample.tip_m = [bias_m + noise(), noise(), noise()];
         }
-        let samples = Samples { trials: (0..8).map(trial).collect(), rows, step_s: 0.2 };
+        let left_m: Vec<f64> = samples.rows.iter().flat_map(|sample| sample.tip_m).collect();
         bias(&samples, &left_m, &Noise { sigma_m: [NOISE_M; 3], correlation: 0.0 })
     }
 
     #[test]
     fn starts_under_another_weight_are_no_repeats() {
-        let mut commands = Rows::new(1);
-        commands.push(&[0.0]);
-        let trial = |number: u64| TrialCommands {
-            number,
-            commands: commands.clone(),
-            durations_s: vec![0.2],
-            tensions: false,
-            known_load_kg: if number.is_multiple_of(2) { 0.0 } else { 0.02 },
-            tip_loads: None,
-        };
-        let row = |k: usize| {
-            let weighed_m = if k.is_multiple_of(2) { 0.0 } else { 0.01 };
-            Sample { trial: k, row: 0, time_s: 0.0, tip_m: [weighed_m + 1e-4 * (k / 2) as f64, 0.0, 0.2] }
-        };
-        let samples = Samples { trials: (0..4).map(trial).collect(), rows: (0..4).map(row).collect(), step_s: 0.2 };
+        let mut samples = Samples::alike(4, 1);
+        for (k, (trial, sample)) in samples.trials.iter_mut().zip(&mut samples.rows).enumerate() {
+            let weighed = k % 2 == 1;
+            trial.known_load_kg = if weighed { 0.02 } else { 0.0 };
+            sample.tip_m = [if weighed { 0.01 } else { 0.0 } + 1e-4 * (k / 2) as f64, 0.0, 0.2];
+        }
         let floor = Floor::of_repeats(&samples);
         assert_eq!((floor.freedom, floor.from.as_str()), (2.0, "4 starts at home"));
         assert!((floor.variance_m2[0] - 0.5e-8).abs() < 1e-15, "{:?}", floor.variance_m2);

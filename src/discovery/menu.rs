@@ -10,6 +10,8 @@ pub(super) struct Dish {
     pub(super) setup_min: f64,
     /// Commands of each trial, and the weight that hangs on the tip, kilograms.
     pub(super) trials: Vec<(Rows, f64)>,
+    /// How long each command is held, seconds.
+    pub(super) step_s: f64,
     /// Gravity as the base sees it, m/s², where it is mounted another way.
     pub(super) gravity_m_s2: Option<[f64; 3]>,
 }
@@ -18,12 +20,15 @@ pub(super) struct Dish {
 pub(super) struct Range {
     /// Recorded commands, all trials.
     poses: Vec<Vec<f64>>,
-    /// The largest change of one tendon from one command to the next that was recorded.
+    /// How long a command is held, seconds.
+    step_s: f64,
+    /// The largest change of one tendon in that time that was recorded.
     step: f64,
 }
 
-/// Commands to each trial.
+/// Commands to each trial, each held for so long, seconds, or from one row to the next where that is longer.
 const LENGTH: usize = 50;
+const HELD_S: f64 = 0.2;
 /// Poses that a path visits.
 const CORNERS: usize = 6;
 /// A weight that labs have and robots bear.
@@ -35,7 +40,7 @@ pub(super) fn menu(range: &Range, gravity_m_s2: [f64; 3]) -> Vec<Dish> {
     let four = |trial: &dyn Fn(usize) -> Rows| -> Vec<(Rows, f64)> { (0..4).map(|k| (trial(k), 0.0)).collect() };
     let dish = |name, what: &str, setup_min, trials| {
         let what = what.to_owned();
-        Dish { name, what, setup_min, trials, gravity_m_s2: None }
+        Dish { name, what, setup_min, trials, step_s: range.step_s, gravity_m_s2: None }
     };
     let (mounted, gravity_m_s2) = remounted(gravity_m_s2);
     let weighed = (0..4).map(|k| (path(k / 2), if k % 2 == 1 { WEIGHT_KG } else { 0.0 })).collect();
@@ -47,13 +52,14 @@ pub(super) fn menu(range: &Range, gravity_m_s2: [f64; 3]) -> Vec<Dish> {
         let corners: Vec<Vec<f64>> = range.corners(k / 2).into_iter().take(2).collect();
         range.path(&corners, if k.is_multiple_of(2) { range.step } else { range.step / 3.0 })
     };
+    let stay = format!("Go to four far poses and stay there, {:.0} s in all each", LENGTH as f64 * range.step_s);
     vec![
         dish("known_weight", "Play four trials, the second and fourth with 20 g on the tip", 2.0, weighed),
         Dish {
             gravity_m_s2: Some(gravity_m_s2),
             ..dish("base_remounted", &format!("{mounted} and play four trials"), 5.0, four(&path))
         },
-        dish("dwell", "Go to four far poses and stay there for eight seconds", 0.5, four(&|k| range.dwell(k))),
+        dish("dwell", &stay, 0.5, four(&|k| range.dwell(k))),
         dish("repeated_loop", "Play one loop three times over, in four trials", 0.5, four(&looped)),
         dish("slow_and_fast", "Play two paths, each fast and at a third of the speed", 0.5, four(&paced)),
         dish(
@@ -75,13 +81,14 @@ fn remounted([x, y, z]: [f64; 3]) -> (&'static str, [f64; 3]) {
 }
 
 impl Range {
-    /// The range of recorded commands, trial by trial.
-    pub(super) fn new<'a>(trials: impl Iterator<Item = &'a Rows>) -> Range {
-        let mut range = Range { poses: Vec::new(), step: 0.0 };
+    /// The range of recorded commands, trial by trial, a row every `recorded_s` seconds.
+    pub(super) fn new<'a>(trials: impl Iterator<Item = &'a Rows>, recorded_s: f64) -> Range {
+        let held = (HELD_S / recorded_s).round().max(1.0);
+        let mut range = Range { poses: Vec::new(), step_s: held * recorded_s, step: 0.0 };
         for trial in trials {
             let rows: Vec<&[f64]> = trial.iter().collect();
-            for pair in rows.windows(2) {
-                range.step = range.step.max(farthest(pair[0], pair[1]));
+            for pair in rows.windows((held as usize + 1).min(rows.len()).max(1)) {
+                range.step = range.step.max(farthest(pair[0], pair[pair.len() - 1]));
             }
             range.poses.extend(rows.into_iter().map(<[f64]>::to_vec));
         }
@@ -177,7 +184,7 @@ mod tests {
     #[test]
     fn commands_go_no_farther_and_no_faster_than_what_was_recorded() {
         let trials = recorded();
-        let range = Range::new(trials.iter());
+        let range = Range::new(trials.iter(), 0.2);
         let most = trials.iter().flat_map(Rows::iter).flatten().copied().fold(0.0, f64::max);
         let dishes = menu(&range, ACROSS);
         assert_eq!(dishes.len(), 7);
@@ -199,10 +206,25 @@ mod tests {
         }
     }
 
+    /// A tracker's rate is no drive's: commands that were streamed are proposed no faster, and none for a hundredth of a
+    /// second.
+    #[test]
+    fn what_was_recorded_fast_is_not_played_fast() {
+        let (slow, mut fast) = (recorded(), Vec::new());
+        for trial in &slow {
+            let mut rows = Rows::new(4);
+            trial.iter().for_each(|row| (0..20).for_each(|_| rows.push(row)));
+            fast.push(rows);
+        }
+        let [slow, fast] = [Range::new(slow.iter(), 0.2), Range::new(fast.iter(), 0.01)];
+        assert_eq!((slow.step, slow.step_s), (fast.step, fast.step_s));
+        assert_eq!(menu(&slow, ACROSS)[2].trials[0].0, menu(&fast, ACROSS)[2].trials[0].0);
+    }
+
     #[test]
     fn a_loop_comes_again_a_dwell_stays_and_reversals_grow() {
         let trials = recorded();
-        let range = Range::new(trials.iter());
+        let range = Range::new(trials.iter(), 0.2);
         let dish = |name: &str| {
             menu(&range, ACROSS).into_iter().find(|dish| dish.name == name).unwrap().trials.swap_remove(0).0
         };

@@ -6,27 +6,14 @@
 
 use std::ops::Range;
 
-use nalgebra::{Cholesky, DMatrix, DVector};
 use rand::RngExt;
 
 use super::features::Circumstances;
+use super::foretelling::{Pattern, Points, Table};
 use super::samples::{Samples, rms_m};
 use crate::base::Seed;
 use crate::data::findings::MissingTest;
 use crate::math::distribution::normal_above;
-
-/// On what a residual depends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Pattern {
-    /// Where the robot is.
-    Pose,
-    /// How it got there.
-    History,
-    /// How long the trial has lasted.
-    Time,
-    /// That it is there at all.
-    Constant,
-}
 
 /// The test's result, and what share of the residual's squares each pattern foretells, the best first.
 #[derive(Clone, Debug)]
@@ -39,16 +26,13 @@ pub(super) struct Missing {
 const FEWEST_BLOCKS: usize = 12;
 /// Random signs that are compared with.
 const DRAWS: usize = 400;
-/// Variance of what is not foretold, over that of what is.
-const RIDGE: f64 = 3.0;
 
 /// Tests whether `residual` (metres, three numbers a sample) holds more than noise.
 pub(super) fn missing(samples: &Samples, around: &[Circumstances], residual: &[f64], seed: Seed) -> Missing {
-    let ranges = samples.ranges();
-    let blocks = blocks(&ranges);
+    let points = Points::new(&samples.ranges(), around, residual);
+    let blocks = blocks(&points.ranges);
     let patterns = [Pattern::Constant, Pattern::Pose, Pattern::History, Pattern::Time];
-    let tables: Vec<Table> =
-        patterns.iter().map(|&p| Table::new(&kernel(p, around), &ranges, &blocks, residual)).collect();
+    let tables: Vec<Table> = patterns.iter().map(|&pattern| Table::new(pattern, &points, &blocks)).collect();
     let mut random = seed.child("signs").rng();
     let flipped: Vec<Vec<f64>> = (0..DRAWS)
         .map(|_| {
@@ -73,8 +57,12 @@ pub(super) fn missing(samples: &Samples, around: &[Circumstances], residual: &[f
     // Beyond what so many draws can show, the tail of a normal law.
     let p_value = if above == 0 { counted.min(tables.len() as f64 * normal_above(height)) } else { counted };
     let squares = residual.iter().map(|r| r * r).sum::<f64>().max(f64::MIN_POSITIVE);
-    let mut foretold: Vec<(Pattern, f64)> =
-        patterns.into_iter().zip(&tables).map(|(pattern, table)| (pattern, table.foretold / squares)).collect();
+    let together = samples.len() as f64 / points.len().max(1) as f64;
+    let mut foretold: Vec<(Pattern, f64)> = patterns
+        .into_iter()
+        .zip(&tables)
+        .map(|(pattern, table)| (pattern, (table.foretold * together / squares).min(1.0)))
+        .collect();
     foretold.sort_by(|a, b| b.1.total_cmp(&a.1));
     let most_m2 = foretold[0].1 * squares / samples.len().max(1) as f64;
     Missing { test: MissingTest { rms_m: rms_m(residual), foretold_m: most_m2.sqrt(), p_value }, foretold }
@@ -96,82 +84,48 @@ fn blocks(ranges: &[Range<usize>]) -> Vec<Range<usize>> {
     ranges.iter().flat_map(cut).collect()
 }
 
-/// Products between what was left in each block and what each block of another trial foretells there.
-struct Table {
-    /// For each axis: block foretold × block foretelling.
-    products: [DMatrix<f64>; 3],
-    /// Fall of the sum of squares by what is foretold, m²; not below zero.
-    foretold: f64,
-}
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
 
-impl Table {
-    fn new(kernel: &DMatrix<f64>, trials: &[Range<usize>], blocks: &[Range<usize>], residual: &[f64]) -> Table {
-        let count = blocks.len();
-        let mut products: [DMatrix<f64>; 3] = std::array::from_fn(|_| DMatrix::zeros(count, count));
-        let mut foretold = 0.0;
-        for there in trials {
-            let others: Vec<usize> =
-                trials.iter().filter(|trial| *trial != there).flat_map(|trial| trial.clone()).collect();
-            let mut known = DMatrix::from_fn(others.len(), others.len(), |i, j| kernel[(others[i], others[j])]);
-            (0..others.len()).for_each(|k| known[(k, k)] += RIDGE);
-            let Some(factor) = Cholesky::new(known) else { continue };
-            let cross = DMatrix::from_fn(others.len(), there.len(), |i, j| kernel[(others[i], there.start + j)]);
-            let weights = factor.solve(&cross);
-            let inside = |block: &Range<usize>| there.contains(&block.start);
-            for axis in 0..3 {
-                let part =
-                    |rows: Range<usize>| DVector::from_iterator(rows.len(), rows.map(|row| residual[3 * row + axis]));
-                let left = part(there.clone());
-                let mut sum = DVector::zeros(there.len());
-                for (other, block) in blocks.iter().enumerate().filter(|(_, block)| !inside(block)) {
-                    let first = others.partition_point(|&row| row < block.start);
-                    let told = weights.rows(first, block.len()).tr_mul(&part(block.clone()));
-                    for (own, here) in blocks.iter().enumerate().filter(|(_, block)| inside(block)) {
-                        let (start, length) = (here.start - there.start, here.len());
-                        products[axis][(own, other)] = left.rows(start, length).dot(&told.rows(start, length));
-                    }
-                    sum += told;
-                }
-                foretold += 2.0 * left.dot(&sum) - sum.norm_squared();
-            }
-        }
-        Table { products, foretold: foretold.max(0.0) }
-    }
+    use rand_distr::{Distribution, StandardNormal};
 
-    /// Agreement of what was left with what was foretold, m², each trial's residual with a sign.
-    fn success(&self, signs: &[[f64; 3]]) -> f64 {
-        let one = |axis: usize| -> f64 {
-            let table = &self.products[axis];
-            let term = |i: usize, j: usize| signs[i][axis] * signs[j][axis] * table[(i, j)];
-            (0..table.nrows()).map(|i| (0..table.ncols()).map(|j| term(i, j)).sum::<f64>()).sum()
+    use super::super::features::circumstances;
+    use super::super::samples::Sample;
+    use super::*;
+
+    const NOISE_M: f64 = 5e-4;
+
+    /// Eight trials of so many samples, each of which goes round a circle; what is left is noise and, on one side of it, so
+    /// much more.
+    fn tested(samples: usize, more_m: f64) -> Missing {
+        let alike = Samples::alike(8, samples);
+        let angle = |sample: &Sample| TAU * (sample.row as f64 / samples as f64 + 0.3 * sample.trial as f64);
+        let place = |sample: &Sample| [0.05 * angle(sample).cos(), 0.05 * angle(sample).sin(), 0.2];
+        let played: Vec<f64> = alike.rows.iter().flat_map(place).collect();
+        let mut random = Seed(1).rng();
+        let mut noise = || -> f64 {
+            let drawn: f64 = StandardNormal.sample(&mut random);
+            NOISE_M * drawn
         };
-        (0..3).map(one).sum()
+        let left = |sample: &Sample| [noise() + more_m * angle(sample).cos(), noise(), noise()];
+        let left_m: Vec<f64> = alike.rows.iter().flat_map(left).collect();
+        missing(&alike, &circumstances(&alike, &played), &left_m, Seed(0))
     }
-}
 
-/// How alike the circumstances of two samples are, from 0 to 1.
-fn kernel(pattern: Pattern, around: &[Circumstances]) -> DMatrix<f64> {
-    let features: Vec<Vec<f64>> = around
-        .iter()
-        .map(|at| match pattern {
-            Pattern::Constant => Vec::new(),
-            Pattern::Pose => at.tip_m.iter().chain(&at.command).copied().collect(),
-            Pattern::History => {
-                let within = at.command.iter().zip(&at.largest).map(|(now, most)| most - now);
-                at.change.iter().chain(&at.change_before).copied().chain(at.moved_m).chain(within).collect()
-            }
-            Pattern::Time => vec![at.time_s],
-        })
-        .collect();
-    let width = features.first().map_or(0, Vec::len);
-    let scale: Vec<f64> = (0..width)
-        .map(|k| {
-            let column: Vec<f64> = features.iter().map(|row| row[k]).collect();
-            crate::math::summary::standard_deviation(&column).max(1e-12) * (width as f64).sqrt()
-        })
-        .collect();
-    let distance = |a: &[f64], b: &[f64]| -> f64 {
-        a.iter().zip(b).zip(&scale).map(|((a, b), scale)| ((a - b) / scale).powi(2)).sum()
-    };
-    DMatrix::from_fn(around.len(), around.len(), |i, j| (-0.5 * distance(&features[i], &features[j])).exp())
+    #[test]
+    fn what_depends_on_the_pose_is_foretold_of_few_samples_and_of_many() {
+        for samples in [50, 500] {
+            let none = tested(samples, 0.0).test;
+            assert!(none.p_value > 0.01, "{samples}: {none:?}");
+            let found = tested(samples, 2.0 * NOISE_M);
+            assert!(found.test.p_value < 1e-3, "{samples}: {:?}", found.test);
+            // Of the squares, 2 are the pose's and 3 the noise's. Time is the pose's only within a trial.
+            let share = |of: Pattern| found.foretold.iter().find(|(pattern, _)| *pattern == of).unwrap().1;
+            assert!((share(Pattern::Pose) - 0.4).abs() < 0.06, "{samples}: {:?}", found.foretold);
+            assert!(share(Pattern::Time).max(share(Pattern::Constant)) < 0.1, "{samples}: {:?}", found.foretold);
+            let foretold_m = 2.0_f64.sqrt() * NOISE_M;
+            assert!((found.test.foretold_m / foretold_m - 1.0).abs() < 0.1, "{samples}: {:?}", found.test);
+        }
+    }
 }

@@ -15,10 +15,12 @@ mod error;
 mod farther;
 mod features;
 mod floor;
+mod foretelling;
 mod hypothesis;
 mod intervals;
 mod menu;
 mod missing;
+mod moves;
 mod next;
 mod noise;
 mod nuisance;
@@ -90,8 +92,8 @@ pub fn discover(
     let mut search = Search::new(&study, question.responses.clone(), &limits).ok_or_else(unplayable)?;
     let mut best = search.best();
     let mut about = question.about(&best.fitted);
-    if about.left {
-        best = search.thoroughly(best);
+    if about.left || !best.fitted.members.is_empty() {
+        best = search.thoroughly(best, about.left);
         about = question.about(&best.fitted);
     }
     let found = question.sharpened(search.ended(best), &about);

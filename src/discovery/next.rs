@@ -33,7 +33,7 @@ impl Question<'_> {
         if rivals.len() < 2 {
             return Vec::new();
         }
-        let range = Range::new(self.all.trials.iter().map(|trial| &trial.commands));
+        let range = Range::new(self.all.trials.iter().map(|trial| &trial.commands), self.all.step_s);
         let mut found: Vec<Next> = menu(&range, self.model.robot.gravity_m_s2)
             .iter()
             .filter_map(|dish| self.promise(dish, rivals, noise))
@@ -65,7 +65,7 @@ impl Question<'_> {
             }
         }
         let rows: usize = dish.trials.iter().map(|(rows, _)| rows.len() + 1).sum();
-        let minutes = dish.setup_min + rows as f64 * self.all.step_s / 60.0;
+        let minutes = dish.setup_min + rows as f64 * dish.step_s / 60.0;
         let proposal =
             Proposal { name: dish.name.to_owned(), what: dish.what.clone(), minutes, separation, file: String::new() };
         Some(Next { proposal, commands: self.commands_of(dish) })
@@ -96,7 +96,7 @@ impl Question<'_> {
             samples.trials.push(TrialCommands {
                 number: trial as u64,
                 commands: commands.clone(),
-                durations_s: vec![self.all.step_s; commands.len()],
+                durations_s: vec![dish.step_s; commands.len()],
                 tensions: self.all.trials[0].tensions,
                 known_load_kg: *load_kg,
                 tip_loads: None,
@@ -104,7 +104,7 @@ impl Question<'_> {
             samples.rows.extend((0..=commands.len()).map(|row| Sample {
                 trial,
                 row,
-                time_s: row as f64 * self.all.step_s,
+                time_s: row as f64 * dish.step_s,
                 tip_m: [0.0; 3],
             }));
         }
@@ -120,7 +120,7 @@ impl Question<'_> {
             // The last command is held for a step like all others: its row is there twice.
             for (k, row) in rows.iter().chain(rows.iter().last()).enumerate() {
                 commands.trial.push(trial as u64);
-                commands.time_s.push(k as f64 * self.all.step_s);
+                commands.time_s.push(k as f64 * dish.step_s);
                 commands.commands.push(row);
                 loads.push(*load_kg);
             }

@@ -126,7 +126,7 @@ impl Options {
             least_size: self.least_size,
             least_share: self.least_share,
             rival_score: self.rival_score,
-            thorough: false,
+            thorough: 0,
         }
     }
 

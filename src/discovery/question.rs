@@ -142,6 +142,20 @@ impl<'a> Question<'a> {
         nuisances(self.base.as_ref(), samples, played, &columns)
     }
 
+    /// What the baseline shows the calibrated model to be off by, where that is more than its form alone.
+    pub(super) fn doubts(&self) -> Option<String> {
+        let base = self.base.as_ref()?;
+        let left_m = rms_m(&base.samples.residual(&base.played));
+        let floor_m = floor::Floor::of_repeats(&base.samples).rms_m();
+        (left_m > LARGE_FORM_M.max(LARGE_FORM * floor_m)).then(|| {
+            format!(
+                "Calibrated on the baseline, the model is still {:.1} mm off in it: it may be of another robot, or the \
+                 model lacks something that both recordings have.",
+                1e3 * left_m
+            )
+        })
+    }
+
     /// What the laws of the effects that bring the tip to `played` are off by, at their best, metres.
     fn inexact_m(&self, played: &[f64]) -> f64 {
         let moved: Vec<f64> = played.iter().zip(&self.played).map(|(with, without)| with - without).collect();
@@ -155,6 +169,10 @@ const STATIC_SHARE: f64 = 0.3;
 const SLOW: f64 = 0.8;
 /// Chance below which such a residual is more than the repeats' noise.
 const SLOW_CHANCE: f64 = 0.05;
+
+/// What a calibrated model leaves in a baseline is doubtful beyond so much, metres, and so many times the noise.
+const LARGE_FORM_M: f64 = 2e-3;
+const LARGE_FORM: f64 = 3.0;
 
 /// A baseline, once the model is calibrated on it.
 struct Base {

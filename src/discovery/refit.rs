@@ -135,6 +135,13 @@ impl Study<'_> {
         fitted.jacobian.clone().remove_columns_at(&gone)
     }
 
+    /// A fit without member number `out`, the others as they are.
+    pub(super) fn without(&self, fitted: &Fitted, out: usize) -> Option<Fitted> {
+        let mut rest = fitted.members.clone();
+        rest.remove(out);
+        Some(Fitted { jacobian: self.slopes_without(fitted, out), ..self.at(rest)? })
+    }
+
     /// Covariance of the coordinates, in units of their probes, nuisances integrated out.
     pub(super) fn covariance(&self, fitted: &Fitted) -> Option<DMatrix<f64>> {
         let (normal, free) = self.normal(fitted);

@@ -119,6 +119,32 @@ impl Samples {
     }
 }
 
+#[cfg(test)]
+impl Samples {
+    /// So many trials of so many samples each, 0.2 s apart: one tendon that is pulled ever further, a tip at the origin.
+    pub(super) fn alike(trials: usize, samples: usize) -> Samples {
+        let mut commands = Rows::new(1);
+        (1..samples).for_each(|k| commands.push(&[k as f64]));
+        let trial = |number| TrialCommands {
+            number,
+            commands: commands.clone(),
+            durations_s: vec![0.2; samples - 1],
+            tensions: false,
+            known_load_kg: 0.0,
+            tip_loads: None,
+        };
+        let sample = |k: usize| {
+            let row = k % samples;
+            Sample { trial: k / samples, row, time_s: 0.2 * row as f64, tip_m: [0.0; 3] }
+        };
+        Samples {
+            trials: (0..trials as u64).map(trial).collect(),
+            rows: (0..trials * samples).map(sample).collect(),
+            step_s: 0.2,
+        }
+    }
+}
+
 fn tip_load(load: &recording::TipLoad) -> TipLoad {
     TipLoad { force_n: load.force_n.into(), moment_nm: load.moment_nm.into() }
 }

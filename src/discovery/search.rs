@@ -22,8 +22,8 @@ pub(super) struct Limits {
     pub(super) least_share: f64,
     /// Sets whose scores are nearer are rivals.
     pub(super) rival_score: f64,
-    /// Whether every hypothesis is refitted, whatever it promises at a first look.
-    pub(super) thorough: bool,
+    /// Beside sets of fewer effects every hypothesis is fitted, whatever it promises at a first look.
+    pub(super) thorough: usize,
 }
 
 /// A set of effects that was fitted, with its score.
@@ -49,7 +49,7 @@ pub(super) struct Found {
 }
 
 /// Rough fits at most, and of them those that are fitted further.
-const WIDTH: usize = 8;
+pub(super) const WIDTH: usize = 8;
 /// Promises are taken to be right to this share of the best, or to so much.
 const PROMISE_SHARE: f64 = 0.7;
 const PROMISE_SLACK: f64 = 30.0;
@@ -66,14 +66,14 @@ const HOPELESS: f64 = -6.0;
 
 /// A search on its way.
 pub(super) struct Search<'s> {
-    study: &'s Study<'s>,
-    limits: Limits,
+    pub(super) study: &'s Study<'s>,
+    pub(super) limits: Limits,
     null: Scored,
     /// The tip's answers to the hypotheses.
-    responses: Vec<Response>,
+    pub(super) responses: Vec<Response>,
     /// The sets beside which they were looked at far out.
     looked: BTreeSet<BTreeSet<usize>>,
-    tried: Vec<Scored>,
+    pub(super) tried: Vec<Scored>,
 }
 
 impl<'s> Search<'s> {
@@ -105,8 +105,12 @@ impl Search<'_> {
         while best.fitted.members.len() < self.limits.most_effects {
             self.look_farther(&best);
             let enough = best.score + self.limits.least_score;
-            let Some(next) = self.with_another(&best, enough) else { break };
-            best = self.swapped(next);
+            let next = self.with_another(&best, enough);
+            best = match (self.instead(&best), next) {
+                (Some(other), _) => other,
+                (None, Some(next)) => self.swapped(next),
+                (None, None) => break,
+            };
         }
         self.pruned(best)
     }
@@ -136,22 +140,28 @@ impl Search<'_> {
         }
     }
 
-    /// Goes on from `best`, so that nothing is left out because of what it promised: other single effects first, then more
-    /// of them.
-    pub(super) fn thoroughly(&mut self, mut best: Scored) -> Scored {
-        self.limits.thorough = true;
+    /// Goes on from `best`, so that nothing is left out because of what it promised: other single effects first, if
+    /// something is `left` that it does not explain, then more of them.
+    pub(super) fn thoroughly(&mut self, mut best: Scored, left: bool) -> Scored {
+        self.limits.thorough = if left { usize::MAX } else { 2 };
         self.look_farther(&best);
-        if !best.fitted.members.is_empty() {
+        if left && !best.fitted.members.is_empty() {
             best = self.with_another(&self.null.clone(), best.score).unwrap_or(best);
         }
-        self.enlarged(best)
+        let best = self.enlarged(best);
+        if left { best } else { self.begun_otherwise(best) }
     }
 
-    /// Looks far out beside `best`, once, if anything may be missing there.
+    fn is_thorough(&self, base: &Scored) -> bool {
+        base.fitted.members.len() < self.limits.thorough
+    }
+
+    /// Looks far out beside `best`, once: beside nothing only if anything may be missing.
     fn look_farther(&mut self, best: &Scored) {
         let promises = self.study.promises(&best.fitted, &[], &self.responses);
         let worth = |promise: &Promise| self.study.is_worth_fitting(promise, &best.fitted, &self.limits);
-        if (self.limits.thorough || promises.iter().any(worth)) && self.looked.insert(set_of(&best.fitted.members)) {
+        let asked = self.is_thorough(best) || !best.fitted.members.is_empty() || promises.iter().any(worth);
+        if asked && self.looked.insert(set_of(&best.fitted.members)) {
             self.responses.extend(self.study.farther(&best.fitted, &promises, &self.responses));
         }
     }
@@ -166,16 +176,16 @@ impl Search<'_> {
         Found { best, tried, looked_at: looked_at.collect(), null }
     }
 
-    fn scored(&self, fitted: Fitted) -> Scored {
+    pub(super) fn scored(&self, fitted: Fitted) -> Scored {
         let fall = self.null.fitted.explained.deviance - fitted.explained.deviance;
         Scored { score: fall - self.study.penalty(&fitted.members), fitted, exact: true }
     }
 
     /// Fits `base` with each of the promising hypotheses besides: all roughly, then as well as can be those that may come
     /// near the best of them and near the score `enough`.
-    fn fitted_with(&mut self, base: &Scored, promises: &[Promise], enough: f64) -> Vec<Scored> {
+    pub(super) fn fitted_with(&mut self, base: &Scored, promises: &[Promise], enough: f64) -> Vec<Scored> {
         let Some(first) = promises.first() else { return Vec::new() };
-        let (least, width) = if self.limits.thorough {
+        let (least, width) = if self.is_thorough(base) {
             (f64::NEG_INFINITY, usize::MAX)
         } else {
             (first.gain - (PROMISE_SHARE * first.gain).max(PROMISE_SLACK), WIDTH)
@@ -214,82 +224,27 @@ impl Search<'_> {
         let limits = self.limits;
         let mut promises = self.study.promises(&base.fitted, &[], &self.responses);
         // What has been fitted beside this set before has had its chance.
-        promises.retain(|promise| self.is_new(base, promise));
-        if !limits.thorough {
+        promises.retain(|promise| !self.is_fitted(base, promise) && !self.is_tried(base, promise));
+        if !self.is_thorough(base) {
             promises.retain(|promise| self.study.is_worth_fitting(promise, &base.fitted, &limits));
         }
-        let fits = self.fitted_with(base, &promises, enough);
-        let apart_m = |there: &Scored, here: &Scored| -> f64 {
-            let moved = there.fitted.played.iter().zip(&here.fitted.played).map(|(there, here)| there - here);
-            rms_m(&moved.collect::<Vec<f64>>())
-        };
+        let mut fits = self.fitted_with(base, &promises, enough);
         // The laws of the effects found so far are right to a share of what they do: that much is no other effect's.
-        let inexact_m = limits.least_share * apart_m(base, &self.null);
+        let inexact_m = limits.least_share * apart_m(&base.fitted, &self.null.fitted);
         let worth = |next: &Scored| {
-            let least_m = inexact_m.max(limits.least_size * next.fitted.explained.noise.rms_m());
-            apart_m(next, base) >= least_m && next.score >= enough
+            let own_m =
+                self.study.without(&next.fitted, base.fitted.members.len()).map(|rest| apart_m(&next.fitted, &rest));
+            let least_m = limits.least_size * next.fitted.explained.noise.rms_m();
+            own_m.is_some_and(|own_m| own_m >= least_m) && apart_m(&next.fitted, &base.fitted) >= inexact_m
         };
-        fits.into_iter().filter(worth).max_by(|a, b| a.score.total_cmp(&b.score))
+        fits.retain(|next| next.score >= enough);
+        fits.sort_by(|a, b| b.score.total_cmp(&a.score));
+        fits.into_iter().find(worth)
     }
+}
 
-    /// The set with a member exchanged, as long as that helps: what was taken first may stand for two others.
-    fn swapped(&mut self, mut best: Scored) -> Scored {
-        if best.fitted.members.len() < 2 {
-            return best;
-        }
-        loop {
-            let mut better: Option<Scored> = None;
-            for out in 0..best.fitted.members.len() {
-                let gone = best.fitted.members[out].hypothesis;
-                let Some(without) = self.without(&best, out) else { continue };
-                let mut promises = self.study.promises(&without.fitted, &[gone], &self.responses);
-                promises.retain(|promise| self.is_new(&without, promise));
-                promises.truncate(WIDTH / 2);
-                let enough = better.as_ref().map_or(best.score, |better| better.score);
-                let fits = self.fitted_with(&without, &promises, enough);
-                let top = fits.into_iter().max_by(|a, b| a.score.total_cmp(&b.score));
-                better = top.filter(|top| top.score > enough).or(better);
-            }
-            match better {
-                Some(next) => best = next,
-                None => return best,
-            }
-        }
-    }
-
-    /// Whether `base` has not been fitted with what is promised, from there or as well as can be.
-    fn is_new(&self, base: &Scored, promise: &Promise) -> bool {
-        let added = promise.member.hypothesis;
-        let mut all = set_of(&base.fitted.members);
-        all.insert(added);
-        let same = |scored: &&Scored| set_of(&scored.fitted.members) == all;
-        let from_here = |scored: &Scored| scored.fitted.members.last().is_some_and(|last| last.hypothesis == added);
-        !self.tried.iter().filter(same).any(|scored| scored.exact || from_here(scored))
-    }
-
-    /// The set without the members that do not pay for themselves.
-    fn pruned(&mut self, mut best: Scored) -> Scored {
-        let mut k = 0;
-        while best.fitted.members.len() > 1 && k < best.fitted.members.len() {
-            match self.without(&best, k) {
-                Some(fewer) if fewer.score + self.limits.least_score > best.score => best = fewer,
-                _ => k += 1,
-            }
-        }
-        best
-    }
-
-    /// The set without the member number `out`, fitted, unless it has been before.
-    fn without(&mut self, best: &Scored, out: usize) -> Option<Scored> {
-        let mut rest = best.fitted.members.clone();
-        rest.remove(out);
-        let wanted = set_of(&rest);
-        let known = self.tried.iter().filter(|scored| scored.exact && set_of(&scored.fitted.members) == wanted);
-        if let Some(known) = known.max_by(|a, b| a.score.total_cmp(&b.score)) {
-            return Some(known.clone());
-        }
-        let fewer = self.scored(self.study.refit(rest, self.study.slopes_without(&best.fitted, out))?);
-        self.tried.push(fewer.clone());
-        Some(fewer)
-    }
+/// How far the tips of two fits are from each other, root mean square, metres.
+fn apart_m(there: &Fitted, here: &Fitted) -> f64 {
+    let moved: Vec<f64> = there.played.iter().zip(&here.played).map(|(there, here)| there - here).collect();
+    rms_m(&moved)
 }

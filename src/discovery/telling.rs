@@ -61,7 +61,7 @@ impl Question<'_> {
             missing_before: before.test.clone(),
             missing_after: missing.test.clone(),
             pattern: if unexplained { words::pattern(&before.foretold, &places) } else { String::new() },
-            limitations: check::limitations(measured, &self.all),
+            limitations: check::limitations(measured, &self.all).into_iter().chain(self.doubts()).collect(),
             proposals: next.iter().map(|next| next.proposal.clone()).collect(),
         };
         findings.summary = words::summary(&findings);

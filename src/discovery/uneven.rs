@@ -44,25 +44,13 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
 
     use super::super::noise::Noise;
-    use super::super::samples::{Sample, TrialCommands};
     use super::*;
-    use crate::base::{Rows, Seed};
+    use crate::base::Seed;
 
     const NOISE_M: f64 = 5e-4;
 
     /// Six trials of fifty samples that leave noise, in one of them so many times as much.
     fn tested(times: f64, seed: u64) -> Uneven {
-        let trial = |number| TrialCommands {
-            number,
-            commands: Rows::new(1),
-            durations_s: Vec::new(),
-            tensions: false,
-            known_load_kg: 0.0,
-            tip_loads: None,
-        };
-        let sample = |k: usize| Sample { trial: k / 50, row: k % 50, time_s: k as f64, tip_m: [0.0; 3] };
-        let samples =
-            Samples { trials: (0..6).map(trial).collect(), rows: (0..300).map(sample).collect(), step_s: 1.0 };
         let mut random = Seed(seed).rng();
         let size_m = |k: usize| if (300..450).contains(&k) { times * NOISE_M } else { NOISE_M };
         let left_m = (0..900).map(|k| -> f64 {
@@ -71,7 +59,7 @@ mod tests {
         });
         let left_m = left_m.collect();
         let noise = Noise { sigma_m: [NOISE_M; 3], correlation: 0.0 };
-        uneven(&samples, &Explained { noise, amounts: DVector::zeros(0), left_m, deviance: 0.0 })
+        uneven(&Samples::alike(6, 50), &Explained { noise, amounts: DVector::zeros(0), left_m, deviance: 0.0 })
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The answer in words: only what was computed.
 
-use super::missing::Pattern;
+use super::foretelling::Pattern;
 use crate::data::findings::{Findings, PlaceRow, Verdict};
 
 /// The answer in a sentence or two.

@@ -51,7 +51,7 @@ pub(super) fn draw(cases: &[CaseRow]) -> Canvas {
     let noises = distinct(cases.iter().map(|case| case.noise_m));
     let noises: Vec<Series> = noises.into_iter().take(LOOKS.len()).map(named).collect();
     panel(&mut canvas, 1, ("(b) single effects named right", "share (%)"), cases, &noises);
-    let note = "(a): medians of singles and pairs; bars: 95 % intervals";
+    let note = "(a): medians of singles and pairs, what is beyond the axis at its end; bars: 95 % intervals";
     canvas.text(Text::new(note, [PAGE_WIDTH - 14.0, TOP + HIGH + 50.0], SMALL, Align::Right).colour(GREY));
     canvas
 }

@@ -1,0 +1,104 @@
+//! Moves from one set to another of as many effects or fewer: what was taken first may only stand for what comes later.
+
+use std::collections::BTreeSet;
+
+use super::hypothesis::set_of;
+use super::screen::Promise;
+use super::search::{Scored, Search, WIDTH};
+
+impl Search<'_> {
+    /// What is better than `best` of the larger sets that hold it, worth having or not, without one of its members: that one
+    /// may have stood for what came last (floating search; Pudil, Novovičová & Kittler, Pattern Recognition Letters 15,
+    /// 1994).
+    pub(super) fn instead(&mut self, best: &Scored) -> Option<Scored> {
+        let members = set_of(&best.fitted.members);
+        let larger = |scored: &&Scored| {
+            let own = set_of(&scored.fitted.members);
+            scored.exact && own.len() == members.len() + 1 && own.is_superset(&members) && scored.score > best.score
+        };
+        let larger = self.tried.iter().filter(larger).max_by(|a, b| a.score.total_cmp(&b.score)).cloned()?;
+        let old = |&out: &usize| members.contains(&larger.fitted.members[out].hypothesis);
+        let fewer: Vec<Scored> = (0..=members.len()).filter(old).filter_map(|out| self.without(&larger, out)).collect();
+        fewer.into_iter().filter(|fewer| fewer.score > best.score).max_by(|a, b| a.score.total_cmp(&b.score))
+    }
+
+    /// The set with a member exchanged, as long as that helps: what was taken first may stand for two others.
+    pub(super) fn swapped(&mut self, mut best: Scored) -> Scored {
+        if best.fitted.members.len() < 2 {
+            return best;
+        }
+        loop {
+            let mut better: Option<Scored> = None;
+            for out in 0..best.fitted.members.len() {
+                for rest in self.rests(&best, out) {
+                    let gone = best.fitted.members[out].hypothesis;
+                    let mut promises = self.study.promises(&rest.fitted, &[gone], &self.responses);
+                    promises.retain(|promise| !self.is_fitted(&rest, promise));
+                    promises.truncate(WIDTH / 2);
+                    let enough = better.as_ref().map_or(best.score, |better| better.score);
+                    let fits = self.fitted_with(&rest, &promises, enough);
+                    let top = fits.into_iter().max_by(|a, b| a.score.total_cmp(&b.score));
+                    better = top.filter(|top| top.score > enough).or(better);
+                }
+            }
+            match better {
+                Some(next) => best = next,
+                None => return best,
+            }
+        }
+    }
+
+    /// The set without the member number `out`: the others as they are, which is right if that one only took another's
+    /// place; of two also the other fitted anew, which is right if it made up for that one.
+    fn rests(&mut self, best: &Scored, out: usize) -> Vec<Scored> {
+        let kept = self.study.without(&best.fitted, out).map(|rest| self.scored(rest));
+        let anew = if best.fitted.members.len() == 2 { self.without(best, out) } else { None };
+        kept.into_iter().chain(anew).collect()
+    }
+
+    /// Whether `base` has been fitted with what is promised as well as can be.
+    pub(super) fn is_fitted(&self, base: &Scored, promise: &Promise) -> bool {
+        let all = with(base, promise);
+        self.tried.iter().any(|scored| scored.exact && set_of(&scored.fitted.members) == all)
+    }
+
+    /// Whether `base` has been fitted with what is promised from there, if only roughly.
+    pub(super) fn is_tried(&self, base: &Scored, promise: &Promise) -> bool {
+        let (all, added) = (with(base, promise), promise.member.hypothesis);
+        let from_here = |scored: &Scored| scored.fitted.members.last().is_some_and(|last| last.hypothesis == added);
+        self.tried.iter().any(|scored| from_here(scored) && set_of(&scored.fitted.members) == all)
+    }
+
+    /// The set without the members that do not pay for themselves.
+    pub(super) fn pruned(&mut self, mut best: Scored) -> Scored {
+        let mut k = 0;
+        while best.fitted.members.len() > 1 && k < best.fitted.members.len() {
+            match self.without(&best, k) {
+                Some(fewer) if fewer.score + self.limits.least_score > best.score => best = fewer,
+                _ => k += 1,
+            }
+        }
+        best
+    }
+
+    /// The set without the member number `out`, fitted, unless it has been before.
+    fn without(&mut self, best: &Scored, out: usize) -> Option<Scored> {
+        let mut rest = best.fitted.members.clone();
+        rest.remove(out);
+        let wanted = set_of(&rest);
+        let known = self.tried.iter().filter(|scored| scored.exact && set_of(&scored.fitted.members) == wanted);
+        if let Some(known) = known.max_by(|a, b| a.score.total_cmp(&b.score)) {
+            return Some(known.clone());
+        }
+        let fewer = self.scored(self.study.refit(rest, self.study.slopes_without(&best.fitted, out))?);
+        self.tried.push(fewer.clone());
+        Some(fewer)
+    }
+}
+
+/// Which hypotheses are in `base` and what is promised beside it.
+fn with(base: &Scored, promise: &Promise) -> BTreeSet<usize> {
+    let mut all = set_of(&base.fitted.members);
+    all.insert(promise.member.hypothesis);
+    all
+}
