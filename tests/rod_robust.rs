@@ -158,3 +158,36 @@ fn a_rod_that_remembers_moves_on_its_own_grid() {
     assert_eq!(rod.refinements(), 0);
     assert!((rod.tip_m() - tip_m).norm() < 1e-3, "its histories came along: {} m", (rod.tip_m() - tip_m).norm());
 }
+
+/// Newton's method goes back and forth between two branches of a friction that hardly yields; steps must not become short
+/// for that.
+#[test]
+fn friction_that_hardly_yields_takes_few_more_iterations_than_one_that_does() {
+    let iterations = |yaml: &str| {
+        let mut params = common::model("nominal").rod(&common::effects(yaml));
+        params.resolution.motion_tolerance_m = 3e-4;
+        let mut rod = Rod::new(params);
+        let mut random = Seed(5).rng();
+        assert_eq!(rod.settle(&[Drive::Pull(0.0); 4]), Status::Converged);
+        for _ in 0..40 {
+            let [x, y] = std::array::from_fn(|_| random.random_range(-0.012..0.012));
+            assert_eq!(rod.advance(&[x, y, -x, -y].map(Drive::Pull), 0.2), Status::Converged, "{yaml}");
+        }
+        rod.effort().iterations
+    };
+    let [hardly, soon] =
+        ["0.02", "0.5"].map(|yields| iterations(&format!("- friction: {{moment_nm: 0.0123, yield_rad_m: {yields}}}")));
+    println!("{hardly} iterations where friction hardly yields, {soon} where it does");
+    assert!(hardly < 3 * soon, "{hardly} iterations of {soon}");
+}
+#[test]
+fn friction_settles_however_little_it_yields() {
+    for yields in [0.5, 0.1, 0.02] {
+        for moment in [0.002, 0.006, 0.0123, 0.03] {
+            let yaml = format!("- friction: {{moment_nm: {moment}, yield_rad_m: {yields}}}");
+            let mut rod = Rod::new(common::model("nominal").rod(&common::effects(&yaml)));
+            assert_eq!(rod.settle(&[Drive::Pull(0.0); 4]), Status::Converged, "{yaml}");
+            assert!(rod.space_error_m() < 1e-4, "{yaml}: {:e} m", rod.space_error_m());
+        }
+    }
+}

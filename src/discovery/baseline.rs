@@ -153,8 +153,7 @@ pub(super) fn uncertain(
             for null in hypothesis.variants() {
                 let answer = answers.iter().find(|answer| answer.hypothesis == number && answer.null == null);
                 for (k, size) in hypothesis.sizes().into_iter().enumerate() {
-                    let name = hypothesis.card.parameters[size].name;
-                    if name.split('[').next() == Some(one.parameter.as_str()) {
+                    if hypothesis.card.parameters[size].vector() == one.parameter {
                         let column = answer.map(|answer| answer.columns.column(k).as_slice().to_vec());
                         columns.push((column.unwrap_or_else(|| vec![0.0; rows]), one.deviation));
                     }

@@ -37,19 +37,24 @@ impl Study<'_> {
         promises
     }
 
-    /// `base` with each of the promised members, played coarsely on both sides.
-    pub(super) fn roughly_with(&self, base: &Scored, promises: &[&Promise], responses: &[Response]) -> Vec<Scored> {
+    /// `base` with each of the promised members, played coarsely on both sides; a score below `enough` is of no use.
+    pub(super) fn roughly_with(
+        &self,
+        base: &Scored,
+        promises: &[&Promise],
+        responses: &[Response],
+        enough: f64,
+    ) -> Vec<Scored> {
         let coarse = Study { model: self.coarse, ..self.clone() };
         let Some(start) = coarse.again(&base.fitted) else { return Vec::new() };
         let fit = |promise: &&Promise| {
-            let member = coarse.begun(&start, &promise.member);
-            let jacobian = coarse.known_slopes(&start, &member, &responses[promise.response]);
-            let all: Vec<Member> = start.members.iter().cloned().chain([member]).collect();
-            let fitted = coarse.rough_fit(all, jacobian)?;
+            let jacobian = coarse.known_slopes(&start, &promise.member, &responses[promise.response]);
+            let costs = self.penalty(std::slice::from_ref(&promise.member));
+            let wanted = start.explained.deviance - (enough - base.score) - costs;
+            let fitted = coarse.rough_fit(coarse.begun(&start, &promise.member)?, jacobian, wanted)?;
             let last = fitted.members.len() - 1;
-            let fitted = coarse.placed(fitted, last);
-            let gain = start.explained.deviance - fitted.explained.deviance;
-            let score = base.score + gain - self.penalty(std::slice::from_ref(&promise.member));
+            let fitted = coarse.placed(fitted, last, wanted);
+            let score = base.score + start.explained.deviance - fitted.explained.deviance - costs;
             Some(Scored { fitted, score, exact: false })
         };
         promises.par_iter().filter_map(fit).collect()
@@ -69,33 +74,33 @@ impl Study<'_> {
         slopes
     }
 
-    /// The promised member, nearer to nothing where the tip's answer is so far from linear that less of it fits better.
-    fn begun(&self, base: &Fitted, promised: &Member) -> Member {
+    /// `base` with the promised member, nearer to nothing where the tip's answer is so far from linear that less of it fits
+    /// better; none where the model can play none of it.
+    fn begun(&self, base: &Fitted, promised: &Member) -> Option<Fitted> {
         let nothing = self.hypotheses[promised.hypothesis].without(&promised.values);
         let part = |share: f64| {
             let between = nothing.iter().zip(&promised.values).map(|(n, v)| n + share * (v - n)).collect();
-            Member { values: between, ..*promised }
+            let member = Member { values: between, ..*promised };
+            self.at(base.members.iter().cloned().chain([member]).collect())
         };
-        let mut best: Option<(f64, Member)> = None;
-        for share in [1.0, 0.5, 0.25] {
-            let member = part(share);
-            let Some(deviance) = self.deviance(&base.members, &member) else { continue };
-            if deviance < base.explained.deviance {
-                return member;
+        let mut best: Option<Fitted> = None;
+        for begun in [1.0, 0.5, 0.25].into_iter().filter_map(part) {
+            if begun.explained.deviance < base.explained.deviance {
+                return Some(begun);
             }
             match &best {
-                Some((least, _)) if *least <= deviance => break,
-                _ => best = Some((deviance, member)),
+                Some(best) if best.explained.deviance <= begun.explained.deviance => break,
+                _ => best = Some(begun),
             }
         }
-        best.map_or_else(|| promised.clone(), |(_, member)| member)
+        best
     }
 
     /// The fit from near it, with every choice where it fits best.
     pub(super) fn settled(&self, near: &Fitted) -> Option<Fitted> {
         let mut best = self.refit(near.members.clone(), near.jacobian.clone())?;
         for k in 0..best.members.len() {
-            let placed = self.placed(best.clone(), k);
+            let placed = self.placed(best.clone(), k, f64::INFINITY);
             if placed.members != best.members {
                 best = self.refit(placed.members, placed.jacobian)?;
             }
@@ -104,13 +109,13 @@ impl Study<'_> {
     }
 
     /// The fit with every choice of member `k` (such as a place) moved to its neighbours while that helps, roughly.
-    fn placed(&self, mut best: Fitted, k: usize) -> Fitted {
+    fn placed(&self, mut best: Fitted, k: usize, wanted: f64) -> Fitted {
         let hypothesis = &self.hypotheses[best.members[k].hypothesis];
         loop {
             let fits = hypothesis.neighbours(&best.members[k].values).into_iter().filter_map(|values| {
                 let mut members = best.members.clone();
                 members[k].values = values;
-                self.rough_fit(members, best.jacobian.clone())
+                self.rough_fit(self.at(members)?, best.jacobian.clone(), wanted)
             });
             let next = fits.min_by(|a, b| a.explained.deviance.total_cmp(&b.explained.deviance));
             match next.filter(|next| next.explained.deviance < best.explained.deviance) {

@@ -42,7 +42,7 @@ fn stiffness_only(study: &Study, responses: &[Response], null: &Fitted, proof: &
     let start = Member { hypothesis, values: study.hypotheses[hypothesis].variants().swap_remove(0) };
     let known = responses.iter().find(|response| response.hypothesis == hypothesis)?;
     let slopes = study.known_slopes(null, &start, known);
-    let fitted = study.rough_fit(vec![start], slopes)?;
+    let fitted = study.rough_fit(study.at(vec![start])?, slopes, f64::INFINITY)?;
     let there = tips(study.model, &effects(study.hypotheses, &fitted.members)?, proof)?;
     Some(rms_m(&proof.residual(&there)))
 }

@@ -14,7 +14,7 @@ use super::play::tips;
 use super::refit::{Fitted, Study};
 use super::responses::{Response, responses};
 use super::samples::{Samples, rms_m};
-use super::screen::{ALIKE, Promise, Screen, best_of_each};
+use super::screen::{ALIKE, Screen, best_of_each};
 
 /// Farther than this, in usual sizes, no one looks.
 const FARTHEST: f64 = 8.0;
@@ -34,16 +34,16 @@ const WORTH_SLACK: f64 = 10.0;
 impl Study<'_> {
     /// Answers to each hypothesis beside those of `base`, in both directions, where it would move the tip as far as the
     /// residual that `base` leaves if it went on as a little of it does, and from there where it fits; of each the variant
-    /// that `promises` most, or the first one if none: a little of an effect may promise nothing where much of it does.
+    /// that promises most, or the first one if none: a little of an effect may promise nothing where much of it does.
     /// Those whose answer rises and falls are looked at everywhere (a delay hardly shows until the command acts after the
     /// tracker has looked).
-    pub(super) fn farther(&self, base: &Fitted, promises: &[Promise], responses: &[Response]) -> Vec<Response> {
+    pub(super) fn farther(&self, base: &Fitted, responses: &[Response]) -> Vec<Response> {
         let all = Far::new(self, base, &(0..self.samples.trials.len()).collect::<Vec<usize>>());
         let some = Far::new(self, base, &self.most_telling(base));
         let (Some(here), Some(there)) = (some.played(&[]), all.played(&[])) else { return Vec::new() };
         let beside = some.beside(&|_| true);
         let (known, promises) = if beside.is_empty() {
-            (responses.iter().map(|response| some.part(response)).collect(), promises.to_vec())
+            (responses.iter().map(|response| some.part(response)).collect(), self.promises(base, &[], responses))
         } else {
             let promises = best_of_each(some.screen.promises(&beside));
             (beside, promises)

@@ -151,20 +151,14 @@ fn rests(samples: &Samples) -> Vec<Vec<usize>> {
 
 #[cfg(test)]
 mod tests {
-    use rand_distr::{Distribution, StandardNormal};
-
+    use super::super::samples::white_noise;
     use super::*;
-    use crate::base::Seed;
 
     const NOISE_M: f64 = 5e-4;
 
     /// What a model leaves in eight trials of ten samples that all begin in one place: noise, and at the start a bias.
     fn tested(bias_m: f64, seed: u64) -> Bias {
-        let mut random = Seed(seed).rng();
-        let mut noise = || -> f64 {
-            let drawn: f64 = StandardNormal.sample(&mut random);
-            NOISE_M * drawn
-        };
+        let mut noise = white_noise(NOISE_M, seed);
         let mut samples = Samples::alike(8, 10);
         for sample in &mut samples.rows {
             let bias_m = if sample.row == 0 { bias_m } else { 0.0 };

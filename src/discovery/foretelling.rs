@@ -34,12 +34,14 @@ pub(super) struct Points {
     around: Vec<Circumstances>,
     /// What was left, metres, three numbers a point.
     residual: Vec<f64>,
+    /// Samples that a point stands for, about.
+    samples_each: f64,
 }
 
 impl Points {
     pub(super) fn new(trials: &[Range<usize>], around: &[Circumstances], residual: &[f64]) -> Points {
         let together = around.len().div_ceil(MOST_POINTS).max(1);
-        let mut points = Points { ranges: Vec::new(), around: Vec::new(), residual: Vec::new() };
+        let mut points = Points { ranges: Vec::new(), around: Vec::new(), residual: Vec::new(), samples_each: 1.0 };
         for trial in trials {
             let first = points.around.len();
             for start in trial.clone().step_by(together) {
@@ -51,12 +53,8 @@ impl Points {
             }
             points.ranges.push(first..points.around.len());
         }
+        points.samples_each = around.len() as f64 / points.around.len().max(1) as f64;
         points
-    }
-
-    /// Their number.
-    pub(super) fn len(&self) -> usize {
-        self.around.len()
     }
 }
 
@@ -64,7 +62,7 @@ impl Points {
 pub(super) struct Table {
     /// For each axis: block foretold × block foretelling.
     products: [DMatrix<f64>; 3],
-    /// Fall of the sum of squares by what is foretold, m²; not below zero.
+    /// Fall of the sum of squares of all samples by what is foretold, m²; not below zero.
     pub(super) foretold: f64,
 }
 
@@ -102,7 +100,7 @@ impl Table {
                 foretold += 2.0 * left.dot(&sum) - sum.norm_squared();
             }
         }
-        Table { products, foretold: foretold.max(0.0) }
+        Table { products, foretold: points.samples_each * foretold.max(0.0) }
     }
 
     /// Agreement of what was left with what was foretold, m², each trial's residual with a sign.

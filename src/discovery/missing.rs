@@ -24,8 +24,12 @@ pub(super) struct Missing {
 
 /// Blocks with signs of their own at least.
 const FEWEST_BLOCKS: usize = 12;
-/// Random signs that are compared with.
+/// Random signs that show how far chance goes, …
 const DRAWS: usize = 400;
+/// … and that are compared with at most: what does as well once in a thousand is to be seen several times, …
+const MOST_DRAWS: usize = 4000;
+/// … until so many have done as well (sequential Monte Carlo; Besag & Clifford, Biometrika 78, 1991).
+const ENOUGH_ABOVE: usize = 20;
 
 /// Tests whether `residual` (metres, three numbers a sample) holds more than noise.
 pub(super) fn missing(samples: &Samples, around: &[Circumstances], residual: &[f64], seed: Seed) -> Missing {
@@ -34,34 +38,35 @@ pub(super) fn missing(samples: &Samples, around: &[Circumstances], residual: &[f
     let patterns = [Pattern::Constant, Pattern::Pose, Pattern::History, Pattern::Time];
     let tables: Vec<Table> = patterns.iter().map(|&pattern| Table::new(pattern, &points, &blocks)).collect();
     let mut random = seed.child("signs").rng();
-    let flipped: Vec<Vec<f64>> = (0..DRAWS)
-        .map(|_| {
-            let signs: Vec<[f64; 3]> = blocks
-                .iter()
-                .map(|_| std::array::from_fn(|_| if random.random_range(0..2) == 0 { -1.0 } else { 1.0 }))
-                .collect();
-            tables.iter().map(|table| table.success(&signs)).collect()
-        })
-        .collect();
-    let plain = vec![[1.0; 3]; blocks.len()];
+    let mut drawn = || -> Vec<f64> {
+        let mut sign = || if random.random_range(0..2) == 0 { -1.0 } else { 1.0 };
+        let signs: Vec<[f64; 3]> = blocks.iter().map(|_| std::array::from_fn(|_| sign())).collect();
+        tables.iter().map(|table| table.success(&signs)).collect()
+    };
+    let first: Vec<Vec<f64>> = (0..DRAWS).map(|_| drawn()).collect();
     // The best of the patterns' successes, each in its own standard deviations, and how often chance does as well.
-    let moments: Vec<(f64, f64)> = (0..tables.len()).map(|k| moments(flipped.iter().map(|draw| draw[k]))).collect();
+    let moments: Vec<(f64, f64)> = (0..tables.len()).map(|k| moments(first.iter().map(|draw| draw[k]))).collect();
     let best = |successes: &[f64]| {
         let scaled = successes.iter().zip(&moments).map(|(value, (mean, deviation))| (value - mean) / deviation);
         scaled.fold(f64::NEG_INFINITY, f64::max)
     };
+    let plain = vec![[1.0; 3]; blocks.len()];
     let observed: Vec<f64> = tables.iter().map(|table| table.success(&plain)).collect();
     let height = best(&observed);
-    let above = flipped.iter().filter(|draw| best(draw) >= height).count();
-    let counted = (above + 1) as f64 / (DRAWS + 1) as f64;
+    let mut draws = DRAWS;
+    let mut above = first.iter().filter(|draw| best(draw) >= height).count();
+    while above < ENOUGH_ABOVE && draws < MOST_DRAWS {
+        draws += 1;
+        above += usize::from(best(&drawn()) >= height);
+    }
+    let counted = (above + 1) as f64 / (draws + 1) as f64;
     // Beyond what so many draws can show, the tail of a normal law.
     let p_value = if above == 0 { counted.min(tables.len() as f64 * normal_above(height)) } else { counted };
     let squares = residual.iter().map(|r| r * r).sum::<f64>().max(f64::MIN_POSITIVE);
-    let together = samples.len() as f64 / points.len().max(1) as f64;
     let mut foretold: Vec<(Pattern, f64)> = patterns
         .into_iter()
         .zip(&tables)
-        .map(|(pattern, table)| (pattern, (table.foretold * together / squares).min(1.0)))
+        .map(|(pattern, table)| (pattern, (table.foretold / squares).min(1.0)))
         .collect();
     foretold.sort_by(|a, b| b.1.total_cmp(&a.1));
     let most_m2 = foretold[0].1 * squares / samples.len().max(1) as f64;
@@ -88,10 +93,8 @@ fn blocks(ranges: &[Range<usize>]) -> Vec<Range<usize>> {
 mod tests {
     use std::f64::consts::TAU;
 
-    use rand_distr::{Distribution, StandardNormal};
-
     use super::super::features::circumstances;
-    use super::super::samples::Sample;
+    use super::super::samples::{Sample, white_noise};
     use super::*;
 
     const NOISE_M: f64 = 5e-4;
@@ -103,11 +106,7 @@ mod tests {
         let angle = |sample: &Sample| TAU * (sample.row as f64 / samples as f64 + 0.3 * sample.trial as f64);
         let place = |sample: &Sample| [0.05 * angle(sample).cos(), 0.05 * angle(sample).sin(), 0.2];
         let played: Vec<f64> = alike.rows.iter().flat_map(place).collect();
-        let mut random = Seed(1).rng();
-        let mut noise = || -> f64 {
-            let drawn: f64 = StandardNormal.sample(&mut random);
-            NOISE_M * drawn
-        };
+        let mut noise = white_noise(NOISE_M, 1);
         let left = |sample: &Sample| [noise() + more_m * angle(sample).cos(), noise(), noise()];
         let left_m: Vec<f64> = alike.rows.iter().flat_map(left).collect();
         missing(&alike, &circumstances(&alike, &played), &left_m, Seed(0))

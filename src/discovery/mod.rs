@@ -93,8 +93,11 @@ pub fn discover(
     let mut best = search.best();
     let mut about = question.about(&best.fitted);
     if about.left || !best.fitted.members.is_empty() {
+        let before = best.fitted.members.clone();
         best = search.thoroughly(best, about.left);
-        about = question.about(&best.fitted);
+        if best.fitted.members != before {
+            about = question.about(&best.fitted);
+        }
     }
     let found = question.sharpened(search.ended(best), &about);
     Ok(question.discovery(model, measured, &about, &found))

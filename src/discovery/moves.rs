@@ -30,16 +30,8 @@ impl Search<'_> {
         loop {
             let mut better: Option<Scored> = None;
             for out in 0..best.fitted.members.len() {
-                for rest in self.rests(&best, out) {
-                    let gone = best.fitted.members[out].hypothesis;
-                    let mut promises = self.study.promises(&rest.fitted, &[gone], &self.responses);
-                    promises.retain(|promise| !self.is_fitted(&rest, promise));
-                    promises.truncate(WIDTH / 2);
-                    let enough = better.as_ref().map_or(best.score, |better| better.score);
-                    let fits = self.fitted_with(&rest, &promises, enough);
-                    let top = fits.into_iter().max_by(|a, b| a.score.total_cmp(&b.score));
-                    better = top.filter(|top| top.score > enough).or(better);
-                }
+                let enough = better.as_ref().map_or(best.score, |better| better.score);
+                better = self.exchanged(&best, out, enough).or(better);
             }
             match better {
                 Some(next) => best = next,
@@ -48,25 +40,40 @@ impl Search<'_> {
         }
     }
 
-    /// The set without the member number `out`: the others as they are, which is right if that one only took another's
-    /// place; of two also the other fitted anew, which is right if it made up for that one.
-    fn rests(&mut self, best: &Scored, out: usize) -> Vec<Scored> {
+    /// The set with another member instead of number `out`, if its score is above `enough`. The others first as they are,
+    /// which is right if that one only took another's place; of two, if that brings nothing, the other fitted anew, which
+    /// is right if it made up for that one.
+    fn exchanged(&mut self, best: &Scored, out: usize, enough: f64) -> Option<Scored> {
         let kept = self.study.without(&best.fitted, out).map(|rest| self.scored(rest));
+        let gone = best.fitted.members[out].hypothesis;
+        let width = WIDTH / best.fitted.members.len();
+        if let Some(better) = kept.and_then(|rest| self.other_than(gone, &rest, enough, width)) {
+            return Some(better);
+        }
         let anew = if best.fitted.members.len() == 2 { self.without(best, out) } else { None };
-        kept.into_iter().chain(anew).collect()
+        anew.and_then(|rest| self.other_than(gone, &rest, enough, width))
+    }
+
+    /// The best of `rest` with one of `width` promising members besides that is not `gone`, if its score is above `enough`.
+    fn other_than(&mut self, gone: usize, rest: &Scored, enough: f64, width: usize) -> Option<Scored> {
+        let mut promises = self.study.promises(&rest.fitted, &[gone], &self.responses);
+        promises.retain(|promise| !self.is_fitted(rest, promise));
+        promises.truncate(width);
+        let fits = self.fitted_with(rest, &promises, enough);
+        fits.into_iter().filter(|fit| fit.score > enough).max_by(|a, b| a.score.total_cmp(&b.score))
     }
 
     /// Whether `base` has been fitted with what is promised as well as can be.
-    pub(super) fn is_fitted(&self, base: &Scored, promise: &Promise) -> bool {
+    fn is_fitted(&self, base: &Scored, promise: &Promise) -> bool {
         let all = with(base, promise);
         self.tried.iter().any(|scored| scored.exact && set_of(&scored.fitted.members) == all)
     }
 
-    /// Whether `base` has been fitted with what is promised from there, if only roughly.
+    /// Whether `base` has been fitted with what is promised, if only roughly from there.
     pub(super) fn is_tried(&self, base: &Scored, promise: &Promise) -> bool {
         let (all, added) = (with(base, promise), promise.member.hypothesis);
         let from_here = |scored: &Scored| scored.fitted.members.last().is_some_and(|last| last.hypothesis == added);
-        self.tried.iter().any(|scored| from_here(scored) && set_of(&scored.fitted.members) == all)
+        self.tried.iter().any(|scored| (scored.exact || from_here(scored)) && set_of(&scored.fitted.members) == all)
     }
 
     /// The set without the members that do not pay for themselves.

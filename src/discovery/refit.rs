@@ -40,6 +40,8 @@ const MOST_STEPS: usize = 12;
 const SMALL_FALL: f64 = 0.05;
 /// The same where the best is not yet asked for.
 const ROUGH_FALL: f64 = 2.0;
+/// And this share of what is missing to a deviance that would be of use: so slow a fit is not going to be.
+const SLOW_FALL: f64 = 0.1;
 /// Makes a coordinate so much stiffer that it stays where it is.
 const HOLDS: f64 = 1e12;
 /// Size of the differences that derivatives are taken by, over the probe.
@@ -48,8 +50,8 @@ const DIFFERENCE: f64 = 0.1;
 /// How well a fit is to be known.
 #[derive(Clone, Copy)]
 enum Precision {
-    /// Until steps bring little.
-    Rough,
+    /// Until steps bring little; a deviance above `wanted` is of no use.
+    Rough { wanted: f64 },
     /// As well as can be, with derivatives taken anew before it ends; `fresh`: they are at the start.
     Exact { fresh: bool },
 }
@@ -78,19 +80,23 @@ impl Study<'_> {
         self.descend(Fitted { jacobian, ..self.at(start)? }, Precision::Exact { fresh: false })
     }
 
-    /// Nearly the best values, by a derivative that is known roughly (in units of the probes; zero holds a coordinate).
-    pub(super) fn rough_fit(&self, start: Vec<Member>, jacobian: DMatrix<f64>) -> Option<Fitted> {
-        self.descend(Fitted { jacobian, ..self.at(start)? }, Precision::Rough)
+    /// Nearly the best values from `start`, by a derivative that is known roughly (in units of the probes; zero holds a
+    /// coordinate). A fit whose deviance falls too slowly to come below `wanted` ends sooner.
+    pub(super) fn rough_fit(&self, start: Fitted, jacobian: DMatrix<f64>, wanted: f64) -> Option<Fitted> {
+        self.descend(Fitted { jacobian, ..start }, Precision::Rough { wanted })
     }
 
     /// Steps as long as they help.
     fn descend(&self, mut best: Fitted, precision: Precision) -> Option<Fitted> {
         let (exact, mut fresh) = match precision {
-            Precision::Rough => (false, true),
+            Precision::Rough { .. } => (false, true),
             Precision::Exact { fresh } => (true, fresh),
         };
-        let small = if exact { SMALL_FALL } else { ROUGH_FALL };
         for _ in 0..MOST_STEPS {
+            let small = match precision {
+                Precision::Rough { wanted } => ROUGH_FALL.max(SLOW_FALL * (best.explained.deviance - wanted)),
+                Precision::Exact { .. } => SMALL_FALL,
+            };
             let (step, promised) = self.step(&best)?;
             // What promises nothing is not played.
             let shares: &[f64] = if promised < small { &[] } else { &[1.0, 0.4, 0.1] };
@@ -159,13 +165,8 @@ impl Study<'_> {
         Some(normal.view((0, 0), (free, free)) - &shared * own.solve(&shared.transpose()))
     }
 
-    /// The deviance of `base` with `member` besides; none where the model cannot play them.
-    pub(super) fn deviance(&self, base: &[Member], member: &Member) -> Option<f64> {
-        let all = base.iter().chain([member]).cloned().collect();
-        self.at(all).map(|fitted| fitted.explained.deviance)
-    }
-
-    fn at(&self, members: Vec<Member>) -> Option<Fitted> {
+    /// The members with the values that they have, not fitted; none where the model cannot play them.
+    pub(super) fn at(&self, members: Vec<Member>) -> Option<Fitted> {
         let played = tips(self.model, &effects(self.hypotheses, &members)?, self.samples)?;
         let freedom = self.coordinates(&members).len() as f64;
         let explained = self.nuisances.explain(self.samples, &self.samples.residual(&played), freedom);

@@ -119,6 +119,16 @@ impl Samples {
     }
 }
 
+/// Independent normal numbers of this size.
+#[cfg(test)]
+pub(super) fn white_noise(size_m: f64, seed: u64) -> impl FnMut() -> f64 {
+    let mut random = crate::base::Seed(seed).rng();
+    move || {
+        let drawn: f64 = rand_distr::Distribution::sample(&rand_distr::StandardNormal, &mut random);
+        size_m * drawn
+    }
+}
+
 #[cfg(test)]
 impl Samples {
     /// So many trials of so many samples each, 0.2 s apart: one tendon that is pulled ever further, a tip at the origin.

@@ -144,7 +144,9 @@ impl Search<'_> {
     /// something is `left` that it does not explain, then more of them.
     pub(super) fn thoroughly(&mut self, mut best: Scored, left: bool) -> Scored {
         self.limits.thorough = if left { usize::MAX } else { 2 };
-        self.look_farther(&best);
+        if best.fitted.members.len() < self.limits.most_effects {
+            self.look_farther(&best);
+        }
         if left && !best.fitted.members.is_empty() {
             best = self.with_another(&self.null.clone(), best.score).unwrap_or(best);
         }
@@ -158,11 +160,12 @@ impl Search<'_> {
 
     /// Looks far out beside `best`, once: beside nothing only if anything may be missing.
     fn look_farther(&mut self, best: &Scored) {
-        let promises = self.study.promises(&best.fitted, &[], &self.responses);
         let worth = |promise: &Promise| self.study.is_worth_fitting(promise, &best.fitted, &self.limits);
-        let asked = self.is_thorough(best) || !best.fitted.members.is_empty() || promises.iter().any(worth);
+        let asked = self.is_thorough(best)
+            || !best.fitted.members.is_empty()
+            || self.study.promises(&best.fitted, &[], &self.responses).iter().any(worth);
         if asked && self.looked.insert(set_of(&best.fitted.members)) {
-            self.responses.extend(self.study.farther(&best.fitted, &promises, &self.responses));
+            self.responses.extend(self.study.farther(&best.fitted, &self.responses));
         }
     }
 
@@ -191,7 +194,7 @@ impl Search<'_> {
             (first.gain - (PROMISE_SHARE * first.gain).max(PROMISE_SLACK), WIDTH)
         };
         let kept: Vec<&Promise> = promises.iter().take(width).filter(|promise| promise.gain >= least).collect();
-        let mut rough = self.study.roughly_with(base, &kept, &self.responses);
+        let mut rough = self.study.roughly_with(base, &kept, &self.responses, enough);
         rough.sort_by(|a, b| b.score.total_cmp(&a.score));
         let mut top = rough.iter().map(|scored| scored.score).fold(base.score.max(enough), f64::max);
         let mut finished: Vec<Scored> = Vec::new();
@@ -224,7 +227,7 @@ impl Search<'_> {
         let limits = self.limits;
         let mut promises = self.study.promises(&base.fitted, &[], &self.responses);
         // What has been fitted beside this set before has had its chance.
-        promises.retain(|promise| !self.is_fitted(base, promise) && !self.is_tried(base, promise));
+        promises.retain(|promise| !self.is_tried(base, promise));
         if !self.is_thorough(base) {
             promises.retain(|promise| self.study.is_worth_fitting(promise, &base.fitted, &limits));
         }

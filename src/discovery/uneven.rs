@@ -41,23 +41,17 @@ pub(super) fn uneven(samples: &Samples, explained: &Explained) -> Uneven {
 #[cfg(test)]
 mod tests {
     use nalgebra::DVector;
-    use rand_distr::{Distribution, StandardNormal};
 
     use super::super::noise::Noise;
+    use super::super::samples::white_noise;
     use super::*;
-    use crate::base::Seed;
 
     const NOISE_M: f64 = 5e-4;
 
     /// Six trials of fifty samples that leave noise, in one of them so many times as much.
     fn tested(times: f64, seed: u64) -> Uneven {
-        let mut random = Seed(seed).rng();
-        let size_m = |k: usize| if (300..450).contains(&k) { times * NOISE_M } else { NOISE_M };
-        let left_m = (0..900).map(|k| -> f64 {
-            let drawn: f64 = StandardNormal.sample(&mut random);
-            size_m(k) * drawn
-        });
-        let left_m = left_m.collect();
+        let mut noise = white_noise(NOISE_M, seed);
+        let left_m = (0..900).map(|k| if (300..450).contains(&k) { times * noise() } else { noise() }).collect();
         let noise = Noise { sigma_m: [NOISE_M; 3], correlation: 0.0 };
         uneven(&Samples::alike(6, 50), &Explained { noise, amounts: DVector::zeros(0), left_m, deviance: 0.0 })
     }

@@ -92,6 +92,13 @@ pub struct Parameter {
     pub seek: Seek,
 }
 
+impl Parameter {
+    /// Its name without the index of a component.
+    pub fn vector(&self) -> &'static str {
+        self.name.split('[').next().unwrap_or(self.name)
+    }
+}
+
 /// How a parameter is looked for in measured data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Seek {

@@ -6,6 +6,7 @@
 mod advance;
 mod basis;
 mod conditions;
+mod damping;
 mod estimate;
 mod fields;
 mod grid;

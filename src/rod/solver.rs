@@ -7,13 +7,14 @@
 use nalgebra::{DVector, Dyn, LU};
 
 use super::conditions::{Conditions, Hold};
+use super::damping::Damping;
 use super::jacobian::Derivative;
 use super::status::Status;
 use super::system::{System, Work};
 
 const MOST_ITERATIONS: usize = 150;
 /// Iterations with one taut set after which a motion is given up, for shorter steps: those that converge take a few, seldom
-/// twenty; those that have not by then go back and forth between two branches of a friction.
+/// twenty.
 const MOST_WITH_ONE_SET: usize = 30;
 /// Changes of the taut set at any iterate; after so many, each set is solved for first.
 const QUICK_SET_CHANGES: usize = 10;
@@ -59,6 +60,8 @@ pub(super) struct Solver {
     foretold: bool,
     /// Steps of the present solve since the derivative or the taut set changed.
     steps: Vec<DVector<f64>>,
+    /// What of a correction is taken of a rod that remembers.
+    damping: Damping,
     /// Size of the last step, metres: what the residual is worth at the tip.
     pub(super) residual_m: f64,
     /// Iterations after which a solve is given up.
@@ -79,6 +82,15 @@ enum Kept {
     Motion,
 }
 
+/// What was taken off the unknowns.
+struct Correction {
+    step: DVector<f64>,
+    /// Size of the whole of it as a displacement of the tip, metres.
+    size: f64,
+    /// Whether only a part of it was taken.
+    shortened: bool,
+}
+
 /// The factorised derivative for one rate and taut set.
 #[derive(Clone, Debug)]
 struct Factors {
@@ -97,6 +109,7 @@ impl Solver {
             wild: false,
             foretold: false,
             steps: Vec::new(),
+            damping: Damping::new(),
             residual_m: 0.0,
             patience: MOST_ITERATIONS,
             iterations: 0,
@@ -118,6 +131,7 @@ impl Solver {
         let mut last_step = f64::INFINITY;
         let (mut set_changes, mut set_since) = (0, 0);
         self.steps.clear();
+        self.damping = Damping::new();
         let need = if conditions.motion.rate > 0.0 { Kept::Motion } else { Kept::Rest };
         let mut stale = self.kept != need;
         self.work.weights_held = false;
@@ -131,11 +145,10 @@ impl Solver {
             self.work.weights_held |= hold_weights;
             let fresh = stale || hold_weights;
             let current = Conditions { taut, ..*conditions };
-            let (step, size) = match self.correct(system, unknowns, &current, fresh) {
+            let Correction { step, size, shortened } = match self.correct(system, unknowns, &current, fresh) {
                 Ok(correction) => correction,
                 Err(failure) => return self.give_up(failure),
             };
-            let shortened = size >= LARGEST_STEP * length_m;
             stale = shortened || self.wild;
             // Once sets alternate, each is solved for before the next one is tried.
             let ripe = set_changes <= QUICK_SET_CHANGES || (!shortened && size < 1e-3 * length_m);
@@ -147,6 +160,7 @@ impl Solver {
                 }
                 (stale, last_step) = (self.wild, f64::INFINITY);
                 self.steps.clear();
+                self.damping = Damping::new();
                 continue;
             }
             let contraction = if last_step.is_finite() { size / last_step } else { UNPROVEN_CONTRACTION };
@@ -180,14 +194,14 @@ impl Solver {
     }
 
     /// Evaluates the equations at `unknowns`, their derivative as well when it is `stale`, and takes the correction off
-    /// the unknowns; also its size as a displacement of the tip, metres. A correction that is too large is shortened.
+    /// the unknowns. A correction that is too large is shortened, and one that goes back and forth.
     fn correct(
         &mut self,
         system: &System,
         unknowns: &mut [f64],
         conditions: &Conditions,
         stale: bool,
-    ) -> Result<(DVector<f64>, f64), Status> {
+    ) -> Result<Correction, Status> {
         if !std::mem::take(&mut self.foretold) {
             system.evaluate(unknowns, conditions, &mut self.work);
         }
@@ -209,11 +223,19 @@ impl Solver {
             return Err(Status::NotFinite);
         }
         let limit = LARGEST_STEP * system.params.length_m();
-        if size > limit {
-            step *= limit / size;
+        let share = if size > limit {
+            limit / size
+        } else if !system.params.memory.is_empty() {
+            self.damping.share(system, &step, size)
+        } else {
+            1.0
+        };
+        let shortened = share < 1.0;
+        if shortened {
+            step *= share;
         }
         unknowns.iter_mut().zip(step.iter()).for_each(|(x, dx)| *x -= dx);
-        Ok((step, size))
+        Ok(Correction { step, size, shortened })
     }
 
     /// Tells the next solve its first residual, which is nothing but what tendons `was` held to and `will` be, if the
@@ -285,12 +307,9 @@ impl Solver {
         if !self.factors.last()?.lu.solve_mut(&mut step) {
             return None;
         }
-        let product = |a: &DVector<f64>, b: &DVector<f64>| -> f64 {
-            a.iter().zip(b.iter()).zip(&system.scales).map(|((x, y), scale)| x * y * scale * scale).sum()
-        };
         let mut steps = self.steps.iter().peekable();
         while let Some(earlier) = steps.next() {
-            let share = product(earlier, &step) / product(earlier, earlier);
+            let share = system.product_m2(earlier, &step) / system.product_m2(earlier, earlier);
             match steps.peek() {
                 Some(next) => step.axpy(share, next, 1.0),
                 None if share.abs() < MOST_ACCELERATION => step /= 1.0 - share,

@@ -1,7 +1,7 @@
 //! The discrete equations of a rod: balance of internal and external wrench, weighted with the strain that each
 //! polynomial of the internal wrench produces (Galerkin), and one equation a tendon.
 
-use nalgebra::Vector3;
+use nalgebra::{DVector, Vector3};
 
 use super::conditions::{Conditions, Hold};
 use super::grid::{COMPONENTS, Grid, Node};
@@ -310,6 +310,11 @@ impl System {
         }
         // The largest of numbers of which one is none must not look small.
         if step.iter().all(|x| x.is_finite()) { largest } else { f64::NAN }
+    }
+
+    /// Product of two changes of the unknowns, in the norm that counts a change by what it moves the tip, m².
+    pub(super) fn product_m2(&self, a: &DVector<f64>, b: &DVector<f64>) -> f64 {
+        a.iter().zip(b.iter()).zip(&self.scales).map(|((x, y), scale)| x * y * scale * scale).sum()
     }
 
     /// Path lengths of the tendons on a shape, metres.

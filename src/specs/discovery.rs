@@ -20,8 +20,7 @@ pub(super) fn check_names(document: &Document, options: &Options, path: &KeyPath
         let path = path.key("uncertain").item(index);
         let card = CATALOGUE.iter().find(|card| card.name == one.effect);
         let card = card.ok_or_else(|| document.wrong(&path.key("effect"), one_of(&names)))?;
-        let mut own: Vec<&str> =
-            card.parameters.iter().filter_map(|parameter| parameter.name.split('[').next()).collect();
+        let mut own: Vec<&str> = card.parameters.iter().map(|parameter| parameter.vector()).collect();
         own.dedup();
         unless(own.contains(&one.parameter.as_str()), &path.key("parameter"), &own)?;
     }
