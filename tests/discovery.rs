@@ -159,6 +159,16 @@ fn what_stands_for_an_effect_or_hides_it_gives_way() {
 }
 
 #[test]
+fn what_was_fitted_on_the_way_to_another_effect_is_not_lost() {
+    // Case 490 of experiments/discovery_full.yaml: both were fitted beside one of them, which then gave way to the other.
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/blind/case_490.csv");
+    let found = found(&Recording::read(&file).unwrap(), &Options::default());
+    let mut named = names(&found);
+    named.sort_unstable();
+    assert_eq!(named, ["anisotropic_stiffness", "tendon_angle"], "{}", found.findings.summary);
+}
+
+#[test]
 fn intervals_hold_every_place_that_the_data_leave_open() {
     let found = found(&recorded("- soft_section: {position_m: 0.05, scale: 0.6}", 4, 7, 0.0), &Options::default());
     assert_eq!(names(&found), ["soft_section"], "{}", found.findings.summary);
@@ -274,6 +284,20 @@ fn recordings_of_another_simulator_are_understood() {
 }
 
 /// Markers on the base say that it stands straight: a turned frame is not called a tilted base.
+#[test]
+fn a_model_that_cannot_be_played_at_its_own_resolution_says_so() {
+    let mut model = nominal();
+    let measured = recorded("", 4, 3, 0.0);
+    let told = |model: &Model| {
+        let found = discover(model, &measured, None, &Options::default()).unwrap();
+        found.findings.limitations.iter().any(|told| told.contains("own resolution"))
+    };
+    assert!(!told(&model));
+    // Finer than numbers of sixteen digits can be.
+    model.robot.resolution.static_tolerance_m = 1e-20;
+    assert!(told(&model));
+}
+
 #[test]
 fn base_markers_tell_a_turned_frame_from_a_tilted_base() {
     let mut measured = recorded("- base_tilt: {tilt_x_rad: 0.02, tilt_y_rad: 0.0}", 4, 9, 0.0);

@@ -2,7 +2,7 @@
 
 use super::missing::Missing;
 use super::nuisance::Nuisances;
-use super::question::Question;
+use super::question::{Left, Question};
 use super::refit::{Fitted, Study};
 use super::search::Found;
 
@@ -15,7 +15,7 @@ pub(super) struct About {
     /// Whether what it leaves can be foretold.
     pub(super) missing: Missing,
     /// Whether it leaves more than nuisances and noise in any way.
-    pub(super) left: bool,
+    pub(super) left: Left,
 }
 
 impl Question<'_> {

@@ -30,9 +30,8 @@ impl Study<'_> {
         let screen = Screen::new(self.hypotheses, self.samples, self.nuisances, left, &from.jacobian);
         let mut promises = best_of_each(screen.promises(responses));
         promises.retain(|promise| {
-            let taken = |member: &Member| member.hypothesis == promise.member.hypothesis;
-            let open = self.open[promise.member.hypothesis];
-            open && !from.members.iter().any(taken) && !without.contains(&promise.member.hypothesis)
+            let own = promise.member.hypothesis;
+            self.open[own] && !from.has(own) && !without.contains(&own)
         });
         promises
     }

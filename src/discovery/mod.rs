@@ -92,9 +92,9 @@ pub fn discover(
     let mut search = Search::new(&study, question.responses.clone(), &limits).ok_or_else(unplayable)?;
     let mut best = search.best();
     let mut about = question.about(&best.fitted);
-    if about.left || !best.fitted.members.is_empty() {
+    if about.left.possibly || !best.fitted.members.is_empty() {
         let before = best.fitted.members.clone();
-        best = search.thoroughly(best, about.left);
+        best = search.thoroughly(best, about.left.certainly);
         if best.fitted.members != before {
             about = question.about(&best.fitted);
         }

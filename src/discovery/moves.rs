@@ -12,14 +12,20 @@ impl Search<'_> {
     /// 1994).
     pub(super) fn instead(&mut self, best: &Scored) -> Option<Scored> {
         let members = set_of(&best.fitted.members);
-        let larger = |scored: &&Scored| {
-            let own = set_of(&scored.fitted.members);
-            scored.exact && own.len() == members.len() + 1 && own.is_superset(&members) && scored.score > best.score
-        };
-        let larger = self.tried.iter().filter(larger).max_by(|a, b| a.score.total_cmp(&b.score)).cloned()?;
+        let larger = self.larger(best).filter(|larger| larger.score > best.score);
+        let larger = larger.max_by(|a, b| a.score.total_cmp(&b.score)).cloned()?;
         let old = |&out: &usize| members.contains(&larger.fitted.members[out].hypothesis);
         let fewer: Vec<Scored> = (0..=members.len()).filter(old).filter_map(|out| self.without(&larger, out)).collect();
         fewer.into_iter().filter(|fewer| fewer.score > best.score).max_by(|a, b| a.score.total_cmp(&b.score))
+    }
+
+    /// The sets of `base` and one member more that have been fitted as well as can be.
+    pub(super) fn larger(&self, base: &Scored) -> impl Iterator<Item = &Scored> {
+        let members = set_of(&base.fitted.members);
+        self.tried.iter().filter(move |scored| {
+            let own = set_of(&scored.fitted.members);
+            scored.exact && own.len() == members.len() + 1 && own.is_superset(&members)
+        })
     }
 
     /// The set with a member exchanged, as long as that helps: what was taken first may stand for two others.

@@ -34,6 +34,15 @@ pub(super) struct Question<'a> {
     pub(super) base_is_straight: bool,
 }
 
+/// Whether something is left.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Left {
+    /// By a chance below `false_alarm`.
+    pub(super) certainly: bool,
+    /// By one that is worth a longer search.
+    pub(super) possibly: bool,
+}
+
 impl<'a> Question<'a> {
     pub(super) fn new(
         model: &Model,
@@ -98,25 +107,30 @@ impl<'a> Question<'a> {
     }
 
     /// Whether the samples of the fit hold more than nuisances and noise.
-    pub(super) fn missing(&self, explained: &Explained, played: &[f64]) -> (Missing, bool) {
+    pub(super) fn missing(&self, explained: &Explained, played: &[f64]) -> (Missing, Left) {
         let around = circumstances(&self.fit, played);
         let found = missing(&self.fit, &around, &explained.left_m, self.options.seed());
         let floor_m = explained.noise.rms_m();
-        let foretold = found.test.p_value < self.options.false_alarm
-            && found.test.foretold_m > self.options.least_foretold * floor_m;
+        let least_m = self.options.least_foretold * floor_m;
+        let inexact_m = least_m.max(self.inexact_m(played));
         // More scatter than where the same thing was measured again; scatter that hardly changes from one sample to the
         // next is no tracker's, and little more of it is enough.
         let floor = floor::Floor::of_repeats(&self.fit);
         let freedom = 3.0 * explained.noise.independent(self.fit.len());
-        let slow = explained.noise.correlation > SLOW;
-        let least = if slow { SLOW_CHANCE } else { self.options.false_alarm };
-        let scatters = floor.p_value(floor_m * floor_m, freedom) < least;
+        let scatters = floor.p_value(floor_m * floor_m, freedom);
+        let slow = explained.noise.correlation > SLOW && scatters < SLOW_CHANCE;
         let spread = uneven::uneven(&self.fit, explained);
-        let least_m = (self.options.least_foretold * floor_m).max(self.inexact_m(played));
-        let uneven = spread.p_value < self.options.false_alarm && spread.more_m > least_m;
         let bias = floor::bias(&self.fit, &explained.left_m, &explained.noise);
-        let biased = bias.p_value < self.options.false_alarm && bias.rms_m > least_m;
-        (found, foretold || scatters || uneven || biased)
+        // Each test's chance, and whether what it found is large enough to matter.
+        let tests = [
+            (found.test.p_value, found.test.foretold_m > least_m),
+            (scatters, true),
+            (spread.p_value, spread.more_m > inexact_m),
+            (bias.p_value, bias.rms_m > inexact_m),
+        ];
+        let below = |chance: f64| tests.iter().any(|(p_value, large)| *large && *p_value < chance);
+        let certainly = slow || below(self.options.false_alarm);
+        (found, Left { certainly, possibly: certainly || below(DOUBTFUL / tests.len() as f64) })
     }
 
     /// Whether trials that took no part scatter more about `answer` than those of its fit, what is uncertain of any robot
@@ -169,6 +183,8 @@ const STATIC_SHARE: f64 = 0.3;
 const SLOW: f64 = 0.8;
 /// Chance below which such a residual is more than the repeats' noise.
 const SLOW_CHANCE: f64 = 0.05;
+/// Chance of any test below which the search goes on before it says that nothing is missing.
+const DOUBTFUL: f64 = 0.05;
 
 /// What a calibrated model leaves in a baseline is doubtful beyond so much, metres, and so many times the noise.
 const LARGE_FORM_M: f64 = 2e-3;
@@ -218,7 +234,8 @@ fn nuisances(base: Option<&Base>, samples: &Samples, played: &[f64], uncertain: 
     }
 }
 
-fn played(model: &Model, samples: &Samples) -> Result<Vec<f64>, DiscoveryError> {
+/// Where `model` has the tip in `samples`, three numbers a sample, metres.
+pub(super) fn played(model: &Model, samples: &Samples) -> Result<Vec<f64>, DiscoveryError> {
     play::tips(model, &[], samples).ok_or_else(|| {
         let alone = |k: usize| play::tips(model, &[], &samples.of_trials(&[k])).is_none();
         let first = (0..samples.trials.len()).find(|&k| alone(k)).unwrap_or(0);

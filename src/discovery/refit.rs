@@ -34,6 +34,13 @@ pub(super) struct Fitted {
     pub(super) jacobian: DMatrix<f64>,
 }
 
+impl Fitted {
+    /// Whether the hypothesis of this number is a member.
+    pub(super) fn has(&self, hypothesis: usize) -> bool {
+        self.members.iter().any(|member| member.hypothesis == hypothesis)
+    }
+}
+
 /// Steps of a fit at most.
 const MOST_STEPS: usize = 12;
 /// A fall of the deviance that is not worth another step.

@@ -102,17 +102,29 @@ impl Study<'_> {
 impl Search<'_> {
     /// `best` with more effects, as long as each is worth having.
     fn enlarged(&mut self, mut best: Scored) -> Scored {
+        let mut passed: Option<Scored> = None;
         while best.fitted.members.len() < self.limits.most_effects {
             self.look_farther(&best);
             let enough = best.score + self.limits.least_score;
             let next = self.with_another(&best, enough);
             best = match (self.instead(&best), next) {
-                (Some(other), _) => other,
+                (Some(other), next) => {
+                    passed = passed.into_iter().chain(next).max_by(|a, b| a.score.total_cmp(&b.score));
+                    other
+                }
                 (None, Some(next)) => self.swapped(next),
                 (None, None) => break,
             };
         }
-        self.pruned(best)
+        let best = self.pruned(best);
+        // What was worth having and is better than what came of another beginning stays.
+        match passed.filter(|passed| passed.score > best.score) {
+            Some(next) => {
+                let next = self.swapped(next);
+                self.pruned(next)
+            }
+            None => best,
+        }
     }
 
     /// The better of `best`, if it has several members, and what comes of beginning with the best effect that is not
@@ -226,19 +238,21 @@ impl Search<'_> {
     fn with_another(&mut self, base: &Scored, enough: f64) -> Option<Scored> {
         let limits = self.limits;
         let mut promises = self.study.promises(&base.fitted, &[], &self.responses);
-        // What has been fitted beside this set before has had its chance.
+        // What has been fitted beside this set before, on the way to another one too, is compared as it is.
         promises.retain(|promise| !self.is_tried(base, promise));
         if !self.is_thorough(base) {
             promises.retain(|promise| self.study.is_worth_fitting(promise, &base.fitted, &limits));
         }
-        let mut fits = self.fitted_with(base, &promises, enough);
+        let mut fits: Vec<Scored> = self.larger(base).cloned().collect();
+        fits.extend(self.fitted_with(base, &promises, enough));
         // The laws of the effects found so far are right to a share of what they do: that much is no other effect's.
         let inexact_m = limits.least_share * apart_m(&base.fitted, &self.null.fitted);
         let worth = |next: &Scored| {
-            let own_m =
-                self.study.without(&next.fitted, base.fitted.members.len()).map(|rest| apart_m(&next.fitted, &rest));
+            let added = next.fitted.members.iter().position(|member| !base.fitted.has(member.hypothesis));
+            let rest = added.and_then(|added| self.study.without(&next.fitted, added));
             let least_m = limits.least_size * next.fitted.explained.noise.rms_m();
-            own_m.is_some_and(|own_m| own_m >= least_m) && apart_m(&next.fitted, &base.fitted) >= inexact_m
+            let moves = rest.is_some_and(|rest| apart_m(&next.fitted, &rest) >= least_m);
+            moves && apart_m(&next.fitted, &base.fitted) >= inexact_m
         };
         fits.retain(|next| next.score >= enough);
         fits.sort_by(|a, b| b.score.total_cmp(&a.score));

@@ -6,7 +6,7 @@ use super::features::circumstances;
 use super::hypothesis::effects;
 use super::noise::Noise;
 use super::nuisance::Explained;
-use super::question::Question;
+use super::question::{self, Question};
 use super::refit::{Fitted, Study};
 use super::samples::rms_m;
 use super::search::{Found, Scored};
@@ -35,7 +35,11 @@ impl Question<'_> {
         let study = &Study { nuisances: &about.nuisances, ..self.study() };
         let (before, _) = self.missing(&found.null.fitted.explained, &self.played);
         let after = &about.missing;
-        let proved = self.proved(study, best, study.answer(&self.study(), found, about.left, self.options.rival_score));
+        let proved = self.proved(
+            study,
+            best,
+            study.answer(&self.study(), found, about.left.certainly, self.options.rival_score),
+        );
         let answer = &proved.answer;
         let named = !answer.members.is_empty();
         let (told, played, missing) = if named {
@@ -48,6 +52,10 @@ impl Question<'_> {
         let residuals = self.residual_rows(played, &proved.played);
         let places = self.map(&residuals, &noise);
         let next = self.next(&answer.rivals, &noise);
+        let mut model = self.model.clone();
+        model.robot.resolution = given.robot.resolution;
+        model.effects.extend(proved.added.iter().cloned());
+        let doubts = self.doubts().into_iter().chain(self.unplayable(&model));
         let mut findings = Findings {
             verdict: answer.verdict,
             effects: answer.effects.clone(),
@@ -61,17 +69,20 @@ impl Question<'_> {
             missing_before: before.test.clone(),
             missing_after: missing.test.clone(),
             pattern: if unexplained { words::pattern(&before.foretold, &places) } else { String::new() },
-            limitations: check::limitations(measured, &self.all).into_iter().chain(self.doubts()).collect(),
+            limitations: check::limitations(measured, &self.all).into_iter().chain(doubts).collect(),
             proposals: next.iter().map(|next| next.proposal.clone()).collect(),
         };
         findings.summary = words::summary(&findings);
         findings.next_measurement = words::next(&findings);
-        let mut model = self.model.clone();
-        model.robot.resolution = given.robot.resolution;
-        model.effects.extend(proved.added);
         let remedies =
             compare::remedies(&self.study(), &self.responses, &found.null.fitted, &self.proof, &self.played_proof);
         Discovery { findings, model, residuals, places, remedies, next }
+    }
+
+    /// What to know of `model`, which is played at its own resolution from now on, if it cannot be.
+    fn unplayable(&self, model: &Model) -> Option<String> {
+        let error = question::played(model, &self.all).err()?;
+        Some(format!("At its own resolution, which is not that of the fit, {error}."))
     }
 
     /// The answer on held-out trials; refuted where it makes the model worse there, or they scatter about it more than the
