@@ -5,6 +5,10 @@ use std::collections::BTreeMap;
 use super::refit::{Fitted, Study};
 use crate::math::distribution::student_95;
 
+/// Steps at most to an end of an interval, and how near to it, as a share, is near enough.
+const PROFILED: usize = 4;
+const NEAR_ENOUGH: f64 = 0.1;
+
 impl Study<'_> {
     /// 95 % intervals of the parameters of member `k`, by their number in the card: what is within so many standard
     /// deviations of the best fit, or of one with another choice that fits all but as well. A choice stands for half the
@@ -40,11 +44,31 @@ impl Study<'_> {
         let values = &fitted.members[k].values;
         let coordinates = self.coordinates(&fitted.members).into_iter().enumerate();
         let interval = |(at, (_, parameter)): (usize, (usize, usize))| {
-            let half = reach * covariance[(at, at)].max(0.0).sqrt() * hypothesis.probe(parameter).abs();
-            let end = |step: f64| hypothesis.moved(values, parameter, step)[parameter];
-            (parameter, [end(-half), end(half)])
+            let half = reach * covariance[(at, at)].max(0.0).sqrt();
+            let end = |step: f64| {
+                let step = self.profiled(fitted, at, step, reach);
+                hypothesis.moved(values, parameter, step * hypothesis.probe(parameter))[parameter]
+            };
+            let mut ends = [end(-half), end(half)];
+            ends.sort_by(f64::total_cmp);
+            (parameter, ends)
         };
         coordinates.filter(|(_, (member, _))| *member == k).map(interval).collect()
+    }
+
+    /// How far coordinate `at` may go, `step` (in units of its probe) or more or less, until the deviance has risen by the
+    /// square of `reach`, all others following (profile likelihood; Venzon & Moolgavkar, Applied Statistics 37, 1988).
+    fn profiled(&self, fitted: &Fitted, at: usize, mut step: f64, reach: f64) -> f64 {
+        for _ in 0..PROFILED {
+            let Some(there) = self.held(fitted, at, step) else { return step };
+            let rise = (there.explained.deviance - fitted.explained.deviance).max(f64::MIN_POSITIVE);
+            let next = step * (reach / rise.sqrt()).clamp(0.5, 2.0);
+            if (next / step - 1.0).abs() < NEAR_ENOUGH {
+                return next;
+            }
+            step = next;
+        }
+        step
     }
 
     /// Fits with other choices of `parameter` of member `k`, `towards` one side and outwards as long as they fit all but as

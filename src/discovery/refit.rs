@@ -59,6 +59,8 @@ const DIFFERENCE: f64 = 0.1;
 enum Precision {
     /// Until steps bring little; a deviance above `wanted` is of no use.
     Rough { wanted: f64 },
+    /// As well as can be by the derivative that is known.
+    Near,
     /// As well as can be, with derivatives taken anew before it ends; `fresh`: they are at the start.
     Exact { fresh: bool },
 }
@@ -93,16 +95,25 @@ impl Study<'_> {
         self.descend(Fitted { jacobian, ..start }, Precision::Rough { wanted })
     }
 
+    /// The fit with coordinate number `at` moved by `step` (in units of the probes) and held there, the others following.
+    pub(super) fn held(&self, fitted: &Fitted, at: usize, step: f64) -> Option<Fitted> {
+        let mut by = DVector::zeros(fitted.jacobian.ncols());
+        by[at] = step;
+        let mut jacobian = fitted.jacobian.clone();
+        jacobian.column_mut(at).fill(0.0);
+        self.descend(Fitted { jacobian, ..self.at(self.moved(&fitted.members, &by))? }, Precision::Near)
+    }
+
     /// Steps as long as they help.
     fn descend(&self, mut best: Fitted, precision: Precision) -> Option<Fitted> {
         let (exact, mut fresh) = match precision {
-            Precision::Rough { .. } => (false, true),
+            Precision::Rough { .. } | Precision::Near => (false, true),
             Precision::Exact { fresh } => (true, fresh),
         };
         for _ in 0..MOST_STEPS {
             let small = match precision {
                 Precision::Rough { wanted } => ROUGH_FALL.max(SLOW_FALL * (best.explained.deviance - wanted)),
-                Precision::Exact { .. } => SMALL_FALL,
+                Precision::Near | Precision::Exact { .. } => SMALL_FALL,
             };
             let (step, promised) = self.step(&best)?;
             // What promises nothing is not played.
