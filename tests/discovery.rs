@@ -283,7 +283,6 @@ fn recordings_of_another_simulator_are_understood() {
     assert_eq!(doubts(&other), 1, "{:?}", other.findings.limitations);
 }
 
-/// Markers on the base say that it stands straight: a turned frame is not called a tilted base.
 #[test]
 fn a_model_that_cannot_be_played_at_its_own_resolution_says_so() {
     let mut model = nominal();
@@ -298,6 +297,7 @@ fn a_model_that_cannot_be_played_at_its_own_resolution_says_so() {
     assert!(told(&model));
 }
 
+/// Markers on the base say that it stands straight: a turned frame is not called a tilted base.
 #[test]
 fn base_markers_tell_a_turned_frame_from_a_tilted_base() {
     let mut measured = recorded("- base_tilt: {tilt_x_rad: 0.02, tilt_y_rad: 0.0}", 4, 9, 0.0);

@@ -2,17 +2,19 @@
 
 use std::collections::BTreeMap;
 
+use nalgebra::DVector;
+
 use super::refit::{Fitted, Study};
 use crate::math::distribution::student_95;
 
 /// Steps at most to an end of an interval, and how near to it, as a share, is near enough.
-const PROFILED: usize = 4;
+const PROFILED: usize = 5;
 const NEAR_ENOUGH: f64 = 0.1;
 
 impl Study<'_> {
-    /// 95 % intervals of the parameters of member `k`, by their number in the card: what is within so many standard
-    /// deviations of the best fit, or of one with another choice that fits all but as well. A choice stands for half the
-    /// way to its neighbours, the last one for as much on its far side.
+    /// 95 % intervals of the parameters of member `k`, by their number in the card: what fits all but as well as the best
+    /// fit, or as one with another choice does. A choice stands for half the way to its neighbours, the last one for as much
+    /// on its far side.
     pub(super) fn intervals(&self, best: &Fitted, k: usize) -> BTreeMap<usize, [f64; 2]> {
         let freedom = 3.0 * self.samples.len() as f64 - self.coordinates(&best.members).len() as f64;
         let reach = student_95(freedom);
@@ -37,38 +39,53 @@ impl Study<'_> {
         found
     }
 
-    /// The sizes and shapes of member `k` within `reach` standard deviations.
+    /// The sizes and shapes of member `k` at which the deviance is above that of `fitted` by less than the square of `reach`
+    /// (profile likelihood; Venzon & Moolgavkar, Applied Statistics 37, 1988).
     fn within(&self, fitted: &Fitted, k: usize, reach: f64) -> BTreeMap<usize, [f64; 2]> {
         let Some(covariance) = self.covariance(fitted) else { return BTreeMap::new() };
         let hypothesis = &self.hypotheses[fitted.members[k].hypothesis];
         let values = &fitted.members[k].values;
         let coordinates = self.coordinates(&fitted.members).into_iter().enumerate();
         let interval = |(at, (_, parameter)): (usize, (usize, usize))| {
-            let half = reach * covariance[(at, at)].max(0.0).sqrt();
-            let end = |step: f64| {
-                let step = self.profiled(fitted, at, step, reach);
-                hypothesis.moved(values, parameter, step * hypothesis.probe(parameter))[parameter]
+            let variance = covariance[(at, at)].max(f64::MIN_POSITIVE);
+            // The others go with it as the curvature at the best fit has them.
+            let together = covariance.column(at) / variance;
+            let end = |sign: f64| {
+                let step = self.profiled(fitted, at, &(sign * &together), (reach * variance.sqrt(), reach));
+                hypothesis.moved(values, parameter, sign * step * hypothesis.probe(parameter))[parameter]
             };
-            let mut ends = [end(-half), end(half)];
+            let mut ends = [end(-1.0), end(1.0)];
             ends.sort_by(f64::total_cmp);
             (parameter, ends)
         };
         coordinates.filter(|(_, (member, _))| *member == k).map(interval).collect()
     }
 
-    /// How far coordinate `at` may go, `step` (in units of its probe) or more or less, until the deviance has risen by the
-    /// square of `reach`, all others following (profile likelihood; Venzon & Moolgavkar, Applied Statistics 37, 1988).
-    fn profiled(&self, fitted: &Fitted, at: usize, mut step: f64, reach: f64) -> f64 {
+    /// How far coordinate `at` may go along a `direction` of all (in units of the probes): to `first`, where the curvature at
+    /// the best fit has the deviance risen by the square of `reach`, or on to where it has, the others following. A little
+    /// noise of the steps in time is in every deviance, and the best fit is where it is lowest: nothing ends before `first`
+    /// but at the end of the range, or of what can be played.
+    fn profiled(&self, fitted: &Fitted, at: usize, direction: &DVector<f64>, (first, reach): (f64, f64)) -> f64 {
+        // The last step that was not far enough, and the root of the rise there.
+        let mut last = (0.0, 0.0);
+        let mut step = first;
         for _ in 0..PROFILED {
-            let Some(there) = self.held(fitted, at, step) else { return step };
-            let rise = (there.explained.deviance - fitted.explained.deviance).max(f64::MIN_POSITIVE);
-            let next = step * (reach / rise.sqrt()).clamp(0.5, 2.0);
-            if (next / step - 1.0).abs() < NEAR_ENOUGH {
-                return next;
+            let Some((there, moved)) = self.held(fitted, at, &(step * direction)) else {
+                step = 0.5 * (last.0 + step);
+                continue;
+            };
+            if moved.abs() < (1.0 - NEAR_ENOUGH) * step {
+                return moved.abs();
             }
-            step = next;
+            let root = (there.explained.deviance - fitted.explained.deviance).max(0.0).sqrt();
+            if root >= (1.0 - NEAR_ENOUGH) * reach {
+                let beyond = if last.0 > 0.0 { (root - reach).max(0.0) / (root - last.1) } else { 0.0 };
+                return step - beyond * (step - last.0);
+            }
+            last = (step, root);
+            step *= (reach / root).min(2.0);
         }
-        step
+        last.0
     }
 
     /// Fits with other choices of `parameter` of member `k`, `towards` one side and outwards as long as they fit all but as
@@ -90,5 +107,66 @@ impl Study<'_> {
             }
             found.push((there, square.sqrt().min(reach)));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::super::hypothesis::{Hypothesis, Member, effects, hypotheses};
+    use super::super::nuisance::Nuisances;
+    use super::super::play;
+    use super::super::samples::{Samples, white_noise};
+    use super::*;
+    use crate::data::Recording;
+    use crate::effects::Model;
+
+    /// Fits the effect of this name to two trials of noise that it was hidden in with the `values`, and has a look.
+    fn fitted<T>(name: &str, values: &[f64], seed: u64, look: impl Fn(&Study, &Hypothesis, &Fitted) -> T) -> T {
+        let model = Model::default();
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reference/twin/nothing.csv");
+        let recording = Recording::read(&file).unwrap();
+        let mut samples = Samples::new(&recording).of_trials(&[0, 1]);
+        let hypotheses = hypotheses(&model);
+        let hypothesis = hypotheses.iter().position(|hypothesis| hypothesis.card.name == name).unwrap();
+        let hidden = Member { hypothesis, values: values.to_vec() };
+        let effects = effects(&hypotheses, std::slice::from_ref(&hidden)).unwrap();
+        let tips = play::tips(&model, &effects, &samples).unwrap();
+        let mut noise = white_noise(5e-4, seed);
+        for (row, tip) in samples.rows.iter_mut().zip(tips.chunks_exact(3)) {
+            row.tip_m = [tip[0] + noise(), tip[1] + noise(), tip[2] + noise()];
+        }
+        let nuisances = Nuisances::independent(3 * samples.len(), &[]);
+        let open = vec![true; hypotheses.len()];
+        let (model, samples) = (&model, &samples);
+        let study = Study { model, coarse: model, hypotheses: &hypotheses, open, samples, nuisances: &nuisances };
+        let fitted = study.fit(vec![hidden]).unwrap();
+        look(&study, &hypotheses[hypothesis], &fitted)
+    }
+
+    #[test]
+    fn an_interval_ends_where_the_deviance_has_risen() {
+        fitted("creep", &[0.3, 8.0], 1, |study, hypothesis, fitted| {
+            let (value, ends) = (fitted.members[0].values[1], study.intervals(fitted, 0)[&1]);
+            let covariance = study.covariance(fitted).unwrap();
+            let together = covariance.column(1) / covariance[(1, 1)];
+            let curved = 1.96 * covariance[(1, 1)].sqrt();
+            for end in ends {
+                let step = (end / value).ln() / hypothesis.probe(1);
+                let (there, moved) = study.held(fitted, 1, &(step * &together)).unwrap();
+                assert!((moved / step - 1.0).abs() < 1e-6 && step.abs() > 0.99 * curved, "{value}: {ends:?}");
+                let rise = there.explained.deviance - fitted.explained.deviance;
+                assert!(rise > 0.75 * 1.96_f64.powi(2), "{value}: {ends:?}, {rise}");
+                assert!(step.abs() < 1.05 * curved || rise < 1.25 * 1.96_f64.powi(2), "{value}: {ends:?}, {rise}");
+            }
+        });
+    }
+
+    #[test]
+    fn an_interval_ends_where_the_effect_does() {
+        // A third of a gram, known to half a gram: no mass is negative.
+        let [low, high] = fitted("tip_load", &[0.0003], 1, |study, _, fitted| study.intervals(fitted, 0)[&0]);
+        assert!((0.0..1e-4).contains(&low) && high > 3e-4, "{low} to {high}");
     }
 }

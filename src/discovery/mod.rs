@@ -5,6 +5,7 @@
 //! candidates pay for their parameters; trials that take no part in any of it are the proof.
 
 mod about;
+mod another;
 mod answer;
 mod base;
 mod baseline;
@@ -92,12 +93,15 @@ pub fn discover(
     let mut search = Search::new(&study, question.responses.clone(), &limits).ok_or_else(unplayable)?;
     let mut best = search.best();
     let mut about = question.about(&best.fitted);
-    if about.left.possibly || !best.fitted.members.is_empty() {
-        let before = best.fitted.members.clone();
-        best = search.thoroughly(best, about.left.certainly);
+    let mut searched = !about.left.possibly && best.fitted.members.is_empty();
+    while !searched {
+        let (before, certainly) = (best.fitted.members.clone(), about.left.certainly);
+        best = search.thoroughly(best, certainly);
         if best.fitted.members != before {
             about = question.about(&best.fitted);
         }
+        // Before anything is called unexplained, the search has known that something is left.
+        searched = certainly || !about.left.certainly;
     }
     let found = question.sharpened(search.ended(best), &about);
     Ok(question.discovery(model, measured, &about, &found))

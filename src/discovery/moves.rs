@@ -19,15 +19,6 @@ impl Search<'_> {
         fewer.into_iter().filter(|fewer| fewer.score > best.score).max_by(|a, b| a.score.total_cmp(&b.score))
     }
 
-    /// The sets of `base` and one member more that have been fitted as well as can be.
-    pub(super) fn larger(&self, base: &Scored) -> impl Iterator<Item = &Scored> {
-        let members = set_of(&base.fitted.members);
-        self.tried.iter().filter(move |scored| {
-            let own = set_of(&scored.fitted.members);
-            scored.exact && own.len() == members.len() + 1 && own.is_superset(&members)
-        })
-    }
-
     /// The set with a member exchanged, as long as that helps: what was taken first may stand for two others.
     pub(super) fn swapped(&mut self, mut best: Scored) -> Scored {
         if best.fitted.members.len() < 2 {

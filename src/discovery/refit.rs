@@ -95,13 +95,14 @@ impl Study<'_> {
         self.descend(Fitted { jacobian, ..start }, Precision::Rough { wanted })
     }
 
-    /// The fit with coordinate number `at` moved by `step` (in units of the probes) and held there, the others following.
-    pub(super) fn held(&self, fitted: &Fitted, at: usize, step: f64) -> Option<Fitted> {
-        let mut by = DVector::zeros(fitted.jacobian.ncols());
-        by[at] = step;
+    /// The fit with its coordinates moved by `step` (in units of the probes), number `at` held there and the others
+    /// following; and how far that one was moved, which is less at the end of its range.
+    pub(super) fn held(&self, fitted: &Fitted, at: usize, step: &DVector<f64>) -> Option<(Fitted, f64)> {
+        let members = self.moved(&fitted.members, step);
+        let moved = self.between(&fitted.members, &members)[at];
         let mut jacobian = fitted.jacobian.clone();
         jacobian.column_mut(at).fill(0.0);
-        self.descend(Fitted { jacobian, ..self.at(self.moved(&fitted.members, &by))? }, Precision::Near)
+        Some((self.descend(Fitted { jacobian, ..self.at(members)? }, Precision::Near)?, moved))
     }
 
     /// Steps as long as they help.

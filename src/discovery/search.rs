@@ -6,7 +6,6 @@ use std::collections::BTreeSet;
 use super::hypothesis::{Hypothesis, set_of};
 use super::refit::{Fitted, Study};
 use super::responses::Response;
-use super::samples::rms_m;
 use super::screen::Promise;
 
 /// How far the search goes.
@@ -68,7 +67,7 @@ const HOPELESS: f64 = -6.0;
 pub(super) struct Search<'s> {
     pub(super) study: &'s Study<'s>,
     pub(super) limits: Limits,
-    null: Scored,
+    pub(super) null: Scored,
     /// The tip's answers to the hypotheses.
     pub(super) responses: Vec<Response>,
     /// The sets beside which they were looked at far out.
@@ -93,7 +92,7 @@ impl<'s> Search<'s> {
 
 impl Study<'_> {
     /// Whether what a first look promises beside `base` may turn out to be worth having.
-    fn is_worth_fitting(&self, promise: &Promise, base: &Fitted, limits: &Limits) -> bool {
+    pub(super) fn is_worth_fitting(&self, promise: &Promise, base: &Fitted, limits: &Limits) -> bool {
         let least_m = NEARLY * limits.least_size * base.explained.noise.rms_m();
         self.promised(promise) > limits.least_score + HOPELESS && promise.size_m > least_m
     }
@@ -102,29 +101,42 @@ impl Study<'_> {
 impl Search<'_> {
     /// `best` with more effects, as long as each is worth having.
     fn enlarged(&mut self, mut best: Scored) -> Scored {
+        // The best that was worth having where the search went elsewhere.
         let mut passed: Option<Scored> = None;
-        while best.fitted.members.len() < self.limits.most_effects {
-            self.look_farther(&best);
-            let enough = best.score + self.limits.least_score;
-            let next = self.with_another(&best, enough);
-            best = match (self.instead(&best), next) {
+        loop {
+            best = match self.step_from(&best) {
                 (Some(other), next) => {
-                    passed = passed.into_iter().chain(next).max_by(|a, b| a.score.total_cmp(&b.score));
+                    passed = passed.into_iter().chain(next).max_by(|a, b| self.net(a).total_cmp(&self.net(b)));
                     other
                 }
                 (None, Some(next)) => self.swapped(next),
-                (None, None) => break,
+                (None, None) => match passed.take().filter(|passed| self.is_more_than(passed, &best)) {
+                    Some(passed) => self.swapped(passed),
+                    None => return self.pruned(best),
+                },
             };
         }
-        let best = self.pruned(best);
-        // What was worth having and is better than what came of another beginning stays.
-        match passed.filter(|passed| passed.score > best.score) {
-            Some(next) => {
-                let next = self.swapped(next);
-                self.pruned(next)
-            }
-            None => best,
+    }
+
+    /// A set instead of `best`, and `best` with one effect more that is worth having.
+    fn step_from(&mut self, best: &Scored) -> (Option<Scored>, Option<Scored>) {
+        if best.fitted.members.len() >= self.limits.most_effects {
+            return (None, None);
         }
+        self.look_farther(best);
+        let next = self.with_another(best, best.score + self.limits.least_score);
+        (self.instead(best), next)
+    }
+
+    /// The score of a set beyond what its members must add.
+    fn net(&self, scored: &Scored) -> f64 {
+        scored.score - self.limits.least_score * scored.fitted.members.len() as f64
+    }
+
+    /// Whether `other` is better than `best`, and not just that with members that it has been tried with.
+    fn is_more_than(&self, other: &Scored, best: &Scored) -> bool {
+        let tried = set_of(&other.fitted.members).is_superset(&set_of(&best.fitted.members));
+        !tried && self.net(other) > self.net(best)
     }
 
     /// The better of `best`, if it has several members, and what comes of beginning with the best effect that is not
@@ -166,7 +178,7 @@ impl Search<'_> {
         if left { best } else { self.begun_otherwise(best) }
     }
 
-    fn is_thorough(&self, base: &Scored) -> bool {
+    pub(super) fn is_thorough(&self, base: &Scored) -> bool {
         base.fitted.members.len() < self.limits.thorough
     }
 
@@ -181,14 +193,27 @@ impl Search<'_> {
         }
     }
 
-    /// What was found, with all that was tried on the way.
-    pub(super) fn ended(self, best: Scored) -> Found {
+    /// What was found, with all that was tried on the way: what may be a rival fitted as well as can be.
+    pub(super) fn ended(mut self, best: Scored) -> Found {
+        let least = best.score - self.limits.rival_score;
+        for k in 0..self.tried.len() {
+            if !self.tried[k].exact && self.tried[k].score > least {
+                self.settle(k);
+            }
+        }
         let Search { study, null, responses, tried, .. } = self;
         let looked_at = study.promises(&null.fitted, &[], &responses).into_iter().map(|promise| {
             let score = study.promised(&promise);
             (promise, score)
         });
         Found { best, tried, looked_at: looked_at.collect(), null }
+    }
+
+    /// Fits what was tried as number `k` as well as can be; it stays as it is where that cannot be.
+    pub(super) fn settle(&mut self, k: usize) {
+        if let Some(fitted) = self.study.settled(&self.tried[k].fitted) {
+            self.tried[k] = self.scored(fitted);
+        }
     }
 
     pub(super) fn scored(&self, fitted: Fitted) -> Scored {
@@ -233,35 +258,4 @@ impl Search<'_> {
         let hopeless = adds < HOPELESS - self.limits.rival_score;
         !hopeless && rough.score + share * adds.max(0.0) + SHORT >= top - self.limits.rival_score
     }
-
-    /// `base` with the best member more, if that is worth having and its score `enough`.
-    fn with_another(&mut self, base: &Scored, enough: f64) -> Option<Scored> {
-        let limits = self.limits;
-        let mut promises = self.study.promises(&base.fitted, &[], &self.responses);
-        // What has been fitted beside this set before, on the way to another one too, is compared as it is.
-        promises.retain(|promise| !self.is_tried(base, promise));
-        if !self.is_thorough(base) {
-            promises.retain(|promise| self.study.is_worth_fitting(promise, &base.fitted, &limits));
-        }
-        let mut fits: Vec<Scored> = self.larger(base).cloned().collect();
-        fits.extend(self.fitted_with(base, &promises, enough));
-        // The laws of the effects found so far are right to a share of what they do: that much is no other effect's.
-        let inexact_m = limits.least_share * apart_m(&base.fitted, &self.null.fitted);
-        let worth = |next: &Scored| {
-            let added = next.fitted.members.iter().position(|member| !base.fitted.has(member.hypothesis));
-            let rest = added.and_then(|added| self.study.without(&next.fitted, added));
-            let least_m = limits.least_size * next.fitted.explained.noise.rms_m();
-            let moves = rest.is_some_and(|rest| apart_m(&next.fitted, &rest) >= least_m);
-            moves && apart_m(&next.fitted, &base.fitted) >= inexact_m
-        };
-        fits.retain(|next| next.score >= enough);
-        fits.sort_by(|a, b| b.score.total_cmp(&a.score));
-        fits.into_iter().find(worth)
-    }
-}
-
-/// How far the tips of two fits are from each other, root mean square, metres.
-fn apart_m(there: &Fitted, here: &Fitted) -> f64 {
-    let moved: Vec<f64> = there.played.iter().zip(&here.played).map(|(there, here)| there - here).collect();
-    rms_m(&moved)
 }
