@@ -62,15 +62,17 @@ impl SerialWire {
 }
 
 impl Wire for SerialWire {
+    /// Not by the port's own reader: once the other end is closed, that gives up what has arrived before.
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let waiting = self.port.bytes_to_read()? as usize;
         if waiting == 0 {
             return Ok(0);
         }
         let most = buffer.len().min(waiting);
-        match io::Read::read(&mut self.port, &mut buffer[..most]) {
-            Err(error) if error.kind() == io::ErrorKind::TimedOut => Ok(0),
-            other => other,
+        match nix::unistd::read(self.port.as_raw_fd(), &mut buffer[..most]) {
+            Ok(count) => Ok(count),
+            Err(Errno::EAGAIN | Errno::EINTR) => Ok(0),
+            Err(error) => Err(error.into()),
         }
     }
 
@@ -89,5 +91,27 @@ impl Wire for SerialWire {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_written_before_the_other_end_closed_is_read() {
+        let (mut served, name) = SerialWire::served().unwrap();
+        let mut program = SerialWire::open(&name, 115_200).unwrap();
+        program.write(b"!\x18").unwrap();
+        drop(program);
+        let mut buffer = [0; 16];
+        let mut heard = Vec::new();
+        let begun = std::time::Instant::now();
+        while heard.len() < 2 && begun.elapsed() < Duration::from_secs(60) {
+            let count = served.read(&mut buffer).unwrap();
+            heard.extend_from_slice(&buffer[..count]);
+            std::thread::yield_now();
+        }
+        assert_eq!(heard, b"!\x18");
     }
 }
