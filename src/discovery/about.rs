@@ -38,20 +38,14 @@ impl Question<'_> {
         }
         (self.nuisances.clone(), self.study().sharpened(best.clone()).unwrap_or_else(|| best.clone()))
     }
+}
 
-    /// What was found, with its best set as it was fitted last, and the derivatives of its rivals where they ended.
-    pub(super) fn sharpened(&self, mut found: Found, about: &About) -> Found {
-        let study = self.study();
-        let members = std::mem::replace(&mut found.best.fitted, about.fitted.clone()).members;
-        for scored in &mut found.tried {
-            if scored.fitted.members == members {
-                *scored = found.best.clone();
-            } else if scored.score > found.best.score - self.options.rival_score
-                && let Some(fitted) = study.sharpened(scored.fitted.clone())
-            {
-                scored.fitted = fitted;
-            }
-        }
+impl About {
+    /// What was found, with its best set as it was fitted last.
+    pub(super) fn refined(&self, mut found: Found) -> Found {
+        let members = std::mem::replace(&mut found.best.fitted, self.fitted.clone()).members;
+        let own = found.tried.iter_mut().filter(|scored| scored.fitted.members == members);
+        own.for_each(|scored| *scored = found.best.clone());
         found
     }
 }

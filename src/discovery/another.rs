@@ -46,12 +46,14 @@ impl Search<'_> {
     /// Whether `next`, which is `base` with one member more, is worth having: that one moves the tip by enough itself, and
     /// takes it from where the others have it by more than their laws are off.
     fn is_worth(&self, base: &Scored, next: &Scored) -> bool {
+        let inexact_m = self.limits.least_share * apart_m(&base.fitted, &self.null.fitted);
+        if apart_m(&next.fitted, &base.fitted) < inexact_m {
+            return false;
+        }
         let added = next.fitted.members.iter().position(|member| !base.fitted.has(member.hypothesis));
         let rest = added.and_then(|added| self.study.without(&next.fitted, added));
         let least_m = self.limits.least_size * next.fitted.explained.noise.rms_m();
-        let inexact_m = self.limits.least_share * apart_m(&base.fitted, &self.null.fitted);
-        let moves = rest.is_some_and(|rest| apart_m(&next.fitted, &rest) >= least_m);
-        moves && apart_m(&next.fitted, &base.fitted) >= inexact_m
+        rest.is_some_and(|rest| apart_m(&next.fitted, &rest) >= least_m)
     }
 }
 

@@ -89,8 +89,7 @@ impl Study<'_> {
         };
         let own = names(best);
         let mut rivals: Vec<Vec<(String, &Scored)>> = vec![Vec::new(); own.len()];
-        let near = found.tried.iter().filter(|scored| scored.score > best.score - rival_score);
-        for scored in near.filter(|scored| scored.fitted.members.len() <= best.fitted.members.len()) {
+        for scored in found.tried.iter().filter(|scored| scored.rivals(best, rival_score)) {
             let theirs = names(scored);
             for name in theirs.iter().filter(|name| !own.contains(name)) {
                 for (k, member) in best.fitted.members.iter().enumerate() {

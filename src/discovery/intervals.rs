@@ -69,16 +69,26 @@ impl Study<'_> {
         // The last step that was not far enough, and the root of the rise there.
         let mut last = (0.0, 0.0);
         let mut step = first;
+        let (least, far_enough) = (fitted.explained.deviance, (1.0 - NEAR_ENOUGH) * reach);
         for _ in 0..PROFILED {
-            let Some((there, moved)) = self.held(fitted, at, &(step * direction)) else {
+            let (members, moved) = self.along(&fitted.members, at, &(step * direction));
+            let is_the_end = moved.abs() < (1.0 - NEAR_ENOUGH) * step;
+            let wanted = match last {
+                // There it is enough to be played.
+                _ if is_the_end => f64::NEG_INFINITY,
+                // Whether `first` is far enough may show before all has been fitted there.
+                (0.0, _) => least + far_enough.powi(2),
+                _ => f64::INFINITY,
+            };
+            let Some(there) = self.held(fitted, at, members, wanted) else {
                 step = 0.5 * (last.0 + step);
                 continue;
             };
-            if moved.abs() < (1.0 - NEAR_ENOUGH) * step {
+            if is_the_end {
                 return moved.abs();
             }
-            let root = (there.explained.deviance - fitted.explained.deviance).max(0.0).sqrt();
-            if root >= (1.0 - NEAR_ENOUGH) * reach {
+            let root = (there.explained.deviance - least).max(0.0).sqrt();
+            if root >= far_enough {
                 let beyond = if last.0 > 0.0 { (root - reach).max(0.0) / (root - last.1) } else { 0.0 };
                 return step - beyond * (step - last.0);
             }
@@ -154,7 +164,8 @@ mod tests {
             let curved = 1.96 * covariance[(1, 1)].sqrt();
             for end in ends {
                 let step = (end / value).ln() / hypothesis.probe(1);
-                let (there, moved) = study.held(fitted, 1, &(step * &together)).unwrap();
+                let (members, moved) = study.along(&fitted.members, 1, &(step * &together));
+                let there = study.held(fitted, 1, members, f64::INFINITY).unwrap();
                 assert!((moved / step - 1.0).abs() < 1e-6 && step.abs() > 0.99 * curved, "{value}: {ends:?}");
                 let rise = there.explained.deviance - fitted.explained.deviance;
                 assert!(rise > 0.75 * 1.96_f64.powi(2), "{value}: {ends:?}, {rise}");

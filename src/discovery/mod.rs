@@ -103,6 +103,6 @@ pub fn discover(
         // Before anything is called unexplained, the search has known that something is left.
         searched = certainly || !about.left.certainly;
     }
-    let found = question.sharpened(search.ended(best), &about);
+    let found = about.refined(search.ended(best));
     Ok(question.discovery(model, measured, &about, &found))
 }

@@ -59,8 +59,8 @@ const DIFFERENCE: f64 = 0.1;
 enum Precision {
     /// Until steps bring little; a deviance above `wanted` is of no use.
     Rough { wanted: f64 },
-    /// As well as can be by the derivative that is known.
-    Near,
+    /// As well as can be by the derivative that is known, where that brings the deviance below `wanted`.
+    Near { wanted: f64 },
     /// As well as can be, with derivatives taken anew before it ends; `fresh`: they are at the start.
     Exact { fresh: bool },
 }
@@ -95,30 +95,40 @@ impl Study<'_> {
         self.descend(Fitted { jacobian, ..start }, Precision::Rough { wanted })
     }
 
-    /// The fit with its coordinates moved by `step` (in units of the probes), number `at` held there and the others
-    /// following; and how far that one was moved, which is less at the end of its range.
-    pub(super) fn held(&self, fitted: &Fitted, at: usize, step: &DVector<f64>) -> Option<(Fitted, f64)> {
-        let members = self.moved(&fitted.members, step);
-        let moved = self.between(&fitted.members, &members)[at];
+    /// The members moved by `step` (in units of the probes), and how far coordinate `at` was, which is less at the end of its
+    /// range.
+    pub(super) fn along(&self, members: &[Member], at: usize, step: &DVector<f64>) -> (Vec<Member>, f64) {
+        let there = self.moved(members, step);
+        let moved = self.between(members, &there)[at];
+        (there, moved)
+    }
+
+    /// The fit moved to `members`, coordinate `at` held there and the others fitted, as far as that promises a deviance below
+    /// `wanted`.
+    pub(super) fn held(&self, fitted: &Fitted, at: usize, members: Vec<Member>, wanted: f64) -> Option<Fitted> {
         let mut jacobian = fitted.jacobian.clone();
         jacobian.column_mut(at).fill(0.0);
-        Some((self.descend(Fitted { jacobian, ..self.at(members)? }, Precision::Near)?, moved))
+        self.descend(Fitted { jacobian, ..self.at(members)? }, Precision::Near { wanted })
     }
 
     /// Steps as long as they help.
     fn descend(&self, mut best: Fitted, precision: Precision) -> Option<Fitted> {
         let (exact, mut fresh) = match precision {
-            Precision::Rough { .. } | Precision::Near => (false, true),
+            Precision::Rough { .. } | Precision::Near { .. } => (false, true),
             Precision::Exact { fresh } => (true, fresh),
         };
         for _ in 0..MOST_STEPS {
             let small = match precision {
                 Precision::Rough { wanted } => ROUGH_FALL.max(SLOW_FALL * (best.explained.deviance - wanted)),
-                Precision::Near | Precision::Exact { .. } => SMALL_FALL,
+                Precision::Near { .. } | Precision::Exact { .. } => SMALL_FALL,
+            };
+            let needed = match precision {
+                Precision::Near { wanted } => small.max(best.explained.deviance - wanted),
+                Precision::Rough { .. } | Precision::Exact { .. } => small,
             };
             let (step, promised) = self.step(&best)?;
             // What promises nothing is not played.
-            let shares: &[f64] = if promised < small { &[] } else { &[1.0, 0.4, 0.1] };
+            let shares: &[f64] = if promised < needed { &[] } else { &[1.0, 0.4, 0.1] };
             let next = shares.iter().find_map(|&share| self.improved(&best, &(share * &step)));
             let fall = next.as_ref().map_or(0.0, |next| best.explained.deviance - next.explained.deviance);
             best = next.unwrap_or(best);

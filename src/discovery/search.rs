@@ -35,6 +35,13 @@ pub(super) struct Scored {
     pub(super) exact: bool,
 }
 
+impl Scored {
+    /// Whether it could be the answer instead of `best`: with no more effects, and less than `rival_score` behind.
+    pub(super) fn rivals(&self, best: &Scored, rival_score: f64) -> bool {
+        self.fitted.members.len() <= best.fitted.members.len() && self.score > best.score - rival_score
+    }
+}
+
 /// What the search ends with.
 pub(super) struct Found {
     /// The best set; empty when nothing is missing.
@@ -120,7 +127,7 @@ impl Search<'_> {
 
     /// A set instead of `best`, and `best` with one effect more that is worth having.
     fn step_from(&mut self, best: &Scored) -> (Option<Scored>, Option<Scored>) {
-        if best.fitted.members.len() >= self.limits.most_effects {
+        if self.is_full(best) {
             return (None, None);
         }
         self.look_farther(best);
@@ -168,9 +175,7 @@ impl Search<'_> {
     /// something is `left` that it does not explain, then more of them.
     pub(super) fn thoroughly(&mut self, mut best: Scored, left: bool) -> Scored {
         self.limits.thorough = if left { usize::MAX } else { 2 };
-        if best.fitted.members.len() < self.limits.most_effects {
-            self.look_farther(&best);
-        }
+        self.look_farther(&best);
         if left && !best.fitted.members.is_empty() {
             best = self.with_another(&self.null.clone(), best.score).unwrap_or(best);
         }
@@ -182,22 +187,25 @@ impl Search<'_> {
         base.fitted.members.len() < self.limits.thorough
     }
 
-    /// Looks far out beside `best`, once: beside nothing only if anything may be missing.
+    fn is_full(&self, best: &Scored) -> bool {
+        best.fitted.members.len() >= self.limits.most_effects
+    }
+
+    /// Looks far out beside `best`, once: beside nothing only if anything may be missing, beside a full set never.
     fn look_farther(&mut self, best: &Scored) {
         let worth = |promise: &Promise| self.study.is_worth_fitting(promise, &best.fitted, &self.limits);
         let asked = self.is_thorough(best)
             || !best.fitted.members.is_empty()
             || self.study.promises(&best.fitted, &[], &self.responses).iter().any(worth);
-        if asked && self.looked.insert(set_of(&best.fitted.members)) {
+        if asked && !self.is_full(best) && self.looked.insert(set_of(&best.fitted.members)) {
             self.responses.extend(self.study.farther(&best.fitted, &self.responses));
         }
     }
 
     /// What was found, with all that was tried on the way: what may be a rival fitted as well as can be.
     pub(super) fn ended(mut self, best: Scored) -> Found {
-        let least = best.score - self.limits.rival_score;
         for k in 0..self.tried.len() {
-            if !self.tried[k].exact && self.tried[k].score > least {
+            if !self.tried[k].exact && self.tried[k].rivals(&best, self.limits.rival_score) {
                 self.settle(k);
             }
         }

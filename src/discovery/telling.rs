@@ -81,8 +81,11 @@ impl Question<'_> {
 
     /// What to know of `model`, which is played at its own resolution from now on, if it cannot be.
     fn unplayable(&self, model: &Model) -> Option<String> {
-        let error = question::played(model, &self.all).err()?;
-        Some(format!("At its own resolution, which is not that of the fit, {error}."))
+        question::played(model, &self.all).err().map(|_| {
+            "`model.yaml` cannot be played through these commands at its own resolution, which is not that of the fit: \
+             `simulate` needs a coarser `robot.resolution`."
+                .to_owned()
+        })
     }
 
     /// The answer on held-out trials; refuted where it makes the model worse there, or they scatter about it more than the
