@@ -1,13 +1,18 @@
 //! The best set of effects, with all that depends on what is uncertain beside it.
 
+use super::hypothesis::effects;
 use super::missing::Missing;
 use super::nuisance::Nuisances;
+use super::play;
 use super::question::{Left, Question};
 use super::refit::{Fitted, Study};
+use super::samples::Samples;
 use super::search::Found;
 
 /// What is found out about a set before it is an answer.
 pub(super) struct About {
+    /// The samples, without what the search's steps in time are off by with the set.
+    pub(super) samples: Samples,
     /// What may differ a little from the model with the set.
     pub(super) nuisances: Nuisances,
     /// The set, fitted with those.
@@ -21,22 +26,28 @@ pub(super) struct About {
 impl Question<'_> {
     /// All about the set that fits `best`.
     pub(super) fn about(&self, best: &Fitted) -> About {
-        let (nuisances, fitted) = self.beside(best);
+        let (samples, nuisances, fitted) = self.beside(best);
         let (missing, left) = self.missing(&fitted.explained, &fitted.played);
-        About { nuisances, fitted, missing, left }
+        About { samples, nuisances, fitted, missing, left }
     }
 
-    /// The set fitted with the nuisances as they are beside it, and those: tests and intervals depend on them.
-    fn beside(&self, best: &Fitted) -> (Nuisances, Fitted) {
+    /// The set fitted with the samples and nuisances as they are beside it, and those: tests and intervals depend on them.
+    fn beside(&self, best: &Fitted) -> (Samples, Nuisances, Fitted) {
+        let plain = || (self.fit.clone(), self.nuisances.clone());
         if best.members.is_empty() {
-            return (self.nuisances.clone(), best.clone());
+            let (samples, nuisances) = plain();
+            return (samples, nuisances, best.clone());
         }
+        let effects = effects(&self.hypotheses, &best.members).unwrap_or_default();
+        let samples = play::corrected(&self.model, &effects, &self.fit, &best.played);
         let nuisances = self.nuisances_beside(&best.members, &self.fit, &self.played);
-        let study = Study { nuisances: &nuisances, ..self.study() };
+        let study = Study { nuisances: &nuisances, samples: &samples, ..self.study() };
         if let Some(fitted) = study.refit(best.members.clone(), best.jacobian.clone()) {
-            return (nuisances, fitted);
+            let fitted = study.outward(fitted);
+            return (samples, nuisances, fitted);
         }
-        (self.nuisances.clone(), self.study().sharpened(best.clone()).unwrap_or_else(|| best.clone()))
+        let (samples, nuisances) = plain();
+        (samples, nuisances, self.study().sharpened(best.clone()).unwrap_or_else(|| best.clone()))
     }
 }
 

@@ -26,6 +26,7 @@ mod next;
 mod noise;
 mod nuisance;
 mod options;
+mod outward;
 mod places;
 mod play;
 mod proof;
