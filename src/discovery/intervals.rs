@@ -176,8 +176,8 @@ mod tests {
 
     #[test]
     fn an_interval_ends_where_the_effect_does() {
-        // A third of a gram, known to half a gram: no mass is negative.
-        let [low, high] = fitted("tip_load", &[0.0003], 1, |study, _, fitted| study.intervals(fitted, 0)[&0]);
-        assert!(low == 0.0 && high > 3e-4, "{low} to {high}");
+        // A tenth of a gram, known to a sixth of one: no mass is negative.
+        let [low, high] = fitted("tip_load", &[0.0001], 1, |study, _, fitted| study.intervals(fitted, 0)[&0]);
+        assert!(low == 0.0 && high > 1e-4, "{low} to {high}");
     }
 }
