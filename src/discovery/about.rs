@@ -31,23 +31,21 @@ impl Question<'_> {
         About { samples, nuisances, fitted, missing, left }
     }
 
-    /// The set fitted with the samples and nuisances as they are beside it, and those: tests and intervals depend on them.
+    /// The samples and the nuisances as they are beside the set, and the set fitted with those: tests and intervals depend on
+    /// them.
     fn beside(&self, best: &Fitted) -> (Samples, Nuisances, Fitted) {
-        let plain = || (self.fit.clone(), self.nuisances.clone());
+        let as_given = |fitted: Fitted| (self.fit.clone(), self.nuisances.clone(), fitted);
         if best.members.is_empty() {
-            let (samples, nuisances) = plain();
-            return (samples, nuisances, best.clone());
+            return as_given(best.clone());
         }
         let effects = effects(&self.hypotheses, &best.members).unwrap_or_default();
         let samples = play::corrected(&self.model, &effects, &self.fit, &best.played);
         let nuisances = self.nuisances_beside(&best.members, &self.fit, &self.played);
         let study = Study { nuisances: &nuisances, samples: &samples, ..self.study() };
-        if let Some(fitted) = study.refit(best.members.clone(), best.jacobian.clone()) {
-            let fitted = study.outward(fitted);
-            return (samples, nuisances, fitted);
+        match study.refit(best.members.clone(), best.jacobian.clone()).map(|fitted| study.outward(fitted)) {
+            Some(fitted) => (samples, nuisances, fitted),
+            None => as_given(self.study().sharpened(best.clone()).unwrap_or_else(|| best.clone())),
         }
-        let (samples, nuisances) = plain();
-        (samples, nuisances, self.study().sharpened(best.clone()).unwrap_or_else(|| best.clone()))
     }
 }
 

@@ -40,6 +40,10 @@ const PLACES: usize = 6;
 /// none that the model could play (friction without a yield is rigid).
 const BEYOND: f64 = 5.0;
 
+/// Halvings that find the end of a range to the last bit, and what it is then rounded to, over the probe.
+const HALVINGS: usize = 60;
+const ROUND: f64 = 1e-9;
+
 /// The catalogue as hypotheses about `model`.
 pub(super) fn hypotheses(model: &Model) -> Vec<Hypothesis> {
     let tendons = model.robot.tendons.angles_deg.len();
@@ -180,6 +184,27 @@ impl Hypothesis {
         there
     }
 
+    /// The same, no farther than the range of the effect reaches: its end is found by bisection, as no effect tells it, and
+    /// is a round number.
+    pub(super) fn moved_within(&self, values: &[f64], index: usize, step: f64) -> Vec<f64> {
+        let is_in_range = |there: &[f64]| self.effect(there).is_some();
+        let there = self.moved(values, index, step);
+        if is_in_range(&there) || !is_in_range(values) {
+            return there;
+        }
+        let (mut inside, mut outside) = (0.0, 1.0);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (inside + outside);
+            *(if is_in_range(&self.moved(values, index, middle * step)) { &mut inside } else { &mut outside }) = middle;
+        }
+        let last = self.moved(values, index, inside * step);
+        let mut round = last.clone();
+        let unit = ROUND * self.probe(index);
+        // Adding nothing makes a negative zero a positive one.
+        round[index] = (last[index] / unit).round() * unit + 0.0;
+        if is_in_range(&round) { round } else { last }
+    }
+
     /// The step that [`Hypothesis::moved`] took from `values` to `there`.
     pub(super) fn step(&self, values: &[f64], there: &[f64], index: usize) -> f64 {
         match self.fields[index] {
@@ -229,6 +254,16 @@ mod tests {
         let step = friction.step(from, &there, 1);
         assert!((friction.moved(from, 1, step)[1] - there[1]).abs() < 1e-12 && step > -9.0);
         assert_eq!(friction.step(from, &friction.moved(from, 0, 0.25), 0), 0.25);
+    }
+
+    #[test]
+    fn a_size_goes_to_the_end_of_its_range_and_no_farther() {
+        let load = hypothesis("tip_load");
+        assert_eq!(load.moved_within(&[0.003], 0, -0.002), load.moved(&[0.003], 0, -0.002));
+        assert_eq!(load.moved_within(&[0.003], 0, -0.01), [0.0]);
+        assert!(load.moved_within(&[0.003], 0, -0.01)[0].is_sign_positive());
+        let tilt = hypothesis("base_tilt");
+        assert_eq!(tilt.moved_within(&[0.01, 0.02], 1, -0.05), tilt.moved(&[0.01, 0.02], 1, -0.05));
     }
 
     #[test]

@@ -27,7 +27,7 @@ fn fine(model: &Model) -> Model {
 }
 
 /// `samples` without what the steps in time of `model` with `extra` effects, which has the tip at `played`, are off by: a
-/// fit to them is one with finer steps (deferred correction; Stetter, Numerische Mathematik 29, 1978). As they are where it
+/// fit to them is one with finer steps (defect correction; Stetter, Numerische Mathematik 29, 1978). As they are where it
 /// cannot be played with finer ones.
 pub(super) fn corrected(model: &Model, extra: &[EffectSpec], samples: &Samples, played: &[f64]) -> Samples {
     let mut corrected = samples.clone();

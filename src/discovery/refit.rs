@@ -54,10 +54,6 @@ const HOLDS: f64 = 1e12;
 /// Size of the differences that derivatives are taken by, over the probe.
 const DIFFERENCE: f64 = 0.1;
 
-/// Halvings that find the end of a range to the last bit.
-const HALVINGS: usize = 60;
-const BILLIONTH: f64 = 1e-9;
-
 /// How well a fit is to be known.
 #[derive(Clone, Copy)]
 enum Precision {
@@ -99,33 +95,16 @@ impl Study<'_> {
         self.descend(Fitted { jacobian, ..start }, Precision::Rough { wanted })
     }
 
-    /// The members moved by `step` (in units of the probes), or as far as keeps coordinate `at` in the range of its effect,
-    /// and how far that is.
+    /// The members moved by `step` (in units of the probes), every coordinate no farther than its range reaches, and how far
+    /// coordinate `at` was.
     pub(super) fn along(&self, members: &[Member], at: usize, step: &DVector<f64>) -> (Vec<Member>, f64) {
-        let mut there = self.moved(members, step);
-        if effects(self.hypotheses, &there).is_none() {
-            there = self.at_the_end(members, at, step);
+        let mut there = members.to_vec();
+        for (&(k, parameter), &share) in self.coordinates(members).iter().zip(step.iter()) {
+            let hypothesis = &self.hypotheses[members[k].hypothesis];
+            there[k].values = hypothesis.moved_within(&there[k].values, parameter, share * hypothesis.probe(parameter));
         }
         let moved = self.between(members, &there)[at];
         (there, moved)
-    }
-
-    /// The members moved along a `step` that leaves the range of an effect, to its end: found by bisection, as no effect
-    /// tells its own, and to a whole billionth of the probe of coordinate `at`.
-    fn at_the_end(&self, members: &[Member], at: usize, step: &DVector<f64>) -> Vec<Member> {
-        let is_in_range = |members: &[Member]| effects(self.hypotheses, members).is_some();
-        let (mut inside, mut outside) = (0.0, 1.0);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (inside + outside);
-            *(if is_in_range(&self.moved(members, &(middle * step))) { &mut inside } else { &mut outside }) = middle;
-        }
-        let last = self.moved(members, &(inside * step));
-        let (k, parameter) = self.coordinates(members)[at];
-        let unit = BILLIONTH * self.hypotheses[members[k].hypothesis].probe(parameter);
-        let mut whole = last.clone();
-        // Adding nothing makes the zero a positive one.
-        whole[k].values[parameter] = (last[k].values[parameter] / unit).round() * unit + 0.0;
-        if is_in_range(&whole) { whole } else { last }
     }
 
     /// The fit moved to `members`, coordinate `at` held there and the others fitted, as far as that promises a deviance below
