@@ -184,9 +184,11 @@ fn answers_are_scored_by_name_tendon_size_and_interval() {
         Verdict::Named,
         &[("actuator_gain", &[("tendon", tendon % 4.0 + 1.0, [0.0; 2]), ("scale", near, ends)], &[])],
     );
-    assert!(!scored(&wrong_tendon).right);
+    assert!(!scored(&wrong_tendon).right && !scored(&wrong_tendon).in_group);
     let two = answer(Verdict::Ambiguous, &[("tendon_radius", &[], &["actuator_gain"])]);
     assert!(!scored(&two).right && scored(&two).in_group && scored(&two).strength_error.is_nan());
+    let more = [good.effects.clone(), two.effects.clone()].concat();
+    assert!(!scored(&Answer { effects: more, ..good.clone() }).in_group, "an effect too many is no group");
     let other = answer(Verdict::Named, &[("tendon_radius", &[], &[])]);
     assert!(!scored(&other).right && !scored(&other).in_group);
     for (group, verdict, right, in_group) in [

@@ -114,6 +114,68 @@ fn nothing_is_computed_twice_and_damage_is_noticed() {
 }
 
 #[test]
+fn repetitions_run_apart_are_gathered_into_what_they_are_together() {
+    let folder = tempfile::tempdir().unwrap();
+    let part = |seeds: &str, first: &str, out: &str| {
+        let first = format!("first_seed={first}");
+        let arguments = [SMOKE, "--seeds", seeds, "--set", &first, "--out", out, "--cache", "cache"];
+        run(folder.path(), &arguments)
+    };
+    let (together, _) = part("2", "0", "together");
+    assert!(together > 0);
+    for (first, out) in [("0", "first"), ("1", "second"), ("2", "third")] {
+        let (computed, _) = part("1", first, out);
+        assert_eq!(computed > 0, first == "2", "what a repetition is depends on where a run begins");
+    }
+    let gather = |arguments: &[&str]| {
+        let output = spinebench(folder.path(), &[&["gather"], arguments].concat());
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    let (first, second, third) = ("first/results/smoke", "second/results/smoke", "third/results/smoke");
+    assert_eq!(gather(&[second, first, "--out", "joined"]), (Some(0), String::new()));
+    let [whole, joined] = ["together", "joined"].map(|out| files(&folder.path().join(out)));
+    assert_eq!(whole.keys().collect::<Vec<_>>(), joined.keys().collect::<Vec<_>>());
+    for (name, bytes) in &whole {
+        assert!(joined[name] == *bytes, "{} differs", name.display());
+    }
+    let stages = |out: &str| std::fs::read_to_string(folder.path().join(out).join("results/smoke/stages.csv")).unwrap();
+    assert_eq!(stages("joined").lines().count(), stages("together").lines().count(), "each stage stands there once");
+    let manifest = std::fs::read_to_string(folder.path().join("joined/results/smoke/manifest.yaml")).unwrap();
+    assert!(manifest.contains("seeds: 2\n") && !manifest.contains("first_seed"), "{manifest}");
+    let verified = spinebench(folder.path(), &["verify", "--out", "joined"]);
+    assert!(verified.status.success(), "{}", String::from_utf8_lossy(&verified.stderr));
+
+    assert_eq!(gather(&["joined/results/smoke", "--out", "again"]), (Some(0), String::new()));
+    assert!(files(&folder.path().join("again")) == joined, "one folder gathered is another than it was");
+
+    // What does not go together is told, and nothing is written.
+    let other = folder.path().join(second).join("spec.yaml");
+    let spec = std::fs::read_to_string(&other).unwrap();
+    std::fs::write(&other, spec.replace("control_hz: 5.0", "control_hz: 4.0")).unwrap();
+    let sweep = ["--sweep", "gp.kernel=matern32,matern52", "--set", "name=swept", "--out", "sweep"];
+    run(folder.path(), &[&[SMOKE, "--seeds", "1", "--cache", "cache", "--set", "claims=[]"], &sweep[..]].concat());
+    let cut = folder.path().join(third).join("trials.csv");
+    let trials = std::fs::read_to_string(&cut).unwrap();
+    std::fs::write(&cut, trials.lines().take(20).map(|line| line.to_owned() + "\n").collect::<String>()).unwrap();
+    let cases: [(&[&str], &str); 6] = [
+        (&[first, third], "third/results/smoke/trials.csv: found 19 trials, expected "),
+        (&["again/results/smoke", second], "second/results/smoke: found another spec, expected that of again/results"),
+        (
+            &["sweep/results/swept", second],
+            "sweep/results/swept: found a sweep, expected repetitions of one experiment",
+        ),
+        (&[first, first], "first/results/smoke: found repetitions from 0 on, expected 1, which follows first/results"),
+        (&[first, "nowhere"], "nowhere/spec.yaml"),
+        (&[], "RESULTS/EXPERIMENT"),
+    ];
+    for (arguments, said) in cases {
+        let (status, words) = gather(&[arguments, &["--out", "none"]].concat());
+        assert!(status == Some(2) && words.contains(said), "{arguments:?}: {status:?} {words}");
+        assert!(!folder.path().join("none").exists(), "{arguments:?}");
+    }
+}
+
+#[test]
 fn a_plan_counts_runs_and_stages_and_runs_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let plan = |arguments: &[&str]| {

@@ -277,6 +277,40 @@ fn held_out_trials_can_refute_an_answer() {
     assert!(second.model.effects.is_empty());
 }
 
+/// Silence is an answer, too: where only held-out trials show a gap, it is not said that there is none.
+#[test]
+fn held_out_trials_can_refute_silence() {
+    let mut measured = recorded("[]", 4, 7, 0.0);
+    let first = found(&measured, &Options::default());
+    assert_eq!(first.findings.verdict, Verdict::Consistent);
+    for row in 0..measured.len() {
+        if first.findings.gap.held_out_trials.contains(&measured.trial[row]) {
+            // The base was bumped before this trial.
+            measured.tip_m.as_mut().unwrap()[row][1] += 3e-3;
+        }
+    }
+    let second = found(&measured, &Options::default());
+    assert_eq!(second.findings.verdict, Verdict::Unexplained, "{}", second.findings.summary);
+    assert!(second.findings.gap.before_m > 2e-3 && second.model.effects.is_empty());
+}
+
+/// A recording that was simulated, without noise: it is as wrong as the simulator's steps, the same in every trial.
+#[test]
+fn a_recording_without_noise_is_one_like_others() {
+    let commands = trials(&twin("nothing"), 0, 6);
+    let simulated = |effects: &str| {
+        let model = Model { effects: common::effects(effects), ..nominal() };
+        let recording = play(&model, &commands, &PlayOptions::default());
+        found(&Recording { tip_quaternion: None, ..recording }, &Options::default())
+    };
+    let nothing = simulated("[]");
+    assert_eq!(nothing.findings.verdict, Verdict::Consistent, "{}", nothing.findings.summary);
+    let load = simulated("- tip_load: {mass_kg: 0.01}");
+    assert_eq!((load.findings.verdict, names(&load)), (Verdict::Named, vec!["tip_load"]), "{}", load.findings.summary);
+    assert!((told(&load, "mass_kg").0 - 0.01).abs() < 2e-4);
+    assert!(load.findings.gap.after_m < 0.03 * load.findings.gap.before_m, "{:?}", load.findings.gap);
+}
+
 #[test]
 fn the_same_data_give_the_same_answer() {
     let measured = recorded("- delay: {time_s: 0.1}", 3, 6, 0.0);

@@ -80,6 +80,7 @@ const BAD: &[(&str, &str)] = &[
         "bad.yaml:2:23: explore.max_pull_m: found 20, expected at most 0.06 m, the travel of",
     ),
     ("explore: {points: 20000000}", "bad.yaml:2:19: explore.points: found 20000000, expected 1 to 10000000"),
+    ("seeds: 600\nfirst_seed: 401", "bad.yaml:3:13: first_seed: found 401, expected 0 to 400"),
     ("seeds: 1001", "bad.yaml:2:8: seeds: found 1001, expected 1 to 1000"),
     ("name:", "bad.yaml:2:"),
     ("modes: {odd mode!: {feedback: closed}}", "bad.yaml:2:20: modes.odd mode!: found a mapping, expected a name of"),

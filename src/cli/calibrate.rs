@@ -1,9 +1,9 @@
 //! `spinebench calibrate`.
 
-use super::simulate::same_tendons;
+use super::simulate::read_measured;
 use super::{Ended, Outcome};
 use clap::Args;
-use spinebench::data::{Recording, write_atomic};
+use spinebench::data::write_atomic;
 use spinebench::specs::{model_text, read_model};
 use spinebench::tasks::{ADJUSTABLE, TaskError, calibrate};
 use std::path::PathBuf;
@@ -35,11 +35,7 @@ fn names() -> clap::builder::PossibleValuesParser {
 impl Calibrate {
     pub(super) fn carry_out(self) -> Outcome {
         let model = read_model(&self.model).map_err(Ended::bad)?;
-        let measured = Recording::read(&self.measured).map_err(Ended::bad)?;
-        same_tendons(&self.measured, &measured, model.robot.tendons.angles_deg.len())?;
-        let length_m = model.robot.backbone.length_m;
-        measured.check_reach(&self.measured, length_m).map_err(Ended::bad)?;
-        measured.check_travel(&self.measured, length_m).map_err(Ended::bad)?;
+        let measured = read_measured(&self.measured, &model)?;
         if !self.at_rest {
             measured.check_duration(&self.measured).map_err(Ended::bad)?;
         }

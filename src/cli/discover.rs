@@ -1,6 +1,6 @@
 //! `spinebench discover`.
 
-use super::simulate::same_tendons;
+use super::simulate::read_measured;
 use super::{Ended, Outcome};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -235,17 +235,11 @@ fn is_written(name: &str) -> bool {
     always.contains(&name) || is_commands(name)
 }
 
-/// A recording of this robot.
+/// A recording of this robot, in motion.
 fn read(file: &Path, model: &Model) -> Result<Recording, Ended> {
-    let recording = Recording::read(file).map_err(Ended::bad)?;
-    same_tendons(file, &recording, model.robot.tendons.angles_deg.len())?;
-    let length_m = model.robot.backbone.length_m;
-    recording
-        .check_reach(file, length_m)
-        .and_then(|()| recording.check_travel(file, length_m))
-        .and_then(|()| recording.check_duration(file))
-        .and_then(|()| recording.check_loads(file))
-        .map_err(Ended::bad)?;
+    let recording = read_measured(file, model)?;
+    recording.check_duration(file).map_err(Ended::bad)?;
+    recording.check_loads(file).map_err(Ended::bad)?;
     Ok(recording)
 }
 

@@ -10,6 +10,7 @@ mod completions;
 mod discover;
 mod doctor;
 mod effects;
+mod gather;
 mod import;
 mod page;
 mod plan;
@@ -52,6 +53,7 @@ enum Command {
     Page(page::Page),
     Schema(schema::Schema),
     Completions(completions::Completions),
+    Gather(gather::Gather),
     Verify(verify::Verify),
     Status(cluster::Status),
     Cancel(cluster::Cancel),
@@ -102,6 +104,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Page(page) => page.carry_out(),
         Command::Schema(schema) => schema.carry_out(),
         Command::Completions(completions) => completions.carry_out(),
+        Command::Gather(gather) => gather.carry_out(),
         Command::Verify(verify) => verify.carry_out(),
         Command::Status(status) => status.carry_out(),
         Command::Cancel(cancel) => cancel.carry_out(),

@@ -1,7 +1,7 @@
 //! `spinebench run`.
 
 use super::cluster::Cluster;
-use super::shared::{Cache, Specs, Telling};
+use super::shared::{Cache, Specs, Telling, writable};
 use super::{Ended, Outcome};
 use clap::{Args, ValueEnum};
 use spinebench::data::rows::ClaimRow;
@@ -48,9 +48,10 @@ enum Executor {
 impl Run {
     pub(super) fn carry_out(self) -> Outcome {
         let campaign = self.specs.campaign()?;
-        writable(&self.out)
-            .map_err(|error| Ended::BadInput(format!("{}: found {error}, expected a folder", self.out.display())))?;
+        writable(&self.out)?;
         let progress = self.telling.progress();
+        // Hours may go by, and commits, before it is published.
+        let revision = runner::git_revision();
         let began = Instant::now();
         let wanted = campaign.wanted();
         let store = self.cache.store();
@@ -67,7 +68,7 @@ impl Run {
         let outcomes = runner::carry_out(&campaign.graph, &store, &wanted, &orders)
             .map_err(|failure| Ended::No(failure.to_string()))?;
         let wall_s = began.elapsed().as_secs_f64();
-        let published = self.publish(&campaign, &outcomes, &store, wall_s).map_err(Ended::No)?;
+        let published = self.publish(&campaign, &outcomes, &store, (&revision, wall_s)).map_err(Ended::No)?;
         summarise(&progress, &campaign, &outcomes, &published, wall_s);
         if let [first, ..] = outcomes.failures.as_slice() {
             let count = outcomes.failures.len();
@@ -84,7 +85,7 @@ impl Run {
         campaign: &Campaign,
         outcomes: &Outcomes,
         store: &Store,
-        wall_s: f64,
+        (revision, wall_s): (&str, f64),
     ) -> Result<Vec<Publication>, String> {
         let words = |error: &dyn std::error::Error| error.to_string();
         let mut published = Vec::new();
@@ -93,7 +94,7 @@ impl Run {
         for entry in &campaign.entries {
             let name = entry.experiment.name.clone();
             let publication = entry.publish(outcomes).map_err(|error| format!("{name}: {error}"))?;
-            let manifest = Manifest::new(campaign, entry, outcomes, store, self.threads(entry), wall_s);
+            let manifest = Manifest::new((campaign, entry), outcomes, store, revision, self.threads(entry), wall_s);
             let folder = Path::new("results").join(&name);
             files.insert(folder.join("manifest.yaml"), manifest.to_yaml()?);
             let trail = runner::trail(campaign, entry, outcomes, store);
@@ -129,15 +130,6 @@ impl Run {
         }
         Ok(())
     }
-}
-
-/// Makes the folder and tries it, so that hours of work do not end before a folder that takes nothing.
-fn writable(folder: &Path) -> std::io::Result<()> {
-    std::fs::create_dir_all(folder)?;
-    let probe = folder.join(format!(".spinebench-{}", std::process::id()));
-    std::fs::File::create(&probe)?;
-    // Another process of the same number, on another machine, may have been quicker.
-    std::fs::remove_file(&probe).or_else(|error| if probe.exists() { Err(error) } else { Ok(()) })
 }
 
 fn summarise(progress: &Progress, campaign: &Campaign, outcomes: &Outcomes, published: &[Publication], wall_s: f64) {

@@ -5,7 +5,7 @@ use clap::{Args, ValueEnum};
 use spinebench::runner::{Campaign, Progress, Store, Style};
 use spinebench::specs::{SpecError, Study};
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Which experiments.
 #[derive(Args)]
@@ -91,4 +91,16 @@ impl Telling {
             (Log::Human, false) => Style::Human,
         })
     }
+}
+
+/// Makes the folder and tries it, so that hours of work do not end before a folder that takes nothing.
+pub(super) fn writable(folder: &Path) -> Result<(), Ended> {
+    let tried = || -> std::io::Result<()> {
+        std::fs::create_dir_all(folder)?;
+        let probe = folder.join(format!(".spinebench-{}", std::process::id()));
+        std::fs::File::create(&probe)?;
+        // Another process of the same number, on another machine, may have been quicker.
+        std::fs::remove_file(&probe).or_else(|error| if probe.exists() { Err(error) } else { Ok(()) })
+    };
+    tried().map_err(|error| Ended::BadInput(format!("{}: found {error}, expected a folder", folder.display())))
 }

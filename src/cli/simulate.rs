@@ -49,6 +49,16 @@ pub(super) fn read_commands(file: &Path, model: &Model) -> Result<Recording, End
     Ok(commands)
 }
 
+/// Reads what was measured on the model's robot: as many tendons, a tip and commands within its reach.
+pub(super) fn read_measured(file: &Path, model: &Model) -> Result<Recording, Ended> {
+    let measured = Recording::read(file).map_err(Ended::bad)?;
+    same_tendons(file, &measured, model.robot.tendons.angles_deg.len())?;
+    let length_m = model.robot.backbone.length_m;
+    measured.check_reach(file, length_m).map_err(Ended::bad)?;
+    measured.check_travel(file, length_m).map_err(Ended::bad)?;
+    Ok(measured)
+}
+
 /// Refuses a recording for another number of tendons than the robot's.
 pub(super) fn same_tendons(file: &Path, commands: &Recording, expected: usize) -> Outcome {
     let found = commands.tendons();

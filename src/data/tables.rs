@@ -63,6 +63,22 @@ pub fn write_csv<R: Serialize>(path: &Path, rows: &[R]) -> Result<(), DataError>
     write_atomic(path, &to_csv(path, rows)?)
 }
 
+/// These rows as they read back once they are published.
+///
+/// # Errors
+/// [`DataError::Write`] (with `name` for the file) when a field is not a number, text or flag.
+pub fn as_published<R: Serialize + DeserializeOwned>(name: &Path, rows: &[R]) -> Result<Vec<R>, DataError> {
+    let again = |row: &R| {
+        let fields = fields_of(row)?;
+        let names: Vec<&str> = fields.iter().map(|(name, _)| *name).collect();
+        let cells: Vec<String> = fields.iter().map(|(_, cell)| text(cell)).collect();
+        let cells: Vec<&str> = cells.iter().map(String::as_str).collect();
+        R::deserialize(TextRow { names: &names, cells: &cells })
+    };
+    let rows: Result<Vec<R>, CellError> = rows.iter().map(again).collect();
+    rows.map_err(|error| DataError::Write { file: name.to_owned(), reason: error.to_string() })
+}
+
 /// Reads rows back; the header must be exactly the fields of `R`.
 ///
 /// # Errors
@@ -121,17 +137,27 @@ fn column<'a>(cells: impl Iterator<Item = &'a Cell> + Clone) -> Option<Cells> {
     if !kinds.all(|other| Some(other) == kind) {
         return None;
     }
-    let number = |cell: &Cell| match cell {
+    let numeric = kind.is_none() || kind == Some(std::mem::discriminant(&Cell::Number(0.0)));
+    Some(if numeric { Cells::Numbers(cells.map(number).collect()) } else { Cells::Text(cells.map(text).collect()) })
+}
+
+/// A published number; none where the cell has none.
+fn number(cell: &Cell) -> f64 {
+    match cell {
         Cell::Number(value) => round_significant(*value, SIGNIFICANT_DIGITS),
         _ => f64::NAN,
-    };
-    let text = |cell: &Cell| match cell {
+    }
+}
+
+/// A cell as it is published.
+fn text(cell: &Cell) -> String {
+    match cell {
+        Cell::Number(value) if value.is_nan() => String::new(),
+        Cell::Number(_) => number(cell).to_string(),
         Cell::Integer(value) => value.to_string(),
         Cell::Unsigned(value) => value.to_string(),
         Cell::Flag(value) => value.to_string(),
         Cell::Text(value) => value.clone(),
-        Cell::Number(_) | Cell::Missing => String::new(),
-    };
-    let numeric = kind.is_none() || kind == Some(std::mem::discriminant(&Cell::Number(0.0)));
-    Some(if numeric { Cells::Numbers(cells.map(number).collect()) } else { Cells::Text(cells.map(text).collect()) })
+        Cell::Missing => String::new(),
+    }
 }

@@ -35,10 +35,10 @@ impl Question<'_> {
     /// them.
     fn beside(&self, best: &Fitted) -> (Samples, Nuisances, Fitted) {
         let as_given = |fitted: Fitted| (self.fit.clone(), self.nuisances.clone(), fitted);
-        if best.members.is_empty() {
-            return as_given(best.clone());
-        }
-        let effects = effects(&self.hypotheses, &best.members).unwrap_or_default();
+        let effects = match effects(&self.hypotheses, &best.members) {
+            Some(effects) if !effects.is_empty() => effects,
+            _ => return as_given(best.clone()),
+        };
         let samples = play::corrected(&self.model, &effects, &self.fit, &best.played);
         let nuisances = self.nuisances_beside(&best.members, &self.fit, &self.played);
         let study = Study { nuisances: &nuisances, samples: &samples, ..self.study() };

@@ -52,7 +52,7 @@ impl Search<'_> {
         }
         let added = next.fitted.members.iter().position(|member| !base.fitted.has(member.hypothesis));
         let rest = added.and_then(|added| self.study.without(&next.fitted, added));
-        let least_m = self.limits.least_size * next.fitted.explained.noise.rms_m();
+        let least_m = self.limits.least_m(&next.fitted.explained.noise);
         rest.is_some_and(|rest| apart_m(&next.fitted, &rest) >= least_m)
     }
 }

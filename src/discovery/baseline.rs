@@ -20,6 +20,9 @@ const FORM_M: f64 = 5e-4;
 /// The same for terms of the tip's motion.
 const MOTION_FORM_M: f64 = 2e-4;
 
+/// Motion is never taken to be slower than this, metres a second, when terms are scaled to it.
+const SLOWEST_M_S: f64 = 5e-5;
+
 /// `model` with its numbers calibrated on `baseline`, free of everything else; none when it cannot be played.
 pub(super) fn calibrated(
     model: &Model,
@@ -37,7 +40,7 @@ pub(super) fn calibrated(
     let mut calibrated = model.clone();
     for member in &fitted.members {
         match hypotheses[member.hypothesis].card.name {
-            "bending_stiffness" => calibrated.robot.backbone.youngs_modulus_pa *= member.values[0],
+            "bending_stiffness" => calibrated.robot.backbone.scale_bending(member.values[0]),
             _ => calibrated.robot.sections.compliance_m_per_n *= member.values[0],
         }
     }
@@ -48,27 +51,28 @@ pub(super) fn calibrated(
 struct Form {
     middle_m: [f64; 3],
     spread_m: [f64; 3],
-    moved_m: f64,
+    speed_m_s: f64,
 }
 
 impl Form {
     /// Terms scaled to the circumstances of a baseline.
     fn new(around: &[Circumstances]) -> Form {
         let column = |axis: usize| around.iter().map(|at| at.tip_m[axis]).collect::<Vec<f64>>();
-        let moved: Vec<f64> = around.iter().flat_map(|at| at.moved_m).collect();
+        let moving: Vec<f64> = around.iter().flat_map(|at| at.velocity_m_s).collect();
         Form {
             middle_m: std::array::from_fn(|axis| crate::math::summary::mean(&column(axis))),
             spread_m: std::array::from_fn(|axis| crate::math::summary::standard_deviation(&column(axis)).max(1e-4)),
-            moved_m: crate::math::summary::root_mean_square(&moved).max(1e-5),
+            speed_m_s: crate::math::summary::root_mean_square(&moving).max(SLOWEST_M_S),
         }
     }
 
     /// The terms in every sample, three numbers a sample, with the standard deviation expected of each.
     fn columns(&self, around: &[Circumstances]) -> Vec<Column> {
         let terms: Vec<Vec<f64>> = around.iter().map(|at| self.terms(at)).collect();
-        let moved: Vec<Vec<f64>> = around.iter().map(|at| at.moved_m.map(|m| m / self.moved_m).to_vec()).collect();
+        let moving: Vec<Vec<f64>> =
+            around.iter().map(|at| at.velocity_m_s.map(|v| v / self.speed_m_s).to_vec()).collect();
         let mut columns = Vec::new();
-        for (table, deviation) in [(&terms, FORM_M), (&moved, MOTION_FORM_M)] {
+        for (table, deviation) in [(&terms, FORM_M), (&moving, MOTION_FORM_M)] {
             for term in 0..table.first().map_or(0, Vec::len) {
                 for axis in 0..3 {
                     let value = |row: usize, a: usize| if a == axis { table[row][term] } else { 0.0 };

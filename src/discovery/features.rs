@@ -13,6 +13,8 @@ pub(super) struct Circumstances {
     pub(super) tip_m: [f64; 3],
     /// How it has moved since the sample before, metres.
     pub(super) moved_m: [f64; 3],
+    /// The mean velocity since then, metres a second.
+    pub(super) velocity_m_s: [f64; 3],
     /// The command in force up to this sample.
     pub(super) command: Vec<f64>,
     /// Its change from the command before.
@@ -40,12 +42,14 @@ pub(super) fn circumstances(samples: &Samples, played: &[f64]) -> Vec<Circumstan
             };
             let (now, last, older) = (before(1), before(2), before(3));
             let difference = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
-            let follows = samples.steps_since_last(index).is_some();
-            let from = if follows { tip(index - 1) } else { tip(index) };
+            let since = samples.steps_since_last(index);
+            let from = if since.is_some() { tip(index - 1) } else { tip(index) };
+            let moved_m: [f64; 3] = std::array::from_fn(|axis| tip(index)[axis] - from[axis]);
             Circumstances {
                 time_s: sample.time_s,
                 tip_m: tip(index),
-                moved_m: std::array::from_fn(|axis| tip(index)[axis] - from[axis]),
+                moved_m,
+                velocity_m_s: moved_m.map(|moved_m| moved_m / (since.unwrap_or(1.0) * samples.step_s)),
                 change: difference(&now, &last),
                 change_before: difference(&last, &older),
                 command: now,

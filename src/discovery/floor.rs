@@ -1,8 +1,9 @@
 //! The noise floor from the data themselves: every trial starts at rest at home, so its first rows are repeats of one
 //! measurement; commands that are held show the tip at rest.
 
-use super::noise::Noise;
-use super::samples::Samples;
+use super::noise::{Noise, alike};
+use super::rest;
+use super::samples::{Samples, TrialCommands};
 use crate::math::distribution::f_above;
 
 /// An estimate of noise.
@@ -20,23 +21,22 @@ pub(super) struct Floor {
 const SETTLED_S: f64 = 1.0;
 
 impl Floor {
-    /// From repeats of the first row and from rests; no degrees of freedom where there are neither.
-    pub(super) fn of_repeats(samples: &Samples) -> Floor {
-        let groups = groups(samples);
-        let mut variance_m2 = [0.0; 3];
-        let mut freedom = 0.0;
-        for group in groups.iter().filter(|group| group.len() > 1) {
-            freedom += group.len() as f64 - 1.0;
-            for (axis, sum) in variance_m2.iter_mut().enumerate() {
-                let values: Vec<f64> = group.iter().map(|&row| samples.rows[row].tip_m[axis]).collect();
-                let mean = crate::math::summary::mean(&values);
-                *sum += values.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
-            }
-        }
-        variance_m2.iter_mut().for_each(|sum| *sum /= f64::max(freedom, 1.0));
-        let repeated = groups.iter().filter(|group| group.len() > 1);
+    /// From repeats of the first row and from rests; no degrees of freedom where there are neither. `correlation`: that of
+    /// what is taken for noise, which stands unless rests contradict it.
+    pub(super) fn of_repeats(samples: &Samples, correlation: f64) -> Floor {
+        let mut groups = groups(samples);
+        groups.retain(|group| group.len() > 1);
+        let at_rest: Vec<&[usize]> = groups.iter().filter(|g| !is_start(samples, g)).map(Vec::as_slice).collect();
+        let correlation = rest::correlation(samples, &at_rest, correlation);
+        let repeats = rest::Worth::of(groups.iter().filter(|g| is_start(samples, g)).map(Vec::len), 0.0);
+        let worth = repeats.and(rest::Worth::of(at_rest.iter().map(|rest| rest.len()), correlation));
+        let squares_m2: Vec<[f64; 3]> = groups.iter().map(|group| rest::squares_m2(samples, group)).collect();
+        let variance =
+            |axis: usize| squares_m2.iter().map(|own| own[axis]).sum::<f64>() / worth.mean.max(f64::MIN_POSITIVE);
+        let variance_m2 = std::array::from_fn(variance);
+        let freedom = worth.freedom();
         let (starts, rests): (Vec<&Vec<usize>>, Vec<&Vec<usize>>) =
-            repeated.partition(|group| is_start(samples, group));
+            groups.iter().partition(|group| is_start(samples, group));
         let [firsts, rests] = [starts, rests].map(|groups| groups.iter().map(|group| group.len()).sum::<usize>());
         let from = match (firsts > 1, rests > 1) {
             (true, true) => format!("{firsts} starts at home and {rests} samples at rest"),
@@ -58,7 +58,7 @@ impl Floor {
         if self.freedom < 2.0 || own <= 0.0 {
             return 1.0;
         }
-        f_above(variance_m2 / own, freedom, 3.0 * self.freedom)
+        f_above(variance_m2 / own, freedom, alike(&self.variance_m2) * self.freedom)
     }
 
     /// This floor and a residual's variance of `freedom` degrees an axis, taken together.
@@ -96,11 +96,8 @@ pub(super) fn bias(samples: &Samples, left_m: &[f64], noise: &Noise) -> Bias {
         weighed += group.len() as f64 * square;
         weights += group.len() as f64;
     }
-    let floor = Floor::of_repeats(samples);
-    let own = floor.variance_m2.iter().sum::<f64>() / 3.0;
-    let freedom = 3.0 * groups.len() as f64;
-    let enough = floor.freedom >= 2.0 && own > 0.0;
-    let p_value = if enough { f_above(squares / freedom / own, freedom, 3.0 * floor.freedom) } else { 1.0 };
+    let floor = Floor::of_repeats(samples, noise.correlation);
+    let p_value = floor.p_value(squares / groups.len() as f64, alike(&floor.variance_m2) * groups.len() as f64);
     Bias { p_value, rms_m: (weighed / f64::max(weights, 1.0)).sqrt() }
 }
 
@@ -128,19 +125,19 @@ fn starts(samples: &Samples) -> Vec<Vec<usize>> {
     found.into_iter().map(|(_, rows)| rows).collect()
 }
 
-/// Runs of samples under one command that has been held long enough.
+/// Runs of samples under one command and load that have been there long enough.
 fn rests(samples: &Samples) -> Vec<Vec<usize>> {
+    let begun: Vec<Vec<usize>> = samples.trials.iter().map(begun).collect();
     let mut found: Vec<Vec<usize>> = Vec::new();
-    let mut held: Option<(usize, Vec<f64>, f64)> = None;
+    let mut held: Option<(usize, usize, f64)> = None;
     let mut run: Vec<usize> = Vec::new();
     for (index, row) in samples.rows.iter().enumerate().filter(|(_, row)| row.row > 0) {
-        let command = samples.trials[row.trial].commands.row(row.row - 1);
-        let same = held.as_ref().is_some_and(|(trial, before, _)| *trial == row.trial && before.as_slice() == command);
-        if !same {
-            held = Some((row.trial, command.to_vec(), row.time_s));
+        let since = begun[row.trial][row.row - 1];
+        if held.is_none_or(|(trial, before, _)| (trial, before) != (row.trial, since)) {
+            held = Some((row.trial, since, row.time_s));
             found.push(std::mem::take(&mut run));
         }
-        if held.as_ref().is_some_and(|(_, _, since_s)| row.time_s - since_s >= SETTLED_S) {
+        if held.is_some_and(|(_, _, since_s)| row.time_s - since_s >= SETTLED_S) {
             run.push(index);
         }
     }
@@ -149,10 +146,23 @@ fn rests(samples: &Samples) -> Vec<Vec<usize>> {
     found
 }
 
+/// For each command of a trial, the first of those before it that were the same, load and all.
+fn begun(trial: &TrialCommands) -> Vec<usize> {
+    let load = |k: usize| trial.tip_loads.as_ref().map(|loads| loads[k]);
+    let mut begun: Vec<usize> = Vec::with_capacity(trial.commands.len());
+    for k in 0..trial.commands.len() {
+        let goes_on = k > 0 && trial.commands.row(k) == trial.commands.row(k - 1) && load(k) == load(k - 1);
+        begun.push(if goes_on { begun[k - 1] } else { k });
+    }
+    begun
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::samples::white_noise;
     use super::*;
+    use crate::base::Rows;
+    use crate::rod::TipLoad;
 
     const NOISE_M: f64 = 5e-4;
 
@@ -176,7 +186,7 @@ mod tests {
             trial.known_load_kg = if weighed { 0.02 } else { 0.0 };
             sample.tip_m = [if weighed { 0.01 } else { 0.0 } + 1e-4 * (k / 2) as f64, 0.0, 0.2];
         }
-        let floor = Floor::of_repeats(&samples);
+        let floor = Floor::of_repeats(&samples, 0.0);
         assert_eq!((floor.freedom, floor.from.as_str()), (2.0, "4 starts at home"));
         assert!((floor.variance_m2[0] - 0.5e-8).abs() < 1e-15, "{:?}", floor.variance_m2);
     }
@@ -188,5 +198,55 @@ mod tests {
         let found = tested(1e-3, 1);
         assert!(found.p_value < 1e-3, "{}", found.p_value);
         assert!((found.rms_m / 1e-3 - 1.0).abs() < 0.4, "{}", found.rms_m);
+    }
+
+    /// Six trials that stay where they are, under noise that remembers.
+    #[test]
+    fn rests_in_noise_that_remembers_say_how_large_it_is() {
+        for correlation in [0.0_f64, 0.5, 0.8, 0.9] {
+            let (mut ratios, mut low) = (Vec::new(), 0);
+            for seed in 0..200 {
+                let mut noise = white_noise(NOISE_M, seed);
+                let mut samples = Samples::alike(6, 50);
+                for trial in &mut samples.trials {
+                    // Four poses, each held for two seconds and a half.
+                    trial.commands = Rows::new(1);
+                    (1..50).for_each(|k| trial.commands.push(&[f64::from(k / 13)]));
+                }
+                let mut last = [0.0; 3];
+                for sample in &mut samples.rows {
+                    let kept = if sample.row == 0 { 0.0 } else { correlation };
+                    last = last.map(|before| kept * before + (1.0 - kept * kept).sqrt() * noise());
+                    sample.tip_m = last;
+                }
+                let floor = Floor::of_repeats(&samples, correlation);
+                ratios.push((floor.rms_m() / NOISE_M).powi(2) / 3.0);
+                let all_m2 = samples.rows.iter().flat_map(|row| row.tip_m).map(|x| x * x).sum::<f64>() / 300.0;
+                let known = Noise { sigma_m: [NOISE_M; 3], correlation };
+                low += usize::from(floor.p_value(all_m2, known.freedom(300)) < 0.05);
+            }
+            let mean = crate::math::summary::mean(&ratios);
+            assert!((mean - 1.0).abs() < 0.05, "{correlation}: {mean}");
+            assert!(low < 20, "{correlation}: {low} of 200 below 0.05");
+        }
+    }
+
+    #[test]
+    fn a_load_that_changes_ends_a_rest_as_a_command_does_that_nobody_saw() {
+        let mut samples = Samples::alike(1, 30);
+        samples.trials[0].commands = Rows::new(1);
+        (1..30).for_each(|_| samples.trials[0].commands.push(&[1.0]));
+        assert_eq!(rests(&samples).iter().map(Vec::len).collect::<Vec<_>>(), [24]);
+        let loads =
+            |k: usize| TipLoad { force_n: [f64::from(u8::from(k >= 15)), 0.0, 0.0].into(), ..TipLoad::default() };
+        let mut loaded = samples.clone();
+        loaded.trials[0].tip_loads = Some((0..29).map(loads).collect());
+        assert_eq!(rests(&loaded).iter().map(Vec::len).collect::<Vec<_>>(), [10, 9]);
+        // Away and back again while the tracker saw nothing.
+        let mut away = samples;
+        away.trials[0].commands = Rows::new(1);
+        (1..30).for_each(|k| away.trials[0].commands.push(&[if k == 15 { 2.0 } else { 1.0 }]));
+        away.rows.retain(|row| !(14..17).contains(&row.row));
+        assert_eq!(rests(&away).iter().map(Vec::len).collect::<Vec<_>>(), [8, 8]);
     }
 }

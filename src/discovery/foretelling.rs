@@ -26,9 +26,12 @@ const RIDGE: f64 = 3.0;
 /// Of more samples than this, neighbours are taken together: the regression takes time as the cube of their number.
 const MOST_POINTS: usize = 1200;
 
+/// Trials are foretold one by one, of more than this several together.
+const MOST_GROUPS: usize = 12;
+
 /// Samples, or means over neighbours where there are too many of them.
 pub(super) struct Points {
-    /// The points of each trial.
+    /// The points of each trial, or of some that follow each other where there are too many of them.
     pub(super) ranges: Vec<Range<usize>>,
     /// The circumstances of each, those of the middle one of its samples.
     around: Vec<Circumstances>,
@@ -53,6 +56,8 @@ impl Points {
             }
             points.ranges.push(first..points.around.len());
         }
+        let each = points.ranges.len().div_ceil(MOST_GROUPS).max(1);
+        points.ranges = points.ranges.chunks(each).map(|group| group[0].start..group[group.len() - 1].end).collect();
         points.samples_each = around.len() as f64 / points.around.len().max(1) as f64;
         points
     }

@@ -62,6 +62,10 @@ impl Hypothesis {
             Seek::Size(size) => Field::Size { null: parameter.null, size, scan: &[] },
             Seek::Scanned(size, scan) => Field::Size { null: parameter.null, size, scan },
             Seek::Replaces(path, size) => {
+                // An effect that the model has already may have replaced it before.
+                let last = model.effects.iter().rposition(|effect| effect.card().name == card.name);
+                let own = last.map(|k| format!("effects[{k}].{}", parameter.name));
+                let path = own.as_deref().unwrap_or(path);
                 let number = ModelParameter::named(model, path).and_then(|number| number.value(model));
                 Field::Size { null: number.unwrap_or(parameter.null), size, scan: &[] }
             }
@@ -264,6 +268,19 @@ mod tests {
         assert!(load.moved_within(&[0.003], 0, -0.01)[0].is_sign_positive());
         let tilt = hypothesis("base_tilt");
         assert_eq!(tilt.moved_within(&[0.01, 0.02], 1, -0.05), tilt.moved(&[0.01, 0.02], 1, -0.05));
+    }
+
+    #[test]
+    fn what_an_effect_of_the_model_has_replaced_is_what_it_is_now() {
+        let mut model = Model { robot: Robot::default(), effects: Vec::new() };
+        let null = |model: &Model| {
+            let found = hypotheses(model).into_iter().find(|hypothesis| hypothesis.card.name == "damping").unwrap();
+            found.variants()[0][0]
+        };
+        assert_eq!(null(&model), model.robot.damping_time_s);
+        let damping = hypothesis("damping").effect(&[0.15]).unwrap();
+        model.effects.push(damping);
+        assert_eq!(null(&model), 0.15);
     }
 
     #[test]

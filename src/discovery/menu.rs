@@ -92,6 +92,11 @@ impl Range {
             }
             range.poses.extend(rows.into_iter().map(<[f64]>::to_vec));
         }
+        if range.step == 0.0 {
+            // Each trial held one command, at which it came from home at once.
+            let far = range.poses.iter().map(|pose| farthest(pose, &vec![0.0; pose.len()]));
+            range.step = far.fold(0.0, f64::max);
+        }
         range
     }
 
@@ -121,8 +126,9 @@ impl Range {
             for k in 1..=steps {
                 let share = k as f64 / steps as f64;
                 at = from.iter().zip(corner).map(|(a, b)| a + share * (b - a)).collect();
-                if rows.len() < LENGTH {
-                    rows.push(&at);
+                rows.push(&at);
+                if rows.len() == LENGTH {
+                    return rows;
                 }
             }
         }
@@ -203,6 +209,24 @@ mod tests {
             let weighed = if dish.name == "known_weight" { WEIGHT_KG } else { 0.0 };
             assert_eq!(weights, [0.0, weighed, 0.0, weighed], "{}", dish.name);
             assert_eq!(dish.gravity_m_s2.is_some(), dish.name == "base_remounted");
+        }
+    }
+
+    /// Weights hung on the tendons one after the other: each trial is one command that is held.
+    #[test]
+    fn a_command_held_from_the_start_is_a_step_from_home() {
+        let trial = |pull_n: f64| {
+            let mut rows = Rows::new(4);
+            (0..40).for_each(|_| rows.push(&[pull_n, 0.0, 0.0, 0.0]));
+            rows
+        };
+        let trials = [trial(5.0), trial(2.0)];
+        let range = Range::new(trials.iter(), 0.2);
+        assert_eq!(range.step, 5.0);
+        for dish in menu(&range, ACROSS) {
+            assert!(dish.trials.iter().all(|(rows, _)| rows.len() == LENGTH), "{}", dish.name);
+            let most = dish.trials.iter().flat_map(|(rows, _)| rows.iter()).map(|row| row[0]).fold(0.0, f64::max);
+            assert!((2.0..=5.0).contains(&most), "{}: {most}", dish.name);
         }
     }
 

@@ -16,7 +16,9 @@ pub(super) struct Noise {
 /// Correlations beyond this are not told from drift.
 const MOST_CORRELATION: f64 = 0.98;
 /// Noise is never taken to be smaller than this, metres: a tracker's last digit.
-const LEAST_SIGMA_M: f64 = 1e-6;
+pub(super) const LEAST_SIGMA_M: f64 = 1e-6;
+/// Samples farther apart than so many usual steps are no neighbours.
+const MOST_STEPS: f64 = 1.5;
 
 impl Noise {
     /// Root mean square distance that it makes, metres.
@@ -27,6 +29,18 @@ impl Noise {
     /// Independent samples that tell as much about a constant as `samples` correlated ones.
     pub(super) fn independent(&self, samples: usize) -> f64 {
         samples as f64 * (1.0 - self.correlation) / (1.0 + self.correlation)
+    }
+
+    /// Degrees of freedom behind the mean square of so many samples, all axes together: three a sample where the axes are
+    /// alike, fewer where one is noisier than the others (Satterthwaite, Biometrics Bulletin 2, 1946).
+    pub(super) fn freedom(&self, samples: usize) -> f64 {
+        alike(&self.sigma_m.map(|sigma| sigma * sigma)) * self.independent(samples)
+    }
+
+    /// The part of a sample's noise that was in the sample before. Within a usual step it is that of the step: trackers do
+    /// not say how their noise comes about.
+    fn kept(&self, samples: &Samples, row: usize) -> f64 {
+        samples.steps_since_last(row).map_or(0.0, |steps| self.correlation.powf(steps.max(1.0)))
     }
 
     /// The columns of a matrix (three rows a sample) as independent numbers of variance one.
@@ -43,7 +57,7 @@ impl Noise {
     pub(super) fn whiten(&self, samples: &Samples, values: &[f64]) -> Vec<f64> {
         let mut white = Vec::with_capacity(values.len());
         for row in 0..samples.len() {
-            let kept = samples.steps_since_last(row).map_or(0.0, |steps| self.correlation.powf(steps));
+            let kept = self.kept(samples, row);
             let new = (1.0 - kept * kept).sqrt();
             for axis in 0..3 {
                 let at = 3 * row + axis;
@@ -58,7 +72,7 @@ impl Noise {
     pub(super) fn log_determinant(&self, samples: &Samples) -> f64 {
         let axes: f64 = self.sigma_m.iter().map(|sigma| (sigma * sigma).ln()).sum();
         let row = |row: usize| {
-            let kept = samples.steps_since_last(row).map_or(0.0, |steps| self.correlation.powf(steps));
+            let kept = self.kept(samples, row);
             axes + 3.0 * (1.0 - kept * kept).ln()
         };
         (0..samples.len()).map(row).sum()
@@ -66,9 +80,8 @@ impl Noise {
 
     /// The most likely noise behind `residual`, of which a fit has used up `freedom` numbers.
     pub(super) fn of(samples: &Samples, residual: &[f64], freedom: f64) -> Noise {
-        let ranges = samples.ranges();
         // A negative correlation is no tracker's: it is chance.
-        let correlation = correlation(&ranges, residual).clamp(0.0, MOST_CORRELATION);
+        let correlation = correlation(samples, residual).clamp(0.0, MOST_CORRELATION);
         let unit = Noise { sigma_m: [1.0; 3], correlation };
         let white = unit.whiten(samples, residual);
         let left = (samples.len() as f64 - freedom / 3.0).max(1.0);
@@ -80,18 +93,56 @@ impl Noise {
     }
 }
 
-/// Correlation of neighbours within trials, axes weighted by their own variance.
-fn correlation(ranges: &[std::ops::Range<usize>], residual: &[f64]) -> f64 {
+/// How many axes a sum of squares over three of them is worth, whose `variances` these are.
+pub(super) fn alike(variances: &[f64; 3]) -> f64 {
+    let sum: f64 = variances.iter().sum();
+    let squares: f64 = variances.iter().map(|variance| variance * variance).sum();
+    if squares > 0.0 { sum * sum / squares } else { 3.0 }
+}
+
+/// Correlation of neighbours within trials, axes weighted by their own variance. Samples that are farther apart than usual
+/// say less and are left out.
+fn correlation(samples: &Samples, residual: &[f64]) -> f64 {
+    let is_neighbour = |&row: &usize| samples.steps_since_last(row).is_some_and(|steps| steps < MOST_STEPS);
+    let neighbours: Vec<usize> = (0..samples.len()).filter(is_neighbour).collect();
     let mut total = 0.0;
     for axis in 0..3 {
         let at = |row: usize| residual[3 * row + axis];
-        let (mut together, mut alone) = (0.0, 0.0);
-        for range in ranges.iter().filter(|range| range.len() > 1) {
-            let inner = range.start + 1..range.end;
-            together += inner.clone().map(|row| at(row) * at(row - 1)).sum::<f64>();
-            alone += inner.map(|row| 0.5 * (at(row).powi(2) + at(row - 1).powi(2))).sum::<f64>();
-        }
+        let together: f64 = neighbours.iter().map(|&row| at(row) * at(row - 1)).sum();
+        let alone: f64 = neighbours.iter().map(|&row| 0.5 * (at(row).powi(2) + at(row - 1).powi(2))).sum();
         total += together / alone.max(f64::MIN_POSITIVE) / 3.0;
     }
     total
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::samples::white_noise;
+    use super::*;
+
+    const NOISE_M: f64 = 5e-4;
+
+    #[test]
+    fn one_noisy_axis_is_worth_less_than_three() {
+        let noise = |sigma_m| Noise { sigma_m, correlation: 0.0 };
+        assert!((noise([2e-3; 3]).freedom(10) - 30.0).abs() < 1e-9);
+        assert!((noise([0.0, 0.0, 1e-3]).freedom(10) - 10.0).abs() < 1e-9);
+        assert!((noise([1e-3, 1e-3, 3e-3]).freedom(1) - 121.0 / 83.0).abs() < 1e-9);
+    }
+
+    /// A row that is logged late has the next one close behind it: white noise stays white, and no larger than it is.
+    #[test]
+    fn uneven_steps_make_no_noise() {
+        let mut samples = Samples::alike(8, 50);
+        for sample in samples.rows.iter_mut().filter(|sample| sample.row % 5 == 4) {
+            sample.time_s += 0.18;
+        }
+        for seed in 0..20 {
+            let mut noise = white_noise(NOISE_M, seed);
+            let left_m: Vec<f64> = (0..3 * samples.len()).map(|_| noise()).collect();
+            let found = Noise::of(&samples, &left_m, 0.0);
+            assert!(found.correlation < 0.1, "{found:?}");
+            assert!((found.rms_m() / (3.0_f64.sqrt() * NOISE_M) - 1.0).abs() < 0.08, "{found:?}");
+        }
+    }
 }

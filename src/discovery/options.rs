@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::hypothesis::Hypothesis;
 use super::search::Limits;
 use crate::base::{BadOption, Seed};
+use crate::effects::Model;
 
 /// A number of the robot that its file knows only so well.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -47,6 +48,9 @@ pub struct Options {
     pub motion_tolerance_m: f64,
     /// Length of a cell of the grid on which it is played, metres; the model's own where that is longer.
     pub cell_m: f64,
+    /// What moves the tip by less than this share of the backbone's length is neither named nor missed, whatever the noise:
+    /// no model of a robot is right to that, and a recording that was simulated may not be either.
+    pub least_of_length: f64,
     /// Seed of the permutation test.
     pub seed: u64,
 }
@@ -85,6 +89,7 @@ impl Default for Options {
             uncertain: uncertain.collect(),
             motion_tolerance_m: 3e-5,
             cell_m: 0.05,
+            least_of_length: 1e-3,
             seed: 0,
         }
     }
@@ -110,6 +115,7 @@ impl Options {
             ("least_share", self.least_share),
             ("rival_score", self.rival_score),
             ("least_foretold", self.least_foretold),
+            ("least_of_length", self.least_of_length),
         ];
         for (key, value) in sizes {
             if !(value.is_finite() && value >= 0.0) {
@@ -119,12 +125,18 @@ impl Options {
         self.uncertain.iter().try_for_each(|one| BadOption::unless_positive("deviation", one.deviation))
     }
 
-    pub(super) fn limits(&self) -> Limits {
+    /// What moves the tip of this robot by less is neither named nor missed, metres.
+    pub(super) fn least_m(&self, model: &Model) -> f64 {
+        self.least_of_length * model.robot.backbone.length_m
+    }
+
+    pub(super) fn limits(&self, model: &Model) -> Limits {
         Limits {
             most_effects: self.most_effects,
             least_score: self.least_score,
             least_size: self.least_size,
             least_share: self.least_share,
+            least_m: self.least_m(model),
             rival_score: self.rival_score,
             thorough: 0,
         }

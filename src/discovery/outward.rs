@@ -43,7 +43,7 @@ impl Study<'_> {
     fn best_along(&self, fitted: &Fitted, at: usize, mut step: DVector<f64>) -> Option<Fitted> {
         let mut best: Option<Fitted> = None;
         loop {
-            let (members, _) = self.along(&fitted.members, at, &step);
+            let members = self.moved(&fitted.members, &step);
             let least = best.as_ref().map_or(fitted.explained.deviance - WORTH, |best| best.explained.deviance);
             match self.held(fitted, at, members, least).filter(|there| there.explained.deviance < least) {
                 Some(there) => best = Some(there),

@@ -19,7 +19,7 @@ pub(super) struct Question<'a> {
     /// The model, calibrated on the baseline where there is one, played with the precision of the options.
     pub(super) model: Model,
     /// The same with coarse time steps.
-    coarse: Model,
+    pub(super) coarse: Model,
     base: Option<Base>,
     pub(super) hypotheses: Vec<Hypothesis>,
     /// All samples, those of the fit, and the proof.
@@ -30,8 +30,8 @@ pub(super) struct Question<'a> {
     pub(super) played_proof: Vec<f64>,
     pub(super) responses: Vec<responses::Response>,
     pub(super) nuisances: Nuisances,
-    /// Whether markers on the base show it standing straight.
-    pub(super) base_is_straight: bool,
+    /// Whether markers on the base show it standing as in the model.
+    pub(super) base_stands: bool,
 }
 
 /// Whether something is left.
@@ -86,14 +86,14 @@ impl<'a> Question<'a> {
             played_proof,
             responses,
             nuisances,
-            base_is_straight: false,
+            base_stands: false,
         })
     }
 
     pub(super) fn study(&self) -> Study<'_> {
         let open = |hypothesis: &Hypothesis| {
             let name = hypothesis.card.name;
-            let contradicted = self.base_is_straight && name == "base_tilt";
+            let contradicted = self.base_stands && name == "base_tilt";
             !contradicted && !self.options.left_out.iter().any(|left_out| left_out == name)
         };
         Study {
@@ -111,20 +111,21 @@ impl<'a> Question<'a> {
         let around = circumstances(&self.fit, played);
         let found = missing(&self.fit, &around, &explained.left_m, self.options.seed());
         let floor_m = explained.noise.rms_m();
-        let least_m = self.options.least_foretold * floor_m;
+        let least_m = self.least_left_m(floor_m);
         let inexact_m = least_m.max(self.inexact_m(played));
         // More scatter than where the same thing was measured again; scatter that hardly changes from one sample to the
         // next is no tracker's, and little more of it is enough.
-        let floor = floor::Floor::of_repeats(&self.fit);
-        let freedom = 3.0 * explained.noise.independent(self.fit.len());
-        let scatters = floor.p_value(floor_m * floor_m, freedom);
-        let slow = explained.noise.correlation > SLOW && scatters < SLOW_CHANCE;
+        let floor = floor::Floor::of_repeats(&self.fit, explained.noise.correlation);
+        let scatters = floor.p_value(floor_m.powi(2), explained.noise.freedom(self.fit.len()));
+        let more_m = (floor_m.powi(2) - floor.rms_m().powi(2)).max(0.0).sqrt();
+        let slow =
+            explained.noise.correlation > SLOW && scatters < SLOW_CHANCE && more_m > self.options.least_m(&self.model);
         let spread = uneven::uneven(&self.fit, explained);
         let bias = floor::bias(&self.fit, &explained.left_m, &explained.noise);
         // Each test's chance, and whether what it found is large enough to matter.
         let tests = [
             (found.test.p_value, found.test.foretold_m > least_m),
-            (scatters, true),
+            (scatters, more_m > least_m),
             (spread.p_value, spread.more_m > inexact_m),
             (bias.p_value, bias.rms_m > inexact_m),
         ];
@@ -141,11 +142,11 @@ impl<'a> Question<'a> {
         let nuisances = Nuisances::new(columns, answer.explained.amounts.clone(), precision);
         let unseen = nuisances.explain(&self.proof, &self.proof.residual(played), 0.0);
         let square_m2 = |explained: &Explained| explained.noise.rms_m().powi(2);
-        let freedom = |explained: &Explained, samples: &Samples| 3.0 * explained.noise.independent(samples.len());
+        let freedom = |explained: &Explained, samples: &Samples| explained.noise.freedom(samples.len());
         let (there, here) = (square_m2(&unseen), square_m2(&answer.explained));
         let above = freedom(&unseen, &self.proof);
         let p_value = f_above(there / here, above, freedom(&answer.explained, &self.fit));
-        let least_m = (self.options.least_foretold * here.sqrt()).max(self.inexact_m(&answer.played));
+        let least_m = self.least_left_m(here.sqrt()).max(self.inexact_m(&answer.played));
         p_value < self.options.false_alarm && (there - here).max(0.0).sqrt() > least_m
     }
 
@@ -160,7 +161,7 @@ impl<'a> Question<'a> {
     pub(super) fn doubts(&self) -> Option<String> {
         let base = self.base.as_ref()?;
         let left_m = rms_m(&base.samples.residual(&base.played));
-        let floor_m = floor::Floor::of_repeats(&base.samples).rms_m();
+        let floor_m = floor::Floor::of_repeats(&base.samples, 0.0).rms_m();
         (left_m > LARGE_FORM_M.max(LARGE_FORM * floor_m)).then(|| {
             format!(
                 "Calibrated on the baseline, the model is still {:.1} mm off in it: it may be of another robot, or the \
@@ -168,6 +169,11 @@ impl<'a> Question<'a> {
                 1e3 * left_m
             )
         })
+    }
+
+    /// What is left beside noise of this size, metres, matters beyond so much.
+    fn least_left_m(&self, floor_m: f64) -> f64 {
+        self.options.least_m(&self.model).max(self.options.least_foretold * floor_m)
     }
 
     /// What the laws of the effects that bring the tip to `played` are off by, at their best, metres.
@@ -218,10 +224,21 @@ impl Base {
         };
         let (first, columns) = look(model)?;
         let nuisances = Nuisances::independent(first.len(), &columns);
-        if let Some(better) = baseline::calibrated(model, hypotheses, &samples, &nuisances) {
-            *model = better;
-        }
-        let (played, columns) = look(model)?;
+        let left = |played: &[f64], columns: &[Column]| {
+            Nuisances::independent(played.len(), columns).explain(&samples, &samples.residual(played), 0.0).deviance
+        };
+        let (played, columns) = match baseline::calibrated(model, hypotheses, &samples, &nuisances) {
+            Some(better) => {
+                let looked = look(&better)?;
+                if left(&looked.0, &looked.1) < left(&first, &columns) {
+                    *model = better;
+                    looked
+                } else {
+                    (first, columns)
+                }
+            }
+            None => (first, columns),
+        };
         Ok(Base { samples, played, columns })
     }
 }

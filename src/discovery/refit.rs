@@ -49,8 +49,10 @@ const SMALL_FALL: f64 = 0.05;
 const ROUGH_FALL: f64 = 2.0;
 /// And this share of what is missing to a deviance that would be of use: so slow a fit is not going to be.
 const SLOW_FALL: f64 = 0.1;
-/// Makes a coordinate so much stiffer that it stays where it is.
+/// Makes a coordinate so much stiffer that it stays where it is put.
 const HOLDS: f64 = 1e12;
+/// A step that is cut by this share was to leave a range.
+const BEYOND: f64 = 1e-6;
 /// Size of the differences that derivatives are taken by, over the probe.
 const DIFFERENCE: f64 = 0.1;
 
@@ -98,11 +100,7 @@ impl Study<'_> {
     /// The members moved by `step` (in units of the probes), every coordinate no farther than its range reaches, and how far
     /// coordinate `at` was.
     pub(super) fn along(&self, members: &[Member], at: usize, step: &DVector<f64>) -> (Vec<Member>, f64) {
-        let mut there = members.to_vec();
-        for (&(k, parameter), &share) in self.coordinates(members).iter().zip(step.iter()) {
-            let hypothesis = &self.hypotheses[members[k].hypothesis];
-            there[k].values = hypothesis.moved_within(&there[k].values, parameter, share * hypothesis.probe(parameter));
-        }
+        let there = self.moved(members, step);
         let moved = self.between(members, &there)[at];
         (there, moved)
     }
@@ -207,12 +205,12 @@ impl Study<'_> {
         Some(Fitted { members, explained, played, jacobian })
     }
 
-    /// The members moved by `by`, in units of the probes.
-    fn moved(&self, members: &[Member], by: &DVector<f64>) -> Vec<Member> {
+    /// The members moved by `by`, in units of the probes, every coordinate no farther than its range reaches.
+    pub(super) fn moved(&self, members: &[Member], by: &DVector<f64>) -> Vec<Member> {
         let mut there = members.to_vec();
         for (&(k, parameter), &share) in self.coordinates(members).iter().zip(by.iter()) {
             let hypothesis = &self.hypotheses[members[k].hypothesis];
-            there[k].values = hypothesis.moved(&there[k].values, parameter, share * hypothesis.probe(parameter));
+            there[k].values = hypothesis.moved_within(&there[k].values, parameter, share * hypothesis.probe(parameter));
         }
         there
     }
@@ -250,13 +248,14 @@ impl Study<'_> {
             [DIFFERENCE, -DIFFERENCE].into_iter().find_map(|share| {
                 let mut by = DVector::zeros(count);
                 by[k] = share;
-                let members = self.moved(&fitted.members, &by);
-                if members == fitted.members {
+                let (members, moved) = self.along(&fitted.members, k, &by);
+                // The end of the range is near on this side.
+                if moved.abs() < 0.5 * DIFFERENCE {
                     return None;
                 }
                 let effects = effects(self.hypotheses, &members)?;
                 let there = tips(self.model, &effects, self.samples)?;
-                Some(there.iter().zip(&fitted.played).map(|(there, here)| (there - here) / share).collect())
+                Some(there.iter().zip(&fitted.played).map(|(there, here)| (there - here) / moved).collect())
             })
         };
         let columns: Vec<Vec<f64>> = (0..count).into_par_iter().map(column).collect::<Option<_>>()?;
@@ -271,33 +270,44 @@ impl Study<'_> {
     }
 
     /// The Gauss–Newton step of the coordinates, nuisances following, and by how much it makes the deviance fall if the
-    /// tip follows it linearly; coordinates that would leave their range are held.
+    /// tip follows it linearly; coordinates that would leave their range end there, and the others follow them.
     fn step(&self, fitted: &Fitted) -> Option<(DVector<f64>, f64)> {
-        let (free, promised) = self.step_holding(fitted, &[])?;
-        let stays = |&k: &usize| {
-            let mut alone = DVector::zeros(free.len());
-            alone[k] = free[k];
-            free[k] != 0.0 && self.moved(&fitted.members, &alone) == fitted.members
-        };
-        let held: Vec<usize> = (0..free.len()).filter(stays).collect();
-        if held.is_empty() { Some((free, promised)) } else { self.step_holding(fitted, &held) }
+        let mut ended: Vec<(usize, f64)> = Vec::new();
+        loop {
+            let (step, promised) = self.step_with(fitted, &ended)?;
+            let known = ended.len();
+            let moved = self.between(&fitted.members, &self.moved(&fitted.members, &step));
+            let is_cut = |k: &usize| (moved[*k] - step[*k]).abs() > BEYOND * step[*k].abs();
+            let cut = (0..step.len()).filter(|k| is_cut(k) && !ended.iter().any(|(end, _)| end == k));
+            let cut: Vec<(usize, f64)> = cut.map(|k| (k, moved[k])).collect();
+            ended.extend(cut);
+            if ended.len() == known {
+                return Some((step, promised));
+            }
+        }
     }
 
-    fn step_holding(&self, fitted: &Fitted, held: &[usize]) -> Option<(DVector<f64>, f64)> {
+    /// The same with the steps of some coordinates `given`.
+    fn step_with(&self, fitted: &Fitted, given: &[(usize, f64)]) -> Option<(DVector<f64>, f64)> {
         let (mut normal, free) = self.normal(fitted);
         let count = normal.ncols() - free;
         for k in free..free + count {
             normal[(k, k)] *= 1.0 + 1e-6;
             normal[(k, k)] += 1e-12;
         }
-        held.iter().for_each(|k| normal[(free + k, free + k)] *= HOLDS);
         let noise = &fitted.explained.noise;
         let left = DVector::from_vec(noise.whiten(self.samples, &fitted.explained.left_m));
         let mut right = DVector::zeros(free + count);
         for (k, column) in fitted.jacobian.column_iter().enumerate() {
             right[free + k] = DVector::from_vec(noise.whiten(self.samples, column.as_slice())).dot(&left);
         }
-        let step = Cholesky::new(normal)?.solve(&right);
-        Some((step.rows(free, count).into_owned(), right.dot(&step)))
+        let (mut stiff, mut pulled) = (normal.clone(), right.clone());
+        for &(k, step) in given {
+            stiff[(free + k, free + k)] *= HOLDS;
+            pulled[free + k] = stiff[(free + k, free + k)] * step;
+        }
+        let step = Cholesky::new(stiff)?.solve(&pulled);
+        let promised = 2.0 * right.dot(&step) - step.dot(&(&normal * &step));
+        Some((step.rows(free, count).into_owned(), promised))
     }
 }

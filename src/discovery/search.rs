@@ -4,6 +4,7 @@
 use std::collections::BTreeSet;
 
 use super::hypothesis::{Hypothesis, set_of};
+use super::noise::Noise;
 use super::refit::{Fitted, Study};
 use super::responses::Response;
 use super::screen::Promise;
@@ -19,6 +20,8 @@ pub(super) struct Limits {
     pub(super) least_size: f64,
     /// The same for one effect more, over what those found before it do together.
     pub(super) least_share: f64,
+    /// The same in metres, whatever the noise.
+    pub(super) least_m: f64,
     /// Sets whose scores are nearer are rivals.
     pub(super) rival_score: f64,
     /// Beside sets of fewer effects every hypothesis is fitted, whatever it promises at a first look.
@@ -97,10 +100,17 @@ impl<'s> Search<'s> {
     }
 }
 
+impl Limits {
+    /// How far an effect must move the tip beside a set that leaves this noise, metres.
+    pub(super) fn least_m(&self, noise: &Noise) -> f64 {
+        self.least_m.max(self.least_size * noise.rms_m())
+    }
+}
+
 impl Study<'_> {
     /// Whether what a first look promises beside `base` may turn out to be worth having.
     pub(super) fn is_worth_fitting(&self, promise: &Promise, base: &Fitted, limits: &Limits) -> bool {
-        let least_m = NEARLY * limits.least_size * base.explained.noise.rms_m();
+        let least_m = NEARLY * limits.least_m(&base.explained.noise);
         self.promised(promise) > limits.least_score + HOPELESS && promise.size_m > least_m
     }
 }

@@ -4,7 +4,7 @@ use super::about::About;
 use super::answer::Answer;
 use super::features::circumstances;
 use super::hypothesis::effects;
-use super::noise::Noise;
+use super::noise::{LEAST_SIGMA_M, Noise};
 use super::nuisance::Explained;
 use super::question::{self, Question};
 use super::refit::{Fitted, Study};
@@ -88,8 +88,8 @@ impl Question<'_> {
         })
     }
 
-    /// The answer on held-out trials; refuted where it makes the model worse there, or they scatter about it more than the
-    /// trials that it was fitted to.
+    /// The answer on held-out trials, that nothing is missing among others; refuted where it makes the model worse there, or
+    /// they scatter about it more than the trials that it was fitted to.
     fn proved(&self, study: &Study, best: &Fitted, answer: Answer) -> Proved {
         let added = effects(&self.hypotheses, &answer.members).unwrap_or_default();
         let mut gap = Gap {
@@ -98,11 +98,13 @@ impl Question<'_> {
             before_m: rms_m(&self.proof.residual(&self.played_proof)),
             after_m: f64::NAN,
         };
-        let played = play::tips(&self.model, &added, &self.proof);
+        // At the edge of what a robot can bear (a section that is all but a hinge) steps in time decide what can be played.
+        let tips = |model: &Model| play::tips(model, &added, &self.proof);
+        let played = tips(&self.model).or_else(|| tips(&self.coarse));
         let after_m = |played: &Vec<f64>| rms_m(&self.proof.residual(played));
         let stands = |played: &Vec<f64>| {
             let better = after_m(played) <= gap.before_m;
-            better && (added.is_empty() || !self.speaks_against(study, best, played))
+            better && (answer.verdict == Verdict::Unexplained || !self.speaks_against(study, best, played))
         };
         match played.filter(stands) {
             Some(played) => {
@@ -118,23 +120,24 @@ impl Question<'_> {
 
     /// The noise, from repeats and, where all is explained, from what is left; in words where from.
     fn floor(&self, explained: Option<&Explained>, best: &Explained) -> (String, Noise) {
-        let repeats = floor::Floor::of_repeats(&self.fit);
         let correlation = best.noise.correlation;
+        let repeats = floor::Floor::of_repeats(&self.fit, correlation);
         let pooled = match explained {
             // What the model leaves is more than noise where it is more than repeats show.
             Some(explained) => {
                 let variance_m2 = explained.noise.sigma_m.map(|sigma| sigma * sigma);
                 let freedom = explained.noise.independent(self.fit.len());
-                if repeats.p_value(variance_m2.iter().sum(), 3.0 * freedom) < MORE_THAN_REPEATS {
+                let all = explained.noise.freedom(self.fit.len());
+                if repeats.p_value(variance_m2.iter().sum(), all) < MORE_THAN_REPEATS {
                     repeats
                 } else {
                     repeats.pooled(variance_m2, freedom)
                 }
             }
-            None if repeats.freedom >= 3.0 => repeats,
+            None if repeats.freedom >= 3.0 && repeats.rms_m() > 0.0 => repeats,
             None => repeats.pooled(best.noise.sigma_m.map(|sigma| sigma * sigma), 1.0),
         };
-        let sigma_m = pooled.variance_m2.map(f64::sqrt);
+        let sigma_m = pooled.variance_m2.map(|variance_m2| variance_m2.sqrt().max(LEAST_SIGMA_M));
         (pooled.from, Noise { sigma_m, correlation })
     }
 

@@ -8,12 +8,11 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::direct::Wanted;
-use super::limits::Limits;
+use super::alone::{Alone, Controller, Wanted};
 use super::network::Network;
-use super::sight::{Glance, Sight};
+use super::sight::Glance;
 use super::{ErrorModel, InverseModel, NetworkOptions, Part, PolicyEntry, PolicyOptions, need};
-use crate::base::{Action, BadOption, Displacements, Observation, Point3, Policy, PolicyError, distance_m};
+use crate::base::{BadOption, Displacements, Point3, PolicyError, distance_m};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "a",
@@ -22,11 +21,7 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     make: |parts, options| {
         let model = need("a", Part::SimulatedInverse, parts.simulated)?;
         let error = need("a", Part::Error, parts.error)?;
-        Ok(Box::new(A {
-            core: AlgorithmTwo::new(model, error, options),
-            sight: Sight::default(),
-            limits: Limits::new(options.limits),
-        }))
+        Ok(Box::new(Alone::new(AlgorithmTwo::new(model, error, options), "a", options)))
     },
 };
 
@@ -105,15 +100,32 @@ impl AlgorithmTwo {
         }
     }
 
-    pub(super) fn reset(&mut self) {
+    /// One iteration: L(i), e_gp(i), x_s-target(i).
+    fn iterate(&mut self, fresh: bool, target_m: &Point3) -> Result<Wanted, PolicyError> {
+        let aim_m = self.network_options.aim_m(&self.position_m, &self.simulated_target_m, fresh);
+        let pulls_m = self.network.pulls(&self.position_m, &aim_m)?;
+        self.error_m = self.error.error_m(&pulls_m, &aim_m);
+        if self.error_m.iter().any(|value| !value.is_finite()) {
+            return Err(PolicyError::NotFinite("error model"));
+        }
+        let next_m = sum(target_m, &self.error_m);
+        self.iterations += 1;
+        let settled = self.iterations >= self.options.min_iterations
+            && distance_m(&self.simulated_target_m, &next_m) <= self.options.tolerance_m;
+        self.simulated_target_m = next_m;
+        Ok(Wanted { pulls_m, settled })
+    }
+}
+
+impl Controller for AlgorithmTwo {
+    fn reset(&mut self) {
         self.network.reset();
         self.target_m = None;
         self.error_m = [0.0; 3];
         self.held_m = None;
     }
 
-    /// One control tick.
-    pub(super) fn decide(&mut self, glance: Glance, target_m: &Point3) -> Result<Wanted, PolicyError> {
+    fn decide(&mut self, glance: Glance, target_m: &Point3) -> Result<Wanted, PolicyError> {
         if self.target_m != Some(*target_m) {
             self.target_m = Some(*target_m);
             self.iterations = 0;
@@ -142,46 +154,8 @@ impl AlgorithmTwo {
         }
         Ok(wanted)
     }
-
-    /// One iteration: L(i), e_gp(i), x_s-target(i).
-    fn iterate(&mut self, fresh: bool, target_m: &Point3) -> Result<Wanted, PolicyError> {
-        let aim_m = self.network_options.aim_m(&self.position_m, &self.simulated_target_m, fresh);
-        let pulls_m = self.network.pulls(&self.position_m, &aim_m)?;
-        self.error_m = self.error.error_m(&pulls_m, &aim_m);
-        if self.error_m.iter().any(|value| !value.is_finite()) {
-            return Err(PolicyError::NotFinite("error model"));
-        }
-        let next_m = sum(target_m, &self.error_m);
-        self.iterations += 1;
-        let settled = self.iterations >= self.options.min_iterations
-            && distance_m(&self.simulated_target_m, &next_m) <= self.options.tolerance_m;
-        self.simulated_target_m = next_m;
-        Ok(Wanted { pulls_m, settled })
-    }
 }
 
 fn sum(a: &Point3, b: &Point3) -> Point3 {
     std::array::from_fn(|axis| a[axis] + b[axis])
-}
-
-/// [`AlgorithmTwo`] behind the drive's limits.
-struct A {
-    core: AlgorithmTwo,
-    sight: Sight,
-    limits: Limits,
-}
-
-impl Policy for A {
-    fn reset(&mut self) {
-        self.core.reset();
-        self.sight.reset();
-        self.limits.reset();
-    }
-
-    fn act(&mut self, seen: &Observation, target_m: &Point3) -> Result<Action, PolicyError> {
-        let glance = self.sight.look(seen, target_m)?;
-        let wanted = self.core.decide(glance, target_m)?;
-        let limited = self.limits.apply(&wanted.pulls_m, &seen.pulls_m)?;
-        Ok(Action { pulls_m: limited.pulls_m, settled: wanted.settled && limited.arrived, branch: "a" })
-    }
 }

@@ -1,7 +1,8 @@
 //! Policy B (section IV-E): the inverse mapping retrained on simulated data that the error model has moved into the
 //! real workspace, p_exp = p_sim − e_gp (eq. 24). The moving happens before training; here it is the network alone.
 
-use super::direct::DirectPolicy;
+use super::alone::Alone;
+use super::direct::Direct;
 use super::{Part, PolicyEntry, need};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
@@ -10,6 +11,6 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     closed_loop_only: false,
     make: |parts, options| {
         let model = need("b", Part::GeneratedInverse, parts.generated)?;
-        Ok(Box::new(DirectPolicy::new(model, "b", options)))
+        Ok(Box::new(Alone::new(Direct::new(model, options), "b", options)))
     },
 };

@@ -9,7 +9,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::a::AlgorithmTwo;
-use super::direct::{Direct, Wanted};
+use super::alone::{Controller, Wanted};
+use super::direct::Direct;
 use super::limits::{Limits, largest_change_m};
 use super::sight::Sight;
 use super::{Part, PolicyEntry, need};

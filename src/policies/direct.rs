@@ -2,11 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::limits::{Limits, largest_change_m};
+use super::alone::{Controller, Wanted};
+use super::limits::largest_change_m;
 use super::network::Network;
-use super::sight::{Glance, Sight};
+use super::sight::Glance;
 use super::{InverseModel, NetworkOptions, PolicyOptions};
-use crate::base::{Action, BadOption, Displacements, Observation, Point3, Policy, PolicyError};
+use crate::base::{BadOption, Displacements, Point3, PolicyError};
 
 /// When a network alone has settled.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -29,12 +30,6 @@ impl DirectOptions {
     }
 }
 
-/// What a controller wants before the drive's limits.
-pub(super) struct Wanted {
-    pub(super) pulls_m: Displacements,
-    pub(super) settled: bool,
-}
-
 /// The network with what it wanted last.
 pub(super) struct Direct {
     network: Network,
@@ -52,14 +47,16 @@ impl Direct {
             last: None,
         }
     }
+}
 
-    pub(super) fn reset(&mut self) {
+impl Controller for Direct {
+    fn reset(&mut self) {
         self.network.reset();
         self.last = None;
     }
 
-    /// One control tick: (x_i, x_target) → u_i.
-    pub(super) fn decide(&mut self, glance: Glance, target_m: &Point3) -> Result<Wanted, PolicyError> {
+    /// (x_i, x_target) → u_i.
+    fn decide(&mut self, glance: Glance, target_m: &Point3) -> Result<Wanted, PolicyError> {
         self.network.begin(glance.fresh);
         let aim_m = self.network_options.aim_m(&glance.tip_m, target_m, glance.fresh);
         let pulls_m = self.network.pulls(&glance.tip_m, &aim_m)?;
@@ -68,39 +65,5 @@ impl Direct {
         });
         self.last = Some((*target_m, pulls_m.clone()));
         Ok(Wanted { pulls_m, settled })
-    }
-}
-
-/// [`Direct`] behind the drive's limits.
-pub(super) struct DirectPolicy {
-    core: Direct,
-    sight: Sight,
-    limits: Limits,
-    branch: &'static str,
-}
-
-impl DirectPolicy {
-    pub(super) fn new(model: Box<dyn InverseModel>, branch: &'static str, options: &PolicyOptions) -> Self {
-        DirectPolicy {
-            core: Direct::new(model, options),
-            sight: Sight::default(),
-            limits: Limits::new(options.limits),
-            branch,
-        }
-    }
-}
-
-impl Policy for DirectPolicy {
-    fn reset(&mut self) {
-        self.core.reset();
-        self.sight.reset();
-        self.limits.reset();
-    }
-
-    fn act(&mut self, seen: &Observation, target_m: &Point3) -> Result<Action, PolicyError> {
-        let glance = self.sight.look(seen, target_m)?;
-        let wanted = self.core.decide(glance, target_m)?;
-        let limited = self.limits.apply(&wanted.pulls_m, &seen.pulls_m)?;
-        Ok(Action { pulls_m: limited.pulls_m, settled: wanted.settled && limited.arrived, branch: self.branch })
     }
 }

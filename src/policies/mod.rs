@@ -4,6 +4,7 @@
 //! builds it knows which networks to train first.
 
 mod a;
+mod alone;
 mod b;
 mod c;
 mod direct;

@@ -1,6 +1,7 @@
 //! π_real (section V-C): the same inverse mapping, trained on real data alone (eq. 21).
 
-use super::direct::DirectPolicy;
+use super::alone::Alone;
+use super::direct::Direct;
 use super::{Part, PolicyEntry, need};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
@@ -9,6 +10,6 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     closed_loop_only: false,
     make: |parts, options| {
         let model = need("pi_real", Part::RealInverse, parts.real)?;
-        Ok(Box::new(DirectPolicy::new(model, "", options)))
+        Ok(Box::new(Alone::new(Direct::new(model, options), "", options)))
     },
 };

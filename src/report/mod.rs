@@ -28,7 +28,7 @@ use std::path::Path;
 
 use crate::data::{DataError, write_atomic};
 
-pub use published::Published;
+pub use published::{Published, published_rows};
 pub use summarise::{OSCILLATION_WINDOW_S, reach_summary, track_summary};
 pub use swept::{Swept, gp_sweep, reach_sweep, track_sweep};
 

@@ -47,16 +47,16 @@ impl Published {
             return Ok(Published { sweep, ..Published::default() });
         }
         Ok(Published {
-            trials: rows(folder, "trials.csv")?,
-            tracks: rows(folder, "tracks.csv")?,
-            waypoints: rows(folder, "waypoints.csv")?,
-            workspace: rows(folder, "workspace.csv")?,
-            gaps: rows(folder, "gap.csv")?,
-            claims: rows(folder, "claims.csv")?,
+            trials: published_rows(folder, "trials.csv")?,
+            tracks: published_rows(folder, "tracks.csv")?,
+            waypoints: published_rows(folder, "waypoints.csv")?,
+            workspace: published_rows(folder, "workspace.csv")?,
+            gaps: published_rows(folder, "gap.csv")?,
+            claims: published_rows(folder, "claims.csv")?,
             sweep,
-            peers: rows(folder, "work_precision.csv")?,
-            cases: rows(folder, "discovery.csv")?,
-            scaling: rows(folder, "scaling.csv")?,
+            peers: published_rows(folder, "work_precision.csv")?,
+            cases: published_rows(folder, "discovery.csv")?,
+            scaling: published_rows(folder, "scaling.csv")?,
         })
     }
 
@@ -83,7 +83,11 @@ impl Published {
     }
 }
 
-fn rows<R: DeserializeOwned>(folder: &Path, name: &str) -> Result<Vec<R>, DataError> {
+/// The rows of one table of a folder of results; none where it is not there.
+///
+/// # Errors
+/// [`DataError`] for a file that is there and cannot be read.
+pub fn published_rows<R: DeserializeOwned>(folder: &Path, name: &str) -> Result<Vec<R>, DataError> {
     let path = folder.join(name);
     if path.exists() { tables::read_csv(&path) } else { Ok(Vec::new()) }
 }

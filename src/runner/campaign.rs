@@ -172,7 +172,7 @@ fn entry(graph: &mut Graph, study: Study) -> Result<Entry, Failure> {
     let mut before: Option<Parts> = None;
     for Point { values, experiment } in points {
         let parts = Parts::new(&experiment, before.as_ref())?;
-        let repetitions = (0..experiment.seeds).map(|seed| repetition(graph, &experiment, &parts, seed));
+        let repetitions = experiment.repetitions().map(|seed| repetition(graph, &experiment, &parts, seed));
         let repetitions = repetitions.collect::<Result<Vec<_>, Failure>>()?;
         stages.push(PointStages { values, experiment, repetitions });
         before = Some(parts);

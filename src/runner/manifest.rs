@@ -5,6 +5,7 @@ use super::outcomes::Outcomes;
 use super::store::Store;
 use super::timing::Timing;
 use super::trail::needed;
+use crate::data::rows::StageRow;
 use crate::specs::{Document, SpecError, to_yaml};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -25,6 +26,9 @@ pub struct Manifest {
     pub seed: u64,
     /// Repetitions.
     pub seeds: u64,
+    /// Number of the first of them.
+    #[serde(default, skip_serializing_if = "is_first")]
+    pub first_seed: u64,
     /// Operating system and architecture.
     pub system: String,
     /// Processor as the system names it.
@@ -35,6 +39,10 @@ pub struct Manifest {
     pub run_wall_s: f64,
     /// Stages of this experiment by kind; those shared with other experiments count in each.
     pub stages: BTreeMap<String, StageTimes>,
+}
+
+fn is_first(seed: &u64) -> bool {
+    *seed == 0
 }
 
 /// Stages of one kind.
@@ -52,12 +60,12 @@ pub struct StageTimes {
 }
 
 impl Manifest {
-    /// The manifest of `entry` after a run of `campaign`.
+    /// The manifest of an entry after a run of its campaign, which began when the sources were at this revision.
     pub fn new(
-        campaign: &Campaign,
-        entry: &Entry,
+        (campaign, entry): (&Campaign, &Entry),
         outcomes: &Outcomes,
         store: &Store,
+        git_revision: &str,
         threads: usize,
         run_wall_s: f64,
     ) -> Manifest {
@@ -73,14 +81,53 @@ impl Manifest {
         Manifest {
             experiment: entry.experiment.name.clone(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            git_revision: git_revision(),
+            git_revision: git_revision.to_owned(),
             seed: entry.experiment.seed,
             seeds: entry.experiment.seeds,
+            first_seed: entry.experiment.first_seed,
             system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
             processor: processor(),
             threads,
             run_wall_s,
             stages: stages.into_iter().map(|(kind, times)| (kind.to_owned(), times)).collect(),
+        }
+    }
+
+    /// The manifest of an experiment whose parts have run one after the other or on several machines.
+    pub(super) fn gathered<'a>(
+        parts: impl ExactSizeIterator<Item = &'a Manifest> + Clone,
+        trail: &[StageRow],
+    ) -> Manifest {
+        if let (1, Some(alone)) = (parts.len(), parts.clone().next()) {
+            return alone.clone();
+        }
+        let each = |text: fn(&Manifest) -> &str| {
+            let mut texts: Vec<&str> = parts.clone().map(text).collect();
+            texts.dedup();
+            texts.join(", ")
+        };
+        let mut stages: BTreeMap<String, StageTimes> = BTreeMap::new();
+        for row in trail {
+            let times = stages.entry(row.stage.clone()).or_default();
+            times.count += 1;
+            times.wall_s += row.wall_s;
+            times.cpu_s += row.cpu_s;
+        }
+        for (kind, times) in parts.clone().flat_map(|part| &part.stages) {
+            stages.entry(kind.clone()).or_default().computed += times.computed;
+        }
+        Manifest {
+            experiment: each(|part| &part.experiment),
+            version: each(|part| &part.version),
+            git_revision: each(|part| &part.git_revision),
+            seed: parts.clone().next().map_or(0, |part| part.seed),
+            seeds: parts.clone().map(|part| part.seeds).sum(),
+            first_seed: parts.clone().map(|part| part.first_seed).min().unwrap_or(0),
+            system: each(|part| &part.system),
+            processor: each(|part| &part.processor),
+            threads: parts.clone().map(|part| part.threads).max().unwrap_or(0),
+            run_wall_s: parts.map(|part| part.run_wall_s).sum(),
+            stages,
         }
     }
 
@@ -120,7 +167,8 @@ pub fn stage_times<'a>(
     stages
 }
 
-fn git_revision() -> String {
+/// Revision of the sources in the working directory, `+` when changed since; empty outside a repository.
+pub fn git_revision() -> String {
     let git = |arguments: &[&str]| {
         let output = Command::new("git").args(arguments).output().ok().filter(|output| output.status.success())?;
         String::from_utf8(output.stdout).ok().map(|text| text.trim().to_owned())

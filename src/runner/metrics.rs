@@ -1,9 +1,12 @@
 //! From published rows to one value per seed.
 
+use crate::data::DataError;
 use crate::data::rows::{GapRow, GpRow, NetworkRow, TrackSummaryRow, TrialRow};
+use crate::data::tables::as_published;
 use crate::math::summary::{mean, standard_deviation};
-use crate::report::Published;
+use crate::report::{Published, published_rows, track_summary};
 use crate::specs::{Axis, Metric, ReachCell};
+use std::path::Path;
 
 /// In the place of a kind of training: none takes part.
 pub(super) const ANY_TRAINING: &str = "any";
@@ -19,6 +22,56 @@ pub struct Tables {
     pub gps: Vec<GpRow>,
     /// Tracking runs, summarised.
     pub runs: Vec<TrackSummaryRow>,
+}
+
+impl Tables {
+    /// Reads what a folder of results has of one experiment.
+    ///
+    /// # Errors
+    /// [`DataError`] for the first file that is there and cannot be read.
+    pub(super) fn read(folder: &Path) -> Result<Tables, DataError> {
+        let published = Published::read(folder)?;
+        Ok(Tables {
+            networks: published_rows(folder, "networks.csv")?,
+            gps: published_rows(folder, "gp.csv")?,
+            runs: track_summary(&published.tracks),
+            published,
+        })
+    }
+
+    /// These rows as [`Tables::read`] gives them back once they are published: what is made of them can be made again.
+    ///
+    /// # Errors
+    /// [`DataError::Write`] for rows that make no table.
+    pub(super) fn as_published(&self, folder: &Path) -> Result<Tables, DataError> {
+        let published = Published {
+            trials: as_published(&folder.join("trials.csv"), &self.published.trials)?,
+            tracks: as_published(&folder.join("tracks.csv"), &self.published.tracks)?,
+            waypoints: as_published(&folder.join("waypoints.csv"), &self.published.waypoints)?,
+            gaps: as_published(&folder.join("gap.csv"), &self.published.gaps)?,
+            cases: as_published(&folder.join("discovery.csv"), &self.published.cases)?,
+            ..Published::default()
+        };
+        Ok(Tables {
+            networks: as_published(&folder.join("networks.csv"), &self.networks)?,
+            gps: as_published(&folder.join("gp.csv"), &self.gps)?,
+            runs: track_summary(&published.tracks),
+            published,
+        })
+    }
+
+    /// Adds the rows of further repetitions, but for their claims, which are of all repetitions together.
+    pub(super) fn append(&mut self, other: Tables) {
+        let Published { trials, tracks, waypoints, gaps, cases, .. } = other.published;
+        self.published.trials.extend(trials);
+        self.published.tracks.extend(tracks);
+        self.published.waypoints.extend(waypoints);
+        self.published.gaps.extend(gaps);
+        self.published.cases.extend(cases);
+        self.networks.extend(other.networks);
+        self.gps.extend(other.gps);
+        self.runs.extend(other.runs);
+    }
 }
 
 /// The metric for one seed and training; `None` where the rows do not tell (no such rows, none without failure).

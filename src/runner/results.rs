@@ -29,6 +29,7 @@ pub enum PublishError {
 pub type Files = BTreeMap<PathBuf, Vec<u8>>;
 
 /// What an experiment yields.
+#[derive(Default)]
 pub struct Publication {
     /// Its files, without the manifest.
     pub files: Files,
@@ -50,10 +51,18 @@ impl Entry {
         if !self.sweep.is_empty() {
             return self.publish_sweep(outcomes);
         }
-        let mut tables = point.tables(outcomes);
+        self.publish_rows(point, &point.tables(outcomes))
+    }
+
+    /// Makes the files of one experiment from its rows as they are published, so that they can be made again from those.
+    ///
+    /// # Errors
+    /// As [`Entry::publish`].
+    pub(super) fn publish_rows(&self, point: &PointStages, tables: &Tables) -> Result<Publication, PublishError> {
+        let folder = Path::new("results").join(&self.experiment.name);
+        let mut tables = tables.as_published(&folder)?;
         let claims = self.claims(point, &tables);
         tables.published.claims.clone_from(&claims);
-        let folder = Path::new("results").join(&self.experiment.name);
         let mut files = Files::new();
         files.insert(folder.join("spec.yaml"), self.spec_yaml()?);
         self.tables_to(&tables, &folder, &mut files)?;

@@ -56,6 +56,8 @@ impl Checker<'_> {
         let hz = spec.control_hz;
         self.unless(hz > 0.0 && hz <= 1000.0, &root.key("control_hz"), "a rate above 0 and up to 1000 Hz")?;
         self.unless((1..=MOST_SEEDS).contains(&spec.seeds), &root.key("seeds"), "1 to 1000")?;
+        let last = MOST_SEEDS - spec.seeds;
+        self.unless(spec.first_seed <= last, &root.key("first_seed"), &format!("0 to {last}"))?;
         self.unless(!spec.training.is_empty(), &root.key("training"), "at least one kind of training")?;
         for (name, training) in &spec.training {
             let path = root.key("training").key(name);

@@ -31,6 +31,9 @@ pub struct Experiment {
     /// Repetitions of the whole experiment, data and training included.
     #[serde(default = "one")]
     pub seeds: u64,
+    /// Number of the first repetition: those before it are left to another machine or night.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub first_seed: u64,
     /// Random exploration on the model, replayed on the robot.
     #[serde(default)]
     pub explore: ExploreOptions,
@@ -81,6 +84,13 @@ pub struct Experiment {
 
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
+}
+
+impl Experiment {
+    /// The numbers of the repetitions.
+    pub fn repetitions(&self) -> std::ops::Range<u64> {
+        self.first_seed..self.first_seed + self.seeds
+    }
 }
 
 fn one() -> u64 {

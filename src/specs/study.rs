@@ -17,7 +17,7 @@ use std::sync::Arc;
 const MOST_POINTS: usize = 100_000;
 
 /// Fields that name or repeat an experiment, or say what is shown of it, and change no trial.
-const NOT_SWEPT: [&str; 7] = ["name", "extends", "sweep", "seeds", "figures", "claims", "slurm"];
+const NOT_SWEPT: [&str; 8] = ["name", "extends", "sweep", "seeds", "first_seed", "figures", "claims", "slurm"];
 
 /// An experiment, or one for each point of what its spec sweeps.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! Several recordings of one robot as one.
 
-use super::{Actuation, Recording};
+use super::{Actuation, Pose, Recording};
 use crate::base::Rows;
 
 /// Recordings that cannot be taken together.
@@ -40,13 +40,16 @@ impl Recording {
         all.commands = commands;
         all.tip_m = together(parts, |part| part.tip_m.clone());
         all.tip_quaternion = together(parts, |part| part.tip_quaternion.clone());
-        all.base = together(parts, |part| part.base.clone());
+        all.base = filled(parts, |part| part.base.clone(), UNSEEN);
         all.valid = filled(parts, |part| part.valid.clone(), true);
         all.known_load_kg = filled(parts, |part| part.known_load_kg.clone(), 0.0);
         all.tip_load = filled(parts, |part| part.tip_load.clone(), super::TipLoad::default());
         Ok(all)
     }
 }
+
+/// Markers that nobody looked at.
+const UNSEEN: Pose = Pose { position_m: [f64::NAN; 3], quaternion: [f64::NAN; 4] };
 
 /// Trial numbers of all rows: those of the recordings, or new ones where two trials have the same.
 fn numbers(parts: &[Recording]) -> Vec<u64> {

@@ -167,6 +167,24 @@ impl Backbone {
         spans
     }
 
+    /// Multiplies the bending stiffness all along by `scale`: Young's modulus, or what was measured in its place.
+    pub(crate) fn scale_bending(&mut self, scale: f64) {
+        let pieces = self.pieces.iter_mut();
+        match &mut self.bending_stiffness_n_m2 {
+            Some(measured) => {
+                *measured *= scale;
+                pieces.for_each(|piece| piece.bending_stiffness_n_m2.iter_mut().for_each(|own| *own *= scale));
+            }
+            None => {
+                self.youngs_modulus_pa *= scale;
+                pieces.for_each(|piece| {
+                    let own = piece.bending_stiffness_n_m2.iter_mut().chain(piece.youngs_modulus_pa.iter_mut());
+                    own.for_each(|own| *own *= scale);
+                });
+            }
+        }
+    }
+
     /// A piece, with what it leaves out taken from the whole.
     fn span(&self, piece: &Piece, radii: &Radii) -> Span {
         let [area, second_moment] = [disc, second_moment_of_disc].map(|of| of(radii.outer[0]) - of(radii.inner[0]));
@@ -234,4 +252,31 @@ fn poisson(ratio: f64) -> Result<(), BadOption> {
 
 fn bore(key: &'static str, inner: f64, outer: f64) -> Result<(), BadOption> {
     refuse(inner >= 0.0 && inner < outer, key, &inner, "a number from 0 to below the outer radius")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::Robot;
+
+    #[test]
+    fn bending_is_scaled_wherever_it_comes_from() {
+        let piece = |end_m, bending_stiffness_n_m2, youngs_modulus_pa| Piece {
+            end_m,
+            bending_stiffness_n_m2,
+            youngs_modulus_pa,
+            ..Piece::default()
+        };
+        let pieces = vec![piece(0.05, None, None), piece(0.1, Some(0.02), None), piece(0.22, None, Some(3e9))];
+        for bending_stiffness_n_m2 in [None, Some(0.03)] {
+            let mut robot = Robot::default();
+            robot.backbone.pieces.clone_from(&pieces);
+            robot.backbone.bending_stiffness_n_m2 = bending_stiffness_n_m2;
+            let before = robot.rod();
+            robot.backbone.scale_bending(1.3);
+            for (span, old) in robot.rod().spans.iter().zip(&before.spans) {
+                assert!((span.bending_n_m2[0] / old.bending_n_m2[0] - 1.3).abs() < 1e-12, "{span:?}");
+            }
+        }
+    }
 }

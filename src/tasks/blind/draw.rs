@@ -163,13 +163,15 @@ impl Drawing<'_> {
         Err(BlindError::NoneFound { group: self.robot.group.name(), tried: candidates.len() })
     }
 
-    /// Kinds in the order in which this case asks for them: of those outside, every third one first looks among effects
-    /// that are taken out of the catalogue.
+    /// Kinds in the order in which this case asks for them, first the one whose turn it is, then the others as they are
+    /// drawn: of those outside, every third one first looks among effects that are taken out of the catalogue.
     fn candidates(&self) -> Vec<Candidate> {
         let number = self.robot.number;
-        let turned = |all: Vec<Candidate>, by: usize| -> Vec<Candidate> {
-            let by = by % all.len();
-            all[by..].iter().chain(&all[..by]).copied().collect()
+        let mut random = Seed(self.robot.seed).child("candidates").rng();
+        let mut turned = |mut all: Vec<Candidate>, turn: usize| -> Vec<Candidate> {
+            let first = all.remove(turn % all.len());
+            all.shuffle(&mut random);
+            [vec![first], all].concat()
         };
         let left_out = (0..CATALOGUE.len()).map(Candidate::LeftOut).collect();
         let unknown = (0..UNKNOWNS.len()).map(Candidate::Unknown).collect();

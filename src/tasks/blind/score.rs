@@ -160,10 +160,10 @@ fn judged(group: Group, truth: &Truth, answer: &Answer) -> (bool, bool) {
             names.sort_unstable();
             let tendons = truth.hidden.iter().all(|hidden| of(hidden, answer).is_some());
             let right = answer.verdict == Verdict::Named && answer.names() == names && tendons;
-            let offered = |name: &&str| {
-                answer.effects.iter().any(|effect| effect.name == **name || effect.rivals.iter().any(|r| r == *name))
-            };
-            (right, right || names.iter().all(offered))
+            let rivals = |hidden: &Hidden| answer.effects.iter().any(|effect| effect.rivals.contains(&hidden.name));
+            let offered = |hidden: &Hidden| of(hidden, answer).is_some() || rivals(hidden);
+            let ambiguous = answer.verdict == Verdict::Ambiguous;
+            (right, right || ambiguous && truth.hidden.iter().all(offered))
         }
     }
 }

@@ -17,6 +17,8 @@ pub(super) enum Answer {
     GroupWith,
     /// A group that does not.
     GroupWithout,
+    /// A group where the truth was not on offer.
+    Group,
     /// A gap that nothing explains.
     Unexplained,
     /// No answer.
@@ -25,10 +27,11 @@ pub(super) enum Answer {
 
 impl Answer {
     /// Answers other than a single name, in the order of their columns.
-    pub(super) const OTHERS: [Answer; 6] = [
+    pub(super) const OTHERS: [Answer; 7] = [
         Answer::Several,
         Answer::GroupWith,
         Answer::GroupWithout,
+        Answer::Group,
         Answer::Unexplained,
         Answer::Consistent,
         Answer::Failed,
@@ -40,6 +43,7 @@ impl Answer {
             "named" if case.answer.contains(" + ") => Answer::Several,
             "named" => Answer::Named(case.answer.clone()),
             "consistent" => Answer::Consistent,
+            "ambiguous" if case.group == "inside" => Answer::Group,
             "ambiguous" if case.in_group => Answer::GroupWith,
             "ambiguous" => Answer::GroupWithout,
             "unexplained" => Answer::Unexplained,
@@ -55,6 +59,7 @@ impl Answer {
             Answer::Consistent => "consistent",
             Answer::GroupWith => "group with the truth",
             Answer::GroupWithout => "group without it",
+            Answer::Group => "a group",
             Answer::Unexplained => "unexplained",
             Answer::Failed => "failed",
         }

@@ -174,7 +174,7 @@ fn cell(canvas: &mut Canvas, line: &Line, column: &Answer, [x, y]: Place, wide: 
     let right = 2 * here.iter().filter(|case| case.right).count() >= here.len();
     let hue = match column {
         _ if right => BLUE,
-        Answer::GroupWith => SKY,
+        Answer::GroupWith | Answer::Group => SKY,
         _ => VERMILION,
     };
     let share = here.len() as f64 / line.cases.len() as f64;

@@ -117,7 +117,8 @@ const MEASURES: &[Measure] = &[
         Kind::Share(right),
         Some([0.95, 1.0]),
     ),
-    measure("unknown and inside the span: a group", |c| c.group == "inside", Kind::Share(right), Some([0.90, 1.0])),
+    measure("unknown and inside the span: a group", |c| c.group == "inside", Kind::Share(in_group), Some([0.90, 1.0])),
+    measure("… or unexplained", |c| c.group == "inside", Kind::Share(right), None),
     measure("error of the strength", single, Kind::Median(|c| c.strength_error), Some([0.0, 0.05])),
     measure(
         "95 % intervals that hold the truth",

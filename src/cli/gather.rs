@@ -1,0 +1,37 @@
+//! `spinebench gather`.
+
+use super::shared::writable;
+use super::{Ended, Outcome};
+use clap::Args;
+use spinebench::runner::{self, GatherError};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// Joins repetitions of one experiment that machines without a common store have run (`--set first_seed=N`): tables,
+/// claims and figures of all of them. Of one folder alone, claims and figures are made again from its tables.
+#[derive(Args)]
+pub(super) struct Gather {
+    /// The experiment's folder under `results/`, of each machine.
+    #[arg(required = true, value_name = "RESULTS/EXPERIMENT")]
+    parts: Vec<PathBuf>,
+    /// Folder for `results/` and `plots/`.
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    out: PathBuf,
+}
+
+impl Gather {
+    pub(super) fn carry_out(self) -> Outcome {
+        let (name, mut publication) = runner::gather(&self.parts).map_err(|error| match error {
+            GatherError::Publish(_) => Ended::failed(error),
+            _ => Ended::bad(error),
+        })?;
+        writable(&self.out)?;
+        let claims = BTreeMap::from([(name, publication.claims)]);
+        publication.files.extend(runner::all_claims(&self.out, &claims).map_err(Ended::failed)?);
+        publication.notices.iter().for_each(|notice| eprintln!("{notice}"));
+        if publication.failed > 0 {
+            eprintln!("{} trials failed", publication.failed);
+        }
+        runner::write_files(&self.out, &publication.files).map_err(Ended::failed)
+    }
+}
