@@ -87,11 +87,12 @@ fn arguments(folder: &Folder, array: &Array, options: &SlurmOptions) -> Vec<Stri
     arguments
 }
 
-/// The program takes the shell's place, so that the notice before the limit reaches it.
+/// The program takes the shell's place, so that the notice before the limit reaches it; one that comes before it listens
+/// does not end it.
 fn script(program: &Path, folder: &Folder, array: &Array) -> String {
     let (program, folder) = (quoted(program), quoted(folder.path()));
     let (attempt, wave, first) = (array.attempt, array.wave, array.first);
-    format!("#!/bin/bash\nexec {program} work {folder} --attempt {attempt} --wave {wave} --first {first}\n")
+    format!("#!/bin/bash\ntrap '' USR2\nexec {program} work {folder} --attempt {attempt} --wave {wave} --first {first}\n")
 }
 
 /// A path as one word of the shell.
