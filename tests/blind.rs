@@ -2,7 +2,7 @@
 //! inside from outside, and the label stays sealed.
 
 use spinebench::base::Seed;
-use spinebench::data::findings::{CaseRow, Verdict};
+use spinebench::data::findings::Verdict;
 use spinebench::effects::{CATALOGUE, Model};
 use spinebench::runner::Campaign;
 use spinebench::specs::{Experiment, read_model};
@@ -172,7 +172,7 @@ fn answers_are_scored_by_name_tendon_size_and_interval() {
     let number = CATALOGUE.iter().position(|card| card.name == "actuator_gain").unwrap();
     let truth = draw(&robot(Group::Single, number, 0.004), &commands, None).unwrap();
     let [tendon, scale] = truth.hidden[0].values[..] else { panic!("{truth:?}") };
-    let scored = |answer: &Answer| -> CaseRow { score(7, &batch("single"), 0.0, &model(), &truth, answer) };
+    let scored = |answer: &Answer| score(7, &batch("single"), 0.0, &model(), &truth, answer).row;
     let near = 1.0 + 1.1 * (scale - 1.0);
     let ends = [scale.min(near) - 1e-3, scale.max(near) + 1e-3];
     let good =
@@ -180,6 +180,10 @@ fn answers_are_scored_by_name_tendon_size_and_interval() {
     let row = scored(&good);
     assert!(row.right && row.in_group && (row.strength_error - 0.1).abs() < 1e-9, "{row:?}");
     assert_eq!((row.intervals, row.covered, row.case), (2, 1, 7), "an interval [0, 0] holds no tendon");
+    let intervals = score(7, &batch("single"), 0.0, &model(), &truth, &good).intervals;
+    let told: Vec<(&str, f64, bool)> = intervals.iter().map(|i| (i.parameter.as_str(), i.truth, i.covered)).collect();
+    assert_eq!(told, [("tendon", tendon, false), ("scale", scale, true)]);
+    assert_eq!((intervals[1].value, [intervals[1].low, intervals[1].high], intervals[1].case), (near, ends, 7));
     let wrong_tendon = answer(
         Verdict::Named,
         &[("actuator_gain", &[("tendon", tendon % 4.0 + 1.0, [0.0; 2]), ("scale", near, ends)], &[])],
@@ -200,7 +204,7 @@ fn answers_are_scored_by_name_tendon_size_and_interval() {
         ("inside", Verdict::Unexplained, true, false),
         ("inside", Verdict::Named, false, false),
     ] {
-        let row = score(0, &batch(group), 0.0, &model(), &truth, &answer(verdict, &[]));
+        let row = score(0, &batch(group), 0.0, &model(), &truth, &answer(verdict, &[])).row;
         assert_eq!((row.right, row.in_group), (right, in_group), "{group} {verdict:?}");
     }
 }

@@ -272,3 +272,26 @@ pub struct CaseRow {
     /// Noise floor that was estimated, metres.
     pub floor_m: f64,
 }
+
+/// A 95 % interval of a rightly named effect beside the truth (`intervals.csv` of the benchmark).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct IntervalRow {
+    /// Number of the case.
+    pub case: u64,
+    /// Samples in the recording.
+    pub samples: u64,
+    /// The effect.
+    pub effect: String,
+    /// Its parameter, in whose unit the numbers are; a component of a vector as `name[k]`.
+    pub parameter: String,
+    /// The true value.
+    pub truth: f64,
+    /// The answer.
+    pub value: f64,
+    /// Lower end of the interval.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// Whether it holds the truth.
+    pub covered: bool,
+}

@@ -6,7 +6,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::swept::Swept;
-use crate::data::findings::CaseRow;
+use crate::data::findings::{CaseRow, IntervalRow};
 use crate::data::rows::{ClaimRow, GapRow, PeerRow, ScalingRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow};
 use crate::data::{DataError, tables, write_atomic};
 
@@ -31,6 +31,8 @@ pub struct Published {
     pub peers: Vec<PeerRow>,
     /// Blind cases of discovery (`discovery.csv`).
     pub cases: Vec<CaseRow>,
+    /// Their intervals (`intervals.csv`).
+    pub intervals: Vec<IntervalRow>,
     /// Campaigns on more and more workers (`scaling.csv`).
     pub scaling: Vec<ScalingRow>,
 }
@@ -56,6 +58,7 @@ impl Published {
             sweep,
             peers: published_rows(folder, "work_precision.csv")?,
             cases: published_rows(folder, "discovery.csv")?,
+            intervals: published_rows(folder, "intervals.csv")?,
             scaling: published_rows(folder, "scaling.csv")?,
         })
     }
@@ -78,6 +81,7 @@ impl Published {
         }
         write(folder, "work_precision.csv", &self.peers)?;
         write(folder, "discovery.csv", &self.cases)?;
+        write(folder, "intervals.csv", &self.intervals)?;
         write(folder, "scaling.csv", &self.scaling)?;
         Published::read(folder)
     }

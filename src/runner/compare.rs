@@ -43,7 +43,7 @@ pub enum Difference {
 }
 
 /// Tables in the order in which the stages behind them depend on each other.
-const ORDER: [(&str, &str); 8] = [
+const ORDER: [(&str, &str); 9] = [
     ("spec.yaml", "spec"),
     ("gap.csv", "collect_real"),
     ("gp.csv", "gp_fit"),
@@ -52,6 +52,7 @@ const ORDER: [(&str, &str); 8] = [
     ("trials.csv", "reach"),
     ("tracks.csv", "track"),
     ("discovery.csv", "discover"),
+    ("intervals.csv", "discover"),
 ];
 
 /// Compares files with those of the same names below `published`; the first difference is the one whose stage comes

@@ -105,10 +105,12 @@ impl PublishedPart {
         let (published, drawn) = (&self.tables.published, self.experiment.targets.drawn);
         let runs: BTreeSet<_> = published.tracks.iter().map(|row| (row.seed, &row.training, &row.policy)).collect();
         let reached: usize = trained().map(|cells| cells.reach.len()).sum();
+        let intervals: u64 = published.cases.iter().map(|case| case.intervals).sum();
         let counts = [
             ("trials.csv", published.trials.len(), drawn * reached, "trials"),
             ("tracks.csv", runs.len(), trained().map(|cells| cells.track.len()).sum(), "runs"),
             ("discovery.csv", published.cases.len(), repetitions.iter().map(|one| one.blind.len()).sum(), "cases"),
+            ("intervals.csv", published.intervals.len(), intervals as usize, "intervals"),
         ];
         if let Some((table, found, expected, what)) = counts.into_iter().find(|(_, found, whole, _)| found != whole) {
             return Err(refused(&self.folder.join(table), &format!("{found} {what}"), &expected.to_string()));

@@ -50,6 +50,7 @@ impl Tables {
             waypoints: as_published(&folder.join("waypoints.csv"), &self.published.waypoints)?,
             gaps: as_published(&folder.join("gap.csv"), &self.published.gaps)?,
             cases: as_published(&folder.join("discovery.csv"), &self.published.cases)?,
+            intervals: as_published(&folder.join("intervals.csv"), &self.published.intervals)?,
             ..Published::default()
         };
         Ok(Tables {
@@ -62,12 +63,13 @@ impl Tables {
 
     /// Adds the rows of further repetitions, but for their claims, which are of all repetitions together.
     pub(super) fn append(&mut self, other: Tables) {
-        let Published { trials, tracks, waypoints, gaps, cases, .. } = other.published;
+        let Published { trials, tracks, waypoints, gaps, cases, intervals, .. } = other.published;
         self.published.trials.extend(trials);
         self.published.tracks.extend(tracks);
         self.published.waypoints.extend(waypoints);
         self.published.gaps.extend(gaps);
         self.published.cases.extend(cases);
+        self.published.intervals.extend(intervals);
         self.networks.extend(other.networks);
         self.gps.extend(other.gps);
         self.runs.extend(other.runs);

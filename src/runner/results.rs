@@ -96,6 +96,7 @@ impl Entry {
         put(files, &folder.join("waypoints.csv"), &published.waypoints)?;
         put(files, &folder.join("tracks.csv"), &published.tracks)?;
         put(files, &folder.join("discovery.csv"), &published.cases)?;
+        put(files, &folder.join("intervals.csv"), &published.intervals)?;
         put(files, &folder.join("claims.csv"), &published.claims)
     }
 

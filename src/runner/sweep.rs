@@ -37,6 +37,7 @@ impl Entry {
         self.put(&mut files, &folder.join("waypoints.csv"), all.iter().map(|one| &one.published.waypoints))?;
         self.put(&mut files, &folder.join("tracks.csv"), all.iter().map(|one| &one.published.tracks))?;
         self.put(&mut files, &folder.join("discovery.csv"), all.iter().map(|one| &one.published.cases))?;
+        self.put(&mut files, &folder.join("intervals.csv"), all.iter().map(|one| &one.published.intervals))?;
         self.put(&mut files, &folder.join("claims.csv"), all.iter().map(|one| &one.published.claims))?;
         let counts: Vec<usize> = summary.iter().map(Vec::len).collect();
         let swept = Swept { fields: self.beside(&counts), rows: summary.into_iter().flatten().collect() };

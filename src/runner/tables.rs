@@ -8,6 +8,7 @@ use crate::data::rows::{GpRow, NetworkRow, TrackRow, TrialRow, WaypointRow};
 use crate::learn::rnn::Trained;
 use crate::report::track_summary;
 use crate::specs::{Cell, Experiment};
+use crate::tasks::blind::Scored;
 
 pub(super) fn assemble(point: &PointStages, outcomes: &Outcomes) -> Tables {
     let mut tables = Tables::default();
@@ -31,7 +32,10 @@ pub(super) fn assemble(point: &PointStages, outcomes: &Outcomes) -> Tables {
         }
         let gps = one.gps.iter().filter_map(|(training, stage)| Some((training, outcomes.get(*stage).ok()?)));
         tables.gps.extend(gps.map(|(training, row)| GpRow { seed, training: training.clone(), ..row.clone() }));
-        tables.published.cases.extend(one.blind.iter().map(|case| case.row(outcomes)));
+        for Scored { row, intervals } in one.blind.iter().map(|case| case.scored(outcomes)) {
+            tables.published.cases.push(row);
+            tables.published.intervals.extend(intervals);
+        }
         for cells in &one.trained {
             trained(&mut tables, &point.experiment, seed, cells, outcomes);
         }

@@ -92,7 +92,9 @@ fn arguments(folder: &Folder, array: &Array, options: &SlurmOptions) -> Vec<Stri
 fn script(program: &Path, folder: &Folder, array: &Array) -> String {
     let (program, folder) = (quoted(program), quoted(folder.path()));
     let (attempt, wave, first) = (array.attempt, array.wave, array.first);
-    format!("#!/bin/bash\ntrap '' USR2\nexec {program} work {folder} --attempt {attempt} --wave {wave} --first {first}\n")
+    format!(
+        "#!/bin/bash\ntrap '' USR2\nexec {program} work {folder} --attempt {attempt} --wave {wave} --first {first}\n"
+    )
 }
 
 /// A path as one word of the shell.

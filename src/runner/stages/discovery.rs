@@ -2,7 +2,6 @@
 //! from it, only the score reads it. What looks into the recording has the recording alone.
 
 use super::{Added, Stages, status};
-use crate::data::findings::CaseRow;
 use crate::discovery::{Options, discover};
 use crate::effects::Model;
 use crate::runner::code::{DISCOVERY, ROBOT};
@@ -10,7 +9,7 @@ use crate::runner::graph::{Handle, Kind};
 use crate::runner::outcomes::Outcomes;
 use crate::specs::{DiscoveryRun, PlantSpec};
 use crate::tasks::ExploreOptions;
-use crate::tasks::blind::{self, Answer, Batch, Commands, Presented, Prior, Robot, Span, Truth};
+use crate::tasks::blind::{self, Answer, Batch, Commands, Presented, Prior, Robot, Scored, Span, Truth};
 
 const COMMANDS: Kind = Kind { name: "blind_commands", sources: ROBOT, cost_ms: 300 };
 const SPAN: Kind = Kind { name: "blind_span", sources: ROBOT, cost_ms: 15_000 };
@@ -27,7 +26,7 @@ pub(crate) struct BlindStages {
     batch: Batch,
     correlation: f64,
     truth: Handle<Truth>,
-    score: Handle<CaseRow>,
+    score: Handle<Scored>,
 }
 
 impl BlindStages {
@@ -47,8 +46,8 @@ impl BlindStages {
         format!("discovery seed {seed} case {case} {group} samples {samples}")
     }
 
-    /// Its row; a failure is a row that says so.
-    pub(crate) fn row(&self, outcomes: &Outcomes) -> CaseRow {
+    /// What it adds to the tables; a failure is a row that says so.
+    pub(crate) fn scored(&self, outcomes: &Outcomes) -> Scored {
         let truth = outcomes.get(self.truth).ok();
         let failed = |failure: super::Failure| {
             blind::failed(self.case, &self.batch, self.correlation, truth, &failure.to_string())

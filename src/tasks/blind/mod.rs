@@ -23,7 +23,7 @@ pub use error::BlindError;
 pub use hidden::Hidden;
 pub use options::{Batch, Group, OracleOptions, Prior, TruthOptions};
 pub use presented::{Presented, present};
-pub use score::{Answer, Answered, failed, score};
+pub use score::{Answer, Answered, Scored, failed, score};
 pub use span::Span;
 pub use strength::{Reached, reach};
 pub use truth::Truth;

@@ -8,8 +8,8 @@ use serde_json::Value;
 use super::hidden::{Hidden, null_value, size};
 use super::options::{Batch, Group};
 use super::truth::Truth;
-use crate::data::findings::{CaseRow, Findings, FoundEffect, Verdict};
-use crate::effects::{Model, Seek};
+use crate::data::findings::{CaseRow, Findings, FoundEffect, IntervalRow, Verdict};
+use crate::effects::{Model, Parameter, Seek};
 use crate::math::summary::quantile;
 
 /// What was answered to a recording.
@@ -92,9 +92,19 @@ impl Answered {
     }
 }
 
-/// The row of a case whose recording was answered.
-pub fn score(case: u64, batch: &Batch, correlation: f64, model: &Model, truth: &Truth, answer: &Answer) -> CaseRow {
+/// What a case adds to the tables.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scored {
+    /// The case.
+    pub row: CaseRow,
+    /// The intervals that are scored: those of rightly named effects.
+    pub intervals: Vec<IntervalRow>,
+}
+
+/// Scores a case whose recording was answered.
+pub fn score(case: u64, batch: &Batch, correlation: f64, model: &Model, truth: &Truth, answer: &Answer) -> Scored {
     let mut row = row(case, batch, correlation, Some(truth));
+    let mut intervals = Vec::new();
     row.verdict = answer.verdict.name().to_owned();
     row.answer = answer.names().join(" + ");
     (row.right, row.in_group) = judged(batch.group, truth, answer);
@@ -102,23 +112,23 @@ pub fn score(case: u64, batch: &Batch, correlation: f64, model: &Model, truth: &
         let errors: Vec<f64> = truth.hidden.iter().filter_map(|hidden| strength_error(model, hidden, answer)).collect();
         row.strength_error = if errors.is_empty() { f64::NAN } else { quantile(&errors, 0.5) };
         // Of another law of the same name the numbers mean something else.
-        for hidden in truth.hidden.iter().filter(|hidden| !hidden.other_law) {
-            let (intervals, covered) = coverage(hidden, answer);
-            row.intervals += intervals;
-            row.covered += covered;
-        }
+        let comparable = truth.hidden.iter().filter(|hidden| !hidden.other_law);
+        intervals = comparable.flat_map(|hidden| self::intervals(&row, hidden, answer)).collect();
     }
+    row.intervals = intervals.len() as u64;
+    row.covered = intervals.iter().filter(|interval| interval.covered).count() as u64;
     row.before_m = answer.before_m;
     row.after_m = answer.after_m;
     row.stiffness_only_m = answer.stiffness_only_m;
     row.gp_m = answer.gp_m;
     row.floor_m = answer.floor_m;
-    row
+    Scored { row, intervals }
 }
 
-/// The row of a case without an answer, and why there is none. `truth` where at least that is known.
-pub fn failed(case: u64, batch: &Batch, correlation: f64, truth: Option<&Truth>, why: &str) -> CaseRow {
-    CaseRow { verdict: format!("failed: {why}"), ..row(case, batch, correlation, truth) }
+/// A case without an answer, and why there is none. `truth` where at least that is known.
+pub fn failed(case: u64, batch: &Batch, correlation: f64, truth: Option<&Truth>, why: &str) -> Scored {
+    let row = CaseRow { verdict: format!("failed: {why}"), ..row(case, batch, correlation, truth) };
+    Scored { row, intervals: Vec::new() }
 }
 
 fn row(case: u64, batch: &Batch, correlation: f64, truth: Option<&Truth>) -> CaseRow {
@@ -199,16 +209,24 @@ fn strength_error(model: &Model, hidden: &Hidden, answer: &Answer) -> Option<f64
     (all > 0.0).then(|| (off / all).sqrt())
 }
 
-/// Parameters of an effect with an interval, and how many of the intervals hold the truth.
-fn coverage(hidden: &Hidden, answer: &Answer) -> (u64, u64) {
-    let (Some(card), Some(found)) = (hidden.card(), of(hidden, answer)) else { return (0, 0) };
-    let truth = as_answered(hidden, found);
-    let held = card.parameters.iter().zip(truth).filter_map(|(parameter, value)| {
-        let [low, high] = found.intervals.get(parameter.name)?;
-        Some((*low..=*high).contains(&value))
-    });
-    let held: Vec<bool> = held.collect();
-    (held.len() as u64, held.iter().filter(|held| **held).count() as u64)
+/// The parameters of an effect that have an interval, beside the truth.
+fn intervals(row: &CaseRow, hidden: &Hidden, answer: &Answer) -> Vec<IntervalRow> {
+    let (Some(card), Some(found)) = (hidden.card(), of(hidden, answer)) else { return Vec::new() };
+    let beside = |(parameter, truth): (&Parameter, f64)| {
+        let &[low, high] = found.intervals.get(parameter.name)?;
+        Some(IntervalRow {
+            case: row.case,
+            samples: row.samples,
+            effect: hidden.name.clone(),
+            parameter: parameter.name.to_owned(),
+            truth,
+            value: *found.values.get(parameter.name)?,
+            low,
+            high,
+            covered: (low..=high).contains(&truth),
+        })
+    };
+    card.parameters.iter().zip(as_answered(hidden, found)).filter_map(beside).collect()
 }
 
 /// The true values, written as the answer has them: principal axes a quarter turn apart with the opposite ratio are the
