@@ -191,7 +191,12 @@ impl Study<'_> {
             return "the best of the catalogue, and yet something is left that other trials foretell".to_owned();
         }
         if scored.fitted.members.len() > best.fitted.members.len() {
-            return "one effect more does not pay for its parameters, or moves the tip too little".to_owned();
+            let why = if behind < 0.0 {
+                "fits better, but adds too little to be worth a name"
+            } else {
+                "does not pay for its parameters"
+            };
+            return format!("one effect more {why}");
         }
         if behind < rival_score {
             return "fits equally well: these data cannot tell".to_owned();

@@ -191,9 +191,8 @@ mod tests {
             assert!(said.contains(part), "{said}");
         }
         let script = script(Path::new("/opt/it's/spinebench"), &folder, &array);
-        let expected =
-            r"exec '/opt/it'\''s/spinebench' work '/shared/store/slurm/abc' --attempt 1 --wave 2 --first 1000";
-        assert_eq!(script.lines().nth(1), Some(expected));
+        let work = r"exec '/opt/it'\''s/spinebench' work '/shared/store/slurm/abc' --attempt 1 --wave 2 --first 1000";
+        assert_eq!(script.lines().skip(1).collect::<Vec<_>>(), ["trap '' USR2", work]);
     }
 
     #[test]
