@@ -188,7 +188,7 @@ impl Study<'_> {
         }
         let behind = best.score - scored.score;
         if answer.verdict == Verdict::Unexplained && scored.fitted.members == best.fitted.members {
-            return "the best of the catalogue, and yet something is left that other trials foretell".to_owned();
+            return "the best of the catalogue, and yet something is left".to_owned();
         }
         if scored.fitted.members.len() > best.fitted.members.len() {
             let why = if behind < 0.0 {

@@ -38,7 +38,8 @@ pub(super) fn pattern(foretold: &[(Pattern, f64)], places: &[PlaceRow]) -> Strin
             let each: Vec<String> = foretold.iter().map(told).collect();
             format!("{} Other trials foretell, of its squares, {}.", depends(*pattern), each.join(", "))
         }
-        _ => "It differs from trial to trial: none of them foretells another, as from something that moves or slips."
+        _ => "It differs from trial to trial: none of them foretells another, as from a contact or from something that moves \
+              or slips."
             .to_owned(),
     };
     let single = places.iter().filter(|row| row.by != "all" && row.axis != "all");
