@@ -86,10 +86,15 @@ fn proof(story: &Story) -> Vec<Bar> {
     std::iter::once(given).chain(found).collect()
 }
 
-/// The leading candidates that are not the answer.
+/// The leading candidates that are not the answer; of those that add to it, what they add.
 fn others(story: &Story) -> Vec<Bar> {
+    let answer = story.findings.candidates.iter().find(|one| one.why_not.is_empty());
+    let shown = |name: &str| {
+        let added = answer.and_then(|answer| name.strip_prefix(&answer.name)?.strip_prefix(" + "));
+        added.map_or_else(|| name.to_owned(), |added| format!("… + {added}"))
+    };
     let beaten = story.findings.candidates.iter().filter(|one| !one.why_not.is_empty() && one.after_m.is_finite());
-    let bar = |name: &str, size_m: f64| Bar { name: name.to_owned(), size_m, colour: OTHER };
+    let bar = |name: &str, size_m: f64| Bar { name: shown(name), size_m, colour: OTHER };
     beaten.take(CANDIDATES).map(|one| bar(&one.name, one.after_m)).collect()
 }
 
