@@ -1,7 +1,7 @@
 //! The blind benchmark through the program: the smallest spec end to end, twice the same, failures as rows, and bad keys
 //! with their line.
 
-use spinebench::data::findings::CaseRow;
+use spinebench::data::findings::{CaseRow, IntervalRow};
 use spinebench::data::tables::read_csv;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -56,6 +56,13 @@ fn the_smallest_spec_runs_end_to_end_and_twice_the_same() {
         rows[1]
     );
     assert!(rows[2].verdict.starts_with("failed: blind_truth: 10 candidates"), "{:?}", rows[2]);
+    let intervals: Vec<IntervalRow> = read_csv(&table.with_file_name("intervals.csv")).unwrap();
+    for row in &rows {
+        let own: Vec<&IntervalRow> = intervals.iter().filter(|interval| interval.case == row.case).collect();
+        let covered = own.iter().filter(|interval| interval.covered).count();
+        assert_eq!((row.intervals, row.covered), (own.len() as u64, covered as u64), "{row:?}");
+        assert!(own.iter().all(|one| one.covered == (one.low..=one.high).contains(&one.truth)), "{own:?}");
+    }
     let again = run(folder.path(), &spec, &["--out", "two", "--cache", "b", "--jobs", "2"]);
     assert_eq!(again.status.code(), Some(1));
     let bytes = |out: &str| std::fs::read(folder.path().join(out).join("results/blind/discovery.csv")).unwrap();
