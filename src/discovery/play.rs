@@ -9,7 +9,7 @@ use crate::effects::{EffectSpec, Model, Trial, replay};
 const COARSER: f64 = 10.0;
 /// What is answered is fitted to the steps of a tolerance that is smaller by this: those of the search are off by as much
 /// as some hundred samples tell.
-const FINER: f64 = 10.0;
+const FINER: f64 = 30.0;
 
 /// `model` with coarser steps in time, which take half as long.
 pub(super) fn coarse(model: &Model) -> Model {
@@ -18,7 +18,7 @@ pub(super) fn coarse(model: &Model) -> Model {
     coarse
 }
 
-/// `model` with finer steps in time, which take twice as long.
+/// `model` with finer steps in time, which take three to four times as long.
 fn fine(model: &Model) -> Model {
     let mut fine = model.clone();
     fine.robot.resolution.motion_tolerance_m /= FINER;
