@@ -150,15 +150,14 @@ fn every_disturbance_can_be_hidden() {
     assert!(UNKNOWNS.iter().all(|unknown| CATALOGUE.iter().all(|card| card.name != unknown.name)));
 }
 
-/// Name, parameters with their intervals, and rivals of an effect in an answer.
-type Told<'t> = (&'t str, &'t [(&'t str, f64, [f64; 2])], &'t [&'t str]);
+/// Name and parameters with their intervals of an effect in an answer.
+type Told<'t> = (&'t str, &'t [(&'t str, f64, [f64; 2])]);
 
 fn answer(verdict: Verdict, effects: &[Told]) -> Answer {
-    let one = |(name, values, rivals): &Told| Answered {
+    let one = |(name, values): &Told| Answered {
         name: (*name).to_owned(),
         values: values.iter().map(|(name, value, _)| ((*name).to_owned(), *value)).collect(),
         intervals: values.iter().map(|(name, _, ends)| ((*name).to_owned(), *ends)).collect::<BTreeMap<_, _>>(),
-        rivals: rivals.iter().map(|name| (*name).to_owned()).collect(),
     };
     let effects = effects.iter().map(one).collect();
     Answer { verdict, effects, before_m: 4e-3, after_m: 9e-4, stiffness_only_m: 3e-3, gp_m: f64::NAN, floor_m: 9e-4 }
@@ -175,8 +174,7 @@ fn answers_are_scored_by_name_tendon_size_and_interval() {
     let scored = |answer: &Answer| score(7, &batch("single"), 0.0, &model(), &truth, answer).row;
     let near = 1.0 + 1.1 * (scale - 1.0);
     let ends = [scale.min(near) - 1e-3, scale.max(near) + 1e-3];
-    let good =
-        answer(Verdict::Named, &[("actuator_gain", &[("tendon", tendon, [0.0; 2]), ("scale", near, ends)], &[])]);
+    let good = answer(Verdict::Named, &[("actuator_gain", &[("tendon", tendon, [0.0; 2]), ("scale", near, ends)])]);
     let row = scored(&good);
     assert!(row.right && row.in_group && (row.strength_error - 0.1).abs() < 1e-9, "{row:?}");
     assert_eq!((row.intervals, row.covered, row.case), (2, 1, 7), "an interval [0, 0] holds no tendon");
@@ -186,14 +184,21 @@ fn answers_are_scored_by_name_tendon_size_and_interval() {
     assert_eq!((intervals[1].value, [intervals[1].low, intervals[1].high], intervals[1].case), (near, ends, 7));
     let wrong_tendon = answer(
         Verdict::Named,
-        &[("actuator_gain", &[("tendon", tendon % 4.0 + 1.0, [0.0; 2]), ("scale", near, ends)], &[])],
+        &[("actuator_gain", &[("tendon", tendon % 4.0 + 1.0, [0.0; 2]), ("scale", near, ends)])],
     );
     assert!(!scored(&wrong_tendon).right && !scored(&wrong_tendon).in_group);
-    let two = answer(Verdict::Ambiguous, &[("tendon_radius", &[], &["actuator_gain"])]);
+    let radius = answer(Verdict::Named, &[("tendon_radius", &[])]).effects;
+    let group = |gain: &Answer| Answer {
+        verdict: Verdict::Ambiguous,
+        effects: [radius.clone(), gain.effects.clone()].concat(),
+        ..good.clone()
+    };
+    let two = group(&good);
     assert!(!scored(&two).right && scored(&two).in_group && scored(&two).strength_error.is_nan());
-    let more = [good.effects.clone(), two.effects.clone()].concat();
+    assert!(!scored(&group(&wrong_tendon)).in_group, "a group of another tendon");
+    let more = [good.effects.clone(), radius].concat();
     assert!(!scored(&Answer { effects: more, ..good.clone() }).in_group, "an effect too many is no group");
-    let other = answer(Verdict::Named, &[("tendon_radius", &[], &[])]);
+    let other = answer(Verdict::Named, &[("tendon_radius", &[])]);
     assert!(!scored(&other).right && !scored(&other).in_group);
     for (group, verdict, right, in_group) in [
         ("nothing", Verdict::Consistent, true, true),

@@ -117,7 +117,7 @@ fn a_plant_is_recorded_on_until_rivals_are_told_apart() {
     bench.put("plant.yaml", "simulated: {model: loaded.yaml, noise_m: 0.0005}\n");
     bench.ok("collect --plant plant.yaml --commands short.csv --out loaded.csv");
     let alone = bench.ok("discover --model given.yaml --measured loaded.csv --out alone");
-    assert!(alone.contains("these data cannot tell between tip_load, distributed_mass"), "{alone}");
+    assert!(alone.contains("these data cannot tell whether it is tip_load, or distributed_mass"), "{alone}");
     let verdict = |out: &str| -> Value {
         let findings: Value = serde_json::from_str(&bench.read(&format!("{out}/findings.json"))).unwrap();
         findings["verdict"].clone()
@@ -133,6 +133,7 @@ fn a_plant_is_recorded_on_until_rivals_are_told_apart() {
     );
     assert!(said.contains("The model lacks tip_load."), "{said}");
     assert_eq!(verdict("told"), "named");
+    assert!(bench.read("told/findings.json").contains("those of loaded.csv"));
 }
 
 #[test]
@@ -189,6 +190,11 @@ fn of_several_recordings_the_bad_one_is_named() {
     assert!(changes.contains("second.csv, line 61") && changes.contains("known_load_kg"), "{changes}");
     let twice = bench.refused("discover --model NOMINAL --measured first.csv first.csv --out out");
     assert!(twice.contains("first.csv again"), "{twice}");
+    bench.twin("part.csv", 50, &|_, cells| cells);
+    let within = bench.refused("discover --model NOMINAL --measured first.csv part.csv --out out");
+    assert!(within.contains("part.csv: found the recording") && within.contains("first.csv again"), "{within}");
+    bench.ok("discover --model NOMINAL --measured first.csv --baseline part.csv --out own");
+    assert!(bench.read("own/findings.json").contains("trials that the calibration has seen prove nothing"));
 }
 
 /// Nothing that is read is overwritten or removed.

@@ -129,3 +129,28 @@ fn the_catalogue_is_complete_and_names_only_its_own() {
 fn the_default_robot_is_the_shipped_nominal_one() {
     assert_eq!(nominal(), Model::default());
 }
+
+#[test]
+fn the_order_of_effects_means_nothing() {
+    let own = [
+        "tip_load",
+        "distributed_mass",
+        "bending_stiffness",
+        "anisotropic_stiffness",
+        "soft_section",
+        "hysteresis",
+        "creep",
+    ];
+    let effect = |name: &str| {
+        let card = CATALOGUE.iter().find(|card| card.name == name).unwrap();
+        spec(card, &|parameter, null| strong(parameter, null))
+    };
+    for (k, one) in own.iter().enumerate() {
+        for other in &own[..k] {
+            let (here, there) = (tips(&[effect(one), effect(other)]), tips(&[effect(other), effect(one)]));
+            let apart = here.iter().zip(&there).flat_map(|(a, b)| (0..3).map(move |axis| (a[axis] - b[axis]).abs()));
+            let most_m = apart.fold(0.0, f64::max);
+            assert!(most_m < 1e-6, "{one} and {other}: {most_m} m");
+        }
+    }
+}

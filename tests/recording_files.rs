@@ -188,9 +188,12 @@ fn files_that_are_not_tables() {
 #[test]
 fn millimetres_are_noticed() {
     let recording = read(&GOOD.replace("0.218833", "218.833")).unwrap();
-    assert_eq!(read(GOOD).unwrap().check_reach(Path::new("rec.csv"), 0.22), Ok(()));
-    let error = recording.check_reach(Path::new("rec.csv"), 0.22).unwrap_err().to_string();
+    assert_eq!(read(GOOD).unwrap().check_reach(Path::new("rec.csv"), [0.0; 3], 0.22), Ok(()));
+    let error = recording.check_reach(Path::new("rec.csv"), [0.0; 3], 0.22).unwrap_err().to_string();
     assert!(error.contains("line 3, column `tip_z_m`: found 218.833"), "{error}");
+    let bench = read(&GOOD.replace("0.218833", "1.218833").replace("0.218688", "1.218688")).unwrap();
+    assert!(bench.check_reach(Path::new("rec.csv"), [0.0; 3], 0.22).is_err());
+    assert_eq!(bench.check_reach(Path::new("rec.csv"), [0.0, 0.0, 1.0], 0.22), Ok(()), "a robot on a bench");
 }
 
 /// What a file begins with tells where its rows stand; its name need not.
@@ -203,7 +206,7 @@ fn a_misnamed_file_is_told_about_as_what_it_is() {
     written.write(&parquet).unwrap();
     fs::rename(parquet, &misnamed).unwrap();
     let read = Recording::read(&misnamed).unwrap();
-    let error = read.check_reach(&misnamed, 0.22).unwrap_err().to_string();
+    let error = read.check_reach(&misnamed, [0.0; 3], 0.22).unwrap_err().to_string();
     assert!(error.contains("rec.csv, row 3, column `tip_x_m`: found 218.8"), "{error}");
 }
 

@@ -72,7 +72,10 @@ impl Discover {
             .zip(&parts)
             .flat_map(|(file, part)| part.trials().into_iter().map(move |(number, _)| (file.as_path(), number)));
         let trials: Vec<(&Path, u64)> = trials.collect();
-        let found = self.answer(&given, measured, &trials, (baseline.as_ref(), plant.as_ref()), &options)?;
+        let mut found = self.answer(&given, measured, &trials, (baseline.as_ref(), plant.as_ref()), &options)?;
+        if baseline.is_some_and(|baseline| parts.iter().any(|part| baseline.holds(part) || part.holds(&baseline))) {
+            found.findings.limitations.push(OWN_BASELINE.to_owned());
+        }
         self.write(&given, &found)?;
         if !self.quiet {
             println!("{}", found.findings.summary);
@@ -105,7 +108,7 @@ impl Discover {
     /// Refuses what is given twice: its copy would be its proof.
     fn refuse_twins(&self, parts: &[Recording]) -> Outcome {
         for (k, part) in parts.iter().enumerate() {
-            if let Some(first) = parts[..k].iter().position(|earlier| earlier == part) {
+            if let Some(first) = parts[..k].iter().position(|earlier| earlier.holds(part) || part.holds(earlier)) {
                 let [again, first] = [k, first].map(|index| self.measured[index].display());
                 return Err(Ended::BadInput(format!(
                     "{again}: found the recording {first} again, expected another one"
@@ -130,9 +133,9 @@ impl Discover {
                 .map_err(|error| self.refusal(&error, &measured, trials))?;
             // A plant file says how its base stands: turning it is not for us.
             let next = found.next.iter().find(|next| next.proposal.name != "base_remounted");
-            let (Some(plant), Some(next)) = (plant, next) else { return Ok(found) };
+            let (Some(plant), Some(next)) = (plant, next) else { return Ok(numbered(found, &measured, trials)) };
             if found.findings.verdict != Verdict::Ambiguous || round > self.rounds {
-                return Ok(found);
+                return Ok(numbered(found, &measured, trials));
             }
             if !self.quiet {
                 println!("round {round}: {}", found.findings.summary);
@@ -222,6 +225,27 @@ impl Discover {
         let files = proposals.filter_map(|proposal| proposal["file"].as_str());
         files.filter(|file| is_commands(file)).map(str::to_owned).collect()
     }
+}
+
+/// Said where nothing is proved.
+const OWN_BASELINE: &str = "The baseline holds trials of the recording itself: what both have in common is no discovery, and \
+                            trials that the calibration has seen prove nothing.";
+
+/// The answer with a word on which trial is whose, where recordings were joined under new numbers. `trials`: file and number
+/// there of the last ones of `measured`.
+fn numbered(mut found: Discovery, measured: &Recording, trials: &[(&Path, u64)]) -> Discovery {
+    let all: Vec<u64> = measured.trials().into_iter().map(|(number, _)| number).collect();
+    let now = &all[all.len().saturating_sub(trials.len())..];
+    if now.iter().zip(trials).any(|(now, (_, own))| now != own) {
+        let numbers: Vec<(&Path, u64)> = trials.iter().zip(now).map(|((file, _), now)| (*file, *now)).collect();
+        let each = numbers.chunk_by(|(a, _), (b, _)| a == b).map(|of| {
+            let name = of[0].0.file_name().unwrap_or(of[0].0.as_os_str()).to_string_lossy();
+            format!("{} to {} are those of {name}", of[0].1, of[of.len() - 1].1)
+        });
+        let each: Vec<String> = each.collect();
+        found.findings.limitations.push(format!("Trials were numbered anew: {}.", each.join(", ")));
+    }
+    found
 }
 
 /// Whether a file of this name is one of proposed commands.

@@ -54,7 +54,7 @@ pub(super) fn read_measured(file: &Path, model: &Model) -> Result<Recording, End
     let measured = Recording::read(file).map_err(Ended::bad)?;
     same_tendons(file, &measured, model.robot.tendons.angles_deg.len())?;
     let length_m = model.robot.backbone.length_m;
-    measured.check_reach(file, length_m).map_err(Ended::bad)?;
+    measured.check_reach(file, model.robot.base_m, length_m).map_err(Ended::bad)?;
     measured.check_travel(file, length_m).map_err(Ended::bad)?;
     Ok(measured)
 }

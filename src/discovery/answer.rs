@@ -49,14 +49,17 @@ impl Study<'_> {
         let mut effects: Vec<FoundEffect> =
             (0..members.len()).map(|k| self.found_effect(&found.best, k, found)).collect();
         for (k, effect) in effects.iter_mut().enumerate() {
-            effect.confusable_with = rivals[k].iter().map(|(name, _)| name.clone()).collect();
+            effect.confusable_with = rivals[k].iter().map(|&(rival, _)| self.beside(rival, &members[k])).collect();
         }
         let verdict = if rivals.iter().all(Vec::is_empty) { Verdict::Named } else { Verdict::Ambiguous };
-        for (name, rival) in rivals.iter().flatten() {
-            let place = rival.fitted.members.iter().position(|m| self.name(m) == *name);
-            if let Some(place) = place.filter(|_| !effects.iter().any(|effect| effect.name == *name)) {
-                let mut effect = plain.found_effect(rival, place, found);
-                effect.confusable_with = members.iter().map(|m| self.name(m).to_owned()).collect();
+        let mut listed = set_of(&members);
+        for &(rival, scored) in rivals.iter().flatten() {
+            let place = scored.fitted.members.iter().position(|member| member.hypothesis == rival);
+            if let Some(place) = place.filter(|_| listed.insert(rival)) {
+                let mut effect = plain.found_effect(scored, place, found);
+                let replaced = members.iter().zip(&rivals).filter(|(_, own)| own.iter().any(|&(own, _)| own == rival));
+                let own = &scored.fitted.members[place];
+                effect.confusable_with = replaced.map(|(member, _)| self.beside(member.hypothesis, own)).collect();
                 effects.push(effect);
             }
         }
@@ -75,27 +78,24 @@ impl Study<'_> {
         Member { values, ..*member }
     }
 
-    fn name(&self, member: &Member) -> &'static str {
-        self.hypotheses[member.hypothesis].card.name
+    /// The name of a hypothesis that could stand for `member`, with its tendon if nothing else tells them apart.
+    fn beside(&self, rival: usize, member: &Member) -> String {
+        let [rival, own] = [rival, member.hypothesis].map(|number| &self.hypotheses[number]);
+        if rival.card.name == own.card.name { rival.label() } else { rival.card.name.to_owned() }
     }
 
-    /// For each member of the best set, the names that could stand in its place, with the set that has them.
-    fn rivals<'f>(&self, found: &'f Found, rival_score: f64) -> Vec<Vec<(String, &'f Scored)>> {
+    /// For each member of the best set, the hypotheses that could stand in its place, with the set that has them.
+    fn rivals<'f>(&self, found: &'f Found, rival_score: f64) -> Vec<Vec<(usize, &'f Scored)>> {
         let best = &found.best;
-        let names = |scored: &Scored| -> Vec<&'static str> {
-            let mut names: Vec<_> = scored.fitted.members.iter().map(|member| self.name(member)).collect();
-            names.sort_unstable();
-            names
-        };
-        let own = names(best);
-        let mut rivals: Vec<Vec<(String, &Scored)>> = vec![Vec::new(); own.len()];
+        let own = set_of(&best.fitted.members);
+        let mut rivals: Vec<Vec<(usize, &Scored)>> = vec![Vec::new(); best.fitted.members.len()];
         for scored in found.tried.iter().filter(|scored| scored.rivals(best, rival_score)) {
-            let theirs = names(scored);
-            for name in theirs.iter().filter(|name| !own.contains(name)) {
-                for (k, member) in best.fitted.members.iter().enumerate() {
-                    let known = rivals[k].iter().any(|(known, _)| known == name);
-                    if !theirs.contains(&self.name(member)) && !known {
-                        rivals[k].push(((*name).to_owned(), scored));
+            let theirs = set_of(&scored.fitted.members);
+            for &other in theirs.difference(&own) {
+                for (rivals, member) in rivals.iter_mut().zip(&best.fitted.members) {
+                    let known = rivals.iter().any(|(known, _)| *known == other);
+                    if !theirs.contains(&member.hypothesis) && !known {
+                        rivals.push((other, scored));
                     }
                 }
             }
@@ -128,24 +128,24 @@ impl Study<'_> {
             name: hypothesis.card.name.to_owned(),
             parameters,
             interval_95,
-            confidence: self.confidence(hypothesis.card.name, found),
+            confidence: self.confidence(member.hypothesis, found),
             confusable_with: Vec::new(),
         }
     }
 
-    /// Posterior probability that an effect of this name is among those missing: the share of all sets that were
-    /// fitted, each at its best and weighted by exp(score / 2), that hold it.
-    fn confidence(&self, name: &str, found: &Found) -> f64 {
+    /// Posterior probability that this hypothesis is among those missing: the share of all sets that were fitted, each at its
+    /// best and weighted by exp(score / 2), that hold it.
+    fn confidence(&self, hypothesis: usize, found: &Found) -> f64 {
         let mut scores: BTreeMap<BTreeSet<usize>, f64> = BTreeMap::new();
         for scored in found.tried.iter().chain([&found.null]) {
             let best = scores.entry(set_of(&scored.fitted.members)).or_insert(scored.score);
             *best = best.max(scored.score);
         }
-        let weight = |score: &f64| (0.5 * (score - found.best.score)).exp();
+        // A set that is not worth having may fit far better than the answer.
+        let top = scores.values().copied().fold(f64::NEG_INFINITY, f64::max);
+        let weight = |score: &f64| (0.5 * (score - top)).exp();
         let all: f64 = scores.values().map(weight).sum();
-        let named = |number: &usize| self.hypotheses[*number].card.name == name;
-        let own: f64 = scores.iter().filter(|(set, _)| set.iter().any(named)).map(|(_, score)| weight(score)).sum();
-        if all > 0.0 { own / all } else { 0.0 }
+        scores.iter().filter(|(set, _)| set.contains(&hypothesis)).map(|(_, score)| weight(score)).sum::<f64>() / all
     }
 
     /// The candidates, the best first; `after_m` gives the error of a set on trials that its fit has not seen.

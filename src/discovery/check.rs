@@ -15,16 +15,11 @@ const FEWEST_TRIALS: usize = 2;
 const FEW_SAMPLES: usize = 100;
 const FEW_TRIALS: usize = 4;
 
-/// Refuses a recording that allows no answer.
+/// Refuses a recording that tells nothing of a robot.
 pub(super) fn check(measured: &Recording, samples: &Samples) -> Result<(), DiscoveryError> {
     let tracked = samples.len();
     if tracked < FEWEST_SAMPLES {
         return Err(DiscoveryError::TooFew { what: "tracked rows", found: tracked, least: FEWEST_SAMPLES, why: "" });
-    }
-    let trials = samples.trials.len();
-    if trials < FEWEST_TRIALS {
-        let why = ": one is kept back as proof";
-        return Err(DiscoveryError::TooFew { what: "tracked trials", found: trials, least: FEWEST_TRIALS, why });
     }
     let rows = measured.len();
     if (1..rows).all(|row| measured.commands.row(row) == measured.commands.row(0)) {
@@ -34,6 +29,16 @@ pub(super) fn check(measured: &Recording, samples: &Samples) -> Result<(), Disco
     if samples.rows.iter().all(|row| row.tip_m == samples.rows[0].tip_m) {
         let expected = "a tip that moves with the commands (is the tracker frozen?)";
         return Err(DiscoveryError::Constant { column: "tip_x_m,tip_y_m,tip_z_m", rows: tracked, expected });
+    }
+    Ok(())
+}
+
+/// Refuses a recording of which nothing can be kept back.
+pub(super) fn check_trials(samples: &Samples) -> Result<(), DiscoveryError> {
+    let trials = samples.trials.len();
+    if trials < FEWEST_TRIALS {
+        let why = ": one is kept back as proof";
+        return Err(DiscoveryError::TooFew { what: "tracked trials", found: trials, least: FEWEST_TRIALS, why });
     }
     Ok(())
 }
@@ -62,7 +67,12 @@ pub(super) fn limitations(measured: &Recording, samples: &Samples) -> Vec<String
     if tracked < FEW_SAMPLES {
         found.push(format!("{tracked} samples: only strong effects can be told apart with so few."));
     }
-    if samples.trials.len() < FEW_TRIALS {
+    if samples.trials.len() == FEWEST_TRIALS {
+        found.push(
+            "Two trials, of which one is held out: whether anything is missing could not be asked of other trials."
+                .to_owned(),
+        );
+    } else if samples.trials.len() < FEW_TRIALS {
         found.push(format!(
             "{} trials: what happens in one of them only cannot be told from chance.",
             samples.trials.len()

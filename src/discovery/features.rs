@@ -49,7 +49,7 @@ pub(super) fn circumstances(samples: &Samples, played: &[f64]) -> Vec<Circumstan
                 time_s: sample.time_s,
                 tip_m: tip(index),
                 moved_m,
-                velocity_m_s: moved_m.map(|moved_m| moved_m / (since.unwrap_or(1.0) * samples.step_s)),
+                velocity_m_s: moved_m.map(|moved_m| moved_m / (since.unwrap_or(1.0) * samples.tracked_step_s)),
                 change: difference(&now, &last),
                 change_before: difference(&last, &older),
                 command: now,

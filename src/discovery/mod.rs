@@ -87,8 +87,10 @@ pub fn discover(
     options.check()?;
     let all = Samples::new(measured);
     check::check(measured, &all)?;
+    check::check_trials(&all)?;
     let mut question = Question::new(model, all, baseline, options)?;
-    question.base_stands = base::stands_as_modelled(measured, model);
+    let fitted: Vec<u64> = question.fit.trials.iter().map(|trial| trial.number).collect();
+    question.base_stands = base::stands_as_modelled(measured, &fitted, model);
     let study = question.study();
     let unplayable = || DiscoveryError::Unplayable(question.fit.trials[0].number);
     let limits = options.limits(model);

@@ -91,7 +91,7 @@ impl Question<'_> {
     }
 
     fn samples_of(&self, dish: &Dish) -> Samples {
-        let mut samples = Samples { trials: Vec::new(), rows: Vec::new(), step_s: self.all.step_s };
+        let mut samples = Samples { trials: Vec::new(), rows: Vec::new(), ..self.all };
         for (trial, (commands, load_kg)) in dish.trials.iter().enumerate() {
             samples.trials.push(TrialCommands {
                 number: trial as u64,
@@ -146,7 +146,8 @@ fn left(samples: &Samples, noise: &Noise, apart: &[f64], slopes: &DMatrix<f64>, 
         normal[(k, k)] += deviation.powi(-2);
     }
     for k in free.len()..columns.len() {
-        normal[(k, k)] *= 1.0 + 1e-9;
+        // What a rival does not answer to stays where it is.
+        normal[(k, k)] = normal[(k, k)] * (1.0 + 1e-9) + 1e-12;
     }
     let right = all.tr_mul(&target);
     let explained = Cholesky::new(normal).map_or(0.0, |factor| right.dot(&factor.solve(&right)));

@@ -9,7 +9,7 @@ use super::samples::Samples;
 pub(super) struct Noise {
     /// Standard deviation along x, y and z, metres.
     pub(super) sigma_m: [f64; 3],
-    /// Correlation over one usual time step.
+    /// Correlation over one usual step of the tracker.
     pub(super) correlation: f64,
 }
 
@@ -100,19 +100,20 @@ pub(super) fn alike(variances: &[f64; 3]) -> f64 {
     if squares > 0.0 { sum * sum / squares } else { 3.0 }
 }
 
-/// Correlation of neighbours within trials, axes weighted by their own variance. Samples that are farther apart than usual
-/// say less and are left out.
+/// Correlation of neighbours within trials, the mean over axes in which anything is seen. Samples that are farther apart
+/// than usual say less and are left out.
 fn correlation(samples: &Samples, residual: &[f64]) -> f64 {
     let is_neighbour = |&row: &usize| samples.steps_since_last(row).is_some_and(|steps| steps < MOST_STEPS);
     let neighbours: Vec<usize> = (0..samples.len()).filter(is_neighbour).collect();
-    let mut total = 0.0;
-    for axis in 0..3 {
+    let least_m2 = neighbours.len() as f64 * LEAST_SIGMA_M.powi(2);
+    let of = |axis: usize| {
         let at = |row: usize| residual[3 * row + axis];
         let together: f64 = neighbours.iter().map(|&row| at(row) * at(row - 1)).sum();
         let alone: f64 = neighbours.iter().map(|&row| 0.5 * (at(row).powi(2) + at(row - 1).powi(2))).sum();
-        total += together / alone.max(f64::MIN_POSITIVE) / 3.0;
-    }
-    total
+        (alone > least_m2).then(|| together / alone)
+    };
+    let each: Vec<f64> = (0..3).filter_map(of).collect();
+    each.iter().sum::<f64>() / each.len().max(1) as f64
 }
 
 #[cfg(test)]
@@ -128,6 +129,27 @@ mod tests {
         assert!((noise([2e-3; 3]).freedom(10) - 30.0).abs() < 1e-9);
         assert!((noise([0.0, 0.0, 1e-3]).freedom(10) - 10.0).abs() < 1e-9);
         assert!((noise([1e-3, 1e-3, 3e-3]).freedom(1) - 121.0 / 83.0).abs() < 1e-9);
+    }
+
+    /// Noise that remembers does so by the tracker's clock, be the drives' twice as fast, and a planar tracker has no third axis.
+    #[test]
+    fn a_tracker_has_its_own_clock_and_axes() {
+        let every_other = |samples: &Samples| {
+            let mut seen = samples.clone();
+            seen.rows.retain(|sample| sample.row % 2 == 0);
+            Samples { tracked_step_s: 0.4, ..seen }
+        };
+        let samples = every_other(&Samples::alike(40, 100));
+        let mut noise = white_noise(NOISE_M, 1);
+        let mut left_m: Vec<f64> = (0..3 * samples.len()).map(|_| noise()).collect();
+        for row in 1..samples.len() {
+            for axis in 0..2 {
+                left_m[3 * row + axis] = 0.8 * left_m[3 * (row - 1) + axis] + 0.6 * left_m[3 * row + axis];
+            }
+        }
+        left_m.iter_mut().skip(2).step_by(3).for_each(|y| *y = 0.0);
+        let found = Noise::of(&samples, &left_m, 0.0);
+        assert!((found.correlation - 0.8).abs() < 0.03, "{found:?}");
     }
 
     /// A row that is logged late has the next one close behind it: white noise stays white, and no larger than it is.

@@ -157,8 +157,25 @@ impl<'a> Question<'a> {
         nuisances(self.base.as_ref(), samples, played, &columns)
     }
 
+    /// What is to be known of an answer besides: what was calibrated, what could not be a candidate. `named`: whether
+    /// anything is added to the model.
+    pub(super) fn remarks(&self, named: bool) -> Vec<String> {
+        let calibrated = self.base.as_ref().and_then(|base| base.factors).map(|factors| {
+            let written = if named { "has them, too" } else { "does not have them, as nothing is added to it" };
+            format!(
+                "Calibrated on the baseline: bending stiffness times {:.4}, section compliance times {:.4}. The gap \
+                 before is that of the model with these numbers; `model.yaml` {written}.",
+                factors.bending_stiffness, factors.compliance
+            )
+        });
+        let stands = self
+            .base_stands
+            .then(|| "Markers on the base show it standing as in the model: `base_tilt` was no candidate.".to_owned());
+        calibrated.into_iter().chain(self.doubts()).chain(stands).collect()
+    }
+
     /// What the baseline shows the calibrated model to be off by, where that is more than its form alone.
-    pub(super) fn doubts(&self) -> Option<String> {
+    fn doubts(&self) -> Option<String> {
         let base = self.base.as_ref()?;
         let left_m = rms_m(&base.samples.residual(&base.played));
         let floor_m = floor::Floor::of_repeats(&base.samples, 0.0).rms_m();
@@ -202,6 +219,8 @@ struct Base {
     played: Vec<f64>,
     /// What is uncertain, far wider than after a calibration.
     columns: Vec<Column>,
+    /// What the calibration multiplied, where it made the baseline likelier.
+    factors: Option<baseline::Factors>,
 }
 
 /// Before a calibration a number is known this many times worse than after it.
@@ -227,19 +246,14 @@ impl Base {
         let left = |played: &[f64], columns: &[Column]| {
             Nuisances::independent(played.len(), columns).explain(&samples, &samples.residual(played), 0.0).deviance
         };
-        let (played, columns) = match baseline::calibrated(model, hypotheses, &samples, &nuisances) {
-            Some(better) => {
-                let looked = look(&better)?;
-                if left(&looked.0, &looked.1) < left(&first, &columns) {
-                    *model = better;
-                    looked
-                } else {
-                    (first, columns)
-                }
+        if let Some(better) = baseline::calibrated(model, hypotheses, &samples, &nuisances) {
+            let (there, wider) = look(&better.model)?;
+            if left(&there, &wider) < left(&first, &columns) {
+                *model = better.model;
+                return Ok(Base { samples, played: there, columns: wider, factors: Some(better.factors) });
             }
-            None => (first, columns),
-        };
-        Ok(Base { samples, played, columns })
+        }
+        Ok(Base { samples, played: first, columns, factors: None })
     }
 }
 

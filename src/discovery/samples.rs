@@ -41,6 +41,8 @@ pub(super) struct Samples {
     pub(super) rows: Vec<Sample>,
     /// Usual time from one row to the next, seconds.
     pub(super) step_s: f64,
+    /// Usual time from one tracked row to the next, seconds: longer where the tracker is slower than the drives.
+    pub(super) tracked_step_s: f64,
 }
 
 impl Samples {
@@ -48,7 +50,7 @@ impl Samples {
     pub(super) fn new(measured: &Recording) -> Samples {
         let mut trials = Vec::new();
         let mut rows = Vec::new();
-        let mut steps_s = Vec::new();
+        let (mut steps_s, mut tracked_steps_s) = (Vec::new(), Vec::new());
         let tips = measured.tip_m.as_deref().unwrap_or_default();
         for (number, range) in measured.trials() {
             let seen = |&row: &usize| measured.is_valid(row) && tips[row].iter().all(|x| x.is_finite());
@@ -62,6 +64,7 @@ impl Samples {
             let durations_s: Vec<f64> =
                 (range.start..last).map(|row| measured.time_s[row + 1] - measured.time_s[row]).collect();
             steps_s.extend_from_slice(&durations_s);
+            tracked_steps_s.extend(tracked.windows(2).map(|two| measured.time_s[two[1]] - measured.time_s[two[0]]));
             trials.push(TrialCommands {
                 number,
                 commands,
@@ -81,9 +84,9 @@ impl Samples {
                 tip_m: tips[row],
             }));
         }
-        steps_s.sort_by(f64::total_cmp);
-        let step_s = steps_s.get(steps_s.len() / 2).copied().unwrap_or(1.0);
-        Samples { trials, rows, step_s }
+        let step_s = middle(&mut steps_s).unwrap_or(1.0);
+        let tracked_step_s = middle(&mut tracked_steps_s).unwrap_or(step_s);
+        Samples { trials, rows, step_s, tracked_step_s }
     }
 
     /// Those of the trials with these indices, in that order.
@@ -93,7 +96,7 @@ impl Samples {
             self.rows[ranges[index].clone()].iter().map(move |row| Sample { trial, ..*row })
         };
         let rows = kept.iter().enumerate().flat_map(of).collect();
-        Samples { trials: kept.iter().map(|&index| self.trials[index].clone()).collect(), rows, step_s: self.step_s }
+        Samples { trials: kept.iter().map(|&index| self.trials[index].clone()).collect(), rows, ..*self }
     }
 
     /// Number of samples.
@@ -112,10 +115,10 @@ impl Samples {
         self.rows.iter().flat_map(|row| row.tip_m).zip(played).map(|(tip, played)| tip - played).collect()
     }
 
-    /// Time between a sample and the one before it in the same trial, in usual steps; none for the first one.
+    /// Time between a sample and the one before it in the same trial, in usual steps of the tracker; none for the first one.
     pub(super) fn steps_since_last(&self, row: usize) -> Option<f64> {
         let before = self.rows[..row].last().filter(|before| before.trial == self.rows[row].trial)?;
-        Some((self.rows[row].time_s - before.time_s) / self.step_s)
+        Some((self.rows[row].time_s - before.time_s) / self.tracked_step_s)
     }
 }
 
@@ -151,8 +154,15 @@ impl Samples {
             trials: (0..trials as u64).map(trial).collect(),
             rows: (0..trials * samples).map(sample).collect(),
             step_s: 0.2,
+            tracked_step_s: 0.2,
         }
     }
+}
+
+/// The middle one, the upper of two.
+fn middle(steps_s: &mut [f64]) -> Option<f64> {
+    steps_s.sort_by(f64::total_cmp);
+    steps_s.get(steps_s.len() / 2).copied()
 }
 
 fn tip_load(load: &recording::TipLoad) -> TipLoad {

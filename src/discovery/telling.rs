@@ -1,7 +1,7 @@
 //! From the search to everything that is told: the answer, its proof, the map, what to record next.
 
 use super::about::About;
-use super::answer::Answer;
+use super::answer::{Answer, set_name};
 use super::features::circumstances;
 use super::hypothesis::effects;
 use super::noise::{LEAST_SIGMA_M, Noise};
@@ -55,7 +55,7 @@ impl Question<'_> {
         let mut model = self.model.clone();
         model.robot.resolution = given.robot.resolution;
         model.effects.extend(proved.added.iter().cloned());
-        let doubts = self.doubts().into_iter().chain(self.unplayable(&model));
+        let remarks = self.remarks(named).into_iter().chain(self.unplayable(&model));
         let mut findings = Findings {
             verdict: answer.verdict,
             effects: answer.effects.clone(),
@@ -69,10 +69,11 @@ impl Question<'_> {
             missing_before: before.test.clone(),
             missing_after: missing.test.clone(),
             pattern: if unexplained { words::pattern(&before.foretold, &places) } else { String::new() },
-            limitations: check::limitations(measured, &self.all).into_iter().chain(doubts).collect(),
+            limitations: check::limitations(measured, &self.all).into_iter().chain(remarks).collect(),
             proposals: next.iter().map(|next| next.proposal.clone()).collect(),
         };
-        findings.summary = words::summary(&findings);
+        let sets: Vec<String> = answer.rivals.iter().map(|set| set_name(&self.hypotheses, set)).collect();
+        findings.summary = words::summary(&findings, &sets);
         findings.next_measurement = words::next(&findings);
         let remedies =
             compare::remedies(&self.study(), &self.responses, &found.null.fitted, &self.proof, &self.played_proof);
@@ -134,7 +135,7 @@ impl Question<'_> {
                     repeats.pooled(variance_m2, freedom)
                 }
             }
-            None if repeats.freedom >= 3.0 && repeats.rms_m() > 0.0 => repeats,
+            None if repeats.freedom >= 1.0 && repeats.rms_m() > 0.0 => repeats,
             None => repeats.pooled(best.noise.sigma_m.map(|sigma| sigma * sigma), 1.0),
         };
         let sigma_m = pooled.variance_m2.map(|variance_m2| variance_m2.sqrt().max(LEAST_SIGMA_M));

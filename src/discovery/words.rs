@@ -3,8 +3,8 @@
 use super::foretelling::Pattern;
 use crate::data::findings::{Findings, PlaceRow, Verdict};
 
-/// The answer in a sentence or two.
-pub(super) fn summary(findings: &Findings) -> String {
+/// The answer in a sentence or two; `sets`: those between which the data cannot tell, the likeliest first.
+pub(super) fn summary(findings: &Findings, sets: &[String]) -> String {
     let (before_mm, after_mm) = (findings.gap.before_m * 1e3, findings.gap.after_m * 1e3);
     let floor_mm = findings.noise_floor_m * 1e3;
     let names = findings.effects.iter().map(|effect| effect.name.as_str()).collect::<Vec<_>>();
@@ -17,8 +17,8 @@ pub(super) fn summary(findings: &Findings) -> String {
         ),
         Verdict::Named => format!("The model lacks {}. {proof}", names.join(" and ")),
         Verdict::Ambiguous => format!(
-            "Something is missing, and these data cannot tell between {}. The likeliest is in the model. {proof}",
-            names.join(", ")
+            "Something is missing, and these data cannot tell whether it is {}. The first is the likeliest, and in the model. {proof}",
+            sets.join(", or ")
         ),
         Verdict::Unexplained => format!(
             "There is a gap ({before_mm:.2} mm on held-out trials, noise alone {floor_mm:.2} mm), and nothing in the catalogue closes it. {}",
@@ -27,7 +27,7 @@ pub(super) fn summary(findings: &Findings) -> String {
     }
 }
 
-/// A pattern that foretells less than this share of the squares is none.
+/// A pattern that predicts less than this share of the squares is none.
 const LEAST_SHARE: f64 = 0.1;
 
 /// What the unexplained gap looks like, with the shares of its squares that each pattern `foretold`, the best first.
@@ -36,9 +36,9 @@ pub(super) fn pattern(foretold: &[(Pattern, f64)], places: &[PlaceRow]) -> Strin
         Some((pattern, share)) if *share >= LEAST_SHARE => {
             let told = |(pattern, share): &(Pattern, f64)| format!("{:.0} % by {}", 100.0 * share, knowing(*pattern));
             let each: Vec<String> = foretold.iter().map(told).collect();
-            format!("{} Other trials foretell, of its squares, {}.", depends(*pattern), each.join(", "))
+            format!("{} Other trials predict, of its squares, {}.", depends(*pattern), each.join(", "))
         }
-        _ => "It differs from trial to trial: none of them foretells another, as from a contact or from something that moves \
+        _ => "It differs from trial to trial: none of them predicts another, as from a contact or from something that moves \
               or slips."
             .to_owned(),
     };
@@ -75,10 +75,21 @@ fn knowing(pattern: Pattern) -> &'static str {
     }
 }
 
+/// Rivals whose predictions are so many standard deviations apart will be told from each other.
+const CLEAR: f64 = 3.0;
+
 /// What to record next.
 pub(super) fn next(findings: &Findings) -> String {
     if let Some(first) = findings.proposals.first() {
-        return format!("{} ({:.0} minutes; commands in {}).", first.what, first.minutes, first.file);
+        let little = if first.separation < CLEAR {
+            format!(
+                "; it moves them apart by {:.1} standard deviations only, so more of it may be needed",
+                first.separation
+            )
+        } else {
+            String::new()
+        };
+        return format!("{} ({:.0} minutes; commands in {}{little}).", first.what, first.minutes, first.file);
     }
     match findings.verdict {
         Verdict::Consistent => "Nothing is needed: these data are explained.".to_owned(),

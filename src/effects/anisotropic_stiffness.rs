@@ -6,7 +6,7 @@ use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 use crate::rod::RodParams;
 
-/// Bending stiffnesses k₁, k₂ about two principal axes with the mean kept.
+/// Bending stiffnesses k₁, k₂ about two principal axes with the mean kept; on a rod that is anisotropic already, added to that.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AnisotropicStiffness {
@@ -39,9 +39,42 @@ impl Effect for AnisotropicStiffness {
 
     fn alter(&self, rod: &mut RodParams) {
         for span in &mut rod.spans {
-            let mean = 0.5 * (span.bending_n_m2[0] + span.bending_n_m2[1]);
-            span.bending_n_m2 = [mean * (1.0 + self.ratio), mean * (1.0 - self.ratio)];
-            span.principal_angle_rad = self.angle_rad;
+            let [k1, k2] = span.bending_n_m2;
+            let mean = 0.5 * (k1 + k2);
+            let (ratio, angle_rad) = if k1 == k2 {
+                (self.ratio, self.angle_rad)
+            } else {
+                together(((k1 - k2) / (k1 + k2), span.principal_angle_rad), (self.ratio, self.angle_rad))
+            };
+            span.bending_n_m2 = [mean * (1.0 + ratio), mean * (1.0 - ratio)];
+            span.principal_angle_rad = angle_rad;
         }
+    }
+}
+
+/// Two anisotropies (ratio and angle) of one rod as one: stiffness tensors add, and the part that is not the same in all
+/// directions turns twice as fast as the axes.
+fn together(one: (f64, f64), other: (f64, f64)) -> (f64, f64) {
+    let part = |(ratio, angle_rad): (f64, f64)| {
+        nalgebra::Vector2::new((2.0 * angle_rad).cos(), (2.0 * angle_rad).sin()) * ratio
+    };
+    let sum = part(one) + part(other);
+    (sum.norm(), 0.5 * sum.y.atan2(sum.x))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn none_more_of_it_changes_nothing() {
+        for (ratio, angle_rad) in [(0.3, 0.4), (0.3, -1.2), (0.05, 0.0)] {
+            let (same, at) = together((ratio, angle_rad), (0.0, 0.7));
+            assert!((same - ratio).abs() < 1e-12 && (at - angle_rad).abs() < 1e-12, "{same} at {at}");
+        }
+        let (none, _) = together((0.3, 0.4), (-0.3, 0.4));
+        assert!(none < 1e-12, "{none}");
+        let (crossed, at) = together((0.3, 0.0), (0.1, std::f64::consts::FRAC_PI_2));
+        assert!((crossed - 0.2).abs() < 1e-12 && at.abs() < 1e-12, "axes a quarter turn apart: {crossed} at {at}");
     }
 }

@@ -1,5 +1,6 @@
 //! The base is turned from where gravity was assumed.
 
+use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::{Card, Effect, Parameter, Seek};
@@ -10,16 +11,16 @@ use crate::rod::RodParams;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BaseTilt {
-    /// Rotation of the base about x, rad.
+    /// Rotation of the base about its own x, rad.
     pub tilt_x_rad: f64,
-    /// Rotation of the base about y, rad.
+    /// Rotation of the base about its own y, rad.
     pub tilt_y_rad: f64,
 }
 
 pub(super) const CARD: Card = Card {
     name: "base_tilt",
     missing: "the base is not where gravity was assumed",
-    equation: "R(0) = exp((tilt_x, tilt_y, 0)^)",
+    equation: "R(0) → R(0) exp((tilt_x, tilt_y, 0)^)",
     source: "rigid-body kinematics",
     parameters: &[
         Parameter { name: "tilt_x_rad", unit: "rad", null: 0.0, seek: Seek::Size(0.01) },
@@ -35,6 +36,13 @@ impl Effect for BaseTilt {
     }
 
     fn alter(&self, rod: &mut RodParams) {
-        rod.base_rotation_rad += nalgebra::Vector3::new(self.tilt_x_rad, self.tilt_y_rad, 0.0);
+        let tilt_rad = Vector3::new(self.tilt_x_rad, self.tilt_y_rad, 0.0);
+        // An upright base is turned to the last bit by what the tilt says.
+        rod.base_rotation_rad = if rod.base_rotation_rad == Vector3::zeros() {
+            tilt_rad
+        } else {
+            let turn = UnitQuaternion::from_scaled_axis(rod.base_rotation_rad);
+            (turn * UnitQuaternion::from_scaled_axis(tilt_rad)).scaled_axis()
+        };
     }
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::friction::Prandtl;
 use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
-use crate::rod::RodParams;
+use crate::rod::{HistoryMoment, MemoryState, MomentLaw, RodParams};
 
 /// Elastoplastic elements of equal stiffness that yield one after the other: a Prandtl–Ishlinskii stress model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -41,11 +41,34 @@ impl Effect for Hysteresis {
     }
 
     fn alter(&self, rod: &mut RodParams) {
-        let [k1, k2] = rod.spans[0].bending_n_m2;
-        let stiffness_n_m2 = 0.5 * (k1 + k2) * self.share / ELEMENTS as f64;
         for element in 1..=ELEMENTS {
-            let yields_at = self.range_rad_m * element as f64 / ELEMENTS as f64;
-            rod.memory.push(Arc::new(Prandtl { moment_nm: stiffness_n_m2 * yields_at, stiffness_n_m2, coupled: true }));
+            let yields_at_rad_m = self.range_rad_m * element as f64 / ELEMENTS as f64;
+            rod.memory.push(Arc::new(Element { share: self.share, yields_at_rad_m }));
         }
+    }
+}
+
+/// One of the elements, as stiff as the rod is where it is.
+#[derive(Debug)]
+struct Element {
+    /// That of all elements together.
+    share: f64,
+    yields_at_rad_m: f64,
+}
+
+impl Element {
+    fn at(&self, bending_n_m2: f64) -> Prandtl {
+        let stiffness_n_m2 = bending_n_m2 * self.share / ELEMENTS as f64;
+        Prandtl { moment_nm: stiffness_n_m2 * self.yields_at_rad_m, stiffness_n_m2, coupled: true }
+    }
+}
+
+impl MomentLaw for Element {
+    fn moment(&self, state: &MemoryState, curvature_rad_m: [f64; 2], bending_n_m2: f64) -> HistoryMoment {
+        self.at(bending_n_m2).moment(state, curvature_rad_m, bending_n_m2)
+    }
+
+    fn commit(&self, state: &mut MemoryState, curvature_rad_m: [f64; 2], bending_n_m2: f64, dt_s: f64) {
+        self.at(bending_n_m2).commit(state, curvature_rad_m, bending_n_m2, dt_s);
     }
 }

@@ -62,6 +62,11 @@ pub trait Effect: Send + Sync + Debug {
     fn check(&self) -> Result<(), BadOption>;
     /// Changes what the rod is made of.
     fn alter(&self, _rod: &mut RodParams) {}
+    /// Whether it hangs something on the robot, of which effects on the robot's own numbers know nothing: such effects are
+    /// applied last, so that the order in a list means nothing.
+    fn hangs_on(&self) -> bool {
+        false
+    }
     /// Changes where the drives stand after `dt_s` seconds in which they have moved to these displacements, in metres,
     /// at constant speed; infinite `dt_s` is rest.
     fn command(&mut self, _pulls_m: &mut [f64], _dt_s: f64) {}

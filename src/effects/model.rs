@@ -31,12 +31,11 @@ impl Model {
             .map_err(|(index, name, error)| (format!("effects[{index}].{name}"), error))
     }
 
-    /// The rod with every effect that changes it, and `extra` ones after them.
+    /// The rod with every effect that changes it, and `extra` ones after them; what hangs on the robot comes last.
     pub fn rod(&self, extra: &[EffectSpec]) -> RodParams {
         let mut rod = self.robot.rod();
-        for effect in self.effects.iter().chain(extra) {
-            effect.build().alter(&mut rod);
-        }
+        let (hung, own): (Vec<_>, Vec<_>) = self.effects(extra).into_iter().partition(|effect| effect.hangs_on());
+        own.iter().chain(&hung).for_each(|effect| effect.alter(&mut rod));
         rod
     }
 

@@ -33,4 +33,8 @@ impl Effect for TipLoad {
         let position_m = rod.length_m();
         rod.masses.push(PointMass { position_m, mass_kg: self.mass_kg, inertia_kg_m2: Vector3::zeros() });
     }
+
+    fn hangs_on(&self) -> bool {
+        true
+    }
 }

@@ -11,15 +11,15 @@ const LONGEST_S: f64 = 6.0 * 3600.0;
 
 /// `path` is always the file that the recording came from.
 impl Recording {
-    /// Refuses a tip that no robot of this length could reach (twice its length from the base): most often millimetres
-    /// taken for metres.
+    /// Refuses a tip that no robot of this length with its base at `base_m` could reach (twice its length from there): most
+    /// often millimetres taken for metres.
     ///
     /// # Errors
     /// [`DataError::Cell`] for the first such row.
-    pub fn check_reach(&self, path: &Path, length_m: f64) -> Result<(), DataError> {
+    pub fn check_reach(&self, path: &Path, base_m: [f64; 3], length_m: f64) -> Result<(), DataError> {
         let tips = self.tip_m.iter().flatten().enumerate();
         for (row, tip) in tips.filter(|&(row, _)| self.is_valid(row)) {
-            let Some(axis) = (0..3).find(|&axis| tip[axis].abs() > 2.0 * length_m) else { continue };
+            let Some(axis) = (0..3).find(|&axis| (tip[axis] - base_m[axis]).abs() > 2.0 * length_m) else { continue };
             let expected = format!("metres within reach of a robot of {length_m} m (are these millimetres?)");
             return Err(cell_error(path, row, read::TIP[axis], tip[axis].to_string(), expected));
         }

@@ -1,7 +1,9 @@
 //! Several recordings of one robot as one.
 
+use std::ops::Range;
+
 use super::{Actuation, Pose, Recording};
-use crate::base::Rows;
+use crate::base::{Point3, Rows};
 
 /// Recordings that cannot be taken together.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -15,8 +17,8 @@ pub struct Unlike {
 
 impl Recording {
     /// The trials of all `parts`, one after the other; trials are numbered anew, from 0, where two have the same number.
-    /// Columns that only some have are filled with what their absence means (tracked, no load), or left out (the base's
-    /// pose, orientation, unknown columns).
+    /// Columns that only some have are filled with what their absence means (tracked, no load, a base that nobody looked at),
+    /// or left out (orientation, unknown columns).
     ///
     /// # Errors
     /// [`Unlike`] when one has other tendons or is driven otherwise.
@@ -45,6 +47,17 @@ impl Recording {
         all.known_load_kg = filled(parts, |part| part.known_load_kg.clone(), 0.0);
         all.tip_load = filled(parts, |part| part.tip_load.clone(), super::TipLoad::default());
         Ok(all)
+    }
+
+    /// Whether every trial of `part` is one of this recording's: the same commands at the same times with the same tips.
+    pub fn holds(&self, part: &Recording) -> bool {
+        let rows = |of: &Recording, range: Range<usize>| -> Vec<(f64, Vec<f64>, Option<Point3>)> {
+            range
+                .map(|row| (of.time_s[row], of.commands.row(row).to_vec(), of.tip_m.as_ref().map(|tip| tip[row])))
+                .collect()
+        };
+        let own: Vec<_> = self.trials().into_iter().map(|(_, range)| rows(self, range)).collect();
+        !part.is_empty() && part.trials().into_iter().all(|(_, range)| own.contains(&rows(part, range)))
     }
 }
 

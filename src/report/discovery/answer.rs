@@ -36,7 +36,7 @@ fn meaning(verdict: Verdict) -> &'static str {
             "Model and measurement differ by no more than noise and the model’s own uncertainty. The model is left as it was."
         }
         Verdict::Ambiguous => {
-            "Each of the candidates below explains the disagreement equally well on its own. \
+            "Several answers explain the disagreement equally well, and each effect below belongs to one or more of them. \
              Another recording can tell them apart."
         }
         Verdict::Unexplained => {

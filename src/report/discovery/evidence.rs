@@ -7,7 +7,7 @@ use super::page::{captioned, section};
 use super::residuals::{after_m, before_m, held_out};
 use super::scale::SIGNIFICANT;
 use super::words::{NONE, enumerate, millimetres, number, percent, probability, times};
-use crate::data::findings::{MissingTest, ResidualRow};
+use crate::data::findings::{Findings, MissingTest, ResidualRow, Verdict};
 use crate::math::summary::root_mean_square;
 
 /// Rows of a table; the rest is in the files beside the page.
@@ -26,7 +26,7 @@ pub(super) fn place(story: &Story, map: Html) -> Html {
             text(&place.place),
             text(if place.axis == "all" { "distance" } else { &place.axis }),
             text(millimetres(place.rms_m)),
-            text(times(place.rms_m, findings.noise_floor_m)),
+            text(times(place.rms_m, floor_m(findings, &place.axis))),
             text(percent(place.share)),
             p,
         ]
@@ -37,6 +37,14 @@ pub(super) fn place(story: &Story, map: Html) -> Html {
     let note = if places.is_empty() { Html::default() } else { words("p class=\"note\"", note) };
     let content = lines([captioned(map, caption), places, note]);
     section("Where they disagree", lines([content, noise(story)]))
+}
+
+/// What noise alone makes along this axis, or of the distance.
+fn floor_m(findings: &Findings, axis: &str) -> f64 {
+    match ["x", "y", "z"].iter().position(|name| *name == axis) {
+        Some(axis) => findings.noise.sigma_m[axis],
+        None => findings.noise_floor_m,
+    }
 }
 
 /// What was taken for noise.
@@ -87,21 +95,24 @@ fn rms_m(rows: &[&ResidualRow], residual: fn(&ResidualRow) -> [f64; 3]) -> f64 {
 
 /// Is anything missing, before and after?
 fn missing(story: &Story) -> Html {
-    let row = |name: &str, test: &MissingTest| {
+    let row = |name: &str, test: &MissingTest, more: bool| {
         let verdict = match test.p_value {
             p if !p.is_finite() => NONE,
-            p if p < SIGNIFICANT => "yes",
+            _ if more => "yes",
             _ => "no sign of it",
         };
         let sizes = [millimetres(test.rms_m), millimetres(test.foretold_m), probability(test.p_value)].map(text);
         let cells = std::iter::once(text(name)).chain(sizes).chain([words("strong", verdict)]);
         cells.collect::<Vec<Html>>()
     };
-    let mut rows = vec![row("as given", &story.findings.missing_before)];
+    // More tests than this one decide, and how much it would be: the verdict has them all.
+    let verdict = story.findings.verdict;
+    let mut rows = vec![row("as given", &story.findings.missing_before, verdict != Verdict::Consistent)];
     if story.changed() {
-        rows.push(row("with the effects", &story.findings.missing_after));
+        rows.push(row("with the effects", &story.findings.missing_after, verdict == Verdict::Unexplained));
     }
-    let words_ = "Is anything missing? If the residual were noise, other trials could foretell none of it.";
-    let header = ["model", "residual, rms", "foretold by other trials", "p", "more to find?"];
+    let words_ = "Is anything missing? If the residual were noise, other trials could predict none of it. Three more tests \
+                  ask about repeats, about trials that differ, and about means; the last column has the verdict of all.";
+    let header = ["model", "residual, rms", "predicted by other trials", "p", "more to find?"];
     lines([words("p", words_), table(&header, rows)])
 }

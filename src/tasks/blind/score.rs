@@ -40,8 +40,6 @@ pub struct Answered {
     pub values: BTreeMap<String, f64>,
     /// 95 % intervals.
     pub intervals: BTreeMap<String, [f64; 2]>,
-    /// Effects that could stand in its place.
-    pub rivals: Vec<String>,
 }
 
 impl Answer {
@@ -88,7 +86,7 @@ impl Answered {
                 value => intervals.extend(ends(value).map(|ends| (name.clone(), ends))),
             }
         }
-        Answered { name: found.name.clone(), values, intervals, rivals: found.confusable_with.clone() }
+        Answered { name: found.name.clone(), values, intervals }
     }
 }
 
@@ -168,12 +166,10 @@ fn judged(group: Group, truth: &Truth, answer: &Answer) -> (bool, bool) {
         Group::Single | Group::Pair => {
             let mut names: Vec<&str> = truth.hidden.iter().map(|hidden| hidden.name.as_str()).collect();
             names.sort_unstable();
-            let tendons = truth.hidden.iter().all(|hidden| of(hidden, answer).is_some());
-            let right = answer.verdict == Verdict::Named && answer.names() == names && tendons;
-            let rivals = |hidden: &Hidden| answer.effects.iter().any(|effect| effect.rivals.contains(&hidden.name));
-            let offered = |hidden: &Hidden| of(hidden, answer).is_some() || rivals(hidden);
-            let ambiguous = answer.verdict == Verdict::Ambiguous;
-            (right, right || ambiguous && truth.hidden.iter().all(offered))
+            let told = truth.hidden.iter().all(|hidden| of(hidden, answer).is_some());
+            let right = answer.verdict == Verdict::Named && answer.names() == names && told;
+            // A group lists the effects of all its sets, each with its tendon.
+            (right, right || answer.verdict == Verdict::Ambiguous && told)
         }
     }
 }
