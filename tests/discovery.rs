@@ -139,6 +139,15 @@ fn an_effect_of_which_a_little_promises_nothing_is_named() {
 }
 
 #[test]
+fn a_delay_is_found_within_a_step_of_the_scan() {
+    // It moves the tip by 0.6 mm, a hundredth of a second more or less by as much, and more damping does half of it.
+    let found = found(&recorded("- delay: {time_s: 0.15}", 8, 3, 0.0), &Options::default());
+    assert_eq!(names(&found), ["delay"], "{}", found.findings.summary);
+    let (time_s, _) = told(&found, "time_s");
+    assert!((time_s - 0.15).abs() < 3e-3, "{time_s}");
+}
+
+#[test]
 fn two_effects_that_look_like_a_third_are_named() {
     // A force on the tip explains more than either, and something else the rest of both.
     let hidden = "- creep: {share: 0.33, time_s: 2.0}\n- soft_section: {position_m: 0.17, scale: 0.15}";

@@ -47,10 +47,16 @@ impl Study<'_> {
         let coarse = Study { model: self.coarse, ..self.clone() };
         let Some(start) = coarse.again(&base.fitted) else { return Vec::new() };
         let fit = |promise: &&Promise| {
-            let jacobian = coarse.known_slopes(&start, &promise.member, &responses[promise.response]);
             let costs = self.penalty(std::slice::from_ref(&promise.member));
             let wanted = start.explained.deviance - (enough - base.score) - costs;
-            let fitted = coarse.rough_fit(coarse.begun(&start, &promise.member)?, jacobian, wanted)?;
+            let begun = coarse.begun(&start, &promise.member)?;
+            // Where an answer rises and falls, the way from nothing says nothing of the way on.
+            let jacobian = if self.hypotheses[promise.member.hypothesis].scan().is_empty() {
+                coarse.known_slopes(&start, &promise.member, &responses[promise.response])
+            } else {
+                coarse.derivative(&begun)?
+            };
+            let fitted = coarse.rough_fit(begun, jacobian, wanted)?;
             let last = fitted.members.len() - 1;
             let fitted = coarse.placed(fitted, last, wanted);
             let score = base.score + start.explained.deviance - fitted.explained.deviance - costs;

@@ -25,6 +25,8 @@ const NEAR_ENOUGH: Range<f64> = 0.5..2.0;
 /// Looks at most nearer to where the best of those promises to fit, and how near to that is near enough.
 const NEARER: usize = 3;
 const THERE: f64 = 0.2;
+/// How often the steps of a scan are halved about its best one: a delay is seen within a quarter of a drive's time.
+const HALVED: usize = 2;
 /// Trials that are looked at first.
 const SHOWN: usize = 2;
 /// A look is followed up when it promises there this share of what the best one does, or all but so much.
@@ -153,13 +155,33 @@ impl<'a> Far<'a> {
     fn looks(&self, response: &Response, here: &[f64]) -> Vec<Response> {
         let scan = self.study.hypotheses[response.hypothesis].scan();
         if !scan.is_empty() {
-            let seen = scan.into_par_iter().filter_map(|step| self.look(response, here, &[step]));
-            return seen.map(|(found, _)| found).collect();
+            let look = |&step: &f64| Some((step, self.look(response, here, &[step])?.0));
+            return self.between(scan.par_iter().filter_map(look).collect(), &scan, &look);
         }
         let Some(direction) = self.direction(response) else { return Vec::new() };
         let both = [1.0, -1.0].into_par_iter().map(|sign| sign * &direction);
         let looks = both.flat_map(|direction| self.outward(response, here, &direction)).collect();
         self.nearer(looks, here)
+    }
+
+    /// The looks at the steps of a `scan`, with more of them to both sides of the one that fits best: what rises and falls may
+    /// do so within a step.
+    fn between(
+        &self,
+        mut looks: Vec<(f64, Response)>,
+        scan: &[f64],
+        look: &(dyn Fn(&f64) -> Option<(f64, Response)> + Sync),
+    ) -> Vec<Response> {
+        let left = |(step, look): &(f64, Response)| self.screen.left_by((&look.columns * *step).as_slice());
+        let mut apart = scan.windows(2).map(|two| two[1] - two[0]).fold(scan[0], f64::min);
+        for _ in 0..HALVED {
+            apart *= 0.5;
+            let Some(best) = looks.iter().min_by(|a, b| left(a).total_cmp(&left(b))).map(|(step, _)| *step) else {
+                break;
+            };
+            looks.extend([best - apart, best + apart].iter().filter_map(look));
+        }
+        looks.into_iter().map(|(_, look)| look).collect()
     }
 
     /// Where a hypothesis points: at what is promised by a little of it, if it has several sizes.

@@ -242,7 +242,7 @@ impl Study<'_> {
     }
 
     /// Derivatives by differences of whole recordings, to the side where there is one.
-    fn derivative(&self, fitted: &Fitted) -> Option<DMatrix<f64>> {
+    pub(super) fn derivative(&self, fitted: &Fitted) -> Option<DMatrix<f64>> {
         let count = self.coordinates(&fitted.members).len();
         let column = |k: usize| -> Option<Vec<f64>> {
             [DIFFERENCE, -DIFFERENCE].into_iter().find_map(|share| {

@@ -201,9 +201,13 @@ impl Search<'_> {
         best.fitted.members.len() >= self.limits.most_effects
     }
 
-    /// Looks far out beside `best`, once: beside nothing only if anything may be missing, beside a full set never.
+    /// Looks far out beside `best`, once: beside nothing only if anything may be missing, beside a full set never. A promise
+    /// that pays for itself says so however small it is: something else may do more.
     fn look_farther(&mut self, best: &Scored) {
-        let worth = |promise: &Promise| self.study.is_worth_fitting(promise, &best.fitted, &self.limits);
+        let worth = |promise: &Promise| {
+            self.study.promised(promise) > self.limits.least_score
+                || self.study.is_worth_fitting(promise, &best.fitted, &self.limits)
+        };
         let asked = self.is_thorough(best)
             || !best.fitted.members.is_empty()
             || self.study.promises(&best.fitted, &[], &self.responses).iter().any(worth);
