@@ -117,7 +117,7 @@ fn a_plant_is_recorded_on_until_rivals_are_told_apart() {
     bench.put("plant.yaml", "simulated: {model: loaded.yaml, noise_m: 0.0005}\n");
     bench.ok("collect --plant plant.yaml --commands short.csv --out loaded.csv");
     let alone = bench.ok("discover --model given.yaml --measured loaded.csv --out alone");
-    assert!(alone.contains("these data cannot tell whether it is tip_load, or distributed_mass"), "{alone}");
+    assert!(alone.contains("these data cannot tell whether it is tip_load or distributed_mass"), "{alone}");
     let verdict = |out: &str| -> Value {
         let findings: Value = serde_json::from_str(&bench.read(&format!("{out}/findings.json"))).unwrap();
         findings["verdict"].clone()

@@ -18,7 +18,7 @@ pub(super) fn summary(findings: &Findings, sets: &[String]) -> String {
         Verdict::Named => format!("The model lacks {}. {proof}", names.join(" and ")),
         Verdict::Ambiguous => format!(
             "Something is missing, and these data cannot tell whether it is {}. The first is the likeliest, and in the model. {proof}",
-            sets.join(", or ")
+            sets.join(" or ")
         ),
         Verdict::Unexplained => format!(
             "There is a gap ({before_mm:.2} mm on held-out trials, noise alone {floor_mm:.2} mm), and nothing in the catalogue closes it. {}",
@@ -89,7 +89,7 @@ pub(super) fn next(findings: &Findings) -> String {
         } else {
             String::new()
         };
-        return format!("{} ({:.0} minutes; commands in {}{little}).", first.what, first.minutes, first.file);
+        return format!("{} (about {:.0} min; commands in {}{little}).", first.what, first.minutes, first.file);
     }
     match findings.verdict {
         Verdict::Consistent => "Nothing is needed: these data are explained.".to_owned(),

@@ -96,9 +96,9 @@ fn tiles(story: &Story) -> Html {
         trials => {
             let numbers: Vec<String> = trials.iter().take(12).map(u64::to_string).collect();
             let more = if trials.len() > 12 { format!(" and {} more", trials.len() - 12) } else { String::new() };
-            let word = if trials.len() == 1 { "trial" } else { "trials" };
+            let (word, them) = if trials.len() == 1 { ("trial", "it") } else { ("trials", "them") };
             let names = if more.is_empty() { enumerate(&numbers, "and") } else { numbers.join(", ") };
-            format!("Measured on {word} {names}{more}, held out: neither naming nor fitting has seen them.")
+            format!("Measured on {word} {names}{more}, held out: neither naming nor fitting has seen {them}.")
         }
     };
     let metric = if gap.metric.is_empty() { String::new() } else { format!(" Error means {}.", gap.metric) };
