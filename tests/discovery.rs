@@ -343,7 +343,8 @@ fn recordings_of_another_simulator_are_understood() {
     assert_eq!((friction.findings.verdict, names(&friction)), (Verdict::Named, vec!["friction"]));
     assert!((told(&friction, "moment_nm").0 - 0.02).abs() < 2e-3);
     // With a baseline that was itself recorded under a load, the answer is worth little, and says so.
-    let doubts = |found: &Discovery| found.findings.limitations.iter().filter(|told| told.contains("still")).count();
+    let doubts =
+        |found: &Discovery| found.findings.limitations.iter().filter(|told| told.contains("model is still")).count();
     assert_eq!([&nothing, &load, &friction].map(doubts), [0; 3]);
     let loaded = twin("tip_load_10g");
     let other = discover(&nominal(), &twin("nothing"), Some(&loaded), &Options::default()).unwrap();

@@ -133,10 +133,8 @@ impl Discover {
                 .map_err(|error| self.refusal(&error, &measured, trials))?;
             // A plant file says how its base stands: turning it is not for us.
             let next = found.next.iter().find(|next| next.proposal.name != "base_remounted");
+            let next = next.filter(|_| found.findings.verdict == Verdict::Ambiguous && round <= self.rounds);
             let (Some(plant), Some(next)) = (plant, next) else { return Ok(numbered(found, &measured, trials)) };
-            if found.findings.verdict != Verdict::Ambiguous || round > self.rounds {
-                return Ok(numbered(found, &measured, trials));
-            }
             if !self.quiet {
                 println!("round {round}: {}", found.findings.summary);
                 println!("recording on the plant: {}", next.proposal.what);

@@ -57,7 +57,8 @@ impl Study<'_> {
             let place = scored.fitted.members.iter().position(|member| member.hypothesis == rival);
             if let Some(place) = place.filter(|_| listed.insert(rival)) {
                 let mut effect = plain.found_effect(scored, place, found);
-                let replaced = members.iter().zip(&rivals).filter(|(_, own)| own.iter().any(|&(own, _)| own == rival));
+                let replaced =
+                    members.iter().zip(&rivals).filter(|(_, instead)| instead.iter().any(|&(other, _)| other == rival));
                 let own = &scored.fitted.members[place];
                 effect.confusable_with = replaced.map(|(member, _)| self.beside(member.hypothesis, own)).collect();
                 effects.push(effect);
@@ -92,10 +93,10 @@ impl Study<'_> {
         for scored in found.tried.iter().filter(|scored| scored.rivals(best, rival_score)) {
             let theirs = set_of(&scored.fitted.members);
             for &other in theirs.difference(&own) {
-                for (rivals, member) in rivals.iter_mut().zip(&best.fitted.members) {
-                    let known = rivals.iter().any(|(known, _)| *known == other);
+                for (instead, member) in rivals.iter_mut().zip(&best.fitted.members) {
+                    let known = instead.iter().any(|(known, _)| *known == other);
                     if !theirs.contains(&member.hypothesis) && !known {
-                        rivals.push((other, scored));
+                        instead.push((other, scored));
                     }
                 }
             }

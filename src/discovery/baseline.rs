@@ -23,27 +23,21 @@ const MOTION_FORM_M: f64 = 2e-4;
 /// Motion is never taken to be slower than this, metres a second, when terms are scaled to it.
 const SLOWEST_M_S: f64 = 5e-5;
 
-/// A model with its numbers calibrated, and the factors on them.
-pub(super) struct Calibrated {
-    pub(super) model: Model,
-    /// Bending stiffness and section compliance over those of the model as given.
-    pub(super) factors: Factors,
-}
-
-/// See [`Calibrated`].
+/// What a calibration has multiplied numbers of the model by.
 #[derive(Clone, Copy)]
 pub(super) struct Factors {
     pub(super) bending_stiffness: f64,
     pub(super) compliance: f64,
 }
 
-/// `model` with its numbers calibrated on `baseline`, free of everything else; none when it cannot be played.
+/// `model` with its numbers calibrated on `baseline`, free of everything else, and by how much they changed; none when it
+/// cannot be played.
 pub(super) fn calibrated(
     model: &Model,
     hypotheses: &[Hypothesis],
     baseline: &Samples,
     nuisances: &Nuisances,
-) -> Option<Calibrated> {
+) -> Option<(Model, Factors)> {
     let open = vec![true; hypotheses.len()];
     let study = Study { model, coarse: model, hypotheses, open, samples: baseline, nuisances };
     let start = CALIBRATED.iter().filter_map(|name| {
@@ -58,7 +52,7 @@ pub(super) fn calibrated(
     let mut model = model.clone();
     model.robot.backbone.scale_bending(bending_stiffness);
     model.robot.sections.compliance_m_per_n *= compliance;
-    model.check().is_ok().then_some(Calibrated { model, factors: Factors { bending_stiffness, compliance } })
+    model.check().is_ok().then_some((model, Factors { bending_stiffness, compliance }))
 }
 
 /// Terms of a smooth error of the tip over where the tip is and how it moves: those that stand for the form of a model.

@@ -87,6 +87,13 @@ impl Study<'_> {
     }
 }
 
+/// A look at one step of a scan, and the squares that it leaves.
+struct Tried {
+    step: f64,
+    left: f64,
+    look: Response,
+}
+
 /// What is looked for far out, in some of the trials.
 struct Far<'a> {
     study: &'a Study<'a>,
@@ -137,9 +144,7 @@ impl<'a> Far<'a> {
     fn look(&self, response: &Response, here: &[f64], step: &[f64]) -> Option<(Response, f64)> {
         let hypothesis = &self.study.hypotheses[response.hypothesis];
         let sizes = hypothesis.sizes();
-        let moves = sizes.iter().zip(step);
-        let values = moves.fold(response.null.clone(), |at, (&size, &by)| hypothesis.moved(&at, size, by));
-        let effect = hypothesis.effect(&values)?;
+        let effect = hypothesis.effect(&hypothesis.sized(&response.null, step))?;
         let change: Vec<f64> = self.played(&[effect])?.iter().zip(here).map(|(there, here)| there - here).collect();
         let by = DVector::from_column_slice(step);
         let along = DVector::from_iterator(
@@ -155,8 +160,11 @@ impl<'a> Far<'a> {
     fn looks(&self, response: &Response, here: &[f64]) -> Vec<Response> {
         let scan = self.study.hypotheses[response.hypothesis].scan();
         if !scan.is_empty() {
-            let look = |&step: &f64| Some((step, self.look(response, here, &[step])?.0));
-            return self.between(scan.par_iter().filter_map(look).collect(), &scan, &look);
+            let look = |&step: &f64| {
+                let (look, _) = self.look(response, here, &[step])?;
+                Some(Tried { step, left: self.screen.left_by((&look.columns * step).as_slice()), look })
+            };
+            return Self::between(scan.par_iter().filter_map(look).collect(), &scan, &look);
         }
         let Some(direction) = self.direction(response) else { return Vec::new() };
         let both = [1.0, -1.0].into_par_iter().map(|sign| sign * &direction);
@@ -166,22 +174,15 @@ impl<'a> Far<'a> {
 
     /// The looks at the steps of a `scan`, with more of them to both sides of the one that fits best: what rises and falls may
     /// do so within a step.
-    fn between(
-        &self,
-        mut looks: Vec<(f64, Response)>,
-        scan: &[f64],
-        look: &(dyn Fn(&f64) -> Option<(f64, Response)> + Sync),
-    ) -> Vec<Response> {
-        let left = |(step, look): &(f64, Response)| self.screen.left_by((&look.columns * *step).as_slice());
+    fn between(mut tried: Vec<Tried>, scan: &[f64], look: &dyn Fn(&f64) -> Option<Tried>) -> Vec<Response> {
         let mut apart = scan.windows(2).map(|two| two[1] - two[0]).fold(scan[0], f64::min);
         for _ in 0..HALVED {
             apart *= 0.5;
-            let Some(best) = looks.iter().min_by(|a, b| left(a).total_cmp(&left(b))).map(|(step, _)| *step) else {
-                break;
-            };
-            looks.extend([best - apart, best + apart].iter().filter_map(look));
+            let Some(best) = tried.iter().min_by(|a, b| a.left.total_cmp(&b.left)) else { break };
+            let beside = [best.step - apart, best.step + apart];
+            tried.extend(beside.iter().filter_map(look));
         }
-        looks.into_iter().map(|(_, look)| look).collect()
+        tried.into_iter().map(|tried| tried.look).collect()
     }
 
     /// Where a hypothesis points: at what is promised by a little of it, if it has several sizes.

@@ -188,7 +188,13 @@ impl Hypothesis {
         there
     }
 
-    /// The same, no farther than the range of the effect reaches: its end is found by bisection, as no effect tells it, and
+    /// `values` with each of the sizes moved by one of the `steps`.
+    pub(super) fn sized(&self, values: &[f64], steps: &[f64]) -> Vec<f64> {
+        let each = self.sizes().into_iter().zip(steps);
+        each.fold(values.to_vec(), |at, (size, &step)| self.moved(&at, size, step))
+    }
+
+    /// `values` with parameter `index` moved by `step`, no farther than the range of the effect reaches: its end is found by bisection, as no effect tells it, and
     /// is a round number.
     pub(super) fn moved_within(&self, values: &[f64], index: usize, step: f64) -> Vec<f64> {
         let is_in_range = |there: &[f64]| self.effect(there).is_some();

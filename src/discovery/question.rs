@@ -246,11 +246,11 @@ impl Base {
         let left = |played: &[f64], columns: &[Column]| {
             Nuisances::independent(played.len(), columns).explain(&samples, &samples.residual(played), 0.0).deviance
         };
-        if let Some(better) = baseline::calibrated(model, hypotheses, &samples, &nuisances) {
-            let (there, wider) = look(&better.model)?;
+        if let Some((better, factors)) = baseline::calibrated(model, hypotheses, &samples, &nuisances) {
+            let (there, wider) = look(&better)?;
             if left(&there, &wider) < left(&first, &columns) {
-                *model = better.model;
-                return Ok(Base { samples, played: there, columns: wider, factors: Some(better.factors) });
+                *model = better;
+                return Ok(Base { samples, played: there, columns: wider, factors: Some(factors) });
             }
         }
         Ok(Base { samples, played: first, columns, factors: None })

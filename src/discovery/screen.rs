@@ -80,12 +80,16 @@ impl<'a> Screen<'a> {
     /// Sum of squares (white) that is left where the tip is moved by `change_m`, three numbers a sample, what is free having
     /// done what it can.
     pub(super) fn left_by(&self, change_m: &[f64]) -> f64 {
-        let left = &self.left - DVector::from_vec(self.noise.whiten(&self.samples, change_m));
-        let along = self.free.as_ref().map_or(0.0, |(known, factor)| {
-            let along = known.tr_mul(&left);
+        self.beyond_free(&(&self.left - DVector::from_vec(self.noise.whiten(&self.samples, change_m))))
+    }
+
+    /// The squares of a white residual that what is free cannot take.
+    fn beyond_free(&self, left: &DVector<f64>) -> f64 {
+        let taken = self.free.as_ref().map_or(0.0, |(known, factor)| {
+            let along = known.tr_mul(left);
             along.dot(&factor.solve(&along))
         });
-        left.norm_squared() - along
+        left.norm_squared() - taken
     }
 
     fn promise(&self, number: usize, response: &Response) -> Option<Promise> {
@@ -105,7 +109,7 @@ impl<'a> Screen<'a> {
         let right = columns.tr_mul(&self.left);
         let sizes = Cholesky::new(own)?.solve(&right);
         let share = response.step.as_ref().map_or(1.0, |step| share_of(hypothesis, step, sizes.as_slice()));
-        let values = within(hypothesis, &response.null, &moved(hypothesis, &response.null, sizes.as_slice()))?;
+        let values = within(hypothesis, &response.null, &hypothesis.sized(&response.null, sizes.as_slice()))?;
         let size_m = rms_m((&response.columns * &sizes).as_slice());
         let member = Member { hypothesis: response.hypothesis, values };
         Some(Promise { member, response: number, share, gain: self.gain(right.dot(&sizes)), size_m })
@@ -114,10 +118,10 @@ impl<'a> Screen<'a> {
     /// The same for an answer that rises and falls: a part of what was looked at would be something else.
     fn promise_as_it_is(&self, number: usize, response: &Response, step: &[f64]) -> Option<Promise> {
         let hypothesis = &self.hypotheses[response.hypothesis];
-        let values = moved(hypothesis, &response.null, step);
+        let values = hypothesis.sized(&response.null, step);
         hypothesis.effect(&values)?;
         let change_m = &response.columns * DVector::from_column_slice(step);
-        let explains = self.left_by(&vec![0.0; change_m.len()]) - self.left_by(change_m.as_slice());
+        let explains = self.beyond_free(&self.left) - self.left_by(change_m.as_slice());
         let member = Member { hypothesis: response.hypothesis, values };
         let size_m = rms_m(change_m.as_slice());
         Some(Promise { member, response: number, share: 1.0, gain: self.gain(explains), size_m })
@@ -135,12 +139,6 @@ fn share_of(hypothesis: &Hypothesis, step: &[f64], sizes: &[f64]) -> f64 {
     let seen: Vec<f64> = hypothesis.sizes().into_iter().map(|size| hypothesis.probe(size).powi(-2)).collect();
     let product = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).zip(&seen).map(|((a, b), seen)| a * b * seen).sum() };
     product(step, sizes) / product(step, step)
-}
-
-/// The values that are so many `steps` of the sizes away from `null`.
-fn moved(hypothesis: &Hypothesis, null: &[f64], steps: &[f64]) -> Vec<f64> {
-    let steps = hypothesis.sizes().into_iter().zip(steps);
-    steps.fold(null.to_vec(), |at, (size, &step)| hypothesis.moved(&at, size, step))
 }
 
 /// `values`, or values between them and `null` that are in the effect's range: nothing if it is in the wrong direction.

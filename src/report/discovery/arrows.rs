@@ -4,6 +4,7 @@
 use super::super::axes::{Axis, Panel, range};
 use super::super::canvas::{Align, Canvas, Place, Text};
 use super::super::style::{GREY, SMALL};
+use super::residuals::AXES;
 use super::scale;
 use super::words::number;
 use crate::base::Point3;
@@ -14,7 +15,6 @@ use crate::math::summary::quantile;
 const ARROWS: usize = 160;
 /// Horizontal and vertical axis of each view: the robot points to the right.
 const VIEWS: [(usize, usize); 2] = [(2, 0), (2, 1)];
-const AXES: [&str; 3] = ["x", "y", "z"];
 /// Long arrows (the 90th percentile of those before) are about this long, hundredths of an inch.
 const LONG: f64 = 20.0;
 

@@ -4,7 +4,7 @@ use super::Story;
 use super::answer::closed;
 use super::html::{Html, lines, table, text, words};
 use super::page::{captioned, section};
-use super::residuals::{after_m, before_m, held_out};
+use super::residuals::{AXES, after_m, before_m, held_out};
 use super::scale::SIGNIFICANT;
 use super::words::{NONE, enumerate, millimetres, number, percent, probability, times};
 use crate::data::findings::{Findings, MissingTest, ResidualRow, Verdict};
@@ -41,7 +41,7 @@ pub(super) fn place(story: &Story, map: Html) -> Html {
 
 /// What noise alone makes along this axis, or of the distance.
 fn floor_m(findings: &Findings, axis: &str) -> f64 {
-    match ["x", "y", "z"].iter().position(|name| *name == axis) {
+    match AXES.iter().position(|name| *name == axis) {
         Some(axis) => findings.noise.sigma_m[axis],
         None => findings.noise_floor_m,
     }

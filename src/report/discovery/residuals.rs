@@ -10,7 +10,8 @@ use super::super::style::{BLUE, Colour, DASHED, GREEN, GREY, HAIR, INK, SMALL, V
 use super::Story;
 use crate::data::findings::ResidualRow;
 
-const AXES: [&str; 3] = ["x", "y", "z"];
+/// Names of the axes.
+pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 const HIGH: f64 = 104.0;
 const LEFT: f64 = 56.0;
 /// White noise stays within so many standard deviations for 95 % of the time.
