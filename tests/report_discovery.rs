@@ -9,7 +9,7 @@ use report_discovery_overlap as overlap;
 use report_discovery_rows::{Made, ambiguous, consistent, named, unexplained};
 use serde_json::{Value, json};
 use spinebench::data::findings::{Candidate, FoundEffect, Verdict};
-use spinebench::report::discovery::{EffectText, artifacts};
+use spinebench::report::discovery::{EffectText, Story, artifacts};
 use spinebench::report::{Artifact, write};
 
 fn files(made: &Made) -> Vec<Artifact> {
@@ -101,6 +101,21 @@ fn each_verdict_has_its_words() {
     let same = page(&consistent());
     assert!(!same.contains("Error with the effects") && !same.contains(">after<"), "no second model, no second number");
     assert!(page(&unexplained()).contains("jumps by 3 mm at 5 s"));
+}
+
+#[test]
+fn with_a_baseline_it_is_the_calibrated_model_that_errs() {
+    let made = named();
+    let files = artifacts(&Story { calibrated: true, ..made.story() }).unwrap();
+    for (name, words) in [
+        ("report.html", "Error of the calibrated model"),
+        ("gap.svg", "calibrated model"),
+        ("map.svg", "calibrated model"),
+    ] {
+        let file = files.iter().find(|file| file.name == name).unwrap();
+        let text = String::from_utf8(file.bytes.clone()).unwrap();
+        assert!(text.contains(words) && !text.contains("model as given"), "{name}");
+    }
 }
 
 #[test]

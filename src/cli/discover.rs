@@ -194,6 +194,7 @@ impl Discover {
             findings: &found.findings,
             residuals: &found.residuals,
             places: &found.places,
+            calibrated: self.baseline.is_some(),
             effects: &texts,
             model_before: &before,
             model_after: &after,

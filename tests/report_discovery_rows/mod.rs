@@ -25,6 +25,7 @@ impl Made {
             findings: &self.findings,
             residuals: &self.residuals,
             places: &self.places,
+            calibrated: false,
             effects: &self.effects,
             model_before: &self.model_before,
             model_after: &self.model_after,
@@ -182,7 +183,7 @@ fn candidates() -> Vec<Candidate> {
         ("precurvature", 2410.0, 0.0088, "leaves 8.8 mm"),
         ("spine_compressibility", 310.0, 0.0117, "leaves 11.7 mm"),
         ("delay", -12.0, 0.0121, "changes nothing that can be seen"),
-        ("model as given", 0.0, 0.0121, "leaves 12.1 mm"),
+        ("nothing missing", 0.0, 0.0121, "leaves 12.1 mm"),
     ];
     let one = |(name, score, after_m, why_not): (&str, f64, f64, &str)| Candidate {
         name: name.to_owned(),

@@ -78,7 +78,8 @@ fn tiles(story: &Story) -> Html {
         ratio if ratio == NONE => String::new(),
         ratio => format!("{ratio} the noise floor"),
     };
-    let mut tiles = vec![tile("Error of the model as given", millimetres(gap.before_m), over(gap.before_m))];
+    let mut tiles =
+        vec![tile(&format!("Error of the {}", story.before()), millimetres(gap.before_m), over(gap.before_m))];
     if story.changed() {
         tiles.push(tile("Error with the effects", millimetres(gap.after_m), over(gap.after_m)));
     }

@@ -107,7 +107,11 @@ fn missing(story: &Story) -> Html {
     };
     // More tests than this one decide, and how much it would be: the verdict has them all.
     let verdict = story.findings.verdict;
-    let mut rows = vec![row("as given", &story.findings.missing_before, verdict != Verdict::Consistent)];
+    let mut rows = vec![row(
+        if story.calibrated { "as calibrated" } else { "as given" },
+        &story.findings.missing_before,
+        verdict != Verdict::Consistent,
+    )];
     if story.changed() {
         rows.push(row("with the effects", &story.findings.missing_after, verdict == Verdict::Unexplained));
     }

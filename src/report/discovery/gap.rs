@@ -79,7 +79,7 @@ fn heading(canvas: &mut Canvas, words: &str, baseline: f64, width: f64) {
 /// Before and after.
 fn proof(story: &Story) -> Vec<Bar> {
     let gap = &story.findings.gap;
-    let given = Bar { name: "model as given".to_owned(), size_m: gap.before_m, colour: VERMILION };
+    let given = Bar { name: story.before().to_owned(), size_m: gap.before_m, colour: VERMILION };
     let names: Vec<&str> = story.findings.effects.iter().map(|effect| effect.name.as_str()).collect();
     let name = if names.len() == 1 { format!("with {}", names[0]) } else { "with the effects found".to_owned() };
     let found = story.changed().then_some(Bar { name, size_m: gap.after_m, colour: BLUE });

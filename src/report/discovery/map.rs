@@ -25,7 +25,7 @@ pub(super) fn draw(story: &Story, width: f64) -> Option<Canvas> {
     y = arrows::draw(&mut canvas, residuals, story.findings.noise_floor_m, both, y);
     if both {
         y += 16.0;
-        let words = "before: the model as given; after: the model with the effects found";
+        let words = format!("before: the {}; after: the model with the effects found", story.before());
         canvas.text(Text::new(words, [12.0, y], SMALL, Align::Left).colour(GREY));
     }
     canvas.height = (y + 14.0).ceil();

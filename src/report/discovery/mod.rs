@@ -45,6 +45,8 @@ pub struct Story<'a> {
     pub residuals: &'a [ResidualRow],
     /// The places that were looked at, in the order in which they are to be shown.
     pub places: &'a [PlaceRow],
+    /// Whether the model was calibrated on a baseline: all that is told "before" is of the calibrated model then.
+    pub calibrated: bool,
     /// Texts of the effects; those that are not named in the findings are not used.
     pub effects: &'a [EffectText],
     /// The model as given, YAML.
@@ -66,6 +68,11 @@ impl Story<'_> {
         gap.after_m.is_finite() && gap.after_m != gap.before_m
             || self.residuals.iter().any(other)
             || self.places.iter().any(moved)
+    }
+
+    /// What the model without the effects is called.
+    fn before(&self) -> &'static str {
+        if self.calibrated { "calibrated model" } else { "model as given" }
     }
 
     /// What the catalogue says of an effect.

@@ -25,15 +25,15 @@ pub(super) fn candidates(story: &Story) -> Html {
     }
     let more = candidates.len().saturating_sub(CANDIDATES);
     let beyond = if more > 0 { format!(" {more} more stand in candidates.csv.") } else { String::new() };
-    let note = "Score: how much better the data are explained than by the model as given (2 ln of the likelihood), less a \
-                penalty for parameters and for the number of candidates; more is better. Errors are on trials that the \
-                candidate’s fit has not seen, without what is uncertain of any robot or in common with the baseline: the \
-                model alone, as in the proof, may err by more.";
+    let before = story.before();
+    let note = format!(
+        "Score: how much better the data are explained than by the {before} (2 ln of the likelihood), less a penalty for \
+         parameters and for the number of candidates; more is better. Errors are on trials that the candidate’s fit has \
+         not seen, without what is uncertain of any robot or in common with the baseline: the model alone, as in the \
+         proof, may err by more."
+    );
     let header = ["candidate", "score", "error", "over the floor", "why not"];
-    section(
-        "What else was considered",
-        lines([table(&header, rows), words("p class=\"note\"", note.to_owned() + &beyond)]),
-    )
+    section("What else was considered", lines([table(&header, rows), words("p class=\"note\"", note + &beyond)]))
 }
 
 /// A score; what is close to a threshold is shown with a decimal.
