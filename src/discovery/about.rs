@@ -1,10 +1,11 @@
 //! The best set of effects, with all that depends on what is uncertain beside it.
 
 use super::hypothesis::effects;
+use super::left::Left;
 use super::missing::Missing;
 use super::nuisance::Nuisances;
 use super::play;
-use super::question::{Left, Question};
+use super::question::Question;
 use super::refit::{Fitted, Study};
 use super::samples::Samples;
 use super::search::Found;
@@ -27,7 +28,8 @@ impl Question<'_> {
     /// All about the set that fits `best`.
     pub(super) fn about(&self, best: &Fitted) -> About {
         let (samples, nuisances, fitted) = self.beside(best);
-        let (missing, left) = self.missing(&fitted.explained, &fitted.played);
+        let missing = self.foretold(&fitted.explained, &fitted.played);
+        let left = self.left(&samples, &nuisances, &fitted, &missing);
         About { samples, nuisances, fitted, missing, left }
     }
 

@@ -1,14 +1,12 @@
 //! A question: the model, its samples, and what has been found out about them before anything is named.
 
 use super::error::DiscoveryError;
-use super::features::circumstances;
 use super::hypothesis::{Hypothesis, Member, hypotheses};
-use super::missing::{Missing, missing};
 use super::nuisance::{Column, Explained, Nuisances};
 use super::options::Options;
 use super::refit::{Fitted, Study};
 use super::samples::{Samples, rms_m};
-use super::{baseline, check, floor, play, proof, responses, uneven};
+use super::{baseline, check, floor, play, proof, responses};
 use crate::data::Recording;
 use crate::effects::Model;
 use crate::math::distribution::f_above;
@@ -32,15 +30,6 @@ pub(super) struct Question<'a> {
     pub(super) nuisances: Nuisances,
     /// Whether markers on the base show it standing as in the model.
     pub(super) base_stands: bool,
-}
-
-/// Whether something is left.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Left {
-    /// By a chance below `false_alarm`.
-    pub(super) certainly: bool,
-    /// By one that is worth a longer search.
-    pub(super) possibly: bool,
 }
 
 impl<'a> Question<'a> {
@@ -106,34 +95,6 @@ impl<'a> Question<'a> {
         }
     }
 
-    /// Whether the samples of the fit hold more than nuisances and noise.
-    pub(super) fn missing(&self, explained: &Explained, played: &[f64]) -> (Missing, Left) {
-        let around = circumstances(&self.fit, played);
-        let found = missing(&self.fit, &around, &explained.left_m, self.options.seed());
-        let floor_m = explained.noise.rms_m();
-        let least_m = self.least_left_m(floor_m);
-        let inexact_m = least_m.max(self.inexact_m(played));
-        // More scatter than where the same thing was measured again; scatter that hardly changes from one sample to the
-        // next is no tracker's, and little more of it is enough.
-        let floor = floor::Floor::of_repeats(&self.fit, explained.noise.correlation);
-        let scatters = floor.p_value(floor_m.powi(2), explained.noise.freedom(self.fit.len()));
-        let more_m = (floor_m.powi(2) - floor.rms_m().powi(2)).max(0.0).sqrt();
-        let slow =
-            explained.noise.correlation > SLOW && scatters < SLOW_CHANCE && more_m > self.options.least_m(&self.model);
-        let spread = uneven::uneven(&self.fit, explained);
-        let bias = floor::bias(&self.fit, &explained.left_m, &explained.noise);
-        // Each test's chance, and whether what it found is large enough to matter.
-        let tests = [
-            (found.test.p_value, found.test.foretold_m > least_m),
-            (scatters, more_m > least_m),
-            (spread.p_value, spread.more_m > inexact_m),
-            (bias.p_value, bias.rms_m > inexact_m),
-        ];
-        let below = |chance: f64| tests.iter().any(|(p_value, large)| *large && *p_value < chance);
-        let certainly = slow || below(self.options.false_alarm);
-        (found, Left { certainly, possibly: certainly || below(DOUBTFUL / tests.len() as f64) })
-    }
-
     /// Whether trials that took no part scatter more about `answer` than those of its fit, what is uncertain of any robot
     /// within what the fit leaves of it. `played`: where the model with the answer has the tip in them.
     pub(super) fn speaks_against(&self, study: &Study, answer: &Fitted, played: &[f64]) -> bool {
@@ -189,12 +150,12 @@ impl<'a> Question<'a> {
     }
 
     /// What is left beside noise of this size, metres, matters beyond so much.
-    fn least_left_m(&self, floor_m: f64) -> f64 {
+    pub(super) fn least_left_m(&self, floor_m: f64) -> f64 {
         self.options.least_m(&self.model).max(self.options.least_foretold * floor_m)
     }
 
     /// What the laws of the effects that bring the tip to `played` are off by, at their best, metres.
-    fn inexact_m(&self, played: &[f64]) -> f64 {
+    pub(super) fn inexact_m(&self, played: &[f64]) -> f64 {
         let moved: Vec<f64> = played.iter().zip(&self.played).map(|(with, without)| with - without).collect();
         self.options.least_share * rms_m(&moved)
     }
@@ -202,13 +163,6 @@ impl<'a> Question<'a> {
 
 /// Tolerance of a rest over that of a step in time.
 const STATIC_SHARE: f64 = 0.3;
-/// Correlation from one sample to the next beyond which what is left is not a tracker's noise.
-const SLOW: f64 = 0.8;
-/// Chance below which such a residual is more than the repeats' noise.
-const SLOW_CHANCE: f64 = 0.05;
-/// Chance of any test below which the search goes on before it says that nothing is missing.
-const DOUBTFUL: f64 = 0.05;
-
 /// What a calibrated model leaves in a baseline is doubtful beyond so much, metres, and so many times the noise.
 const LARGE_FORM_M: f64 = 2e-3;
 const LARGE_FORM: f64 = 3.0;

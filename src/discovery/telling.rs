@@ -33,7 +33,7 @@ impl Question<'_> {
     pub(super) fn discovery(&self, given: &Model, measured: &Recording, about: &About, found: &Found) -> Discovery {
         let best = &found.best.fitted;
         let study = &Study { nuisances: &about.nuisances, samples: &about.samples, ..self.study() };
-        let (before, _) = self.missing(&found.null.fitted.explained, &self.played);
+        let before = self.foretold(&found.null.fitted.explained, &self.played);
         let after = &about.missing;
         let proved = self.proved(
             study,
@@ -55,7 +55,8 @@ impl Question<'_> {
         let mut model = self.model.clone();
         model.robot.resolution = given.robot.resolution;
         model.effects.extend(proved.added.iter().cloned());
-        let remarks = self.remarks(named).into_iter().chain(self.unplayable(&model));
+        let tolerated = about.left.tolerated_m.filter(|_| named).map(words::tolerated);
+        let remarks = self.remarks(named).into_iter().chain(tolerated).chain(self.unplayable(&model));
         let mut findings = Findings {
             verdict: answer.verdict,
             effects: answer.effects.clone(),

@@ -1,0 +1,92 @@
+//! Whether a set of effects leaves more of the samples than nuisances and noise: five tests, each of which sees what others
+//! miss.
+
+use nalgebra::{DMatrix, DVectorView};
+
+use super::features::circumstances;
+use super::missing::{Missing, missing};
+use super::nuisance::{Explained, Nuisances};
+use super::question::Question;
+use super::refit::Fitted;
+use super::samples::Samples;
+use super::together::together;
+use super::{floor, uneven};
+
+/// Whether something is left.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Left {
+    /// By a chance below `false_alarm`.
+    pub(super) certainly: bool,
+    /// By one that is worth a longer search.
+    pub(super) possibly: bool,
+    /// What all effects together would certainly explain of it, but no more than laws may be off by, metres.
+    pub(super) tolerated_m: Option<f64>,
+}
+
+/// Correlation from one sample to the next beyond which what is left is not a tracker's noise.
+const SLOW: f64 = 0.8;
+/// Chance below which such a residual is more than the repeats' noise.
+const SLOW_CHANCE: f64 = 0.05;
+/// Chance of any test below which the search goes on before it says that nothing is missing.
+const DOUBTFUL: f64 = 0.05;
+/// Laws without a shape that is fitted are off by this share of what others are.
+const WITHOUT_SHAPE: f64 = 0.5;
+
+impl Question<'_> {
+    /// Whether what is left of the samples of the fit can be foretold.
+    pub(super) fn foretold(&self, explained: &Explained, played: &[f64]) -> Missing {
+        let around = circumstances(&self.fit, played);
+        missing(&self.fit, &around, &explained.left_m, self.options.seed())
+    }
+
+    /// Whether `fitted` leaves more than the `nuisances` beside it and noise of the `samples`, which may be the fit's without
+    /// what its steps in time are off by; `foretold`: what can be foretold of it.
+    pub(super) fn left(&self, samples: &Samples, nuisances: &Nuisances, fitted: &Fitted, foretold: &Missing) -> Left {
+        let explained = &fitted.explained;
+        let floor_m = explained.noise.rms_m();
+        let model_m = self.options.least_m(&self.model);
+        let least_m = self.least_left_m(floor_m);
+        let inexact_m = least_m.max(self.inexact_m(&fitted.played));
+        // More scatter than where the same thing was measured again; scatter that hardly changes from one sample to the
+        // next is no tracker's, and little more of it is enough.
+        let floor = floor::Floor::of_repeats(&self.fit, explained.noise.correlation);
+        let scatters = floor.p_value(floor_m.powi(2), explained.noise.freedom(self.fit.len()));
+        let more_m = (floor_m.powi(2) - floor.rms_m().powi(2)).max(0.0).sqrt();
+        let slow = explained.noise.correlation > SLOW && scatters < SLOW_CHANCE && more_m > model_m;
+        let spread = uneven::uneven(&self.fit, explained);
+        let bias = floor::bias(&self.fit, &explained.left_m, &explained.noise);
+        let together = together(samples, nuisances, fitted, &self.answers());
+        let (together, together_m) = together.map_or((1.0, 0.0), |found| (found.p_value, found.more_m));
+        // It is the part alone of what is left that the catalogue reaches, so its share of the noise says little.
+        let tolerable_m = model_m.max(self.laws_m(fitted));
+        // Each test's chance, and whether what it found is large enough to matter.
+        let tests = [
+            (foretold.test.p_value, foretold.test.foretold_m > least_m),
+            (scatters, more_m > least_m),
+            (spread.p_value, spread.more_m > inexact_m),
+            (bias.p_value, bias.rms_m > inexact_m),
+            (together, together_m > tolerable_m),
+        ];
+        let below = |chance: f64| tests.iter().any(|(p_value, large)| *large && *p_value < chance);
+        let certainly = slow || below(self.options.false_alarm);
+        let possibly = certainly || below(DOUBTFUL / tests.len() as f64);
+        let is_tolerated = together < self.options.false_alarm && together_m > model_m && together_m <= tolerable_m;
+        Left { certainly, possibly, tolerated_m: is_tolerated.then_some(together_m) }
+    }
+
+    /// What the laws of the members may be off by, metres. Those of how a rod's material gives way stand for many; geometry
+    /// is known better.
+    fn laws_m(&self, fitted: &Fitted) -> f64 {
+        let shaped = fitted.members.iter().any(|member| self.hypotheses[member.hypothesis].has_shape());
+        let share = if shaped { 1.0 } else { WITHOUT_SHAPE };
+        share * self.inexact_m(&fitted.played)
+    }
+
+    /// How the tip answers to a little of every effect that could be the answer, a column a size.
+    fn answers(&self) -> DMatrix<f64> {
+        let open = self.study().open;
+        let own = self.responses.iter().filter(|response| open[response.hypothesis]);
+        let columns: Vec<DVectorView<f64>> = own.flat_map(|response| response.columns.column_iter()).collect();
+        DMatrix::from_fn(3 * self.fit.len(), columns.len(), |row, k| columns[k][row])
+    }
+}
