@@ -193,6 +193,23 @@ fn of_several_recordings_the_bad_one_is_named() {
     bench.twin("part.csv", 50, &|_, cells| cells);
     let within = bench.refused("discover --model NOMINAL --measured first.csv part.csv --out out");
     assert!(within.contains("part.csv: found the recording") && within.contains("first.csv again"), "{within}");
+    // Where the tracker lost the tip it did so in the copy, too.
+    let lost = |(row, line): (usize, &str)| match row {
+        0 => format!("{line},valid\n"),
+        7 => format!("{},nan,nan,nan,0\n", line.rsplitn(4, ',').last().unwrap()),
+        _ => format!("{line},1\n"),
+    };
+    bench.put("lost.csv", &text.lines().enumerate().map(lost).collect::<String>());
+    bench.put("lost_part.csv", &bench.read("part.csv").lines().enumerate().map(lost).collect::<String>());
+    let within = bench.refused("discover --model NOMINAL --measured lost.csv lost_part.csv --out out");
+    assert!(within.contains("lost.csv again"), "{within}");
+    // What is wrong with all of them together is said of all.
+    let line = |k: usize| text.lines().nth(k).unwrap();
+    bench.put("short_1.csv", &[line(0), line(1), line(2), ""].join("\n"));
+    let (other, _) = line(2).rsplit_once(',').unwrap();
+    bench.put("short_2.csv", &[line(0), line(1), &format!("{other},0.2180"), ""].join("\n"));
+    let few = bench.refused("discover --model NOMINAL --measured short_1.csv short_2.csv --out out");
+    assert!(few.contains("short_1.csv") && few.contains("short_2.csv: tracked rows: found 4"), "{few}");
     bench.ok("discover --model NOMINAL --measured first.csv --baseline part.csv --out own");
     assert!(bench.read("own/findings.json").contains("trials that the calibration has seen prove nothing"));
 }

@@ -154,9 +154,11 @@ impl Discover {
         unreachable!("the rounds are counted")
     }
 
-    /// Data that allow no answer, with the file that they are in and the number of a trial there.
+    /// Data that allow no answer, with the file that they are in and the number of a trial there; with all files where it is
+    /// all of them.
     fn refusal(&self, error: &DiscoveryError, measured: &Recording, trials: &[(&Path, u64)]) -> Ended {
         let told = |file: &Path, error: &DiscoveryError| Ended::BadInput(format!("{}: {error}", file.display()));
+        let all = || self.measured.iter().map(|file| file.display().to_string()).collect::<Vec<_>>().join(", ");
         match error {
             DiscoveryError::Baseline(_) => told(self.baseline.as_ref().unwrap_or(&self.model), error),
             DiscoveryError::Option(_) => told(self.options.as_ref().unwrap_or(&self.model), error),
@@ -164,10 +166,10 @@ impl Discover {
                 let later = measured.trials().iter().rev().position(|(known, _)| known == number);
                 match later.and_then(|later| trials.iter().rev().nth(later)) {
                     Some((file, own)) => told(file, &DiscoveryError::Unplayable(*own)),
-                    None => told(&self.measured[0], error),
+                    None => Ended::BadInput(format!("{}: {error}", all())),
                 }
             }
-            _ => told(&self.measured[0], error),
+            _ => Ended::BadInput(format!("{}: {error}", all())),
         }
     }
 

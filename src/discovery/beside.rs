@@ -50,11 +50,10 @@ impl Study<'_> {
             let costs = self.penalty(std::slice::from_ref(&promise.member));
             let wanted = start.explained.deviance - (enough - base.score) - costs;
             let begun = coarse.begun(&start, &promise.member)?;
-            // Where an answer rises and falls, the way from nothing says nothing of the way on.
-            let jacobian = if self.hypotheses[promise.member.hypothesis].scan().is_empty() {
-                coarse.known_slopes(&start, &promise.member, &responses[promise.response])
-            } else {
+            let jacobian = if self.hypotheses[promise.member.hypothesis].rises_and_falls() {
                 coarse.derivative(&begun)?
+            } else {
+                coarse.known_slopes(&start, &promise.member, &responses[promise.response])
             };
             let fitted = coarse.rough_fit(begun, jacobian, wanted)?;
             let last = fitted.members.len() - 1;

@@ -158,8 +158,9 @@ impl<'a> Far<'a> {
 
     /// All looks at a hypothesis, of which a little answers with `response`.
     fn looks(&self, response: &Response, here: &[f64]) -> Vec<Response> {
-        let scan = self.study.hypotheses[response.hypothesis].scan();
-        if !scan.is_empty() {
+        let hypothesis = &self.study.hypotheses[response.hypothesis];
+        if hypothesis.rises_and_falls() {
+            let scan = hypothesis.scan();
             let look = |&step: &f64| {
                 let (look, _) = self.look(response, here, &[step])?;
                 Some(Tried { step, left: self.screen.left_by((&look.columns * step).as_slice()), look })

@@ -140,6 +140,11 @@ impl Hypothesis {
         self.fields.iter().zip(values).map(null).collect()
     }
 
+    /// Whether what a little of it does says nothing of the way on.
+    pub(super) fn rises_and_falls(&self) -> bool {
+        !self.scan().is_empty()
+    }
+
     /// Steps from nothing to each of the sizes that are looked at whatever a little of the effect promises.
     pub(super) fn scan(&self) -> Vec<f64> {
         let steps = |field: &Field| match *field {

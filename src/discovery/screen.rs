@@ -94,7 +94,7 @@ impl<'a> Screen<'a> {
 
     fn promise(&self, number: usize, response: &Response) -> Option<Promise> {
         let hypothesis = &self.hypotheses[response.hypothesis];
-        if let Some(step) = response.step.as_ref().filter(|_| !hypothesis.scan().is_empty()) {
+        if let Some(step) = response.step.as_ref().filter(|_| hypothesis.rises_and_falls()) {
             return self.promise_as_it_is(number, response, step);
         }
         let columns = self.noise.whitened(&self.samples, &response.columns);

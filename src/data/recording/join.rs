@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::{Actuation, Pose, Recording};
-use crate::base::{Point3, Rows};
+use crate::base::Rows;
 
 /// Recordings that cannot be taken together.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -49,12 +49,16 @@ impl Recording {
         Ok(all)
     }
 
-    /// Whether every trial of `part` is one of this recording's: the same commands at the same times with the same tips.
+    /// Whether every trial of `part` is one of this recording's: the same commands at the same times with the same tips. A
+    /// tip that was lost is the same as another one.
     pub fn holds(&self, part: &Recording) -> bool {
-        let rows = |of: &Recording, range: Range<usize>| -> Vec<(f64, Vec<f64>, Option<Point3>)> {
-            range
-                .map(|row| (of.time_s[row], of.commands.row(row).to_vec(), of.tip_m.as_ref().map(|tip| tip[row])))
-                .collect()
+        let rows = |of: &Recording, range: Range<usize>| -> Vec<u64> {
+            let bits = |row: usize| -> Vec<u64> {
+                let tip = of.tip_m.iter().flat_map(|tip| tip[row]);
+                let values = [of.time_s[row]].into_iter().chain(of.commands.row(row).iter().copied()).chain(tip);
+                values.map(|value| if value.is_nan() { f64::NAN.to_bits() } else { (value + 0.0).to_bits() }).collect()
+            };
+            range.flat_map(bits).collect()
         };
         let own: Vec<_> = self.trials().into_iter().map(|(_, range)| rows(self, range)).collect();
         !part.is_empty() && part.trials().into_iter().all(|(_, range)| own.contains(&rows(part, range)))

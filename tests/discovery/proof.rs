@@ -1,0 +1,75 @@
+//! Trials that take no part in naming: what they prove and refute.
+
+use spinebench::data::Recording;
+use spinebench::data::findings::Verdict;
+use spinebench::discovery::Options;
+
+use super::support::{NOISE_M, found, names, recorded};
+
+/// Held-out trials take no part in naming or fitting: other data there change nothing but the proof.
+#[test]
+fn the_proof_is_kept_apart() {
+    let mut measured = recorded("- tip_load: {mass_kg: 0.006}", 4, 5, 0.0);
+    let first = found(&measured, &Options::default());
+    for row in 0..measured.len() {
+        if first.findings.gap.held_out_trials.contains(&measured.trial[row]) {
+            measured.tip_m.as_mut().unwrap()[row][1] += 1e-4;
+        }
+    }
+    let second = found(&measured, &Options::default());
+    assert_eq!(first.findings.effects, second.findings.effects);
+    assert_eq!(first.findings.candidates, second.findings.candidates);
+    assert_eq!(first.findings.missing_after, second.findings.missing_after);
+    assert_ne!(first.findings.gap, second.findings.gap);
+}
+
+/// Trials in which the tracker saw nothing are neither fitted nor a proof.
+#[test]
+fn trials_without_tracking_prove_nothing() {
+    let measured = recorded("- tip_load: {mass_kg: 0.006}", 4, 5, 0.0);
+    let last = *measured.trial.last().unwrap();
+    let lost = |trial: u64| trial == last || trial == measured.trial[0];
+    let valid = measured.trial.iter().map(|&trial| !lost(trial)).collect();
+    let measured = Recording { valid: Some(valid), ..measured.clone() };
+    let found = found(&measured, &Options::default());
+    // One trial to fit may leave a load and a heavier rod alike.
+    assert_eq!(names(&found)[0], "tip_load");
+    let gap = &found.findings.gap;
+    assert!(gap.held_out_trials.len() == 1 && !lost(gap.held_out_trials[0]), "{gap:?}");
+    assert!(gap.before_m > gap.after_m && gap.after_m > NOISE_M, "{gap:?}");
+}
+
+/// A name that held-out trials do not bear out is taken back, though they had no part in finding it.
+#[test]
+fn held_out_trials_can_refute_an_answer() {
+    let mut measured = recorded("- tip_load: {mass_kg: 0.01}", 4, 5, 0.0);
+    let first = found(&measured, &Options::default());
+    assert_eq!(first.findings.verdict, Verdict::Named);
+    for row in 0..measured.len() {
+        if first.findings.gap.held_out_trials.contains(&measured.trial[row]) {
+            // Still far nearer to the answer than to the model without it.
+            measured.tip_m.as_mut().unwrap()[row][1] += 1.2e-3 * (0.7 * row as f64).sin();
+        }
+    }
+    let second = found(&measured, &Options::default());
+    assert_eq!(second.findings.verdict, Verdict::Unexplained, "{}", second.findings.summary);
+    assert_eq!(first.findings.candidates[0].name, second.findings.candidates[0].name);
+    assert!(second.model.effects.is_empty());
+}
+
+/// Silence is an answer, too: where only held-out trials show a gap, it is not said that there is none.
+#[test]
+fn held_out_trials_can_refute_silence() {
+    let mut measured = recorded("[]", 4, 7, 0.0);
+    let first = found(&measured, &Options::default());
+    assert_eq!(first.findings.verdict, Verdict::Consistent);
+    for row in 0..measured.len() {
+        if first.findings.gap.held_out_trials.contains(&measured.trial[row]) {
+            // The base was bumped before this trial.
+            measured.tip_m.as_mut().unwrap()[row][1] += 3e-3;
+        }
+    }
+    let second = found(&measured, &Options::default());
+    assert_eq!(second.findings.verdict, Verdict::Unexplained, "{}", second.findings.summary);
+    assert!(second.findings.gap.before_m > 2e-3 && second.model.effects.is_empty());
+}

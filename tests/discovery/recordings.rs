@@ -1,0 +1,103 @@
+//! What recordings may be like: without noise, of another simulator, with markers on the base, or of no use.
+
+use spinebench::base::Rows;
+use spinebench::data::Recording;
+use spinebench::data::findings::Verdict;
+use spinebench::data::recording::Pose;
+use spinebench::discovery::{Discovery, DiscoveryError, Options, discover};
+use spinebench::effects::Model;
+use spinebench::tasks::{PlayOptions, play};
+
+use super::common;
+use super::support::{found, names, nominal, recorded, told, trials, twin};
+
+/// A recording that was simulated, without noise: it is as wrong as the simulator's steps, the same in every trial.
+#[test]
+fn a_recording_without_noise_is_one_like_others() {
+    let commands = trials(&twin("nothing"), 0, 6);
+    let simulated = |effects: &str| {
+        let model = Model { effects: common::effects(effects), ..nominal() };
+        let recording = play(&model, &commands, &PlayOptions::default());
+        found(&Recording { tip_quaternion: None, ..recording }, &Options::default())
+    };
+    let nothing = simulated("[]");
+    assert_eq!(nothing.findings.verdict, Verdict::Consistent, "{}", nothing.findings.summary);
+    let load = simulated("- tip_load: {mass_kg: 0.01}");
+    assert_eq!((load.findings.verdict, names(&load)), (Verdict::Named, vec!["tip_load"]), "{}", load.findings.summary);
+    assert!((told(&load, "mass_kg").0 - 0.01).abs() < 2e-4);
+    assert!(load.findings.gap.after_m < 0.03 * load.findings.gap.before_m, "{:?}", load.findings.gap);
+}
+
+#[test]
+fn the_same_data_give_the_same_answer() {
+    let measured = recorded("- delay: {time_s: 0.1}", 3, 6, 0.0);
+    let (a, b) = (found(&measured, &Options::default()), found(&measured, &Options::default()));
+    assert_eq!(a.findings, b.findings);
+    assert_eq!(a.model, b.model);
+}
+
+/// Another simulator, a chain of rigid bodies: what the baseline has in common with the recording is no discovery.
+#[test]
+fn recordings_of_another_simulator_are_understood() {
+    let baseline = twin("baseline");
+    let with = |name: &str| discover(&nominal(), &twin(name), Some(&baseline), &Options::default()).unwrap();
+    let nothing = with("nothing");
+    assert_eq!(nothing.findings.verdict, Verdict::Consistent, "{}", nothing.findings.summary);
+    let load = with("tip_load_10g");
+    assert_eq!((load.findings.verdict, names(&load)), (Verdict::Named, vec!["tip_load"]), "{}", load.findings.summary);
+    // Two simulators of one robot agree on what a load does to a tenth.
+    assert!((told(&load, "mass_kg").0 - 0.01).abs() < 1e-3);
+    let friction = with("friction");
+    assert_eq!((friction.findings.verdict, names(&friction)), (Verdict::Named, vec!["friction"]));
+    assert!((told(&friction, "moment_nm").0 - 0.02).abs() < 2e-3);
+    // With a baseline that was itself recorded under a load, the answer is worth little, and says so.
+    let doubts =
+        |found: &Discovery| found.findings.limitations.iter().filter(|told| told.contains("model is still")).count();
+    assert_eq!([&nothing, &load, &friction].map(doubts), [0; 3]);
+    let loaded = twin("tip_load_10g");
+    let other = discover(&nominal(), &twin("nothing"), Some(&loaded), &Options::default()).unwrap();
+    assert_eq!(doubts(&other), 1, "{:?}", other.findings.limitations);
+}
+
+#[test]
+fn a_model_that_cannot_be_played_at_its_own_resolution_says_so() {
+    let mut model = nominal();
+    let measured = recorded("", 4, 3, 0.0);
+    let told = |model: &Model| {
+        let found = discover(model, &measured, None, &Options::default()).unwrap();
+        found.findings.limitations.iter().any(|told| told.contains("own resolution"))
+    };
+    assert!(!told(&model));
+    // Finer than numbers of sixteen digits can be.
+    model.robot.resolution.static_tolerance_m = 1e-20;
+    assert!(told(&model));
+}
+
+/// Markers on the base say that it stands straight: a turned frame is not called a tilted base.
+#[test]
+fn base_markers_tell_a_turned_frame_from_a_tilted_base() {
+    let mut measured = recorded("- base_tilt: {tilt_x_rad: 0.02, tilt_y_rad: 0.0}", 4, 9, 0.0);
+    assert_eq!(names(&found(&measured, &Options::default())), ["base_tilt"]);
+    let straight = Pose { position_m: [0.0; 3], quaternion: [1.0, 0.0, 0.0, 0.0] };
+    measured.base = Some(vec![straight; measured.len()]);
+    assert!(!names(&found(&measured, &Options::default())).contains(&"base_tilt"));
+}
+
+#[test]
+fn data_that_allow_no_answer_are_refused() {
+    let refuse = |measured: &Recording| discover(&nominal(), measured, None, &Options::default()).unwrap_err();
+    let whole = twin("nothing");
+    assert!(matches!(refuse(&trials(&whole, 0, 1)), DiscoveryError::TooFew { what: "tracked trials", .. }));
+    let mut frozen = trials(&whole, 0, 3);
+    frozen.tip_m.as_mut().unwrap().fill([0.0, 0.0, 0.2]);
+    assert!(matches!(refuse(&frozen), DiscoveryError::Constant { column: "tip_x_m,tip_y_m,tip_z_m", .. }));
+    let mut lost = trials(&whole, 0, 3);
+    lost.valid = Some((0..lost.len()).map(|row| row % 10 == 0).collect());
+    assert!(matches!(refuse(&lost), DiscoveryError::TooFew { what: "tracked rows", .. }));
+    let mut still = trials(&whole, 0, 3);
+    let home = vec![0.0; 4];
+    let mut commands = Rows::new(4);
+    (0..still.len()).for_each(|_| commands.push(&home));
+    still.commands = commands;
+    assert!(matches!(refuse(&still), DiscoveryError::Constant { column: "tendon_1_m…", .. }));
+}

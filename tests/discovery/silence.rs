@@ -1,0 +1,47 @@
+//! Where nothing is hidden, or nothing that the catalogue has, or not quite that.
+
+use spinebench::data::findings::Verdict;
+use spinebench::discovery::Options;
+
+use super::support::{NOISE_M, explored, found, names, recorded};
+
+#[test]
+fn nothing_is_found_where_nothing_is_hidden() {
+    for (seed, correlation) in [(7, 0.0), (8, 0.6)] {
+        let found = found(&recorded("[]", 4, seed, correlation), &Options::default());
+        assert_eq!(found.findings.verdict, Verdict::Consistent, "{}", found.findings.summary);
+        assert!(found.findings.effects.is_empty() && found.model.effects.is_empty());
+        let floor = found.findings.noise_floor_m / (3.0_f64.sqrt() * NOISE_M);
+        assert!((0.8..1.2).contains(&floor), "{floor}");
+        assert_eq!(found.findings.gap.before_m, found.findings.gap.after_m);
+    }
+}
+
+/// What is in no catalogue is not given a name that is.
+#[test]
+fn what_the_catalogue_lacks_is_unexplained() {
+    let options = Options { left_out: vec!["actuator_offset".to_owned()], ..Options::default() };
+    let found = found(&recorded("- actuator_offset: {tendon: 3, offset_m: 0.003}", 4, 3, 0.0), &options);
+    assert_eq!(found.findings.verdict, Verdict::Unexplained, "{}", found.findings.summary);
+    assert!(found.findings.effects.is_empty() && found.model.effects.is_empty());
+    assert!(!found.findings.pattern.is_empty());
+}
+
+/// A softer section near the base stands for a spine that yields more, in so many ways a little badly that no other test
+/// is sure of any.
+#[test]
+fn what_only_resembles_the_gap_is_unexplained() {
+    let options = Options { left_out: vec!["spine_compressibility".to_owned()], ..Options::default() };
+    let found = found(&explored("- spine_compressibility: {scale: 1.25}", 8, 2), &options);
+    assert_eq!(found.findings.verdict, Verdict::Unexplained, "{}", found.findings.summary);
+}
+
+/// Friction, half of which slips early and half late.
+#[test]
+fn a_law_that_is_nearly_the_robots_is_named_and_what_it_leaves_is_said() {
+    let half = |yield_rad_m: f64| format!("- friction: {{moment_nm: 0.01, yield_rad_m: {yield_rad_m}}}");
+    let found = found(&explored(&[half(0.2), half(0.6)].join("\n"), 8, 2), &Options::default());
+    assert_eq!(names(&found), ["friction"], "{}", found.findings.summary);
+    let said = &found.findings.limitations;
+    assert!(said.iter().any(|said| said.contains("not all noise")), "{said:?}");
+}
