@@ -29,7 +29,7 @@ impl Question<'_> {
     pub(super) fn about(&self, best: &Fitted) -> About {
         let (samples, nuisances, fitted) = self.beside(best);
         let missing = self.foretold(&fitted.explained, &fitted.played);
-        let left = self.left(&samples, &nuisances, &fitted, &missing);
+        let left = self.left(&nuisances, &fitted, &missing);
         About { samples, nuisances, fitted, missing, left }
     }
 

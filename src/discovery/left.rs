@@ -8,7 +8,6 @@ use super::missing::{Missing, missing};
 use super::nuisance::{Explained, Nuisances};
 use super::question::Question;
 use super::refit::Fitted;
-use super::samples::Samples;
 use super::together::together;
 use super::{floor, uneven};
 
@@ -29,7 +28,7 @@ const SLOW: f64 = 0.8;
 const SLOW_CHANCE: f64 = 0.05;
 /// Chance of any test below which the search goes on before it says that nothing is missing.
 const DOUBTFUL: f64 = 0.05;
-/// Laws without a shape that is fitted are off by this share of what others are.
+/// Effects without a shape or a place are off by this share of `least_share`.
 const WITHOUT_SHAPE: f64 = 0.5;
 
 impl Question<'_> {
@@ -39,9 +38,8 @@ impl Question<'_> {
         missing(&self.fit, &around, &explained.left_m, self.options.seed())
     }
 
-    /// Whether `fitted` leaves more than the `nuisances` beside it and noise of the `samples`, which may be the fit's without
-    /// what its steps in time are off by; `foretold`: what can be foretold of it.
-    pub(super) fn left(&self, samples: &Samples, nuisances: &Nuisances, fitted: &Fitted, foretold: &Missing) -> Left {
+    /// Whether `fitted` leaves more than the `nuisances` beside it and noise; `foretold`: what can be foretold of it.
+    pub(super) fn left(&self, nuisances: &Nuisances, fitted: &Fitted, foretold: &Missing) -> Left {
         let explained = &fitted.explained;
         let floor_m = explained.noise.rms_m();
         let model_m = self.options.least_m(&self.model);
@@ -55,9 +53,9 @@ impl Question<'_> {
         let slow = explained.noise.correlation > SLOW && scatters < SLOW_CHANCE && more_m > model_m;
         let spread = uneven::uneven(&self.fit, explained);
         let bias = floor::bias(&self.fit, &explained.left_m, &explained.noise);
-        let together = together(samples, nuisances, fitted, &self.answers());
-        let (together, together_m) = together.map_or((1.0, 0.0), |found| (found.p_value, found.more_m));
-        // It is the part alone of what is left that the catalogue reaches, so its share of the noise says little.
+        let all = together(&self.fit, nuisances, fitted, &self.answers());
+        let (all, all_m) = all.map_or((1.0, 0.0), |found| (found.p_value, found.more_m));
+        // That is only the part of what is left that the catalogue reaches, and not held against the noise floor.
         let tolerable_m = model_m.max(self.laws_m(fitted));
         // Each test's chance, and whether what it found is large enough to matter.
         let tests = [
@@ -65,27 +63,29 @@ impl Question<'_> {
             (scatters, more_m > least_m),
             (spread.p_value, spread.more_m > inexact_m),
             (bias.p_value, bias.rms_m > inexact_m),
-            (together, together_m > tolerable_m),
+            (all, all_m > tolerable_m),
         ];
         let below = |chance: f64| tests.iter().any(|(p_value, large)| *large && *p_value < chance);
         let certainly = slow || below(self.options.false_alarm);
         let possibly = certainly || below(DOUBTFUL / tests.len() as f64);
-        let is_tolerated = together < self.options.false_alarm && together_m > model_m && together_m <= tolerable_m;
-        Left { certainly, possibly, tolerated_m: is_tolerated.then_some(together_m) }
+        let is_tolerated = all < self.options.false_alarm && all_m > model_m && all_m <= tolerable_m;
+        Left { certainly, possibly, tolerated_m: is_tolerated.then_some(all_m) }
     }
 
-    /// What the laws of the members may be off by, metres. Those of how a rod's material gives way stand for many; geometry
-    /// is known better.
+    /// What the laws of the members may be off by, metres. Those of how a rod gives way stand for many; where there is nothing
+    /// to an effect but its size, it is known better.
     fn laws_m(&self, fitted: &Fitted) -> f64 {
         let shaped = fitted.members.iter().any(|member| self.hypotheses[member.hypothesis].has_shape());
         let share = if shaped { 1.0 } else { WITHOUT_SHAPE };
         share * self.inexact_m(&fitted.played)
     }
 
-    /// How the tip answers to a little of every effect that could be the answer, a column a size.
+    /// How the tip answers to a little of every effect that could be the answer, a column a size. Not of those that are
+    /// uncertain: together they would tell how uncertain, which is the lab's to say.
     fn answers(&self) -> DMatrix<f64> {
         let open = self.study().open;
-        let own = self.responses.iter().filter(|response| open[response.hypothesis]);
+        let asked = |number: usize| open[number] && !self.options.is_uncertain(&self.hypotheses[number]);
+        let own = self.responses.iter().filter(|response| asked(response.hypothesis));
         let columns: Vec<DVectorView<f64>> = own.flat_map(|response| response.columns.column_iter()).collect();
         DMatrix::from_fn(3 * self.fit.len(), columns.len(), |row, k| columns[k][row])
     }

@@ -3,7 +3,7 @@
 //! test (Rao, Proceedings of the Cambridge Philosophical Society 44, 1948), its noise estimated from the rest as in a test
 //! for lack of fit (Draper & Smith, Applied Regression Analysis, section 1.5).
 
-use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SymmetricEigen};
 
 use super::nuisance::Nuisances;
 use super::refit::Fitted;
@@ -14,18 +14,20 @@ use crate::math::distribution::f_above;
 pub(super) struct Together {
     /// Chance of as much from noise.
     pub(super) p_value: f64,
-    /// What they explain beyond what so many numbers explain of noise, root mean square, metres.
+    /// What they explain beyond what so many numbers explain of noise, root mean square, metres; at least, where noise is
+    /// correlated.
     pub(super) more_m: f64,
 }
 
-/// Directions in which the tip answers by less than this share of the strongest, in squares, are noise of the answers.
+/// Directions in which the tip answers by less than this share of the strongest, in squares, are noise of the answers; so
+/// are those that are weaker beside a single answer of length one.
 const LEAST_DIRECTION: f64 = 1e-3;
-/// Added to the diagonal of what is free, so that columns may be alike.
+/// Added to the diagonal of what is free, as a share of it, so that columns may be alike.
 const RIDGE: f64 = 1e-9;
 
-/// The test on what `fitted` leaves in `samples`: `nuisances` are free within their uncertainty and the members' sizes
+/// The test on what `fitted` leaves in `samples`: `nuisances` are free within their uncertainty and the members' numbers
 /// without any. `answers`: what a little of every effect does to the tip, a column each, three numbers a sample. None where
-/// nothing can be tested.
+/// there are too few samples for so many effects, or no effects.
 pub(super) fn together(
     samples: &Samples,
     nuisances: &Nuisances,
@@ -34,44 +36,52 @@ pub(super) fn together(
 ) -> Option<Together> {
     let noise = &fitted.explained.noise;
     let free = noise.whitened(samples, &nuisances.with(&fitted.jacobian));
-    let own = of_length_one(noise.whitened(samples, answers));
-    if own.is_empty() {
+    let answers = of_length_one(&noise.whitened(samples, answers));
+    if answers.is_empty() {
         return None;
     }
-    let beyond = &own - &free * factor(nuisances, &free)?.solve(&free.tr_mul(&own));
+    let factor = factor(nuisances, &free)?;
+    let beyond = &answers - &free * factor.solve(&free.tr_mul(&answers));
     let left = DVector::from_vec(noise.whiten(samples, &fitted.explained.left_m));
-    let scores = own.tr_mul(&left);
-    let directions = SymmetricEigen::new(own.tr_mul(&beyond));
-    let least = LEAST_DIRECTION * directions.eigenvalues.max();
-    let (mut explained, mut count) = (0.0, 0.0);
+    // A fit may end at the end of a range or short of its best: the members' numbers take what they still can (Neyman's
+    // C(alpha)). Nuisances are at their most likely amounts.
+    let mut pull = free.tr_mul(&left);
+    pull.rows_mut(0, nuisances.columns.ncols()).fill(0.0);
+    let left = &left - &free * factor.solve(&pull);
+    let scores = answers.tr_mul(&left);
+    let directions = SymmetricEigen::new(answers.tr_mul(&beyond));
+    let least = LEAST_DIRECTION * directions.eigenvalues.max().max(1.0);
+    let (mut taken, mut count) = (0.0, 0);
     for (direction, &variance) in directions.eigenvectors.column_iter().zip(&directions.eigenvalues) {
         if variance > least {
-            explained += direction.dot(&scores).powi(2) / variance;
-            count += 1.0;
+            taken += direction.dot(&scores).powi(2) / variance;
+            count += 1;
         }
     }
-    let numbers = left.len() as f64;
-    let freedom = numbers - count - free.ncols() as f64;
-    let rest = (left.norm_squared() - explained) / freedom;
-    (freedom >= 1.0 && rest > 0.0).then(|| Together {
-        p_value: f_above(explained / count / rest, count, freedom),
-        more_m: ((explained - count * rest).max(0.0) / numbers).sqrt() * noise.rms_m(),
+    let numbers = left.len();
+    // All that is free, though a prior leaves it less: on the safe side.
+    let freedom = numbers.checked_sub(count + free.ncols()).filter(|freedom| *freedom > 0)? as f64;
+    let rest = (left.norm_squared() - taken).max(0.0) / freedom;
+    let more = (taken - count as f64 * rest).max(0.0) / numbers as f64;
+    Some(Together {
+        p_value: f_above(taken / (count.max(1) as f64 * rest.max(f64::MIN_POSITIVE)), count as f64, freedom),
+        more_m: more.sqrt() * noise.rms_m(),
     })
 }
 
-/// Of the information on what is free; a size that nothing depends on does no harm.
-fn factor(nuisances: &Nuisances, free: &DMatrix<f64>) -> Option<Cholesky<f64, nalgebra::Dyn>> {
+/// Factor of the information on what is free; the ridge carries a column that is zero, too.
+fn factor(nuisances: &Nuisances, free: &DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
     let mut information = nuisances.information(free);
     let largest = information.diagonal().max();
-    (0..information.ncols()).for_each(|k| {
-        let own = information[(k, k)];
-        information[(k, k)] += RIDGE * if own > 0.0 { own } else { largest };
-    });
+    for k in 0..information.ncols() {
+        let diagonal = information[(k, k)];
+        information[(k, k)] += RIDGE * if diagonal > 0.0 { diagonal } else { largest };
+    }
     Cholesky::new(information)
 }
 
-/// Without columns that are zero.
-fn of_length_one(columns: DMatrix<f64>) -> DMatrix<f64> {
+/// Columns that are zero are left out.
+fn of_length_one(columns: &DMatrix<f64>) -> DMatrix<f64> {
     let kept: Vec<DVector<f64>> =
         columns.column_iter().filter(|column| column.norm() > 0.0).map(|column| column.normalize()).collect();
     DMatrix::from_fn(columns.nrows(), kept.len(), |row, k| kept[k][row])
@@ -97,6 +107,11 @@ mod tests {
 
     /// The test on noise of this correlation and so much of all waves, the first wave uncertain and the second fitted.
     fn tested(correlation: f64, each_m: f64, seed: u64) -> Together {
+        short_of_best(correlation, each_m, 0.0, seed)
+    }
+
+    /// The same where the fit of the second wave has ended by so much too soon.
+    fn short_of_best(correlation: f64, each_m: f64, short_m: f64, seed: u64) -> Together {
         let (samples, waves) = (Samples::alike(6, 50), waves());
         let (mut noise, mut last) = (white_noise(NOISE_M, seed), [0.0; 3]);
         let mut left_m = Vec::new();
@@ -110,8 +125,12 @@ mod tests {
         }
         let own = |k: usize| (waves.column(k).as_slice().to_vec(), 1.0);
         let nuisances = Nuisances::independent(900, &[own(0)]);
-        let explained = Nuisances::independent(900, &[own(0), own(1)]).explain(&samples, &left_m, 0.0);
-        let jacobian = waves.columns(1, 1).into_owned();
+        let mut explained = Nuisances::independent(900, &[own(0), own(1)]).explain(&samples, &left_m, 0.0);
+        // The effect that was fitted answers a little otherwise where it is.
+        let jacobian = waves.columns(1, 1) + 0.1 * waves.columns(4, 1);
+        for (left, answer) in explained.left_m.iter_mut().zip(jacobian.iter()) {
+            *left += short_m * answer;
+        }
         let fitted = Fitted { members: Vec::new(), explained, played: vec![0.0; 900], jacobian };
         together(&samples, &nuisances, &fitted, &waves).unwrap()
     }
@@ -134,6 +153,15 @@ mod tests {
             // Twenty-eight waves are left, each of which has half a square in one number of three.
             let more_m = (14.0_f64).sqrt() * each_m;
             assert!((found.more_m / more_m - 1.0).abs() < 0.3, "{seed}: {} of {more_m}", found.more_m);
+        }
+    }
+
+    /// As where a number ends at the end of its range.
+    #[test]
+    fn a_fit_that_ended_too_soon_is_nothing_new() {
+        for seed in 0..20 {
+            let found = short_of_best(0.0, 0.0, NOISE_M, seed);
+            assert!(found.p_value > 1e-3, "{seed}: {}", found.p_value);
         }
     }
 
