@@ -2,8 +2,6 @@
 
 use std::path::Path;
 
-use rand::RngExt;
-use rand_distr::StandardNormal;
 use spinebench::base::Seed;
 use spinebench::data::Recording;
 use spinebench::discovery::{Discovery, Options, discover};
@@ -51,18 +49,10 @@ pub(super) fn recorded(effects: &str, count: usize, seed: u64, correlation: f64)
     with_noise(recording, seed, correlation)
 }
 
-/// A recording with noise of a correlation, each trial anew.
 fn with_noise(mut recording: Recording, seed: u64, correlation: f64) -> Recording {
-    let mut random = Seed(seed).rng();
-    let mut last = [0.0; 3];
-    for (row, tip) in recording.tip_m.as_mut().unwrap().iter_mut().enumerate() {
-        let kept = if row > 0 && recording.trial[row] == recording.trial[row - 1] { correlation } else { 0.0 };
-        for axis in 0..3 {
-            let new: f64 = random.sample(StandardNormal);
-            last[axis] = kept * last[axis] + NOISE_M * (1.0_f64 - kept * kept).sqrt() * new;
-            tip[axis] += last[axis];
-        }
-    }
+    let counts: Vec<usize> = recording.trials().into_iter().map(|(_, rows)| rows.len()).collect();
+    let tips_m = recording.tip_m.as_mut().unwrap();
+    blind::add_noise(tips_m, counts.into_iter(), (NOISE_M, correlation), Seed(seed));
     recording.tip_quaternion = None;
     recording
 }

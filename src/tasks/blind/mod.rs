@@ -22,7 +22,7 @@ pub use draw::{Robot, draw};
 pub use error::BlindError;
 pub use hidden::Hidden;
 pub use options::{Batch, Group, OracleOptions, Prior, TruthOptions};
-pub use presented::{Presented, present};
+pub use presented::{Presented, add_noise, present};
 pub use score::{Answer, Answered, Scored, failed, score};
 pub use span::Span;
 pub use strength::{Reached, reach};

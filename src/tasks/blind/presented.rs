@@ -29,12 +29,18 @@ pub fn present(robot: &Robot, truth: &Truth, commands: &Commands, correlation: f
     let unplayable = || BlindError::NoRobot { what: truth.name(), tried: 1 };
     let mut tips_m = true_tips_m(robot, truth, commands).ok_or_else(unplayable)?;
     let counts = commands.trials.iter().map(crate::base::Rows::len);
-    add_noise(&mut tips_m, counts, robot.noise_m, correlation, Seed(robot.seed).child("noise"));
+    add_noise(&mut tips_m, counts, (robot.noise_m, correlation), Seed(robot.seed).child("noise"));
     Ok(Presented { commands: commands.clone(), tips_m, left_out: truth.left_out.clone() })
 }
 
-/// Noise of one standard deviation everywhere; each trial begins anew.
-fn add_noise(tips_m: &mut [Point3], trials: impl Iterator<Item = usize>, noise_m: f64, correlation: f64, seed: Seed) {
+/// Adds Gaussian noise of this standard deviation an axis, metres, and this correlation from one sample to the next (a
+/// first-order autoregression, stationary). `trials`: the number of samples of each; each begins anew.
+pub fn add_noise(
+    tips_m: &mut [Point3],
+    trials: impl Iterator<Item = usize>,
+    (noise_m, correlation): (f64, f64),
+    seed: Seed,
+) {
     let mut random = seed.rng();
     let fresh = (1.0 - correlation * correlation).sqrt();
     let mut start = 0;
@@ -76,7 +82,7 @@ mod tests {
     fn noise_has_the_asked_size_and_correlation() {
         for correlation in [0.0, 0.6] {
             let mut tips = vec![[0.0; 3]; 20_000];
-            add_noise(&mut tips, [10_000, 10_000].into_iter(), 5e-4, correlation, Seed(3));
+            add_noise(&mut tips, [10_000, 10_000].into_iter(), (5e-4, correlation), Seed(3));
             let column = |axis: usize| tips.iter().map(|tip| tip[axis]).collect::<Vec<f64>>();
             for axis in 0..3 {
                 let all = column(axis);
