@@ -206,18 +206,15 @@ mod tests {
         for correlation in [0.0_f64, 0.5, 0.8, 0.9] {
             let (mut ratios, mut low) = (Vec::new(), 0);
             for seed in 0..200 {
-                let mut noise = white_noise(NOISE_M, seed);
                 let mut samples = Samples::alike(6, 50);
                 for trial in &mut samples.trials {
                     // Four poses, each held for two seconds and a half.
                     trial.commands = Rows::new(1);
                     (1..50).for_each(|k| trial.commands.push(&[f64::from(k / 13)]));
                 }
-                let mut last = [0.0; 3];
-                for sample in &mut samples.rows {
-                    let kept = if sample.row == 0 { 0.0 } else { correlation };
-                    last = last.map(|before| kept * before + (1.0 - kept * kept).sqrt() * noise());
-                    sample.tip_m = last;
+                let left_m = samples.noise(NOISE_M, correlation, seed);
+                for (sample, left_m) in samples.rows.iter_mut().zip(left_m.as_chunks().0) {
+                    sample.tip_m = *left_m;
                 }
                 let floor = Floor::of_repeats(&samples, correlation);
                 ratios.push((floor.rms_m() / NOISE_M).powi(2) / 3.0);

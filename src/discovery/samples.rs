@@ -157,6 +157,17 @@ impl Samples {
             tracked_step_s: 0.2,
         }
     }
+
+    /// Normal noise of this size and correlation from one sample to the next, each trial anew, three numbers a sample.
+    pub(super) fn noise(&self, size_m: f64, correlation: f64, seed: u64) -> Vec<f64> {
+        let (mut noise, mut last) = (white_noise(size_m, seed), [0.0; 3]);
+        let mut next = |sample: &Sample| {
+            let kept = if sample.row == 0 { 0.0 } else { correlation };
+            last = last.map(|before| kept * before + (1.0 - kept * kept).sqrt() * noise());
+            last
+        };
+        self.rows.iter().flat_map(&mut next).collect()
+    }
 }
 
 /// The middle one, the upper of two.

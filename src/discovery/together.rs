@@ -91,7 +91,6 @@ fn of_length_one(columns: &DMatrix<f64>) -> DMatrix<f64> {
 mod tests {
     use std::f64::consts::TAU;
 
-    use super::super::samples::white_noise;
     use super::*;
 
     const NOISE_M: f64 = 5e-4;
@@ -113,13 +112,7 @@ mod tests {
     /// The same where the fit of the second wave has ended by so much too soon.
     fn short_of_best(correlation: f64, each_m: f64, short_m: f64, seed: u64) -> Together {
         let (samples, waves) = (Samples::alike(6, 50), waves());
-        let (mut noise, mut last) = (white_noise(NOISE_M, seed), [0.0; 3]);
-        let mut left_m = Vec::new();
-        for sample in &samples.rows {
-            let kept = if sample.row == 0 { 0.0 } else { correlation };
-            last = last.map(|before| kept * before + (1.0 - kept * kept).sqrt() * noise());
-            left_m.extend(last);
-        }
+        let mut left_m = samples.noise(NOISE_M, correlation, seed);
         for (left, wave) in left_m.iter_mut().zip(waves.row_iter()) {
             *left += each_m * wave.sum();
         }
@@ -169,9 +162,7 @@ mod tests {
     fn where_nothing_can_be_explained_nothing_is_said() {
         let (samples, nothing) = (Samples::alike(6, 50), DMatrix::zeros(900, 0));
         let nuisances = Nuisances::independent(900, &[]);
-        let mut noise = white_noise(NOISE_M, 0);
-        let left_m: Vec<f64> = (0..900).map(|_| noise()).collect();
-        let explained = nuisances.explain(&samples, &left_m, 0.0);
+        let explained = nuisances.explain(&samples, &samples.noise(NOISE_M, 0.0, 0), 0.0);
         let fitted =
             Fitted { members: Vec::new(), explained, played: vec![0.0; 900], jacobian: DMatrix::zeros(900, 0) };
         assert!(together(&samples, &nuisances, &fitted, &nothing).is_none());

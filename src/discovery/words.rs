@@ -30,9 +30,9 @@ pub(super) fn summary(findings: &Findings, sets: &[String]) -> String {
 /// What is said of so much that is certainly left beside an answer, metres, and no more than laws may be off by.
 pub(super) fn tolerated(left_m: f64) -> String {
     format!(
-        "What is left is not all noise: a little of every effect together would explain at least {:.2} mm more. It is little beside \
-         what is named, so the robot may follow a law that is not quite the catalogue's, but something small may be missing, \
-         too.",
+        "What is left is not all noise: a little of every effect together would explain at least {:.2} mm more. It is \
+         little beside what is named, so the robot may follow a law that is not quite the catalogue's, but something \
+         small may be missing, too.",
         1e3 * left_m
     )
 }

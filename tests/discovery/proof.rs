@@ -2,20 +2,25 @@
 
 use spinebench::data::Recording;
 use spinebench::data::findings::Verdict;
-use spinebench::discovery::Options;
+use spinebench::discovery::{Discovery, Options};
 
 use super::support::{NOISE_M, found, names, recorded};
+
+/// Moves the tip along y by so much, metres, in the rows that `first` held out.
+fn move_held_out(measured: &mut Recording, first: &Discovery, by_m: impl Fn(usize) -> f64) {
+    for row in 0..measured.len() {
+        if first.findings.gap.held_out_trials.contains(&measured.trial[row]) {
+            measured.tip_m.as_mut().unwrap()[row][1] += by_m(row);
+        }
+    }
+}
 
 /// Held-out trials take no part in naming or fitting: other data there change nothing but the proof.
 #[test]
 fn the_proof_is_kept_apart() {
     let mut measured = recorded("- tip_load: {mass_kg: 0.006}", 4, 5, 0.0);
     let first = found(&measured, &Options::default());
-    for row in 0..measured.len() {
-        if first.findings.gap.held_out_trials.contains(&measured.trial[row]) {
-            measured.tip_m.as_mut().unwrap()[row][1] += 1e-4;
-        }
-    }
+    move_held_out(&mut measured, &first, |_| 1e-4);
     let second = found(&measured, &Options::default());
     assert_eq!(first.findings.effects, second.findings.effects);
     assert_eq!(first.findings.candidates, second.findings.candidates);
@@ -45,12 +50,8 @@ fn held_out_trials_can_refute_an_answer() {
     let mut measured = recorded("- tip_load: {mass_kg: 0.01}", 4, 5, 0.0);
     let first = found(&measured, &Options::default());
     assert_eq!(first.findings.verdict, Verdict::Named);
-    for row in 0..measured.len() {
-        if first.findings.gap.held_out_trials.contains(&measured.trial[row]) {
-            // Still far nearer to the answer than to the model without it.
-            measured.tip_m.as_mut().unwrap()[row][1] += 1.2e-3 * (0.7 * row as f64).sin();
-        }
-    }
+    // Still far nearer to the answer than to the model without it.
+    move_held_out(&mut measured, &first, |row| 1.2e-3 * (0.7 * row as f64).sin());
     let second = found(&measured, &Options::default());
     assert_eq!(second.findings.verdict, Verdict::Unexplained, "{}", second.findings.summary);
     assert_eq!(first.findings.candidates[0].name, second.findings.candidates[0].name);
@@ -63,12 +64,8 @@ fn held_out_trials_can_refute_silence() {
     let mut measured = recorded("[]", 4, 7, 0.0);
     let first = found(&measured, &Options::default());
     assert_eq!(first.findings.verdict, Verdict::Consistent);
-    for row in 0..measured.len() {
-        if first.findings.gap.held_out_trials.contains(&measured.trial[row]) {
-            // The base was bumped before this trial.
-            measured.tip_m.as_mut().unwrap()[row][1] += 3e-3;
-        }
-    }
+    // The base was bumped before this trial.
+    move_held_out(&mut measured, &first, |_| 3e-3);
     let second = found(&measured, &Options::default());
     assert_eq!(second.findings.verdict, Verdict::Unexplained, "{}", second.findings.summary);
     assert!(second.findings.gap.before_m > 2e-3 && second.model.effects.is_empty());
