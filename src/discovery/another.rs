@@ -45,7 +45,7 @@ impl Search<'_> {
 
     /// Whether `next`, which is `base` with one member more, is worth having: that one moves the tip by enough itself, and
     /// takes it from where the others have it by more than their laws are off.
-    fn is_worth(&self, base: &Scored, next: &Scored) -> bool {
+    pub(super) fn is_worth(&self, base: &Scored, next: &Scored) -> bool {
         let inexact_m = self.limits.least_share * apart_m(&base.fitted, &self.null.fitted);
         if apart_m(&next.fitted, &base.fitted) < inexact_m {
             return false;

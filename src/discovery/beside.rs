@@ -53,7 +53,8 @@ impl Study<'_> {
             let jacobian = if self.hypotheses[promise.member.hypothesis].rises_and_falls() {
                 coarse.derivative(&begun)?
             } else {
-                coarse.known_slopes(&start, &promise.member, &responses[promise.response])
+                let known = coarse.known_slopes(&start, &promise.member, &responses[promise.response]);
+                if start.members.is_empty() { known } else { coarse.renewed(&begun, known) }
             };
             let fitted = coarse.rough_fit(begun, jacobian, wanted)?;
             let last = fitted.members.len() - 1;
@@ -73,6 +74,22 @@ impl Study<'_> {
         for (k, parameter) in fitted.into_iter().enumerate() {
             if let Some(size) = sizes.iter().position(|&size| size == parameter) {
                 slopes.set_column(known + k, &(response.columns.column(size) * hypothesis.probe(parameter)));
+            }
+        }
+        slopes
+    }
+
+    /// The derivatives of a fit with those over the sizes of its last member taken anew: beside much of another effect the
+    /// tip may answer otherwise than was seen at first.
+    fn renewed(&self, fitted: &Fitted, mut slopes: DMatrix<f64>) -> DMatrix<f64> {
+        let (last, coordinates) = (fitted.members.len() - 1, self.coordinates(&fitted.members));
+        let sizes = self.hypotheses[fitted.members[last].hypothesis].sizes();
+        for (at, &(member, parameter)) in coordinates.iter().enumerate() {
+            if member == last
+                && sizes.contains(&parameter)
+                && let Some(slope) = self.slope(fitted, at)
+            {
+                slopes.set_column(at, &slope);
             }
         }
         slopes

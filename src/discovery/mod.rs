@@ -28,6 +28,7 @@ mod noise;
 mod nuisance;
 mod options;
 mod outward;
+mod pairs;
 mod places;
 mod play;
 mod proof;

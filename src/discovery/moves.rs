@@ -101,7 +101,7 @@ impl Search<'_> {
 }
 
 /// Which hypotheses are in `base` and what is promised beside it.
-fn with(base: &Scored, promise: &Promise) -> BTreeSet<usize> {
+pub(super) fn with(base: &Scored, promise: &Promise) -> BTreeSet<usize> {
     let mut all = set_of(&base.fitted.members);
     all.insert(promise.member.hypothesis);
     all

@@ -244,22 +244,25 @@ impl Study<'_> {
     /// Derivatives by differences of whole recordings, to the side where there is one.
     pub(super) fn derivative(&self, fitted: &Fitted) -> Option<DMatrix<f64>> {
         let count = self.coordinates(&fitted.members).len();
-        let column = |k: usize| -> Option<Vec<f64>> {
-            [DIFFERENCE, -DIFFERENCE].into_iter().find_map(|share| {
-                let mut by = DVector::zeros(count);
-                by[k] = share;
-                let (members, moved) = self.along(&fitted.members, k, &by);
-                // The end of the range is near on this side.
-                if moved.abs() < 0.5 * DIFFERENCE {
-                    return None;
-                }
-                let effects = effects(self.hypotheses, &members)?;
-                let there = tips(self.model, &effects, self.samples)?;
-                Some(there.iter().zip(&fitted.played).map(|(there, here)| (there - here) / moved).collect())
-            })
-        };
-        let columns: Vec<Vec<f64>> = (0..count).into_par_iter().map(column).collect::<Option<_>>()?;
+        let columns: Vec<DVector<f64>> =
+            (0..count).into_par_iter().map(|k| self.slope(fitted, k)).collect::<Option<_>>()?;
         Some(DMatrix::from_fn(fitted.played.len(), count, |row, k| columns[k][row]))
+    }
+
+    /// The derivative over one coordinate.
+    pub(super) fn slope(&self, fitted: &Fitted, at: usize) -> Option<DVector<f64>> {
+        let count = self.coordinates(&fitted.members).len();
+        [DIFFERENCE, -DIFFERENCE].into_iter().find_map(|share| {
+            let mut by = DVector::zeros(count);
+            by[at] = share;
+            let (members, moved) = self.along(&fitted.members, at, &by);
+            // The end of the range is near on this side.
+            if moved.abs() < 0.5 * DIFFERENCE {
+                return None;
+            }
+            let there = tips(self.model, &effects(self.hypotheses, &members)?, self.samples)?;
+            Some((DVector::from_vec(there) - DVector::from_column_slice(&fitted.played)) / moved)
+        })
     }
 
     /// Information on nuisances (first) and coordinates, and how many nuisances there are.

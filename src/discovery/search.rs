@@ -1,5 +1,5 @@
 //! The search for the effects that are missing: one after the other, then each against all others in its place, then
-//! without each; then once more from another first effect.
+//! without each; then from pairs that this did not lead to.
 
 use std::collections::BTreeSet;
 
@@ -95,8 +95,7 @@ impl<'s> Search<'s> {
 
     /// The best set as far as promises lead.
     pub(super) fn best(&mut self) -> Scored {
-        let best = self.enlarged(self.null.clone());
-        self.begun_otherwise(best)
+        self.enlarged(self.null.clone())
     }
 }
 
@@ -117,7 +116,7 @@ impl Study<'_> {
 
 impl Search<'_> {
     /// `best` with more effects, as long as each is worth having.
-    fn enlarged(&mut self, mut best: Scored) -> Scored {
+    pub(super) fn enlarged(&mut self, mut best: Scored) -> Scored {
         // The best that was worth having where the search went elsewhere.
         let mut passed: Option<Scored> = None;
         loop {
@@ -146,8 +145,13 @@ impl Search<'_> {
     }
 
     /// The score of a set beyond what its members must add.
-    fn net(&self, scored: &Scored) -> f64 {
+    pub(super) fn net(&self, scored: &Scored) -> f64 {
         scored.score - self.limits.least_score * scored.fitted.members.len() as f64
+    }
+
+    /// The score beyond which a set of so many effects is better than `best`.
+    pub(super) fn enough_of(&self, effects: usize, best: &Scored) -> f64 {
+        self.net(best) + self.limits.least_score * effects as f64
     }
 
     /// Whether `other` is better than `best`, and not just that with members that it has been tried with.
@@ -156,33 +160,8 @@ impl Search<'_> {
         !tried && self.net(other) > self.net(best)
     }
 
-    /// The better of `best`, if it has several members, and what comes of beginning with the best effect that is not
-    /// among them: what was taken first may have led away from two others.
-    fn begun_otherwise(&mut self, best: Scored) -> Scored {
-        let members = set_of(&best.fitted.members);
-        let other = |scored: &&Scored| {
-            let own = set_of(&scored.fitted.members);
-            own.len() == 1 && own.is_disjoint(&members) && scored.score >= self.limits.least_score
-        };
-        let first = self.tried.iter().filter(other).max_by(|a, b| a.score.total_cmp(&b.score)).cloned();
-        let Some(mut first) = first.filter(|_| members.len() > 1) else { return best };
-        if !first.exact {
-            let Some(fitted) = self.study.settled(&first.fitted) else { return best };
-            first = self.scored(fitted);
-            self.tried.push(first.clone());
-        }
-        self.look_farther(&first);
-        match self.with_another(&first, best.score) {
-            Some(next) => {
-                let next = self.swapped(next);
-                self.enlarged(next)
-            }
-            None => best,
-        }
-    }
-
     /// Goes on from `best`, so that nothing is left out because of what it promised: other single effects first, if
-    /// something is `left` that it does not explain, then more of them.
+    /// something is `left` that it does not explain, then more of them, then other pairs.
     pub(super) fn thoroughly(&mut self, mut best: Scored, left: bool) -> Scored {
         self.limits.thorough = if left { usize::MAX } else { 2 };
         self.look_farther(&best);
@@ -190,7 +169,7 @@ impl Search<'_> {
             best = self.with_another(&self.null.clone(), best.score).unwrap_or(best);
         }
         let best = self.enlarged(best);
-        if left { best } else { self.begun_otherwise(best) }
+        self.paired_otherwise(best)
     }
 
     pub(super) fn is_thorough(&self, base: &Scored) -> bool {
