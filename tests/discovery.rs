@@ -13,7 +13,7 @@ mod support;
 use spinebench::data::findings::Verdict;
 use spinebench::discovery::Options;
 use spinebench::effects::EffectSpec;
-use support::{NOISE_M, explored, found, from_benchmark, names, recorded, told};
+use support::{NOISE_M, explored, found, from_benchmark, names, recorded, sorted_names, told};
 
 #[test]
 fn a_hidden_effect_is_named_and_its_strength_told() {
@@ -85,10 +85,8 @@ fn what_stands_for_an_effect_or_hides_it_gives_way() {
     ];
     for hidden in cases {
         let found = found(&explored(hidden, 8, 2), &Options::default());
-        let mut named = names(&found);
-        named.sort_unstable();
         let expected: Vec<&str> = hidden.lines().map(|line| line[2..].split(':').next().unwrap()).collect();
-        assert_eq!(named, expected, "{}", found.findings.summary);
+        assert_eq!(sorted_names(&found), expected, "{}", found.findings.summary);
     }
 }
 
@@ -96,9 +94,7 @@ fn what_stands_for_an_effect_or_hides_it_gives_way() {
 fn a_pair_is_found_that_no_single_effect_leads_to() {
     // Case 1095 of experiments/discovery_full.yaml: three others, none of them of the two, leave 0.15 mm more than noise.
     let found = found(&from_benchmark("case_1095.csv"), &Options::default());
-    let mut named = names(&found);
-    named.sort_unstable();
-    assert_eq!(named, ["bending_stiffness", "tendon_stretch"], "{}", found.findings.summary);
+    assert_eq!(sorted_names(&found), ["bending_stiffness", "tendon_stretch"], "{}", found.findings.summary);
 }
 
 #[test]
@@ -125,9 +121,15 @@ fn beside_much_of_one_effect_the_tip_answers_otherwise_to_another() {
 fn what_was_fitted_on_the_way_to_another_effect_is_not_lost() {
     // Case 490 of experiments/discovery_full.yaml: both were fitted beside one of them, which then gave way to the other.
     let found = found(&from_benchmark("case_490.csv"), &Options::default());
-    let mut named = names(&found);
-    named.sort_unstable();
-    assert_eq!(named, ["anisotropic_stiffness", "tendon_angle"], "{}", found.findings.summary);
+    assert_eq!(sorted_names(&found), ["anisotropic_stiffness", "tendon_angle"], "{}", found.findings.summary);
+}
+
+#[test]
+fn no_more_effects_are_tried_than_asked_for() {
+    let options = Options { most_effects: 1, ..Options::default() };
+    let found = found(&from_benchmark("case_490.csv"), &options);
+    let sets = found.findings.candidates.iter().filter(|candidate| candidate.name.contains(" + "));
+    assert_eq!(sets.count(), 0, "{:?}", found.findings.candidates);
 }
 
 #[test]

@@ -86,7 +86,7 @@ impl Search<'_> {
     }
 
     /// The set without the member number `out`, fitted, unless it has been before.
-    fn without(&mut self, best: &Scored, out: usize) -> Option<Scored> {
+    pub(super) fn without(&mut self, best: &Scored, out: usize) -> Option<Scored> {
         let mut rest = best.fitted.members.clone();
         rest.remove(out);
         let wanted = set_of(&rest);

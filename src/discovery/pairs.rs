@@ -8,22 +8,34 @@ use super::moves::with;
 use super::screen::Promise;
 use super::search::{Scored, Search};
 
-/// Pairs that are fitted beside those with a member of the answer, the most promising ones.
+/// Pairs that are fitted besides those with a member of the answer, the most promising ones.
 const PAIRS: usize = 16;
 
 impl Search<'_> {
     /// `best`, or what comes of the best pair that was not on the way to it, if that is better.
     pub(super) fn paired_otherwise(&mut self, best: Scored) -> Scored {
+        if self.limits.most_effects < 2 {
+            return best;
+        }
         let enough = self.enough_of(2, &best);
         let mut pairs: Vec<Scored> = Vec::new();
         for (single, promises) in self.promising_pairs(&set_of(&best.fitted.members)) {
-            let fits = self.fitted_with(&single, &promises, enough);
-            pairs.extend(fits.into_iter().filter(|pair| pair.score > enough && self.is_worth(&single, pair)));
+            pairs.extend(self.fitted_with(&single, &promises, enough));
         }
-        let Some(pair) = pairs.into_iter().max_by(|a, b| a.score.total_cmp(&b.score)) else { return best };
-        let pair = self.swapped(pair);
-        let other = self.enlarged(pair);
-        if self.net(&other) > self.net(&best) { other } else { best }
+        pairs.retain(|pair| pair.score > enough);
+        pairs.sort_by(|a, b| b.score.total_cmp(&a.score));
+        match pairs.into_iter().find(|pair| self.is_each_worth(pair)) {
+            Some(pair) => {
+                let pair = self.swapped(pair);
+                self.enlarged(pair)
+            }
+            None => best,
+        }
+    }
+
+    /// Whether either member is worth having beside the other.
+    fn is_each_worth(&mut self, pair: &Scored) -> bool {
+        (0..2).all(|out| self.without(pair, out).is_some_and(|rest| self.is_worth(&rest, pair)))
     }
 
     /// What is promised beside the single effects that have been fitted, by that effect, where such a pair has not been

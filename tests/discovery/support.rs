@@ -77,6 +77,12 @@ pub(super) fn names(found: &Discovery) -> Vec<&str> {
     found.findings.effects.iter().map(|effect| effect.name.as_str()).collect()
 }
 
+pub(super) fn sorted_names(found: &Discovery) -> Vec<&str> {
+    let mut names = names(found);
+    names.sort_unstable();
+    names
+}
+
 /// The value of a parameter and its interval.
 pub(super) fn told(found: &Discovery, parameter: &str) -> (f64, [f64; 2]) {
     let effect = &found.findings.effects[0];
