@@ -58,7 +58,9 @@ impl Search<'_> {
         let beside = |number: usize| -> Vec<Promise> {
             pairs.iter().filter(|pair| pair.1 == number).map(|pair| pair.2.clone()).collect()
         };
-        singles.iter().enumerate().map(|(number, single)| ((*single).clone(), beside(number))).collect()
+        let with_promises = singles.iter().enumerate().map(|(number, &single)| (single, beside(number)));
+        let kept = with_promises.filter(|(_, promises)| !promises.is_empty());
+        kept.map(|(single, promises)| (single.clone(), promises)).collect()
     }
 
     /// The single effects that have been fitted, each as it fits best.

@@ -145,7 +145,7 @@ impl Search<'_> {
     }
 
     /// The score of a set beyond what its members must add.
-    pub(super) fn net(&self, scored: &Scored) -> f64 {
+    fn net(&self, scored: &Scored) -> f64 {
         scored.score - self.limits.least_score * scored.fitted.members.len() as f64
     }
 
