@@ -46,7 +46,8 @@ pub struct Options {
     /// Precision in time with which the model is played, metres. An error of a tenth of the noise in every sample would
     /// tell candidates apart that the data do not.
     pub motion_tolerance_m: f64,
-    /// Length of a cell of the grid on which it is played, metres; the model's own where that is longer.
+    /// Length of a cell of the grid on which it is played, metres; the model's own where that is longer. Cells go across
+    /// jumps of the material.
     pub cell_m: f64,
     /// What moves the tip by less than this share of the backbone's length is neither named nor missed, whatever the noise:
     /// no model of a robot is right to that, and a recording that was simulated may not be either.
@@ -88,7 +89,7 @@ impl Default for Options {
             left_out: Vec::new(),
             uncertain: uncertain.collect(),
             motion_tolerance_m: 3e-5,
-            cell_m: 0.05,
+            cell_m: 0.03,
             least_of_length: 1e-3,
             seed: 0,
         }

@@ -5,30 +5,44 @@ use rayon::prelude::*;
 use super::samples::{Samples, TrialCommands};
 use crate::effects::{EffectSpec, Model, Trial, replay};
 
-/// First looks and rough fits are played with a tolerance that is larger by this: what they are followed by corrects them.
+/// First looks and rough fits are played with a tolerance that is larger by this, longer cells by this, and polynomials up to
+/// so many of the bending moments and of everything else: what they are followed by corrects them.
 const COARSER: f64 = 10.0;
+const LONGER: f64 = 1.5;
+const BENDING_MODES: usize = 4;
+const OTHER_MODES: usize = 3;
 /// What is answered is fitted to the steps of a tolerance that is smaller by this: those of the search are off by as much
 /// as some hundred samples tell.
 const FINER: f64 = 30.0;
+/// Tolerance of a rest over that of a step in time there.
+const STATIC_SHARE: f64 = 0.3;
 
-/// `model` with coarser steps in time, which take half as long.
+/// `model` with coarser steps in time and space, which take a third to a half as long.
 pub(super) fn coarse(model: &Model) -> Model {
     let mut coarse = model.clone();
-    coarse.robot.resolution.motion_tolerance_m *= COARSER;
+    let resolution = &mut coarse.robot.resolution;
+    resolution.motion_tolerance_m *= COARSER;
+    resolution.cell_m *= LONGER;
+    resolution.bending_modes = resolution.bending_modes.min(BENDING_MODES);
+    for modes in [&mut resolution.torsion_modes, &mut resolution.shear_modes, &mut resolution.axial_modes] {
+        *modes = (*modes).min(OTHER_MODES);
+    }
     coarse
 }
 
-/// `model` with finer steps in time, which take three to four times as long.
+/// `model` with finer steps in time and with cells that end at every jump of the material, which takes ten times as long.
 fn fine(model: &Model) -> Model {
     let mut fine = model.clone();
-    fine.robot.resolution.motion_tolerance_m /= FINER;
-    fine.robot.resolution.static_tolerance_m /= FINER;
+    let resolution = &mut fine.robot.resolution;
+    resolution.motion_tolerance_m /= FINER;
+    resolution.static_tolerance_m = STATIC_SHARE * resolution.motion_tolerance_m;
+    resolution.blended = false;
     fine
 }
 
-/// `samples` without what the steps in time of `model` with `extra` effects, which has the tip at `played`, are off by: a
-/// fit to them is one with finer steps (defect correction; Stetter, Numerische Mathematik 29, 1978). As they are where it
-/// cannot be played with finer ones.
+/// `samples` without what the steps in time and the grid of `model` with `extra` effects, which has the tip at `played`, are
+/// off by: a fit to them is one with finer ones (defect correction; Stetter, Numerische Mathematik 29, 1978). As they are
+/// where it cannot be played so.
 pub(super) fn corrected(model: &Model, extra: &[EffectSpec], samples: &Samples, played: &[f64]) -> Samples {
     let mut corrected = samples.clone();
     if let Some(fine) = tips(&fine(model), extra, samples) {

@@ -16,7 +16,7 @@ pub(super) struct Question<'a> {
     pub(super) options: &'a Options,
     /// The model, calibrated on the baseline where there is one, played with the precision of the options.
     pub(super) model: Model,
-    /// The same with coarse time steps.
+    /// The same, played coarsely.
     pub(super) coarse: Model,
     base: Option<Base>,
     pub(super) hypotheses: Vec<Hypothesis>,
@@ -42,9 +42,10 @@ impl<'a> Question<'a> {
         let mut model = model.clone();
         let resolution = &mut model.robot.resolution;
         resolution.motion_tolerance_m = options.motion_tolerance_m;
-        // Trials begin at rest, and go on from there no better than they move.
-        resolution.static_tolerance_m = resolution.static_tolerance_m.max(STATIC_SHARE * options.motion_tolerance_m);
+        // Trials begin at rest, and go on from there on the grid that was asked for.
+        resolution.static_tolerance_m = f64::INFINITY;
         resolution.cell_m = resolution.cell_m.max(options.cell_m);
+        resolution.blended = true;
         let hypotheses = hypotheses(&model);
         let (kept, held_out) = proof::split(&all, options.held_out_share);
         let (fit, proof) = (all.of_trials(&kept), all.of_trials(&held_out));
@@ -161,8 +162,6 @@ impl<'a> Question<'a> {
     }
 }
 
-/// Tolerance of a rest over that of a step in time.
-const STATIC_SHARE: f64 = 0.3;
 /// What a calibrated model leaves in a baseline is doubtful beyond so much, metres, and so many times the noise.
 const LARGE_FORM_M: f64 = 2e-3;
 const LARGE_FORM: f64 = 3.0;

@@ -13,7 +13,7 @@ use crate::effects::Model;
 #[derive(Clone)]
 pub(super) struct Study<'a> {
     pub(super) model: &'a Model,
-    /// The model with coarse time steps, for rough fits.
+    /// The model played coarsely, for rough fits.
     pub(super) coarse: &'a Model,
     pub(super) hypotheses: &'a [Hypothesis],
     /// Which of them may be the answer.

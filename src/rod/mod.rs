@@ -5,6 +5,7 @@
 
 mod advance;
 mod basis;
+mod blend;
 mod conditions;
 mod damping;
 mod estimate;

@@ -116,6 +116,10 @@ pub struct Resolution {
     /// Whether polynomials also end where stiffness, rest shape, spine or lumped mass jump. The wrench is nearly smooth
     /// there, so that it pays only for the last micrometres.
     pub split_elements: bool,
+    /// Whether cells go across jumps of stiffness, rest shape and spine: each Gauss point then stands for its share of what its
+    /// cell holds. Fewer cells for a robot of many parts, whose tip is then right to about a hundredth of what bends it.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub blended: bool,
     /// Displacement of the tip by which the discretisation in space may change a static solution, metres: beyond it the
     /// rod refines cells and polynomials by itself. Infinite: never.
     pub static_tolerance_m: f64,
@@ -137,6 +141,7 @@ impl Default for Resolution {
             shear_modes: 4,
             axial_modes: 4,
             split_elements: false,
+            blended: false,
             static_tolerance_m: 1e-6,
             time_step_s: 0.1,
             motion_tolerance_m: 1e-4,

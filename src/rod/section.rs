@@ -10,19 +10,21 @@ pub(super) type Six = [f64; 6];
 #[derive(Clone, Debug)]
 pub(super) struct Section {
     /// Rest curvature and twist, rad/m.
-    rest: [f64; 3],
+    pub(super) rest: [f64; 3],
+    /// The same of the shape on which the tendons' lengths were set to zero.
+    pub(super) home: [f64; 3],
     /// Bending compliance about x, coupled, about y, 1/(N m²).
-    bend: [f64; 3],
+    pub(super) bend: [f64; 3],
     /// Torsional compliance, 1/(N m²).
-    twist: f64,
+    pub(super) twist: f64,
     /// Shear compliance, 1/N.
-    shear: f64,
+    pub(super) shear: f64,
     /// Axial compliance without the compressible section, 1/N.
-    axial: f64,
+    pub(super) axial: f64,
     /// Axial compliance that the compressible section adds, 1/N.
-    spine: f64,
+    pub(super) spine: f64,
     /// Compressive force at which the section is fully shortened, N.
-    saturation_n: f64,
+    pub(super) saturation_n: f64,
     /// Viscous stiffness of each strain, N m² s and N s.
     pub(super) viscosity: Six,
     /// Mean bending stiffness, N m².
@@ -73,6 +75,7 @@ impl Section {
         let time = params.damping_time_s;
         Section {
             rest: span.rest_curvature_rad_m.into(),
+            home: span.home_curvature_rad_m.into(),
             bend: [c1 * cos * cos + c2 * sin * sin, (c1 - c2) * sin * cos, c1 * sin * sin + c2 * cos * cos],
             twist: 1.0 / span.torsion_n_m2,
             shear: 1.0 / span.shear_n,

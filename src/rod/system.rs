@@ -3,6 +3,7 @@
 
 use nalgebra::{DVector, Vector3};
 
+use super::blend;
 use super::conditions::{Conditions, Hold};
 use super::grid::{COMPONENTS, Grid, Node};
 use super::loads::{Constant, LoadedRod, Loads};
@@ -11,7 +12,7 @@ use super::motion::EndMass;
 use super::params::RodParams;
 use super::section::{Section, Six};
 use super::shape::Shape;
-use super::tendon::Guide;
+use super::tendon::{Guide, Tendon};
 use crate::math::{rotation, three, vectorised};
 
 /// A rod with its discretisation; constant during a simulation.
@@ -76,7 +77,11 @@ impl System {
 
     /// A rod on a grid that was made for it.
     pub(super) fn on(grid: Grid, params: RodParams) -> System {
-        let sections: Vec<Section> = grid.nodes.iter().map(|node| Section::new(&params, node.position_m)).collect();
+        let sections = if params.resolution.blended {
+            blend::sections(&params, &grid.boundaries_m)
+        } else {
+            grid.nodes.iter().map(|node| Section::new(&params, node.position_m)).collect()
+        };
         let masses = params
             .masses
             .iter()
@@ -98,7 +103,8 @@ impl System {
         }
         let at = |node: &Node| params.tendons.iter().map(|tendon| tendon.guide(node.position_m)).collect::<Vec<_>>();
         let guides: Vec<Guide> = grid.nodes.iter().flat_map(at).collect();
-        let home_lengths_m = (0..params.tendons.len()).map(|i| home_length_m(&params, &grid, &guides, i)).collect();
+        let home_lengths_m =
+            (0..params.tendons.len()).map(|i| home_length_m(&params.tendons, (&grid, &sections), &guides, i)).collect();
         let reach_m_per_n = (0..params.tendons.len()).map(|i| reach_m_per_n(&params, &sections, &guides, i)).collect();
         let constant = Constant::new(&params, &grid);
         System { params, grid, sections, masses, constant, guides, home_lengths_m, scales, reach_m_per_n }
@@ -344,17 +350,15 @@ fn reach_m_per_n(params: &RodParams, sections: &[Section], guides: &[Guide], i: 
 }
 
 /// Path length of tendon `i` on the rod at home, metres.
-fn home_length_m(params: &RodParams, grid: &Grid, guides: &[Guide], i: usize) -> f64 {
-    let tendon = &params.tendons[i];
-    let passing = grid.nodes.iter().zip(guides.iter().skip(i).step_by(params.tendons.len()));
-    let passing = passing.filter(|(_, guide)| guide.present);
-    let home = |node: &Node| params.span_at(node.position_m).home_curvature_rad_m;
-    if passing.clone().all(|(node, guide)| guide.slope == [0.0; 2] && home(node) == Vector3::zeros()) {
-        return tendon.end_m - tendon.start_m;
+fn home_length_m(tendons: &[Tendon], (grid, sections): (&Grid, &[Section]), guides: &[Guide], i: usize) -> f64 {
+    let along = grid.nodes.iter().zip(sections).zip(guides.iter().skip(i).step_by(tendons.len()));
+    let passing = along.filter(|(_, guide)| guide.present);
+    if passing.clone().all(|((_, section), guide)| guide.slope == [0.0; 2] && section.home == [0.0; 3]) {
+        return tendons[i].end_m - tendons[i].start_m;
     }
-    let stretch = |(node, guide): (&Node, &Guide)| {
-        let u = home(node);
-        node.weight_m * guide.path(&[u.x, u.y, u.z, 0.0, 0.0, 1.0]).norm()
+    let stretch = |((node, section), guide): ((&Node, &Section), &Guide)| {
+        let [x, y, z] = section.home;
+        node.weight_m * guide.path(&[x, y, z, 0.0, 0.0, 1.0]).norm()
     };
     passing.map(stretch).sum()
 }
