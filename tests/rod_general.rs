@@ -121,19 +121,19 @@ fn the_answer_changes_steadily_with_the_robot() {
 fn cells_across_jumps_stand_for_what_they_hold() {
     let nominal = [0.012, -0.004, -0.012, 0.004];
     let damaged = common::effects("- soft_section: {position_m: 0.09, scale: 0.3}");
-    let mut robots = vec![
+    let robots = [
         (everything().rod(&[]), PULLS.to_vec()),
         (Model::default().rod(&[]), nominal.to_vec()),
         (Model::default().rod(&damaged), nominal.to_vec()),
     ];
-    for (number, (params, pulls_m)) in robots.iter_mut().enumerate() {
+    for (number, (mut params, pulls_m)) in robots.into_iter().enumerate() {
         params.resolution.static_tolerance_m = f64::INFINITY;
-        let exact = settled(params.clone(), pulls_m);
+        let exact = settled(params.clone(), &pulls_m);
         let moved_m = (exact.tip_m() - settled(params.clone(), &vec![0.0; pulls_m.len()]).tip_m()).norm();
         for (cell_m, share) in [(0.03, 5e-4), (0.06, 3e-3)] {
             params.resolution.cell_m = cell_m;
             params.resolution.blended = true;
-            let off_m = (settled(params.clone(), pulls_m).tip_m() - exact.tip_m()).norm();
+            let off_m = (settled(params.clone(), &pulls_m).tip_m() - exact.tip_m()).norm();
             assert!(off_m < share * moved_m, "{number}, cells of {cell_m} m: {off_m} of {moved_m}");
         }
     }

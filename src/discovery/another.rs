@@ -46,7 +46,9 @@ impl Search<'_> {
     /// Whether `next`, which is `base` with one member more, is worth having: that one moves the tip by enough itself, and
     /// takes it from where the others have it by more than their laws are off.
     pub(super) fn is_worth(&self, base: &Scored, next: &Scored) -> bool {
-        let inexact_m = self.limits.least_share * apart_m(&base.fitted, &self.null.fitted);
+        let laws = base.fitted.members.iter().map(|member| self.study.hypotheses[member.hypothesis].card.inexact);
+        let share = self.limits.least_share * laws.fold(0.0, f64::max);
+        let inexact_m = share * apart_m(&base.fitted, &self.null.fitted);
         if apart_m(&next.fitted, &base.fitted) < inexact_m {
             return false;
         }

@@ -26,6 +26,7 @@ pub(super) const CARD: Card = Card {
         seek: Seek::Replaces("robot.damping_time_s", 0.05),
     }],
     confused_with: &["delay", "creep"],
+    inexact: 0.2,
 };
 
 impl Effect for Damping {
