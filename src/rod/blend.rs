@@ -60,7 +60,8 @@ fn standing_for(params: &RodParams, points: &[Point], side: f64) -> Section {
     let spine = positive(&|s| s.spine);
     let bending_n_m2 = 1.0 / positive(&|s| 1.0 / s.bending_n_m2);
     let saturated = |s: &Section| if s.spine == 0.0 { 0.0 } else { s.spine * s.saturation_n };
-    let saturation_n = if spine > 0.0 { positive(&saturated) / spine } else { f64::INFINITY };
+    // Infinite where there is no spine, or one that does not saturate.
+    let saturation_n = Some(positive(&saturated) / spine).filter(|force| force.is_finite()).unwrap_or(f64::INFINITY);
     let time_s = params.damping_time_s;
     Section {
         rest: signed(&|s| s.rest, 1.0),
