@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::hypothesis::{inexact, set_of};
+use super::hypothesis::set_of;
 use super::refit::Fitted;
 use super::samples::rms_m;
 use super::search::{Scored, Search};
@@ -46,8 +46,7 @@ impl Search<'_> {
     /// Whether `next`, which is `base` with one member more, is worth having: that one moves the tip by enough itself, and
     /// takes it from where the others have it by more than their laws are off.
     pub(super) fn is_worth(&self, base: &Scored, next: &Scored) -> bool {
-        let share = self.limits.least_share * inexact(self.study.hypotheses, &base.fitted.members);
-        let inexact_m = share * apart_m(&base.fitted, &self.null.fitted);
+        let inexact_m = self.limits.least_share * apart_m(&base.fitted, &self.null.fitted);
         if apart_m(&next.fitted, &base.fitted) < inexact_m {
             return false;
         }

@@ -245,11 +245,6 @@ pub(super) fn set_of(members: &[Member]) -> BTreeSet<usize> {
     members.iter().map(|member| member.hypothesis).collect()
 }
 
-/// How far the laws of the members may be off, as the card of the least known one says; nothing without any.
-pub(super) fn inexact(hypotheses: &[Hypothesis], members: &[Member]) -> f64 {
-    members.iter().map(|member| hypotheses[member.hypothesis].card.inexact).fold(0.0, f64::max)
-}
-
 /// The effects of these members on top of a model; none where one is out of range.
 pub(super) fn effects(hypotheses: &[Hypothesis], members: &[Member]) -> Option<Vec<EffectSpec>> {
     members.iter().map(|member| hypotheses[member.hypothesis].effect(&member.values)).collect()

@@ -4,7 +4,6 @@
 use nalgebra::{DMatrix, DVectorView};
 
 use super::features::circumstances;
-use super::hypothesis::inexact;
 use super::missing::{Missing, missing};
 use super::nuisance::{Explained, Nuisances};
 use super::question::Question;
@@ -29,6 +28,8 @@ const SLOW: f64 = 0.8;
 const SLOW_CHANCE: f64 = 0.05;
 /// Chance of any test below which the search goes on before it says that nothing is missing.
 const DOUBTFUL: f64 = 0.05;
+/// Effects without a shape or a place are off by this share of `least_share`.
+const WITHOUT_SHAPE: f64 = 0.5;
 
 impl Question<'_> {
     /// Whether what is left of the samples of the fit can be foretold.
@@ -71,9 +72,12 @@ impl Question<'_> {
         Left { certainly, possibly, tolerated_m: is_tolerated.then_some(all_m) }
     }
 
-    /// What the laws of the members may be off by, metres.
+    /// What the laws of the members may be off by, metres. Those of how a rod gives way stand for many; where there is nothing
+    /// to an effect but its size, it is known better.
     fn laws_m(&self, fitted: &Fitted) -> f64 {
-        inexact(&self.hypotheses, &fitted.members) * self.inexact_m(&fitted.played)
+        let shaped = fitted.members.iter().any(|member| self.hypotheses[member.hypothesis].has_shape());
+        let share = if shaped { 1.0 } else { WITHOUT_SHAPE };
+        share * self.inexact_m(&fitted.played)
     }
 
     /// How the tip answers to a little of every effect that could be the answer, a column a size. Not of those that are

@@ -31,8 +31,7 @@ pub struct Options {
     pub least_score: f64,
     /// How far an effect must move the tip, over the noise floor, to be worth a name.
     pub least_size: f64,
-    /// How far one effect more must move the tip, over what those found before it do: their laws are right to no more. Less of
-    /// it where they are known better than that of dry friction.
+    /// How far one effect more must move the tip, over what those found before it do: their laws are right to no more.
     pub least_share: f64,
     /// Answers whose scores differ by less cannot be told apart.
     pub rival_score: f64,

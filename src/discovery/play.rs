@@ -45,7 +45,11 @@ fn fine(model: &Model) -> Model {
 /// where it cannot be played so.
 pub(super) fn corrected(model: &Model, extra: &[EffectSpec], samples: &Samples, played: &[f64]) -> Samples {
     let mut corrected = samples.clone();
-    if let Some(fine) = tips(&fine(model), extra, samples) {
+    let fine = fine(model);
+    // A rest that cannot be settled so finely is taken on the grid that motion has.
+    let mut unsettled = fine.clone();
+    unsettled.robot.resolution.static_tolerance_m = f64::INFINITY;
+    if let Some(fine) = tips(&fine, extra, samples).or_else(|| tips(&unsettled, extra, samples)) {
         for (row, (fine, played)) in corrected.rows.iter_mut().zip(fine.chunks_exact(3).zip(played.chunks_exact(3))) {
             row.tip_m = std::array::from_fn(|axis| row.tip_m[axis] - (fine[axis] - played[axis]));
         }

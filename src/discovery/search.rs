@@ -18,8 +18,7 @@ pub(super) struct Limits {
     pub(super) least_score: f64,
     /// Distance that an effect must move the tip, over the noise floor.
     pub(super) least_size: f64,
-    /// The same for one effect more, over what those found before it do together, if their laws are known no better than that
-    /// of dry friction.
+    /// The same for one effect more, over what those found before it do together.
     pub(super) least_share: f64,
     /// The same in metres, whatever the noise.
     pub(super) least_m: f64,

@@ -25,7 +25,6 @@ pub(super) const CARD: Card = Card {
         Parameter { name: "scale", unit: "1", null: 1.0, seek: Seek::Size(0.04) },
     ],
     confused_with: &["tendon_radius", "tendon_stretch"],
-    inexact: 0.2,
 };
 
 impl Effect for ActuatorGain {

@@ -26,7 +26,6 @@ pub(super) const CARD: Card = Card {
         Parameter { name: "offset_m", unit: "m", null: 0.0, seek: Seek::Size(0.001) },
     ],
     confused_with: &["precurvature"],
-    inexact: 0.2,
 };
 
 impl Effect for ActuatorOffset {

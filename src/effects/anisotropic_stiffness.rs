@@ -26,7 +26,6 @@ pub(super) const CARD: Card = Card {
         Parameter { name: "angle_rad", unit: "rad", null: 0.0, seek: Seek::Shape(&[0.0, std::f64::consts::FRAC_PI_4]) },
     ],
     confused_with: &["tendon_angle", "bending_stiffness"],
-    inexact: 0.2,
 };
 
 impl Effect for AnisotropicStiffness {

@@ -23,7 +23,6 @@ pub(super) const CARD: Card = Card {
     source: "play operator, Brokate & Sprekels, ch. 2",
     parameters: &[Parameter { name: "width_m", unit: "m", null: 0.0, seek: Seek::Size(0.001) }],
     confused_with: &["friction", "delay", "hysteresis"],
-    inexact: 0.2,
 };
 
 impl Effect for Backlash {

@@ -27,7 +27,6 @@ pub(super) const CARD: Card = Card {
         Parameter { name: "tilt_y_rad", unit: "rad", null: 0.0, seek: Seek::Size(0.01) },
     ],
     confused_with: &["frame_shift", "precurvature", "tip_force"],
-    inexact: 0.2,
 };
 
 impl Effect for BaseTilt {

@@ -21,7 +21,6 @@ pub(super) const CARD: Card = Card {
     source: "Euler–Bernoulli beam",
     parameters: &[Parameter { name: "scale", unit: "1", null: 1.0, seek: Seek::Size(0.1) }],
     confused_with: &["soft_section", "distributed_mass", "spine_compressibility"],
-    inexact: 0.2,
 };
 
 impl Effect for BendingStiffness {

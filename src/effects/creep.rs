@@ -28,7 +28,6 @@ pub(super) const CARD: Card = Card {
         Parameter { name: "time_s", unit: "s", null: 10.0, seek: Seek::Shape(&[0.7, 3.0, 15.0]) },
     ],
     confused_with: &["hysteresis", "damping"],
-    inexact: 0.5,
 };
 
 impl Effect for Creep {

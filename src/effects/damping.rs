@@ -26,7 +26,6 @@ pub(super) const CARD: Card = Card {
         seek: Seek::Replaces("robot.damping_time_s", 0.05),
     }],
     confused_with: &["delay", "creep"],
-    inexact: 0.2,
 };
 
 impl Effect for Damping {

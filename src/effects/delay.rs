@@ -32,7 +32,6 @@ pub(super) const CARD: Card = Card {
     source: "transport delay",
     parameters: &[Parameter { name: "time_s", unit: "s", null: 0.0, seek: Seek::Scanned(0.05, &LOOKED_AT_S) }],
     confused_with: &["damping", "backlash"],
-    inexact: 0.2,
 };
 
 impl Effect for Delay {

@@ -21,7 +21,6 @@ pub(super) const CARD: Card = Card {
     source: "modelling convention",
     parameters: &[Parameter { name: "scale", unit: "1", null: 1.0, seek: Seek::Size(0.2) }],
     confused_with: &["tip_load", "bending_stiffness"],
-    inexact: 0.2,
 };
 
 impl Effect for DistributedMass {

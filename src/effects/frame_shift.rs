@@ -25,7 +25,6 @@ pub(super) const CARD: Card = Card {
         Parameter { name: "shift_m[2]", unit: "m", null: 0.0, seek: Seek::Size(0.002) },
     ],
     confused_with: &["base_tilt"],
-    inexact: 0.2,
 };
 
 impl Effect for FrameShift {

@@ -38,7 +38,6 @@ pub(super) const CARD: Card = Card {
         Parameter { name: "coupled", unit: "flag", null: 0.0, seek: Seek::Flag },
     ],
     confused_with: &["hysteresis", "backlash"],
-    inexact: 1.0,
 };
 
 impl Effect for Friction {

@@ -32,7 +32,6 @@ pub(super) const CARD: Card = Card {
         Parameter { name: "range_rad_m", unit: "rad/m", null: 5.0, seek: Seek::Shape(&[2.0, 6.0]) },
     ],
     confused_with: &["friction", "backlash", "creep"],
-    inexact: 1.0,
 };
 
 impl Effect for Hysteresis {

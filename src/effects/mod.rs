@@ -138,9 +138,6 @@ pub struct Card {
     pub parameters: &'static [Parameter],
     /// Effects that look alike at the tip.
     pub confused_with: &'static [&'static str],
-    /// How far its law may be from that of a robot, over how far that of dry friction may be: one for those that stand for
-    /// many, little for those with nothing to them but a size (docs/discovery.md).
-    pub inexact: f64,
 }
 
 macro_rules! catalogue {

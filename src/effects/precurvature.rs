@@ -26,7 +26,6 @@ pub(super) const CARD: Card = Card {
         Parameter { name: "kappa_y_rad_m", unit: "rad/m", null: 0.0, seek: Seek::Size(0.2) },
     ],
     confused_with: &["tip_force", "base_tilt", "actuator_offset"],
-    inexact: 0.2,
 };
 
 impl Effect for Precurvature {

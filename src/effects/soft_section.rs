@@ -26,7 +26,6 @@ pub(super) const CARD: Card = Card {
         Parameter { name: "scale", unit: "1", null: 1.0, seek: Seek::Size(-0.3) },
     ],
     confused_with: &["bending_stiffness", "tendon_stretch", "tendon_radius"],
-    inexact: 0.5,
 };
 
 impl Effect for SoftSection {

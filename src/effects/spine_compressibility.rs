@@ -21,7 +21,6 @@ pub(super) const CARD: Card = Card {
     source: "paper, eq. 14",
     parameters: &[Parameter { name: "scale", unit: "1", null: 1.0, seek: Seek::Size(0.2) }],
     confused_with: &["distributed_mass", "bending_stiffness"],
-    inexact: 0.2,
 };
 
 impl Effect for SpineCompressibility {

@@ -21,7 +21,6 @@ pub(super) const CARD: Card = Card {
     source: "geometry",
     parameters: &[Parameter { name: "angle_rad", unit: "rad", null: 0.0, seek: Seek::Size(0.04) }],
     confused_with: &["anisotropic_stiffness", "base_tilt"],
-    inexact: 0.2,
 };
 
 impl Effect for TendonAngle {

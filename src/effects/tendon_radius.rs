@@ -21,7 +21,6 @@ pub(super) const CARD: Card = Card {
     source: "geometry",
     parameters: &[Parameter { name: "scale", unit: "1", null: 1.0, seek: Seek::Size(0.04) }],
     confused_with: &["actuator_gain", "soft_section"],
-    inexact: 0.2,
 };
 
 impl Effect for TendonRadius {

@@ -21,7 +21,6 @@ pub(super) const CARD: Card = Card {
     source: "Till et al. 2019; Oliver-Butler et al. 2019",
     parameters: &[Parameter { name: "compliance_m_per_n", unit: "m/N", null: 0.0, seek: Seek::Size(1e-4) }],
     confused_with: &["actuator_gain", "soft_section"],
-    inexact: 0.2,
 };
 
 impl Effect for TendonStretch {

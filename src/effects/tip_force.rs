@@ -25,7 +25,6 @@ pub(super) const CARD: Card = Card {
         Parameter { name: "force_n[2]", unit: "N", null: 0.0, seek: Seek::Size(0.1) },
     ],
     confused_with: &["tip_load", "base_tilt", "precurvature"],
-    inexact: 0.2,
 };
 
 impl Effect for TipForce {

@@ -22,7 +22,6 @@ pub(super) const CARD: Card = Card {
     source: "paper, section V-C (20 g)",
     parameters: &[Parameter { name: "mass_kg", unit: "kg", null: 0.0, seek: Seek::Size(0.005) }],
     confused_with: &["distributed_mass", "tip_force"],
-    inexact: 0.2,
 };
 
 impl Effect for TipLoad {

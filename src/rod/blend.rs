@@ -55,7 +55,11 @@ fn standing_for(params: &RodParams, points: &[Point], side: f64) -> Section {
     let signed = |of: &dyn Fn(&Section) -> [f64; 3], share: f64| -> [f64; 3] {
         std::array::from_fn(|k| mean(&|s| of(s)[k]) + side * share * apart(&|s| of(s)[k]))
     };
-    let bend = signed(&|s| s.bend, most(&|s| s.bend[0]).min(most(&|s| s.bend[2])));
+    let share = most(&|s| s.bend[0]).min(most(&|s| s.bend[2]));
+    // Where principal axes turn within a cell the whole of it may leave nothing that could be a compliance.
+    let bends = [share, 0.5 * share, 0.0].map(|share| signed(&|s| s.bend, share));
+    let [_, _, even] = bends;
+    let bend = bends.into_iter().find(|[a, b, c]| a * c > b * b).unwrap_or(even);
     let (twist, shear, axial) = (positive(&|s| s.twist), positive(&|s| s.shear), positive(&|s| s.axial));
     let spine = positive(&|s| s.spine);
     let bending_n_m2 = 1.0 / positive(&|s| 1.0 / s.bending_n_m2);

@@ -183,12 +183,11 @@ fn material_jumps(params: &RodParams) -> Vec<f64> {
 /// Wherever a property jumps, unless cells go across that, or a mass sits, in a fixed order.
 fn cell_cuts(params: &RodParams) -> Vec<f64> {
     let mut cuts = element_cuts(params);
-    cuts.extend(params.masses.iter().map(|mass| mass.position_m));
-    if params.resolution.blended {
-        return cuts;
+    if !params.resolution.blended {
+        cuts.extend(params.spans.iter().map(|span| span.end_m));
     }
-    cuts.extend(params.spans.iter().map(|span| span.end_m));
-    for section in &params.sections {
+    cuts.extend(params.masses.iter().map(|mass| mass.position_m));
+    for section in params.sections.iter().filter(|_| !params.resolution.blended) {
         cuts.extend([section.start_m, section.start_m + section.length_m]);
     }
     cuts

@@ -117,7 +117,8 @@ pub struct Resolution {
     /// there, so that it pays only for the last micrometres.
     pub split_elements: bool,
     /// Whether cells go across jumps of stiffness, rest shape and spine: each Gauss point then stands for its share of what its
-    /// cell holds. Fewer cells for a robot of many parts, whose tip is then right to about a hundredth of what bends it.
+    /// cell holds. Fewer cells for a robot of many parts; wants an infinite `static_tolerance_m`, since refinement ends cells at
+    /// jumps again.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub blended: bool,
     /// Displacement of the tip by which the discretisation in space may change a static solution, metres: beyond it the

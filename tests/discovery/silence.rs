@@ -1,9 +1,9 @@
 //! Where nothing is hidden, or nothing that the catalogue has, or not quite that.
 
 use spinebench::data::findings::Verdict;
-use spinebench::discovery::Options;
+use spinebench::discovery::{Options, discover};
 
-use super::support::{NOISE_M, explored, found, from_benchmark, names, recorded};
+use super::support::{NOISE_M, chain, found, from_benchmark, names, nominal, recorded};
 
 #[test]
 fn nothing_is_found_where_nothing_is_hidden() {
@@ -37,11 +37,11 @@ fn what_only_resembles_the_gap_is_unexplained() {
     assert_eq!(found.findings.candidates[0].name.split(' ').next(), Some("actuator_offset"));
 }
 
-/// Friction, half of which slips early and half late.
+/// Dry friction as another simulator has it, which does not yield before it slips.
 #[test]
 fn a_law_that_is_nearly_the_robots_is_named_and_what_it_leaves_is_said() {
-    let half = |yield_rad_m: f64| format!("- friction: {{moment_nm: 0.01, yield_rad_m: {yield_rad_m}}}");
-    let found = found(&explored(&[half(0.2), half(0.6)].join("\n"), 8, 2), &Options::default());
+    let baseline = chain("baseline.csv");
+    let found = discover(&nominal(), &chain("r40.csv"), Some(&baseline), &Options::default()).unwrap();
     assert_eq!(names(&found), ["friction"], "{}", found.findings.summary);
     let said = &found.findings.limitations;
     assert!(said.iter().any(|said| said.contains("not all noise")), "{said:?}");

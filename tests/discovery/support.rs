@@ -21,6 +21,11 @@ pub(super) fn twin(name: &str) -> Recording {
     Recording::read(&file).unwrap()
 }
 
+/// A recording of the project's own chain in another simulator (docs/twin.md).
+pub(super) fn chain(file: &str) -> Recording {
+    Recording::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/twin").join(file)).unwrap()
+}
+
 /// A recording of a blind benchmark, as the benchmark presents it.
 pub(super) fn from_benchmark(file: &str) -> Recording {
     Recording::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/blind").join(file)).unwrap()
