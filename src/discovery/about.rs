@@ -12,7 +12,7 @@ use super::search::Found;
 
 /// What is found out about a set before it is an answer.
 pub(super) struct About {
-    /// The samples, without what the search's steps in time are off by with the set.
+    /// The samples, without what the search's steps in time and cells are off by with the set.
     pub(super) samples: Samples,
     /// What may differ a little from the model with the set.
     pub(super) nuisances: Nuisances,

@@ -90,8 +90,10 @@ mod tests {
     #[test]
     fn corrected_samples_are_those_of_finer_steps() {
         let mut model = Model::default();
-        model.robot.resolution.motion_tolerance_m = 3e-5;
-        let mut exact = model.clone();
+        let resolution = &mut model.robot.resolution;
+        (resolution.motion_tolerance_m, resolution.static_tolerance_m) = (3e-5, f64::INFINITY);
+        (resolution.cell_m, resolution.blended) = (0.03, true);
+        let mut exact = Model::default();
         exact.robot.resolution.motion_tolerance_m = 3e-7;
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reference/twin/nothing.csv");
         let mut samples = Samples::new(&Recording::read(&file).unwrap()).of_trials(&[0, 1]);

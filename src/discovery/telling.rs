@@ -100,7 +100,8 @@ impl Question<'_> {
             before_m: rms_m(&self.proof.residual(&self.played_proof)),
             after_m: f64::NAN,
         };
-        // At the edge of what a robot can bear (a section that is all but a hinge) steps in time decide what can be played.
+        // At the edge of what a robot can bear (a section that is all but a hinge) steps in time and cells decide what can be
+        // played.
         let tips = |model: &Model| play::tips(model, &added, &self.proof);
         let played = tips(&self.model).or_else(|| tips(&self.coarse));
         let after_m = |played: &Vec<f64>| rms_m(&self.proof.residual(played));

@@ -19,7 +19,7 @@ const SAME_PLACE_M: f64 = 1e-10;
 /// Internal wrench components in the body frame: moments about x, y, z, then forces along x, y, z.
 pub(super) const COMPONENTS: usize = 6;
 
-/// A piece of the rod without a jump inside.
+/// A piece of the rod without a jump inside, unless cells go across jumps (see [`Resolution::blended`]).
 #[derive(Clone, Debug)]
 pub(super) struct Cell {
     /// Length, metres.
@@ -58,7 +58,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// Cuts the rod at every jump of its properties and at masses, and then to the wanted resolution. The internal
+    /// Cuts the rod at masses and, unless cells go across them, at jumps of its properties, and then to the wanted resolution. The internal
     /// wrench is one polynomial a component between the places where it may jump: tendon ends, kinks of their paths
     /// and loads.
     pub(super) fn new(params: &RodParams) -> Grid {

@@ -27,7 +27,7 @@ impl Grid {
         target[self.unknowns..].copy_from_slice(&source[from.unknowns..]);
     }
 
-    /// Histories at the Gauss points of `from` on those of this grid, linear within each cell, where nothing jumps.
+    /// Histories at the Gauss points of `from` on those of this grid, linear within each cell.
     pub(super) fn spread(&self, from: &Grid, states: &[MemoryState]) -> Vec<MemoryState> {
         let state = |position_m: f64| {
             let cell = from.boundaries_m.partition_point(|&end| end <= position_m).clamp(1, from.cells.len()) - 1;

@@ -67,7 +67,7 @@ struct Benchmark<'a> {
     run: &'a DiscoveryRun,
     /// The model as it is given to whoever looks into a recording.
     model: &'a Model,
-    /// The same on the grid of the look: what strengths and the oracle are computed with.
+    /// The same with cells as long as those of the look: what strengths and the oracle are computed with.
     quick: Model,
     priors: Vec<Prior>,
 }
