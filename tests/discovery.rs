@@ -102,8 +102,8 @@ fn beside_much_of_one_effect_the_tip_answers_otherwise_to_another() {
     // Case 1092 of experiments/discovery_full.yaml: by the tip's answer without the soft section, another stiffness would
     // explain nothing beside it. Hysteresis that never yields does almost as well, where the search finds it.
     let found = found(&from_benchmark("case_1092.csv"), &Options::default());
-    let named = names(&found);
-    assert!(["bending_stiffness", "soft_section"].iter().all(|name| named.contains(name)), "{named:?}");
+    assert_eq!(found.findings.verdict, Verdict::Named, "{}", found.findings.summary);
+    assert_eq!(sorted_names(&found), ["bending_stiffness", "soft_section"], "{}", found.findings.summary);
     let fits_worse = |name: &str| {
         let with =
             |name: &str| found.findings.candidates.iter().find(|candidate| candidate.name.contains(name)).unwrap();
