@@ -6,9 +6,7 @@ use nalgebra::DMatrix;
 use super::features::{Circumstances, circumstances};
 use super::hypothesis::{Hypothesis, Member};
 use super::nuisance::{Column, Nuisances};
-use super::options::{Options, Uncertainty};
 use super::refit::Study;
-use super::responses::{Response, responses};
 use super::samples::Samples;
 use crate::effects::Model;
 
@@ -126,52 +124,4 @@ pub(super) fn in_common(baseline: Seen, recording: Seen) -> Nuisances {
     let all: Vec<&Column> = own.iter().chain(&form).collect();
     let columns = DMatrix::from_fn(played.len(), all.len(), |row, k| all[k].0[row]);
     Nuisances::new(columns, explained.amounts, precision)
-}
-
-/// The columns of what is uncertain of `model` with the `members`; where they cannot be played beside those, as they are
-/// without.
-pub(super) fn free(
-    options: &Options,
-    model: &Model,
-    hypotheses: &[Hypothesis],
-    members: &[Member],
-    samples: &Samples,
-) -> Vec<Column> {
-    // A number that a member has replaced is no longer uncertain.
-    let named =
-        |hypothesis: &Hypothesis, member: &Member| hypotheses[member.hypothesis].card.name == hypothesis.card.name;
-    let replaced = |own: &Hypothesis| own.replaces() && members.iter().any(|member| named(own, member));
-    let asked = |hypothesis: &Hypothesis| options.is_uncertain(hypothesis) && !replaced(hypothesis);
-    let wanted: usize = hypotheses.iter().filter(|own| asked(own)).map(|own| own.variants().len()).sum();
-    let mut answers = responses(model, hypotheses, members, &asked, samples);
-    if answers.len() < wanted && !members.is_empty() {
-        answers.extend(responses(model, hypotheses, &[], &asked, samples));
-    }
-    uncertain(&options.uncertain, hypotheses, &answers, 3 * samples.len())
-}
-
-/// The columns of the `uncertain` numbers, `rows` long: the first of the `answers` to a little of each; zero if there is
-/// none.
-pub(super) fn uncertain(
-    uncertain: &[Uncertainty],
-    hypotheses: &[Hypothesis],
-    answers: &[Response],
-    rows: usize,
-) -> Vec<Column> {
-    let mut columns = Vec::new();
-    for one in uncertain {
-        let about = hypotheses.iter().enumerate().filter(|(_, hypothesis)| hypothesis.card.name == one.effect);
-        for (number, hypothesis) in about {
-            for null in hypothesis.variants() {
-                let answer = answers.iter().find(|answer| answer.hypothesis == number && answer.null == null);
-                for (k, size) in hypothesis.sizes().into_iter().enumerate() {
-                    if hypothesis.card.parameters[size].vector() == one.parameter {
-                        let column = answer.map(|answer| answer.columns.column(k).as_slice().to_vec());
-                        columns.push((column.unwrap_or_else(|| vec![0.0; rows]), one.deviation));
-                    }
-                }
-            }
-        }
-    }
-    columns
 }

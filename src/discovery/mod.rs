@@ -41,6 +41,7 @@ mod screen;
 mod search;
 mod telling;
 mod together;
+mod uncertain;
 mod uneven;
 mod unseen;
 mod words;

@@ -3,7 +3,6 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::baseline::free;
 use super::hypothesis::{Member, effects};
 use super::menu::{Dish, Range, menu};
 use super::noise::Noise;
@@ -11,6 +10,7 @@ use super::nuisance::Column;
 use super::play::{coarse, tips};
 use super::question::Question;
 use super::samples::{Sample, Samples, TrialCommands};
+use super::uncertain::Uncertain;
 use crate::data::findings::Proposal;
 use crate::data::{Actuation, Recording};
 use crate::effects::Model;
@@ -50,7 +50,7 @@ impl Question<'_> {
         let mut model = self.model.clone();
         model.robot.gravity_m_s2 = dish.gravity_m_s2.unwrap_or(model.robot.gravity_m_s2);
         let samples = self.samples_of(dish);
-        let free = free(self.options, &coarse(&model), &self.hypotheses, &[], &samples);
+        let free = Uncertain::new(self.options, &self.hypotheses, &[], 1.0).columns(&coarse(&model), &[], &samples);
         let played: Vec<Vec<f64>> = rivals
             .iter()
             .map(|members| tips(&model, &effects(&self.hypotheses, members)?, &samples))

@@ -1,6 +1,6 @@
 //! What may differ a little between any robot and its model without being news: numbers that a lab would recalibrate,
 //! each with the uncertainty that its calibration leaves, and what a baseline recording shows in common. They are free in
-//! every hypothesis alike, within that uncertainty, and enter linearly.
+//! every hypothesis alike, within that uncertainty, and enter linearly about where they are.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
@@ -10,9 +10,11 @@ use super::samples::Samples;
 /// What one nuisance adds to the tip, three numbers a sample over its unit, and the standard deviation of its amount.
 pub(super) type Column = (Vec<f64>, f64);
 
-/// Nuisances with a Gaussian prior: what they add to the tip is `columns · amounts`.
+/// Nuisances with a Gaussian prior: what they add to the tip is `bend + columns · amounts`.
 #[derive(Clone, Debug)]
 pub(super) struct Nuisances {
+    /// What they add beyond that in which they are linear, three numbers a sample, metres: where about they are.
+    bend: DVector<f64>,
     /// Three numbers a sample, a column a nuisance.
     pub(super) columns: DMatrix<f64>,
     /// Expected amounts.
@@ -52,17 +54,31 @@ impl Nuisances {
 
     pub(super) fn new(columns: DMatrix<f64>, mean: DVector<f64>, precision: DMatrix<f64>) -> Nuisances {
         let log_determinant = log_determinant(&precision);
-        Nuisances { columns, mean, precision, log_determinant }
+        Nuisances { bend: DVector::zeros(columns.nrows()), columns, mean, precision, log_determinant }
+    }
+
+    /// The same, known to be about these amounts.
+    pub(super) fn known(self, mean: DVector<f64>, precision: DMatrix<f64>) -> Nuisances {
+        let log_determinant = log_determinant(&precision);
+        Nuisances { mean, precision, log_determinant, ..self }
+    }
+
+    /// The same with so much beyond that in which they are linear.
+    pub(super) fn bent(self, bend: DVector<f64>) -> Nuisances {
+        Nuisances { bend, ..self }
     }
 
     /// The same in those rows of the samples alone (three numbers a sample).
     pub(super) fn in_rows(&self, rows: &[usize]) -> Nuisances {
-        Nuisances { columns: self.columns.select_rows(rows), ..self.clone() }
+        Nuisances { bend: self.bend.select_rows(rows), columns: self.columns.select_rows(rows), ..self.clone() }
     }
 
     /// Explains `residual` as well as nuisances and noise can; of the samples a fit of other parameters has used up
     /// `freedom` numbers.
     pub(super) fn explain(&self, samples: &Samples, residual: &[f64], freedom: f64) -> Explained {
+        let residual: Vec<f64> =
+            residual.iter().zip(self.bend.iter()).map(|(residual, bend)| residual - bend).collect();
+        let residual = residual.as_slice();
         let mut noise = Noise::of(samples, residual, freedom);
         let mut found = self.amounts(samples, residual, &noise);
         for _ in 0..ROUNDS {

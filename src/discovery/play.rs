@@ -40,21 +40,20 @@ fn fine(model: &Model) -> Model {
     fine
 }
 
-/// `samples` without what the steps in time and the grid of `model` with `extra` effects, which has the tip at `played`, are
-/// off by: a fit to them is one with finer ones (defect correction; Stetter, Numerische Mathematik 29, 1978). As they are
-/// where it cannot be played so.
-pub(super) fn corrected(model: &Model, extra: &[EffectSpec], samples: &Samples, played: &[f64]) -> Samples {
-    let mut corrected = samples.clone();
+/// `samples` without what `model` with `extra` effects does with finer steps in time and a finer grid beyond having the tip at
+/// `played`: a fit to them is one with those (defect correction; Stetter, Numerische Mathematik 29, 1978). None where it cannot
+/// be played so.
+pub(super) fn corrected(model: &Model, extra: &[EffectSpec], samples: &Samples, played: &[f64]) -> Option<Samples> {
     let fine = fine(model);
     // A rest that cannot be settled so finely is taken on the grid that motion has.
     let mut unsettled = fine.clone();
     unsettled.robot.resolution.static_tolerance_m = f64::INFINITY;
-    if let Some(fine) = tips(&fine, extra, samples).or_else(|| tips(&unsettled, extra, samples)) {
-        for (row, (fine, played)) in corrected.rows.iter_mut().zip(fine.chunks_exact(3).zip(played.chunks_exact(3))) {
-            row.tip_m = std::array::from_fn(|axis| row.tip_m[axis] - (fine[axis] - played[axis]));
-        }
+    let there = tips(&fine, extra, samples).or_else(|| tips(&unsettled, extra, samples))?;
+    let mut corrected = samples.clone();
+    for (row, (fine, played)) in corrected.rows.iter_mut().zip(there.chunks_exact(3).zip(played.chunks_exact(3))) {
+        row.tip_m = std::array::from_fn(|axis| row.tip_m[axis] - (fine[axis] - played[axis]));
     }
-    corrected
+    Some(corrected)
 }
 
 /// Where `model` with `extra` effects has the tip in every sample, three numbers a sample, metres; none where it cannot
@@ -102,8 +101,8 @@ mod tests {
             row.tip_m = [tip[0], tip[1], tip[2]];
         }
         let played = tips(&model, &[], &samples).unwrap();
-        let [before_m, after_m] =
-            [&samples, &corrected(&model, &[], &samples, &played)].map(|samples| rms_m(&samples.residual(&played)));
+        let [before_m, after_m] = [&samples, &corrected(&model, &[], &samples, &played).unwrap()]
+            .map(|samples| rms_m(&samples.residual(&played)));
         assert!(before_m > 1e-5 && after_m < 0.4 * before_m, "{before_m} to {after_m}");
     }
 }

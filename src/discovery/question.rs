@@ -1,11 +1,14 @@
 //! A question: the model, its samples, and what has been found out about them before anything is named.
 
+use nalgebra::DVector;
+
 use super::error::DiscoveryError;
-use super::hypothesis::{Hypothesis, Member, hypotheses};
+use super::hypothesis::{Hypothesis, Member, effects, hypotheses};
 use super::nuisance::{Column, Explained, Nuisances};
 use super::options::Options;
 use super::refit::{Fitted, Study};
 use super::samples::{Samples, rms_m};
+use super::uncertain::Uncertain;
 use super::{baseline, check, floor, play, proof, responses};
 use crate::data::Recording;
 use crate::effects::Model;
@@ -61,7 +64,7 @@ impl<'a> Question<'a> {
         let played_proof = self::played(&model, &proof)?;
         let coarse = play::coarse(&model);
         let responses = responses::responses(&coarse, &hypotheses, &[], &|_| true, &fit);
-        let columns = baseline::uncertain(&options.uncertain, &hypotheses, &responses, 3 * fit.len());
+        let columns = uncertain(options, &hypotheses, &[], base.as_ref()).columns(&model, &[], &fit);
         let nuisances = nuisances(base.as_ref(), &fit, &played, &columns);
         Ok(Question {
             options,
@@ -100,8 +103,8 @@ impl<'a> Question<'a> {
     /// within what the fit leaves of it. `played`: where the model with the answer has the tip in them.
     pub(super) fn speaks_against(&self, study: &Study, answer: &Fitted, played: &[f64]) -> bool {
         let Some(precision) = study.nuisance_precision(answer) else { return false };
-        let columns = self.nuisances_beside(&answer.members, &self.proof, &self.played_proof).columns;
-        let nuisances = Nuisances::new(columns, answer.explained.amounts.clone(), precision);
+        let beside = self.nuisances_beside(&answer.members, &self.proof, &self.played_proof);
+        let nuisances = self.bent(beside, answer, played).known(answer.explained.amounts.clone(), precision);
         let unseen = nuisances.explain(&self.proof, &self.proof.residual(played), 0.0);
         let square_m2 = |explained: &Explained| explained.noise.rms_m().powi(2);
         let freedom = |explained: &Explained, samples: &Samples| explained.noise.freedom(samples.len());
@@ -112,11 +115,31 @@ impl<'a> Question<'a> {
         p_value < self.options.false_alarm && (there - here).max(0.0).sqrt() > least_m
     }
 
+    /// The `nuisances` of the held-out trials beside the `answer`, which has the tip at `played` there, linear about where the
+    /// answer has them as far as that can be played.
+    fn bent(&self, nuisances: Nuisances, answer: &Fitted, played: &[f64]) -> Nuisances {
+        let there = || {
+            let (off, told) = self.uncertain(&answer.members).at(&nuisances, &answer.explained.amounts)?;
+            let known = effects(&self.hypotheses, &answer.members)?;
+            let there = play::tips(&self.model, &[known, off].concat(), &self.proof)?;
+            Some(DVector::from_vec(there) - DVector::from_column_slice(played) - told)
+        };
+        match there() {
+            Some(bend) => nuisances.bent(bend),
+            None => nuisances,
+        }
+    }
+
     /// What may differ a little from the model with the `members`, in `samples` where it has the tip at `played` without
     /// them: with much of an effect the tip answers to the rest otherwise than without.
     pub(super) fn nuisances_beside(&self, members: &[Member], samples: &Samples, played: &[f64]) -> Nuisances {
-        let columns = baseline::free(self.options, &self.coarse, &self.hypotheses, members, samples);
+        let columns = self.uncertain(members).columns(&self.model, members, samples);
         nuisances(self.base.as_ref(), samples, played, &columns)
+    }
+
+    /// The numbers that are uncertain beside the `members`.
+    pub(super) fn uncertain(&self, members: &[Member]) -> Uncertain<'_> {
+        uncertain(self.options, &self.hypotheses, members, self.base.as_ref())
     }
 
     /// What is to be known of an answer besides: what was calibrated, what could not be a candidate. `named`: whether
@@ -190,8 +213,8 @@ impl Base {
         check::check(recording, &samples)?;
         let look = |model: &Model| -> Result<(Vec<f64>, Vec<Column>), DiscoveryError> {
             let played = played(model, &samples)?;
-            let mut columns = baseline::free(options, model, hypotheses, &[], &samples);
-            columns.iter_mut().for_each(|(_, deviation)| *deviation *= BEFORE_CALIBRATION);
+            let uncertain = Uncertain::new(options, hypotheses, &[], BEFORE_CALIBRATION);
+            let columns = uncertain.columns(model, &[], &samples);
             Ok((played, columns))
         };
         let (first, columns) = look(model)?;
@@ -208,6 +231,16 @@ impl Base {
         }
         Ok(Base { samples, played: first, columns, factors: None })
     }
+}
+
+/// What is uncertain beside the `members`; with a baseline as wide as it was before that, which tells how wide it is.
+fn uncertain<'a>(
+    options: &Options,
+    hypotheses: &'a [Hypothesis],
+    members: &[Member],
+    base: Option<&Base>,
+) -> Uncertain<'a> {
+    Uncertain::new(options, hypotheses, members, if base.is_some() { BEFORE_CALIBRATION } else { 1.0 })
 }
 
 /// What may differ a little between the model and the robot in `samples`, where the model has the tip at `played`.

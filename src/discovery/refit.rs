@@ -199,10 +199,15 @@ impl Study<'_> {
     /// The members with the values that they have, not fitted; none where the model cannot play them.
     pub(super) fn at(&self, members: Vec<Member>) -> Option<Fitted> {
         let played = tips(self.model, &effects(self.hypotheses, &members)?, self.samples)?;
-        let freedom = self.coordinates(&members).len() as f64;
-        let explained = self.nuisances.explain(self.samples, &self.samples.residual(&played), freedom);
+        let explained = self.explained(&members, &played);
         let jacobian = DMatrix::zeros(played.len(), 0);
         Some(Fitted { members, explained, played, jacobian })
+    }
+
+    /// What nuisances and noise make of what the members leave, which have the tip at `played`.
+    pub(super) fn explained(&self, members: &[Member], played: &[f64]) -> Explained {
+        let freedom = self.coordinates(members).len() as f64;
+        self.nuisances.explain(self.samples, &self.samples.residual(played), freedom)
     }
 
     /// The members moved by `by`, in units of the probes, every coordinate no farther than its range reaches.
