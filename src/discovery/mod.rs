@@ -19,6 +19,7 @@ mod floor;
 mod foretelling;
 mod hypothesis;
 mod intervals;
+mod judged;
 mod left;
 mod menu;
 mod missing;
@@ -111,6 +112,7 @@ pub fn discover(
         // Before anything is called unexplained, the search has known that something is left.
         searched = certainly || !about.left.certainly;
     }
+    let (best, about) = question.judged(&mut search, best, about);
     let found = about.refined(search.ended(best));
     Ok(question.discovery(model, measured, &about, &found))
 }

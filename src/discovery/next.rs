@@ -157,31 +157,9 @@ fn left(samples: &Samples, noise: &Noise, apart: &[f64], slopes: &DMatrix<f64>, 
 #[cfg(test)]
 mod tests {
     use super::super::options::Options;
+    use super::super::play::circling;
     use super::*;
     use crate::effects::Robot;
-
-    /// Samples of three trials of a robot that is just as its model has it.
-    fn recorded(model: &Model) -> Samples {
-        let mut recording = Recording::new(Actuation::Lengths, 4);
-        let mut tips_m = Vec::new();
-        for trial in 0..3_u64 {
-            for row in 0..20 {
-                let angle = 0.4 * f64::from(row) + trial as f64;
-                let (x, y) = (6e-3 * angle.sin(), 6e-3 * (0.6 * angle).sin());
-                recording.trial.push(trial);
-                recording.time_s.push(0.2 * f64::from(row));
-                recording.commands.push(&[x.max(0.0), y.max(0.0), (-x).max(0.0), (-y).max(0.0)]);
-                tips_m.push([0.0; 3]);
-            }
-        }
-        recording.tip_m = Some(tips_m);
-        let mut samples = Samples::new(&recording);
-        let played = tips(model, &[], &samples).unwrap();
-        for (row, tip) in samples.rows.iter_mut().zip(played.chunks_exact(3)) {
-            row.tip_m = [tip[0], tip[1], tip[2]];
-        }
-        samples
-    }
 
     /// A weight pulls where gravity does, a force where it did: turning the base tells them apart, other things only as far
     /// as a weight is inert.
@@ -189,7 +167,7 @@ mod tests {
     fn a_weight_and_a_force_like_it_are_told_apart_by_turning_the_base() {
         let model = Model { robot: Robot::default(), effects: Vec::new() };
         let options = Options::default();
-        let question = Question::new(&model, recorded(&model), None, &options).unwrap();
+        let question = Question::new(&model, circling(&model, &[]), None, &options).unwrap();
         let member = |name: &str, values: Vec<f64>| {
             let hypothesis = question.hypotheses.iter().position(|one| one.card.name == name).unwrap();
             vec![Member { hypothesis, values }]

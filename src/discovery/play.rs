@@ -40,20 +40,23 @@ fn fine(model: &Model) -> Model {
     fine
 }
 
-/// `samples` without what `model` with `extra` effects does with finer steps in time and a finer grid beyond having the tip at
-/// `played`: a fit to them is one with those (defect correction; Stetter, Numerische Mathematik 29, 1978). None where it cannot
-/// be played so.
-pub(super) fn corrected(model: &Model, extra: &[EffectSpec], samples: &Samples, played: &[f64]) -> Option<Samples> {
+/// Where `model` with `extra` effects has the tip with finer steps in time and a finer grid; none where it cannot be played so.
+pub(super) fn fine_tips(model: &Model, extra: &[EffectSpec], samples: &Samples) -> Option<Vec<f64>> {
     let fine = fine(model);
     // A rest that cannot be settled so finely is taken on the grid that motion has.
     let mut unsettled = fine.clone();
     unsettled.robot.resolution.static_tolerance_m = f64::INFINITY;
-    let there = tips(&fine, extra, samples).or_else(|| tips(&unsettled, extra, samples))?;
+    tips(&fine, extra, samples).or_else(|| tips(&unsettled, extra, samples))
+}
+
+/// `samples` without what a model that has the tip at `fine` with finer steps and a finer grid does there beyond having it at
+/// `played`: a fit to them is one with those (defect correction; Stetter, Numerische Mathematik 29, 1978).
+pub(super) fn corrected(samples: &Samples, fine: &[f64], played: &[f64]) -> Samples {
     let mut corrected = samples.clone();
-    for (row, (fine, played)) in corrected.rows.iter_mut().zip(there.chunks_exact(3).zip(played.chunks_exact(3))) {
+    for (row, (fine, played)) in corrected.rows.iter_mut().zip(fine.chunks_exact(3).zip(played.chunks_exact(3))) {
         row.tip_m = std::array::from_fn(|axis| row.tip_m[axis] - (fine[axis] - played[axis]));
     }
-    Some(corrected)
+    corrected
 }
 
 /// Where `model` with `extra` effects has the tip in every sample, three numbers a sample, metres; none where it cannot
@@ -76,6 +79,32 @@ fn play(model: &Model, extra: &[EffectSpec], trial: &TrialCommands) -> Option<Ve
     let extra: Vec<EffectSpec> = extra.iter().cloned().chain(hung).collect();
     let tips = replay(model, &extra, &commands, &[]).ok()?.tips_m;
     tips.iter().flatten().all(|x| x.is_finite()).then_some(tips)
+}
+
+/// Three trials in which `model` with `extra` effects goes round, without noise.
+#[cfg(test)]
+pub(super) fn circling(model: &Model, extra: &[EffectSpec]) -> Samples {
+    use crate::data::{Actuation, Recording};
+
+    let mut recording = Recording::new(Actuation::Lengths, 4);
+    let mut tips_m = Vec::new();
+    for trial in 0..3_u64 {
+        for row in 0..20 {
+            let angle = 0.4 * f64::from(row) + trial as f64;
+            let (x, y) = (6e-3 * angle.sin(), 6e-3 * (0.6 * angle).sin());
+            recording.trial.push(trial);
+            recording.time_s.push(0.2 * f64::from(row));
+            recording.commands.push(&[x.max(0.0), y.max(0.0), (-x).max(0.0), (-y).max(0.0)]);
+            tips_m.push([0.0; 3]);
+        }
+    }
+    recording.tip_m = Some(tips_m);
+    let mut samples = Samples::new(&recording);
+    let played = tips(model, extra, &samples).unwrap();
+    for (row, tip) in samples.rows.iter_mut().zip(played.chunks_exact(3)) {
+        row.tip_m = [tip[0], tip[1], tip[2]];
+    }
+    samples
 }
 
 #[cfg(test)]
@@ -101,8 +130,9 @@ mod tests {
             row.tip_m = [tip[0], tip[1], tip[2]];
         }
         let played = tips(&model, &[], &samples).unwrap();
-        let [before_m, after_m] = [&samples, &corrected(&model, &[], &samples, &played).unwrap()]
-            .map(|samples| rms_m(&samples.residual(&played)));
+        let fine = fine_tips(&model, &[], &samples).unwrap();
+        let [before_m, after_m] =
+            [&samples, &corrected(&samples, &fine, &played)].map(|samples| rms_m(&samples.residual(&played)));
         assert!(before_m > 1e-5 && after_m < 0.4 * before_m, "{before_m} to {after_m}");
     }
 }

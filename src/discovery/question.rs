@@ -1,7 +1,5 @@
 //! A question: the model, its samples, and what has been found out about them before anything is named.
 
-use nalgebra::DVector;
-
 use super::error::DiscoveryError;
 use super::hypothesis::{Hypothesis, Member, effects, hypotheses};
 use super::nuisance::{Column, Explained, Nuisances};
@@ -11,7 +9,7 @@ use super::samples::{Samples, rms_m};
 use super::uncertain::Uncertain;
 use super::{baseline, check, floor, play, proof, responses};
 use crate::data::Recording;
-use crate::effects::Model;
+use crate::effects::{EffectSpec, Model};
 use crate::math::distribution::f_above;
 
 /// What an answer is sought for, and what has been found out on the way.
@@ -104,7 +102,11 @@ impl<'a> Question<'a> {
     pub(super) fn speaks_against(&self, study: &Study, answer: &Fitted, played: &[f64]) -> bool {
         let Some(precision) = study.nuisance_precision(answer) else { return false };
         let beside = self.nuisances_beside(&answer.members, &self.proof, &self.played_proof);
-        let nuisances = self.bent(beside, answer, played).known(answer.explained.amounts.clone(), precision);
+        let amounts = &answer.explained.amounts;
+        let known = effects(&self.hypotheses, &answer.members).unwrap_or_default();
+        let there = |off: &[EffectSpec]| play::tips(&self.model, &[&known, off].concat(), &self.proof);
+        let nuisances = self.uncertain(&answer.members).bent(beside, amounts, played, &there);
+        let nuisances = nuisances.known(amounts.clone(), precision);
         let unseen = nuisances.explain(&self.proof, &self.proof.residual(played), 0.0);
         let square_m2 = |explained: &Explained| explained.noise.rms_m().powi(2);
         let freedom = |explained: &Explained, samples: &Samples| explained.noise.freedom(samples.len());
@@ -113,21 +115,6 @@ impl<'a> Question<'a> {
         let p_value = f_above(there / here, above, freedom(&answer.explained, &self.fit));
         let least_m = self.least_left_m(here.sqrt()).max(self.inexact_m(&answer.played));
         p_value < self.options.false_alarm && (there - here).max(0.0).sqrt() > least_m
-    }
-
-    /// The `nuisances` of the held-out trials beside the `answer`, which has the tip at `played` there, linear about where the
-    /// answer has them as far as that can be played.
-    fn bent(&self, nuisances: Nuisances, answer: &Fitted, played: &[f64]) -> Nuisances {
-        let there = || {
-            let (off, told) = self.uncertain(&answer.members).at(&nuisances, &answer.explained.amounts)?;
-            let known = effects(&self.hypotheses, &answer.members)?;
-            let there = play::tips(&self.model, &[known, off].concat(), &self.proof)?;
-            Some(DVector::from_vec(there) - DVector::from_column_slice(played) - told)
-        };
-        match there() {
-            Some(bend) => nuisances.bent(bend),
-            None => nuisances,
-        }
     }
 
     /// What may differ a little from the model with the `members`, in `samples` where it has the tip at `played` without

@@ -145,7 +145,7 @@ impl Search<'_> {
     }
 
     /// The score of a set beyond what its members must add.
-    fn net(&self, scored: &Scored) -> f64 {
+    pub(super) fn net(&self, scored: &Scored) -> f64 {
         scored.score - self.limits.least_score * scored.fitted.members.len() as f64
     }
 
@@ -210,11 +210,14 @@ impl Search<'_> {
         Found { best, tried, looked_at: looked_at.collect(), null }
     }
 
-    /// Fits what was tried as number `k` as well as can be; it stays as it is where that cannot be.
+    /// Fits what was tried as number `k` as well as can be.
     pub(super) fn settle(&mut self, k: usize) {
-        if let Some(fitted) = self.study.settled(&self.tried[k].fitted) {
-            self.tried[k] = self.scored(fitted);
-        }
+        self.tried[k] = self.settled(&self.tried[k]);
+    }
+
+    /// The same set fitted as well as can be, or as it is where that cannot be.
+    pub(super) fn settled(&self, rough: &Scored) -> Scored {
+        self.study.settled(&rough.fitted).map_or_else(|| rough.clone(), |fitted| self.scored(fitted))
     }
 
     pub(super) fn scored(&self, fitted: Fitted) -> Scored {
@@ -242,8 +245,7 @@ impl Search<'_> {
                 continue;
             }
             // What cannot be fitted further stays as roughly as it is, so that nothing that promises much is lost.
-            let fitted = self.study.settled(&scored.fitted);
-            let scored = fitted.map_or(scored, |fitted| self.scored(fitted));
+            let scored = self.settled(&scored);
             top = top.max(scored.score);
             finished.push(scored);
         }

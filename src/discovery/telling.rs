@@ -32,7 +32,7 @@ impl Question<'_> {
     /// Everything that is told of what the search found.
     pub(super) fn discovery(&self, given: &Model, measured: &Recording, about: &About, found: &Found) -> Discovery {
         let best = &found.best.fitted;
-        let study = &Study { nuisances: &about.nuisances, samples: &about.samples, ..self.study() };
+        let study = &Study { nuisances: &about.fine.nuisances, samples: &about.fine.samples, ..self.study() };
         let before = self.foretold(&found.null.fitted.explained, &self.played);
         let after = &about.missing;
         let proved = self.proved(

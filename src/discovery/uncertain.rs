@@ -8,13 +8,15 @@ use super::hypothesis::{Hypothesis, Member, effects};
 use super::nuisance::{Column, Nuisances};
 use super::options::Options;
 use super::play::tips;
-use super::samples::Samples;
+use super::samples::{Samples, rms_m};
 use crate::effects::{EffectSpec, Model};
 
 /// The numbers that are uncertain beside some effects.
 pub(super) struct Uncertain<'a> {
     hypotheses: &'a [Hypothesis],
     numbers: Vec<Number>,
+    /// What plays are exact to, metres.
+    exact_m: f64,
 }
 
 /// One of them: a size of a hypothesis, about the values at which that does nothing.
@@ -60,7 +62,7 @@ impl<'a> Uncertain<'a> {
                 }
             }
         }
-        Uncertain { hypotheses, numbers }
+        Uncertain { hypotheses, numbers, exact_m: options.motion_tolerance_m }
     }
 
     /// How the tip of `model` with the `members` answers to each of them, with its standard deviation. As without the members
@@ -103,9 +105,28 @@ impl<'a> Uncertain<'a> {
         (up > down).then(|| high.iter().zip(&low).map(|(high, low)| (high - low) / (up - down)).collect())
     }
 
-    /// The effects that put them where these `amounts` of the `nuisances`, of which they are the first, have them, and what those
-    /// say that this does to the tip.
-    pub(super) fn at(&self, nuisances: &Nuisances, amounts: &DVector<f64>) -> Option<(Vec<EffectSpec>, DVector<f64>)> {
+    /// The `nuisances`, of which they are the first, linear about where these `amounts` have them, as far as that can be played
+    /// and is seen beside what plays are off by. `play`: where the model has the tip with more effects, `here` without more.
+    pub(super) fn bent(
+        &self,
+        nuisances: Nuisances,
+        amounts: &DVector<f64>,
+        here: &[f64],
+        play: &dyn Fn(&[EffectSpec]) -> Option<Vec<f64>>,
+    ) -> Nuisances {
+        let bend = || {
+            let (off, told) = self.at(&nuisances, amounts)?;
+            Some(DVector::from_vec(play(&off)?) - DVector::from_column_slice(here) - told)
+        };
+        match bend().filter(|bend| rms_m(bend.as_slice()) >= self.exact_m) {
+            Some(bend) => nuisances.bent(bend),
+            None => nuisances,
+        }
+    }
+
+    /// The effects that put them where these `amounts` of the `nuisances` have them, and what those say that this does to the
+    /// tip.
+    fn at(&self, nuisances: &Nuisances, amounts: &DVector<f64>) -> Option<(Vec<EffectSpec>, DVector<f64>)> {
         let mut told = DVector::zeros(nuisances.columns.nrows());
         let mut all = Vec::new();
         for (k, number) in self.numbers.iter().enumerate() {
@@ -131,7 +152,6 @@ mod tests {
 
     use super::super::hypothesis::hypotheses;
     use super::super::responses::responses;
-    use super::super::samples::rms_m;
     use super::*;
     use crate::data::Recording;
 
