@@ -143,12 +143,15 @@ fn what_may_be_noise_is_looked_at_for_longer() {
 
 #[test]
 fn a_fit_is_not_held_up_where_the_tip_jumps() {
-    // Case 321 of experiments/discovery_full.yaml, 100 samples of a spine that does not yield: between a tenth and a fifth
-    // of its compliance tendons become taut, and derivatives at a third of it do not lead there.
-    let found = found(&from_benchmark("case_321.csv"), &Options::default());
-    assert_eq!(names(&found), ["spine_compressibility"], "{}", found.findings.summary);
-    let (scale, [low, high]) = told(&found, "scale");
-    assert!(scale < 0.1 && low == 0.0 && high > scale, "{scale}, {low} to {high}");
+    // Of experiments/discovery_full.yaml, both of a spine that does not yield. Case 321, 100 samples: between a tenth and a
+    // fifth of its compliance tendons become taut, and derivatives at a third of it do not lead there. Case 1405: at 0.14
+    // deviances rise within a deviation of 0.003, and fall beyond.
+    for case in ["case_321.csv", "case_1405.csv"] {
+        let found = found(&from_benchmark(case), &Options::default());
+        assert_eq!(names(&found), ["spine_compressibility"], "{case}: {}", found.findings.summary);
+        let (scale, [low, high]) = told(&found, "scale");
+        assert!(scale < 0.1 && low == 0.0 && high > scale, "{case}: {scale}, {low} to {high}");
+    }
 }
 
 #[test]

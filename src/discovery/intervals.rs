@@ -10,6 +10,8 @@ use crate::math::distribution::student_95;
 /// Steps at most to an end of an interval, and how near to it, as a share, is near enough.
 const PROFILED: usize = 5;
 const NEAR_ENOUGH: f64 = 0.1;
+/// Looks beyond an end.
+const LOOKS: i32 = 5;
 
 impl Study<'_> {
     /// 95 % intervals of the parameters of member `k`, by their number in the card: what fits all but as well as the best
@@ -51,8 +53,10 @@ impl Study<'_> {
             // The others go with it as the curvature at the best fit has them.
             let together = covariance.column(at) / variance;
             let end = |sign: f64| {
-                let step = self.profiled(fitted, at, &(sign * &together), (reach * variance.sqrt(), reach));
-                hypothesis.moved(values, parameter, sign * step * hypothesis.probe(parameter))[parameter]
+                let (direction, first) = (sign * &together, reach * variance.sqrt());
+                let step = self.profiled(fitted, at, &direction, (first, reach));
+                let step = self.beyond(fitted, at, &direction, (first, reach)).max(step);
+                hypothesis.moved_within(values, parameter, sign * step * hypothesis.probe(parameter))[parameter]
             };
             let mut ends = [end(-1.0), end(1.0)];
             ends.sort_by(f64::total_cmp);
@@ -96,6 +100,24 @@ impl Study<'_> {
             step *= (reach / root).min(2.0);
         }
         last.0
+    }
+
+    /// The farthest of some looks along the same direction, twice as far each time, at which the deviance is below that of an
+    /// end of the interval, too: where the tip jumps (a rod that buckles) it rises and falls. Zero where there is none.
+    fn beyond(&self, fitted: &Fitted, at: usize, direction: &DVector<f64>, (first, reach): (f64, f64)) -> f64 {
+        let most = fitted.explained.deviance + reach.powi(2);
+        let mut farthest = 0.0;
+        for doubled in 1..=LOOKS {
+            let step = first * f64::from(1 << doubled);
+            let (members, moved) = self.along(&fitted.members, at, &(step * direction));
+            if self.held(fitted, at, members, most).is_some_and(|there| there.explained.deviance < most) {
+                farthest = moved.abs();
+            }
+            if moved.abs() < (1.0 - NEAR_ENOUGH) * step {
+                break;
+            }
+        }
+        farthest
     }
 
     /// Fits with other choices of `parameter` of member `k`, `towards` one side and outwards as long as they fit all but as

@@ -4,8 +4,9 @@ use nalgebra::DVector;
 
 use super::refit::{Fitted, Study};
 
-/// How far ahead is looked, in standard deviations: as far as an interval would reach, and well beyond.
-const AHEAD: [f64; 2] = [2.0, 6.0];
+/// How far ahead is looked, in standard deviations: as far as an interval would reach, and well beyond. Where the tip jumps,
+/// deviations say little of how far that is.
+const AHEAD: [f64; 4] = [2.0, 6.0, 20.0, 60.0];
 /// A fall of the deviance that is worth going there.
 const WORTH: f64 = 1.0;
 /// Better fits at most, one from the other.
