@@ -48,8 +48,18 @@ fn shares_are_counted_from_the_cases() {
         ),
         ("cases without an answer", share(&|_| true, &|case| case.verdict.starts_with("failed"))),
         (
-            "better than a Gaussian process",
+            "better than a GP (any size)",
             share(&|case| catalogue(case) && case.gp_m.is_finite(), &|case| case.after_m < case.gp_m),
+        ),
+        (
+            "better than stiffness refitted (2 mm and more)",
+            share(
+                &|case| {
+                    let other = case.truth != "bending_stiffness" && case.stiffness_only_m.is_finite();
+                    catalogue(case) && other && case.shift_m >= 0.002
+                },
+                &|case| case.after_m < case.stiffness_only_m,
+            ),
         ),
     ] {
         let found = measured(&csv, measure);

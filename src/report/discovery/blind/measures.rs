@@ -81,8 +81,21 @@ fn beats_stiffness_about(case: &CaseRow) -> bool {
     in_catalogue(case) && case.truth != "bending_stiffness" && case.stiffness_only_m.is_finite()
 }
 
+fn beats_stiffness(case: &CaseRow) -> bool {
+    case.after_m < case.stiffness_only_m
+}
+
 fn has_gp(case: &CaseRow) -> bool {
     in_catalogue(case) && case.gp_m.is_finite()
+}
+
+fn beats_gp(case: &CaseRow) -> bool {
+    case.after_m < case.gp_m
+}
+
+/// Whether what is hidden moves the tip far enough to be expected to be seen.
+fn plain(case: &CaseRow) -> bool {
+    case.shift_m >= PLAIN_SHIFT_M
 }
 
 const fn measure(name: &'static str, about: fn(&CaseRow) -> bool, kind: Kind, goal: Option<[f64; 2]>) -> Measure {
@@ -140,12 +153,14 @@ const MEASURES: &[Measure] = &[
     ),
     measure("gap closed", in_catalogue, Kind::Median(|c| gap_closed(c).unwrap_or(f64::NAN)), None),
     measure(
-        "better than a refit of stiffness alone",
-        beats_stiffness_about,
-        Kind::Share(|c| c.after_m < c.stiffness_only_m),
+        "better than stiffness refitted (2 mm and more)",
+        |c| beats_stiffness_about(c) && plain(c),
+        Kind::Share(beats_stiffness),
         Some([1.0, 1.0]),
     ),
-    measure("better than a Gaussian process", has_gp, Kind::Share(|c| c.after_m < c.gp_m), Some([1.0, 1.0])),
+    measure("better than stiffness refitted (any size)", beats_stiffness_about, Kind::Share(beats_stiffness), None),
+    measure("better than a GP (2 mm and more)", |c| has_gp(c) && plain(c), Kind::Share(beats_gp), Some([1.0, 1.0])),
+    measure("better than a GP (any size)", has_gp, Kind::Share(beats_gp), None),
     measure("cases without an answer", |_| true, Kind::Share(|c| c.verdict.starts_with("failed")), None),
 ];
 
