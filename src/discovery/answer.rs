@@ -5,8 +5,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde_json::{Number, Value};
 
 use super::hypothesis::{Hypothesis, Member, set_of};
+use super::left::Sign;
 use super::refit::Study;
 use super::search::{Found, Scored};
+use super::words;
 use crate::data::findings::{Candidate, FoundEffect, Verdict};
 use crate::data::tables::round_significant;
 use crate::effects::Seek;
@@ -19,12 +21,19 @@ pub(super) struct Answer {
     pub(super) effects: Vec<FoundEffect>,
     /// Where these data cannot tell: the sets that fit equally well.
     pub(super) rivals: Vec<Vec<Member>>,
+    /// Where the best set is not the answer: what speaks against it.
+    pub(super) against: String,
 }
 
 impl Answer {
-    /// What an answer becomes once held-out trials have spoken against it.
-    pub(super) fn refuted() -> Answer {
-        Answer { verdict: Verdict::Unexplained, members: Vec::new(), effects: Vec::new(), rivals: Vec::new() }
+    /// Nothing is added to the model.
+    fn nothing(verdict: Verdict, against: String) -> Answer {
+        Answer { verdict, members: Vec::new(), effects: Vec::new(), rivals: Vec::new(), against }
+    }
+
+    /// What an answer becomes once so much speaks against it.
+    pub(super) fn refuted(against: String) -> Answer {
+        Answer::nothing(Verdict::Unexplained, against)
     }
 }
 
@@ -34,16 +43,15 @@ const DIGITS: usize = 6;
 const LISTED: usize = 30;
 
 impl Study<'_> {
-    /// The answer, with rivals as `plain` has them, without what is particular to the best; `left`: whether something is
+    /// The answer, with rivals as `plain` has them, without what is particular to the best; `sign`: that something is
     /// still missing with the best set.
-    pub(super) fn answer(&self, plain: &Study, found: &Found, left: bool, rival_score: f64) -> Answer {
+    pub(super) fn answer(&self, plain: &Study, found: &Found, sign: Option<Sign>, rival_score: f64) -> Answer {
         let members: Vec<Member> = found.best.fitted.members.iter().map(|member| self.rounded(member)).collect();
-        let nothing = |verdict| Answer { verdict, members: Vec::new(), effects: Vec::new(), rivals: Vec::new() };
-        if left {
-            return nothing(Verdict::Unexplained);
+        if let Some(sign) = sign {
+            return Answer::refuted(words::against(&sign));
         }
         if members.is_empty() {
-            return nothing(Verdict::Consistent);
+            return Answer::nothing(Verdict::Consistent, String::new());
         }
         let rivals = self.rivals(found, rival_score);
         let mut effects: Vec<FoundEffect> =
@@ -70,7 +78,7 @@ impl Study<'_> {
                 sets.push(rival.fitted.members.clone());
             }
         }
-        Answer { verdict, members, effects, rivals: sets }
+        Answer { verdict, members, effects, rivals: sets, against: String::new() }
     }
 
     /// The member with values as they are written: six significant digits, more than any recording holds.
@@ -189,7 +197,7 @@ impl Study<'_> {
         }
         let behind = best.score - scored.score;
         if answer.verdict == Verdict::Unexplained && scored.fitted.members == best.fitted.members {
-            return "the best of the catalogue, and yet something is left".to_owned();
+            return format!("the best of the catalogue, and yet {}", answer.against);
         }
         if scored.fitted.members.len() > best.fitted.members.len() {
             let why = if behind < 0.0 {

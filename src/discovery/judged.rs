@@ -30,7 +30,7 @@ impl Question<'_> {
             return (best, about);
         };
         let other = self.about(&leading.fitted);
-        if other.left.certainly && !about.left.certainly { (best, about) } else { (leading, other) }
+        if other.left.certainly() && !about.left.certainly() { (best, about) } else { (leading, other) }
     }
 }
 

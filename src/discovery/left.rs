@@ -11,11 +11,38 @@ use super::refit::Fitted;
 use super::together::together;
 use super::{floor, uneven};
 
+/// By what it shows that a set is not all.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Test {
+    /// What it leaves is foretold by other trials.
+    Foretold,
+    /// It leaves more scatter than where the same thing was measured again.
+    Scatter,
+    /// It leaves more in some trials than in others.
+    Uneven,
+    /// Its mean is off where the same thing was measured again.
+    Bias,
+    /// A little of every effect together explains more of what it leaves than of noise.
+    Together,
+    /// Trials that took no part in its fit scatter more about it than those of the fit.
+    HeldOut,
+}
+
+/// What a test found.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sign {
+    pub(super) test: Test,
+    /// Chance of as much from noise.
+    pub(super) p_value: f64,
+    /// How much of the residual it is about, root mean square, metres.
+    pub(super) more_m: f64,
+}
+
 /// Whether something is left.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Left {
-    /// By a chance below `false_alarm`.
-    pub(super) certainly: bool,
+    /// The clearest sign of it, by a chance below `false_alarm`.
+    pub(super) sign: Option<Sign>,
     /// By one that is worth a longer search.
     pub(super) possibly: bool,
     /// What all effects together would certainly explain of it, but no more than laws may be off by, metres.
@@ -30,6 +57,13 @@ const SLOW_CHANCE: f64 = 0.05;
 const DOUBTFUL: f64 = 0.05;
 /// Effects without a shape or a place are off by this share of `least_share`.
 const WITHOUT_SHAPE: f64 = 0.5;
+
+impl Left {
+    /// Whether noise leaves so much no more often than by `false_alarm`.
+    pub(super) fn certainly(&self) -> bool {
+        self.sign.is_some()
+    }
+}
 
 impl Question<'_> {
     /// Whether what is left of the samples of the fit can be foretold.
@@ -57,19 +91,25 @@ impl Question<'_> {
         let (all, all_m) = all.map_or((1.0, 0.0), |found| (found.p_value, found.more_m));
         // That is only the part of what is left that the catalogue reaches, and not held against the noise floor.
         let tolerable_m = model_m.max(self.laws_m(fitted));
-        // Each test's chance, and whether what it found is large enough to matter.
+        let scatter = Sign { test: Test::Scatter, p_value: scatters, more_m };
+        // What each test found, and how large it must be to matter.
         let tests = [
-            (foretold.test.p_value, foretold.test.foretold_m > least_m),
-            (scatters, more_m > least_m),
-            (spread.p_value, spread.more_m > inexact_m),
-            (bias.p_value, bias.rms_m > inexact_m),
-            (all, all_m > tolerable_m),
+            (Test::Foretold, foretold.test.p_value, foretold.test.foretold_m, least_m),
+            (Test::Scatter, scatters, more_m, least_m),
+            (Test::Uneven, spread.p_value, spread.more_m, inexact_m),
+            (Test::Bias, bias.p_value, bias.rms_m, inexact_m),
+            (Test::Together, all, all_m, tolerable_m),
         ];
-        let below = |chance: f64| tests.iter().any(|(p_value, large)| *large && *p_value < chance);
-        let certainly = slow || below(self.options.false_alarm);
-        let possibly = certainly || below(DOUBTFUL / tests.len() as f64);
+        let clearest = tests
+            .iter()
+            .filter(|(_, _, more_m, least_m)| more_m > least_m)
+            .map(|&(test, p_value, more_m, _)| Sign { test, p_value, more_m })
+            .min_by(|a, b| a.p_value.total_cmp(&b.p_value));
+        let below = |chance: f64| clearest.filter(|sign| sign.p_value < chance);
+        let sign = below(self.options.false_alarm).or(slow.then_some(scatter));
+        let possibly = sign.or(below(DOUBTFUL / tests.len() as f64)).is_some();
         let is_tolerated = all < self.options.false_alarm && all_m > model_m && all_m <= tolerable_m;
-        Left { certainly, possibly, tolerated_m: is_tolerated.then_some(all_m) }
+        Left { sign, possibly, tolerated_m: is_tolerated.then_some(all_m) }
     }
 
     /// What the laws of the members may be off by, metres. Those of how a rod gives way stand for many; where there is nothing

@@ -104,13 +104,13 @@ pub fn discover(
     let mut about = question.about(&best.fitted);
     let mut searched = !about.left.possibly && best.fitted.members.is_empty();
     while !searched {
-        let (before, certainly) = (best.fitted.members.clone(), about.left.certainly);
+        let (before, certainly) = (best.fitted.members.clone(), about.left.certainly());
         best = search.thoroughly(best, certainly);
         if best.fitted.members != before {
             about = question.about(&best.fitted);
         }
         // Before anything is called unexplained, the search has known that something is left.
-        searched = certainly || !about.left.certainly;
+        searched = certainly || !about.left.certainly();
     }
     let (best, about) = question.judged(&mut search, best, about);
     let found = about.refined(search.ended(best));

@@ -2,6 +2,7 @@
 
 use super::error::DiscoveryError;
 use super::hypothesis::{Hypothesis, Member, effects, hypotheses};
+use super::left::{Sign, Test};
 use super::nuisance::{Column, Explained, Nuisances};
 use super::options::Options;
 use super::refit::{Fitted, Study};
@@ -97,10 +98,10 @@ impl<'a> Question<'a> {
         }
     }
 
-    /// Whether trials that took no part scatter more about `answer` than those of its fit, what is uncertain of any robot
-    /// within what the fit leaves of it. `played`: where the model with the answer has the tip in them.
-    pub(super) fn speaks_against(&self, study: &Study, answer: &Fitted, played: &[f64]) -> bool {
-        let Some(precision) = study.nuisance_precision(answer) else { return false };
+    /// The sign that trials that took no part scatter more about `answer` than those of its fit, what is uncertain of any
+    /// robot within what the fit leaves of it. `played`: where the model with the answer has the tip in them.
+    pub(super) fn against(&self, study: &Study, answer: &Fitted, played: &[f64]) -> Option<Sign> {
+        let precision = study.nuisance_precision(answer)?;
         let beside = self.nuisances_beside(&answer.members, &self.proof, &self.played_proof);
         let amounts = &answer.explained.amounts;
         let known = effects(&self.hypotheses, &answer.members).unwrap_or_default();
@@ -114,7 +115,9 @@ impl<'a> Question<'a> {
         let above = freedom(&unseen, &self.proof);
         let p_value = f_above(there / here, above, freedom(&answer.explained, &self.fit));
         let least_m = self.least_left_m(here.sqrt()).max(self.inexact_m(&answer.played));
-        p_value < self.options.false_alarm && (there - here).max(0.0).sqrt() > least_m
+        let more_m = (there - here).max(0.0).sqrt();
+        let clear = p_value < self.options.false_alarm && more_m > least_m;
+        clear.then_some(Sign { test: Test::HeldOut, p_value, more_m })
     }
 
     /// What may differ a little from the model with the `members`, in `samples` where it has the tip at `played` without

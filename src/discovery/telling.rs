@@ -35,11 +35,8 @@ impl Question<'_> {
         let study = &Study { nuisances: &about.fine.nuisances, samples: &about.fine.samples, ..self.study() };
         let before = self.foretold(&found.null.fitted.explained, &self.played);
         let after = &about.missing;
-        let proved = self.proved(
-            study,
-            best,
-            study.answer(&self.study(), found, about.left.certainly, self.options.rival_score),
-        );
+        let proved =
+            self.proved(study, best, study.answer(&self.study(), found, about.left.sign, self.options.rival_score));
         let answer = &proved.answer;
         let named = !answer.members.is_empty();
         let (told, played, missing) = if named {
@@ -74,7 +71,9 @@ impl Question<'_> {
             proposals: next.iter().map(|next| next.proposal.clone()).collect(),
         };
         let sets: Vec<String> = answer.rivals.iter().map(|set| set_name(&self.hypotheses, set)).collect();
-        findings.summary = words::summary(&findings, &sets);
+        let refused = (unexplained && !best.members.is_empty())
+            .then(|| format!("{}, and yet {}", set_name(&self.hypotheses, &best.members), answer.against));
+        findings.summary = words::summary(&findings, &sets, refused.as_deref());
         findings.next_measurement = words::next(&findings);
         let remedies =
             compare::remedies(&self.study(), &self.responses, &found.null.fitted, &self.proof, &self.played_proof);
@@ -104,21 +103,38 @@ impl Question<'_> {
         // played.
         let tips = |model: &Model| play::tips(model, &added, &self.proof);
         let played = tips(&self.model).or_else(|| tips(&self.coarse));
-        let after_m = |played: &Vec<f64>| rms_m(&self.proof.residual(played));
-        let stands = |played: &Vec<f64>| {
-            let better = after_m(played) <= gap.before_m;
-            better && (answer.verdict == Verdict::Unexplained || !self.speaks_against(study, best, played))
-        };
-        match played.filter(stands) {
+        let against = match &played {
+            None => Some("the model with it cannot be played through the held-out trials".to_owned()),
             Some(played) => {
-                gap.after_m = after_m(&played);
-                Proved { answer, added, gap, played }
+                gap.after_m = rms_m(&self.proof.residual(played));
+                self.spoken_against(study, best, &answer, (played, &gap))
             }
-            None => {
+        };
+        match (against, played) {
+            (None, Some(played)) => Proved { answer, added, gap, played },
+            (against, _) => {
                 gap.after_m = gap.before_m;
-                Proved { answer: Answer::refuted(), added: Vec::new(), gap, played: self.played_proof.clone() }
+                let answer = Answer::refuted(against.unwrap_or_default());
+                Proved { answer, added: Vec::new(), gap, played: self.played_proof.clone() }
             }
         }
+    }
+
+    /// What held-out trials, where the model with the answer has the tip at `played`, say against it.
+    fn spoken_against(
+        &self,
+        study: &Study,
+        best: &Fitted,
+        answer: &Answer,
+        (played, gap): (&[f64], &Gap),
+    ) -> Option<String> {
+        let no_worse = gap.after_m <= gap.before_m;
+        if !no_worse {
+            let [before_mm, after_mm] = [gap.before_m, gap.after_m].map(|error_m| 1e3 * error_m);
+            return Some(format!("it makes held-out trials worse: {after_mm:.2} mm instead of {before_mm:.2} mm"));
+        }
+        let asked = answer.verdict != Verdict::Unexplained;
+        asked.then(|| self.against(study, best, played)).flatten().map(|sign| words::against(&sign))
     }
 
     /// The noise, from repeats and, where all is explained, from what is left; in words where from.

@@ -1,10 +1,12 @@
 //! The answer in words: only what was computed.
 
 use super::foretelling::Pattern;
+use super::left::{Sign, Test};
 use crate::data::findings::{Findings, PlaceRow, Verdict};
 
-/// The answer in a sentence or two; `sets`: those between which the data cannot tell, the likeliest first.
-pub(super) fn summary(findings: &Findings, sets: &[String]) -> String {
+/// The answer in a sentence or two; `sets`: those between which the data cannot tell, the likeliest first; `refused`: the
+/// candidate that would be the answer but for what speaks against it.
+pub(super) fn summary(findings: &Findings, sets: &[String], refused: Option<&str>) -> String {
     let (before_mm, after_mm) = (findings.gap.before_m * 1e3, findings.gap.after_m * 1e3);
     let floor_mm = findings.noise_floor_m * 1e3;
     let names = findings.effects.iter().map(|effect| effect.name.as_str()).collect::<Vec<_>>();
@@ -20,10 +22,41 @@ pub(super) fn summary(findings: &Findings, sets: &[String]) -> String {
             "Something is missing, and these data cannot tell whether it is {}. The first is the likeliest, and in the model. {proof}",
             sets.join(" or ")
         ),
-        Verdict::Unexplained => format!(
-            "There is a gap ({before_mm:.2} mm on held-out trials, noise alone {floor_mm:.2} mm), and nothing in the catalogue closes it. {}",
-            findings.pattern
+        Verdict::Unexplained => {
+            let best = refused.map_or_else(String::new, |refused| format!(" The best candidate is {refused}."));
+            format!(
+                "There is a gap ({before_mm:.2} mm on held-out trials, noise alone {floor_mm:.2} mm), and nothing in the catalogue closes it. {}{best}",
+                findings.pattern
+            )
+        }
+    }
+}
+
+/// No test's assumptions hold so well that smaller chances mean anything.
+const LEAST_CHANCE: f64 = 1e-9;
+
+/// What speaks against a set of effects, to follow its name and "and yet".
+pub(super) fn against(sign: &Sign) -> String {
+    let more_mm = 1e3 * sign.more_m;
+    let chance = match sign.p_value {
+        p_value if p_value < LEAST_CHANCE => format!("chance below {LEAST_CHANCE:e}"),
+        p_value => format!("chance {p_value:.0e}"),
+    };
+    match sign.test {
+        Test::Foretold => format!("other trials foretell {more_mm:.2} mm of what it leaves ({chance})"),
+        Test::Scatter => format!(
+            "the tip scatters about it by {more_mm:.2} mm more than where the same was measured again ({chance})"
         ),
+        Test::Uneven => {
+            format!("it leaves {more_mm:.2} mm more in its worst trial than in the middle one ({chance})")
+        }
+        Test::Bias => format!("it is {more_mm:.2} mm off in the mean where the same was measured again ({chance})"),
+        Test::Together => {
+            format!("a little of every effect together explains {more_mm:.2} mm of what it leaves ({chance})")
+        }
+        Test::HeldOut => {
+            format!("held-out trials scatter about it by {more_mm:.2} mm more than those of its fit ({chance})")
+        }
     }
 }
 

@@ -55,6 +55,11 @@ fn held_out_trials_can_refute_an_answer() {
     let second = found(&measured, &Options::default());
     assert_eq!(second.findings.verdict, Verdict::Unexplained, "{}", second.findings.summary);
     assert_eq!(first.findings.candidates[0].name, second.findings.candidates[0].name);
+    assert!(
+        second.findings.summary.contains("tip_load, and yet held-out trials scatter"),
+        "{}",
+        second.findings.summary
+    );
     assert!(second.model.effects.is_empty());
 }
 

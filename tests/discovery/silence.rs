@@ -35,6 +35,10 @@ fn what_only_resembles_the_gap_is_unexplained() {
     let found = found(&from_benchmark("case_942.csv"), &options);
     assert_eq!(found.findings.verdict, Verdict::Unexplained, "{}", found.findings.summary);
     assert_eq!(found.findings.candidates[0].name.split(' ').next(), Some("actuator_offset"));
+    let said = "and yet a little of every effect together explains";
+    assert!(found.findings.summary.contains(said), "{}", found.findings.summary);
+    let refused: Vec<_> = found.findings.candidates.iter().filter(|one| one.why_not.contains(said)).collect();
+    assert!(refused.len() == 1 && refused[0].name.starts_with("actuator_offset"), "{refused:?}");
 }
 
 /// Dry friction as another simulator has it, which does not yield before it slips, is near enough to ours; a spine that softens
