@@ -5,7 +5,8 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::refit::{Fitted, Study};
 
-/// For each trial, the root mean square error that a fit without it makes there, metres.
+/// For each trial, the root mean square error that a fit without it makes there, metres; at most the robot's length, which
+/// says that the other trials know nothing of it.
 pub(super) fn unseen_m(study: &Study, fitted: &Fitted) -> Vec<f64> {
     let samples = study.samples;
     let noise = &fitted.explained.noise;
@@ -23,7 +24,8 @@ pub(super) fn unseen_m(study: &Study, fitted: &Fitted) -> Vec<f64> {
             Cholesky::new(reduced).map_or_else(|| DVector::zeros(normal.ncols()), |factor| -factor.solve(&pull));
         let change = plain.rows(start, count) * moved;
         let error = |k: usize| fitted.explained.left_m[start + k] - change[k];
-        ((0..count).map(|k| error(k).powi(2)).sum::<f64>() / range.len().max(1) as f64).sqrt()
+        let error_m = ((0..count).map(|k| error(k).powi(2)).sum::<f64>() / range.len().max(1) as f64).sqrt();
+        error_m.min(study.model.robot.backbone.length_m)
     };
     samples.ranges().into_iter().map(one).collect()
 }
