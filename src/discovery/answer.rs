@@ -197,6 +197,9 @@ impl Study<'_> {
         }
         let behind = best.score - scored.score;
         if answer.verdict == Verdict::Unexplained && scored.fitted.members == best.fitted.members {
+            if own.is_empty() {
+                return format!("no candidate is better, and yet {}", answer.against);
+            }
             return format!("the best of the catalogue, and yet {}", answer.against);
         }
         if scored.fitted.members.len() > best.fitted.members.len() {

@@ -18,6 +18,8 @@ pub(super) enum Test {
     Foretold,
     /// It leaves more scatter than where the same thing was measured again.
     Scatter,
+    /// The same, by little, but of what hardly changes from one sample to the next.
+    Slow,
     /// It leaves more in some trials than in others.
     Uneven,
     /// Its mean is off where the same thing was measured again.
@@ -34,14 +36,16 @@ pub(super) struct Sign {
     pub(super) test: Test,
     /// Chance of as much from noise.
     pub(super) p_value: f64,
-    /// How much of the residual it is about, root mean square, metres.
+    /// How much of the residual it is about, root mean square, metres, …
     pub(super) more_m: f64,
+    /// … beyond this much, where two scatters are compared (the squares add up).
+    pub(super) beyond_m: f64,
 }
 
 /// Whether something is left.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Left {
-    /// The clearest sign of it, by a chance below `false_alarm`.
+    /// The clearest sign of it, by a chance below `false_alarm`, or that it is slower than any noise.
     pub(super) sign: Option<Sign>,
     /// By one that is worth a longer search.
     pub(super) possibly: bool,
@@ -59,7 +63,7 @@ const DOUBTFUL: f64 = 0.05;
 const WITHOUT_SHAPE: f64 = 0.5;
 
 impl Left {
-    /// Whether noise leaves so much no more often than by `false_alarm`.
+    /// Whether it is more than noise leaves.
     pub(super) fn certainly(&self) -> bool {
         self.sign.is_some()
     }
@@ -84,29 +88,29 @@ impl Question<'_> {
         let floor = floor::Floor::of_repeats(&self.fit, explained.noise.correlation);
         let scatters = floor.p_value(floor_m.powi(2), explained.noise.freedom(self.fit.len()));
         let more_m = (floor_m.powi(2) - floor.rms_m().powi(2)).max(0.0).sqrt();
-        let slow = explained.noise.correlation > SLOW && scatters < SLOW_CHANCE && more_m > model_m;
+        let is_slow = explained.noise.correlation > SLOW && scatters < SLOW_CHANCE && more_m > model_m;
+        let again_m = floor.rms_m();
+        let slow = is_slow.then_some(Sign { test: Test::Slow, p_value: scatters, more_m, beyond_m: again_m });
         let spread = uneven::uneven(&self.fit, explained);
         let bias = floor::bias(&self.fit, &explained.left_m, &explained.noise);
         let all = together(&self.fit, nuisances, fitted, &self.answers());
         let (all, all_m) = all.map_or((1.0, 0.0), |found| (found.p_value, found.more_m));
         // That is only the part of what is left that the catalogue reaches, and not held against the noise floor.
         let tolerable_m = model_m.max(self.laws_m(fitted));
-        let scatter = Sign { test: Test::Scatter, p_value: scatters, more_m };
+        let sign = |test, p_value, more_m, beyond_m| Sign { test, p_value, more_m, beyond_m };
         // What each test found, and how large it must be to matter.
         let tests = [
-            (Test::Foretold, foretold.test.p_value, foretold.test.foretold_m, least_m),
-            (Test::Scatter, scatters, more_m, least_m),
-            (Test::Uneven, spread.p_value, spread.more_m, inexact_m),
-            (Test::Bias, bias.p_value, bias.rms_m, inexact_m),
-            (Test::Together, all, all_m, tolerable_m),
+            (sign(Test::Foretold, foretold.test.p_value, foretold.test.foretold_m, 0.0), least_m),
+            (sign(Test::Scatter, scatters, more_m, again_m), least_m),
+            (sign(Test::Uneven, spread.p_value, spread.more_m, spread.middle_m), inexact_m),
+            (sign(Test::Bias, bias.p_value, bias.rms_m, 0.0), inexact_m),
+            (sign(Test::Together, all, all_m, 0.0), tolerable_m),
         ];
-        let clearest = tests
-            .iter()
-            .filter(|(_, _, more_m, least_m)| more_m > least_m)
-            .map(|&(test, p_value, more_m, _)| Sign { test, p_value, more_m })
-            .min_by(|a, b| a.p_value.total_cmp(&b.p_value));
-        let below = |chance: f64| clearest.filter(|sign| sign.p_value < chance);
-        let sign = below(self.options.false_alarm).or(slow.then_some(scatter));
+        let below = |chance: f64| {
+            let clear = tests.iter().filter(|(sign, matters_m)| sign.more_m > *matters_m && sign.p_value < chance);
+            clear.map(|(sign, _)| *sign).min_by(|a, b| a.p_value.total_cmp(&b.p_value))
+        };
+        let sign = below(self.options.false_alarm).or(slow);
         let possibly = sign.or(below(DOUBTFUL / tests.len() as f64)).is_some();
         let is_tolerated = all < self.options.false_alarm && all_m > model_m && all_m <= tolerable_m;
         Left { sign, possibly, tolerated_m: is_tolerated.then_some(all_m) }

@@ -100,7 +100,7 @@ impl<'a> Question<'a> {
 
     /// The sign that trials that took no part scatter more about `answer` than those of its fit, what is uncertain of any
     /// robot within what the fit leaves of it. `played`: where the model with the answer has the tip in them.
-    pub(super) fn against(&self, study: &Study, answer: &Fitted, played: &[f64]) -> Option<Sign> {
+    pub(super) fn held_out_sign(&self, study: &Study, answer: &Fitted, played: &[f64]) -> Option<Sign> {
         let precision = study.nuisance_precision(answer)?;
         let beside = self.nuisances_beside(&answer.members, &self.proof, &self.played_proof);
         let amounts = &answer.explained.amounts;
@@ -117,7 +117,7 @@ impl<'a> Question<'a> {
         let least_m = self.least_left_m(here.sqrt()).max(self.inexact_m(&answer.played));
         let more_m = (there - here).max(0.0).sqrt();
         let clear = p_value < self.options.false_alarm && more_m > least_m;
-        clear.then_some(Sign { test: Test::HeldOut, p_value, more_m })
+        clear.then_some(Sign { test: Test::HeldOut, p_value, more_m, beyond_m: here.sqrt() })
     }
 
     /// What may differ a little from the model with the `members`, in `samples` where it has the tip at `played` without

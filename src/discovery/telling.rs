@@ -71,9 +71,8 @@ impl Question<'_> {
             proposals: next.iter().map(|next| next.proposal.clone()).collect(),
         };
         let sets: Vec<String> = answer.rivals.iter().map(|set| set_name(&self.hypotheses, set)).collect();
-        let refused = (unexplained && !best.members.is_empty())
-            .then(|| format!("{}, and yet {}", set_name(&self.hypotheses, &best.members), answer.against));
-        findings.summary = words::summary(&findings, &sets, refused.as_deref());
+        let refused = (!best.members.is_empty()).then(|| set_name(&self.hypotheses, &best.members));
+        findings.summary = words::summary(&findings, &sets, (refused, &answer.against));
         findings.next_measurement = words::next(&findings);
         let remedies =
             compare::remedies(&self.study(), &self.responses, &found.null.fitted, &self.proof, &self.played_proof);
@@ -103,38 +102,39 @@ impl Question<'_> {
         // played.
         let tips = |model: &Model| play::tips(model, &added, &self.proof);
         let played = tips(&self.model).or_else(|| tips(&self.coarse));
-        let against = match &played {
-            None => Some("the model with it cannot be played through the held-out trials".to_owned()),
-            Some(played) => {
-                gap.after_m = rms_m(&self.proof.residual(played));
-                self.spoken_against(study, best, &answer, (played, &gap))
-            }
-        };
-        match (against, played) {
-            (None, Some(played)) => Proved { answer, added, gap, played },
-            (against, _) => {
+        let unplayable = || "the model with it cannot be played through the held-out trials".to_owned();
+        let borne_out = played.ok_or_else(unplayable).and_then(|played| {
+            gap.after_m = rms_m(&self.proof.residual(&played));
+            self.borne_out(study, best, &answer, (&played, &gap)).map(|()| played)
+        });
+        match borne_out {
+            Ok(played) => Proved { answer, added, gap, played },
+            Err(against) => {
                 gap.after_m = gap.before_m;
-                let answer = Answer::refuted(against.unwrap_or_default());
+                let answer = Answer::refuted(against);
                 Proved { answer, added: Vec::new(), gap, played: self.played_proof.clone() }
             }
         }
     }
 
-    /// What held-out trials, where the model with the answer has the tip at `played`, say against it.
-    fn spoken_against(
+    /// Whether held-out trials, where the model with the answer has the tip at `played`, bear it out; if not, what they say
+    /// against it.
+    fn borne_out(
         &self,
         study: &Study,
         best: &Fitted,
         answer: &Answer,
         (played, gap): (&[f64], &Gap),
-    ) -> Option<String> {
+    ) -> Result<(), String> {
         let no_worse = gap.after_m <= gap.before_m;
         if !no_worse {
             let [before_mm, after_mm] = [gap.before_m, gap.after_m].map(|error_m| 1e3 * error_m);
-            return Some(format!("it makes held-out trials worse: {after_mm:.2} mm instead of {before_mm:.2} mm"));
+            return Err(format!("it makes held-out trials worse: {after_mm:.2} mm instead of {before_mm:.2} mm"));
         }
-        let asked = answer.verdict != Verdict::Unexplained;
-        asked.then(|| self.against(study, best, played)).flatten().map(|sign| words::against(&sign))
+        if answer.verdict == Verdict::Unexplained {
+            return Ok(());
+        }
+        self.held_out_sign(study, best, played).map_or(Ok(()), |sign| Err(words::against(&sign)))
     }
 
     /// The noise, from repeats and, where all is explained, from what is left; in words where from.

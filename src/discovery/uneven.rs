@@ -11,8 +11,10 @@ use crate::math::summary::{mean, quantile};
 pub(super) struct Uneven {
     /// Chance of as much from noise.
     pub(super) p_value: f64,
-    /// What the worst trial has more than the middle one, root mean square, metres.
+    /// What the worst trial has more than the middle one, root mean square, metres (the squares add up).
     pub(super) more_m: f64,
+    /// What the middle one has.
+    pub(super) middle_m: f64,
 }
 
 /// The test on what `explained` leaves in `samples`.
@@ -35,7 +37,12 @@ pub(super) fn uneven(samples: &Samples, explained: &Explained) -> Uneven {
     let ratio = between / above / (within / below).max(f64::MIN_POSITIVE);
     let each: Vec<f64> = ranges.iter().map(|r| rms_m(&explained.left_m[3 * r.start..3 * r.end]).powi(2)).collect();
     let worst = each.iter().copied().fold(0.0, f64::max);
-    Uneven { p_value: f_above(ratio, above, below), more_m: (worst - quantile(&each, 0.5)).max(0.0).sqrt() }
+    let middle = quantile(&each, 0.5);
+    Uneven {
+        p_value: f_above(ratio, above, below),
+        more_m: (worst - middle).max(0.0).sqrt(),
+        middle_m: middle.max(0.0).sqrt(),
+    }
 }
 
 #[cfg(test)]

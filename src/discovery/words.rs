@@ -5,8 +5,8 @@ use super::left::{Sign, Test};
 use crate::data::findings::{Findings, PlaceRow, Verdict};
 
 /// The answer in a sentence or two; `sets`: those between which the data cannot tell, the likeliest first; `refused`: the
-/// candidate that would be the answer but for what speaks against it.
-pub(super) fn summary(findings: &Findings, sets: &[String], refused: Option<&str>) -> String {
+/// candidate that would be the answer, if any is better than none, but for what speaks against it.
+pub(super) fn summary(findings: &Findings, sets: &[String], (refused, against): (Option<String>, &str)) -> String {
     let (before_mm, after_mm) = (findings.gap.before_m * 1e3, findings.gap.after_m * 1e3);
     let floor_mm = findings.noise_floor_m * 1e3;
     let names = findings.effects.iter().map(|effect| effect.name.as_str()).collect::<Vec<_>>();
@@ -23,9 +23,14 @@ pub(super) fn summary(findings: &Findings, sets: &[String], refused: Option<&str
             sets.join(" or ")
         ),
         Verdict::Unexplained => {
-            let best = refused.map_or_else(String::new, |refused| format!(" The best candidate is {refused}."));
+            let gap =
+                if before_mm > floor_mm { "There is a gap" } else { "More than noise is left, if not everywhere" };
+            let best = refused.map_or_else(
+                || "No candidate makes the model better".to_owned(),
+                |refused| format!("The best candidate is {refused}"),
+            );
             format!(
-                "There is a gap ({before_mm:.2} mm on held-out trials, noise alone {floor_mm:.2} mm), and nothing in the catalogue closes it. {}{best}",
+                "{gap} ({before_mm:.2} mm on held-out trials, noise alone {floor_mm:.2} mm), and nothing in the catalogue explains it. {} {best}, and yet {against}.",
                 findings.pattern
             )
         }
@@ -37,25 +42,31 @@ const LEAST_CHANCE: f64 = 1e-9;
 
 /// What speaks against a set of effects, to follow its name and "and yet".
 pub(super) fn against(sign: &Sign) -> String {
-    let more_mm = 1e3 * sign.more_m;
+    let (more_mm, beyond_mm) = (1e3 * sign.more_m, 1e3 * sign.beyond_m);
+    let all_mm = more_mm.hypot(beyond_mm);
     let chance = match sign.p_value {
         p_value if p_value < LEAST_CHANCE => format!("chance below {LEAST_CHANCE:e}"),
-        p_value => format!("chance {p_value:.0e}"),
+        p_value => format!("chance {p_value:.1e}"),
     };
     match sign.test {
         Test::Foretold => format!("other trials foretell {more_mm:.2} mm of what it leaves ({chance})"),
         Test::Scatter => format!(
-            "the tip scatters about it by {more_mm:.2} mm more than where the same was measured again ({chance})"
+            "the tip scatters about it by {all_mm:.2} mm, where the same was measured again by {beyond_mm:.2} mm ({chance})"
+        ),
+        Test::Slow => format!(
+            "what it leaves hardly changes from one sample to the next, as no tracker's noise does, and is {all_mm:.2} mm, where the same was measured again {beyond_mm:.2} mm ({chance})"
         ),
         Test::Uneven => {
-            format!("it leaves {more_mm:.2} mm more in its worst trial than in the middle one ({chance})")
+            format!("it leaves {all_mm:.2} mm in its worst trial, {beyond_mm:.2} mm in the middle one ({chance})")
         }
         Test::Bias => format!("it is {more_mm:.2} mm off in the mean where the same was measured again ({chance})"),
         Test::Together => {
             format!("a little of every effect together explains {more_mm:.2} mm of what it leaves ({chance})")
         }
         Test::HeldOut => {
-            format!("held-out trials scatter about it by {more_mm:.2} mm more than those of its fit ({chance})")
+            format!(
+                "held-out trials scatter about it by {all_mm:.2} mm, those of its fit by {beyond_mm:.2} mm ({chance})"
+            )
         }
     }
 }
@@ -150,6 +161,24 @@ pub(super) fn next(findings: &Findings) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_speaks_against_an_answer_is_told_in_sizes_that_can_be_compared() {
+        let told = |test, p_value| against(&Sign { test, p_value, more_m: 4e-4, beyond_m: 3e-4 });
+        for (test, said) in [
+            (Test::Foretold, "foretell 0.40 mm"),
+            (Test::Scatter, "by 0.50 mm, where the same was measured again by 0.30 mm"),
+            (Test::Slow, "is 0.50 mm, where the same was measured again 0.30 mm"),
+            (Test::Uneven, "0.50 mm in its worst trial, 0.30 mm in the middle one"),
+            (Test::Bias, "0.40 mm off in the mean"),
+            (Test::Together, "explains 0.40 mm"),
+            (Test::HeldOut, "by 0.50 mm, those of its fit by 0.30 mm"),
+        ] {
+            let told = told(test, 4.8e-5);
+            assert!(told.contains(said) && told.ends_with("(chance 4.8e-5)"), "{told}");
+        }
+        assert!(told(Test::Bias, 0.0).ends_with("(chance below 1e-9)"));
+    }
 
     #[test]
     fn a_pattern_is_the_best_of_those_that_foretell_enough() {
