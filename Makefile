@@ -35,8 +35,8 @@ bench: build ## microbenchmarks, then one repetition of everything from nothing:
 	$(SPINEBENCH) run $(SPECS) --seeds 1 --out "$$scratch" --cache "$$scratch/cache"
 
 # Parts of the blind benchmark, 164 cases each.
-PARTS ?= 8
-blind: build ## `discover` on 1,312 blind cases (hours; PARTS=1 for an eighth): docs/blind_benchmark.md
+PARTS ?= 7
+blind: build ## `discover` on 1,148 blind cases (hours; PARTS=1 for a seventh): docs/blind_benchmark.md
 	$(SPINEBENCH) run experiments/discovery_full.yaml --seeds $(PARTS)
 	$(SPINEBENCH) page docs/blind_benchmark.md
 
