@@ -197,10 +197,8 @@ impl Study<'_> {
         }
         let behind = best.score - scored.score;
         if answer.verdict == Verdict::Unexplained && scored.fitted.members == best.fitted.members {
-            if own.is_empty() {
-                return format!("no candidate is better, and yet {}", answer.against);
-            }
-            return format!("the best of the catalogue, and yet {}", answer.against);
+            let rank = if own.is_empty() { "no candidate is better" } else { "the best of the catalogue" };
+            return format!("{rank}, and yet {}", answer.against);
         }
         if scored.fitted.members.len() > best.fitted.members.len() {
             let why = if behind < 0.0 {

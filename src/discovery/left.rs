@@ -87,30 +87,29 @@ impl Question<'_> {
         // next is no tracker's, and little more of it is enough.
         let floor = floor::Floor::of_repeats(&self.fit, explained.noise.correlation);
         let scatters = floor.p_value(floor_m.powi(2), explained.noise.freedom(self.fit.len()));
-        let more_m = (floor_m.powi(2) - floor.rms_m().powi(2)).max(0.0).sqrt();
-        let is_slow = explained.noise.correlation > SLOW && scatters < SLOW_CHANCE && more_m > model_m;
         let again_m = floor.rms_m();
-        let slow = is_slow.then_some(Sign { test: Test::Slow, p_value: scatters, more_m, beyond_m: again_m });
+        let more_m = (floor_m.powi(2) - again_m.powi(2)).max(0.0).sqrt();
+        let slow = explained.noise.correlation > SLOW && scatters < SLOW_CHANCE && more_m > model_m;
         let spread = uneven::uneven(&self.fit, explained);
         let bias = floor::bias(&self.fit, &explained.left_m, &explained.noise);
         let all = together(&self.fit, nuisances, fitted, &self.answers());
         let (all, all_m) = all.map_or((1.0, 0.0), |found| (found.p_value, found.more_m));
         // That is only the part of what is left that the catalogue reaches, and not held against the noise floor.
         let tolerable_m = model_m.max(self.laws_m(fitted));
-        let sign = |test, p_value, more_m, beyond_m| Sign { test, p_value, more_m, beyond_m };
+        let seen = |test, p_value, more_m, beyond_m| Sign { test, p_value, more_m, beyond_m };
         // What each test found, and how large it must be to matter.
         let tests = [
-            (sign(Test::Foretold, foretold.test.p_value, foretold.test.foretold_m, 0.0), least_m),
-            (sign(Test::Scatter, scatters, more_m, again_m), least_m),
-            (sign(Test::Uneven, spread.p_value, spread.more_m, spread.middle_m), inexact_m),
-            (sign(Test::Bias, bias.p_value, bias.rms_m, 0.0), inexact_m),
-            (sign(Test::Together, all, all_m, 0.0), tolerable_m),
+            (seen(Test::Foretold, foretold.test.p_value, foretold.test.foretold_m, 0.0), least_m),
+            (seen(Test::Scatter, scatters, more_m, again_m), least_m),
+            (seen(Test::Uneven, spread.p_value, spread.more_m, spread.middle_m), inexact_m),
+            (seen(Test::Bias, bias.p_value, bias.rms_m, 0.0), inexact_m),
+            (seen(Test::Together, all, all_m, 0.0), tolerable_m),
         ];
         let below = |chance: f64| {
             let clear = tests.iter().filter(|(sign, matters_m)| sign.more_m > *matters_m && sign.p_value < chance);
             clear.map(|(sign, _)| *sign).min_by(|a, b| a.p_value.total_cmp(&b.p_value))
         };
-        let sign = below(self.options.false_alarm).or(slow);
+        let sign = below(self.options.false_alarm).or(slow.then(|| seen(Test::Slow, scatters, more_m, again_m)));
         let possibly = sign.or(below(DOUBTFUL / tests.len() as f64)).is_some();
         let is_tolerated = all < self.options.false_alarm && all_m > model_m && all_m <= tolerable_m;
         Left { sign, possibly, tolerated_m: is_tolerated.then_some(all_m) }

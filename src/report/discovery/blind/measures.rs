@@ -106,11 +106,11 @@ const fn measure(name: &'static str, about: fn(&CaseRow) -> bool, kind: Kind, go
 const MEASURES: &[Measure] = &[
     measure(
         "single effects of 2 mm and more named right",
-        |c| shifted(c, PLAIN_SHIFT_M, ANY),
+        |c| single(c) && plain(c),
         Kind::Share(right),
         Some([0.95, 1.0]),
     ),
-    measure("… or in the answer’s group", |c| shifted(c, PLAIN_SHIFT_M, ANY), Kind::Share(in_group), Some([0.98, 1.0])),
+    measure("… or in the answer’s group", |c| single(c) && plain(c), Kind::Share(in_group), Some([0.98, 1.0])),
     measure("single effects of 5 mm and more: named right", |c| shifted(c, 0.005, ANY), Kind::Share(right), None),
     measure("single effects of 5 mm and more: in the group", |c| shifted(c, 0.005, ANY), Kind::Share(in_group), None),
     measure("single effects of 2 to 5 mm: named right", |c| shifted(c, 0.002, 0.005), Kind::Share(right), None),
