@@ -1,7 +1,10 @@
 //! The noise floor from the data themselves: every trial starts at rest at home, so its first rows are repeats of one
-//! measurement; commands that are held show the tip at rest.
+//! measurement; commands that are held show the tip at rest; and noise changes from one sample to the next, which what a
+//! model lacks hardly does.
 
+use super::neighbours::nugget;
 use super::noise::{Noise, alike};
+use super::nuisance::Explained;
 use super::rest;
 use super::samples::{Samples, TrialCommands};
 use crate::math::distribution::f_above;
@@ -19,8 +22,38 @@ pub(super) struct Floor {
 
 /// A command is at rest once it has been held for so long, seconds.
 const SETTLED_S: f64 = 1.0;
+/// Chance below which repeats and neighbours contradict each other. Neighbours are many, and may all hold what changes faster
+/// than they follow each other; few repeats scatter by little or much once in a thousand recordings.
+const CONTRADICTS: f64 = 1e-5;
 
 impl Floor {
+    /// From all that the `samples` tell of noise beside a model that has the tip at `played`: repeats, rests, and neighbours,
+    /// where what `explained` leaves has no memory and repeats do not contradict it.
+    pub(super) fn of(samples: &Samples, explained: &Explained, played: &[f64]) -> Floor {
+        let repeats = Floor::of_repeats(samples, explained.noise.correlation);
+        let neighbours = Floor::of_neighbours(samples, explained, played);
+        match neighbours.filter(|neighbours| !repeats.contradicts(neighbours)) {
+            Some(neighbours) => repeats.and(neighbours),
+            None => repeats,
+        }
+    }
+
+    /// From what changes from one sample to the next.
+    fn of_neighbours(samples: &Samples, explained: &Explained, played: &[f64]) -> Option<Floor> {
+        let nugget = nugget(samples, explained, played)?;
+        let from = "what changes from one sample to the next".to_owned();
+        Some(Floor { variance_m2: nugget.variance_m2, freedom: nugget.freedom, from })
+    }
+
+    /// What a fit leaves, as if all of it were noise.
+    pub(super) fn left_by(explained: &Explained, samples: &Samples) -> Floor {
+        Floor {
+            variance_m2: explained.noise.sigma_m.map(|sigma| sigma * sigma),
+            freedom: explained.noise.independent(samples.len()),
+            from: "what the model leaves".to_owned(),
+        }
+    }
+
     /// From repeats of the first row and from rests; no degrees of freedom where there are neither. `correlation`: that of
     /// what is taken for noise, which stands unless rests contradict it.
     pub(super) fn of_repeats(samples: &Samples, correlation: f64) -> Floor {
@@ -42,7 +75,7 @@ impl Floor {
             (true, true) => format!("{firsts} starts at home and {rests} samples at rest"),
             (true, false) => format!("{firsts} starts at home"),
             (false, true) => format!("{rests} samples at rest"),
-            (false, false) => "the residual alone: nothing was measured twice".to_owned(),
+            (false, false) => "nothing that was measured twice".to_owned(),
         };
         Floor { variance_m2, freedom, from }
     }
@@ -61,15 +94,23 @@ impl Floor {
         f_above(variance_m2 / own, freedom, alike(&self.variance_m2) * self.freedom)
     }
 
-    /// This floor and a residual's variance of `freedom` degrees an axis, taken together.
-    pub(super) fn pooled(&self, variance_m2: [f64; 3], freedom: f64) -> Floor {
-        let all = self.freedom + freedom;
-        let mean = |axis: usize| (self.freedom * self.variance_m2[axis] + freedom * variance_m2[axis]) / all;
-        Floor {
-            variance_m2: std::array::from_fn(mean),
-            freedom: all,
-            from: format!("{} and what the model leaves", self.from),
+    fn contradicts(&self, other: &Floor) -> bool {
+        let total = |floor: &Floor| floor.variance_m2.iter().sum::<f64>();
+        let freedom = |floor: &Floor| alike(&floor.variance_m2) * floor.freedom;
+        let least = self.p_value(total(other), freedom(other)).min(other.p_value(total(self), freedom(self)));
+        self.freedom > 0.0 && least < CONTRADICTS
+    }
+
+    /// This floor and another one, taken together.
+    pub(super) fn and(self, other: Floor) -> Floor {
+        if self.freedom <= 0.0 {
+            return other;
         }
+        let all = self.freedom + other.freedom;
+        let mean =
+            |axis: usize| (self.freedom * self.variance_m2[axis] + other.freedom * other.variance_m2[axis]) / all;
+        let from = format!("{} and {}", self.from, other.from);
+        Floor { variance_m2: std::array::from_fn(mean), freedom: all, from }
     }
 }
 
@@ -82,9 +123,9 @@ pub(super) struct Bias {
     pub(super) rms_m: f64,
 }
 
-/// The bias of `left_m` (three numbers a sample) where commands were repeated or held. Starts are as independent as
-/// trials, samples at rest as much as `noise` lets them be.
-pub(super) fn bias(samples: &Samples, left_m: &[f64], noise: &Noise) -> Bias {
+/// The bias of `left_m` (three numbers a sample) where commands were repeated or held, beside the noise `floor`. Starts are as
+/// independent as trials, samples at rest as much as `noise` lets them be.
+pub(super) fn bias(samples: &Samples, left_m: &[f64], noise: &Noise, floor: &Floor) -> Bias {
     let groups: Vec<Vec<usize>> = groups(samples).into_iter().filter(|group| group.len() > 1).collect();
     let (mut squares, mut weighed, mut weights) = (0.0, 0.0, 0.0);
     for group in &groups {
@@ -96,7 +137,6 @@ pub(super) fn bias(samples: &Samples, left_m: &[f64], noise: &Noise) -> Bias {
         weighed += group.len() as f64 * square;
         weights += group.len() as f64;
     }
-    let floor = Floor::of_repeats(samples, noise.correlation);
     let p_value = floor.p_value(squares / groups.len() as f64, alike(&floor.variance_m2) * groups.len() as f64);
     Bias { p_value, rms_m: (weighed / f64::max(weights, 1.0)).sqrt() }
 }
@@ -159,6 +199,8 @@ fn begun(trial: &TrialCommands) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::DVector;
+
     use super::super::samples::white_noise;
     use super::*;
     use crate::base::Rows;
@@ -175,7 +217,8 @@ mod tests {
             sample.tip_m = [bias_m + noise(), noise(), noise()];
         }
         let left_m: Vec<f64> = samples.rows.iter().flat_map(|sample| sample.tip_m).collect();
-        bias(&samples, &left_m, &Noise { sigma_m: [NOISE_M; 3], correlation: 0.0 })
+        let floor = Floor::of_repeats(&samples, 0.0);
+        bias(&samples, &left_m, &Noise { sigma_m: [NOISE_M; 3], correlation: 0.0 }, &floor)
     }
 
     #[test]
@@ -189,6 +232,26 @@ mod tests {
         let floor = Floor::of_repeats(&samples, 0.0);
         assert_eq!((floor.freedom, floor.from.as_str()), (2.0, "4 starts at home"));
         assert!((floor.variance_m2[0] - 0.5e-8).abs() < 1e-15, "{:?}", floor.variance_m2);
+    }
+
+    /// Few repeats scatter by little now and then, and neighbours know better; not where that is no chance.
+    #[test]
+    fn neighbours_help_where_repeats_do_not_contradict_them() {
+        for (starts, all) in [(1.0, 1.0), (0.4, 1.0), (0.05, 0.05)] {
+            let mut samples = Samples::alike(6, 50);
+            let left_m = samples.noise(NOISE_M, 0.0, 1);
+            let mut place = white_noise(0.01, 2);
+            let played: Vec<f64> = left_m.iter().map(|_| place()).collect();
+            for (row, sample) in samples.rows.iter_mut().enumerate() {
+                let times = if sample.row == 0 { starts } else { 1.0 };
+                sample.tip_m = std::array::from_fn(|axis| times * left_m[3 * row + axis]);
+            }
+            let noise = Noise::of(&samples, &left_m, 0.0);
+            let explained = Explained { noise, amounts: DVector::zeros(0), left_m, deviance: 0.0 };
+            let floor = Floor::of(&samples, &explained, &played);
+            let ratio = floor.rms_m() / (3.0_f64.sqrt() * NOISE_M);
+            assert!((ratio / all - 1.0).abs() < 0.25, "{starts}: {ratio}, {}", floor.from);
+        }
     }
 
     #[test]

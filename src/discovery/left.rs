@@ -4,12 +4,13 @@
 use nalgebra::{DMatrix, DVectorView};
 
 use super::features::circumstances;
+use super::floor::{Floor, bias};
 use super::missing::{Missing, missing};
 use super::nuisance::{Explained, Nuisances};
 use super::question::Question;
 use super::refit::Fitted;
 use super::together::together;
-use super::{floor, uneven};
+use super::uneven;
 
 /// By what it shows that a set is not all.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,13 +86,13 @@ impl Question<'_> {
         let inexact_m = least_m.max(self.inexact_m(&fitted.played));
         // More scatter than where the same thing was measured again; scatter that hardly changes from one sample to the
         // next is no tracker's, and little more of it is enough.
-        let floor = floor::Floor::of_repeats(&self.fit, explained.noise.correlation);
+        let floor = Floor::of(&self.fit, explained, &fitted.played);
         let scatters = floor.p_value(floor_m.powi(2), explained.noise.freedom(self.fit.len()));
         let again_m = floor.rms_m();
         let more_m = (floor_m.powi(2) - again_m.powi(2)).max(0.0).sqrt();
         let slow = explained.noise.correlation > SLOW && scatters < SLOW_CHANCE && more_m > model_m;
         let spread = uneven::uneven(&self.fit, explained);
-        let bias = floor::bias(&self.fit, &explained.left_m, &explained.noise);
+        let bias = bias(&self.fit, &explained.left_m, &explained.noise, &floor);
         let all = together(&self.fit, nuisances, fitted, &self.answers());
         let (all, all_m) = all.map_or((1.0, 0.0), |found| (found.p_value, found.more_m));
         // That is only the part of what is left that the catalogue reaches, and not held against the noise floor.

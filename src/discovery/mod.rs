@@ -24,6 +24,7 @@ mod left;
 mod menu;
 mod missing;
 mod moves;
+mod neighbours;
 mod next;
 mod noise;
 mod nuisance;

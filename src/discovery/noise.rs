@@ -17,8 +17,6 @@ pub(super) struct Noise {
 const MOST_CORRELATION: f64 = 0.98;
 /// Noise is never taken to be smaller than this, metres: a tracker's last digit.
 pub(super) const LEAST_SIGMA_M: f64 = 1e-6;
-/// Samples farther apart than so many usual steps are no neighbours.
-const MOST_STEPS: f64 = 1.5;
 
 impl Noise {
     /// Root mean square distance that it makes, metres.
@@ -103,8 +101,7 @@ pub(super) fn alike(variances: &[f64; 3]) -> f64 {
 /// Correlation of neighbours within trials, the mean over axes in which anything is seen. Samples that are farther apart
 /// than usual say less and are left out.
 fn correlation(samples: &Samples, residual: &[f64]) -> f64 {
-    let is_neighbour = |&row: &usize| samples.steps_since_last(row).is_some_and(|steps| steps < MOST_STEPS);
-    let neighbours: Vec<usize> = (0..samples.len()).filter(is_neighbour).collect();
+    let neighbours = samples.close_behind();
     let least_m2 = neighbours.len() as f64 * LEAST_SIGMA_M.powi(2);
     let of = |axis: usize| {
         let at = |row: usize| residual[3 * row + axis];

@@ -120,7 +120,16 @@ impl Samples {
         let before = self.rows[..row].last().filter(|before| before.trial == self.rows[row].trial)?;
         Some((self.rows[row].time_s - before.time_s) / self.tracked_step_s)
     }
+
+    /// The rows that have the one before them in the same trial and no farther off than usual.
+    pub(super) fn close_behind(&self) -> Vec<usize> {
+        let is_close = |&row: &usize| self.steps_since_last(row).is_some_and(|steps| steps < MOST_STEPS);
+        (0..self.len()).filter(is_close).collect()
+    }
 }
+
+/// Samples farther apart than so many usual steps are no neighbours.
+const MOST_STEPS: f64 = 1.5;
 
 /// Independent normal numbers of this size.
 #[cfg(test)]

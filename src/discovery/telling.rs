@@ -3,6 +3,7 @@
 use super::about::About;
 use super::answer::{Answer, set_name};
 use super::features::circumstances;
+use super::floor::Floor;
 use super::hypothesis::effects;
 use super::noise::{LEAST_SIGMA_M, Noise};
 use super::nuisance::Explained;
@@ -10,7 +11,7 @@ use super::question::{self, Question};
 use super::refit::{Fitted, Study};
 use super::samples::rms_m;
 use super::search::{Found, Scored};
-use super::{Discovery, check, compare, floor, places, play, unseen, words};
+use super::{Discovery, check, compare, places, play, unseen, words};
 use crate::data::Recording;
 use crate::data::findings::{self, Candidate, Findings, Gap, PlaceRow, ResidualRow, Verdict};
 use crate::effects::{EffectSpec, Model};
@@ -45,7 +46,7 @@ impl Question<'_> {
             (&found.null.fitted.explained, &self.played, &before)
         };
         let unexplained = answer.verdict == Verdict::Unexplained;
-        let (from, noise) = self.floor((!unexplained).then_some(told), &best.explained);
+        let (from, noise) = self.floor((!unexplained).then_some(told), best);
         let residuals = self.residual_rows(played, &proved.played);
         let places = self.map(&residuals, &noise);
         let next = self.next(&answer.rivals, &noise);
@@ -137,27 +138,22 @@ impl Question<'_> {
         self.held_out_sign(study, best, played).map_or(Ok(()), |sign| Err(words::against(&sign)))
     }
 
-    /// The noise, from repeats and, where all is explained, from what is left; in words where from.
-    fn floor(&self, explained: Option<&Explained>, best: &Explained) -> (String, Noise) {
-        let correlation = best.noise.correlation;
-        let repeats = floor::Floor::of_repeats(&self.fit, correlation);
-        let pooled = match explained {
+    /// The noise, from all that tells of it beside `best` and, where all is `explained`, from what is left; in words where from.
+    fn floor(&self, explained: Option<&Explained>, best: &Fitted) -> (String, Noise) {
+        let told = Floor::of(&self.fit, &best.explained, &best.played);
+        let left = Floor::left_by(explained.unwrap_or(&best.explained), &self.fit);
+        let floor = match explained {
             // What the model leaves is more than noise where it is more than repeats show.
             Some(explained) => {
-                let variance_m2 = explained.noise.sigma_m.map(|sigma| sigma * sigma);
-                let freedom = explained.noise.independent(self.fit.len());
-                let all = explained.noise.freedom(self.fit.len());
-                if repeats.p_value(variance_m2.iter().sum(), all) < MORE_THAN_REPEATS {
-                    repeats
-                } else {
-                    repeats.pooled(variance_m2, freedom)
-                }
+                let is_more =
+                    told.p_value(left.rms_m().powi(2), explained.noise.freedom(self.fit.len())) < MORE_THAN_REPEATS;
+                if is_more { told } else { told.and(left) }
             }
-            None if repeats.freedom >= 1.0 && repeats.rms_m() > 0.0 => repeats,
-            None => repeats.pooled(best.noise.sigma_m.map(|sigma| sigma * sigma), 1.0),
+            None if told.freedom >= 1.0 && told.rms_m() > 0.0 => told,
+            None => left,
         };
-        let sigma_m = pooled.variance_m2.map(|variance_m2| variance_m2.sqrt().max(LEAST_SIGMA_M));
-        (pooled.from, Noise { sigma_m, correlation })
+        let sigma_m = floor.variance_m2.map(|variance_m2| variance_m2.sqrt().max(LEAST_SIGMA_M));
+        (floor.from, Noise { sigma_m, correlation: best.explained.noise.correlation })
     }
 
     fn residual_rows(&self, after: &[f64], after_proof: &[f64]) -> Vec<ResidualRow> {
