@@ -16,8 +16,8 @@ pub(super) struct Floor {
     pub(super) variance_m2: [f64; 3],
     /// Degrees of freedom behind each of them.
     pub(super) freedom: f64,
-    /// What it was estimated from.
-    pub(super) from: String,
+    /// What it was estimated from, in words.
+    pub(super) from: Vec<String>,
 }
 
 /// A command is at rest once it has been held for so long, seconds.
@@ -41,7 +41,7 @@ impl Floor {
     /// From what changes from one sample to the next.
     fn of_neighbours(samples: &Samples, explained: &Explained, played: &[f64]) -> Option<Floor> {
         let nugget = nugget(samples, explained, played)?;
-        let from = "what changes from one sample to the next".to_owned();
+        let from = vec!["what changes from one sample to the next".to_owned()];
         Some(Floor { variance_m2: nugget.variance_m2, freedom: nugget.freedom, from })
     }
 
@@ -50,7 +50,7 @@ impl Floor {
         Floor {
             variance_m2: explained.noise.sigma_m.map(|sigma| sigma * sigma),
             freedom: explained.noise.independent(samples.len()),
-            from: "what the model leaves".to_owned(),
+            from: vec!["what the model leaves".to_owned()],
         }
     }
 
@@ -71,12 +71,9 @@ impl Floor {
         let (starts, rests): (Vec<&Vec<usize>>, Vec<&Vec<usize>>) =
             groups.iter().partition(|group| is_start(samples, group));
         let [firsts, rests] = [starts, rests].map(|groups| groups.iter().map(|group| group.len()).sum::<usize>());
-        let from = match (firsts > 1, rests > 1) {
-            (true, true) => format!("{firsts} starts at home and {rests} samples at rest"),
-            (true, false) => format!("{firsts} starts at home"),
-            (false, true) => format!("{rests} samples at rest"),
-            (false, false) => "nothing that was measured twice".to_owned(),
-        };
+        let mut from = Vec::new();
+        from.extend((firsts > 1).then(|| format!("{firsts} starts at home")));
+        from.extend((rests > 1).then(|| format!("{rests} samples at rest")));
         Floor { variance_m2, freedom, from }
     }
 
@@ -109,7 +106,7 @@ impl Floor {
         let all = self.freedom + other.freedom;
         let mean =
             |axis: usize| (self.freedom * self.variance_m2[axis] + other.freedom * other.variance_m2[axis]) / all;
-        let from = format!("{} and {}", self.from, other.from);
+        let from = [self.from, other.from].concat();
         Floor { variance_m2: std::array::from_fn(mean), freedom: all, from }
     }
 }
@@ -230,7 +227,7 @@ mod tests {
             sample.tip_m = [if weighed { 0.01 } else { 0.0 } + 1e-4 * (k / 2) as f64, 0.0, 0.2];
         }
         let floor = Floor::of_repeats(&samples, 0.0);
-        assert_eq!((floor.freedom, floor.from.as_str()), (2.0, "4 starts at home"));
+        assert_eq!((floor.freedom, floor.from), (2.0, vec!["4 starts at home".to_owned()]));
         assert!((floor.variance_m2[0] - 0.5e-8).abs() < 1e-15, "{:?}", floor.variance_m2);
     }
 
@@ -250,7 +247,7 @@ mod tests {
             let explained = Explained { noise, amounts: DVector::zeros(0), left_m, deviance: 0.0 };
             let floor = Floor::of(&samples, &explained, &played);
             let ratio = floor.rms_m() / (3.0_f64.sqrt() * NOISE_M);
-            assert!((ratio / all - 1.0).abs() < 0.25, "{starts}: {ratio}, {}", floor.from);
+            assert!((ratio / all - 1.0).abs() < 0.25, "{starts}: {ratio}, {:?}", floor.from);
         }
     }
 

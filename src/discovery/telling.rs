@@ -153,7 +153,7 @@ impl Question<'_> {
             None => left,
         };
         let sigma_m = floor.variance_m2.map(|variance_m2| variance_m2.sqrt().max(LEAST_SIGMA_M));
-        (floor.from, Noise { sigma_m, correlation: best.explained.noise.correlation })
+        (floor.from.join(", "), Noise { sigma_m, correlation: best.explained.noise.correlation })
     }
 
     fn residual_rows(&self, after: &[f64], after_proof: &[f64]) -> Vec<ResidualRow> {
