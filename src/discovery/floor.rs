@@ -83,7 +83,7 @@ impl Floor {
     }
 
     /// Probability that noise of this floor leaves a residual of as much variance (all axes together).
-    pub(super) fn p_value(&self, variance_m2: f64, freedom: f64) -> f64 {
+    fn p_value(&self, variance_m2: f64, freedom: f64) -> f64 {
         let own: f64 = self.variance_m2.iter().sum();
         if self.freedom < 2.0 || own <= 0.0 {
             return 1.0;
@@ -91,11 +91,13 @@ impl Floor {
         f_above(variance_m2 / own, freedom, alike(&self.variance_m2) * self.freedom)
     }
 
+    /// Probability that noise of this floor shows itself as `other`, or as more.
+    pub(super) fn chance_of(&self, other: &Floor) -> f64 {
+        self.p_value(other.variance_m2.iter().sum(), alike(&other.variance_m2) * other.freedom)
+    }
+
     fn contradicts(&self, other: &Floor) -> bool {
-        let total = |floor: &Floor| floor.variance_m2.iter().sum::<f64>();
-        let freedom = |floor: &Floor| alike(&floor.variance_m2) * floor.freedom;
-        let least = self.p_value(total(other), freedom(other)).min(other.p_value(total(self), freedom(self)));
-        self.freedom > 0.0 && least < CONTRADICTS
+        self.freedom > 0.0 && self.chance_of(other).min(other.chance_of(self)) < CONTRADICTS
     }
 
     /// This floor and another one, taken together.
@@ -280,7 +282,7 @@ mod tests {
                 ratios.push((floor.rms_m() / NOISE_M).powi(2) / 3.0);
                 let all_m2 = samples.rows.iter().flat_map(|row| row.tip_m).map(|x| x * x).sum::<f64>() / 300.0;
                 let known = Noise { sigma_m: [NOISE_M; 3], correlation };
-                low += usize::from(floor.p_value(all_m2, known.freedom(300)) < 0.05);
+                low += usize::from(floor.p_value(all_m2, 3.0 * known.independent(300)) < 0.05);
             }
             let mean = crate::math::summary::mean(&ratios);
             assert!((mean - 1.0).abs() < 0.05, "{correlation}: {mean}");

@@ -17,7 +17,7 @@ use super::uneven;
 pub(super) enum Test {
     /// What it leaves is foretold by other trials.
     Foretold,
-    /// It leaves more scatter than where the same thing was measured again.
+    /// It leaves more scatter than the noise floor.
     Scatter,
     /// The same, by little, but of what hardly changes from one sample to the next.
     Slow,
@@ -44,7 +44,7 @@ pub(super) struct Sign {
 }
 
 /// Whether something is left.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Left {
     /// The clearest sign of it, by a chance below `false_alarm`, or that it is slower than any noise.
     pub(super) sign: Option<Sign>,
@@ -52,6 +52,8 @@ pub(super) struct Left {
     pub(super) possibly: bool,
     /// What all effects together would certainly explain of it, but no more than laws may be off by, metres.
     pub(super) tolerated_m: Option<f64>,
+    /// The noise floor that it was held against.
+    pub(super) floor: Floor,
 }
 
 /// Correlation from one sample to the next beyond which what is left is not a tracker's noise.
@@ -84,12 +86,12 @@ impl Question<'_> {
         let model_m = self.options.least_m(&self.model);
         let least_m = self.least_left_m(floor_m);
         let inexact_m = least_m.max(self.inexact_m(&fitted.played));
-        // More scatter than where the same thing was measured again; scatter that hardly changes from one sample to the
-        // next is no tracker's, and little more of it is enough.
+        // More scatter than noise alone; scatter that hardly changes from one sample to the next is no tracker's, and little
+        // more of it is enough.
         let floor = Floor::of(&self.fit, explained, &fitted.played);
-        let scatters = floor.p_value(floor_m.powi(2), explained.noise.freedom(self.fit.len()));
-        let again_m = floor.rms_m();
-        let more_m = (floor_m.powi(2) - again_m.powi(2)).max(0.0).sqrt();
+        let scatters = floor.chance_of(&Floor::left_by(explained, &self.fit));
+        let alone_m = floor.rms_m();
+        let more_m = (floor_m.powi(2) - alone_m.powi(2)).max(0.0).sqrt();
         let slow = explained.noise.correlation > SLOW && scatters < SLOW_CHANCE && more_m > model_m;
         let spread = uneven::uneven(&self.fit, explained);
         let bias = bias(&self.fit, &explained.left_m, &explained.noise, &floor);
@@ -101,7 +103,7 @@ impl Question<'_> {
         // What each test found, and how large it must be to matter.
         let tests = [
             (seen(Test::Foretold, foretold.test.p_value, foretold.test.foretold_m, 0.0), least_m),
-            (seen(Test::Scatter, scatters, more_m, again_m), least_m),
+            (seen(Test::Scatter, scatters, more_m, alone_m), least_m),
             (seen(Test::Uneven, spread.p_value, spread.more_m, spread.middle_m), inexact_m),
             (seen(Test::Bias, bias.p_value, bias.rms_m, 0.0), inexact_m),
             (seen(Test::Together, all, all_m, 0.0), tolerable_m),
@@ -110,10 +112,10 @@ impl Question<'_> {
             let clear = tests.iter().filter(|(sign, matters_m)| sign.more_m > *matters_m && sign.p_value < chance);
             clear.map(|(sign, _)| *sign).min_by(|a, b| a.p_value.total_cmp(&b.p_value))
         };
-        let sign = below(self.options.false_alarm).or(slow.then(|| seen(Test::Slow, scatters, more_m, again_m)));
+        let sign = below(self.options.false_alarm).or(slow.then(|| seen(Test::Slow, scatters, more_m, alone_m)));
         let possibly = sign.or(below(DOUBTFUL / tests.len() as f64)).is_some();
         let is_tolerated = all < self.options.false_alarm && all_m > model_m && all_m <= tolerable_m;
-        Left { sign, possibly, tolerated_m: is_tolerated.then_some(all_m) }
+        Left { sign, possibly, tolerated_m: is_tolerated.then_some(all_m), floor }
     }
 
     /// What the laws of the members may be off by, metres. Those of how a rod gives way stand for many; where there is nothing

@@ -16,8 +16,8 @@ use crate::data::Recording;
 use crate::data::findings::{self, Candidate, Findings, Gap, PlaceRow, ResidualRow, Verdict};
 use crate::effects::{EffectSpec, Model};
 
-/// Chance below which what a model leaves is taken to be more than the noise of repeats.
-const MORE_THAN_REPEATS: f64 = 1e-3;
+/// Chance below which what a model leaves is taken to be more than the noise that everything else tells of.
+const MORE_THAN_NOISE: f64 = 1e-3;
 
 /// An answer with its proof.
 struct Proved {
@@ -46,7 +46,7 @@ impl Question<'_> {
             (&found.null.fitted.explained, &self.played, &before)
         };
         let unexplained = answer.verdict == Verdict::Unexplained;
-        let (from, noise) = self.floor((!unexplained).then_some(told), best);
+        let (from, noise) = self.floor(&about.left.floor, (!unexplained).then_some(told), &best.explained);
         let residuals = self.residual_rows(played, &proved.played);
         let places = self.map(&residuals, &noise);
         let next = self.next(&answer.rivals, &noise);
@@ -138,22 +138,19 @@ impl Question<'_> {
         self.held_out_sign(study, best, played).map_or(Ok(()), |sign| Err(words::against(&sign)))
     }
 
-    /// The noise, from all that tells of it beside `best` and, where all is `explained`, from what is left; in words where from.
-    fn floor(&self, explained: Option<&Explained>, best: &Fitted) -> (String, Noise) {
-        let told = Floor::of(&self.fit, &best.explained, &best.played);
-        let left = Floor::left_by(explained.unwrap_or(&best.explained), &self.fit);
+    /// The noise, from what `tells` of it beside the best set and, where all is `explained`, from what is left; in words
+    /// where from. `best`: what the best set explains.
+    fn floor(&self, tells: &Floor, explained: Option<&Explained>, best: &Explained) -> (String, Noise) {
+        let left = Floor::left_by(explained.unwrap_or(best), &self.fit);
+        let tells = tells.clone();
         let floor = match explained {
-            // What the model leaves is more than noise where it is more than repeats show.
-            Some(explained) => {
-                let is_more =
-                    told.p_value(left.rms_m().powi(2), explained.noise.freedom(self.fit.len())) < MORE_THAN_REPEATS;
-                if is_more { told } else { told.and(left) }
-            }
-            None if told.freedom >= 1.0 && told.rms_m() > 0.0 => told,
+            Some(_) if tells.chance_of(&left) < MORE_THAN_NOISE => tells,
+            Some(_) => tells.and(left),
+            None if tells.freedom >= 1.0 && tells.rms_m() > 0.0 => tells,
             None => left,
         };
         let sigma_m = floor.variance_m2.map(|variance_m2| variance_m2.sqrt().max(LEAST_SIGMA_M));
-        (floor.from.join(", "), Noise { sigma_m, correlation: best.explained.noise.correlation })
+        (floor.from.join(", "), Noise { sigma_m, correlation: best.noise.correlation })
     }
 
     fn residual_rows(&self, after: &[f64], after_proof: &[f64]) -> Vec<ResidualRow> {

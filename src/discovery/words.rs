@@ -51,10 +51,10 @@ pub(super) fn against(sign: &Sign) -> String {
     match sign.test {
         Test::Foretold => format!("other trials foretell {more_mm:.2} mm of what it leaves ({chance})"),
         Test::Scatter => format!(
-            "the tip scatters about it by {all_mm:.2} mm, where the same was measured again by {beyond_mm:.2} mm ({chance})"
+            "the tip scatters about it by {all_mm:.2} mm, where noise alone is {beyond_mm:.2} mm ({chance})"
         ),
         Test::Slow => format!(
-            "what it leaves hardly changes from one sample to the next, as no tracker's noise does, and is {all_mm:.2} mm, where the same was measured again {beyond_mm:.2} mm ({chance})"
+            "what it leaves hardly changes from one sample to the next, as no tracker's noise does, and is {all_mm:.2} mm, where noise alone is {beyond_mm:.2} mm ({chance})"
         ),
         Test::Uneven => {
             format!("it leaves {all_mm:.2} mm in its worst trial, {beyond_mm:.2} mm in the middle one ({chance})")
@@ -167,8 +167,8 @@ mod tests {
         let told = |test, p_value| against(&Sign { test, p_value, more_m: 4e-4, beyond_m: 3e-4 });
         for (test, said) in [
             (Test::Foretold, "foretell 0.40 mm"),
-            (Test::Scatter, "by 0.50 mm, where the same was measured again by 0.30 mm"),
-            (Test::Slow, "is 0.50 mm, where the same was measured again 0.30 mm"),
+            (Test::Scatter, "by 0.50 mm, where noise alone is 0.30 mm"),
+            (Test::Slow, "is 0.50 mm, where noise alone is 0.30 mm"),
             (Test::Uneven, "0.50 mm in its worst trial, 0.30 mm in the middle one"),
             (Test::Bias, "0.40 mm off in the mean"),
             (Test::Together, "explains 0.40 mm"),
