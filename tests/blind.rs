@@ -116,6 +116,8 @@ fn the_oracle_knows_inside_from_outside() {
     let inside = draw(&robot(Group::Inside, 0, 0.004), &commands, Some(&span)).unwrap();
     assert!(inside.left < OracleOptions::default().inside_below, "{inside:?}");
     assert_eq!(inside.left_out.len(), 1);
+    let (out, imitations) = (&inside.left_out[0], &inside.imitations);
+    assert!(!imitations.is_empty() && imitations.iter().all(|set| set.split(" + ").all(|name| name != out)), "{inside:?}");
     // What is in the catalogue is imitated by itself.
     let load = draw(&robot(Group::Single, 0, 0.004), &commands, None).unwrap();
     let with =
@@ -128,6 +130,10 @@ fn the_oracle_knows_inside_from_outside() {
     let left = |out: &[String]| span.left(&model(), &commands, &moved, out, &OracleOptions::default(), true);
     // The truth is played more finely than the model: their difference is a fifth of the noise by itself.
     assert!(left(&[]) < 0.3, "{} {load:?}", left(&[]));
+    let oracle = OracleOptions { inside_below: 0.3, most_effects: 2, ..OracleOptions::default() };
+    let imitations = |out: &[String]| span.imitations(&model(), &commands, &moved, out, &oracle);
+    assert_eq!(imitations(&[]), ["tip_load"]);
+    assert!(imitations(&["tip_load".to_owned()]).iter().all(|set| set.contains(" + ")), "nothing alone is like a load");
     assert!(span.first_look(&moved, &[], 0) > 3.0, "4 mm over 0.87 mm, less what the uncertain numbers do");
 }
 
@@ -209,8 +215,10 @@ fn answers_are_scored_by_name_tendon_size_and_interval() {
         ("inside", Verdict::Unexplained, true, false),
         ("inside", Verdict::Named, false, false),
     ] {
+        let truth = Truth { imitations: vec!["creep".to_owned(), "delay".to_owned()], ..truth.clone() };
         let row = score(0, &batch(group), 0.0, &model(), &truth, &answer(verdict, &[])).row;
         assert_eq!((row.right, row.in_group), (right, in_group), "{group} {verdict:?}");
+        assert_eq!(row.imitations, "creep or delay");
     }
 }
 

@@ -15,10 +15,12 @@ struct Row {
     settled: bool,
     shift: i32,
     note: Option<f64>,
+    #[serde(default)]
+    since: String,
 }
 
 fn row(zeta: u64, alpha: f64) -> Row {
-    Row { zeta, alpha, name: "a, \"b\"".to_owned(), settled: zeta.is_multiple_of(2), shift: -3, note: None }
+    Row { zeta, alpha, name: "a, \"b\"".to_owned(), settled: zeta.is_multiple_of(2), shift: -3, note: None, since: String::new() }
 }
 
 #[test]
@@ -26,9 +28,9 @@ fn columns_stand_in_the_order_of_the_struct_and_numbers_are_rounded() {
     let bytes = tables::to_csv(Path::new("t.csv"), &[row(u64::MAX, 0.1 + 0.2), row(2, 1.0 / 3.0)]).unwrap();
     let text = String::from_utf8(bytes).unwrap();
     let lines: Vec<&str> = text.lines().collect();
-    assert_eq!(lines[0], "zeta,alpha,name,settled,shift,note");
-    assert_eq!(lines[1], "18446744073709551615,0.3,\"a, \"\"b\"\"\",false,-3,");
-    assert_eq!(lines[2], "2,0.333333333,\"a, \"\"b\"\"\",true,-3,");
+    assert_eq!(lines[0], "zeta,alpha,name,settled,shift,note,since");
+    assert_eq!(lines[1], "18446744073709551615,0.3,\"a, \"\"b\"\"\",false,-3,,");
+    assert_eq!(lines[2], "2,0.333333333,\"a, \"\"b\"\"\",true,-3,,");
 }
 
 #[test]
@@ -66,12 +68,21 @@ fn faults_are_named() {
     assert!(found.contains("line 3, column `zeta`: found `-1`, expected 0 or a positive whole number"), "{found}");
     let found = error(&format!("{header}1,2 mm,x,true,0,\n"));
     assert!(found.contains("line 2, column `alpha`: found `2 mm`, expected a number"), "{found}");
-    let found = error("zeta,alpha,name,settled,shift\n1,2,x,true,0\n");
-    assert!(found.contains("column `note`: found only zeta, alpha"), "{found}");
+    let found = error("zeta,alpha,settled,shift,note\n1,2,true,0,\n");
+    assert!(found.contains("column `name`: found only zeta, alpha"), "{found}");
     let found = error("zeta,alpha,name,settled,shift,note,more\n1,2,x,true,0,,1\n");
     assert!(found.contains("column `more`: found it, expected no such column"), "{found}");
     assert!(matches!(tables::write_csv::<Row>(&path, &[]), Err(DataError::Write { .. })));
     assert!(matches!(tables::to_csv(&path, &[(1, 2)]), Err(DataError::Write { .. })));
+}
+
+#[test]
+fn tables_of_an_earlier_build_lack_what_has_a_default() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rows.csv");
+    fs::write(&path, "zeta,alpha,name,settled,shift,note\n2,0.5,x,true,-3,\n").unwrap();
+    let back: Vec<Row> = tables::read_csv(&path).unwrap();
+    assert_eq!(back, [Row { name: "x".to_owned(), ..row(2, 0.5) }]);
 }
 
 #[test]

@@ -39,6 +39,10 @@ impl de::Error for CellError {
     fn custom<T: std::fmt::Display>(message: T) -> Self {
         CellError::Value { column: String::new(), expected: message.to_string() }
     }
+
+    fn missing_field(field: &'static str) -> Self {
+        CellError::MissingColumn(field.to_owned())
+    }
 }
 
 /// The fields of a row, name and value, in declaration order.
@@ -212,14 +216,12 @@ impl<'de> Deserializer<'de> for TextRow<'_> {
         fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, CellError> {
-        if let Some(name) = fields.iter().find(|name| !self.names.contains(name)) {
-            return Err(CellError::MissingColumn((*name).to_owned()));
-        }
-        if let Some(name) = self.names.iter().find(|name| !fields.contains(name)) {
-            return Err(CellError::UnknownColumn((*name).to_owned()));
-        }
         let cells = self.names.iter().zip(self.cells);
-        visitor.visit_map(MapDeserializer::new(cells.map(|(&name, &text)| (name, TextCell { name, text }))))
+        let row = visitor.visit_map(MapDeserializer::new(cells.map(|(&name, &text)| (name, TextCell { name, text }))))?;
+        match self.names.iter().find(|name| !fields.contains(name)) {
+            Some(name) => Err(CellError::UnknownColumn((*name).to_owned())),
+            None => Ok(row),
+        }
     }
 
     forward_to_deserialize_any! {

@@ -230,6 +230,9 @@ pub struct PlaceRow {
     pub floor_m: f64,
 }
 
+/// Between sets of effects in one cell.
+pub const OR: &str = " or ";
+
 /// One blind case and the answer to it (`discovery.csv` of the benchmark).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CaseRow {
@@ -255,6 +258,9 @@ pub struct CaseRow {
     pub right: bool,
     /// The true effects are in the answer or in its group of rivals.
     pub in_group: bool,
+    /// Inside the span: the smallest sets of others that imitate it equally well, joined by ` or `; empty of other groups.
+    #[serde(default)]
+    pub imitations: String,
     /// Relative error of the main parameter, the median over effects; empty where the name is wrong or there is none.
     pub strength_error: f64,
     /// Parameters with an interval.

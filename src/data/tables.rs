@@ -79,7 +79,7 @@ pub fn as_published<R: Serialize + DeserializeOwned>(name: &Path, rows: &[R]) ->
     rows.map_err(|error| DataError::Write { file: name.to_owned(), reason: error.to_string() })
 }
 
-/// Reads rows back; the header must be exactly the fields of `R`.
+/// Reads rows back; the header must be exactly the fields of `R`, less those that have a default: earlier builds knew less.
 ///
 /// # Errors
 /// [`DataError`] names file, line, column, what was found and what was expected.

@@ -112,7 +112,7 @@ impl Drawing<'_> {
         let with = tips_m(&fine, self.commands, &uncertain, &hidden, unknown.as_ref())?;
         let nothing = hidden.is_empty() && unknown.is_none();
         let shift_m = if nothing { 0.0 } else { apart_m(&with, &tips_m(&fine, self.commands, &uncertain, &[], None)?) };
-        Some(Truth { hidden, unknown, uncertain, shift_m, left: 0.0, left_out: Vec::new() })
+        Some(Truth { hidden, unknown, uncertain, shift_m, left: 0.0, imitations: Vec::new(), left_out: Vec::new() })
     }
 
     /// An effect as strong as asked, or as it can be, and how far it moves the tip.
@@ -157,7 +157,10 @@ impl Drawing<'_> {
             let Some(left) = self.left(span, &moved, &left_out, outside) else { continue };
             let uncertain = uncertain(&self.robot.priors, &self.robot.model, &mut seed.child("uncertain").rng());
             if let Some(truth) = self.truth(hidden, unknown, uncertain) {
-                return Ok(Truth { left, left_out, ..truth });
+                let (model, oracle) = (&self.robot.model, &self.robot.oracle);
+                let imitations =
+                    if outside { Vec::new() } else { span.imitations(model, self.commands, &moved, &left_out, oracle) };
+                return Ok(Truth { left, imitations, left_out, ..truth });
             }
         }
         Err(BlindError::NoneFound { group: self.robot.group.name(), tried: candidates.len() })

@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::hidden::{Hidden, null_value, size};
 use super::options::{Batch, Group};
 use super::truth::Truth;
-use crate::data::findings::{CaseRow, Findings, FoundEffect, IntervalRow, Verdict};
+use crate::data::findings::{CaseRow, Findings, FoundEffect, IntervalRow, OR, Verdict};
 use crate::effects::{Model, Parameter, Seek};
 use crate::math::summary::quantile;
 
@@ -142,6 +142,7 @@ fn row(case: u64, batch: &Batch, correlation: f64, truth: Option<&Truth>) -> Cas
         answer: String::new(),
         right: false,
         in_group: false,
+        imitations: truth.map_or_else(String::new, |truth| truth.imitations.join(OR)),
         strength_error: f64::NAN,
         intervals: 0,
         covered: 0,

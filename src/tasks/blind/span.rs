@@ -9,42 +9,36 @@ use super::commands::Commands;
 use super::error::BlindError;
 use super::hidden::{card, null_value, size};
 use super::options::{OracleOptions, Prior};
+use super::metric::Metric;
+use super::refit::{Members, Refit, difference};
 use super::truth::about;
-use crate::base::Point3;
 use crate::effects::{CATALOGUE, Card, EffectSpec, Model, Seek};
 
 /// Places along the robot that are tried.
 const PLACES: usize = 11;
 /// Sets that are refitted, the most promising first.
 const REFITTED: usize = 2;
-/// Rounds of a refit.
-const ROUNDS: usize = 5;
-/// A round that lowers what is left by a smaller share is the last one.
-const PROGRESS: f64 = 0.03;
 
 /// How the tip answers, under one set of commands, to a little of everything in the catalogue.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Span {
     /// Noise that everything is measured by, metres an axis.
-    noise_m: f64,
+    pub(super) noise_m: f64,
     /// What one standard deviation of each uncertain number does to the tip, over the noise.
-    uncertain: Vec<Vec<f64>>,
-    answers: Vec<Answer>,
+    pub(super) uncertain: Vec<Vec<f64>>,
+    pub(super) answers: Vec<Answer>,
 }
 
 /// The answers to an effect with one set of shapes, place and tendon.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Answer {
+pub(super) struct Answer {
     /// The effect's name.
-    name: String,
+    pub(super) name: String,
     /// Values at which it changes nothing.
-    null: Vec<f64>,
+    pub(super) null: Vec<f64>,
     /// Change of the tip over the noise for one usual size, a column a size.
     columns: Vec<Vec<f64>>,
 }
-
-/// Effects with values.
-type Members = Vec<(&'static Card, Vec<f64>)>;
 
 impl Span {
     /// Asks `model` under these commands.
@@ -128,7 +122,7 @@ impl Span {
     }
 
     /// Sets of effects with their amounts, those that leave least first.
-    fn sets(&self, metric: &Metric, wanted: &[f64], left_out: &[String], most: usize) -> Vec<Set> {
+    pub(super) fn sets(&self, metric: &Metric, wanted: &[f64], left_out: &[String], most: usize) -> Vec<Set> {
         let open: Vec<usize> = (0..self.answers.len()).filter(|&k| !left_out.contains(&self.answers[k].name)).collect();
         let columns: Vec<(usize, &Vec<f64>)> =
             open.iter().flat_map(|&k| self.answers[k].columns.iter().map(move |column| (k, column))).collect();
@@ -156,7 +150,7 @@ impl Span {
     }
 
     /// The effects of a set, as strong as straight lines say.
-    fn members(&self, set: &Set) -> Members {
+    pub(super) fn members(&self, set: &Set) -> Members {
         let mut amounts = set.amounts.iter();
         let member = |&k: &usize| {
             let answer = &self.answers[k];
@@ -174,8 +168,8 @@ impl Span {
 }
 
 /// Some answers, how much of each column, and the square of what they leave.
-struct Set {
-    answers: Vec<usize>,
+pub(super) struct Set {
+    pub(super) answers: Vec<usize>,
     amounts: Vec<f64>,
     left: f64,
 }
@@ -193,41 +187,8 @@ fn each_set(open: &[usize], most: usize, chosen: &mut Vec<usize>, found: &mut dy
     }
 }
 
-/// Squares over the noise once uncertain numbers have taken what they can at the price of their priors.
-struct Metric<'a> {
-    uncertain: &'a [Vec<f64>],
-    inverse: DMatrix<f64>,
-}
-
-impl Metric<'_> {
-    fn new(uncertain: &[Vec<f64>]) -> Metric<'_> {
-        let count = uncertain.len();
-        let precision =
-            DMatrix::from_fn(count, count, |a, b| dot(&uncertain[a], &uncertain[b]) + f64::from(u8::from(a == b)));
-        let inverse = precision.try_inverse().unwrap_or_else(|| DMatrix::zeros(count, count));
-        Metric { uncertain, inverse }
-    }
-
-    fn product(&self, a: &[f64], b: &[f64]) -> f64 {
-        let along = |v: &[f64]| DVector::from_iterator(self.uncertain.len(), self.uncertain.iter().map(|u| dot(u, v)));
-        dot(a, b) - along(a).dot(&(&self.inverse * along(b)))
-    }
-
-    fn square(&self, a: &[f64]) -> f64 {
-        self.product(a, a).max(0.0)
-    }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn rms(square: f64, rows: usize) -> f64 {
+pub(super) fn rms(square: f64, rows: usize) -> f64 {
     (square / rows.max(1) as f64).sqrt()
-}
-
-fn difference(there: &[Point3], here: &[Point3]) -> Vec<f64> {
-    there.iter().zip(here).flat_map(|(a, b)| std::array::from_fn::<f64, 3, _>(|axis| a[axis] - b[axis])).collect()
 }
 
 /// Values of an effect at which it changes nothing: all shapes, places and tendons that are tried.
@@ -248,104 +209,4 @@ fn nulls(card: &Card, model: &Model) -> Vec<Vec<f64>> {
         found = found.iter().flat_map(longer).collect();
     }
     found
-}
-
-/// A set of effects fitted to a change of the tip: Gauss-Newton steps, halved until they help.
-struct Refit<'a> {
-    model: &'a Model,
-    commands: &'a Commands,
-    here: &'a [Point3],
-    noise_m: f64,
-    metric: &'a Metric<'a>,
-    wanted: &'a [f64],
-}
-
-impl Refit<'_> {
-    /// The square of what is left, over the noise.
-    fn carry_out(&self, mut members: Members) -> f64 {
-        let Some(mut rest) = self.possible(&mut members) else { return f64::INFINITY };
-        let mut square = self.metric.square(&rest);
-        for _ in 0..ROUNDS {
-            let Some((next, there)) = self.round(&members, &rest, square) else { break };
-            let progress = 1.0 - self.metric.square(&there) / square.max(1e-300);
-            (members, rest) = (next, there);
-            square = self.metric.square(&rest);
-            if progress < PROGRESS {
-                break;
-            }
-        }
-        square
-    }
-
-    /// Weakens the members until the model can play them; what they leave.
-    fn possible(&self, members: &mut Members) -> Option<Vec<f64>> {
-        for _ in 0..6 {
-            if let Some(rest) = self.rest(members) {
-                return Some(rest);
-            }
-            for (card, values) in members.iter_mut() {
-                for (value, parameter) in values.iter_mut().zip(card.parameters) {
-                    if size(parameter).is_some() {
-                        let null = null_value(parameter, self.model);
-                        let weaker = null + 0.5 * (*value - null);
-                        *value = weaker;
-                    }
-                }
-                // A size that has no such sign: as good as nothing of it.
-                if EffectSpec::from_card(card, values).is_none() {
-                    for (value, parameter) in values.iter_mut().zip(card.parameters) {
-                        if let Some(size) = size(parameter) {
-                            *value = null_value(parameter, self.model) + 0.05 * size;
-                        }
-                    }
-                }
-            }
-        }
-        None
-    }
-
-    /// What of the wanted change these members leave, over the noise; none where the model cannot play them.
-    fn rest(&self, members: &Members) -> Option<Vec<f64>> {
-        let effects: Vec<EffectSpec> =
-            members.iter().map(|(card, values)| EffectSpec::from_card(card, values)).collect::<Option<_>>()?;
-        let there = self.commands.tips_m(self.model, &effects)?;
-        let moved = difference(&there, self.here);
-        Some(self.wanted.iter().zip(moved).map(|(wanted, moved)| wanted - moved / self.noise_m).collect())
-    }
-
-    /// Better members and what they leave; none when no step helps.
-    fn round(&self, members: &Members, rest: &[f64], square: f64) -> Option<(Members, Vec<f64>)> {
-        let mut places = Vec::new();
-        let mut columns: Vec<Vec<f64>> = Vec::new();
-        for (k, (card, values)) in members.iter().enumerate() {
-            for (index, parameter) in card.parameters.iter().enumerate() {
-                let step = match parameter.seek {
-                    Seek::Size(size) | Seek::Scanned(size, _) | Seek::Replaces(_, size) => 0.05 * size,
-                    Seek::Shape(_) => 0.05 * values[index].abs().max(0.5),
-                    Seek::Place | Seek::Tendon | Seek::Flag => continue,
-                };
-                let column = [step, -step].into_iter().find_map(|step| {
-                    let mut there = members.clone();
-                    there[k].1[index] += step;
-                    let left = self.rest(&there)?;
-                    Some(rest.iter().zip(left).map(|(here, there)| (here - there) / step).collect())
-                });
-                if let Some(column) = column {
-                    places.push((k, index));
-                    columns.push(column);
-                }
-            }
-        }
-        let gram = DMatrix::from_fn(columns.len(), columns.len(), |a, b| {
-            self.metric.product(&columns[a], &columns[b]) * if a == b { 1.0 + 1e-6 } else { 1.0 }
-        });
-        let along = DVector::from_fn(columns.len(), |k, _| self.metric.product(&columns[k], rest));
-        let step = Cholesky::new(gram)?.solve(&along);
-        [1.0, 0.5, 0.2, 0.05].into_iter().find_map(|share| {
-            let mut there = members.clone();
-            places.iter().zip(step.iter()).for_each(|(&(k, index), step)| there[k].1[index] += share * step);
-            let left = self.rest(&there)?;
-            (self.metric.square(&left) < square).then_some((there, left))
-        })
-    }
 }

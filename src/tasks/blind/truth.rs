@@ -24,6 +24,8 @@ pub struct Truth {
     pub shift_m: f64,
     /// For cases that the oracle has judged: what the best few others leave, over the noise; else 0.
     pub left: f64,
+    /// Inside the span: the sets of others that imitate it equally well, the best first.
+    pub imitations: Vec<String>,
     /// Effects that are taken out of the catalogue for this case.
     pub left_out: Vec<String>,
 }

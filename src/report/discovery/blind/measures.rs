@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::cases::{alarmed, distinct, gap_closed, in_catalogue};
 use super::share::{Estimate, median, wilson};
-use crate::data::findings::CaseRow;
+use crate::data::findings::{CaseRow, OR};
 
 /// One figure over one part of the cases (`summary.csv`).
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -76,6 +76,16 @@ fn in_group(case: &CaseRow) -> bool {
     case.in_group
 }
 
+/// Whether the oracle was asked which sets imitate what is hidden.
+fn has_imitations(case: &CaseRow) -> bool {
+    !case.imitations.is_empty()
+}
+
+/// Whether there is one such set alone, so that no group is to be told.
+fn one_imitation(case: &CaseRow) -> bool {
+    !case.imitations.contains(OR)
+}
+
 /// A refit of the stiffness cannot be beaten where the stiffness alone is off.
 fn beats_stiffness_about(case: &CaseRow) -> bool {
     in_catalogue(case) && case.truth != "bending_stiffness" && case.stiffness_only_m.is_finite()
@@ -132,6 +142,8 @@ const MEASURES: &[Measure] = &[
     ),
     measure("unknown and inside the span: a group", |c| c.group == "inside", Kind::Share(in_group), Some([0.90, 1.0])),
     measure("… or unexplained", |c| c.group == "inside", Kind::Share(right), None),
+    measure("inside the span of one set of others alone", has_imitations, Kind::Share(one_imitation), None),
+    measure("inside that of several: a group", |c| has_imitations(c) && !one_imitation(c), Kind::Share(in_group), None),
     measure("error of the strength", single, Kind::Median(|c| c.strength_error), Some([0.0, 0.05])),
     measure(
         "95 % intervals that hold the truth",

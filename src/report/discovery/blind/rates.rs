@@ -72,7 +72,8 @@ fn reach(canvas: &mut Canvas, panel: &Panel, row: &SummaryRow, [top, bottom]: [f
     }
     let x = |share: f64| panel.at(100.0 * share, 0.0)[0];
     canvas.rectangle([x(row.goal_low) - 0.8, top], [x(row.goal_high) + 0.8, bottom], GREEN, 0.22);
-    for edge in [row.goal_low, row.goal_high].into_iter().filter(|edge| *edge > 0.0 && *edge < 1.0) {
+    let always = row.goal_low == row.goal_high;
+    for edge in [row.goal_low, row.goal_high].into_iter().filter(|edge| *edge > 0.0 && (*edge < 1.0 || always)) {
         canvas.line(&[[x(edge), top], [x(edge), bottom]], 1.4, GREEN, &[]);
     }
 }
