@@ -117,7 +117,10 @@ fn the_oracle_knows_inside_from_outside() {
     assert!(inside.left < OracleOptions::default().inside_below, "{inside:?}");
     assert_eq!(inside.left_out.len(), 1);
     let (out, imitations) = (&inside.left_out[0], &inside.imitations);
-    assert!(!imitations.is_empty() && imitations.iter().all(|set| set.split(" + ").all(|name| name != out)), "{inside:?}");
+    assert!(
+        !imitations.is_empty() && imitations.iter().all(|set| set.split(" + ").all(|name| name != out)),
+        "{inside:?}"
+    );
     // What is in the catalogue is imitated by itself.
     let load = draw(&robot(Group::Single, 0, 0.004), &commands, None).unwrap();
     let with =

@@ -20,7 +20,15 @@ struct Row {
 }
 
 fn row(zeta: u64, alpha: f64) -> Row {
-    Row { zeta, alpha, name: "a, \"b\"".to_owned(), settled: zeta.is_multiple_of(2), shift: -3, note: None, since: String::new() }
+    Row {
+        zeta,
+        alpha,
+        name: "a, \"b\"".to_owned(),
+        settled: zeta.is_multiple_of(2),
+        shift: -3,
+        note: None,
+        since: String::new(),
+    }
 }
 
 #[test]

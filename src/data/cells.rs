@@ -217,7 +217,8 @@ impl<'de> Deserializer<'de> for TextRow<'_> {
         visitor: V,
     ) -> Result<V::Value, CellError> {
         let cells = self.names.iter().zip(self.cells);
-        let row = visitor.visit_map(MapDeserializer::new(cells.map(|(&name, &text)| (name, TextCell { name, text }))))?;
+        let row =
+            visitor.visit_map(MapDeserializer::new(cells.map(|(&name, &text)| (name, TextCell { name, text }))))?;
         match self.names.iter().find(|name| !fields.contains(name)) {
             Some(name) => Err(CellError::UnknownColumn((*name).to_owned())),
             None => Ok(row),

@@ -50,9 +50,9 @@ pub(super) fn against(sign: &Sign) -> String {
     };
     match sign.test {
         Test::Foretold => format!("other trials foretell {more_mm:.2} mm of what it leaves ({chance})"),
-        Test::Scatter => format!(
-            "the tip scatters about it by {all_mm:.2} mm, where noise alone is {beyond_mm:.2} mm ({chance})"
-        ),
+        Test::Scatter => {
+            format!("the tip scatters about it by {all_mm:.2} mm, where noise alone is {beyond_mm:.2} mm ({chance})")
+        }
         Test::Slow => format!(
             "what it leaves hardly changes from one sample to the next, as no tracker's noise does, and is {all_mm:.2} mm, where noise alone is {beyond_mm:.2} mm ({chance})"
         ),
