@@ -1,10 +1,11 @@
-//! Whether a set of effects leaves more of the samples than nuisances and noise: five tests, each of which sees what others
+//! Whether a set of effects leaves more of the samples than nuisances and noise: six tests, each of which sees what others
 //! miss.
 
 use nalgebra::{DMatrix, DVectorView};
 
 use super::features::circumstances;
 use super::floor::{Floor, bias};
+use super::grows::grows;
 use super::missing::{Missing, missing};
 use super::nuisance::{Explained, Nuisances};
 use super::question::Question;
@@ -25,6 +26,8 @@ pub(super) enum Test {
     Uneven,
     /// Its mean is off where the same thing was measured again.
     Bias,
+    /// It leaves more where it does more.
+    Grows,
     /// A little of every effect together explains more of what it leaves than of noise.
     Together,
     /// Trials that took no part in its fit scatter more about it than those of the fit.
@@ -95,6 +98,7 @@ impl Question<'_> {
         let slow = explained.noise.correlation > SLOW && scatters < SLOW_CHANCE && more_m > model_m;
         let spread = uneven::uneven(&self.fit, explained);
         let bias = bias(&self.fit, &explained.left_m, &explained.noise, &floor);
+        let grows = grows(explained, &self.moved(&fitted.played));
         let all = together(&self.fit, nuisances, fitted, &self.answers());
         let (all, all_m) = all.map_or((1.0, 0.0), |found| (found.p_value, found.more_m));
         // That is only the part of what is left that the catalogue reaches, and not held against the noise floor.
@@ -107,6 +111,7 @@ impl Question<'_> {
             (seen(Test::Uneven, spread.p_value, spread.more_m, spread.middle_m), inexact_m),
             (seen(Test::Bias, bias.p_value, bias.rms_m, 0.0), inexact_m),
             (seen(Test::Together, all, all_m, 0.0), tolerable_m),
+            (seen(Test::Grows, grows.p_value, grows.more_m, grows.least_m), inexact_m),
         ];
         let below = |chance: f64| {
             let clear = tests.iter().filter(|(sign, matters_m)| sign.more_m > *matters_m && sign.p_value < chance);

@@ -17,6 +17,7 @@ mod farther;
 mod features;
 mod floor;
 mod foretelling;
+mod grows;
 mod hypothesis;
 mod intervals;
 mod judged;

@@ -170,8 +170,12 @@ impl<'a> Question<'a> {
 
     /// What the laws of the effects that bring the tip to `played` are off by, at their best, metres.
     pub(super) fn inexact_m(&self, played: &[f64]) -> f64 {
-        let moved: Vec<f64> = played.iter().zip(&self.played).map(|(with, without)| with - without).collect();
-        self.options.least_share * rms_m(&moved)
+        self.options.least_share * rms_m(&self.moved(played))
+    }
+
+    /// By how much effects that bring the tip to `played` move it, three numbers a sample, metres.
+    pub(super) fn moved(&self, played: &[f64]) -> Vec<f64> {
+        played.iter().zip(&self.played).map(|(with, without)| with - without).collect()
     }
 }
 

@@ -63,6 +63,9 @@ pub(super) fn against(sign: &Sign) -> String {
         Test::Together => {
             format!("a little of every effect together explains {more_mm:.2} mm of what it leaves ({chance})")
         }
+        Test::Grows => {
+            format!("it leaves {all_mm:.2} mm where it moves the tip most, {beyond_mm:.2} mm where least ({chance})")
+        }
         Test::HeldOut => {
             format!(
                 "held-out trials scatter about it by {all_mm:.2} mm, those of its fit by {beyond_mm:.2} mm ({chance})"
@@ -172,6 +175,7 @@ mod tests {
             (Test::Uneven, "0.50 mm in its worst trial, 0.30 mm in the middle one"),
             (Test::Bias, "0.40 mm off in the mean"),
             (Test::Together, "explains 0.40 mm"),
+            (Test::Grows, "0.50 mm where it moves the tip most, 0.30 mm where least"),
             (Test::HeldOut, "by 0.50 mm, those of its fit by 0.30 mm"),
         ] {
             let told = told(test, 4.8e-5);
