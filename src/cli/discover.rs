@@ -65,6 +65,7 @@ impl Discover {
         let measured = Recording::joined(&parts)
             .map_err(|error| Ended::BadInput(format!("{}, line 1: {error}", self.measured[error.index].display())))?;
         let baseline = self.baseline.as_ref().map(|file| read(file, &given)).transpose()?;
+        self.refuse_own_baseline(&measured, baseline.as_ref())?;
         let plant = self.plant.as_ref().map(|file| simulated(file, &given)).transpose()?;
         let trials = self
             .measured
@@ -90,8 +91,9 @@ impl Discover {
         let refuse = |found: String, expected: &str| {
             Err(Ended::BadInput(format!("{}: found {found}, expected {expected}", self.out.display())))
         };
-        if self.out.exists() && !self.out.is_dir() {
-            return refuse("a file".to_owned(), "a folder or nothing");
+        if let Some(there) = self.out.ancestors().find(|place| place.exists()).filter(|place| !place.is_dir()) {
+            let what = if there == self.out { "a file".to_owned() } else { format!("the file {}", there.display()) };
+            return refuse(what, "a folder or nothing");
         }
         let Ok(out) = self.out.canonicalize() else { return Ok(()) };
         let rest = [&self.baseline, &self.options, &self.plant].into_iter().flatten();
@@ -116,6 +118,17 @@ impl Discover {
             }
         }
         Ok(())
+    }
+
+    /// Refuses the recording as its own baseline: what both have in common is all of it.
+    fn refuse_own_baseline(&self, measured: &Recording, baseline: Option<&Recording>) -> Outcome {
+        match (&self.baseline, baseline) {
+            (Some(file), Some(baseline)) if baseline.holds(measured) => Err(Ended::BadInput(format!(
+                "{}: found all of the recording that is asked about, expected another one, of the robot as built",
+                file.display()
+            ))),
+            _ => Ok(()),
+        }
     }
 
     /// The answer, with more recordings from the plant as long as it is ambiguous. `trials`: file and number of those that
@@ -196,7 +209,7 @@ impl Discover {
             findings: &found.findings,
             residuals: &found.residuals,
             places: &found.places,
-            calibrated: self.baseline.is_some(),
+            calibrated: found.calibrated,
             effects: &texts,
             model_before: &before,
             model_after: &after,

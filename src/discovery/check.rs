@@ -78,6 +78,13 @@ pub(super) fn limitations(measured: &Recording, samples: &Samples) -> Vec<String
             samples.trials.len()
         ));
     }
+    let copies = measured.copies();
+    if !copies.is_empty() {
+        let numbers = copies.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
+        found.push(format!(
+            "Copies of other trials, to the last digit, prove nothing and make noise look small: {numbers}."
+        ));
+    }
     if measured.base.is_none() {
         found.push(
             "The base was not tracked: a tilted base and a turned tracking frame look alike at the tip.".to_owned(),

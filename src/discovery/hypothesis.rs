@@ -220,6 +220,13 @@ impl Hypothesis {
         if is_in_range(&round) { round } else { last }
     }
 
+    /// Whether a size stands at the end of its range: a little more of it would be no effect.
+    pub(super) fn is_at_an_end(&self, values: &[f64]) -> bool {
+        let is_out = |index: usize, step: f64| self.effect(&self.moved(values, index, step)).is_none();
+        let little = |index: usize| 1e-3 * self.probe(index).abs();
+        self.sizes().into_iter().any(|index| is_out(index, little(index)) || is_out(index, -little(index)))
+    }
+
     /// The step that [`Hypothesis::moved`] took from `values` to `there`.
     pub(super) fn step(&self, values: &[f64], there: &[f64], index: usize) -> f64 {
         match self.fields[index] {

@@ -6,6 +6,7 @@ use nalgebra::{DMatrix, DVectorView};
 use super::features::circumstances;
 use super::floor::{Floor, bias};
 use super::grows::grows;
+use super::hypothesis::Member;
 use super::missing::{Missing, missing};
 use super::nuisance::{Explained, Nuisances};
 use super::question::Question;
@@ -65,7 +66,7 @@ const SLOW: f64 = 0.8;
 const SLOW_CHANCE: f64 = 0.05;
 /// Chance of any test below which the search goes on before it says that nothing is missing.
 const DOUBTFUL: f64 = 0.05;
-/// Effects without a shape or a place are off by this share of `least_share`.
+/// Laws of how a rod gives way stand for many; effects without a shape or a place are off by this share of `least_share`.
 const WITHOUT_SHAPE: f64 = 0.5;
 
 impl Left {
@@ -88,7 +89,7 @@ impl Question<'_> {
         let floor_m = explained.noise.rms_m();
         let model_m = self.options.least_m(&self.model);
         let least_m = self.least_left_m(floor_m);
-        let inexact_m = least_m.max(self.inexact_m(&fitted.played));
+        let inexact_m = least_m.max(self.laws_m(fitted, 1.0));
         // More scatter than noise alone; scatter that hardly changes from one sample to the next is no tracker's, and little
         // more of it is enough.
         let floor = Floor::of(&self.fit, explained, &fitted.played);
@@ -102,7 +103,8 @@ impl Question<'_> {
         let all = together(&self.fit, nuisances, fitted, &self.answers());
         let (all, all_m) = all.map_or((1.0, 0.0), |found| (found.p_value, found.more_m));
         // That is only the part of what is left that the catalogue reaches, and not held against the noise floor.
-        let tolerable_m = model_m.max(self.laws_m(fitted));
+        let shaped = fitted.members.iter().any(|member| self.hypotheses[member.hypothesis].has_shape());
+        let tolerable_m = model_m.max(self.laws_m(fitted, if shaped { 1.0 } else { WITHOUT_SHAPE }));
         let seen = |test, p_value, more_m, beyond_m| Sign { test, p_value, more_m, beyond_m };
         // What each test found, and how large it must be to matter.
         let tests = [
@@ -123,12 +125,11 @@ impl Question<'_> {
         Left { sign, possibly, tolerated_m: is_tolerated.then_some(all_m), floor }
     }
 
-    /// What the laws of the members may be off by, metres. Those of how a rod gives way stand for many; where there is nothing
-    /// to an effect but its size, it is known better.
-    fn laws_m(&self, fitted: &Fitted) -> f64 {
-        let shaped = fitted.members.iter().any(|member| self.hypotheses[member.hypothesis].has_shape());
-        let share = if shaped { 1.0 } else { WITHOUT_SHAPE };
-        share * self.inexact_m(&fitted.played)
+    /// What the laws of the members may be off by, metres: this `share` of what laws are off by at their best. Nothing where
+    /// a size would go on beyond the end of its range: that is no law's error.
+    fn laws_m(&self, fitted: &Fitted, share: f64) -> f64 {
+        let ended = |member: &Member| self.hypotheses[member.hypothesis].is_at_an_end(&member.values);
+        if fitted.members.iter().any(ended) { 0.0 } else { share * self.inexact_m(&fitted.played) }
     }
 
     /// How the tip answers to a little of every effect that could be the answer, a column a size. Not of those that are

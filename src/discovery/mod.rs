@@ -77,6 +77,8 @@ pub struct Discovery {
     pub remedies: Remedies,
     /// What to record next where these data cannot tell, the best first.
     pub next: Vec<Next>,
+    /// Whether a baseline has changed the model that all of this is about.
+    pub calibrated: bool,
 }
 
 /// Finds what `model` lacks to explain `measured`. With a `baseline`, a recording of the robot as built, the model is

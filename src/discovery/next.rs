@@ -12,6 +12,7 @@ use super::question::Question;
 use super::samples::{Sample, Samples, TrialCommands};
 use super::uncertain::Uncertain;
 use crate::data::findings::Proposal;
+use crate::data::tables::round_significant;
 use crate::data::{Actuation, Recording};
 use crate::effects::Model;
 
@@ -26,6 +27,9 @@ pub struct Next {
 
 /// Size of the differences that rivals' derivatives are taken by, over the probe.
 const DIFFERENCE: f64 = 0.1;
+
+/// Significant digits of a time: steps add up to numbers that nobody would write.
+const TIME_DIGITS: usize = 9;
 
 impl Question<'_> {
     /// The menu for telling `rivals` apart, the best per minute first; `noise` is that of the measurement.
@@ -120,7 +124,7 @@ impl Question<'_> {
             // The last command is held for a step like all others: its row is there twice.
             for (k, row) in rows.iter().chain(rows.iter().last()).enumerate() {
                 commands.trial.push(trial as u64);
-                commands.time_s.push(k as f64 * dish.step_s);
+                commands.time_s.push(round_significant(k as f64 * dish.step_s, TIME_DIGITS));
                 commands.commands.push(row);
                 loads.push(*load_kg);
             }

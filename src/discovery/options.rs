@@ -108,8 +108,15 @@ impl Options {
             }
         }
         BadOption::unless_counted("most_effects", self.most_effects)?;
-        BadOption::unless_positive("motion_tolerance_m", self.motion_tolerance_m)?;
-        BadOption::unless_positive("cell_m", self.cell_m)?;
+        let lengths = [
+            ("motion_tolerance_m", self.motion_tolerance_m, [1e-7, 1e-3], "1e-7 to 0.001 m"),
+            ("cell_m", self.cell_m, [1e-4, 1.0], "0.0001 to 1 m"),
+        ];
+        for (key, value, [least, most], expected) in lengths {
+            if !(least..=most).contains(&value) {
+                return Err(BadOption { key, found: value.to_string(), expected });
+            }
+        }
         let sizes = [
             ("least_score", self.least_score),
             ("least_size", self.least_size),

@@ -98,9 +98,9 @@ impl<'a> Question<'a> {
         }
     }
 
-    /// The sign that trials that took no part scatter more about `answer` than those of its fit, what is uncertain of any
-    /// robot within what the fit leaves of it. `played`: where the model with the answer has the tip in them.
-    pub(super) fn held_out_sign(&self, study: &Study, answer: &Fitted, played: &[f64]) -> Option<Sign> {
+    /// What is left of the held-out trials, where the model with the `answer` has the tip at `played`: what is uncertain of
+    /// any robot, and what is in common with a baseline, within what the fit leaves of it.
+    pub(super) fn held_out(&self, study: &Study, answer: &Fitted, played: &[f64]) -> Option<Explained> {
         let precision = study.nuisance_precision(answer)?;
         let beside = self.nuisances_beside(&answer.members, &self.proof, &self.played_proof);
         let amounts = &answer.explained.amounts;
@@ -108,11 +108,16 @@ impl<'a> Question<'a> {
         let there = |off: &[EffectSpec]| play::tips(&self.model, &[&known, off].concat(), &self.proof);
         let nuisances = self.uncertain(&answer.members).bent(beside, amounts, played, &there);
         let nuisances = nuisances.known(amounts.clone(), precision);
-        let unseen = nuisances.explain(&self.proof, &self.proof.residual(played), 0.0);
+        Some(nuisances.explain(&self.proof, &self.proof.residual(played), 0.0))
+    }
+
+    /// The sign that trials that took no part scatter more about `answer` than those of its fit. `unseen`: what is left of
+    /// them.
+    pub(super) fn held_out_sign(&self, answer: &Fitted, unseen: &Explained) -> Option<Sign> {
         let square_m2 = |explained: &Explained| explained.noise.rms_m().powi(2);
         let freedom = |explained: &Explained, samples: &Samples| explained.noise.freedom(samples.len());
-        let (there, here) = (square_m2(&unseen), square_m2(&answer.explained));
-        let above = freedom(&unseen, &self.proof);
+        let (there, here) = (square_m2(unseen), square_m2(&answer.explained));
+        let above = freedom(unseen, &self.proof);
         let p_value = f_above(there / here, above, freedom(&answer.explained, &self.fit));
         let least_m = self.least_left_m(here.sqrt()).max(self.inexact_m(&answer.played));
         let more_m = (there - here).max(0.0).sqrt();
@@ -133,20 +138,38 @@ impl<'a> Question<'a> {
     }
 
     /// What is to be known of an answer besides: what was calibrated, what could not be a candidate. `named`: whether
-    /// anything is added to the model.
-    pub(super) fn remarks(&self, named: bool) -> Vec<String> {
-        let calibrated = self.base.as_ref().and_then(|base| base.factors).map(|factors| {
-            let written = if named { "has them, too" } else { "does not have them, as nothing is added to it" };
-            format!(
-                "Calibrated on the baseline: bending stiffness times {:.4}, section compliance times {:.4}. The gap \
-                 before is that of the model with these numbers; `model.yaml` {written}.",
-                factors.bending_stiffness, factors.compliance
-            )
+    /// anything is added to the model; `unexplained`: whether something is missing that is not.
+    pub(super) fn remarks(&self, named: bool, unexplained: bool) -> Vec<String> {
+        let calibrated = self.base.as_ref().map(|base| match base.factors {
+            Some(factors) => calibration(&factors, named),
+            None => {
+                "Calibrated on the baseline, the model is no likelier there: it is taken as it was given.".to_owned()
+            }
         });
         let stands = self
             .base_stands
             .then(|| "Markers on the base show it standing as in the model: `base_tilt` was no candidate.".to_owned());
-        calibrated.into_iter().chain(self.doubts()).chain(stands).collect()
+        let fixed = self.hypotheses.iter().filter(|one| self.is_fixed(one)).map(|one| one.card.name);
+        let fixed = fixed
+            .filter(|_| named || unexplained)
+            .map(|name| format!("`{name}` is in the model already; less of it than there was no candidate."));
+        calibrated.into_iter().chain(self.doubts()).chain(stands).chain(fixed).collect()
+    }
+
+    /// Whether the model has the effect, and no candidate takes any of it away.
+    fn is_fixed(&self, hypothesis: &Hypothesis) -> bool {
+        let has = self.model.effects.iter().any(|effect| effect.card().name == hypothesis.card.name);
+        has && hypothesis.variants().first().is_some_and(|nothing| hypothesis.is_at_an_end(nothing))
+    }
+
+    /// Whether what a baseline has in common with the recording is no discovery.
+    pub(super) fn has_baseline(&self) -> bool {
+        self.base.is_some()
+    }
+
+    /// Whether the model that everything is asked of was changed by the baseline.
+    pub(super) fn is_calibrated(&self) -> bool {
+        self.base.as_ref().is_some_and(|base| base.factors.is_some())
     }
 
     /// What the baseline shows the calibrated model to be off by, where that is more than its form alone.
@@ -177,6 +200,25 @@ impl<'a> Question<'a> {
     pub(super) fn moved(&self, played: &[f64]) -> Vec<f64> {
         played.iter().zip(&self.played).map(|(with, without)| with - without).collect()
     }
+}
+
+/// A robot's file is hardly wrong by such a factor.
+const LARGE_FACTOR: f64 = 1.3;
+
+/// What a calibration did, in words.
+fn calibration(factors: &baseline::Factors, named: bool) -> String {
+    let written = if named { "has them, too" } else { "does not have them, as nothing is added to it" };
+    let is_large = |factor: f64| factor.max(1.0 / factor) > LARGE_FACTOR;
+    let doubt = if is_large(factors.bending_stiffness) || is_large(factors.compliance) {
+        " So much is hardly a calibration: the baseline may have an effect of its own that the model lacks."
+    } else {
+        ""
+    };
+    format!(
+        "Calibrated on the baseline: bending stiffness times {:.4}, section compliance times {:.4}. The gap before is that \
+         of the model with these numbers; `model.yaml` {written}.{doubt}",
+        factors.bending_stiffness, factors.compliance
+    )
 }
 
 /// What a calibrated model leaves in a baseline is doubtful beyond so much, metres, and so many times the noise.

@@ -27,6 +27,8 @@ struct Proved {
     gap: Gap,
     /// Where the model with it has the tip in the held-out trials.
     played: Vec<f64>,
+    /// What is left of them but for what is uncertain or in common with a baseline.
+    unseen: Option<Explained>,
 }
 
 impl Question<'_> {
@@ -47,14 +49,14 @@ impl Question<'_> {
         };
         let unexplained = answer.verdict == Verdict::Unexplained;
         let (from, noise) = self.floor(&about.left.floor, (!unexplained).then_some(told), &best.explained);
-        let residuals = self.residual_rows(played, &proved.played);
+        let mut residuals = self.residual_rows(played, &proved.played);
         let places = self.map(&residuals, &noise);
         let next = self.next(&answer.rivals, &noise);
         let mut model = self.model.clone();
         model.robot.resolution = given.robot.resolution;
         model.effects.extend(proved.added.iter().cloned());
         let tolerated = about.left.tolerated_m.filter(|_| named).map(words::tolerated);
-        let remarks = self.remarks(named).into_iter().chain(tolerated).chain(self.unplayable(&model));
+        let remarks = self.remarks(named, unexplained).into_iter().chain(tolerated).chain(self.unplayable(&model));
         let mut findings = Findings {
             verdict: answer.verdict,
             effects: answer.effects.clone(),
@@ -73,11 +75,14 @@ impl Question<'_> {
         };
         let sets: Vec<String> = answer.rivals.iter().map(|set| set_name(&self.hypotheses, set)).collect();
         let refused = (!best.members.is_empty()).then(|| set_name(&self.hypotheses, &best.members));
-        findings.summary = words::summary(&findings, &sets, (refused, &answer.against));
+        let beside =
+            words::Beside { sets: &sets, refused, against: &answer.against, shared: self.shared(&proved, &noise) };
+        findings.summary = words::summary(&findings, &beside);
         findings.next_measurement = words::next(&findings);
         let remedies =
             compare::remedies(&self.study(), &self.responses, &found.null.fitted, &self.proof, &self.played_proof);
-        Discovery { findings, model, residuals, places, remedies, next }
+        residuals.sort_by_key(|row| row.trial);
+        Discovery { findings, model, residuals, places, remedies, next, calibrated: self.is_calibrated() }
     }
 
     /// What to know of `model`, which is played at its own resolution from now on, if it cannot be.
@@ -106,36 +111,47 @@ impl Question<'_> {
         let unplayable = || "the model with it cannot be played through the held-out trials".to_owned();
         let borne_out = played.ok_or_else(unplayable).and_then(|played| {
             gap.after_m = rms_m(&self.proof.residual(&played));
-            self.borne_out(study, best, &answer, (&played, &gap)).map(|()| played)
+            self.borne_out(study, best, &answer, (&played, &gap)).map(|unseen| (played, unseen))
         });
         match borne_out {
-            Ok(played) => Proved { answer, added, gap, played },
+            Ok((played, unseen)) => Proved { answer, added, gap, played, unseen },
             Err(against) => {
                 gap.after_m = gap.before_m;
                 let answer = Answer::refuted(against);
-                Proved { answer, added: Vec::new(), gap, played: self.played_proof.clone() }
+                Proved { answer, added: Vec::new(), gap, played: self.played_proof.clone(), unseen: None }
             }
         }
     }
 
-    /// Whether held-out trials, where the model with the answer has the tip at `played`, bear it out; if not, what they say
-    /// against it.
+    /// What held-out trials, where the model with the answer has the tip at `played`, leave where they bear it out; if they do
+    /// not, what they say against it.
     fn borne_out(
         &self,
         study: &Study,
         best: &Fitted,
         answer: &Answer,
         (played, gap): (&[f64], &Gap),
-    ) -> Result<(), String> {
+    ) -> Result<Option<Explained>, String> {
         let no_worse = gap.after_m <= gap.before_m;
         if !no_worse {
             let [before_mm, after_mm] = [gap.before_m, gap.after_m].map(|error_m| 1e3 * error_m);
             return Err(format!("it makes held-out trials worse: {after_mm:.2} mm instead of {before_mm:.2} mm"));
         }
         if answer.verdict == Verdict::Unexplained {
-            return Ok(());
+            return Ok(None);
         }
-        self.held_out_sign(study, best, played).map_or(Ok(()), |sign| Err(words::against(&sign)))
+        let unseen = self.held_out(study, best, played);
+        match unseen.as_ref().and_then(|unseen| self.held_out_sign(best, unseen)) {
+            Some(sign) => Err(words::against(&sign)),
+            None => Ok(unseen),
+        }
+    }
+
+    /// What the held-out trials leave in common with the baseline, and what but for that, where it is worth a word.
+    fn shared(&self, proved: &Proved, noise: &Noise) -> Option<words::Shared> {
+        let apart_m = rms_m(&proved.unseen.as_ref().filter(|_| self.has_baseline())?.left_m);
+        let shared_m = (proved.gap.after_m.powi(2) - apart_m.powi(2)).max(0.0).sqrt();
+        (shared_m > self.least_left_m(noise.rms_m())).then_some(words::Shared { shared_m, apart_m })
     }
 
     /// The noise, from what `tells` of it beside the best set and, where all is `explained`, from what is left; in words

@@ -4,14 +4,41 @@ use super::foretelling::Pattern;
 use super::left::{Sign, Test};
 use crate::data::findings::{Findings, PlaceRow, Verdict};
 
-/// The answer in a sentence or two; `sets`: those between which the data cannot tell, the likeliest first; `refused`: the
-/// candidate that would be the answer, if any is better than none, but for what speaks against it.
-pub(super) fn summary(findings: &Findings, sets: &[String], (refused, against): (Option<String>, &str)) -> String {
+/// What the summary says beside the findings.
+pub(super) struct Beside<'a> {
+    /// Sets between which the data cannot tell, the likeliest first.
+    pub(super) sets: &'a [String],
+    /// The candidate that would be the answer, if any is better than none, …
+    pub(super) refused: Option<String>,
+    /// … but for what speaks against it.
+    pub(super) against: &'a str,
+    /// What a baseline has, too.
+    pub(super) shared: Option<Shared>,
+}
+
+/// What is left of the held-out trials with the answer, in two parts whose squares add up, metres.
+pub(super) struct Shared {
+    /// What the baseline has, too.
+    pub(super) shared_m: f64,
+    /// The rest.
+    pub(super) apart_m: f64,
+}
+
+/// The answer in a sentence or two.
+pub(super) fn summary(findings: &Findings, beside: &Beside) -> String {
+    let Beside { sets, refused, against, .. } = beside;
     let (before_mm, after_mm) = (findings.gap.before_m * 1e3, findings.gap.after_m * 1e3);
     let floor_mm = findings.noise_floor_m * 1e3;
     let names = findings.effects.iter().map(|effect| effect.name.as_str()).collect::<Vec<_>>();
+    let shared = beside.shared.as_ref().map_or_else(String::new, |Shared { shared_m, apart_m }| {
+        format!(
+            " What recording and baseline have in common is no discovery and stays: {:.2} mm of the rest; without it {:.2} mm are left.",
+            1e3 * shared_m,
+            1e3 * apart_m
+        )
+    });
     let proof = format!(
-        "On trials that took no part in this, the tip error goes from {before_mm:.2} mm to {after_mm:.2} mm; noise alone is {floor_mm:.2} mm."
+        "On trials that took no part in this, the tip error goes from {before_mm:.2} mm to {after_mm:.2} mm; noise alone is {floor_mm:.2} mm.{shared}"
     );
     match findings.verdict {
         Verdict::Consistent => format!(
@@ -25,8 +52,8 @@ pub(super) fn summary(findings: &Findings, sets: &[String], (refused, against): 
         Verdict::Unexplained => {
             let gap =
                 if before_mm > floor_mm { "There is a gap" } else { "More than noise is left, if not everywhere" };
-            let best = refused.map_or_else(
-                || "No candidate makes the model better".to_owned(),
+            let best = refused.as_ref().map_or_else(
+                || "No candidate does enough to be named".to_owned(),
                 |refused| format!("The best candidate is {refused}"),
             );
             format!(
@@ -95,8 +122,8 @@ pub(super) fn pattern(foretold: &[(Pattern, f64)], places: &[PlaceRow]) -> Strin
             let each: Vec<String> = foretold.iter().map(told).collect();
             format!("{} Other trials predict, of its squares, {}.", depends(*pattern), each.join(", "))
         }
-        _ => "It differs from trial to trial: none of them predicts another, as from a contact or from something that moves \
-              or slips."
+        _ => "It differs from trial to trial: none of them predicts another, as from a contact, from something that \
+              moves or slips, or from a tracker noisier than its repeats."
             .to_owned(),
     };
     let single = places.iter().filter(|row| row.by != "all" && row.axis != "all");

@@ -8,6 +8,8 @@ use crate::data::DataError;
 
 /// A recording lasts no longer, seconds: six hours.
 const LONGEST_S: f64 = 6.0 * 3600.0;
+/// Nobody watches a robot in steps that are longer in the middle, seconds.
+const LONGEST_STEP_S: f64 = 60.0;
 
 /// `path` is always the file that the recording came from.
 impl Recording {
@@ -44,10 +46,11 @@ impl Recording {
         Ok(())
     }
 
-    /// Refuses trials that last longer, all together, than anybody records: most often milliseconds taken for seconds.
+    /// Refuses trials that last longer, all together, than anybody records, and steps that are longer: most often milliseconds
+    /// taken for seconds.
     ///
     /// # Errors
-    /// [`DataError::Cell`] for the last row of the trial that is one too many.
+    /// [`DataError::Cell`] for the last row of the trial that is one too many, or after the first step that is too long.
     pub fn check_duration(&self, path: &Path) -> Result<(), DataError> {
         let mut all_s = 0.0;
         for (_, range) in self.trials() {
@@ -58,7 +61,16 @@ impl Recording {
                 return Err(cell_error(path, last, "time_s", self.time_s[last].to_string(), expected));
             }
         }
-        Ok(())
+        let within = self.trials().into_iter().flat_map(|(_, range)| range.skip(1));
+        let steps: Vec<(usize, f64)> = within.map(|row| (row, self.time_s[row] - self.time_s[row - 1])).collect();
+        let long = steps.iter().filter(|(_, step_s)| *step_s > LONGEST_STEP_S);
+        match long.clone().next() {
+            Some(&(row, step_s)) if 2 * long.count() > steps.len() => {
+                let expected = format!("seconds, not {step_s} from one row to the next (are these milliseconds?)");
+                Err(cell_error(path, row, "time_s", self.time_s[row].to_string(), expected))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Refuses a weight that comes or goes within a trial, which every trial starts at rest under.

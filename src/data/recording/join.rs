@@ -1,5 +1,6 @@
 //! Several recordings of one robot as one.
 
+use std::collections::HashSet;
 use std::ops::Range;
 
 use super::{Actuation, Pose, Recording};
@@ -52,16 +53,25 @@ impl Recording {
     /// Whether every trial of `part` is one of this recording's: the same commands at the same times with the same tips. A
     /// tip that was lost is the same as another one.
     pub fn holds(&self, part: &Recording) -> bool {
-        let rows = |of: &Recording, range: Range<usize>| -> Vec<u64> {
-            let bits = |row: usize| -> Vec<u64> {
-                let tip = of.tip_m.iter().flat_map(|tip| tip[row]);
-                let values = [of.time_s[row]].into_iter().chain(of.commands.row(row).iter().copied()).chain(tip);
-                values.map(|value| if value.is_nan() { f64::NAN.to_bits() } else { (value + 0.0).to_bits() }).collect()
-            };
-            range.flat_map(bits).collect()
+        let own: HashSet<Vec<u64>> = self.trials().into_iter().map(|(_, range)| self.bits(range)).collect();
+        !part.is_empty() && part.trials().into_iter().all(|(_, range)| own.contains(&part.bits(range)))
+    }
+
+    /// Numbers of the trials that repeat an earlier one to the last digit, which no robot does.
+    pub fn copies(&self) -> Vec<u64> {
+        let mut seen = HashSet::new();
+        let again = self.trials().into_iter().filter(|(_, range)| !seen.insert(self.bits(range.clone())));
+        again.map(|(number, _)| number).collect()
+    }
+
+    /// Times, commands and tips of some rows, to be compared; a tip that was lost is the same as another one.
+    fn bits(&self, rows: Range<usize>) -> Vec<u64> {
+        let row = |row: usize| -> Vec<u64> {
+            let tip = self.tip_m.iter().flat_map(|tip| tip[row]);
+            let values = [self.time_s[row]].into_iter().chain(self.commands.row(row).iter().copied()).chain(tip);
+            values.map(|value| if value.is_nan() { f64::NAN.to_bits() } else { (value + 0.0).to_bits() }).collect()
         };
-        let own: Vec<_> = self.trials().into_iter().map(|(_, range)| rows(self, range)).collect();
-        !part.is_empty() && part.trials().into_iter().all(|(_, range)| own.contains(&rows(part, range)))
+        rows.flat_map(row).collect()
     }
 }
 

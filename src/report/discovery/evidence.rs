@@ -115,8 +115,9 @@ fn missing(story: &Story) -> Html {
     if story.changed() {
         rows.push(row("with the effects", &story.findings.missing_after, verdict == Verdict::Unexplained));
     }
-    let words_ = "Is anything missing? If the residual were noise, other trials could predict none of it. Three more tests \
-                  ask about repeats, about trials that differ, and about means; the last column has the verdict of all.";
+    let words_ = "Is anything missing? If the residual were noise, other trials could predict none of it. Five more tests \
+                  ask about scatter, trials that differ, means, many small effects together, and whether more is left where \
+                  the effects do more; the last column has the verdict of all.";
     let header = ["model", "residual, rms", "predicted by other trials", "p", "more to find?"];
     lines([words("p", words_), table(&header, rows)])
 }

@@ -6,6 +6,7 @@ use super::super::paint::text_width;
 use super::super::style::{BLUE, Colour, DASHED, INK, SMALL, VERMILION, WHITE};
 use super::Story;
 use super::words::{fitted, millimetres, times};
+use crate::data::findings::Candidate;
 
 const BAR: f64 = 13.0;
 const ROW: f64 = 19.0;
@@ -51,7 +52,7 @@ pub(super) fn draw(story: &Story, width: f64) -> Option<Canvas> {
     let parted = y;
     if !others.is_empty() {
         y += between;
-        let words = "Other candidates, on trials that their fits have not seen";
+        let words = "Candidates, on trials of the fit that they have not seen";
         heading(&mut canvas, words, y - 7.0, width);
     }
     for bar in &others {
@@ -86,16 +87,21 @@ fn proof(story: &Story) -> Vec<Bar> {
     std::iter::once(given).chain(found).collect()
 }
 
-/// The leading candidates that are not the answer; of those that add to it, what they add.
+/// The answer among the leading candidates, where there is one; of those that add to it, what they add. What other trials
+/// do not pin down, and so is worse than the model without any effect, is left out.
 fn others(story: &Story) -> Vec<Bar> {
     let answer = story.findings.candidates.iter().find(|one| one.why_not.is_empty());
     let shown = |name: &str| {
         let added = answer.and_then(|answer| name.strip_prefix(&answer.name)?.strip_prefix(" + "));
         added.map_or_else(|| name.to_owned(), |added| format!("… + {added}"))
     };
-    let beaten = story.findings.candidates.iter().filter(|one| !one.why_not.is_empty() && one.after_m.is_finite());
-    let bar = |name: &str, size_m: f64| Bar { name: shown(name), size_m, colour: OTHER };
-    beaten.take(CANDIDATES).map(|one| bar(&one.name, one.after_m)).collect()
+    let is_shown = |one: &&Candidate| !one.why_not.is_empty() && one.after_m <= story.findings.gap.before_m;
+    let beaten = story.findings.candidates.iter().filter(is_shown).take(CANDIDATES);
+    let others: Vec<Bar> =
+        beaten.map(|one| Bar { name: shown(&one.name), size_m: one.after_m, colour: OTHER }).collect();
+    let own = answer.filter(|one| one.after_m.is_finite() && !others.is_empty());
+    let own = own.map(|one| Bar { name: "the answer".to_owned(), size_m: one.after_m, colour: BLUE });
+    own.into_iter().chain(others).collect()
 }
 
 fn draw_bar(canvas: &mut Canvas, panel: &Panel, bar: &Bar, y: f64, floor_m: f64) -> f64 {

@@ -16,7 +16,13 @@ pub(super) fn candidates(story: &Story) -> Html {
     let (candidates, floor_m) = (&story.findings.candidates, story.findings.noise_floor_m);
     let rows = candidates.iter().take(CANDIDATES).map(|one| {
         let why = if one.why_not.is_empty() { words("strong", "the answer") } else { text(&one.why_not) };
-        let numbers = [score(one.score), millimetres(one.after_m), times(one.after_m, floor_m)].map(text);
+        // Without one of the trials the others do not pin it down.
+        let hangs = one.after_m > story.findings.gap.before_m;
+        let [error, over] = match hangs {
+            true => ["hangs on single trials".to_owned(), String::new()],
+            false => [millimetres(one.after_m), times(one.after_m, floor_m)],
+        };
+        let numbers = [score(one.score), error, over].map(text);
         std::iter::once(words("code", &one.name)).chain(numbers).chain([why]).collect::<Vec<Html>>()
     });
     let rows: Vec<Vec<Html>> = rows.collect();
