@@ -169,6 +169,8 @@ fn data_that_allow_no_answer_are_refused_by_file_line_and_key() {
     let thousand = |text: &str| (1e3 * text.parse::<f64>().unwrap()).to_string();
     let milliseconds = refused(&|_, cells| with(cells.clone(), 1, &thousand(&cells[1])), 150);
     assert!(milliseconds.contains("line 151") && milliseconds.contains("time_s"), "{milliseconds}");
+    let short = refused(&|_, cells| with(cells.clone(), 1, &thousand(&cells[1])), 100);
+    assert!(short.contains("line 3") && short.contains("found 200") && short.contains("milliseconds"), "{short}");
     let far = refused(&|row, cells| if row == 7 { with(cells, 3, "12.5") } else { cells }, 150);
     assert!(far.contains("line 9") && far.contains("tendon_2_m") && far.contains("millimetres"), "{far}");
 }
@@ -210,6 +212,8 @@ fn of_several_recordings_the_bad_one_is_named() {
     bench.put("short_2.csv", &[line(0), line(1), &format!("{other},0.2180"), ""].join("\n"));
     let few = bench.refused("discover --model NOMINAL --measured short_1.csv short_2.csv --out out");
     assert!(few.contains("short_1.csv") && few.contains("short_2.csv: tracked rows: found 4"), "{few}");
+    let own = bench.refused("discover --model NOMINAL --measured part.csv --baseline first.csv --out own");
+    assert!(own.contains("first.csv: found all of the recording"), "{own}");
     bench.ok("discover --model NOMINAL --measured first.csv --baseline part.csv --out own");
     assert!(bench.read("own/findings.json").contains("trials that the calibration has seen prove nothing"));
 }
@@ -221,6 +225,8 @@ fn what_is_given_stays() {
     bench.twin("taken", 100, &|_, cells| cells);
     let taken = bench.refused("discover --model NOMINAL --measured TWIN/nothing --out taken");
     assert!(taken.contains("taken: found a file"), "{taken}");
+    let below = bench.refused("discover --model NOMINAL --measured TWIN/nothing --out taken/deep/out");
+    assert!(below.contains("out: found the file") && below.contains("taken, expected a folder"), "{below}");
     std::fs::create_dir(bench.path("folder")).unwrap();
     bench.twin("folder/next_dwell.csv", 100, &|_, cells| cells);
     let inside = bench.refused("discover --model NOMINAL --measured folder/next_dwell.csv --out folder");

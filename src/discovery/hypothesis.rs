@@ -289,6 +289,14 @@ mod tests {
     }
 
     #[test]
+    fn the_end_of_a_range_is_known_from_either_side_and_some_ranges_have_none() {
+        let at_an_end = |name: &str, values: &[f64]| hypothesis(name).is_at_an_end(values);
+        assert!(at_an_end("tip_load", &[0.0]) && !at_an_end("tip_load", &[0.003]));
+        assert!(at_an_end("distributed_mass", &[1e-9]) && !at_an_end("distributed_mass", &[0.2]));
+        assert!(!at_an_end("base_tilt", &[0.0, 0.0]));
+    }
+
+    #[test]
     fn what_an_effect_of_the_model_has_replaced_is_what_it_is_now() {
         let mut model = Model { robot: Robot::default(), effects: Vec::new() };
         let null = |model: &Model| {

@@ -159,3 +159,19 @@ impl Options {
         Seed(self.seed).child("discovery")
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_precision_that_hides_the_gap_is_refused() {
+        let check = |motion_tolerance_m: f64, cell_m: f64| {
+            Options { motion_tolerance_m, cell_m, ..Options::default() }.check().map_err(|error| error.key)
+        };
+        assert_eq!(Options::default().check(), Ok(()));
+        assert_eq!(check(1.0, 0.03), Err("motion_tolerance_m"));
+        assert_eq!(check(3e-5, 1e-9), Err("cell_m"));
+        assert_eq!(check(f64::NAN, 0.03), Err("motion_tolerance_m"));
+    }
+}

@@ -32,7 +32,7 @@ pub(super) fn summary(findings: &Findings, beside: &Beside) -> String {
     let names = findings.effects.iter().map(|effect| effect.name.as_str()).collect::<Vec<_>>();
     let shared = beside.shared.as_ref().map_or_else(String::new, |Shared { shared_m, apart_m }| {
         format!(
-            " What recording and baseline have in common is no discovery and stays: {:.2} mm of the rest; without it {:.2} mm are left.",
+            " Of what is left, {:.2} mm are in the baseline, too, and no discovery; without that it is {:.2} mm.",
             1e3 * shared_m,
             1e3 * apart_m
         )

@@ -2,9 +2,10 @@
 
 use spinebench::data::Recording;
 use spinebench::data::findings::Verdict;
-use spinebench::discovery::{Discovery, Options};
+use spinebench::discovery::{Discovery, Options, discover};
 
-use super::support::{NOISE_M, found, names, recorded};
+use super::common;
+use super::support::{NOISE_M, found, names, nominal, recorded};
 
 /// Moves the tip along y by so much, metres, in the rows that `first` held out.
 fn move_held_out(measured: &mut Recording, first: &Discovery, by_m: impl Fn(usize) -> f64) {
@@ -61,6 +62,30 @@ fn held_out_trials_can_refute_an_answer() {
         second.findings.summary
     );
     assert!(second.model.effects.is_empty());
+}
+
+/// What the model has and the robot has not: less than nothing of it is in no catalogue, and the nearest effect that there is
+/// would have to go on beyond the end of its range.
+#[test]
+fn what_the_model_has_too_much_of_is_no_other_effect() {
+    let mut loaded = nominal();
+    loaded.effects = common::effects("- tip_load: {mass_kg: 0.02}");
+    let found = discover(&loaded, &recorded("[]", 8, 3, 0.0), None, &Options::default()).unwrap();
+    assert_eq!(found.findings.verdict, Verdict::Unexplained, "{}", found.findings.summary);
+    assert_eq!(found.model.effects.len(), 1);
+    let said = "`tip_load` is in the model already; less of it than there was no candidate.";
+    assert!(found.findings.limitations.iter().any(|told| told == said), "{:?}", found.findings.limitations);
+}
+
+/// Of trials that are copies it is said that they prove nothing.
+#[test]
+fn copies_are_told() {
+    let once = recorded("- tip_load: {mass_kg: 0.006}", 3, 4, 0.0);
+    let again = Recording { trial: once.trial.iter().map(|trial| trial + 10).collect(), ..once.clone() };
+    let twice = Recording::joined(&[once.clone(), again.clone()]).unwrap();
+    assert_eq!((once.copies(), twice.copies()), (Vec::new(), again.trials().into_iter().map(|(n, _)| n).collect()));
+    let told = found(&twice, &Options::default()).findings.limitations;
+    assert!(told.iter().any(|told| told.starts_with("Copies of other trials")), "{told:?}");
 }
 
 /// Silence is an answer, too: where only held-out trials show a gap, it is not said that there is none.
