@@ -12,6 +12,8 @@ const BAR: f64 = 13.0;
 const ROW: f64 = 19.0;
 /// Candidates drawn.
 const CANDIDATES: usize = 8;
+/// Of them, those at most that do without the answer.
+const RIVALS: usize = 5;
 /// Grey of a bar that is not the answer, dark enough on white.
 const OTHER: Colour = [170, 170, 170];
 
@@ -87,7 +89,7 @@ fn proof(story: &Story) -> Vec<Bar> {
     std::iter::once(given).chain(found).collect()
 }
 
-/// The answer among the leading candidates, where there is one; of those that add to it, what they add. What other trials
+/// The answer, where there is one, the leading candidates without it, and what others add to it. What other trials
 /// do not pin down, and so is worse than the model without any effect, is left out.
 fn others(story: &Story) -> Vec<Bar> {
     let answer = story.findings.candidates.iter().find(|one| one.why_not.is_empty());
@@ -96,7 +98,9 @@ fn others(story: &Story) -> Vec<Bar> {
         added.map_or_else(|| name.to_owned(), |added| format!("… + {added}"))
     };
     let is_shown = |one: &&Candidate| !one.why_not.is_empty() && one.after_m <= story.findings.gap.before_m;
-    let beaten = story.findings.candidates.iter().filter(is_shown).take(CANDIDATES);
+    let (more, rivals): (Vec<&Candidate>, Vec<&Candidate>) =
+        story.findings.candidates.iter().filter(is_shown).partition(|one| shown(&one.name) != one.name);
+    let beaten = rivals.into_iter().take(RIVALS).chain(more).take(CANDIDATES);
     let others: Vec<Bar> =
         beaten.map(|one| Bar { name: shown(&one.name), size_m: one.after_m, colour: OTHER }).collect();
     let own = answer.filter(|one| one.after_m.is_finite() && !others.is_empty());
