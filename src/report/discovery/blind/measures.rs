@@ -142,8 +142,13 @@ const MEASURES: &[Measure] = &[
     ),
     measure("unknown and inside the span: a group", |c| c.group == "inside", Kind::Share(in_group), Some([0.90, 1.0])),
     measure("… or unexplained", |c| c.group == "inside", Kind::Share(right), None),
-    measure("inside the span of one set of others alone", has_imitations, Kind::Share(one_imitation), None),
-    measure("inside that of several: a group", |c| has_imitations(c) && !one_imitation(c), Kind::Share(in_group), None),
+    measure("unknown and inside: one set alone imitates it", has_imitations, Kind::Share(one_imitation), None),
+    measure(
+        "unknown and imitated by several sets: a group",
+        |c| has_imitations(c) && !one_imitation(c),
+        Kind::Share(in_group),
+        None,
+    ),
     measure("error of the strength", single, Kind::Median(|c| c.strength_error), Some([0.0, 0.05])),
     measure(
         "95 % intervals that hold the truth",
