@@ -37,6 +37,7 @@ mod play;
 mod proof;
 mod question;
 mod refit;
+mod remarks;
 mod responses;
 mod rest;
 mod samples;

@@ -8,7 +8,7 @@ use super::options::Options;
 use super::refit::{Fitted, Study};
 use super::samples::{Samples, rms_m};
 use super::uncertain::Uncertain;
-use super::{baseline, check, floor, play, proof, responses};
+use super::{baseline, check, play, proof, responses};
 use crate::data::Recording;
 use crate::effects::{EffectSpec, Model};
 use crate::math::distribution::f_above;
@@ -20,7 +20,7 @@ pub(super) struct Question<'a> {
     pub(super) model: Model,
     /// The same, played coarsely.
     pub(super) coarse: Model,
-    base: Option<Base>,
+    pub(super) base: Option<Base>,
     pub(super) hypotheses: Vec<Hypothesis>,
     /// All samples, those of the fit, and the proof.
     pub(super) all: Samples,
@@ -137,31 +137,6 @@ impl<'a> Question<'a> {
         uncertain(self.options, &self.hypotheses, members, self.base.as_ref())
     }
 
-    /// What is to be known of an answer besides: what was calibrated, what could not be a candidate. `named`: whether
-    /// anything is added to the model; `unexplained`: whether something is missing that is not.
-    pub(super) fn remarks(&self, named: bool, unexplained: bool) -> Vec<String> {
-        let calibrated = self.base.as_ref().map(|base| match base.factors {
-            Some(factors) => calibration(&factors, named),
-            None => {
-                "Calibrated on the baseline, the model is no likelier there: it is taken as it was given.".to_owned()
-            }
-        });
-        let stands = self
-            .base_stands
-            .then(|| "Markers on the base show it standing as in the model: `base_tilt` was no candidate.".to_owned());
-        let fixed = self.hypotheses.iter().filter(|one| self.is_fixed(one)).map(|one| one.card.name);
-        let fixed = fixed
-            .filter(|_| named || unexplained)
-            .map(|name| format!("`{name}` is in the model already; less of it than there was no candidate."));
-        calibrated.into_iter().chain(self.doubts()).chain(stands).chain(fixed).collect()
-    }
-
-    /// Whether the model has the effect, and no candidate takes any of it away.
-    fn is_fixed(&self, hypothesis: &Hypothesis) -> bool {
-        let has = self.model.effects.iter().any(|effect| effect.card().name == hypothesis.card.name);
-        has && hypothesis.variants().first().is_some_and(|nothing| hypothesis.is_at_an_end(nothing))
-    }
-
     /// Whether what a baseline has in common with the recording is no discovery.
     pub(super) fn has_baseline(&self) -> bool {
         self.base.is_some()
@@ -170,20 +145,6 @@ impl<'a> Question<'a> {
     /// Whether the model that everything is asked of was changed by the baseline.
     pub(super) fn is_calibrated(&self) -> bool {
         self.base.as_ref().is_some_and(|base| base.factors.is_some())
-    }
-
-    /// What the baseline shows the calibrated model to be off by, where that is more than its form alone.
-    fn doubts(&self) -> Option<String> {
-        let base = self.base.as_ref()?;
-        let left_m = rms_m(&base.samples.residual(&base.played));
-        let floor_m = floor::Floor::of_repeats(&base.samples, 0.0).rms_m();
-        (left_m > LARGE_FORM_M.max(LARGE_FORM * floor_m)).then(|| {
-            format!(
-                "Calibrated on the baseline, the model is still {:.1} mm off in it: it may be of another robot, or the \
-                 model lacks something that both recordings have.",
-                1e3 * left_m
-            )
-        })
     }
 
     /// What is left beside noise of this size, metres, matters beyond so much.
@@ -202,37 +163,14 @@ impl<'a> Question<'a> {
     }
 }
 
-/// A robot's file is hardly wrong by such a factor.
-const LARGE_FACTOR: f64 = 1.3;
-
-/// What a calibration did, in words.
-fn calibration(factors: &baseline::Factors, named: bool) -> String {
-    let written = if named { "has them, too" } else { "does not have them, as nothing is added to it" };
-    let is_large = |factor: f64| factor.max(1.0 / factor) > LARGE_FACTOR;
-    let doubt = if is_large(factors.bending_stiffness) || is_large(factors.compliance) {
-        " So much is hardly a calibration: the baseline may have an effect of its own that the model lacks."
-    } else {
-        ""
-    };
-    format!(
-        "Calibrated on the baseline: bending stiffness times {:.4}, section compliance times {:.4}. The gap before is that \
-         of the model with these numbers; `model.yaml` {written}.{doubt}",
-        factors.bending_stiffness, factors.compliance
-    )
-}
-
-/// What a calibrated model leaves in a baseline is doubtful beyond so much, metres, and so many times the noise.
-const LARGE_FORM_M: f64 = 2e-3;
-const LARGE_FORM: f64 = 3.0;
-
 /// A baseline, once the model is calibrated on it.
-struct Base {
-    samples: Samples,
-    played: Vec<f64>,
+pub(super) struct Base {
+    pub(super) samples: Samples,
+    pub(super) played: Vec<f64>,
     /// What is uncertain, far wider than after a calibration.
     columns: Vec<Column>,
     /// What the calibration multiplied, where it made the baseline likelier.
-    factors: Option<baseline::Factors>,
+    pub(super) factors: Option<baseline::Factors>,
 }
 
 /// Before a calibration a number is known this many times worse than after it.

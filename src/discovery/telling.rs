@@ -56,7 +56,7 @@ impl Question<'_> {
         model.robot.resolution = given.robot.resolution;
         model.effects.extend(proved.added.iter().cloned());
         let tolerated = about.left.tolerated_m.filter(|_| named).map(words::tolerated);
-        let remarks = self.remarks(named, unexplained).into_iter().chain(tolerated).chain(self.unplayable(&model));
+        let remarks = self.remarks(answer.verdict).into_iter().chain(tolerated).chain(self.unplayable(&model));
         let mut findings = Findings {
             verdict: answer.verdict,
             effects: answer.effects.clone(),

@@ -62,6 +62,17 @@ fn recordings_of_another_simulator_are_understood() {
     assert_eq!([&nothing, &load, &friction].map(doubts), [0; 3]);
     let other = discover(&nominal(), &chain("baseline.csv"), Some(&chain("r15.csv")), &Options::default()).unwrap();
     assert_eq!(doubts(&other), 1, "{:?}", other.findings.limitations);
+    // Whether the baseline has changed the model is told as it is.
+    for found in [&nothing, &load, &friction, &other] {
+        let told = |words: &str| found.findings.limitations.iter().any(|told| told.contains(words));
+        assert_eq!(found.calibrated, told("bending stiffness times"), "{:?}", found.findings.limitations);
+        assert_ne!(found.calibrated, told("the model is no likelier there"));
+        let before = &nominal().robot;
+        assert_eq!(
+            found.calibrated,
+            found.model.robot.backbone != before.backbone || found.model.robot.sections != before.sections
+        );
+    }
 }
 
 #[test]
