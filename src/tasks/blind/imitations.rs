@@ -4,9 +4,7 @@ use std::collections::BTreeSet;
 
 use super::commands::Commands;
 use super::hidden::card;
-use super::metric::Metric;
 use super::options::OracleOptions;
-use super::refit::Refit;
 use super::span::{Answer, Set, Span, rms};
 use crate::effects::{Model, Seek};
 
@@ -27,12 +25,10 @@ impl Span {
         left_out: &[String],
         options: &OracleOptions,
     ) -> Vec<String> {
-        let wanted: Vec<f64> = moved.iter().map(|x| x / self.noise_m).collect();
-        let metric = Metric::new(&self.uncertain);
-        let Some(here) = commands.tips_m(model, &[]) else { return Vec::new() };
-        let refit = Refit { model, commands, here: &here, noise_m: self.noise_m, metric: &metric, wanted: &wanted };
+        let Some(refit) = self.refit(model, commands, moved) else { return Vec::new() };
+        let (metric, wanted) = (&refit.metric, &refit.wanted);
         let of_size = |effects: usize| {
-            let sets = self.apart(self.sets(&metric, &wanted, left_out, effects));
+            let sets = self.apart(self.sets(metric, wanted, left_out, effects));
             let refitted = sets.into_iter().map(|(name, set)| (refit.carry_out(self.members(&set)), name));
             let mut refitted: Vec<(f64, String)> = refitted.collect();
             refitted.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -25,10 +25,10 @@ pub(super) fn difference(there: &[Point3], here: &[Point3]) -> Vec<f64> {
 pub(super) struct Refit<'a> {
     pub(super) model: &'a Model,
     pub(super) commands: &'a Commands,
-    pub(super) here: &'a [Point3],
+    pub(super) here: Vec<Point3>,
     pub(super) noise_m: f64,
-    pub(super) metric: &'a Metric<'a>,
-    pub(super) wanted: &'a [f64],
+    pub(super) metric: Metric<'a>,
+    pub(super) wanted: Vec<f64>,
 }
 
 impl Refit<'_> {
@@ -80,7 +80,7 @@ impl Refit<'_> {
         let effects: Vec<EffectSpec> =
             members.iter().map(|(card, values)| EffectSpec::from_card(card, values)).collect::<Option<_>>()?;
         let there = self.commands.tips_m(self.model, &effects)?;
-        let moved = difference(&there, self.here);
+        let moved = difference(&there, &self.here);
         Some(self.wanted.iter().zip(moved).map(|(wanted, moved)| wanted - moved / self.noise_m).collect())
     }
 

@@ -23,9 +23,9 @@ const REFITTED: usize = 2;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Span {
     /// Noise that everything is measured by, metres an axis.
-    pub(super) noise_m: f64,
+    noise_m: f64,
     /// What one standard deviation of each uncertain number does to the tip, over the noise.
-    pub(super) uncertain: Vec<Vec<f64>>,
+    uncertain: Vec<Vec<f64>>,
     pub(super) answers: Vec<Answer>,
 }
 
@@ -105,13 +105,11 @@ impl Span {
         options: &OracleOptions,
         outside: bool,
     ) -> f64 {
-        let wanted: Vec<f64> = moved.iter().map(|x| x / self.noise_m).collect();
-        let metric = Metric::new(&self.uncertain);
-        let Some(here) = commands.tips_m(model, &[]) else { return f64::INFINITY };
+        let Some(refit) = self.refit(model, commands, moved) else { return f64::INFINITY };
+        let (metric, wanted) = (&refit.metric, &refit.wanted);
         let enough = if outside { options.outside_above } else { options.inside_below };
-        let refit = Refit { model, commands, here: &here, noise_m: self.noise_m, metric: &metric, wanted: &wanted };
-        let mut least = rms(metric.square(&wanted), wanted.len());
-        let sets = self.sets(&metric, &wanted, left_out, options.most_effects);
+        let mut least = rms(metric.square(wanted), wanted.len());
+        let sets = self.sets(metric, wanted, left_out, options.most_effects);
         for set in sets.into_iter().take(REFITTED) {
             least = least.min(rms(refit.carry_out(self.members(&set)), wanted.len()));
             if least < enough {
@@ -119,6 +117,18 @@ impl Span {
             }
         }
         least
+    }
+
+    /// What refits sets to `moved`; none where the model cannot follow the commands.
+    pub(super) fn refit<'a>(&'a self, model: &'a Model, commands: &'a Commands, moved: &[f64]) -> Option<Refit<'a>> {
+        Some(Refit {
+            model,
+            commands,
+            here: commands.tips_m(model, &[])?,
+            noise_m: self.noise_m,
+            metric: Metric::new(&self.uncertain),
+            wanted: moved.iter().map(|x| x / self.noise_m).collect(),
+        })
     }
 
     /// Sets of effects with their amounts, those that leave least first.
