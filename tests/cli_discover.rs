@@ -133,7 +133,21 @@ fn a_plant_is_recorded_on_until_rivals_are_told_apart() {
     );
     assert!(said.contains("The model lacks tip_load."), "{said}");
     assert_eq!(verdict("told"), "named");
-    assert!(bench.read("told/findings.json").contains("those of loaded.csv"));
+    let findings = bench.read("told/findings.json");
+    assert!(findings.contains("those of recorded_1_far_poses.csv") && findings.contains("those of loaded.csv"));
+    // What was recorded stays, and is the same for hands: the answer follows from the files.
+    let rounds = said.lines().filter(|line| line.starts_with("round ")).count();
+    let recorded = std::fs::read_dir(bench.path("told")).unwrap().map(|file| file.unwrap().file_name());
+    let recorded: Vec<String> = recorded.map(|name| name.to_string_lossy().into_owned()).collect();
+    let mut recorded: Vec<&String> = recorded.iter().filter(|name| name.starts_with("recorded_")).collect();
+    recorded.sort_unstable_by(|a, b| b.cmp(a));
+    assert_eq!(recorded.len(), rounds);
+    let files = recorded.iter().map(|name| format!("told/{name}")).collect::<Vec<_>>().join(" ");
+    bench.ok(&format!("discover --model given.yaml --measured {files} loaded.csv --out again"));
+    let gap = |out: &str| -> Value {
+        serde_json::from_str::<Value>(&bench.read(&format!("{out}/findings.json"))).unwrap()["gap"].clone()
+    };
+    assert_eq!((verdict("again"), gap("again")), (verdict("told"), gap("told")));
 }
 
 #[test]
@@ -250,6 +264,9 @@ fn bad_arguments_are_refused() {
     bench.put("options.yaml", "uncertain:\n  - {effect: damping, parameter: scale, deviation: 0.1}\n");
     let uncertain = bench.refused("discover --model NOMINAL --measured TWIN/nothing --options options.yaml --out out");
     assert!(uncertain.contains("options.yaml:2:") && uncertain.contains("expected one of `time_s`"), "{uncertain}");
+    bench.put("options.yaml", "uncertain:\n  - {effect: damping, parameter: time_s, deviation: .inf}\n");
+    let unbounded = bench.refused("discover --model NOMINAL --measured TWIN/nothing --options options.yaml --out out");
+    assert!(unbounded.contains("options.yaml:2:") && unbounded.contains("deviation"), "{unbounded}");
     let nowhere = bench.refused("discover --model NOMINAL --measured nowhere.csv --out out");
     assert!(nowhere.contains("nowhere.csv"), "{nowhere}");
     let output = bench.run("discover --model NOMINAL --measured TWIN/nothing --leave-out gremlins --out out");

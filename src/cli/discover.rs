@@ -71,13 +71,13 @@ impl Discover {
             .measured
             .iter()
             .zip(&parts)
-            .flat_map(|(file, part)| part.trials().into_iter().map(move |(number, _)| (file.as_path(), number)));
-        let trials: Vec<(&Path, u64)> = trials.collect();
-        let mut found = self.answer(&given, measured, &trials, (baseline.as_ref(), plant.as_ref()), &options)?;
+            .flat_map(|(file, part)| part.trials().into_iter().map(move |(number, _)| (file.clone(), number)));
+        let (mut found, recorded) =
+            self.answer(&given, measured, trials.collect(), (baseline.as_ref(), plant.as_ref()), &options)?;
         if baseline.is_some_and(|baseline| parts.iter().any(|part| baseline.holds(part) || part.holds(&baseline))) {
             found.findings.limitations.push(OWN_BASELINE.to_owned());
         }
-        self.write(&given, &found)?;
+        self.write(&given, &found, &recorded)?;
         if !self.quiet {
             println!("{}", found.findings.summary);
             println!("next: {}", found.findings.next_measurement);
@@ -131,23 +131,26 @@ impl Discover {
         }
     }
 
-    /// The answer, with more recordings from the plant as long as it is ambiguous. `trials`: file and number of those that
-    /// were measured.
+    /// The answer, with more recordings from the plant as long as it is ambiguous, and these with their files. `trials`: file
+    /// and number of those that were measured.
     fn answer(
         &self,
         given: &Model,
         mut measured: Recording,
-        trials: &[(&Path, u64)],
+        mut trials: Vec<(PathBuf, u64)>,
         (baseline, plant): (Option<&Recording>, Option<&SimulatedSpec>),
         options: &Options,
-    ) -> Result<Discovery, Ended> {
+    ) -> Result<(Discovery, Vec<(PathBuf, Recording)>), Ended> {
+        let mut made = Vec::new();
         for round in 1.. {
             let found = discover(given, &measured, baseline, options)
-                .map_err(|error| self.refusal(&error, &measured, trials))?;
+                .map_err(|error| self.refusal(&error, &measured, &trials))?;
             // A plant file says how its base stands: turning it is not for us.
             let next = found.next.iter().find(|next| next.proposal.name != "base_remounted");
             let next = next.filter(|_| found.findings.verdict == Verdict::Ambiguous && round <= self.rounds);
-            let (Some(plant), Some(next)) = (plant, next) else { return Ok(numbered(found, &measured, trials)) };
+            let (Some(plant), Some(next)) = (plant, next) else {
+                return Ok((numbered(found, &measured, &trials), made));
+            };
             if !self.quiet {
                 println!("round {round}: {}", found.findings.summary);
                 println!("recording on the plant: {}", next.proposal.what);
@@ -161,23 +164,25 @@ impl Discover {
             let mut recorded = play(&plant.model, &next.commands, &play_options);
             recorded.tip_quaternion = None;
             recorded.extra.clear();
-            // What was measured stands last, where `trials` looks for it.
-            measured = Recording::joined(&[recorded, measured]).map_err(Ended::failed)?;
+            let file = self.out.join(format!("recorded_{round}_{}.csv", next.proposal.name));
+            trials.splice(0..0, recorded.trials().into_iter().map(|(number, _)| (file.clone(), number)));
+            measured = Recording::joined(&[recorded.clone(), measured]).map_err(Ended::failed)?;
+            made.push((file, recorded));
         }
         unreachable!("the rounds are counted")
     }
 
     /// Data that allow no answer, with the file that they are in and the number of a trial there; with all files where it is
     /// all of them.
-    fn refusal(&self, error: &DiscoveryError, measured: &Recording, trials: &[(&Path, u64)]) -> Ended {
+    fn refusal(&self, error: &DiscoveryError, measured: &Recording, trials: &[(PathBuf, u64)]) -> Ended {
         let told = |file: &Path, error: &DiscoveryError| Ended::BadInput(format!("{}: {error}", file.display()));
         let all = || self.measured.iter().map(|file| file.display().to_string()).collect::<Vec<_>>().join(", ");
         match error {
             DiscoveryError::Baseline(_) => told(self.baseline.as_ref().unwrap_or(&self.model), error),
             DiscoveryError::Option(_) => told(self.options.as_ref().unwrap_or(&self.model), error),
             DiscoveryError::Unplayable(number) => {
-                let later = measured.trials().iter().rev().position(|(known, _)| known == number);
-                match later.and_then(|later| trials.iter().rev().nth(later)) {
+                let place = measured.trials().iter().position(|(known, _)| known == number);
+                match place.and_then(|place| trials.get(place)) {
                     Some((file, own)) => told(file, &DiscoveryError::Unplayable(*own)),
                     None => Ended::BadInput(format!("{}: {error}", all())),
                 }
@@ -187,7 +192,7 @@ impl Discover {
     }
 
     /// Everything is made before anything is written; `findings.json` comes last.
-    fn write(&self, given: &Model, found: &Discovery) -> Outcome {
+    fn write(&self, given: &Model, found: &Discovery, recorded: &[(PathBuf, Recording)]) -> Outcome {
         let added = found.model.effects.len() - given.effects.len();
         let model = if added == 0 {
             std::fs::read_to_string(&self.model).map_err(Ended::bad)?
@@ -221,6 +226,9 @@ impl Discover {
         for file in &files {
             write_atomic(&self.out.join(&file.name), &file.bytes).map_err(Ended::failed)?;
         }
+        for (file, recording) in recorded {
+            recording.write(file).map_err(Ended::failed)?;
+        }
         for next in &found.next {
             next.commands.write(&self.out.join(&next.proposal.file)).map_err(Ended::failed)?;
         }
@@ -246,12 +254,11 @@ const OWN_BASELINE: &str = "The baseline holds trials of the recording itself: w
                             trials that the calibration has seen prove nothing.";
 
 /// The answer with a word on which trial is whose, where recordings were joined under new numbers. `trials`: file and number
-/// there of the last ones of `measured`.
-fn numbered(mut found: Discovery, measured: &Recording, trials: &[(&Path, u64)]) -> Discovery {
-    let all: Vec<u64> = measured.trials().into_iter().map(|(number, _)| number).collect();
-    let now = &all[all.len().saturating_sub(trials.len())..];
+/// there of those of `measured`.
+fn numbered(mut found: Discovery, measured: &Recording, trials: &[(PathBuf, u64)]) -> Discovery {
+    let now: Vec<u64> = measured.trials().into_iter().map(|(number, _)| number).collect();
     if now.iter().zip(trials).any(|(now, (_, own))| now != own) {
-        let numbers: Vec<(&Path, u64)> = trials.iter().zip(now).map(|((file, _), now)| (*file, *now)).collect();
+        let numbers: Vec<(&Path, u64)> = trials.iter().zip(now).map(|((file, _), now)| (file.as_path(), now)).collect();
         let each = numbers.chunk_by(|(a, _), (b, _)| a == b).map(|of| {
             let name = of[0].0.file_name().unwrap_or(of[0].0.as_os_str()).to_string_lossy();
             format!("{} to {} are those of {name}", of[0].1, of[of.len() - 1].1)
@@ -270,7 +277,7 @@ fn is_commands(name: &str) -> bool {
 /// Whether a file of this name is written.
 fn is_written(name: &str) -> bool {
     let always = ["findings.json", "model.yaml", "residuals.csv", "disagreement.csv", "candidates.csv"];
-    always.contains(&name) || is_commands(name)
+    always.contains(&name) || is_commands(name) || name.starts_with("recorded_") && name.ends_with(".csv")
 }
 
 /// A recording of this robot, in motion.

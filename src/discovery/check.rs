@@ -60,12 +60,12 @@ pub(super) fn check_parts(fit: &Samples, proof: &Samples) -> Result<(), Discover
 /// What these data could not show whatever the method.
 pub(super) fn limitations(measured: &Recording, samples: &Samples) -> Vec<String> {
     let mut found = Vec::new();
-    let (rows, tracked) = (measured.len(), samples.len());
+    let (rows, tracked) = (measured.len(), Samples::new(measured).len());
     if tracked < rows {
         found.push(format!("Tracking was lost in {} of {rows} rows; they were left out.", rows - tracked));
     }
-    if tracked < FEW_SAMPLES {
-        found.push(format!("{tracked} samples: only strong effects can be told apart with so few."));
+    if samples.len() < FEW_SAMPLES {
+        found.push(format!("{} samples: only strong effects can be told apart with so few.", samples.len()));
     }
     if samples.trials.len() == FEWEST_TRIALS {
         found.push(

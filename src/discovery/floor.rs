@@ -57,8 +57,15 @@ impl Floor {
     /// From repeats of the first row and from rests; no degrees of freedom where there are neither. `correlation`: that of
     /// what is taken for noise, which stands unless rests contradict it.
     pub(super) fn of_repeats(samples: &Samples, correlation: f64) -> Floor {
-        let mut groups = groups(samples);
-        groups.retain(|group| group.len() > 1);
+        Floor::of_groups(samples, &groups(samples), correlation)
+    }
+
+    /// From the first rows of trials alone.
+    pub(super) fn of_starts(samples: &Samples) -> Floor {
+        Floor::of_groups(samples, &starts(samples), 0.0)
+    }
+
+    fn of_groups(samples: &Samples, groups: &[Vec<usize>], correlation: f64) -> Floor {
         let at_rest: Vec<&[usize]> = groups.iter().filter(|g| !is_start(samples, g)).map(Vec::as_slice).collect();
         let correlation = rest::correlation(samples, &at_rest, correlation);
         let repeats = rest::Worth::of(groups.iter().filter(|g| is_start(samples, g)).map(Vec::len), 0.0);
@@ -96,8 +103,13 @@ impl Floor {
         self.p_value(other.variance_m2.iter().sum(), alike(&other.variance_m2) * other.freedom)
     }
 
+    /// Whether `other` is more, beyond any chance.
+    pub(super) fn is_exceeded_by(&self, other: &Floor) -> bool {
+        self.chance_of(other) < CONTRADICTS
+    }
+
     fn contradicts(&self, other: &Floor) -> bool {
-        self.freedom > 0.0 && self.chance_of(other).min(other.chance_of(self)) < CONTRADICTS
+        self.freedom > 0.0 && (self.is_exceeded_by(other) || other.is_exceeded_by(self))
     }
 
     /// This floor and another one, taken together.
@@ -125,7 +137,10 @@ pub(super) struct Bias {
 /// The bias of `left_m` (three numbers a sample) where commands were repeated or held, beside the noise `floor`. Starts are as
 /// independent as trials, samples at rest as much as `noise` lets them be.
 pub(super) fn bias(samples: &Samples, left_m: &[f64], noise: &Noise, floor: &Floor) -> Bias {
-    let groups: Vec<Vec<usize>> = groups(samples).into_iter().filter(|group| group.len() > 1).collect();
+    let groups = groups(samples);
+    if groups.is_empty() {
+        return Bias { p_value: 1.0, rms_m: 0.0 };
+    }
     let (mut squares, mut weighed, mut weights) = (0.0, 0.0, 0.0);
     for group in &groups {
         let independent =
@@ -137,7 +152,7 @@ pub(super) fn bias(samples: &Samples, left_m: &[f64], noise: &Noise, floor: &Flo
         weights += group.len() as f64;
     }
     let p_value = floor.p_value(squares / groups.len() as f64, alike(&floor.variance_m2) * groups.len() as f64);
-    Bias { p_value, rms_m: (weighed / f64::max(weights, 1.0)).sqrt() }
+    Bias { p_value, rms_m: (weighed / weights).sqrt() }
 }
 
 /// Samples that measure the same thing again: the first rows of all trials under the same weight, then each rest.
@@ -151,7 +166,7 @@ fn is_start(samples: &Samples, group: &[usize]) -> bool {
     group.first().is_some_and(|&row| samples.rows[row].row == 0)
 }
 
-/// The first rows of the trials, those under the same weight together.
+/// The first rows of the trials, those under the same weight together, where there are several.
 fn starts(samples: &Samples) -> Vec<Vec<usize>> {
     let mut found: Vec<(f64, Vec<usize>)> = Vec::new();
     for row in (0..samples.len()).filter(|&row| samples.rows[row].row == 0) {
@@ -161,7 +176,7 @@ fn starts(samples: &Samples) -> Vec<Vec<usize>> {
             None => found.push((load_kg, vec![row])),
         }
     }
-    found.into_iter().map(|(_, rows)| rows).collect()
+    found.into_iter().map(|(_, rows)| rows).filter(|rows| rows.len() > 1).collect()
 }
 
 /// Runs of samples under one command and load that have been there long enough.

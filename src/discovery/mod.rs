@@ -54,9 +54,11 @@ use crate::data::Recording;
 use crate::data::findings::{Findings, PlaceRow, ResidualRow};
 use crate::effects::Model;
 
+use about::About;
+use floor::Floor;
 use question::Question;
 use samples::Samples;
-use search::Search;
+use search::{Found, Search};
 
 pub use compare::Remedies;
 pub use error::DiscoveryError;
@@ -82,9 +84,12 @@ pub struct Discovery {
     pub calibrated: bool,
 }
 
+/// First tips that scatter by more than this share of the backbone's length may not be those of a robot at home.
+const DOUBTFUL_START: f64 = 0.01;
+
 /// Finds what `model` lacks to explain `measured`. With a `baseline`, a recording of the robot as built, the model is
 /// first calibrated on it, and what the two have in common is no discovery. Every trial starts at rest under its first
-/// row's weight ([`Recording::check_loads`]).
+/// row's weight ([`Recording::check_loads`]); first tips that scatter too much for that are left out.
 ///
 /// # Errors
 /// [`DiscoveryError`] for data that allow no answer.
@@ -95,15 +100,29 @@ pub fn discover(
     options: &Options,
 ) -> Result<Discovery, DiscoveryError> {
     options.check()?;
+    let ask = |samples: Samples| Question::new(model, (measured, samples), baseline, options);
     let all = Samples::new(measured);
-    check::check(measured, &all)?;
-    check::check_trials(&all)?;
-    let mut question = Question::new(model, all, baseline, options)?;
-    let fitted: Vec<u64> = question.fit.trials.iter().map(|trial| trial.number).collect();
-    question.base_stands = base::stands_as_modelled(measured, &fitted, model);
+    let question = ask(all.clone())?;
+    let starts = Floor::of_starts(&question.fit);
+    let doubtful = starts.rms_m() > DOUBTFUL_START * model.robot.backbone.length_m;
+    // Asked first, as a few tips that are far off lead every fit astray.
+    if let Some(rest) = doubtful.then(|| ask(all.without_starts()).ok()).flatten() {
+        let (about, found) = searched(&rest)?;
+        if Floor::left_by(&about.fine.fitted.explained, &rest.fit).is_exceeded_by(&starts) {
+            let mut told = rest.discovery(model, measured, &about, &found);
+            told.findings.limitations.push(remarks::left_out(&starts));
+            return Ok(told);
+        }
+    }
+    let (about, found) = searched(&question)?;
+    Ok(question.discovery(model, measured, &about, &found))
+}
+
+/// The best set of effects with all about it, and what else was found.
+fn searched(question: &Question) -> Result<(About, Found), DiscoveryError> {
     let study = question.study();
     let unplayable = || DiscoveryError::Unplayable(question.fit.trials[0].number);
-    let limits = options.limits(model);
+    let limits = question.options.limits(&question.model);
     let mut search = Search::new(&study, question.responses.clone(), &limits).ok_or_else(unplayable)?;
     let mut best = search.best();
     let mut about = question.about(&best.fitted);
@@ -119,5 +138,5 @@ pub fn discover(
     }
     let (best, about) = question.judged(&mut search, best, about);
     let found = about.refined(search.ended(best));
-    Ok(question.discovery(model, measured, &about, &found))
+    Ok((about, found))
 }

@@ -8,7 +8,7 @@ use super::options::Options;
 use super::refit::{Fitted, Study};
 use super::samples::{Samples, rms_m};
 use super::uncertain::Uncertain;
-use super::{baseline, check, play, proof, responses};
+use super::{base, baseline, check, play, proof, responses};
 use crate::data::Recording;
 use crate::effects::{EffectSpec, Model};
 use crate::math::distribution::f_above;
@@ -35,13 +35,16 @@ pub(super) struct Question<'a> {
 }
 
 impl<'a> Question<'a> {
+    /// What `given` lacks to explain these samples of the recording.
     pub(super) fn new(
-        model: &Model,
-        all: Samples,
+        given: &Model,
+        (measured, all): (&Recording, Samples),
         baseline: Option<&Recording>,
         options: &'a Options,
     ) -> Result<Question<'a>, DiscoveryError> {
-        let mut model = model.clone();
+        check::check(measured, &all)?;
+        check::check_trials(&all)?;
+        let mut model = given.clone();
         let resolution = &mut model.robot.resolution;
         resolution.motion_tolerance_m = options.motion_tolerance_m;
         // Trials begin at rest, and go on from there on the grid that was asked for.
@@ -52,6 +55,8 @@ impl<'a> Question<'a> {
         let (kept, held_out) = proof::split(&all, options.held_out_share);
         let (fit, proof) = (all.of_trials(&kept), all.of_trials(&held_out));
         check::check_parts(&fit, &proof)?;
+        let fitted: Vec<u64> = fit.trials.iter().map(|trial| trial.number).collect();
+        let base_stands = base::stands_as_modelled(measured, &fitted, given);
         let base = match baseline {
             Some(recording) => Some(
                 Base::new(&mut model, &hypotheses, recording, options)
@@ -78,7 +83,7 @@ impl<'a> Question<'a> {
             played_proof,
             responses,
             nuisances,
-            base_stands: false,
+            base_stands,
         })
     }
 

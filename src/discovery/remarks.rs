@@ -28,6 +28,15 @@ fn calibration(factors: &baseline::Factors, named: bool) -> String {
     )
 }
 
+/// That first tips scatter so much that they were left out, in words.
+pub(super) fn left_out(starts: &Floor) -> String {
+    format!(
+        "The first tips of the trials scatter by {:.1} mm, far more than what is left of the others: not every trial starts \
+         settled at home, as the model does. They were left out, but how a trial began may show in later samples, too.",
+        1e3 * starts.rms_m()
+    )
+}
+
 /// What a calibrated model leaves in a baseline is doubtful beyond so much, metres, and so many times the noise.
 const LARGE_FORM_M: f64 = 2e-3;
 const LARGE_FORM: f64 = 3.0;

@@ -207,10 +207,10 @@ impl Checker<'_> {
         let option = |path: &KeyPath, found: Result<(), BadOption>| {
             found.map_err(|bad| self.option(&path.to_string(), bad.key, &bad.found, bad.expected))
         };
+        check_names(self.document, &discovery.options, &path.key("options"))?;
         option(&path.key("options"), discovery.options.check())?;
         option(&path.key("truth"), discovery.truth.check())?;
         option(&path.key("oracle"), discovery.oracle.check())?;
-        check_names(self.document, &discovery.options, &path.key("options"))?;
         let batches = path.key("batches");
         self.unless(!discovery.batches.is_empty(), &batches, "at least one batch")?;
         let each = discovery.batches.iter().enumerate();

@@ -1,13 +1,14 @@
-//! Settings of a discovery that name effects and parameters.
+//! Settings of a discovery that name effects and parameters, and what stands beside these names.
 
 use super::check::one_of;
 use super::document::Document;
 use super::error::SpecError;
 use super::path::KeyPath;
+use crate::base::BadOption;
 use crate::discovery::Options;
 use crate::effects::CATALOGUE;
 
-/// Refuses names that are not in the catalogue; `path` is where the settings stand in the document.
+/// Refuses names that are not in the catalogue, and parameters that are uncertain by nothing; `path` is where the settings stand in the document.
 pub(super) fn check_names(document: &Document, options: &Options, path: &KeyPath) -> Result<(), SpecError> {
     let unless = |holds: bool, path: &KeyPath, expected: &[&str]| {
         if holds { Ok(()) } else { Err(document.wrong(path, one_of(expected))) }
@@ -23,6 +24,9 @@ pub(super) fn check_names(document: &Document, options: &Options, path: &KeyPath
         let mut own: Vec<&str> = card.parameters.iter().map(|parameter| parameter.vector()).collect();
         own.dedup();
         unless(own.contains(&one.parameter.as_str()), &path.key("parameter"), &own)?;
+        if BadOption::unless_positive("deviation", one.deviation).is_err() {
+            return Err(document.wrong(&path.key("deviation"), "a finite number above 0"));
+        }
     }
     Ok(())
 }

@@ -44,8 +44,8 @@ pub fn read_plant(file: &Path) -> Result<PlantSpec, SpecError> {
 pub fn read_options(file: &Path) -> Result<Options, SpecError> {
     let document = Document::read(file, &[], &[])?;
     let options = document.parse::<Options>()?;
-    options.check().map_err(|error| refusal(&document, "", &error))?;
     check_names(&document, &options, &KeyPath::default())?;
+    options.check().map_err(|error| refusal(&document, "", &error))?;
     Ok(options)
 }
 

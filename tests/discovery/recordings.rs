@@ -9,7 +9,7 @@ use spinebench::effects::Model;
 use spinebench::tasks::{PlayOptions, play};
 
 use super::common;
-use super::support::{chain, found, names, nominal, recorded, told, trials, twin};
+use super::support::{NOISE_M, chain, found, names, nominal, part, recorded, told, trials, twin};
 
 /// A recording that was simulated, without noise: it is as wrong as the simulator's steps, the same in every trial.
 #[test]
@@ -32,6 +32,34 @@ fn a_recording_without_noise_is_one_like_others() {
     let exact = with_steps("- tip_load: {mass_kg: 0.01}", 1e-6);
     assert!((told(&exact, "mass_kg").0 - 0.01).abs() < 0.015 / 6.9 * 0.01);
     assert!(load.findings.gap.after_m < 0.03 * load.findings.gap.before_m, "{:?}", load.findings.gap);
+}
+
+/// Trials that were cut out of a longer log begin wherever the robot was: their first tips are no repeats, and not the
+/// model's.
+#[test]
+fn trials_that_do_not_start_at_home_are_noticed_and_answered_all_the_same() {
+    let cut = |effects: &str| {
+        let whole = recorded(effects, 6, 9, 0.0);
+        let later: Vec<usize> = whole.trials().into_iter().flat_map(|(_, rows)| rows.skip(10)).collect();
+        let mut cut = part(&whole, &later);
+        for (_, rows) in cut.trials() {
+            let begins_s = cut.time_s[rows.start];
+            cut.time_s[rows].iter_mut().for_each(|time_s| *time_s -= begins_s);
+        }
+        found(&cut, &Options::default())
+    };
+    let (nothing, load) = (cut("[]"), cut("- tip_load: {mass_kg: 0.01}"));
+    assert_eq!(nothing.findings.verdict, Verdict::Consistent, "{}", nothing.findings.summary);
+    assert_eq!((load.findings.verdict, names(&load)), (Verdict::Named, vec!["tip_load"]), "{}", load.findings.summary);
+    for found in [&nothing, &load] {
+        let floor = found.findings.noise_floor_m / (3.0_f64.sqrt() * NOISE_M);
+        assert!((0.8..1.2).contains(&floor), "{floor}");
+        let said = &found.findings.limitations;
+        let said = |words: &str| said.iter().filter(|said| said.contains(words)).count();
+        assert_eq!(["not every trial starts settled", "Tracking was lost"].map(said), [1, 0]);
+    }
+    let whole = found(&recorded("[]", 6, 9, 0.0), &Options::default());
+    assert!(whole.findings.limitations.iter().all(|said| !said.contains("not every trial starts settled")));
 }
 
 #[test]

@@ -34,10 +34,15 @@ pub(super) fn from_benchmark(file: &str) -> Recording {
 /// The trials of `recording` from number `first` on, so many of them.
 pub(super) fn trials(recording: &Recording, first: usize, count: usize) -> Recording {
     let rows: Vec<usize> = recording.trials().into_iter().skip(first).take(count).flat_map(|(_, rows)| rows).collect();
+    part(recording, &rows)
+}
+
+/// These rows of `recording`.
+pub(super) fn part(recording: &Recording, rows: &[usize]) -> Recording {
     let mut part = Recording::new(recording.actuation, recording.tendons());
     part.trial = rows.iter().map(|&row| recording.trial[row]).collect();
     part.time_s = rows.iter().map(|&row| recording.time_s[row]).collect();
-    part.commands = recording.commands.select(&rows);
+    part.commands = recording.commands.select(rows);
     part.tip_m = recording.tip_m.as_ref().map(|tips| rows.iter().map(|&row| tips[row]).collect());
     part
 }
