@@ -149,7 +149,7 @@ impl Discover {
             let next = found.next.iter().find(|next| next.proposal.name != "base_remounted");
             let next = next.filter(|_| found.findings.verdict == Verdict::Ambiguous && round <= self.rounds);
             let (Some(plant), Some(next)) = (plant, next) else {
-                return Ok((numbered(found, &measured, &trials), made));
+                return Ok((numbered(found, &measured, &trials, !made.is_empty()), made));
             };
             if !self.quiet {
                 println!("round {round}: {}", found.findings.summary);
@@ -159,7 +159,8 @@ impl Discover {
                 at_rest: false,
                 noise_m: plant.noise_m,
                 travel_m: plant.travel_m,
-                seed: Seed(options.seed).child("plant").index(round),
+                // Other noise than that of recordings which an earlier call has made.
+                seed: Seed(options.seed).child("plant").index(measured.trials().len() as u64),
             };
             let mut recorded = play(&plant.model, &next.commands, &play_options);
             recorded.tip_quaternion = None;
@@ -182,7 +183,8 @@ impl Discover {
             DiscoveryError::Option(_) => told(self.options.as_ref().unwrap_or(&self.model), error),
             DiscoveryError::Unplayable(number) => {
                 let place = measured.trials().iter().position(|(known, _)| known == number);
-                match place.and_then(|place| trials.get(place)) {
+                let given = |(file, _): &&(PathBuf, u64)| self.measured.contains(file);
+                match place.and_then(|place| trials.get(place)).filter(given) {
                     Some((file, own)) => told(file, &DiscoveryError::Unplayable(*own)),
                     None => Ended::BadInput(format!("{}: {error}", all())),
                 }
@@ -253,18 +255,18 @@ impl Discover {
 const OWN_BASELINE: &str = "The baseline holds trials of the recording itself: what both have in common is no discovery, and \
                             trials that the calibration has seen prove nothing.";
 
-/// The answer with a word on which trial is whose, where recordings were joined under new numbers. `trials`: file and number
-/// there of those of `measured`.
-fn numbered(mut found: Discovery, measured: &Recording, trials: &[(PathBuf, u64)]) -> Discovery {
+/// The answer with a word on which trial is whose, where recordings were joined under new numbers or `made` on a plant.
+/// `trials`: file and number there of those of `measured`.
+fn numbered(mut found: Discovery, measured: &Recording, trials: &[(PathBuf, u64)], made: bool) -> Discovery {
     let now: Vec<u64> = measured.trials().into_iter().map(|(number, _)| number).collect();
-    if now.iter().zip(trials).any(|(now, (_, own))| now != own) {
+    if made || now.iter().zip(trials).any(|(now, (_, own))| now != own) {
         let numbers: Vec<(&Path, u64)> = trials.iter().zip(now).map(|((file, _), now)| (file.as_path(), now)).collect();
         let each = numbers.chunk_by(|(a, _), (b, _)| a == b).map(|of| {
             let name = of[0].0.file_name().unwrap_or(of[0].0.as_os_str()).to_string_lossy();
             format!("{} to {} are those of {name}", of[0].1, of[of.len() - 1].1)
         });
         let each: Vec<String> = each.collect();
-        found.findings.limitations.push(format!("Trials were numbered anew: {}.", each.join(", ")));
+        found.findings.limitations.push(format!("Trials have numbers of their own here: {}.", each.join(", ")));
     }
     found
 }

@@ -57,25 +57,25 @@ pub(super) fn check_parts(fit: &Samples, proof: &Samples) -> Result<(), Discover
     Ok(())
 }
 
-/// What these data could not show whatever the method.
-pub(super) fn limitations(measured: &Recording, samples: &Samples) -> Vec<String> {
+/// What these data could not show whatever the method. `asked`: the samples that were asked about.
+pub(super) fn limitations(measured: &Recording, asked: &Samples) -> Vec<String> {
     let mut found = Vec::new();
     let (rows, tracked) = (measured.len(), Samples::new(measured).len());
     if tracked < rows {
         found.push(format!("Tracking was lost in {} of {rows} rows; they were left out.", rows - tracked));
     }
-    if samples.len() < FEW_SAMPLES {
-        found.push(format!("{} samples: only strong effects can be told apart with so few.", samples.len()));
+    if asked.len() < FEW_SAMPLES {
+        found.push(format!("{} samples: only strong effects can be told apart with so few.", asked.len()));
     }
-    if samples.trials.len() == FEWEST_TRIALS {
+    if asked.trials.len() == FEWEST_TRIALS {
         found.push(
             "Two trials, of which one is held out: whether anything is missing could not be asked of other trials."
                 .to_owned(),
         );
-    } else if samples.trials.len() < FEW_TRIALS {
+    } else if asked.trials.len() < FEW_TRIALS {
         found.push(format!(
             "{} trials: what happens in one of them only cannot be told from chance.",
-            samples.trials.len()
+            asked.trials.len()
         ));
     }
     let copies = measured.copies();

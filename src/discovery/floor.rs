@@ -65,6 +65,7 @@ impl Floor {
         Floor::of_groups(samples, &starts(samples), 0.0)
     }
 
+    /// From groups of samples, each of one thing.
     fn of_groups(samples: &Samples, groups: &[Vec<usize>], correlation: f64) -> Floor {
         let at_rest: Vec<&[usize]> = groups.iter().filter(|g| !is_start(samples, g)).map(Vec::as_slice).collect();
         let correlation = rest::correlation(samples, &at_rest, correlation);

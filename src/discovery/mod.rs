@@ -9,6 +9,7 @@ mod another;
 mod answer;
 mod base;
 mod baseline;
+mod beginnings;
 mod beside;
 mod check;
 mod compare;
@@ -72,7 +73,7 @@ pub struct Discovery {
     pub findings: Findings,
     /// The given model (calibrated, where there was a baseline) with the effects that were named.
     pub model: Model,
-    /// Every tracked sample with its residual before and after.
+    /// Every sample that was asked about with its residual before and after.
     pub residuals: Vec<ResidualRow>,
     /// The map of disagreement.
     pub places: Vec<PlaceRow>,
@@ -84,12 +85,10 @@ pub struct Discovery {
     pub calibrated: bool,
 }
 
-/// First tips that scatter by more than this share of the backbone's length may not be those of a robot at home.
-const DOUBTFUL_START: f64 = 0.01;
-
 /// Finds what `model` lacks to explain `measured`. With a `baseline`, a recording of the robot as built, the model is
 /// first calibrated on it, and what the two have in common is no discovery. Every trial starts at rest under its first
-/// row's weight ([`Recording::check_loads`]); first tips that scatter too much for that are left out.
+/// row's weight ([`Recording::check_loads`]); where first tips scatter too much for that, the
+/// beginnings of trials are left out.
 ///
 /// # Errors
 /// [`DiscoveryError`] for data that allow no answer.
@@ -100,19 +99,25 @@ pub fn discover(
     options: &Options,
 ) -> Result<Discovery, DiscoveryError> {
     options.check()?;
-    let ask = |samples: Samples| Question::new(model, (measured, samples), baseline, options);
+    let ask = |samples: Samples| -> Result<Question, DiscoveryError> {
+        check::check(measured, &samples)?;
+        check::check_trials(&samples)?;
+        let mut question = Question::new(model, samples, baseline, options)?;
+        let fitted: Vec<u64> = question.fit.trials.iter().map(|trial| trial.number).collect();
+        question.base_stands = base::stands_as_modelled(measured, &fitted, model);
+        Ok(question)
+    };
     let all = Samples::new(measured);
     let question = ask(all.clone())?;
-    let starts = Floor::of_starts(&question.fit);
-    let doubtful = starts.rms_m() > DOUBTFUL_START * model.robot.backbone.length_m;
-    // Asked first, as a few tips that are far off lead every fit astray.
-    if let Some(rest) = doubtful.then(|| ask(all.without_starts()).ok()).flatten() {
-        let (about, found) = searched(&rest)?;
-        if Floor::left_by(&about.fine.fitted.explained, &rest.fit).is_exceeded_by(&starts) {
-            let mut told = rest.discovery(model, measured, &about, &found);
-            told.findings.limitations.push(remarks::left_out(&starts));
-            return Ok(told);
-        }
+    // Without them first, where that can be asked: a few tips that are far off lead every fit astray.
+    if let Some(starts) = beginnings::doubtful(&question.fit, model)
+        && let Ok(rest) = ask(beginnings::without(&all))
+        && let Ok((about, found)) = searched(&rest)
+        && Floor::left_by(&about.fine.fitted.explained, &rest.fit).is_exceeded_by(&starts)
+    {
+        let mut told = rest.discovery(model, measured, &about, &found);
+        told.findings.limitations.push(beginnings::left_out(&starts));
+        return Ok(told);
     }
     let (about, found) = searched(&question)?;
     Ok(question.discovery(model, measured, &about, &found))

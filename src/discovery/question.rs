@@ -1,6 +1,7 @@
 //! A question: the model, its samples, and what has been found out about them before anything is named.
 
 use super::error::DiscoveryError;
+use super::floor::Floor;
 use super::hypothesis::{Hypothesis, Member, effects, hypotheses};
 use super::left::{Sign, Test};
 use super::nuisance::{Column, Explained, Nuisances};
@@ -8,7 +9,7 @@ use super::options::Options;
 use super::refit::{Fitted, Study};
 use super::samples::{Samples, rms_m};
 use super::uncertain::Uncertain;
-use super::{base, baseline, check, play, proof, responses};
+use super::{baseline, beginnings, check, play, proof, responses};
 use crate::data::Recording;
 use crate::effects::{EffectSpec, Model};
 use crate::math::distribution::f_above;
@@ -22,7 +23,7 @@ pub(super) struct Question<'a> {
     pub(super) coarse: Model,
     pub(super) base: Option<Base>,
     pub(super) hypotheses: Vec<Hypothesis>,
-    /// All samples, those of the fit, and the proof.
+    /// All samples that are asked about, those of the fit, and the proof.
     pub(super) all: Samples,
     pub(super) fit: Samples,
     pub(super) proof: Samples,
@@ -35,16 +36,13 @@ pub(super) struct Question<'a> {
 }
 
 impl<'a> Question<'a> {
-    /// What `given` lacks to explain these samples of the recording.
     pub(super) fn new(
-        given: &Model,
-        (measured, all): (&Recording, Samples),
+        model: &Model,
+        all: Samples,
         baseline: Option<&Recording>,
         options: &'a Options,
     ) -> Result<Question<'a>, DiscoveryError> {
-        check::check(measured, &all)?;
-        check::check_trials(&all)?;
-        let mut model = given.clone();
+        let mut model = model.clone();
         let resolution = &mut model.robot.resolution;
         resolution.motion_tolerance_m = options.motion_tolerance_m;
         // Trials begin at rest, and go on from there on the grid that was asked for.
@@ -55,8 +53,6 @@ impl<'a> Question<'a> {
         let (kept, held_out) = proof::split(&all, options.held_out_share);
         let (fit, proof) = (all.of_trials(&kept), all.of_trials(&held_out));
         check::check_parts(&fit, &proof)?;
-        let fitted: Vec<u64> = fit.trials.iter().map(|trial| trial.number).collect();
-        let base_stands = base::stands_as_modelled(measured, &fitted, given);
         let base = match baseline {
             Some(recording) => Some(
                 Base::new(&mut model, &hypotheses, recording, options)
@@ -83,7 +79,7 @@ impl<'a> Question<'a> {
             played_proof,
             responses,
             nuisances,
-            base_stands,
+            base_stands: false,
         })
     }
 
@@ -171,6 +167,8 @@ impl<'a> Question<'a> {
 /// A baseline, once the model is calibrated on it.
 pub(super) struct Base {
     pub(super) samples: Samples,
+    /// How its first tips scatter, where that is doubtful.
+    pub(super) starts: Option<Floor>,
     pub(super) played: Vec<f64>,
     /// What is uncertain, far wider than after a calibration.
     columns: Vec<Column>,
@@ -188,8 +186,11 @@ impl Base {
         recording: &Recording,
         options: &Options,
     ) -> Result<Base, DiscoveryError> {
-        let samples = Samples::new(recording);
-        check::check(recording, &samples)?;
+        let whole = Samples::new(recording);
+        check::check(recording, &whole)?;
+        let starts = beginnings::doubtful(&whole, model);
+        let later = starts.as_ref().map(|_| beginnings::without(&whole));
+        let samples = later.filter(|later| check::check(recording, later).is_ok()).unwrap_or(whole);
         let look = |model: &Model| -> Result<(Vec<f64>, Vec<Column>), DiscoveryError> {
             let played = played(model, &samples)?;
             let uncertain = Uncertain::new(options, hypotheses, &[], BEFORE_CALIBRATION);
@@ -205,10 +206,10 @@ impl Base {
             let (there, wider) = look(&better)?;
             if left(&there, &wider) < left(&first, &columns) {
                 *model = better;
-                return Ok(Base { samples, played: there, columns: wider, factors: Some(factors) });
+                return Ok(Base { samples, starts, played: there, columns: wider, factors: Some(factors) });
             }
         }
-        Ok(Base { samples, played: first, columns, factors: None })
+        Ok(Base { samples, starts, played: first, columns, factors: None })
     }
 }
 

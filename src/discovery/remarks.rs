@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use super::baseline;
 use super::floor::Floor;
 use super::hypothesis::Hypothesis;
 use super::question::Question;
 use super::samples::rms_m;
+use super::{baseline, beginnings};
 use crate::data::findings::Verdict;
 
 /// A robot's file is hardly wrong by such a factor.
@@ -25,15 +25,6 @@ fn calibration(factors: &baseline::Factors, named: bool) -> String {
         "Calibrated on the baseline: bending stiffness times {:.4}, section compliance times {:.4}. The gap before is that \
          of the model with these numbers; `model.yaml` {written}.{doubt}",
         factors.bending_stiffness, factors.compliance
-    )
-}
-
-/// That first tips scatter so much that they were left out, in words.
-pub(super) fn left_out(starts: &Floor) -> String {
-    format!(
-        "The first tips of the trials scatter by {:.1} mm, far more than what is left of the others: not every trial starts \
-         settled at home, as the model does. They were left out, but how a trial began may show in later samples, too.",
-        1e3 * starts.rms_m()
     )
 }
 
@@ -59,7 +50,8 @@ impl Question<'_> {
             .into_iter()
             .filter(|_| verdict != Verdict::Consistent)
             .map(|name| format!("`{name}` is in the model already; less of it than there was no candidate."));
-        calibrated.into_iter().chain(self.doubts()).chain(stands).chain(fixed).collect()
+        let starts = self.base.as_ref().and_then(|base| base.starts.as_ref()).map(beginnings::left_out_of_baseline);
+        calibrated.into_iter().chain(starts).chain(self.doubts()).chain(stands).chain(fixed).collect()
     }
 
     /// Whether the model has the effect, and no candidate takes any of it away.

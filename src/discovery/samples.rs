@@ -99,15 +99,6 @@ impl Samples {
         Samples { trials: kept.iter().map(|&index| self.trials[index].clone()).collect(), rows, ..*self }
     }
 
-    /// All but those at the very start of a trial.
-    pub(super) fn without_starts(&self) -> Samples {
-        let rows: Vec<Sample> = self.rows.iter().filter(|row| row.row > 0).copied().collect();
-        let later = Samples { trials: self.trials.clone(), rows, ..*self };
-        let seen: Vec<usize> =
-            later.ranges().iter().enumerate().filter(|(_, rows)| !rows.is_empty()).map(|(trial, _)| trial).collect();
-        later.of_trials(&seen)
-    }
-
     /// Number of samples.
     pub(super) fn len(&self) -> usize {
         self.rows.len()

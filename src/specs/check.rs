@@ -1,7 +1,7 @@
 //! What the types cannot say: ranges, names and sizes that must fit each other.
 
 use super::cells::uses;
-use super::discovery::check_names;
+use super::discovery::check_entries;
 use super::document::Document;
 use super::error::SpecError;
 use super::experiment::{DiscoveryRun, Experiment, TrackRun};
@@ -207,7 +207,7 @@ impl Checker<'_> {
         let option = |path: &KeyPath, found: Result<(), BadOption>| {
             found.map_err(|bad| self.option(&path.to_string(), bad.key, &bad.found, bad.expected))
         };
-        check_names(self.document, &discovery.options, &path.key("options"))?;
+        check_entries(self.document, &discovery.options, &path.key("options"))?;
         option(&path.key("options"), discovery.options.check())?;
         option(&path.key("truth"), discovery.truth.check())?;
         option(&path.key("oracle"), discovery.oracle.check())?;

@@ -8,8 +8,9 @@ use crate::base::BadOption;
 use crate::discovery::Options;
 use crate::effects::CATALOGUE;
 
-/// Refuses names that are not in the catalogue, and parameters that are uncertain by nothing; `path` is where the settings stand in the document.
-pub(super) fn check_names(document: &Document, options: &Options, path: &KeyPath) -> Result<(), SpecError> {
+/// Refuses names that are not in the catalogue, and deviations that are none; `path` is where the settings stand in the
+/// document.
+pub(super) fn check_entries(document: &Document, options: &Options, path: &KeyPath) -> Result<(), SpecError> {
     let unless = |holds: bool, path: &KeyPath, expected: &[&str]| {
         if holds { Ok(()) } else { Err(document.wrong(path, one_of(expected))) }
     };
@@ -24,9 +25,8 @@ pub(super) fn check_names(document: &Document, options: &Options, path: &KeyPath
         let mut own: Vec<&str> = card.parameters.iter().map(|parameter| parameter.vector()).collect();
         own.dedup();
         unless(own.contains(&one.parameter.as_str()), &path.key("parameter"), &own)?;
-        if BadOption::unless_positive("deviation", one.deviation).is_err() {
-            return Err(document.wrong(&path.key("deviation"), "a finite number above 0"));
-        }
+        BadOption::unless_positive("deviation", one.deviation)
+            .map_err(|bad| document.wrong(&path.key(bad.key), bad.expected))?;
     }
     Ok(())
 }

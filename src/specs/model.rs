@@ -1,6 +1,6 @@
 //! Model files and plant files, read and checked on their own.
 
-use super::discovery::check_names;
+use super::discovery::check_entries;
 use super::document::Document;
 use super::error::SpecError;
 use super::locate::End;
@@ -44,7 +44,7 @@ pub fn read_plant(file: &Path) -> Result<PlantSpec, SpecError> {
 pub fn read_options(file: &Path) -> Result<Options, SpecError> {
     let document = Document::read(file, &[], &[])?;
     let options = document.parse::<Options>()?;
-    check_names(&document, &options, &KeyPath::default())?;
+    check_entries(&document, &options, &KeyPath::default())?;
     options.check().map_err(|error| refusal(&document, "", &error))?;
     Ok(options)
 }
