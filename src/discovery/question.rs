@@ -167,7 +167,7 @@ impl<'a> Question<'a> {
 /// A baseline, once the model is calibrated on it.
 pub(super) struct Base {
     pub(super) samples: Samples,
-    /// How its first tips scatter, where that is doubtful.
+    /// How its first tips scatter, where beginnings of its trials were left out for that.
     pub(super) starts: Option<Floor>,
     pub(super) played: Vec<f64>,
     /// What is uncertain, far wider than after a calibration.
@@ -188,9 +188,9 @@ impl Base {
     ) -> Result<Base, DiscoveryError> {
         let whole = Samples::new(recording);
         check::check(recording, &whole)?;
-        let starts = beginnings::doubtful(&whole, model);
-        let later = starts.as_ref().map(|_| beginnings::without(&whole));
-        let samples = later.filter(|later| check::check(recording, later).is_ok()).unwrap_or(whole);
+        let later = beginnings::doubtful(&whole, model).map(|starts| (beginnings::without(&whole), Some(starts)));
+        let enough = |(later, _): &(Samples, _)| check::check(recording, later).is_ok();
+        let (samples, starts) = later.filter(enough).unwrap_or((whole, None));
         let look = |model: &Model| -> Result<(Vec<f64>, Vec<Column>), DiscoveryError> {
             let played = played(model, &samples)?;
             let uncertain = Uncertain::new(options, hypotheses, &[], BEFORE_CALIBRATION);
