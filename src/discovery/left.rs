@@ -50,7 +50,7 @@ pub(super) struct Sign {
 /// Whether something is left.
 #[derive(Clone, Debug)]
 pub(super) struct Left {
-    /// The clearest sign of it, by a chance below a seventh of `false_alarm`, or that it is slower than any noise.
+    /// The clearest sign of it, by a chance below `false_alarm`, or that it is slower than any noise.
     pub(super) sign: Option<Sign>,
     /// By one that is worth a longer search.
     pub(super) possibly: bool,
@@ -119,10 +119,9 @@ impl Question<'_> {
             let clear = tests.iter().filter(|(sign, matters_m)| sign.more_m > *matters_m && sign.p_value < chance);
             clear.map(|(sign, _)| *sign).min_by(|a, b| a.p_value.total_cmp(&b.p_value))
         };
-        let false_alarm = self.options.false_alarm_of_one();
-        let sign = below(false_alarm).or(slow.then(|| seen(Test::Slow, scatters, more_m, alone_m)));
+        let sign = below(self.options.false_alarm).or(slow.then(|| seen(Test::Slow, scatters, more_m, alone_m)));
         let possibly = sign.or(below(DOUBTFUL / tests.len() as f64)).is_some();
-        let is_tolerated = all < false_alarm && all_m > model_m && all_m <= tolerable_m;
+        let is_tolerated = all < self.options.false_alarm && all_m > model_m && all_m <= tolerable_m;
         Left { sign, possibly, tolerated_m: is_tolerated.then_some(all_m), floor }
     }
 

@@ -26,8 +26,8 @@ pub(super) struct Missing {
 const FEWEST_BLOCKS: usize = 12;
 /// Random signs that show how far chance goes, …
 const DRAWS: usize = 400;
-/// … and that are compared with at most: what does as well once in seven thousand is to be seen several times, …
-const MOST_DRAWS: usize = 28_000;
+/// … and that are compared with at most: what does as well once in a thousand is to be seen several times, …
+const MOST_DRAWS: usize = 4000;
 /// … until so many have done as well (sequential Monte Carlo; Besag & Clifford, Biometrika 78, 1991).
 const ENOUGH_ABOVE: usize = 20;
 

@@ -35,7 +35,7 @@ pub struct Options {
     pub least_share: f64,
     /// Answers whose scores differ by less cannot be told apart.
     pub rival_score: f64,
-    /// Chance that noise alone is taken for something missing, by all tests together (a seventh of it by each).
+    /// Chance that noise alone is taken for something missing.
     pub false_alarm: f64,
     /// What is foretold of the residual, over the noise floor, is not worth mentioning below this.
     pub least_foretold: f64,
@@ -96,9 +96,6 @@ impl Default for Options {
     }
 }
 
-/// Tests that noise must pass: six of what is left of the fit, and that of the held-out trials.
-const TESTS: f64 = 7.0;
-
 impl Options {
     /// Refuses settings out of range.
     ///
@@ -134,11 +131,6 @@ impl Options {
             }
         }
         self.uncertain.iter().try_for_each(|one| BadOption::unless_positive("deviation", one.deviation))
-    }
-
-    /// Chance below which one test alone says that something is missing (Bonferroni).
-    pub(super) fn false_alarm_of_one(&self) -> f64 {
-        self.false_alarm / TESTS
     }
 
     /// What moves the tip of this robot by less is neither named nor missed, metres.

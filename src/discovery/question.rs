@@ -122,7 +122,7 @@ impl<'a> Question<'a> {
         let p_value = f_above(there / here, above, freedom(&answer.explained, &self.fit));
         let least_m = self.least_left_m(here.sqrt()).max(self.inexact_m(&answer.played));
         let more_m = (there - here).max(0.0).sqrt();
-        let clear = p_value < self.options.false_alarm_of_one() && more_m > least_m;
+        let clear = p_value < self.options.false_alarm && more_m > least_m;
         clear.then_some(Sign { test: Test::HeldOut, p_value, more_m, beyond_m: here.sqrt() })
     }
 
