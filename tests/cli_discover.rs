@@ -246,6 +246,10 @@ fn what_is_given_stays() {
     let inside = bench.refused("discover --model NOMINAL --measured folder/next_dwell.csv --out folder");
     assert!(inside.contains("next_dwell.csv"), "{inside}");
     assert!(bench.path("folder/next_dwell.csv").exists());
+    std::fs::copy(format!("{ROOT}/models/nominal.yaml"), bench.path("folder/model.yaml")).unwrap();
+    bench.put("plant.yaml", "simulated: {model: folder/model.yaml, noise_m: 0.0005}\n");
+    let behind = bench.refused("discover --model NOMINAL --measured TWIN/nothing --plant plant.yaml --out folder");
+    assert!(behind.contains("model.yaml in it, which is read"), "{behind}");
 }
 
 #[test]

@@ -10,7 +10,9 @@ use spinebench::data::{Recording, write_atomic};
 use spinebench::discovery::{Discovery, DiscoveryError, Options, discover};
 use spinebench::effects::{CATALOGUE, Model};
 use spinebench::report::discovery::{EffectText, Story, artifacts};
-use spinebench::specs::{PlantSpec, SimulatedSpec, extended_text, model_text, read_model, read_options, read_plant};
+use spinebench::specs::{
+    PlantSpec, SimulatedSpec, extended_text, files_behind, model_text, read_model, read_options, read_plant,
+};
 use spinebench::tasks::{PlayOptions, play};
 use std::path::{Path, PathBuf};
 
@@ -96,8 +98,9 @@ impl Discover {
             return refuse(what, "a folder or nothing");
         }
         let Ok(out) = self.out.canonicalize() else { return Ok(()) };
-        let rest = [&self.baseline, &self.options, &self.plant].into_iter().flatten();
-        for file in self.measured.iter().chain([&self.model]).chain(rest) {
+        let specs = [Some(&self.model), self.options.as_ref(), self.plant.as_ref()];
+        let behind = specs.into_iter().flatten().flat_map(|file| files_behind(file));
+        for file in self.measured.iter().chain(&self.baseline).cloned().chain(behind) {
             let Ok(place) = file.canonicalize() else { continue };
             let name = place.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
             if place.parent() == Some(&*out) && is_written(&name) {

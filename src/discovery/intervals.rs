@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 use super::refit::{Fitted, Study};
 use crate::math::distribution::student_95;
@@ -10,8 +10,13 @@ use crate::math::distribution::student_95;
 /// Steps at most to an end of an interval, and how near to it, as a share, is near enough.
 const PROFILED: usize = 5;
 const NEAR_ENOUGH: f64 = 0.1;
-/// Looks beyond an end.
+/// Shares of the way to an end of an interval at which other numbers that fit as well are looked at.
+const ON_THE_WAY: [f64; 3] = [1.0, 0.5, 0.25];
+/// Looks beyond an end, …
 const LOOKS: i32 = 5;
+/// … and more of them as long as the last one fits as well, this far out, in units of the probes: a tendon that is slack is
+/// as slack with any zero beyond.
+const FAR: f64 = 10.0;
 
 impl Study<'_> {
     /// 95 % intervals of the parameters of member `k`, by their number in the card: what fits all but as well as the best
@@ -49,13 +54,8 @@ impl Study<'_> {
         let values = &fitted.members[k].values;
         let coordinates = self.coordinates(&fitted.members).into_iter().enumerate();
         let interval = |(at, (_, parameter)): (usize, (usize, usize))| {
-            let variance = covariance[(at, at)].max(f64::MIN_POSITIVE);
-            // The others go with it as the curvature at the best fit has them.
-            let together = covariance.column(at) / variance;
             let end = |sign: f64| {
-                let (direction, first) = (sign * &together, reach * variance.sqrt());
-                let step = self.profiled(fitted, at, &direction, (first, reach));
-                let step = self.beyond(fitted, at, &direction, (first, reach)).max(step);
+                let (_, step) = self.outwards(fitted, &covariance, at, sign, reach);
                 hypothesis.moved_within(values, parameter, sign * step * hypothesis.probe(parameter))[parameter]
             };
             let mut ends = [end(-1.0), end(1.0)];
@@ -63,6 +63,42 @@ impl Study<'_> {
             (parameter, ends)
         };
         coordinates.filter(|(_, (member, _))| *member == k).map(interval).collect()
+    }
+
+    /// The direction in which all coordinates go (in units of the probes) where coordinate `at` goes up or down by `sign`, and how
+    /// far that may be until the deviance has risen by the square of `reach`.
+    fn outwards(
+        &self,
+        fitted: &Fitted,
+        covariance: &DMatrix<f64>,
+        at: usize,
+        sign: f64,
+        reach: f64,
+    ) -> (DVector<f64>, f64) {
+        let variance = covariance[(at, at)].max(f64::MIN_POSITIVE);
+        // The others go with it as the curvature at the best fit has them.
+        let direction = covariance.column(at) * (sign / variance);
+        let first = reach * variance.sqrt();
+        let step = self.profiled(fitted, at, &direction, (first, reach));
+        let step = self.beyond(fitted, at, &direction, (first, reach)).max(step);
+        (direction, step)
+    }
+
+    /// Other numbers of the members that fit all but as well: every coordinate at the ends of its interval and on the way
+    /// there, the others following.
+    pub(super) fn as_good(&self, best: &Fitted) -> Vec<Fitted> {
+        let count = self.coordinates(&best.members).len();
+        let reach = student_95(3.0 * self.samples.len() as f64 - count as f64);
+        let most = best.explained.deviance + reach.powi(2);
+        let Some(covariance) = self.covariance(best) else { return Vec::new() };
+        let mut found = Vec::new();
+        for (at, sign) in (0..count).flat_map(|at| [(at, -1.0), (at, 1.0)]) {
+            let (direction, step) = self.outwards(best, &covariance, at, sign, reach);
+            let there = |share: f64| self.at(self.along(&best.members, at, &(share * step * &direction)).0);
+            let others = ON_THE_WAY.into_iter().filter_map(there).filter(|other| other.explained.deviance < most);
+            found.extend(others.map(|other| Fitted { jacobian: best.jacobian.clone(), ..other }));
+        }
+        found
     }
 
     /// How far coordinate `at` may go along a `direction` of all (in units of the probes): to `first`, where the curvature at
@@ -107,13 +143,15 @@ impl Study<'_> {
     fn beyond(&self, fitted: &Fitted, at: usize, direction: &DVector<f64>, (first, reach): (f64, f64)) -> f64 {
         let most = fitted.explained.deviance + reach.powi(2);
         let mut farthest = 0.0;
-        for doubled in 1..=LOOKS {
-            let step = first * f64::from(1 << doubled);
+        for doubled in 1.. {
+            let step = first * 2.0_f64.powi(doubled);
             let (members, moved) = self.along(&fitted.members, at, &(step * direction));
-            if self.held(fitted, at, members, most).is_some_and(|there| there.explained.deviance < most) {
+            let fits = self.held(fitted, at, members, most).is_some_and(|there| there.explained.deviance < most);
+            if fits {
                 farthest = moved.abs();
             }
-            if moved.abs() < (1.0 - NEAR_ENOUGH) * step {
+            let is_the_end = moved.abs() < (1.0 - NEAR_ENOUGH) * step;
+            if is_the_end || doubled >= LOOKS && !(fits && step < FAR) {
                 break;
             }
         }

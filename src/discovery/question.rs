@@ -112,6 +112,14 @@ impl<'a> Question<'a> {
         Some(nuisances.explain(&self.proof, &self.proof.residual(played), 0.0))
     }
 
+    /// Whether held-out trials scatter no more about `other` numbers of an answer than the trials of the fit.
+    pub(super) fn bear_out(&self, study: &Study, other: &Fitted) -> bool {
+        let known = effects(&self.hypotheses, &other.members);
+        let played = known.and_then(|known| play::tips(&self.model, &known, &self.proof));
+        let unseen = played.and_then(|played| self.held_out(study, other, &played));
+        unseen.is_some_and(|unseen| self.held_out_sign(other, &unseen).is_none())
+    }
+
     /// The sign that trials that took no part scatter more about `answer` than those of its fit. `unseen`: what is left of
     /// them.
     pub(super) fn held_out_sign(&self, answer: &Fitted, unseen: &Explained) -> Option<Sign> {

@@ -5,6 +5,7 @@ use super::answer::{Answer, set_name};
 use super::features::circumstances;
 use super::floor::Floor;
 use super::hypothesis::effects;
+use super::left::Sign;
 use super::noise::{LEAST_SIGMA_M, Noise};
 use super::nuisance::Explained;
 use super::question::{self, Question};
@@ -27,8 +28,17 @@ struct Proved {
     gap: Gap,
     /// Where the model with it has the tip in the held-out trials.
     played: Vec<f64>,
-    /// What is left of them but for what is uncertain or in common with a baseline.
-    unseen: Option<Explained>,
+    /// What they leave beside it.
+    unseen: Unseen,
+}
+
+/// What held-out trials leave that bear an answer out.
+#[derive(Default)]
+struct Unseen {
+    /// But for what is uncertain or in common with a baseline.
+    left: Option<Explained>,
+    /// That they scatter more than the trials of the fit, and its numbers are known too little for that to refute them.
+    excused: Option<Sign>,
 }
 
 impl Question<'_> {
@@ -56,7 +66,9 @@ impl Question<'_> {
         model.robot.resolution = given.robot.resolution;
         model.effects.extend(proved.added.iter().cloned());
         let tolerated = about.left.tolerated_m.filter(|_| named).map(words::tolerated);
-        let remarks = self.remarks(answer.verdict).into_iter().chain(tolerated).chain(self.unplayable(&model));
+        let excused = proved.unseen.excused.as_ref().map(words::excused);
+        let remarks = self.remarks(answer.verdict).into_iter().chain(tolerated).chain(excused);
+        let remarks = remarks.chain(self.unplayable(&model));
         let mut findings = Findings {
             verdict: answer.verdict,
             effects: answer.effects.clone(),
@@ -118,7 +130,7 @@ impl Question<'_> {
             Err(against) => {
                 gap.after_m = gap.before_m;
                 let answer = Answer::refuted(against);
-                Proved { answer, added: Vec::new(), gap, played: self.played_proof.clone(), unseen: None }
+                Proved { answer, added: Vec::new(), gap, played: self.played_proof.clone(), unseen: Unseen::default() }
             }
         }
     }
@@ -131,25 +143,27 @@ impl Question<'_> {
         best: &Fitted,
         answer: &Answer,
         (played, gap): (&[f64], &Gap),
-    ) -> Result<Option<Explained>, String> {
+    ) -> Result<Unseen, String> {
         let no_worse = gap.after_m <= gap.before_m;
         if !no_worse {
-            let [before_mm, after_mm] = [gap.before_m, gap.after_m].map(|error_m| 1e3 * error_m);
-            return Err(format!("it makes held-out trials worse: {after_mm:.2} mm instead of {before_mm:.2} mm"));
+            return Err(words::worse(gap));
         }
         if answer.verdict == Verdict::Unexplained {
-            return Ok(None);
+            return Ok(Unseen::default());
         }
-        let unseen = self.held_out(study, best, played);
-        match unseen.as_ref().and_then(|unseen| self.held_out_sign(best, unseen)) {
-            Some(sign) => Err(words::against(&sign)),
-            None => Ok(unseen),
+        let left = self.held_out(study, best, played);
+        let sign = |left: &Explained| self.held_out_sign(best, left);
+        let Some(refuted) = left.as_ref().and_then(sign) else { return Ok(Unseen { left, excused: None }) };
+        // A recording in which a tendon is always slack does not tell how slack, and another one may.
+        if study.as_good(best).iter().any(|other| self.bear_out(study, other)) {
+            return Ok(Unseen { left, excused: Some(refuted) });
         }
+        Err(words::against(&refuted))
     }
 
     /// What the held-out trials leave in common with the baseline, and what but for that, where it is worth a word.
     fn shared(&self, proved: &Proved, noise: &Noise) -> Option<words::Shared> {
-        let apart_m = rms_m(&proved.unseen.as_ref().filter(|_| self.has_baseline())?.left_m);
+        let apart_m = rms_m(&proved.unseen.left.as_ref().filter(|_| self.has_baseline())?.left_m);
         let shared_m = (proved.gap.after_m.powi(2) - apart_m.powi(2)).max(0.0).sqrt();
         (shared_m > self.least_left_m(noise.rms_m())).then_some(words::Shared { shared_m, apart_m })
     }

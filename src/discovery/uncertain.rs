@@ -25,6 +25,8 @@ struct Number {
     null: Vec<f64>,
     size: usize,
     deviation: f64,
+    /// Whether a member has replaced it: whatever it is then does nothing.
+    replaced: bool,
 }
 
 /// A number is believed to be off by so many standard deviations at most, and the tip's answer is taken between there and as
@@ -36,8 +38,8 @@ const FARTHEST: f64 = 3.0;
 const SEEN: f64 = 0.25;
 
 impl<'a> Uncertain<'a> {
-    /// The numbers that are uncertain beside the `members`, each by so many times what the options say. A number that a
-    /// member has replaced is none.
+    /// The numbers that are uncertain beside the `members`, each by so many times what the options say. They are as many
+    /// beside any members, as a baseline tells of all of them.
     pub(super) fn new(
         options: &Options,
         hypotheses: &'a [Hypothesis],
@@ -49,7 +51,7 @@ impl<'a> Uncertain<'a> {
         };
         let mut numbers = Vec::new();
         for one in &options.uncertain {
-            let about = hypotheses.iter().enumerate().filter(|(_, own)| own.card.name == one.effect && !replaced(own));
+            let about = hypotheses.iter().enumerate().filter(|(_, own)| own.card.name == one.effect);
             for (number, hypothesis) in about {
                 for null in hypothesis.variants() {
                     let asked = |size: &usize| hypothesis.card.parameters[*size].vector() == one.parameter;
@@ -58,6 +60,7 @@ impl<'a> Uncertain<'a> {
                         null: null.clone(),
                         size,
                         deviation: times * one.deviation,
+                        replaced: replaced(hypothesis),
                     }));
                 }
             }
@@ -72,7 +75,10 @@ impl<'a> Uncertain<'a> {
             let known = effects(self.hypotheses, members);
             let here = known.as_ref().and_then(|known| tips(model, known, samples));
             let (Some(known), Some(here)) = (known, here) else { return vec![None; self.numbers.len()] };
-            let answer = |number: &Number| self.answer(number, model, &known, samples, &here);
+            let answer = |number: &Number| match number.replaced {
+                true => Some(vec![0.0; here.len()]),
+                false => self.answer(number, model, &known, samples, &here),
+            };
             self.numbers.par_iter().map(answer).collect()
         };
         let mut answers = beside(members);
@@ -129,7 +135,7 @@ impl<'a> Uncertain<'a> {
     fn at(&self, nuisances: &Nuisances, amounts: &DVector<f64>) -> Option<(Vec<EffectSpec>, DVector<f64>)> {
         let mut told = DVector::zeros(nuisances.columns.nrows());
         let mut all = Vec::new();
-        for (k, number) in self.numbers.iter().enumerate() {
+        for (k, number) in self.numbers.iter().enumerate().filter(|(_, number)| !number.replaced) {
             let most = FARTHEST * number.deviation;
             let (effect, moved) = self.moved(number, (amounts[k] - nuisances.mean[k]).clamp(-most, most))?;
             all.push(effect);
@@ -201,12 +207,18 @@ mod tests {
     }
 
     #[test]
-    fn a_number_that_an_effect_replaces_is_certain_and_what_is_added_is_not() {
-        let (_, hypotheses, _) = setting();
-        let beside = |members: &[Member]| Uncertain::new(&Options::default(), &hypotheses, members, 1.0).numbers.len();
+    fn a_number_that_an_effect_replaces_does_nothing_and_what_is_added_does() {
+        let (model, hypotheses, samples) = setting();
+        let beside = |members: &[Member]| {
+            let uncertain = Uncertain::new(&Options::default(), &hypotheses, members, 1.0);
+            let columns = uncertain.columns(&model, members, &samples);
+            let nuisances = Nuisances::independent(3 * samples.len(), &columns);
+            let (off, _) = uncertain.at(&nuisances, &DVector::from_element(columns.len(), 1e-6)).unwrap();
+            [columns.len(), columns.iter().filter(|(column, _)| rms_m(column) > 0.0).count(), off.len()]
+        };
         let replaced = Member { hypothesis: damping(&hypotheses), values: vec![0.02] };
         let stiffness = hypotheses.iter().position(|hypothesis| hypothesis.card.name == "bending_stiffness").unwrap();
         let added = Member { hypothesis: stiffness, values: vec![1.2] };
-        assert_eq!([beside(&[]), beside(&[replaced]), beside(&[added])], [14, 13, 14]);
+        assert_eq!([beside(&[]), beside(&[replaced]), beside(&[added])], [[14, 14, 14], [14, 13, 13], [14, 14, 14]]);
     }
 }

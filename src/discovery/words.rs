@@ -2,7 +2,7 @@
 
 use super::foretelling::Pattern;
 use super::left::{Sign, Test};
-use crate::data::findings::{Findings, PlaceRow, Verdict};
+use crate::data::findings::{Findings, Gap, PlaceRow, Verdict};
 
 /// What the summary says beside the findings.
 pub(super) struct Beside<'a> {
@@ -99,6 +99,26 @@ pub(super) fn against(sign: &Sign) -> String {
             )
         }
     }
+}
+
+/// That an answer makes held-out trials worse, and by how much, to follow its name and "and yet".
+pub(super) fn worse(gap: &Gap) -> String {
+    let [before_mm, after_mm] = [gap.before_m, gap.after_m].map(|error_m| 1e3 * error_m);
+    if after_mm - before_mm < 0.01 {
+        return format!("it makes held-out trials worse: {after_mm:.4} mm instead of {before_mm:.4} mm");
+    }
+    format!("it makes held-out trials worse: {after_mm:.2} mm instead of {before_mm:.2} mm")
+}
+
+/// What is said where held-out trials scatter more than those of the fit, whose numbers are known too little for that to
+/// refute them.
+pub(super) fn excused(sign: &Sign) -> String {
+    let [all_mm, fit_mm] = [sign.more_m.hypot(sign.beyond_m), sign.beyond_m].map(|size_m| 1e3 * size_m);
+    format!(
+        "Held-out trials scatter by {all_mm:.2} mm about the answer with these numbers, those that it was fitted to by \
+         {fit_mm:.2} mm; with other numbers within the intervals they do not. What is missing is known better than how \
+         much of it: trials that move the robot otherwise, in the part that is fitted, would tell."
+    )
 }
 
 /// What is said of so much that is certainly left beside an answer, metres, and no more than laws may be off by.

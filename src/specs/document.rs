@@ -86,6 +86,11 @@ impl Document {
         Ok(Document { layers, merged, file: file.display().to_string(), origins: Vec::new() })
     }
 
+    /// Every file that was read for it.
+    pub(super) fn files(&self) -> Vec<PathBuf> {
+        self.layers.iter().filter(|layer| !layer.is_option()).map(|layer| PathBuf::from(&layer.name)).collect()
+    }
+
     /// The document as a `T`, refusing what `T` refuses with the place that it came from.
     ///
     /// # Errors

@@ -28,7 +28,7 @@ pub use document::Document;
 pub use error::{Place, SpecError};
 pub use experiment::{DiscoveryRun, Experiment, GapRun, GeneratedStart, Mode, ReachSweep, Runs, TrackRun, Training};
 pub use locate::{End, locate};
-pub use model::{extended_text, model_text, read_model, read_options, read_plant};
+pub use model::{extended_text, files_behind, model_text, read_model, read_options, read_plant};
 pub use path::{KeyPath, Step};
 pub use plant::{PlantSpec, SimulatedSpec};
 pub use schema::{SchemaOf, schema};

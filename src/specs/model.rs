@@ -9,7 +9,7 @@ use super::plant::PlantSpec;
 use crate::base::BadOption;
 use crate::discovery::Options;
 use crate::effects::{EffectSpec, Model};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Reads and checks a model file.
 ///
@@ -35,6 +35,13 @@ pub fn read_plant(file: &Path) -> Result<PlantSpec, SpecError> {
         options.recording = folder.join(&options.recording);
     }
     Ok(plant)
+}
+
+/// The files that a model, a plant or settings are read from: `file`, what it extends, and the models that it names. Only
+/// `file` itself where it cannot be read.
+pub fn files_behind(file: &Path) -> Vec<PathBuf> {
+    let document = Document::read(file, &[], &PlantSpec::model_paths(&KeyPath::default()));
+    document.map_or_else(|_| vec![file.to_owned()], |document| document.files())
 }
 
 /// Reads and checks settings of a discovery.

@@ -88,6 +88,10 @@ fn recordings_of_another_simulator_are_understood() {
     let friction = with("friction");
     assert_eq!((friction.findings.verdict, names(&friction)), (Verdict::Named, vec!["friction"]));
     assert!((told(&friction, "moment_nm").0 - 0.02).abs() < 2e-3);
+    // A number that the baseline tells of, and that the answer puts another one in the place of.
+    let damping = discover(&nominal(), &chain("r10.csv"), Some(&chain("baseline.csv")), &Options::default()).unwrap();
+    assert_eq!((damping.findings.verdict, names(&damping)), (Verdict::Named, vec!["damping"]));
+    assert!((told(&damping, "time_s").0 - 0.6).abs() < 0.06);
     // With a baseline that was itself recorded against a wall, the answer is worth little, and says so.
     let doubts =
         |found: &Discovery| found.findings.limitations.iter().filter(|told| told.contains("model is still")).count();
