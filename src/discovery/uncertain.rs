@@ -219,6 +219,7 @@ mod tests {
         let replaced = Member { hypothesis: damping(&hypotheses), values: vec![0.02] };
         let stiffness = hypotheses.iter().position(|hypothesis| hypothesis.card.name == "bending_stiffness").unwrap();
         let added = Member { hypothesis: stiffness, values: vec![1.2] };
-        assert_eq!([beside(&[]), beside(&[replaced]), beside(&[added])], [[14, 14, 14], [14, 13, 13], [14, 14, 14]]);
+        // One tendon is slack in these trials.
+        assert_eq!([beside(&[]), beside(&[replaced]), beside(&[added])], [[14, 13, 14], [14, 12, 13], [14, 13, 14]]);
     }
 }
