@@ -241,10 +241,16 @@ impl Hypothesis {
     }
 }
 
-/// Places that stand for one section each, or evenly spaced ones.
+/// Middles of the sections, of some of them if they are many; evenly spaced places where there are none.
 fn places(robot: &Robot, length_m: f64) -> Vec<f64> {
-    let count = if robot.sections.count > 0 { robot.sections.count.min(2 * PLACES) } else { PLACES };
-    (0..count).map(|k| length_m * (k as f64 + 0.5) / count as f64).collect()
+    let sections = robot.rod().sections;
+    let count = if sections.is_empty() { PLACES } else { sections.len().min(2 * PLACES) };
+    let place = |k: usize| {
+        let share = (k as f64 + 0.5) / count as f64;
+        let section = sections.get((share * sections.len() as f64) as usize);
+        section.map_or(share * length_m, |section| section.start_m + 0.5 * section.length_m)
+    };
+    (0..count).map(place).collect()
 }
 
 /// Which hypotheses the members are, whatever their order.
@@ -286,6 +292,22 @@ mod tests {
         assert!(load.moved_within(&[0.003], 0, -0.01)[0].is_sign_positive());
         let tilt = hypothesis("base_tilt");
         assert_eq!(tilt.moved_within(&[0.01, 0.02], 1, -0.05), tilt.moved(&[0.01, 0.02], 1, -0.05));
+    }
+
+    #[test]
+    fn places_are_the_middles_of_sections_or_evenly_spaced() {
+        let robot = Robot::default();
+        let middles: Vec<f64> = robot.rod().sections.iter().map(|one| one.start_m + 0.5 * one.length_m).collect();
+        assert_eq!((places(&robot, 0.22), middles.len()), (middles, 11));
+        let with = |count: usize, length_m: f64| {
+            let mut robot = Robot::default();
+            (robot.sections.count, robot.sections.length_m) = (count, length_m);
+            places(&robot, robot.backbone.length_m)
+        };
+        let some = with(40, 0.003);
+        assert!(some.len() == 2 * PLACES && some.windows(2).all(|two| two[0] < two[1]) && some[11] < 0.22, "{some:?}");
+        let even: Vec<f64> = (0..PLACES).map(|k| (k as f64 + 0.5) / PLACES as f64 * 0.22).collect();
+        assert_eq!(with(0, 0.01), even);
     }
 
     #[test]
