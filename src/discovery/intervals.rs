@@ -23,8 +23,7 @@ impl Study<'_> {
     /// fit, or as one with another choice does. A choice stands for half the way to its neighbours, the last one for as much
     /// on its far side.
     pub(super) fn intervals(&self, best: &Fitted, k: usize) -> BTreeMap<usize, [f64; 2]> {
-        let freedom = 3.0 * self.samples.len() as f64 - self.coordinates(&best.members).len() as f64;
-        let reach = student_95(freedom);
+        let reach = self.reach(best);
         let mut found = BTreeMap::new();
         let mut widen = |parameter: usize, ends: [f64; 2]| {
             let known = found.entry(parameter).or_insert(ends);
@@ -65,6 +64,11 @@ impl Study<'_> {
         coordinates.filter(|(_, (member, _))| *member == k).map(interval).collect()
     }
 
+    /// The root of what the deviance may rise by within a 95 % interval.
+    fn reach(&self, best: &Fitted) -> f64 {
+        student_95(3.0 * self.samples.len() as f64 - self.coordinates(&best.members).len() as f64)
+    }
+
     /// The direction in which all coordinates go (in units of the probes) where coordinate `at` goes up or down by `sign`, and how
     /// far that may be until the deviance has risen by the square of `reach`.
     fn outwards(
@@ -87,12 +91,11 @@ impl Study<'_> {
     /// Other numbers of the members that fit all but as well: every coordinate at the ends of its interval and on the way
     /// there, the others following.
     pub(super) fn as_good(&self, best: &Fitted) -> Vec<Fitted> {
-        let count = self.coordinates(&best.members).len();
-        let reach = student_95(3.0 * self.samples.len() as f64 - count as f64);
+        let reach = self.reach(best);
         let most = best.explained.deviance + reach.powi(2);
         let Some(covariance) = self.covariance(best) else { return Vec::new() };
         let mut found = Vec::new();
-        for (at, sign) in (0..count).flat_map(|at| [(at, -1.0), (at, 1.0)]) {
+        for (at, sign) in (0..covariance.ncols()).flat_map(|at| [(at, -1.0), (at, 1.0)]) {
             let (direction, step) = self.outwards(best, &covariance, at, sign, reach);
             let there = |share: f64| self.at(self.along(&best.members, at, &(share * step * &direction)).0);
             let others = ON_THE_WAY.into_iter().filter_map(there).filter(|other| other.explained.deviance < most);

@@ -75,10 +75,7 @@ impl<'a> Uncertain<'a> {
             let known = effects(self.hypotheses, members);
             let here = known.as_ref().and_then(|known| tips(model, known, samples));
             let (Some(known), Some(here)) = (known, here) else { return vec![None; self.numbers.len()] };
-            let answer = |number: &Number| match number.replaced {
-                true => Some(vec![0.0; here.len()]),
-                false => self.answer(number, model, &known, samples, &here),
-            };
+            let answer = |number: &Number| self.answer(number, model, &known, samples, &here);
             self.numbers.par_iter().map(answer).collect()
         };
         let mut answers = beside(members);
@@ -99,6 +96,9 @@ impl<'a> Uncertain<'a> {
         samples: &Samples,
         here: &[f64],
     ) -> Option<Vec<f64>> {
+        if number.replaced {
+            return Some(vec![0.0; here.len()]);
+        }
         let side = |step: f64| {
             let (effect, moved) = self.moved(number, step)?;
             Some((tips(model, &[known, &[effect]].concat(), samples)?, moved))

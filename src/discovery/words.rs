@@ -104,10 +104,8 @@ pub(super) fn against(sign: &Sign) -> String {
 /// That an answer makes held-out trials worse, and by how much, to follow its name and "and yet".
 pub(super) fn worse(gap: &Gap) -> String {
     let [before_mm, after_mm] = [gap.before_m, gap.after_m].map(|error_m| 1e3 * error_m);
-    if after_mm - before_mm < 0.01 {
-        return format!("it makes held-out trials worse: {after_mm:.4} mm instead of {before_mm:.4} mm");
-    }
-    format!("it makes held-out trials worse: {after_mm:.2} mm instead of {before_mm:.2} mm")
+    let digits = if after_mm - before_mm < 0.01 { 4 } else { 2 };
+    format!("it makes held-out trials worse: {after_mm:.digits$} mm instead of {before_mm:.digits$} mm")
 }
 
 /// What is said where held-out trials scatter more than those of the fit, whose numbers are known too little for that to
