@@ -1,29 +1,26 @@
 //! spinebench: does this learning-based continuum-robot controller really work, and where is my simulator wrong?
 //!
 //! Rooms, lowest first; a room may import only rooms above its own line in `docs/architecture.md`:
-//! [`base`] value types and seeds, [`math`] numerics, [`data`] everything on disk, [`rod`] the Cosserat rod,
-//! [`effects`] the catalogue of missing physics, [`hardware`] motors, tracker and safety, [`plants`] things that move, [`learn`] networks and Gaussian
-//! processes, [`discovery`] what a model lacks, [`policies`] controllers, [`tasks`] the loops, [`specs`] YAML experiments, [`runner`] stages,
-//! cache and threads, [`report`] tables and figures.
+//! [`base`] value types and seeds, [`math`] numerics, [`data`] all files, [`rod`] the Cosserat rod, [`effects`] the
+//! catalogue of missing physics, [`hardware`] motors, tracker and safety, [`simulators`] imitations of motors and tracker,
+//! [`plants`] robots, [`learn`] networks and Gaussian processes, [`discovery`] what a model lacks, [`policies`]
+//! controllers, [`tasks`] the loops, [`calibration`] numbers of a model from recordings, [`benchmark`] the blind benchmark of
+//! `discover`, [`specs`] YAML experiments, [`runner`] stages, store and threads, [`report`] tables and figures.
 
 pub mod base;
-pub mod math;
-
+pub mod benchmark;
+pub mod calibration;
 pub mod data;
-pub mod rod;
-
+pub mod discovery;
 pub mod effects;
 pub mod hardware;
-
-pub mod plants;
-
-pub mod discovery;
 pub mod learn;
+pub mod math;
+pub mod plants;
 pub mod policies;
-
-pub mod tasks;
-
-pub mod specs;
-
 pub mod report;
+pub mod rod;
 pub mod runner;
+pub mod simulators;
+pub mod specs;
+pub mod tasks;

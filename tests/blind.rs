@@ -2,15 +2,15 @@
 //! inside from outside, and the label stays sealed.
 
 use spinebench::base::Seed;
+use spinebench::benchmark::{
+    Answer, Answered, Batch, Commands, Group, OracleOptions, Prior, Robot, Span, Truth, TruthOptions, UNKNOWNS,
+    commands, drawing, present, scores,
+};
 use spinebench::data::findings::Verdict;
 use spinebench::effects::{CATALOGUE, Model};
 use spinebench::runner::Campaign;
 use spinebench::specs::{Experiment, read_model};
 use spinebench::tasks::ExploreOptions;
-use spinebench::tasks::blind::{
-    Answer, Answered, Batch, Commands, Group, OracleOptions, Prior, Robot, Span, Truth, TruthOptions, UNKNOWNS,
-    commands, draw, present, score,
-};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 

@@ -2,9 +2,10 @@
 
 use rand_distr::{Distribution, Normal};
 use spinebench::base::{Rows, Seed};
+use spinebench::calibration::{Calibration, calibrate};
 use spinebench::data::{Actuation, Recording};
 use spinebench::effects::Model;
-use spinebench::tasks::{Calibration, PlayOptions, TaskError, calibrate, play};
+use spinebench::tasks::{PlayOptions, TaskError, play};
 
 const TRUE_PA: f64 = 2.33e9;
 const NOISE_M: f64 = 5e-4;

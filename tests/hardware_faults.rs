@@ -8,9 +8,9 @@ use std::sync::Arc;
 
 use hardware_support::{STEP_S, open, options};
 use spinebench::base::{Plant, PlantError, Seed};
-use spinebench::hardware::bench::{ControllerFault, FakeBody, Plan, TrackerFault, World};
 use spinebench::hardware::interrupt::Interrupt;
 use spinebench::plants::Hardware;
+use spinebench::simulators::{ControllerFault, FakeBody, Plan, TrackerFault, World};
 
 /// When the fault comes.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -14,9 +14,9 @@ mod terminal;
 mod transcripts;
 
 use bench::{Bench, near};
-use spinebench::hardware::bench::{ControllerFault, ControllerOptions};
 use spinebench::hardware::clock::Clock;
 use spinebench::hardware::grbl::{Mode, MotionFault, MotionSettings, Refusal, codes};
+use spinebench::simulators::{ControllerFault, ControllerOptions};
 
 #[test]
 fn opening_looks_and_touches_nothing() {

@@ -9,9 +9,9 @@ use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use natnet::Version;
-use spinebench::hardware::bench::{FakeTracker, TrackerOptions};
 use spinebench::hardware::clock::{Clock, WallClock};
 use spinebench::hardware::tracking::{Pose, Transport};
+use spinebench::simulators::{FakeTracker, TrackerOptions};
 
 const PACKAGE: &str = "natnet==0.3.0";
 

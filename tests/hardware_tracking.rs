@@ -17,9 +17,9 @@ mod real;
 
 use bench::{Bench, apart, at_rest, pose, steady};
 use nalgebra::Point3;
-use spinebench::hardware::bench::{FakeTracker, TrackerOptions};
 use spinebench::hardware::clock::Clock;
 use spinebench::hardware::tracking::{Pose, TrackingFault, Transport, align};
+use spinebench::simulators::{FakeTracker, TrackerOptions};
 
 /// Single precision on the wire, at some metres from Motive's origin.
 const WIRE_M: f64 = 5e-7;

@@ -8,7 +8,7 @@ use motive_support::{AT_S, Bench, FRAMES, LENGTHS, PLAIN, apart, dialects, diffe
 use nalgebra::{UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use spinebench::data::Recording;
-use spinebench::data::motive::Export;
+use spinebench::data::import::motive::Export;
 use spinebench::math::rotation::parts;
 use std::path::Path;
 

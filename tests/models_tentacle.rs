@@ -4,7 +4,7 @@ mod common;
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use spinebench::effects::Model;
-use spinebench::math::least_squares::fit;
+use spinebench::math::optimise::least_squares::fit;
 use spinebench::rod::{Drive, Rod, Status};
 
 /// Levels of both motors in the order of the file; a tension is the level over 0.0325 m.

@@ -4,7 +4,7 @@ mod common;
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use spinebench::effects::{EffectSpec, Model};
-use spinebench::math::least_squares::fit;
+use spinebench::math::optimise::least_squares::fit;
 use spinebench::rod::{Drive, Rod, Status};
 
 /// Rows of the excerpt that the model was fitted to.

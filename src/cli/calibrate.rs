@@ -3,9 +3,10 @@
 use super::simulate::read_measured;
 use super::{Ended, Outcome};
 use clap::Args;
+use spinebench::calibration::{ADJUSTABLE, calibrate};
 use spinebench::data::write_atomic;
 use spinebench::specs::{model_text, read_model};
-use spinebench::tasks::{ADJUSTABLE, TaskError, calibrate};
+use spinebench::tasks::TaskError;
 use std::path::PathBuf;
 
 /// Fits Young's modulus (and what --fit names) to a recording.

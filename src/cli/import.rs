@@ -2,8 +2,8 @@
 
 use super::{Ended, Outcome};
 use clap::{Args, Subcommand, ValueEnum};
-use spinebench::data::motive::{Body, Export};
-use spinebench::tasks::import::{Axes, ImportOptions, Imported, Log, TipFrame, import};
+use spinebench::data::import::motive::{Body, Export};
+use spinebench::data::import::{Axes, ImportOptions, Imported, Log, TipFrame, import};
 use std::path::PathBuf;
 
 /// Joins a tracking system's own export with a log of commands to a recording.

@@ -3,7 +3,7 @@
 use super::{Ended, Outcome};
 use spinebench::base::{Plant, PlantError, Seed};
 use spinebench::data::Recording;
-use spinebench::plants::hardware::{Hardware, HardwareOptions, hands};
+use spinebench::plants::hardware::{Hardware, HardwareOptions, operator};
 use spinebench::specs::{PlantSpec, read_plant};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -56,7 +56,7 @@ impl Robot {
             format!("trial {trial}: take everything off the tip")
         };
         match self {
-            Robot::Other(_) => hands::ask(&what),
+            Robot::Other(_) => operator::ask(&what),
             Robot::Bench(hardware) if hardware.stage().is_some() || assume_done => {
                 eprintln!("note: {what}");
                 hardware.hang(load_kg, None)

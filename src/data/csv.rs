@@ -3,8 +3,8 @@
 
 use std::path::Path;
 
-use super::sheet::{Sheet, parse_csv};
-use super::{DataError, sheet};
+use super::table::{Sheet, parse_csv};
+use super::{DataError, table};
 
 const HEADER: &str = "a header line and at least one row";
 
@@ -26,7 +26,7 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Sheet, DataError> {
     if rows == 0 {
         return Err(DataError::Empty { file: path.to_owned(), found: "a header and no rows", expected: HEADER });
     }
-    let parsed: sheet::Sheet = parse_csv(path, text)?;
+    let parsed: table::Sheet = parse_csv(path, text)?;
     if parsed.rows != rows || parsed.columns.len() != width {
         let reason = format!("{rows} lines of {width} cells came out as {} of {}", parsed.rows, parsed.columns.len());
         return Err(DataError::Read { file: path.to_owned(), reason });

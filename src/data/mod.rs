@@ -1,18 +1,18 @@
 //! All that is on disk.
 
-mod cells;
+mod atomic_batch;
 mod csv;
 mod error;
 mod file;
 pub mod findings;
-pub mod motive;
+pub mod import;
 pub mod recording;
+mod row_serde;
 pub mod rows;
-mod sheet;
+mod table;
 pub mod tables;
-mod together;
 
+pub use atomic_batch::write_together;
 pub use error::DataError;
 pub use file::write_atomic;
 pub use recording::{Actuation, Recording};
-pub use together::write_together;

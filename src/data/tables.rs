@@ -8,8 +8,8 @@ use std::path::Path;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::cells::{Cell, CellError, TextRow, fields_of};
-use super::sheet::{Cells, Sheet, csv_bytes};
+use super::row_serde::{Cell, CellError, TextRow, fields_of};
+use super::table::{Cells, Sheet, csv_bytes};
 use super::{DataError, write_atomic};
 
 /// Significant digits of a published number: a nanometre in a metre.

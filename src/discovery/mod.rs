@@ -4,66 +4,30 @@
 //! The physics is fitted anew for every candidate; numbers that a lab would recalibrate are free in all of them alike;
 //! candidates pay for their parameters; trials that take no part in any of it are the proof.
 
-mod about;
-mod another;
 mod answer;
-mod base;
-mod baseline;
-mod beginnings;
-mod beside;
-mod check;
-mod compare;
 mod error;
-mod farther;
-mod features;
-mod floor;
-mod foretelling;
-mod grows;
-mod hypothesis;
-mod intervals;
-mod judged;
-mod left;
-mod menu;
-mod missing;
-mod moves;
-mod neighbours;
-mod next;
-mod noise;
-mod nuisance;
+mod fit;
+mod goodness_of_fit;
+mod next_experiment;
+mod noise_floor;
 mod options;
-mod outward;
-mod pairs;
-mod places;
-mod play;
-mod proof;
-mod question;
-mod refit;
-mod remarks;
-mod responses;
-mod rest;
-mod samples;
-mod screen;
+mod problem;
+mod recording;
 mod search;
-mod telling;
-mod together;
-mod uncertain;
-mod uneven;
-mod unseen;
-mod words;
 
 use crate::data::Recording;
 use crate::data::findings::{Findings, PlaceRow, ResidualRow};
 use crate::effects::Model;
 
-use about::About;
-use floor::Floor;
-use question::Question;
-use samples::Samples;
+use answer::final_fit::About;
+use noise_floor::Floor;
+use problem::Question;
+use recording::samples::Samples;
 use search::{Found, Search};
 
-pub use compare::Remedies;
+pub use answer::alternatives::Remedies;
 pub use error::DiscoveryError;
-pub use next::Next;
+pub use next_experiment::t_optimality::Next;
 pub use options::{Options, Uncertainty};
 
 /// An answer with all that stands behind it.
@@ -100,23 +64,23 @@ pub fn discover(
 ) -> Result<Discovery, DiscoveryError> {
     options.check()?;
     let ask = |samples: Samples| -> Result<Question, DiscoveryError> {
-        check::check(measured, &samples)?;
-        check::check_trials(&samples)?;
+        recording::validate::check(measured, &samples)?;
+        recording::validate::check_trials(&samples)?;
         let mut question = Question::new(model, samples, baseline, options)?;
         let fitted: Vec<u64> = question.fit.trials.iter().map(|trial| trial.number).collect();
-        question.base_stands = base::stands_as_modelled(measured, &fitted, model);
+        question.base_stands = recording::base_markers::stands_as_modelled(measured, &fitted, model);
         Ok(question)
     };
     let all = Samples::new(measured);
     let question = ask(all.clone())?;
     // Without them first, where that can be asked: a few tips that are far off lead every fit astray.
-    if let Some(starts) = beginnings::doubtful(&question.fit, model)
-        && let Ok(rest) = ask(beginnings::without(&all))
+    if let Some(starts) = noise_floor::trial_starts::doubtful(&question.fit, model)
+        && let Ok(rest) = ask(noise_floor::trial_starts::without(&all))
         && let Ok((about, found)) = searched(&rest)
         && Floor::left_by(&about.fine.fitted.explained, &rest.fit).is_exceeded_by(&starts)
     {
         let mut told = rest.discovery(model, measured, &about, &found);
-        told.findings.limitations.push(beginnings::left_out(&starts));
+        told.findings.limitations.push(noise_floor::trial_starts::left_out(&starts));
         return Ok(told);
     }
     let (about, found) = searched(&question)?;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::hypothesis::Hypothesis;
+use super::fit::candidate::Hypothesis;
 use super::search::Limits;
 use crate::base::{BadOption, Seed};
 use crate::effects::Model;

@@ -1,7 +1,7 @@
 //! Motors, tracker and guard of one robot: everything that leaves goes through here.
 
-mod causes;
-mod doubts;
+pub(crate) mod plausibility;
+pub(crate) mod stop_reasons;
 
 use crate::base::{Point3, distance_m};
 
@@ -10,8 +10,8 @@ use super::grbl::{self, Controller, Mode, MotionFault};
 use super::interrupt::Interrupt;
 use super::safety::{Cause, Facts, Guard, Latch, Order, Refusal, SafetyLimits, State};
 use super::tracking::{TipPose, Tracking};
-use causes::{ARM, ENDED, INTERRUPTED, controller_cause, ended, interrupted};
-use doubts::Changed;
+use plausibility::Changed;
+use stop_reasons::{ARM, ENDED, INTERRUPTED, controller_cause, ended, interrupted};
 
 /// Share of a tick that a move takes at full speed; the rest is for its acceleration.
 const MOVING_SHARE: f64 = 0.8;

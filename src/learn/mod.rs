@@ -7,7 +7,6 @@ mod simd;
 mod standardise;
 
 pub mod gp;
-pub mod optimise;
 pub mod rnn;
 
 pub use error::LearnError;

@@ -1,7 +1,7 @@
 //! Numerics: small linear algebra, rotations, statistics.
 
 pub mod distribution;
-pub mod least_squares;
+pub mod optimise;
 pub mod polynomial;
 pub mod rotation;
 pub mod summary;

@@ -2,6 +2,7 @@
 
 use super::axes::{Axis, Panel};
 use super::canvas::{Align, Canvas, Place, Text};
+use super::isometric::View;
 use super::legend::{Key, legend};
 use super::markup::Grid;
 use super::style::{
@@ -9,7 +10,6 @@ use super::style::{
     policy_look, policy_markdown, training_short,
 };
 use super::summarise::{rank, track_summary};
-use super::view::View;
 use super::{Artifact, Figure, Published, ReportError, csv, pictures, text, trainings};
 use crate::base::Point3;
 use crate::data::rows::{TrackRow, TrackSummaryRow};

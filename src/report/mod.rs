@@ -2,12 +2,14 @@
 //! nothing here can reach what computed the rows, so every picture can be drawn again from `results/`.
 
 mod axes;
+mod benchmark;
 mod canvas;
 mod claims;
 pub mod discovery;
 mod fig5;
 mod fig6;
 mod fig8;
+mod isometric;
 mod legend;
 pub mod markup;
 pub mod page;
@@ -20,9 +22,8 @@ mod scaling;
 pub mod style;
 mod summarise;
 mod sweep;
-mod swept;
+mod sweep_rows;
 mod table1;
-mod view;
 
 use std::path::Path;
 
@@ -30,7 +31,7 @@ use crate::data::{DataError, write_atomic};
 
 pub use published::{Published, published_rows};
 pub use summarise::{OSCILLATION_WINDOW_S, reach_summary, track_summary};
-pub use swept::{Swept, gp_sweep, reach_sweep, track_sweep};
+pub use sweep_rows::{Swept, gp_sweep, reach_sweep, track_sweep};
 
 /// Where a file that a figure makes belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

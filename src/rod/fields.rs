@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::grid::Grid;
+use super::discretisation::grid::Grid;
 use super::simulation::Rod;
 use super::state::CrossSection;
 

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::memory::MomentLaw;
-use super::scheme::Scheme;
+use super::dynamics::scheme::Scheme;
+use super::equations::hysteresis_law::MomentLaw;
 use super::span::Span;
 use super::tendon::Tendon;
 

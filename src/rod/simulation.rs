@@ -2,18 +2,18 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::advance::Pace;
-use super::conditions::{Conditions, Hold};
-use super::motion::Motion;
+use super::dynamics::scheme::{Scheme, Tableau};
+use super::dynamics::solve_log::Trace;
+use super::dynamics::time_stepping::Pace;
+use super::equations::boundary_conditions::{Conditions, Hold};
+use super::equations::motion::Motion;
+use super::equations::system::System;
 use super::params::{RodParams, TipLoad};
-use super::refine::Space;
-use super::rest::Rest;
-use super::scheme::{Scheme, Tableau};
 use super::solver::Solver;
 use super::state::{Rates, State};
+use super::statics::equilibrium::Rest;
+use super::statics::refinement::Space;
 use super::status::Status;
-use super::system::System;
-use super::trace::Trace;
 use crate::math::vectorised;
 
 /// What a tendon is told.

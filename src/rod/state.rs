@@ -2,11 +2,11 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::grid::Grid;
-use super::memory::MemoryState;
-use super::motion::{EndMass, Motion};
-use super::section::Six;
-use super::shape::Shape;
+use super::discretisation::grid::Grid;
+use super::equations::hysteresis_law::MemoryState;
+use super::equations::material::Six;
+use super::equations::motion::{EndMass, Motion};
+use super::equations::shape::Shape;
 
 /// Position, velocity and history of a rod at one instant.
 #[derive(Clone, Debug)]

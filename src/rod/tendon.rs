@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::grid::COMPONENTS;
-use super::section::Six;
+use super::discretisation::grid::COMPONENTS;
+use super::equations::material::Six;
 use crate::math::{rotation, three};
 
 /// A tendon that runs through guide holes from the base, or from a point further on, to where it is anchored. It slides

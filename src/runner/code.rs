@@ -15,8 +15,20 @@ const CODEC: &str = "runner/codec/";
 const STAGES: &str = "runner/stages/";
 
 /// Whatever moves: the rod, its effects, simulated robots, the loops.
-pub(super) const ROBOT: Sources =
-    &["base/", "math/", "data/", "rod/", "effects/", "plants/", "plants/hardware/!", "tasks/", SPEC, CODEC, STAGES];
+pub(super) const ROBOT: Sources = &[
+    "base/",
+    "math/",
+    "data/",
+    "rod/",
+    "effects/",
+    "plants/",
+    "plants/hardware/!",
+    "tasks/",
+    "benchmark/",
+    SPEC,
+    CODEC,
+    STAGES,
+];
 /// Whatever learns.
 pub(super) const LEARN: Sources = &["base/", "math/", "learn/", "policies/", "tasks/", "runner/stages/"];
 /// Policies on robots.
@@ -36,10 +48,22 @@ pub(super) const TRIAL: Sources = &[
     STAGES,
 ];
 /// Whatever looks for what a model lacks.
-pub(super) const DISCOVERY: Sources =
-    &["base/", "math/", "data/", "rod/", "effects/", "learn/", "discovery/", "tasks/", SPEC, CODEC, STAGES];
+pub(super) const DISCOVERY: Sources = &[
+    "base/",
+    "math/",
+    "data/",
+    "rod/",
+    "effects/",
+    "learn/",
+    "discovery/",
+    "tasks/",
+    "benchmark/",
+    SPEC,
+    CODEC,
+    STAGES,
+];
 /// Robots on a bench and rehearsals of them; part of the digest of such a robot, not of all stages.
-pub(super) const BENCH: Sources = &["plants/hardware/", "hardware/"];
+pub(super) const BENCH: Sources = &["plants/hardware/", "hardware/", "simulators/"];
 
 /// The digest of the code that `sources` name, and of the packages.
 pub(super) fn digest(sources: Sources) -> Digest {

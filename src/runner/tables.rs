@@ -4,11 +4,11 @@ use super::campaign::{Network, PointStages, TrainedCells};
 use super::graph::Failure;
 use super::metrics::Tables;
 use super::outcomes::Outcomes;
+use crate::benchmark::Scored;
 use crate::data::rows::{GpRow, NetworkRow, TrackRow, TrialRow, WaypointRow};
 use crate::learn::rnn::Trained;
 use crate::report::track_summary;
 use crate::specs::{Cell, Experiment};
-use crate::tasks::blind::Scored;
 
 pub(super) fn assemble(point: &PointStages, outcomes: &Outcomes) -> Tables {
     let mut tables = Tables::default();

@@ -3,12 +3,12 @@
 use super::claims::Claim;
 use super::plant::PlantSpec;
 use super::slurm::SlurmOptions;
+use crate::benchmark::{Batch, OracleOptions, TruthOptions};
 use crate::discovery::Options;
 use crate::effects::EffectSpec;
 use crate::learn::gp::GpConfig;
 use crate::learn::rnn::ElmanConfig;
 use crate::policies::PolicyOptions;
-use crate::tasks::blind::{Batch, OracleOptions, TruthOptions};
 use crate::tasks::{ExploreOptions, GpPointsOptions, LoopMode, PathOptions, ReachOptions, TargetOptions, TrackOptions};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

@@ -5,7 +5,7 @@ use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
 use super::actuation::{bend_commands, check_pairs};
-use super::watched::Watched;
+use super::retry_lost_frames::Watched;
 use super::{Samples, TaskError};
 use crate::base::{BadOption, Plant, Seed};
 

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::actuation::{Bend, GridOptions, bend_commands, check_pairs, drive_to};
 use super::explore::{ExploreOptions, explore_trajectory};
-use super::watched::Watched;
+use super::retry_lost_frames::Watched;
 use super::{Samples, TaskError};
 use crate::base::{BadOption, Observation, Plant, Rows, Seed, TendonCommand};
 

@@ -1,37 +1,33 @@
 //! The loops: a plant explored, replayed, and driven by a policy to a target or along a path.
 
 mod actuation;
-pub mod blind;
-mod calibrate;
+mod corrected_samples;
 mod explore;
-mod generate;
 mod gp_points;
-mod imagine;
-pub mod import;
 mod path;
-mod play;
 mod reach;
 mod record;
+mod retry_lost_frames;
+mod rollout;
 mod samples;
+mod simulate_recording;
+mod static_poses;
 mod targets;
 mod track;
-mod visit;
-mod watched;
 
 pub use actuation::{GridOptions, bend_commands};
-pub use calibrate::{ADJUSTABLE, Adjustable, Calibrated, Calibration, calibrate};
+pub use corrected_samples::generate;
 pub use explore::{ExploreOptions, explore, explore_trajectory, replay, replay_trajectory};
-pub use generate::generate;
 pub use gp_points::{GpPoints, GpPointsOptions, GpPool, Layout, SimulatedBy, gp_points, one_of_each_cluster};
-pub use imagine::imagine;
 pub use path::{PathOptions, interpolate, waypoints};
-pub use play::{PlayOptions, Varied, play, play_varied};
 pub use reach::{LoopMode, ReachOptions, ReachOutcome, reach};
 pub use record::{UnevenSteps, record_trial, step_s};
+pub use rollout::imagine;
 pub use samples::Samples;
+pub use simulate_recording::{PlayOptions, Varied, play, play_varied};
+pub use static_poses::{VisitOptions, star_m, visit_trial, visits};
 pub use targets::{TargetOptions, draw_targets, spread_targets, target_pool};
 pub use track::{TrackOptions, TrackStep, track};
-pub use visit::{VisitOptions, star_m, visit_trial, visits};
 
 use crate::base::{BadOption, PlantError, PolicyError};
 

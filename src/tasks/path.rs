@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::TaskError;
 use super::actuation::{Bend, check_pairs, drive_to};
-use super::watched::Watched;
+use super::retry_lost_frames::Watched;
 use crate::base::{BadOption, Plant, Point3, Seed, distance_m};
 
 /// Settings of the path: a smooth closed curve in the actuation plane, r(φ) = radius (1 + petal_share cos(petals φ)),

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::TaskError;
 use super::actuation::{Bend, GridOptions, check_pairs, drive_to};
-use super::watched::Watched;
+use super::retry_lost_frames::Watched;
 use crate::base::{BadOption, Plant, Point3, Seed};
 
 /// Settings of the pool of targets.

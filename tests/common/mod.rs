@@ -83,7 +83,7 @@ pub fn rotation(row: &HashMap<String, f64>, prefix: &str) -> Matrix3<f64> {
 
 /// Central differences of `residuals` with steps of `step` in every parameter, as [`fit`] wants them.
 ///
-/// [`fit`]: spinebench::math::least_squares::fit
+/// [`fit`]: spinebench::math::optimise::least_squares::fit
 pub fn differences<'a>(
     residuals: &'a dyn Fn(&[f64]) -> Option<Vec<f64>>,
     step: f64,

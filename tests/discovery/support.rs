@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use spinebench::base::Seed;
+use spinebench::benchmark;
 use spinebench::data::Recording;
 use spinebench::discovery::{Discovery, Options, discover};
 use spinebench::effects::Model;
-use spinebench::tasks::{ExploreOptions, PlayOptions, blind, play};
+use spinebench::tasks::{ExploreOptions, PlayOptions, play};
 
 use super::common;
 
@@ -62,7 +63,7 @@ pub(super) fn recorded(effects: &str, count: usize, seed: u64, correlation: f64)
 fn with_noise(mut recording: Recording, seed: u64, correlation: f64) -> Recording {
     let counts: Vec<usize> = recording.trials().into_iter().map(|(_, rows)| rows.len()).collect();
     let tips_m = recording.tip_m.as_mut().unwrap();
-    blind::add_noise(tips_m, counts.into_iter(), (NOISE_M, correlation), Seed(seed));
+    benchmark::add_noise(tips_m, counts.into_iter(), (NOISE_M, correlation), Seed(seed));
     recording.tip_quaternion = None;
     recording
 }
@@ -70,8 +71,8 @@ fn with_noise(mut recording: Recording, seed: u64, correlation: f64) -> Recordin
 /// A recording under commands as the paper explores, of a robot with `effects`, with noise.
 pub(super) fn explored(effects: &str, trials: usize, seed: u64) -> Recording {
     let options = ExploreOptions { points: 50 * trials, trajectories: trials, ..ExploreOptions::default() };
-    let commands = blind::commands(&nominal(), &options, 0.2, Seed(seed)).unwrap();
-    let presented = blind::Presented {
+    let commands = benchmark::commands(&nominal(), &options, 0.2, Seed(seed)).unwrap();
+    let presented = benchmark::Presented {
         tips_m: commands.tips_m(&nominal(), &common::effects(effects)).unwrap(),
         commands,
         left_out: Vec::new(),

@@ -4,10 +4,10 @@ use std::collections::VecDeque;
 use std::io;
 use std::sync::{Arc, Mutex, MutexGuard};
 
-use spinebench::hardware::bench::{ControllerFault, ControllerOptions, FakeController, PipeWire, pipe};
 use spinebench::hardware::clock::Clock;
 use spinebench::hardware::grbl::{Controller, MotionFault, MotionSettings};
-use spinebench::hardware::wire::Wire;
+use spinebench::hardware::serial::Wire;
+use spinebench::simulators::{ControllerFault, ControllerOptions, FakeController, PipeWire, pipe};
 
 /// How often the fake controller is looked after, seconds.
 const STEP_S: f64 = 0.005;

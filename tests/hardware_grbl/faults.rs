@@ -1,8 +1,8 @@
 //! Every fault that can be injected ends in the fault of the driver that names it, and is left by reset and homing.
 
-use spinebench::hardware::bench::{ControllerFault, ControllerOptions};
 use spinebench::hardware::clock::Clock;
 use spinebench::hardware::grbl::{Controller, Mode, MotionFault, MotionSettings, Refusal};
+use spinebench::simulators::{ControllerFault, ControllerOptions};
 
 use super::bench::{Bench, near};
 

@@ -3,11 +3,11 @@
 use std::io;
 
 use proptest::prelude::*;
-use spinebench::hardware::bench::{ControllerFault, ControllerOptions};
 use spinebench::hardware::clock::Clock;
-use spinebench::hardware::grbl::line::{LineReader, Piece, parse};
+use spinebench::hardware::grbl::parser::{LineReader, Piece, parse};
 use spinebench::hardware::grbl::{Controller, MotionSettings};
-use spinebench::hardware::wire::Wire;
+use spinebench::hardware::serial::Wire;
+use spinebench::simulators::{ControllerFault, ControllerOptions};
 
 use super::bench::Bench;
 

@@ -1,9 +1,9 @@
 //! Controllers that follow GRBL 1.1 and are not the one whose dialogues there are.
 
-use spinebench::hardware::bench::{ControllerFault, ControllerOptions, robot_settings};
 use spinebench::hardware::clock::Clock;
-use spinebench::hardware::grbl::line::{Reply, parse};
+use spinebench::hardware::grbl::parser::{Reply, parse};
 use spinebench::hardware::grbl::{Mode, MotionFault, MotionSettings};
+use spinebench::simulators::{ControllerFault, ControllerOptions, robot_settings};
 
 use super::bench::{Bench, near};
 

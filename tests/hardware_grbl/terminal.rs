@@ -5,10 +5,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use spinebench::hardware::bench::{ControllerOptions, FakeController};
 use spinebench::hardware::clock::{Clock, WallClock};
 use spinebench::hardware::grbl::{Controller, MotionFault, MotionSettings};
-use spinebench::hardware::wire::SerialWire;
+use spinebench::hardware::serial::SerialWire;
+use spinebench::simulators::{ControllerOptions, FakeController};
 
 /// A fake controller in a thread, until it is told to go.
 struct Served {

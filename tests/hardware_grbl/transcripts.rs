@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use spinebench::hardware::bench::{
+use spinebench::hardware::grbl::parser::{Reply, parse};
+use spinebench::hardware::grbl::{Mode, codes};
+use spinebench::hardware::serial::Wire;
+use spinebench::simulators::{
     ControllerFault, ControllerOptions, FakeController, PipeWire, factory_settings, pipe, robot_settings,
 };
-use spinebench::hardware::grbl::line::{Reply, parse};
-use spinebench::hardware::grbl::{Mode, codes};
-use spinebench::hardware::wire::Wire;
 
 /// Folder of the transcripts: they come with the tests.
 fn folder() -> PathBuf {

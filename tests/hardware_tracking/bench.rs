@@ -3,9 +3,9 @@
 use std::sync::Mutex;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
-use spinebench::hardware::bench::{FakeTracker, TrackerFault, TrackerOptions};
 use spinebench::hardware::clock::Clock;
 use spinebench::hardware::tracking::{Mounting, Pose, Tracking, TrackingFault, TrackingSettings};
+use spinebench::simulators::{FakeTracker, TrackerFault, TrackerOptions};
 
 /// Time between polls, s. Frames of 100 Hz arrive just at some of them: a frame that waited to be read would seem later.
 const STEP_S: f64 = 0.002;

@@ -7,8 +7,8 @@ use natnet::{
     ServerInfo, Skeleton, SyntheticServer, Version,
 };
 use spinebench::base::distance_m;
-use spinebench::hardware::bench::FakeTracker;
 use spinebench::hardware::tracking::{BodyName, Heard, Stream, TrackingSettings};
+use spinebench::simulators::FakeTracker;
 
 const CLOCK_HZ: u64 = 10_000_000;
 

@@ -1,8 +1,8 @@
 //! What goes wrong in a running stream, one thing at a time.
 
-use spinebench::hardware::bench::{FakeBody, TrackerFault, TrackerOptions};
 use spinebench::hardware::clock::Clock;
 use spinebench::hardware::tracking::{Tracking, Transport};
+use spinebench::simulators::{FakeBody, TrackerFault, TrackerOptions};
 
 use super::bench::{Bench, at_rest, fresh, steady};
 use super::{WIRE_M, WIRE_RAD};

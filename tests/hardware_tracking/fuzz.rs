@@ -4,8 +4,8 @@ use std::net::SocketAddr;
 
 use natnet::{ModelDef, PlannedBody, ServerInfo, SyntheticServer, Version};
 use proptest::prelude::*;
-use spinebench::hardware::bench::FakeTracker;
 use spinebench::hardware::tracking::{Heard, Stream, StreamVersion, TrackingSettings};
+use spinebench::simulators::FakeTracker;
 
 use super::capture;
 

@@ -3,8 +3,8 @@
 use std::net::UdpSocket;
 
 use natnet::Version;
-use spinebench::hardware::bench::{TrackerFault, TrackerOptions};
 use spinebench::hardware::tracking::{BodyName, StreamVersion, TrackingFault, TrackingSettings, Transport};
+use spinebench::simulators::{TrackerFault, TrackerOptions};
 
 use super::bench::{Bench, at_rest};
 

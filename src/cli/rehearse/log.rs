@@ -1,7 +1,7 @@
 //! What happens to the imitations, for a person and for a file.
 
 use super::super::Ended;
-use spinebench::hardware::bench::World;
+use spinebench::simulators::World;
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -10,7 +10,7 @@ use log::Log;
 use spinebench::base::Seed;
 use spinebench::data::write_atomic;
 use spinebench::hardware::interrupt::Interrupt;
-use spinebench::hardware::urgency::{Rank, Urgent};
+use spinebench::hardware::realtime::{Rank, Urgent};
 use spinebench::plants::hardware::Served;
 use spinebench::specs::{PlantSpec, to_yaml};
 use std::io::stdin;

@@ -1,7 +1,7 @@
 //! What somebody may wish to happen to imitated motors and an imitated tracker.
 
-use spinebench::hardware::bench::{ControllerFault, FakeBody, Plan, TrackerFault, World};
 use spinebench::hardware::grbl::AXIS_NAMES;
+use spinebench::simulators::{ControllerFault, FakeBody, Plan, TrackerFault, World};
 
 const HELP: &str = "\
 hang KG          a weight on the tip, kilograms; 0 takes it off

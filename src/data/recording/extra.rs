@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::{Extra, Recording};
 use crate::data::error::shown;
-use crate::data::{DataError, sheet};
+use crate::data::{DataError, table};
 
 impl Recording {
     /// The numbers of a column beyond the format, if there is such a column. `path` is the file that the recording came
@@ -30,11 +30,11 @@ impl Recording {
 
 /// The error for one cell of a recording that came from `path`.
 pub(crate) fn cell_error(path: &Path, row: usize, column: &str, found: String, expected: String) -> DataError {
-    let place = sheet::row_place(sheet::has_lines(path), row);
+    let place = table::row_place(table::has_lines(path), row);
     DataError::Cell { file: path.to_owned(), place, column: column.to_owned(), found, expected }
 }
 
 /// Where the names of a recording's columns stand in the file that it came from.
 pub(crate) fn header_place(path: &Path) -> &'static str {
-    sheet::header_place(sheet::has_lines(path))
+    table::header_place(table::has_lines(path))
 }

@@ -1,7 +1,7 @@
 //! The columns that a recording may have: groups that come whole or not at all, flags and masses.
 
 use crate::data::DataError;
-use crate::data::sheet::{Cells, Sheet};
+use crate::data::table::{Cells, Sheet};
 
 /// How far a quaternion's length may be from 1: four decimals in a file are enough.
 const UNIT_TOLERANCE: f64 = 1e-2;

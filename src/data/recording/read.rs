@@ -6,7 +6,7 @@ use super::optional::{self, Group};
 use super::{Actuation, Extra, Pose, Recording, TipLoad};
 use crate::base::Rows;
 use crate::data::DataError;
-use crate::data::sheet::{Cells, Sheet};
+use crate::data::table::{Cells, Sheet};
 
 pub(super) const TIP: [&str; 3] = ["tip_x_m", "tip_y_m", "tip_z_m"];
 pub(super) const TIP_Q: [&str; 4] = ["tip_qw", "tip_qx", "tip_qy", "tip_qz"];

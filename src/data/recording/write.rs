@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::read::{BASE, BASE_Q, FORCE, MOMENT, TIP, TIP_Q};
 use super::{Extra, Recording};
-use crate::data::sheet::{Cells, csv_bytes, parquet_bytes};
+use crate::data::table::{Cells, csv_bytes, parquet_bytes};
 use crate::data::{DataError, write_atomic};
 
 /// Writes the file whole or not at all.

@@ -3,15 +3,16 @@
 use std::collections::VecDeque;
 
 use super::fault::{MotionFault, Refusal};
-use super::moves;
-use super::open::{self, Machine};
+use super::gcode;
+use super::handshake;
+use super::handshake::Machine;
+use super::motion_monitor::{Path, Stillness};
+use super::poll::RESET_S;
 use super::port::Port;
-use super::schedule::RESET_S;
 use super::settings::MotionSettings;
 use super::state::{Mode, State};
-use super::watch::{Path, Stillness};
 use crate::hardware::clock::Clock;
-use crate::hardware::wire::Wire;
+use crate::hardware::serial::Wire;
 
 /// Moves that the controller may have in its queue.
 const MOST_QUEUED: usize = 2;
@@ -86,7 +87,7 @@ impl Controller {
     pub fn open(wire: Box<dyn Wire>, settings: &MotionSettings, clock: &dyn Clock) -> Result<Controller, MotionFault> {
         settings.check()?;
         let mut port = Port::new(wire);
-        let (machine, status) = open::introduce(&mut port, settings, clock)?;
+        let (machine, status) = handshake::introduce(&mut port, settings, clock)?;
         let now_s = clock.now_s();
         let mut controller = Controller {
             port,
@@ -196,7 +197,7 @@ impl Controller {
         if let Some(fault) = &self.fault {
             return Err(fault.clone());
         }
-        let the_move = moves::compose(target_mm, feed_mm_min, &self.settings)?;
+        let the_move = gcode::compose(target_mm, feed_mm_min, &self.settings)?;
         if !self.state.homed {
             return Err(Refusal::NotHomed.into());
         }

@@ -2,8 +2,8 @@
 
 use std::io;
 
-use super::line::{LineReader, Piece};
-use crate::hardware::wire::Wire;
+use super::parser::{LineReader, Piece};
+use crate::hardware::serial::Wire;
 
 /// Most bytes read at once: a controller that never stops sending may not stop the program.
 const MOST_BYTES: usize = 1 << 16;

@@ -2,10 +2,10 @@
 
 use super::controller::{Controller, Homing, Pending, Purpose};
 use super::fault::MotionFault;
-use super::line::{Piece, Reply, Status, parse};
-use super::open;
+use super::handshake;
+use super::motion_monitor;
+use super::parser::{Piece, Reply, Status, parse};
 use super::state::Mode;
-use super::watch;
 
 /// Unreadable lines within [`GARBLED_S`] that make a fault.
 const MOST_GARBLED: usize = 3;
@@ -31,8 +31,8 @@ impl Controller {
             }
         }
         if let Err(error) = gone {
-            self.fault = Some(open::unplugged(&error));
-            self.fail(open::unplugged(&error));
+            self.fault = Some(handshake::unplugged(&error));
+            self.fail(handshake::unplugged(&error));
         }
     }
 
@@ -206,14 +206,14 @@ impl Controller {
                 remedy,
             });
         }
-        let Some(position_mm) = status.position_mm else { return Err(open::no_position()) };
+        let Some(position_mm) = status.position_mm else { return Err(handshake::no_position()) };
         if !self.state.homed {
             return Ok(());
         }
         if !matches!(status.mode, Mode::Idle | Mode::Run | Mode::Hold { .. }) {
             return Ok(());
         }
-        watch::within_travel(&position_mm, &self.settings)?;
+        motion_monitor::within_travel(&position_mm, &self.settings)?;
         let idle = status.mode == Mode::Idle;
         if idle && self.homing == Homing::Settling {
             self.homing = Homing::No;

@@ -4,9 +4,9 @@ use natnet::{ServerInfo, command};
 
 use super::fault::TrackingFault;
 use super::handshake;
-use super::link::Link;
 use super::pose::TipPose;
 use super::settings::{TrackingSettings, Transport};
+use super::sockets::Link;
 use super::status::TrackingStatus;
 use super::stream::{Heard, Stream};
 use crate::hardware::clock::Clock;

@@ -6,8 +6,8 @@ use natnet::command::{self, CommandError, ConnectOptions, Request};
 use natnet::{ModelDef, ParsePolicy, ServerInfo, Version};
 
 use super::fault::TrackingFault;
-use super::link::Link;
 use super::settings::{TrackingSettings, Transport};
+use super::sockets::Link;
 use crate::hardware::clock::Clock;
 
 /// A question is asked again after this time, s: datagrams get lost.

@@ -7,15 +7,15 @@
 mod align;
 mod bodies;
 mod client;
+pub(crate) mod clock_sync;
 mod fault;
 mod frames;
 mod handshake;
-mod link;
-mod order;
+pub(crate) mod peer_filter;
 mod pose;
+pub(crate) mod sequence_numbers;
 mod settings;
-mod sources;
-mod stamps;
+pub(crate) mod sockets;
 mod status;
 mod stream;
 

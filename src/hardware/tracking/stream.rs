@@ -6,14 +6,14 @@ use std::net::{SocketAddr, SocketAddrV4};
 use natnet::{Decoder, FrameOfData, Message, MessageHeader, ModelDef, ParsePolicy, ServerInfo};
 
 use super::bodies::Bodies;
+use super::clock_sync::StampMap;
 use super::fault::TrackingFault;
 use super::frames::Samples;
 use super::handshake;
-use super::order::{Mark, Order, Sequence};
+use super::peer_filter::Sources;
 use super::pose::{Mounting, Pose, TipPose};
+use super::sequence_numbers::{Mark, Order, Sequence};
 use super::settings::TrackingSettings;
-use super::sources::Sources;
-use super::stamps::StampMap;
 use super::status::TrackingStatus;
 
 /// Frames that the rate is measured over.

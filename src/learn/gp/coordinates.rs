@@ -6,7 +6,7 @@
 
 use super::covariance::Layout;
 use super::likelihood::Likelihood;
-use crate::learn::optimise::Objective;
+use crate::math::optimise::Objective;
 
 /// ε: the bend lies at the standardised length-scale 10.
 const BEND: f64 = 0.01;

@@ -7,8 +7,8 @@
 use super::covariance::{Layout, Points};
 use super::kernels::Kernel;
 use super::linear::{Lower, Memory};
-use crate::learn::optimise::Objective;
 use crate::learn::simd::dot;
+use crate::math::optimise::Objective;
 use crate::math::vectorised;
 
 /// Minus the log marginal likelihood of one standardised output as a function of the logarithmic hyper-parameters.

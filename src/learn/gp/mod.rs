@@ -18,11 +18,11 @@ pub use config::{FoldOrder, GpConfig, KernelChoice, Lambda};
 
 use serde::{Deserialize, Serialize};
 
-use self::covariance::{Layout, Points};
-use self::posterior::{BLOCK, Posterior};
 use super::standardise::{check_finite, check_samples};
 use super::{LearnError, Standardiser};
 use crate::base::Rows;
+use covariance::{Layout, Points};
+use posterior::{BLOCK, Posterior};
 
 /// A fitted Gaussian process. Written by serde as its data and hyper-parameters; what is read back predicts the same
 /// bits.

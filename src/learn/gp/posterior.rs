@@ -7,8 +7,8 @@ use super::covariance::{Layout, Points};
 use super::kernels::Kernel;
 use super::likelihood::Likelihood;
 use super::linear::Lower;
-use crate::learn::optimise::Objective;
 use crate::learn::simd::dot;
+use crate::math::optimise::Objective;
 use crate::math::vectorised;
 
 /// Queries that a batch handles at once: their covariances with all points stay in cache.

@@ -5,7 +5,7 @@ use super::coordinates::{Bent, bend, unbend};
 use super::covariance::{Layout, Points};
 use super::kernels::Kernel;
 use super::likelihood::Likelihood;
-use crate::learn::optimise::{Bfgs, Minimum, minimise};
+use crate::math::optimise::{Bfgs, Minimum, minimise};
 
 /// What a search found for one output.
 pub(super) struct Found {

@@ -1,22 +1,22 @@
 //! A robot on a bench: four lead screws, a tracker, and the guard between them and whoever decides.
 
-mod examine;
-mod foresight;
-pub mod hands;
-mod line;
+pub(crate) mod diagnostics;
+pub(crate) mod dry_run;
 mod opening;
+pub mod operator;
 mod options;
+pub(crate) mod payload;
 mod plant;
 mod rehearsal;
-mod served;
+pub(crate) mod served_simulator;
+pub(crate) mod supervised_rig;
 mod timing;
-mod weight;
 
-pub use examine::Examined;
-pub use foresight::{Foreseen, NotPlayable, foresee};
+pub use diagnostics::Examined;
+pub use dry_run::{Foreseen, NotPlayable, foresee};
 pub use options::{HardwareOptions, RehearsalOptions};
 pub use rehearsal::Stage;
-pub use served::Served;
+pub use served_simulator::Served;
 pub use timing::{Lateness, Timing};
 
 use crate::base::Point3;
@@ -24,8 +24,8 @@ use crate::effects::{Driven, Model};
 use crate::hardware::rig::{Event, Rig};
 use crate::hardware::safety::SafetyLimits;
 
-use hands::Claim;
-use line::Line;
+use operator::Claim;
+use supervised_rig::Line;
 
 /// A hardware robot as a [`Plant`](crate::base::Plant).
 pub struct Hardware {

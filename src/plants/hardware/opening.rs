@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::hands::Claim;
-use super::line::Line;
+use super::operator::Claim;
+use super::supervised_rig::Line;
 use super::{Hardware, HardwareOptions, Stage, Timing};
 use crate::base::Seed;
 use crate::effects::Driven;
@@ -12,8 +12,8 @@ use crate::hardware::grbl::Controller;
 use crate::hardware::interrupt::Interrupt;
 use crate::hardware::rig::{Parts, Rig, slowest_axis_mm_min};
 use crate::hardware::safety::{Latch, SafetyLimits};
+use crate::hardware::serial::{SerialWire, Wire};
 use crate::hardware::tracking::{Tracking, TrackingSettings};
-use crate::hardware::wire::{SerialWire, Wire};
 
 /// A tick whose robot is held or whose controller is busy is waited for this much longer than the guard would wait, s.
 const PATIENCE_S: f64 = 2.0;

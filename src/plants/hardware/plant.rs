@@ -3,9 +3,9 @@
 use super::Hardware;
 use crate::base::{Observation, Plant, PlantError, Seed, TendonCommand};
 use crate::hardware::axes::AXES;
+use crate::hardware::realtime::{Rank, Urgent};
 use crate::hardware::rig::NotMoved;
 use crate::hardware::safety::State;
-use crate::hardware::urgency::{Rank, Urgent};
 
 /// Longest that homing and the way home may take, s.
 const HOMING_S: f64 = 120.0;

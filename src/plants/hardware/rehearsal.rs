@@ -5,14 +5,14 @@ use std::sync::Arc;
 use crate::base::{Seed, TendonCommand};
 use crate::effects::{Driven, EffectSpec, Model};
 use crate::hardware::axes::AXES;
-use crate::hardware::bench::{
+use crate::hardware::clock::Clock;
+use crate::hardware::interrupt::Interrupt;
+use crate::hardware::serial::Wire;
+use crate::hardware::tracking::{Mounting, Pose, TrackingSettings};
+use crate::simulators::{
     Body, ControllerOptions, FakeController, FakeTracker, RehearsalClock, Running, TrackerFault, TrackerOptions, World,
     pipe,
 };
-use crate::hardware::clock::Clock;
-use crate::hardware::interrupt::Interrupt;
-use crate::hardware::tracking::{Mounting, Pose, TrackingSettings};
-use crate::hardware::wire::Wire;
 
 use super::options::{HardwareOptions, RehearsalOptions};
 

@@ -1,9 +1,9 @@
 //! The top of the page: the verdict in words, the gap in numbers, and the effects with their parameters.
 
+use super::format::{NONE, enumerate, millimetres, percent, times};
 use super::html::{Html, lines, list, table, tag, text, words};
 use super::page::section;
 use super::quantity::quantities;
-use super::words::{NONE, enumerate, millimetres, percent, times};
 use super::{EffectText, Story};
 use crate::data::findings::{FoundEffect, Verdict};
 

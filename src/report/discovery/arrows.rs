@@ -4,9 +4,9 @@
 use super::super::axes::{Axis, Panel, range};
 use super::super::canvas::{Align, Canvas, Place, Text};
 use super::super::style::{GREY, SMALL};
+use super::format::number;
 use super::residuals::AXES;
 use super::scale;
-use super::words::number;
 use crate::base::Point3;
 use crate::data::findings::ResidualRow;
 use crate::math::summary::quantile;

@@ -2,11 +2,11 @@
 
 use super::Story;
 use super::answer::closed;
+use super::format::{NONE, enumerate, millimetres, number, percent, probability, times};
 use super::html::{Html, lines, table, text, words};
 use super::page::{captioned, section};
 use super::residuals::{AXES, after_m, before_m, held_out};
 use super::scale::SIGNIFICANT;
-use super::words::{NONE, enumerate, millimetres, number, percent, probability, times};
 use crate::data::findings::{Findings, MissingTest, ResidualRow, Verdict};
 use crate::math::summary::root_mean_square;
 

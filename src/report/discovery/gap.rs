@@ -5,7 +5,7 @@ use super::super::canvas::{Align, Canvas, Text};
 use super::super::paint::text_width;
 use super::super::style::{BLUE, Colour, DASHED, INK, SMALL, VERMILION, WHITE};
 use super::Story;
-use super::words::{fitted, millimetres, times};
+use super::format::{fitted, millimetres, times};
 use crate::data::findings::Candidate;
 
 const BAR: f64 = 13.0;

@@ -3,8 +3,8 @@
 
 use super::super::canvas::{Align, Canvas, Place, Text};
 use super::super::style::{GREY, HAIR, INK, SMALL, TEXT};
+use super::format::{fitted, ratio_text};
 use super::scale::{SIGNIFICANT, cell};
-use super::words::{fitted, ratio_text};
 use crate::data::findings::PlaceRow;
 
 const ROW: f64 = 17.0;

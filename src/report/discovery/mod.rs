@@ -2,22 +2,21 @@
 //! Pure functions from what was found to bytes; the same findings give the same bytes.
 
 mod answer;
+pub(crate) mod appendix;
 mod arrows;
-mod blind;
 mod evidence;
+pub(crate) mod format;
 mod gap;
 mod heat;
 mod html;
-mod lines;
 mod map;
+pub(crate) mod model_diff;
 mod page;
 mod quantity;
 mod residuals;
-mod rest;
 mod scale;
-mod words;
 
-pub(super) use blind::FIGURE;
+pub(super) use super::benchmark::FIGURE;
 
 use super::style::PAGE_WIDTH;
 use super::{Artifact, ReportError, Shelf, csv, pictures};

@@ -3,7 +3,7 @@
 use super::super::style::PAGE_WIDTH;
 use super::super::{ReportError, paint};
 use super::html::{Html, lines, tag, text, words};
-use super::{DRAWINGS, Story, answer, evidence, rest};
+use super::{DRAWINGS, Story, answer, appendix, evidence};
 
 const CSS: &str = include_str!("page.css");
 /// Width of the figures on a telephone, hundredths of an inch.
@@ -19,10 +19,10 @@ pub(super) fn page(story: &Story) -> Result<String, ReportError> {
         answer::effects(story),
         evidence::place(story, figure(story, "map")?),
         evidence::proof(story, figure(story, "gap")?, figure(story, "residuals")?),
-        rest::candidates(story),
-        rest::next(story),
-        rest::limitations(story),
-        rest::model(story),
+        appendix::candidates(story),
+        appendix::next(story),
+        appendix::limitations(story),
+        appendix::model(story),
     ];
     let title = answer::title(story);
     let body = tag("main", lines(parts));

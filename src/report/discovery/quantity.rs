@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde_json::Value;
 
 use super::super::axes::signed;
-use super::words::{NONE, decimals, number};
+use super::format::{NONE, decimals, number};
 use crate::data::findings::FoundEffect;
 
 /// A parameter, ready to print.

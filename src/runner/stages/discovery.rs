@@ -2,6 +2,8 @@
 //! from it, only the score reads it. What looks into the recording has the recording alone.
 
 use super::{Added, Stages, status};
+use crate::benchmark;
+use crate::benchmark::{Answer, Batch, Commands, Presented, Prior, Robot, Scored, Span, Truth};
 use crate::discovery::{Options, discover};
 use crate::effects::Model;
 use crate::runner::code::{DISCOVERY, ROBOT};
@@ -9,7 +11,6 @@ use crate::runner::graph::{Handle, Kind};
 use crate::runner::outcomes::Outcomes;
 use crate::specs::{DiscoveryRun, PlantSpec};
 use crate::tasks::ExploreOptions;
-use crate::tasks::blind::{self, Answer, Batch, Commands, Presented, Prior, Robot, Scored, Span, Truth};
 
 const COMMANDS: Kind = Kind { name: "blind_commands", sources: ROBOT, cost_ms: 300 };
 const SPAN: Kind = Kind { name: "blind_span", sources: ROBOT, cost_ms: 15_000 };
@@ -50,7 +51,7 @@ impl BlindStages {
     pub(crate) fn scored(&self, outcomes: &Outcomes) -> Scored {
         let truth = outcomes.get(self.truth).ok();
         let failed = |failure: super::Failure| {
-            blind::failed(self.case, &self.batch, self.correlation, truth, &failure.to_string())
+            benchmark::failed(self.case, &self.batch, self.correlation, truth, &failure.to_string())
         };
         outcomes.get(self.score).cloned().unwrap_or_else(failed)
     }
@@ -124,7 +125,7 @@ impl Stages<'_> {
         let inputs = [truth.number(), answer.number()];
         let label = self.label(&format!("score of case {case}"));
         let score = self.graph.stage(SCORE, label, &params, &inputs, move |given| {
-            Ok(blind::score(case, &own, correlation, &model, given.get(truth)?, given.get(answer)?))
+            Ok(benchmark::score(case, &own, correlation, &model, given.get(truth)?, given.get(answer)?))
         })?;
         Ok(BlindStages { case, batch: batch.clone(), correlation, truth, score })
     }
@@ -142,7 +143,7 @@ impl Stages<'_> {
         let (step_s, label, model) = (self.step_s(), self.label("blind commands"), benchmark.quick.clone());
         let params = (model.clone(), explore, step_s, seed.0);
         let commands = self.graph.stage(COMMANDS, label, &params, &[], move |_| {
-            blind::commands(&model, &explore, step_s, seed).map_err(status)
+            benchmark::commands(&model, &explore, step_s, seed).map_err(status)
         })?;
         if !judged {
             return Ok((commands, None));
@@ -169,7 +170,7 @@ impl Stages<'_> {
         let label = self.label(&format!("truth of case {case}"));
         self.graph.stage(TRUTH, label, &params, &inputs, move |given| {
             let span = span.map(|span| given.get(span)).transpose()?;
-            blind::draw(&robot, given.get(commands)?, span).map_err(status)
+            benchmark::draw(&robot, given.get(commands)?, span).map_err(status)
         })
     }
 
@@ -185,7 +186,7 @@ impl Stages<'_> {
         let inputs = [truth.number(), commands.number()];
         let label = self.label(&format!("recording of case {case}"));
         self.graph.stage(RECORDING, label, &params, &inputs, move |given| {
-            blind::present(&robot, given.get(truth)?, given.get(commands)?, correlation).map_err(status)
+            benchmark::present(&robot, given.get(truth)?, given.get(commands)?, correlation).map_err(status)
         })
     }
 

@@ -1,0 +1,141 @@
+//! Effects of the catalogue as they are hidden: directions, signs, shapes, places and tendons at random.
+
+use rand::RngExt;
+use rand_distr::{Distribution, StandardNormal};
+use serde::{Deserialize, Serialize};
+
+use crate::base::Generator;
+use crate::effects::{CATALOGUE, Card, EffectSpec, Model, ModelParameter, Parameter, Seek};
+
+/// An effect of the catalogue with its numbers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Hidden {
+    /// Its name.
+    pub name: String,
+    /// Values of its parameters, in the order of its card.
+    pub values: Vec<f64>,
+    /// Whether it follows another law of the same name.
+    pub other_law: bool,
+}
+
+/// Effects that have another law of the same name.
+const OTHER_LAWS: [&str; 3] = ["friction", "hysteresis", "creep"];
+
+impl Hidden {
+    /// What the catalogue says of it.
+    pub fn card(&self) -> Option<&'static Card> {
+        card(&self.name)
+    }
+
+    /// The effect, or several that together are its other law; none where a number is out of range.
+    pub fn effects(&self) -> Option<Vec<EffectSpec>> {
+        let spec = EffectSpec::from_card(self.card()?, &self.values)?;
+        if !self.other_law {
+            return Some(vec![spec]);
+        }
+        let pair = |first: EffectSpec, second: EffectSpec| Some(vec![first, second]);
+        match spec {
+            // Half of it slips early, half of it late.
+            EffectSpec::Friction(friction) => {
+                let (mut early, mut late) = (friction, friction);
+                (early.moment_nm, early.yield_rad_m) = (0.5 * friction.moment_nm, 0.5 * friction.yield_rad_m);
+                (late.moment_nm, late.yield_rad_m) = (0.5 * friction.moment_nm, 1.5 * friction.yield_rad_m);
+                pair(EffectSpec::Friction(early), EffectSpec::Friction(late))
+            }
+            // Two relaxation times, two octaves apart.
+            EffectSpec::Creep(creep) => {
+                let (mut fast, mut slow) = (creep, creep);
+                (fast.share, fast.time_s) = (0.5 * creep.share, 0.5 * creep.time_s);
+                (slow.share, slow.time_s) = (0.5 * creep.share, 2.0 * creep.time_s);
+                pair(EffectSpec::Creep(fast), EffectSpec::Creep(slow))
+            }
+            // Elements that yield denser at small curvatures than at large ones.
+            EffectSpec::Hysteresis(hysteresis) => {
+                let (mut early, mut late) = (hysteresis, hysteresis);
+                (early.share, early.range_rad_m) = (0.5 * hysteresis.share, 0.5 * hysteresis.range_rad_m);
+                (late.share, late.range_rad_m) = (0.5 * hysteresis.share, 1.5 * hysteresis.range_rad_m);
+                pair(EffectSpec::Hysteresis(early), EffectSpec::Hysteresis(late))
+            }
+            spec => Some(vec![spec]),
+        }
+    }
+}
+
+/// The line of the catalogue called `name`.
+pub(crate) fn card(name: &str) -> Option<&'static Card> {
+    CATALOGUE.iter().find(|card| card.name == name).copied()
+}
+
+/// The value of a parameter at which its effect changes nothing about `model`.
+pub(crate) fn null_value(parameter: &Parameter, model: &Model) -> f64 {
+    match parameter.seek {
+        Seek::Replaces(path, _) => {
+            let number = ModelParameter::named(model, path).and_then(|number| number.value(model));
+            number.unwrap_or(parameter.null)
+        }
+        _ => parameter.null,
+    }
+}
+
+/// A change of a parameter that gives its effect a size; none for the others.
+pub(crate) fn size(parameter: &Parameter) -> Option<f64> {
+    match parameter.seek {
+        Seek::Size(size) | Seek::Scanned(size, _) | Seek::Replaces(_, size) => Some(size),
+        _ => None,
+    }
+}
+
+/// An effect whose size is still open.
+#[derive(Clone, Debug)]
+pub(crate) struct Draft {
+    pub(crate) card: &'static Card,
+    /// Its values without any size.
+    null: Vec<f64>,
+    /// Change of the values for one usual size.
+    along: Vec<f64>,
+    other_law: bool,
+}
+
+impl Draft {
+    /// Draws what is open about an effect but its size.
+    pub(crate) fn draw(card: &'static Card, model: &Model, other_law: bool, random: &mut Generator) -> Draft {
+        let null: Vec<f64> = card.parameters.iter().map(|parameter| drawn(parameter, model, random)).collect();
+        let mut along: Vec<f64> = card.parameters.iter().map(|parameter| size(parameter).unwrap_or(0.0)).collect();
+        let sizes = along.iter().filter(|size| **size != 0.0).count();
+        if sizes > 1 {
+            let direction: Vec<f64> = (0..along.len()).map(|_| StandardNormal.sample(random)).collect();
+            let length = direction.iter().map(|x: &f64| x * x).sum::<f64>().sqrt().max(1e-9);
+            along.iter_mut().zip(direction).for_each(|(size, x)| *size *= x / length);
+        } else if random.random_range(0..2) == 1 {
+            let other: Vec<f64> = null.iter().zip(&along).map(|(null, size)| null - size).collect();
+            // A weaker section is damage, a stiffer one is none.
+            if EffectSpec::from_card(card, &other).is_some() && card.name != "soft_section" {
+                along.iter_mut().for_each(|size| *size = -*size);
+            }
+        }
+        Draft { card, null, along, other_law: other_law && OTHER_LAWS.contains(&card.name) }
+    }
+
+    /// The effect at `amount` usual sizes.
+    pub(crate) fn hidden(&self, amount: f64) -> Hidden {
+        let values = self.null.iter().zip(&self.along).map(|(null, size)| null + amount * size).collect();
+        Hidden { name: self.card.name.to_owned(), values, other_law: self.other_law }
+    }
+}
+
+/// A value at which the effect changes nothing: shapes from the range of those that are tried, a place anywhere, any
+/// tendon, flags set or not.
+fn drawn(parameter: &Parameter, model: &Model, random: &mut Generator) -> f64 {
+    match parameter.seek {
+        Seek::Size(_) | Seek::Scanned(..) | Seek::Replaces(..) => null_value(parameter, model),
+        Seek::Shape(tries) => {
+            let (low, high) =
+                tries.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)));
+            let share = random.random_range(0.0..1.0);
+            if low > 0.0 { low * (high / low).powf(share) } else { low + share * (high - low) }
+        }
+        Seek::Place => random.random_range(0.05..0.95) * model.robot.backbone.length_m,
+        Seek::Tendon => random.random_range(1..=model.robot.tendons.angles_deg.len()) as f64,
+        Seek::Flag => f64::from(random.random_range(0..2_u8)),
+    }
+}

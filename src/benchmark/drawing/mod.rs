@@ -1,0 +1,260 @@
+//! Robots with something hidden in them.
+
+pub(crate) mod disturbances;
+pub(crate) mod injected_effects;
+pub(crate) mod scale_to_shift;
+
+use rand::seq::SliceRandom;
+use serde::Serialize;
+
+use super::commands::{Commands, apart_m};
+use super::error::BlindError;
+use super::options::{Group, OracleOptions, Prior, TruthOptions};
+use super::oracle::Span;
+use super::truth::{Truth, sized, tips_m, uncertain};
+use crate::base::{Generator, Point3, Seed};
+use crate::effects::{CATALOGUE, Card, Model};
+use disturbances::{Disturbance, UNKNOWNS};
+use injected_effects::{Draft, Hidden};
+use scale_to_shift::{Reached, reach};
+
+/// What moves the tip by less than this share of what was asked is not worth a case.
+const FAINT: f64 = 0.25;
+
+/// What is hidden in a robot whose uncertain numbers these are; nothing where it cannot be.
+type Hide<'h> = dyn FnMut(&[Hidden], &mut Generator) -> Option<Vec<Hidden>> + 'h;
+
+/// What a blind case is drawn from.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Robot {
+    /// The model as it is believed.
+    pub model: Model,
+    /// What is hidden.
+    pub group: Group,
+    /// Number of the case in its batch: kinds and sizes take turns by it.
+    pub number: usize,
+    /// How far it is to move the tip, root mean square, metres.
+    pub shift_m: f64,
+    /// Standard deviation of the noise an axis, metres: what the oracle measures by.
+    pub noise_m: f64,
+    /// What a lab knows only so well.
+    pub priors: Vec<Prior>,
+    /// How finely the truth is computed.
+    pub truth: TruthOptions,
+    /// When something is outside the span of the catalogue.
+    pub oracle: OracleOptions,
+    /// Root of all that is random about it.
+    pub seed: u64,
+}
+
+/// The largest strength, in usual sizes.
+const MOST: f64 = 8.0;
+/// An effect of a pair moves the tip at least by this share of what was asked.
+const PAIR_SHARE: f64 = 0.98;
+/// Robots that are drawn until one can follow the commands.
+const ROBOTS: usize = 20;
+
+/// Draws the truth of a case. `span`: what the oracle knows of these commands, for the groups that it judges.
+///
+/// # Errors
+/// [`BlindError`] when no robot of this kind can follow the commands, or the oracle finds nothing of it.
+pub fn draw(robot: &Robot, commands: &Commands, span: Option<&Span>) -> Result<Truth, BlindError> {
+    robot.priors.iter().try_for_each(sized)?;
+    let drawing = Drawing { robot, commands };
+    match robot.group {
+        Group::Nothing => drawing.settled("nothing", &mut |_, _| Some(Vec::new())),
+        Group::Single => {
+            let card = drawing.card_in_turn();
+            drawing.settled(card.name, &mut |uncertain, random| {
+                drawing.effect(card, uncertain, random).map(|(hidden, _)| vec![hidden])
+            })
+        }
+        Group::Pair => drawing.settled("a pair", &mut |uncertain, random| drawing.pair(uncertain, random)),
+        Group::Outside | Group::Inside => drawing.judged(span.ok_or(BlindError::Unplayable)?),
+    }
+}
+
+struct Drawing<'a> {
+    robot: &'a Robot,
+    commands: &'a Commands,
+}
+
+impl Drawing<'_> {
+    /// The model with the resolution of the truth.
+    fn fine(&self) -> Model {
+        let mut fine = self.robot.model.clone();
+        fine.robot.resolution = self.robot.truth.resolution(&fine.robot.resolution);
+        fine
+    }
+
+    fn card_in_turn(&self) -> &'static Card {
+        CATALOGUE[self.robot.number % CATALOGUE.len()]
+    }
+
+    /// Whether an effect follows another law in this case, where it has one: in every other round of the catalogue.
+    fn other_law(&self, card: &Card) -> bool {
+        let index = CATALOGUE.iter().position(|one| one.name == card.name).unwrap_or(0);
+        self.robot.truth.other_laws && (self.robot.number / CATALOGUE.len() + index) % 2 == 1
+    }
+
+    /// Draws robots until one with what `hide` gives can follow the commands.
+    fn settled(&self, what: &str, hide: &mut Hide) -> Result<Truth, BlindError> {
+        for tried in 0..ROBOTS {
+            let seed = Seed(self.robot.seed).child("robot").index(tried as u64);
+            let uncertain = uncertain(&self.robot.priors, &self.robot.model, &mut seed.child("uncertain").rng());
+            let Some(hidden) = hide(&uncertain, &mut seed.child("hidden").rng()) else { continue };
+            if let Some(truth) = self.truth(hidden, None, uncertain) {
+                return Ok(truth);
+            }
+        }
+        Err(BlindError::NoRobot { what: what.to_owned(), tried: ROBOTS })
+    }
+
+    /// The truth with its shift as the robot has it; none when it cannot follow.
+    fn truth(&self, hidden: Vec<Hidden>, unknown: Option<Disturbance>, uncertain: Vec<Hidden>) -> Option<Truth> {
+        let fine = self.fine();
+        let with = tips_m(&fine, self.commands, &uncertain, &hidden, unknown.as_ref())?;
+        let nothing = hidden.is_empty() && unknown.is_none();
+        let shift_m = if nothing { 0.0 } else { apart_m(&with, &tips_m(&fine, self.commands, &uncertain, &[], None)?) };
+        Some(Truth { hidden, unknown, uncertain, shift_m, left: 0.0, imitations: Vec::new(), left_out: Vec::new() })
+    }
+
+    /// An effect as strong as asked, or as it can be, and how far it moves the tip.
+    fn effect(&self, card: &'static Card, uncertain: &[Hidden], random: &mut Generator) -> Option<(Hidden, Reached)> {
+        let model = &self.robot.model;
+        let draft = Draft::draw(card, model, self.other_law(card), random);
+        let without = tips_m(model, self.commands, uncertain, &[], None)?;
+        let shift_m = |amount: f64| {
+            let with = tips_m(model, self.commands, uncertain, &[draft.hidden(amount)], None)?;
+            Some(apart_m(&with, &without))
+        };
+        let reached = reach(self.robot.shift_m, MOST, &mut { shift_m })?;
+        Some((draft.hidden(reached.amount), reached))
+    }
+
+    /// Two different effects, each of which moves the tip far enough.
+    fn pair(&self, uncertain: &[Hidden], random: &mut Generator) -> Option<Vec<Hidden>> {
+        let mut cards: Vec<&'static Card> = CATALOGUE.to_vec();
+        cards.shuffle(random);
+        let mut found = Vec::new();
+        for card in cards {
+            let Some((hidden, reached)) = self.effect(card, uncertain, random) else { continue };
+            if reached.shift_m >= PAIR_SHARE * self.robot.shift_m {
+                found.push(hidden);
+            }
+            if found.len() == 2 {
+                return Some(found);
+            }
+        }
+        None
+    }
+
+    /// The first candidate in turn that the oracle takes for what was asked.
+    fn judged(&self, span: &Span) -> Result<Truth, BlindError> {
+        let outside = self.robot.group == Group::Outside;
+        let candidates = self.candidates();
+        for (tried, candidate) in candidates.iter().enumerate() {
+            let seed = Seed(self.robot.seed).child("robot").index(tried as u64);
+            let mut random = seed.child("hidden").rng();
+            let Some((hidden, unknown, moved)) = self.candidate(*candidate, &mut random) else { continue };
+            let left_out: Vec<String> = hidden.iter().map(|hidden| hidden.name.clone()).collect();
+            let Some(left) = self.left(span, &moved, &left_out, outside) else { continue };
+            let uncertain = uncertain(&self.robot.priors, &self.robot.model, &mut seed.child("uncertain").rng());
+            if let Some(truth) = self.truth(hidden, unknown, uncertain) {
+                let (model, oracle) = (&self.robot.model, &self.robot.oracle);
+                let imitations =
+                    if outside { Vec::new() } else { span.imitations(model, self.commands, &moved, &left_out, oracle) };
+                return Ok(Truth { left, imitations, left_out, ..truth });
+            }
+        }
+        Err(BlindError::NoneFound { group: self.robot.group.name(), tried: candidates.len() })
+    }
+
+    /// Kinds in the order in which this case asks for them, first the one whose turn it is, then the others as they are
+    /// drawn: of those outside, every third one first looks among effects that are taken out of the catalogue.
+    fn candidates(&self) -> Vec<Candidate> {
+        let number = self.robot.number;
+        let mut random = Seed(self.robot.seed).child("candidates").rng();
+        let mut turned = |mut all: Vec<Candidate>, turn: usize| -> Vec<Candidate> {
+            let first = all.remove(turn % all.len());
+            all.shuffle(&mut random);
+            [vec![first], all].concat()
+        };
+        let left_out = (0..CATALOGUE.len()).map(Candidate::LeftOut).collect();
+        let unknown = (0..UNKNOWNS.len()).map(Candidate::Unknown).collect();
+        match self.robot.group {
+            Group::Outside if number % 3 == 2 => {
+                [turned(left_out, number / 3 * 5), turned(unknown, number / 3)].concat()
+            }
+            Group::Outside => turned(unknown, number - number / 3),
+            _ => turned(left_out, number * 5),
+        }
+    }
+
+    /// A candidate as strong as asked, and by how much it moves the tip of the model, sample by sample.
+    fn candidate(&self, candidate: Candidate, random: &mut Generator) -> Option<Moved> {
+        let model = &self.robot.model;
+        let without = tips_m(model, self.commands, &[], &[], None)?;
+        let moved = |hidden: &[Hidden], unknown: Option<&Disturbance>| -> Option<Vec<f64>> {
+            let with = tips_m(model, self.commands, &[], hidden, unknown)?;
+            Some(
+                with.iter()
+                    .zip(&without)
+                    .flat_map(|(a, b)| std::array::from_fn::<f64, 3, _>(|k| a[k] - b[k]))
+                    .collect(),
+            )
+        };
+        match candidate {
+            Candidate::LeftOut(index) => {
+                let (hidden, _) = self.effect(CATALOGUE[index], &[], random)?;
+                let moved = moved(std::slice::from_ref(&hidden), None)?;
+                Some((vec![hidden], None, moved))
+            }
+            Candidate::Unknown(index) => {
+                // A tendon that is hardly used shows nothing: another is drawn.
+                let drawn = (0..ROBOTS).find_map(|_| {
+                    let unit = UNKNOWNS[index].draw(model.robot.tendons.angles_deg.len(), random);
+                    let shift_m = |amount: f64| {
+                        let with = tips_m(model, self.commands, &[], &[], Some(&unit.times(amount)))?;
+                        Some(apart_m(&with, &without))
+                    };
+                    let reached = reach(self.robot.shift_m, UNKNOWNS[index].most, &mut { shift_m })?;
+                    (reached.shift_m >= FAINT * self.robot.shift_m).then(|| unit.times(reached.amount))
+                });
+                let unknown = drawn?;
+                let moved = moved(&[], Some(&unknown))?;
+                Some((Vec::new(), Some(unknown), moved))
+            }
+        }
+    }
+
+    /// What the best few others leave, over the noise, where that makes the candidate what was asked.
+    fn left(&self, span: &Span, moved: &[f64], left_out: &[String], outside: bool) -> Option<f64> {
+        let (options, model) = (&self.robot.oracle, &self.robot.model);
+        let enough = if outside { options.outside_above } else { options.inside_below };
+        // A first look, on straight lines, spares the refit of what is far from the mark.
+        let first = span.first_look(moved, left_out, options.most_effects);
+        let hopeless = if outside { first < enough } else { first > 10.0 * enough };
+        if hopeless {
+            return None;
+        }
+        let left = span.left(model, self.commands, moved, left_out, options, outside);
+        let fits = if outside { left > enough } else { left < enough };
+        fits.then_some(left)
+    }
+}
+
+/// Something that may be hidden: a line of the catalogue, or a kind of disturbance.
+#[derive(Clone, Copy, Debug)]
+enum Candidate {
+    LeftOut(usize),
+    Unknown(usize),
+}
+
+type Moved = (Vec<Hidden>, Option<Disturbance>, Vec<f64>);
+
+/// Where the true robot has the tip, metres; none where it cannot follow.
+pub(crate) fn true_tips_m(robot: &Robot, truth: &Truth, commands: &Commands) -> Option<Vec<Point3>> {
+    let drawing = Drawing { robot, commands };
+    tips_m(&drawing.fine(), commands, &truth.uncertain, &truth.hidden, truth.unknown.as_ref())
+}

@@ -1,0 +1,243 @@
+//! What an answer is worth, beside the sealed truth.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::drawing::injected_effects::{Hidden, null_value, size};
+use super::options::{Batch, Group};
+use super::truth::Truth;
+use crate::data::findings::{CaseRow, Findings, FoundEffect, IntervalRow, OR, Verdict};
+use crate::effects::{Model, Parameter, Seek};
+use crate::math::summary::quantile;
+
+/// What was answered to a recording.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Answer {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Effects that were named, or those between which the data cannot tell.
+    pub effects: Vec<Answered>,
+    /// Held-out error of the model as given, metres.
+    pub before_m: f64,
+    /// With the effects, metres.
+    pub after_m: f64,
+    /// With stiffness fitted anew, metres; not a number where that has no answer.
+    pub stiffness_only_m: f64,
+    /// With the paper's process on what is left, metres; the same.
+    pub gp_m: f64,
+    /// The noise floor that was estimated, metres.
+    pub floor_m: f64,
+}
+
+/// An effect of an answer. Parameters by their names on the card, components of a vector each for itself.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Answered {
+    /// Its name.
+    pub name: String,
+    /// Values.
+    pub values: BTreeMap<String, f64>,
+    /// 95 % intervals.
+    pub intervals: BTreeMap<String, [f64; 2]>,
+}
+
+impl Answer {
+    /// From findings, and from the held-out errors of the two other remedies, metres.
+    pub fn new(findings: &Findings, stiffness_only_m: Option<f64>, gp_m: Option<f64>) -> Answer {
+        Answer {
+            verdict: findings.verdict,
+            effects: findings.effects.iter().map(Answered::new).collect(),
+            before_m: findings.gap.before_m,
+            after_m: findings.gap.after_m,
+            stiffness_only_m: stiffness_only_m.unwrap_or(f64::NAN),
+            gp_m: gp_m.unwrap_or(f64::NAN),
+            floor_m: findings.noise_floor_m,
+        }
+    }
+
+    fn names(&self) -> Vec<String> {
+        let mut names: Vec<String> = self.effects.iter().map(|effect| effect.name.clone()).collect();
+        names.sort_unstable();
+        names
+    }
+}
+
+impl Answered {
+    fn new(found: &FoundEffect) -> Answered {
+        let mut values = BTreeMap::new();
+        let mut intervals = BTreeMap::new();
+        let ends = |value: &Value| Some([value.get(0)?.as_f64()?, value.get(1)?.as_f64()?]);
+        for (name, value) in &found.parameters {
+            match value {
+                Value::Array(items) => items.iter().enumerate().for_each(|(k, item)| {
+                    values.extend(item.as_f64().map(|number| (format!("{name}[{k}]"), number)));
+                }),
+                value => values.extend(value.as_f64().map(|number| (name.clone(), number))),
+            }
+        }
+        for (name, value) in &found.interval_95 {
+            match value {
+                Value::Array(items) if items.iter().any(Value::is_array) => {
+                    items.iter().enumerate().for_each(|(k, item)| {
+                        intervals.extend(ends(item).map(|ends| (format!("{name}[{k}]"), ends)));
+                    });
+                }
+                value => intervals.extend(ends(value).map(|ends| (name.clone(), ends))),
+            }
+        }
+        Answered { name: found.name.clone(), values, intervals }
+    }
+}
+
+/// What a case adds to the tables.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scored {
+    /// The case.
+    pub row: CaseRow,
+    /// The intervals that are scored: those of rightly named effects.
+    pub intervals: Vec<IntervalRow>,
+}
+
+/// Scores a case whose recording was answered.
+pub fn score(case: u64, batch: &Batch, correlation: f64, model: &Model, truth: &Truth, answer: &Answer) -> Scored {
+    let mut row = row(case, batch, correlation, Some(truth));
+    let mut intervals = Vec::new();
+    row.verdict = answer.verdict.name().to_owned();
+    row.answer = answer.names().join(" + ");
+    (row.right, row.in_group) = judged(batch.group, truth, answer);
+    if row.right {
+        let errors: Vec<f64> = truth.hidden.iter().filter_map(|hidden| strength_error(model, hidden, answer)).collect();
+        row.strength_error = if errors.is_empty() { f64::NAN } else { quantile(&errors, 0.5) };
+        // Of another law of the same name the numbers mean something else.
+        let comparable = truth.hidden.iter().filter(|hidden| !hidden.other_law);
+        intervals = comparable.flat_map(|hidden| self::intervals(&row, hidden, answer)).collect();
+    }
+    row.intervals = intervals.len() as u64;
+    row.covered = intervals.iter().filter(|interval| interval.covered).count() as u64;
+    row.before_m = answer.before_m;
+    row.after_m = answer.after_m;
+    row.stiffness_only_m = answer.stiffness_only_m;
+    row.gp_m = answer.gp_m;
+    row.floor_m = answer.floor_m;
+    Scored { row, intervals }
+}
+
+/// A case without an answer, and why there is none. `truth` where at least that is known.
+pub fn failed(case: u64, batch: &Batch, correlation: f64, truth: Option<&Truth>, why: &str) -> Scored {
+    let row = CaseRow { verdict: format!("failed: {why}"), ..row(case, batch, correlation, truth) };
+    Scored { row, intervals: Vec::new() }
+}
+
+fn row(case: u64, batch: &Batch, correlation: f64, truth: Option<&Truth>) -> CaseRow {
+    CaseRow {
+        case,
+        group: batch.group.name().to_owned(),
+        truth: truth.map_or_else(String::new, Truth::name),
+        shift_m: truth.map_or(f64::NAN, |truth| truth.shift_m),
+        noise_m: batch.noise_m,
+        correlation,
+        samples: batch.samples as u64,
+        verdict: String::new(),
+        answer: String::new(),
+        right: false,
+        in_group: false,
+        imitations: truth.map_or_else(String::new, |truth| truth.imitations.join(OR)),
+        strength_error: f64::NAN,
+        intervals: 0,
+        covered: 0,
+        before_m: f64::NAN,
+        after_m: f64::NAN,
+        stiffness_only_m: f64::NAN,
+        gp_m: f64::NAN,
+        floor_m: f64::NAN,
+    }
+}
+
+/// Whether the answer is right, and whether it at least holds the truth.
+fn judged(group: Group, truth: &Truth, answer: &Answer) -> (bool, bool) {
+    match group {
+        Group::Nothing => alike(answer.verdict == Verdict::Consistent),
+        Group::Outside => alike(answer.verdict == Verdict::Unexplained),
+        // The truth is not on offer: that the data cannot tell is the answer, or that nothing explains them.
+        Group::Inside => {
+            let group = answer.verdict == Verdict::Ambiguous;
+            (group || answer.verdict == Verdict::Unexplained, group)
+        }
+        Group::Single | Group::Pair => {
+            let mut names: Vec<&str> = truth.hidden.iter().map(|hidden| hidden.name.as_str()).collect();
+            names.sort_unstable();
+            let told = truth.hidden.iter().all(|hidden| of(hidden, answer).is_some());
+            let right = answer.verdict == Verdict::Named && answer.names() == names && told;
+            // A group lists the effects of all its sets, each with its tendon.
+            (right, right || answer.verdict == Verdict::Ambiguous && told)
+        }
+    }
+}
+
+fn alike(right: bool) -> (bool, bool) {
+    (right, right)
+}
+
+/// What the answer says of an effect: that of the same name, and of the same tendon where it is about one.
+fn of<'a>(hidden: &Hidden, answer: &'a Answer) -> Option<&'a Answered> {
+    let card = hidden.card()?;
+    let same = |found: &&Answered| {
+        let tendon = card.parameters.iter().position(|parameter| parameter.seek == Seek::Tendon);
+        let alike = tendon.is_none_or(|index| {
+            found.values.get(card.parameters[index].name).is_some_and(|tendon| *tendon == hidden.values[index])
+        });
+        found.name == hidden.name && alike
+    };
+    answer.effects.iter().find(same)
+}
+
+/// Relative error of the size of an effect: the length of the difference over the length of the size.
+fn strength_error(model: &Model, hidden: &Hidden, answer: &Answer) -> Option<f64> {
+    let (card, found) = (hidden.card()?, of(hidden, answer)?);
+    let truth = as_answered(hidden, found);
+    let (mut off, mut all) = (0.0, 0.0);
+    for (parameter, value) in card.parameters.iter().zip(truth) {
+        if size(parameter).is_some() {
+            off += (found.values.get(parameter.name)? - value).powi(2);
+            all += (value - null_value(parameter, model)).powi(2);
+        }
+    }
+    (all > 0.0).then(|| (off / all).sqrt())
+}
+
+/// The parameters of an effect that have an interval, beside the truth.
+fn intervals(row: &CaseRow, hidden: &Hidden, answer: &Answer) -> Vec<IntervalRow> {
+    let (Some(card), Some(found)) = (hidden.card(), of(hidden, answer)) else { return Vec::new() };
+    let beside = |(parameter, truth): (&Parameter, f64)| {
+        let &[low, high] = found.intervals.get(parameter.name)?;
+        Some(IntervalRow {
+            case: row.case,
+            samples: row.samples,
+            effect: hidden.name.clone(),
+            parameter: parameter.name.to_owned(),
+            truth,
+            value: *found.values.get(parameter.name)?,
+            low,
+            high,
+            covered: (low..=high).contains(&truth),
+        })
+    };
+    card.parameters.iter().zip(as_answered(hidden, found)).filter_map(beside).collect()
+}
+
+/// The true values, written as the answer has them: principal axes a quarter turn apart with the opposite ratio are the
+/// same, and so are axes half a turn apart.
+fn as_answered(hidden: &Hidden, found: &Answered) -> Vec<f64> {
+    use std::f64::consts::{FRAC_PI_2, PI};
+    let mut values = hidden.values.clone();
+    if hidden.name != "anisotropic_stiffness" {
+        return values;
+    }
+    let (Some(ratio), Some(angle)) = (found.values.get("ratio"), found.values.get("angle_rad")) else { return values };
+    if ratio.signum() != values[0].signum() {
+        values = vec![-values[0], values[1] + FRAC_PI_2];
+    }
+    values[1] += ((angle - values[1]) / PI).round() * PI;
+    values
+}

@@ -1,0 +1,99 @@
+//! What is true of a blind case, and what the robot does.
+
+use rand_distr::{Distribution, StandardNormal};
+use serde::{Deserialize, Serialize};
+
+use super::commands::Commands;
+use super::drawing::disturbances::Disturbance;
+use super::drawing::injected_effects::{Hidden, card, null_value};
+use super::error::BlindError;
+use super::options::Prior;
+use crate::base::{BadOption, Generator, Point3};
+use crate::effects::{EffectSpec, Model, Seek};
+
+/// What is hidden in a recording: the sealed label.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Truth {
+    /// Effects of the catalogue.
+    pub hidden: Vec<Hidden>,
+    /// What is in no catalogue.
+    pub unknown: Option<Disturbance>,
+    /// Where the robot's numbers are, as far as a lab does not know them.
+    pub uncertain: Vec<Hidden>,
+    /// How far what is hidden moves the tip, root mean square, metres.
+    pub shift_m: f64,
+    /// For cases that the oracle has judged: what the best few others leave, over the noise; else 0.
+    pub left: f64,
+    /// Inside the span: the sets of others that imitate it equally well, the best first.
+    pub imitations: Vec<String>,
+    /// Effects that are taken out of the catalogue for this case.
+    pub left_out: Vec<String>,
+}
+
+impl Truth {
+    /// What is hidden, joined by ` + `.
+    pub fn name(&self) -> String {
+        let mut names: Vec<&str> = self.hidden.iter().map(|hidden| hidden.name.as_str()).collect();
+        names.extend(self.unknown.as_ref().map(|unknown| unknown.name.as_str()));
+        names.sort_unstable();
+        names.join(" + ")
+    }
+}
+
+/// Where `model` has the tip under `commands` with these uncertain numbers, effects and disturbance, metres; none where it
+/// cannot follow.
+pub(crate) fn tips_m(
+    model: &Model,
+    commands: &Commands,
+    uncertain: &[Hidden],
+    hidden: &[Hidden],
+    unknown: Option<&Disturbance>,
+) -> Option<Vec<Point3>> {
+    let each = uncertain.iter().chain(hidden).map(Hidden::effects).collect::<Option<Vec<Vec<EffectSpec>>>>()?;
+    let extra: Vec<EffectSpec> = each.into_iter().flatten().collect();
+    let Some(unknown) = unknown else { return commands.tips_m(model, &extra) };
+    let tips_m = unknown.drives(commands).tips_m(model, &extra)?;
+    Some(unknown.recorded(commands, tips_m))
+}
+
+/// Refuses a prior on what is no size of an effect.
+///
+/// # Errors
+/// [`BlindError::Option`].
+pub(crate) fn sized(prior: &Prior) -> Result<(), BlindError> {
+    let known = card(&prior.effect).is_some_and(|card| card.parameters.iter().any(|one| about(one.name, prior)));
+    let found = format!("{}.{}", prior.effect, prior.parameter);
+    if known {
+        return Ok(());
+    }
+    Err(BadOption { key: "uncertain", found, expected: "an effect of the catalogue and one of its parameters" }.into())
+}
+
+/// Whether a parameter of the prior's effect is the one that the prior is about: its name, or a component of it.
+pub(crate) fn about(parameter: &str, prior: &Prior) -> bool {
+    parameter.split('[').next() == Some(prior.parameter.as_str())
+}
+
+/// The uncertain numbers of a robot, drawn from their priors: an effect a number, of each tendon where it is about one.
+pub(crate) fn uncertain(priors: &[Prior], model: &Model, random: &mut Generator) -> Vec<Hidden> {
+    let mut drawn = Vec::new();
+    for prior in priors {
+        let Some(card) = card(&prior.effect) else { continue };
+        let tendon = card.parameters.iter().position(|parameter| parameter.seek == Seek::Tendon);
+        let count = if tendon.is_some() { model.robot.tendons.angles_deg.len() } else { 1 };
+        for number in 1..=count {
+            let mut values: Vec<f64> = card.parameters.iter().map(|one| null_value(one, model)).collect();
+            for (value, parameter) in values.iter_mut().zip(card.parameters) {
+                if about(parameter.name, prior) {
+                    let random: f64 = StandardNormal.sample(random);
+                    *value += prior.deviation * random;
+                }
+            }
+            if let Some(tendon) = tendon {
+                values[tendon] = number as f64;
+            }
+            drawn.push(Hidden { name: card.name.to_owned(), values, other_law: false });
+        }
+    }
+    drawn
+}

@@ -1,0 +1,179 @@
+//! Calibration of a model from a recording (paper, section III-B: Young's modulus from weights hung on tendons and the
+//! tracked tip, Poisson's ratio held).
+
+use nalgebra::DMatrix;
+
+use crate::base::{BadOption, Point3};
+use crate::data::Recording;
+use crate::effects::{Model, ModelParameter, Robot, Variable, VariationError};
+use crate::math::optimise::least_squares;
+use crate::rod::TipRate;
+use crate::tasks::TaskError;
+use crate::tasks::simulate_recording::{PlayOptions, Varied, play, play_varied};
+
+/// A number of a robot that can be calibrated; all are positive and fitted on a logarithmic scale.
+pub struct Adjustable {
+    /// Its name: the key in the model file.
+    pub name: &'static str,
+    /// Where it stands in a model file.
+    path: &'static str,
+    /// The same in a robot.
+    field: fn(&mut Robot) -> &mut f64,
+}
+
+/// Everything that `--fit` can name.
+pub static ADJUSTABLE: &[Adjustable] = &[
+    Adjustable {
+        name: "youngs_modulus_pa",
+        path: "robot.backbone.youngs_modulus_pa",
+        field: |robot| &mut robot.backbone.youngs_modulus_pa,
+    },
+    Adjustable {
+        name: "compliance_m_per_n",
+        path: "robot.sections.compliance_m_per_n",
+        field: |robot| &mut robot.sections.compliance_m_per_n,
+    },
+    Adjustable { name: "disk_mass_kg", path: "robot.disks.mass_kg", field: |robot| &mut robot.disks.mass_kg },
+    Adjustable { name: "tendon_radius_m", path: "robot.tendons.radius_m", field: |robot| &mut robot.tendons.radius_m },
+    Adjustable { name: "damping_time_s", path: "robot.damping_time_s", field: |robot| &mut robot.damping_time_s },
+    Adjustable { name: "length_m", path: "robot.backbone.length_m", field: |robot| &mut robot.backbone.length_m },
+];
+
+/// A number that moves no tip by more than [`TIP_ACCURACY_M`] when it changes by this share is not seen.
+const SEEN_SHARE: f64 = 1e-3;
+/// Accuracy of a played tip, metres: the rod's tolerance.
+const TIP_ACCURACY_M: f64 = 1e-8;
+/// Change of a number, over its scale, for differences of whole trials.
+const TRIAL_STEP: f64 = 1e-3;
+
+/// One calibrated number.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Calibrated {
+    /// Its name.
+    pub name: &'static str,
+    /// Best value, in the unit of its name.
+    pub value: f64,
+    /// 95 % interval.
+    pub interval_95: [f64; 2],
+}
+
+/// What a calibration found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Calibration {
+    /// The model with the best values.
+    pub model: Model,
+    /// What was fitted.
+    pub numbers: Vec<Calibrated>,
+    /// Root mean square distance of the tip from the measured one before, metres.
+    pub before_m: f64,
+    /// The same after, metres.
+    pub after_m: f64,
+    /// Rows that were compared.
+    pub rows: usize,
+}
+
+/// Fits the numbers called `names` so that the played commands of `measured` bring the tip where it was measured. Rows
+/// without tracking are left out. `at_rest`: each row is a pose at rest.
+///
+/// # Errors
+/// [`TaskError`] for an unknown name, a number that is zero in the model, too few rows, or a model that cannot play
+/// the commands.
+pub fn calibrate(
+    model: &Model,
+    measured: &Recording,
+    names: &[String],
+    at_rest: bool,
+) -> Result<Calibration, TaskError> {
+    let fields: Vec<&Adjustable> = names.iter().map(|name| adjustable(name)).collect::<Result<_, _>>()?;
+    let tips = measured.tip_m.as_ref().ok_or(TaskError::NotFinite("the recording has no tip"))?;
+    let rows: Vec<usize> =
+        (0..measured.len()).filter(|&row| measured.is_valid(row) && tips[row].iter().all(|x| x.is_finite())).collect();
+    if 3 * rows.len() <= fields.len() {
+        return Err(TaskError::TooFew { what: "tracked rows", asked: fields.len() / 3 + 1, available: rows.len() });
+    }
+    let mut start_robot = model.robot.clone();
+    let values: Vec<f64> = fields.iter().map(|field| *(field.field)(&mut start_robot)).collect();
+    for (index, (field, &value)) in fields.iter().zip(&values).enumerate() {
+        BadOption::unless_positive(field.name, value)?;
+        if names[..index].contains(&names[index]) {
+            return Err(TaskError::Repeated(field.name));
+        }
+    }
+    // Logarithms of what the values are multiplied by: a number that is not seen stays as it is to the last digit.
+    let start = vec![0.0; fields.len()];
+    let with = |logs: &[f64]| {
+        let mut candidate = model.clone();
+        for (field, log) in fields.iter().zip(logs) {
+            *(field.field)(&mut candidate.robot) *= log.exp();
+        }
+        candidate
+    };
+    let options = PlayOptions { at_rest, ..PlayOptions::default() };
+    let residuals = |logs: &[f64]| {
+        let candidate = with(logs);
+        // A step may leave the range of a number, or of two together (sections longer than the backbone).
+        candidate.check().ok()?;
+        let played = play(&candidate, measured, &options).tip_m?;
+        let all: Vec<f64> = rows
+            .iter()
+            .flat_map(|&row| (0..3).map(move |axis| (row, axis)))
+            .map(|(r, a)| played[r][a] - tips[r][a])
+            .collect();
+        all.iter().all(|value| value.is_finite()).then_some(all)
+    };
+    let per_row = |all: &[f64]| (all.iter().map(|r| r * r).sum::<f64>() / rows.len() as f64).sqrt();
+    let unplayable = TaskError::NotFinite("the model cannot play these commands");
+    let before_m = per_row(&residuals(&start).ok_or_else(|| unplayable.clone())?);
+    let derivative = |logs: &[f64]| {
+        let rates = tip_rates(&with(logs), measured, &options, &fields)?;
+        let slope = |row: usize, k: usize| rates[k][rows[row / 3]][row % 3] * values[k] * logs[k].exp();
+        let jacobian = DMatrix::from_fn(3 * rows.len(), fields.len(), slope);
+        Some(least_squares::unseen_left_out(jacobian, SEEN_SHARE, TIP_ACCURACY_M))
+    };
+    let fit = least_squares::fit(&residuals, &derivative, &start).ok_or_else(|| unplayable.clone())?;
+    let numbers = (0..fields.len()).map(|k| Calibrated {
+        name: fields[k].name,
+        value: values[k] * fit.parameters[k].exp(),
+        interval_95: fit.interval_95[k].map(|log| values[k] * log.exp()),
+    });
+    Ok(Calibration {
+        numbers: numbers.collect(),
+        before_m,
+        after_m: per_row(&residuals(&fit.parameters).ok_or(unplayable)?),
+        rows: rows.len(),
+        model: with(&fit.parameters),
+    })
+}
+
+/// For each number: derivative of the tip in each row, metres per unit of the number. `None` when the model cannot play
+/// the commands.
+fn tip_rates(
+    model: &Model,
+    commands: &Recording,
+    options: &PlayOptions,
+    fields: &[&Adjustable],
+) -> Option<Vec<Vec<Point3>>> {
+    let parameter = |field: &&Adjustable| ModelParameter::named(model, field.path);
+    let parameters: Vec<ModelParameter> = fields.iter().map(parameter).collect::<Result<_, _>>().ok()?;
+    let variables: Vec<Variable> = parameters.iter().cloned().map(Variable::Parameter).collect();
+    let Varied { rates, left_out, .. } = play_varied(model, commands, options, &variables).ok()?;
+    let played = |candidate: &Model| -> Result<Vec<Point3>, VariationError> {
+        Ok(play(candidate, commands, options).tip_m.unwrap_or_default())
+    };
+    let mut columns = Vec::new();
+    for (k, parameter) in parameters.iter().enumerate() {
+        if left_out.contains(&k) {
+            columns.push(parameter.differences(model, TRIAL_STEP, &played).ok()?);
+        } else {
+            let column = k - left_out.iter().filter(|&&other| other < k).count();
+            // Rows that were not solved have no derivative; they are not compared either.
+            let rate = |row: &Vec<TipRate>| row.get(column).map_or([f64::NAN; 3], |rate| rate.position_m.into());
+            columns.push(rates.iter().map(rate).collect());
+        }
+    }
+    Some(columns)
+}
+
+fn adjustable(name: &str) -> Result<&'static Adjustable, TaskError> {
+    ADJUSTABLE.iter().find(|field| field.name == name).ok_or_else(|| TaskError::UnknownName(name.to_owned()))
+}

@@ -1,0 +1,91 @@
+//! Which way the tracker's axes point, said in words such as `x=+y,y=-x,z=+z`.
+
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use std::str::FromStr;
+
+/// The project's axes (x up, z along the straight robot) in terms of the tracker's: a rotation by quarter turns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axes {
+    turn: Matrix3<f64>,
+}
+
+/// Words that are no axes.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("found {found}, expected each axis once, right-handed, such as {example}", example = Axes::Y_UP)]
+pub struct BadAxes {
+    found: String,
+}
+
+impl Axes {
+    /// The tracker's y up, as Motive has it, and the robot along its z.
+    pub const Y_UP: &'static str = "x=+y,y=-x,z=+z";
+
+    /// A vector of the tracker in the project's axes.
+    pub(crate) fn vector(&self, tracked: &Vector3<f64>) -> Vector3<f64> {
+        self.turn * tracked
+    }
+
+    /// A turn in the tracker's axes, in the project's.
+    pub(crate) fn rotation(&self, tracked: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
+        let axis = self.turn * tracked.imag();
+        UnitQuaternion::new_unchecked(nalgebra::Quaternion::from_parts(tracked.w, axis))
+    }
+}
+
+impl FromStr for Axes {
+    type Err = BadAxes;
+
+    fn from_str(words: &str) -> Result<Axes, BadAxes> {
+        let bad = |found: &str| BadAxes { found: found.to_owned() };
+        let mut turn = Matrix3::zeros();
+        let parts: Vec<&str> = words.split(',').collect();
+        for part in &parts {
+            let (ours, theirs) = part.split_once('=').ok_or_else(|| bad(&format!("`{part}`")))?;
+            let theirs = theirs.trim();
+            let sign = if theirs.starts_with('-') { -1.0 } else { 1.0 };
+            let theirs = theirs.strip_prefix(['+', '-']).unwrap_or(theirs);
+            let place = axis(ours).zip(axis(theirs));
+            turn[place.ok_or_else(|| bad(&format!("`{part}`")))?] += sign;
+        }
+        // A repeated axis leaves another without any, and the determinant 0.
+        match (parts.len(), turn.determinant()) {
+            (3, 1.0) => Ok(Axes { turn }),
+            (3, -1.0) => Err(bad("left-handed axes")),
+            _ => Err(bad("an axis twice or none at all")),
+        }
+    }
+}
+
+fn axis(name: &str) -> Option<usize> {
+    ["x", "y", "z"].iter().position(|axis| *axis == name.trim())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_turn_and_its_axis_map_alike() {
+        let axes: Axes = Axes::Y_UP.parse().unwrap();
+        assert_eq!(axes.vector(&Vector3::new(1.0, 2.0, 3.0)), Vector3::new(2.0, -1.0, 3.0));
+        let (turn, arm) = (UnitQuaternion::new(Vector3::new(0.3, -0.2, 0.5)), Vector3::new(0.1, 0.7, -0.4));
+        let turned = axes.rotation(&turn) * axes.vector(&arm);
+        assert!((turned - axes.vector(&(turn * arm))).norm() < 1e-15);
+    }
+
+    #[test]
+    fn what_is_not_a_right_handed_frame_is_refused() {
+        for (words, found) in [
+            ("x=+y,y=+x,z=+z", "left-handed"),
+            ("x=+y,y=-y,z=+z", "twice"),
+            ("x=+y,y=-x", "none at all"),
+            ("x=+y,y=-x,z=+w", "`z=+w`"),
+            ("x=+y,y=-x,z=+z,z=+z", "twice"),
+            ("", "``"),
+        ] {
+            let said = Axes::from_str(words).unwrap_err().to_string();
+            assert!(said.contains(found) && said.contains(Axes::Y_UP), "{words}: {said}");
+        }
+        assert!(Axes::from_str("z=-z, x=y, y=x").is_ok());
+    }
+}

@@ -1,0 +1,106 @@
+//! The log of commands, and when each of its rows was commanded in the tracker's time.
+
+use std::path::{Path, PathBuf};
+
+use crate::data::recording::{cell_error, header_place};
+use crate::data::{DataError, Recording};
+
+/// Time of a row in the export, seconds.
+pub(crate) const EXPORT_TIME: &str = "export_time_s";
+/// Time of a row by one clock for all trials, seconds since whenever.
+const WALL_TIME: &str = "wall_time_s";
+
+/// How far the two clocks may be apart in a trial, seconds, …
+const JITTER_S: f64 = 0.1;
+/// … and as a share of the time since its start.
+const PACE: f64 = 0.01;
+
+/// Commands with their times.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Log {
+    /// The file that they came from.
+    pub file: PathBuf,
+    /// The commands.
+    pub commands: Recording,
+    /// When each row was commanded, in the time of the export, seconds.
+    pub at_s: Vec<f64>,
+}
+
+impl Log {
+    /// Reads a log. A column `export_time_s` places each row; without it, `offsets_s` do: the time in the export of the
+    /// first row, when a column `wall_time_s` tells the rest, or of the first row of each trial.
+    ///
+    /// # Errors
+    /// [`DataError`] when the file is no recording's, or does not say when it was in the export.
+    pub fn read(path: &Path, offsets_s: &[f64]) -> Result<Log, DataError> {
+        let commands = Recording::read_commands(path)?;
+        let at_s = export_times(path, &commands, offsets_s)?;
+        check_pace(path, &commands, &at_s)?;
+        Ok(Log { file: path.to_owned(), commands, at_s })
+    }
+}
+
+/// Refuses times that do not follow one another, or that pass at another pace than the trials' own: milliseconds, or
+/// `time_s` as it was planned rather than as it was.
+fn check_pace(path: &Path, commands: &Recording, at_s: &[f64]) -> Result<(), DataError> {
+    let column = [EXPORT_TIME, WALL_TIME].into_iter().find(|name| has(commands, name)).unwrap_or("time_s");
+    let wrong = |row, found, expected| Err(cell_error(path, row, column, found, expected));
+    for (_, rows) in commands.trials() {
+        for row in rows.clone() {
+            let (in_export_s, in_trial_s) = (at_s[row] - at_s[rows.start], commands.time_s[row]);
+            if row > 0 && at_s[row] <= at_s[row - 1] {
+                let expected = format!("more than {:.6} s, as in the row before", at_s[row - 1]);
+                return wrong(row, format!("{:.6} s in the export", at_s[row]), expected);
+            }
+            if (in_export_s - in_trial_s).abs() > JITTER_S + PACE * in_trial_s {
+                let expected = format!("about {in_trial_s} s, as `time_s` says");
+                return wrong(row, format!("{in_export_s:.6} s after the trial's first row"), expected);
+            }
+        }
+    }
+    Ok(())
+}
+
+fn has(commands: &Recording, name: &str) -> bool {
+    commands.extra.iter().any(|(known, _)| known == name)
+}
+
+fn export_times(path: &Path, commands: &Recording, offsets_s: &[f64]) -> Result<Vec<f64>, DataError> {
+    if let Some(at_s) = commands.extra_numbers(path, EXPORT_TIME, "seconds in the export, a number")? {
+        let given = "the time of each row, and --offset-s besides";
+        return if offsets_s.is_empty() { Ok(at_s) } else { Err(unplaced(path, given.to_owned(), "one of the two")) };
+    }
+    let trials = commands.trials();
+    match offsets_s {
+        [] => {
+            let expected = "the time of each row in the export, or --offset-s";
+            Err(unplaced(path, "no such column".to_owned(), expected))
+        }
+        [offset_s] if has(commands, WALL_TIME) => {
+            let wall_s = commands.extra_numbers(path, WALL_TIME, "seconds, a number")?.unwrap_or_default();
+            Ok(wall_s.iter().map(|now_s| now_s - wall_s[0] + offset_s).collect())
+        }
+        _ if offsets_s.len() == trials.len() => {
+            let rows = trials
+                .iter()
+                .zip(offsets_s)
+                .flat_map(|((_, rows), offset_s)| rows.clone().map(move |row| commands.time_s[row] + offset_s));
+            Ok(rows.collect())
+        }
+        _ => {
+            let found = format!("no such column, {} trials and {} offsets", trials.len(), offsets_s.len());
+            let expected = "one --offset-s for each trial (or one and a column `wall_time_s`), or this column";
+            Err(unplaced(path, found, expected))
+        }
+    }
+}
+
+fn unplaced(path: &Path, found: String, expected: &str) -> DataError {
+    DataError::Column {
+        file: path.to_owned(),
+        place: header_place(path),
+        column: EXPORT_TIME.to_owned(),
+        found,
+        expected: expected.to_owned(),
+    }
+}

@@ -1,0 +1,128 @@
+//! A tracker's export and a log of commands become one recording: the tip from the base, at the times of the commands.
+
+mod axes;
+mod log;
+pub mod motive;
+mod resample;
+
+pub use axes::{Axes, BadAxes};
+pub use log::Log;
+
+use nalgebra::Isometry3;
+
+use crate::data::recording::{Extra, Pose};
+use crate::data::{DataError, Recording};
+use crate::math::rotation;
+use motive::{Body, Export};
+use resample::at;
+
+/// Along which axes the tip is given; its origin is the base body's pivot in both cases.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TipFrame {
+    /// Those of the base body, row by row: a turned tracking frame and a moved stand drop out.
+    Base,
+    /// Those of the tracker, whose up is then taken for the direction against gravity: a tilted base shows at the tip.
+    Tracking,
+}
+
+/// How to import.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImportOptions {
+    /// The project's axes in the tracker's.
+    pub axes: Axes,
+    /// Along which axes the tip is given.
+    pub frame: TipFrame,
+    /// Tracked frames further apart than this are not interpolated between, seconds.
+    pub max_gap_s: f64,
+}
+
+/// What came out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Imported {
+    /// The log with the tip, its orientation, the base's pose and `valid`.
+    pub recording: Recording,
+    /// Rows without a tip.
+    pub lost: usize,
+    /// Mean angle between the axes of the base body and those of the tracker, radians.
+    pub base_turn_rad: f64,
+}
+
+/// Joins the poses of the bodies `base` and `tip` of `export` with the commands of `log`.
+///
+/// # Errors
+/// [`DataError`] when there is no row in which both bodies were tracked.
+pub fn import(
+    export: &Export,
+    [base, tip]: [&Body; 2],
+    log: &Log,
+    options: &ImportOptions,
+) -> Result<Imported, DataError> {
+    check_overlap(export, log)?;
+    let pose = |body: &Body, time_s| at(&export.time_s, &body.poses, time_s, options.max_gap_s);
+    let mut recording = log.commands.clone();
+    let (mut tips, mut turns, mut bases, mut valid) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let mut angles_rad = Vec::new();
+    for (row, &time_s) in log.at_s.iter().enumerate() {
+        let base = pose(base, time_s);
+        let seen = base.zip(pose(tip, time_s)).filter(|_| log.commands.is_valid(row));
+        let seen = seen.map(|(base, tip)| from_base(&base, &tip, options.frame));
+        angles_rad.extend(base.map(|base| base.rotation.angle()));
+        let turned = |pose: Isometry3<f64>| rotation::parts(&options.axes.rotation(&pose.rotation));
+        let place_m = |pose: Isometry3<f64>| options.axes.vector(&pose.translation.vector).into();
+        tips.push(seen.map_or([f64::NAN; 3], place_m));
+        turns.push(seen.map_or([f64::NAN; 4], turned));
+        bases.push(Pose {
+            position_m: base.map_or([f64::NAN; 3], place_m),
+            quaternion: base.map_or([f64::NAN; 4], turned),
+        });
+        valid.push(seen.is_some());
+    }
+    let lost = valid.iter().filter(|valid| !**valid).count();
+    if lost == valid.len() {
+        return Err(never_seen(export, options));
+    }
+    let base_turn_rad = angles_rad.iter().sum::<f64>() / angles_rad.len() as f64;
+    recording.tip_m = Some(tips);
+    recording.tip_quaternion = Some(turns);
+    recording.base = Some(bases);
+    recording.valid = Some(valid);
+    recording.extra.retain(|(name, _)| name != log::EXPORT_TIME);
+    recording.extra.push((log::EXPORT_TIME.to_owned(), Extra::Numbers(log.at_s.clone())));
+    Ok(Imported { recording, lost, base_turn_rad })
+}
+
+/// The tip from the base's pivot, along the axes asked for (still the tracker's names for them).
+fn from_base(base: &Isometry3<f64>, tip: &Isometry3<f64>, frame: TipFrame) -> Isometry3<f64> {
+    match frame {
+        TipFrame::Base => base.inv_mul(tip),
+        TipFrame::Tracking => {
+            let away_m = tip.translation.vector - base.translation.vector;
+            Isometry3::from_parts(away_m.into(), tip.rotation)
+        }
+    }
+}
+
+fn check_overlap(export: &Export, log: &Log) -> Result<(), DataError> {
+    let span = |times_s: &[f64]| times_s.first().copied().zip(times_s.last().copied()).unwrap_or((f64::NAN, f64::NAN));
+    let ((first_s, last_s), (begin_s, end_s)) = (span(&export.time_s), span(&log.at_s));
+    if begin_s <= last_s && end_s >= first_s {
+        return Ok(());
+    }
+    Err(DataError::Line {
+        file: log.file.clone(),
+        place: "all rows".to_owned(),
+        found: format!("commands from {begin_s} s to {end_s} s in the export"),
+        expected: format!("some within the export, which goes from {first_s} s to {last_s} s"),
+    })
+}
+
+fn never_seen(export: &Export, options: &ImportOptions) -> DataError {
+    let frames = export.time_s.windows(2).map(|pair| pair[1] - pair[0]);
+    let step_s = frames.fold(0.0, f64::max);
+    DataError::Line {
+        file: export.file.clone(),
+        place: "all frames".to_owned(),
+        found: format!("no command with both bodies tracked around it (frames are up to {step_s:.6} s apart)"),
+        expected: format!("tracked frames at most {} s apart (--max-gap-s)", options.max_gap_s),
+    }
+}

@@ -1,0 +1,108 @@
+//! The first line: keys and values in turn.
+
+use std::path::Path;
+
+use super::{Line, wrong_line};
+use crate::data::DataError;
+use crate::data::error::shown;
+
+/// How orientations are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Rotation {
+    /// Unit quaternions.
+    Quaternion,
+    /// Degrees about x, then about the new y, then about the new z: the order and sense that Motive calls XYZ.
+    Xyz,
+}
+
+impl Rotation {
+    /// Names of the columns that it takes, in the order in which this project keeps the numbers.
+    pub(crate) fn parts(self) -> &'static [&'static str] {
+        match self {
+            Rotation::Quaternion => &["W", "X", "Y", "Z"],
+            Rotation::Xyz => &["X", "Y", "Z"],
+        }
+    }
+}
+
+/// What the first line says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Meta {
+    /// Metres in the export's unit of length.
+    pub(crate) unit_m: f64,
+    pub(crate) rotation: Rotation,
+    /// Number of frames that should follow.
+    pub(crate) frames: Option<usize>,
+}
+
+const UNITS: [(&str, f64); 5] =
+    [("meters", 1.0), ("centimeters", 1e-2), ("millimeters", 1e-3), ("inches", 0.0254), ("feet", 0.3048)];
+
+const FIRST: &str = "`Format Version,1.2…`: an export by Motive with its header";
+
+/// Reads the first line.
+pub(crate) fn meta(path: &Path, line: &Line) -> Result<Meta, DataError> {
+    let first = line.cell(0);
+    if first.starts_with("Format Version;") {
+        let found = "cells between semicolons (saved again by a spreadsheet?)";
+        return Err(wrong_line(path, line.number, found, "Motive's own file: commas between cells, points in numbers"));
+    }
+    if !first.eq_ignore_ascii_case("Format Version") {
+        return Err(wrong_line(path, line.number, shown(&clipped(first)), FIRST));
+    }
+    let version = line.cell(1);
+    // Later minor versions have so far only added keys and rows, which are found by name.
+    if !version.starts_with("1.") {
+        return Err(bad_value(path, "Format Version", version, "1.2x".to_owned()));
+    }
+    let space = value(line, "Coordinate Space");
+    if let Some(space) = space.filter(|space| !space.eq_ignore_ascii_case("Global")) {
+        return Err(bad_value(
+            path,
+            "Coordinate Space",
+            space,
+            "`Global`: poses in one frame for all bodies".to_owned(),
+        ));
+    }
+    let frames = value(line, "Total Exported Frames").and_then(|frames| frames.parse().ok());
+    Ok(Meta { unit_m: unit(path, line)?, rotation: rotation(path, line)?, frames })
+}
+
+fn unit(path: &Path, line: &Line) -> Result<f64, DataError> {
+    const KEY: &str = "Length Units";
+    let name = value(line, KEY).unwrap_or_default();
+    let unit = UNITS.iter().find(|(known, _)| name.eq_ignore_ascii_case(known));
+    let expected = || "`Meters`, `Centimeters`, `Millimeters`, `Inches` or `Feet`".to_owned();
+    unit.map(|(_, unit_m)| *unit_m).ok_or_else(|| bad_value(path, KEY, name, expected()))
+}
+
+fn rotation(path: &Path, line: &Line) -> Result<Rotation, DataError> {
+    const KEY: &str = "Rotation Type";
+    match value(line, KEY).unwrap_or_default() {
+        name if name.eq_ignore_ascii_case("Quaternion") => Ok(Rotation::Quaternion),
+        "XYZ" => Ok(Rotation::Xyz),
+        name => Err(bad_value(path, KEY, name, "`Quaternion` (or the Euler angles `XYZ`): export it so".to_owned())),
+    }
+}
+
+/// The cell behind a key. Keys are looked for one by one, not in pairs: a name with a bare comma in it shifts the pairs.
+fn value<'a>(line: &'a Line, key: &str) -> Option<&'a str> {
+    let place = (0..line.cells.len()).find(|&index| line.cell(index).eq_ignore_ascii_case(key))?;
+    Some(line.cell(place + 1))
+}
+
+fn bad_value(path: &Path, key: &str, found: &str, expected: String) -> DataError {
+    DataError::Cell {
+        file: path.to_owned(),
+        place: "line 1".to_owned(),
+        column: key.to_owned(),
+        found: shown(&clipped(found)),
+        expected,
+    }
+}
+
+/// The start of a text: the file may be anything, and its first line long.
+fn clipped(text: &str) -> String {
+    const LONGEST: usize = 40;
+    if text.chars().count() <= LONGEST { text.to_owned() } else { text.chars().take(LONGEST).chain(['…']).collect() }
+}

@@ -1,0 +1,206 @@
+//! From the text to the bodies.
+
+use std::borrow::Cow;
+use std::path::Path;
+
+use super::header;
+use super::header::{Layout, Places};
+use super::meta;
+use super::meta::{Meta, Rotation};
+use super::{Body, Export, Line, wrong_line};
+use crate::data::error::shown;
+use crate::data::recording::{Pose, unit_length};
+use crate::data::{DataError, csv};
+
+/// Reads a whole export.
+pub(crate) fn export(path: &Path, bytes: &[u8]) -> Result<Export, DataError> {
+    let text = csv::decode(path, bytes)?;
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let whole = text.ends_with(['\n', '\r']);
+    let text = text.trim_end_matches(['\n', '\r']);
+    let mut lines = text.lines().enumerate().map(|(index, line)| split(path, index + 1, line));
+    let Some(first) = lines.next() else {
+        let expected = "an export by Motive";
+        return Err(DataError::Empty { file: path.to_owned(), found: "nothing", expected });
+    };
+    let meta = meta::meta(path, &first?)?;
+    let layout = layout(path, &mut lines, &meta)?;
+    let mut frames = Frames { path, meta, layout, time_s: Vec::new(), poses: Vec::new() };
+    let mut short = None;
+    for line in lines {
+        let line = line?;
+        short = (line.cells.len() < frames.layout.width).then_some((line.number, line.cells.len()));
+        frames.push(&line)?;
+    }
+    // Spreadsheets drop empty cells at the end of a line; a last line without its end is one that was cut off.
+    if let Some((number, cells)) = short.filter(|_| !whole) {
+        let expected = format!("{} as in the header: the file was cut off", frames.layout.width);
+        return Err(wrong_line(path, number, format!("{cells} cells"), expected));
+    }
+    frames.finish()
+}
+
+/// The cells of a line, without the quotation marks around them.
+fn split<'a>(path: &Path, number: usize, line: &'a str) -> Result<Line<'a>, DataError> {
+    let cells = csv::split(line).ok_or_else(|| csv::unclosed(path, number))?;
+    Ok(Line { number, cells: cells.into_iter().map(unquoted).collect() })
+}
+
+fn unquoted(cell: &str) -> Cow<'_, str> {
+    match cell.trim().strip_prefix('"').and_then(|rest| rest.strip_suffix('"')) {
+        None => Cow::Borrowed(cell),
+        Some(inner) if inner.contains("\"\"") => Cow::Owned(inner.replace("\"\"", "\"")),
+        Some(inner) => Cow::Borrowed(inner),
+    }
+}
+
+/// Takes the rows of the header off the lines.
+fn layout<'a>(
+    path: &Path,
+    lines: &mut impl Iterator<Item = Result<Line<'a>, DataError>>,
+    meta: &Meta,
+) -> Result<Layout, DataError> {
+    const LAST: &str = "the row `Frame,Time (Seconds),X,Y,Z,…` before the frames";
+    let mut rows: Vec<Line> = Vec::new();
+    let mut last = 1;
+    for line in lines {
+        let line = line?;
+        last = line.number;
+        if header::is_last(&line) {
+            return header::layout(path, &rows, &line, meta.rotation);
+        }
+        if line.cell(0).parse::<f64>().is_ok() {
+            return Err(wrong_line(path, line.number, "a row of numbers", LAST));
+        }
+        if line.filled() > 0 {
+            rows.push(line);
+        }
+    }
+    Err(wrong_line(path, last, "the end of the file", LAST))
+}
+
+/// The frames read so far.
+struct Frames<'a> {
+    path: &'a Path,
+    meta: Meta,
+    layout: Layout,
+    time_s: Vec<f64>,
+    /// All bodies of the first frame, then of the second, …
+    poses: Vec<Option<Pose>>,
+}
+
+impl Frames<'_> {
+    fn push(&mut self, line: &Line) -> Result<(), DataError> {
+        if line.filled() > self.layout.width {
+            let found = format!("{} cells", line.filled());
+            let expected = format!("{} as in the header (decimal commas split numbers in two)", self.layout.width);
+            return Err(wrong_line(self.path, line.number, found, expected));
+        }
+        let time_s = self.time(line)?;
+        self.time_s.push(time_s);
+        for places in &self.layout.bodies {
+            self.poses.push(self.pose(line, places)?);
+        }
+        Ok(())
+    }
+
+    fn time(&self, line: &Line) -> Result<f64, DataError> {
+        const NAME: &str = "Time (Seconds)";
+        let cell = line.cell(self.layout.time);
+        let Some(time_s) = number(cell).flatten() else {
+            return Err(self.bad(line, NAME.to_owned(), cell, "seconds, a number with a decimal point".to_owned()));
+        };
+        if let Some(before) = self.time_s.last().filter(|before| time_s <= **before) {
+            let expected = format!("more than {before} as in the frame before");
+            return Err(self.bad(line, NAME.to_owned(), cell, expected));
+        }
+        Ok(time_s)
+    }
+
+    /// A body in a frame. Motive leaves the cells of a body empty where it was not tracked, or sets all of them to 0.
+    fn pose(&self, line: &Line, places: &Places) -> Result<Option<Pose>, DataError> {
+        let mut position_m = [0.0; 3];
+        let mut turn = [0.0; 4];
+        let mut tracked = true;
+        let position = places.position.iter().zip(["Position X", "Position Y", "Position Z"]);
+        for (value, (&index, what)) in position_m.iter_mut().zip(position) {
+            match self.number(line, places, index, what)? {
+                Some(number) => *value = number * self.meta.unit_m,
+                None => tracked = false,
+            }
+        }
+        let parts = self.meta.rotation.parts();
+        for (value, (&index, part)) in turn.iter_mut().zip(places.rotation.iter().zip(parts)) {
+            match self.number(line, places, index, &format!("Rotation {part}"))? {
+                Some(number) => *value = number,
+                None => tracked = false,
+            }
+        }
+        let blank = position_m.iter().chain(&turn).all(|&value| value == 0.0) && parts.len() == turn.len();
+        if !tracked || blank {
+            return Ok(None);
+        }
+        let quaternion = match self.meta.rotation {
+            Rotation::Quaternion => self.unit(line, places, turn)?,
+            Rotation::Xyz => from_xyz([turn[0], turn[1], turn[2]]),
+        };
+        Ok(Some(Pose { position_m, quaternion }))
+    }
+
+    fn number(&self, line: &Line, places: &Places, index: usize, what: &str) -> Result<Option<f64>, DataError> {
+        let cell = line.cell(index);
+        number(cell).ok_or_else(|| {
+            let column = format!("{} {what}", places.name);
+            self.bad(line, column, cell, "a number with a decimal point, or nothing".to_owned())
+        })
+    }
+
+    fn unit(&self, line: &Line, places: &Places, turn: [f64; 4]) -> Result<[f64; 4], DataError> {
+        let length = unit_length(&turn).map_err(|length| {
+            let expected = "a unit quaternion".to_owned();
+            let found = format!("{} of length {length:.4}", shown(line.cell(places.rotation[0])));
+            let column = format!("{} Rotation W", places.name);
+            let place = format!("line {}", line.number);
+            DataError::Cell { file: self.path.to_owned(), place, column, found, expected }
+        })?;
+        Ok(turn.map(|part| part / length))
+    }
+
+    fn bad(&self, line: &Line, column: String, cell: &str, expected: String) -> DataError {
+        let place = format!("line {}", line.number);
+        DataError::Cell { file: self.path.to_owned(), place, column, found: shown(cell), expected }
+    }
+
+    fn finish(self) -> Result<Export, DataError> {
+        if self.time_s.is_empty() {
+            let (found, expected) = ("a header and no frames", "at least one frame");
+            return Err(DataError::Empty { file: self.path.to_owned(), found, expected });
+        }
+        let count = self.layout.bodies.len();
+        let body = |(index, places): (usize, Places)| {
+            let poses = self.poses.iter().skip(index).step_by(count).copied().collect();
+            Body { name: places.name, poses }
+        };
+        Ok(Export {
+            file: self.path.to_owned(),
+            time_s: self.time_s,
+            bodies: self.layout.bodies.into_iter().enumerate().map(body).collect(),
+            promised_frames: self.meta.frames,
+            names_line: self.layout.names_line,
+        })
+    }
+}
+
+/// The number in a cell; none in an empty one, and nothing at all where something else stands.
+fn number(cell: &str) -> Option<Option<f64>> {
+    if cell.is_empty() || cell.eq_ignore_ascii_case("nan") {
+        return Some(None);
+    }
+    cell.parse().ok().filter(|number: &f64| number.is_finite()).map(Some)
+}
+
+/// Quaternion w, x, y, z of a turn by `angles_deg` about x, the new y and the newest z.
+fn from_xyz(angles_deg: [f64; 3]) -> [f64; 4] {
+    let [(sx, cx), (sy, cy), (sz, cz)] = angles_deg.map(|angle_deg| (0.5 * angle_deg.to_radians()).sin_cos());
+    [cx * cy * cz - sx * sy * sz, sx * cy * cz + cx * sy * sz, cx * sy * cz - sx * cy * sz, cx * cy * sz + sx * sy * cz]
+}

@@ -1,0 +1,312 @@
+//! Rows of plain structs to columns and back, through serde: field names are column names, in declaration order.
+
+use serde::de::value::MapDeserializer;
+use serde::de::{self, IntoDeserializer};
+use serde::ser::{self, Impossible};
+use serde::{Deserializer, Serialize, Serializer, forward_to_deserialize_any};
+
+/// One value of one field.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Cell {
+    Integer(i64),
+    Unsigned(u64),
+    Number(f64),
+    Flag(bool),
+    Text(String),
+    Missing,
+}
+
+/// Why a struct is not a row, or a cell not a value of its field.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub(crate) enum CellError {
+    #[error("a row has fields of numbers, text and flags only: {0}")]
+    NotFlat(String),
+    #[error("no column `{0}`")]
+    MissingColumn(String),
+    #[error("column `{0}` is not known")]
+    UnknownColumn(String),
+    #[error("{expected} expected")]
+    Value { column: String, expected: String },
+}
+
+impl ser::Error for CellError {
+    fn custom<T: std::fmt::Display>(message: T) -> Self {
+        CellError::NotFlat(message.to_string())
+    }
+}
+
+impl de::Error for CellError {
+    fn custom<T: std::fmt::Display>(message: T) -> Self {
+        CellError::Value { column: String::new(), expected: message.to_string() }
+    }
+
+    fn missing_field(field: &'static str) -> Self {
+        CellError::MissingColumn(field.to_owned())
+    }
+}
+
+/// The fields of a row, name and value, in declaration order.
+pub(crate) fn fields_of<R: Serialize>(row: &R) -> Result<Vec<(&'static str, Cell)>, CellError> {
+    row.serialize(RowSerializer)
+}
+
+fn not_flat<T>(what: &str) -> Result<T, CellError> {
+    Err(CellError::NotFlat(what.to_owned()))
+}
+
+/// Takes structs apart.
+struct RowSerializer;
+
+/// The fields met so far.
+#[derive(Default)]
+struct Fields(Vec<(&'static str, Cell)>);
+
+impl ser::SerializeStruct for Fields {
+    type Ok = Vec<(&'static str, Cell)>;
+    type Error = CellError;
+
+    fn serialize_field<T: Serialize + ?Sized>(&mut self, key: &'static str, value: &T) -> Result<(), CellError> {
+        self.0.push((key, value.serialize(CellSerializer)?));
+        Ok(())
+    }
+
+    fn end(self) -> Result<Self::Ok, CellError> {
+        Ok(self.0)
+    }
+}
+
+/// Takes one field's value.
+struct CellSerializer;
+
+macro_rules! refuse {
+    ($ok:ty; $($name:ident($($kind:ty),*)),* $(,)?) => {
+        $(fn $name(self, $(_: $kind),*) -> Result<$ok, CellError> { not_flat(stringify!($name)) })*
+    };
+}
+
+macro_rules! refuse_compound {
+    ($ok:ty) => {
+        type SerializeSeq = Impossible<$ok, CellError>;
+        type SerializeTuple = Impossible<$ok, CellError>;
+        type SerializeTupleStruct = Impossible<$ok, CellError>;
+        type SerializeTupleVariant = Impossible<$ok, CellError>;
+        type SerializeMap = Impossible<$ok, CellError>;
+        type SerializeStructVariant = Impossible<$ok, CellError>;
+
+        fn serialize_seq(self, _: Option<usize>) -> Result<Self::SerializeSeq, CellError> {
+            not_flat("a sequence")
+        }
+        fn serialize_tuple(self, _: usize) -> Result<Self::SerializeTuple, CellError> {
+            not_flat("a tuple")
+        }
+        fn serialize_tuple_struct(self, name: &'static str, _: usize) -> Result<Self::SerializeTupleStruct, CellError> {
+            not_flat(name)
+        }
+        fn serialize_tuple_variant(
+            self,
+            name: &'static str,
+            _: u32,
+            _: &'static str,
+            _: usize,
+        ) -> Result<Self::SerializeTupleVariant, CellError> {
+            not_flat(name)
+        }
+        fn serialize_map(self, _: Option<usize>) -> Result<Self::SerializeMap, CellError> {
+            not_flat("a map")
+        }
+        fn serialize_struct_variant(
+            self,
+            name: &'static str,
+            _: u32,
+            _: &'static str,
+            _: usize,
+        ) -> Result<Self::SerializeStructVariant, CellError> {
+            not_flat(name)
+        }
+        fn serialize_newtype_variant<T: Serialize + ?Sized>(
+            self,
+            name: &'static str,
+            _: u32,
+            _: &'static str,
+            _: &T,
+        ) -> Result<$ok, CellError> {
+            not_flat(name)
+        }
+        fn serialize_newtype_struct<T: Serialize + ?Sized>(self, _: &'static str, value: &T) -> Result<$ok, CellError> {
+            value.serialize(self)
+        }
+    };
+}
+
+impl Serializer for RowSerializer {
+    type Ok = Vec<(&'static str, Cell)>;
+    type Error = CellError;
+    type SerializeStruct = Fields;
+
+    refuse_compound!(Self::Ok);
+    refuse!(Self::Ok; serialize_bool(bool), serialize_i8(i8), serialize_i16(i16), serialize_i32(i32), serialize_i64(i64),
+        serialize_u8(u8), serialize_u16(u16), serialize_u32(u32), serialize_u64(u64), serialize_f32(f32),
+        serialize_f64(f64), serialize_char(char), serialize_str(&str), serialize_bytes(&[u8]), serialize_none(),
+        serialize_unit(), serialize_unit_struct(&'static str),
+        serialize_unit_variant(&'static str, u32, &'static str));
+
+    fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> Result<Self::Ok, CellError> {
+        value.serialize(self)
+    }
+
+    fn serialize_struct(self, _: &'static str, _: usize) -> Result<Fields, CellError> {
+        Ok(Fields::default())
+    }
+}
+
+macro_rules! cell_numbers {
+    ($($name:ident: $kind:ty => $cell:ident),* $(,)?) => {
+        $(fn $name(self, value: $kind) -> Result<Cell, CellError> { Ok(Cell::$cell(value.into())) })*
+    };
+}
+
+impl Serializer for CellSerializer {
+    type Ok = Cell;
+    type Error = CellError;
+    type SerializeStruct = Impossible<Cell, CellError>;
+
+    refuse_compound!(Cell);
+    refuse!(Cell; serialize_bytes(&[u8]), serialize_unit_struct(&'static str));
+    cell_numbers!(serialize_bool: bool => Flag, serialize_i8: i8 => Integer, serialize_i16: i16 => Integer,
+        serialize_i32: i32 => Integer, serialize_i64: i64 => Integer, serialize_u8: u8 => Unsigned,
+        serialize_u16: u16 => Unsigned, serialize_u32: u32 => Unsigned, serialize_u64: u64 => Unsigned,
+        serialize_f32: f32 => Number, serialize_f64: f64 => Number, serialize_char: char => Text,
+        serialize_str: &str => Text);
+
+    fn serialize_none(self) -> Result<Cell, CellError> {
+        Ok(Cell::Missing)
+    }
+    fn serialize_unit(self) -> Result<Cell, CellError> {
+        Ok(Cell::Missing)
+    }
+    fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> Result<Cell, CellError> {
+        value.serialize(self)
+    }
+    fn serialize_unit_variant(self, _: &'static str, _: u32, variant: &'static str) -> Result<Cell, CellError> {
+        Ok(Cell::Text(variant.to_owned()))
+    }
+    fn serialize_struct(self, name: &'static str, _: usize) -> Result<Self::SerializeStruct, CellError> {
+        not_flat(name)
+    }
+}
+
+/// A row as text cells under their column names, to be read as a struct.
+pub(crate) struct TextRow<'a> {
+    /// Column names.
+    pub(crate) names: &'a [&'a str],
+    /// One cell a column.
+    pub(crate) cells: &'a [&'a str],
+}
+
+impl<'de> Deserializer<'de> for TextRow<'_> {
+    type Error = CellError;
+
+    fn deserialize_any<V: de::Visitor<'de>>(self, _: V) -> Result<V::Value, CellError> {
+        not_flat("a row is read into a struct")
+    }
+
+    fn deserialize_struct<V: de::Visitor<'de>>(
+        self,
+        _: &'static str,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, CellError> {
+        let cells = self.names.iter().zip(self.cells);
+        let row =
+            visitor.visit_map(MapDeserializer::new(cells.map(|(&name, &text)| (name, TextCell { name, text }))))?;
+        match self.names.iter().find(|name| !fields.contains(name)) {
+            Some(name) => Err(CellError::UnknownColumn((*name).to_owned())),
+            None => Ok(row),
+        }
+    }
+
+    forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf option unit unit_struct
+        newtype_struct seq tuple tuple_struct map enum identifier ignored_any
+    }
+}
+
+/// One cell and the name of its column.
+#[derive(Clone, Copy)]
+struct TextCell<'a> {
+    name: &'a str,
+    text: &'a str,
+}
+
+impl TextCell<'_> {
+    fn parse<T: std::str::FromStr>(&self, expected: &str) -> Result<T, CellError> {
+        let wrong = |_| CellError::Value { column: self.name.to_owned(), expected: expected.to_owned() };
+        self.text.parse().map_err(wrong)
+    }
+}
+
+impl<'a> IntoDeserializer<'_, CellError> for TextCell<'a> {
+    type Deserializer = Self;
+    fn into_deserializer(self) -> Self {
+        self
+    }
+}
+
+macro_rules! parse_cells {
+    ($($name:ident, $visit:ident, $expected:literal);* $(;)?) => {
+        $(fn $name<V: de::Visitor<'de>>(self, visitor: V) -> Result<V::Value, CellError> {
+            visitor.$visit(self.parse($expected)?)
+        })*
+    };
+}
+
+impl<'de> Deserializer<'de> for TextCell<'_> {
+    type Error = CellError;
+
+    parse_cells! {
+        deserialize_bool, visit_bool, "true or false";
+        deserialize_i8, visit_i8, "a whole number"; deserialize_i16, visit_i16, "a whole number";
+        deserialize_i32, visit_i32, "a whole number"; deserialize_i64, visit_i64, "a whole number";
+        deserialize_u8, visit_u8, "0 or a positive whole number"; deserialize_u16, visit_u16, "0 or a positive whole number";
+        deserialize_u32, visit_u32, "0 or a positive whole number"; deserialize_u64, visit_u64, "0 or a positive whole number";
+        deserialize_char, visit_char, "one character";
+    }
+
+    fn deserialize_any<V: de::Visitor<'de>>(self, visitor: V) -> Result<V::Value, CellError> {
+        visitor.visit_str(self.text)
+    }
+
+    fn deserialize_f32<V: de::Visitor<'de>>(self, visitor: V) -> Result<V::Value, CellError> {
+        self.deserialize_f64(visitor)
+    }
+
+    fn deserialize_f64<V: de::Visitor<'de>>(self, visitor: V) -> Result<V::Value, CellError> {
+        // An empty cell is how a number that is not there is published.
+        if self.text.is_empty() { visitor.visit_f64(f64::NAN) } else { visitor.visit_f64(self.parse("a number")?) }
+    }
+
+    fn deserialize_option<V: de::Visitor<'de>>(self, visitor: V) -> Result<V::Value, CellError> {
+        if self.text.is_empty() { visitor.visit_none() } else { visitor.visit_some(self) }
+    }
+
+    fn deserialize_enum<V: de::Visitor<'de>>(
+        self,
+        _: &'static str,
+        _: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, CellError> {
+        visitor.visit_enum(self.text.into_deserializer())
+    }
+
+    fn deserialize_newtype_struct<V: de::Visitor<'de>>(
+        self,
+        _: &'static str,
+        visitor: V,
+    ) -> Result<V::Value, CellError> {
+        visitor.visit_newtype_struct(self)
+    }
+
+    forward_to_deserialize_any! {
+        i128 u128 str string bytes byte_buf unit unit_struct seq tuple tuple_struct map struct identifier ignored_any
+    }
+}

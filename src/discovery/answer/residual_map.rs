@@ -1,0 +1,138 @@
+//! Where model and measurement disagree: samples sorted by place in the workspace, time, direction of motion, tension
+//! and history, each place with its residual and how likely noise alone would leave as much.
+
+use crate::data::findings::{Disagreement, PlaceRow};
+use crate::discovery::fit::ar1_noise::Noise;
+use crate::discovery::recording::covariates::Circumstances;
+use crate::math::distribution::{chi_squared_above, holm};
+use crate::math::summary::quantile;
+
+/// A group of samples.
+struct Place {
+    by: &'static str,
+    name: String,
+    rows: Vec<usize>,
+}
+
+/// Places with fewer samples say nothing.
+const FEWEST: usize = 8;
+const AXES: [&str; 4] = ["x", "y", "z", "all"];
+
+/// The map: every place, along every axis and all together, before and after. Residuals have three numbers a sample,
+/// metres.
+pub(crate) fn map(around: &[Circumstances], before: &[f64], after: &[f64], noise: &Noise) -> Vec<PlaceRow> {
+    let mut found = Vec::new();
+    for place in places(around).iter().filter(|place| place.rows.len() >= FEWEST) {
+        for (axis, name) in AXES.into_iter().enumerate() {
+            let (mean_before_m, rms_before_m, p_before) = seen(&place.rows, before, axis, noise);
+            let (mean_after_m, rms_after_m, p_after) = seen(&place.rows, after, axis, noise);
+            found.push(PlaceRow {
+                by: place.by.to_owned(),
+                place: place.name.clone(),
+                axis: name.to_owned(),
+                samples: place.rows.len() as u64,
+                mean_before_m,
+                rms_before_m,
+                p_before,
+                mean_after_m,
+                rms_after_m,
+                p_after,
+                floor_m: if axis < 3 { noise.sigma_m[axis] } else { noise.rms_m() },
+            });
+        }
+    }
+    let corrected = |p: &dyn Fn(&PlaceRow) -> f64| holm(&found.iter().map(p).collect::<Vec<f64>>());
+    let (p_before, p_after) = (corrected(&|row| row.p_before), corrected(&|row| row.p_after));
+    for (row, (before, after)) in found.iter_mut().zip(p_before.into_iter().zip(p_after)) {
+        (row.p_before, row.p_after) = (before, after);
+    }
+    found
+}
+
+/// The places of the map with the most in them before, the most unlikely first.
+pub(crate) fn disagreements(map: &[PlaceRow]) -> Vec<Disagreement> {
+    let squares = |row: &PlaceRow| row.samples as f64 * row.rms_before_m.powi(2);
+    let whole = map.iter().find(|row| row.by == "all" && row.axis == "all").map_or(0.0, squares);
+    let mut found: Vec<&PlaceRow> = map.iter().filter(|row| row.axis != "all" || row.by == "all").collect();
+    let excess = |row: &PlaceRow| row.rms_before_m / row.floor_m;
+    found.sort_by(|a, b| excess(b).total_cmp(&excess(a)));
+    let told = |row: &&PlaceRow| Disagreement {
+        place: if row.by == "all" { "all samples".to_owned() } else { format!("{}: {}", row.by, row.place) },
+        axis: row.axis.clone(),
+        rms_m: row.rms_before_m,
+        share: if whole > 0.0 { squares(row) / whole } else { 0.0 },
+        p_value: row.p_before,
+    };
+    found.iter().map(told).collect()
+}
+
+/// Mean, root mean square, and probability of as much by noise alone.
+fn seen(rows: &[usize], residual: &[f64], axis: usize, noise: &Noise) -> (f64, f64, f64) {
+    let axes = if axis < 3 { axis..axis + 1 } else { 0..3 };
+    let count = rows.len() as f64;
+    let values = |axis: usize| rows.iter().map(move |&row| residual[3 * row + axis]);
+    let squares: f64 = axes.clone().flat_map(values).map(|r| r * r).sum();
+    let scaled: f64 =
+        axes.clone().map(|axis| values(axis).map(|r| (r / noise.sigma_m[axis]).powi(2)).sum::<f64>()).sum();
+    // Squares of correlated samples are correlated by the square of that.
+    let square = noise.correlation * noise.correlation;
+    let independent = (1.0 - square) / (1.0 + square);
+    let freedom = count * axes.len() as f64 * independent;
+    let mean_m = if axis < 3 { values(axis).sum::<f64>() / count } else { f64::NAN };
+    let spread = chi_squared_above(scaled * independent, freedom);
+    (mean_m, (squares / count).sqrt(), spread)
+}
+
+fn places(around: &[Circumstances]) -> Vec<Place> {
+    let mut places = vec![Place { by: "all", name: "all samples".to_owned(), rows: (0..around.len()).collect() }];
+    let mut add = |by: &'static str, name: String, kept: &dyn Fn(&Circumstances) -> bool| {
+        let rows = (0..around.len()).filter(|&row| kept(&around[row])).collect();
+        places.push(Place { by, name, rows });
+    };
+    for axis in 0..3 {
+        let middle = quantile(&around.iter().map(|at| at.tip_m[axis]).collect::<Vec<f64>>(), 0.5);
+        let mm = whole_mm(middle);
+        add("workspace", format!("{} below {mm} mm", AXES[axis]), &|at| at.tip_m[axis] < middle);
+        add("workspace", format!("{} above {mm} mm", AXES[axis]), &|at| at.tip_m[axis] >= middle);
+    }
+    let longest = around.iter().map(|at| at.time_s).fold(0.0, f64::max);
+    for (third, name) in ["first third", "second third", "last third"].into_iter().enumerate() {
+        let (start, end) = (longest * third as f64 / 3.0, longest * (third + 1) as f64 / 3.0);
+        let last = third == 2;
+        add("time in trial", name.to_owned(), &|at| at.time_s >= start && (at.time_s < end || last));
+    }
+    for axis in 0..3 {
+        for (sign, word) in [(1.0, "rising"), (-1.0, "falling")] {
+            add("direction of motion", format!("{} {word}", AXES[axis]), &|at| sign * at.moved_m[axis] > 1e-6);
+        }
+    }
+    let pull = |at: &Circumstances| at.command.iter().copied().fold(0.0, f64::max);
+    let pulls: Vec<f64> = around.iter().map(pull).collect();
+    let (low, high) = (quantile(&pulls, 1.0 / 3.0), quantile(&pulls, 2.0 / 3.0));
+    add("largest pull", "small".to_owned(), &|at| pull(at) < low);
+    add("largest pull", "middling".to_owned(), &|at| pull(at) >= low && pull(at) < high);
+    add("largest pull", "large".to_owned(), &|at| pull(at) >= high);
+    let reversed = |at: &Circumstances| at.change.iter().zip(&at.change_before).any(|(now, before)| now * before < 0.0);
+    let further = |at: &Circumstances| at.command.iter().zip(&at.largest).any(|(now, most)| *now > 0.0 && now >= most);
+    add("history", "a tendon has just reversed".to_owned(), &reversed);
+    add("history", "no tendon has just reversed".to_owned(), &|at| !reversed(at));
+    add("history", "further out than before".to_owned(), &further);
+    add("history", "where it has been before".to_owned(), &|at| !further(at));
+    places
+}
+
+/// A length in whole millimetres, with a typographer's minus and none before zero.
+fn whole_mm(length_m: f64) -> String {
+    let mm = (1e3 * length_m).round();
+    format!("{}{:.0}", if mm < 0.0 { "−" } else { "" }, mm.abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_is_below_minus_zero() {
+        assert_eq!([-0.0002, 0.0004, -0.0124, 0.212].map(whole_mm), ["0", "0", "−12", "212"]);
+    }
+}

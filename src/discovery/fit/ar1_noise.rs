@@ -1,0 +1,167 @@
+//! Measurement noise: its size an axis and its correlation from one sample to the next, and residuals made white by it.
+
+use nalgebra::DMatrix;
+
+use crate::discovery::recording::samples::Samples;
+
+/// A first-order autoregression, Gaussian, stationary, starting anew in every trial.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Noise {
+    /// Standard deviation along x, y and z, metres.
+    pub(crate) sigma_m: [f64; 3],
+    /// Correlation over one usual step of the tracker.
+    pub(crate) correlation: f64,
+}
+
+/// Correlations beyond this are not told from drift.
+const MOST_CORRELATION: f64 = 0.98;
+/// Noise is never taken to be smaller than this, metres: a tracker's last digit.
+pub(crate) const LEAST_SIGMA_M: f64 = 1e-6;
+
+impl Noise {
+    /// Root mean square distance that it makes, metres.
+    pub(crate) fn rms_m(&self) -> f64 {
+        self.sigma_m.iter().map(|sigma| sigma * sigma).sum::<f64>().sqrt()
+    }
+
+    /// Independent samples that tell as much about a constant as `samples` correlated ones.
+    pub(crate) fn independent(&self, samples: usize) -> f64 {
+        samples as f64 * (1.0 - self.correlation) / (1.0 + self.correlation)
+    }
+
+    /// Degrees of freedom behind the mean square of so many samples, all axes together: three a sample where the axes are
+    /// alike, fewer where one is noisier than the others (Satterthwaite, Biometrics Bulletin 2, 1946).
+    pub(crate) fn freedom(&self, samples: usize) -> f64 {
+        alike(&self.sigma_m.map(|sigma| sigma * sigma)) * self.independent(samples)
+    }
+
+    /// The part of a sample's noise that was in the sample before. Within a usual step it is that of the step: trackers do
+    /// not say how their noise comes about.
+    fn kept(&self, samples: &Samples, row: usize) -> f64 {
+        samples.steps_since_last(row).map_or(0.0, |steps| self.correlation.powf(steps.max(1.0)))
+    }
+
+    /// The columns of a matrix (three rows a sample) as independent numbers of variance one.
+    pub(crate) fn whitened(&self, samples: &Samples, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut white = columns.clone();
+        for mut column in white.column_iter_mut() {
+            let values = self.whiten(samples, column.as_slice());
+            column.copy_from_slice(&values);
+        }
+        white
+    }
+
+    /// `values` (three numbers a sample) as independent numbers of variance one.
+    pub(crate) fn whiten(&self, samples: &Samples, values: &[f64]) -> Vec<f64> {
+        let mut white = Vec::with_capacity(values.len());
+        for row in 0..samples.len() {
+            let kept = self.kept(samples, row);
+            let new = (1.0 - kept * kept).sqrt();
+            for axis in 0..3 {
+                let at = 3 * row + axis;
+                let carried = if kept > 0.0 { kept * values[at - 3] } else { 0.0 };
+                white.push((values[at] - carried) / (new * self.sigma_m[axis]));
+            }
+        }
+        white
+    }
+
+    /// Logarithm of the determinant of the covariance of all samples.
+    pub(crate) fn log_determinant(&self, samples: &Samples) -> f64 {
+        let axes: f64 = self.sigma_m.iter().map(|sigma| (sigma * sigma).ln()).sum();
+        let row = |row: usize| {
+            let kept = self.kept(samples, row);
+            axes + 3.0 * (1.0 - kept * kept).ln()
+        };
+        (0..samples.len()).map(row).sum()
+    }
+
+    /// The most likely noise behind `residual`, of which a fit has used up `freedom` numbers.
+    pub(crate) fn of(samples: &Samples, residual: &[f64], freedom: f64) -> Noise {
+        // A negative correlation is no tracker's: it is chance.
+        let correlation = correlation(samples, residual).clamp(0.0, MOST_CORRELATION);
+        let unit = Noise { sigma_m: [1.0; 3], correlation };
+        let white = unit.whiten(samples, residual);
+        let left = (samples.len() as f64 - freedom / 3.0).max(1.0);
+        let sigma = |axis: usize| {
+            let sum: f64 = white.iter().skip(axis).step_by(3).map(|w| w * w).sum();
+            (sum / left).sqrt().max(LEAST_SIGMA_M)
+        };
+        Noise { sigma_m: std::array::from_fn(sigma), correlation }
+    }
+}
+
+/// How many axes a sum of squares over three of them is worth, whose `variances` these are.
+pub(crate) fn alike(variances: &[f64; 3]) -> f64 {
+    let sum: f64 = variances.iter().sum();
+    let squares: f64 = variances.iter().map(|variance| variance * variance).sum();
+    if squares > 0.0 { sum * sum / squares } else { 3.0 }
+}
+
+/// Correlation of neighbours within trials, the mean over axes in which anything is seen. Samples that are farther apart
+/// than usual say less and are left out.
+fn correlation(samples: &Samples, residual: &[f64]) -> f64 {
+    let neighbours = samples.close_behind();
+    let least_m2 = neighbours.len() as f64 * LEAST_SIGMA_M.powi(2);
+    let of = |axis: usize| {
+        let at = |row: usize| residual[3 * row + axis];
+        let together: f64 = neighbours.iter().map(|&row| at(row) * at(row - 1)).sum();
+        let alone: f64 = neighbours.iter().map(|&row| 0.5 * (at(row).powi(2) + at(row - 1).powi(2))).sum();
+        (alone > least_m2).then(|| together / alone)
+    };
+    let each: Vec<f64> = (0..3).filter_map(of).collect();
+    each.iter().sum::<f64>() / each.len().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::discovery::recording::samples::white_noise;
+
+    const NOISE_M: f64 = 5e-4;
+
+    #[test]
+    fn one_noisy_axis_is_worth_less_than_three() {
+        let noise = |sigma_m| Noise { sigma_m, correlation: 0.0 };
+        assert!((noise([2e-3; 3]).freedom(10) - 30.0).abs() < 1e-9);
+        assert!((noise([0.0, 0.0, 1e-3]).freedom(10) - 10.0).abs() < 1e-9);
+        assert!((noise([1e-3, 1e-3, 3e-3]).freedom(1) - 121.0 / 83.0).abs() < 1e-9);
+    }
+
+    /// Noise that remembers does so by the tracker's clock, be the drives' twice as fast, and a planar tracker has no third axis.
+    #[test]
+    fn a_tracker_has_its_own_clock_and_axes() {
+        let every_other = |samples: &Samples| {
+            let mut seen = samples.clone();
+            seen.rows.retain(|sample| sample.row % 2 == 0);
+            Samples { tracked_step_s: 0.4, ..seen }
+        };
+        let samples = every_other(&Samples::alike(40, 100));
+        let mut noise = white_noise(NOISE_M, 1);
+        let mut left_m: Vec<f64> = (0..3 * samples.len()).map(|_| noise()).collect();
+        for row in 1..samples.len() {
+            for axis in 0..2 {
+                left_m[3 * row + axis] = 0.8 * left_m[3 * (row - 1) + axis] + 0.6 * left_m[3 * row + axis];
+            }
+        }
+        left_m.iter_mut().skip(2).step_by(3).for_each(|y| *y = 0.0);
+        let found = Noise::of(&samples, &left_m, 0.0);
+        assert!((found.correlation - 0.8).abs() < 0.03, "{found:?}");
+    }
+
+    /// A row that is logged late has the next one close behind it: white noise stays white, and no larger than it is.
+    #[test]
+    fn uneven_steps_make_no_noise() {
+        let mut samples = Samples::alike(8, 50);
+        for sample in samples.rows.iter_mut().filter(|sample| sample.row % 5 == 4) {
+            sample.time_s += 0.18;
+        }
+        for seed in 0..20 {
+            let mut noise = white_noise(NOISE_M, seed);
+            let left_m: Vec<f64> = (0..3 * samples.len()).map(|_| noise()).collect();
+            let found = Noise::of(&samples, &left_m, 0.0);
+            assert!(found.correlation < 0.1, "{found:?}");
+            assert!((found.rms_m() / (3.0_f64.sqrt() * NOISE_M) - 1.0).abs() < 0.08, "{found:?}");
+        }
+    }
+}

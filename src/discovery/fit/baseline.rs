@@ -1,0 +1,127 @@
+//! What a recording of the robot as built says: its numbers, calibrated, and whatever else it has in common with the
+//! recording in question (the form of the model, the frame, how the robot settles), which is no discovery.
+
+use nalgebra::DMatrix;
+
+use super::candidate::{Hypothesis, Member};
+use super::gauss_newton::Study;
+use super::nuisance::{Column, Nuisances};
+use crate::discovery::recording::covariates::{Circumstances, circumstances};
+use crate::discovery::recording::samples::Samples;
+use crate::effects::Model;
+
+/// Numbers of the robot that are calibrated, and the effect that scales each.
+const CALIBRATED: [&str; 2] = ["bending_stiffness", "spine_compressibility"];
+
+/// A residual that no calibration explains, an axis and a term, metres: the form of the model.
+const FORM_M: f64 = 5e-4;
+/// The same for terms of the tip's motion.
+const MOTION_FORM_M: f64 = 2e-4;
+
+/// Motion is never taken to be slower than this, metres a second, when terms are scaled to it.
+const SLOWEST_M_S: f64 = 5e-5;
+
+/// What a calibration has multiplied numbers of the model by.
+#[derive(Clone, Copy)]
+pub(crate) struct Factors {
+    pub(crate) bending_stiffness: f64,
+    pub(crate) compliance: f64,
+}
+
+/// `model` with its numbers calibrated on `baseline`, free of everything else, and by how much they changed; none when it
+/// cannot be played.
+pub(crate) fn calibrated(
+    model: &Model,
+    hypotheses: &[Hypothesis],
+    baseline: &Samples,
+    nuisances: &Nuisances,
+) -> Option<(Model, Factors)> {
+    let open = vec![true; hypotheses.len()];
+    let study = Study { model, coarse: model, hypotheses, open, samples: baseline, nuisances };
+    let start = CALIBRATED.iter().filter_map(|name| {
+        let hypothesis = hypotheses.iter().position(|hypothesis| hypothesis.card.name == *name)?;
+        Some(Member { hypothesis, values: hypotheses[hypothesis].variants().swap_remove(0) })
+    });
+    let fitted = study.fit(start.collect())?;
+    let [bending_stiffness, compliance] = CALIBRATED.map(|name| {
+        let member = fitted.members.iter().find(|member| hypotheses[member.hypothesis].card.name == name);
+        member.map_or(1.0, |member| member.values[0])
+    });
+    let mut model = model.clone();
+    model.robot.backbone.scale_bending(bending_stiffness);
+    model.robot.sections.compliance_m_per_n *= compliance;
+    model.check().is_ok().then_some((model, Factors { bending_stiffness, compliance }))
+}
+
+/// Terms of a smooth error of the tip over where the tip is and how it moves: those that stand for the form of a model.
+struct Form {
+    middle_m: [f64; 3],
+    spread_m: [f64; 3],
+    speed_m_s: f64,
+}
+
+impl Form {
+    /// Terms scaled to the circumstances of a baseline.
+    fn new(around: &[Circumstances]) -> Form {
+        let column = |axis: usize| around.iter().map(|at| at.tip_m[axis]).collect::<Vec<f64>>();
+        let moving: Vec<f64> = around.iter().flat_map(|at| at.velocity_m_s).collect();
+        Form {
+            middle_m: std::array::from_fn(|axis| crate::math::summary::mean(&column(axis))),
+            spread_m: std::array::from_fn(|axis| crate::math::summary::standard_deviation(&column(axis)).max(1e-4)),
+            speed_m_s: crate::math::summary::root_mean_square(&moving).max(SLOWEST_M_S),
+        }
+    }
+
+    /// The terms in every sample, three numbers a sample, with the standard deviation expected of each.
+    fn columns(&self, around: &[Circumstances]) -> Vec<Column> {
+        let terms: Vec<Vec<f64>> = around.iter().map(|at| self.terms(at)).collect();
+        let moving: Vec<Vec<f64>> =
+            around.iter().map(|at| at.velocity_m_s.map(|v| v / self.speed_m_s).to_vec()).collect();
+        let mut columns = Vec::new();
+        for (table, deviation) in [(&terms, FORM_M), (&moving, MOTION_FORM_M)] {
+            for term in 0..table.first().map_or(0, Vec::len) {
+                for axis in 0..3 {
+                    let value = |row: usize, a: usize| if a == axis { table[row][term] } else { 0.0 };
+                    columns.push(((0..3 * table.len()).map(|k| value(k / 3, k % 3)).collect(), deviation));
+                }
+            }
+        }
+        columns
+    }
+
+    /// Monomials up to the third degree in the tip's place.
+    fn terms(&self, at: &Circumstances) -> Vec<f64> {
+        let x: [f64; 3] =
+            std::array::from_fn(|axis| ((at.tip_m[axis] - self.middle_m[axis]) / self.spread_m[axis]).clamp(-3.0, 3.0));
+        let mut terms = vec![1.0];
+        for i in 0..3 {
+            terms.push(x[i]);
+            for j in i..3 {
+                terms.push(x[i] * x[j]);
+                terms.extend((j..3).map(|k| x[i] * x[j] * x[k] / 3.0));
+            }
+        }
+        terms
+    }
+}
+
+/// Samples, where the model has the tip in them, and the uncertain numbers' columns.
+pub(crate) type Seen<'a> = (&'a Samples, &'a [f64], &'a [Column]);
+
+/// The nuisances of the recording in question as the baseline leaves them: `own` (a column and a deviation each) on
+/// either recording, and the form of the model.
+pub(crate) fn in_common(baseline: Seen, recording: Seen) -> Nuisances {
+    let (samples, played, own) = baseline;
+    let around = circumstances(samples, played);
+    let form = Form::new(&around);
+    let all: Vec<Column> = own.iter().cloned().chain(form.columns(&around)).collect();
+    let before = Nuisances::independent(played.len(), &all);
+    let explained = before.explain(samples, &samples.residual(played), 0.0);
+    let precision = before.information(&explained.noise.whitened(samples, &before.columns));
+    let (samples, played, own) = recording;
+    let around = circumstances(samples, played);
+    let form = form.columns(&around);
+    let all: Vec<&Column> = own.iter().chain(&form).collect();
+    let columns = DMatrix::from_fn(played.len(), all.len(), |row, k| all[k].0[row]);
+    Nuisances::new(columns, explained.amounts, precision)
+}

@@ -1,0 +1,340 @@
+//! Effects of the catalogue as hypotheses: what of them is fitted, and from where.
+
+use std::collections::BTreeSet;
+
+use crate::effects::{CATALOGUE, Card, EffectSpec, Model, ModelParameter, Robot, Seek};
+
+/// An effect that may be missing: a line of the catalogue, with the tendon where it is about one.
+#[derive(Clone, Debug)]
+pub(crate) struct Hypothesis {
+    pub(crate) card: &'static Card,
+    /// How each parameter of the card is found.
+    fields: Vec<Field>,
+}
+
+/// How a parameter is found.
+#[derive(Clone, Debug)]
+enum Field {
+    /// Fitted, in units of `size` from `null`; begun from the best of `scan`, if there are any.
+    Size { null: f64, size: f64, scan: &'static [f64] },
+    /// Tried at each of these, then fitted; by its logarithm where `positive`, and then no farther than [`BEYOND`] them.
+    Shape { tries: Vec<f64>, positive: bool },
+    /// One of these.
+    Choice(Vec<f64>),
+    /// Always this.
+    Fixed(f64),
+}
+
+/// A hypothesis with numbers: the values of the card's parameters in their order.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Member {
+    /// Number of the hypothesis.
+    pub(crate) hypothesis: usize,
+    pub(crate) values: Vec<f64>,
+}
+
+/// Places along the robot that are tried.
+const PLACES: usize = 6;
+
+/// A positive shape is fitted up to so many times beyond the values that are tried: farther out it is another effect, or
+/// none that the model could play (friction without a yield is rigid).
+const BEYOND: f64 = 5.0;
+
+/// Halvings that find the end of a range to the last bit, and what it is then rounded to, over the probe.
+const HALVINGS: usize = 60;
+const ROUND: f64 = 1e-9;
+
+/// The catalogue as hypotheses about `model`.
+pub(crate) fn hypotheses(model: &Model) -> Vec<Hypothesis> {
+    let tendons = model.robot.tendons.angles_deg.len();
+    let each = CATALOGUE.iter().flat_map(|card| {
+        let about_one = card.parameters.iter().any(|parameter| parameter.seek == Seek::Tendon);
+        let each: Vec<usize> = if about_one { (1..=tendons).collect() } else { vec![0] };
+        each.into_iter().map(|tendon| Hypothesis::new(card, model, tendon)).collect::<Vec<_>>()
+    });
+    each.collect()
+}
+
+impl Hypothesis {
+    fn new(card: &'static Card, model: &Model, tendon: usize) -> Hypothesis {
+        let length_m = model.robot.backbone.length_m;
+        let field = |parameter: &crate::effects::Parameter| match parameter.seek {
+            Seek::Size(size) => Field::Size { null: parameter.null, size, scan: &[] },
+            Seek::Scanned(size, scan) => Field::Size { null: parameter.null, size, scan },
+            Seek::Replaces(path, size) => {
+                // An effect that the model has already may have replaced it before.
+                let last = model.effects.iter().rposition(|effect| effect.card().name == card.name);
+                let own = last.map(|k| format!("effects[{k}].{}", parameter.name));
+                let path = own.as_deref().unwrap_or(path);
+                let number = ModelParameter::named(model, path).and_then(|number| number.value(model));
+                Field::Size { null: number.unwrap_or(parameter.null), size, scan: &[] }
+            }
+            Seek::Shape(tries) => {
+                Field::Shape { tries: tries.to_vec(), positive: tries.iter().all(|&value| value > 0.0) }
+            }
+            Seek::Place => Field::Choice(places(&model.robot, length_m)),
+            Seek::Tendon => Field::Fixed(tendon as f64),
+            Seek::Flag => Field::Choice(vec![0.0, 1.0]),
+        };
+        Hypothesis { card, fields: card.parameters.iter().map(field).collect() }
+    }
+
+    /// Its name; with the tendon where it is about one.
+    pub(crate) fn label(&self) -> String {
+        let tendon = self.fields.iter().find_map(|field| match field {
+            Field::Fixed(tendon) => Some(*tendon),
+            _ => None,
+        });
+        tendon.map_or_else(|| self.card.name.to_owned(), |tendon| format!("{} (tendon {tendon})", self.card.name))
+    }
+
+    /// Number of parameters that are fitted or chosen: what it costs to bring it in.
+    pub(crate) fn freedom(&self) -> usize {
+        self.fields.iter().filter(|field| !matches!(field, Field::Fixed(_))).count()
+    }
+
+    /// Parameters (of the card, from 0) that give the size.
+    pub(crate) fn sizes(&self) -> Vec<usize> {
+        self.indices(|field| matches!(field, Field::Size { .. }))
+    }
+
+    /// Whether there is more to it than sizes, which alone a rough fit moves at first.
+    pub(crate) fn has_shape(&self) -> bool {
+        self.fields.iter().any(|field| matches!(field, Field::Shape { .. } | Field::Choice(_)))
+    }
+
+    /// Whether it puts a number in the place of the model's.
+    pub(crate) fn replaces(&self) -> bool {
+        self.card.parameters.iter().any(|parameter| matches!(parameter.seek, Seek::Replaces(..)))
+    }
+
+    /// Parameters (of the card, from 0) that a fit moves.
+    pub(crate) fn fitted(&self) -> Vec<usize> {
+        self.indices(|field| matches!(field, Field::Size { .. } | Field::Shape { .. }))
+    }
+
+    fn indices(&self, kept: impl Fn(&Field) -> bool) -> Vec<usize> {
+        (0..self.fields.len()).filter(|&index| kept(&self.fields[index])).collect()
+    }
+
+    /// Its values without any effect, one for each combination of shapes and choices.
+    pub(crate) fn variants(&self) -> Vec<Vec<f64>> {
+        let mut found = vec![Vec::new()];
+        for field in &self.fields {
+            let values: &[f64] = match field {
+                Field::Size { null, .. } => std::slice::from_ref(null),
+                Field::Fixed(value) => std::slice::from_ref(value),
+                Field::Shape { tries, .. } | Field::Choice(tries) => tries,
+            };
+            let longer = |known: &Vec<f64>| -> Vec<Vec<f64>> {
+                values.iter().map(|&value| known.iter().copied().chain([value]).collect()).collect()
+            };
+            found = found.iter().flat_map(longer).collect();
+        }
+        found
+    }
+
+    /// `values` with the sizes at which nothing changes.
+    pub(crate) fn without(&self, values: &[f64]) -> Vec<f64> {
+        let null = |(field, value): (&Field, &f64)| if let Field::Size { null, .. } = field { *null } else { *value };
+        self.fields.iter().zip(values).map(null).collect()
+    }
+
+    /// Whether what a little of it does says nothing of the way on.
+    pub(crate) fn rises_and_falls(&self) -> bool {
+        !self.scan().is_empty()
+    }
+
+    /// Steps from nothing to each of the sizes that are looked at whatever a little of the effect promises.
+    pub(crate) fn scan(&self) -> Vec<f64> {
+        let steps = |field: &Field| match *field {
+            Field::Size { null, scan, .. } => scan.iter().map(|value| value - null).collect(),
+            _ => Vec::new(),
+        };
+        self.fields.iter().flat_map(steps).collect()
+    }
+
+    /// Other choices beside these values: its neighbours in every chosen parameter.
+    pub(crate) fn neighbours(&self, values: &[f64]) -> Vec<Vec<f64>> {
+        let mut found = Vec::new();
+        for (index, field) in self.fields.iter().enumerate() {
+            let Field::Choice(choices) = field else { continue };
+            let at = choices.iter().position(|&choice| choice == values[index]).unwrap_or(0);
+            for other in [at.checked_sub(1), Some(at + 1)].into_iter().flatten().filter(|&k| k < choices.len()) {
+                let mut beside = values.to_vec();
+                beside[index] = choices[other];
+                found.push(beside);
+            }
+        }
+        found
+    }
+
+    /// A change of parameter `index` that is easily seen, in the coordinate that [`Hypothesis::moved`] takes.
+    pub(crate) fn probe(&self, index: usize) -> f64 {
+        match self.fields[index] {
+            Field::Size { size, .. } => size,
+            Field::Shape { positive: true, .. } => 0.25,
+            _ => 0.1,
+        }
+    }
+
+    /// `values` with parameter `index` moved by `step`: by adding, or for a positive shape by a factor exp(step), within
+    /// its range.
+    pub(crate) fn moved(&self, values: &[f64], index: usize, step: f64) -> Vec<f64> {
+        let mut there = values.to_vec();
+        match self.fields[index] {
+            Field::Shape { ref tries, positive: true } => {
+                let least = tries.iter().copied().fold(f64::INFINITY, f64::min) / BEYOND;
+                let most = tries.iter().copied().fold(0.0, f64::max) * BEYOND;
+                there[index] = (values[index] * step.exp()).clamp(least, most);
+            }
+            _ => there[index] += step,
+        }
+        there
+    }
+
+    /// `values` with each of the sizes moved by one of the `steps`.
+    pub(crate) fn sized(&self, values: &[f64], steps: &[f64]) -> Vec<f64> {
+        let each = self.sizes().into_iter().zip(steps);
+        each.fold(values.to_vec(), |at, (size, &step)| self.moved(&at, size, step))
+    }
+
+    /// `values` with parameter `index` moved by `step`, no farther than the range of the effect reaches: its end is found by bisection, as no effect tells it, and
+    /// is a round number.
+    pub(crate) fn moved_within(&self, values: &[f64], index: usize, step: f64) -> Vec<f64> {
+        let is_in_range = |there: &[f64]| self.effect(there).is_some();
+        let there = self.moved(values, index, step);
+        if is_in_range(&there) || !is_in_range(values) {
+            return there;
+        }
+        let (mut inside, mut outside) = (0.0, 1.0);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (inside + outside);
+            *(if is_in_range(&self.moved(values, index, middle * step)) { &mut inside } else { &mut outside }) = middle;
+        }
+        let last = self.moved(values, index, inside * step);
+        let mut round = last.clone();
+        let unit = ROUND * self.probe(index);
+        // Adding nothing makes a negative zero a positive one.
+        round[index] = (last[index] / unit).round() * unit + 0.0;
+        if is_in_range(&round) { round } else { last }
+    }
+
+    /// Whether a size stands at the end of its range: a little more of it would be no effect.
+    pub(crate) fn is_at_an_end(&self, values: &[f64]) -> bool {
+        let is_out = |index: usize, step: f64| self.effect(&self.moved(values, index, step)).is_none();
+        let little = |index: usize| 1e-3 * self.probe(index).abs();
+        self.sizes().into_iter().any(|index| is_out(index, little(index)) || is_out(index, -little(index)))
+    }
+
+    /// The step that [`Hypothesis::moved`] took from `values` to `there`.
+    pub(crate) fn step(&self, values: &[f64], there: &[f64], index: usize) -> f64 {
+        match self.fields[index] {
+            Field::Shape { positive: true, .. } => (there[index] / values[index]).ln(),
+            _ => there[index] - values[index],
+        }
+    }
+
+    /// The effect with these values; none where they are out of its range.
+    pub(crate) fn effect(&self, values: &[f64]) -> Option<EffectSpec> {
+        EffectSpec::from_card(self.card, values)
+    }
+}
+
+/// Middles of the sections, of some of them if they are many; evenly spaced places where there are none.
+fn places(robot: &Robot, length_m: f64) -> Vec<f64> {
+    let sections = robot.rod().sections;
+    let count = if sections.is_empty() { PLACES } else { sections.len().min(2 * PLACES) };
+    let place = |k: usize| {
+        let share = (k as f64 + 0.5) / count as f64;
+        let section = sections.get((share * sections.len() as f64) as usize);
+        section.map_or(share * length_m, |section| section.start_m + 0.5 * section.length_m)
+    };
+    (0..count).map(place).collect()
+}
+
+/// Which hypotheses the members are, whatever their order.
+pub(crate) fn set_of(members: &[Member]) -> BTreeSet<usize> {
+    members.iter().map(|member| member.hypothesis).collect()
+}
+
+/// The effects of these members on top of a model; none where one is out of range.
+pub(crate) fn effects(hypotheses: &[Hypothesis], members: &[Member]) -> Option<Vec<EffectSpec>> {
+    members.iter().map(|member| hypotheses[member.hypothesis].effect(&member.values)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn hypothesis(name: &str) -> Hypothesis {
+        let model = Model { robot: Robot::default(), effects: Vec::new() };
+        hypotheses(&model).into_iter().find(|hypothesis| hypothesis.card.name == name).unwrap()
+    }
+
+    #[test]
+    fn a_shape_stays_within_its_range_and_a_step_says_how_far_it_went() {
+        let friction = hypothesis("friction");
+        let from = &friction.variants()[0];
+        let there = friction.moved(from, 1, -9.0);
+        assert_eq!(there[1], 0.1 / BEYOND);
+        assert_eq!(friction.moved(&there, 1, -0.1), there);
+        let step = friction.step(from, &there, 1);
+        assert!((friction.moved(from, 1, step)[1] - there[1]).abs() < 1e-12 && step > -9.0);
+        assert_eq!(friction.step(from, &friction.moved(from, 0, 0.25), 0), 0.25);
+    }
+
+    #[test]
+    fn a_size_goes_to_the_end_of_its_range_and_no_farther() {
+        let load = hypothesis("tip_load");
+        assert_eq!(load.moved_within(&[0.003], 0, -0.002), load.moved(&[0.003], 0, -0.002));
+        assert_eq!(load.moved_within(&[0.003], 0, -0.01), [0.0]);
+        assert!(load.moved_within(&[0.003], 0, -0.01)[0].is_sign_positive());
+        let tilt = hypothesis("base_tilt");
+        assert_eq!(tilt.moved_within(&[0.01, 0.02], 1, -0.05), tilt.moved(&[0.01, 0.02], 1, -0.05));
+    }
+
+    #[test]
+    fn places_are_the_middles_of_sections_or_evenly_spaced() {
+        let robot = Robot::default();
+        let middles: Vec<f64> = robot.rod().sections.iter().map(|one| one.start_m + 0.5 * one.length_m).collect();
+        assert_eq!((places(&robot, 0.22), middles.len()), (middles, 11));
+        let with = |count: usize, length_m: f64| {
+            let mut robot = Robot::default();
+            (robot.sections.count, robot.sections.length_m) = (count, length_m);
+            places(&robot, robot.backbone.length_m)
+        };
+        let some = with(40, 0.003);
+        assert!(some.len() == 2 * PLACES && some.windows(2).all(|two| two[0] < two[1]) && some[11] < 0.22, "{some:?}");
+        let even: Vec<f64> = (0..PLACES).map(|k| (k as f64 + 0.5) / PLACES as f64 * 0.22).collect();
+        assert_eq!(with(0, 0.01), even);
+    }
+
+    #[test]
+    fn the_end_of_a_range_is_known_from_either_side_and_some_ranges_have_none() {
+        let at_an_end = |name: &str, values: &[f64]| hypothesis(name).is_at_an_end(values);
+        assert!(at_an_end("tip_load", &[0.0]) && !at_an_end("tip_load", &[0.003]));
+        assert!(at_an_end("distributed_mass", &[1e-9]) && !at_an_end("distributed_mass", &[0.2]));
+        assert!(!at_an_end("base_tilt", &[0.0, 0.0]));
+    }
+
+    #[test]
+    fn what_an_effect_of_the_model_has_replaced_is_what_it_is_now() {
+        let mut model = Model { robot: Robot::default(), effects: Vec::new() };
+        let null = |model: &Model| {
+            let found = hypotheses(model).into_iter().find(|hypothesis| hypothesis.card.name == "damping").unwrap();
+            found.variants()[0][0]
+        };
+        assert_eq!(null(&model), model.robot.damping_time_s);
+        let damping = hypothesis("damping").effect(&[0.15]).unwrap();
+        model.effects.push(damping);
+        assert_eq!(null(&model), 0.15);
+    }
+
+    #[test]
+    fn what_rises_and_falls_is_looked_at_everywhere() {
+        let scan = hypothesis("delay").scan();
+        assert!(scan.len() > 10 && scan.is_sorted() && scan[0] > 0.0);
+        assert!(hypothesis("tip_load").scan().is_empty());
+    }
+}

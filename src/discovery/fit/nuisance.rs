@@ -1,0 +1,140 @@
+//! What may differ a little between any robot and its model without being news: numbers that a lab would recalibrate,
+//! each with the uncertainty that its calibration leaves, and what a baseline recording shows in common. They are free in
+//! every hypothesis alike, within that uncertainty, and enter linearly about where they are.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::ar1_noise::Noise;
+use crate::discovery::recording::samples::Samples;
+
+/// What one nuisance adds to the tip, three numbers a sample over its unit, and the standard deviation of its amount.
+pub(crate) type Column = (Vec<f64>, f64);
+
+/// Nuisances with a Gaussian prior: what they add to the tip is `bend + columns · amounts`.
+#[derive(Clone, Debug)]
+pub(crate) struct Nuisances {
+    /// What they add beyond that in which they are linear, three numbers a sample, metres: where about they are.
+    bend: DVector<f64>,
+    /// Three numbers a sample, a column a nuisance.
+    pub(crate) columns: DMatrix<f64>,
+    /// Expected amounts.
+    pub(crate) mean: DVector<f64>,
+    /// Inverse of their covariance.
+    pub(crate) precision: DMatrix<f64>,
+    /// Its log-determinant.
+    log_determinant: f64,
+}
+
+/// A residual explained by nuisances and noise alone.
+#[derive(Clone, Debug)]
+pub(crate) struct Explained {
+    /// Most likely noise.
+    pub(crate) noise: Noise,
+    /// Most likely amounts of the nuisances.
+    pub(crate) amounts: DVector<f64>,
+    /// What is left, three numbers a sample, metres.
+    pub(crate) left_m: Vec<f64>,
+    /// Minus twice the log-likelihood, nuisances integrated out.
+    pub(crate) deviance: f64,
+}
+
+/// Rounds of estimating noise and nuisances in turn.
+const ROUNDS: usize = 5;
+
+impl Nuisances {
+    /// Independent ones: columns of a standard deviation each.
+    pub(crate) fn independent(rows: usize, columns: &[Column]) -> Nuisances {
+        let precision = DMatrix::from_diagonal(&DVector::from_iterator(
+            columns.len(),
+            columns.iter().map(|(_, deviation)| deviation.powi(-2)),
+        ));
+        let matrix = DMatrix::from_fn(rows, columns.len(), |row, k| columns[k].0[row]);
+        Nuisances::new(matrix, DVector::zeros(columns.len()), precision)
+    }
+
+    pub(crate) fn new(columns: DMatrix<f64>, mean: DVector<f64>, precision: DMatrix<f64>) -> Nuisances {
+        let log_determinant = log_determinant(&precision);
+        Nuisances { bend: DVector::zeros(columns.nrows()), columns, mean, precision, log_determinant }
+    }
+
+    /// The same, known to be about these amounts.
+    pub(crate) fn known(self, mean: DVector<f64>, precision: DMatrix<f64>) -> Nuisances {
+        let log_determinant = log_determinant(&precision);
+        Nuisances { mean, precision, log_determinant, ..self }
+    }
+
+    /// The same with so much beyond that in which they are linear.
+    pub(crate) fn bent(self, bend: DVector<f64>) -> Nuisances {
+        Nuisances { bend, ..self }
+    }
+
+    /// The same in those rows of the samples alone (three numbers a sample).
+    pub(crate) fn in_rows(&self, rows: &[usize]) -> Nuisances {
+        Nuisances { bend: self.bend.select_rows(rows), columns: self.columns.select_rows(rows), ..self.clone() }
+    }
+
+    /// Explains `residual` as well as nuisances and noise can; of the samples a fit of other parameters has used up
+    /// `freedom` numbers.
+    pub(crate) fn explain(&self, samples: &Samples, residual: &[f64], freedom: f64) -> Explained {
+        let residual: Vec<f64> =
+            residual.iter().zip(self.bend.iter()).map(|(residual, bend)| residual - bend).collect();
+        let residual = residual.as_slice();
+        let mut noise = Noise::of(samples, residual, freedom);
+        let mut found = self.amounts(samples, residual, &noise);
+        for _ in 0..ROUNDS {
+            noise = Noise::of(samples, &self.left(residual, &found.0), freedom + found.2);
+            found = self.amounts(samples, residual, &noise);
+        }
+        let (amounts, log_determinant, _) = found;
+        let left_m = self.left(residual, &amounts);
+        let off = &amounts - &self.mean;
+        let squares: f64 = noise.whiten(samples, &left_m).iter().map(|w| w * w).sum();
+        let deviance = noise.log_determinant(samples) + squares + off.dot(&(&self.precision * &off)) + log_determinant
+            - self.log_determinant;
+        Explained { noise, amounts, left_m, deviance }
+    }
+
+    /// Their columns, and after them `others`.
+    pub(crate) fn with(&self, others: &DMatrix<f64>) -> DMatrix<f64> {
+        let own = self.columns.ncols();
+        let mut all = self.columns.clone().resize_horizontally(own + others.ncols(), 0.0);
+        all.columns_mut(own, others.ncols()).copy_from(others);
+        all
+    }
+
+    /// Information on them and on what comes after them (see [`Nuisances::with`]): that of the `white` columns, and
+    /// their prior's.
+    pub(crate) fn information(&self, white: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut information = white.tr_mul(white);
+        let own = self.columns.ncols();
+        let mut block = information.view_mut((0, 0), (own, own));
+        block += &self.precision;
+        information
+    }
+
+    /// Most likely amounts, the log-determinant of their posterior's precision, and how many numbers they use up.
+    fn amounts(&self, samples: &Samples, residual: &[f64], noise: &Noise) -> (DVector<f64>, f64, f64) {
+        if self.mean.is_empty() {
+            return (self.mean.clone(), 0.0, 0.0);
+        }
+        let white = noise.whitened(samples, &self.columns);
+        let target = DVector::from_vec(noise.whiten(samples, residual));
+        let information = white.tr_mul(&white);
+        let posterior = &information + &self.precision;
+        let right = white.tr_mul(&target) + &self.precision * &self.mean;
+        let Some(factor) = Cholesky::new(posterior) else { return (self.mean.clone(), 0.0, 0.0) };
+        let used = factor.solve(&information).trace();
+        let log_determinant = 2.0 * factor.l().diagonal().iter().map(|d| d.ln()).sum::<f64>();
+        (factor.solve(&right), log_determinant, used)
+    }
+
+    fn left(&self, residual: &[f64], amounts: &DVector<f64>) -> Vec<f64> {
+        let added = &self.columns * amounts;
+        residual.iter().zip(added.iter()).map(|(r, a)| r - a).collect()
+    }
+}
+
+fn log_determinant(matrix: &DMatrix<f64>) -> f64 {
+    let factor = Cholesky::new(matrix.clone());
+    factor.map_or(0.0, |factor| 2.0 * factor.l().diagonal().iter().map(|d| d.ln()).sum::<f64>())
+}

@@ -1,0 +1,138 @@
+//! Models played on the commands of samples.
+
+use rayon::prelude::*;
+
+use crate::discovery::recording::samples::{Samples, TrialCommands};
+use crate::effects::{EffectSpec, Model, Trial, replay};
+
+/// First looks and rough fits are played with a tolerance that is larger by this, longer cells by this, and polynomials up to
+/// so many of the bending moments and of everything else: what they are followed by corrects them.
+const COARSER: f64 = 10.0;
+const LONGER: f64 = 1.5;
+const BENDING_MODES: usize = 4;
+const OTHER_MODES: usize = 3;
+/// What is answered is fitted to the steps of a tolerance that is smaller by this: those of the search are off by as much
+/// as some hundred samples tell.
+const FINER: f64 = 30.0;
+/// Tolerance of a rest over that of a step in time there.
+const STATIC_SHARE: f64 = 0.3;
+
+/// `model` with coarser steps in time and space, which take a third to a half as long.
+pub(crate) fn coarse(model: &Model) -> Model {
+    let mut coarse = model.clone();
+    let resolution = &mut coarse.robot.resolution;
+    resolution.motion_tolerance_m *= COARSER;
+    resolution.cell_m *= LONGER;
+    resolution.bending_modes = resolution.bending_modes.min(BENDING_MODES);
+    for modes in [&mut resolution.torsion_modes, &mut resolution.shear_modes, &mut resolution.axial_modes] {
+        *modes = (*modes).min(OTHER_MODES);
+    }
+    coarse
+}
+
+/// `model` with finer steps in time and with cells that end at every jump of the material, which takes ten times as long.
+fn fine(model: &Model) -> Model {
+    let mut fine = model.clone();
+    let resolution = &mut fine.robot.resolution;
+    resolution.motion_tolerance_m /= FINER;
+    resolution.static_tolerance_m = STATIC_SHARE * resolution.motion_tolerance_m;
+    resolution.blended = false;
+    fine
+}
+
+/// Where `model` with `extra` effects has the tip with finer steps in time and a finer grid; none where it cannot be played so.
+pub(crate) fn fine_tips(model: &Model, extra: &[EffectSpec], samples: &Samples) -> Option<Vec<f64>> {
+    let fine = fine(model);
+    // A rest that cannot be settled so finely is taken on the grid that motion has.
+    let mut unsettled = fine.clone();
+    unsettled.robot.resolution.static_tolerance_m = f64::INFINITY;
+    tips(&fine, extra, samples).or_else(|| tips(&unsettled, extra, samples))
+}
+
+/// `samples` without what a model that has the tip at `fine` with finer steps and a finer grid does there beyond having it at
+/// `played`: a fit to them is one with those (defect correction; Stetter, Numerische Mathematik 29, 1978).
+pub(crate) fn corrected(samples: &Samples, fine: &[f64], played: &[f64]) -> Samples {
+    let mut corrected = samples.clone();
+    for (row, (fine, played)) in corrected.rows.iter_mut().zip(fine.chunks_exact(3).zip(played.chunks_exact(3))) {
+        row.tip_m = std::array::from_fn(|axis| row.tip_m[axis] - (fine[axis] - played[axis]));
+    }
+    corrected
+}
+
+/// Where `model` with `extra` effects has the tip in every sample, three numbers a sample, metres; none where it cannot
+/// follow the commands. Trials run beside each other.
+pub(crate) fn tips(model: &Model, extra: &[EffectSpec], samples: &Samples) -> Option<Vec<f64>> {
+    let played: Vec<Vec<[f64; 3]>> =
+        samples.trials.par_iter().map(|trial| play(model, extra, trial)).collect::<Option<_>>()?;
+    Some(samples.rows.iter().flat_map(|row| played[row.trial][row.row]).collect())
+}
+
+fn play(model: &Model, extra: &[EffectSpec], trial: &TrialCommands) -> Option<Vec<[f64; 3]>> {
+    let commands = Trial {
+        commands: &trial.commands,
+        durations_s: &trial.durations_s,
+        tensions: trial.tensions,
+        at_rest: false,
+        tip_loads: trial.tip_loads.as_deref(),
+    };
+    let hung = (trial.known_load_kg > 0.0).then(|| EffectSpec::tip_load(trial.known_load_kg));
+    let extra: Vec<EffectSpec> = extra.iter().cloned().chain(hung).collect();
+    let tips = replay(model, &extra, &commands, &[]).ok()?.tips_m;
+    tips.iter().flatten().all(|x| x.is_finite()).then_some(tips)
+}
+
+/// Three trials in which `model` with `extra` effects goes round, without noise.
+#[cfg(test)]
+pub(crate) fn circling(model: &Model, extra: &[EffectSpec]) -> Samples {
+    use crate::data::{Actuation, Recording};
+
+    let mut recording = Recording::new(Actuation::Lengths, 4);
+    let mut tips_m = Vec::new();
+    for trial in 0..3_u64 {
+        for row in 0..20 {
+            let angle = 0.4 * f64::from(row) + trial as f64;
+            let (x, y) = (6e-3 * angle.sin(), 6e-3 * (0.6 * angle).sin());
+            recording.trial.push(trial);
+            recording.time_s.push(0.2 * f64::from(row));
+            recording.commands.push(&[x.max(0.0), y.max(0.0), (-x).max(0.0), (-y).max(0.0)]);
+            tips_m.push([0.0; 3]);
+        }
+    }
+    recording.tip_m = Some(tips_m);
+    let mut samples = Samples::new(&recording);
+    let played = tips(model, extra, &samples).unwrap();
+    for (row, tip) in samples.rows.iter_mut().zip(played.chunks_exact(3)) {
+        row.tip_m = [tip[0], tip[1], tip[2]];
+    }
+    samples
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::data::Recording;
+    use crate::discovery::recording::samples::rms_m;
+
+    #[test]
+    fn corrected_samples_are_those_of_finer_steps() {
+        let mut model = Model::default();
+        let resolution = &mut model.robot.resolution;
+        (resolution.motion_tolerance_m, resolution.static_tolerance_m) = (3e-5, f64::INFINITY);
+        (resolution.cell_m, resolution.blended) = (0.03, true);
+        let mut exact = Model::default();
+        exact.robot.resolution.motion_tolerance_m = 3e-7;
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reference/twin/nothing.csv");
+        let mut samples = Samples::new(&Recording::read(&file).unwrap()).of_trials(&[0, 1]);
+        let tips_m = tips(&exact, &[], &samples).unwrap();
+        for (row, tip) in samples.rows.iter_mut().zip(tips_m.chunks_exact(3)) {
+            row.tip_m = [tip[0], tip[1], tip[2]];
+        }
+        let played = tips(&model, &[], &samples).unwrap();
+        let fine = fine_tips(&model, &[], &samples).unwrap();
+        let [before_m, after_m] =
+            [&samples, &corrected(&samples, &fine, &played)].map(|samples| rms_m(&samples.residual(&played)));
+        assert!(before_m > 1e-5 && after_m < 0.4 * before_m, "{before_m} to {after_m}");
+    }
+}

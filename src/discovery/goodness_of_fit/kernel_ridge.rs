@@ -1,0 +1,147 @@
+//! What is left of one trial, foretold from what is left of the others: a regression (kernel ridge; Hastie, Tibshirani &
+//! Friedman, The Elements of Statistical Learning, section 5.8) on circumstances, fitted to all trials but one and asked
+//! about that one.
+
+use std::ops::Range;
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use crate::discovery::recording::covariates::Circumstances;
+
+/// On what a residual depends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Pattern {
+    /// Where the robot is.
+    Pose,
+    /// How it got there.
+    History,
+    /// How long the trial has lasted.
+    Time,
+    /// That it is there at all.
+    Constant,
+}
+
+/// Variance of what is not foretold, over that of what is.
+const RIDGE: f64 = 3.0;
+/// Of more samples than this, neighbours are taken together: the regression takes time as the cube of their number.
+const MOST_POINTS: usize = 1200;
+
+/// Trials are foretold one by one, of more than this several together.
+const MOST_GROUPS: usize = 12;
+
+/// Samples, or means over neighbours where there are too many of them.
+pub(crate) struct Points {
+    /// The points of each trial, or of some that follow each other where there are too many of them.
+    pub(crate) ranges: Vec<Range<usize>>,
+    /// The circumstances of each, those of the middle one of its samples.
+    around: Vec<Circumstances>,
+    /// What was left, metres, three numbers a point.
+    residual: Vec<f64>,
+    /// Samples that a point stands for, about.
+    samples_each: f64,
+}
+
+impl Points {
+    pub(crate) fn new(trials: &[Range<usize>], around: &[Circumstances], residual: &[f64]) -> Points {
+        let together = around.len().div_ceil(MOST_POINTS).max(1);
+        let mut points = Points { ranges: Vec::new(), around: Vec::new(), residual: Vec::new(), samples_each: 1.0 };
+        for trial in trials {
+            let first = points.around.len();
+            for start in trial.clone().step_by(together) {
+                let rows = start..trial.end.min(start + together);
+                points.around.push(around[start + rows.len() / 2].clone());
+                let mean =
+                    |axis: usize| rows.clone().map(|row| residual[3 * row + axis]).sum::<f64>() / rows.len() as f64;
+                points.residual.extend((0..3).map(mean));
+            }
+            points.ranges.push(first..points.around.len());
+        }
+        let each = points.ranges.len().div_ceil(MOST_GROUPS).max(1);
+        points.ranges = points.ranges.chunks(each).map(|group| group[0].start..group[group.len() - 1].end).collect();
+        points.samples_each = around.len() as f64 / points.around.len().max(1) as f64;
+        points
+    }
+}
+
+/// Products between what was left in each block and what each block of another trial foretells there.
+pub(crate) struct Table {
+    /// For each axis: block foretold × block foretelling.
+    products: [DMatrix<f64>; 3],
+    /// Fall of the sum of squares of all samples by what is foretold, m²; not below zero.
+    pub(crate) foretold: f64,
+}
+
+impl Table {
+    /// The points of each of the `blocks` foretold by what `pattern` says of other trials.
+    pub(crate) fn new(pattern: Pattern, points: &Points, blocks: &[Range<usize>]) -> Table {
+        let kernel = kernel(pattern, &points.around);
+        let (trials, residual) = (&points.ranges, &points.residual);
+        let count = blocks.len();
+        let mut products: [DMatrix<f64>; 3] = std::array::from_fn(|_| DMatrix::zeros(count, count));
+        let mut foretold = 0.0;
+        for there in trials {
+            let others: Vec<usize> =
+                trials.iter().filter(|trial| *trial != there).flat_map(|trial| trial.clone()).collect();
+            let mut known = DMatrix::from_fn(others.len(), others.len(), |i, j| kernel[(others[i], others[j])]);
+            (0..others.len()).for_each(|k| known[(k, k)] += RIDGE);
+            let Some(factor) = Cholesky::new(known) else { continue };
+            let cross = DMatrix::from_fn(others.len(), there.len(), |i, j| kernel[(others[i], there.start + j)]);
+            let weights = factor.solve(&cross);
+            let inside = |block: &Range<usize>| there.contains(&block.start);
+            for axis in 0..3 {
+                let part =
+                    |rows: Range<usize>| DVector::from_iterator(rows.len(), rows.map(|row| residual[3 * row + axis]));
+                let left = part(there.clone());
+                let mut sum = DVector::zeros(there.len());
+                for (other, block) in blocks.iter().enumerate().filter(|(_, block)| !inside(block)) {
+                    let first = others.partition_point(|&row| row < block.start);
+                    let told = weights.rows(first, block.len()).tr_mul(&part(block.clone()));
+                    for (own, here) in blocks.iter().enumerate().filter(|(_, block)| inside(block)) {
+                        let (start, length) = (here.start - there.start, here.len());
+                        products[axis][(own, other)] = left.rows(start, length).dot(&told.rows(start, length));
+                    }
+                    sum += told;
+                }
+                foretold += 2.0 * left.dot(&sum) - sum.norm_squared();
+            }
+        }
+        Table { products, foretold: points.samples_each * foretold.max(0.0) }
+    }
+
+    /// Agreement of what was left with what was foretold, m², each trial's residual with a sign.
+    pub(crate) fn success(&self, signs: &[[f64; 3]]) -> f64 {
+        let one = |axis: usize| -> f64 {
+            let table = &self.products[axis];
+            let term = |i: usize, j: usize| signs[i][axis] * signs[j][axis] * table[(i, j)];
+            (0..table.nrows()).map(|i| (0..table.ncols()).map(|j| term(i, j)).sum::<f64>()).sum()
+        };
+        (0..3).map(one).sum()
+    }
+}
+
+/// How alike the circumstances of two samples are, from 0 to 1.
+fn kernel(pattern: Pattern, around: &[Circumstances]) -> DMatrix<f64> {
+    let features: Vec<Vec<f64>> = around
+        .iter()
+        .map(|at| match pattern {
+            Pattern::Constant => Vec::new(),
+            Pattern::Pose => at.tip_m.iter().chain(&at.command).copied().collect(),
+            Pattern::History => {
+                let within = at.command.iter().zip(&at.largest).map(|(now, most)| most - now);
+                at.change.iter().chain(&at.change_before).copied().chain(at.moved_m).chain(within).collect()
+            }
+            Pattern::Time => vec![at.time_s],
+        })
+        .collect();
+    let width = features.first().map_or(0, Vec::len);
+    let scale: Vec<f64> = (0..width)
+        .map(|k| {
+            let column: Vec<f64> = features.iter().map(|row| row[k]).collect();
+            crate::math::summary::standard_deviation(&column).max(1e-12) * (width as f64).sqrt()
+        })
+        .collect();
+    let distance = |a: &[f64], b: &[f64]| -> f64 {
+        a.iter().zip(b).zip(&scale).map(|((a, b), scale)| ((a - b) / scale).powi(2)).sum()
+    };
+    DMatrix::from_fn(around.len(), around.len(), |i, j| (-0.5 * distance(&features[i], &features[j])).exp())
+}

@@ -1,0 +1,76 @@
+//! Is what is left spread alike over the trials? A tracker's noise is; what a set of effects only imitates is not, and may yet
+//! be foretold by nothing. Levene's test: an analysis of variance of the distances (Levene, in Contributions to
+//! Probability and Statistics, 1960), which outliers mislead less than the variances themselves.
+
+use crate::discovery::fit::nuisance::Explained;
+use crate::discovery::recording::samples::{Samples, rms_m};
+use crate::math::distribution::f_above;
+use crate::math::summary::{mean, quantile};
+
+/// How unevenly what is left is spread over the trials.
+pub(crate) struct Uneven {
+    /// Chance of as much from noise.
+    pub(crate) p_value: f64,
+    /// What the worst trial has more than the middle one, root mean square, metres (the squares add up).
+    pub(crate) more_m: f64,
+    /// What the middle one has.
+    pub(crate) middle_m: f64,
+}
+
+/// The test on what `explained` leaves in `samples`.
+pub(crate) fn uneven(samples: &Samples, explained: &Explained) -> Uneven {
+    let distance_m: Vec<f64> = explained.left_m.chunks_exact(3).map(rms_m).collect();
+    let (mut between, mut within) = (0.0, 0.0);
+    let mut ranges = samples.ranges();
+    ranges.retain(|range| !range.is_empty());
+    let all = mean(&distance_m);
+    for range in &ranges {
+        let own = &distance_m[range.clone()];
+        let usual = mean(own);
+        between += own.len() as f64 * (usual - all).powi(2);
+        within += own.iter().map(|distance| (distance - usual).powi(2)).sum::<f64>();
+    }
+    let groups = ranges.len() as f64;
+    // Correlated samples count for fewer.
+    let independent = explained.noise.independent(samples.len());
+    let (above, below) = (groups - 1.0, (independent - groups).max(1.0));
+    let ratio = between / above / (within / below).max(f64::MIN_POSITIVE);
+    let each: Vec<f64> = ranges.iter().map(|r| rms_m(&explained.left_m[3 * r.start..3 * r.end]).powi(2)).collect();
+    let worst = each.iter().copied().fold(0.0, f64::max);
+    let middle = quantile(&each, 0.5);
+    Uneven {
+        p_value: f_above(ratio, above, below),
+        more_m: (worst - middle).max(0.0).sqrt(),
+        middle_m: middle.max(0.0).sqrt(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DVector;
+
+    use super::*;
+    use crate::discovery::fit::ar1_noise::Noise;
+    use crate::discovery::recording::samples::white_noise;
+
+    const NOISE_M: f64 = 5e-4;
+
+    /// Six trials of fifty samples that leave noise, in one of them so many times as much.
+    fn tested(times: f64, seed: u64) -> Uneven {
+        let mut noise = white_noise(NOISE_M, seed);
+        let left_m = (0..900).map(|k| if (300..450).contains(&k) { times * noise() } else { noise() }).collect();
+        let noise = Noise { sigma_m: [NOISE_M; 3], correlation: 0.0 };
+        uneven(&Samples::alike(6, 50), &Explained { noise, amounts: DVector::zeros(0), left_m, deviance: 0.0 })
+    }
+
+    #[test]
+    fn one_trial_that_scatters_more_is_seen_and_even_noise_is_not() {
+        let even: Vec<f64> = (0..200).map(|seed| tested(1.0, seed).p_value).collect();
+        let low = even.iter().filter(|p| **p < 0.05).count();
+        assert!((2..22).contains(&low), "{low} of 200 below 0.05");
+        let found = tested(1.6, 1);
+        assert!(found.p_value < 1e-4, "{}", found.p_value);
+        let more_m = 3.0_f64.sqrt() * NOISE_M * (1.6_f64.powi(2) - 1.0).sqrt();
+        assert!((found.more_m / more_m - 1.0).abs() < 0.3, "{}", found.more_m);
+    }
+}

@@ -1,0 +1,114 @@
+//! Does what is left grow with what a set of effects does? A tracker's noise does not. What a set only imitates is off most
+//! where the set has most to do, be it in one trial alone, and there nothing foretells it. Spearman's rank correlation (Am. J.
+//! Psychol. 15, 1904), which outliers and heavy tails hardly move.
+
+use crate::discovery::fit::ar1_noise::Noise;
+use crate::discovery::fit::nuisance::Explained;
+use crate::discovery::recording::samples::rms_m;
+use crate::math::distribution::f_above;
+use crate::math::summary::mean;
+
+/// How what is left grows with what the set does.
+pub(crate) struct Grows {
+    /// Chance of as much from noise.
+    pub(crate) p_value: f64,
+    /// What the third of the samples that the set moves most has more than the third that it moves least, root mean square,
+    /// metres (the squares add up).
+    pub(crate) more_m: f64,
+    /// What the third has that it moves least.
+    pub(crate) least_m: f64,
+}
+
+/// The test on what `explained` leaves of samples that the set moves by `moved` (three numbers a sample, metres).
+pub(crate) fn grows(explained: &Explained, moved: &[f64]) -> Grows {
+    let distances_m = |values: &[f64]| -> Vec<f64> { values.chunks_exact(3).map(rms_m).collect() };
+    let (left_m, moved_m) = (distances_m(&explained.left_m), distances_m(moved));
+    let mut order: Vec<usize> = (0..left_m.len()).collect();
+    order.sort_by(|&a, &b| moved_m[a].total_cmp(&moved_m[b]));
+    let third = (order.len() / 3).max(1);
+    let square_m2 = |rows: &[usize]| mean(&rows.iter().map(|&row| left_m[row].powi(2)).collect::<Vec<f64>>());
+    let (least, most) = (square_m2(&order[..third]), square_m2(&order[order.len() - third..]));
+    // Correlated samples count for fewer; squares of normal numbers forget twice as fast as these do.
+    let memory = Noise { correlation: explained.noise.correlation.powi(2), ..explained.noise };
+    let freedom = memory.independent(left_m.len()) - 2.0;
+    Grows {
+        p_value: chance(rank_correlation(&left_m, &moved_m), freedom),
+        more_m: (most - least).max(0.0).sqrt(),
+        least_m: least.sqrt(),
+    }
+}
+
+/// Probability that noise correlates as much or more, by Student's t.
+fn chance(correlation: f64, freedom: f64) -> f64 {
+    let square =
+        correlation * correlation * freedom.max(1.0) / (1.0 - correlation * correlation).max(f64::MIN_POSITIVE);
+    let beyond = 0.5 * f_above(square, 1.0, freedom.max(1.0));
+    if correlation > 0.0 { beyond } else { 1.0 - beyond }
+}
+
+/// Spearman's correlation; 0 where one of both is the same everywhere.
+fn rank_correlation(a: &[f64], b: &[f64]) -> f64 {
+    let middle = 0.5 * (a.len() as f64 - 1.0);
+    let centred = |values: &[f64]| -> Vec<f64> { ranks(values).into_iter().map(|rank| rank - middle).collect() };
+    let (a, b) = (centred(a), centred(b));
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let scale = (product(&a, &a) * product(&b, &b)).sqrt();
+    if scale > 0.0 { product(&a, &b) / scale } else { 0.0 }
+}
+
+/// The rank of each value from 0; equal values share theirs.
+fn ranks(values: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
+    let mut ranks = vec![0.0; values.len()];
+    let mut first = 0;
+    for equal in order.chunk_by(|&a, &b| values[a] == values[b]) {
+        let shared = first as f64 + 0.5 * (equal.len() as f64 - 1.0);
+        equal.iter().for_each(|&row| ranks[row] = shared);
+        first += equal.len();
+    }
+    ranks
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DVector;
+
+    use super::*;
+    use crate::discovery::recording::samples::{Samples, white_noise};
+
+    const NOISE_M: f64 = 5e-4;
+
+    /// Six trials of fifty samples, moved more and more along each of them, with noise of this correlation and an error of
+    /// this share of how far they are moved, to either side.
+    fn tested(correlation: f64, share: f64, seed: u64) -> Grows {
+        let samples = Samples::alike(6, 50);
+        let mut left_m = samples.noise(NOISE_M, correlation, seed);
+        let mut side = white_noise(1.0, 1000 + seed);
+        let moved: Vec<f64> = samples.rows.iter().flat_map(|row| [2e-4 * row.row as f64, 0.0, 0.0]).collect();
+        left_m.iter_mut().zip(&moved).for_each(|(left, moved)| *left += share * moved * side().signum());
+        let noise = Noise { sigma_m: [NOISE_M; 3], correlation };
+        grows(&Explained { noise, amounts: DVector::zeros(0), left_m, deviance: 0.0 }, &moved)
+    }
+
+    #[test]
+    fn an_error_that_grows_is_seen_and_noise_is_not() {
+        for correlation in [0.0, 0.6] {
+            let even: Vec<f64> = (0..200).map(|seed| tested(correlation, 0.0, seed).p_value).collect();
+            let low = even.iter().filter(|p| **p < 0.05).count();
+            assert!((2..20).contains(&low), "{correlation}: {low} of 200 below 0.05");
+        }
+        let found = tested(0.0, 0.15, 1);
+        assert!(found.p_value < 1e-6, "{}", found.p_value);
+        // The last third is moved by 8.2 mm root mean square.
+        assert!((found.more_m / (0.15 * 8.2e-3) - 1.0).abs() < 0.2, "{}", found.more_m);
+        assert!((found.least_m / (3.0_f64.sqrt() * NOISE_M) - 1.0).abs() < 0.2, "{}", found.least_m);
+    }
+
+    #[test]
+    fn ranks_are_shared_and_what_never_moves_tells_nothing() {
+        assert_eq!(ranks(&[3.0, 1.0, 3.0, 2.0]), [2.5, 0.0, 2.5, 1.0]);
+        assert!((rank_correlation(&[1.0, 2.0, 3.0], &[1.0, 8.0, 27.0]) - 1.0).abs() < 1e-12);
+        assert_eq!(rank_correlation(&[1.0, 2.0, 3.0], &[0.0; 3]), 0.0);
+    }
+}

@@ -1,0 +1,268 @@
+//! What a lab can record next: commands built from poses that the recording has shown to be safe.
+
+use crate::base::Rows;
+
+/// Something to record.
+pub(crate) struct Dish {
+    pub(crate) name: &'static str,
+    pub(crate) what: String,
+    /// Set-up by hand, minutes.
+    pub(crate) setup_min: f64,
+    /// Commands of each trial, and the weight that hangs on the tip, kilograms.
+    pub(crate) trials: Vec<(Rows, f64)>,
+    /// How long each command is held, seconds.
+    pub(crate) step_s: f64,
+    /// Gravity as the base sees it, m/s², where it is mounted another way.
+    pub(crate) gravity_m_s2: Option<[f64; 3]>,
+}
+
+/// The recorded range that commands may use.
+pub(crate) struct Range {
+    /// Recorded commands, all trials.
+    poses: Vec<Vec<f64>>,
+    /// How long a command is held, seconds.
+    step_s: f64,
+    /// The largest change of one tendon in that time that was recorded.
+    step: f64,
+}
+
+/// Commands to each trial, each held for so long, seconds, or from one row to the next where that is longer.
+const LENGTH: usize = 50;
+const HELD_S: f64 = 0.2;
+/// Poses that a path visits.
+const CORNERS: usize = 6;
+/// A weight that labs have and robots bear.
+const WEIGHT_KG: f64 = 0.02;
+
+/// The menu, for a base that sees gravity like this: every entry takes four trials.
+pub(crate) fn menu(range: &Range, gravity_m_s2: [f64; 3]) -> Vec<Dish> {
+    let path = |first: usize| range.path(&range.corners(first), range.step);
+    let four = |trial: &dyn Fn(usize) -> Rows| -> Vec<(Rows, f64)> { (0..4).map(|k| (trial(k), 0.0)).collect() };
+    let dish = |name, what: &str, setup_min, trials| {
+        let what = what.to_owned();
+        Dish { name, what, setup_min, trials, step_s: range.step_s, gravity_m_s2: None }
+    };
+    let (mounted, gravity_m_s2) = remounted(gravity_m_s2);
+    let weighed = (0..4).map(|k| (path(k / 2), if k % 2 == 1 { WEIGHT_KG } else { 0.0 })).collect();
+    let looped = |k: usize| {
+        let corners: Vec<Vec<f64>> = range.corners(k).into_iter().take(2).collect();
+        range.path(&[corners.clone(), corners.clone(), corners].concat(), range.step)
+    };
+    let paced = |k: usize| {
+        let corners: Vec<Vec<f64>> = range.corners(k / 2).into_iter().take(2).collect();
+        range.path(&corners, if k.is_multiple_of(2) { range.step } else { range.step / 3.0 })
+    };
+    let stay = format!("Go to four far poses and stay there, {:.0} s in all each", LENGTH as f64 * range.step_s);
+    vec![
+        dish("known_weight", "Play four trials, the second and fourth with 20 g on the tip", 2.0, weighed),
+        Dish {
+            gravity_m_s2: Some(gravity_m_s2),
+            ..dish("base_remounted", &format!("{mounted} and play four trials"), 5.0, four(&path))
+        },
+        dish("dwell", &stay, 0.5, four(&|k| range.dwell(k))),
+        dish("repeated_loop", "Play one loop three times over, in four trials", 0.5, four(&looped)),
+        dish("slow_and_fast", "Play two paths, each fast and at a third of the speed", 0.5, four(&paced)),
+        dish(
+            "reversals",
+            "Bend out and back three times with growing amplitude, in four directions",
+            0.5,
+            four(&|k| range.reversals(k)),
+        ),
+        dish("far_poses", "Go through the farthest poses one after the other, in four trials", 0.5, four(&path)),
+    ]
+}
+
+/// Another way to mount the base, in words, and gravity as it is seen then: across where it pulled.
+fn remounted([x, y, z]: [f64; 3]) -> (&'static str, [f64; 3]) {
+    if x.hypot(y) < z.abs() {
+        return ("Lay the base on its side, so that gravity pulls along −x,", [-z.abs(), y, x]);
+    }
+    ("Turn the base a quarter about its axis", [-y, x, z])
+}
+
+impl Range {
+    /// The range of recorded commands, trial by trial, a row every `recorded_s` seconds.
+    pub(crate) fn new<'a>(trials: impl Iterator<Item = &'a Rows>, recorded_s: f64) -> Range {
+        let held = (HELD_S / recorded_s).round().max(1.0);
+        let mut range = Range { poses: Vec::new(), step_s: held * recorded_s, step: 0.0 };
+        for trial in trials {
+            let rows: Vec<&[f64]> = trial.iter().collect();
+            for pair in rows.windows((held as usize + 1).min(rows.len()).max(1)) {
+                range.step = range.step.max(farthest(pair[0], pair[pair.len() - 1]));
+            }
+            range.poses.extend(rows.into_iter().map(<[f64]>::to_vec));
+        }
+        if range.step == 0.0 {
+            // Each trial held one command, at which it came from home at once.
+            let far = range.poses.iter().map(|pose| farthest(pose, &vec![0.0; pose.len()]));
+            range.step = far.fold(0.0, f64::max);
+        }
+        range
+    }
+
+    /// Recorded poses far from each other, from the `first`-farthest from home on (farthest-point sampling).
+    fn corners(&self, first: usize) -> Vec<Vec<f64>> {
+        let home = vec![0.0; self.poses.first().map_or(0, Vec::len)];
+        let mut chosen: Vec<Vec<f64>> = vec![home];
+        for _ in 0..first + CORNERS {
+            let nearest =
+                |pose: &Vec<f64>| chosen.iter().map(|known| farthest(pose, known)).fold(f64::INFINITY, f64::min);
+            match self.poses.iter().max_by(|a, b| nearest(a).total_cmp(&nearest(b))) {
+                Some(pose) => chosen.push(pose.clone()),
+                None => break,
+            }
+        }
+        chosen.split_off((1 + first).min(chosen.len()))
+    }
+
+    /// From home through `corners` in steps of at most `step`, then staying.
+    fn path(&self, corners: &[Vec<f64>], step: f64) -> Rows {
+        let width = corners.first().map_or(0, Vec::len);
+        let mut at = vec![0.0; width];
+        let mut rows = Rows::new(width);
+        for corner in corners {
+            let steps = (farthest(&at, corner) / step.max(1e-9)).ceil().max(1.0) as usize;
+            let from = at.clone();
+            for k in 1..=steps {
+                let share = k as f64 / steps as f64;
+                at = from.iter().zip(corner).map(|(a, b)| a + share * (b - a)).collect();
+                rows.push(&at);
+                if rows.len() == LENGTH {
+                    return rows;
+                }
+            }
+        }
+        while rows.len() < LENGTH {
+            rows.push(&at);
+        }
+        rows
+    }
+
+    fn dwell(&self, k: usize) -> Rows {
+        self.path(&self.corners(k).into_iter().take(1).collect::<Vec<_>>(), self.step)
+    }
+
+    fn reversals(&self, k: usize) -> Rows {
+        let far = self.corners(k).into_iter().next().unwrap_or_default();
+        let scaled = |share: f64| -> Vec<f64> { far.iter().map(|x| share * x).collect() };
+        let turns = [1.0 / 3.0, 0.0, 2.0 / 3.0, 0.0, 1.0, 0.0];
+        self.path(&turns.map(scaled), self.step)
+    }
+}
+
+/// The largest difference of any tendon.
+fn farthest(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ACROSS: [f64; 3] = [-9.81, 0.0, 0.0];
+
+    #[test]
+    fn another_mount_turns_gravity_to_where_it_did_not_pull() {
+        for gravity in [ACROSS, [0.0, 0.0, -9.81], [0.0, 0.0, 9.81], [3.0, -6.0, 2.0]] {
+            let (mounted, there) = remounted(gravity);
+            let size = |g: [f64; 3]| g.map(|x| x * x).iter().sum::<f64>().sqrt();
+            assert!((size(gravity) - size(there)).abs() < 1e-12);
+            let across = |k: usize| gravity[k] * there[k];
+            assert!((across(0) + across(1)).abs() < 1e-12, "{mounted}: {there:?}");
+            assert!(size([gravity[0] - there[0], gravity[1] - there[1], gravity[2] - there[2]]) > 0.9 * size(gravity));
+        }
+    }
+
+    /// Two recorded trials of four tendons, of which two pull at a time.
+    fn recorded() -> Vec<Rows> {
+        let trial = |phase: f64| {
+            let mut rows = Rows::new(4);
+            for k in 0..40 {
+                let angle = 0.3 * f64::from(k) + phase;
+                let (x, y) = (8e-3 * angle.cos(), 8e-3 * (0.6 * angle).sin());
+                rows.push(&[x.max(0.0), y.max(0.0), (-x).max(0.0), (-y).max(0.0)]);
+            }
+            rows
+        };
+        vec![trial(0.0), trial(1.0)]
+    }
+
+    #[test]
+    fn commands_go_no_farther_and_no_faster_than_what_was_recorded() {
+        let trials = recorded();
+        let range = Range::new(trials.iter(), 0.2);
+        let most = trials.iter().flat_map(Rows::iter).flatten().copied().fold(0.0, f64::max);
+        let dishes = menu(&range, ACROSS);
+        assert_eq!(dishes.len(), 7);
+        for dish in &dishes {
+            assert_eq!(dish.trials.len(), 4, "{}", dish.name);
+            for (rows, _) in &dish.trials {
+                assert_eq!(rows.len(), LENGTH, "{}", dish.name);
+                let mut at = vec![0.0; 4];
+                for row in rows.iter() {
+                    assert!(farthest(&at, row) < range.step + 1e-12, "{}: {at:?} to {row:?}", dish.name);
+                    assert!(row.iter().all(|x| (0.0..=most).contains(x)), "{}: {row:?}", dish.name);
+                    at = row.to_vec();
+                }
+            }
+            let weights: Vec<f64> = dish.trials.iter().map(|trial| trial.1).collect();
+            let weighed = if dish.name == "known_weight" { WEIGHT_KG } else { 0.0 };
+            assert_eq!(weights, [0.0, weighed, 0.0, weighed], "{}", dish.name);
+            assert_eq!(dish.gravity_m_s2.is_some(), dish.name == "base_remounted");
+        }
+    }
+
+    /// Weights hung on the tendons one after the other: each trial is one command that is held.
+    #[test]
+    fn a_command_held_from_the_start_is_a_step_from_home() {
+        let trial = |pull_n: f64| {
+            let mut rows = Rows::new(4);
+            (0..40).for_each(|_| rows.push(&[pull_n, 0.0, 0.0, 0.0]));
+            rows
+        };
+        let trials = [trial(5.0), trial(2.0)];
+        let range = Range::new(trials.iter(), 0.2);
+        assert_eq!(range.step, 5.0);
+        for dish in menu(&range, ACROSS) {
+            assert!(dish.trials.iter().all(|(rows, _)| rows.len() == LENGTH), "{}", dish.name);
+            let most = dish.trials.iter().flat_map(|(rows, _)| rows.iter()).map(|row| row[0]).fold(0.0, f64::max);
+            assert!((2.0..=5.0).contains(&most), "{}: {most}", dish.name);
+        }
+    }
+
+    /// A tracker's rate is no drive's: commands that were streamed are proposed no faster, and none for a hundredth of a
+    /// second.
+    #[test]
+    fn what_was_recorded_fast_is_not_played_fast() {
+        let (slow, mut fast) = (recorded(), Vec::new());
+        for trial in &slow {
+            let mut rows = Rows::new(4);
+            trial.iter().for_each(|row| (0..20).for_each(|_| rows.push(row)));
+            fast.push(rows);
+        }
+        let [slow, fast] = [Range::new(slow.iter(), 0.2), Range::new(fast.iter(), 0.01)];
+        assert_eq!((slow.step, slow.step_s), (fast.step, fast.step_s));
+        assert_eq!(menu(&slow, ACROSS)[2].trials[0].0, menu(&fast, ACROSS)[2].trials[0].0);
+    }
+
+    #[test]
+    fn a_loop_comes_again_a_dwell_stays_and_reversals_grow() {
+        let trials = recorded();
+        let range = Range::new(trials.iter(), 0.2);
+        let dish = |name: &str| {
+            menu(&range, ACROSS).into_iter().find(|dish| dish.name == name).unwrap().trials.swap_remove(0).0
+        };
+        let dwell: Vec<Vec<f64>> = dish("dwell").iter().map(<[f64]>::to_vec).collect();
+        assert!(dwell[LENGTH - 40..].iter().all(|row| *row == dwell[LENGTH - 1]) && dwell[LENGTH - 1] != dwell[0]);
+        let slow_and_fast = menu(&range, ACROSS).into_iter().find(|dish| dish.name == "slow_and_fast").unwrap().trials;
+        let fastest = |rows: &Rows| (1..LENGTH).map(|k| farthest(rows.row(k - 1), rows.row(k))).fold(0.0, f64::max);
+        assert!(fastest(&slow_and_fast[1].0) < 0.4 * fastest(&slow_and_fast[0].0));
+        let out: Vec<f64> = dish("reversals").iter().map(|row| row.iter().copied().fold(0.0, f64::max)).collect();
+        let peaks: Vec<f64> =
+            (1..LENGTH - 1).filter(|&k| out[k] > out[k - 1] && out[k] > out[k + 1]).map(|k| out[k]).collect();
+        assert_eq!(peaks.len(), 3, "{out:?}");
+        assert!(peaks.is_sorted() && (peaks[0] / peaks[2] - 1.0 / 3.0).abs() < 1e-9, "{peaks:?}");
+        let corner = range.corners(0).swap_remove(0);
+        assert!(dish("repeated_loop").iter().filter(|row| **row == corner[..]).count() >= 2);
+    }
+}

@@ -1,0 +1,138 @@
+//! What samples of one thing, one close after the other, say of noise that remembers: a first-order autoregression about
+//! a mean of its own, a usual step from one sample to the next.
+
+use crate::discovery::recording::samples::Samples;
+
+/// Samples beyond two a rest that tell a correlation well enough.
+const ENOUGH: usize = 50;
+/// Standard deviations, of one axis, beyond which rests contradict a correlation.
+const CONTRADICTS: f64 = 6.0;
+/// Correlations beyond this are not told from drift.
+const MOST: f64 = 0.98;
+/// A change of a correlation that derivatives are taken by.
+const SLIGHTLY: f64 = 1e-4;
+/// Halvings that find a correlation.
+const HALVINGS: usize = 30;
+
+/// What a sum of squares about the means of some groups is worth, over the variance of the noise.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Worth {
+    /// Its mean.
+    pub(crate) mean: f64,
+    /// Half its variance.
+    spread: f64,
+}
+
+impl Worth {
+    /// That of groups of so many samples, of which neighbours are correlated; that this correlation is itself known from no
+    /// more than these samples is part of the variance (to first order).
+    pub(crate) fn of(counts: impl Iterator<Item = usize> + Clone, correlation: f64) -> Worth {
+        let sums = |correlation: f64| {
+            let each = counts.clone().map(|count| moments(count, correlation));
+            each.fold([0.0, 0.0], |all, own| [all[0] + own[0], all[1] + own[1]])
+        };
+        let [mean, spread] = sums(correlation);
+        if correlation == 0.0 {
+            return Worth { mean, spread };
+        }
+        let slope = (sums(correlation)[0] - sums(correlation - SLIGHTLY)[0]) / SLIGHTLY;
+        let samples = counts.map(beyond_two).sum::<usize>().max(1) as f64;
+        // Quenouille's variance of a correlation, one axis; Journal of the Royal Statistical Society 110, 1947.
+        let unknown = slope * slope * (1.0 - correlation * correlation) / samples;
+        Worth { mean, spread: spread + 0.5 * unknown }
+    }
+
+    /// Of both together.
+    pub(crate) fn and(self, other: Worth) -> Worth {
+        Worth { mean: self.mean + other.mean, spread: self.spread + other.spread }
+    }
+
+    /// Degrees of freedom of a χ² with this mean and variance, scaled (Box, Annals of Mathematical Statistics 25, 1954).
+    pub(crate) fn freedom(&self) -> f64 {
+        if self.spread > 0.0 { self.mean * self.mean / self.spread } else { 0.0 }
+    }
+}
+
+/// Mean and half the variance of the squares about the mean of `count` samples of noise of variance one.
+fn moments(count: usize, correlation: f64) -> [f64; 2] {
+    let n = count as f64;
+    let powers: Vec<f64> = (0..count).map(|lag| correlation.powf(lag as f64)).collect();
+    // Sums of the powers from none to each.
+    let mut sums = powers.clone();
+    (1..count).for_each(|k| sums[k] += sums[k - 1]);
+    let rows: Vec<f64> = (0..count).map(|k| sums[k] + sums[count - 1 - k] - 1.0).collect();
+    let all: f64 = rows.iter().sum();
+    let square = |lag: usize| if lag == 0 { n } else { 2.0 * (n - lag as f64) * powers[lag].powi(2) };
+    let squares: f64 = (0..count).map(square).sum();
+    let spread = squares - 2.0 / n * rows.iter().map(|row| row * row).sum::<f64>() + (all / n).powi(2);
+    [n - all / n, spread]
+}
+
+fn beyond_two(count: usize) -> usize {
+    count.saturating_sub(2)
+}
+
+/// Sums of squares about the mean along each axis, m².
+pub(crate) fn squares_m2(samples: &Samples, group: &[usize]) -> [f64; 3] {
+    std::array::from_fn(|axis| {
+        let values: Vec<f64> = group.iter().map(|&row| samples.rows[row].tip_m[axis]).collect();
+        let mean = crate::math::summary::mean(&values);
+        values.iter().map(|value| (value - mean).powi(2)).sum()
+    })
+}
+
+/// The correlation from one sample to the next: the one that is `believed`, from more than rests, or where `rests` contradict
+/// it the one that they show, by how much less neighbours differ than all of them (von Neumann, Annals of Mathematical
+/// Statistics 12, 1941). What a model lacks is correlated, too.
+pub(crate) fn correlation(samples: &Samples, rests: &[&[usize]], believed: f64) -> f64 {
+    let count: usize = rests.iter().map(|rest| beyond_two(rest.len())).sum();
+    if count < ENOUGH {
+        return believed;
+    }
+    let shown = shown(samples, rests);
+    let deviation = ((1.0 - believed * believed) / count as f64).sqrt();
+    if (shown - believed).abs() < CONTRADICTS * deviation { believed } else { shown }
+}
+
+fn shown(samples: &Samples, rests: &[&[usize]]) -> f64 {
+    let half_m2 = |rest: &[usize], axis: usize| -> f64 {
+        let at = |row: usize| samples.rows[row].tip_m[axis];
+        rest.windows(2).map(|pair| 0.5 * (at(pair[1]) - at(pair[0])).powi(2)).sum()
+    };
+    let ratio = |axis: usize| -> f64 {
+        let near: f64 = rests.iter().map(|rest| half_m2(rest, axis)).sum();
+        let all: f64 = rests.iter().map(|rest| squares_m2(samples, rest)[axis]).sum();
+        if all > 0.0 { near / all } else { 1.0 }
+    };
+    let found = (0..3).map(ratio).sum::<f64>() / 3.0;
+    let neighbours: usize = rests.iter().map(|rest| rest.len() - 1).sum();
+    let expected = |correlation: f64| {
+        let all: f64 = rests.iter().map(|rest| moments(rest.len(), correlation)[0]).sum();
+        (1.0 - correlation) * neighbours as f64 / all
+    };
+    let (mut low, mut high) = (0.0, MOST);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        *(if expected(middle) > found { &mut low } else { &mut high }) = middle;
+    }
+    low
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn white_samples_are_worth_one_less_than_there_are() {
+        for count in [2, 3, 20] {
+            let [own, spread] = moments(count, 0.0);
+            assert!(
+                (own - (count as f64 - 1.0)).abs() < 1e-12 && (spread - own).abs() < 1e-9,
+                "{count}: {own} {spread}"
+            );
+        }
+        // Two of them differ by what the first does not have of the second.
+        let [own, spread] = moments(2, 0.6);
+        assert!((own - 0.4).abs() < 1e-12 && (spread - 0.16).abs() < 1e-12);
+    }
+}

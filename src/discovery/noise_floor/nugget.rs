@@ -1,0 +1,124 @@
+//! Noise from what is left in samples that follow each other: what changes there although the robot has hardly moved. In half
+//! the squares of these differences noise is all of what remains where nothing moves, the nugget of a variogram (Matheron,
+//! Economic Geology 58, 1963; from differences in time, Rice, Annals of Statistics 12, 1984), while what a model lacks
+//! changes with where the tip is and how it moves.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::discovery::fit::nuisance::Explained;
+use crate::discovery::recording::covariates::{Circumstances, circumstances};
+use crate::discovery::recording::samples::Samples;
+
+/// Pairs of neighbours that are enough to tell what remains where nothing moves.
+const ENOUGH: usize = 20;
+/// Correlations beyond so many deviations are a memory, of the noise or of what the model lacks: differences do not tell.
+const MEMORY: f64 = 3.0;
+/// Variance of the mean of half the squares of n neighbours' differences over that of n independent ones: two of them share a
+/// sample.
+const SHARED: f64 = 1.5;
+
+/// Noise by neighbours.
+pub(crate) struct Nugget {
+    /// Variance along x, y and z, m².
+    pub(crate) variance_m2: [f64; 3],
+    /// Degrees of freedom behind each of them.
+    pub(crate) freedom: f64,
+}
+
+/// The nugget of what `explained` leaves, where the model has the tip at `played`. None where what is left has a memory, too
+/// few samples follow each other, or they are nowhere alike.
+pub(crate) fn nugget(samples: &Samples, explained: &Explained, played: &[f64]) -> Option<Nugget> {
+    let pairs = samples.close_behind();
+    let deviation = 1.0 / (3.0 * pairs.len() as f64).sqrt();
+    if pairs.len() < ENOUGH || explained.noise.correlation > MEMORY * deviation {
+        return None;
+    }
+    let moved = moved(&circumstances(samples, played), &pairs);
+    let inverse = (moved.transpose() * &moved).try_inverse()?;
+    let line = |axis: usize| -> (f64, f64) {
+        let at = |row: usize| explained.left_m[3 * row + axis];
+        let half = |&row: &usize| 0.5 * (at(row) - at(row - 1)).powi(2);
+        let halves = DVector::from_iterator(pairs.len(), pairs.iter().map(half));
+        let fitted = &inverse * moved.tr_mul(&halves);
+        (fitted[0], (halves - &moved * fitted).norm_squared() / (pairs.len() - moved.ncols()) as f64)
+    };
+    let lines: [(f64, f64); 3] = std::array::from_fn(line);
+    let variance_m2 = lines.map(|(nothing_moves, _)| nothing_moves);
+    // About the line noise alone scatters by twice its variance squared; what a model lacks does by more.
+    let squares: f64 = variance_m2.iter().map(|variance| 2.0 * variance * variance).sum();
+    let scatter: f64 = lines.iter().map(|(_, scatter)| scatter).sum();
+    let freedom = (squares / scatter).min(1.0) / (SHARED * inverse[(0, 0)]);
+    let sound = variance_m2.iter().all(|variance| *variance >= 0.0) && freedom > 0.0;
+    sound.then_some(Nugget { variance_m2, freedom })
+}
+
+/// What half the squares are fitted by, a row a pair: one, how far the tip has moved, and by how much its motion has changed,
+/// squared and over their means.
+fn moved(around: &[Circumstances], pairs: &[usize]) -> DMatrix<f64> {
+    let square = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>();
+    let way = |row: usize| square(around[row].moved_m);
+    let change =
+        |row: usize| square(std::array::from_fn(|axis| around[row].moved_m[axis] - around[row - 1].moved_m[axis]));
+    let column = |of: &dyn Fn(usize) -> f64| -> Vec<f64> {
+        let own: Vec<f64> = pairs.iter().map(|&row| of(row)).collect();
+        let mean = crate::math::summary::mean(&own).max(f64::MIN_POSITIVE);
+        own.iter().map(|value| value / mean).collect()
+    };
+    let columns = [column(&|_| 1.0), column(&way), column(&change)];
+    DMatrix::from_fn(pairs.len(), columns.len(), |pair, k| columns[k][pair])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::discovery::fit::ar1_noise::Noise;
+    use crate::discovery::recording::samples::white_noise;
+    use crate::math::summary::{mean, standard_deviation};
+
+    const NOISE_M: f64 = 5e-4;
+
+    /// Six trials of fifty samples of a tip that wanders by some centimetres; where it is, and by how far it moves.
+    fn wandering(seed: u64) -> (Samples, Vec<f64>, Vec<f64>) {
+        let samples = Samples::alike(6, 50);
+        let mut step = white_noise(5e-3, seed);
+        let (mut played, mut moved, mut tip) = (Vec::new(), Vec::new(), [0.0; 3]);
+        for sample in &samples.rows {
+            let moves: [f64; 3] = std::array::from_fn(|_| if sample.row == 0 { 0.0 } else { step() });
+            tip = std::array::from_fn(|axis| if sample.row == 0 { 0.0 } else { tip[axis] + moves[axis] });
+            played.extend(tip);
+            moved.extend(moves);
+        }
+        (samples, played, moved)
+    }
+
+    /// The nugget of noise of this correlation beside an error of `lag` times the motion and `scale` times the place.
+    fn told(correlation: f64, [lag, scale]: [f64; 2], seed: u64) -> Option<Nugget> {
+        let (samples, played, moved) = wandering(seed);
+        let noise = samples.noise(NOISE_M, correlation, 1000 + seed);
+        let left_m: Vec<f64> = (0..noise.len()).map(|k| noise[k] + lag * moved[k] + scale * played[k]).collect();
+        let noise = Noise::of(&samples, &left_m, 0.0);
+        nugget(&samples, &Explained { noise, amounts: DVector::zeros(0), left_m, deviance: 0.0 }, &played)
+    }
+
+    #[test]
+    fn noise_is_told_as_well_as_it_says_and_apart_from_an_error_that_changes_with_the_motion() {
+        for errors in [[0.0, 0.0], [0.1, 0.0]] {
+            let found: Vec<Nugget> = (0..300).filter_map(|seed| told(0.0, errors, seed)).collect();
+            assert!(found.len() > 280, "{errors:?}: {}", found.len());
+            let ratios: Vec<f64> = found.iter().map(|own| own.variance_m2[0] / NOISE_M.powi(2)).collect();
+            assert!((mean(&ratios) - 1.0).abs() < 0.05, "{errors:?}: {}", mean(&ratios));
+            let freedom = mean(&found.iter().map(|own| own.freedom).collect::<Vec<f64>>());
+            let promised = (2.0 / freedom).sqrt();
+            let scatters = standard_deviation(&ratios);
+            assert!((scatters / promised - 1.0).abs() < 0.2, "{errors:?}: {scatters} of {promised}");
+        }
+    }
+
+    #[test]
+    fn a_memory_is_not_told_from_a_lack() {
+        for (correlation, errors) in [(0.6, [0.0, 0.0]), (0.0, [0.0, 0.05])] {
+            let found = (0..20).filter(|&seed| told(correlation, errors, seed).is_some()).count();
+            assert_eq!(found, 0, "{correlation} {errors:?}");
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! What markers on the base say: whether the base is tilted or the tracking frame turned, which look alike at the tip.
+
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+
+use crate::data::Recording;
+use crate::effects::Model;
+use crate::math::summary::{mean, standard_deviation};
+
+/// Markers on a base show how it stands to no better than this, radians.
+const MOUNTED_RAD: f64 = 2e-3;
+/// Standard deviations beyond which a tilt may be there.
+const SEEN: f64 = 1.5;
+
+/// Whether markers on the base, where there are any in these `trials`, show it standing as in the `model`, but for turns about
+/// its own axis: then nothing at the tip is its tilt.
+pub(crate) fn stands_as_modelled(measured: &Recording, trials: &[u64], model: &Model) -> bool {
+    let Some(base) = &measured.base else { return false };
+    let modelled = UnitQuaternion::from_scaled_axis(model.rod(&[]).base_rotation_rad);
+    let asked = base.iter().zip(&measured.trial).filter(|(_, number)| trials.contains(number)).map(|(pose, _)| pose);
+    let tracked = asked.filter(|pose| pose.quaternion.iter().all(|q| q.is_finite()));
+    let turns: Vec<Vector3<f64>> = tracked
+        .map(|pose| {
+            let [w, x, y, z] = pose.quaternion;
+            (modelled.inverse() * UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))).scaled_axis()
+        })
+        .collect();
+    let stands = |axis: usize| {
+        let about: Vec<f64> = turns.iter().map(|turn| turn[axis]).collect();
+        let deviation = MOUNTED_RAD.hypot(standard_deviation(&about) / (about.len() as f64).sqrt());
+        mean(&about).abs() < SEEN * deviation
+    };
+    turns.len() > 1 && (0..2).all(stands)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::Actuation;
+    use crate::data::recording::Pose;
+
+    /// A recording in which the base is turned by so much, as its markers have it.
+    fn turned(turn_rad: [f64; 3]) -> Recording {
+        let turn = UnitQuaternion::from_scaled_axis(Vector3::from(turn_rad));
+        let pose = Pose { position_m: [0.0; 3], quaternion: [turn.w, turn.i, turn.j, turn.k] };
+        let trial = vec![0, 0, 0, 1, 1];
+        Recording { base: Some(vec![pose; 5]), trial, ..Recording::new(Actuation::Lengths, 4) }
+    }
+
+    #[test]
+    fn a_base_is_compared_with_that_of_the_model() {
+        let mut model = Model::default();
+        let stands = |measured: &Recording, model: &Model| stands_as_modelled(measured, &[0], model);
+        assert!(!stands(&Recording::new(Actuation::Lengths, 4), &model), "nobody looked");
+        let tilted = [0.0, 0.025, 0.3];
+        assert!(stands(&turned([0.0, 0.001, 0.0]), &model));
+        assert!(!stands(&turned(tilted), &model));
+        assert!(!stands(&turned([0.005, 0.0, 0.0]), &model));
+        model.robot.base_rotation_rad = tilted;
+        assert!(stands(&turned(tilted), &model));
+        assert!(!stands(&turned([0.0; 3]), &model), "the tilt is the model's alone");
+    }
+
+    /// A robot that lies along x: about z it is tilted, about x it is not.
+    #[test]
+    fn a_lying_base_is_tilted_about_its_own_axes() {
+        let mut model = Model::default();
+        let lying = UnitQuaternion::from_scaled_axis(Vector3::y() * std::f64::consts::FRAC_PI_2);
+        model.robot.base_rotation_rad = lying.scaled_axis().into();
+        let about = |axis: Vector3<f64>| (UnitQuaternion::from_scaled_axis(axis * 0.1) * lying).scaled_axis().into();
+        assert!(stands_as_modelled(&turned(about(Vector3::x())), &[0], &model));
+        assert!(!stands_as_modelled(&turned(about(Vector3::z())), &[0], &model));
+    }
+
+    #[test]
+    fn trials_that_are_held_out_have_no_say() {
+        let mut measured = turned([0.0; 3]);
+        let aside = turned([0.1, 0.0, 0.0]).base.unwrap();
+        measured.base.as_mut().unwrap()[3..].clone_from_slice(&aside[3..]);
+        assert!(stands_as_modelled(&measured, &[0], &Model::default()));
+        assert!(!stands_as_modelled(&measured, &[1], &Model::default()));
+    }
+}

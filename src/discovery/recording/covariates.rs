@@ -1,0 +1,70 @@
+//! What is known of the robot at every sample before anything is measured: where a model has its tip, what its tendons
+//! are told and were told. What residuals are compared with.
+
+use super::samples::Samples;
+use crate::base::Rows;
+
+/// The circumstances of one sample.
+#[derive(Clone, Debug)]
+pub(crate) struct Circumstances {
+    /// Time since the trial began, seconds.
+    pub(crate) time_s: f64,
+    /// Where the model has the tip, metres.
+    pub(crate) tip_m: [f64; 3],
+    /// How it has moved since the sample before, metres.
+    pub(crate) moved_m: [f64; 3],
+    /// The mean velocity since then, metres a second.
+    pub(crate) velocity_m_s: [f64; 3],
+    /// The command in force up to this sample.
+    pub(crate) command: Vec<f64>,
+    /// Its change from the command before.
+    pub(crate) change: Vec<f64>,
+    /// The change before that.
+    pub(crate) change_before: Vec<f64>,
+    /// The largest command of each tendon in this trial so far.
+    pub(crate) largest: Vec<f64>,
+}
+
+/// The circumstances of all samples; `played` is where the model has the tip.
+pub(crate) fn circumstances(samples: &Samples, played: &[f64]) -> Vec<Circumstances> {
+    let tip = |row: usize| -> [f64; 3] { std::array::from_fn(|axis| played[3 * row + axis]) };
+    let largest: Vec<Vec<Vec<f64>>> = samples.trials.iter().map(|trial| so_far(&trial.commands)).collect();
+    samples
+        .rows
+        .iter()
+        .enumerate()
+        .map(|(index, sample)| {
+            let commands = &samples.trials[sample.trial].commands;
+            let width = commands.width();
+            // The command of a row acts from that row on.
+            let before = |steps: usize| -> Vec<f64> {
+                sample.row.checked_sub(steps).map_or_else(|| vec![0.0; width], |row| commands.row(row).to_vec())
+            };
+            let (now, last, older) = (before(1), before(2), before(3));
+            let difference = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
+            let since = samples.steps_since_last(index);
+            let from = if since.is_some() { tip(index - 1) } else { tip(index) };
+            let moved_m: [f64; 3] = std::array::from_fn(|axis| tip(index)[axis] - from[axis]);
+            Circumstances {
+                time_s: sample.time_s,
+                tip_m: tip(index),
+                moved_m,
+                velocity_m_s: moved_m.map(|moved_m| moved_m / (since.unwrap_or(1.0) * samples.tracked_step_s)),
+                change: difference(&now, &last),
+                change_before: difference(&last, &older),
+                command: now,
+                largest: largest[sample.trial][sample.row].clone(),
+            }
+        })
+        .collect()
+}
+
+/// The largest command of each tendon before the first row, the second, and so on to after the last one.
+fn so_far(commands: &Rows) -> Vec<Vec<f64>> {
+    let mut found = vec![vec![0.0; commands.width()]];
+    for row in commands.iter() {
+        let most = &found[found.len() - 1];
+        found.push(most.iter().zip(row).map(|(most, now): (&f64, &f64)| most.max(*now)).collect());
+    }
+    found
+}

@@ -1,0 +1,196 @@
+//! Which trials are kept back as proof: whole trials, chosen by their commands alone, so that the proof and the rest both
+//! exercise every tendon. What was measured has no say.
+
+use super::samples::Samples;
+
+/// Where there are more ways to choose than this, one is improved trial by trial instead of comparing all.
+const MOST_CHOICES: usize = 20_000;
+/// A choice that leaves both parts this share of the tracked rows that they should have is no better for more.
+const ENOUGH_ROWS: f64 = 0.75;
+/// The proof does with fewer rows than the fit.
+const SHORT_PROOF: f64 = 2.0;
+
+/// The trials of the fit and those of the proof, by their index.
+pub(crate) fn split(samples: &Samples, share: f64) -> (Vec<usize>, Vec<usize>) {
+    let trials = Trials::new(samples, share);
+    let proof = if choices(trials.count(), trials.held) <= MOST_CHOICES as f64 { trials.best() } else { trials.good() };
+    ((0..trials.count()).filter(|trial| !proof.contains(trial)).collect(), proof)
+}
+
+/// How many ways there are to choose so many.
+fn choices(count: usize, held: usize) -> f64 {
+    (0..held).map(|k| (count - k) as f64 / (k + 1) as f64).product()
+}
+
+/// What speaks for one choice or another.
+struct Trials {
+    /// Sum of squares of each tendon's commands in each trial.
+    spreads: Vec<Vec<f64>>,
+    /// Tracked rows of each trial.
+    rows: Vec<f64>,
+    /// The mean over all trials of both.
+    usual: Vec<f64>,
+    usual_rows: f64,
+    /// Trials that are kept back.
+    held: usize,
+}
+
+/// What a choice is worth: first the rows that it leaves both parts, then the exercise of tendons.
+type Worth = (f64, f64);
+
+impl Trials {
+    fn new(samples: &Samples, share: f64) -> Trials {
+        let count = samples.trials.len();
+        let spreads: Vec<Vec<f64>> = (0..count).map(|trial| spread(samples, trial)).collect();
+        let rows: Vec<f64> = samples.ranges().iter().map(|range| range.len() as f64).collect();
+        let held = ((count as f64 * share).ceil() as usize).clamp(1, count - 1);
+        let mean = |tendon: usize| spreads.iter().map(|own| own[tendon]).sum::<f64>() / count as f64;
+        let usual = (0..spreads[0].len()).map(mean).collect();
+        Trials { usual, usual_rows: rows.iter().sum::<f64>() / count as f64, spreads, rows, held }
+    }
+
+    fn count(&self) -> usize {
+        self.spreads.len()
+    }
+
+    /// The best of all choices; among equals the last trials.
+    fn best(&self) -> Vec<usize> {
+        let mut choice: Vec<usize> = (self.count() - self.held..self.count()).collect();
+        let mut best = (self.worth(&choice), choice.clone());
+        while previous(&mut choice, self.count()) {
+            let worth = self.worth(&choice);
+            if is_better(worth, best.0) {
+                best = (worth, choice.clone());
+            }
+        }
+        best.1
+    }
+
+    /// Trials at equal distances, each exchanged for the best other one as long as that helps.
+    fn good(&self) -> Vec<usize> {
+        let mut choice: Vec<usize> = (0..self.held).map(|k| (2 * k + 1) * self.count() / (2 * self.held)).collect();
+        let mut worth = self.worth(&choice);
+        loop {
+            let begun = worth;
+            for k in 0..self.held {
+                for other in (0..self.count()).rev() {
+                    let own = choice[k];
+                    if choice.contains(&other) {
+                        continue;
+                    }
+                    choice[k] = other;
+                    let there = self.worth(&choice);
+                    if is_better(there, worth) {
+                        worth = there;
+                    } else {
+                        choice[k] = own;
+                    }
+                }
+            }
+            if worth == begun {
+                choice.sort_unstable();
+                return choice;
+            }
+        }
+    }
+
+    fn worth(&self, proof: &[usize]) -> Worth {
+        let rest = self.count() - self.held;
+        // Over the mean of all trials: that of the proof, and that of the rest.
+        let shares = |own: f64, usual: f64| {
+            let own = own / (self.held as f64 * usual);
+            [own, (self.count() as f64 - self.held as f64 * own) / rest as f64]
+        };
+        let sum = |of: &dyn Fn(usize) -> f64| proof.iter().map(|&trial| of(trial)).sum::<f64>();
+        let [proved, fitted] = shares(sum(&|trial| self.rows[trial]), self.usual_rows);
+        let used = (0..self.usual.len()).filter(|&tendon| self.usual[tendon] > 0.0);
+        let exercise = used.flat_map(|tendon| shares(sum(&|trial| self.spreads[trial][tendon]), self.usual[tendon]));
+        (fitted.min(SHORT_PROOF * proved).min(ENOUGH_ROWS), exercise.fold(1.0, f64::min))
+    }
+}
+
+fn is_better(there: Worth, here: Worth) -> bool {
+    const EQUAL: f64 = 1e-9;
+    there.0 > here.0 + EQUAL || (there.0 > here.0 - EQUAL && there.1 > here.1 + EQUAL)
+}
+
+/// Sum of squares of each tendon's commands in a trial.
+fn spread(samples: &Samples, trial: usize) -> Vec<f64> {
+    let commands = &samples.trials[trial].commands;
+    let mut sums = vec![0.0; commands.width()];
+    for row in commands.iter() {
+        sums.iter_mut().zip(row).for_each(|(sum, command)| *sum += command.max(0.0).powi(2));
+    }
+    sums
+}
+
+/// The choice before this one in lexicographic order; false when it was the first.
+fn previous(choice: &mut [usize], count: usize) -> bool {
+    let held = choice.len();
+    // The last element that can go down, with those after it as high as can be.
+    for k in (0..held).rev() {
+        let low = if k == 0 { 0 } else { choice[k - 1] + 1 };
+        if choice[k] > low {
+            choice[k] -= 1;
+            for (offset, after) in (k + 1..held).enumerate() {
+                choice[after] = count - (held - k - 1) + offset;
+            }
+            return true;
+        }
+    }
+    false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Rows;
+    use crate::discovery::recording::samples::Sample;
+
+    #[test]
+    fn every_choice_is_met_once() {
+        let mut choice = vec![3, 4];
+        let mut met = vec![choice.clone()];
+        while previous(&mut choice, 5) {
+            met.push(choice.clone());
+        }
+        met.sort();
+        met.dedup();
+        assert_eq!(met.len(), 10);
+        assert_eq!(met[0], [0, 1]);
+    }
+
+    /// Trials of so many rows, each of which pulls two of four tendons.
+    fn pulled(trials: &[(usize, [usize; 2])]) -> Samples {
+        let mut samples = Samples::alike(trials.len(), 1);
+        samples.rows.clear();
+        for (trial, &(rows, tendons)) in trials.iter().enumerate() {
+            let mut commands = Rows::new(4);
+            let row: [f64; 4] = std::array::from_fn(|tendon| if tendons.contains(&tendon) { 0.01 } else { 0.0 });
+            (1..rows).for_each(|_| commands.push(&row));
+            samples.trials[trial].durations_s = vec![0.2; rows - 1];
+            samples.trials[trial].commands = commands;
+            let sample = |row: usize| Sample { trial, row, time_s: 0.2 * row as f64, tip_m: [0.0; 3] };
+            samples.rows.extend((0..rows).map(sample));
+        }
+        samples
+    }
+
+    #[test]
+    fn the_longest_trial_is_fitted_to() {
+        let (fit, proof) = split(&pulled(&[(400, [0, 2]), (30, [0, 1]), (30, [2, 3])]), 0.25);
+        assert_eq!((fit.len(), proof.len()), (2, 1));
+        assert!(fit.contains(&0), "{fit:?}");
+    }
+
+    #[test]
+    fn of_many_trials_those_are_held_out_that_use_every_tendon() {
+        let trials: Vec<(usize, [usize; 2])> = (0..40).map(|k| (20, if k < 20 { [0, 2] } else { [1, 3] })).collect();
+        let (fit, proof) = split(&pulled(&trials), 0.25);
+        assert_eq!((fit.len(), proof.len()), (30, 10));
+        for part in [fit, proof] {
+            let early = part.iter().filter(|&&trial| trial < 20).count();
+            assert_eq!(2 * early, part.len(), "{part:?}");
+        }
+    }
+}

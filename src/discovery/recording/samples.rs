@@ -1,0 +1,195 @@
+//! A recording as samples to be explained: the commands of every trial and the rows in which the tip was tracked.
+
+use crate::base::{Point3, Rows};
+use crate::data::{Actuation, Recording, recording};
+use crate::rod::TipLoad;
+
+/// One trial's commands, to be played on models.
+#[derive(Clone, Debug)]
+pub(crate) struct TrialCommands {
+    /// Its number in the recording.
+    pub(crate) number: u64,
+    /// A row a command, all but the last one of the recording, which nothing is seen of.
+    pub(crate) commands: Rows,
+    /// How long each is held, seconds.
+    pub(crate) durations_s: Vec<f64>,
+    /// Whether the commands are tensions.
+    pub(crate) tensions: bool,
+    /// A weight that hangs on the tip on purpose from the start, kilograms.
+    pub(crate) known_load_kg: f64,
+    /// Load on the tip during each command besides that, where there is any.
+    pub(crate) tip_loads: Option<Vec<TipLoad>>,
+}
+
+/// A row in which the tip was tracked.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sample {
+    /// Number of its trial, from 0, in [`Samples::trials`].
+    pub(crate) trial: usize,
+    /// Number of the row in its trial, from 0.
+    pub(crate) row: usize,
+    /// Time since the trial began, seconds.
+    pub(crate) time_s: f64,
+    /// Where the tip was, metres.
+    pub(crate) tip_m: Point3,
+}
+
+/// All samples of a recording, trial by trial. Vectors of residuals have three numbers a sample: x, y, z.
+#[derive(Clone, Debug)]
+pub(crate) struct Samples {
+    pub(crate) trials: Vec<TrialCommands>,
+    pub(crate) rows: Vec<Sample>,
+    /// Usual time from one row to the next, seconds.
+    pub(crate) step_s: f64,
+    /// Usual time from one tracked row to the next, seconds: longer where the tracker is slower than the drives.
+    pub(crate) tracked_step_s: f64,
+}
+
+impl Samples {
+    /// The samples of a checked recording. Trials in which the tip was never tracked tell nothing and are left out.
+    pub(crate) fn new(measured: &Recording) -> Samples {
+        let mut trials = Vec::new();
+        let mut rows = Vec::new();
+        let (mut steps_s, mut tracked_steps_s) = (Vec::new(), Vec::new());
+        let tips = measured.tip_m.as_deref().unwrap_or_default();
+        for (number, range) in measured.trials() {
+            let seen = |&row: &usize| measured.is_valid(row) && tips[row].iter().all(|x| x.is_finite());
+            let tracked: Vec<usize> = range.clone().filter(seen).collect();
+            if tracked.is_empty() {
+                continue;
+            }
+            let last = range.end - 1;
+            let mut commands = Rows::new(measured.tendons());
+            (range.start..last).for_each(|row| commands.push(measured.commands.row(row)));
+            let durations_s: Vec<f64> =
+                (range.start..last).map(|row| measured.time_s[row + 1] - measured.time_s[row]).collect();
+            steps_s.extend_from_slice(&durations_s);
+            tracked_steps_s.extend(tracked.windows(2).map(|two| measured.time_s[two[1]] - measured.time_s[two[0]]));
+            trials.push(TrialCommands {
+                number,
+                commands,
+                durations_s,
+                tensions: measured.actuation == Actuation::Tensions,
+                known_load_kg: measured.known_load_kg.as_ref().map_or(0.0, |load| load[range.start]),
+                tip_loads: measured
+                    .tip_load
+                    .as_ref()
+                    .map(|loads| loads[range.start..last].iter().map(tip_load).collect()),
+            });
+            let trial = trials.len() - 1;
+            rows.extend(tracked.into_iter().map(|row| Sample {
+                trial,
+                row: row - range.start,
+                time_s: measured.time_s[row],
+                tip_m: tips[row],
+            }));
+        }
+        let step_s = middle(&mut steps_s).unwrap_or(1.0);
+        let tracked_step_s = middle(&mut tracked_steps_s).unwrap_or(step_s);
+        Samples { trials, rows, step_s, tracked_step_s }
+    }
+
+    /// Those of the trials with these indices, in that order.
+    pub(crate) fn of_trials(&self, kept: &[usize]) -> Samples {
+        let ranges = self.ranges();
+        let of = |(trial, &index): (usize, &usize)| {
+            self.rows[ranges[index].clone()].iter().map(move |row| Sample { trial, ..*row })
+        };
+        let rows = kept.iter().enumerate().flat_map(of).collect();
+        Samples { trials: kept.iter().map(|&index| self.trials[index].clone()).collect(), rows, ..*self }
+    }
+
+    /// Number of samples.
+    pub(crate) fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// The samples of each trial, as ranges of rows.
+    pub(crate) fn ranges(&self) -> Vec<std::ops::Range<usize>> {
+        let start = |trial: usize| self.rows.partition_point(|row| row.trial < trial);
+        (0..self.trials.len()).map(|trial| start(trial)..start(trial + 1)).collect()
+    }
+
+    /// Measured tip minus `played`, three numbers a sample, metres.
+    pub(crate) fn residual(&self, played: &[f64]) -> Vec<f64> {
+        self.rows.iter().flat_map(|row| row.tip_m).zip(played).map(|(tip, played)| tip - played).collect()
+    }
+
+    /// Time between a sample and the one before it in the same trial, in usual steps of the tracker; none for the first one.
+    pub(crate) fn steps_since_last(&self, row: usize) -> Option<f64> {
+        let before = self.rows[..row].last().filter(|before| before.trial == self.rows[row].trial)?;
+        Some((self.rows[row].time_s - before.time_s) / self.tracked_step_s)
+    }
+
+    /// The rows that have the one before them in the same trial and no farther off than usual.
+    pub(crate) fn close_behind(&self) -> Vec<usize> {
+        let is_close = |&row: &usize| self.steps_since_last(row).is_some_and(|steps| steps < MOST_STEPS);
+        (0..self.len()).filter(is_close).collect()
+    }
+}
+
+/// Samples farther apart than so many usual steps are no neighbours.
+const MOST_STEPS: f64 = 1.5;
+
+/// Independent normal numbers of this size.
+#[cfg(test)]
+pub(crate) fn white_noise(size_m: f64, seed: u64) -> impl FnMut() -> f64 {
+    let mut random = crate::base::Seed(seed).rng();
+    move || {
+        let drawn: f64 = rand_distr::Distribution::sample(&rand_distr::StandardNormal, &mut random);
+        size_m * drawn
+    }
+}
+
+#[cfg(test)]
+impl Samples {
+    /// So many trials of so many samples each, 0.2 s apart: one tendon that is pulled ever further, a tip at the origin.
+    pub(crate) fn alike(trials: usize, samples: usize) -> Samples {
+        let mut commands = Rows::new(1);
+        (1..samples).for_each(|k| commands.push(&[k as f64]));
+        let trial = |number| TrialCommands {
+            number,
+            commands: commands.clone(),
+            durations_s: vec![0.2; samples - 1],
+            tensions: false,
+            known_load_kg: 0.0,
+            tip_loads: None,
+        };
+        let sample = |k: usize| {
+            let row = k % samples;
+            Sample { trial: k / samples, row, time_s: 0.2 * row as f64, tip_m: [0.0; 3] }
+        };
+        Samples {
+            trials: (0..trials as u64).map(trial).collect(),
+            rows: (0..trials * samples).map(sample).collect(),
+            step_s: 0.2,
+            tracked_step_s: 0.2,
+        }
+    }
+
+    /// Normal noise of this size and correlation from one sample to the next, each trial anew, three numbers a sample.
+    pub(crate) fn noise(&self, size_m: f64, correlation: f64, seed: u64) -> Vec<f64> {
+        let (mut noise, mut last) = (white_noise(size_m, seed), [0.0; 3]);
+        let mut next = |sample: &Sample| {
+            let kept = if sample.row == 0 { 0.0 } else { correlation };
+            last = last.map(|before| kept * before + (1.0 - kept * kept).sqrt() * noise());
+            last
+        };
+        self.rows.iter().flat_map(&mut next).collect()
+    }
+}
+
+/// The middle one, the upper of two.
+fn middle(steps_s: &mut [f64]) -> Option<f64> {
+    steps_s.sort_by(f64::total_cmp);
+    steps_s.get(steps_s.len() / 2).copied()
+}
+
+fn tip_load(load: &recording::TipLoad) -> TipLoad {
+    TipLoad { force_n: load.force_n.into(), moment_nm: load.moment_nm.into() }
+}
+
+/// Root mean square length of the three-vectors in `residual`.
+pub(crate) fn rms_m(residual: &[f64]) -> f64 {
+    (residual.iter().map(|r| r * r).sum::<f64>() / (residual.len() as f64 / 3.0).max(1.0)).sqrt()
+}

@@ -1,0 +1,94 @@
+//! What a recording must hold to be judged.
+
+use super::samples::Samples;
+use crate::data::Recording;
+use crate::discovery::error::DiscoveryError;
+
+/// Fewer tracked rows than this leave nothing to fit and to prove with.
+const FEWEST_SAMPLES: usize = 30;
+/// And so many of them in the trials of the fit and of the proof.
+const FEWEST_TO_FIT: usize = 15;
+const FEWEST_TO_PROVE: usize = 5;
+/// One to fit, one to prove.
+const FEWEST_TRIALS: usize = 2;
+/// Below this many the answer is weak, and says so.
+const FEW_SAMPLES: usize = 100;
+const FEW_TRIALS: usize = 4;
+
+/// Refuses a recording that tells nothing of a robot.
+pub(crate) fn check(measured: &Recording, samples: &Samples) -> Result<(), DiscoveryError> {
+    let tracked = samples.len();
+    if tracked < FEWEST_SAMPLES {
+        return Err(DiscoveryError::TooFew { what: "tracked rows", found: tracked, least: FEWEST_SAMPLES, why: "" });
+    }
+    let rows = measured.len();
+    if (1..rows).all(|row| measured.commands.row(row) == measured.commands.row(0)) {
+        let expected = "commands that move the robot";
+        return Err(DiscoveryError::Constant { column: "tendon_1_m…", rows, expected });
+    }
+    if samples.rows.iter().all(|row| row.tip_m == samples.rows[0].tip_m) {
+        let expected = "a tip that moves with the commands (is the tracker frozen?)";
+        return Err(DiscoveryError::Constant { column: "tip_x_m,tip_y_m,tip_z_m", rows: tracked, expected });
+    }
+    Ok(())
+}
+
+/// Refuses a recording of which nothing can be kept back.
+pub(crate) fn check_trials(samples: &Samples) -> Result<(), DiscoveryError> {
+    let trials = samples.trials.len();
+    if trials < FEWEST_TRIALS {
+        let why = ": one is kept back as proof";
+        return Err(DiscoveryError::TooFew { what: "tracked trials", found: trials, least: FEWEST_TRIALS, why });
+    }
+    Ok(())
+}
+
+/// Refuses trials of which one of the two parts holds too little.
+pub(crate) fn check_parts(fit: &Samples, proof: &Samples) -> Result<(), DiscoveryError> {
+    let [to_fit, to_prove] = [fit, proof].map(Samples::len);
+    if to_fit < FEWEST_TO_FIT {
+        let why = ": the rest is kept back as proof";
+        return Err(DiscoveryError::TooFew { what: "tracked rows to fit", found: to_fit, least: FEWEST_TO_FIT, why });
+    }
+    if to_prove < FEWEST_TO_PROVE {
+        let what = "tracked rows in the trials that are kept back as proof";
+        return Err(DiscoveryError::TooFew { what, found: to_prove, least: FEWEST_TO_PROVE, why: "" });
+    }
+    Ok(())
+}
+
+/// What these data could not show whatever the method. `asked`: the samples that were asked about.
+pub(crate) fn limitations(measured: &Recording, asked: &Samples) -> Vec<String> {
+    let mut found = Vec::new();
+    let (rows, tracked) = (measured.len(), Samples::new(measured).len());
+    if tracked < rows {
+        found.push(format!("Tracking was lost in {} of {rows} rows; they were left out.", rows - tracked));
+    }
+    if asked.len() < FEW_SAMPLES {
+        found.push(format!("{} samples: only strong effects can be told apart with so few.", asked.len()));
+    }
+    if asked.trials.len() == FEWEST_TRIALS {
+        found.push(
+            "Two trials, of which one is held out: whether anything is missing could not be asked of other trials."
+                .to_owned(),
+        );
+    } else if asked.trials.len() < FEW_TRIALS {
+        found.push(format!(
+            "{} trials: what happens in one of them only cannot be told from chance.",
+            asked.trials.len()
+        ));
+    }
+    let copies = measured.copies();
+    if !copies.is_empty() {
+        let numbers = copies.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
+        found.push(format!(
+            "Copies of other trials, to the last digit, prove nothing and make noise look small: {numbers}."
+        ));
+    }
+    if measured.base.is_none() {
+        found.push(
+            "The base was not tracked: a tilted base and a turned tracking frame look alike at the tip.".to_owned(),
+        );
+    }
+    found
+}

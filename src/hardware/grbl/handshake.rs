@@ -1,0 +1,292 @@
+//! The first talk with a controller: who it is and how it is set up. Nothing moves.
+
+use super::check;
+use super::check::Table;
+use super::controller::RESET;
+use super::fault::MotionFault;
+use super::parser::{Piece, Reply, Status, parse};
+use super::port::Port;
+use super::settings::MotionSettings;
+use super::state::Mode;
+use crate::hardware::clock::Clock;
+
+/// A controller may need this long to start when the port is opened, seconds.
+const WAKE_S: f64 = 5.0;
+/// Time between two looks at the line, seconds.
+const LOOK_S: f64 = 0.005;
+/// Moves that another program has left may take this long, seconds, and are asked after so often.
+const LEFT_S: f64 = 2.0;
+/// See [`LEFT_S`].
+const ASK_S: f64 = 0.05;
+/// Longest silence that is waited for before the first question, seconds.
+const QUIET_S: f64 = 1.0;
+/// Unreadable lines after which an answer is no longer waited for.
+const MOST_GARBLED: usize = 3;
+
+/// What a controller said about itself.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Machine {
+    /// Version of the firmware, such as `1.1f.20260817:`.
+    pub version: String,
+    /// Name of the firmware, such as `grblHAL`; empty when it gives none.
+    pub firmware: String,
+    /// Moves that its queue holds.
+    pub blocks: usize,
+    /// Greatest speed of each axis, mm/min.
+    pub max_speed_mm_min: [f64; 4],
+    /// Greatest acceleration of each axis, mm/s².
+    pub acceleration_mm_s2: [f64; 4],
+    /// Travel of each axis, mm.
+    pub travel_mm: [f64; 4],
+    /// All its settings by number.
+    pub settings: Table,
+}
+
+/// Learns what is at the other end of `port`; the status is the latest one.
+pub(crate) fn introduce(
+    port: &mut Port,
+    settings: &MotionSettings,
+    clock: &dyn Clock,
+) -> Result<(Machine, Status), MotionFault> {
+    let mut talk = Talk { port, clock, timeout_s: settings.reply_timeout_s };
+    // A controller that restarts when its port is opened, or is reset, may do so in the middle of the talk.
+    for _ in 0..2 {
+        match talk.introduce(settings) {
+            Err(MotionFault::Rebooted { .. }) => {}
+            other => return other,
+        }
+    }
+    talk.introduce(settings)
+}
+
+struct Talk<'a> {
+    port: &'a mut Port,
+    clock: &'a dyn Clock,
+    timeout_s: f64,
+}
+
+impl Talk<'_> {
+    fn introduce(&mut self, settings: &MotionSettings) -> Result<(Machine, Status), MotionFault> {
+        self.wake()?;
+        let first = self.standing()?;
+        if !matches!(first.mode, Mode::Idle | Mode::Alarm(_)) {
+            return Err(MotionFault::UnexpectedMode { mode: first.mode });
+        }
+        let mut machine = identify(&self.ask("$I")?, first.free_blocks)?;
+        machine.settings = table(&self.ask("$$")?);
+        check::check(&machine.settings, settings)?;
+        offsets(&self.ask("$#")?)?;
+        let numbers =
+            |first: u16| [0, 1, 2, 3].map(|axis| check::number(&machine.settings, first + axis).unwrap_or(0.0));
+        (machine.max_speed_mm_min, machine.acceleration_mm_s2, machine.travel_mm) =
+            (numbers(110), numbers(120), numbers(130));
+        // Reports leave out what has been reported before.
+        let mut last = self.status()?;
+        last.homed = last.homed.or(first.homed);
+        Ok((machine, last))
+    }
+
+    /// The status once nothing moves. A program that was killed has left two moves at most, which end by themselves; one
+    /// that held the robot may have left them waiting: a reset forgets them, and standing axes keep their position.
+    fn standing(&mut self) -> Result<Status, MotionFault> {
+        let began_s = self.clock.now_s();
+        let mut before_mm = None;
+        loop {
+            let status = self.status()?;
+            let stood = std::mem::replace(&mut before_mm, status.position_mm) == status.position_mm;
+            let mode = if status.bare_hold && stood { Mode::Hold { complete: true } } else { status.mode };
+            match mode {
+                Mode::Run | Mode::Hold { complete: false } if self.clock.now_s() - began_s < LEFT_S => {
+                    self.clock.sleep_until(self.clock.now_s() + ASK_S);
+                }
+                Mode::Hold { complete: true } => {
+                    self.port.send_byte(RESET).map_err(|error| unplugged(&error))?;
+                    return Err(MotionFault::Rebooted { greeting: "reset out of a hold".to_owned() });
+                }
+                _ => return Ok(status),
+            }
+        }
+    }
+
+    /// Ends half a line and a repeating error; waits until nothing more comes of the past.
+    fn wake(&mut self) -> Result<(), MotionFault> {
+        let began_s = self.clock.now_s();
+        let mut garbled = Vec::new();
+        loop {
+            self.send("")?;
+            if self.acknowledged(&mut garbled)? {
+                return self.drain();
+            }
+            let waited_s = self.clock.now_s() - began_s;
+            if waited_s <= WAKE_S {
+                continue;
+            }
+            return Err(match garbled.last() {
+                Some(line) => MotionFault::Garbled { count: garbled.len(), line: line.clone() },
+                None => MotionFault::Silent { to: "an empty line".to_owned(), waited_s },
+            });
+        }
+    }
+
+    /// Whether an `ok` comes in time.
+    fn acknowledged(&mut self, garbled: &mut Vec<String>) -> Result<bool, MotionFault> {
+        let until_s = self.clock.now_s() + self.timeout_s.max(0.5);
+        while self.clock.now_s() < until_s {
+            for piece in self.look()? {
+                match understand(piece) {
+                    Ok(Reply::Ok) => return Ok(true),
+                    Ok(_) => {}
+                    Err(line) => garbled.push(line),
+                }
+            }
+        }
+        Ok(false)
+    }
+
+    fn drain(&mut self) -> Result<(), MotionFault> {
+        let mut quiet_s = self.clock.now_s();
+        let end_s = quiet_s + WAKE_S;
+        while self.clock.now_s().min(end_s) < (quiet_s + self.timeout_s.min(QUIET_S)).min(end_s) {
+            if !self.look()?.is_empty() {
+                quiet_s = self.clock.now_s();
+            }
+        }
+        Ok(())
+    }
+
+    /// The lines before the `ok` that answers `question`.
+    fn ask(&mut self, question: &str) -> Result<Vec<Reply>, MotionFault> {
+        self.send(question)?;
+        let mut answers = Vec::new();
+        self.wait_for(question, |reply| match reply {
+            Reply::Ok => Some(Ok(())),
+            Reply::Error(code) => Some(Err(MotionFault::Error { code, line: question.to_owned() })),
+            other => {
+                answers.push(other);
+                None
+            }
+        })?;
+        Ok(answers)
+    }
+
+    fn status(&mut self) -> Result<Status, MotionFault> {
+        self.port.send_byte(b'?').map_err(|error| unplugged(&error))?;
+        self.wait_for("?", |reply| match reply {
+            Reply::Status(status) if status.position_mm.is_some() => Some(Ok(status)),
+            Reply::Status(_) => Some(Err(no_position())),
+            _ => None,
+        })
+    }
+
+    /// Looks at every reply until `judge` is content; every line that arrives gives it more time.
+    fn wait_for<T>(
+        &mut self,
+        question: &str,
+        mut judge: impl FnMut(Reply) -> Option<Result<T, MotionFault>>,
+    ) -> Result<T, MotionFault> {
+        let began_s = self.clock.now_s();
+        let (mut last_s, mut garbled) = (began_s, Vec::new());
+        while self.clock.now_s() - last_s <= self.timeout_s && self.clock.now_s() - began_s <= WAKE_S {
+            for piece in self.look()? {
+                last_s = self.clock.now_s();
+                match understand(piece) {
+                    Ok(Reply::Boot(greeting)) => return Err(MotionFault::Rebooted { greeting }),
+                    Ok(Reply::Alarm(code)) if code != 11 => return Err(MotionFault::Alarm { code }),
+                    Ok(reply) => {
+                        if let Some(result) = judge(reply) {
+                            return result;
+                        }
+                    }
+                    Err(line) => garbled.push(line),
+                }
+            }
+            if garbled.len() >= MOST_GARBLED {
+                break;
+            }
+        }
+        // What cannot be read may have been the answer.
+        Err(match garbled.pop() {
+            Some(line) => MotionFault::Garbled { count: garbled.len() + 1, line },
+            None => MotionFault::Silent { to: question.to_owned(), waited_s: self.clock.now_s() - began_s },
+        })
+    }
+
+    /// What has arrived after a short wait.
+    fn look(&mut self) -> Result<Vec<Piece>, MotionFault> {
+        self.clock.sleep_until(self.clock.now_s() + LOOK_S);
+        let (pieces, gone) = self.port.read();
+        gone.map_err(|error| unplugged(&error))?;
+        Ok(pieces)
+    }
+
+    fn send(&mut self, line: &str) -> Result<(), MotionFault> {
+        self.port.send(line).map_err(|error| unplugged(&error))
+    }
+}
+
+pub(crate) fn unplugged(error: &std::io::Error) -> MotionFault {
+    MotionFault::Unplugged { detail: error.to_string() }
+}
+
+/// The line's meaning, or the line itself when it has none.
+fn understand(piece: Piece) -> Result<Reply, String> {
+    match piece {
+        Piece::Line(line) => parse(&line).ok_or(line),
+        Piece::Garbled(line) => Err(line),
+    }
+}
+
+pub(crate) fn no_position() -> MotionFault {
+    let found = "a report without MPos".to_owned();
+    MotionFault::WrongFirmware { what: "status", found, expected: "the machine position of four axes" }
+}
+
+/// Refuses anything but GRBL 1.1 with the axes X, Y, Z and A; `free_blocks` of its queue were free at rest.
+fn identify(answers: &[Reply], free_blocks: Option<usize>) -> Result<Machine, MotionFault> {
+    let info = |wanted: &str| {
+        answers.iter().find_map(|reply| match reply {
+            Reply::Info { name, text } if name == wanted => Some(text.clone()),
+            _ => None,
+        })
+    };
+    let version = info("VER").unwrap_or_default();
+    if !version.starts_with("1.1") {
+        return Err(MotionFault::WrongFirmware { what: "version", found: version, expected: "GRBL 1.1 or grblHAL" });
+    }
+    // A version that does not name its axes has reported four positions.
+    if let Some(axes) = info("AXS").filter(|axes| axes != "4:XYZA") {
+        return Err(MotionFault::WrongFirmware { what: "axes", found: axes, expected: "4:XYZA" });
+    }
+    let told = info("OPT").and_then(|options| options.split(',').nth(1)?.trim().parse().ok());
+    // Without either, moves count as done when the controller says that it is idle.
+    let blocks = told.or(free_blocks).unwrap_or(0);
+    Ok(Machine { version, firmware: info("FIRMWARE").unwrap_or_default(), blocks, ..Machine::default() })
+}
+
+fn table(answers: &[Reply]) -> Table {
+    let settings = answers.iter().filter_map(|reply| match reply {
+        Reply::Setting { number, value } => Some((*number, value.clone())),
+        _ => None,
+    });
+    settings.collect()
+}
+
+/// Offsets that shift what `G1` means, and how to clear them.
+const OFFSETS: [(&str, &str); 3] = [("G54", "G10 L2 P1 X0 Y0 Z0 A0"), ("G92", "G92.1"), ("TLO", "G49")];
+
+fn offsets(answers: &[Reply]) -> Result<(), MotionFault> {
+    for reply in answers {
+        let Reply::Info { name, text } = reply else { continue };
+        let Some((_, remedy)) = OFFSETS.iter().find(|(offset, _)| offset == name) else { continue };
+        // Of the length of a tool some versions give one number.
+        let shifted = |value: &str| value.trim().parse().is_ok_and(|value: f64| value != 0.0);
+        if text.split(',').any(shifted) {
+            return Err(MotionFault::WorkOffset {
+                name: name.clone(),
+                found: text.clone(),
+                remedy: (*remedy).to_owned(),
+            });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,157 @@
+//! Whether the axes are where their commands put them, and move while they should.
+
+use std::collections::VecDeque;
+
+use super::fault::MotionFault;
+use super::settings::MotionSettings;
+
+/// Reported positions may differ from commands by this much, mm.
+const TOLERANCE_MM: f64 = 0.02;
+/// Axes that move together may be seen this far from the straight lines between their commands, mm.
+const BESIDE_MM: f64 = 0.1;
+/// The start of the oldest move that may still be running and the targets of at most two.
+const KEPT: usize = 3;
+/// Reports alike that tell of axes that stand, however far apart they are.
+const STILL_REPORTS: u32 = 3;
+
+/// The last commands: between them is where an axis may be.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Path {
+    targets_mm: VecDeque<[f64; 4]>,
+    /// Position of the report before.
+    last_mm: [f64; 4],
+}
+
+impl Path {
+    /// False while it is not known where the axes are.
+    pub(crate) fn is_known(&self) -> bool {
+        !self.targets_mm.is_empty()
+    }
+
+    /// From now on it is not known where the axes are.
+    pub(crate) fn forget(&mut self) {
+        self.targets_mm.clear();
+    }
+
+    /// The axes stand here, and that is right.
+    pub(crate) fn start(&mut self, position_mm: [f64; 4]) {
+        self.targets_mm = VecDeque::from([position_mm]);
+        self.last_mm = position_mm;
+    }
+
+    /// The axes have been sent here.
+    pub(crate) fn push(&mut self, target_mm: [f64; 4]) {
+        self.targets_mm.push_back(target_mm);
+        if self.targets_mm.len() > KEPT {
+            self.targets_mm.pop_front();
+        }
+    }
+
+    /// Compares a report with the commands; `standing` when all of them have been carried out.
+    pub(crate) fn check(&mut self, position_mm: [f64; 4], standing: bool) -> Result<(), MotionFault> {
+        let Some(&target_mm) = self.targets_mm.back() else { return Ok(()) };
+        for axis in 0..4 {
+            self.check_axis(axis, position_mm[axis], standing)?;
+        }
+        if !standing {
+            self.check_line(&position_mm)?;
+        }
+        self.last_mm = position_mm;
+        if standing {
+            self.targets_mm = VecDeque::from([target_mm]);
+        }
+        Ok(())
+    }
+
+    /// The axis that has the longest way to its last command, and that command, mm; none when all have arrived.
+    pub(crate) fn ahead(&self, position_mm: &[f64; 4]) -> Option<(usize, f64)> {
+        let target_mm = self.targets_mm.back()?;
+        let left_mm = |axis: usize| (target_mm[axis] - position_mm[axis]).abs();
+        let axis = (0..4).max_by(|&a, &b| left_mm(a).total_cmp(&left_mm(b)))?;
+        (left_mm(axis) > TOLERANCE_MM).then_some((axis, target_mm[axis]))
+    }
+
+    /// All axes arrive together: one that stands while the others move is beside the line.
+    fn check_line(&self, position_mm: &[f64; 4]) -> Result<(), MotionFault> {
+        let targets: Vec<&[f64; 4]> = self.targets_mm.iter().collect();
+        let nearest = targets.windows(2).map(|ends| nearest_mm(ends[0], ends[1], position_mm));
+        let off_mm = |place: &[f64; 4]| place.iter().zip(position_mm).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+        let Some(place) = nearest.min_by(|a, b| off_mm(a).total_cmp(&off_mm(b))) else { return Ok(()) };
+        if off_mm(&place) <= BESIDE_MM {
+            return Ok(());
+        }
+        let behind_mm = |axis: usize| {
+            let stands = (position_mm[axis] - self.last_mm[axis]).abs() <= TOLERANCE_MM;
+            let weight = if stands { 1e3 } else { 1.0 };
+            weight * (place[axis] - position_mm[axis]).abs()
+        };
+        let axis = (0..4).max_by(|&a, &b| behind_mm(a).total_cmp(&behind_mm(b))).unwrap_or(0);
+        let target_mm = self.targets_mm.back().map_or(place[axis], |target_mm| target_mm[axis]);
+        Err(MotionFault::NotMoving { axis, reached_mm: position_mm[axis], target_mm })
+    }
+
+    fn check_axis(&self, axis: usize, position_mm: f64, standing: bool) -> Result<(), MotionFault> {
+        let mut commands = self.targets_mm.iter().map(|target_mm| target_mm[axis]);
+        let low_mm = commands.clone().fold(f64::INFINITY, f64::min);
+        let high_mm = commands.clone().fold(f64::NEG_INFINITY, f64::max);
+        let target_mm = commands.next_back().unwrap_or(position_mm);
+        let on_its_way = (low_mm - TOLERANCE_MM..=high_mm + TOLERANCE_MM).contains(&position_mm);
+        let arrived = (position_mm - target_mm).abs() <= TOLERANCE_MM;
+        let stays = (position_mm - self.last_mm[axis]).abs() <= TOLERANCE_MM;
+        if arrived || (on_its_way && !standing) {
+            return Ok(());
+        }
+        if on_its_way || stays {
+            return Err(MotionFault::NotMoving { axis, reached_mm: position_mm, target_mm });
+        }
+        Err(MotionFault::Moved { axis, position_mm, low_mm, high_mm })
+    }
+}
+
+/// Since when neither the axes nor the queue have gone on although they should: a controller that freezes may go on
+/// telling that it moves.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Stillness {
+    since_s: f64,
+    reports: u32,
+    position_mm: [f64; 4],
+    queued: usize,
+}
+
+impl Stillness {
+    /// Motion is due from now on.
+    pub(crate) fn begin_again(&mut self, now_s: f64) {
+        (self.since_s, self.reports) = (now_s, 0);
+    }
+
+    /// Takes the next report, of a controller that should be moving when `due`; for how long it has not, s.
+    pub(crate) fn take(&mut self, due: bool, position_mm: [f64; 4], queued: usize, now_s: f64) -> f64 {
+        let gone_on = position_mm != self.position_mm || queued < self.queued;
+        (self.position_mm, self.queued) = (position_mm, queued);
+        if gone_on || !due {
+            self.begin_again(now_s);
+        }
+        self.reports += 1;
+        if self.reports > STILL_REPORTS { now_s - self.since_s } else { 0.0 }
+    }
+}
+
+/// The place between `from` and `to` that is nearest to `position`, mm.
+fn nearest_mm(from: &[f64; 4], to: &[f64; 4], position: &[f64; 4]) -> [f64; 4] {
+    let way: [f64; 4] = std::array::from_fn(|axis| to[axis] - from[axis]);
+    let length2: f64 = way.iter().map(|x| x * x).sum();
+    let along: f64 = (0..4).map(|axis| way[axis] * (position[axis] - from[axis])).sum();
+    let share = if length2 > 0.0 { (along / length2).clamp(0.0, 1.0) } else { 0.0 };
+    std::array::from_fn(|axis| from[axis] + share * way[axis])
+}
+
+/// Refuses a position beyond the ends of a screw.
+pub(crate) fn within_travel(position_mm: &[f64; 4], settings: &MotionSettings) -> Result<(), MotionFault> {
+    for (axis, &position_mm) in position_mm.iter().enumerate() {
+        let (low_mm, high_mm) = settings.limits_mm(axis);
+        if !(low_mm - TOLERANCE_MM..=high_mm + TOLERANCE_MM).contains(&position_mm) {
+            return Err(MotionFault::OutsideTravel { axis, position_mm, low_mm, high_mm });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,63 @@
+//! The server's clock against ours.
+//!
+//! A frame is received at its stamp, plus the difference of the clocks, plus a delay that is never negative. The least
+//! of many "received − stamp" is therefore the difference plus the least delay, whatever the others suffered. Delay that begins and stays makes samples old for as long as an earlier, lesser one is
+//! remembered; after that it cannot be told from the clocks.
+
+use std::collections::VecDeque;
+
+/// The least difference is taken over so many stretches of this length, s: long against bursts of delay, short enough
+/// that two quartz clocks do not drift apart by more than a millisecond.
+const STRETCHES: usize = 10;
+const STRETCH_S: f64 = 1.0;
+
+/// Share of the newest delay in the mean.
+const MEAN_SHARE: f64 = 1.0 / 32.0;
+
+/// The difference of the clocks, as far as it is known.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct StampMap {
+    /// Start of each stretch and the least difference in it, s.
+    stretches: VecDeque<(f64, f64)>,
+    jitter_s: f64,
+}
+
+impl StampMap {
+    /// A frame stamped `stamp_s` was received at `received_s`. Returns the difference of the clocks.
+    pub(crate) fn take(&mut self, stamp_s: f64, received_s: f64) -> f64 {
+        let difference_s = received_s - stamp_s;
+        match self.stretches.back_mut() {
+            Some((start_s, least_s)) if received_s - *start_s < STRETCH_S => *least_s = least_s.min(difference_s),
+            _ => self.stretches.push_back((received_s, difference_s)),
+        }
+        let oldest_s = received_s - STRETCHES as f64 * STRETCH_S;
+        self.stretches.retain(|(start_s, _)| *start_s > oldest_s);
+        let offset_s = self.stretches.iter().fold(difference_s, |least, stretch| least.min(stretch.1));
+        self.jitter_s += MEAN_SHARE * (difference_s - offset_s - self.jitter_s);
+        offset_s
+    }
+
+    /// Mean delay of the frames beyond the least one, s.
+    pub(crate) fn jitter_s(&self) -> f64 {
+        self.jitter_s
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn delays_do_not_move_the_clock() {
+        let mut map = StampMap::default();
+        let mut offset_s = 0.0;
+        for k in 0..3000 {
+            let time_s = f64::from(k) * 0.01;
+            let delay_s = f64::from(k * 7919 % 13) * 0.004;
+            offset_s = map.take(time_s + 1e6, time_s + 0.003 + delay_s);
+        }
+        assert!((offset_s + 1e6 - 0.003).abs() < 1e-9, "{offset_s}");
+        assert!((map.jitter_s() - 0.024).abs() < 0.01);
+        assert!(map.stretches.len() <= STRETCHES);
+    }
+}

@@ -1,0 +1,141 @@
+//! Frame numbers: which frame is new, how many were lost, and when the server has started again.
+
+/// Frames with lower numbers must come for so long, s, and be so many, until the server is taken to have started again.
+const RESTART_S: f64 = 1.0;
+const RESTART_FRAMES: u32 = 5;
+
+/// What tells frames apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Mark {
+    /// The server's count; wraps.
+    pub(crate) number: i32,
+    /// The server's clock, s.
+    pub(crate) stamp_s: f64,
+}
+
+impl Mark {
+    /// Frames from `earlier` to this one by their numbers; negative for an older frame.
+    fn ahead(&self, earlier: &Mark) -> i32 {
+        self.number.wrapping_sub(earlier.number)
+    }
+
+    fn follows(&self, earlier: &Mark) -> bool {
+        self.ahead(earlier) > 0 && self.stamp_s > earlier.stamp_s
+    }
+}
+
+/// What a frame is, compared with the last new one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Order {
+    /// New, after so many that did not come.
+    New { lost: u64 },
+    /// Seen before.
+    Duplicate,
+    /// Older than the last one.
+    Old,
+    /// A higher number, but the server's clock has not gone on.
+    StuckClock,
+    /// New, of a server that has begun to count again.
+    Restart,
+}
+
+/// Frames that were refused although they follow each other.
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    since_s: f64,
+    frames: u32,
+    last: Mark,
+}
+
+/// The order of the frames so far.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Sequence {
+    last: Option<Mark>,
+    refused: Option<Run>,
+    restart_expected: bool,
+}
+
+impl Sequence {
+    /// The server was met again: numbers below the last one are then a new count at once.
+    pub(crate) fn expect_restart(&mut self) {
+        self.restart_expected = true;
+    }
+
+    /// Judges the next frame, received at `now_s`.
+    pub(crate) fn take(&mut self, mark: Mark, now_s: f64) -> Order {
+        let Some(last) = self.last else {
+            self.accept(mark);
+            return Order::New { lost: 0 };
+        };
+        let ahead = mark.ahead(&last);
+        if mark.follows(&last) {
+            self.accept(mark);
+            return Order::New { lost: u64::from(ahead.unsigned_abs()) - 1 };
+        }
+        if ahead == 0 {
+            return Order::Duplicate;
+        }
+        if self.restarted(mark, now_s) {
+            self.accept(mark);
+            return Order::Restart;
+        }
+        if ahead > 0 { Order::StuckClock } else { Order::Old }
+    }
+
+    fn accept(&mut self, mark: Mark) {
+        *self = Sequence { last: Some(mark), refused: None, restart_expected: false };
+    }
+
+    /// Single stragglers are old; frames that are all older than the last one, but go on among themselves, are a new
+    /// count.
+    fn restarted(&mut self, mark: Mark, now_s: f64) -> bool {
+        let Some(run) = &mut self.refused else {
+            self.refused = Some(Run { since_s: now_s, frames: 1, last: mark });
+            return self.restart_expected;
+        };
+        if mark.follows(&run.last) {
+            run.last = mark;
+            run.frames += 1;
+        } else if now_s - run.since_s > RESTART_S {
+            *run = Run { since_s: now_s, frames: 1, last: mark };
+        }
+        self.restart_expected || (run.frames >= RESTART_FRAMES && now_s - run.since_s >= RESTART_S)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mark(number: i32) -> Mark {
+        Mark { number, stamp_s: f64::from(number) * 0.01 }
+    }
+
+    #[test]
+    fn numbers_wrap() {
+        let mut sequence = Sequence::default();
+        sequence.take(Mark { number: i32::MAX, stamp_s: 1.0 }, 0.0);
+        assert_eq!(sequence.take(Mark { number: i32::MIN + 1, stamp_s: 1.02 }, 0.02), Order::New { lost: 1 });
+    }
+
+    #[test]
+    fn a_straggler_is_old_and_a_second_of_them_a_restart() {
+        let mut sequence = Sequence::default();
+        sequence.take(mark(1000), 0.0);
+        let orders: Vec<Order> = (1..150).map(|k| sequence.take(mark(k), f64::from(k) * 0.01)).collect();
+        let restart = orders.iter().position(|order| *order == Order::Restart);
+        assert!(restart.is_some_and(|at| (99..=102).contains(&at)), "{restart:?}");
+        assert!(orders[..99].iter().all(|order| *order == Order::Old));
+        assert_eq!(orders[110], Order::New { lost: 0 });
+    }
+
+    #[test]
+    fn a_clock_that_stands_is_no_restart() {
+        let mut sequence = Sequence::default();
+        sequence.take(Mark { number: 1, stamp_s: 5.0 }, 0.0);
+        for k in 2..500 {
+            assert_eq!(sequence.take(Mark { number: k, stamp_s: 5.0 }, f64::from(k) * 0.01), Order::StuckClock);
+        }
+        assert_eq!(sequence.take(Mark { number: 500, stamp_s: 9.0 }, 5.0), Order::New { lost: 498 });
+    }
+}

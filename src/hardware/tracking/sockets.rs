@@ -1,0 +1,102 @@
+//! The sockets. Nothing here waits.
+
+use std::io::{self, ErrorKind};
+use std::net::{Ipv4Addr, SocketAddr, SocketAddrV4, UdpSocket};
+
+use socket2::{Domain, Protocol, Socket, Type};
+
+use super::fault::TrackingFault;
+use super::settings::TrackingSettings;
+
+/// The longest UDP datagram fits.
+const BUFFER_BYTES: usize = 65_536;
+
+/// Asked of the system for frames that wait to be read: seconds of them.
+const QUEUE_BYTES: usize = 1 << 20;
+
+/// A socket for commands, on which unicast frames come too, and one for multicast frames.
+pub(crate) struct Link {
+    command: UdpSocket,
+    group: Option<UdpSocket>,
+    server: SocketAddrV4,
+    buffer: Box<[u8]>,
+}
+
+impl Link {
+    /// The command socket, on a port of the system's choice.
+    pub(crate) fn open(settings: &TrackingSettings) -> Result<Link, TrackingFault> {
+        let local = SocketAddrV4::new(settings.interface, 0);
+        let command = socket(local, false)
+            .map_err(|source| TrackingFault::Socket { doing: format!("open a UDP socket at {local}"), source })?;
+        let server = SocketAddrV4::new(settings.server, settings.command_port);
+        Ok(Link { command, group: None, server, buffer: vec![0; BUFFER_BYTES].into_boxed_slice() })
+    }
+
+    /// Joins the multicast group of the frames.
+    pub(crate) fn join(&mut self, settings: &TrackingSettings) -> Result<(), TrackingFault> {
+        let group = SocketAddrV4::new(settings.multicast_group, settings.data_port);
+        let joined = joined(group, settings.interface).map_err(|source| TrackingFault::Socket {
+            doing: format!("join the multicast group {group} on interface {}", settings.interface),
+            source,
+        })?;
+        self.group = Some(joined);
+        Ok(())
+    }
+
+    /// Where commands go.
+    pub(crate) fn server(&self) -> SocketAddrV4 {
+        self.server
+    }
+
+    /// Sends a command.
+    pub(crate) fn send(&self, datagram: &[u8]) -> io::Result<()> {
+        self.command.send_to(datagram, self.server).map(|_| ())
+    }
+
+    /// The next datagram that waits, and who sent it.
+    pub(crate) fn receive(&mut self) -> io::Result<Option<(&[u8], SocketAddr)>> {
+        let mut received = waiting(&self.command, &mut self.buffer)?;
+        if let (None, Some(group)) = (received, &self.group) {
+            received = waiting(group, &mut self.buffer)?;
+        }
+        Ok(received.map(|(length, from)| (&self.buffer[..length], from)))
+    }
+}
+
+fn waiting(socket: &UdpSocket, buffer: &mut [u8]) -> io::Result<Option<(usize, SocketAddr)>> {
+    match socket.recv_from(buffer) {
+        Ok((length, from)) => Ok(Some((length, from))),
+        // Some systems report a server's closed port here; that it does not answer is seen anyway.
+        Err(error)
+            if matches!(
+                error.kind(),
+                ErrorKind::WouldBlock
+                    | ErrorKind::Interrupted
+                    | ErrorKind::ConnectionReset
+                    | ErrorKind::ConnectionRefused
+            ) =>
+        {
+            Ok(None)
+        }
+        Err(error) => Err(error),
+    }
+}
+
+fn socket(local: SocketAddrV4, shared: bool) -> io::Result<UdpSocket> {
+    let socket = Socket::new(Domain::IPV4, Type::DGRAM, Some(Protocol::UDP))?;
+    socket.set_reuse_address(shared)?;
+    socket.set_nonblocking(true)?;
+    // A smaller queue than asked for is no reason to stop.
+    let _ = socket.set_recv_buffer_size(QUEUE_BYTES);
+    socket.bind(&SocketAddr::V4(local).into())?;
+    Ok(socket.into())
+}
+
+/// Other programs on this computer may listen to the same group.
+fn joined(group: SocketAddrV4, interface: Ipv4Addr) -> io::Result<UdpSocket> {
+    // Bound to the group's address, Unix delivers this group alone; Windows does not take that address.
+    let address = if cfg!(windows) { Ipv4Addr::UNSPECIFIED } else { *group.ip() };
+    let socket = socket(SocketAddrV4::new(address, group.port()), true)?;
+    socket.join_multicast_v4(group.ip(), &interface)?;
+    Ok(socket)
+}

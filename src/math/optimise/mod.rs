@@ -1,0 +1,7 @@
+//! Minimisers.
+
+mod bfgs;
+pub mod least_squares;
+mod quadratic;
+
+pub use bfgs::{Bfgs, Minimum, Objective, Stop, minimise};

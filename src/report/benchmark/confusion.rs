@@ -1,0 +1,199 @@
+//! The confusion matrix: hidden effects by row, answers by column.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::cases::Answer;
+use crate::data::findings::CaseRow;
+use crate::report::canvas::{Align, Canvas, Place, Text};
+use crate::report::discovery::format::fitted;
+use crate::report::paint::text_width;
+use crate::report::peers::names;
+use crate::report::style::{BLUE, Colour, GREY, HAIR, INK, PAGE_WIDTH, SKY, SMALL, TEXT, VERMILION, WHITE};
+
+/// Cases of one truth that got one answer (`confusion.csv`).
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(crate) struct CountRow {
+    /// Kind of case.
+    pub(crate) group: String,
+    /// Hidden effects; empty for nothing.
+    pub(crate) truth: String,
+    /// Effects named, or the kind of answer.
+    pub(crate) answer: String,
+    pub(crate) cases: u64,
+    /// Of them those that are right.
+    pub(crate) right: u64,
+}
+
+/// Kinds of case in the order of their rows; pairs have no line in the picture.
+const GROUPS: [(&str, &str); 4] = [
+    ("single", "One effect hidden"),
+    ("nothing", "Nothing hidden"),
+    ("outside", "Outside the catalogue"),
+    ("inside", "Unknown, within its span"),
+];
+
+const LEFT: f64 = 168.0;
+const ROW: f64 = 17.0;
+
+/// Every truth and answer that occurs, truths by kind and in order of appearance.
+pub(crate) fn counts(cases: &[CaseRow]) -> Vec<CountRow> {
+    let kinds = ["nothing", "single", "pair", "outside", "inside"];
+    let place = |group: &str| kinds.iter().position(|known| *known == group).unwrap_or(kinds.len());
+    let truths = names(cases.iter().map(|case| case.truth.as_str()));
+    let mut found: BTreeMap<(usize, String, usize, String), [u64; 2]> = BTreeMap::new();
+    for case in cases {
+        let truth = truths.iter().position(|truth| *truth == case.truth).unwrap_or(truths.len());
+        let answer = match Answer::of(case) {
+            Answer::Several => case.answer.clone(),
+            other => other.name().to_owned(),
+        };
+        let count = found.entry((place(&case.group), case.group.clone(), truth, answer)).or_default();
+        count[0] += 1;
+        count[1] += u64::from(case.right);
+    }
+    let row = |((_, group, truth, answer), [cases, right]): ((usize, String, usize, String), [u64; 2])| CountRow {
+        group,
+        truth: truths[truth].to_owned(),
+        answer,
+        cases,
+        right,
+    };
+    found.into_iter().map(row).collect()
+}
+
+/// A line of the picture.
+struct Line<'a> {
+    group: &'a str,
+    truth: &'a str,
+    cases: Vec<&'a CaseRow>,
+}
+
+fn lines(cases: &[CaseRow]) -> Vec<Line<'_>> {
+    let mut lines = Vec::new();
+    for (group, _) in GROUPS {
+        let own: Vec<&CaseRow> = cases.iter().filter(|case| case.group == group).collect();
+        for truth in names(own.iter().map(|case| case.truth.as_str())) {
+            let cases = own.iter().copied().filter(|case| case.truth == truth).collect();
+            lines.push(Line { group, truth, cases });
+        }
+    }
+    lines
+}
+
+/// Columns: hidden single effects in the order of their lines, other names that were given, then the other answers.
+fn columns(lines: &[Line]) -> Vec<Answer> {
+    let hidden = lines.iter().filter(|line| line.group == "single").map(|line| line.truth.to_owned());
+    let mut columns: Vec<Answer> = hidden.map(Answer::Named).collect();
+    let given = lines.iter().flat_map(|line| line.cases.iter().map(|case| Answer::of(case)));
+    let mut strange: Vec<Answer> =
+        given.filter(|answer| matches!(answer, Answer::Named(_)) && !columns.contains(answer)).collect();
+    strange.sort();
+    strange.dedup();
+    columns.extend(strange);
+    columns.extend(Answer::OTHERS);
+    columns
+}
+
+/// Draws the matrix.
+pub(crate) fn draw(cases: &[CaseRow]) -> Canvas {
+    let lines = lines(cases);
+    let columns = columns(&lines);
+    let mut canvas = Canvas::new(PAGE_WIDTH, 1e5);
+    keys(&mut canvas);
+    let wide = (PAGE_WIDTH - LEFT - 44.0) / columns.len() as f64;
+    let size = SMALL.min(0.9 * wide);
+    let names: Vec<String> = columns.iter().map(|column| fitted(column.name(), size, 180.0)).collect();
+    let longest = names.iter().map(|name| text_width(name, size, false)).fold(0.0, f64::max);
+    let top = 44.0 + longest;
+    for (index, (answer, name)) in columns.iter().zip(&names).enumerate() {
+        let x = LEFT + wide * (index as f64 + 0.5) + 0.36 * size + gap(answer);
+        let colour = if matches!(answer, Answer::Named(_)) { INK } else { GREY };
+        canvas.text(Text::new(name, [x, top - 6.0], size, Align::Left).upwards().colour(colour));
+    }
+    canvas.text(Text::new("answer", [12.0, top - 6.0], SMALL, Align::Left).colour(GREY));
+    canvas.text(Text::new("cases", [PAGE_WIDTH - 10.0, top - 6.0], SMALL, Align::Right).colour(GREY));
+    let mut y = top;
+    let mut group = "";
+    for line in &lines {
+        if line.group != group {
+            group = line.group;
+            y = heading(&mut canvas, group, y);
+        }
+        let name = if line.truth.is_empty() { "nothing" } else { line.truth };
+        let name = fitted(name, SMALL, LEFT - 28.0);
+        canvas.text(Text::new(name, [LEFT - 8.0, y + 0.5 * ROW + 3.5], SMALL, Align::Right));
+        for (index, column) in columns.iter().enumerate() {
+            let corner = [LEFT + wide * index as f64 + gap(column), y];
+            cell(&mut canvas, line, column, corner, wide);
+        }
+        let count = line.cases.len().to_string();
+        canvas.text(Text::new(count, [PAGE_WIDTH - 10.0, y + 0.5 * ROW + 3.5], SMALL, Align::Right).colour(GREY));
+        y += ROW;
+    }
+    if lines.is_empty() {
+        canvas.text(Text::new("no case with one effect, an unknown one or none", [12.0, y + 16.0], TEXT, Align::Left));
+        y += 24.0;
+    }
+    canvas.height = (y + 14.0).ceil();
+    canvas
+}
+
+/// Answers other than a name stand apart.
+fn gap(answer: &Answer) -> f64 {
+    if matches!(answer, Answer::Named(_)) { 0.0 } else { 6.0 }
+}
+
+fn heading(canvas: &mut Canvas, group: &str, y: f64) -> f64 {
+    let words = GROUPS.iter().find(|(known, _)| *known == group).map_or(group, |(_, words)| *words);
+    canvas.text(Text::new(words, [12.0, y + 13.0], SMALL, Align::Left).bold());
+    canvas.line(&[[12.0, y], [PAGE_WIDTH - 10.0, y]], HAIR, crate::report::style::GRID, &[]);
+    y + 18.0
+}
+
+fn keys(canvas: &mut Canvas) {
+    let mut x = 12.0;
+    for (colour, words) in [(BLUE, "right"), (SKY, "the truth is in the group"), (VERMILION, "not right")] {
+        canvas.rectangle([x, 9.0], [x + 13.0, 20.0], colour, 1.0);
+        canvas.text(Text::new(words, [x + 18.0, 18.0], SMALL, Align::Left));
+        x += 34.0 + text_width(words, SMALL, false);
+    }
+    let words = "number: cases; stronger: a larger share of the row";
+    canvas.text(Text::new(words, [x, 18.0], SMALL, Align::Left).colour(GREY));
+}
+
+/// How many cases of a line got an answer: the more, the stronger the colour.
+fn cell(canvas: &mut Canvas, line: &Line, column: &Answer, [x, y]: Place, wide: f64) {
+    let [from, to] = [[x + 0.5, y + 0.5], [x + wide - 0.5, y + ROW - 0.5]];
+    let here: Vec<&&CaseRow> = line.cases.iter().filter(|case| Answer::of(case) == *column).collect();
+    if here.is_empty() {
+        canvas.rectangle(from, to, [244, 244, 244], 1.0);
+        return;
+    }
+    let right = 2 * here.iter().filter(|case| case.right).count() >= here.len();
+    let hue = match column {
+        _ if right => BLUE,
+        Answer::GroupWith | Answer::Group => SKY,
+        _ => VERMILION,
+    };
+    let share = here.len() as f64 / line.cases.len() as f64;
+    let colour = mixed(hue, 0.25 + 0.75 * share.sqrt());
+    canvas.rectangle(from, to, colour, 1.0);
+    let words = here.len().to_string();
+    let size = SMALL.min(SMALL * 0.86 * wide / text_width(&words, SMALL, false).max(1.0));
+    let ink = if luminance(colour) > 0.3 { INK } else { WHITE };
+    let middle = [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1]) + 0.36 * size];
+    canvas.text(Text::new(words, middle, size, Align::Centre).colour(ink));
+}
+
+/// A colour with so much of it on white.
+fn mixed(colour: Colour, share: f64) -> Colour {
+    colour.map(|part| (255.0 - share * (255.0 - f64::from(part))).round() as u8)
+}
+
+/// Relative luminance, roughly.
+fn luminance([red, green, blue]: Colour) -> f64 {
+    let part = |value: u8| (f64::from(value) / 255.0).powf(2.2);
+    0.2126 * part(red) + 0.7152 * part(green) + 0.0722 * part(blue)
+}

@@ -1,0 +1,6 @@
+//! Cells along the rod and the polynomials of the internal wrench on them.
+
+pub(crate) mod basis;
+pub(crate) mod grid;
+pub(crate) mod homogenised_cells;
+pub(crate) mod transfer;

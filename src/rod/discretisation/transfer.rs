@@ -1,0 +1,54 @@
+//! From one grid to another: polynomials, tensions and histories of the same rod.
+
+use super::grid::{COMPONENTS, Grid};
+use crate::math::polynomial::legendre;
+use crate::rod::equations::hysteresis_law::MemoryState;
+
+impl Grid {
+    /// Coefficients and tensions of the grid `from` on this one: the polynomials projected on those of each element.
+    pub(crate) fn transfer(&self, from: &Grid, source: &[f64], target: &mut [f64]) {
+        target[..self.unknowns].fill(0.0);
+        let mut basis = vec![0.0; from.modes.into_iter().max().unwrap_or(0)];
+        for node in &self.nodes {
+            let at = element_of(&from.elements_m, node.position_m);
+            legendre(at.place, &mut basis);
+            let own = element_of(&self.elements_m, node.position_m);
+            let mut offset = at.index * from.modes.iter().sum::<usize>();
+            for c in 0..COMPONENTS {
+                let coefficients = &source[offset..offset + from.modes[c]];
+                let value: f64 = coefficients.iter().zip(&basis).map(|(x, p)| x * p).sum();
+                for (k, own_basis) in node.basis[..self.modes[c]].iter().enumerate() {
+                    let norm = own.length_m / (2 * k + 1) as f64;
+                    target[node.offset[c] + k] += node.weight_m * value * own_basis / norm;
+                }
+                offset += from.modes[c];
+            }
+        }
+        target[self.unknowns..].copy_from_slice(&source[from.unknowns..]);
+    }
+
+    /// Histories at the Gauss points of `from` on those of this grid, linear within each cell.
+    pub(crate) fn spread(&self, from: &Grid, states: &[MemoryState]) -> Vec<MemoryState> {
+        let state = |position_m: f64| {
+            let cell = from.boundaries_m.partition_point(|&end| end <= position_m).clamp(1, from.cells.len()) - 1;
+            let [a, b] = [2 * cell, 2 * cell + 1];
+            let (start, end) = (from.nodes[a].position_m, from.nodes[b].position_m);
+            let share = (position_m - start) / (end - start);
+            std::array::from_fn(|k| states[a][k] + share * (states[b][k] - states[a][k]))
+        };
+        self.nodes.iter().map(|node| state(node.position_m)).collect()
+    }
+}
+
+/// An element, and where in it (−1 to 1) a place lies.
+struct Place {
+    index: usize,
+    length_m: f64,
+    place: f64,
+}
+
+fn element_of(ends_m: &[f64], position_m: f64) -> Place {
+    let index = ends_m.partition_point(|&end| end <= position_m).clamp(1, ends_m.len() - 1) - 1;
+    let length_m = ends_m[index + 1] - ends_m[index];
+    Place { index, length_m, place: 2.0 * (position_m - ends_m[index]) / length_m - 1.0 }
+}

@@ -1,0 +1,35 @@
+//! What has been solved, kept for the rods that follow another one.
+
+use crate::rod::simulation::Rod;
+use crate::rod::state::State;
+
+/// What has been solved.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Trace {
+    /// Unknowns and taut set of each stage of the step under way.
+    pub(crate) stages: Vec<(Vec<f64>, Vec<bool>)>,
+    /// Equilibria (of infinite duration) and steps that were accepted.
+    pub(crate) solved: Vec<Solved>,
+}
+
+/// A time step or an equilibrium.
+#[derive(Clone, Debug)]
+pub(crate) struct Solved {
+    pub(crate) duration_s: f64,
+    pub(crate) stages: Vec<(Vec<f64>, Vec<bool>)>,
+}
+
+impl Trace {
+    /// The stages so far were those of a step of `duration_s`.
+    pub(crate) fn accept(&mut self, duration_s: f64) {
+        self.solved.push(Solved { duration_s, stages: std::mem::take(&mut self.stages) });
+    }
+}
+
+impl Rod {
+    /// Keeps what has just been solved for those who follow.
+    pub(crate) fn trace_stage(&mut self) {
+        let State { unknowns, taut, .. } = &self.state;
+        self.trace.iter_mut().for_each(|trace| trace.stages.push((unknowns.clone(), taut.clone())));
+    }
+}

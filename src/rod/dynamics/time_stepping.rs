@@ -1,0 +1,161 @@
+//! Moving the rod in time: steps of a diagonally implicit Runge–Kutta scheme, as long as their error allows.
+
+use super::scheme::Tableau;
+use crate::rod::simulation::{Drive, Rod};
+use crate::rod::state::State;
+use crate::rod::status::Status;
+
+/// A stage is solved until the tip is known to this share of the error that a step may have …
+const STAGE_SHARE: f64 = 1e-2;
+/// … and in steps of one length to this, metres.
+const STAGE_TOLERANCE_M: f64 = 1e-8;
+/// Steps are never shorter than this share of the longest one; those chosen by their error are taken as they are then, …
+const SHORTEST_STEP: f64 = 1.0 / 1024.0;
+/// … and steps of one length are halved so often when they fail.
+const MOST_HALVINGS: i32 = 6;
+/// The next step is this share of what the error of the last one would allow.
+const SAFETY: f64 = 0.9;
+/// A step is repeated when it should have been shorter than this share of itself, …
+const REPEAT_BELOW: f64 = 0.7;
+/// … and keeps its length up to this factor: factors of the derivative belong to one length.
+const KEEP_UP_TO: f64 = 1.3;
+const LARGEST_GROWTH: f64 = 2.0;
+
+/// The length of the time steps.
+#[derive(Clone, Debug)]
+pub(crate) struct Pace {
+    /// What the error of the last step suggests for the next one, s; infinite before the first.
+    next_s: f64,
+    /// Steps since the rod was made or restarted.
+    pub(crate) taken: u64,
+    /// Time of each stage as a share of the step.
+    stage_times: Vec<f64>,
+}
+
+impl Pace {
+    pub(crate) fn new(tableau: &Tableau) -> Pace {
+        let stage_times: Vec<f64> = tableau.rows.iter().map(|row| row.iter().sum()).collect();
+        Pace { next_s: f64::INFINITY, taken: 0, stage_times }
+    }
+}
+
+impl Rod {
+    /// Moves the rod for `duration_s` with `drives` held.
+    pub fn advance(&mut self, drives: &[Drive], duration_s: f64) -> Status {
+        self.advance_with(&|_| drives.to_vec(), duration_s)
+    }
+
+    /// Moves the rod for `duration_s`; `drives` gives the drives at a time since now, seconds. A drive whose speed
+    /// jumps should do so at the beginning or the end.
+    pub fn advance_with(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, duration_s: f64) -> Status {
+        // A rest is known to a micrometre on a finer grid; a motion has the grid that was asked for.
+        self.coarsen();
+        let resolution = self.system.params.resolution;
+        let mut now = 0.0;
+        let mut left = duration_s;
+        while left > 1e-9 * duration_s {
+            let wanted = self.pace.next_s.min(resolution.time_step_s);
+            let count = (left / wanted - 1e-9).ceil().max(1.0);
+            let h = if count <= 2.0 { left / count } else { wanted };
+            let (mut status, taken) = self.step(&|t| drives(now + t), h);
+            if status == Status::Converged {
+                status = self.examine_motion();
+            }
+            if status != Status::Converged {
+                return status;
+            }
+            now += taken;
+            left -= taken;
+        }
+        Status::Converged
+    }
+
+    /// One time step of at most `h` seconds, shorter when it fails or its error is too large; also how long it was.
+    fn step(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, mut h: f64) -> (Status, f64) {
+        let resolution = self.system.params.resolution;
+        let share = if resolution.motion_tolerance_m.is_finite() { SHORTEST_STEP } else { 0.5_f64.powi(MOST_HALVINGS) };
+        let floor = share * resolution.time_step_s;
+        let shortest = 0.999 * floor.min(h);
+        let mut before = std::mem::replace(&mut self.before, State::empty());
+        before.copy_from(&self.state);
+        let status = loop {
+            let status = self.try_step(drives, h, &before);
+            let fit = if status == Status::Converged { self.fit(&before, h) } else { 0.0 };
+            let again = h * fit.clamp(0.5, REPEAT_BELOW);
+            if status == Status::BadCommand || fit >= REPEAT_BELOW || again < shortest {
+                if status == Status::Converged {
+                    let factor = if (1.0..KEEP_UP_TO).contains(&fit) { 1.0 } else { fit.clamp(0.3, LARGEST_GROWTH) };
+                    self.pace.next_s = (h * factor).max(floor);
+                    self.finish_step(h);
+                } else {
+                    self.state.copy_from(&before);
+                }
+                break status;
+            }
+            self.state.copy_from(&before);
+            h = again;
+            self.pace.next_s = h;
+        };
+        self.before = before;
+        (status, h)
+    }
+
+    /// Takes the last stage as the new state.
+    fn finish_step(&mut self, h: f64) {
+        self.pace.taken += 1;
+        self.state.rates.copy_from(&self.stages[self.stages.len() - 1]);
+        self.commit_memory(h);
+        self.trace.iter_mut().for_each(|trace| trace.accept(h));
+    }
+
+    /// The length of step that the error of the one just taken allows, as a share of it.
+    fn fit(&self, start: &State, h: f64) -> f64 {
+        let tolerance_m = self.system.params.resolution.motion_tolerance_m;
+        if tolerance_m.is_infinite() {
+            return f64::INFINITY;
+        }
+        SAFETY * (tolerance_m / self.step_error_m(start, h).max(1e-12)).cbrt()
+    }
+
+    /// Estimate of the error that the step of `h` seconds just taken added to the position of the rod, metres.
+    ///
+    /// Two estimates, neither of which is ever much too small, and the smaller one counts: by how much the step misses
+    /// the trapezoidal rule, which is h³/12 times the third derivative where the motion is smooth; and how far apart
+    /// the velocities of the first and the last stage lie, which does not see that the velocity before the step may
+    /// have jumped because a drive's did. Their weights make the error of the tip of the paper's robot under random
+    /// commands about the tolerance (`docs/rod.md`).
+    fn step_error_m(&self, start: &State, h: f64) -> f64 {
+        const TRAPEZOID: f64 = 0.1;
+        const SPREAD: f64 = 0.02;
+        let (first, last) = (&self.stages[0].node_v, &self.stages[self.stages.len() - 1].node_v);
+        let (mut missed, mut spread) = (0.0_f64, 0.0_f64);
+        for (g, p) in self.state.shape.node_p.iter().enumerate() {
+            let moved = p - start.shape.node_p[g];
+            let defect = moved - (start.rates.node_v[g] + last[g]) * (0.5 * h);
+            missed = missed.max(defect.norm_squared());
+            spread = spread.max((last[g] - first[g]).norm_squared());
+        }
+        f64::min(TRAPEZOID * missed.sqrt(), SPREAD * h * spread.sqrt())
+    }
+
+    fn try_step(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, h: f64, start: &State) -> Status {
+        let load = self.tip_load;
+        let gravity = self.system.params.gravity_m_s2;
+        let allowed_m = self.system.params.resolution.motion_tolerance_m;
+        let tolerance_m = if allowed_m.is_finite() { STAGE_SHARE * allowed_m } else { STAGE_TOLERANCE_M };
+        self.rest = None;
+        self.trace.iter_mut().for_each(|trace| trace.stages.clear());
+        for i in 0..self.tableau.rows.len() {
+            let Some(holds) = self.holds(&drives(self.pace.stage_times[i] * h)) else { return Status::BadCommand };
+            self.seed_tensions(&holds);
+            self.motion.prepare(start, &self.system.masses, &self.tableau.rows[i], &self.stages, h);
+            let status = self.solve(&holds, (&load, 1.0), gravity, false, tolerance_m);
+            if status != Status::Converged {
+                return status;
+            }
+            self.stages[i].read(&self.motion, &self.system.masses, &self.state.shape);
+            self.trace_stage();
+        }
+        Status::Converged
+    }
+}

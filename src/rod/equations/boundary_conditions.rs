@@ -1,0 +1,33 @@
+//! What stays fixed during a solve: what holds the tendons, the loads, the motion and the history.
+
+use nalgebra::Vector3;
+
+use super::hysteresis_law::MemoryState;
+use super::motion::Motion;
+use crate::rod::params::TipLoad;
+
+/// What a tendon is held to during a solve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Hold {
+    /// Taken in by this much from the straight rod, metres; pulls or goes slack.
+    Length(f64),
+    /// Held at this tension, N.
+    Tension(f64),
+}
+
+/// What stays fixed during a solve.
+pub(crate) struct Conditions<'a> {
+    pub(crate) holds: &'a [Hold],
+    /// For tendons held by length: whether it is taut.
+    pub(crate) taut: &'a [bool],
+    pub(crate) tip_load: &'a TipLoad,
+    /// Share of the rod's constant loads, 1 but during continuation.
+    pub(crate) load_share: f64,
+    /// Acceleration of gravity, m/s² (the robot's, or a share of it during continuation).
+    pub(crate) gravity_m_s2: Vector3<f64>,
+    pub(crate) motion: &'a Motion,
+    /// One a law and Gauss point.
+    pub(crate) memory: &'a [Vec<MemoryState>],
+    /// Whether slow history laws have come to rest.
+    pub(crate) settled: bool,
+}

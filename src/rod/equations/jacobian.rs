@@ -1,0 +1,279 @@
+//! Analytic derivative of the discrete equations, as K + rate·D + rate²·M: whatever the length of a time step, only the
+//! sum and its factors are computed anew.
+//!
+//! The wrench that a cross-section carries varies with the positions of the loads beyond it, δM = Σ (δp_k − δp) × f_k,
+//! and its components in the body with the orientation, δ(Rᵀ M) = Rᵀ (δM − δθ × M). Inertia is the Gram matrix of the
+//! displacements, M = Σ m_k δp_kᵀ δp_k.
+
+use nalgebra::{DMatrix, Vector3};
+
+use super::boundary_conditions::{Conditions, Hold};
+use super::rates::RateMatrices;
+use super::system::{System, Work};
+use super::variation::Variation;
+use super::world_vectors::{Triple, padded};
+use crate::math::{rotation, three, vectorised};
+use crate::rod::discretisation::grid::{COMPONENTS, Grid};
+
+/// Room for the derivative of one rod's equations.
+#[derive(Clone, Debug)]
+pub(crate) struct Derivative {
+    pub(crate) variation: Variation,
+    /// Row-major K with the borders d balance / d tension and d length / d unknown.
+    stiffness: Vec<f64>,
+    /// D and M.
+    rates: RateMatrices,
+    /// Σ δp × f of the loads beyond a place, and the same with what is in the cell beyond a Gauss point.
+    beyond: Triple,
+    moment: Triple,
+    /// Σ δf and Σ p × δf + δm of the follower loads beyond a place; empty without any.
+    follower: Option<[Triple; 2]>,
+    wrench_rows: [Vec<f64>; COMPONENTS],
+    border: Vec<f64>,
+    /// Room for a field over the Gauss points.
+    field: Vec<f64>,
+}
+
+impl Derivative {
+    pub(crate) fn new(system: &System) -> Derivative {
+        let n = system.grid.unknowns;
+        let zero = Triple::zeros(n);
+        let follows = system.constant.points.iter().any(|(_, load)| load.follows);
+        Derivative {
+            variation: Variation::new(&system.grid),
+            stiffness: vec![0.0; system.size() * system.size()],
+            rates: RateMatrices::new(system),
+            follower: follows.then(|| [zero.clone(), zero.clone()]),
+            beyond: zero.clone(),
+            moment: zero,
+            wrench_rows: std::array::from_fn(|_| vec![0.0; padded(n)]),
+            border: vec![0.0; n],
+            field: vec![0.0; COMPONENTS * system.grid.nodes.len()],
+        }
+    }
+
+    /// Derivative of the residual that [`System::evaluate`] has just left in `work`. Viscosity and inertia are left out
+    /// for a rod at rest.
+    pub(crate) fn update(&mut self, system: &System, unknowns: &[f64], conditions: &Conditions, work: &Work) {
+        vectorised(
+            #[inline(always)]
+            || self.update_all(system, unknowns, conditions, work),
+        );
+    }
+
+    #[inline(always)]
+    fn update_all(&mut self, system: &System, unknowns: &[f64], conditions: &Conditions, work: &Work) {
+        self.variation.update(&system.grid, &work.shape);
+        self.stiffness.fill(0.0);
+        self.beyond.fill_zero();
+        self.follower.iter_mut().flatten().for_each(Triple::fill_zero);
+        for c in (0..system.grid.cells.len()).rev() {
+            self.add_end_loads(system, c + 1, conditions, work);
+            for row in 0..2 {
+                self.node_moment(system, c, row, work);
+                self.node_rows(system, 2 * c + row, unknowns, work);
+            }
+            let half = 0.5 * system.grid.cells[c].length_m;
+            for g in [2 * c, 2 * c + 1] {
+                self.beyond.add_cross(&self.variation.node_move[g], &work.loads.node_f[g], half);
+            }
+        }
+        self.tendon_border(system, conditions, work);
+        if conditions.motion.rate > 0.0 {
+            self.rates.update(system, conditions, work, &self.variation);
+        }
+    }
+
+    /// K + rate·D + rate²·M with the tendon rows that belong to the taut set of `conditions`.
+    pub(crate) fn matrix(&self, system: &System, conditions: &Conditions) -> DMatrix<f64> {
+        let (n, size) = (system.grid.unknowns, system.size());
+        // Filled by columns; K is stored by rows, so this is its transpose until the end.
+        let mut matrix = DMatrix::from_column_slice(size, size, &self.stiffness);
+        let rate = conditions.motion.rate;
+        if rate > 0.0 {
+            for row in 0..n {
+                let column = &mut matrix.as_mut_slice()[row * size..row * size + n];
+                column.iter_mut().zip(self.rates.row(row)).for_each(|(k, (d, m))| *k += rate * (d + rate * m));
+            }
+        }
+        for (i, hold) in conditions.holds.iter().enumerate() {
+            if !matches!(hold, Hold::Length(_)) || !conditions.taut[i] {
+                matrix.column_mut(n + i).fill(0.0);
+                matrix[(n + i, n + i)] = 1.0;
+            }
+        }
+        matrix.transpose_mut();
+        matrix
+    }
+
+    /// Row-major K with the borders d balance / d tension and d length / d unknown.
+    pub(crate) fn stiffness(&self) -> &[f64] {
+        &self.stiffness
+    }
+
+    /// First-order change of the path length of tendon `i` when the coefficients change by `step`, metres.
+    pub(crate) fn length_change_m(&self, system: &System, i: usize, step: &[f64]) -> f64 {
+        let row = (system.grid.unknowns + i) * system.size();
+        self.stiffness[row..row + step.len()].iter().zip(step).map(|(a, b)| a * b).sum()
+    }
+
+    /// Takes in the forces on cell end `end`.
+    #[inline(always)]
+    fn add_end_loads(&mut self, system: &System, end: usize, conditions: &Conditions, work: &Work) {
+        let force = &work.loads.end_f[end];
+        if *force != Vector3::zeros() {
+            self.beyond.add_cross(&self.variation.end_move[end], force, 1.0);
+        }
+        let Some([force, moment]) = &mut self.follower else { return };
+        for (_, load) in system.constant.points.iter().filter(|(own, load)| *own == end && load.follows) {
+            let (f, m) = load.in_world(&work.shape.end_r[end], conditions.load_share);
+            let turn = &self.variation.end_turn[end];
+            force.add_cross(turn, &f, 1.0);
+            moment.add_cross(turn, &m, 1.0);
+            moment.add_arm_cross(&work.shape.end_p[end], turn, &f);
+        }
+    }
+
+    /// Σ δp × f of all that lies beyond Gauss point `row` of cell `c`.
+    #[inline(always)]
+    fn node_moment(&mut self, system: &System, c: usize, row: usize, work: &Work) {
+        let h = system.grid.cells[c].length_m;
+        let partial = Grid::partial_weights(h);
+        self.moment.copy_from(&self.beyond);
+        for other in 0..2 {
+            let k = 2 * c + other;
+            let weight = 0.5 * h - partial[row][other];
+            self.moment.add_cross(&self.variation.node_move[k], &work.loads.node_f[k], weight);
+        }
+    }
+
+    /// Adds the rows of K that Gauss point `g` contributes to.
+    #[inline(always)]
+    fn node_rows(&mut self, system: &System, g: usize, unknowns: &[f64], work: &Work) {
+        let (turn, moved) = (&self.variation.node_turn[g], &self.variation.node_move[g]);
+        self.moment.add_cross(moved, &work.loads.force[g], -1.0);
+        self.moment.add_cross(turn, &work.loads.moment[g], -1.0);
+        let back = work.shape.node_r[g].transpose();
+        // − Rᵀ (−δθ × F): the force turns in the body frame and nothing else.
+        let turned = three::product(&back, &rotation::skew(&work.loads.force[g]));
+        let (moments, forces) = self.wrench_rows.split_at_mut(3);
+        for axis in 0..3 {
+            let r = [back[(axis, 0)], back[(axis, 1)], back[(axis, 2)]];
+            combine(&mut moments[axis], self.moment.rows(), r.map(|x| -x));
+            combine(
+                &mut forces[axis],
+                turn.rows(),
+                [turned[(axis, 0)], turned[(axis, 1)], turned[(axis, 2)]].map(|x| -x),
+            );
+        }
+        self.add_followers(g, work);
+        self.add_material(system, g, unknowns, work);
+        self.project_rows(system, g, work);
+    }
+
+    /// Adds the turning of follower loads beyond Gauss point `g`.
+    fn add_followers(&mut self, g: usize, work: &Work) {
+        let Some([force, moment]) = &self.follower else { return };
+        let mut about = moment.clone();
+        about.add_fixed_cross(&-work.shape.node_p[g], force);
+        let back = work.shape.node_r[g].transpose();
+        for axis in 0..3 {
+            for k in 0..self.wrench_rows[0].len() {
+                let of = |t: &Triple| (0..3).map(|b| back[(axis, b)] * t.row(b)[k]).sum::<f64>();
+                self.wrench_rows[axis][k] -= of(&about);
+                self.wrench_rows[axis + 3][k] -= of(force);
+            }
+        }
+    }
+
+    /// Adds the derivative of elastic, history and tendon wrenches: local, through the strain alone.
+    #[inline(always)]
+    fn add_material(&mut self, system: &System, g: usize, unknowns: &[f64], work: &Work) {
+        let node = &system.grid.nodes[g];
+        let stiffness = system.tendon_stiffness(g, &unknowns[system.grid.unknowns..], work);
+        for component in 0..COMPONENTS {
+            let strain = work.shape.compliance[g].column(component);
+            let mut change = [0.0; COMPONENTS];
+            change[component] = 1.0;
+            for row in 0..COMPONENTS {
+                for col in 0..COMPONENTS {
+                    change[row] += stiffness[row][col] * strain[col];
+                }
+            }
+            for row in 0..2 {
+                for col in 0..2 {
+                    change[row] += work.history_tangent[g][row][col] * strain[col];
+                }
+            }
+            let columns = node.offset[component]..node.offset[component] + system.grid.modes[component];
+            for (rows, value) in self.wrench_rows.iter_mut().zip(change) {
+                for (slot, basis) in rows[columns.clone()].iter_mut().zip(&node.basis) {
+                    *slot += value * basis;
+                }
+            }
+        }
+    }
+
+    /// Multiplies with the compliance and the test polynomials and adds to the rows of this element.
+    #[inline(always)]
+    fn project_rows(&mut self, system: &System, g: usize, work: &Work) {
+        let node = &system.grid.nodes[g];
+        let (n, size) = (system.grid.unknowns, system.size());
+        let [a, b, d] = work.shape.compliance[g].bend;
+        let (first, rest) = self.wrench_rows.split_at_mut(1);
+        for (x, y) in first[0].iter_mut().zip(rest[0].iter_mut()) {
+            (*x, *y) = (a * *x + b * *y, b * *x + d * *y);
+        }
+        for component in 0..COMPONENTS {
+            let diagonal = match component {
+                0 | 1 => 1.0,
+                5 => work.axial_weight[g],
+                _ => work.shape.compliance[g].diagonal[component - 2],
+            };
+            for j in 0..system.grid.modes[component] {
+                let weight = node.weight_m * node.basis[j] * diagonal;
+                let start = (node.offset[component] + j) * size;
+                let row = &mut self.stiffness[start..start + n];
+                for (slot, value) in row.iter_mut().zip(&self.wrench_rows[component]) {
+                    *slot += weight * value;
+                }
+            }
+        }
+    }
+
+    /// d balance / d tension and, being the same numbers but for weights that are held, d length / d unknown.
+    #[inline(always)]
+    fn tendon_border(&mut self, system: &System, conditions: &Conditions, work: &Work) {
+        let (n, size, points) = (system.grid.unknowns, system.size(), system.grid.all.points);
+        for (i, hold) in conditions.holds.iter().enumerate() {
+            for (g, node) in system.grid.nodes.iter().enumerate() {
+                let strain = work.shape.compliance[g].apply(&system.tendon_wrench(g, i, work));
+                (0..COMPONENTS).for_each(|c| self.field[c * points + g] = node.weight_m * strain[c]);
+            }
+            self.border.fill(0.0);
+            system.grid.all.test(&self.field, &mut self.border);
+            self.stiffness[(n + i) * size..][..n].copy_from_slice(&self.border);
+            if work.weights_held {
+                for (g, node) in system.grid.nodes.iter().enumerate() {
+                    let strain = work.weigh(g, &system.tendon_wrench(g, i, work));
+                    (0..COMPONENTS).for_each(|c| self.field[c * points + g] = node.weight_m * strain[c]);
+                }
+                self.border.fill(0.0);
+                system.grid.all.test(&self.field, &mut self.border);
+            }
+            for (k, value) in self.border.iter().enumerate() {
+                self.stiffness[k * size + n + i] = *value;
+            }
+            let pull = if let Hold::Length(pull) = *hold { pull } else { 0.0 };
+            self.stiffness[(n + i) * size + n + i] = -system.params.tendons[i].compliance_at(pull);
+        }
+    }
+}
+
+/// `out = a·x + b·y + c·z`.
+#[inline(always)]
+fn combine(out: &mut [f64], [x, y, z]: [&[f64]; 3], [a, b, c]: [f64; 3]) {
+    for (out, ((x, y), z)) in out.iter_mut().zip(x.iter().zip(y).zip(z)) {
+        *out = a * x + b * y + c * z;
+    }
+}

@@ -1,0 +1,165 @@
+//! External loads: weight, inertia, drag and the tip load, summed from the tip inwards to the wrench that every
+//! cross-section has to carry.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::boundary_conditions::Conditions;
+use super::material::Section;
+use super::motion::EndMass;
+use super::shape::Shape;
+use crate::rod::discretisation::grid::Grid;
+use crate::rod::params::{PointLoad, RodParams};
+
+/// Forces in the world frame and the wrench that they add up to.
+#[derive(Clone, Debug)]
+pub(crate) struct Loads {
+    /// Force per length at the Gauss points, N/m.
+    pub(crate) node_f: Vec<Vector3<f64>>,
+    /// Force on each cell end, N.
+    pub(crate) end_f: Vec<Vector3<f64>>,
+    /// Moment on each cell end, N m.
+    pub(crate) end_m: Vec<Vector3<f64>>,
+    /// Force that the cross-section at each Gauss point carries, N.
+    pub(crate) force: Vec<Vector3<f64>>,
+    /// Moment about each Gauss point that its cross-section carries, N m.
+    pub(crate) moment: Vec<Vector3<f64>>,
+}
+
+impl Loads {
+    pub(crate) fn new(grid: &Grid) -> Loads {
+        let (nodes, ends) = (grid.nodes.len(), grid.boundaries_m.len());
+        let zero = Vector3::zeros();
+        Loads {
+            node_f: vec![zero; nodes],
+            end_f: vec![zero; ends],
+            end_m: vec![zero; ends],
+            force: vec![zero; nodes],
+            moment: vec![zero; nodes],
+        }
+    }
+
+    /// Sums the loads on `shape` under the given conditions.
+    #[inline(always)]
+    pub(crate) fn update(&mut self, rod: &LoadedRod, shape: &Shape, conditions: &Conditions) {
+        let (gravity, motion) = (conditions.gravity_m_s2, conditions.motion);
+        for (g, section) in rod.sections.iter().enumerate() {
+            let mut f = section.mass_kg_m * (gravity - motion.node_acceleration(g, &shape.node_p[g]));
+            if rod.params.drag_n_s2_m3 > 0.0 {
+                let body = shape.node_r[g].transpose() * motion.node_velocity(g, &shape.node_p[g]);
+                f -= shape.node_r[g] * body.component_mul(&body.abs()) * rod.params.drag_n_s2_m3;
+            }
+            self.node_f[g] = f;
+        }
+        if !rod.constant.line.is_empty() {
+            self.node_f.iter_mut().zip(&rod.constant.line).for_each(|(f, own)| *f += own * conditions.load_share);
+        }
+        self.lump(rod, shape, conditions);
+        let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
+        for (c, cell) in rod.grid.cells.iter().enumerate().rev() {
+            force += self.end_f[c + 1];
+            moment += self.end_m[c + 1];
+            (force, moment) = self.through_cell(c, cell.length_m, shape, force, moment);
+        }
+    }
+
+    /// Forces and moments at the cell ends: lumped masses, point loads, and the load at the tip.
+    #[inline(always)]
+    fn lump(&mut self, rod: &LoadedRod, shape: &Shape, conditions: &Conditions) {
+        let motion = conditions.motion;
+        self.end_f.fill(Vector3::zeros());
+        self.end_m.fill(Vector3::zeros());
+        for (k, mass) in rod.masses.iter().enumerate() {
+            let acceleration = motion.mass_acceleration(k, &shape.end_p[mass.end]);
+            self.end_f[mass.end] += mass.mass_kg * (conditions.gravity_m_s2 - acceleration);
+            self.end_m[mass.end] += motion.spin_moment(mass, k, &shape.end_r[mass.end]);
+        }
+        for (end, load) in &rod.constant.points {
+            let (f, m) = load.in_world(&shape.end_r[*end], conditions.load_share);
+            self.end_f[*end] += f;
+            self.end_m[*end] += m;
+        }
+        let tip = self.end_f.len() - 1;
+        self.end_f[tip] += conditions.tip_load.force_n;
+        self.end_m[tip] += conditions.tip_load.moment_nm;
+    }
+
+    /// Carries the wrench at the end of cell `c` (moment about that end) to its Gauss points and its start.
+    #[inline(always)]
+    fn through_cell(
+        &mut self,
+        c: usize,
+        h: f64,
+        shape: &Shape,
+        force: Vector3<f64>,
+        moment: Vector3<f64>,
+    ) -> (Vector3<f64>, Vector3<f64>) {
+        let partial = Grid::partial_weights(h);
+        let end = shape.end_p[c + 1];
+        for row in 0..2 {
+            let g = 2 * c + row;
+            let p = shape.node_p[g];
+            let (mut n, mut m) = (force, moment + (end - p).cross(&force));
+            for (other, weight) in partial[row].iter().enumerate() {
+                let f = self.node_f[2 * c + other] * (0.5 * h - weight);
+                n += f;
+                m += (shape.node_p[2 * c + other] - p).cross(&f);
+            }
+            self.force[g] = n;
+            self.moment[g] = m;
+        }
+        let start = shape.end_p[c];
+        let (mut n, mut m) = (force, moment + (end - start).cross(&force));
+        for g in [2 * c, 2 * c + 1] {
+            let f = self.node_f[g] * (0.5 * h);
+            n += f;
+            m += (shape.node_p[g] - start).cross(&f);
+        }
+        (n, m)
+    }
+}
+
+/// The parts of a rod that carry loads.
+pub(crate) struct LoadedRod<'a> {
+    pub(crate) params: &'a RodParams,
+    pub(crate) grid: &'a Grid,
+    pub(crate) sections: &'a [Section],
+    pub(crate) masses: &'a [EndMass],
+    pub(crate) constant: &'a Constant,
+}
+
+/// Constant loads besides weight and the tip load, on the grid.
+#[derive(Clone, Debug)]
+pub(crate) struct Constant {
+    /// Point loads with the cell end that carries each.
+    pub(crate) points: Vec<(usize, PointLoad)>,
+    /// Force per length at the Gauss points, N/m; empty when there is none.
+    line: Vec<Vector3<f64>>,
+}
+
+impl Constant {
+    pub(crate) fn new(params: &RodParams, grid: &Grid) -> Constant {
+        let points = params.point_loads.iter().map(|load| (grid.nearest_end(load.position_m), *load)).collect();
+        let mut line = Vec::new();
+        if !params.line_loads.is_empty() {
+            line = grid.nodes.iter().map(|node| line_force(params, node.position_m)).collect();
+        }
+        Constant { points, line }
+    }
+}
+
+/// Sum of the line loads at `position_m`, N/m.
+fn line_force(params: &RodParams, position_m: f64) -> Vector3<f64> {
+    let here = params.line_loads.iter().filter(|load| (load.start_m..load.end_m).contains(&position_m));
+    here.map(|load| load.force_n_m).sum()
+}
+
+impl PointLoad {
+    /// Force and moment in the world frame on a cross-section at orientation `r`, at `share` of their value.
+    pub(crate) fn in_world(&self, r: &Matrix3<f64>, share: f64) -> (Vector3<f64>, Vector3<f64>) {
+        if self.follows {
+            (r * self.force_n * share, r * self.moment_nm * share)
+        } else {
+            (self.force_n * share, self.moment_nm * share)
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! From the internal wrench to the shape: strains at the Gauss points, then poses by a fourth-order Magnus step a cell.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::material::{Compliance, Section, Six};
+use crate::math::rotation::{self, Turns};
+use crate::math::three;
+use crate::rod::discretisation::grid::{GAUSS, Grid};
+
+/// Poses and strains of a rod under given internal-wrench coefficients.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Shape {
+    /// Elastic internal wrench at the Gauss points.
+    pub(crate) wrench: Vec<Six>,
+    /// Strains there.
+    pub(crate) strain: Vec<Six>,
+    /// d strain / d wrench there.
+    pub(crate) compliance: Vec<Compliance>,
+    /// Orientation at the Gauss points, columns are the body axes.
+    pub(crate) node_r: Vec<Matrix3<f64>>,
+    /// Position of the Gauss points, metres.
+    pub(crate) node_p: Vec<Vector3<f64>>,
+    /// Orientation at the cell ends.
+    pub(crate) end_r: Vec<Matrix3<f64>>,
+    /// Position of the cell ends, metres.
+    pub(crate) end_p: Vec<Vector3<f64>>,
+    /// Room for the wrench as a field, and for the rotations of every cell.
+    field: Vec<f64>,
+    turns: Turns,
+}
+
+impl Shape {
+    /// Room for the shape of a rod on `grid` with its base at the given pose.
+    pub(crate) fn new(grid: &Grid, base_r: Matrix3<f64>, base_p: Vector3<f64>) -> Shape {
+        let (nodes, ends) = (grid.nodes.len(), grid.boundaries_m.len());
+        Shape {
+            wrench: vec![[0.0; 6]; nodes],
+            strain: vec![[0.0; 6]; nodes],
+            compliance: vec![Compliance::default(); nodes],
+            node_r: vec![base_r; nodes],
+            node_p: vec![base_p; nodes],
+            end_r: vec![base_r; ends],
+            end_p: vec![base_p; ends],
+            field: vec![0.0; 6 * nodes],
+            turns: Turns::new(3 * grid.cells.len()),
+        }
+    }
+
+    /// Becomes a copy of `other` without allocating.
+    pub(crate) fn copy_from(&mut self, other: &Shape) {
+        self.wrench.clone_from(&other.wrench);
+        self.strain.clone_from(&other.strain);
+        self.compliance.clone_from(&other.compliance);
+        self.node_r.clone_from(&other.node_r);
+        self.node_p.clone_from(&other.node_p);
+        self.end_r.clone_from(&other.end_r);
+        self.end_p.clone_from(&other.end_p);
+    }
+
+    /// Computes everything from the polynomial coefficients.
+    #[inline(always)]
+    pub(crate) fn update(&mut self, grid: &Grid, sections: &[Section], coefficients: &[f64]) {
+        grid.all.expand(coefficients, &mut self.field);
+        let points = grid.all.points;
+        for g in 0..points {
+            let wrench: Six = std::array::from_fn(|c| self.field[c * points + g]);
+            (self.strain[g], self.compliance[g]) = sections[g].strain(&wrench);
+            self.wrench[g] = wrench;
+        }
+        self.integrate(grid);
+    }
+
+    /// Computes strains and poses from the wrench at each Gauss point, whatever it is; the compliances stay. Cells in which
+    /// the spine begins to saturate get the length that the law gives them.
+    #[inline(always)]
+    pub(crate) fn update_from(&mut self, grid: &Grid, sections: &[Section], wrench: &[Six]) {
+        for (g, own) in wrench.iter().enumerate() {
+            self.strain[g] = sections[g].strain(own).0;
+            self.wrench[g] = *own;
+        }
+        for (c, cell) in grid.cells.iter().enumerate() {
+            let [a, b] = [2 * c, 2 * c + 1];
+            let missed = sections[a].kink_m(wrench[a][5], wrench[b][5], cell.length_m) / cell.length_m;
+            self.strain[a][5] += missed;
+            self.strain[b][5] += missed;
+        }
+        self.integrate(grid);
+    }
+
+    /// Poses from the strains.
+    #[inline(always)]
+    fn integrate(&mut self, grid: &Grid) {
+        for (c, cell) in grid.cells.iter().enumerate() {
+            self.read_turns(c, cell.length_m);
+        }
+        self.turns.exponentiate();
+        for (c, cell) in grid.cells.iter().enumerate() {
+            self.advance(c, cell.length_m);
+        }
+    }
+
+    /// Rotation vectors from the start of cell `c` to its Gauss points and its end. For a linear curvature over a
+    /// length x they are ∫u + (x/h)³ √3 h²/12 u₁×u₂ (Magnus expansion).
+    #[inline(always)]
+    fn read_turns(&mut self, c: usize, h: f64) {
+        let u1 = Vector3::from_row_slice(&self.strain[2 * c][..3]);
+        let u2 = Vector3::from_row_slice(&self.strain[2 * c + 1][..3]);
+        let commutator = u1.cross(&u2) * (0.5 * GAUSS * h * h);
+        let weights = Grid::partial_weights(h);
+        for (row, share) in [(0, 0.5 - GAUSS), (1, 0.5 + GAUSS)] {
+            let turn = u1 * weights[row][0] + u2 * weights[row][1] + commutator * (share * share * share);
+            self.turns.set(3 * c + row, &turn);
+        }
+        self.turns.set(3 * c + 2, &((u1 + u2) * (0.5 * h) + commutator));
+    }
+
+    /// Poses at the Gauss points and the end of cell `c`; positions use the same Gauss points as rotations.
+    #[inline(always)]
+    fn advance(&mut self, c: usize, h: f64) {
+        let (first, second) = (2 * c, 2 * c + 1);
+        let weights = Grid::partial_weights(h);
+        let start = self.end_r[c];
+        self.node_r[first] = three::product(&start, &self.turns.matrix(3 * c));
+        self.node_r[second] = three::product(&start, &self.turns.matrix(3 * c + 1));
+        self.end_r[c + 1] = three::product(&start, &self.turns.matrix(3 * c + 2));
+        let d1 = three::turned(&self.node_r[first], &self.strain[first][3..]);
+        let d2 = three::turned(&self.node_r[second], &self.strain[second][3..]);
+        let p = self.end_p[c];
+        self.node_p[first] = p + d1 * weights[0][0] + d2 * weights[0][1];
+        self.node_p[second] = p + d1 * weights[1][0] + d2 * weights[1][1];
+        self.end_p[c + 1] = p + (d1 + d2) * (0.5 * h);
+    }
+
+    /// Position and orientation at `position_m` from the base, inside the cell that holds it.
+    pub(crate) fn pose_at(&self, grid: &Grid, position_m: f64) -> (Vector3<f64>, Matrix3<f64>) {
+        let last = grid.cells.len() - 1;
+        let c = grid.boundaries_m[1..=last].partition_point(|&end| end <= position_m);
+        let h = grid.cells[c].length_m;
+        let x = (position_m - grid.boundaries_m[c]).clamp(0.0, h);
+        // Integral from the start of the cell of the line through the values at its two Gauss points.
+        let skew = (x * x - x * h) / (4.0 * GAUSS * h);
+        let (first, second) = (0.5 * x - skew, 0.5 * x + skew);
+        let part = |g: usize, from: usize| Vector3::from_row_slice(&self.strain[g][from..from + 3]);
+        let (u1, u2) = (part(2 * c, 0), part(2 * c + 1, 0));
+        let commutator = u1.cross(&u2) * (0.5 * GAUSS * h * h * (x / h).powi(3));
+        let rotation = self.end_r[c] * rotation::exp(&(u1 * first + u2 * second + commutator));
+        let tangent = |g: usize| self.node_r[g] * part(g, 3);
+        (self.end_p[c] + tangent(2 * c) * first + tangent(2 * c + 1) * second, rotation)
+    }
+
+    /// Position of the tip, metres.
+    pub(crate) fn tip_m(&self) -> Vector3<f64> {
+        self.end_p[self.end_p.len() - 1]
+    }
+
+    /// Orientation of the tip.
+    pub(crate) fn tip_rotation(&self) -> Matrix3<f64> {
+        self.end_r[self.end_r.len() - 1]
+    }
+}

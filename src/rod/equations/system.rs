@@ -1,0 +1,364 @@
+//! The discrete equations of a rod: balance of internal and external wrench, weighted with the strain that each
+//! polynomial of the internal wrench produces (Galerkin), and one equation a tendon.
+
+use nalgebra::{DVector, Vector3};
+
+use super::boundary_conditions::{Conditions, Hold};
+use super::hysteresis_law::MemoryState;
+use super::loads::{Constant, LoadedRod, Loads};
+use super::material::{Section, Six};
+use super::motion::EndMass;
+use super::shape::Shape;
+use crate::math::{rotation, three, vectorised};
+use crate::rod::discretisation::grid::{COMPONENTS, Grid, Node};
+use crate::rod::discretisation::homogenised_cells;
+use crate::rod::params::RodParams;
+use crate::rod::tendon::{Guide, Tendon};
+
+/// A rod with its discretisation; constant during a simulation.
+#[derive(Clone, Debug)]
+pub(crate) struct System {
+    pub(crate) params: RodParams,
+    pub(crate) grid: Grid,
+    pub(crate) sections: Vec<Section>,
+    pub(crate) masses: Vec<EndMass>,
+    /// Constant loads.
+    pub(crate) constant: Constant,
+    /// For each Gauss point and tendon: where the tendon passes.
+    pub(crate) guides: Vec<Guide>,
+    /// Path length of each tendon at home, metres.
+    pub(crate) home_lengths_m: Vec<f64>,
+    /// Strain that a unit of each unknown produces, as a displacement of the tip, m per unit; for step sizes.
+    pub(crate) scales: Vec<f64>,
+    /// About how far a unit tension of each tendon moves the tip, m/N.
+    pub(crate) reach_m_per_n: Vec<f64>,
+}
+
+/// Everything computed on the way to a residual.
+#[derive(Clone, Debug)]
+pub(crate) struct Work {
+    pub(crate) shape: Shape,
+    pub(crate) loads: Loads,
+    /// For each Gauss point and tendon: unit tangent (0 past the tendon's end).
+    pub(crate) tangents: Vec<Vector3<f64>>,
+    /// For each Gauss point and tendon: length per backbone length (0 past the tendon's end), and one over it.
+    pub(crate) stretches: Vec<f64>,
+    shrinks: Vec<f64>,
+    /// Path length of each tendon, metres.
+    pub(crate) lengths_m: Vec<f64>,
+    /// Tangent stiffness of the history moments at the Gauss points.
+    pub(crate) history_tangent: Vec<[[f64; 2]; 2]>,
+    /// Room for a field over the Gauss points.
+    field: Vec<f64>,
+    /// Internal minus external wrench at the Gauss points, body frame.
+    pub(crate) imbalance: Vec<Six>,
+    /// Axial compliance that weights the balance at each Gauss point, 1/N.
+    pub(crate) axial_weight: Vec<f64>,
+    /// Whether these weights stay as they are. They jump where the spine saturates; a wrench that is no polynomial
+    /// leaves an imbalance there, and the equations with it would jump to and fro without a solution.
+    pub(crate) weights_held: bool,
+    /// Equations of balance, then one a tendon.
+    pub(crate) residual: Vec<f64>,
+}
+
+impl Work {
+    /// The strain by which the balance at Gauss point `g` weights a wrench.
+    pub(crate) fn weigh(&self, g: usize, wrench: &Six) -> Six {
+        let mut strain = self.shape.compliance[g].apply(wrench);
+        strain[5] = self.axial_weight[g] * wrench[5];
+        strain
+    }
+}
+
+impl System {
+    pub(crate) fn new(params: RodParams) -> System {
+        System::on(Grid::new(&params), params)
+    }
+
+    /// A rod on a grid that was made for it.
+    pub(crate) fn on(grid: Grid, params: RodParams) -> System {
+        let sections = if params.resolution.blended {
+            homogenised_cells::sections(&params, &grid.boundaries_m)
+        } else {
+            grid.nodes.iter().map(|node| Section::new(&params, node.position_m)).collect()
+        };
+        let masses = params
+            .masses
+            .iter()
+            .map(|mass| EndMass {
+                end: grid.nearest_end(mass.position_m),
+                mass_kg: mass.mass_kg,
+                inertia_kg_m2: mass.inertia_kg_m2,
+            })
+            .collect();
+        let mut scales = vec![0.0_f64; grid.unknowns];
+        let length = params.length_m();
+        for (node, section) in grid.nodes.iter().zip(&sections) {
+            for (c, scale) in section.scales().into_iter().enumerate() {
+                let lever = if c < 3 { length * length } else { length };
+                for slot in &mut scales[node.offset[c]..node.offset[c] + grid.modes[c]] {
+                    *slot = slot.max(scale * lever);
+                }
+            }
+        }
+        let at = |node: &Node| params.tendons.iter().map(|tendon| tendon.guide(node.position_m)).collect::<Vec<_>>();
+        let guides: Vec<Guide> = grid.nodes.iter().flat_map(at).collect();
+        let home_lengths_m =
+            (0..params.tendons.len()).map(|i| home_length_m(&params.tendons, (&grid, &sections), &guides, i)).collect();
+        let reach_m_per_n = (0..params.tendons.len()).map(|i| reach_m_per_n(&params, &sections, &guides, i)).collect();
+        let constant = Constant::new(&params, &grid);
+        System { params, grid, sections, masses, constant, guides, home_lengths_m, scales, reach_m_per_n }
+    }
+
+    /// Number of equations: polynomial coefficients, then tensions.
+    pub(crate) fn size(&self) -> usize {
+        self.grid.unknowns + self.params.tendons.len()
+    }
+
+    pub(crate) fn work(&self) -> Work {
+        let base = rotation::exp(&self.params.base_rotation_rad);
+        let (nodes, tendons) = (self.grid.nodes.len(), self.params.tendons.len());
+        Work {
+            shape: Shape::new(&self.grid, base, self.params.base_m),
+            loads: Loads::new(&self.grid),
+            tangents: vec![Vector3::zeros(); nodes * tendons],
+            stretches: vec![0.0; nodes * tendons],
+            shrinks: vec![0.0; nodes * tendons],
+            lengths_m: vec![0.0; tendons],
+            history_tangent: vec![[[0.0; 2]; 2]; nodes],
+            field: vec![0.0; COMPONENTS * nodes],
+            imbalance: vec![[0.0; COMPONENTS]; nodes],
+            axial_weight: vec![0.0; nodes],
+            weights_held: false,
+            residual: vec![0.0; self.size()],
+        }
+    }
+
+    /// Virgin histories.
+    pub(crate) fn fresh_memory(&self) -> Vec<Vec<MemoryState>> {
+        self.params.memory.iter().map(|_| vec![MemoryState::default(); self.grid.nodes.len()]).collect()
+    }
+
+    /// Evaluates the equations at `unknowns`.
+    pub(crate) fn evaluate(&self, unknowns: &[f64], conditions: &Conditions, work: &mut Work) {
+        vectorised(
+            #[inline(always)]
+            || self.evaluate_all(unknowns, conditions, work),
+        );
+    }
+
+    #[inline(always)]
+    fn evaluate_all(&self, unknowns: &[f64], conditions: &Conditions, work: &mut Work) {
+        work.shape.update(&self.grid, &self.sections, &unknowns[..self.grid.unknowns]);
+        if !work.weights_held {
+            let axial = work.shape.compliance.iter().map(|compliance| compliance.diagonal[3]);
+            work.axial_weight.iter_mut().zip(axial).for_each(|(weight, own)| *weight = own);
+        }
+        self.balance(unknowns, conditions, work);
+    }
+
+    /// Evaluates the equations for the shape and the weights in `work`.
+    #[inline(always)]
+    pub(crate) fn balance(&self, unknowns: &[f64], conditions: &Conditions, work: &mut Work) {
+        let tensions = &unknowns[self.grid.unknowns..];
+        self.update_tendons(work);
+        let rod = LoadedRod {
+            params: &self.params,
+            grid: &self.grid,
+            sections: &self.sections,
+            masses: &self.masses,
+            constant: &self.constant,
+        };
+        work.loads.update(&rod, &work.shape, conditions);
+        work.residual.fill(0.0);
+        let points = self.grid.all.points;
+        for (g, node) in self.grid.nodes.iter().enumerate() {
+            let imbalance = self.imbalance(g, tensions, conditions, work);
+            let strain = work.weigh(g, &imbalance);
+            (0..COMPONENTS).for_each(|c| work.field[c * points + g] = node.weight_m * strain[c]);
+            work.imbalance[g] = imbalance;
+        }
+        self.grid.all.test(&work.field, &mut work.residual);
+        for (i, hold) in conditions.holds.iter().enumerate() {
+            work.residual[self.grid.unknowns + i] = match *hold {
+                Hold::Length(_) if conditions.taut[i] => self.overstretch_m(i, hold, tensions[i], work),
+                Hold::Length(_) => tensions[i],
+                Hold::Tension(wanted) => tensions[i] - wanted,
+            };
+        }
+    }
+
+    /// By how much tendon `i` is longer than its drive and its own stretch allow, metres: negative is slack.
+    pub(crate) fn overstretch_m(&self, i: usize, hold: &Hold, tension_n: f64, work: &Work) -> f64 {
+        let tendon = &self.params.tendons[i];
+        let pull = if let Hold::Length(pull) = *hold { pull } else { 0.0 };
+        work.lengths_m[i] + pull - self.home_lengths_m[i] - tendon.compliance_at(pull) * tension_n
+    }
+
+    /// Internal minus external wrench at Gauss point `g`, body frame.
+    #[inline(always)]
+    fn imbalance(&self, g: usize, tensions: &[f64], conditions: &Conditions, work: &mut Work) -> Six {
+        let section = &self.sections[g];
+        let strain = work.shape.strain[g];
+        let mut total = work.shape.wrench[g];
+        let motion = conditions.motion;
+        if motion.rate > 0.0 {
+            for c in 0..COMPONENTS {
+                total[c] += section.viscosity[c] * (strain[c] * motion.rate + motion.strain_v[g][c]);
+            }
+        }
+        work.history_tangent[g] = [[0.0; 2]; 2];
+        for (law, states) in self.params.memory.iter().zip(conditions.memory) {
+            let bend = section.bending(&strain);
+            let history = if conditions.settled {
+                law.settled(&states[g], bend, section.bending_n_m2)
+            } else {
+                law.moment(&states[g], bend, section.bending_n_m2)
+            };
+            for a in 0..2 {
+                total[a] += history.moment_nm[a];
+                for b in 0..2 {
+                    work.history_tangent[g][a][b] += history.tangent_n_m2[a][b];
+                }
+            }
+        }
+        for (i, &tension) in tensions.iter().enumerate() {
+            if tension != 0.0 {
+                let pull = self.tendon_wrench(g, i, work);
+                for c in 0..COMPONENTS {
+                    total[c] += tension * pull[c];
+                }
+            }
+        }
+        let r = &work.shape.node_r[g];
+        let moment = three::turned_back(r, &work.loads.moment[g]);
+        let force = three::turned_back(r, &work.loads.force[g]);
+        for a in 0..3 {
+            total[a] -= moment[a];
+            total[a + 3] -= force[a];
+        }
+        total
+    }
+
+    /// Wrench of a unit tension of tendon `i` on the cross-section at `g`: (r × t, t), zero past the tendon's end.
+    /// It is also d length / d strain (Rucker & Webster 2011, in variational form).
+    #[inline(always)]
+    pub(crate) fn tendon_wrench(&self, g: usize, i: usize, work: &Work) -> Six {
+        let t = &work.tangents[g * self.params.tendons.len() + i];
+        let [x, y] = self.guides[g * self.params.tendons.len() + i].offset_m;
+        [y * t.z, -x * t.z, x * t.y - y * t.x, t.x, t.y, t.z]
+    }
+
+    /// The stiffness at Gauss point `g` that taut tendons add: Σ tension · ∂²length/∂strain².
+    #[inline(always)]
+    pub(crate) fn tendon_stiffness(&self, g: usize, tensions: &[f64], work: &Work) -> [Six; COMPONENTS] {
+        let mut total = [[0.0; COMPONENTS]; COMPONENTS];
+        for (i, &tension) in tensions.iter().enumerate() {
+            let k = g * tensions.len() + i;
+            let stretch = work.stretches[k];
+            if tension != 0.0 && stretch != 0.0 {
+                self.guides[k].add_stiffness(&work.tangents[k], stretch, tension, &mut total);
+            }
+        }
+        total
+    }
+
+    /// Path tangents and lengths of all tendons: a = v + u × r + r′ a length of backbone.
+    #[inline(always)]
+    fn update_tendons(&self, work: &mut Work) {
+        let count = self.params.tendons.len();
+        if count == 0 {
+            return;
+        }
+        let points = self.guides.chunks_exact(count).zip(&work.shape.strain);
+        let each = work.tangents.chunks_exact_mut(count).zip(work.stretches.chunks_exact_mut(count));
+        for ((guides, strain), (paths, squares)) in points.zip(each) {
+            for ((guide, path), square) in guides.iter().zip(paths).zip(squares) {
+                *path = if guide.present { guide.path(strain) } else { Vector3::zeros() };
+                *square = path.norm_squared();
+            }
+        }
+        // Roots and quotients of all at once, in vector instructions.
+        for (stretch, shrink) in work.stretches.iter_mut().zip(&mut work.shrinks) {
+            *stretch = stretch.sqrt();
+            *shrink = if *stretch > 0.0 { 1.0 / *stretch } else { 0.0 };
+        }
+        work.tangents.iter_mut().zip(&work.shrinks).for_each(|(tangent, &shrink)| *tangent *= shrink);
+        work.lengths_m.fill(0.0);
+        for (node, stretches) in self.grid.nodes.iter().zip(work.stretches.chunks_exact(count)) {
+            work.lengths_m.iter_mut().zip(stretches).for_each(|(length, stretch)| *length += node.weight_m * stretch);
+        }
+    }
+
+    /// Adds the weak form of a strain-like vector at Gauss point `g` to the balance equations.
+    pub(crate) fn project(&self, g: usize, value: &Six, out: &mut [f64]) {
+        let node = &self.grid.nodes[g];
+        for c in 0..COMPONENTS {
+            let scaled = node.weight_m * value[c];
+            let rows = &mut out[node.offset[c]..node.offset[c] + self.grid.modes[c]];
+            for (slot, basis) in rows.iter_mut().zip(&node.basis) {
+                *slot += scaled * basis;
+            }
+        }
+    }
+
+    /// Size of a change of the unknowns as a displacement of the tip, metres. Once every section of the spine is
+    /// saturated, axial forces move it no more than they would without sections.
+    pub(crate) fn size_of_step_m(&self, step: &[f64], work: &Work) -> f64 {
+        let length = self.params.length_m();
+        let axial = length * work.axial_weight.iter().copied().fold(0.0, f64::max);
+        let (per_element, axial_modes) = (self.grid.modes.iter().sum::<usize>(), self.grid.modes[5]);
+        let mut largest = 0.0_f64;
+        for (own, scales) in step.chunks(per_element).zip(self.scales.chunks(per_element)) {
+            let (others, forces) = own.split_at(per_element - axial_modes);
+            largest = others.iter().zip(scales).map(|(x, scale)| (x * scale).abs()).fold(largest, f64::max);
+            largest = forces.iter().map(|x| (x * axial).abs()).fold(largest, f64::max);
+        }
+        // The largest of numbers of which one is none must not look small.
+        if step.iter().all(|x| x.is_finite()) { largest } else { f64::NAN }
+    }
+
+    /// Product of two changes of the unknowns, in the norm that counts a change by what it moves the tip, m².
+    pub(crate) fn product_m2(&self, a: &DVector<f64>, b: &DVector<f64>) -> f64 {
+        a.iter().zip(b.iter()).zip(&self.scales).map(|((x, y), scale)| x * y * scale * scale).sum()
+    }
+
+    /// Path lengths of the tendons on a shape, metres.
+    pub(crate) fn lengths_m(&self, shape: &Shape) -> Vec<f64> {
+        let count = self.params.tendons.len();
+        let mut lengths_m = vec![0.0; count];
+        for (g, node) in self.grid.nodes.iter().enumerate() {
+            for (length_m, guide) in lengths_m.iter_mut().zip(&self.guides[g * count..]) {
+                if guide.present {
+                    *length_m += node.weight_m * guide.path(&shape.strain[g]).norm();
+                }
+            }
+        }
+        lengths_m
+    }
+}
+
+/// About how far a unit tension of tendon `i` moves the tip, m/N: by what it bends the rod and by what it shortens it.
+fn reach_m_per_n(params: &RodParams, sections: &[Section], guides: &[Guide], i: usize) -> f64 {
+    let length = params.length_m();
+    let passing = sections.iter().zip(guides.iter().skip(i).step_by(params.tendons.len()));
+    let of = |(section, guide): (&Section, &Guide)| {
+        let ([x, y], scales) = (guide.offset_m, section.scales());
+        0.5 * section.softest_turn() * x.hypot(y) * length * length + scales[5] * length
+    };
+    passing.filter(|(_, guide)| guide.present).map(of).fold(0.0, f64::max)
+}
+
+/// Path length of tendon `i` on the rod at home, metres.
+fn home_length_m(tendons: &[Tendon], (grid, sections): (&Grid, &[Section]), guides: &[Guide], i: usize) -> f64 {
+    let along = grid.nodes.iter().zip(sections).zip(guides.iter().skip(i).step_by(tendons.len()));
+    let passing = along.filter(|(_, guide)| guide.present);
+    if passing.clone().all(|((_, section), guide)| guide.slope == [0.0; 2] && section.home == [0.0; 3]) {
+        return tendons[i].end_m - tendons[i].start_m;
+    }
+    let stretch = |((node, section), guide): ((&Node, &Section), &Guide)| {
+        let [x, y, z] = section.home;
+        node.weight_m * guide.path(&[x, y, z, 0.0, 0.0, 1.0]).norm()
+    };
+    passing.map(stretch).sum()
+}

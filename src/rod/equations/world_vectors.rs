@@ -1,0 +1,106 @@
+//! World-frame vectors that depend linearly on all unknowns: three rows of numbers, worked on a row at a time so that
+//! inner loops run over contiguous memory.
+
+use nalgebra::Vector3;
+
+/// Derivative of a vector: rows x, y, z over the unknowns, one after the other.
+///
+/// Rows are filled up with zeros to a whole number of the longest strips that loops are unrolled to.
+#[derive(Clone, Debug)]
+pub(crate) struct Triple {
+    values: Vec<f64>,
+}
+
+/// Numbers to a strip.
+const STRIP: usize = 16;
+
+/// Length of a row for so many unknowns.
+pub(crate) fn padded(unknowns: usize) -> usize {
+    unknowns.next_multiple_of(STRIP)
+}
+
+impl Triple {
+    pub(crate) fn zeros(unknowns: usize) -> Triple {
+        Triple { values: vec![0.0; 3 * padded(unknowns)] }
+    }
+
+    /// The derivative of one component.
+    #[inline(always)]
+    pub(crate) fn row(&self, axis: usize) -> &[f64] {
+        let n = self.values.len() / 3;
+        &self.values[axis * n..(axis + 1) * n]
+    }
+
+    /// Change that a change of the unknowns makes.
+    pub(crate) fn times(&self, change: &[f64]) -> Vector3<f64> {
+        Vector3::from(self.rows().map(|row| row.iter().zip(change).map(|(a, b)| a * b).sum()))
+    }
+
+    /// All three components.
+    #[inline(always)]
+    pub(crate) fn rows(&self) -> [&[f64]; 3] {
+        let (x, rest) = self.values.split_at(self.values.len() / 3);
+        let (y, z) = rest.split_at(x.len());
+        [x, y, z]
+    }
+
+    /// All three components, to be written.
+    #[inline(always)]
+    pub(crate) fn rows_mut(&mut self) -> [&mut [f64]; 3] {
+        let n = self.values.len() / 3;
+        let (x, rest) = self.values.split_at_mut(n);
+        let (y, z) = rest.split_at_mut(n);
+        [x, y, z]
+    }
+
+    #[inline(always)]
+    pub(crate) fn fill_zero(&mut self) {
+        self.values.fill(0.0);
+    }
+
+    #[inline(always)]
+    pub(crate) fn copy_from(&mut self, other: &Triple) {
+        self.values.copy_from_slice(&other.values);
+    }
+
+    /// Becomes `start + a·first + b·second`.
+    #[inline(always)]
+    pub(crate) fn set_sum(&mut self, start: &Triple, first: (&Triple, f64), second: (&Triple, f64)) {
+        let terms = start.values.iter().zip(&first.0.values).zip(&second.0.values);
+        for (out, ((s, x), y)) in self.values.iter_mut().zip(terms) {
+            *out = s + first.1 * x + second.1 * y;
+        }
+    }
+
+    /// Adds `scale · (other × fixed)`.
+    #[inline(always)]
+    pub(crate) fn add_cross(&mut self, other: &Triple, fixed: &Vector3<f64>, scale: f64) {
+        let f = fixed * scale;
+        let [x, y, z] = self.rows_mut();
+        let [p, q, r] = other.rows();
+        let inputs = p.iter().zip(q).zip(r);
+        let outputs = x.iter_mut().zip(y).zip(z);
+        for (((x, y), z), ((p, q), r)) in outputs.zip(inputs) {
+            *x += q * f.z - r * f.y;
+            *y += r * f.x - p * f.z;
+            *z += p * f.y - q * f.x;
+        }
+    }
+
+    /// Adds `arm × (other × fixed)`, the moment about the origin of a force that turns.
+    pub(crate) fn add_arm_cross(&mut self, arm: &Vector3<f64>, other: &Triple, fixed: &Vector3<f64>) {
+        let n = self.values.len() / 3;
+        for k in 0..n {
+            let turned = Vector3::new(other.row(0)[k], other.row(1)[k], other.row(2)[k]).cross(fixed);
+            let moment = arm.cross(&turned);
+            for axis in 0..3 {
+                self.values[axis * n + k] += moment[axis];
+            }
+        }
+    }
+
+    /// Adds `fixed × other`.
+    pub(crate) fn add_fixed_cross(&mut self, fixed: &Vector3<f64>, other: &Triple) {
+        self.add_cross(other, fixed, -1.0);
+    }
+}

@@ -1,0 +1,342 @@
+//! Rods that differ a little from a first one and follow it: what derivatives of a whole motion are made of
+//! (`docs/sensitivities.md`).
+//!
+//! The first rod is solved. Each of the others takes the same time steps with the same tendons taut, and at each solve
+//! corrects the first one's unknowns by −J⁻¹ (F′ − F): its own residual there and the derivative of the first rod's
+//! equations at the solution. For a change of relative size ε that leaves an error of order ε², so that (other − first)/ε
+//! is the derivative of the discrete motion up to ε (internal differentiation, Bock 1981).
+
+use nalgebra::{DVector, Dyn, LU};
+
+use crate::rod::discretisation::grid::Grid;
+use crate::rod::dynamics::solve_log::{Solved, Trace};
+use crate::rod::equations::boundary_conditions::{Conditions, Hold};
+use crate::rod::equations::motion::Motion;
+use crate::rod::equations::system::System;
+use crate::rod::params::{RodParams, TipLoad};
+use crate::rod::simulation::{Drive, Rod};
+use crate::rod::state::Rates;
+use crate::rod::status::Status;
+
+/// A rod cannot follow the first one: other parts, or parts that no longer share a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("rod {0} does not differ from the first one by a little in numbers alone")]
+pub struct NotNearby(pub usize);
+
+/// A rod and others that follow it. Number 0 is the rod itself, the others count from 1.
+#[derive(Clone, Debug)]
+pub struct Nearby {
+    leader: Rod,
+    /// Where the leader was in the solve that the others are at.
+    followed: Rod,
+    others: Vec<Rod>,
+    kept: Option<Kept>,
+}
+
+/// The leader's equations at one of its solutions.
+struct Solution<'a> {
+    unknowns: &'a [f64],
+    taut: &'a [bool],
+    residual: DVector<f64>,
+    settled: bool,
+    /// What a correction leaves of the one before, once known.
+    contraction: Option<f64>,
+}
+
+/// The derivative of the leader's equations at this or an earlier solution.
+#[derive(Clone, Debug)]
+struct Kept {
+    factors: LU<f64, Dyn, Dyn>,
+    rate: f64,
+    taut: Vec<bool>,
+    /// Corrections that the last solve took a rod.
+    corrections: usize,
+}
+
+impl Nearby {
+    /// The rod of `params` and, from 1 on, those of `others`.
+    ///
+    /// # Errors
+    /// [`NotNearby`] names the first one that cannot follow.
+    pub fn new(params: RodParams, others: Vec<RodParams>) -> Result<Nearby, NotNearby> {
+        let Nearby { leader, .. } = Nearby::alone(params);
+        let other = |(index, changed): (usize, RodParams)| {
+            let grid = Grid::moved(&leader.system.params, &changed).ok_or(NotNearby(index + 1))?;
+            Ok(Rod::on(System::on(grid, changed)))
+        };
+        let others = others.into_iter().enumerate().map(other).collect::<Result<_, _>>()?;
+        Ok(Nearby { followed: leader.clone(), leader, others, kept: None })
+    }
+
+    /// A rod that nothing follows.
+    pub fn alone(params: RodParams) -> Nearby {
+        let leader = Rod::new(params);
+        Nearby { followed: leader.clone(), leader, others: Vec::new(), kept: None }
+    }
+
+    /// Whether a rod of `changed` could follow one of `params`.
+    pub fn possible(params: &RodParams, changed: &RodParams) -> bool {
+        Grid::moved(params, changed).is_some()
+    }
+
+    /// The rod itself.
+    pub fn leader(&self) -> &Rod {
+        &self.leader
+    }
+
+    /// Those that follow it.
+    pub fn others(&self) -> &[Rod] {
+        &self.others
+    }
+
+    /// All straight, unloaded, at rest, without history.
+    pub fn restart(&mut self) {
+        self.leader.restart();
+        // Where they began they can go back to.
+        let _ = self.regrid();
+        self.all().for_each(Rod::restart);
+        self.kept = None;
+    }
+
+    /// Replaces the load at the tips from now on; `load` gives a rod's own.
+    pub fn set_tip_load(&mut self, load: &dyn Fn(&RodParams) -> TipLoad) {
+        self.all().for_each(|rod| rod.set_tip_load(load(rod.params())));
+    }
+
+    /// [`Rod::settle`]; `drives` gives those of a rod by its number.
+    pub fn settle(&mut self, drives: &dyn Fn(usize) -> Vec<Drive>) -> Status {
+        self.lead(&|number, _| drives(number), &|_| 1.0, |leader| leader.settle(&drives(0)))
+    }
+
+    /// [`Rod::advance_with`] for `duration_s(0)`; `drives` gives those of a rod by its number and the time since now,
+    /// seconds. The others take as many steps in the `duration_s` of their number, which differs a little.
+    pub fn advance_with(
+        &mut self,
+        drives: &dyn Fn(usize, f64) -> Vec<Drive>,
+        duration_s: &dyn Fn(usize) -> f64,
+    ) -> Status {
+        let own_s = duration_s(0);
+        self.lead(drives, &|number| duration_s(number) / own_s, |leader| leader.advance_with(&|t| drives(0, t), own_s))
+    }
+
+    /// Brings the others to the grid that the leader has come to; `None` when one of them has none like it.
+    fn regrid(&mut self) -> Option<()> {
+        let Nearby { leader, followed, others, kept } = self;
+        let level = leader.space.level;
+        if followed.space.level == level {
+            return Some(());
+        }
+        *kept = None;
+        *followed = followed.on_grid(level);
+        for other in others {
+            let params = other.system.params.refined(&leader.space.base, level);
+            let grid = Grid::moved(&leader.system.params, &params)?;
+            *other = other.carried(Rod::on(System::on(grid, params)), level);
+        }
+        Some(())
+    }
+
+    fn all(&mut self) -> impl Iterator<Item = &mut Rod> {
+        [&mut self.leader, &mut self.followed].into_iter().chain(&mut self.others)
+    }
+
+    /// Lets the leader move and the others follow what it has solved.
+    fn lead(
+        &mut self,
+        drives: &dyn Fn(usize, f64) -> Vec<Drive>,
+        scale: &dyn Fn(usize) -> f64,
+        movement: impl FnOnce(&mut Rod) -> Status,
+    ) -> Status {
+        if self.others.is_empty() {
+            return movement(&mut self.leader);
+        }
+        self.leader.trace = Some(Trace::default());
+        let status = movement(&mut self.leader);
+        let mut start_s = 0.0;
+        for solved in self.leader.trace.take().unwrap_or_default().solved {
+            let drives_then = |number: usize, t: f64| drives(number, start_s * scale(number) + t);
+            if self.regrid().is_none() {
+                return Status::UnderResolved;
+            }
+            if self.follow(&solved, &drives_then, scale).is_none() {
+                return if status == Status::Converged { Status::NotConverged } else { status };
+            }
+            start_s += solved.duration_s;
+        }
+        status
+    }
+
+    /// Takes the others through one step or equilibrium of the leader.
+    /// Time runs `scale` times as fast for a rod as for the leader.
+    fn follow(
+        &mut self,
+        solved: &Solved,
+        drives: &dyn Fn(usize, f64) -> Vec<Drive>,
+        scale: &dyn Fn(usize) -> f64,
+    ) -> Option<()> {
+        let Nearby { followed, others, kept, .. } = self;
+        let still = solved.duration_s.is_infinite();
+        for Rod { state, before, .. } in std::iter::once(&mut *followed).chain(&mut *others) {
+            before.copy_from(state);
+        }
+        for (i, (unknowns, taut)) in solved.stages.iter().enumerate() {
+            let share: f64 = followed.tableau.rows[i].iter().sum();
+            let prepare = |rod: &mut Rod, number: usize| {
+                let duration_s = solved.duration_s * scale(number);
+                if still {
+                    rod.motion = Motion::rest(&rod.system.grid, &rod.system.masses);
+                } else {
+                    let Rod { motion, system, tableau, stages, before, .. } = rod;
+                    motion.prepare(before, &system.masses, &tableau.rows[i], stages, duration_s);
+                }
+                rod.holds(&drives(number, if still { 0.0 } else { share * duration_s }))
+            };
+            let holds = prepare(followed, 0)?;
+            let mut solution = followed.at_solution(unknowns, taut, &holds, still);
+            followed.take(unknowns, taut, i, still);
+            let each: Vec<Vec<Hold>> =
+                others.iter_mut().enumerate().map(|(index, rod)| prepare(rod, index + 1)).collect::<Option<_>>()?;
+            let old = kept.take().filter(|kept| kept.serves(followed.motion.rate, taut, others.len()));
+            let corrected = old.and_then(|mut old| {
+                let all = old.correct(others, &each, &mut solution, LEFT_OLD)?;
+                *kept = Some(old);
+                Some(all)
+            });
+            let corrected = match corrected {
+                Some(all) => all,
+                None => {
+                    solution.contraction = None;
+                    let fresh = kept.insert(followed.linearise(&solution, &holds));
+                    fresh.correct(others, &each, &mut solution, LEFT_FRESH)?
+                }
+            };
+            for (other, unknowns) in others.iter_mut().zip(corrected) {
+                other.take(&unknowns, taut, i, still);
+            }
+        }
+        for (number, rod) in std::iter::once(followed).chain(others).enumerate() {
+            if still {
+                rod.state.rates = Rates::zero(&rod.system.grid, &rod.system.masses);
+            } else {
+                rod.state.rates.clone_from(&rod.stages[solved.stages.len() - 1]);
+            }
+            rod.commit_memory(solved.duration_s * scale(number));
+        }
+        Some(())
+    }
+}
+
+/// Share of the first correction that may be left with a derivative of this solution: what it leaves is much the same
+/// from solve to solve and small. With an older one it is not.
+const LEFT_FRESH: f64 = 1e-5;
+const LEFT_OLD: f64 = 1e-7;
+/// Corrections that fall no more and are smaller than this, in lengths of the rod, are rounding.
+const ROUNDING: f64 = 1e-13;
+const MOST_CORRECTIONS: usize = 8;
+/// A new derivative costs about as much as so many corrections of one rod.
+const DERIVATIVE_COST: usize = 8;
+
+impl Kept {
+    /// Whether it is cheaper to go on with it for so many rods than to make a new one.
+    fn serves(&self, rate: f64, taut: &[bool], rods: usize) -> bool {
+        self.rate == rate && self.taut == taut && (self.corrections - 1) * rods < DERIVATIVE_COST
+    }
+
+    /// The unknowns of all rods where the leader is at `solution`; `None` when the derivative does not serve.
+    fn correct(
+        &mut self,
+        rods: &mut [Rod],
+        holds: &[Vec<Hold>],
+        solution: &mut Solution,
+        left: f64,
+    ) -> Option<Vec<Vec<f64>>> {
+        self.corrections = 1;
+        let each = rods.iter_mut().zip(holds).map(|(rod, holds)| {
+            let (unknowns, corrections) = rod.corrected((&self.factors, left), solution, holds)?;
+            self.corrections = self.corrections.max(corrections);
+            Some(unknowns)
+        });
+        each.collect()
+    }
+}
+
+impl Rod {
+    /// The residual at a solution.
+    fn at_solution<'a>(
+        &mut self,
+        unknowns: &'a [f64],
+        taut: &'a [bool],
+        holds: &[Hold],
+        settled: bool,
+    ) -> Solution<'a> {
+        let Rod { system, solver, state, motion, tip_load, .. } = self;
+        let (gravity_m_s2, memory) = (system.params.gravity_m_s2, &state.memory);
+        let conditions = Conditions { holds, taut, tip_load, load_share: 1.0, gravity_m_s2, motion, memory, settled };
+        system.evaluate(unknowns, &conditions, &mut solver.work);
+        let residual = DVector::from_column_slice(&solver.work.residual);
+        Solution { unknowns, taut, residual, settled, contraction: None }
+    }
+
+    /// The factorised derivative at `solution`, whose residual has just been evaluated.
+    fn linearise(&mut self, solution: &Solution, holds: &[Hold]) -> Kept {
+        let Rod { system, solver, state, motion, tip_load, .. } = self;
+        let &Solution { unknowns, taut, settled, .. } = solution;
+        let (gravity_m_s2, memory) = (system.params.gravity_m_s2, &state.memory);
+        let conditions = Conditions { holds, taut, tip_load, load_share: 1.0, gravity_m_s2, motion, memory, settled };
+        solver.derivative.update(system, unknowns, &conditions, &solver.work);
+        let factors = solver.derivative.matrix(system, &conditions).lu();
+        Kept { factors, rate: motion.rate, taut: taut.to_vec(), corrections: 1 }
+    }
+
+    /// This rod's unknowns where the leader is at `solution`, and the corrections that this took: until no more than
+    /// `left` of the first is left. How much one leaves of another is known from the first rod that there is something
+    /// to correct for: next to nothing at the derivative's own place, but for drag and rotary inertia, which it leaves out.
+    fn corrected(
+        &mut self,
+        (factors, left): (&LU<f64, Dyn, Dyn>, f64),
+        solution: &mut Solution,
+        holds: &[Hold],
+    ) -> Option<(Vec<f64>, usize)> {
+        let mut unknowns = solution.unknowns.to_vec();
+        let Rod { system, solver, state, motion, tip_load, .. } = self;
+        let &mut Solution { taut, settled, .. } = solution;
+        let (gravity_m_s2, memory) = (system.params.gravity_m_s2, &state.memory);
+        let conditions = Conditions { holds, taut, tip_load, load_share: 1.0, gravity_m_s2, motion, memory, settled };
+        let (mut first_m, mut last_m) = (0.0, f64::NAN);
+        for done in 1..=MOST_CORRECTIONS {
+            system.evaluate(&unknowns, &conditions, &mut solver.work);
+            let mut step = DVector::from_column_slice(&solver.work.residual) - &solution.residual;
+            if !factors.solve_mut(&mut step) {
+                return None;
+            }
+            unknowns.iter_mut().zip(step.iter()).for_each(|(x, dx)| *x -= dx);
+            let size_m = system.size_of_step_m(&step.as_slice()[..system.grid.unknowns], &solver.work);
+            let rounding = size_m > 0.3 * last_m && size_m < ROUNDING * system.params.length_m();
+            if size_m == 0.0 || rounding {
+                return Some((unknowns, done));
+            }
+            if done == 1 {
+                first_m = size_m;
+            } else if solution.contraction.is_none() {
+                solution.contraction = Some(size_m / last_m);
+            }
+            let contraction = if done == 1 { solution.contraction.unwrap_or(1.0) } else { size_m / last_m };
+            if contraction * size_m < left * first_m {
+                return Some((unknowns, done));
+            }
+            last_m = size_m;
+        }
+        None
+    }
+
+    /// Stands where `unknowns` put it.
+    fn take(&mut self, unknowns: &[f64], taut: &[bool], stage: usize, still: bool) {
+        let n = self.system.grid.unknowns;
+        self.state.unknowns.copy_from_slice(unknowns);
+        self.state.taut.copy_from_slice(taut);
+        self.state.shape.update(&self.system.grid, &self.system.sections, &unknowns[..n]);
+        if !still {
+            self.stages[stage].read(&self.motion, &self.system.masses, &self.state.shape);
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! An a-posteriori estimate of what the discretisation in space puts the tip off by (docs/robustness.md).
+
+use nalgebra::Vector3;
+
+use crate::rod::discretisation::grid::Cell;
+use crate::rod::equations::material::Six;
+use crate::rod::equations::shape::Shape;
+use crate::rod::equations::system::{System, Work};
+use crate::rod::simulation::Rod;
+
+/// A tendon closer to the axis than this share of the length shortens the rod rather than bend it.
+const LEAST_OFFSET: f64 = 0.01;
+/// One Picard iteration is the first term of a series; it counts this many times.
+const CAUTION: f64 = 15.0;
+/// The two-point Gauss rule leaves h⁵ f⁗ / 4320; three times as much covers the fields that enter each other.
+const CELL_ERROR: f64 = 3.0 / 4320.0;
+/// The fourth-order Magnus step leaves about this share of its commutator times the squared angle of the cell.
+const MAGNUS_ERROR: f64 = 1.0 / 30.0;
+
+/// What the cells' quadrature and the missing polynomials put the tip off by, metres, as far as one grid knows.
+pub(crate) struct Estimate {
+    pub(crate) cells_m: f64,
+    pub(crate) balance_m: f64,
+}
+
+impl Estimate {
+    pub(crate) fn plain_m(&self) -> f64 {
+        self.cells_m + self.balance_m
+    }
+
+    pub(crate) fn cautious_m(&self) -> f64 {
+        let estimate_m = self.cells_m + CAUTION * self.balance_m;
+        // What is not a number must not pass for small.
+        if estimate_m.is_finite() { estimate_m } else { f64::INFINITY }
+    }
+}
+
+impl System {
+    /// What the cells' quadrature puts the tip off by, metres: the angle that each turns, how far from plane it bends,
+    /// and where the spine begins to saturate inside.
+    fn cell_error_m(&self, shape: &Shape, taut: &[bool]) -> f64 {
+        let strain = &shape.strain;
+        let mut total = 0.0;
+        for (c, cell) in self.grid.cells.iter().enumerate() {
+            let (h, a, b) = (cell.length_m, &strain[2 * c], &strain[2 * c + 1]);
+            let angle2 = square(a).max(square(b)) * h * h;
+            let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+            let commutator = h * h * (cross[0].powi(2) + cross[1].powi(2) + cross[2].powi(2)).sqrt();
+            total += CELL_ERROR * angle2 * angle2 * h * a[5].abs().max(b[5].abs());
+            total += MAGNUS_ERROR * commutator * angle2 * self.params.length_m();
+        }
+        total + self.kink_error_m(shape, taut)
+    }
+
+    /// The part of it from where the spine begins to saturate. How much a cell with a kink errs depends on where in it the
+    /// kink lies, so that two grids may agree by chance.
+    fn kink_error_m(&self, shape: &Shape, taut: &[bool]) -> f64 {
+        let force = |g: usize| shape.wrench[g][5];
+        let kink = |(c, cell): (usize, &Cell)| {
+            self.sections[2 * c].kink_m(force(2 * c), force(2 * c + 1), cell.length_m).abs()
+        };
+        let kinks: f64 = self.grid.cells.iter().enumerate().map(kink).sum();
+        if kinks == 0.0 {
+            return 0.0;
+        }
+        // A taut tendon bends the rod by what the spine is too long or too short.
+        let offset = |i: usize| {
+            let along = self.guides.iter().skip(i).step_by(taut.len());
+            along.map(|guide| guide.offset_m[0].hypot(guide.offset_m[1])).fold(0.0, f64::max)
+        };
+        let length_m = self.params.length_m();
+        let nearest = (0..taut.len()).filter(|&i| taut[i]).map(offset).fold(f64::INFINITY, f64::min);
+        kinks * (1.0 + length_m / nearest.max(LEAST_OFFSET * length_m))
+    }
+
+    /// The strain at Gauss point `g` that the imbalance there amounts to, without its polynomial part: that is what the
+    /// last iteration has not solved for yet and then did.
+    fn lacking(&self, g: usize, work: &Work) -> Six {
+        let node = &self.grid.nodes[g];
+        let mut strain = work.weigh(g, &work.imbalance[g]);
+        let element = node.offset[0] / self.grid.modes.iter().sum::<usize>();
+        let per_length = 1.0 / (self.grid.elements_m[element + 1] - self.grid.elements_m[element]);
+        for (c, value) in strain.iter_mut().enumerate() {
+            let own = &work.residual[node.offset[c]..node.offset[c] + self.grid.modes[c]];
+            let mut odd = per_length;
+            for (residual, basis) in own.iter().zip(&node.basis) {
+                *value -= odd * residual * basis;
+                odd += 2.0 * per_length;
+            }
+        }
+        strain
+    }
+
+    /// What the polynomials that are missing put the tip off by, metres. The imbalance that they leave at the Gauss
+    /// points is weighed to nothing by the polynomials that are there; as a strain that the rod lacks, it moves the tip
+    /// by its product with a lever that is no polynomial (one Picard iteration of the exact balance).
+    /// Where it changes the length of a taut tendon, the tendon bends the rod back by that length over its offset.
+    pub(crate) fn balance_error_m(&self, work: &Work, taut: &[bool]) -> f64 {
+        let tip = work.shape.tip_m();
+        let lacking: Vec<Six> = (0..self.grid.nodes.len()).map(|g| self.lacking(g, work)).collect();
+        let (mut moved, mut turned) = (Vector3::zeros(), Vector3::zeros());
+        let mut bent_rad = 0.0;
+        for i in (0..taut.len()).filter(|&i| taut[i]) {
+            let (mut longer, mut offset) = (0.0, 0.0_f64);
+            for (g, node) in self.grid.nodes.iter().enumerate() {
+                let pull = self.tendon_wrench(g, i, work);
+                longer += node.weight_m * pull.iter().zip(&lacking[g]).map(|(a, b)| a * b).sum::<f64>();
+                let [x, y] = self.guides[g * taut.len() + i].offset_m;
+                offset = offset.max(x * x + y * y);
+            }
+            bent_rad += longer.abs() / offset.sqrt().max(LEAST_OFFSET * self.params.length_m());
+        }
+        for (g, node) in self.grid.nodes.iter().enumerate() {
+            let lacking = &lacking[g];
+            let r = &work.shape.node_r[g];
+            let turn = r * Vector3::new(lacking[0], lacking[1], lacking[2]) * node.weight_m;
+            let stretch = r * Vector3::new(lacking[3], lacking[4], lacking[5]) * node.weight_m;
+            moved += stretch + turn.cross(&(tip - work.shape.node_p[g]));
+            turned += turn;
+        }
+        moved.norm().max(turned.norm() * self.params.length_m()) + bent_rad * self.params.length_m()
+    }
+}
+
+fn square(strain: &Six) -> f64 {
+    strain[0] * strain[0] + strain[1] * strain[1] + strain[2] * strain[2]
+}
+
+impl Rod {
+    /// The estimate on this grid alone, from what the last iteration has left in the solver.
+    pub(crate) fn estimate(&self) -> Estimate {
+        Estimate {
+            cells_m: self.system.cell_error_m(&self.state.shape, &self.state.taut),
+            balance_m: self.system.balance_error_m(&self.solver.work, &self.state.taut),
+        }
+    }
+}

@@ -1,0 +1,236 @@
+//! Four lead screws with motors: a queue of straight moves, carried out with limited acceleration.
+
+use std::collections::VecDeque;
+
+/// Time step of the motion, seconds.
+const STEP_S: f64 = 1e-3;
+/// A move that has less than this to go has ended, mm.
+const END_MM: f64 = 5e-4;
+/// Deviation at corners that sets how fast they are passed, mm (`$11`).
+const JUNCTION_MM: f64 = 0.01;
+
+/// What limits the speed of a move.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pace {
+    /// Along the path, mm/min.
+    pub(crate) feed_mm_min: f64,
+    /// Of each axis, mm/min.
+    pub(crate) max_speed_mm_min: [f64; 4],
+    /// Of each axis, mm/s².
+    pub(crate) acceleration_mm_s2: [f64; 4],
+}
+
+/// A straight move.
+#[derive(Clone, Debug)]
+struct Block {
+    target_mm: [f64; 4],
+    direction: [f64; 4],
+    left_mm: f64,
+    speed_mm_s: f64,
+    acceleration_mm_s2: f64,
+    /// Fastest at its start, from the corner before it.
+    corner_mm_s: f64,
+    /// Fastest at its end.
+    exit_mm_s: f64,
+}
+
+/// Motors and screws.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Axes {
+    /// What the controller believes, mm.
+    pub(crate) counted_mm: [f64; 4],
+    /// Where the screws are, mm from home.
+    pub(crate) screws_mm: [f64; 4],
+    /// Axes that neither turn nor count.
+    pub(crate) dead: [bool; 4],
+    /// Axes that count but do not turn.
+    pub(crate) slipping: [bool; 4],
+    /// Slowing down to a stand.
+    pub(crate) holding: bool,
+    planned_mm: [f64; 4],
+    blocks: VecDeque<Block>,
+    speed_mm_s: f64,
+    rest_s: f64,
+}
+
+impl Axes {
+    /// Moves in the queue, the running one included.
+    pub(crate) fn queued(&self) -> usize {
+        self.blocks.len()
+    }
+
+    /// Speed along the path, mm/min.
+    pub(crate) fn speed_mm_min(&self) -> f64 {
+        self.speed_mm_s * 60.0
+    }
+
+    /// Where the last move ends, mm.
+    pub(crate) fn planned_mm(&self) -> [f64; 4] {
+        self.planned_mm
+    }
+
+    /// Motors of screws that are here, mm from home.
+    pub(crate) fn at(screws_mm: [f64; 4]) -> Axes {
+        Axes { screws_mm, ..Axes::default() }
+    }
+
+    /// Drops all moves; the axes stand at once.
+    pub(crate) fn stop(&mut self) {
+        self.blocks.clear();
+        self.holding = false;
+        self.halt();
+        self.planned_mm = self.counted_mm;
+    }
+
+    /// The axes stand at once; the moves stay in the queue.
+    pub(crate) fn halt(&mut self) {
+        self.speed_mm_s = 0.0;
+        self.rest_s = 0.0;
+    }
+
+    /// The axes are here from now on, as far as the controller knows.
+    pub(crate) fn count_from(&mut self, position_mm: [f64; 4]) {
+        self.counted_mm = position_mm;
+        self.stop();
+    }
+
+    /// Adds a move to `target_mm`; none when there is nothing to go.
+    pub(crate) fn push(&mut self, target_mm: [f64; 4], pace: &Pace) {
+        let way: [f64; 4] = std::array::from_fn(|axis| target_mm[axis] - self.planned_mm[axis]);
+        let length_mm = way.iter().map(|part| part * part).sum::<f64>().sqrt();
+        if length_mm < END_MM {
+            return;
+        }
+        let direction = way.map(|part| part / length_mm);
+        let along = |limits: [f64; 4]| {
+            let shares = limits.into_iter().zip(direction).filter(|(_, part)| part.abs() > 1e-9);
+            shares.map(|(limit, part)| limit / part.abs()).fold(f64::INFINITY, f64::min)
+        };
+        let speed_mm_s = pace.feed_mm_min.min(along(pace.max_speed_mm_min)) / 60.0;
+        let acceleration_mm_s2 = along(pace.acceleration_mm_s2);
+        let corner_mm_s = self.blocks.back().map_or(0.0, |before| {
+            corner_mm_s(&before.direction, &direction, acceleration_mm_s2).min(speed_mm_s).min(before.speed_mm_s)
+        });
+        self.planned_mm = target_mm;
+        self.blocks.push_back(Block {
+            target_mm,
+            direction,
+            left_mm: length_mm,
+            speed_mm_s,
+            acceleration_mm_s2,
+            corner_mm_s,
+            exit_mm_s: 0.0,
+        });
+        self.plan();
+    }
+
+    /// Every move ends so slowly that the ones after it can still stop in time.
+    fn plan(&mut self) {
+        let mut next_mm_s = 0.0;
+        for block in self.blocks.iter_mut().rev() {
+            block.exit_mm_s = next_mm_s;
+            let stoppable_mm_s = (next_mm_s * next_mm_s + 2.0 * block.acceleration_mm_s2 * block.left_mm).sqrt();
+            next_mm_s = block.corner_mm_s.min(stoppable_mm_s);
+        }
+    }
+
+    /// Moves on by `duration_s`.
+    pub(crate) fn advance(&mut self, duration_s: f64) {
+        self.rest_s += duration_s;
+        while self.rest_s >= STEP_S && !self.blocks.is_empty() {
+            self.rest_s -= STEP_S;
+            self.step();
+        }
+        if self.blocks.is_empty() {
+            self.halt();
+        }
+    }
+
+    fn step(&mut self) {
+        let Some(block) = self.blocks.front_mut() else { return };
+        let change_mm_s = block.acceleration_mm_s2 * STEP_S;
+        self.speed_mm_s = if self.holding {
+            (self.speed_mm_s - change_mm_s).max(0.0)
+        } else {
+            let stoppable_mm_s = (block.exit_mm_s.powi(2) + 2.0 * block.acceleration_mm_s2 * block.left_mm).sqrt();
+            (self.speed_mm_s + change_mm_s).min(block.speed_mm_s).min(stoppable_mm_s)
+        };
+        let mut way_mm = (self.speed_mm_s * STEP_S).min(block.left_mm);
+        let ends = block.left_mm - way_mm < END_MM && !self.holding;
+        if ends {
+            way_mm = block.left_mm;
+        }
+        block.left_mm -= way_mm;
+        let (direction, target_mm) = (block.direction, block.target_mm);
+        self.turn(std::array::from_fn(|axis| direction[axis] * way_mm));
+        if ends {
+            self.blocks.pop_front();
+            self.settle(target_mm);
+        }
+    }
+
+    /// Turns the screws by `way_mm`.
+    pub(crate) fn turn(&mut self, way_mm: [f64; 4]) {
+        for axis in 0..4 {
+            if !self.dead[axis] {
+                self.counted_mm[axis] += way_mm[axis];
+            }
+            if !self.dead[axis] && !self.slipping[axis] {
+                self.screws_mm[axis] += way_mm[axis];
+            }
+        }
+    }
+
+    /// Rounding errors do not add up from move to move.
+    fn settle(&mut self, target_mm: [f64; 4]) {
+        for axis in 0..4 {
+            if (self.counted_mm[axis] - target_mm[axis]).abs() < 1e-6 {
+                self.counted_mm[axis] = target_mm[axis];
+            }
+        }
+    }
+}
+
+/// Speed at which a corner may be passed, after the junction deviation of GRBL.
+fn corner_mm_s(before: &[f64; 4], after: &[f64; 4], acceleration_mm_s2: f64) -> f64 {
+    let cosine = -before.iter().zip(after).map(|(one, other)| one * other).sum::<f64>();
+    if cosine > 0.999_999 {
+        return 0.0;
+    }
+    let half_sine = (0.5 * (1.0 - cosine)).max(0.0).sqrt();
+    if half_sine > 0.999_999 {
+        return f64::INFINITY;
+    }
+    (acceleration_mm_s2 * JUNCTION_MM * half_sine / (1.0 - half_sine)).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PACE: Pace = Pace { feed_mm_min: 600.0, max_speed_mm_min: [600.0; 4], acceleration_mm_s2: [50.0; 4] };
+
+    #[test]
+    fn a_move_takes_the_time_of_its_trapezium() {
+        let mut axes = Axes::default();
+        axes.push([10.0, 0.0, 0.0, 0.0], &PACE);
+        axes.advance(1.19);
+        assert!(axes.queued() == 1);
+        axes.advance(0.03);
+        assert_eq!((axes.queued(), axes.counted_mm[0]), (0, 10.0));
+    }
+
+    #[test]
+    fn straight_moves_run_into_each_other_and_a_hold_stops_between() {
+        let mut axes = Axes::default();
+        (1..=5).for_each(|k| axes.push([2.0 * f64::from(k), 0.0, 0.0, 0.0], &PACE));
+        axes.advance(0.5);
+        assert!((axes.speed_mm_min() - 600.0).abs() < 1.0, "{}", axes.speed_mm_min());
+        axes.holding = true;
+        axes.advance(0.3);
+        assert!(axes.speed_mm_min() == 0.0 && axes.queued() > 0);
+        axes.holding = false;
+        axes.advance(2.0);
+        assert_eq!(axes.counted_mm[0], 10.0);
+    }
+}

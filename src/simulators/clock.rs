@@ -1,0 +1,100 @@
+//! Time of a rehearsal: it goes on when everybody who joined waits for it, and so neither runs away from a slow computer
+//! nor waits for a fast one.
+
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+
+use crate::hardware::clock::Clock;
+
+/// A clock that jumps to the next moment that somebody waits for once all who have joined wait.
+#[derive(Debug, Default)]
+pub struct RehearsalClock {
+    state: Mutex<Moments>,
+    changed: Condvar,
+}
+
+#[derive(Debug, Default)]
+struct Moments {
+    now_s: f64,
+    joined: usize,
+    /// What those who wait are waiting for.
+    awaited_s: Vec<f64>,
+}
+
+impl RehearsalClock {
+    /// A clock that reads 0.
+    pub fn new() -> RehearsalClock {
+        RehearsalClock::default()
+    }
+
+    /// Whoever panics while it holds the lock has left nothing half done.
+    fn moments(&self) -> MutexGuard<'_, Moments> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn advance_if_all_wait(&self, moments: &mut Moments) {
+        if moments.awaited_s.is_empty() || moments.awaited_s.len() < moments.joined {
+            return;
+        }
+        let next_s = moments.awaited_s.iter().copied().fold(f64::INFINITY, f64::min);
+        moments.now_s = next_s;
+        moments.awaited_s.retain(|&awaited_s| awaited_s > next_s);
+        self.changed.notify_all();
+    }
+}
+
+impl Clock for RehearsalClock {
+    fn now_s(&self) -> f64 {
+        self.moments().now_s
+    }
+
+    fn sleep_until(&self, time_s: f64) {
+        let mut moments = self.moments();
+        if time_s <= moments.now_s {
+            return;
+        }
+        moments.awaited_s.push(time_s);
+        self.advance_if_all_wait(&mut moments);
+        while moments.now_s < time_s {
+            moments = self.changed.wait(moments).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    fn join(&self) {
+        self.moments().joined += 1;
+    }
+
+    fn leave(&self) {
+        let mut moments = self.moments();
+        moments.joined = moments.joined.saturating_sub(1);
+        self.advance_if_all_wait(&mut moments);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Arc;
+
+    #[test]
+    fn time_goes_on_only_when_all_wait_and_in_order() {
+        let clock = Arc::new(RehearsalClock::new());
+        let seen = Arc::new(Mutex::new(Vec::new()));
+        (0..3).for_each(|_| clock.join());
+        std::thread::scope(|threads| {
+            for k in 0..3 {
+                let (clock, seen) = (Arc::clone(&clock), Arc::clone(&seen));
+                threads.spawn(move || {
+                    for step in 1..=20 {
+                        clock.sleep_until(f64::from(step) * (1.0 + 0.1 * f64::from(k)));
+                        seen.lock().unwrap().push(clock.now_s());
+                    }
+                    clock.leave();
+                });
+            }
+        });
+        let seen = seen.lock().unwrap();
+        assert_eq!(seen.len(), 60);
+        assert!(seen.is_sorted(), "{seen:?}");
+        assert!((clock.now_s() - 24.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,159 @@
+//! Faults on request.
+
+use super::{Doing, FakeController};
+
+/// Something that goes wrong with the controller, its cable or its machine.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FakeFault {
+    /// It says nothing more.
+    Silent,
+    /// Its motion stands still, and it says for ever what it said last.
+    Frozen,
+    /// It answers this many seconds later than usual.
+    SlowReplies(f64),
+    /// Everything that it says is unreadable.
+    Garbage,
+    /// The next line that it says is unreadable.
+    GarbledLine,
+    /// An axis neither turns nor counts.
+    DeadAxis(usize),
+    /// An axis counts its steps and does not turn, which the controller cannot know.
+    SlippingAxis(usize),
+    /// A limit switch never closes.
+    SwitchStuckOpen(usize),
+    /// A limit switch is always closed.
+    SwitchStuckClosed(usize),
+    /// A limit switch is pressed until the next homing.
+    HardLimit(usize),
+    /// An alarm without a cause.
+    SpuriousAlarm(u16),
+    /// The next G-code is refused with this error, and all after it until an empty line.
+    StickyError(u16),
+    /// Power is lost for a moment.
+    Reboot,
+    /// The cable is pulled.
+    Unplugged,
+    /// The next `ok` is lost.
+    LostOk,
+    /// The next `ok` comes twice.
+    DoubledOk,
+    /// The count of an axis jumps by this many millimetres.
+    WrongPosition(usize, f64),
+    /// A work offset of an axis, millimetres.
+    WorkOffset(usize, f64),
+    /// A setting has another value.
+    WrongSettings(u16, String),
+    /// Somebody presses the controller's own hold.
+    HoldButton,
+    /// Somebody changes what all speeds are multiplied by, per cent.
+    FeedOverride(u32),
+    /// Every report says whether it is homed, as those of some do; others say so once.
+    TellsHomed,
+    /// Its reports have three axes.
+    ThreeAxes,
+    /// Somebody has it report work positions instead of machine positions.
+    WorkPositions,
+}
+
+/// The lasting ones.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Injected {
+    pub(crate) silent: bool,
+    pub(crate) frozen: bool,
+    pub(crate) last_status: Option<String>,
+    pub(crate) slow_s: f64,
+    pub(crate) garbage: bool,
+    pub(crate) garble_next: bool,
+    pub(crate) lose_ok: bool,
+    pub(crate) double_ok: bool,
+    pub(crate) stuck_open: [bool; 4],
+    pub(crate) stuck_closed: [bool; 4],
+    pub(crate) pressed: [bool; 4],
+    pub(crate) sticky: Option<u16>,
+    pub(crate) feed_percent: Option<u32>,
+    pub(crate) work_positions: bool,
+    pub(crate) tells_homed: bool,
+    pub(crate) three_axes: bool,
+}
+
+impl Injected {
+    /// What leaves instead of a line.
+    pub(crate) fn spoil(&mut self, text: &str) -> Vec<Vec<u8>> {
+        let mut copies = 1;
+        if text == "ok" {
+            copies += usize::from(std::mem::take(&mut self.double_ok));
+            copies -= usize::from(std::mem::take(&mut self.lose_ok));
+        }
+        if self.silent {
+            return Vec::new();
+        }
+        let mut bytes = format!("{text}\r\n").into_bytes();
+        if self.garbage || std::mem::take(&mut self.garble_next) {
+            bytes.splice(0..1, [0xff, 0x00, 0xc3]);
+        }
+        vec![bytes; copies]
+    }
+}
+
+impl FakeController {
+    /// Lets something go wrong from now on.
+    pub fn inject(&mut self, fault: FakeFault) {
+        let injected = &mut self.injected;
+        match fault {
+            FakeFault::Silent => injected.silent = true,
+            FakeFault::Frozen => injected.frozen = true,
+            FakeFault::SlowReplies(slow_s) => injected.slow_s = slow_s,
+            FakeFault::Garbage => injected.garbage = true,
+            FakeFault::GarbledLine => injected.garble_next = true,
+            FakeFault::DeadAxis(axis) => self.axes.dead[axis] = true,
+            FakeFault::SlippingAxis(axis) => self.axes.slipping[axis] = true,
+            FakeFault::SwitchStuckOpen(axis) => injected.stuck_open[axis] = true,
+            FakeFault::SwitchStuckClosed(axis) => injected.stuck_closed[axis] = true,
+            FakeFault::HardLimit(axis) => injected.pressed[axis] = true,
+            FakeFault::SpuriousAlarm(code) => self.alarm(code),
+            FakeFault::StickyError(code) => injected.sticky = Some(code),
+            FakeFault::Reboot => self.reboot(),
+            FakeFault::Unplugged => self.wire = None,
+            FakeFault::LostOk => injected.lose_ok = true,
+            FakeFault::DoubledOk => injected.double_ok = true,
+            FakeFault::WrongPosition(axis, way_mm) => self.axes.counted_mm[axis] += way_mm,
+            FakeFault::WorkOffset(axis, offset_mm) => self.offset_mm[axis] = offset_mm,
+            FakeFault::HoldButton => self.hold(),
+            FakeFault::FeedOverride(percent) => injected.feed_percent = Some(percent),
+            FakeFault::TellsHomed => injected.tells_homed = true,
+            FakeFault::ThreeAxes => injected.three_axes = true,
+            FakeFault::WorkPositions => injected.work_positions = true,
+            FakeFault::WrongSettings(number, value) => {
+                self.settings.insert(number, value);
+            }
+        }
+    }
+
+    /// Repairs everything that lasts except a pulled cable and settings.
+    pub fn repair(&mut self) {
+        self.injected = Injected::default();
+        self.axes.dead = [false; 4];
+        self.axes.slipping = [false; 4];
+        self.offset_mm = [0.0; 4];
+    }
+
+    /// Limit switches that are closed.
+    pub(crate) fn closed_switches(&self) -> [bool; 4] {
+        let switch_mm = -super::table::value(&self.settings, 27);
+        std::array::from_fn(|axis| {
+            let pressed = self.injected.pressed[axis] || self.axes.screws_mm[axis] <= switch_mm + 1e-9;
+            self.injected.stuck_closed[axis] || (pressed && !self.injected.stuck_open[axis])
+        })
+    }
+
+    /// A switch that closes while hard limits are on stops everything.
+    pub(crate) fn watch_switches(&mut self) {
+        let closed = self.closed_switches();
+        let hit = (0..4).any(|axis| closed[axis] && !self.closed[axis]);
+        self.closed = closed;
+        let on = super::table::bits(&self.settings, 21) & 1 == 1;
+        if hit && on && matches!(self.doing, Doing::Ready | Doing::Holding) {
+            self.alarm(1);
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! Homing: all axes down to their switches at once, off again, slowly back, and off.
+
+use super::{Doing, FakeController, table};
+
+/// Time to start, seconds.
+const START_S: f64 = 0.2;
+/// Pauses at the switches, seconds.
+const PAUSES_S: f64 = 1.35;
+/// The switches are looked for over this many travels.
+const SEARCH: f64 = 1.5;
+
+/// How far homing has come.
+#[derive(Clone, Debug)]
+pub(crate) struct Homing {
+    /// Before anything moves, seconds.
+    wait_s: f64,
+    searched_mm: f64,
+    /// Time to the end, seconds, once all switches are found.
+    left_s: Option<f64>,
+    /// Somebody has asked for the status.
+    pub(crate) asked: bool,
+}
+
+impl FakeController {
+    /// Begins to home, or gives the number of the error.
+    pub(crate) fn begin_homing(&mut self) -> Result<(), u16> {
+        if table::bits(&self.settings, 22) & 1 == 0 {
+            return Err(5);
+        }
+        self.standing_or_error()?;
+        self.injected.pressed = [false; 4];
+        self.axes.stop();
+        self.homed = false;
+        self.doing = Doing::Homing(Homing { wait_s: START_S, searched_mm: 0.0, left_s: None, asked: false });
+        self.report();
+        Ok(())
+    }
+
+    /// Goes on homing for a short time.
+    pub(crate) fn home_on(&mut self, duration_s: f64) {
+        let Doing::Homing(mut homing) = self.doing.clone() else { return };
+        homing.wait_s -= duration_s;
+        let result = match homing.left_s {
+            _ if homing.wait_s > 0.0 => Ok(()),
+            None => self.seek(&mut homing, duration_s),
+            Some(left_s) => {
+                self.back_off(left_s, duration_s);
+                homing.left_s = Some(left_s - duration_s);
+                if self.injected.stuck_closed.contains(&true) { Err(8) } else { Ok(()) }
+            }
+        };
+        let done = homing.left_s.is_some_and(|left_s| left_s <= 0.0);
+        match result {
+            Err(code) => self.fail_homing(code),
+            Ok(()) if done => self.end_homing(homing.asked),
+            Ok(()) => self.doing = Doing::Homing(homing),
+        }
+    }
+
+    fn seek(&mut self, homing: &mut Homing, duration_s: f64) -> Result<(), u16> {
+        let closed = self.closed_switches();
+        let speed_mm_s = table::value(&self.settings, 25) / 60.0;
+        if closed == [true; 4] {
+            let pull_off_mm = table::value(&self.settings, 27);
+            let slow_mm_s = table::value(&self.settings, 24) / 60.0;
+            homing.left_s = Some(2.0 * pull_off_mm / speed_mm_s + pull_off_mm / slow_mm_s + PAUSES_S);
+            return Ok(());
+        }
+        let way_mm = speed_mm_s * duration_s;
+        homing.searched_mm += way_mm;
+        self.axes.turn(closed.map(|closed| if closed { 0.0 } else { -way_mm }));
+        let longest_mm = table::of_axes(&self.settings, 130).into_iter().fold(0.0, f64::max);
+        if homing.searched_mm > SEARCH * longest_mm { Err(9) } else { Ok(()) }
+    }
+
+    /// From the switches towards home.
+    fn back_off(&mut self, left_s: f64, duration_s: f64) {
+        let share = (duration_s / left_s.max(duration_s)).min(1.0);
+        let way_mm = self.axes.screws_mm.map(|position_mm| -position_mm * share);
+        self.axes.turn(way_mm);
+    }
+
+    fn end_homing(&mut self, asked: bool) {
+        self.axes.count_from([0.0; 4]);
+        self.homed = true;
+        if asked {
+            self.report();
+        }
+        self.doing = Doing::Ready;
+        self.closed = self.closed_switches();
+        self.say("[MSG:]");
+        self.say("ok");
+    }
+
+    /// The controller resets itself.
+    fn fail_homing(&mut self, code: u16) {
+        self.say(&format!("ALARM:{code}"));
+        self.doing = Doing::Ready;
+        self.restart(0.1, None);
+    }
+}

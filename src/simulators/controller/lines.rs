@@ -1,0 +1,192 @@
+//! Lines: settings, commands of the controller and G-code.
+
+use super::gcode;
+use super::gcode::Action;
+use super::{Doing, FakeController, Modes, table};
+use crate::simulators::axes::Pace;
+
+/// What a line leads to besides `ok`.
+enum Answer {
+    Ok,
+    /// Nothing for now.
+    Later,
+}
+
+impl FakeController {
+    /// Does what a line says and answers it.
+    pub(crate) fn carry_out(&mut self, line: Result<String, u16>) {
+        match line.and_then(|line| self.obey(&line)) {
+            Ok(Answer::Ok) => self.say("ok"),
+            Ok(Answer::Later) => {}
+            Err(code) => {
+                self.last_error = code;
+                self.say(&format!("error:{code}"));
+            }
+        }
+    }
+
+    fn obey(&mut self, line: &str) -> Result<Answer, u16> {
+        if line.is_empty() {
+            self.last_error = 0;
+            return Ok(Answer::Ok);
+        }
+        if let Some(command) = line.strip_prefix('$') {
+            let answer = self.command(command)?;
+            self.last_error = 0;
+            return Ok(answer);
+        }
+        if matches!(self.doing, Doing::Alarm(..)) {
+            return Err(9);
+        }
+        if let Some(code) = self.injected.sticky.take() {
+            return Err(code);
+        }
+        if self.last_error != 0 {
+            return Err(self.last_error);
+        }
+        let mut modes = self.modes;
+        let action = gcode::apply(&gcode::words(line)?, &mut modes)?;
+        self.set_modes(modes);
+        match action {
+            Action::Nothing => Ok(Answer::Ok),
+            Action::Shift(axes) => {
+                let here_mm = self.faced_mm(self.axes.planned_mm());
+                for axis in 0..4 {
+                    self.offset_mm[axis] = axes[axis].map_or(self.offset_mm[axis], |value| here_mm[axis] - value);
+                }
+                Ok(Answer::Ok)
+            }
+            Action::Go(axes) => {
+                let target_mm = self.target_mm(axes, &modes, &self.offset_mm);
+                if self.soft_limit(&target_mm) {
+                    self.alarm(2);
+                    return Ok(Answer::Later);
+                }
+                self.queue(target_mm, &modes);
+                Ok(Answer::Ok)
+            }
+        }
+    }
+
+    pub(crate) fn set_modes(&mut self, modes: Modes) {
+        self.reporting.modes_changed |= modes != self.modes;
+        self.modes = modes;
+    }
+
+    fn target_mm(&self, axes: [Option<f64>; 4], modes: &Modes, offset_mm: &[f64; 4]) -> [f64; 4] {
+        let from_mm = self.faced_mm(self.axes.planned_mm());
+        std::array::from_fn(|axis| match axes[axis] {
+            None => from_mm[axis],
+            Some(way_mm) if modes.incremental => from_mm[axis] + way_mm,
+            Some(target_mm) => target_mm + offset_mm[axis],
+        })
+    }
+
+    /// The travel is only watched on axes that are homed.
+    fn soft_limit(&self, target_mm: &[f64; 4]) -> bool {
+        self.homed && table::bits(&self.settings, 20) & 1 == 1 && self.outside(target_mm)
+    }
+
+    fn outside(&self, target_mm: &[f64; 4]) -> bool {
+        let travel_mm = table::of_axes(&self.settings, 130);
+        let downwards = table::bits(&self.settings, 23);
+        (0..4).any(|axis| {
+            let (low_mm, high_mm) =
+                if downwards & (1 << axis) == 0 { (-travel_mm[axis], 0.0) } else { (0.0, travel_mm[axis]) };
+            target_mm[axis] < low_mm || target_mm[axis] > high_mm
+        })
+    }
+
+    /// Machine positions of the screws and the other way round: where homing goes up, they fall away from the switches.
+    pub(crate) fn faced_mm(&self, along_mm: [f64; 4]) -> [f64; 4] {
+        let downwards = table::bits(&self.settings, 23);
+        let upwards = |axis: usize| self.homed && downwards & (1 << axis) == 0;
+        std::array::from_fn(|axis| if upwards(axis) { -along_mm[axis] } else { along_mm[axis] })
+    }
+
+    fn queue(&mut self, target_mm: [f64; 4], modes: &Modes) {
+        let target_mm = self.faced_mm(target_mm);
+        let from_mm = self.axes.planned_mm();
+        let length_mm = (0..4).map(|axis| (target_mm[axis] - from_mm[axis]).powi(2)).sum::<f64>().sqrt();
+        let feed_mm_min = match modes {
+            Modes { rapid: true, .. } => f64::INFINITY,
+            Modes { inverse_time: true, feed, .. } => feed * length_mm,
+            Modes { inches: true, feed, .. } => feed * 25.4,
+            Modes { feed, .. } => *feed,
+        };
+        let pace = Pace {
+            feed_mm_min,
+            max_speed_mm_min: table::of_axes(&self.settings, 110),
+            acceleration_mm_s2: table::of_axes(&self.settings, 120),
+        };
+        self.axes.push(target_mm, &pace);
+    }
+
+    fn command(&mut self, command: &str) -> Result<Answer, u16> {
+        match command {
+            "H" => return self.begin_homing().map(|()| Answer::Later),
+            "X" => self.unlock()?,
+            "I" => self.identify(),
+            "$" => {
+                self.standing_or_error().or_else(|code| if code == 79 { Ok(()) } else { Err(code) })?;
+                self.list_settings();
+            }
+            "#" => self.list_offsets(),
+            "G" => {
+                let text = self.modes.text();
+                self.say(&text);
+            }
+            _ if command.starts_with("J=") => self.jog(&command[2..])?,
+            _ if command.starts_with(|first: char| first.is_ascii_digit()) => {
+                table::write(&mut self.settings, command)?;
+            }
+            _ => return Err(3),
+        }
+        Ok(Answer::Ok)
+    }
+
+    /// Commands that want a controller that stands and needs no reset.
+    pub(crate) fn standing_or_error(&self) -> Result<(), u16> {
+        match self.doing {
+            Doing::Alarm(_, true) => Err(79),
+            Doing::Alarm(_, false) => Ok(()),
+            Doing::Ready if self.axes.queued() == 0 => Ok(()),
+            _ => Err(8),
+        }
+    }
+
+    fn unlock(&mut self) -> Result<(), u16> {
+        let Doing::Alarm(_, needs_reset) = self.doing else { return Ok(()) };
+        if needs_reset {
+            return Err(79);
+        }
+        if table::bits(&self.settings, 22) & 5 == 5 && !self.homed {
+            return Err(46);
+        }
+        self.doing = Doing::Ready;
+        self.say("[MSG:Caution: Unlocked]");
+        Ok(())
+    }
+
+    fn jog(&mut self, line: &str) -> Result<(), u16> {
+        match self.doing {
+            Doing::Ready if self.jogging || self.axes.queued() == 0 => {}
+            Doing::Ready | Doing::Holding | Doing::Homing(_) => return Err(8),
+            Doing::Alarm(..) => return Err(9),
+        }
+        let words = gcode::words(line)?;
+        if words.commands.iter().any(|command| ![20.0, 21.0, 53.0, 90.0, 91.0].contains(command)) {
+            return Err(16);
+        }
+        let mut modes = Modes { rapid: false, feed: 0.0, ..self.modes };
+        let Action::Go(axes) = gcode::apply(&words, &mut modes)? else { return Err(16) };
+        let offset_mm = if words.commands.contains(&53.0) { [0.0; 4] } else { self.offset_mm };
+        let target_mm = self.target_mm(axes, &modes, &offset_mm);
+        if self.homed && self.outside(&target_mm) {
+            return Err(15);
+        }
+        self.queue(target_mm, &modes);
+        self.jogging = true;
+        Ok(())
+    }
+}

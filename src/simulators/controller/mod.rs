@@ -1,0 +1,298 @@
+//! A GRBL controller that is not there: it talks like a grblHAL with four axes, moves like one, and fails on request.
+
+mod faults;
+mod gcode;
+mod homing;
+mod lines;
+mod realtime;
+mod report;
+mod table;
+
+use std::collections::{BTreeMap, VecDeque};
+
+use rand::RngExt;
+
+pub use faults::FakeFault;
+pub use table::{factory_settings, robot_settings};
+
+use super::axes::Axes;
+use crate::base::{Generator, Seed};
+use crate::hardware::serial::Wire;
+use faults::Injected;
+use gcode::Modes;
+use homing::Homing;
+use report::Reporting;
+use table::Settings;
+
+/// Moves that the queue holds.
+const BLOCKS: usize = 100;
+/// Longer lines are refused.
+const LONGEST_LINE: usize = 256;
+/// Things heard that are kept for whoever asks.
+const MOST_HEARD: usize = 1000;
+/// The motion is looked at this often, seconds.
+const LOOK_S: f64 = 0.01;
+/// Screws end this far beyond their switches and their travel, mm.
+const END_STOP_MM: f64 = 2.0;
+
+/// What a fake controller is like.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FakeOptions {
+    /// Its settings.
+    pub settings: BTreeMap<u16, String>,
+    /// It finds no stored settings when it starts.
+    pub first_boot: bool,
+    /// Where the screws stand at the start, mm from home.
+    pub start_mm: [f64; 4],
+    /// Shortest and longest time to an answer, seconds.
+    pub delay_s: [f64; 2],
+    /// Seed of these times.
+    pub seed: u64,
+    /// It speaks as other controllers do that follow GRBL 1.1: names neither its axes nor the homing passes, says nothing of
+    /// homing in its reports, has its fields in another order, and a hold is a hold.
+    pub plain: bool,
+}
+
+impl Default for FakeOptions {
+    fn default() -> Self {
+        FakeOptions {
+            settings: robot_settings(),
+            first_boot: false,
+            start_mm: [8.0, 8.0, 12.5, 12.5],
+            delay_s: [0.02, 0.06],
+            seed: 0,
+            plain: false,
+        }
+    }
+}
+
+/// What the controller is doing.
+#[derive(Clone, Debug)]
+enum Doing {
+    /// Idle, or moving when there are moves.
+    Ready,
+    Holding,
+    Homing(Homing),
+    /// With its number; true until a reset.
+    Alarm(u16, bool),
+}
+
+/// A controller at the other end of a wire. It lives only in [`FakeController::step`].
+pub struct FakeController {
+    wire: Option<Box<dyn Wire>>,
+    settings: Settings,
+    axes: Axes,
+    doing: Doing,
+    jogging: bool,
+    /// Dropping all moves as soon as the axes stand.
+    flushing: bool,
+    homed: bool,
+    modes: Modes,
+    /// Work offset, mm.
+    offset_mm: [f64; 4],
+    /// The error that is repeated until an empty line.
+    last_error: u16,
+    reporting: Reporting,
+    injected: Injected,
+    /// Switches that were closed when last looked at.
+    closed: [bool; 4],
+    half_line: Vec<u8>,
+    lines: VecDeque<Result<String, u16>>,
+    heard: VecDeque<String>,
+    /// Answers with the time at which they leave.
+    answers: VecDeque<(f64, Vec<u8>)>,
+    now_s: f64,
+    started: bool,
+    first_boot: bool,
+    delay_s: [f64; 2],
+    plain: bool,
+    random: Generator,
+}
+
+impl FakeController {
+    /// A controller that starts at its first step.
+    pub fn new(wire: Box<dyn Wire>, options: FakeOptions) -> FakeController {
+        FakeController {
+            wire: Some(wire),
+            settings: options.settings,
+            axes: Axes::at(options.start_mm),
+            doing: Doing::Ready,
+            jogging: false,
+            flushing: false,
+            homed: false,
+            modes: Modes::default(),
+            offset_mm: [0.0; 4],
+            last_error: 0,
+            reporting: Reporting::default(),
+            injected: Injected::default(),
+            closed: [false; 4],
+            half_line: Vec::new(),
+            lines: VecDeque::new(),
+            heard: VecDeque::new(),
+            answers: VecDeque::new(),
+            now_s: 0.0,
+            started: false,
+            first_boot: options.first_boot,
+            delay_s: options.delay_s,
+            plain: options.plain,
+            random: Seed(options.seed).child("controller").rng(),
+        }
+    }
+
+    /// The times to its answers are those of `seed` from now on.
+    pub fn reseed(&mut self, seed: Seed) {
+        self.random = seed.child("controller").rng();
+    }
+
+    /// Does all that happens until `now_s`, seconds: moves, reads, answers.
+    pub fn step(&mut self, now_s: f64) {
+        if self.started {
+            self.move_on((now_s - self.now_s).max(0.0));
+            self.now_s = self.now_s.max(now_s);
+        } else {
+            (self.started, self.now_s) = (true, now_s);
+            self.start();
+        }
+        self.listen();
+        self.work();
+        self.speak();
+    }
+
+    /// What has arrived since this was last asked, status queries left out: lines as they came, single bytes as `!` hold,
+    /// `~` resume, `^X` reset and `\x..` any other. The last thousand of them.
+    pub fn heard(&mut self) -> Vec<String> {
+        self.heard.drain(..).collect()
+    }
+
+    fn note(&mut self, what: String) {
+        if self.heard.len() == MOST_HEARD {
+            self.heard.pop_front();
+        }
+        self.heard.push_back(what);
+    }
+
+    /// Where the screws really are, mm from home.
+    pub fn position_mm(&self) -> [f64; 4] {
+        self.axes.screws_mm
+    }
+
+    /// Where the screws really are, metres from home.
+    pub fn position_m(&self) -> [f64; 4] {
+        self.axes.screws_mm.map(|position_mm| position_mm * 1e-3)
+    }
+
+    /// Where the controller believes the screws to be, mm.
+    pub fn counted_mm(&self) -> [f64; 4] {
+        self.axes.counted_mm
+    }
+
+    /// Moves in the queue, the running one included.
+    pub fn queued(&self) -> usize {
+        self.axes.queued()
+    }
+
+    /// Whether the controller knows where the screws are.
+    pub fn homed(&self) -> bool {
+        self.homed
+    }
+
+    /// A setting as it is now.
+    pub fn setting(&self, number: u16) -> Option<&str> {
+        self.settings.get(&number).map(String::as_str)
+    }
+
+    fn move_on(&mut self, duration_s: f64) {
+        let mut left_s = duration_s;
+        while left_s > 0.0 {
+            let part_s = left_s.min(LOOK_S);
+            left_s -= part_s;
+            self.now_s += part_s;
+            match self.doing {
+                _ if self.injected.frozen => {}
+                Doing::Homing(_) => self.home_on(part_s),
+                Doing::Alarm(..) => {}
+                Doing::Ready | Doing::Holding => self.axes.advance(part_s),
+            }
+            self.jogging &= self.axes.queued() > 0;
+            if self.flushing && self.axes.speed_mm_min() == 0.0 {
+                self.axes.stop();
+                self.flushing = false;
+            }
+            self.stop_at_ends();
+            self.watch_switches();
+        }
+    }
+
+    fn stop_at_ends(&mut self) {
+        let travel_mm = table::of_axes(&self.settings, 130);
+        let low_mm = -table::value(&self.settings, 27) - END_STOP_MM;
+        for axis in 0..4 {
+            let high_mm = (travel_mm[axis] + END_STOP_MM).max(low_mm);
+            self.axes.screws_mm[axis] = self.axes.screws_mm[axis].clamp(low_mm, high_mm);
+        }
+    }
+
+    /// Takes what has arrived: realtime bytes at once, lines in their turn.
+    fn listen(&mut self) {
+        let mut buffer = [0; 1024];
+        loop {
+            let count = match self.wire.as_mut().map(|wire| wire.read(&mut buffer)) {
+                None | Some(Ok(0) | Err(_)) => return,
+                Some(Ok(count)) => count,
+            };
+            for byte in buffer.into_iter().take(count) {
+                if !self.realtime(byte) {
+                    self.write_down(byte);
+                }
+            }
+        }
+    }
+
+    fn write_down(&mut self, byte: u8) {
+        if !matches!(byte, b'\n' | b'\r') {
+            self.half_line.push(byte);
+            return;
+        }
+        let bytes = std::mem::take(&mut self.half_line);
+        let too_long = bytes.len() > LONGEST_LINE;
+        let line = String::from_utf8_lossy(&bytes).trim().to_owned();
+        self.note(line.clone());
+        self.lines.push_back(if too_long { Err(11) } else { Ok(line) });
+        // Realtime bytes come after the lines before them.
+        self.work();
+    }
+
+    /// Carries out lines while nothing keeps it from doing so.
+    fn work(&mut self) {
+        while !matches!(self.doing, Doing::Homing(_)) && self.axes.queued() < BLOCKS && !self.flushing {
+            let Some(line) = self.lines.pop_front() else { return };
+            self.carry_out(line);
+        }
+    }
+
+    fn say(&mut self, text: &str) {
+        self.say_after(0.0, text);
+    }
+
+    /// Says something `wait_s` later than usual.
+    fn say_after(&mut self, wait_s: f64, text: &str) {
+        let [least_s, most_s] = self.delay_s;
+        let delay_s = if most_s > least_s { self.random.random_range(least_s..most_s) } else { least_s };
+        let due_s = self.now_s + wait_s + delay_s + self.injected.slow_s;
+        // Nothing overtakes what was said before.
+        let due_s = self.answers.back().map_or(due_s, |(last_s, _)| last_s.max(due_s));
+        for bytes in self.injected.spoil(text) {
+            self.answers.push_back((due_s, bytes));
+        }
+    }
+
+    fn speak(&mut self) {
+        while self.answers.front().is_some_and(|(due_s, _)| *due_s <= self.now_s) {
+            let Some((_, bytes)) = self.answers.pop_front() else { return };
+            if let Some(wire) = self.wire.as_mut() {
+                // Nobody may be listening.
+                let _ = wire.write(&bytes);
+            }
+        }
+    }
+}

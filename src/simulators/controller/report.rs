@@ -1,0 +1,178 @@
+//! What the fake controller says about itself.
+
+use super::{BLOCKS, Doing, FakeController, table};
+use crate::hardware::grbl::AXIS_NAMES;
+
+/// Reports between two mentions of the work offset.
+const OFFSET_EVERY: u32 = 30;
+/// Reports between two mentions of the overrides.
+const OVERRIDES_EVERY: u32 = 20;
+
+/// What the next report has to mention.
+#[derive(Clone, Debug)]
+pub(crate) struct Reporting {
+    /// Reports since the start.
+    count: u32,
+    /// What was last said about homing.
+    homed: bool,
+    pub(crate) modes_changed: bool,
+    pub(crate) alarmed: bool,
+}
+
+impl Default for Reporting {
+    fn default() -> Self {
+        Reporting { count: 0, homed: false, modes_changed: true, alarmed: false }
+    }
+}
+
+impl Reporting {
+    /// As after a reset.
+    pub(crate) fn start_over(&mut self) {
+        *self = Reporting { homed: self.homed, ..Reporting::default() };
+    }
+}
+
+impl FakeController {
+    /// Answers `?`.
+    pub(crate) fn report(&mut self) {
+        let status = match self.injected.last_status.take().filter(|_| self.injected.frozen) {
+            Some(last) => last,
+            None => self.status(),
+        };
+        self.say(&status);
+        self.injected.last_status = Some(status);
+        let parser_state = table::bits(&self.settings, 10) & 512 != 0;
+        if std::mem::take(&mut self.reporting.modes_changed) && parser_state {
+            let text = self.modes.text();
+            self.say(&text);
+        }
+    }
+
+    fn status(&mut self) -> String {
+        let steps_per_mm = table::of_axes(&self.settings, 100);
+        let counted_mm = self.faced_mm(self.axes.counted_mm);
+        let position_mm = std::array::from_fn(|axis| {
+            let steps_per_mm = steps_per_mm[axis].max(1.0);
+            (counted_mm[axis] * steps_per_mm).round() / steps_per_mm
+        });
+        let (free, room) = (BLOCKS - self.axes.queued().min(BLOCKS), 1023);
+        let feed = self.axes.speed_mm_min().round();
+        if self.plain {
+            return self.plain_status(&position_mm, feed);
+        }
+        let which = if self.injected.work_positions { "WPos" } else { "MPos" };
+        let mut position = four(&position_mm);
+        if self.injected.three_axes {
+            position.truncate(position.rfind(',').unwrap_or_default());
+        }
+        let mut text = format!("<{}|{which}:{position}|Bf:{free},{room}|FS:{feed},0", self.mode());
+        self.add_changes(&mut text);
+        text.push('>');
+        text
+    }
+
+    /// As GRBL itself: `$10` has 2 for the queue, and the work offset comes now and then.
+    fn plain_status(&mut self, position_mm: &[f64; 4], feed: f64) -> String {
+        let mut text = format!("<{}|FS:{feed},0|MPos:{}", self.mode(), four(position_mm));
+        if table::bits(&self.settings, 10) & 2 != 0 {
+            text.push_str(&format!("|Bf:{},128", BLOCKS - self.axes.queued().min(BLOCKS)));
+        }
+        match self.reporting.count % OFFSET_EVERY {
+            0 => text.push_str(&format!("|WCO:{}", four(&self.offset_mm))),
+            1 => text.push_str("|Ov:100,100,100"),
+            2 => text.push_str("|Ln:12|Pn:P"),
+            _ => {}
+        }
+        self.reporting.count += 1;
+        text.push('>');
+        text
+    }
+
+    /// Fields that are only there when there is news, or every now and then.
+    fn add_changes(&mut self, text: &mut String) {
+        let count = self.reporting.count;
+        self.reporting.count += 1;
+        let closed = self.closed_switches();
+        if closed.contains(&true) {
+            text.push_str("|Pn:");
+            text.extend((0..4).filter(|&axis| closed[axis]).map(|axis| AXIS_NAMES[axis]));
+        }
+        if count % OFFSET_EVERY == 1 {
+            text.push_str(&format!("|WCO:{}", four(&self.offset_mm)));
+        } else if let Some(percent) = self.injected.feed_percent {
+            text.push_str(&format!("|Ov:{percent},100,100"));
+        } else if count.is_multiple_of(OVERRIDES_EVERY) {
+            text.push_str("|Ov:100,100,100");
+        }
+        if std::mem::take(&mut self.reporting.alarmed) || count == 0 {
+            text.push_str("|A:");
+        }
+        let homing = matches!(self.doing, Doing::Homing(_));
+        if (self.reporting.homed != self.homed || self.injected.tells_homed) && !homing {
+            self.reporting.homed = self.homed;
+            text.push_str(&format!("|H:{}", u8::from(self.homed)));
+        }
+        if count == 0 {
+            text.push_str("|TLR:0");
+        }
+    }
+
+    fn mode(&self) -> String {
+        let substates = table::bits(&self.settings, 10) & 1024 != 0;
+        match self.doing {
+            Doing::Ready if self.axes.queued() == 0 => "Idle".to_owned(),
+            Doing::Ready if self.jogging => "Jog".to_owned(),
+            Doing::Ready => "Run".to_owned(),
+            Doing::Holding if self.plain => "Hold".to_owned(),
+            Doing::Holding => format!("Hold:{}", u8::from(self.axes.speed_mm_min() > 0.0)),
+            Doing::Homing(_) => "Home".to_owned(),
+            Doing::Alarm(code, _) if substates => format!("Alarm:{code}"),
+            Doing::Alarm(..) => "Alarm".to_owned(),
+        }
+    }
+
+    /// Answers `$I`.
+    pub(crate) fn identify(&mut self) {
+        if self.plain {
+            self.say("[VER:1.1h.20190830:another]");
+            return self.say("[OPT:V]");
+        }
+        let lines = [
+            "[VER:1.1f.20260817:]",
+            "[OPT:VNML+,100,1024,4,0]",
+            "[AXS:4:XYZA]",
+            "[NEWOPT:ENUMS,RT+,TC,SED]",
+            "[FIRMWARE:grblHAL]",
+            "[SIGNALS:D]",
+            "[NVS STORAGE:*EEPROM]",
+            "[DRIVER:Simulator]",
+            "[DRIVER VERSION:260324]",
+        ];
+        lines.iter().for_each(|line| self.say(line));
+    }
+
+    /// Answers `$$`.
+    pub(crate) fn list_settings(&mut self) {
+        let lines: Vec<String> = self.settings.iter().map(|(number, value)| format!("${number}={value}")).collect();
+        lines.iter().for_each(|line| self.say(line));
+    }
+
+    /// Answers `$#`.
+    pub(crate) fn list_offsets(&mut self) {
+        let none = four(&[0.0; 4]);
+        for name in ["G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3", "G28", "G30"] {
+            self.say(&format!("[{name}:{none}]"));
+        }
+        let offset = four(&self.offset_mm);
+        self.say(&format!("[G92:{offset}]"));
+        let axes = if self.homed { 15 } else { 0 };
+        self.say(&format!("[HOME:{none}:{axes}]"));
+        self.say(&if self.plain { "[TLO:0.000]".to_owned() } else { format!("[TLO:{none}]") });
+        self.say(&format!("[PRB:{none}:0]"));
+    }
+}
+
+/// Four numbers as in reports.
+fn four(values: &[f64; 4]) -> String {
+    values.map(|value| format!("{:.3}", value + 0.0)).join(",")
+}

@@ -1,0 +1,68 @@
+//! Two wires that are connected to each other inside the program.
+
+use std::collections::VecDeque;
+use std::io;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use crate::hardware::serial::Wire;
+
+/// Bytes on their way in both directions, and whether both ends are still there.
+#[derive(Debug, Default)]
+struct Line {
+    towards: [VecDeque<u8>; 2],
+    cut: bool,
+}
+
+/// One end of a pipe. Dropping it unplugs the other one.
+#[derive(Debug)]
+pub struct PipeWire {
+    line: Arc<Mutex<Line>>,
+    end: usize,
+}
+
+/// Two wires: what is written to one is read from the other.
+pub fn pipe() -> (PipeWire, PipeWire) {
+    let line = Arc::new(Mutex::new(Line::default()));
+    (PipeWire { line: Arc::clone(&line), end: 0 }, PipeWire { line, end: 1 })
+}
+
+impl PipeWire {
+    /// Whoever panics while it holds the lock has left nothing half done.
+    fn line(&self) -> MutexGuard<'_, Line> {
+        self.line.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Wire for PipeWire {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let mut line = self.line();
+        let waiting = &mut line.towards[self.end];
+        let count = waiting.len().min(buffer.len());
+        for (place, byte) in buffer.iter_mut().zip(waiting.drain(..count)) {
+            *place = byte;
+        }
+        if count == 0 && line.cut {
+            return Err(unplugged());
+        }
+        Ok(count)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        let mut line = self.line();
+        if line.cut {
+            return Err(unplugged());
+        }
+        line.towards[1 - self.end].extend(bytes);
+        Ok(())
+    }
+}
+
+impl Drop for PipeWire {
+    fn drop(&mut self) {
+        self.line().cut = true;
+    }
+}
+
+fn unplugged() -> io::Error {
+    io::Error::new(io::ErrorKind::BrokenPipe, "the other end is gone")
+}

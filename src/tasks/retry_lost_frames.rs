@@ -1,0 +1,46 @@
+//! Recordings for learning hold the tip in every row: where tracking loses it, the tick is repeated.
+
+use crate::base::{Observation, Plant, PlantError, Seed, TendonCommand};
+
+/// Steps for which a command is held once more, 2 s at the usual 0.2 s: a marker is hidden for moments. A robot on a bench
+/// whose tracker sees nothing for longer stops by itself.
+const MOST_REPEATS: usize = 10;
+
+/// A plant whose every observation is a measurement. Where the tip was not seen, the same command is held for another
+/// step and the tip at its end taken: the number of rows stays, each with its own command, so that recordings of the same
+/// commands on two robots can be laid side by side. (A row left out would break that, and the time series with it.)
+pub(crate) struct Watched<'a>(pub(crate) &'a mut dyn Plant);
+
+impl Watched<'_> {
+    fn until_seen(&mut self, first: Observation, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
+        let mut seen = first;
+        for _ in 0..MOST_REPEATS {
+            if seen.valid {
+                break;
+            }
+            seen = self.0.drive(commands)?;
+        }
+        if seen.valid { Ok(seen) } else { Err(PlantError::Unseen { steps: MOST_REPEATS }) }
+    }
+}
+
+impl Plant for Watched<'_> {
+    fn tendons(&self) -> usize {
+        self.0.tendons()
+    }
+
+    fn step_s(&self) -> f64 {
+        self.0.step_s()
+    }
+
+    fn reset(&mut self, seed: Seed) -> Result<Observation, PlantError> {
+        let first = self.0.reset(seed)?;
+        let home = vec![TendonCommand::Pull(0.0); self.tendons()];
+        self.until_seen(first, &home)
+    }
+
+    fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
+        let first = self.0.drive(commands)?;
+        self.until_seen(first, commands)
+    }
+}
