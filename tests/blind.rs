@@ -4,7 +4,7 @@
 use spinebench::base::Seed;
 use spinebench::benchmark::{
     Answer, Answered, Batch, Commands, Group, OracleOptions, Prior, Robot, Span, Truth, TruthOptions, UNKNOWNS,
-    commands, drawing, present, scores,
+    commands, draw, present, score,
 };
 use spinebench::data::findings::Verdict;
 use spinebench::effects::{CATALOGUE, Model};

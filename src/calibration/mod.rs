@@ -8,8 +8,7 @@ use crate::data::Recording;
 use crate::effects::{Model, ModelParameter, Robot, Variable, VariationError};
 use crate::math::optimise::least_squares;
 use crate::rod::TipRate;
-use crate::tasks::TaskError;
-use crate::tasks::simulate_recording::{PlayOptions, Varied, play, play_varied};
+use crate::tasks::{PlayOptions, TaskError, Varied, play, play_varied};
 
 /// A number of a robot that can be calibrated; all are positive and fitted on a logarithmic scale.
 pub struct Adjustable {

@@ -16,7 +16,6 @@ use super::noise_floor::{Floor, bias};
 use super::problem::Question;
 use super::recording::covariates::circumstances;
 use cross_trial::{Missing, missing};
-use levene;
 use score_test::together;
 use spearman::grows;
 

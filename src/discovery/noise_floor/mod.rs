@@ -10,7 +10,6 @@ use super::fit::ar1_noise::{Noise, alike};
 use super::fit::nuisance::Explained;
 use super::recording::samples::{Samples, TrialCommands};
 use crate::math::distribution::f_above;
-use dwell_ar1;
 use nugget::nugget;
 
 /// An estimate of noise.

@@ -43,7 +43,7 @@ pub struct Machine {
 }
 
 /// Learns what is at the other end of `port`; the status is the latest one.
-pub(crate) fn introduce(
+pub(super) fn introduce(
     port: &mut Port,
     settings: &MotionSettings,
     clock: &dyn Clock,

@@ -77,7 +77,7 @@ impl Controller {
         self.send("$H".to_owned(), Purpose::Homing, now_s);
     }
 
-    pub(crate) fn send(&mut self, line: String, purpose: Purpose, now_s: f64) {
+    pub(super) fn send(&mut self, line: String, purpose: Purpose, now_s: f64) {
         let sent = self.port.send(&line);
         self.pending = Some(Pending { line, sent_s: now_s, purpose });
         self.state.unacknowledged = 1;

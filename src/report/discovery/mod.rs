@@ -1,16 +1,16 @@
 //! What people look at of a discovery: one page with its figures, the figures as files, and the tables behind them.
 //! Pure functions from what was found to bytes; the same findings give the same bytes.
 
-mod answer;
-pub(crate) mod appendix;
+pub(super) mod answer;
+mod appendix;
 mod arrows;
 mod evidence;
-pub(crate) mod format;
+pub(super) mod format;
 mod gap;
 mod heat;
 mod html;
 mod map;
-pub(crate) mod model_diff;
+mod model_diff;
 mod page;
 mod quantity;
 mod residuals;
