@@ -5,7 +5,7 @@ use spinebench::base::{Rows, Seed};
 use spinebench::calibration::{Calibration, calibrate};
 use spinebench::data::{Actuation, Recording};
 use spinebench::effects::Model;
-use spinebench::tasks::{PlayOptions, TaskError, play};
+use spinebench::tasks::{SimulationOptions, TaskError, simulate_recording};
 
 const TRUE_PA: f64 = 2.33e9;
 const NOISE_M: f64 = 5e-4;
@@ -34,7 +34,8 @@ fn weights(each_n: &[f64]) -> Recording {
 
 /// What a tracker with noise sees of `model`.
 fn measured(model: &Model, commands: &Recording, seed: u64, noise_m: f64) -> Recording {
-    let clean = play(model, commands, &PlayOptions { at_rest: true, ..PlayOptions::default() });
+    let clean =
+        simulate_recording(model, commands, &SimulationOptions { at_rest: true, ..SimulationOptions::default() });
     noisy(&clean, seed, noise_m)
 }
 
@@ -77,7 +78,8 @@ fn the_interval_covers_the_truth_as_often_as_it_says() {
     let mut guess = truth.clone();
     guess.robot.backbone.youngs_modulus_pa = 2.1e9;
     let commands = weights(&[3.0, 8.0]);
-    let clean = play(&truth, &commands, &PlayOptions { at_rest: true, ..PlayOptions::default() });
+    let clean =
+        simulate_recording(&truth, &commands, &SimulationOptions { at_rest: true, ..SimulationOptions::default() });
     // Student's t for 24 coordinates and one number.
     let quantile = 2.0687;
     let (mut covered, mut scores) = (0, 0.0);

@@ -13,13 +13,13 @@ use spinebench::policies::{
     ElmanForward, ElmanInverse, ErrorModel, ForwardModel, GpError, InverseModel, PolicyOptions, PolicyParts,
 };
 use spinebench::tasks::{
-    ExploreOptions, GpPointsOptions, LoopMode, ReachOptions, Samples, explore, generate, gp_points, imagine,
-    one_of_each_cluster, reach,
+    ExploreOptions, GpPointsOptions, LoopMode, ReachOptions, Transitions, correct_samples, explore, gp_points,
+    one_of_each_cluster, reach, rollout,
 };
 
 const SHIFT_M: Point3 = [-0.012, 0.004, 0.0];
 
-fn pairs(samples: &Samples) -> Rows {
+fn pairs(samples: &Transitions) -> Rows {
     let mut inputs = Rows::new(6);
     for (from_m, to_m) in samples.from_m.iter().zip(samples.to_m.iter()) {
         inputs.push(&[from_m, to_m].concat());
@@ -27,13 +27,13 @@ fn pairs(samples: &Samples) -> Rows {
     inputs
 }
 
-fn train(samples: &Samples) -> Arc<Elman> {
+fn train(samples: &Transitions) -> Arc<Elman> {
     let config = ElmanConfig { max_epochs: 40, ..ElmanConfig::default() };
     let trained = Elman::train(&pairs(samples), &samples.pulls_m, &samples.starts, &config, Seed(2)).unwrap();
     Arc::new(trained.network)
 }
 
-fn exploration(points: usize) -> Samples {
+fn exploration(points: usize) -> Transitions {
     explore(&mut robot([0.0; 3]), &ExploreOptions { points, ..ExploreOptions::default() }, Seed(1)).unwrap()
 }
 
@@ -64,7 +64,7 @@ fn within_a_tick_the_network_answers_alike_and_over_ticks_as_in_a_sequence() {
 }
 
 /// Trained on (u_i, x_i) → x_{i+1}, eq. (17).
-fn forward_network(samples: &Samples) -> Arc<Elman> {
+fn forward_network(samples: &Transitions) -> Arc<Elman> {
     let config = ElmanConfig { max_epochs: 200, ..ElmanConfig::default() };
     let mut inputs = Rows::new(7);
     for (pulls_m, from_m) in samples.pulls_m.iter().zip(samples.from_m.iter()) {
@@ -77,7 +77,7 @@ fn forward_network(samples: &Samples) -> Arc<Elman> {
 fn a_forward_network_stands_for_the_rod_in_the_points_of_the_error_model() {
     let network = forward_network(&exploration(6_000));
     let pool = gp_points(&mut robot([0.0; 3]), &mut robot(SHIFT_M), &GpPointsOptions::default(), Seed(1)).unwrap();
-    let imagined = imagine(&pool.steps, &mut ElmanForward::new(network.clone(), 4).unwrap()).unwrap();
+    let imagined = rollout(&pool.steps, &mut ElmanForward::new(network.clone(), 4).unwrap()).unwrap();
 
     // It starts at the recorded home and is then fed with what it predicted itself.
     let mut model = ElmanForward::new(network, 4).unwrap();
@@ -135,7 +135,7 @@ fn learned_policies_come_close_and_repeat_to_the_bit() {
     let samples = exploration(3_000);
     let error: Arc<dyn ErrorModel> = Arc::new(error_model());
     let simulated = train(&samples);
-    let generated = train(&generate(&samples, error.as_ref()).unwrap());
+    let generated = train(&correct_samples(&samples, error.as_ref()).unwrap());
     let run = |name: &str| {
         let parts = PolicyParts {
             simulated: Some(Box::new(ElmanInverse::new(simulated.clone()).unwrap())),

@@ -5,7 +5,7 @@ mod report_rows;
 use std::path::Path;
 
 use report_rows::{published, sweep};
-use spinebench::report::{FIGURES, Published, ReportError, Shelf, figure, write};
+use spinebench::report::{FIGURES, OutputFolder, Published, ReportError, figure, write};
 
 #[test]
 fn the_same_rows_give_the_same_bytes() {
@@ -43,7 +43,7 @@ fn names_are_unique_and_pictures_come_as_png_and_svg() {
         for end in ["png", "svg"] {
             let name = format!("{}.{end}", one.name);
             let file = files.iter().find(|file| file.name == name).unwrap();
-            assert_eq!(file.shelf, Shelf::Plots);
+            assert_eq!(file.folder, OutputFolder::Plots);
             let start: &[u8] = if end == "png" { b"\x89PNG\r\n" } else { b"<svg " };
             assert!(file.bytes.starts_with(start), "{name}");
         }

@@ -1,7 +1,7 @@
 //! The experiments that ship: they parse, what is resolved runs as it is, and their claims are the paper's.
 
 use spinebench::report::paper::TABLE_1;
-use spinebench::specs::{Experiment, Metric, Relation, reach_cells, to_yaml, track_cells};
+use spinebench::specs::{ClaimMetric, Experiment, Relation, reach_cells, to_yaml, track_cells};
 use std::path::{Path, PathBuf};
 
 fn shipped() -> Vec<PathBuf> {
@@ -63,9 +63,9 @@ fn table_one_is_claimed_as_it_is_printed() {
             let name = format!("table1_{policy}_{mode}_{statistic}");
             let claim = experiment.claims.iter().find(|claim| claim.claim == name).unwrap_or_else(|| panic!("{name}"));
             let Relation::Near { metric, figure, tolerance } = &claim.relation else { panic!("{name}") };
-            let (Metric::ReachMean(cell) | Metric::ReachSd(cell)) = metric else { panic!("{name}") };
+            let (ClaimMetric::ReachMean(cell) | ClaimMetric::ReachSd(cell)) = metric else { panic!("{name}") };
             assert_eq!((cell.policy.as_str(), cell.mode.as_str()), (policy, mode), "{name}");
-            assert_eq!(matches!(metric, Metric::ReachMean(_)), statistic == "mean", "{name}");
+            assert_eq!(matches!(metric, ClaimMetric::ReachMean(_)), statistic == "mean", "{name}");
             assert!((figure - expected).abs() < 1e-9 && claim.paper == Some(*figure), "{name}: {figure}");
             assert!((tolerance - t * error).abs() < 1e-5, "{name}: {tolerance} against {}", t * error);
         }

@@ -1,7 +1,7 @@
 //! Sweeps: what they expand to, what of it is computed once, what they publish, and what is refused.
 
 use spinebench::runner::Campaign;
-use spinebench::specs::Study;
+use spinebench::specs::ExperimentSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -24,12 +24,12 @@ fn owned(texts: &[&str]) -> Vec<String> {
 }
 
 /// The smoke experiment, one seed.
-fn smoke(sets: &[&str], sweeps: &[&str]) -> Result<Study, String> {
+fn smoke(sets: &[&str], sweeps: &[&str]) -> Result<ExperimentSet, String> {
     let sets = owned(&[&["seeds=1"], sets].concat());
-    Study::read(&experiments().join("smoke.yaml"), &sets, &owned(sweeps)).map_err(|error| error.to_string())
+    ExperimentSet::read(&experiments().join("smoke.yaml"), &sets, &owned(sweeps)).map_err(|error| error.to_string())
 }
 
-fn stages(studies: Vec<Study>) -> usize {
+fn stages(studies: Vec<ExperimentSet>) -> usize {
     Campaign::expand(studies).unwrap().graph.len()
 }
 
@@ -114,7 +114,7 @@ fn models_are_swept_by_their_files_and_by_what_is_in_them() {
     );
     let file = folder.path().join("models.yaml");
     std::fs::write(&file, text).unwrap();
-    let study = Study::read(&file, &[], &[]).unwrap();
+    let study = ExperimentSet::read(&file, &[], &[]).unwrap();
     assert_eq!(study.points.len(), 8);
     assert_eq!(study.sweep[2].values, ["light", "heavy"]);
     let real = smoke(&["plant.simulated.model.robot.damping_time_s=0.04"], &[]).unwrap().experiment;
@@ -124,7 +124,7 @@ fn models_are_swept_by_their_files_and_by_what_is_in_them() {
     // Resolved, the spec needs no files and is the same study.
     let resolved = folder.path().join("elsewhere.yaml");
     std::fs::write(&resolved, study.to_yaml().unwrap()).unwrap();
-    let again = Study::read(&resolved, &[], &[]).unwrap();
+    let again = ExperimentSet::read(&resolved, &[], &[]).unwrap();
     assert_eq!((&again.sweep, &again.points), (&study.sweep, &study.points));
 }
 
@@ -144,9 +144,9 @@ fn a_spec_adds_to_what_it_extends_replaces_and_drops() {
         "extends: base.yaml\nsweep: {gp.starts: {range: {from: 1, to: 3, step: 1}}, gp.kernel: null, seed: [1, 2]}\n",
     );
     let read = |sets: &[&str], sweeps: &[&str]| {
-        Study::read(&folder.path().join("more.yaml"), &owned(sets), &owned(sweeps)).unwrap()
+        ExperimentSet::read(&folder.path().join("more.yaml"), &owned(sets), &owned(sweeps)).unwrap()
     };
-    let fields = |study: &Study| {
+    let fields = |study: &ExperimentSet| {
         study.sweep.iter().map(|field| format!("{} {}", field.name, field.values.len())).collect::<Vec<_>>()
     };
     assert_eq!(fields(&read(&[], &[])), ["gp.starts 3", "spec.seed 2"]);
@@ -321,11 +321,11 @@ fn the_shipped_sweeps_are_studies_and_resolved_the_same_ones() {
     let folder = tempfile::tempdir().unwrap();
     for (name, points) in [("thresholds", 6), ("kernels", 20)] {
         let file = experiments().join("sweeps").join(name).with_extension("yaml");
-        let study = Study::read(&file, &[], &[]).unwrap_or_else(|error| panic!("{error}"));
+        let study = ExperimentSet::read(&file, &[], &[]).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!((study.experiment.name.as_str(), study.points.len()), (name, points));
         let resolved = folder.path().join("spec.yaml");
         std::fs::write(&resolved, study.to_yaml().unwrap()).unwrap();
-        assert_eq!(Study::read(&resolved, &[], &[]).unwrap(), study);
+        assert_eq!(ExperimentSet::read(&resolved, &[], &[]).unwrap(), study);
         let error = spinebench::specs::Experiment::read(&file, &[]).unwrap_err().to_string();
         assert!(error.contains("expected a spec that sweeps nothing"), "{error}");
     }

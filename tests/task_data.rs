@@ -7,9 +7,9 @@ use proptest::prelude::*;
 use spinebench::base::{Observation, Plant, PlantError, Point3, Seed, TendonCommand, distance_m};
 use spinebench::plants::{ConstantCurvature, ConstantCurvatureOptions};
 use spinebench::tasks::{
-    ExploreOptions, GpPointsOptions, GridOptions, Layout, PathOptions, Samples, TargetOptions, TaskError, draw_targets,
-    explore, explore_trajectory, generate, gp_points, interpolate, one_of_each_cluster, replay, spread_targets,
-    target_pool, waypoints,
+    ExploreOptions, GpPointsOptions, GridOptions, PathOptions, PointLayout, TargetOptions, TaskError, Transitions,
+    correct_samples, draw_targets, explore, explore_trajectory, gp_points, interpolate, one_of_each_cluster, replay,
+    spread_targets, target_pool, waypoints,
 };
 
 const SHIFT_M: Point3 = [-0.012, 0.004, 0.001];
@@ -65,12 +65,12 @@ fn samples_are_a_continuous_recording() {
 fn trajectories_do_not_depend_on_who_records_them_and_when() {
     let options = ExploreOptions { points: 90, trajectories: 3, ..ExploreOptions::default() };
     let whole = explore(&mut noisy(), &options, Seed(5)).unwrap();
-    let mut apart: Vec<Samples> = [2, 0, 1]
+    let mut apart: Vec<Transitions> = [2, 0, 1]
         .into_iter()
         .map(|index| explore_trajectory(&mut noisy(), &options, Seed(5), index).unwrap())
         .collect();
     apart.rotate_left(1);
-    assert_eq!(Samples::concat(&apart), whole);
+    assert_eq!(Transitions::concat(&apart), whole);
     assert_ne!(explore(&mut noisy(), &options, Seed(6)).unwrap(), whole);
 }
 
@@ -128,7 +128,7 @@ impl Plant for Blinking {
 fn where_the_tip_is_not_seen_the_tick_is_repeated() {
     let walk = ExploreOptions { points: 200, trajectories: 2, ..ExploreOptions::default() };
     let sweep = GridOptions { rows: 5, columns: 7, ..GridOptions::default() };
-    let points = GpPointsOptions { layout: Layout::Grid(sweep), ..GpPointsOptions::default() };
+    let points = GpPointsOptions { layout: PointLayout::Grid(sweep), ..GpPointsOptions::default() };
     let targets = TargetOptions { pool: 20, drawn: 5, sweep };
     let path = PathOptions { points: 9, hold_steps: 0, ..PathOptions::default() };
     let record = |robot: &mut dyn Plant| {
@@ -163,13 +163,13 @@ fn generated_samples_are_the_real_ones_where_the_error_model_is_exact() {
     let options = ExploreOptions { points: 300, trajectories: 2, ..ExploreOptions::default() };
     let model = explore(&mut at_once([0.0; 3]), &options, Seed(7)).unwrap();
     let real = replay(&mut at_once(SHIFT_M), &model, Seed(7)).unwrap();
-    let generated = generate(&model, &ConstantError(negative(SHIFT_M))).unwrap();
+    let generated = correct_samples(&model, &ConstantError(negative(SHIFT_M))).unwrap();
     assert_eq!((&generated.pulls_m, &generated.starts), (&real.pulls_m, &real.starts));
     for (found, expected) in [(&generated.from_m, &real.from_m), (&generated.to_m, &real.to_m)] {
         assert_eq!(found.len(), expected.len());
         assert!(found.values().iter().zip(expected.values()).all(|(a, b)| (a - b).abs() < 1e-12));
     }
-    assert_eq!(generate(&model, &ConstantError([f64::NAN; 3])), Err(TaskError::NotFinite("error model")));
+    assert_eq!(correct_samples(&model, &ConstantError([f64::NAN; 3])), Err(TaskError::NotFinite("error model")));
 }
 
 #[test]
@@ -182,8 +182,8 @@ fn the_first_samples_keep_their_trajectories() {
 #[test]
 fn gp_points_hold_the_gap_and_their_inputs() {
     for layout in [
-        Layout::Grid(GridOptions::default()),
-        Layout::Walk { points: 1_000, every: 3, max_step_m: 0.003, max_pull_m: 0.03 },
+        PointLayout::Grid(GridOptions::default()),
+        PointLayout::Walk { points: 1_000, every: 3, max_step_m: 0.003, max_pull_m: 0.03 },
     ] {
         let options = GpPointsOptions { layout, ..GpPointsOptions::default() };
         let points = gp_points(&mut at_once([0.0; 3]), &mut at_once(SHIFT_M), &options, Seed(9)).unwrap().points();

@@ -8,10 +8,10 @@ use crate::data::Recording;
 use crate::effects::{Model, ModelParameter, Robot, Variable, VariationError};
 use crate::math::optimise::least_squares;
 use crate::rod::TipRate;
-use crate::tasks::{PlayOptions, TaskError, Varied, play, play_varied};
+use crate::tasks::{RecordingWithRates, SimulationOptions, TaskError, simulate_recording, simulate_with_rates};
 
 /// A number of a robot that can be calibrated; all are positive and fitted on a logarithmic scale.
-pub struct Adjustable {
+pub struct CalibrationParameter {
     /// Its name: the key in the model file.
     pub name: &'static str,
     /// Where it stands in a model file.
@@ -21,21 +21,33 @@ pub struct Adjustable {
 }
 
 /// Everything that `--fit` can name.
-pub static ADJUSTABLE: &[Adjustable] = &[
-    Adjustable {
+pub static CALIBRATION_PARAMETERS: &[CalibrationParameter] = &[
+    CalibrationParameter {
         name: "youngs_modulus_pa",
         path: "robot.backbone.youngs_modulus_pa",
         field: |robot| &mut robot.backbone.youngs_modulus_pa,
     },
-    Adjustable {
+    CalibrationParameter {
         name: "compliance_m_per_n",
         path: "robot.sections.compliance_m_per_n",
         field: |robot| &mut robot.sections.compliance_m_per_n,
     },
-    Adjustable { name: "disk_mass_kg", path: "robot.disks.mass_kg", field: |robot| &mut robot.disks.mass_kg },
-    Adjustable { name: "tendon_radius_m", path: "robot.tendons.radius_m", field: |robot| &mut robot.tendons.radius_m },
-    Adjustable { name: "damping_time_s", path: "robot.damping_time_s", field: |robot| &mut robot.damping_time_s },
-    Adjustable { name: "length_m", path: "robot.backbone.length_m", field: |robot| &mut robot.backbone.length_m },
+    CalibrationParameter { name: "disk_mass_kg", path: "robot.disks.mass_kg", field: |robot| &mut robot.disks.mass_kg },
+    CalibrationParameter {
+        name: "tendon_radius_m",
+        path: "robot.tendons.radius_m",
+        field: |robot| &mut robot.tendons.radius_m,
+    },
+    CalibrationParameter {
+        name: "damping_time_s",
+        path: "robot.damping_time_s",
+        field: |robot| &mut robot.damping_time_s,
+    },
+    CalibrationParameter {
+        name: "length_m",
+        path: "robot.backbone.length_m",
+        field: |robot| &mut robot.backbone.length_m,
+    },
 ];
 
 /// A number that moves no tip by more than [`TIP_ACCURACY_M`] when it changes by this share is not seen.
@@ -47,7 +59,7 @@ const TRIAL_STEP: f64 = 1e-3;
 
 /// One calibrated number.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Calibrated {
+pub struct CalibratedValue {
     /// Its name.
     pub name: &'static str,
     /// Best value, in the unit of its name.
@@ -62,7 +74,7 @@ pub struct Calibration {
     /// The model with the best values.
     pub model: Model,
     /// What was fitted.
-    pub numbers: Vec<Calibrated>,
+    pub numbers: Vec<CalibratedValue>,
     /// Root mean square distance of the tip from the measured one before, metres.
     pub before_m: f64,
     /// The same after, metres.
@@ -83,7 +95,7 @@ pub fn calibrate(
     names: &[String],
     at_rest: bool,
 ) -> Result<Calibration, TaskError> {
-    let fields: Vec<&Adjustable> = names.iter().map(|name| adjustable(name)).collect::<Result<_, _>>()?;
+    let fields: Vec<&CalibrationParameter> = names.iter().map(|name| adjustable(name)).collect::<Result<_, _>>()?;
     let tips = measured.tip_m.as_ref().ok_or(TaskError::NotFinite("the recording has no tip"))?;
     let rows: Vec<usize> =
         (0..measured.len()).filter(|&row| measured.is_valid(row) && tips[row].iter().all(|x| x.is_finite())).collect();
@@ -107,12 +119,12 @@ pub fn calibrate(
         }
         candidate
     };
-    let options = PlayOptions { at_rest, ..PlayOptions::default() };
+    let options = SimulationOptions { at_rest, ..SimulationOptions::default() };
     let residuals = |logs: &[f64]| {
         let candidate = with(logs);
         // A step may leave the range of a number, or of two together (sections longer than the backbone).
         candidate.check().ok()?;
-        let played = play(&candidate, measured, &options).tip_m?;
+        let played = simulate_recording(&candidate, measured, &options).tip_m?;
         let all: Vec<f64> = rows
             .iter()
             .flat_map(|&row| (0..3).map(move |axis| (row, axis)))
@@ -130,7 +142,7 @@ pub fn calibrate(
         Some(least_squares::unseen_left_out(jacobian, SEEN_SHARE, TIP_ACCURACY_M))
     };
     let fit = least_squares::fit(&residuals, &derivative, &start).ok_or_else(|| unplayable.clone())?;
-    let numbers = (0..fields.len()).map(|k| Calibrated {
+    let numbers = (0..fields.len()).map(|k| CalibratedValue {
         name: fields[k].name,
         value: values[k] * fit.parameters[k].exp(),
         interval_95: fit.interval_95[k].map(|log| values[k] * log.exp()),
@@ -149,15 +161,15 @@ pub fn calibrate(
 fn tip_rates(
     model: &Model,
     commands: &Recording,
-    options: &PlayOptions,
-    fields: &[&Adjustable],
+    options: &SimulationOptions,
+    fields: &[&CalibrationParameter],
 ) -> Option<Vec<Vec<Point3>>> {
-    let parameter = |field: &&Adjustable| ModelParameter::named(model, field.path);
+    let parameter = |field: &&CalibrationParameter| ModelParameter::named(model, field.path);
     let parameters: Vec<ModelParameter> = fields.iter().map(parameter).collect::<Result<_, _>>().ok()?;
     let variables: Vec<Variable> = parameters.iter().cloned().map(Variable::Parameter).collect();
-    let Varied { rates, left_out, .. } = play_varied(model, commands, options, &variables).ok()?;
+    let RecordingWithRates { rates, left_out, .. } = simulate_with_rates(model, commands, options, &variables).ok()?;
     let played = |candidate: &Model| -> Result<Vec<Point3>, VariationError> {
-        Ok(play(candidate, commands, options).tip_m.unwrap_or_default())
+        Ok(simulate_recording(candidate, commands, options).tip_m.unwrap_or_default())
     };
     let mut columns = Vec::new();
     for (k, parameter) in parameters.iter().enumerate() {
@@ -173,6 +185,9 @@ fn tip_rates(
     Some(columns)
 }
 
-fn adjustable(name: &str) -> Result<&'static Adjustable, TaskError> {
-    ADJUSTABLE.iter().find(|field| field.name == name).ok_or_else(|| TaskError::UnknownName(name.to_owned()))
+fn adjustable(name: &str) -> Result<&'static CalibrationParameter, TaskError> {
+    CALIBRATION_PARAMETERS
+        .iter()
+        .find(|field| field.name == name)
+        .ok_or_else(|| TaskError::UnknownName(name.to_owned()))
 }

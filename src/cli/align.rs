@@ -3,14 +3,14 @@
 use super::session::bench;
 use super::simulate::same_tendons;
 use super::weigh::{STEP_S, visiting};
-use super::{Ended, Outcome};
+use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::base::{Point3, Seed};
 use spinebench::data::{Recording, write_atomic};
 use spinebench::hardware::tracking::{Alignment, Pose, realign};
 use spinebench::plants::hardware::{Hardware, HardwareOptions};
 use spinebench::specs::{PlantSpec, to_yaml};
-use spinebench::tasks::{PlayOptions, play, star_m, visit_trial, visits};
+use spinebench::tasks::{SimulationOptions, plan_static_poses, record_static_poses, simulate_recording, star_m};
 use std::path::PathBuf;
 
 /// Steps for which the robot comes to rest in each pose.
@@ -25,7 +25,7 @@ const MISFIT: f64 = 0.35;
 /// Prints the setting `tracking.alignment`, to paste into the plant file, or writes the plant with it. What the model gets
 /// wrong is in the answer: take a calibrated one, and poses all round.
 #[derive(Args)]
-pub(super) struct Align {
+pub(super) struct AlignCommand {
     /// Plant file of a robot on a bench.
     #[arg(long, value_name = "PLANT.yaml")]
     plant: PathBuf,
@@ -46,36 +46,36 @@ pub(super) struct Align {
     out: Option<PathBuf>,
 }
 
-impl Align {
-    pub(super) fn carry_out(self) -> Outcome {
+impl AlignCommand {
+    pub(super) fn execute(self) -> CommandResult {
         let mut options = bench(&self.plant)?;
         let (recording, at_rest) = match &self.measured {
             Some(file) => {
-                let recording = Recording::read(file).map_err(Ended::bad)?;
+                let recording = Recording::read(file).map_err(CommandError::bad_input)?;
                 same_tendons(file, &recording, 4)?;
                 (recording, self.at_rest)
             }
             None => (self.look(&options)?, true),
         };
         let found = aligned(&options, &recording, at_rest).map_err(|words| match &self.measured {
-            Some(file) => Ended::BadInput(format!("{}: {words}", file.display())),
-            None => Ended::No(words),
+            Some(file) => CommandError::BadInput(format!("{}: {words}", file.display())),
+            None => CommandError::Failed(words),
         })?;
         options.tracking.alignment = found.pose;
         tell(&found)?;
         if let Some(out) = &self.out {
-            let text = to_yaml(&PlantSpec::Hardware(options)).map_err(Ended::failed)?;
-            write_atomic(out, text.as_bytes()).map_err(Ended::bad)?;
+            let text = to_yaml(&PlantSpec::Hardware(options)).map_err(CommandError::failed)?;
+            write_atomic(out, text.as_bytes()).map_err(CommandError::bad_input)?;
         }
         Ok(())
     }
 
     /// Poses at rest, measured now.
-    fn look(&self, options: &HardwareOptions) -> Result<Recording, Ended> {
+    fn look(&self, options: &HardwareOptions) -> Result<Recording, CommandError> {
         let travel_m = options.safety.travel_m;
         if !(self.reach_m > 0.0 && self.reach_m <= travel_m) {
             let found = self.reach_m;
-            return Err(Ended::BadInput(format!(
+            return Err(CommandError::BadInput(format!(
                 "--reach-m: found {found}, expected more than 0 and at most {travel_m}"
             )));
         }
@@ -83,15 +83,16 @@ impl Align {
         let mut unaligned = options.clone();
         unaligned.safety.tip_from_model_m = f64::MAX;
         let visiting = visiting(options, REST_STEPS);
-        let planned = visits(&star_m(self.reach_m), &[0.0], &visiting, STEP_S);
-        let mut plant = Hardware::open(&unaligned, STEP_S, Seed(1)).map_err(Ended::No)?;
-        visit_trial(&mut plant, &planned, 0..planned.len(), &visiting, Seed(1)).map_err(Ended::failed)
+        let planned = plan_static_poses(&star_m(self.reach_m), &[0.0], &visiting, STEP_S);
+        let mut plant = Hardware::open(&unaligned, STEP_S, Seed(1)).map_err(CommandError::Failed)?;
+        record_static_poses(&mut plant, &planned, 0..planned.len(), &visiting, Seed(1)).map_err(CommandError::failed)
     }
 }
 
 /// The alignment that brings the measured tips to where the model puts them; in words why there is none.
 fn aligned(options: &HardwareOptions, measured: &Recording, at_rest: bool) -> Result<Alignment, String> {
-    let played = play(&options.model, measured, &PlayOptions { at_rest, ..PlayOptions::default() });
+    let played =
+        simulate_recording(&options.model, measured, &SimulationOptions { at_rest, ..SimulationOptions::default() });
     let (Some(model_m), Some(seen_m)) = (&played.tip_m, &measured.tip_m) else {
         return Err("found no tip".to_owned());
     };
@@ -110,7 +111,7 @@ fn aligned(options: &HardwareOptions, measured: &Recording, at_rest: bool) -> Re
     Ok(found)
 }
 
-fn tell(found: &Alignment) -> Outcome {
+fn tell(found: &Alignment) -> CommandResult {
     let Alignment { pose, residual_m, worst_m, turn_rad, .. } = found;
     #[derive(serde::Serialize)]
     struct Tracking<'a> {
@@ -120,7 +121,7 @@ fn tell(found: &Alignment) -> Outcome {
     struct Setting<'a> {
         tracking: Tracking<'a>,
     }
-    print!("{}", to_yaml(&Setting { tracking: Tracking { alignment: pose } }).map_err(Ended::failed)?);
+    print!("{}", to_yaml(&Setting { tracking: Tracking { alignment: pose } }).map_err(CommandError::failed)?);
     println!(
         "# {:.2} mm rms remain, {:.2} mm at most; the turn is known to {:.2} degrees (95 %), if the model is right",
         residual_m * 1e3,

@@ -1,24 +1,24 @@
 //! `spinebench arm`.
 
 use super::session::bench;
-use super::{Ended, Outcome};
+use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::hardware::safety::Latch;
 use std::path::PathBuf;
 
 /// Lets a robot move again that has been stopped, once somebody has looked at it.
 #[derive(Args)]
-pub(super) struct Arm {
+pub(super) struct ArmCommand {
     /// Plant file of a robot on a bench.
     #[arg(long, value_name = "PLANT.yaml")]
     plant: PathBuf,
 }
 
-impl Arm {
-    pub(super) fn carry_out(self) -> Outcome {
+impl ArmCommand {
+    pub(super) fn execute(self) -> CommandResult {
         let options = bench(&self.plant)?;
         let latch = Latch::new(&Latch::folder(), &options.name);
-        match latch.release().map_err(Ended::failed)? {
+        match latch.release().map_err(CommandError::failed)? {
             Some(reason) => {
                 println!("armed: `{}` had been stopped {reason}", options.name);
                 println!("steps may have been lost: it is homed before it moves again");

@@ -1,7 +1,7 @@
 //! `spinebench cache`.
 
-use super::shared::Cache;
-use super::{Ended, Outcome};
+use super::shared::CacheArgs;
+use super::{CommandError, CommandResult};
 use clap::{Args, Subcommand};
 use spinebench::runner::stages::codes;
 use spinebench::runner::{Digest, Kept, State, Store};
@@ -14,13 +14,13 @@ use std::time::Duration;
 #[derive(Args)]
 pub(super) struct CacheCommand {
     #[command(subcommand)]
-    action: Action,
+    action: CacheAction,
     #[command(flatten)]
-    cache: Cache,
+    cache: CacheArgs,
 }
 
 #[derive(Subcommand)]
-enum Action {
+enum CacheAction {
     /// Every entry: kind of stage, key, size, age, whether the present code reads it, which of its kind it is.
     List {
         /// Only this kind of stage.
@@ -43,23 +43,23 @@ enum Action {
 }
 
 impl CacheCommand {
-    pub(super) fn carry_out(self) -> Outcome {
+    pub(super) fn execute(self) -> CommandResult {
         let store = self.cache.store();
         let unreadable =
-            |error| Ended::BadInput(format!("{}: found {error}, expected a store", store.root().display()));
+            |error| CommandError::BadInput(format!("{}: found {error}, expected a store", store.root().display()));
         let entries = store.entries().map_err(unreadable)?;
         let mut text = String::new();
         let outcome = match &self.action {
-            Action::List { stage } => {
+            CacheAction::List { stage } => {
                 list(&entries, stage.as_deref(), &mut text);
                 Ok(())
             }
-            Action::Size => {
+            CacheAction::Size => {
                 size(&entries, &mut text);
                 Ok(())
             }
-            Action::Verify => verify(&store, &entries, &mut text),
-            Action::Prune { older_than, dry_run } => prune(&store, &entries, *older_than, *dry_run, &mut text),
+            CacheAction::Verify => verify(&store, &entries, &mut text),
+            CacheAction::Prune { older_than, dry_run } => prune(&store, &entries, *older_than, *dry_run, &mut text),
         };
         // A reader that has seen enough closes the pipe: no error.
         let _ = std::io::stdout().write_all(text.as_bytes());
@@ -98,7 +98,7 @@ fn size(entries: &[Kept], text: &mut String) {
     line("all", sum);
 }
 
-fn verify(store: &Store, entries: &[Kept], text: &mut String) -> Outcome {
+fn verify(store: &Store, entries: &[Kept], text: &mut String) -> CommandResult {
     let damaged: Vec<(&Kept, String)> =
         entries.iter().filter_map(|entry| Some((entry, store.damage(entry)?))).collect();
     for (entry, reason) in &damaged {
@@ -108,13 +108,13 @@ fn verify(store: &Store, entries: &[Kept], text: &mut String) -> Outcome {
     let _ = writeln!(text, "{good} good, {} damaged", damaged.len());
     match damaged.len() {
         0 => Ok(()),
-        count => Err(Ended::No(format!("{count} entries are damaged; a run computes them again"))),
+        count => Err(CommandError::Failed(format!("{count} entries are damaged; a run computes them again"))),
     }
 }
 
-fn prune(store: &Store, entries: &[Kept], older_than: Option<f64>, dry_run: bool, text: &mut String) -> Outcome {
+fn prune(store: &Store, entries: &[Kept], older_than: Option<f64>, dry_run: bool, text: &mut String) -> CommandResult {
     if let Some(found) = older_than.filter(|days| !(days.is_finite() && *days >= 0.0)) {
-        return Err(Ended::BadInput(format!("--older-than: found {found}, expected a number of days")));
+        return Err(CommandError::BadInput(format!("--older-than: found {found}, expected a number of days")));
     }
     let codes = codes();
     let useless = |entry: &&Kept| {
@@ -122,11 +122,11 @@ fn prune(store: &Store, entries: &[Kept], older_than: Option<f64>, dry_run: bool
         old || entry.state(&codes) == State::Stale || store.damage(entry).is_some()
     };
     let useless: Vec<&Kept> = entries.iter().filter(useless).collect();
-    let left = store.leftovers().map_err(Ended::failed)?;
+    let left = store.leftovers().map_err(CommandError::failed)?;
     let bytes = useless.iter().map(|entry| entry.bytes).chain(left.iter().map(|(_, bytes)| *bytes)).sum();
     if !dry_run {
-        useless.iter().try_for_each(|entry| store.remove(entry)).map_err(Ended::failed)?;
-        left.iter().try_for_each(|(path, _)| std::fs::remove_file(path)).map_err(Ended::failed)?;
+        useless.iter().try_for_each(|entry| store.remove(entry)).map_err(CommandError::failed)?;
+        left.iter().try_for_each(|(path, _)| std::fs::remove_file(path)).map_err(CommandError::failed)?;
     }
     let (entries, leftovers, megabytes) = (useless.len(), left.len(), megabytes(bytes));
     let verb = if dry_run { "would take out" } else { "took out" };

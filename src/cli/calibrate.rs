@@ -1,9 +1,9 @@
 //! `spinebench calibrate`.
 
 use super::simulate::read_measured;
-use super::{Ended, Outcome};
+use super::{CommandError, CommandResult};
 use clap::Args;
-use spinebench::calibration::{ADJUSTABLE, calibrate};
+use spinebench::calibration::{CALIBRATION_PARAMETERS, calibrate};
 use spinebench::data::write_atomic;
 use spinebench::specs::{model_text, read_model};
 use spinebench::tasks::TaskError;
@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 /// Fits Young's modulus (and what --fit names) to a recording.
 #[derive(Args)]
-pub(super) struct Calibrate {
+pub(super) struct CalibrateCommand {
     /// Model to start from.
     #[arg(long, value_name = "MODEL.yaml")]
     model: PathBuf,
@@ -30,22 +30,22 @@ pub(super) struct Calibrate {
 }
 
 fn names() -> clap::builder::PossibleValuesParser {
-    ADJUSTABLE.iter().map(|field| field.name).collect::<Vec<_>>().into()
+    CALIBRATION_PARAMETERS.iter().map(|field| field.name).collect::<Vec<_>>().into()
 }
 
-impl Calibrate {
-    pub(super) fn carry_out(self) -> Outcome {
-        let model = read_model(&self.model).map_err(Ended::bad)?;
+impl CalibrateCommand {
+    pub(super) fn execute(self) -> CommandResult {
+        let model = read_model(&self.model).map_err(CommandError::bad_input)?;
         let measured = read_measured(&self.measured, &model)?;
         if !self.at_rest {
-            measured.check_duration(&self.measured).map_err(Ended::bad)?;
+            measured.check_duration(&self.measured).map_err(CommandError::bad_input)?;
         }
         let found = calibrate(&model, &measured, &self.fit, self.at_rest).map_err(|error| {
             let file = if matches!(error, TaskError::Option(_)) { &self.model } else { &self.measured };
-            Ended::bad(format!("{}: {error}", file.display()))
+            CommandError::bad_input(format!("{}: {error}", file.display()))
         })?;
-        let text = model_text(&found.model).map_err(Ended::failed)?;
-        write_atomic(&self.out, text.as_bytes()).map_err(Ended::bad)?;
+        let text = model_text(&found.model).map_err(CommandError::failed)?;
+        write_atomic(&self.out, text.as_bytes()).map_err(CommandError::bad_input)?;
         for number in &found.numbers {
             let [low, high] = number.interval_95;
             println!("{}: {:.5e}, 95 % interval {low:.5e} to {high:.5e}", number.name, number.value);

@@ -1,7 +1,7 @@
 //! Runs on a Slurm cluster: `run --executor slurm`, `status`, `cancel`, and what the tasks themselves call.
 
-use super::shared::{Cache, Telling};
-use super::{Ended, Outcome};
+use super::shared::{CacheArgs, ProgressArgs};
+use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::runner::slurm::{self, Folder, Place, Watch, Worked};
 use spinebench::runner::{Campaign, Failure, Key, Progress, Store};
@@ -46,14 +46,14 @@ impl Cluster {
         store: &Store,
         at_a_time: usize,
         progress: &Progress,
-    ) -> Result<Option<HashMap<Key, Failure>>, Ended> {
+    ) -> Result<Option<HashMap<Key, Failure>>, CommandError> {
         let options = self.options(campaign)?;
-        let root = std::path::absolute(store.root()).map_err(Ended::failed)?;
+        let root = std::path::absolute(store.root()).map_err(CommandError::failed)?;
         let store = Store::at(root);
         let watch = Watch { campaign, store: &store, options: &options, at_a_time, detach: self.detach, progress };
-        match watch.run().map_err(Ended::No)? {
+        match watch.run().map_err(CommandError::Failed)? {
             slurm::Ended::Done(failures) => Ok(Some(failures)),
-            slurm::Ended::Cancelled => Err(Ended::No(format!("campaign {} was cancelled", watch.id()))),
+            slurm::Ended::Cancelled => Err(CommandError::Failed(format!("campaign {} was cancelled", watch.id()))),
             slurm::Ended::Detached => {
                 let id = watch.id();
                 progress.say(&format!("the jobs go on; `spinebench status`, `spinebench cancel {id}`, or the same command again to come back and publish"));
@@ -63,13 +63,13 @@ impl Cluster {
     }
 
     /// The specs' options, which must agree, with what the command line says.
-    fn options(&self, campaign: &Campaign) -> Result<SlurmOptions, Ended> {
+    fn options(&self, campaign: &Campaign) -> Result<SlurmOptions, CommandError> {
         let mut specs = campaign.entries.iter().map(|entry| &entry.experiment);
         let Some(first) = specs.next() else { return Ok(SlurmOptions::default()) };
         if let Some(other) = specs.find(|other| other.slurm != first.slurm) {
             let (one, other) = (&first.name, &other.name);
             let words = format!("slurm: found other settings in `{other}` than in `{one}`, expected the same");
-            return Err(Ended::BadInput(words));
+            return Err(CommandError::BadInput(words));
         }
         let given = first.slurm.clone();
         let options = SlurmOptions {
@@ -83,7 +83,7 @@ impl Cluster {
         };
         let refuse = |bad: spinebench::base::BadOption| {
             let option = bad.key.replace('_', "-");
-            Ended::BadInput(format!("--{option}: found {}, expected {}", bad.found, bad.expected))
+            CommandError::BadInput(format!("--{option}: found {}, expected {}", bad.found, bad.expected))
         };
         options.check().map_err(refuse)?;
         Ok(options)
@@ -92,13 +92,13 @@ impl Cluster {
 
 /// How the campaigns of a store stand that were submitted to a cluster.
 #[derive(Args)]
-pub(super) struct Status {
+pub(super) struct StatusCommand {
     #[command(flatten)]
-    cache: Cache,
+    cache: CacheArgs,
 }
 
-impl Status {
-    pub(super) fn carry_out(self) -> Outcome {
+impl StatusCommand {
+    pub(super) fn execute(self) -> CommandResult {
         let mut text = String::new();
         for one in slurm::standing(&self.cache.store()) {
             let (id, names, done, all) = (&one.id, one.experiments.join(" "), one.done, one.stages);
@@ -117,23 +117,23 @@ impl Status {
 
 /// Calls a campaign on a cluster off; what is stored stays.
 #[derive(Args)]
-pub(super) struct Cancel {
+pub(super) struct CancelCommand {
     /// Its name, as `status` tells it.
     #[arg(value_name = "CAMPAIGN")]
     id: String,
     #[command(flatten)]
-    cache: Cache,
+    cache: CacheArgs,
 }
 
-impl Cancel {
-    pub(super) fn carry_out(self) -> Outcome {
-        slurm::cancel(&self.cache.store(), &self.id).map_err(Ended::BadInput)
+impl CancelCommand {
+    pub(super) fn execute(self) -> CommandResult {
+        slurm::cancel(&self.cache.store(), &self.id).map_err(CommandError::BadInput)
     }
 }
 
 /// One task of a campaign, as the cluster begins it.
 #[derive(Args)]
-pub(super) struct Work {
+pub(super) struct WorkCommand {
     /// Folder of the campaign.
     folder: PathBuf,
     /// Number of the attempt.
@@ -146,23 +146,23 @@ pub(super) struct Work {
     #[arg(long)]
     first: usize,
     #[command(flatten)]
-    telling: Telling,
+    telling: ProgressArgs,
 }
 
-impl Work {
-    pub(super) fn carry_out(self) -> Outcome {
+impl WorkCommand {
+    pub(super) fn execute(self) -> CommandResult {
         let number = |name: &str| std::env::var(name).ok()?.parse::<usize>().ok();
         let Some(task) = number("SLURM_ARRAY_TASK_ID") else {
             let words = "SLURM_ARRAY_TASK_ID: found no number, expected a task of a job array of Slurm's";
-            return Err(Ended::BadInput(words.to_owned()));
+            return Err(CommandError::BadInput(words.to_owned()));
         };
         let threads =
             if self.telling.jobs > 0 { self.telling.jobs } else { number("SLURM_CPUS_PER_TASK").unwrap_or(1) };
         let place = Place { attempt: self.attempt, wave: self.wave, task: self.first + task };
         let progress = self.telling.progress();
-        match slurm::work(&Folder::at(&self.folder), place, threads, &progress).map_err(Ended::No)? {
+        match slurm::work(&Folder::at(&self.folder), place, threads, &progress).map_err(CommandError::Failed)? {
             Worked::Done => Ok(()),
-            Worked::Requeued => Err(Ended::No("told to end before everything was done".to_owned())),
+            Worked::Requeued => Err(CommandError::Failed("told to end before everything was done".to_owned())),
         }
     }
 }

@@ -2,18 +2,18 @@
 
 use super::session::{Robot, Session};
 use super::simulate::{failures, same_tendons};
-use super::{Ended, Outcome};
+use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::base::Seed;
 use spinebench::data::{Actuation, Recording};
 use spinebench::plants::hardware::{Foreseen, HardwareOptions, NotPlayable, foresee};
 use spinebench::specs::{PlantSpec, SimulatedSpec, read_plant};
-use spinebench::tasks::{PlayOptions, play, record_trial, step_s};
+use spinebench::tasks::{SimulationOptions, record_trial, simulate_recording, step_s};
 use std::path::{Path, PathBuf};
 
 /// Plays commands on a plant and records what its tracker measures.
 #[derive(Args)]
-pub(super) struct Collect {
+pub(super) struct CollectCommand {
     /// Plant file, such as `simulated: {model: real.yaml, noise_m: 0.0005}`.
     #[arg(long, value_name = "PLANT.yaml")]
     plant: PathBuf,
@@ -34,10 +34,10 @@ pub(super) struct Collect {
     dry_run: bool,
 }
 
-impl Collect {
-    pub(super) fn carry_out(self) -> Outcome {
-        let plant = read_plant(&self.plant).map_err(Ended::bad)?;
-        let commands = Recording::read_commands(&self.commands).map_err(Ended::bad)?;
+impl CollectCommand {
+    pub(super) fn execute(self) -> CommandResult {
+        let plant = read_plant(&self.plant).map_err(CommandError::bad_input)?;
+        let commands = Recording::read_commands(&self.commands).map_err(CommandError::bad_input)?;
         same_tendons(&self.commands, &commands, plant.tendons())?;
         match plant {
             PlantSpec::Simulated(plant) if !self.dry_run => self.simulate(&plant, &commands),
@@ -46,20 +46,20 @@ impl Collect {
     }
 
     /// A simulated robot is solved as finely as `simulate` does, in steps as uneven as the commands'.
-    fn simulate(&self, plant: &SimulatedSpec, commands: &Recording) -> Outcome {
+    fn simulate(&self, plant: &SimulatedSpec, commands: &Recording) -> CommandResult {
         let out = self.out()?;
-        let options = PlayOptions {
+        let options = SimulationOptions {
             at_rest: self.at_rest,
             noise_m: plant.noise_m,
             travel_m: plant.travel_m,
             seed: Seed(self.seed),
         };
-        let mut recorded = play(&plant.model, commands, &options);
+        let mut recorded = simulate_recording(&plant.model, commands, &options);
         let failed = failures(&recorded);
         // A tracker sees the tip; what only the simulation knows stays out of a measurement.
         recorded.extra.clone_from(&commands.extra);
         recorded.tip_quaternion = None;
-        recorded.write(out).map_err(Ended::bad)?;
+        recorded.write(out).map_err(CommandError::bad_input)?;
         if failed > 0 {
             let (all, out) = (recorded.len(), out.display());
             eprintln!("note: {failed} of {all} rows could not be measured; they have valid = 0 in {out}");
@@ -68,23 +68,23 @@ impl Collect {
     }
 
     /// Any other plant is driven trial by trial.
-    fn record(&self, plant: &PlantSpec, commands: &Recording) -> Outcome {
+    fn record(&self, plant: &PlantSpec, commands: &Recording) -> CommandResult {
         let file = self.commands.display();
         if self.at_rest {
             let kind = plant.kind();
-            return Err(Ended::BadInput(format!("--static: found a {kind} plant, expected a simulated one")));
+            return Err(CommandError::BadInput(format!("--static: found a {kind} plant, expected a simulated one")));
         }
         if commands.actuation != Actuation::Lengths {
-            return Err(Ended::BadInput(format!(
+            return Err(CommandError::BadInput(format!(
                 "{file}, line 1: found tensions, expected displacements (tendon_1_m…)"
             )));
         }
         if commands.tip_load.is_some() {
-            return Err(Ended::BadInput(format!(
+            return Err(CommandError::BadInput(format!(
                 "{file}, line 1: found loads on the tip (tip_force_x_n…), expected none: only a simulated plant has them"
             )));
         }
-        let step_s = step_s(commands).map_err(|error| Ended::BadInput(format!("{file}: {error}")))?;
+        let step_s = step_s(commands).map_err(|error| CommandError::BadInput(format!("{file}: {error}")))?;
         let foreseen = match plant {
             PlantSpec::Hardware(options) => Some(self.foresee(options, commands, step_s)?),
             _ => None,
@@ -92,7 +92,7 @@ impl Collect {
         if self.dry_run {
             let (PlantSpec::Hardware(options), Some(foreseen)) = (plant, foreseen) else {
                 let kind = plant.kind();
-                return Err(Ended::BadInput(format!("--dry-run: found a {kind} plant, expected `hardware`")));
+                return Err(CommandError::BadInput(format!("--dry-run: found a {kind} plant, expected `hardware`")));
             };
             tell(&foreseen, options, commands, step_s);
             return Ok(());
@@ -103,14 +103,16 @@ impl Collect {
     }
 
     /// What the commands would do; commands that the robot would refuse are refused before anything is opened.
-    fn foresee(&self, options: &HardwareOptions, commands: &Recording, step_s: f64) -> Result<Foreseen, Ended> {
+    fn foresee(&self, options: &HardwareOptions, commands: &Recording, step_s: f64) -> Result<Foreseen, CommandError> {
         foresee(&options.safety, commands, step_s).map_err(|NotPlayable { row, refusal }| {
-            Ended::BadInput(format!("{}, line {}: {refusal}", self.commands.display(), row + 2))
+            CommandError::BadInput(format!("{}, line {}: {refusal}", self.commands.display(), row + 2))
         })
     }
 
-    fn out(&self) -> Result<&Path, Ended> {
-        self.out.as_deref().ok_or_else(|| Ended::BadInput("--out: found nothing, expected a recording to write".into()))
+    fn out(&self) -> Result<&Path, CommandError> {
+        self.out
+            .as_deref()
+            .ok_or_else(|| CommandError::BadInput("--out: found nothing, expected a recording to write".into()))
     }
 }
 

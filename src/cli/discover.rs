@@ -1,7 +1,7 @@
 //! `spinebench discover`.
 
 use super::simulate::read_measured;
-use super::{Ended, Outcome};
+use super::{CommandError, CommandResult};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use spinebench::base::Seed;
@@ -13,12 +13,12 @@ use spinebench::report::discovery::{EffectText, Story, artifacts};
 use spinebench::specs::{
     PlantSpec, SimulatedSpec, extended_text, files_behind, model_text, read_model, read_options, read_plant,
 };
-use spinebench::tasks::{PlayOptions, play};
+use spinebench::tasks::{SimulationOptions, simulate_recording};
 use std::path::{Path, PathBuf};
 
 /// Finds where a model and measured data disagree, names the missing effect, adds it and shows the gap shrink.
 #[derive(Args)]
-pub(super) struct Discover {
+pub(super) struct DiscoverCommand {
     /// What is believed about the robot.
     #[arg(long, value_name = "MODEL.yaml")]
     model: PathBuf,
@@ -52,20 +52,21 @@ fn names() -> PossibleValuesParser {
     CATALOGUE.iter().map(|card| card.name).collect::<Vec<_>>().into()
 }
 
-impl Discover {
-    pub(super) fn carry_out(self) -> Outcome {
+impl DiscoverCommand {
+    pub(super) fn execute(self) -> CommandResult {
         self.check_out()?;
-        let given = read_model(&self.model).map_err(Ended::bad)?;
+        let given = read_model(&self.model).map_err(CommandError::bad_input)?;
         let mut options = match &self.options {
-            Some(file) => read_options(file).map_err(Ended::bad)?,
+            Some(file) => read_options(file).map_err(CommandError::bad_input)?,
             None => Options::default(),
         };
         options.left_out.extend(self.leave_out.iter().cloned());
         let parts: Vec<Recording> =
-            self.measured.iter().map(|file| read(file, &given)).collect::<Result<_, Ended>>()?;
+            self.measured.iter().map(|file| read(file, &given)).collect::<Result<_, CommandError>>()?;
         self.refuse_twins(&parts)?;
-        let measured = Recording::joined(&parts)
-            .map_err(|error| Ended::BadInput(format!("{}, line 1: {error}", self.measured[error.index].display())))?;
+        let measured = Recording::joined(&parts).map_err(|error| {
+            CommandError::BadInput(format!("{}, line 1: {error}", self.measured[error.index].display()))
+        })?;
         let baseline = self.baseline.as_ref().map(|file| read(file, &given)).transpose()?;
         self.refuse_own_baseline(&measured, baseline.as_ref())?;
         let plant = self.plant.as_ref().map(|file| simulated(file, &given)).transpose()?;
@@ -89,9 +90,9 @@ impl Discover {
     }
 
     /// Refuses a folder that is a file, or where what is written would take the place of what is given.
-    fn check_out(&self) -> Outcome {
+    fn check_out(&self) -> CommandResult {
         let refuse = |found: String, expected: &str| {
-            Err(Ended::BadInput(format!("{}: found {found}, expected {expected}", self.out.display())))
+            Err(CommandError::BadInput(format!("{}: found {found}, expected {expected}", self.out.display())))
         };
         if let Some(there) = self.out.ancestors().find(|place| place.exists()).filter(|place| !place.is_dir()) {
             let what = if there == self.out { "a file".to_owned() } else { format!("the file {}", there.display()) };
@@ -111,11 +112,11 @@ impl Discover {
     }
 
     /// Refuses what is given twice: its copy would be its proof.
-    fn refuse_twins(&self, parts: &[Recording]) -> Outcome {
+    fn refuse_twins(&self, parts: &[Recording]) -> CommandResult {
         for (k, part) in parts.iter().enumerate() {
             if let Some(first) = parts[..k].iter().position(|earlier| earlier.holds(part) || part.holds(earlier)) {
                 let [again, first] = [k, first].map(|index| self.measured[index].display());
-                return Err(Ended::BadInput(format!(
+                return Err(CommandError::BadInput(format!(
                     "{again}: found the recording {first} again, expected another one"
                 )));
             }
@@ -124,9 +125,9 @@ impl Discover {
     }
 
     /// Refuses the recording as its own baseline: what both have in common is all of it.
-    fn refuse_own_baseline(&self, measured: &Recording, baseline: Option<&Recording>) -> Outcome {
+    fn refuse_own_baseline(&self, measured: &Recording, baseline: Option<&Recording>) -> CommandResult {
         match (&self.baseline, baseline) {
-            (Some(file), Some(baseline)) if baseline.holds(measured) => Err(Ended::BadInput(format!(
+            (Some(file), Some(baseline)) if baseline.holds(measured) => Err(CommandError::BadInput(format!(
                 "{}: found all of the recording that is asked about, expected another one, of the robot as built",
                 file.display()
             ))),
@@ -143,7 +144,7 @@ impl Discover {
         mut trials: Vec<(PathBuf, u64)>,
         (baseline, plant): (Option<&Recording>, Option<&SimulatedSpec>),
         options: &Options,
-    ) -> Result<(Discovery, Vec<(PathBuf, Recording)>), Ended> {
+    ) -> Result<(Discovery, Vec<(PathBuf, Recording)>), CommandError> {
         let mut made = Vec::new();
         for round in 1.. {
             let found = discover(given, &measured, baseline, options)
@@ -158,19 +159,19 @@ impl Discover {
                 println!("round {round}: {}", found.findings.summary);
                 println!("recording on the plant: {}", next.proposal.what);
             }
-            let play_options = PlayOptions {
+            let play_options = SimulationOptions {
                 at_rest: false,
                 noise_m: plant.noise_m,
                 travel_m: plant.travel_m,
                 // Other noise than that of recordings which an earlier call has made.
                 seed: Seed(options.seed).child("plant").index(measured.trials().len() as u64),
             };
-            let mut recorded = play(&plant.model, &next.commands, &play_options);
+            let mut recorded = simulate_recording(&plant.model, &next.commands, &play_options);
             recorded.tip_quaternion = None;
             recorded.extra.clear();
             let file = self.out.join(format!("recorded_{round}_{}.csv", next.proposal.name));
             trials.splice(0..0, recorded.trials().into_iter().map(|(number, _)| (file.clone(), number)));
-            measured = Recording::joined(&[recorded.clone(), measured]).map_err(Ended::failed)?;
+            measured = Recording::joined(&[recorded.clone(), measured]).map_err(CommandError::failed)?;
             made.push((file, recorded));
         }
         unreachable!("the rounds are counted")
@@ -178,8 +179,8 @@ impl Discover {
 
     /// Data that allow no answer, with the file that they are in and the number of a trial there; with all files where it is
     /// all of them.
-    fn refusal(&self, error: &DiscoveryError, measured: &Recording, trials: &[(PathBuf, u64)]) -> Ended {
-        let told = |file: &Path, error: &DiscoveryError| Ended::BadInput(format!("{}: {error}", file.display()));
+    fn refusal(&self, error: &DiscoveryError, measured: &Recording, trials: &[(PathBuf, u64)]) -> CommandError {
+        let told = |file: &Path, error: &DiscoveryError| CommandError::BadInput(format!("{}: {error}", file.display()));
         let all = || self.measured.iter().map(|file| file.display().to_string()).collect::<Vec<_>>().join(", ");
         match error {
             DiscoveryError::Baseline(_) => told(self.baseline.as_ref().unwrap_or(&self.model), error),
@@ -189,20 +190,20 @@ impl Discover {
                 let given = |(file, _): &&(PathBuf, u64)| self.measured.contains(file);
                 match place.and_then(|place| trials.get(place)).filter(given) {
                     Some((file, own)) => told(file, &DiscoveryError::Unplayable(*own)),
-                    None => Ended::BadInput(format!("{}: {error}", all())),
+                    None => CommandError::BadInput(format!("{}: {error}", all())),
                 }
             }
-            _ => Ended::BadInput(format!("{}: {error}", all())),
+            _ => CommandError::BadInput(format!("{}: {error}", all())),
         }
     }
 
     /// Everything is made before anything is written; `findings.json` comes last.
-    fn write(&self, given: &Model, found: &Discovery, recorded: &[(PathBuf, Recording)]) -> Outcome {
+    fn write(&self, given: &Model, found: &Discovery, recorded: &[(PathBuf, Recording)]) -> CommandResult {
         let added = found.model.effects.len() - given.effects.len();
         let model = if added == 0 {
-            std::fs::read_to_string(&self.model).map_err(Ended::bad)?
+            std::fs::read_to_string(&self.model).map_err(CommandError::bad_input)?
         } else {
-            extended_text(&self.model, &found.model, added).map_err(Ended::failed)?
+            extended_text(&self.model, &found.model, added).map_err(CommandError::failed)?
         };
         let texts: Vec<EffectText> = CATALOGUE
             .iter()
@@ -213,8 +214,8 @@ impl Discover {
                 source: card.source.to_owned(),
             })
             .collect();
-        let before = model_text(given).map_err(Ended::failed)?;
-        let after = if added == 0 { before.clone() } else { model_text(&found.model).map_err(Ended::failed)? };
+        let before = model_text(given).map_err(CommandError::failed)?;
+        let after = if added == 0 { before.clone() } else { model_text(&found.model).map_err(CommandError::failed)? };
         let files = artifacts(&Story {
             findings: &found.findings,
             residuals: &found.residuals,
@@ -224,24 +225,24 @@ impl Discover {
             model_before: &before,
             model_after: &after,
         })
-        .map_err(Ended::failed)?;
+        .map_err(CommandError::failed)?;
         std::fs::create_dir_all(&self.out)
-            .map_err(|error| Ended::failed(format!("{}: {error}", self.out.display())))?;
+            .map_err(|error| CommandError::failed(format!("{}: {error}", self.out.display())))?;
         let old = self.old_commands();
         for file in &files {
-            write_atomic(&self.out.join(&file.name), &file.bytes).map_err(Ended::failed)?;
+            write_atomic(&self.out.join(&file.name), &file.bytes).map_err(CommandError::failed)?;
         }
         for (file, recording) in recorded {
-            recording.write(file).map_err(Ended::failed)?;
+            recording.write(file).map_err(CommandError::failed)?;
         }
         for next in &found.next {
-            next.commands.write(&self.out.join(&next.proposal.file)).map_err(Ended::failed)?;
+            next.commands.write(&self.out.join(&next.proposal.file)).map_err(CommandError::failed)?;
         }
         for file in old.iter().filter(|old| !found.next.iter().any(|next| next.proposal.file == **old)) {
             let _ = std::fs::remove_file(self.out.join(file));
         }
-        write_atomic(&self.out.join("model.yaml"), model.as_bytes()).map_err(Ended::failed)?;
-        found.findings.write(&self.out.join("findings.json")).map_err(Ended::failed)
+        write_atomic(&self.out.join("model.yaml"), model.as_bytes()).map_err(CommandError::failed)?;
+        found.findings.write(&self.out.join("findings.json")).map_err(CommandError::failed)
     }
 
     /// Files of commands that an earlier answer in this folder proposed: they are not this one's.
@@ -286,19 +287,19 @@ fn is_written(name: &str) -> bool {
 }
 
 /// A recording of this robot, in motion.
-fn read(file: &Path, model: &Model) -> Result<Recording, Ended> {
+fn read(file: &Path, model: &Model) -> Result<Recording, CommandError> {
     let recording = read_measured(file, model)?;
-    recording.check_duration(file).map_err(Ended::bad)?;
-    recording.check_loads(file).map_err(Ended::bad)?;
+    recording.check_duration(file).map_err(CommandError::bad_input)?;
+    recording.check_loads(file).map_err(CommandError::bad_input)?;
     Ok(recording)
 }
 
 /// A plant that commands can be played on.
-fn simulated(file: &Path, model: &Model) -> Result<SimulatedSpec, Ended> {
+fn simulated(file: &Path, model: &Model) -> Result<SimulatedSpec, CommandError> {
     let refuse = |found: String, expected: String| {
-        Ended::BadInput(format!("{}: found {found}, expected {expected}", file.display()))
+        CommandError::BadInput(format!("{}: found {found}, expected {expected}", file.display()))
     };
-    match read_plant(file).map_err(Ended::bad)? {
+    match read_plant(file).map_err(CommandError::bad_input)? {
         PlantSpec::Simulated(plant) => {
             let plant = *plant;
             let (found, expected) = (plant.model.robot.tendons.angles_deg.len(), model.robot.tendons.angles_deg.len());

@@ -1,7 +1,7 @@
 //! `spinebench doctor`.
 
 use super::session::bench;
-use super::{Ended, Outcome};
+use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::base::{Plant, Seed, distance_m};
 use spinebench::plants::hardware::{Examined, Hardware, HardwareOptions};
@@ -22,7 +22,7 @@ const ALONG: f64 = 0.5;
 
 /// Checks the bench of a plant: ports, versions, settings, rates, frames. Moves nothing unless told to.
 #[derive(Args)]
-pub(super) struct Doctor {
+pub(super) struct DoctorCommand {
     /// Plant file of a robot on a bench.
     #[arg(long, value_name = "PLANT.yaml")]
     plant: PathBuf,
@@ -31,10 +31,10 @@ pub(super) struct Doctor {
     moving: bool,
 }
 
-impl Doctor {
-    pub(super) fn carry_out(self) -> Outcome {
+impl DoctorCommand {
+    pub(super) fn execute(self) -> CommandResult {
         let options = bench(&self.plant)?;
-        let mut plant = Hardware::open(&options, STEP_S, Seed(1)).map_err(Ended::failed)?;
+        let mut plant = Hardware::open(&options, STEP_S, Seed(1)).map_err(CommandError::failed)?;
         let examined = plant.examine(WATCH_S);
         let mut wrong = report(&examined, &options);
         if self.moving {
@@ -42,7 +42,7 @@ impl Doctor {
         } else {
             println!("       nothing was moved; --move homes the axes and pulls each tendon by 6 mm");
         }
-        if wrong > 0 { Err(Ended::No(format!("{wrong} things are not as they should be"))) } else { Ok(()) }
+        if wrong > 0 { Err(CommandError::Failed(format!("{wrong} things are not as they should be"))) } else { Ok(()) }
     }
 }
 
@@ -87,8 +87,8 @@ fn report(examined: &Examined, options: &HardwareOptions) -> usize {
 }
 
 /// Homes the robot and pulls each tendon; how many do not do what the model says.
-fn try_out(plant: &mut Hardware) -> Result<usize, Ended> {
-    let failed = |error: spinebench::base::PlantError| Ended::No(error.to_string());
+fn try_out(plant: &mut Hardware) -> Result<usize, CommandError> {
+    let failed = |error: spinebench::base::PlantError| CommandError::Failed(error.to_string());
     let mut wrong = 0;
     let home_m = plant.reset(Seed(1)).map_err(failed)?.tip_m;
     for tendon in 0..plant.tendons() {

@@ -1,6 +1,6 @@
 //! `spinebench effects`.
 
-use super::{Ended, Outcome};
+use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::effects::{CATALOGUE, Card};
 use std::fmt::Write as _;
@@ -8,20 +8,20 @@ use std::io::Write as _;
 
 /// Prints the catalogue: each effect, its parameters with units, equation, source, what it is confused with.
 #[derive(Args)]
-pub(super) struct Effects {
+pub(super) struct EffectsCommand {
     /// One effect; all when left out.
     name: Option<String>,
 }
 
-impl Effects {
-    pub(super) fn carry_out(self) -> Outcome {
+impl EffectsCommand {
+    pub(super) fn execute(self) -> CommandResult {
         let mut text = String::new();
         match &self.name {
             None => CATALOGUE.iter().for_each(|card| describe(card, &mut text)),
             Some(name) => {
                 let card = CATALOGUE.iter().find(|card| card.name == name).ok_or_else(|| {
                     let all: Vec<&str> = CATALOGUE.iter().map(|card| card.name).collect();
-                    Ended::BadInput(format!("NAME: found `{name}`, expected one of {}", all.join(", ")))
+                    CommandError::BadInput(format!("NAME: found `{name}`, expected one of {}", all.join(", ")))
                 })?;
                 describe(card, &mut text);
             }

@@ -1,7 +1,7 @@
 //! `spinebench gather`.
 
 use super::shared::writable;
-use super::{Ended, Outcome};
+use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::runner::{self, GatherError};
 use std::collections::BTreeMap;
@@ -10,7 +10,7 @@ use std::path::PathBuf;
 /// Joins repetitions of one experiment that machines without a common store have run (`--set first_seed=N`): tables,
 /// claims and figures of all of them. Of one folder alone, claims and figures are made again from its tables.
 #[derive(Args)]
-pub(super) struct Gather {
+pub(super) struct GatherCommand {
     /// The experiment's folder under `results/`, of each machine.
     #[arg(required = true, value_name = "RESULTS/EXPERIMENT")]
     parts: Vec<PathBuf>,
@@ -19,19 +19,19 @@ pub(super) struct Gather {
     out: PathBuf,
 }
 
-impl Gather {
-    pub(super) fn carry_out(self) -> Outcome {
+impl GatherCommand {
+    pub(super) fn execute(self) -> CommandResult {
         let (name, mut publication) = runner::gather(&self.parts).map_err(|error| match error {
-            GatherError::Publish(_) => Ended::failed(error),
-            _ => Ended::bad(error),
+            GatherError::Publish(_) => CommandError::failed(error),
+            _ => CommandError::bad_input(error),
         })?;
         writable(&self.out)?;
         let claims = BTreeMap::from([(name, publication.claims)]);
-        publication.files.extend(runner::all_claims(&self.out, &claims).map_err(Ended::failed)?);
+        publication.files.extend(runner::all_claims(&self.out, &claims).map_err(CommandError::failed)?);
         publication.notices.iter().for_each(|notice| eprintln!("{notice}"));
         if publication.failed > 0 {
             eprintln!("{} trials failed", publication.failed);
         }
-        runner::write_files(&self.out, &publication.files).map_err(Ended::failed)
+        runner::write_files(&self.out, &publication.files).map_err(CommandError::failed)
     }
 }

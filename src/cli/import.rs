@@ -1,6 +1,6 @@
 //! `spinebench import`.
 
-use super::{Ended, Outcome};
+use super::{CommandError, CommandResult};
 use clap::{Args, Subcommand, ValueEnum};
 use spinebench::data::import::motive::{Body, Export};
 use spinebench::data::import::{Axes, ImportOptions, Imported, Log, TipFrame, import};
@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 /// Joins a tracking system's own export with a log of commands to a recording.
 #[derive(Args)]
-pub(super) struct Import {
+pub(super) struct ImportCommand {
     #[command(subcommand)]
     from: From,
 }
@@ -49,15 +49,15 @@ struct Motive {
     #[arg(long, default_value = Axes::Y_UP)]
     axes: Axes,
     /// Along which axes the tip is given.
-    #[arg(long, value_enum, default_value_t = Frame::Base)]
-    frame: Frame,
+    #[arg(long, value_enum, default_value_t = TipFrameArg::Base)]
+    frame: TipFrameArg,
     /// Lost frames are bridged between tracked ones up to so far apart, seconds.
     #[arg(long, value_name = "S", default_value_t = 0.05, value_parser = gap)]
     max_gap_s: f64,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum Frame {
+enum TipFrameArg {
     /// Those of the base body: a turned tracking frame drops out.
     Base,
     /// Those of the tracking frame, which must be level: a tilted base shows at the tip.
@@ -67,30 +67,32 @@ enum Frame {
 /// Angle between base and tracking frame from which on it matters which one the tip is given in, degrees.
 const TURNED_DEG: f64 = 0.5;
 
-impl Import {
-    pub(super) fn carry_out(self) -> Outcome {
+impl ImportCommand {
+    pub(super) fn execute(self) -> CommandResult {
         let From::Motive(motive) = self.from;
-        motive.carry_out()
+        motive.execute()
     }
 }
 
 impl Motive {
-    fn carry_out(self) -> Outcome {
-        let export = Export::read(&self.export).map_err(Ended::bad)?;
+    fn execute(self) -> CommandResult {
+        let export = Export::read(&self.export).map_err(CommandError::bad_input)?;
         let base = body(&export, self.base.as_deref(), "base")?;
         let tip = body(&export, self.tip.as_deref(), "tip")?;
         if std::ptr::eq(base, tip) {
             let (file, name) = (self.export.display(), &base.name);
-            return Err(Ended::BadInput(format!("{file}: found `{name}` as base and as tip, expected two bodies")));
+            return Err(CommandError::BadInput(format!(
+                "{file}: found `{name}` as base and as tip, expected two bodies"
+            )));
         }
-        let log = Log::read(&self.commands, &self.offset_s).map_err(Ended::bad)?;
+        let log = Log::read(&self.commands, &self.offset_s).map_err(CommandError::bad_input)?;
         let frame = match self.frame {
-            Frame::Base => TipFrame::Base,
-            Frame::Tracking => TipFrame::Tracking,
+            TipFrameArg::Base => TipFrame::Base,
+            TipFrameArg::Tracking => TipFrame::Tracking,
         };
         let options = ImportOptions { axes: self.axes, frame, max_gap_s: self.max_gap_s };
-        let imported = import(&export, [base, tip], &log, &options).map_err(Ended::bad)?;
-        imported.recording.write(&self.out).map_err(Ended::bad)?;
+        let imported = import(&export, [base, tip], &log, &options).map_err(CommandError::bad_input)?;
+        imported.recording.write(&self.out).map_err(CommandError::bad_input)?;
         self.tell(&export, &imported);
         Ok(())
     }
@@ -109,8 +111,8 @@ impl Motive {
         let turn_deg = imported.base_turn_rad.to_degrees();
         if turn_deg > TURNED_DEG {
             let (given, other) = match self.frame {
-                Frame::Base => ("the base's", "--frame tracking shows a tilted base"),
-                Frame::Tracking => ("the tracking frame's", "--frame base takes a turned tracking frame out"),
+                TipFrameArg::Base => ("the base's", "--frame tracking shows a tilted base"),
+                TipFrameArg::Tracking => ("the tracking frame's", "--frame base takes a turned tracking frame out"),
             };
             eprintln!(
                 "note: the base body is turned by {turn_deg:.1}° from the tracking frame; the tip is given along {given} axes ({other})"
@@ -120,12 +122,12 @@ impl Motive {
 }
 
 /// The body of this name, or the one that is most likely meant.
-fn body<'a>(export: &'a Export, name: Option<&str>, usual: &str) -> Result<&'a Body, Ended> {
+fn body<'a>(export: &'a Export, name: Option<&str>, usual: &str) -> Result<&'a Body, CommandError> {
     let found = match name {
         Some(name) => export.body(name),
         None => export.body_like(usual),
     };
-    found.map_err(|error| Ended::BadInput(format!("{error} (--{usual} NAME)")))
+    found.map_err(|error| CommandError::BadInput(format!("{error} (--{usual} NAME)")))
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

@@ -1,4 +1,4 @@
-//! The commands. Exit status 0: done; 1: ran, and the answer is no; 2: bad input or usage, and nothing was written.
+//! The commands. Exit status 0: done; 1: ran, and the answer is no; 2: bad input or usage, nothing written.
 
 mod align;
 mod arm;
@@ -36,85 +36,85 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    Run(run::Run),
-    Cache(cache::CacheCommand),
-    Plan(plan::Plan),
-    Simulate(simulate::Simulate),
-    Calibrate(calibrate::Calibrate),
-    Effects(effects::Effects),
-    Discover(discover::Discover),
-    Collect(collect::Collect),
-    Doctor(doctor::Doctor),
-    Arm(arm::Arm),
-    Align(align::Align),
-    Weigh(weigh::Weigh),
-    Rehearse(rehearse::Rehearse),
-    Import(import::Import),
-    Page(page::Page),
-    Schema(schema::Schema),
-    Completions(completions::Completions),
-    Gather(gather::Gather),
-    Verify(verify::Verify),
-    Status(cluster::Status),
-    Cancel(cluster::Cancel),
+    Run(run::RunCommand),
+    CacheArgs(cache::CacheCommand),
+    Plan(plan::PlanCommand),
+    Simulate(simulate::SimulateCommand),
+    Calibrate(calibrate::CalibrateCommand),
+    Effects(effects::EffectsCommand),
+    Discover(discover::DiscoverCommand),
+    Collect(collect::CollectCommand),
+    Doctor(doctor::DoctorCommand),
+    Arm(arm::ArmCommand),
+    Align(align::AlignCommand),
+    Weigh(weigh::WeighCommand),
+    Rehearse(rehearse::RehearseCommand),
+    Import(import::ImportCommand),
+    Page(page::PageCommand),
+    Schema(schema::SchemaCommand),
+    Completions(completions::CompletionsCommand),
+    Gather(gather::GatherCommand),
+    Verify(verify::VerifyCommand),
+    Status(cluster::StatusCommand),
+    Cancel(cluster::CancelCommand),
     #[command(hide = true)]
-    Work(cluster::Work),
+    Work(cluster::WorkCommand),
 }
 
-/// How a command that did not succeed ends.
-pub(crate) enum Ended {
-    /// It ran, and the answer is no, or what it found could not be written: exit status 1.
-    No(String),
+/// Why a command ends with an exit status other than 0.
+pub(crate) enum CommandError {
+    /// It ran and its answer is no, or its results could not be written: exit status 1.
+    Failed(String),
     /// Bad input or usage: exit status 2.
     BadInput(String),
 }
 
-impl Ended {
-    /// Bad input, in the words of the error.
-    pub(crate) fn bad(error: impl std::fmt::Display) -> Ended {
-        Ended::BadInput(error.to_string())
+impl CommandError {
+    /// Bad input, with the message of `error`.
+    pub(crate) fn bad_input(error: impl std::fmt::Display) -> CommandError {
+        CommandError::BadInput(error.to_string())
     }
 
-    /// It ran and failed, in the words of the error.
-    pub(crate) fn failed(error: impl std::fmt::Display) -> Ended {
-        Ended::No(error.to_string())
+    /// A failed run, with the message of `error`.
+    pub(crate) fn failed(error: impl std::fmt::Display) -> CommandError {
+        CommandError::Failed(error.to_string())
     }
 }
 
 /// What a command returns.
-pub(crate) type Outcome = Result<(), Ended>;
+pub(crate) type CommandResult = Result<(), CommandError>;
 
-/// Parses the arguments and carries out the command.
+/// Parses the arguments and executes the command.
 pub(crate) fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
-        Command::Run(run) => run.carry_out(),
-        Command::Cache(cache) => cache.carry_out(),
-        Command::Plan(plan) => plan.carry_out(),
-        Command::Simulate(simulate) => simulate.carry_out(),
-        Command::Calibrate(calibrate) => calibrate.carry_out(),
-        Command::Effects(effects) => effects.carry_out(),
-        Command::Discover(discover) => discover.carry_out(),
-        Command::Collect(collect) => collect.carry_out(),
-        Command::Doctor(doctor) => doctor.carry_out(),
-        Command::Arm(arm) => arm.carry_out(),
-        Command::Align(align) => align.carry_out(),
-        Command::Weigh(weigh) => weigh.carry_out(),
-        Command::Rehearse(rehearse) => rehearse.carry_out(),
-        Command::Import(import) => import.carry_out(),
-        Command::Page(page) => page.carry_out(),
-        Command::Schema(schema) => schema.carry_out(),
-        Command::Completions(completions) => completions.carry_out(),
-        Command::Gather(gather) => gather.carry_out(),
-        Command::Verify(verify) => verify.carry_out(),
-        Command::Status(status) => status.carry_out(),
-        Command::Cancel(cancel) => cancel.carry_out(),
-        Command::Work(work) => work.carry_out(),
+        Command::Run(run) => run.execute(),
+        Command::CacheArgs(cache) => cache.execute(),
+        Command::Plan(plan) => plan.execute(),
+        Command::Simulate(simulate) => simulate.execute(),
+        Command::Calibrate(calibrate) => calibrate.execute(),
+        Command::Effects(effects) => effects.execute(),
+        Command::Discover(discover) => discover.execute(),
+        Command::Collect(collect) => collect.execute(),
+        Command::Doctor(doctor) => doctor.execute(),
+        Command::Arm(arm) => arm.execute(),
+        Command::Align(align) => align.execute(),
+        Command::Weigh(weigh) => weigh.execute(),
+        Command::Rehearse(rehearse) => rehearse.execute(),
+        Command::Import(import) => import.execute(),
+        Command::Page(page) => page.execute(),
+        Command::Schema(schema) => schema.execute(),
+        Command::Completions(completions) => completions.execute(),
+        Command::Gather(gather) => gather.execute(),
+        Command::Verify(verify) => verify.execute(),
+        Command::Status(status) => status.execute(),
+        Command::Cancel(cancel) => cancel.execute(),
+        Command::Work(work) => work.execute(),
     };
-    let (words, status) = match outcome {
+    let (message, status) = match outcome {
         Ok(()) => return ExitCode::SUCCESS,
-        Err(Ended::No(words)) => (words, 1),
-        Err(Ended::BadInput(words)) => (words, 2),
+        Err(CommandError::Failed(message)) => (message, 1),
+        Err(CommandError::BadInput(message)) => (message, 2),
     };
-    eprintln!("error: {words}");
+    eprintln!("error: {message}");
     ExitCode::from(status)
 }

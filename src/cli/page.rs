@@ -1,6 +1,6 @@
 //! `spinebench page`.
 
-use super::{Ended, Outcome};
+use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::data::write_atomic;
 use spinebench::report::page::{picture, splice};
@@ -9,23 +9,23 @@ use std::path::{Path, PathBuf};
 /// Puts published tables and figures into a Markdown page, between the lines `<!-- begin:FILE -->` and
 /// `<!-- end:FILE -->`. FILE is relative to the page: a `.md` is copied in, anything else is shown as a picture.
 #[derive(Args)]
-pub(super) struct Page {
+pub(super) struct PageCommand {
     /// Page to change in place.
     #[arg(value_name = "PAGE.md")]
     page: PathBuf,
 }
 
-impl Page {
-    pub(super) fn carry_out(self) -> Outcome {
+impl PageCommand {
+    pub(super) fn execute(self) -> CommandResult {
         let name = self.page.display();
-        let refuse = |words: String| Ended::BadInput(format!("{name}: {words}"));
+        let refuse = |words: String| CommandError::BadInput(format!("{name}: {words}"));
         let mut text = std::fs::read_to_string(&self.page).map_err(|error| refuse(error.to_string()))?;
         let folder = self.page.parent().unwrap_or(Path::new("")).to_owned();
         for file in named(&text) {
             let content = content(&folder, &file).map_err(&refuse)?;
             text = splice(&text, &file, &content).map_err(|error| refuse(error.to_string()))?;
         }
-        write_atomic(&self.page, text.as_bytes()).map_err(Ended::failed)
+        write_atomic(&self.page, text.as_bytes()).map_err(CommandError::failed)
     }
 }
 

@@ -1,7 +1,7 @@
 //! `spinebench plan`.
 
-use super::Outcome;
-use super::shared::{Cache, Specs};
+use super::CommandResult;
+use super::shared::{CacheArgs, SpecArgs};
 use clap::Args;
 use spinebench::runner::{Campaign, Entry, Need, survey};
 use std::collections::BTreeMap;
@@ -10,15 +10,15 @@ use std::io::Write as _;
 
 /// Prints the expanded runs, what is stored and what is left, and runs nothing.
 #[derive(Args)]
-pub(super) struct Plan {
+pub(super) struct PlanCommand {
     #[command(flatten)]
-    specs: Specs,
+    specs: SpecArgs,
     #[command(flatten)]
-    cache: Cache,
+    cache: CacheArgs,
 }
 
-impl Plan {
-    pub(super) fn carry_out(self) -> Outcome {
+impl PlanCommand {
+    pub(super) fn execute(self) -> CommandResult {
         let campaign = self.specs.campaign()?;
         let needs = survey(&campaign.graph, &self.cache.store(), &campaign.wanted());
         let mut text = String::new();

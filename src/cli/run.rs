@@ -1,8 +1,8 @@
 //! `spinebench run`.
 
 use super::cluster::Cluster;
-use super::shared::{Cache, Specs, Telling, writable};
-use super::{Ended, Outcome};
+use super::shared::{CacheArgs, ProgressArgs, SpecArgs, writable};
+use super::{CommandError, CommandResult};
 use clap::{Args, ValueEnum};
 use spinebench::data::rows::ClaimRow;
 use spinebench::runner::{
@@ -16,16 +16,16 @@ use std::time::Instant;
 
 /// Expands specs to stages, runs what is not stored, writes tables and figures.
 #[derive(Args)]
-pub(super) struct Run {
+pub(super) struct RunCommand {
     #[command(flatten)]
-    specs: Specs,
+    specs: SpecArgs,
     /// Folder for `results/` and `plots/`.
     #[arg(long, value_name = "DIR", default_value = ".")]
     out: PathBuf,
     #[command(flatten)]
-    cache: Cache,
+    cache: CacheArgs,
     #[command(flatten)]
-    telling: Telling,
+    progress_args: ProgressArgs,
     /// Where stages are carried out.
     #[arg(long, value_enum, default_value_t = Executor::Local)]
     executor: Executor,
@@ -45,20 +45,20 @@ enum Executor {
     Slurm,
 }
 
-impl Run {
-    pub(super) fn carry_out(self) -> Outcome {
+impl RunCommand {
+    pub(super) fn execute(self) -> CommandResult {
         let campaign = self.specs.campaign()?;
         writable(&self.out)?;
-        let progress = self.telling.progress();
+        let progress = self.progress_args.progress();
         // Hours may go by, and commits, before it is published.
         let revision = runner::git_revision();
         let began = Instant::now();
         let wanted = campaign.wanted();
         let store = self.cache.store();
         let mut known = HashMap::new();
-        let mut threads = self.telling.jobs;
+        let mut threads = self.progress_args.jobs;
         if self.executor == Executor::Slurm {
-            match self.cluster.fill(&campaign, &store, self.telling.jobs, &progress)? {
+            match self.cluster.fill(&campaign, &store, self.progress_args.jobs, &progress)? {
                 Some(failures) => known = failures,
                 None => return Ok(()),
             }
@@ -66,15 +66,16 @@ impl Run {
         }
         let orders = Orders { threads, progress: &progress, stop: &AtomicBool::new(false), known: &known };
         let outcomes = runner::carry_out(&campaign.graph, &store, &wanted, &orders)
-            .map_err(|failure| Ended::No(failure.to_string()))?;
+            .map_err(|failure| CommandError::Failed(failure.to_string()))?;
         let wall_s = began.elapsed().as_secs_f64();
-        let published = self.publish(&campaign, &outcomes, &store, (&revision, wall_s)).map_err(Ended::No)?;
+        let published =
+            self.publish(&campaign, &outcomes, &store, (&revision, wall_s)).map_err(CommandError::Failed)?;
         summarise(&progress, &campaign, &outcomes, &published, wall_s);
         if let [first, ..] = outcomes.failures.as_slice() {
             let count = outcomes.failures.len();
             let words =
                 format!("{count} stages failed, the first of them {first}; what needed them has rows that say so");
-            return Err(Ended::No(words));
+            return Err(CommandError::Failed(words));
         }
         self.verdict(&published)
     }
@@ -112,21 +113,21 @@ impl Run {
     fn threads(&self, entry: &Entry) -> usize {
         match self.executor {
             Executor::Slurm => self.cluster.cpus.unwrap_or(entry.experiment.slurm.cpus) as usize,
-            Executor::Local if self.telling.jobs > 0 => self.telling.jobs,
+            Executor::Local if self.progress_args.jobs > 0 => self.progress_args.jobs,
             Executor::Local => available_parallelism().map_or(1, usize::from),
         }
     }
 
-    fn verdict(&self, published: &[Publication]) -> Outcome {
+    fn verdict(&self, published: &[Publication]) -> CommandResult {
         let failed: usize = published.iter().map(|publication| publication.failed).sum();
         let claims = published.iter().flat_map(|publication| &publication.claims);
         let denied: Vec<&str> =
             claims.filter(|row| row.verdict == "not reproduced").map(|row| row.claim.as_str()).collect();
         if self.strict && failed > 0 {
-            return Err(Ended::No(format!("{failed} trials failed")));
+            return Err(CommandError::Failed(format!("{failed} trials failed")));
         }
         if self.strict && !denied.is_empty() {
-            return Err(Ended::No(format!("not reproduced: {}", denied.join(", "))));
+            return Err(CommandError::Failed(format!("not reproduced: {}", denied.join(", "))));
         }
         Ok(())
     }

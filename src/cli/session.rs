@@ -1,6 +1,6 @@
 //! What commands at the bench share: the robot, and a recording under way, trial by trial, resumable.
 
-use super::{Ended, Outcome};
+use super::{CommandError, CommandResult};
 use spinebench::base::{Plant, PlantError, Seed};
 use spinebench::data::Recording;
 use spinebench::plants::hardware::{Hardware, HardwareOptions, operator};
@@ -9,12 +9,12 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// The robot on a bench that a plant file describes.
-pub(super) fn bench(file: &Path) -> Result<Box<HardwareOptions>, Ended> {
-    match read_plant(file).map_err(Ended::bad)? {
+pub(super) fn bench(file: &Path) -> Result<Box<HardwareOptions>, CommandError> {
+    match read_plant(file).map_err(CommandError::bad_input)? {
         PlantSpec::Hardware(options) => Ok(options),
         other => {
             let (file, kind) = (file.display(), other.kind());
-            Err(Ended::BadInput(format!("{file}: expected `hardware`, found `{kind}`")))
+            Err(CommandError::BadInput(format!("{file}: expected `hardware`, found `{kind}`")))
         }
     }
 }
@@ -28,15 +28,15 @@ pub(super) enum Robot {
 }
 
 impl Robot {
-    pub(super) fn open(plant: &PlantSpec, step_s: f64, seed: Seed) -> Result<Robot, Ended> {
+    pub(super) fn open(plant: &PlantSpec, step_s: f64, seed: Seed) -> Result<Robot, CommandError> {
         match plant {
             PlantSpec::Hardware(options) => Robot::bench(options, step_s, seed),
-            other => Ok(Robot::Other(other.build(step_s).map_err(Ended::No)?)),
+            other => Ok(Robot::Other(other.build(step_s).map_err(CommandError::Failed)?)),
         }
     }
 
-    pub(super) fn bench(options: &HardwareOptions, step_s: f64, seed: Seed) -> Result<Robot, Ended> {
-        let hardware = Hardware::open(options, step_s, seed).map_err(Ended::No)?;
+    pub(super) fn bench(options: &HardwareOptions, step_s: f64, seed: Seed) -> Result<Robot, CommandError> {
+        let hardware = Hardware::open(options, step_s, seed).map_err(CommandError::Failed)?;
         Ok(Robot::Bench(Box::new(hardware)))
     }
 
@@ -48,7 +48,7 @@ impl Robot {
     }
 
     /// Has a weight hung on the tip, in place of whatever hangs there. An imitated robot takes it by itself.
-    fn hang(&mut self, trial: u64, load_kg: f64, assume_done: bool) -> Outcome {
+    fn hang(&mut self, trial: u64, load_kg: f64, assume_done: bool) -> CommandResult {
         let grams = load_kg * 1e3;
         let what = if load_kg > 0.0 {
             format!("trial {trial}: hang {grams:.1} g on the tip")
@@ -63,7 +63,7 @@ impl Robot {
             }
             Robot::Bench(hardware) => hardware.hang(load_kg, Some(&what)),
         }
-        .map_err(Ended::No)
+        .map_err(CommandError::Failed)
     }
 }
 
@@ -84,17 +84,17 @@ pub(super) struct Session<'a> {
 
 impl<'a> Session<'a> {
     /// What an earlier session has left of the recording `out` of these `commands`.
-    pub(super) fn open(out: &'a Path, commands: &'a Recording) -> Result<Session<'a>, Ended> {
+    pub(super) fn open(out: &'a Path, commands: &'a Recording) -> Result<Session<'a>, CommandError> {
         let extension = out.extension().map_or("csv".into(), |extension| extension.to_string_lossy().into_owned());
         let part = out.with_extension(format!("part.{extension}"));
         let mut session = Session { out, part, commands, done: None, assume_done: false };
         if !session.part.exists() {
             return Ok(session);
         }
-        let earlier = Recording::read(&session.part).map_err(Ended::bad)?;
+        let earlier = Recording::read(&session.part).map_err(CommandError::bad_input)?;
         if !session.begins_with(&earlier) {
             let part = session.part.display();
-            return Err(Ended::BadInput(format!(
+            return Err(CommandError::BadInput(format!(
                 "{part}: found a recording of other commands, expected the first trials of these; remove it to begin anew"
             )));
         }
@@ -116,7 +116,7 @@ impl<'a> Session<'a> {
     }
 
     /// Records what is missing and writes the whole.
-    pub(super) fn go_on(mut self, robot: &mut Robot, seed: Seed, record: Records) -> Outcome {
+    pub(super) fn go_on(mut self, robot: &mut Robot, seed: Seed, record: Records) -> CommandResult {
         let (trials, recorded) = (self.commands.trials(), self.done.as_ref().map_or(0, Recording::len));
         // After an interruption nobody knows what hangs there.
         let mut hung_kg = if recorded == 0 { Some(0.0) } else { None };
@@ -132,7 +132,7 @@ impl<'a> Session<'a> {
                 Err(error) => {
                     let (done, all) = (self.trials(), trials.len());
                     let words = "the same command goes on from there";
-                    return Err(Ended::No(format!(
+                    return Err(CommandError::Failed(format!(
                         "trial {number}: {error}; {done} of {all} trials are kept, {words}"
                     )));
                 }
@@ -141,9 +141,10 @@ impl<'a> Session<'a> {
         // Commands without a trial make a recording without one.
         let mut whole = self.done.take().unwrap_or_else(|| self.commands.clone());
         whole.extra.clone_from(&self.commands.extra);
-        whole.write(self.out).map_err(Ended::bad)?;
+        whole.write(self.out).map_err(CommandError::bad_input)?;
         if self.part.exists() {
-            std::fs::remove_file(&self.part).map_err(|error| Ended::No(format!("{}: {error}", self.part.display())))?;
+            std::fs::remove_file(&self.part)
+                .map_err(|error| CommandError::Failed(format!("{}: {error}", self.part.display())))?;
         }
         Ok(())
     }
@@ -152,11 +153,11 @@ impl<'a> Session<'a> {
         self.done.as_ref().map_or(0, |done| done.trials().len())
     }
 
-    fn keep(&mut self, trial: Recording) -> Outcome {
+    fn keep(&mut self, trial: Recording) -> CommandResult {
         let all = match self.done.take() {
-            Some(done) => Recording::joined(&[done, trial]).map_err(Ended::failed)?,
+            Some(done) => Recording::joined(&[done, trial]).map_err(CommandError::failed)?,
             None => trial,
         };
-        self.done.insert(all).write(&self.part).map_err(Ended::bad)
+        self.done.insert(all).write(&self.part).map_err(CommandError::bad_input)
     }
 }

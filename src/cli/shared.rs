@@ -1,15 +1,15 @@
 //! Arguments that several commands take.
 
-use super::Ended;
+use super::CommandError;
 use clap::{Args, ValueEnum};
 use spinebench::runner::{Campaign, Progress, Store, Style};
-use spinebench::specs::{SpecError, Study};
+use spinebench::specs::{ExperimentSet, SpecError};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Which experiments.
 #[derive(Args)]
-pub(super) struct Specs {
+pub(super) struct SpecArgs {
     /// Experiment files.
     #[arg(required = true, value_name = "SPEC.yaml")]
     specs: Vec<PathBuf>,
@@ -25,35 +25,35 @@ pub(super) struct Specs {
     sweep: Vec<String>,
 }
 
-impl Specs {
+impl SpecArgs {
     /// Reads and expands the experiments.
-    pub(super) fn campaign(&self) -> Result<Campaign, Ended> {
+    pub(super) fn campaign(&self) -> Result<Campaign, CommandError> {
         let mut sets = self.set.clone();
         sets.extend(self.seeds.map(|seeds| format!("seeds={seeds}")));
-        let read = |file: &PathBuf| Study::read(file, &sets, &self.sweep);
-        let experiments: Result<Vec<Study>, SpecError> = self.specs.iter().map(read).collect();
-        let experiments = experiments.map_err(|error| Ended::BadInput(error.to_string()))?;
+        let read = |file: &PathBuf| ExperimentSet::read(file, &sets, &self.sweep);
+        let experiments: Result<Vec<ExperimentSet>, SpecError> = self.specs.iter().map(read).collect();
+        let experiments = experiments.map_err(|error| CommandError::BadInput(error.to_string()))?;
         let mut names = BTreeSet::new();
         for (study, file) in experiments.iter().zip(&self.specs) {
             if !names.insert(&study.experiment.name) {
                 let (name, file) = (&study.experiment.name, file.display());
                 let words = format!("{file}: name: found `{name}`, expected a name that no other spec here has");
-                return Err(Ended::BadInput(words));
+                return Err(CommandError::BadInput(words));
             }
         }
-        Campaign::expand(experiments).map_err(|failure| Ended::BadInput(failure.to_string()))
+        Campaign::expand(experiments).map_err(|failure| CommandError::BadInput(failure.to_string()))
     }
 }
 
 /// Where results of stages are kept.
 #[derive(Args)]
-pub(super) struct Cache {
+pub(super) struct CacheArgs {
     /// Folder of stored results [default: $SPINEBENCH_CACHE, else .spinebench/cache].
     #[arg(long, value_name = "DIR")]
     cache: Option<PathBuf>,
 }
 
-impl Cache {
+impl CacheArgs {
     pub(super) fn store(&self) -> Store {
         let set = || std::env::var_os("SPINEBENCH_CACHE").filter(|folder| !folder.is_empty()).map(PathBuf::from);
         Store::at(self.cache.clone().or_else(set).unwrap_or_else(|| PathBuf::from(".spinebench/cache")))
@@ -62,13 +62,13 @@ impl Cache {
 
 /// How to tell what is going on.
 #[derive(Args)]
-pub(super) struct Telling {
+pub(super) struct ProgressArgs {
     /// No progress bar and no summary.
     #[arg(long)]
     quiet: bool,
     /// What stderr is for.
-    #[arg(long, value_enum, default_value_t = Log::Human)]
-    log: Log,
+    #[arg(long, value_enum, default_value_t = LogFormat::Human)]
+    log: LogFormat,
     /// Threads; 0 is one for each processor.
     #[arg(long, visible_alias = "threads", value_name = "N", default_value_t = 0)]
     pub(super) jobs: usize,
@@ -76,25 +76,25 @@ pub(super) struct Telling {
 
 /// For whom stderr is written.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Log {
+enum LogFormat {
     /// A person: a progress bar and sentences.
     Human,
     /// A machine: one JSON object a line.
     Json,
 }
 
-impl Telling {
+impl ProgressArgs {
     pub(super) fn progress(&self) -> Progress {
         Progress::new(match (self.log, self.quiet) {
-            (Log::Json, _) => Style::Json,
-            (Log::Human, true) => Style::Quiet,
-            (Log::Human, false) => Style::Human,
+            (LogFormat::Json, _) => Style::Json,
+            (LogFormat::Human, true) => Style::Quiet,
+            (LogFormat::Human, false) => Style::Human,
         })
     }
 }
 
 /// Makes the folder and tries it, so that hours of work do not end before a folder that takes nothing.
-pub(super) fn writable(folder: &Path) -> Result<(), Ended> {
+pub(super) fn writable(folder: &Path) -> Result<(), CommandError> {
     let tried = || -> std::io::Result<()> {
         std::fs::create_dir_all(folder)?;
         let probe = folder.join(format!(".spinebench-{}", std::process::id()));
@@ -102,5 +102,5 @@ pub(super) fn writable(folder: &Path) -> Result<(), Ended> {
         // Another process of the same number, on another machine, may have been quicker.
         std::fs::remove_file(&probe).or_else(|error| if probe.exists() { Err(error) } else { Ok(()) })
     };
-    tried().map_err(|error| Ended::BadInput(format!("{}: found {error}, expected a folder", folder.display())))
+    tried().map_err(|error| CommandError::BadInput(format!("{}: found {error}, expected a folder", folder.display())))
 }

@@ -1,17 +1,17 @@
 //! `spinebench simulate`.
 
-use super::{Ended, Outcome};
+use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::data::Recording;
 use spinebench::data::recording::Extra;
 use spinebench::effects::Model;
 use spinebench::specs::read_model;
-use spinebench::tasks::{PlayOptions, play};
+use spinebench::tasks::{SimulationOptions, simulate_recording};
 use std::path::{Path, PathBuf};
 
 /// Drives the rod model with a recording's commands (lengths or tensions) and writes a recording.
 #[derive(Args)]
-pub(super) struct Simulate {
+pub(super) struct SimulateCommand {
     /// Model file.
     #[arg(long, value_name = "MODEL.yaml")]
     model: PathBuf,
@@ -26,12 +26,16 @@ pub(super) struct Simulate {
     at_rest: bool,
 }
 
-impl Simulate {
-    pub(super) fn carry_out(self) -> Outcome {
-        let model = read_model(&self.model).map_err(Ended::bad)?;
+impl SimulateCommand {
+    pub(super) fn execute(self) -> CommandResult {
+        let model = read_model(&self.model).map_err(CommandError::bad_input)?;
         let commands = read_commands(&self.commands, &model)?;
-        let played = play(&model, &commands, &PlayOptions { at_rest: self.at_rest, ..PlayOptions::default() });
-        played.write(&self.out).map_err(Ended::bad)?;
+        let played = simulate_recording(
+            &model,
+            &commands,
+            &SimulationOptions { at_rest: self.at_rest, ..SimulationOptions::default() },
+        );
+        played.write(&self.out).map_err(CommandError::bad_input)?;
         let failed = failures(&played);
         if failed > 0 {
             let (all, out) = (played.len(), self.out.display());
@@ -42,25 +46,25 @@ impl Simulate {
 }
 
 /// Reads commands and refuses those for another number of tendons.
-pub(super) fn read_commands(file: &Path, model: &Model) -> Result<Recording, Ended> {
-    let commands = Recording::read_commands(file).map_err(Ended::bad)?;
+pub(super) fn read_commands(file: &Path, model: &Model) -> Result<Recording, CommandError> {
+    let commands = Recording::read_commands(file).map_err(CommandError::bad_input)?;
     let expected = model.robot.tendons.angles_deg.len();
     same_tendons(file, &commands, expected)?;
     Ok(commands)
 }
 
 /// Reads what was measured on the model's robot: as many tendons, a tip and commands within its reach.
-pub(super) fn read_measured(file: &Path, model: &Model) -> Result<Recording, Ended> {
-    let measured = Recording::read(file).map_err(Ended::bad)?;
+pub(super) fn read_measured(file: &Path, model: &Model) -> Result<Recording, CommandError> {
+    let measured = Recording::read(file).map_err(CommandError::bad_input)?;
     same_tendons(file, &measured, model.robot.tendons.angles_deg.len())?;
     let length_m = model.robot.backbone.length_m;
-    measured.check_reach(file, model.robot.base_m, length_m).map_err(Ended::bad)?;
-    measured.check_travel(file, length_m).map_err(Ended::bad)?;
+    measured.check_reach(file, model.robot.base_m, length_m).map_err(CommandError::bad_input)?;
+    measured.check_travel(file, length_m).map_err(CommandError::bad_input)?;
     Ok(measured)
 }
 
 /// Refuses a recording for another number of tendons than the robot's.
-pub(super) fn same_tendons(file: &Path, commands: &Recording, expected: usize) -> Outcome {
+pub(super) fn same_tendons(file: &Path, commands: &Recording, expected: usize) -> CommandResult {
     let found = commands.tendons();
     if found == expected {
         return Ok(());
@@ -70,7 +74,7 @@ pub(super) fn same_tendons(file: &Path, commands: &Recording, expected: usize) -
         "{}, line 1, column `{column}`: found {found} tendons, expected {expected}, as many as the robot has",
         file.display()
     );
-    Err(Ended::BadInput(words))
+    Err(CommandError::BadInput(words))
 }
 
 /// Number of rows without a solution.

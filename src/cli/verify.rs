@@ -1,18 +1,18 @@
 //! `spinebench verify`.
 
-use super::shared::Telling;
-use super::{Ended, Outcome};
+use super::shared::ProgressArgs;
+use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::data::rows::StageRow;
 use spinebench::data::tables::read_csv;
 use spinebench::runner::{self, Campaign, Entry, Files, Manifest, Standard, Store};
-use spinebench::specs::{PlantSpec, Study};
+use spinebench::specs::{ExperimentSet, PlantSpec};
 use std::path::{Path, PathBuf};
 
 /// Reruns the published experiments from nothing and compares with `results/` and `plots/`: byte for byte where the
 /// same kind of processor computed them, number by number where another did.
 #[derive(Args)]
-pub(super) struct Verify {
+pub(super) struct VerifyCommand {
     /// Names of published experiments; all when none is given.
     #[arg(value_name = "EXPERIMENT")]
     experiments: Vec<String>,
@@ -23,19 +23,19 @@ pub(super) struct Verify {
     #[arg(long, value_name = "SHARE")]
     tolerance: Option<f64>,
     #[command(flatten)]
-    telling: Telling,
+    progress_args: ProgressArgs,
 }
 
-impl Verify {
-    pub(super) fn carry_out(self) -> Outcome {
-        let bad = |words: String| Ended::BadInput(words);
+impl VerifyCommand {
+    pub(super) fn execute(self) -> CommandResult {
+        let bad = |words: String| CommandError::BadInput(words);
         if let Some(found) = self.tolerance.filter(|share| !(0.0..1.0).contains(share)) {
             return Err(bad(format!("--tolerance: found {found}, expected a share of at least 0 and below 1")));
         }
         let mut specs = Vec::new();
         for name in self.names().map_err(bad)? {
             let file = self.folder(&name).join("spec.yaml");
-            specs.push(Study::read(&file, &[], &[]).map_err(|error| bad(error.to_string()))?);
+            specs.push(ExperimentSet::read(&file, &[], &[]).map_err(|error| bad(error.to_string()))?);
         }
         let on_bench = |robot: &PlantSpec| matches!(robot, PlantSpec::Hardware(robot) if robot.rehearsal.is_none());
         if let Some(study) = specs.iter().find(|study| study.experiments().any(|spec| on_bench(&spec.plant))) {
@@ -45,22 +45,23 @@ impl Verify {
             return Err(bad(words));
         }
         let campaign = Campaign::expand(specs).map_err(|failure| bad(failure.to_string()))?;
-        let scratch = Scratch::new().map_err(|error| Ended::No(format!("no temporary folder: {error}")))?;
-        let progress = self.telling.progress();
+        let scratch = Scratch::new().map_err(|error| CommandError::Failed(format!("no temporary folder: {error}")))?;
+        let progress = self.progress_args.progress();
         let (store, wanted) = (Store::at(&scratch.0), campaign.wanted());
-        let outcomes = runner::execute(&campaign.graph, &store, &wanted, self.telling.jobs, &progress)
-            .map_err(|failure| Ended::No(failure.to_string()))?;
+        let outcomes = runner::execute(&campaign.graph, &store, &wanted, self.progress_args.jobs, &progress)
+            .map_err(|failure| CommandError::Failed(failure.to_string()))?;
         let mut wrong = Vec::new();
         for entry in &campaign.entries {
             let name = &entry.experiment.name;
-            let publication = entry.publish(&outcomes).map_err(|error| Ended::No(format!("{name}: {error}")))?;
+            let publication =
+                entry.publish(&outcomes).map_err(|error| CommandError::Failed(format!("{name}: {error}")))?;
             let trail = runner::trail(&campaign, entry, &outcomes, &store);
             match self.compare(entry, &publication.files, &trail) {
                 Ok(said) => progress.say(&format!("{name}: {said}")),
                 Err(said) => wrong.push(format!("{name}: differs: {said}")),
             }
         }
-        if wrong.is_empty() { Ok(()) } else { Err(Ended::No(wrong.join("\n"))) }
+        if wrong.is_empty() { Ok(()) } else { Err(CommandError::Failed(wrong.join("\n"))) }
     }
 
     /// Compares one experiment: what agrees, or what differs first.

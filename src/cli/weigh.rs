@@ -2,12 +2,12 @@
 
 use super::session::{Robot, Session, bench};
 use super::simulate::same_tendons;
-use super::{Ended, Outcome};
+use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::base::Seed;
 use spinebench::data::{Actuation, Recording};
 use spinebench::plants::hardware::HardwareOptions;
-use spinebench::tasks::{VisitOptions, star_m, visit_trial, visits};
+use spinebench::tasks::{StaticPoseOptions, plan_static_poses, record_static_poses, star_m};
 use std::path::PathBuf;
 
 /// Control step of the session, s.
@@ -19,7 +19,7 @@ pub(super) const STEP_S: f64 = 0.2;
 /// The recording is one for `spinebench calibrate --static`. A session that ends early goes on with the same command.
 /// In a rehearsal the imitated robot is given the weights and nobody is asked.
 #[derive(Args)]
-pub(super) struct Weigh {
+pub(super) struct WeighCommand {
     /// Plant file of a robot on a bench.
     #[arg(long, value_name = "PLANT.yaml")]
     plant: PathBuf,
@@ -36,7 +36,7 @@ pub(super) struct Weigh {
     #[arg(long, value_name = "M", default_value_t = 0.012)]
     reach_m: f64,
     /// Steps of 0.2 s for which the robot comes to rest in each pose.
-    #[arg(long, value_name = "N", default_value_t = VisitOptions::default().rest_steps)]
+    #[arg(long, value_name = "N", default_value_t = StaticPoseOptions::default().rest_steps)]
     rest_steps: usize,
     /// Nobody is asked: the weights hang as soon as they are due.
     #[arg(long)]
@@ -48,19 +48,19 @@ fn kilograms(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| format!("found `{text}`, expected 0 to 10 kg"))
 }
 
-impl Weigh {
-    pub(super) fn carry_out(self) -> Outcome {
+impl WeighCommand {
+    pub(super) fn execute(self) -> CommandResult {
         let options = bench(&self.plant)?;
         let visiting = visiting(&options, self.rest_steps);
         let poses_m = self.poses_m(&options)?;
-        let planned = visits(&poses_m, &self.weights, &visiting, STEP_S);
+        let planned = plan_static_poses(&poses_m, &self.weights, &visiting, STEP_S);
         let mut session = Session::open(&self.out, &planned)?;
         session.assume_done = self.yes;
         let mut robot = Robot::bench(&options, STEP_S, Seed(1))?;
         let (poses, minutes) = (poses_m.len(), minutes(&planned));
         eprintln!("note: {poses} poses under each of {} weights, about {minutes:.0} minutes", self.weights.len());
         session.go_on(&mut robot, Seed(1), &|plant, planned, rows, seed| {
-            visit_trial(plant, planned, rows, &visiting, seed)
+            record_static_poses(plant, planned, rows, &visiting, seed)
         })?;
         println!(
             "next: spinebench calibrate --static --model MODEL.yaml --measured {} --out CALIBRATED.yaml",
@@ -69,21 +69,21 @@ impl Weigh {
         Ok(())
     }
 
-    fn poses_m(&self, options: &HardwareOptions) -> Result<Vec<Vec<f64>>, Ended> {
+    fn poses_m(&self, options: &HardwareOptions) -> Result<Vec<Vec<f64>>, CommandError> {
         let travel_m = options.safety.travel_m;
         let Some(file) = &self.poses else {
             if !(self.reach_m > 0.0 && self.reach_m <= travel_m) {
                 let found = self.reach_m;
-                return Err(Ended::BadInput(format!(
+                return Err(CommandError::BadInput(format!(
                     "--reach-m: found {found}, expected more than 0 and at most {travel_m}"
                 )));
             }
             return Ok(star_m(self.reach_m));
         };
-        let commands = Recording::read_commands(file).map_err(Ended::bad)?;
+        let commands = Recording::read_commands(file).map_err(CommandError::bad_input)?;
         same_tendons(file, &commands, 4)?;
         if commands.actuation != Actuation::Lengths {
-            return Err(Ended::BadInput(format!(
+            return Err(CommandError::BadInput(format!(
                 "{}, line 1: found tensions, expected displacements (tendon_1_m…)",
                 file.display()
             )));
@@ -91,18 +91,17 @@ impl Weigh {
         let poses_m: Vec<Vec<f64>> = commands.commands.iter().map(<[f64]>::to_vec).collect();
         for (row, pose) in poses_m.iter().enumerate() {
             // On the way from home the step is kept; the pose itself is what may be out of bounds.
-            options
-                .safety
-                .admit(pose, &[0.0; 4], f64::INFINITY, usize::MAX)
-                .map_err(|refusal| Ended::BadInput(format!("{}, line {}: {refusal}", file.display(), row + 2)))?;
+            options.safety.admit(pose, &[0.0; 4], f64::INFINITY, usize::MAX).map_err(|refusal| {
+                CommandError::BadInput(format!("{}, line {}: {refusal}", file.display(), row + 2))
+            })?;
         }
         Ok(poses_m)
     }
 }
 
 /// How poses are visited within the limits of a robot.
-pub(super) fn visiting(options: &HardwareOptions, rest_steps: usize) -> VisitOptions {
-    VisitOptions { max_step_m: options.safety.step_m(STEP_S), rest_steps, ..VisitOptions::default() }
+pub(super) fn visiting(options: &HardwareOptions, rest_steps: usize) -> StaticPoseOptions {
+    StaticPoseOptions { max_step_m: options.safety.step_m(STEP_S), rest_steps, ..StaticPoseOptions::default() }
 }
 
 fn minutes(planned: &Recording) -> f64 {

@@ -1,6 +1,6 @@
 //! Axes and panels: from data to places on the figure.
 
-use super::canvas::{Align, Canvas, Place, Text};
+use super::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 use super::paint::text_width;
 use super::style::{BAND, Colour, Dash, GRID, HAIR, INK, LINE, Look, MARKER, SMALL, TEXT};
 
@@ -114,7 +114,7 @@ fn nice_step(low: f64, high: f64, wanted: usize) -> f64 {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Panel {
     /// Upper left corner of the frame.
-    pub(super) corner: Place,
+    pub(super) corner: CanvasPoint,
     /// Width and height of the frame.
     pub(super) size: [f64; 2],
     pub(super) x: Axis,
@@ -124,7 +124,7 @@ pub(super) struct Panel {
 
 impl Panel {
     /// Where a point of the data stands.
-    pub(super) fn at(&self, x: f64, y: f64) -> Place {
+    pub(super) fn at(&self, x: f64, y: f64) -> CanvasPoint {
         let [left, top] = self.corner;
         [left + self.size[0] * self.x.share(x), top + self.size[1] * (1.0 - self.y.share(y))]
     }
@@ -137,28 +137,28 @@ impl Panel {
             let x = self.at(*value, self.y.low)[0];
             canvas.line(&[[x, top], [x, bottom]], HAIR, GRID, &[]);
             canvas.line(&[[x, bottom], [x, bottom + 3.5]], HAIR, INK, &[]);
-            canvas.text(Text::new(label, [x, bottom + 5.0 + SMALL], SMALL, Align::Centre));
+            canvas.text(Text::new(label, [x, bottom + 5.0 + SMALL], SMALL, TextAlign::Centre));
         }
         let mut widest: f64 = 0.0;
         for (value, label) in &self.y.ticks {
             let y = self.at(self.x.low, *value)[1];
             canvas.line(&[[left, y], [right, y]], HAIR, GRID, &[]);
             canvas.line(&[[left - 3.5, y], [left, y]], HAIR, INK, &[]);
-            canvas.text(Text::new(label, [left - 6.0, y + 0.36 * SMALL], SMALL, Align::Right));
+            canvas.text(Text::new(label, [left - 6.0, y + 0.36 * SMALL], SMALL, TextAlign::Right));
             widest = widest.max(text_width(label, SMALL, false));
         }
         canvas.line(&[[left, top], [left, bottom], [right, bottom]], HAIR, INK, &[]);
         let middle = [(left + right) / 2.0, (top + bottom) / 2.0];
         let below = if self.x.ticks.iter().all(|(_, label)| label.is_empty()) { 6.0 } else { 9.0 + SMALL };
-        canvas.text(Text::new(&self.x.label, [middle[0], bottom + below + TEXT], TEXT, Align::Centre));
+        canvas.text(Text::new(&self.x.label, [middle[0], bottom + below + TEXT], TEXT, TextAlign::Centre));
         let beside = left - 13.0 - widest;
-        canvas.text(Text::new(&self.y.label, [beside, middle[1]], TEXT, Align::Centre).upwards());
-        canvas.text(Text::new(&self.title, [left, top - 6.0], TEXT, Align::Left).bold());
+        canvas.text(Text::new(&self.y.label, [beside, middle[1]], TEXT, TextAlign::Centre).upwards());
+        canvas.text(Text::new(&self.title, [left, top - 6.0], TEXT, TextAlign::Left).bold());
     }
 
     /// A line through data points.
     pub(super) fn line(&self, canvas: &mut Canvas, points: &[[f64; 2]], colour: Colour, dash: Dash, width: f64) {
-        let places: Vec<Place> = points.iter().map(|point| self.at(point[0], point[1])).collect();
+        let places: Vec<CanvasPoint> = points.iter().map(|point| self.at(point[0], point[1])).collect();
         canvas.line(&places, width, colour, dash);
     }
 

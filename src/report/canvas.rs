@@ -3,11 +3,11 @@
 use super::style::{Colour, Dash, Marker, WHITE};
 
 /// A place on the figure: to the right and down from its upper left corner, hundredths of an inch.
-pub(super) type Place = [f64; 2];
+pub(super) type CanvasPoint = [f64; 2];
 
 /// Where along a text its anchor lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Align {
+pub(super) enum TextAlign {
     Left,
     Centre,
     Right,
@@ -16,23 +16,23 @@ pub(super) enum Align {
 /// A line of text whose baseline passes through `at`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Text {
-    pub(super) at: Place,
+    pub(super) at: CanvasPoint,
     pub(super) text: String,
     /// Size of the em.
     pub(super) size: f64,
     pub(super) bold: bool,
     pub(super) colour: Colour,
-    pub(super) align: Align,
+    pub(super) align: TextAlign,
     /// Written upwards.
     pub(super) upwards: bool,
 }
 
 /// One thing to paint.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Mark {
-    Stroke { points: Vec<Place>, width: f64, colour: Colour },
-    Area { points: Vec<Place>, colour: Colour, opacity: f64 },
-    Disc { centre: Place, radius: f64, colour: Colour, opacity: f64 },
+pub(super) enum Primitive {
+    Stroke { points: Vec<CanvasPoint>, width: f64, colour: Colour },
+    Area { points: Vec<CanvasPoint>, colour: Colour, opacity: f64 },
+    Disc { centre: CanvasPoint, radius: f64, colour: Colour, opacity: f64 },
     Text(Text),
 }
 
@@ -41,7 +41,7 @@ pub(super) enum Mark {
 pub(super) struct Canvas {
     pub(super) width: f64,
     pub(super) height: f64,
-    pub(super) marks: Vec<Mark>,
+    pub(super) marks: Vec<Primitive>,
 }
 
 impl Canvas {
@@ -50,38 +50,38 @@ impl Canvas {
     }
 
     /// The points that have a place; those far off the figure are brought to its edge, where painting costs no more.
-    fn drawable(&self, points: &[Place]) -> Vec<Place> {
+    fn drawable(&self, points: &[CanvasPoint]) -> Vec<CanvasPoint> {
         let seen = points.iter().filter(|point| !point[0].is_nan() && !point[1].is_nan());
         seen.map(|[x, y]| [x.clamp(-50.0, self.width + 50.0), y.clamp(-50.0, self.height + 50.0)]).collect()
     }
 
     /// A line through the points.
-    pub(super) fn line(&mut self, points: &[Place], width: f64, colour: Colour, dash: Dash) {
+    pub(super) fn line(&mut self, points: &[CanvasPoint], width: f64, colour: Colour, dash: Dash) {
         for points in dashes(&self.drawable(points), dash) {
-            self.marks.push(Mark::Stroke { points, width, colour });
+            self.marks.push(Primitive::Stroke { points, width, colour });
         }
     }
 
     /// A filled polygon.
-    pub(super) fn area(&mut self, points: Vec<Place>, colour: Colour, opacity: f64) {
+    pub(super) fn area(&mut self, points: Vec<CanvasPoint>, colour: Colour, opacity: f64) {
         let points = self.drawable(&points);
-        self.marks.push(Mark::Area { points, colour, opacity });
+        self.marks.push(Primitive::Area { points, colour, opacity });
     }
 
     /// A filled rectangle between two corners.
-    pub(super) fn rectangle(&mut self, [x0, y0]: Place, [x1, y1]: Place, colour: Colour, opacity: f64) {
+    pub(super) fn rectangle(&mut self, [x0, y0]: CanvasPoint, [x1, y1]: CanvasPoint, colour: Colour, opacity: f64) {
         self.area(vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]], colour, opacity);
     }
 
     /// A filled circle.
-    pub(super) fn disc(&mut self, centre: Place, radius: f64, colour: Colour, opacity: f64) {
+    pub(super) fn disc(&mut self, centre: CanvasPoint, radius: f64, colour: Colour, opacity: f64) {
         for centre in self.drawable(&[centre]) {
-            self.marks.push(Mark::Disc { centre, radius, colour, opacity });
+            self.marks.push(Primitive::Disc { centre, radius, colour, opacity });
         }
     }
 
     /// A marker with a thin white rim, so that neighbours stay apart; hollow where `hollow`.
-    pub(super) fn marker(&mut self, at: Place, shape: Marker, radius: f64, colour: Colour, hollow: bool) {
+    pub(super) fn marker(&mut self, at: CanvasPoint, shape: Marker, radius: f64, colour: Colour, hollow: bool) {
         self.shape(at, shape, radius + 0.8, WHITE);
         self.shape(at, shape, radius, colour);
         if hollow {
@@ -89,8 +89,8 @@ impl Canvas {
         }
     }
 
-    fn shape(&mut self, at: Place, shape: Marker, radius: f64, colour: Colour) {
-        let corners: &[Place] = match shape {
+    fn shape(&mut self, at: CanvasPoint, shape: Marker, radius: f64, colour: Colour) {
+        let corners: &[CanvasPoint] = match shape {
             Marker::Circle => return self.disc(at, radius, colour, 1.0),
             Marker::Square => &[[-0.89, -0.89], [0.89, -0.89], [0.89, 0.89], [-0.89, 0.89]],
             Marker::Diamond => &[[0.0, -1.25], [1.25, 0.0], [0.0, 1.25], [-1.25, 0.0]],
@@ -102,13 +102,13 @@ impl Canvas {
 
     /// A line of text.
     pub(super) fn text(&mut self, text: Text) {
-        self.marks.push(Mark::Text(text));
+        self.marks.push(Primitive::Text(text));
     }
 }
 
 impl Text {
     /// Upright text in ink.
-    pub(super) fn new(text: impl Into<String>, at: Place, size: f64, align: Align) -> Self {
+    pub(super) fn new(text: impl Into<String>, at: CanvasPoint, size: f64, align: TextAlign) -> Self {
         let colour = super::style::INK;
         Text { at, text: text.into(), size, bold: false, colour, align, upwards: false }
     }
@@ -127,12 +127,12 @@ impl Text {
 }
 
 /// A line cut into its dashes.
-fn dashes(points: &[Place], dash: Dash) -> Vec<Vec<Place>> {
+fn dashes(points: &[CanvasPoint], dash: Dash) -> Vec<Vec<CanvasPoint>> {
     if dash.is_empty() {
         return vec![points.to_vec()];
     }
     let mut pieces = Vec::new();
-    let mut piece: Vec<Place> = points.first().copied().into_iter().collect();
+    let mut piece: Vec<CanvasPoint> = points.first().copied().into_iter().collect();
     let (mut turn, mut left) = (0, dash[0]);
     for pair in points.windows(2) {
         let mut from = pair[0];
@@ -167,7 +167,7 @@ mod tests {
     fn dashes_cover_their_share_of_a_bent_line() {
         let line = [[0.0, 0.0], [7.0, 0.0], [7.0, 20.0]];
         let pieces = dashes(&line, &[6.0, 3.0]);
-        let length = |piece: &Vec<Place>| -> f64 {
+        let length = |piece: &Vec<CanvasPoint>| -> f64 {
             piece.windows(2).map(|p| (p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1])).sum()
         };
         assert_eq!(pieces.iter().map(length).sum::<f64>(), 18.0);

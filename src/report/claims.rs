@@ -1,9 +1,9 @@
 //! The paper's claims and what became of them: a table in Markdown and a picture of ours against the paper's.
 
 use super::axes::{Axis, Panel, signed};
-use super::canvas::{Align, Canvas, Text};
-use super::legend::{Key, legend};
-use super::markup::Grid;
+use super::canvas::{Canvas, Text, TextAlign};
+use super::legend::{LegendEntry, legend};
+use super::markup::MarkdownTable;
 use super::paint::text_width;
 use super::style::{
     Colour, DASHED, GREEN, GREY, HAIR, INK, MARKER, Marker, PAGE_WIDTH, SMALL, VERMILION, WHITE, policy_label,
@@ -34,14 +34,14 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
 
 /// The numbers of a claim as text, to one number of decimals (three significant digits of the largest of ours); metres
 /// as millimetres.
-struct Shown {
+struct ClaimCells {
     paper: String,
     ours: String,
     interval: Option<String>,
     unit: String,
 }
 
-fn shown(row: &ClaimRow) -> Shown {
+fn shown(row: &ClaimRow) -> ClaimCells {
     let metres = row.unit == "m" || row.unit.starts_with("m/");
     let (scale, unit) = if metres { (1e3, format!("m{}", row.unit)) } else { (1.0, row.unit.clone()) };
     let finite = [row.ours, row.low_95, row.high_95].into_iter().filter(|value| value.is_finite());
@@ -51,7 +51,7 @@ fn shown(row: &ClaimRow) -> Shown {
         if value.is_finite() { signed(scale * value, digits) } else { "–".to_owned() }
     };
     let whole = row.low_95.is_finite() && row.high_95.is_finite();
-    Shown {
+    ClaimCells {
         paper: number(row.paper, (scale * row.paper).abs()),
         ours: number(row.ours, largest),
         interval: whole.then(|| format!("[{}, {}]", number(row.low_95, largest), number(row.high_95, largest))),
@@ -61,7 +61,7 @@ fn shown(row: &ClaimRow) -> Shown {
 
 fn markdown(claims: &[ClaimRow]) -> String {
     let header = ["Claim", "Networks", "Paper", "Ours", "95 % interval", "Unit", "Seeds", "Verdict"];
-    let mut grid = Grid { header: header.map(str::to_owned).to_vec(), rows: Vec::new() };
+    let mut grid = MarkdownTable { header: header.map(str::to_owned).to_vec(), rows: Vec::new() };
     for row in claims {
         let shown = shown(row);
         grid.rows.push(vec![
@@ -97,7 +97,7 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
     let mut canvas = Canvas::new(PAGE_WIDTH, (top + high + 44.0).round());
     let keys = ["reproduced", "not reproduced", "undecided"].map(|verdict| {
         let (colour, marker, hollow) = look(verdict);
-        (Key::Marker(marker, colour, hollow), verdict)
+        (LegendEntry::Marker(marker, colour, hollow), verdict)
     });
     legend(&mut canvas, [236.0, 18.0], PAGE_WIDTH, &keys);
     let axis = Axis::exact("ours / paper", REACH[0], REACH[1], 4);
@@ -106,12 +106,12 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
     panel.draw(&mut canvas);
     let columns = [(462.0, "paper"), (510.0, "ours [95 % interval]"), (652.0, "unit")];
     for (x, name) in columns {
-        canvas.text(Text::new(name, [x, top - 8.0], SMALL, Align::Left).bold());
+        canvas.text(Text::new(name, [x, top - 8.0], SMALL, TextAlign::Left).bold());
     }
     panel.line(&mut canvas, &[[0.0, 0.0], [0.0, claims.len() as f64]], GREY, DASHED, HAIR);
     panel.line(&mut canvas, &[[1.0, 0.0], [1.0, claims.len() as f64]], INK, &[], HAIR);
-    canvas.text(Text::new("paper", [panel.at(1.0, 0.0)[0], top - 8.0], SMALL, Align::Centre));
-    canvas.text(Text::new("nothing", [panel.at(0.0, 0.0)[0], top - 8.0], SMALL, Align::Centre));
+    canvas.text(Text::new("paper", [panel.at(1.0, 0.0)[0], top - 8.0], SMALL, TextAlign::Centre));
+    canvas.text(Text::new("nothing", [panel.at(0.0, 0.0)[0], top - 8.0], SMALL, TextAlign::Centre));
     // Long names are set smaller, all alike, rather than into the next column.
     let widest = claims.iter().map(|row| text_width(&label(row), SMALL, false)).fold(148.0, f64::max);
     let size = SMALL * 148.0 / widest;
@@ -123,12 +123,12 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
         let shown = shown(row);
         let ours = format!("{} {}", shown.ours, shown.interval.unwrap_or_default());
         if first {
-            canvas.text(Text::new(label(row), [10.0, base], size, Align::Left));
+            canvas.text(Text::new(label(row), [10.0, base], size, TextAlign::Left));
         }
-        canvas.text(Text::new(training_short(&row.training), [228.0, base], 8.6, Align::Right).colour(GREY));
-        canvas.text(Text::new(shown.paper, [columns[0].0, base], SMALL, Align::Left));
-        canvas.text(Text::new(ours, [columns[1].0, base], SMALL, Align::Left).colour(look(&row.verdict).0));
-        canvas.text(Text::new(shown.unit, [columns[2].0, base], SMALL, Align::Left));
+        canvas.text(Text::new(training_short(&row.training), [228.0, base], 8.6, TextAlign::Right).colour(GREY));
+        canvas.text(Text::new(shown.paper, [columns[0].0, base], SMALL, TextAlign::Left));
+        canvas.text(Text::new(ours, [columns[1].0, base], SMALL, TextAlign::Left).colour(look(&row.verdict).0));
+        canvas.text(Text::new(shown.unit, [columns[2].0, base], SMALL, TextAlign::Left));
         if first && index > 0 {
             let edge = y - ROW / 2.0;
             canvas.line(&[[10.0, edge], [PAGE_WIDTH - 10.0, edge]], HAIR, super::style::GRID, &[]);
@@ -153,7 +153,7 @@ fn claim(canvas: &mut Canvas, panel: &Panel, row: &ClaimRow, y: f64) {
         let words = if row.paper == 0.0 { "paper: 0, no ratio" } else { "no figure in the paper" };
         let at = panel.at(0.08, 0.0)[0];
         canvas.rectangle([at - 2.0, y - 6.0], [at + 2.0 + text_width(words, 8.6, false), y + 6.0], WHITE, 1.0);
-        canvas.text(Text::new(words, [at, y + 0.36 * SMALL], 8.6, Align::Left).colour(GREY));
+        canvas.text(Text::new(words, [at, y + 0.36 * SMALL], 8.6, TextAlign::Left).colour(GREY));
         return;
     };
     if let (Some(low), Some(high)) = (place(row.low_95), place(row.high_95)) {

@@ -2,8 +2,8 @@
 //! how the difference is distributed along each axis.
 
 use super::axes::{Axis, Panel, range, signed};
-use super::canvas::{Align, Canvas, Text};
-use super::legend::{Key, legend};
+use super::canvas::{Canvas, Text, TextAlign};
+use super::legend::{LegendEntry, legend};
 use super::style::{BLUE, DASHED, GREY, INK, PAGE_WIDTH, SMALL, VERMILION};
 use super::{Artifact, Figure, Published, ReportError, csv, pictures};
 use crate::base::Point3;
@@ -85,9 +85,9 @@ fn draw(gaps: &[GapRow]) -> Canvas {
     let mut canvas = Canvas::new(PAGE_WIDTH, (top + high + 234.0).round());
     let dots = format!("one sample in {stride} of {} is drawn", gaps.len());
     let words = if stride == 1 { String::new() } else { dots };
-    let keys = [(Key::Dot(BLUE), "simulated"), (Key::Dot(VERMILION), "real")];
+    let keys = [(LegendEntry::Dot(BLUE), "simulated"), (LegendEntry::Dot(VERMILION), "real")];
     legend(&mut canvas, [56.0, 16.0], PAGE_WIDTH, &keys);
-    canvas.text(Text::new(words, [PAGE_WIDTH - 12.0, 16.0], SMALL, Align::Right).colour(GREY));
+    canvas.text(Text::new(words, [PAGE_WIDTH - 12.0, 16.0], SMALL, TextAlign::Right).colour(GREY));
     let mut left = 56.0;
     for (index, (across, up)) in PROJECTIONS.into_iter().enumerate() {
         let panel = Panel {
@@ -147,7 +147,7 @@ fn histograms(canvas: &mut Canvas, gaps: &[GapRow], top: f64) {
         let rms = root_mean_square(&gaps_mm[axis]);
         let words = [format!("mean {} mm", signed(centre, 1)), format!("rms {rms:.1} mm")];
         // On the side where the mean is not.
-        let (edge, align) = if centre > 0.0 { (2.0, Align::Left) } else { (panel.size[0] - 2.0, Align::Right) };
+        let (edge, align) = if centre > 0.0 { (2.0, TextAlign::Left) } else { (panel.size[0] - 2.0, TextAlign::Right) };
         for (line, words) in words.into_iter().enumerate() {
             let at = [panel.corner[0] + edge, top + 10.0 + 13.0 * line as f64];
             canvas.text(Text::new(words, at, SMALL, align));

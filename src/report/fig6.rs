@@ -2,8 +2,8 @@
 //! real points of its Gaussian process. Open and closed loop, bands of one standard deviation.
 
 use super::axes::{Axis, Panel};
-use super::canvas::{Align, Canvas, Text};
-use super::legend::{Key, legend};
+use super::canvas::{Canvas, Text, TextAlign};
+use super::legend::{LegendEntry, legend};
 use super::style::{BLUE, GREY, INK, Look, MARKER, Marker, PAGE_WIDTH, SMALL, SOLID, TEXT, VERMILION, heading};
 use super::summarise::reach_summary;
 use super::{Artifact, Figure, Published, ReportError, csv, pictures, trainings};
@@ -60,15 +60,16 @@ fn draw(summary: &[ReachSummaryRow]) -> Canvas {
     let width = (PAGE_WIDTH - left - 12.0 - gap * (columns.len() - 1) as f64) / columns.len() as f64;
     let (top, high, pitch) = (76.0, 165.0, 236.0);
     let mut canvas = Canvas::new(PAGE_WIDTH, top + pitch * parts.len() as f64 - 22.0);
-    let mut keys: Vec<(Key, &str)> = LOOKS.iter().map(|(_, name, look)| (Key::Series(*look), *name)).collect();
-    keys.push((Key::Marker(Marker::Square, INK, true), "paper, Table I, open"));
-    keys.push((Key::Marker(Marker::Circle, INK, true), "paper, Table I, closed"));
+    let mut keys: Vec<(LegendEntry, &str)> =
+        LOOKS.iter().map(|(_, name, look)| (LegendEntry::Series(*look), *name)).collect();
+    keys.push((LegendEntry::Marker(Marker::Square, INK, true), "paper, Table I, open"));
+    keys.push((LegendEntry::Marker(Marker::Circle, INK, true), "paper, Table I, closed"));
     legend(&mut canvas, [left, 16.0], PAGE_WIDTH, &keys);
     let note = "band: ± 1 standard deviation over targets; bar: 95 % interval of the mean over repetitions";
-    canvas.text(Text::new(note, [left, 33.0], SMALL, Align::Left).colour(GREY));
+    canvas.text(Text::new(note, [left, 33.0], SMALL, TextAlign::Left).colour(GREY));
     for (column, training) in columns.iter().enumerate() {
         let middle = left + column as f64 * (width + gap) + width / 2.0;
-        canvas.text(Text::new(heading(training), [middle, 52.0], TEXT, Align::Centre).bold());
+        canvas.text(Text::new(heading(training), [middle, 52.0], TEXT, TextAlign::Centre).bold());
     }
     for (line, part) in parts.iter().enumerate() {
         let y = errors(summary.iter().filter(|row| row.policy == part.policy));

@@ -1,10 +1,10 @@
 //! Fig. 8: (a) the target path in the workspace, (b) the paths that the policies track, (c) their error over time.
 
 use super::axes::{Axis, Panel};
-use super::canvas::{Align, Canvas, Place, Text};
+use super::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 use super::isometric::View;
-use super::legend::{Key, legend};
-use super::markup::Grid;
+use super::legend::{LegendEntry, legend};
+use super::markup::MarkdownTable;
 use super::style::{
     CLOUD, DASHED, GREY, HAIR, INK, Marker, PAGE_WIDTH, POLICIES, SMALL, SOLID, TEXT, heading, policy_label,
     policy_look, policy_markdown, training_short,
@@ -72,7 +72,7 @@ fn tip(row: &TrackRow) -> Point3 {
 fn markdown(summary: &[TrackSummaryRow]) -> String {
     let header =
         ["Networks", "Controller", "Error, mean(SD) (m)", "At the start (m)", "Oscillation (mm)", "Completion (s)"];
-    let mut grid = Grid { header: header.map(str::to_owned).to_vec(), rows: Vec::new() };
+    let mut grid = MarkdownTable { header: header.map(str::to_owned).to_vec(), rows: Vec::new() };
     let mut groups: Vec<Vec<&TrackSummaryRow>> = Vec::new();
     for row in summary {
         match groups.last_mut() {
@@ -109,7 +109,7 @@ fn draw(published: &Published, summary: &[TrackSummaryRow], training: &str) -> C
     let series_top = 410.0;
     let high = series_top + (STRIP + 12.0) * runs.len() as f64 + 40.0;
     let mut canvas = Canvas::new(PAGE_WIDTH, high.round());
-    canvas.text(Text::new(heading(training), [PAGE_WIDTH - 12.0, 18.0], SMALL, Align::Right).colour(GREY));
+    canvas.text(Text::new(heading(training), [PAGE_WIDTH - 12.0, 18.0], SMALL, TextAlign::Right).colour(GREY));
     target_path(&mut canvas, published, &runs);
     tracked(&mut canvas, &runs);
     series(&mut canvas, &runs, summary, series_top);
@@ -141,23 +141,23 @@ fn target_path(canvas: &mut Canvas, published: &Published, runs: &[Run]) {
     let (corner, size) = ([12.0, 52.0], [318.0, 274.0]);
     let everything = cloud.iter().chain(&targets).chain(&waypoints).copied().chain(tips);
     let view = View::of(everything, corner, size, 8.0);
-    canvas.text(Text::new("(a) target path in the workspace", [corner[0], 20.0], TEXT, Align::Left).bold());
+    canvas.text(Text::new("(a) target path in the workspace", [corner[0], 20.0], TEXT, TextAlign::Left).bold());
     for point in &cloud {
         canvas.disc(view.at(*point), 1.2, CLOUD, 0.9);
     }
-    let places: Vec<Place> = targets.iter().map(|point| view.at(*point)).collect();
+    let places: Vec<CanvasPoint> = targets.iter().map(|point| view.at(*point)).collect();
     canvas.line(&places, 1.5, INK, SOLID);
     let marked = if waypoints.is_empty() { &targets[..0] } else { &waypoints };
     for point in marked {
         canvas.marker(view.at(*point), Marker::Circle, 2.6, super::style::VERMILION, false);
     }
     let points = format!("{} points", marked.len());
-    let mut keys = vec![(Key::Line(INK, SOLID), "target path")];
+    let mut keys = vec![(LegendEntry::Line(INK, SOLID), "target path")];
     if !marked.is_empty() {
-        keys.push((Key::Marker(Marker::Circle, super::style::VERMILION, false), points.as_str()));
+        keys.push((LegendEntry::Marker(Marker::Circle, super::style::VERMILION, false), points.as_str()));
     }
     if !cloud.is_empty() {
-        keys.push((Key::Dot(CLOUD), "workspace"));
+        keys.push((LegendEntry::Dot(CLOUD), "workspace"));
     }
     legend(canvas, [corner[0], 38.0], 330.0, &keys);
     view.triad(canvas, [corner[0] + 40.0, corner[1] + size[1] + 38.0], 26.0);
@@ -167,7 +167,7 @@ fn target_path(canvas: &mut Canvas, published: &Published, runs: &[Run]) {
 /// (b): one small picture a policy, seen as in (a) and closer.
 fn tracked(canvas: &mut Canvas, runs: &[Run]) {
     let left = 346.0;
-    canvas.text(Text::new("(b) tracked paths", [left, 20.0], TEXT, Align::Left).bold());
+    canvas.text(Text::new("(b) tracked paths", [left, 20.0], TEXT, TextAlign::Left).bold());
     let near = runs.iter().flat_map(|run| run.rows.iter().flat_map(|row| [target(row), tip(row)]));
     let (size, pitch) = ([180.0, 150.0], [184.0, 168.0]);
     let close = View::of(near, [0.0, 0.0], size, 6.0);
@@ -181,18 +181,21 @@ fn tracked(canvas: &mut Canvas, runs: &[Run]) {
         canvas.line(&places(tip), 1.0, look.colour, SOLID);
         canvas.marker(places(tip)[0], look.marker, 3.2, look.colour, false);
         let name = policy_label(run.policy);
-        canvas.text(Text::new(name, [corner[0] + 2.0, corner[1] + 10.0], TEXT, Align::Left).colour(look.colour).bold());
+        canvas.text(
+            Text::new(name, [corner[0] + 2.0, corner[1] + 10.0], TEXT, TextAlign::Left).colour(look.colour).bold(),
+        );
     }
-    let keys = [(Key::Line(CLOUD, SOLID), "target"), (Key::Line(INK, SOLID), "tip (marker: start)")];
+    let keys = [(LegendEntry::Line(CLOUD, SOLID), "target"), (LegendEntry::Line(INK, SOLID), "tip (marker: start)")];
     legend(canvas, [left, 38.0], PAGE_WIDTH, &keys);
     close.moved([left, 52.0], size).scale_bar(canvas, [PAGE_WIDTH - 80.0, 384.0], 0.05);
 }
 
 /// (c): error against time, one strip a policy, all to one scale.
 fn series(canvas: &mut Canvas, runs: &[Run], summary: &[TrackSummaryRow], top: f64) {
-    let title = Text::new("(c) tracking error over time", [LEFT - 44.0, top], TEXT, Align::Left);
+    let title = Text::new("(c) tracking error over time", [LEFT - 44.0, top], TEXT, TextAlign::Left);
     canvas.text(title.bold());
-    let keys = [(Key::Line(GREY, DASHED), "mean over the run"), (Key::Line(INK, SOLID), "end of the run")];
+    let keys =
+        [(LegendEntry::Line(GREY, DASHED), "mean over the run"), (LegendEntry::Line(INK, SOLID), "end of the run")];
     legend(canvas, [LEFT + 170.0, top], PAGE_WIDTH, &keys);
     let rows = || runs.iter().flat_map(|run| &run.rows);
     let x = Axis::covering("time (s)", rows().map(|row| row.time_s).chain([0.0]), 8);
@@ -210,7 +213,7 @@ fn series(canvas: &mut Canvas, runs: &[Run], summary: &[TrackSummaryRow], top: f
         strip(canvas, &panel, run, summary);
     }
     let middle = top + 12.0 + (STRIP + 12.0) * runs.len() as f64 / 2.0;
-    canvas.text(Text::new("error (mm)", [LEFT - 34.0, middle], TEXT, Align::Centre).upwards());
+    canvas.text(Text::new("error (mm)", [LEFT - 34.0, middle], TEXT, TextAlign::Centre).upwards());
 }
 
 fn strip(canvas: &mut Canvas, panel: &Panel, run: &Run, summary: &[TrackSummaryRow]) {
@@ -222,7 +225,7 @@ fn strip(canvas: &mut Canvas, panel: &Panel, run: &Run, summary: &[TrackSummaryR
     panel.line(canvas, &points, look.colour, SOLID, 1.1);
     let right = panel.corner[0] + panel.size[0] + 10.0;
     let line = |number: f64| panel.corner[1] + 12.0 + 14.0 * number;
-    let name = Text::new(policy_label(run.policy), [right, line(0.0)], TEXT, Align::Left);
+    let name = Text::new(policy_label(run.policy), [right, line(0.0)], TEXT, TextAlign::Left);
     canvas.text(name.colour(look.colour).bold());
     let Some(row) = summary.iter().find(same) else { return };
     let mean_mm = 1e3 * row.mean_error_m;
@@ -232,6 +235,6 @@ fn strip(canvas: &mut Canvas, panel: &Panel, run: &Run, summary: &[TrackSummaryR
     let end_words = if row.status == "ok" { format!("{end:.0} s") } else { row.status.clone() };
     let words = [format!("mean {mean_mm:.1} mm"), format!("oscill. {:.1} mm", 1e3 * row.oscillation_m), end_words];
     for (number, words) in words.into_iter().enumerate() {
-        canvas.text(Text::new(words, [right, line(number as f64 + 1.0)], SMALL, Align::Left));
+        canvas.text(Text::new(words, [right, line(number as f64 + 1.0)], SMALL, TextAlign::Left));
     }
 }

@@ -1,6 +1,6 @@
 //! Looking at points in space: an isometric view with a triad of axes and a scale bar.
 
-use super::canvas::{Align, Canvas, Place, Text};
+use super::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 use super::style::{HAIR, INK, SMALL};
 use crate::base::Point3;
 
@@ -14,7 +14,7 @@ pub(crate) fn isometric([x, y, z]: Point3) -> [f64; 2] {
 /// A window on the isometric plane: what of it is seen and where on the figure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct View {
-    corner: Place,
+    corner: CanvasPoint,
     size: [f64; 2],
     /// Middle of what is seen.
     centre: [f64; 2],
@@ -24,7 +24,7 @@ pub(crate) struct View {
 
 impl View {
     /// A view in a frame that shows all `points` with a margin of `margin` inside the frame.
-    pub(crate) fn of(points: impl Iterator<Item = Point3>, corner: Place, size: [f64; 2], margin: f64) -> View {
+    pub(crate) fn of(points: impl Iterator<Item = Point3>, corner: CanvasPoint, size: [f64; 2], margin: f64) -> View {
         let start = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         let flat = points.map(isometric).filter(|place| place.iter().all(|part| part.is_finite()));
         let (low, high) =
@@ -36,20 +36,20 @@ impl View {
     }
 
     /// The same window of the plane elsewhere on the figure, shrunk to fit there.
-    pub(crate) fn moved(&self, corner: Place, size: [f64; 2]) -> View {
+    pub(crate) fn moved(&self, corner: CanvasPoint, size: [f64; 2]) -> View {
         let shrink = (size[0] / self.size[0]).min(size[1] / self.size[1]);
         View { corner, size, centre: self.centre, scale: self.scale * shrink }
     }
 
     /// Where a point of space stands on the figure.
-    pub(crate) fn at(&self, point: Point3) -> Place {
+    pub(crate) fn at(&self, point: Point3) -> CanvasPoint {
         let [u, v] = isometric(point);
         let middle = [self.corner[0] + self.size[0] / 2.0, self.corner[1] + self.size[1] / 2.0];
         [middle[0] + self.scale * (u - self.centre[0]), middle[1] - self.scale * (v - self.centre[1])]
     }
 
     /// The three axes as arrows of `length` from a place on the figure.
-    pub(crate) fn triad(&self, canvas: &mut Canvas, at: Place, length: f64) {
+    pub(crate) fn triad(&self, canvas: &mut Canvas, at: CanvasPoint, length: f64) {
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
             let mut point = [0.0; 3];
             point[axis] = 1.0;
@@ -61,19 +61,19 @@ impl View {
             let barbs = vec![tip, [back[0] + side[0], back[1] + side[1]], [back[0] - side[0], back[1] - side[1]]];
             canvas.area(barbs, INK, 1.0);
             let label = [tip[0] + 9.0 * u, tip[1] - 9.0 * v + 0.36 * SMALL];
-            canvas.text(Text::new(name, label, SMALL, Align::Centre));
+            canvas.text(Text::new(name, label, SMALL, TextAlign::Centre));
         }
     }
 
     /// A bar of `length_m` with its length in words, its left end at a place on the figure. Lengths along an axis are
     /// true to it.
-    pub(crate) fn scale_bar(&self, canvas: &mut Canvas, at: Place, length_m: f64) {
+    pub(crate) fn scale_bar(&self, canvas: &mut Canvas, at: CanvasPoint, length_m: f64) {
         let end = [at[0] + self.scale * length_m, at[1]];
         canvas.line(&[at, end], 1.6, INK, &[]);
         for place in [at, end] {
             canvas.line(&[[place[0], place[1] - 3.0], [place[0], place[1] + 3.0]], HAIR, INK, &[]);
         }
         let middle = [(at[0] + end[0]) / 2.0, at[1] - 5.0];
-        canvas.text(Text::new(format!("{:.0} mm", 1e3 * length_m), middle, SMALL, Align::Centre));
+        canvas.text(Text::new(format!("{:.0} mm", 1e3 * length_m), middle, SMALL, TextAlign::Centre));
     }
 }

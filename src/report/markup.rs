@@ -2,14 +2,14 @@
 
 /// A table of text, the first row its header.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Grid {
+pub struct MarkdownTable {
     /// Column names.
     pub header: Vec<String>,
     /// Rows of as many cells.
     pub rows: Vec<Vec<String>>,
 }
 
-impl Grid {
+impl MarkdownTable {
     /// The table in Markdown (GitHub's), the first column to the left, the others to the right where they are numbers.
     pub fn markdown(&self) -> String {
         let line = |cells: &[String]| {
@@ -59,7 +59,7 @@ mod tests {
     #[test]
     fn markdown_aligns_numbers_and_escapes_bars() {
         let cells = |cells: &[&str]| cells.iter().map(|&cell| cell.to_owned()).collect::<Vec<_>>();
-        let grid = Grid {
+        let grid = MarkdownTable {
             header: cells(&["name", "error (m)", "verdict"]),
             rows: vec![cells(&["a|b", "0.010(0.004)", "yes"]), cells(&["c", "N/A", "no"])],
         };

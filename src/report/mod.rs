@@ -31,11 +31,11 @@ use crate::data::{DataError, write_atomic};
 
 pub use published::{Published, published_rows};
 pub use summarise::{OSCILLATION_WINDOW_S, reach_summary, track_summary};
-pub use sweep_rows::{Swept, gp_sweep, reach_sweep, track_sweep};
+pub use sweep_rows::{SweepTable, gp_sweep, reach_sweep, track_sweep};
 
 /// Where a file that a figure makes belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shelf {
+pub enum OutputFolder {
     /// `plots/`: PNG and SVG.
     Plots,
     /// `results/<experiment>/`: CSV, Markdown, LaTeX.
@@ -48,7 +48,7 @@ pub struct Artifact {
     /// File name.
     pub name: String,
     /// Where it belongs.
-    pub shelf: Shelf,
+    pub folder: OutputFolder,
     /// Its content.
     pub bytes: Vec<u8>,
 }
@@ -122,9 +122,9 @@ pub fn figure(name: &str) -> Option<&'static Figure> {
 /// [`DataError::Write`] for the first file that cannot be written.
 pub fn write(artifacts: &[Artifact], results: &Path, plots: &Path) -> Result<(), DataError> {
     for artifact in artifacts {
-        let folder = match artifact.shelf {
-            Shelf::Plots => plots,
-            Shelf::Results => results,
+        let folder = match artifact.folder {
+            OutputFolder::Plots => plots,
+            OutputFolder::Results => results,
         };
         write_atomic(&folder.join(&artifact.name), &artifact.bytes)?;
     }
@@ -134,19 +134,19 @@ pub fn write(artifacts: &[Artifact], results: &Path, plots: &Path) -> Result<(),
 /// PNG and SVG of a drawing.
 fn pictures(figure: &'static str, stem: &str, canvas: &canvas::Canvas) -> Result<[Artifact; 2], ReportError> {
     let failed = |error: paint::PaintError| ReportError::Draw { figure, reason: error.to_string() };
-    let file = |end: &str, bytes| Artifact { name: format!("{stem}.{end}"), shelf: Shelf::Plots, bytes };
+    let file = |end: &str, bytes| Artifact { name: format!("{stem}.{end}"), folder: OutputFolder::Plots, bytes };
     Ok([file("png", paint::png(canvas).map_err(failed)?), file("svg", paint::svg(canvas).map_err(failed)?)])
 }
 
 /// A CSV for `results/<experiment>/`.
 fn csv<R: serde::Serialize>(name: &str, rows: &[R]) -> Result<Artifact, ReportError> {
     let bytes = crate::data::tables::to_csv(Path::new(name), rows)?;
-    Ok(Artifact { name: name.to_owned(), shelf: Shelf::Results, bytes })
+    Ok(Artifact { name: name.to_owned(), folder: OutputFolder::Results, bytes })
 }
 
 /// A text file for `results/<experiment>/`.
 fn text(name: &str, text: String) -> Artifact {
-    Artifact { name: name.to_owned(), shelf: Shelf::Results, bytes: text.into_bytes() }
+    Artifact { name: name.to_owned(), folder: OutputFolder::Results, bytes: text.into_bytes() }
 }
 
 /// Ways of training among these, the paper's first, then in order of appearance.

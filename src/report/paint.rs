@@ -9,7 +9,7 @@ use plotters::style::{
     Color, FontDesc, FontFamily, FontStyle, FontTransform, RGBAColor, RGBColor, ShapeStyle, TextStyle, register_font,
 };
 
-use super::canvas::{Align, Canvas, Mark, Place, Text};
+use super::canvas::{Canvas, CanvasPoint, Primitive, Text, TextAlign};
 use super::style::Colour;
 
 /// The embedded font's name, followed in SVG by fonts of like widths.
@@ -107,22 +107,22 @@ struct Painter<'a, B> {
 }
 
 impl<B: DrawingBackend> Painter<'_, B> {
-    fn paint(&mut self, mark: &Mark) -> Result<(), PaintError> {
+    fn paint(&mut self, mark: &Primitive) -> Result<(), PaintError> {
         match mark {
-            Mark::Stroke { points, width, colour } => self.stroke(points, *width, *colour),
-            Mark::Area { points, colour, opacity } => self.area(points, *colour, *opacity),
-            Mark::Disc { centre, radius, colour, opacity } => self.disc(*centre, *radius, *colour, *opacity),
-            Mark::Text(text) => self.text(text),
+            Primitive::Stroke { points, width, colour } => self.stroke(points, *width, *colour),
+            Primitive::Area { points, colour, opacity } => self.area(points, *colour, *opacity),
+            Primitive::Disc { centre, radius, colour, opacity } => self.disc(*centre, *radius, *colour, *opacity),
+            Primitive::Text(text) => self.text(text),
         }
     }
 
-    fn grid(&self, [x, y]: Place) -> (i32, i32) {
+    fn grid(&self, [x, y]: CanvasPoint) -> (i32, i32) {
         ((x * self.scale).round() as i32, (y * self.scale).round() as i32)
     }
 
     /// On the bitmap each segment is a quadrilateral and each joint a disc: the painter's own thick lines tear at
     /// sharp turns.
-    fn stroke(&mut self, points: &[Place], width: f64, colour: Colour) -> Result<(), PaintError> {
+    fn stroke(&mut self, points: &[CanvasPoint], width: f64, colour: Colour) -> Result<(), PaintError> {
         if !self.bitmap {
             let style = style(colour, 1.0).stroke_width((width * self.scale).round() as u32);
             let path: Vec<(i32, i32)> = points.iter().map(|&point| self.grid(point)).collect();
@@ -135,14 +135,14 @@ impl<B: DrawingBackend> Painter<'_, B> {
                 continue;
             }
             let side = [0.5 * width * (to[1] - from[1]) / length, 0.5 * width * (from[0] - to[0]) / length];
-            let off = |point: Place, sign: f64| [point[0] + sign * side[0], point[1] + sign * side[1]];
+            let off = |point: CanvasPoint, sign: f64| [point[0] + sign * side[0], point[1] + sign * side[1]];
             self.area(&[off(from, 1.0), off(to, 1.0), off(to, -1.0), off(from, -1.0)], colour, 1.0)?;
         }
         let joints = points.get(1..points.len().saturating_sub(1)).unwrap_or_default();
         joints.iter().try_for_each(|&joint| self.disc(joint, 0.5 * width, colour, 1.0))
     }
 
-    fn area(&mut self, points: &[Place], colour: Colour, opacity: f64) -> Result<(), PaintError> {
+    fn area(&mut self, points: &[CanvasPoint], colour: Colour, opacity: f64) -> Result<(), PaintError> {
         if points.len() < 3 {
             return Ok(());
         }
@@ -150,7 +150,7 @@ impl<B: DrawingBackend> Painter<'_, B> {
         self.backend.fill_polygon(points, &style(colour, opacity).filled()).map_err(failed)
     }
 
-    fn disc(&mut self, centre: Place, radius: f64, colour: Colour, opacity: f64) -> Result<(), PaintError> {
+    fn disc(&mut self, centre: CanvasPoint, radius: f64, colour: Colour, opacity: f64) -> Result<(), PaintError> {
         let centre = self.grid(centre);
         let radius = (radius * self.scale).round().max(1.0) as u32;
         self.backend.draw_circle(centre, radius, &style(colour, opacity).filled(), true).map_err(failed)
@@ -164,9 +164,9 @@ impl<B: DrawingBackend> Painter<'_, B> {
             (em * SVG_FONT, em * SVG_BASELINE)
         };
         let horizontal = match text.align {
-            Align::Left => HPos::Left,
-            Align::Centre => HPos::Center,
-            Align::Right => HPos::Right,
+            TextAlign::Left => HPos::Left,
+            TextAlign::Centre => HPos::Center,
+            TextAlign::Right => HPos::Right,
         };
         let font = font(size, text.bold);
         let font = if text.upwards { font.transform(FontTransform::Rotate270) } else { font };

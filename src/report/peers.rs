@@ -1,8 +1,8 @@
 //! Work against precision: processor time over the error of the tip, one panel a robot, one look a simulator.
 
 use super::axes::{Axis, Panel};
-use super::canvas::{Align, Canvas, Text};
-use super::legend::{Key, legend};
+use super::canvas::{Canvas, Text, TextAlign};
+use super::legend::{LegendEntry, legend};
 use super::style::{DASHED, GREY, HAIR, LINE, LOOKS, Look, MARKER, PAGE_WIDTH, SMALL};
 use super::{Artifact, Figure, Published, ReportError, pictures, text};
 use crate::data::rows::PeerRow;
@@ -44,8 +44,9 @@ fn draw(rows: &[&PeerRow]) -> Canvas {
     let seen = names(rows.iter().map(|row| row.peer.as_str()));
     let mut canvas = Canvas::new(PAGE_WIDTH, 378.0);
     let labels: Vec<(Look, String)> = order(&seen).into_iter().map(|peer| (look(peer), name(peer))).collect();
-    let mut keys: Vec<(Key, &str)> = labels.iter().map(|(look, words)| (Key::Plain(*look), words.as_str())).collect();
-    keys.push((Key::Line(GREY, DASHED), "real time"));
+    let mut keys: Vec<(LegendEntry, &str)> =
+        labels.iter().map(|(look, words)| (LegendEntry::Plain(*look), words.as_str())).collect();
+    keys.push((LegendEntry::Line(GREY, DASHED), "real time"));
     let below = legend(&mut canvas, [LEFT, 18.0], PAGE_WIDTH - 12.0, &keys);
     let y =
         Axis::decades("processor time (ms per simulated s)", rows.iter().map(|row| 1e3 * row.cpu_s_per_s).chain([1e3]));
@@ -65,8 +66,9 @@ fn draw(rows: &[&PeerRow]) -> Canvas {
         curves(&mut canvas, &panel, &own);
     }
     let note = "lower left is better; each line is one setting at different time steps, each simulator at several";
-    canvas
-        .text(Text::new(note, [PAGE_WIDTH - 14.0, below + 34.0 + PANEL_HIGH + 44.0], SMALL, Align::Right).colour(GREY));
+    canvas.text(
+        Text::new(note, [PAGE_WIDTH - 14.0, below + 34.0 + PANEL_HIGH + 44.0], SMALL, TextAlign::Right).colour(GREY),
+    );
     canvas
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::sweep_rows::Swept;
+use super::sweep_rows::SweepTable;
 use crate::data::findings::{CaseRow, IntervalRow};
 use crate::data::rows::{ClaimRow, GapRow, PeerRow, ScalingRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow};
 use crate::data::{DataError, tables, write_atomic};
@@ -26,7 +26,7 @@ pub struct Published {
     /// Claims (`claims.csv`).
     pub claims: Vec<ClaimRow>,
     /// Points of a sweep (`sweep.csv`).
-    pub sweep: Swept,
+    pub sweep: SweepTable,
     /// Simulators beside each other (`work_precision.csv`).
     pub peers: Vec<PeerRow>,
     /// Blind cases of discovery (`discovery.csv`).
@@ -97,13 +97,13 @@ pub fn published_rows<R: DeserializeOwned>(folder: &Path, name: &str) -> Result<
 }
 
 /// The summary of a sweep: what is swept stands in the columns with a dot in their names.
-fn swept(folder: &Path) -> Result<Swept, DataError> {
+fn swept(folder: &Path) -> Result<SweepTable, DataError> {
     let path = folder.join("sweep.csv");
     if !path.exists() {
-        return Ok(Swept::default());
+        return Ok(SweepTable::default());
     }
     let (fields, rows) = tables::read_csv_beside(&path, |name| name.contains('.'))?;
-    Ok(Swept { fields, rows })
+    Ok(SweepTable { fields, rows })
 }
 
 fn write<R: Serialize>(folder: &Path, name: &str, rows: &[R]) -> Result<(), DataError> {

@@ -1,8 +1,8 @@
 //! How campaigns scale: efficiency and time over the number of nodes, as replayed from recorded stage times.
 
 use super::axes::{Axis, Panel};
-use super::canvas::{Align, Canvas, Text};
-use super::legend::{Key, legend};
+use super::canvas::{Canvas, Text, TextAlign};
+use super::legend::{LegendEntry, legend};
 use super::style::{DASHED, GREY, HAIR, LINE, LOOKS, MARKER, PAGE_WIDTH, SMALL};
 use super::{Artifact, Figure, Published, ReportError, pictures, text};
 use crate::data::rows::ScalingRow;
@@ -31,8 +31,8 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
 
 fn draw(rows: &[&ScalingRow]) -> Canvas {
     let mut canvas = Canvas::new(PAGE_WIDTH, 348.0);
-    let keys: Vec<(Key, &str)> =
-        SYSTEMS.iter().enumerate().map(|(index, (_, words))| (Key::Plain(LOOKS[index]), *words)).collect();
+    let keys: Vec<(LegendEntry, &str)> =
+        SYSTEMS.iter().enumerate().map(|(index, (_, words))| (LegendEntry::Plain(LOOKS[index]), *words)).collect();
     let below = legend(&mut canvas, [LEFT, 18.0], PAGE_WIDTH - 12.0, &keys);
     let most = rows.iter().map(|row| row.workers as f64).fold(1.0, f64::max);
     let nodes = Axis::decades("nodes of one processor", [1.0, most].into_iter());
@@ -66,7 +66,7 @@ fn draw(rows: &[&ScalingRow]) -> Canvas {
     let stages = rows.iter().map(|row| row.stages).max().unwrap_or(0);
     let note = format!("{stages} stages, their times recorded on one processor; dashed: 90 %");
     canvas.text(
-        Text::new(&note, [PAGE_WIDTH - 14.0, below + 34.0 + PANEL_HIGH + 44.0], SMALL, Align::Right).colour(GREY),
+        Text::new(&note, [PAGE_WIDTH - 14.0, below + 34.0 + PANEL_HIGH + 44.0], SMALL, TextAlign::Right).colour(GREY),
     );
     canvas
 }

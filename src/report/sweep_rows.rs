@@ -10,7 +10,7 @@ use crate::math::summary::{interval_95, mean, standard_deviation};
 
 /// A summary of a sweep: its rows and, beside them, the columns of the swept fields.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Swept {
+pub struct SweepTable {
     /// Name and cells of each swept field, one cell a row.
     pub fields: Vec<Beside>,
     /// The summary, the rows of each point together.
@@ -18,15 +18,15 @@ pub struct Swept {
 }
 
 /// What the trials or runs of one cell have in common, in the order of the table.
-type Cell<'a> = (usize, &'a str, usize, &'a str, usize, &'a str, [u64; 2]);
+type CellKey<'a> = (usize, &'a str, usize, &'a str, usize, &'a str, [u64; 2]);
 
 /// One trial, run or process: its seed, and its error where it gave one, metres.
-type Sample = (u64, Option<f64>);
+type SeedError = (u64, Option<f64>);
 
 /// Goal reaching at one point.
 pub fn reach_sweep(trials: &[TrialRow]) -> Vec<SweepRow> {
     let names = super::trainings(trials.iter().map(|row| row.training.as_str()));
-    let mut cells: BTreeMap<Cell, Vec<Sample>> = BTreeMap::new();
+    let mut cells: BTreeMap<CellKey, Vec<SeedError>> = BTreeMap::new();
     for row in trials {
         let cell = cell(&names, [&row.training, &row.policy, &row.mode], [row.gp_points, row.real_points]);
         let good = row.status == "ok" && row.error_m.is_finite();
@@ -38,7 +38,7 @@ pub fn reach_sweep(trials: &[TrialRow]) -> Vec<SweepRow> {
 /// Path tracking at one point; `sizes` are each policy's real points, those of the Gaussian process first.
 pub fn track_sweep(runs: &[TrackSummaryRow], mode: &str, sizes: impl Fn(&str) -> [u64; 2]) -> Vec<SweepRow> {
     let names = super::trainings(runs.iter().map(|row| row.training.as_str()));
-    let mut cells: BTreeMap<Cell, Vec<Sample>> = BTreeMap::new();
+    let mut cells: BTreeMap<CellKey, Vec<SeedError>> = BTreeMap::new();
     for row in runs {
         let cell = cell(&names, [&row.training, &row.policy, mode], sizes(&row.policy));
         let good = row.status == "ok" && row.mean_error_m.is_finite();
@@ -50,7 +50,7 @@ pub fn track_sweep(runs: &[TrackSummaryRow], mode: &str, sizes: impl Fn(&str) ->
 /// Gaussian processes at one point.
 pub fn gp_sweep(gps: &[GpRow]) -> Vec<SweepRow> {
     let names = super::trainings(gps.iter().map(|row| row.training.as_str()));
-    let mut cells: BTreeMap<Cell, Vec<Sample>> = BTreeMap::new();
+    let mut cells: BTreeMap<CellKey, Vec<SeedError>> = BTreeMap::new();
     for row in gps {
         let error_m = row.cross_validation_mae_m;
         let cell = cell(&names, [&row.training, "", ""], [row.points, 0]);
@@ -59,12 +59,12 @@ pub fn gp_sweep(gps: &[GpRow]) -> Vec<SweepRow> {
     rows("gp", cells)
 }
 
-fn cell<'a>(trainings: &[&str], [training, policy, mode]: [&'a str; 3], sizes: [u64; 2]) -> Cell<'a> {
+fn cell<'a>(trainings: &[&str], [training, policy, mode]: [&'a str; 3], sizes: [u64; 2]) -> CellKey<'a> {
     (rank(trainings, training), training, rank(&POLICIES, policy), policy, rank(&MODES, mode), mode, sizes)
 }
 
-fn rows(task: &str, cells: BTreeMap<Cell, Vec<Sample>>) -> Vec<SweepRow> {
-    let row = |((_, training, _, policy, _, mode, [gp_points, real_points]), samples): (Cell, Vec<Sample>)| {
+fn rows(task: &str, cells: BTreeMap<CellKey, Vec<SeedError>>) -> Vec<SweepRow> {
+    let row = |((_, training, _, policy, _, mode, [gp_points, real_points]), samples): (CellKey, Vec<SeedError>)| {
         let mut seeds: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
         for (seed, error_m) in &samples {
             seeds.entry(*seed).or_default().extend(error_m);

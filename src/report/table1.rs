@@ -2,9 +2,9 @@
 //! numbers; as Markdown, LaTeX, CSV and a picture.
 
 use super::axes::{Axis, Panel};
-use super::canvas::{Align, Canvas, Text};
-use super::legend::{Key, legend};
-use super::markup::{Grid, latex};
+use super::canvas::{Canvas, Text, TextAlign};
+use super::legend::{LegendEntry, legend};
+use super::markup::{MarkdownTable, latex};
 use super::style::{
     BLUE, Colour, GREEN, HAIR, INK, MARKER, Marker, ORANGE, PAGE_WIDTH, POLICIES, SMALL, policy_label, policy_markdown,
     training_label,
@@ -115,7 +115,7 @@ fn caption(summary: &[ReachSummaryRow]) -> String {
 }
 
 fn markdown(summary: &[ReachSummaryRow], sources: &[Source]) -> String {
-    let mut grid = Grid::default();
+    let mut grid = MarkdownTable::default();
     grid.header.extend(["Controller".to_owned(), String::new()]);
     grid.header.extend(HEADINGS.map(|heading| format!("{heading} (m)")));
     for policy in POLICIES {
@@ -153,9 +153,11 @@ fn draw(summary: &[ReachSummaryRow], sources: &[Source]) -> Canvas {
     let row = 16.0 * sources.len() as f64 + 10.0;
     let high = row * POLICIES.len() as f64;
     let mut canvas = Canvas::new(PAGE_WIDTH, (high + 112.0).round());
-    let keys: Vec<(Key, &str)> = sources
+    let keys: Vec<(LegendEntry, &str)> = sources
         .iter()
-        .map(|source| (Key::Marker(source.marker, source.colour, source.training.is_none()), source.label.as_str()))
+        .map(|source| {
+            (LegendEntry::Marker(source.marker, source.colour, source.training.is_none()), source.label.as_str())
+        })
         .collect();
     legend(&mut canvas, [52.0, 18.0], PAGE_WIDTH - 10.0, &keys);
     let entries: Vec<Entry> = MODES
@@ -181,7 +183,7 @@ fn draw(summary: &[ReachSummaryRow], sources: &[Source]) -> Canvas {
         facet(&mut canvas, &panel, summary, sources, mode);
     }
     let note = "thin: ± 1 standard deviation over targets; thick: 95 % interval of the mean over repetitions";
-    canvas.text(Text::new(note, [PAGE_WIDTH - 10.0, high + 106.0], SMALL, Align::Right).colour(super::style::GREY));
+    canvas.text(Text::new(note, [PAGE_WIDTH - 10.0, high + 106.0], SMALL, TextAlign::Right).colour(super::style::GREY));
     canvas
 }
 
@@ -200,7 +202,7 @@ fn facet(canvas: &mut Canvas, panel: &Panel, summary: &[ReachSummaryRow], source
             let Some(entry) = entry(summary, source, policy, mode) else {
                 let word = printed(None, policy, mode);
                 let x = panel.corner[0] + 8.0;
-                canvas.text(Text::new(word, [x, y + 0.36 * SMALL], SMALL, Align::Left).colour(source.colour));
+                canvas.text(Text::new(word, [x, y + 0.36 * SMALL], SMALL, TextAlign::Left).colour(source.colour));
                 continue;
             };
             let place = |value_m: f64| [panel.at(1e3 * value_m, 0.0)[0], y];

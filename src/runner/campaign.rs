@@ -8,7 +8,9 @@ use crate::base::Point3;
 use crate::data::rows::{GapRow, GpRow, TrackRow, TrialRow};
 use crate::learn::rnn::Trained;
 use crate::policies::{self, Part};
-use crate::specs::{Cell, Experiment, Point, Study, SweptField, Training, gp_sizes, reach_cells, track_cells};
+use crate::specs::{
+    Experiment, ExperimentSet, SweepPoint, SweptField, Training, TrialCell, gp_sizes, reach_cells, track_cells,
+};
 use crate::tasks::SimulatedBy;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -66,8 +68,8 @@ pub(super) struct Repetition {
 pub(super) struct TrainedCells {
     pub(super) training: String,
     pub(super) networks: Vec<(Network, Handle<Trained>)>,
-    pub(super) reach: Vec<(Cell, Handle<Vec<TrialRow>>)>,
-    pub(super) track: Vec<(Cell, Handle<Vec<TrackRow>>)>,
+    pub(super) reach: Vec<(TrialCell, Handle<Vec<TrialRow>>)>,
+    pub(super) track: Vec<(TrialCell, Handle<Vec<TrackRow>>)>,
 }
 
 /// A network of an experiment.
@@ -86,7 +88,7 @@ impl Campaign {
     ///
     /// # Errors
     /// [`Failure`] for settings that cannot be written into a key.
-    pub fn expand<S: Into<Study>>(studies: impl IntoIterator<Item = S>) -> Result<Campaign, Failure> {
+    pub fn expand<S: Into<ExperimentSet>>(studies: impl IntoIterator<Item = S>) -> Result<Campaign, Failure> {
         let mut graph = Graph::default();
         let entries =
             studies.into_iter().map(|study| entry(&mut graph, study.into())).collect::<Result<_, Failure>>()?;
@@ -131,7 +133,7 @@ impl Entry {
 
     /// The values of a point's swept fields, in words.
     pub(super) fn label(&self, point: &PointStages) -> String {
-        Point { values: point.values.clone(), experiment: point.experiment.clone() }.label(&self.sweep)
+        SweepPoint { values: point.values.clone(), experiment: point.experiment.clone() }.label(&self.sweep)
     }
 }
 
@@ -148,7 +150,7 @@ impl Repetition {
         runs.extend(self.blind.iter().map(blind));
         for trained in &self.trained {
             let head = format!("seed {} {}", self.seed, trained.training);
-            let run = |task: &str, cell: &Cell, stage: usize| {
+            let run = |task: &str, cell: &TrialCell, stage: usize| {
                 let (policy, mode, gp, real) = (&cell.policy, &cell.mode, cell.gp_points, cell.real_points);
                 let gp = if gp > 0 { format!(" gp_points {gp}") } else { String::new() };
                 let real = if real > 0 { format!(" real_points {real}") } else { String::new() };
@@ -161,16 +163,16 @@ impl Repetition {
 }
 
 /// The stages of one study.
-fn entry(graph: &mut Graph, study: Study) -> Result<Entry, Failure> {
+fn entry(graph: &mut Graph, study: ExperimentSet) -> Result<Entry, Failure> {
     let failed = |status: String| Failure { stage: "spec".into(), status };
     let spec_yaml = study.to_yaml().map_err(failed)?;
-    let Study { experiment, sweep, mut points, .. } = study;
+    let ExperimentSet { experiment, sweep, mut points, .. } = study;
     if points.is_empty() {
-        points.push(Point { values: Vec::new(), experiment: Arc::new(experiment.clone()) });
+        points.push(SweepPoint { values: Vec::new(), experiment: Arc::new(experiment.clone()) });
     }
     let mut stages = Vec::with_capacity(points.len());
     let mut before: Option<Parts> = None;
-    for Point { values, experiment } in points {
+    for SweepPoint { values, experiment } in points {
         let parts = Parts::new(&experiment, before.as_ref())?;
         let repetitions = experiment.repetitions().map(|seed| repetition(graph, &experiment, &parts, seed));
         let repetitions = repetitions.collect::<Result<Vec<_>, Failure>>()?;
@@ -228,7 +230,7 @@ fn add_network(stages: &mut Stages, network: Network, training: &Training) -> Re
 }
 
 /// The networks that the cells are built from, and the forward model where it is asked for or stands for the rod.
-fn networks<'a>(experiment: &Experiment, cells: impl Iterator<Item = &'a Cell>) -> BTreeSet<Network> {
+fn networks<'a>(experiment: &Experiment, cells: impl Iterator<Item = &'a TrialCell>) -> BTreeSet<Network> {
     let simulates = experiment.gp_points.p_sim == SimulatedBy::Network && !gp_sizes(experiment).is_empty();
     let forward = (experiment.runs.forward || simulates).then_some(Network::Forward);
     let mut networks: BTreeSet<Network> = forward.into_iter().collect();

@@ -8,16 +8,16 @@
 use super::metrics::{ANY_TRAINING, Tables, value};
 use crate::data::rows::ClaimRow;
 use crate::math::summary::{interval_95, mean};
-use crate::specs::{Claim, Metric, Relation};
+use crate::specs::{ClaimMetric, PaperClaim, Relation};
 
 /// Seeds below which no claim is decided.
 pub const SEEDS_NEEDED: usize = 10;
 
 /// Evaluates the claims over these seeds, once per kind of training where networks take part.
-pub fn evaluate(claims: &[Claim], tables: &Tables, seeds: &[u64], trainings: &[String]) -> Vec<ClaimRow> {
+pub fn evaluate(claims: &[PaperClaim], tables: &Tables, seeds: &[u64], trainings: &[String]) -> Vec<ClaimRow> {
     let mut rows = Vec::new();
     for claim in claims {
-        let depends = |metric: &Metric| metric.depends_on_training() || of_training(metric, tables);
+        let depends = |metric: &ClaimMetric| metric.depends_on_training() || of_training(metric, tables);
         if claim.relation.metrics().iter().any(depends) {
             rows.extend(trainings.iter().map(|training| judge(claim, tables, seeds, training)));
         } else {
@@ -28,11 +28,11 @@ pub fn evaluate(claims: &[Claim], tables: &Tables, seeds: &[u64], trainings: &[S
 }
 
 /// Gaussian processes depend on the training when p_sim comes from the forward network.
-fn of_training(metric: &Metric, tables: &Tables) -> bool {
-    matches!(metric, Metric::GpError { .. }) && tables.gps.iter().any(|row| row.training != ANY_TRAINING)
+fn of_training(metric: &ClaimMetric, tables: &Tables) -> bool {
+    matches!(metric, ClaimMetric::GpError { .. }) && tables.gps.iter().any(|row| row.training != ANY_TRAINING)
 }
 
-fn judge(claim: &Claim, tables: &Tables, seeds: &[u64], training: &str) -> ClaimRow {
+fn judge(claim: &PaperClaim, tables: &Tables, seeds: &[u64], training: &str) -> ClaimRow {
     let numbers: Vec<f64> = seeds.iter().filter_map(|&seed| number(&claim.relation, tables, seed, training)).collect();
     let interval = interval_95(&numbers);
     let [low_95, high_95] = interval.unwrap_or([f64::NAN; 2]);
@@ -102,7 +102,7 @@ fn slope_per_decade(sizes: &[u64], values: &[f64]) -> Option<f64> {
 }
 
 fn unit(relation: &Relation) -> String {
-    let unit = relation.metrics().first().map_or("", Metric::unit);
+    let unit = relation.metrics().first().map_or("", ClaimMetric::unit);
     if matches!(relation, Relation::Falls { .. }) { format!("{unit}/decade") } else { unit.to_owned() }
 }
 
@@ -127,8 +127,8 @@ mod tests {
     }
 
     fn near(figure: f64, errors: &[f64]) -> ClaimRow {
-        let relation = Relation::Near { metric: Metric::GpError { points: 100 }, figure, tolerance: 0.5 };
-        let claim = Claim { claim: "gp".into(), statement: "gp".into(), paper: Some(figure), relation };
+        let relation = Relation::Near { metric: ClaimMetric::GpError { points: 100 }, figure, tolerance: 0.5 };
+        let claim = PaperClaim { claim: "gp".into(), statement: "gp".into(), paper: Some(figure), relation };
         let seeds: Vec<u64> = (0..errors.len() as u64).collect();
         evaluate(&[claim], &gps(errors), &seeds, &["paper".into()]).remove(0)
     }

@@ -7,7 +7,7 @@ use super::metrics::Tables;
 use super::results::{Publication, PublishError, put};
 use crate::data::rows::StageRow;
 use crate::data::{DataError, tables};
-use crate::specs::{Experiment, SpecError, Study};
+use crate::specs::{Experiment, ExperimentSet, SpecError};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -82,7 +82,7 @@ pub fn gather(folders: &[PathBuf]) -> Result<(String, Publication), GatherError>
 
 impl PublishedPart {
     fn read(folder: &Path) -> Result<PublishedPart, GatherError> {
-        let study = Study::read(&folder.join("spec.yaml"), &[], &[])?;
+        let study = ExperimentSet::read(&folder.join("spec.yaml"), &[], &[])?;
         if !study.sweep.is_empty() {
             return Err(refused(folder, "a sweep", "repetitions of one experiment"));
         }

@@ -5,7 +5,7 @@ use crate::data::rows::{GapRow, GpRow, NetworkRow, TrackSummaryRow, TrialRow};
 use crate::data::tables::as_published;
 use crate::math::summary::{mean, standard_deviation};
 use crate::report::{Published, published_rows, track_summary};
-use crate::specs::{Axis, Metric, ReachCell};
+use crate::specs::{ClaimMetric, FrameAxis, ReachCell};
 use std::path::Path;
 
 /// In the place of a kind of training: none takes part.
@@ -77,26 +77,26 @@ impl Tables {
 }
 
 /// The metric for one seed and training; `None` where the rows do not tell (no such rows, none without failure).
-pub(super) fn value(tables: &Tables, metric: &Metric, seed: u64, training: &str) -> Option<f64> {
+pub(super) fn value(tables: &Tables, metric: &ClaimMetric, seed: u64, training: &str) -> Option<f64> {
     let found = match metric {
-        Metric::ReachMean(cell) => mean(&reach_errors_m(tables, cell, seed, training)),
-        Metric::ReachSd(cell) => standard_deviation(&reach_errors_m(tables, cell, seed, training)),
-        Metric::NetworkMae { network, points } => {
+        ClaimMetric::ReachMean(cell) => mean(&reach_errors_m(tables, cell, seed, training)),
+        ClaimMetric::ReachSd(cell) => standard_deviation(&reach_errors_m(tables, cell, seed, training)),
+        ClaimMetric::NetworkMae { network, points } => {
             let ours = |row: &&NetworkRow| row.seed == seed && row.training == training && row.network == *network;
             let row =
                 tables.networks.iter().filter(ours).find(|row| points.is_none_or(|points| points == row.points))?;
             row.validation_mae_m
         }
-        Metric::GpError { points } => {
+        ClaimMetric::GpError { points } => {
             let ours = |row: &&GpRow| row.training == training || row.training == ANY_TRAINING;
             let found = |row: &&GpRow| row.seed == seed && row.points == *points && ours(row);
             tables.gps.iter().find(found)?.cross_validation_mae_m
         }
-        Metric::TrackMean { policy } => run(tables, policy, seed, training)?.mean_error_m,
-        Metric::TrackOscillation { policy } => run(tables, policy, seed, training)?.oscillation_m,
-        Metric::TrackTime { policy } => run(tables, policy, seed, training)?.completion_time_s,
-        Metric::TrackStart { policy } => run(tables, policy, seed, training)?.start_error_m,
-        Metric::GapRms { axis } => gap_rms_m(tables, *axis, seed),
+        ClaimMetric::TrackMean { policy } => run(tables, policy, seed, training)?.mean_error_m,
+        ClaimMetric::TrackOscillation { policy } => run(tables, policy, seed, training)?.oscillation_m,
+        ClaimMetric::TrackTime { policy } => run(tables, policy, seed, training)?.completion_time_s,
+        ClaimMetric::TrackStart { policy } => run(tables, policy, seed, training)?.start_error_m,
+        ClaimMetric::GapRms { axis } => gap_rms_m(tables, *axis, seed),
     };
     found.is_finite().then_some(found)
 }
@@ -122,11 +122,11 @@ fn run<'a>(tables: &'a Tables, policy: &str, seed: u64, training: &str) -> Optio
     tables.runs.iter().find(ours).filter(|row| row.status == "ok")
 }
 
-fn gap_rms_m(tables: &Tables, axis: Axis, seed: u64) -> f64 {
+fn gap_rms_m(tables: &Tables, axis: FrameAxis, seed: u64) -> f64 {
     let difference = |row: &GapRow| match axis {
-        Axis::X => row.sim_x_m - row.real_x_m,
-        Axis::Y => row.sim_y_m - row.real_y_m,
-        Axis::Z => row.sim_z_m - row.real_z_m,
+        FrameAxis::X => row.sim_x_m - row.real_x_m,
+        FrameAxis::Y => row.sim_y_m - row.real_y_m,
+        FrameAxis::Z => row.sim_z_m - row.real_z_m,
     };
     let squares: Vec<f64> =
         tables.published.gaps.iter().filter(|row| row.seed == seed).map(|row| difference(row).powi(2)).collect();

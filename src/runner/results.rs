@@ -6,7 +6,7 @@ use super::metrics::Tables;
 use super::outcomes::Outcomes;
 use crate::data::rows::ClaimRow;
 use crate::data::{DataError, tables, write_together};
-use crate::report::{self, Published, ReportError, Shelf};
+use crate::report::{self, OutputFolder, Published, ReportError};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -123,9 +123,9 @@ impl Entry {
                 Vec::new()
             });
             for artifact in artifacts {
-                let path = match artifact.shelf {
-                    Shelf::Plots => plots.join(&artifact.name),
-                    Shelf::Results => folder.join(&artifact.name),
+                let path = match artifact.folder {
+                    OutputFolder::Plots => plots.join(&artifact.name),
+                    OutputFolder::Results => folder.join(&artifact.name),
                 };
                 // Two figures of one experiment may each have a summary: the later one carries its figure's name.
                 let taken = files.contains_key(&path);
@@ -179,8 +179,8 @@ pub fn all_claims(out: &Path, fresh: &BTreeMap<String, Vec<ClaimRow>>) -> Result
     if let (Some(figure), false) = (report::figure("claims"), claims.is_empty()) {
         let published = Published { claims, ..Published::default() };
         for artifact in (figure.render)(&published)? {
-            let shelf = if artifact.shelf == Shelf::Plots { Path::new("plots") } else { results };
-            files.insert(shelf.join(artifact.name), artifact.bytes);
+            let folder = if artifact.folder == OutputFolder::Plots { Path::new("plots") } else { results };
+            files.insert(folder.join(artifact.name), artifact.bytes);
         }
     }
     Ok(files)

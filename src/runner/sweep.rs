@@ -8,7 +8,7 @@ use super::results::{Files, Publication, PublishError, failed};
 use crate::data::DataError;
 use crate::data::rows::SweepRow;
 use crate::data::tables::{Beside, to_csv_beside};
-use crate::report::{Published, Swept, gp_sweep, reach_sweep, track_sweep};
+use crate::report::{Published, SweepTable, gp_sweep, reach_sweep, track_sweep};
 use serde::Serialize;
 use std::path::Path;
 
@@ -40,7 +40,7 @@ impl Entry {
         self.put(&mut files, &folder.join("intervals.csv"), all.iter().map(|one| &one.published.intervals))?;
         self.put(&mut files, &folder.join("claims.csv"), all.iter().map(|one| &one.published.claims))?;
         let counts: Vec<usize> = summary.iter().map(Vec::len).collect();
-        let swept = Swept { fields: self.beside(&counts), rows: summary.into_iter().flatten().collect() };
+        let swept = SweepTable { fields: self.beside(&counts), rows: summary.into_iter().flatten().collect() };
         let published = Published { sweep: swept, ..Published::default() };
         let mut notices = Vec::new();
         if !published.sweep.rows.is_empty() {

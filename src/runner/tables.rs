@@ -8,7 +8,7 @@ use crate::benchmark::Scored;
 use crate::data::rows::{GpRow, NetworkRow, TrackRow, TrialRow, WaypointRow};
 use crate::learn::rnn::Trained;
 use crate::report::track_summary;
-use crate::specs::{Cell, Experiment};
+use crate::specs::{Experiment, TrialCell};
 
 pub(super) fn assemble(point: &PointStages, outcomes: &Outcomes) -> Tables {
     let mut tables = Tables::default();
@@ -91,7 +91,7 @@ fn network_row(seed: u64, training: &str, network: Network, trained: &Trained, e
 }
 
 /// The trials that a failure before them made impossible: one row a target, as there would have been.
-fn failed_trials(cell: &Cell, targets: usize, failure: &Failure) -> Vec<TrialRow> {
+fn failed_trials(cell: &TrialCell, targets: usize, failure: &Failure) -> Vec<TrialRow> {
     let row = |target: usize| TrialRow {
         seed: 0,
         training: String::new(),
@@ -115,7 +115,7 @@ fn failed_trials(cell: &Cell, targets: usize, failure: &Failure) -> Vec<TrialRow
     (0..targets).map(row).collect()
 }
 
-fn failed_track(cell: &Cell, failure: &Failure) -> TrackRow {
+fn failed_track(cell: &TrialCell, failure: &Failure) -> TrackRow {
     TrackRow {
         seed: 0,
         training: String::new(),

@@ -5,10 +5,10 @@ use crate::policies::{self, Part};
 
 /// Trials of one policy under one condition: a row of targets for each seed and training.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Cell {
+pub struct TrialCell {
     /// Policy.
     pub policy: String,
-    /// Mode.
+    /// TrialMode.
     pub mode: String,
     /// Real points of the Gaussian process; 0 for policies without one.
     pub gp_points: usize,
@@ -17,16 +17,16 @@ pub struct Cell {
 }
 
 /// The goal-reaching cells.
-pub fn reach_cells(experiment: &Experiment) -> Vec<Cell> {
+pub fn reach_cells(experiment: &Experiment) -> Vec<TrialCell> {
     let mut cells = Vec::new();
     for sweep in &experiment.runs.reach {
         for policy in &sweep.policies {
             let Some(entry) = policies::find(policy) else { continue };
-            let open = |mode: &String| experiment.modes.get(mode).is_some_and(super::experiment::Mode::is_open);
+            let open = |mode: &String| experiment.modes.get(mode).is_some_and(super::experiment::TrialMode::is_open);
             for mode in sweep.modes.iter().filter(|mode| !(entry.closed_loop_only && open(mode))) {
                 for gp_points in sizes(entry, Part::Error, sweep.gp_points.as_deref()) {
                     for real_points in sizes(entry, Part::RealInverse, sweep.real_points.as_deref()) {
-                        cells.push(Cell { policy: policy.clone(), mode: mode.clone(), gp_points, real_points });
+                        cells.push(TrialCell { policy: policy.clone(), mode: mode.clone(), gp_points, real_points });
                     }
                 }
             }
@@ -38,12 +38,12 @@ pub fn reach_cells(experiment: &Experiment) -> Vec<Cell> {
 }
 
 /// Path tracking has one cell a policy.
-pub fn track_cells(experiment: &Experiment) -> Vec<Cell> {
+pub fn track_cells(experiment: &Experiment) -> Vec<TrialCell> {
     let Some(track) = &experiment.runs.track else { return Vec::new() };
     let cell = |policy: &String| {
         let entry = policies::find(policy)?;
         let size = |part: Part, size: Option<usize>| if uses(entry, part) { size.unwrap_or(0) } else { 0 };
-        Some(Cell {
+        Some(TrialCell {
             policy: policy.clone(),
             mode: track.mode.clone(),
             gp_points: size(Part::Error, track.gp_points),

@@ -5,7 +5,7 @@ use super::discovery::check_entries;
 use super::document::Document;
 use super::error::SpecError;
 use super::experiment::{DiscoveryRun, Experiment, TrackRun};
-use super::locate::End;
+use super::locate::PathEnd;
 use super::path::KeyPath;
 use super::plant::PlantSpec;
 use crate::base::BadOption;
@@ -13,7 +13,7 @@ use crate::effects::check_effects;
 use crate::learn::LearnError;
 use crate::policies::{self, Part};
 use crate::report::FIGURES;
-use crate::tasks::Layout;
+use crate::tasks::PointLayout;
 
 /// Looks for the first thing that is wrong with `experiment`, which was read from `document`.
 ///
@@ -125,7 +125,7 @@ impl Checker<'_> {
             self.unless(allowed, &path, "no effects, as the plant is neither a simulated rod nor a robot on a bench")?;
             check_effects(&mode.effects, spec.plant.tendons()).map_err(|(index, effect, bad)| {
                 let path = path.item(index).key(effect).key(bad.key);
-                self.document.refuse(&path, End::Value, bad.found, bad.expected)
+                self.document.refuse(&path, PathEnd::Value, bad.found, bad.expected)
             })?;
         }
         Ok(())
@@ -136,8 +136,8 @@ impl Checker<'_> {
         let (root, spec) = (KeyPath::default(), self.experiment);
         let layout = root.key("gp_points").key("layout");
         let points = match spec.gp_points.layout {
-            Layout::Grid(grid) => (layout.key("grid"), grid.max_pull_m),
-            Layout::Walk { max_pull_m, .. } => (layout.key("walk"), max_pull_m),
+            PointLayout::Grid(grid) => (layout.key("grid"), grid.max_pull_m),
+            PointLayout::Walk { max_pull_m, .. } => (layout.key("walk"), max_pull_m),
         };
         let explore = (root.key("explore"), spec.explore.max_pull_m);
         for (path, pull_m) in [explore, points] {
@@ -151,7 +151,7 @@ impl Checker<'_> {
         found.map_err(|error| match error {
             LearnError::Setting { key, found, expected } => self.option(name, key, &found, expected),
             other => {
-                self.document.refuse(&KeyPath::default().key(name), End::Value, other.to_string(), "a valid value")
+                self.document.refuse(&KeyPath::default().key(name), PathEnd::Value, other.to_string(), "a valid value")
             }
         })
     }
@@ -160,7 +160,7 @@ impl Checker<'_> {
     fn option(&self, name: &str, key: &str, found: &str, expected: &str) -> SpecError {
         let below = KeyPath::parse(name).unwrap_or_default();
         let path = self.document.find(&below, key, found).unwrap_or_else(|| below.key(key));
-        self.document.refuse(&path, End::Value, found.to_owned(), expected)
+        self.document.refuse(&path, PathEnd::Value, found.to_owned(), expected)
     }
 
     fn runs(&self) -> Result<(), SpecError> {

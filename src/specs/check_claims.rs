@@ -1,7 +1,7 @@
 //! Claims must be about what the experiment runs.
 
 use super::check::one_of;
-use super::claims::{Metric, ReachCell, Relation};
+use super::claims::{ClaimMetric, ReachCell, Relation};
 use super::document::Document;
 use super::error::SpecError;
 use super::experiment::Experiment;
@@ -26,7 +26,7 @@ pub(super) fn check(experiment: &Experiment, document: &Document) -> Result<(), 
 }
 
 /// The metrics of a relation and where each is written.
-fn places(relation: &Relation, path: &KeyPath) -> Vec<(KeyPath, Metric)> {
+fn places(relation: &Relation, path: &KeyPath) -> Vec<(KeyPath, ClaimMetric)> {
     let keys = match relation {
         Relation::Less { .. } => vec![path.key("less").key("left"), path.key("less").key("right")],
         Relation::Between { .. } => vec![path.key("between").key("metric")],
@@ -52,7 +52,7 @@ fn numbers(relation: &Relation, document: &Document, path: &KeyPath) -> Result<(
     let unless = |holds: bool, path: KeyPath, expected: &str| {
         if holds { Ok(()) } else { Err(document.wrong(&path, expected)) }
     };
-    let sweepable = |metric: &Metric| matches!(metric, Metric::ReachMean(_) | Metric::ReachSd(_));
+    let sweepable = |metric: &ClaimMetric| matches!(metric, ClaimMetric::ReachMean(_) | ClaimMetric::ReachSd(_));
     match relation {
         Relation::Less { times, .. } => unless(*times > 0.0, path.key("less").key("times"), "a factor above 0"),
         Relation::Between { low, high, .. } => unless(low < high, path.key("between").key("low"), "less than `high`"),
@@ -79,28 +79,28 @@ fn numbers(relation: &Relation, document: &Document, path: &KeyPath) -> Result<(
 }
 
 /// Whether the experiment yields this metric; the error says what it yields instead.
-fn known(metric: &Metric, experiment: &Experiment) -> Result<(), String> {
+fn known(metric: &ClaimMetric, experiment: &Experiment) -> Result<(), String> {
     let runs = &experiment.runs;
     match metric {
-        Metric::ReachMean(cell) | Metric::ReachSd(cell) => known_cell(cell, experiment),
-        Metric::NetworkMae { network, .. } => {
+        ClaimMetric::ReachMean(cell) | ClaimMetric::ReachSd(cell) => known_cell(cell, experiment),
+        ClaimMetric::NetworkMae { network, .. } => {
             let names = ["forward", "inverse", "inverse_b", "pi_real"];
             if names.contains(&network.as_str()) { Ok(()) } else { Err(one_of(&names)) }
         }
-        Metric::GpError { points } => {
+        ClaimMetric::GpError { points } => {
             let fitted = super::cells::gp_sizes(experiment);
             let known = usize::try_from(*points).is_ok_and(|points| fitted.contains(&points));
             if known { Ok(()) } else { Err(format!("one of the fitted sizes {fitted:?}")) }
         }
-        Metric::TrackMean { policy }
-        | Metric::TrackTime { policy }
-        | Metric::TrackOscillation { policy }
-        | Metric::TrackStart { policy } => match &runs.track {
+        ClaimMetric::TrackMean { policy }
+        | ClaimMetric::TrackTime { policy }
+        | ClaimMetric::TrackOscillation { policy }
+        | ClaimMetric::TrackStart { policy } => match &runs.track {
             Some(track) if track.policies.contains(policy) => Ok(()),
             _ => Err("a policy of `runs.track`".to_owned()),
         },
-        Metric::GapRms { .. } if runs.gap.is_some() => Ok(()),
-        Metric::GapRms { .. } => Err("`runs.gap`, which this needs".to_owned()),
+        ClaimMetric::GapRms { .. } if runs.gap.is_some() => Ok(()),
+        ClaimMetric::GapRms { .. } => Err("`runs.gap`, which this needs".to_owned()),
     }
 }
 

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// One claim.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Claim {
+pub struct PaperClaim {
     /// Short name.
     pub claim: String,
     /// The paper's words, or its table's cell.
@@ -26,9 +26,9 @@ pub enum Relation {
     /// left < times · right, paired by seed; the number is left − times · right.
     Less {
         /// The smaller one.
-        left: Metric,
+        left: ClaimMetric,
         /// The larger one.
-        right: Metric,
+        right: ClaimMetric,
         /// Factor of the larger one, 1 unless said.
         #[serde(default = "one")]
         times: f64,
@@ -36,7 +36,7 @@ pub enum Relation {
     /// The metric lies in a range; the number is the metric.
     Between {
         /// What is measured.
-        metric: Metric,
+        metric: ClaimMetric,
         /// Lower end, in the metric's unit.
         low: f64,
         /// Upper end, in the metric's unit.
@@ -45,7 +45,7 @@ pub enum Relation {
     /// The metric is the paper's figure up to a tolerance; the number is the metric.
     Near {
         /// What is measured.
-        metric: Metric,
+        metric: ClaimMetric,
         /// The paper's figure, in the metric's unit.
         figure: f64,
         /// Largest difference, in the metric's unit.
@@ -54,7 +54,7 @@ pub enum Relation {
     /// The metric falls with the data; the number is its slope in units per tenfold data, by least squares.
     Falls {
         /// Goal-reaching metric; its own sizes are left out.
-        metric: Metric,
+        metric: ClaimMetric,
         /// What grows.
         over: Size,
         /// Its values, at least two.
@@ -64,7 +64,7 @@ pub enum Relation {
     /// `from`, and the claim holds above −margin.
     NoGain {
         /// Goal-reaching metric; its own sizes are left out.
-        metric: Metric,
+        metric: ClaimMetric,
         /// What grows.
         over: Size,
         /// Where it is said to be enough.
@@ -77,7 +77,7 @@ pub enum Relation {
     /// The largest is less than `times` the smallest; the number is largest − times · smallest.
     Alike {
         /// What is compared, at least two.
-        metrics: Vec<Metric>,
+        metrics: Vec<ClaimMetric>,
         /// How much apart counts as alike.
         times: f64,
     },
@@ -100,7 +100,7 @@ pub enum Size {
 /// A quantity with one value per seed (and kind of training, where networks take part).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum Metric {
+pub enum ClaimMetric {
     /// Mean goal-reaching error over the targets, metres.
     ReachMean(ReachCell),
     /// Standard deviation of the goal-reaching error over the targets, metres.
@@ -140,8 +140,8 @@ pub enum Metric {
     },
     /// Root mean square difference between simulated and real tips along an axis, metres.
     GapRms {
-        /// Axis.
-        axis: Axis,
+        /// FrameAxis.
+        axis: FrameAxis,
     },
 }
 
@@ -164,7 +164,7 @@ pub struct ReachCell {
 /// An axis of the base frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Axis {
+pub enum FrameAxis {
     /// Up, against gravity.
     X,
     /// To the side.
@@ -173,21 +173,21 @@ pub enum Axis {
     Z,
 }
 
-impl Metric {
+impl ClaimMetric {
     /// `m` or `s`.
     pub fn unit(&self) -> &'static str {
-        if matches!(self, Metric::TrackTime { .. }) { "s" } else { "m" }
+        if matches!(self, ClaimMetric::TrackTime { .. }) { "s" } else { "m" }
     }
 
     /// True when the value depends on how the networks were trained.
     pub fn depends_on_training(&self) -> bool {
-        !matches!(self, Metric::GpError { .. } | Metric::GapRms { .. })
+        !matches!(self, ClaimMetric::GpError { .. } | ClaimMetric::GapRms { .. })
     }
 
     /// The same metric at another data size; `None` where it has no such size.
-    pub fn at(&self, over: Size, points: u64) -> Option<Metric> {
+    pub fn at(&self, over: Size, points: u64) -> Option<ClaimMetric> {
         let mut metric = self.clone();
-        let (Metric::ReachMean(cell) | Metric::ReachSd(cell)) = &mut metric else { return None };
+        let (ClaimMetric::ReachMean(cell) | ClaimMetric::ReachSd(cell)) = &mut metric else { return None };
         match over {
             Size::GpPoints => cell.gp_points = Some(points),
             Size::RealPoints => cell.real_points = Some(points),
@@ -198,8 +198,8 @@ impl Metric {
 
 impl Relation {
     /// The metrics that it compares, sizes filled in.
-    pub fn metrics(&self) -> Vec<Metric> {
-        let swept = |metric: &Metric, over: &Size, values: &mut dyn Iterator<Item = u64>| {
+    pub fn metrics(&self) -> Vec<ClaimMetric> {
+        let swept = |metric: &ClaimMetric, over: &Size, values: &mut dyn Iterator<Item = u64>| {
             values.filter_map(|points| metric.at(*over, points)).collect()
         };
         match self {

@@ -8,8 +8,8 @@ mod sweep;
 
 use super::alias::canonical as unaliased;
 use super::emit::{describe, emit};
-use super::error::{Place, SpecError};
-use super::locate::{End, locate};
+use super::error::{SourceLocation, SpecError};
+use super::locate::{PathEnd, locate};
 use super::path::{KeyPath, Step};
 use super::sweep_option;
 use super::wording::explain;
@@ -17,7 +17,7 @@ use serde::de::DeserializeOwned;
 use serde_yaml::{Mapping, Value};
 use std::path::{Path, PathBuf};
 
-pub(super) use sweep::{Origin, Written, put};
+pub(super) use sweep::{Origin, SweptEntry, put};
 
 /// One source of values.
 #[derive(Clone, Debug)]
@@ -96,7 +96,8 @@ impl Document {
     /// # Errors
     /// [`SpecError::Key`] for an unknown or missing key or a value of the wrong type.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, SpecError> {
-        let refuse = |(key, found): (KeyPath, String)| self.refuse(&key, End::Value, found, "plain keys and values");
+        let refuse =
+            |(key, found): (KeyPath, String)| self.refuse(&key, PathEnd::Value, found, "plain keys and values");
         let emitted = emit(&self.merged).map_err(refuse)?;
         let deserializer = serde_yaml::Deserializer::from_str(&emitted.text);
         serde_yaml::with::singleton_map_recursive::deserialize(deserializer).map_err(|error: serde_yaml::Error| {
@@ -111,7 +112,7 @@ impl Document {
     /// The error for the value at `path`, found as it stands.
     pub fn wrong(&self, path: &KeyPath, expected: impl Into<String>) -> SpecError {
         let found = get(&self.merged, path).map_or_else(|| "nothing".to_owned(), describe);
-        self.refuse(path, End::Value, found, expected)
+        self.refuse(path, PathEnd::Value, found, expected)
     }
 
     /// True when the document has a value at `path`.
@@ -148,20 +149,20 @@ impl Document {
     }
 
     /// The error for `path`, in the given words.
-    pub fn refuse(&self, path: &KeyPath, end: End, found: String, expected: impl Into<String>) -> SpecError {
+    pub fn refuse(&self, path: &KeyPath, end: PathEnd, found: String, expected: impl Into<String>) -> SpecError {
         SpecError::Key { place: self.place(path, end), key: path.clone(), found, expected: expected.into() }
     }
 
     /// Where `path`, or what of it exists, was written.
-    pub fn place(&self, path: &KeyPath, end: End) -> Place {
+    pub fn place(&self, path: &KeyPath, end: PathEnd) -> SourceLocation {
         if let Some(place) = self.origins.iter().rev().find_map(|origin| origin.place(self, path, end)) {
             return place;
         }
         // What is only in a layer that another one overrides is not there.
         match self.owner(path).filter(|_| self.has(path)) {
             Some(layer) => layer.place(path, end),
-            None if path.0.is_empty() => Place::File { file: self.file.clone(), line: 1, column: 1 },
-            None => self.place(&path.parent(), End::Value),
+            None if path.0.is_empty() => SourceLocation::File { file: self.file.clone(), line: 1, column: 1 },
+            None => self.place(&path.parent(), PathEnd::Value),
         }
     }
 
@@ -178,7 +179,7 @@ const SWEEP: &str = "--sweep ";
 
 impl Layer {
     /// A file as the layer below `include` (a path and where its name stands), or as the root.
-    fn file(path: &Path, include: Option<(&KeyPath, Place)>) -> Result<Layer, SpecError> {
+    fn file(path: &Path, include: Option<(&KeyPath, SourceLocation)>) -> Result<Layer, SpecError> {
         let name = path.display().to_string();
         let text = std::fs::read_to_string(path).map_err(|error| {
             let missing = error.kind() == std::io::ErrorKind::NotFound;
@@ -206,7 +207,7 @@ impl Layer {
     fn option(set: &str) -> Result<Layer, SpecError> {
         let name = format!("{SET}{set}");
         let refuse = |found: String| SpecError::Key {
-            place: Place::Option(name.clone()),
+            place: SourceLocation::Option(name.clone()),
             key: KeyPath::default(),
             found,
             expected: "path.to.key=value".to_owned(),
@@ -224,7 +225,7 @@ impl Layer {
     fn sweep(option: &str) -> Result<Layer, SpecError> {
         let name = format!("{SWEEP}{option}");
         let (path, values) = sweep_option::parse(option).map_err(|found| SpecError::Key {
-            place: Place::Option(name.clone()),
+            place: SourceLocation::Option(name.clone()),
             key: KeyPath::default(),
             found,
             expected: format!("path.to.key= and {}", sweep_option::EXPECTED),
@@ -244,7 +245,7 @@ impl Layer {
         for path in includes {
             let Some(Value::String(name)) = get(&self.rooted(), path).cloned() else { continue };
             let file = self.folder.join(&name);
-            included.push(Layer::file(&file, Some((path, self.place(path, End::Value))))?);
+            included.push(Layer::file(&file, Some((path, self.place(path, PathEnd::Value))))?);
             match path.0.strip_prefix(self.root.0.as_slice()) {
                 Some([]) | None => self.value = Value::Mapping(Mapping::new()),
                 Some(below) => remove(&mut self.value, &KeyPath(below.to_vec())),
@@ -275,16 +276,21 @@ impl Layer {
     }
 
     fn refuse(&self, path: &KeyPath, found: String, expected: &str) -> SpecError {
-        SpecError::Key { place: self.place(path, End::Value), key: path.clone(), found, expected: expected.to_owned() }
+        SpecError::Key {
+            place: self.place(path, PathEnd::Value),
+            key: path.clone(),
+            found,
+            expected: expected.to_owned(),
+        }
     }
 
-    fn place(&self, path: &KeyPath, end: End) -> Place {
+    fn place(&self, path: &KeyPath, end: PathEnd) -> SourceLocation {
         if self.is_option() {
-            return Place::Option(self.name.clone());
+            return SourceLocation::Option(self.name.clone());
         }
         let below = path.0.strip_prefix(self.root.0.as_slice()).unwrap_or_default();
         let (line, column) = locate(&self.text, &KeyPath(below.to_vec()), end).unwrap_or((1, 1));
-        Place::File { file: self.name.clone(), line, column }
+        SourceLocation::File { file: self.name.clone(), line, column }
     }
 
     /// The value under its path from the root of the document.
@@ -300,9 +306,9 @@ fn yaml(text: &str, name: &str) -> Result<Value, SpecError> {
     serde_yaml::from_str(text).map_err(|error| {
         let (line, column) = error.location().map_or((1, 1), |at| (at.line(), at.column()));
         let place = if name.starts_with(SET) {
-            Place::Option(name.to_owned())
+            SourceLocation::Option(name.to_owned())
         } else {
-            Place::File { file: name.to_owned(), line, column }
+            SourceLocation::File { file: name.to_owned(), line, column }
         };
         let words = error.to_string();
         let found = words.split(" at line ").next().unwrap_or_default().to_owned();

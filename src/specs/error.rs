@@ -5,7 +5,7 @@ use std::fmt;
 
 /// Where in the user's input something stands.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum SourceLocation {
     /// A position in a file, both counted from 1.
     File {
         /// The file as the user named it.
@@ -19,11 +19,11 @@ pub enum Place {
     Option(String),
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for SourceLocation {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Place::File { file, line, column } => write!(out, "{file}:{line}:{column}"),
-            Place::Option(option) => out.write_str(option),
+            SourceLocation::File { file, line, column } => write!(out, "{file}:{line}:{column}"),
+            SourceLocation::Option(option) => out.write_str(option),
         }
     }
 }
@@ -45,7 +45,7 @@ pub enum SpecError {
     #[error("{place}: found {found}, expected YAML")]
     Syntax {
         /// Where the parser gave up.
-        place: Place,
+        place: SourceLocation,
         /// The parser's words.
         found: String,
     },
@@ -53,7 +53,7 @@ pub enum SpecError {
     #[error("{place}: {key}: found {found}, expected {expected}")]
     Key {
         /// Where it stands.
-        place: Place,
+        place: SourceLocation,
         /// Its path.
         key: KeyPath,
         /// What stands there.

@@ -1,6 +1,6 @@
 //! What an experiment is: everything that its results depend on.
 
-use super::claims::Claim;
+use super::claims::PaperClaim;
 use super::plant::PlantSpec;
 use super::slurm::SlurmOptions;
 use crate::benchmark::{Batch, OracleOptions, TruthOptions};
@@ -68,7 +68,7 @@ pub struct Experiment {
     pub track: TrackOptions,
     /// Conditions of a trial by name.
     #[serde(default)]
-    pub modes: BTreeMap<String, Mode>,
+    pub modes: BTreeMap<String, TrialMode>,
     /// What is run.
     pub runs: Runs,
     /// Tables and figures that are made of the results, by name.
@@ -76,7 +76,7 @@ pub struct Experiment {
     pub figures: Vec<String>,
     /// What the paper claims of it.
     #[serde(default)]
-    pub claims: Vec<Claim>,
+    pub claims: Vec<PaperClaim>,
     /// What a Slurm cluster is asked for.
     #[serde(default, skip_serializing_if = "is_default")]
     pub slurm: SlurmOptions,
@@ -125,7 +125,7 @@ pub struct Training {
 /// A condition of a trial.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Mode {
+pub struct TrialMode {
     /// Whether the policy sees the tip after the first step.
     pub feedback: LoopMode,
     /// Effects that the robot has on top of its own.
@@ -133,7 +133,7 @@ pub struct Mode {
     pub effects: Vec<EffectSpec>,
 }
 
-impl Mode {
+impl TrialMode {
     /// True when the policy sees nothing after the first step.
     pub fn is_open(&self) -> bool {
         self.feedback == LoopMode::Open
@@ -205,7 +205,7 @@ pub struct ReachSweep {
 pub struct TrackRun {
     /// Policies.
     pub policies: Vec<String>,
-    /// Mode.
+    /// TrialMode.
     pub mode: String,
     /// Real points of the Gaussian process, for the policies that use one.
     #[serde(default)]

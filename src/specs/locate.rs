@@ -9,7 +9,7 @@ use std::fmt;
 
 /// What of a path's end is looked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
+pub enum PathEnd {
     /// The key itself.
     Key,
     /// The value under the key.
@@ -17,8 +17,8 @@ pub enum End {
 }
 
 /// Line and column (from 1) of `path` in `text`; `None` where the text has no such path.
-pub fn locate(text: &str, path: &KeyPath, end: End) -> Option<(usize, usize)> {
-    let seek = Seek { steps: &path.0, end };
+pub fn locate(text: &str, path: &KeyPath, end: PathEnd) -> Option<(usize, usize)> {
+    let seek = PathSeeker { steps: &path.0, end };
     let error = seek.deserialize(serde_yaml::Deserializer::from_str(text)).err()?;
     let found = error.to_string().contains(ARRIVED);
     error.location().filter(|_| found).map(|at| (at.line(), at.column()))
@@ -27,25 +27,25 @@ pub fn locate(text: &str, path: &KeyPath, end: End) -> Option<(usize, usize)> {
 const ARRIVED: &str = "\u{1}arrived\u{1}";
 
 #[derive(Clone, Copy)]
-struct Seek<'a> {
+struct PathSeeker<'a> {
     steps: &'a [Step],
-    end: End,
+    end: PathEnd,
 }
 
-impl<'de> DeserializeSeed<'de> for Seek<'_> {
+impl<'de> DeserializeSeed<'de> for PathSeeker<'_> {
     type Value = ();
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
         deserializer.deserialize_any(self)
     }
 }
 
-impl Seek<'_> {
+impl PathSeeker<'_> {
     fn scalar<E: Error>(self) -> Result<(), E> {
         if self.steps.is_empty() { Err(E::custom(ARRIVED)) } else { Ok(()) }
     }
 }
 
-impl<'de> Visitor<'de> for Seek<'_> {
+impl<'de> Visitor<'de> for PathSeeker<'_> {
     type Value = ();
 
     fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -54,10 +54,10 @@ impl<'de> Visitor<'de> for Seek<'_> {
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
         let Some((step, below)) = self.steps.split_first() else { return Err(A::Error::custom(ARRIVED)) };
-        let stop = below.is_empty() && self.end == End::Key;
-        while let Some(matches) = map.next_key_seed(KeySeek { step, stop })? {
+        let stop = below.is_empty() && self.end == PathEnd::Key;
+        while let Some(matches) = map.next_key_seed(KeySeeker { step, stop })? {
             if matches {
-                map.next_value_seed(Seek { steps: below, end: self.end })?;
+                map.next_value_seed(PathSeeker { steps: below, end: self.end })?;
             } else {
                 map.next_value::<IgnoredAny>()?;
             }
@@ -69,7 +69,7 @@ impl<'de> Visitor<'de> for Seek<'_> {
         let Some((step, below)) = self.steps.split_first() else { return Err(A::Error::custom(ARRIVED)) };
         for index in 0.. {
             let more = if *step == Step::Item(index) {
-                seq.next_element_seed(Seek { steps: below, end: self.end })?.is_some()
+                seq.next_element_seed(PathSeeker { steps: below, end: self.end })?.is_some()
             } else {
                 seq.next_element::<IgnoredAny>()?.is_some()
             };
@@ -104,19 +104,19 @@ impl<'de> Visitor<'de> for Seek<'_> {
 }
 
 /// Says whether a key is the wanted one, and fails on it when the search ends there.
-struct KeySeek<'a> {
+struct KeySeeker<'a> {
     step: &'a Step,
     stop: bool,
 }
 
-impl<'de> DeserializeSeed<'de> for KeySeek<'_> {
+impl<'de> DeserializeSeed<'de> for KeySeeker<'_> {
     type Value = bool;
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<bool, D::Error> {
         deserializer.deserialize_str(self)
     }
 }
 
-impl<'de> Visitor<'de> for KeySeek<'_> {
+impl<'de> Visitor<'de> for KeySeeker<'_> {
     type Value = bool;
 
     fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -135,19 +135,19 @@ mod tests {
 
     const TEXT: &str = "# a comment\ngp:\n  sizes: [50,\n    100]\n  kernel: {se_ard: {starts: 3}}\nname: 'x'\n";
 
-    fn at(path: &str, end: End) -> Option<(usize, usize)> {
+    fn at(path: &str, end: PathEnd) -> Option<(usize, usize)> {
         locate(TEXT, &KeyPath::parse(path).unwrap(), end)
     }
 
     #[test]
     fn keys_values_items_and_flow_style_are_found() {
-        assert_eq!(at("gp", End::Key), Some((2, 1)));
-        assert_eq!(at("gp.sizes", End::Value), Some((3, 10)));
-        assert_eq!(at("gp.sizes[1]", End::Value), Some((4, 5)));
-        assert_eq!(at("gp.kernel.se_ard.starts", End::Key), Some((5, 21)));
-        assert_eq!(at("gp.kernel.se_ard.starts", End::Value), Some((5, 29)));
-        assert_eq!(at("name", End::Value), Some((6, 7)));
-        assert_eq!(at("gp.absent", End::Key), None);
-        assert_eq!(at("name.absent", End::Key), None);
+        assert_eq!(at("gp", PathEnd::Key), Some((2, 1)));
+        assert_eq!(at("gp.sizes", PathEnd::Value), Some((3, 10)));
+        assert_eq!(at("gp.sizes[1]", PathEnd::Value), Some((4, 5)));
+        assert_eq!(at("gp.kernel.se_ard.starts", PathEnd::Key), Some((5, 21)));
+        assert_eq!(at("gp.kernel.se_ard.starts", PathEnd::Value), Some((5, 29)));
+        assert_eq!(at("name", PathEnd::Value), Some((6, 7)));
+        assert_eq!(at("gp.absent", PathEnd::Key), None);
+        assert_eq!(at("name.absent", PathEnd::Key), None);
     }
 }

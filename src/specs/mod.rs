@@ -10,6 +10,7 @@ mod document;
 mod emit;
 mod error;
 mod experiment;
+mod experiment_set;
 mod locate;
 mod model;
 mod path;
@@ -17,23 +18,24 @@ mod plant;
 mod schema;
 mod series;
 mod slurm;
-mod study;
 mod suggest;
 mod sweep_option;
 mod wording;
 
-pub use cells::{Cell, gp_sizes, reach_cells, track_cells};
-pub use claims::{Axis, Claim, Metric, ReachCell, Relation, Size};
+pub use cells::{TrialCell, gp_sizes, reach_cells, track_cells};
+pub use claims::{ClaimMetric, FrameAxis, PaperClaim, ReachCell, Relation, Size};
 pub use document::Document;
-pub use error::{Place, SpecError};
-pub use experiment::{DiscoveryRun, Experiment, GapRun, GeneratedStart, Mode, ReachSweep, Runs, TrackRun, Training};
-pub use locate::{End, locate};
+pub use error::{SourceLocation, SpecError};
+pub use experiment::{
+    DiscoveryRun, Experiment, GapRun, GeneratedStart, ReachSweep, Runs, TrackRun, Training, TrialMode,
+};
+pub use experiment_set::{ExperimentSet, SweepPoint, SweptField};
+pub use locate::{PathEnd, locate};
 pub use model::{extended_text, files_behind, model_text, read_model, read_options, read_plant};
 pub use path::{KeyPath, Step};
 pub use plant::{PlantSpec, SimulatedSpec};
 pub use schema::{SchemaOf, schema};
 pub use slurm::SlurmOptions;
-pub use study::{Point, Study, SweptField};
 
 use serde::Serialize;
 use std::path::Path;
@@ -50,17 +52,17 @@ pub fn to_yaml<T: Serialize>(value: &T) -> Result<String, String> {
 }
 
 impl Experiment {
-    /// Reads and checks a spec with overrides `path.to.key=value`; one that sweeps is a [`Study`].
+    /// Reads and checks a spec with overrides `path.to.key=value`; one that sweeps is a [`ExperimentSet`].
     ///
     /// # Errors
     /// [`SpecError`] for the first thing that is wrong.
     pub fn read(file: &Path, sets: &[String]) -> Result<Experiment, SpecError> {
-        let study = Study::read(file, sets, &[])?;
-        let swept = study.sweep.first().map(|field| SpecError::File {
+        let experiment_set = ExperimentSet::read(file, sets, &[])?;
+        let swept = experiment_set.sweep.first().map(|field| SpecError::File {
             file: file.display().to_string(),
             found: format!("a sweep of `{}`", field.name),
             expected: "a spec that sweeps nothing",
         });
-        swept.map_or(Ok(study.experiment), Err)
+        swept.map_or(Ok(experiment_set.experiment), Err)
     }
 }

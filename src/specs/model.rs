@@ -3,7 +3,7 @@
 use super::discovery::check_entries;
 use super::document::Document;
 use super::error::SpecError;
-use super::locate::End;
+use super::locate::PathEnd;
 use super::path::KeyPath;
 use super::plant::PlantSpec;
 use crate::base::BadOption;
@@ -112,5 +112,5 @@ fn with_effects(written: &str, lines: &str) -> Option<String> {
 /// The error for a field below `path` that left its range.
 fn refusal(document: &Document, path: &str, error: &BadOption) -> SpecError {
     let parent = KeyPath::parse(path).unwrap_or_default();
-    document.refuse(&parent.key(error.key), End::Value, error.found.clone(), error.expected)
+    document.refuse(&parent.key(error.key), PathEnd::Value, error.found.clone(), error.expected)
 }

@@ -3,7 +3,7 @@
 
 use super::experiment::Experiment;
 use super::plant::PlantSpec;
-use super::series::Form;
+use super::series::SeriesForm;
 use crate::effects::Model;
 use schemars::{JsonSchema, generate::SchemaSettings};
 use serde_json::{Map, Value, json};
@@ -66,7 +66,7 @@ fn experiment() -> Value {
 fn of_form() -> Value {
     let mut form = SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
     form.meta_schema = None;
-    form.into_generator().into_root_schema_for::<Form>().to_value()
+    form.into_generator().into_root_schema_for::<SeriesForm>().to_value()
 }
 
 /// A model may be the name of a file in place of a mapping.

@@ -18,9 +18,9 @@ pub(super) const MOST_VALUES: usize = 100_000;
 /// What the values of a field may be.
 pub(super) const FORMS: &str = "a list, or one of `range`, `log_range`, `random`, `named`";
 
-/// One value of a swept field.
+/// SweepValue value of a swept field.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct One {
+pub(super) struct SweepValue {
     /// What tables and figures call it.
     pub(super) name: String,
     /// As it goes into the spec.
@@ -36,13 +36,13 @@ pub(super) type Wrong = (KeyPath, String, String);
 #[derive(JsonSchema)]
 #[schemars(rename_all = "snake_case")]
 #[allow(dead_code)] // read by its schema alone
-pub(super) enum Form {
+pub(super) enum SeriesForm {
     /// Evenly spaced values, both ends included.
-    Range(Range),
+    Range(EvenRange),
     /// Values with one ratio between neighbours, both ends included.
     LogRange(LogRange),
     /// Values drawn at random, the same ones every time.
-    Random(Random),
+    Random(RandomDraw),
     /// Values by the names that tables and figures have for them.
     Named(BTreeMap<String, serde_json::Value>),
 }
@@ -50,7 +50,7 @@ pub(super) enum Form {
 /// Evenly spaced values, both ends included.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Range {
+pub(super) struct EvenRange {
     /// First value.
     from: f64,
     /// Last value.
@@ -82,7 +82,7 @@ pub(super) struct LogRange {
 /// Values drawn uniformly, or uniformly in the logarithm.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Random {
+pub(super) struct RandomDraw {
     /// Smallest value.
     from: f64,
     /// Largest value.
@@ -99,20 +99,20 @@ pub(super) struct Random {
     seed: Option<u64>,
 }
 
-/// The values that `written` stands for. Random ones come from the child `sweep`, `field` of `seed`, one generator a
+/// The values that `written` stands for. RandomDraw ones come from the child `sweep`, `field` of `seed`, one generator a
 /// sample, so that more samples leave the first ones as they are.
 ///
 /// # Errors
 /// The first thing that is wrong.
-pub(super) fn expand(written: &Value, field: &KeyPath, seed: Seed) -> Result<Vec<One>, Wrong> {
+pub(super) fn expand(written: &Value, field: &KeyPath, seed: Seed) -> Result<Vec<SweepValue>, Wrong> {
     let values = match written {
         Value::Sequence(items) => listed(items)?,
         Value::Mapping(form) if form.len() == 1 => {
             let (kind, inside) = form.iter().next().unwrap_or((&Value::Null, &Value::Null));
             match kind.as_str() {
-                Some("range") => even(&read::<Range>(inside, "range")?)?,
+                Some("range") => even(&read::<EvenRange>(inside, "range")?)?,
                 Some("log_range") => logarithmic(&read::<LogRange>(inside, "log_range")?)?,
-                Some("random") => random(&read::<Random>(inside, "random")?, field, seed)?,
+                Some("random") => random(&read::<RandomDraw>(inside, "random")?, field, seed)?,
                 Some("named") => named(inside)?,
                 _ => return Err(wrong("", format!("the unknown key `{}`", name(kind)), FORMS)),
             }
@@ -130,11 +130,11 @@ fn wrong(below: &str, found: impl Into<String>, expected: impl Into<String>) -> 
     (KeyPath::parse(below).unwrap_or_default(), found.into(), expected.into())
 }
 
-fn listed(items: &[Value]) -> Result<Vec<One>, Wrong> {
+fn listed(items: &[Value]) -> Result<Vec<SweepValue>, Wrong> {
     if items.len() > MOST_VALUES {
         return Err(too_many("", items.len()));
     }
-    let one = |(index, value): (usize, &Value)| One {
+    let one = |(index, value): (usize, &Value)| SweepValue {
         name: name(value),
         value: value.clone(),
         below: Some(super::path::Step::Item(index)),
@@ -142,15 +142,15 @@ fn listed(items: &[Value]) -> Result<Vec<One>, Wrong> {
     Ok(items.iter().enumerate().map(one).collect())
 }
 
-fn named(inside: &Value) -> Result<Vec<One>, Wrong> {
+fn named(inside: &Value) -> Result<Vec<SweepValue>, Wrong> {
     let Value::Mapping(mapping) = inside else {
         return Err(wrong("named", describe(inside), "a mapping from names to values"));
     };
-    let one = |(key, value): (&Value, &Value)| One { name: name(key), value: value.clone(), below: None };
+    let one = |(key, value): (&Value, &Value)| SweepValue { name: name(key), value: value.clone(), below: None };
     Ok(mapping.iter().map(one).collect())
 }
 
-fn even(range: &Range) -> Result<Vec<One>, Wrong> {
+fn even(range: &EvenRange) -> Result<Vec<SweepValue>, Wrong> {
     ordered("range", range.from, range.to)?;
     let span = range.to - range.from;
     let (steps, step) = match (range.count, range.step) {
@@ -180,7 +180,7 @@ fn even(range: &Range) -> Result<Vec<One>, Wrong> {
     Ok(numbers(values, range.whole, [range.from, range.to]))
 }
 
-fn logarithmic(range: &LogRange) -> Result<Vec<One>, Wrong> {
+fn logarithmic(range: &LogRange) -> Result<Vec<SweepValue>, Wrong> {
     positive("log_range", range.from, range.to)?;
     let steps = counted("log_range", range.count)? - 1;
     let ratio = (range.to / range.from).ln();
@@ -192,7 +192,7 @@ fn logarithmic(range: &LogRange) -> Result<Vec<One>, Wrong> {
     Ok(numbers(values, range.whole, [range.from, range.to]))
 }
 
-fn random(random: &Random, field: &KeyPath, seed: Seed) -> Result<Vec<One>, Wrong> {
+fn random(random: &RandomDraw, field: &KeyPath, seed: Seed) -> Result<Vec<SweepValue>, Wrong> {
     if random.log {
         positive("random", random.from, random.to)?
     } else {
@@ -244,7 +244,7 @@ fn too_many(below: &str, found: usize) -> Wrong {
     wrong(below, format!("{found} values"), format!("at most {MOST_VALUES}"))
 }
 
-fn each_once(values: &[One]) -> Result<(), Wrong> {
+fn each_once(values: &[SweepValue]) -> Result<(), Wrong> {
     let mut names = std::collections::HashSet::new();
     match values.iter().find(|one| !names.insert(&one.name)) {
         None => Ok(()),
@@ -257,7 +257,7 @@ fn each_once(values: &[One]) -> Result<(), Wrong> {
 
 /// Computed numbers, rounded to the digits that tables have, so that what is published is what was run; `exact` ones
 /// stay as they were written. A whole number is one also where it came from a division.
-fn numbers(values: impl Iterator<Item = f64>, whole: bool, exact: [f64; 2]) -> Vec<One> {
+fn numbers(values: impl Iterator<Item = f64>, whole: bool, exact: [f64; 2]) -> Vec<SweepValue> {
     let rounded = |value: f64| match whole {
         true => value.round(),
         false if exact.contains(&value) => value,
@@ -268,7 +268,7 @@ fn numbers(values: impl Iterator<Item = f64>, whole: bool, exact: [f64; 2]) -> V
         let number =
             if value.fract() == 0.0 && value.abs() < 1e15 { Number::from(value as i64) } else { Number::from(value) };
         let value = Value::Number(number);
-        One { name: name(&value), value, below: None }
+        SweepValue { name: name(&value), value, below: None }
     };
     values.map(rounded).map(one).collect()
 }

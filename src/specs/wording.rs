@@ -1,49 +1,49 @@
 //! The deserialiser's errors in the words of this project: which key, what was found, what was expected.
 
-use super::locate::End;
+use super::locate::PathEnd;
 use super::path::KeyPath;
 use super::suggest::nearest;
 
 /// An error taken apart.
 #[derive(Debug, PartialEq)]
-pub(super) struct Said {
+pub(super) struct Explanation {
     pub(super) key: KeyPath,
-    pub(super) end: End,
+    pub(super) end: PathEnd,
     pub(super) found: String,
     pub(super) expected: String,
     /// For an error that was raised without its place: the text value that it is about.
     pub(super) about: Option<String>,
 }
 
-impl Said {
-    fn new(key: KeyPath, end: End, found: String, expected: impl Into<String>) -> Said {
-        Said { key, end, found, expected: expected.into(), about: None }
+impl Explanation {
+    fn new(key: KeyPath, end: PathEnd, found: String, expected: impl Into<String>) -> Explanation {
+        Explanation { key, end, found, expected: expected.into(), about: None }
     }
 }
 
 /// Takes apart the message of an error that arose at the line of `path`.
-pub(super) fn explain(error: &serde_yaml::Error, path: &KeyPath) -> Said {
+pub(super) fn explain(error: &serde_yaml::Error, path: &KeyPath) -> Explanation {
     let words = error.to_string();
     let words = words.rsplit_once(" at line ").map_or(words.as_str(), |(message, _)| message);
     unknown(words, path)
         .or_else(|| missing(words, path))
         .or_else(|| mistyped(words, path))
         .or_else(|| unregistered(words, path))
-        .unwrap_or_else(|| Said::new(path.clone(), End::Value, words.to_owned(), "a valid value"))
+        .unwrap_or_else(|| Explanation::new(path.clone(), PathEnd::Value, words.to_owned(), "a valid value"))
 }
 
 /// ``unknown kernel `x`, expected one of a, b``, as registries say it.
-fn unregistered(words: &str, path: &KeyPath) -> Option<Said> {
+fn unregistered(words: &str, path: &KeyPath) -> Option<Explanation> {
     let (found, expected) = words[words.find("unknown ")?..].split_once(", expected ")?;
     let about = found.split('`').nth(1)?.to_owned();
     let near = nearest(&about, expected.trim_start_matches("one of ").split(", "));
     let hint = near.map_or(String::new(), |near| format!(" (did you mean `{near}`?)"));
-    let said = Said::new(path.clone(), End::Value, format!("the {found}"), format!("{expected}{hint}"));
-    Some(Said { about: Some(about), ..said })
+    let said = Explanation::new(path.clone(), PathEnd::Value, format!("the {found}"), format!("{expected}{hint}"));
+    Some(Explanation { about: Some(about), ..said })
 }
 
 /// ``unknown field `x`, expected one of `a`, `b` `` and its likes for the names of alternatives.
-fn unknown(words: &str, path: &KeyPath) -> Option<Said> {
+fn unknown(words: &str, path: &KeyPath) -> Option<Explanation> {
     let (kind, rest) = [("key", "unknown field `"), ("name", "unknown variant `")]
         .iter()
         .find_map(|(kind, start)| Some((*kind, &words[words.find(start)? + start.len()..])))?;
@@ -61,18 +61,18 @@ fn unknown(words: &str, path: &KeyPath) -> Option<Said> {
     // The line of an unknown name that has settings is its own, otherwise that of the key whose value it is.
     let own = path.0.last() == KeyPath::default().key(name).0.last();
     let key = if own || kind == "name" { path.clone() } else { path.key(name) };
-    let end = if own || kind == "key" { End::Key } else { End::Value };
-    Some(Said::new(key, end, format!("the unknown {kind} `{name}`"), expected))
+    let end = if own || kind == "key" { PathEnd::Key } else { PathEnd::Value };
+    Some(Explanation::new(key, end, format!("the unknown {kind} `{name}`"), expected))
 }
 
 /// ``missing field `x` ``.
-fn missing(words: &str, path: &KeyPath) -> Option<Said> {
+fn missing(words: &str, path: &KeyPath) -> Option<Explanation> {
     let name = words[words.find("missing field `")?..].split('`').nth(1)?;
-    Some(Said::new(path.key(name), End::Value, "no such key".to_owned(), format!("the key `{name}`")))
+    Some(Explanation::new(path.key(name), PathEnd::Value, "no such key".to_owned(), format!("the key `{name}`")))
 }
 
 /// `invalid type: string "x", expected u64` and its likes.
-fn mistyped(words: &str, path: &KeyPath) -> Option<Said> {
+fn mistyped(words: &str, path: &KeyPath) -> Option<Explanation> {
     let start = ["invalid type: ", "invalid value: ", "invalid length "]
         .iter()
         .find_map(|start| words.find(start).map(|at| at + start.len()))?;
@@ -89,5 +89,5 @@ fn mistyped(words: &str, path: &KeyPath) -> Option<Said> {
         other => other,
     };
     let found = found.replace("unit value", "nothing").replace("string \"", "text \"").replace("map", "a mapping");
-    Some(Said::new(path.clone(), End::Value, found, expected))
+    Some(Explanation::new(path.clone(), PathEnd::Value, found, expected))
 }

@@ -1,6 +1,6 @@
 //! The approximated real data of policy B (eq. 24): simulated samples moved by the error model, p_exp = p_sim − e_gp.
 
-use super::{Samples, TaskError};
+use super::{TaskError, Transitions};
 use crate::base::{Point3, Rows};
 use crate::policies::ErrorModel;
 
@@ -9,8 +9,8 @@ use crate::policies::ErrorModel;
 ///
 /// # Errors
 /// [`TaskError::NotFinite`] when the error model gives a number that is not finite.
-pub fn generate(samples: &Samples, error: &dyn ErrorModel) -> Result<Samples, TaskError> {
-    let mut moved = Samples { from_m: Rows::new(3), to_m: Rows::new(3), ..samples.clone() };
+pub fn correct_samples(samples: &Transitions, error: &dyn ErrorModel) -> Result<Transitions, TaskError> {
+    let mut moved = Transitions { from_m: Rows::new(3), to_m: Rows::new(3), ..samples.clone() };
     let home_pulls_m = vec![0.0; samples.pulls_m.width()];
     for range in samples.trajectories() {
         let mut from_m = shifted(error, &home_pulls_m, samples.from_m.row(range.start))?;

@@ -5,8 +5,8 @@ use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
 use super::actuation::{bend_commands, check_pairs};
-use super::retry_lost_frames::Watched;
-use super::{Samples, TaskError};
+use super::retry_lost_frames::RetryLostFrames;
+use super::{TaskError, Transitions};
 use crate::base::{BadOption, Plant, Seed};
 
 /// Points that a table in memory holds with ease.
@@ -73,7 +73,7 @@ impl ExploreOptions {
 }
 
 /// Trajectory number `index` of an exploration, which depends on nothing but the seed and its number, so that
-/// trajectories can be recorded in parallel on plants of their own and put together by [`Samples::concat`].
+/// trajectories can be recorded in parallel on plants of their own and put together by [`Transitions::concat`].
 ///
 /// # Errors
 /// [`TaskError`] for a setting out of range, a plant without two opposite pairs of tendons, or one that fails.
@@ -82,15 +82,15 @@ pub fn explore_trajectory(
     options: &ExploreOptions,
     seed: Seed,
     index: usize,
-) -> Result<Samples, TaskError> {
+) -> Result<Transitions, TaskError> {
     options.check()?;
     check_pairs(plant)?;
-    let mut plant = Watched(plant);
+    let mut plant = RetryLostFrames(plant);
     let seed = seed.child("explore").index(index as u64);
     let mut random = seed.child("walk").rng();
     let mut tip_m = plant.reset(seed.child("plant"))?.tip_m;
     let mut bend_m = [0.0_f64; 2];
-    let mut samples = Samples::begin(plant.tendons());
+    let mut samples = Transitions::begin(plant.tendons());
     for _ in 0..options.share(index) {
         for value_m in &mut bend_m {
             let change_m = random.random_range(-options.max_step_m..=options.max_step_m);
@@ -108,11 +108,11 @@ pub fn explore_trajectory(
 ///
 /// # Errors
 /// As [`explore_trajectory`].
-pub fn explore(plant: &mut dyn Plant, options: &ExploreOptions, seed: Seed) -> Result<Samples, TaskError> {
+pub fn explore(plant: &mut dyn Plant, options: &ExploreOptions, seed: Seed) -> Result<Transitions, TaskError> {
     options.check()?;
-    let parts: Result<Vec<Samples>, TaskError> =
+    let parts: Result<Vec<Transitions>, TaskError> =
         (0..options.trajectories).map(|index| explore_trajectory(plant, options, seed, index)).collect();
-    Ok(Samples::concat(&parts?))
+    Ok(Transitions::concat(&parts?))
 }
 
 /// Plays the commands of trajectory number `index` of `samples` on a plant, from rest.
@@ -121,19 +121,19 @@ pub fn explore(plant: &mut dyn Plant, options: &ExploreOptions, seed: Seed) -> R
 /// [`TaskError::TooFew`] when there is no such trajectory, [`TaskError::Plant`] when the plant fails.
 pub fn replay_trajectory(
     plant: &mut dyn Plant,
-    samples: &Samples,
+    samples: &Transitions,
     seed: Seed,
     index: usize,
-) -> Result<Samples, TaskError> {
+) -> Result<Transitions, TaskError> {
     let ranges = samples.trajectories();
     let range = ranges.get(index).cloned().ok_or(TaskError::TooFew {
         what: "trajectories to replay",
         asked: index + 1,
         available: ranges.len(),
     })?;
-    let mut plant = Watched(plant);
+    let mut plant = RetryLostFrames(plant);
     let mut tip_m = plant.reset(seed.child("replay").index(index as u64))?.tip_m;
-    let mut played = Samples::begin(plant.tendons());
+    let mut played = Transitions::begin(plant.tendons());
     for row in range {
         let after = plant.step(samples.pulls_m.row(row))?;
         played.push(&tip_m, &after);
@@ -146,8 +146,8 @@ pub fn replay_trajectory(
 ///
 /// # Errors
 /// As [`replay_trajectory`].
-pub fn replay(plant: &mut dyn Plant, samples: &Samples, seed: Seed) -> Result<Samples, TaskError> {
-    let parts: Result<Vec<Samples>, TaskError> =
+pub fn replay(plant: &mut dyn Plant, samples: &Transitions, seed: Seed) -> Result<Transitions, TaskError> {
+    let parts: Result<Vec<Transitions>, TaskError> =
         (0..samples.starts.len()).map(|index| replay_trajectory(plant, samples, seed, index)).collect();
-    Ok(Samples::concat(&parts?))
+    Ok(Transitions::concat(&parts?))
 }

@@ -6,14 +6,14 @@ use serde::{Deserialize, Serialize};
 
 use super::actuation::{Bend, GridOptions, bend_commands, check_pairs, drive_to};
 use super::explore::{ExploreOptions, explore_trajectory};
-use super::retry_lost_frames::Watched;
-use super::{Samples, TaskError};
+use super::retry_lost_frames::RetryLostFrames;
+use super::{TaskError, Transitions};
 use crate::base::{BadOption, Observation, Plant, Rows, Seed, TendonCommand};
 
 /// How the predefined points lie in the workspace.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum Layout {
+pub enum PointLayout {
     /// A serpentine over the actuation plane, one point a grid node, visited in order.
     Grid(GridOptions),
     /// So many points of a random exploration of its own, every `every`-th step.
@@ -46,7 +46,7 @@ pub enum SimulatedBy {
 #[serde(default, deny_unknown_fields)]
 pub struct GpPointsOptions {
     /// How they lie in the workspace.
-    pub layout: Layout,
+    pub layout: PointLayout,
     /// Further steps for which a point's command is held before it is measured (grid only).
     pub hold_steps: usize,
     /// What p_sim comes from.
@@ -55,7 +55,7 @@ pub struct GpPointsOptions {
 
 impl Default for GpPointsOptions {
     fn default() -> Self {
-        GpPointsOptions { layout: Layout::Grid(GridOptions::default()), hold_steps: 0, p_sim: SimulatedBy::Rod }
+        GpPointsOptions { layout: PointLayout::Grid(GridOptions::default()), hold_steps: 0, p_sim: SimulatedBy::Rod }
     }
 }
 
@@ -63,8 +63,8 @@ impl GpPointsOptions {
     /// Number of points.
     pub fn points(&self) -> usize {
         match self.layout {
-            Layout::Grid(grid) => grid.rows * grid.columns,
-            Layout::Walk { points, .. } => points,
+            PointLayout::Grid(grid) => grid.rows * grid.columns,
+            PointLayout::Walk { points, .. } => points,
         }
     }
 
@@ -74,8 +74,8 @@ impl GpPointsOptions {
     /// [`BadOption`] names the first field out of range.
     pub fn check(&self) -> Result<(), BadOption> {
         match self.layout {
-            Layout::Grid(grid) => grid.check(),
-            Layout::Walk { points, every, max_step_m, max_pull_m } => {
+            PointLayout::Grid(grid) => grid.check(),
+            PointLayout::Walk { points, every, max_step_m, max_pull_m } => {
                 BadOption::unless_counted("every", every)?;
                 ExploreOptions { points, trajectories: 1, max_step_m, max_pull_m }.check()
             }
@@ -87,7 +87,7 @@ impl GpPointsOptions {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GpPool {
     /// Every step of the model, the ways between the points included.
-    pub steps: Samples,
+    pub steps: Transitions,
     /// Which steps end on a point.
     pub kept: Vec<usize>,
     /// Measured tip p_exp at each point, metres, three columns.
@@ -101,7 +101,7 @@ impl GpPool {
     }
 
     /// The points with p_sim from `simulated`, which holds the same commands played on another model.
-    pub fn points_by(&self, simulated: &Samples) -> GpPoints {
+    pub fn points_by(&self, simulated: &Transitions) -> GpPoints {
         let real_m = self.real_m.clone();
         let mut points = GpPoints { inputs: Rows::new(simulated.pulls_m.width() + 3), real_m, errors_m: Rows::new(3) };
         for (&step, real_m) in self.kept.iter().zip(self.real_m.iter()) {
@@ -138,7 +138,7 @@ impl GpPoints {
 
 /// A model's recording of the predefined points: every step with its command, and which steps are the points.
 struct Visited {
-    steps: Samples,
+    steps: Transitions,
     kept: Vec<usize>,
 }
 
@@ -155,15 +155,15 @@ pub fn gp_points(
     options.check()?;
     let seed = seed.child("gp_points");
     let visited = match options.layout {
-        Layout::Grid(grid) => visit_grid(model, &grid, options.hold_steps, seed)?,
-        Layout::Walk { points, every, max_step_m, max_pull_m } => {
+        PointLayout::Grid(grid) => visit_grid(model, &grid, options.hold_steps, seed)?,
+        PointLayout::Walk { points, every, max_step_m, max_pull_m } => {
             let walk = ExploreOptions { points: points * every, trajectories: 1, max_step_m, max_pull_m };
             let steps = explore_trajectory(model, &walk, seed, 0)?;
             Visited { steps, kept: (0..points).map(|point| point * every + every / 2).collect() }
         }
     };
     let mut real_m = Rows::new(3);
-    let mut robot = Watched(robot);
+    let mut robot = RetryLostFrames(robot);
     robot.reset(seed.child("robot"))?;
     let mut kept = visited.kept.iter().copied().peekable();
     for row in 0..visited.steps.len() {
@@ -178,9 +178,9 @@ pub fn gp_points(
 
 fn visit_grid(model: &mut dyn Plant, grid: &GridOptions, hold_steps: usize, seed: Seed) -> Result<Visited, TaskError> {
     check_pairs(model)?;
-    let mut model = Watched(model);
+    let mut model = RetryLostFrames(model);
     let start = model.reset(seed.child("model"))?;
-    let mut recorder = Recorder { plant: &mut model, tip_m: start.tip_m, steps: Samples::begin(4) };
+    let mut recorder = Recorder { plant: &mut model, tip_m: start.tip_m, steps: Transitions::begin(4) };
     let mut bend_m: Bend = [0.0; 2];
     let mut kept = Vec::with_capacity(grid.rows * grid.columns);
     for point_m in grid.points_m() {
@@ -198,7 +198,7 @@ fn visit_grid(model: &mut dyn Plant, grid: &GridOptions, hold_steps: usize, seed
 struct Recorder<'a> {
     plant: &'a mut dyn Plant,
     tip_m: crate::base::Point3,
-    steps: Samples,
+    steps: Transitions,
 }
 
 impl Plant for Recorder<'_> {
@@ -211,7 +211,7 @@ impl Plant for Recorder<'_> {
     }
 
     fn reset(&mut self, seed: Seed) -> Result<Observation, crate::base::PlantError> {
-        self.steps = Samples::begin(self.plant.tendons());
+        self.steps = Transitions::begin(self.plant.tendons());
         let seen = self.plant.reset(seed)?;
         self.tip_m = seen.tip_m;
         Ok(seen)

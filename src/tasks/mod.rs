@@ -9,25 +9,25 @@ mod reach;
 mod record;
 mod retry_lost_frames;
 mod rollout;
-mod samples;
 mod simulate_recording;
 mod static_poses;
 mod targets;
 mod track;
+mod transitions;
 
 pub use actuation::{GridOptions, bend_commands};
-pub use corrected_samples::generate;
+pub use corrected_samples::correct_samples;
 pub use explore::{ExploreOptions, explore, explore_trajectory, replay, replay_trajectory};
-pub use gp_points::{GpPoints, GpPointsOptions, GpPool, Layout, SimulatedBy, gp_points, one_of_each_cluster};
+pub use gp_points::{GpPoints, GpPointsOptions, GpPool, PointLayout, SimulatedBy, gp_points, one_of_each_cluster};
 pub use path::{PathOptions, interpolate, waypoints};
 pub use reach::{LoopMode, ReachOptions, ReachOutcome, reach};
 pub use record::{UnevenSteps, record_trial, step_s};
-pub use rollout::imagine;
-pub use samples::Samples;
-pub use simulate_recording::{PlayOptions, Varied, play, play_varied};
-pub use static_poses::{VisitOptions, star_m, visit_trial, visits};
+pub use rollout::rollout;
+pub use simulate_recording::{RecordingWithRates, SimulationOptions, simulate_recording, simulate_with_rates};
+pub use static_poses::{StaticPoseOptions, plan_static_poses, record_static_poses, star_m};
 pub use targets::{TargetOptions, draw_targets, spread_targets, target_pool};
 pub use track::{TrackOptions, TrackStep, track};
+pub use transitions::Transitions;
 
 use crate::base::{BadOption, PlantError, PolicyError};
 

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::TaskError;
 use super::actuation::{Bend, check_pairs, drive_to};
-use super::retry_lost_frames::Watched;
+use super::retry_lost_frames::RetryLostFrames;
 use crate::base::{BadOption, Plant, Point3, Seed, distance_m};
 
 /// Settings of the path: a smooth closed curve in the actuation plane, r(φ) = radius (1 + petal_share cos(petals φ)),
@@ -81,7 +81,7 @@ impl PathOptions {
 pub fn waypoints(robot: &mut dyn Plant, options: &PathOptions, seed: Seed) -> Result<Vec<Point3>, TaskError> {
     options.check()?;
     check_pairs(robot)?;
-    let mut robot = Watched(robot);
+    let mut robot = RetryLostFrames(robot);
     let mut tip_m = robot.reset(seed.child("path"))?.tip_m;
     let mut bend_m: Bend = [0.0; 2];
     let mut points = Vec::with_capacity(options.points);

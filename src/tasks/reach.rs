@@ -99,7 +99,7 @@ pub fn reach(
     seed: Seed,
 ) -> Result<ReachOutcome, TaskError> {
     options.check()?;
-    let mut trial = Trial { measured_m: Vec::new(), steps: 0, settled: false, switches: 0 };
+    let mut trial = ReachTrial { measured_m: Vec::new(), steps: 0, settled: false, switches: 0 };
     let result = trial.run(plant, policy, target_m, mode, options, seed);
     let tip_m = trial.measured_m.last().copied().unwrap_or([f64::NAN; 3]);
     let tail = &trial.measured_m[trial.measured_m.len().saturating_sub(options.averaged_samples)..];
@@ -114,14 +114,14 @@ pub fn reach(
     })
 }
 
-struct Trial {
+struct ReachTrial {
     measured_m: Vec<Point3>,
     steps: usize,
     settled: bool,
     switches: usize,
 }
 
-impl Trial {
+impl ReachTrial {
     fn run(
         &mut self,
         plant: &mut dyn Plant,

@@ -9,9 +9,9 @@ const MOST_REPEATS: usize = 10;
 /// A plant whose every observation is a measurement. Where the tip was not seen, the same command is held for another
 /// step and the tip at its end taken: the number of rows stays, each with its own command, so that recordings of the same
 /// commands on two robots can be laid side by side. (A row left out would break that, and the time series with it.)
-pub(crate) struct Watched<'a>(pub(crate) &'a mut dyn Plant);
+pub(crate) struct RetryLostFrames<'a>(pub(crate) &'a mut dyn Plant);
 
-impl Watched<'_> {
+impl RetryLostFrames<'_> {
     fn until_seen(&mut self, first: Observation, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
         let mut seen = first;
         for _ in 0..MOST_REPEATS {
@@ -24,7 +24,7 @@ impl Watched<'_> {
     }
 }
 
-impl Plant for Watched<'_> {
+impl Plant for RetryLostFrames<'_> {
     fn tendons(&self) -> usize {
         self.0.tendons()
     }

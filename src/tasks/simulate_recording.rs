@@ -13,7 +13,7 @@ use crate::rod::{TipLoad, TipRate};
 
 /// How commands are played.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PlayOptions {
+pub struct SimulationOptions {
     /// Every row is the equilibrium under its own command; else the robot moves and a row shows it as it is when the
     /// command begins.
     pub at_rest: bool,
@@ -25,27 +25,27 @@ pub struct PlayOptions {
     pub seed: Seed,
 }
 
-impl Default for PlayOptions {
+impl Default for SimulationOptions {
     fn default() -> Self {
-        PlayOptions { at_rest: false, noise_m: 0.0, travel_m: f64::INFINITY, seed: Seed(0) }
+        SimulationOptions { at_rest: false, noise_m: 0.0, travel_m: f64::INFINITY, seed: Seed(0) }
     }
 }
 
 /// Plays all trials of `commands`. Rows that could not be solved are marked as not valid, with the solver's status in
 /// the column `solver_status`; a robot that moves is lost for the rest of such a trial, with the same status.
-pub fn play(model: &Model, commands: &Recording, options: &PlayOptions) -> Recording {
-    let mut sheet = Sheet::new(commands.len(), commands.tendons());
+pub fn simulate_recording(model: &Model, commands: &Recording, options: &SimulationOptions) -> Recording {
+    let mut columns = SimulatedColumns::new(commands.len(), commands.tendons());
     for (number, rows) in commands.trials() {
-        let trial = Trial::new(commands, rows.start, |hung| Simulated::new(model, hung, options.plant()));
-        trial.fill(&mut sheet, commands, (number, rows), options);
+        let trial = SimulatedTrial::new(commands, rows.start, |hung| Simulated::new(model, hung, options.plant()));
+        trial.fill(&mut columns, commands, (number, rows), options);
     }
-    sheet.into_recording(commands)
+    columns.into_recording(commands)
 }
 
-/// What [`play_varied`] gives.
+/// What [`simulate_with_rates`] gives.
 #[derive(Clone, Debug)]
-pub struct Varied {
-    /// What [`play`] gives.
+pub struct RecordingWithRates {
+    /// What [`simulate_recording`] gives.
     pub recording: Recording,
     /// For each row, derivative of the tip with respect to each variable that is not left out; none for a row that could
     /// not be solved.
@@ -54,30 +54,30 @@ pub struct Varied {
     pub left_out: Vec<usize>,
 }
 
-/// [`play`] with the derivative of each row's tip with respect to each of `variables`.
+/// [`simulate_recording`] with the derivative of each row's tip with respect to each of `variables`.
 ///
 /// # Errors
 /// [`VariationError`] for a variable that there is not.
-pub fn play_varied(
+pub fn simulate_with_rates(
     model: &Model,
     commands: &Recording,
-    options: &PlayOptions,
+    options: &SimulationOptions,
     variables: &[Variable],
-) -> Result<Varied, VariationError> {
-    let mut sheet = Sheet::new(commands.len(), commands.tendons());
+) -> Result<RecordingWithRates, VariationError> {
+    let mut columns = SimulatedColumns::new(commands.len(), commands.tendons());
     let mut left_out = Vec::new();
     for (number, rows) in commands.trials() {
         let hung = hung(commands, rows.start);
         let varied = Simulated::varied_where_possible(model, hung.as_slice(), options.plant(), variables)?;
         left_out = varied.1;
-        let trial = Trial::new(commands, rows.start, |_| varied.0);
-        trial.fill(&mut sheet, commands, (number, rows), options);
+        let trial = SimulatedTrial::new(commands, rows.start, |_| varied.0);
+        trial.fill(&mut columns, commands, (number, rows), options);
     }
-    let rates = std::mem::take(&mut sheet.rates);
-    Ok(Varied { recording: sheet.into_recording(commands), rates, left_out })
+    let rates = std::mem::take(&mut columns.rates);
+    Ok(RecordingWithRates { recording: columns.into_recording(commands), rates, left_out })
 }
 
-impl PlayOptions {
+impl SimulationOptions {
     fn plant(&self) -> SimulatedOptions {
         SimulatedOptions { noise_m: self.noise_m, travel_m: self.travel_m, ..SimulatedOptions::default() }
     }
@@ -90,7 +90,7 @@ fn hung(commands: &Recording, first_row: usize) -> Option<EffectSpec> {
 }
 
 /// The columns that playing fills.
-struct Sheet {
+struct SimulatedColumns {
     seen: Vec<Option<(Observation, f64)>>,
     status: Vec<String>,
     /// Derivatives of the tip.
@@ -98,9 +98,9 @@ struct Sheet {
     tendons: usize,
 }
 
-impl Sheet {
-    fn new(rows: usize, tendons: usize) -> Sheet {
-        Sheet {
+impl SimulatedColumns {
+    fn new(rows: usize, tendons: usize) -> SimulatedColumns {
+        SimulatedColumns {
             seen: vec![None; rows],
             status: vec!["converged".to_owned(); rows],
             rates: vec![Vec::new(); rows],
@@ -155,32 +155,32 @@ impl Sheet {
 }
 
 /// One trial under way.
-struct Trial {
+struct SimulatedTrial {
     plant: Simulated,
     actuation: Actuation,
     /// The weight that hangs on the tip from its start, kg.
     hung_kg: f64,
 }
 
-impl Trial {
+impl SimulatedTrial {
     /// The robot with the weight that hangs on its tip in this trial.
-    fn new(commands: &Recording, first_row: usize, plant: impl FnOnce(&[EffectSpec]) -> Simulated) -> Trial {
+    fn new(commands: &Recording, first_row: usize, plant: impl FnOnce(&[EffectSpec]) -> Simulated) -> SimulatedTrial {
         let hung_kg = commands.known_load_kg.as_ref().map_or(0.0, |load| load[first_row]);
         let plant = plant(hung(commands, first_row).as_slice());
-        Trial { plant, actuation: commands.actuation, hung_kg }
+        SimulatedTrial { plant, actuation: commands.actuation, hung_kg }
     }
 
     /// Plays the rows and names the failure in those that cannot be played.
     fn fill(
         mut self,
-        sheet: &mut Sheet,
+        columns: &mut SimulatedColumns,
         commands: &Recording,
         (number, rows): (u64, Range<usize>),
-        options: &PlayOptions,
+        options: &SimulationOptions,
     ) {
         let seed = options.seed.index(number);
-        if let Err(error) = self.run(commands, rows.clone(), options.at_rest, seed, sheet) {
-            sheet.lose(rows, &error);
+        if let Err(error) = self.run(commands, rows.clone(), options.at_rest, seed, columns) {
+            columns.lose(rows, &error);
         }
     }
 
@@ -190,7 +190,7 @@ impl Trial {
         rows: Range<usize>,
         at_rest: bool,
         seed: Seed,
-        sheet: &mut Sheet,
+        columns: &mut SimulatedColumns,
     ) -> Result<(), PlantError> {
         let mut seen = match self.actuation {
             Actuation::Lengths => self.plant.reset(seed)?,
@@ -206,13 +206,13 @@ impl Trial {
                 match self.command(commands.commands.row(row), true) {
                     Ok(pose) => seen = pose,
                     Err(error) => {
-                        sheet.lose(row..row + 1, &error);
+                        columns.lose(row..row + 1, &error);
                         continue;
                     }
                 }
             }
-            sheet.seen[row] = Some((seen.clone(), self.plant.rod().residual_m()));
-            sheet.rates[row] = self.plant.tip_rates();
+            columns.seen[row] = Some((seen.clone(), self.plant.rod().residual_m()));
+            columns.rates[row] = self.plant.tip_rates();
             if !at_rest && row + 1 < rows.end {
                 self.plant.set_step_s(commands.time_s[row + 1] - commands.time_s[row]);
                 seen = self.command(commands.commands.row(row), false)?;

@@ -11,7 +11,7 @@ use crate::data::{Actuation, Recording};
 /// How poses are visited.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct VisitOptions {
+pub struct StaticPoseOptions {
     /// Largest change of a displacement in a step, metres.
     pub max_step_m: f64,
     /// Steps for which the robot comes to rest.
@@ -20,13 +20,13 @@ pub struct VisitOptions {
     pub looks: usize,
 }
 
-impl Default for VisitOptions {
+impl Default for StaticPoseOptions {
     fn default() -> Self {
-        VisitOptions { max_step_m: 0.003, rest_steps: 8, looks: 5 }
+        StaticPoseOptions { max_step_m: 0.003, rest_steps: 8, looks: 5 }
     }
 }
 
-impl VisitOptions {
+impl StaticPoseOptions {
     /// Checks every range.
     ///
     /// # Errors
@@ -63,7 +63,12 @@ pub fn star_m(reach_m: f64) -> Vec<Vec<f64>> {
 
 /// The commands for `poses_m` (displacements in metres, home added as the first of all) under each of the weights, kilograms: a
 /// trial a weight, a row a pose, each at the time at which it has been looked at.
-pub fn visits(poses_m: &[Vec<f64>], weights_kg: &[f64], options: &VisitOptions, step_s: f64) -> Recording {
+pub fn plan_static_poses(
+    poses_m: &[Vec<f64>],
+    weights_kg: &[f64],
+    options: &StaticPoseOptions,
+    step_s: f64,
+) -> Recording {
     let tendons = poses_m.first().map_or(4, Vec::len);
     let mut planned = Recording::new(Actuation::Lengths, tendons);
     let mut hung_kg = Vec::new();
@@ -85,16 +90,16 @@ pub fn visits(poses_m: &[Vec<f64>], weights_kg: &[f64], options: &VisitOptions, 
     planned
 }
 
-/// Visits the poses of one trial of [`visits`]: what was seen at rest at each of them. Every row is a pose at rest under its
+/// Visits the poses of one trial of [`plan_static_poses`]: what was seen at rest at each of them. Every row is a pose at rest under its
 /// own command.
 ///
 /// # Errors
 /// [`PlantError`] when the plant stops or refuses; the trial is lost.
-pub fn visit_trial(
+pub fn record_static_poses(
     plant: &mut dyn Plant,
     planned: &Recording,
     rows: Range<usize>,
-    options: &VisitOptions,
+    options: &StaticPoseOptions,
     seed: Seed,
 ) -> Result<Recording, PlantError> {
     let mut at_m = vec![0.0; plant.tendons()];

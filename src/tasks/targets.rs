@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::TaskError;
 use super::actuation::{Bend, GridOptions, check_pairs, drive_to};
-use super::retry_lost_frames::Watched;
+use super::retry_lost_frames::RetryLostFrames;
 use crate::base::{BadOption, Plant, Point3, Seed};
 
 /// Settings of the pool of targets.
@@ -56,7 +56,7 @@ impl TargetOptions {
 pub fn target_pool(robot: &mut dyn Plant, options: &TargetOptions, seed: Seed) -> Result<Vec<Point3>, TaskError> {
     options.check()?;
     check_pairs(robot)?;
-    let mut robot = Watched(robot);
+    let mut robot = RetryLostFrames(robot);
     let mut tip_m = robot.reset(seed.child("target_pool"))?.tip_m;
     let mut bend_m: Bend = [0.0; 2];
     let mut candidates = Vec::with_capacity(options.sweep.rows * options.sweep.columns);

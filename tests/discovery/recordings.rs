@@ -6,7 +6,7 @@ use spinebench::data::findings::Verdict;
 use spinebench::data::recording::Pose;
 use spinebench::discovery::{Discovery, DiscoveryError, Options, discover};
 use spinebench::effects::Model;
-use spinebench::tasks::{PlayOptions, play};
+use spinebench::tasks::{SimulationOptions, simulate_recording};
 
 use super::common;
 use super::support::{NOISE_M, chain, found, names, nominal, part, recorded, told, trials, twin};
@@ -18,7 +18,7 @@ fn a_recording_without_noise_is_one_like_others() {
     let with_steps = |effects: &str, motion_tolerance_m: f64| {
         let mut model = Model { effects: common::effects(effects), ..nominal() };
         model.robot.resolution.motion_tolerance_m = motion_tolerance_m;
-        let recording = play(&model, &commands, &PlayOptions::default());
+        let recording = simulate_recording(&model, &commands, &SimulationOptions::default());
         found(&Recording { tip_quaternion: None, ..recording }, &Options::default())
     };
     let simulated = |effects: &str| with_steps(effects, nominal().robot.resolution.motion_tolerance_m);

@@ -7,7 +7,7 @@ use spinebench::benchmark;
 use spinebench::data::Recording;
 use spinebench::discovery::{Discovery, Options, discover};
 use spinebench::effects::Model;
-use spinebench::tasks::{ExploreOptions, PlayOptions, play};
+use spinebench::tasks::{ExploreOptions, SimulationOptions, simulate_recording};
 
 use super::common;
 
@@ -56,7 +56,7 @@ pub(super) fn recorded(effects: &str, count: usize, seed: u64, correlation: f64)
     truth.robot.resolution.cell_m = 0.008;
     truth.robot.resolution.motion_tolerance_m = 2e-5;
     let commands = trials(&twin("nothing"), 0, count);
-    let recording = play(&truth, &commands, &PlayOptions::default());
+    let recording = simulate_recording(&truth, &commands, &SimulationOptions::default());
     with_noise(recording, seed, correlation)
 }
 

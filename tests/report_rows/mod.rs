@@ -8,7 +8,7 @@ use spinebench::base::{Point3, Seed, distance_m};
 use spinebench::data::rows::{
     ClaimRow, GapRow, PeerRow, ScalingRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow,
 };
-use spinebench::report::{Published, Swept};
+use spinebench::report::{Published, SweepTable};
 
 const TRAININGS: [&str; 2] = ["paper", "converged"];
 
@@ -210,10 +210,12 @@ pub(crate) fn claims() -> Vec<ClaimRow> {
 }
 
 /// A sweep of these fields (name and values), four policies in two modes.
-pub(crate) fn sweep(fields: &[(&str, &[&str])], seeds: u64) -> Swept {
+pub(crate) fn sweep(fields: &[(&str, &[&str])], seeds: u64) -> SweepTable {
     let count: usize = fields.iter().map(|(_, values)| values.len()).product();
-    let mut swept =
-        Swept { fields: fields.iter().map(|(name, _)| ((*name).to_owned(), Vec::new())).collect(), rows: Vec::new() };
+    let mut swept = SweepTable {
+        fields: fields.iter().map(|(name, _)| ((*name).to_owned(), Vec::new())).collect(),
+        rows: Vec::new(),
+    };
     for point in 0..count {
         let mut rest = point;
         let digits: Vec<usize> = fields
@@ -256,7 +258,7 @@ pub(crate) fn sweep(fields: &[(&str, &[&str])], seeds: u64) -> Swept {
 }
 
 /// Six switching thresholds.
-pub(crate) fn thresholds(seeds: u64) -> Swept {
+pub(crate) fn thresholds(seeds: u64) -> SweepTable {
     sweep(&[("policies.c.error_m", &["0.005", "0.01", "0.015", "0.02", "0.025", "0.03"])], seeds)
 }
 

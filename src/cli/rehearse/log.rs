@@ -1,6 +1,6 @@
 //! What happens to the imitations, for a person and for a file.
 
-use super::super::Ended;
+use super::super::CommandError;
 use spinebench::simulators::World;
 use std::fs::File;
 use std::io::Write;
@@ -16,9 +16,10 @@ pub(super) struct Log {
 }
 
 impl Log {
-    pub(super) fn open(path: Option<&Path>) -> Result<Log, Ended> {
-        let failed = |path: &Path, error| Ended::BadInput(format!("{}: cannot be written: {error}", path.display()));
-        let open = |path: &Path| -> Result<(PathBuf, File), Ended> {
+    pub(super) fn open(path: Option<&Path>) -> Result<Log, CommandError> {
+        let failed =
+            |path: &Path, error| CommandError::BadInput(format!("{}: cannot be written: {error}", path.display()));
+        let open = |path: &Path| -> Result<(PathBuf, File), CommandError> {
             let mut file = File::create(path).map_err(|error| failed(path, error))?;
             writeln!(file, "time_s,what,x_mm,y_mm,z_mm,a_mm").map_err(|error| failed(path, error))?;
             Ok((path.to_owned(), file))
@@ -27,7 +28,7 @@ impl Log {
     }
 
     /// Writes down what has happened since the last call.
-    pub(super) fn look(&mut self, now_s: f64, world: &mut World) -> Result<(), Ended> {
+    pub(super) fn look(&mut self, now_s: f64, world: &mut World) -> Result<(), CommandError> {
         for heard in world.controller.heard() {
             // A person sees what holds the robot; a move a tick is for the file.
             let told = match heard.as_str() {
@@ -51,17 +52,17 @@ impl Log {
     }
 
     /// Writes down something that somebody did.
-    pub(super) fn tell(&mut self, now_s: f64, what: &str, world: &World) -> Result<(), Ended> {
+    pub(super) fn tell(&mut self, now_s: f64, what: &str, world: &World) -> Result<(), CommandError> {
         println!("{now_s:9.3} s  {what}");
         self.write(now_s, &format!("done {what}"), world)
     }
 
-    fn write(&mut self, now_s: f64, what: &str, world: &World) -> Result<(), Ended> {
+    fn write(&mut self, now_s: f64, what: &str, world: &World) -> Result<(), CommandError> {
         let Some((path, file)) = &mut self.file else { return Ok(()) };
         let [x_mm, y_mm, z_mm, a_mm] = world.controller.position_mm();
         // A controller hears anything; a table has commas of its own.
         let what = what.replace([',', '"'], " ");
         writeln!(file, "{now_s:.3},{what},{x_mm:.4},{y_mm:.4},{z_mm:.4},{a_mm:.4}")
-            .map_err(|error| Ended::No(format!("{}: cannot be written: {error}", path.display())))
+            .map_err(|error| CommandError::Failed(format!("{}: cannot be written: {error}", path.display())))
     }
 }

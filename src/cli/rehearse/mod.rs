@@ -4,7 +4,7 @@ mod log;
 mod wish;
 
 use super::session::bench;
-use super::{Ended, Outcome};
+use super::{CommandError, CommandResult};
 use clap::Args;
 use log::Log;
 use spinebench::base::Seed;
@@ -23,7 +23,7 @@ use std::sync::mpsc::{Receiver, channel};
 /// Other commands use them by the plant file that this one writes. Lines on standard input break things: `help` lists
 /// them. Ends with Ctrl-C or `quit`.
 #[derive(Args)]
-pub(super) struct Rehearse {
+pub(super) struct RehearseCommand {
     /// Plant file of a robot on a bench with a `rehearsal`.
     #[arg(long, value_name = "PLANT.yaml")]
     plant: PathBuf,
@@ -41,22 +41,22 @@ pub(super) struct Rehearse {
     seed: u64,
 }
 
-impl Rehearse {
-    pub(super) fn carry_out(self) -> Outcome {
+impl RehearseCommand {
+    pub(super) fn execute(self) -> CommandResult {
         let options = bench(&self.plant)?;
         if options.rehearsal.is_none() {
             let file = self.plant.display();
-            return Err(Ended::BadInput(format!(
+            return Err(CommandError::BadInput(format!(
                 "{file}: hardware: found no `rehearsal`, expected what is to be imitated"
             )));
         }
-        let interrupt = Interrupt::of_process().map_err(Ended::failed)?;
-        let mut served = Served::open(&options, Seed(self.seed)).map_err(Ended::No)?;
+        let interrupt = Interrupt::of_process().map_err(CommandError::failed)?;
+        let mut served = Served::open(&options, Seed(self.seed)).map_err(CommandError::Failed)?;
         let mut log = Log::open(self.log.as_deref())?;
         let plant = served.plant();
-        let text = to_yaml(&PlantSpec::Hardware(Box::new(plant.clone()))).map_err(Ended::failed)?;
+        let text = to_yaml(&PlantSpec::Hardware(Box::new(plant.clone()))).map_err(CommandError::failed)?;
         // Whoever waits for the file finds somebody who answers: what arrives meanwhile is kept by the system.
-        write_atomic(&self.out, text.as_bytes()).map_err(Ended::bad)?;
+        write_atomic(&self.out, text.as_bytes()).map_err(CommandError::bad_input)?;
         println!(
             "motors at {}, tracker at {}:{}",
             plant.motion.port, plant.tracking.server, plant.tracking.command_port

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::cases::Answer;
 use crate::data::findings::CaseRow;
-use crate::report::canvas::{Align, Canvas, Place, Text};
+use crate::report::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 use crate::report::discovery::format::fitted;
 use crate::report::paint::text_width;
 use crate::report::peers::names;
@@ -110,10 +110,10 @@ pub(crate) fn draw(cases: &[CaseRow]) -> Canvas {
     for (index, (answer, name)) in columns.iter().zip(&names).enumerate() {
         let x = LEFT + wide * (index as f64 + 0.5) + 0.36 * size + gap(answer);
         let colour = if matches!(answer, Answer::Named(_)) { INK } else { GREY };
-        canvas.text(Text::new(name, [x, top - 6.0], size, Align::Left).upwards().colour(colour));
+        canvas.text(Text::new(name, [x, top - 6.0], size, TextAlign::Left).upwards().colour(colour));
     }
-    canvas.text(Text::new("answer", [12.0, top - 6.0], SMALL, Align::Left).colour(GREY));
-    canvas.text(Text::new("cases", [PAGE_WIDTH - 10.0, top - 6.0], SMALL, Align::Right).colour(GREY));
+    canvas.text(Text::new("answer", [12.0, top - 6.0], SMALL, TextAlign::Left).colour(GREY));
+    canvas.text(Text::new("cases", [PAGE_WIDTH - 10.0, top - 6.0], SMALL, TextAlign::Right).colour(GREY));
     let mut y = top;
     let mut group = "";
     for line in &lines {
@@ -123,17 +123,22 @@ pub(crate) fn draw(cases: &[CaseRow]) -> Canvas {
         }
         let name = if line.truth.is_empty() { "nothing" } else { line.truth };
         let name = fitted(name, SMALL, LEFT - 28.0);
-        canvas.text(Text::new(name, [LEFT - 8.0, y + 0.5 * ROW + 3.5], SMALL, Align::Right));
+        canvas.text(Text::new(name, [LEFT - 8.0, y + 0.5 * ROW + 3.5], SMALL, TextAlign::Right));
         for (index, column) in columns.iter().enumerate() {
             let corner = [LEFT + wide * index as f64 + gap(column), y];
             cell(&mut canvas, line, column, corner, wide);
         }
         let count = line.cases.len().to_string();
-        canvas.text(Text::new(count, [PAGE_WIDTH - 10.0, y + 0.5 * ROW + 3.5], SMALL, Align::Right).colour(GREY));
+        canvas.text(Text::new(count, [PAGE_WIDTH - 10.0, y + 0.5 * ROW + 3.5], SMALL, TextAlign::Right).colour(GREY));
         y += ROW;
     }
     if lines.is_empty() {
-        canvas.text(Text::new("no case with one effect, an unknown one or none", [12.0, y + 16.0], TEXT, Align::Left));
+        canvas.text(Text::new(
+            "no case with one effect, an unknown one or none",
+            [12.0, y + 16.0],
+            TEXT,
+            TextAlign::Left,
+        ));
         y += 24.0;
     }
     canvas.height = (y + 14.0).ceil();
@@ -147,7 +152,7 @@ fn gap(answer: &Answer) -> f64 {
 
 fn heading(canvas: &mut Canvas, group: &str, y: f64) -> f64 {
     let words = GROUPS.iter().find(|(known, _)| *known == group).map_or(group, |(_, words)| *words);
-    canvas.text(Text::new(words, [12.0, y + 13.0], SMALL, Align::Left).bold());
+    canvas.text(Text::new(words, [12.0, y + 13.0], SMALL, TextAlign::Left).bold());
     canvas.line(&[[12.0, y], [PAGE_WIDTH - 10.0, y]], HAIR, crate::report::style::GRID, &[]);
     y + 18.0
 }
@@ -156,15 +161,15 @@ fn keys(canvas: &mut Canvas) {
     let mut x = 12.0;
     for (colour, words) in [(BLUE, "right"), (SKY, "the truth is in the group"), (VERMILION, "not right")] {
         canvas.rectangle([x, 9.0], [x + 13.0, 20.0], colour, 1.0);
-        canvas.text(Text::new(words, [x + 18.0, 18.0], SMALL, Align::Left));
+        canvas.text(Text::new(words, [x + 18.0, 18.0], SMALL, TextAlign::Left));
         x += 34.0 + text_width(words, SMALL, false);
     }
     let words = "number: cases; stronger: a larger share of the row";
-    canvas.text(Text::new(words, [x, 18.0], SMALL, Align::Left).colour(GREY));
+    canvas.text(Text::new(words, [x, 18.0], SMALL, TextAlign::Left).colour(GREY));
 }
 
 /// How many cases of a line got an answer: the more, the stronger the colour.
-fn cell(canvas: &mut Canvas, line: &Line, column: &Answer, [x, y]: Place, wide: f64) {
+fn cell(canvas: &mut Canvas, line: &Line, column: &Answer, [x, y]: CanvasPoint, wide: f64) {
     let [from, to] = [[x + 0.5, y + 0.5], [x + wide - 0.5, y + ROW - 0.5]];
     let here: Vec<&&CaseRow> = line.cases.iter().filter(|case| Answer::of(case) == *column).collect();
     if here.is_empty() {
@@ -184,7 +189,7 @@ fn cell(canvas: &mut Canvas, line: &Line, column: &Answer, [x, y]: Place, wide: 
     let size = SMALL.min(SMALL * 0.86 * wide / text_width(&words, SMALL, false).max(1.0));
     let ink = if luminance(colour) > 0.3 { INK } else { WHITE };
     let middle = [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1]) + 0.36 * size];
-    canvas.text(Text::new(words, middle, size, Align::Centre).colour(ink));
+    canvas.text(Text::new(words, middle, size, TextAlign::Centre).colour(ink));
 }
 
 /// A colour with so much of it on white.

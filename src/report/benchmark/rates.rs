@@ -3,9 +3,9 @@
 use super::measures::{SummaryRow, is_ratio};
 use super::table::{interval, plain};
 use crate::report::axes::{Axis, Panel};
-use crate::report::canvas::{Align, Canvas, Place, Text};
+use crate::report::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 use crate::report::discovery::format::fitted;
-use crate::report::legend::{Key, legend};
+use crate::report::legend::{LegendEntry, legend};
 use crate::report::peers::names;
 use crate::report::style::{GREEN, GREY, INK, LOOKS, Look, MARKER, PAGE_WIDTH, SMALL};
 
@@ -21,13 +21,13 @@ pub(crate) fn draw(rows: &[SummaryRow]) -> Canvas {
     let pitch = 9.0 + 11.0 * parts.len() as f64;
     let high = pitch * measures.len() as f64;
     let mut canvas = Canvas::new(PAGE_WIDTH, (TOP + high + 46.0).ceil());
-    let keys: Vec<(Key, &str)> = parts.iter().zip(LOOKS).map(|(part, look)| (marker(look), *part)).collect();
+    let keys: Vec<(LegendEntry, &str)> = parts.iter().zip(LOOKS).map(|(part, look)| (marker(look), *part)).collect();
     legend(&mut canvas, [LEFT, 18.0], 520.0, &keys);
     let goal = [540.0, 18.0];
     canvas.rectangle([goal[0], goal[1] - 9.0], [goal[0] + 22.0, goal[1] + 2.0], GREEN, 0.22);
     canvas.line(&[[goal[0], goal[1] - 9.0], [goal[0], goal[1] + 2.0]], 1.4, GREEN, &[]);
-    canvas.text(Text::new("to be reached", [goal[0] + 27.0, goal[1]], SMALL, Align::Left));
-    canvas.text(Text::new("[95 % interval]", [PAGE_WIDTH - 10.0, TOP - 8.0], SMALL, Align::Right).colour(GREY));
+    canvas.text(Text::new("to be reached", [goal[0] + 27.0, goal[1]], SMALL, TextAlign::Left));
+    canvas.text(Text::new("[95 % interval]", [PAGE_WIDTH - 10.0, TOP - 8.0], SMALL, TextAlign::Right).colour(GREY));
     let panel = Panel {
         corner: [LEFT, TOP],
         size: [PAGE_WIDTH - LEFT - RIGHT, high],
@@ -39,7 +39,7 @@ pub(crate) fn draw(rows: &[SummaryRow]) -> Canvas {
     for (index, measure) in measures.iter().enumerate() {
         let y = TOP + pitch * index as f64;
         let name = fitted(measure, SMALL, LEFT - 24.0);
-        canvas.text(Text::new(name, [LEFT - 8.0, y + 0.5 * pitch + 3.5], SMALL, Align::Right));
+        canvas.text(Text::new(name, [LEFT - 8.0, y + 0.5 * pitch + 3.5], SMALL, TextAlign::Right));
         let of = |part: &&str| rows.iter().find(|row| row.measure == *measure && row.part == **part).copied();
         if let Some(row) = rows.iter().find(|row| row.measure == *measure) {
             reach(&mut canvas, &panel, row, [y + 1.5, y + pitch - 1.5]);
@@ -53,8 +53,8 @@ pub(crate) fn draw(rows: &[SummaryRow]) -> Canvas {
     canvas
 }
 
-fn marker(look: Look) -> Key {
-    Key::Marker(look.marker, look.colour, false)
+fn marker(look: Look) -> LegendEntry {
+    LegendEntry::Marker(look.marker, look.colour, false)
 }
 
 /// Numbers of samples where there are several, else all cases; no more than there are looks.
@@ -80,7 +80,7 @@ fn reach(canvas: &mut Canvas, panel: &Panel, row: &SummaryRow, [top, bottom]: [f
 
 /// A share with its interval, and both in numbers.
 fn mark(canvas: &mut Canvas, panel: &Panel, row: &SummaryRow, look: Look, y: f64) {
-    let place = |share: f64| -> Place { [panel.at((100.0 * share).clamp(0.0, 100.0), 0.0)[0], y] };
+    let place = |share: f64| -> CanvasPoint { [panel.at((100.0 * share).clamp(0.0, 100.0), 0.0)[0], y] };
     if row.low_95.is_finite() && row.high_95.is_finite() {
         canvas.line(&[place(row.low_95), place(row.high_95)], 1.6, look.colour, &[]);
     }
@@ -88,5 +88,5 @@ fn mark(canvas: &mut Canvas, panel: &Panel, row: &SummaryRow, look: Look, y: f64
         canvas.marker(place(row.value), look.marker, 0.85 * MARKER, look.colour, false);
     }
     let words = format!("{}{}", plain(row), interval(row));
-    canvas.text(Text::new(words, [PAGE_WIDTH - 10.0, y + 3.5], 0.92 * SMALL, Align::Right).colour(INK));
+    canvas.text(Text::new(words, [PAGE_WIDTH - 10.0, y + 3.5], 0.92 * SMALL, TextAlign::Right).colour(INK));
 }

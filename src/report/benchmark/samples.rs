@@ -6,9 +6,9 @@ use super::measures::noise_name;
 use super::share::{Estimate, median, wilson};
 use crate::data::findings::CaseRow;
 use crate::report::axes::{Axis, Panel};
-use crate::report::canvas::{Align, Canvas, Text};
+use crate::report::canvas::{Canvas, Text, TextAlign};
 use crate::report::discovery::answer::closed;
-use crate::report::legend::{Key, legend};
+use crate::report::legend::{LegendEntry, legend};
 use crate::report::style::{GREY, LINE, LOOKS, Look, MARKER, PAGE_WIDTH, SMALL};
 
 const LEFT: f64 = 58.0;
@@ -52,7 +52,7 @@ pub(crate) fn draw(cases: &[CaseRow]) -> Canvas {
     let noises: Vec<Series> = noises.into_iter().take(LOOKS.len()).map(named).collect();
     panel(&mut canvas, 1, ("(b) single effects named right", "share (%)"), cases, &noises);
     let note = "(a): medians of singles and pairs, what is beyond the axis at its end; bars: 95 % intervals";
-    canvas.text(Text::new(note, [PAGE_WIDTH - 14.0, TOP + HIGH + 50.0], SMALL, Align::Right).colour(GREY));
+    canvas.text(Text::new(note, [PAGE_WIDTH - 14.0, TOP + HIGH + 50.0], SMALL, TextAlign::Right).colour(GREY));
     canvas
 }
 
@@ -68,8 +68,8 @@ fn panel(canvas: &mut Canvas, index: usize, (title, axis): (&str, &str), cases: 
         y: Axis::exact(axis, 0.0, 100.0, 5),
         title: title.to_owned(),
     };
-    let keys: Vec<(Key, &str)> =
-        LOOKS.into_iter().zip(all).map(|(look, (name, _))| (Key::Plain(look), name.as_str())).collect();
+    let keys: Vec<(LegendEntry, &str)> =
+        LOOKS.into_iter().zip(all).map(|(look, (name, _))| (LegendEntry::Plain(look), name.as_str())).collect();
     legend(canvas, [left, 18.0], left + WIDE, &keys);
     panel.draw(canvas);
     for (turn, ((_, estimate), look)) in all.iter().zip(LOOKS).enumerate() {

@@ -2,13 +2,13 @@
 
 use super::measures::{SummaryRow, is_ratio};
 use crate::report::discovery::format::NONE;
-use crate::report::markup::Grid;
+use crate::report::markup::MarkdownTable;
 use crate::report::peers::names;
 
 /// The table, with a line on how to read it.
 pub(crate) fn markdown(rows: &[SummaryRow]) -> String {
     let parts = names(rows.iter().map(|row| row.part.as_str()));
-    let mut grid = Grid { header: ["Figure", "To reach"].map(str::to_owned).to_vec(), rows: Vec::new() };
+    let mut grid = MarkdownTable { header: ["Figure", "To reach"].map(str::to_owned).to_vec(), rows: Vec::new() };
     grid.header
         .extend(parts.iter().map(|part| if *part == "all" { "All cases".to_owned() } else { (*part).to_owned() }));
     for measure in names(rows.iter().map(|row| row.measure.as_str())) {

@@ -2,7 +2,7 @@
 //! side and from above, without and with the effects.
 
 use super::super::axes::{Axis, Panel, range};
-use super::super::canvas::{Align, Canvas, Place, Text};
+use super::super::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 use super::super::style::{GREY, SMALL};
 use super::format::number;
 use super::residuals::AXES;
@@ -92,7 +92,7 @@ fn note(canvas: &mut Canvas, magnified: f64, count: usize, y: f64) {
             stride => format!("one sample in {stride} of {count}"),
         },
     ];
-    let text = |words: String, at: Place| Text::new(words, at, SMALL, Align::Left).colour(GREY);
+    let text = |words: String, at: CanvasPoint| Text::new(words, at, SMALL, TextAlign::Left).colour(GREY);
     if canvas.width > 500.0 {
         let joined: Vec<&str> = lines.iter().map(String::as_str).filter(|line| !line.is_empty()).collect();
         canvas.text(text(joined.join("; "), [12.0, y]));
@@ -151,7 +151,7 @@ fn arrows(
 }
 
 /// A dot where the tip is, and an arrow with a head where it is long enough for one.
-fn arrow(canvas: &mut Canvas, from: Place, to: Place, colour: super::super::style::Colour) {
+fn arrow(canvas: &mut Canvas, from: CanvasPoint, to: CanvasPoint, colour: super::super::style::Colour) {
     let [dx, dy] = [to[0] - from[0], to[1] - from[1]];
     let length = dx.hypot(dy);
     canvas.disc(from, 1.1, colour, 1.0);

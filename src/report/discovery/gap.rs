@@ -1,7 +1,7 @@
 //! The gap: tip error of the model as given, of the answer and of the leading candidates, beside the noise floor.
 
 use super::super::axes::{Axis, Panel};
-use super::super::canvas::{Align, Canvas, Text};
+use super::super::canvas::{Canvas, Text, TextAlign};
 use super::super::paint::text_width;
 use super::super::style::{BLUE, Colour, DASHED, INK, SMALL, VERMILION, WHITE};
 use super::Story;
@@ -45,7 +45,7 @@ pub(super) fn draw(story: &Story, width: f64) -> Option<Canvas> {
         y: rows,
         title: String::new(),
     };
-    canvas.text(Text::new("On held-out trials", [12.0, title + 14.0], SMALL, Align::Left).bold());
+    canvas.text(Text::new("On held-out trials", [12.0, title + 14.0], SMALL, TextAlign::Left).bold());
     panel.draw(&mut canvas);
     let mut y = panel.corner[1] + 6.0;
     for bar in &proof {
@@ -76,7 +76,7 @@ fn heading(canvas: &mut Canvas, words: &str, baseline: f64, width: f64) {
     let words = fitted(words, 0.97 * SMALL, width - 40.0);
     let end = 16.0 + text_width(&words, SMALL, true);
     canvas.rectangle([10.0, baseline - 10.0], [end, baseline + 4.0], WHITE, 1.0);
-    canvas.text(Text::new(words, [12.0, baseline], SMALL, Align::Left).bold());
+    canvas.text(Text::new(words, [12.0, baseline], SMALL, TextAlign::Left).bold());
 }
 
 /// Before and after.
@@ -111,14 +111,14 @@ fn others(story: &Story) -> Vec<Bar> {
 fn draw_bar(canvas: &mut Canvas, panel: &Panel, bar: &Bar, y: f64, floor_m: f64) -> f64 {
     let base = y + 0.5 * BAR + 3.6;
     let name = fitted(&bar.name, SMALL, panel.corner[0] - 22.0);
-    canvas.text(Text::new(name, [panel.corner[0] - 8.0, base], SMALL, Align::Right));
+    canvas.text(Text::new(name, [panel.corner[0] - 8.0, base], SMALL, TextAlign::Right));
     let zero = panel.at(0.0, 0.0)[0];
     let end = if bar.size_m.is_finite() { panel.at(1e3 * bar.size_m, 0.0)[0] } else { zero };
     canvas.rectangle([zero, y], [end.max(zero + 0.6), y + BAR], bar.colour, 1.0);
     let right = canvas.width - 10.0;
     let values = [(right - 42.0, millimetres(bar.size_m)), (right, times(bar.size_m, floor_m))];
     for (x, words) in values {
-        canvas.text(Text::new(words, [x, base], SMALL, Align::Right));
+        canvas.text(Text::new(words, [x, base], SMALL, TextAlign::Right));
     }
     y + ROW
 }
@@ -133,5 +133,5 @@ fn noise(canvas: &mut Canvas, x: f64, pieces: &[[f64; 2]], floor_m: f64) {
     let words = format!("noise floor {}", millimetres(floor_m));
     let wide = text_width(&words, SMALL, false);
     let at = (x - 0.5 * wide).clamp(130.0, (canvas.width - 10.0 - wide).max(130.0));
-    canvas.text(Text::new(words, [at, top - 9.0], SMALL, Align::Left));
+    canvas.text(Text::new(words, [at, top - 9.0], SMALL, TextAlign::Left));
 }

@@ -1,7 +1,7 @@
 //! Where they disagree, as a table in colours: a row for each place, and for each axis the residual over the noise
 //! floor without and with the effects.
 
-use super::super::canvas::{Align, Canvas, Place, Text};
+use super::super::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 use super::super::style::{GREY, HAIR, INK, SMALL, TEXT};
 use super::format::{fitted, ratio_text};
 use super::scale::{SIGNIFICANT, cell};
@@ -41,11 +41,12 @@ pub(super) fn draw(canvas: &mut Canvas, rows: &[PlaceRow], both: bool, top: f64)
             y += 15.0;
             // Bold letters are up to a sixth wider.
             let name = fitted(&capital(&place.by), SMALL, 0.8 * (right - left));
-            canvas.text(Text::new(name, [left, y], SMALL, Align::Left).bold());
+            canvas.text(Text::new(name, [left, y], SMALL, TextAlign::Left).bold());
             y += 5.0;
         }
         let room = columns.first - left - 14.0;
-        let name = Text::new(fitted(&place.place, SMALL, room), [left + 8.0, y + 0.5 * ROW + 3.5], SMALL, Align::Left);
+        let name =
+            Text::new(fitted(&place.place, SMALL, room), [left + 8.0, y + 0.5 * ROW + 3.5], SMALL, TextAlign::Left);
         canvas.text(name);
         for (index, (axis, _)) in columns.axes.iter().enumerate() {
             let same = |row: &&PlaceRow| row.by == place.by && row.place == place.place && row.axis == *axis;
@@ -63,20 +64,20 @@ fn headings(canvas: &mut Canvas, columns: &Columns, top: f64) -> f64 {
     for (index, (_, name)) in columns.axes.iter().enumerate() {
         let x = columns.first + columns.pitch * index as f64;
         let middle = x + 0.5 * (columns.pitch - 8.0);
-        canvas.text(Text::new(*name, [middle, top], TEXT, Align::Centre).bold());
+        canvas.text(Text::new(*name, [middle, top], TEXT, TextAlign::Centre).bold());
         canvas.line(&[[x, top + 4.0], [x + columns.pitch - 8.0, top + 4.0]], HAIR, GREY, &[]);
         let names: &[&str] = if columns.both { &["before", "after"] } else { &["before"] };
         for (turn, name) in names.iter().enumerate() {
             let x = x + columns.wide * (turn as f64 + 0.5);
             let size = if columns.wide < 40.0 { 7.6 } else { SMALL };
-            canvas.text(Text::new(*name, [x, top + 15.0], size, Align::Centre).colour(GREY));
+            canvas.text(Text::new(*name, [x, top + 15.0], size, TextAlign::Centre).colour(GREY));
         }
     }
     top + 15.0
 }
 
 /// Before and after at one place along one axis.
-fn cells(canvas: &mut Canvas, columns: &Columns, row: &PlaceRow, [x, y]: Place) {
+fn cells(canvas: &mut Canvas, columns: &Columns, row: &PlaceRow, [x, y]: CanvasPoint) {
     let both = [(row.rms_before_m, row.p_before), (row.rms_after_m, row.p_after)];
     for (turn, (rms_m, p)) in both.into_iter().take(if columns.both { 2 } else { 1 }).enumerate() {
         let [x0, x1] = [x + columns.wide * turn as f64, x + columns.wide * (turn + 1) as f64];
@@ -87,7 +88,7 @@ fn cells(canvas: &mut Canvas, columns: &Columns, row: &PlaceRow, [x, y]: Place) 
         // In narrow cells the number makes room for the dot.
         let (aside, corner, radius) = if columns.wide < 40.0 { (2.0, 3.0, 1.3) } else { (0.0, 5.0, 1.7) };
         let middle = 0.5 * (x0 + x1) - if real { aside } else { 0.0 };
-        let number = Text::new(ratio_text(ratio), [middle, y + 0.5 * ROW + 3.5], SMALL, Align::Centre);
+        let number = Text::new(ratio_text(ratio), [middle, y + 0.5 * ROW + 3.5], SMALL, TextAlign::Centre);
         canvas.text(Text { bold: real, ..number.colour(ink) });
         if real {
             canvas.disc([x1 - corner, y + corner], radius, ink, 1.0);
@@ -96,11 +97,11 @@ fn cells(canvas: &mut Canvas, columns: &Columns, row: &PlaceRow, [x, y]: Place) 
 }
 
 /// A sample cell for the key: what the dot and bold type say.
-pub(super) fn key(canvas: &mut Canvas, [x, y]: Place) {
+pub(super) fn key(canvas: &mut Canvas, [x, y]: CanvasPoint) {
     canvas.disc([x + 3.0, y - 3.5], 1.7, INK, 1.0);
     let words = "bold, with a dot: more than noise (p < 0.01, corrected for all places)";
     let room = canvas.width - x - 24.0;
-    canvas.text(Text::new(fitted(words, SMALL, room), [x + 10.0, y], SMALL, Align::Left));
+    canvas.text(Text::new(fitted(words, SMALL, room), [x + 10.0, y], SMALL, TextAlign::Left));
 }
 
 /// Each place once, in order of appearance, groups together.

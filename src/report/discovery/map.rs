@@ -1,7 +1,7 @@
 //! The map of disagreement: at which places model and measurement differ, along which axis and by how much, before and
 //! after; and the same in space.
 
-use super::super::canvas::{Align, Canvas, Text};
+use super::super::canvas::{Canvas, Text, TextAlign};
 use super::super::style::{GREY, SMALL};
 use super::{Story, arrows, heat, scale};
 
@@ -26,7 +26,7 @@ pub(super) fn draw(story: &Story, width: f64) -> Option<Canvas> {
     if both {
         y += 16.0;
         let words = format!("before: the {}; after: the model with the effects found", story.before());
-        canvas.text(Text::new(words, [12.0, y], SMALL, Align::Left).colour(GREY));
+        canvas.text(Text::new(words, [12.0, y], SMALL, TextAlign::Left).colour(GREY));
     }
     canvas.height = (y + 14.0).ceil();
     Some(canvas)

@@ -19,7 +19,7 @@ mod scale;
 pub(super) use super::benchmark::FIGURE;
 
 use super::style::PAGE_WIDTH;
-use super::{Artifact, ReportError, Shelf, csv, pictures};
+use super::{Artifact, OutputFolder, ReportError, csv, pictures};
 use crate::data::findings::{Findings, PlaceRow, ResidualRow};
 
 /// What the catalogue says of an effect, as plain text.
@@ -93,7 +93,8 @@ const DRAWINGS: [Drawing; 3] = [("map", map::draw), ("gap", gap::draw), ("residu
 /// [`ReportError::Draw`] when a figure cannot be painted, [`ReportError::Data`] when a table cannot be written.
 pub fn artifacts(story: &Story) -> Result<Vec<Artifact>, ReportError> {
     let page = page::page(story)?;
-    let mut files = vec![Artifact { name: "report.html".to_owned(), shelf: Shelf::Results, bytes: page.into_bytes() }];
+    let mut files =
+        vec![Artifact { name: "report.html".to_owned(), folder: OutputFolder::Results, bytes: page.into_bytes() }];
     for (name, draw) in DRAWINGS {
         if let Some(canvas) = draw(story, PAGE_WIDTH) {
             files.extend(pictures(name, name, &canvas)?);

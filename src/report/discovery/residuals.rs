@@ -4,8 +4,8 @@
 use std::collections::BTreeMap;
 
 use super::super::axes::{Axis, Panel};
-use super::super::canvas::{Align, Canvas, Text};
-use super::super::legend::{Key, legend};
+use super::super::canvas::{Canvas, Text, TextAlign};
+use super::super::legend::{LegendEntry, legend};
 use super::super::style::{BLUE, Colour, DASHED, GREEN, GREY, HAIR, INK, SMALL, VERMILION};
 use super::Story;
 use crate::data::findings::ResidualRow;
@@ -53,7 +53,7 @@ pub(super) fn draw(story: &Story, width: f64) -> Option<Canvas> {
     top += 32.0;
     if trials.len() > shown.len() {
         let words = format!("{} of {} held-out trials", shown.len(), trials.len());
-        canvas.text(Text::new(words, [width - 12.0, top], SMALL, Align::Right).colour(GREY));
+        canvas.text(Text::new(words, [width - 12.0, top], SMALL, TextAlign::Right).colour(GREY));
     }
     canvas.height = (top + 10.0).ceil();
     Some(canvas)
@@ -61,12 +61,12 @@ pub(super) fn draw(story: &Story, width: f64) -> Option<Canvas> {
 
 /// What the lines and the band are. Returns the last baseline.
 fn keys(canvas: &mut Canvas, both: bool) -> f64 {
-    let keys = [(Key::Line(VERMILION, DASHED), "before"), (Key::Line(BLUE, &[]), "after")];
+    let keys = [(LegendEntry::Line(VERMILION, DASHED), "before"), (LegendEntry::Line(BLUE, &[]), "after")];
     let right = canvas.width - 8.0;
     legend(canvas, [LEFT, 18.0], right, &keys[..if both { 2 } else { 1 }]);
     let x = LEFT + if both { 150.0 } else { 80.0 };
     canvas.rectangle([x, 8.0], [x + 22.0, 20.0], GREEN, BAND);
-    canvas.text(Text::new("95 % of the noise", [x + 27.0, 18.0], SMALL, Align::Left));
+    canvas.text(Text::new("95 % of the noise", [x + 27.0, 18.0], SMALL, TextAlign::Left));
     18.0
 }
 

@@ -1,7 +1,7 @@
 //! Sizes over the noise floor as colours: six steps, lighter to darker, so that a grey print keeps their order. The page
 //! turns the same six round for dark screens.
 
-use super::super::canvas::{Align, Canvas, Place, Text};
+use super::super::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 use super::super::paint::text_width;
 use super::super::style::{Colour, GREY, INK, SMALL, WHITE};
 
@@ -35,8 +35,8 @@ pub(super) fn mark(ratio: f64) -> Colour {
 
 /// The six steps with their ends, in a row whose text has its baseline at `at`; wraps before `right`. Returns the last
 /// baseline.
-pub(super) fn key(canvas: &mut Canvas, at: Place, right: f64, heading: &str) -> f64 {
-    canvas.text(Text::new(heading, at, SMALL, Align::Left));
+pub(super) fn key(canvas: &mut Canvas, at: CanvasPoint, right: f64, heading: &str) -> f64 {
+    canvas.text(Text::new(heading, at, SMALL, TextAlign::Left));
     let [mut x, mut y] = [at[0] + text_width(heading, SMALL, false) + 10.0, at[1]];
     for (index, (end, colour, _)) in STEPS.iter().enumerate() {
         let low = if index == 0 { 0.0 } else { STEPS[index - 1].0 };
@@ -51,7 +51,7 @@ pub(super) fn key(canvas: &mut Canvas, at: Place, right: f64, heading: &str) -> 
             y += 16.0;
         }
         canvas.rectangle([x, y - 9.0], [x + 13.0, y + 2.0], *colour, 1.0);
-        canvas.text(Text::new(words, [x + 18.0, y], SMALL, Align::Left));
+        canvas.text(Text::new(words, [x + 18.0, y], SMALL, TextAlign::Left));
         x += wide + 12.0;
     }
     y

@@ -26,40 +26,40 @@ const UNITS: [(&str, &str); 12] = [
     ("_n", "N"),
 ];
 
-/// How its values are spread along an axis.
+/// How its values are axis_scale along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Spread {
+enum AxisScale {
     Even,
     Log,
     Names,
 }
 
 /// A swept field.
-pub(super) struct Field {
+pub(super) struct SweptAxis {
     name: String,
-    spread: Spread,
+    axis_scale: AxisScale,
     /// Its values, numbers increasing, names in order of appearance.
     pub(super) values: Vec<String>,
     numbers: HashMap<String, usize>,
 }
 
-impl Field {
-    pub(super) fn new(name: &str, cells: &[String]) -> Field {
+impl SweptAxis {
+    pub(super) fn new(name: &str, cells: &[String]) -> SweptAxis {
         let mut seen = HashSet::new();
         let mut values: Vec<String> = cells.iter().filter(|cell| seen.insert(*cell)).cloned().collect();
         let numbers: Option<Vec<f64>> = values.iter().map(|value| number(value)).collect();
-        let spread = numbers.map_or(Spread::Names, |mut numbers| {
+        let axis_scale = numbers.map_or(AxisScale::Names, |mut numbers| {
             numbers.sort_by(f64::total_cmp);
             values.sort_by(|one, other| number(one).unwrap_or(0.0).total_cmp(&number(other).unwrap_or(0.0)));
-            spread(&numbers)
+            axis_scale(&numbers)
         });
         let numbers = values.iter().cloned().zip(0..).collect();
-        Field { name: name.to_owned(), spread, values, numbers }
+        SweptAxis { name: name.to_owned(), axis_scale, values, numbers }
     }
 
     /// Whether neighbours of a value are its neighbours in fact, so that a line may join them.
     pub(super) fn is_number(&self) -> bool {
-        self.spread != Spread::Names
+        self.axis_scale != AxisScale::Names
     }
 
     /// The number of a value among the field's.
@@ -70,10 +70,10 @@ impl Field {
     /// Where a value stands along the axis.
     pub(super) fn place(&self, value: &str) -> f64 {
         let index = || self.index(Some(&value)).unwrap_or(0) as f64;
-        match self.spread {
-            Spread::Even => number(value).unwrap_or(f64::NAN),
-            Spread::Log => number(value).unwrap_or(f64::NAN).log10(),
-            Spread::Names => index(),
+        match self.axis_scale {
+            AxisScale::Even => number(value).unwrap_or(f64::NAN),
+            AxisScale::Log => number(value).unwrap_or(f64::NAN).log10(),
+            AxisScale::Names => index(),
         }
     }
 
@@ -95,7 +95,7 @@ impl Field {
     /// An axis `long` hundredths of an inch long.
     pub(super) fn axis(&self, long: f64) -> Axis {
         let label = self.label(long + 40.0);
-        if self.spread == Spread::Names {
+        if self.axis_scale == AxisScale::Names {
             let room = long / self.values.len() as f64 - 6.0;
             let names: Vec<String> = self.values.iter().map(|value| shown(value, room)).collect();
             return Axis::categories(&label, &names);
@@ -108,7 +108,7 @@ impl Field {
         if self.values.len() <= OWN_TICKS && apart(&own, long / (axis.high - axis.low)) {
             return Axis { ticks: own, ..axis };
         }
-        if self.spread == Spread::Log { Axis { ticks: decades(axis.low, axis.high), ..axis } } else { axis }
+        if self.axis_scale == AxisScale::Log { Axis { ticks: decades(axis.low, axis.high), ..axis } } else { axis }
     }
 }
 
@@ -117,14 +117,14 @@ fn number(cell: &str) -> Option<f64> {
 }
 
 /// Numbers in order; a constant ratio says logarithm as well as a wide span does.
-fn spread(numbers: &[f64]) -> Spread {
-    let (Some(first), Some(last)) = (numbers.first(), numbers.last()) else { return Spread::Even };
+fn axis_scale(numbers: &[f64]) -> AxisScale {
+    let (Some(first), Some(last)) = (numbers.first(), numbers.last()) else { return AxisScale::Even };
     if *first <= 0.0 || numbers.len() < 3 {
-        return Spread::Even;
+        return AxisScale::Even;
     }
     let ratio = numbers[1] / first;
     let constant = numbers.windows(2).all(|pair| (pair[1] / pair[0] / ratio - 1.0).abs() < 1e-3);
-    if constant || last / first >= WIDE { Spread::Log } else { Spread::Even }
+    if constant || last / first >= WIDE { AxisScale::Log } else { AxisScale::Even }
 }
 
 /// Whether labels at these places, at so many hundredths of an inch a unit, leave each other room.
@@ -181,20 +181,20 @@ pub(super) fn shown(value: &str, room: f64) -> String {
 mod tests {
     use super::*;
 
-    fn field(name: &str, values: &[&str]) -> Field {
-        Field::new(name, &values.iter().map(|value| (*value).to_owned()).collect::<Vec<_>>())
+    fn field(name: &str, values: &[&str]) -> SweptAxis {
+        SweptAxis::new(name, &values.iter().map(|value| (*value).to_owned()).collect::<Vec<_>>())
     }
 
     #[test]
     fn numbers_are_even_or_logarithmic_and_names_keep_their_order() {
         assert_eq!(field("a.b", &["0.03", "0.01", "0.02"]).values, ["0.01", "0.02", "0.03"]);
-        assert_eq!(field("a.b", &["0.01", "0.02", "0.03"]).spread, Spread::Even);
-        assert_eq!(field("a.b", &["1e-3", "0.01", "0.1"]).spread, Spread::Log);
-        assert_eq!(field("a.b", &["20", "40", "80"]).spread, Spread::Log);
-        assert_eq!(field("a.b", &["50", "100", "200", "1500"]).spread, Spread::Log);
-        assert_eq!(field("a.b", &["-1", "10", "100"]).spread, Spread::Even);
+        assert_eq!(field("a.b", &["0.01", "0.02", "0.03"]).axis_scale, AxisScale::Even);
+        assert_eq!(field("a.b", &["1e-3", "0.01", "0.1"]).axis_scale, AxisScale::Log);
+        assert_eq!(field("a.b", &["20", "40", "80"]).axis_scale, AxisScale::Log);
+        assert_eq!(field("a.b", &["50", "100", "200", "1500"]).axis_scale, AxisScale::Log);
+        assert_eq!(field("a.b", &["-1", "10", "100"]).axis_scale, AxisScale::Even);
         let names = field("gp.kernel", &["se_ard", "matern52", "se_ard"]);
-        assert_eq!((names.spread, names.values.len()), (Spread::Names, 2));
+        assert_eq!((names.axis_scale, names.values.len()), (AxisScale::Names, 2));
         assert_eq!(names.place("matern52"), 1.0);
     }
 
@@ -212,11 +212,11 @@ mod tests {
     #[test]
     fn a_few_values_are_the_ticks_and_many_leave_round_ones() {
         let ticks =
-            |field: &Field, long| field.axis(long).ticks.into_iter().map(|(_, label)| label).collect::<Vec<_>>();
+            |field: &SweptAxis, long| field.axis(long).ticks.into_iter().map(|(_, label)| label).collect::<Vec<_>>();
         assert_eq!(ticks(&field("a.b", &["0.005", "0.01", "0.03"]), 300.0), ["0.005", "0.01", "0.03"]);
         let many: Vec<String> = (0..200).map(|value| value.to_string()).collect();
-        assert!(ticks(&Field::new("a.b", &many), 300.0).len() < 10);
+        assert!(ticks(&SweptAxis::new("a.b", &many), 300.0).len() < 10);
         let many: Vec<String> = (0..60).map(|step| format!("{:e}", 10f64.powf(f64::from(step) / 10.0 - 3.0))).collect();
-        assert_eq!(ticks(&Field::new("a.b", &many), 300.0).first().map(String::as_str), Some("0.001"));
+        assert_eq!(ticks(&SweptAxis::new("a.b", &many), 300.0).first().map(String::as_str), Some("0.001"));
     }
 }

@@ -1,10 +1,10 @@
 //! Two swept fields: a heat map for each kind of training, mode and policy, all to one scale of colours.
 
-use super::super::canvas::{Align, Canvas, Place, Text};
+use super::super::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 use super::super::paint::text_width;
 use super::super::style::{Colour, GREY, HAIR, INK, PAGE_WIDTH, SMALL, TEXT, WHITE, heading};
-use super::field::{Field, shown};
-use super::{Entry, distinct, mode_label, series_label, sized, training_heading};
+use super::field::{SweptAxis, shown};
+use super::{SweepEntry, distinct, mode_label, series_label, sized, training_heading};
 
 /// Light to dark, so that a grey print keeps their order; ColorBrewer's YlOrBr, told apart with every common vision.
 const SHADES: [Colour; 6] =
@@ -18,13 +18,13 @@ const MOST_HIGH: f64 = 300.0;
 const NAME: f64 = 90.0;
 
 /// One map: its heading, and the rows that it shows.
-struct Map<'a> {
+struct HeatMap<'a> {
     title: String,
-    entries: Vec<&'a Entry<'a>>,
+    entries: Vec<&'a SweepEntry<'a>>,
 }
 
 /// Sizes of a map.
-struct Layout {
+struct HeatMapLayout {
     /// Room for the names of the rows.
     names: f64,
     cell: [f64; 2],
@@ -33,8 +33,8 @@ struct Layout {
     pitch: [f64; 2],
 }
 
-pub(super) fn draw(entries: &[&Entry], [down, across]: [&Field; 2], measure: &str) -> Canvas {
-    let layout = Layout::new(down, across);
+pub(super) fn draw(entries: &[&SweepEntry], [down, across]: [&SweptAxis; 2], measure: &str) -> Canvas {
+    let layout = HeatMapLayout::new(down, across);
     let values_mm = || entries.iter().map(|entry| 1e3 * entry.row.mean_m).filter(|value| value.is_finite());
     let scale = (values_mm().fold(f64::INFINITY, f64::min), values_mm().fold(f64::NEG_INFINITY, f64::max));
     let mut canvas = Canvas::new(PAGE_WIDTH, super::TALL);
@@ -42,7 +42,7 @@ pub(super) fn draw(entries: &[&Entry], [down, across]: [&Field; 2], measure: &st
     for training in super::super::trainings(entries.iter().map(|entry| entry.row.training.as_str())) {
         if !training_heading(training).is_empty() {
             top += 18.0;
-            canvas.text(Text::new(heading(training), [12.0, top], TEXT, Align::Left).bold());
+            canvas.text(Text::new(heading(training), [12.0, top], TEXT, TextAlign::Left).bold());
         }
         let maps = maps(entries, training);
         for (index, map) in maps.iter().enumerate() {
@@ -58,17 +58,17 @@ pub(super) fn draw(entries: &[&Entry], [down, across]: [&Field; 2], measure: &st
 }
 
 /// The maps of one kind of training, mode by mode.
-fn maps<'a>(entries: &[&'a Entry<'a>], training: &str) -> Vec<Map<'a>> {
-    let own: Vec<&'a Entry<'a>> = entries.iter().copied().filter(|entry| entry.row.training == training).collect();
+fn maps<'a>(entries: &[&'a SweepEntry<'a>], training: &str) -> Vec<HeatMap<'a>> {
+    let own: Vec<&'a SweepEntry<'a>> = entries.iter().copied().filter(|entry| entry.row.training == training).collect();
     let sized = sized(entries);
     let mut maps = Vec::new();
     for mode in distinct(own.iter().map(|entry| entry.row.mode.as_str())) {
-        let own: Vec<&'a Entry<'a>> = own.iter().copied().filter(|entry| entry.row.mode == mode).collect();
+        let own: Vec<&'a SweepEntry<'a>> = own.iter().copied().filter(|entry| entry.row.mode == mode).collect();
         for name in distinct(own.iter().map(|entry| series_label(entry.row, sized))) {
             let ours = own.iter().copied().filter(|entry| series_label(entry.row, sized) == name);
             let words = mode_label(mode);
             let title = if words.is_empty() { name.clone() } else { format!("{name}, {words}") };
-            maps.push(Map { title, entries: ours.collect() });
+            maps.push(HeatMap { title, entries: ours.collect() });
         }
     }
     maps
@@ -77,15 +77,15 @@ fn maps<'a>(entries: &[&'a Entry<'a>], training: &str) -> Vec<Map<'a>> {
 /// One map whose cells begin at `corner`.
 fn paint(
     canvas: &mut Canvas,
-    map: &Map,
-    [down, across]: [&Field; 2],
-    layout: &Layout,
-    corner: Place,
+    map: &HeatMap,
+    [down, across]: [&SweptAxis; 2],
+    layout: &HeatMapLayout,
+    corner: CanvasPoint,
     scale: (f64, f64),
 ) {
     let [wide, high] = layout.cell;
     let (width, height) = (wide * across.values.len() as f64, high * down.values.len() as f64);
-    canvas.text(Text::new(&map.title, [corner[0], corner[1] - 6.0], TEXT, Align::Left).bold());
+    canvas.text(Text::new(&map.title, [corner[0], corner[1] - 6.0], TEXT, TextAlign::Left).bold());
     for entry in &map.entries {
         let [Some(row), Some(column)] = [down.index(entry.at.first()), across.index(entry.at.get(1))] else { continue };
         let [x, y] = [corner[0] + wide * column as f64, corner[1] + high * row as f64];
@@ -95,38 +95,38 @@ fn paint(
         let words = if value_mm.is_finite() { digits(value_mm, scale) } else { "–".to_owned() };
         if high >= SMALL + 2.0 && text_width(&words, SMALL, false) + 2.0 <= wide {
             let middle = [x + 0.5 * wide, y + 0.5 * high + 0.36 * SMALL];
-            canvas.text(Text::new(words, middle, SMALL, Align::Centre).colour(ink));
+            canvas.text(Text::new(words, middle, SMALL, TextAlign::Centre).colour(ink));
         }
     }
     // Names of rows and columns, no denser than they can be read.
     let every = ((SMALL + 2.0) / high).ceil().max(1.0) as usize;
     for (row, value) in down.values.iter().enumerate().step_by(every) {
         let y = corner[1] + high * (row as f64 + 0.5) + 0.36 * SMALL;
-        canvas.text(Text::new(shown(value, NAME), [corner[0] - 5.0, y], SMALL, Align::Right));
+        canvas.text(Text::new(shown(value, NAME), [corner[0] - 5.0, y], SMALL, TextAlign::Right));
     }
     let widest = across.values.iter().map(|value| text_width(&shown(value, NAME), SMALL, false)).fold(0.0, f64::max);
     let every = if across.is_number() { ((widest + 5.0) / wide).ceil().max(1.0) as usize } else { 1 };
     for (column, value) in across.values.iter().enumerate().step_by(every) {
         let room = wide * every as f64 - 3.0;
         let x = corner[0] + wide * (column as f64 + 0.5);
-        canvas.text(Text::new(shown(value, room), [x, corner[1] + height + SMALL + 4.0], SMALL, Align::Centre));
+        canvas.text(Text::new(shown(value, room), [x, corner[1] + height + SMALL + 4.0], SMALL, TextAlign::Centre));
     }
     let [x1, y1] = [corner[0] + width, corner[1] + height];
     let frame = [corner, [x1, corner[1]], [x1, y1], [corner[0], y1], corner];
     canvas.line(&frame, HAIR, GREY, &[]);
     let below = [corner[0] + 0.5 * width, y1 + SMALL + TEXT + 8.0];
-    canvas.text(Text::new(across.label(layout.pitch[0]), below, TEXT, Align::Centre));
+    canvas.text(Text::new(across.label(layout.pitch[0]), below, TEXT, TextAlign::Centre));
     let beside = [corner[0] - layout.names + TEXT, corner[1] + 0.5 * height];
-    canvas.text(Text::new(down.label(height + 20.0), beside, TEXT, Align::Centre).upwards());
+    canvas.text(Text::new(down.label(height + 20.0), beside, TEXT, TextAlign::Centre).upwards());
 }
 
 /// The scale of colours with its two ends; returns where it ends.
 fn key(canvas: &mut Canvas, scale: (f64, f64), measure: &str) -> f64 {
     let y = 18.0;
-    canvas.text(Text::new(measure, [12.0, y], SMALL, Align::Left));
+    canvas.text(Text::new(measure, [12.0, y], SMALL, TextAlign::Left));
     let mut x = 12.0 + text_width(measure, SMALL, false) + 14.0;
     let low = digits(scale.0, scale);
-    canvas.text(Text::new(&low, [x, y], SMALL, Align::Left));
+    canvas.text(Text::new(&low, [x, y], SMALL, TextAlign::Left));
     x += text_width(&low, SMALL, false) + 6.0;
     let steps = 60;
     for step in 0..steps {
@@ -134,9 +134,9 @@ fn key(canvas: &mut Canvas, scale: (f64, f64), measure: &str) -> f64 {
         canvas.rectangle([x, y - 9.0], [x + 2.6, y + 2.0], shade(value, scale).0, 1.0);
         x += 2.5;
     }
-    canvas.text(Text::new(digits(scale.1, scale), [x + 6.0, y], SMALL, Align::Left));
+    canvas.text(Text::new(digits(scale.1, scale), [x + 6.0, y], SMALL, TextAlign::Left));
     let note = "mean over repetitions; –: every trial failed";
-    canvas.text(Text::new(note, [PAGE_WIDTH - 12.0, y], SMALL, Align::Right).colour(GREY));
+    canvas.text(Text::new(note, [PAGE_WIDTH - 12.0, y], SMALL, TextAlign::Right).colour(GREY));
     y
 }
 
@@ -177,8 +177,8 @@ fn contrast(one: Colour, other: Colour) -> f64 {
     one.max(other) / one.min(other)
 }
 
-impl Layout {
-    fn new(down: &Field, across: &Field) -> Layout {
+impl HeatMapLayout {
+    fn new(down: &SweptAxis, across: &SweptAxis) -> HeatMapLayout {
         let widest = down.values.iter().map(|value| text_width(&shown(value, NAME), SMALL, false)).fold(0.0, f64::max);
         let names = widest + TEXT + 14.0;
         let wanted = across.values.iter().map(|value| text_width(&shown(value, NAME), SMALL, false) + 8.0);
@@ -188,7 +188,7 @@ impl Layout {
         let high = CELL_HIGH.min(MOST_HIGH / down.values.len() as f64);
         let map = names + wide * across.values.len() as f64 + 16.0;
         let columns = (((PAGE_WIDTH - 12.0) / map).floor() as usize).max(1);
-        Layout { names, cell: [wide, high], columns, pitch: [map, high * down.values.len() as f64 + 64.0] }
+        HeatMapLayout { names, cell: [wide, high], columns, pitch: [map, high * down.values.len() as f64 + 64.0] }
     }
 }
 

@@ -1,11 +1,11 @@
 //! One swept field: a panel for each kind of training and mode, a line for each policy.
 
 use super::super::axes::{Axis, Panel};
-use super::super::canvas::{Align, Canvas, Text};
-use super::super::legend::{Key, legend};
+use super::super::canvas::{Canvas, Text, TextAlign};
+use super::super::legend::{LegendEntry, legend};
 use super::super::style::{GREY, LOOKS, Look, PAGE_WIDTH, SMALL, TEXT, heading, policy_look};
-use super::field::Field;
-use super::{Entry, distinct, mode_label, series_label, sized, training_heading};
+use super::field::SweptAxis;
+use super::{SweepEntry, distinct, mode_label, series_label, sized, training_heading};
 
 const LEFT: f64 = 58.0;
 const GAP: f64 = 24.0;
@@ -15,29 +15,30 @@ const PITCH: f64 = 226.0;
 /// More points than this in a line are drawn without markers and bars, which would only cover each other.
 const MARKED: usize = 60;
 
-pub(super) fn draw(entries: &[&Entry], field: &Field, measure: &str) -> Canvas {
+pub(super) fn draw(entries: &[&SweepEntry], field: &SweptAxis, measure: &str) -> Canvas {
     let trainings = super::super::trainings(entries.iter().map(|entry| entry.row.training.as_str()));
     let modes = distinct(entries.iter().map(|entry| entry.row.mode.as_str()));
     let sized = sized(entries);
-    let label = |entry: &Entry| series_label(entry.row, sized);
+    let label = |entry: &SweepEntry| series_label(entry.row, sized);
     let series = distinct(entries.iter().map(|entry| label(entry)));
     let looks: Vec<Look> = series.iter().enumerate().map(|(index, name)| look(entries, sized, index, name)).collect();
     // Bands of more than two lines would only darken each other: bars beside each other instead.
     let banded = series.len() <= 2 && field.is_number();
-    let key = |look| if banded { Key::Series(look) } else { Key::Plain(look) };
+    let key = |look| if banded { LegendEntry::Series(look) } else { LegendEntry::Plain(look) };
     let mut canvas = Canvas::new(PAGE_WIDTH, super::TALL);
-    let keys: Vec<(Key, &str)> = looks.iter().map(|look| key(*look)).zip(series.iter().map(String::as_str)).collect();
+    let keys: Vec<(LegendEntry, &str)> =
+        looks.iter().map(|look| key(*look)).zip(series.iter().map(String::as_str)).collect();
     let below = legend(&mut canvas, [LEFT, 16.0], PAGE_WIDTH - 10.0, &keys);
     let kind = if banded { "band" } else { "bars" };
     let note = format!("{kind}: ± 1 standard deviation over repetitions");
-    canvas.text(Text::new(note, [LEFT, below + 17.0], SMALL, Align::Left).colour(GREY));
+    canvas.text(Text::new(note, [LEFT, below + 17.0], SMALL, TextAlign::Left).colour(GREY));
     let wide = (PAGE_WIDTH - LEFT - 14.0 - GAP * (trainings.len() - 1) as f64) / trainings.len() as f64;
     let headed = trainings.iter().any(|training| !training_heading(training).is_empty());
     let top = below + if headed { 60.0 } else { 42.0 };
     for (column, training) in trainings.iter().enumerate() {
         let middle = LEFT + column as f64 * (wide + GAP) + wide / 2.0;
         let words = if training_heading(training).is_empty() { String::new() } else { heading(training) };
-        canvas.text(Text::new(words, [middle, below + 37.0], TEXT, Align::Centre).bold());
+        canvas.text(Text::new(words, [middle, below + 37.0], TEXT, TextAlign::Centre).bold());
     }
     for (line, mode) in modes.iter().enumerate() {
         let y = errors(entries.iter().filter(|entry| entry.row.mode == *mode), measure);
@@ -51,7 +52,7 @@ pub(super) fn draw(entries: &[&Entry], field: &Field, measure: &str) -> Canvas {
             };
             panel.draw(&mut canvas);
             let own = entries.iter().filter(|entry| entry.row.mode == *mode && entry.row.training == *training);
-            let own: Vec<&&Entry> = own.collect();
+            let own: Vec<&&SweepEntry> = own.collect();
             let lines = series.iter().zip(&looks).enumerate().map(|(index, (name, look))| {
                 let aside = if banded { 0.0 } else { index as f64 - (series.len() - 1) as f64 / 2.0 };
                 (
@@ -67,7 +68,7 @@ pub(super) fn draw(entries: &[&Entry], field: &Field, measure: &str) -> Canvas {
 }
 
 /// A policy looks as it does in every figure; sizes of one take the looks in turn.
-fn look(entries: &[&Entry], sized: bool, index: usize, name: &str) -> Look {
+fn look(entries: &[&SweepEntry], sized: bool, index: usize, name: &str) -> Look {
     let policy = entries.iter().find(|entry| series_label(entry.row, sized) == name).map(|entry| &entry.row.policy);
     match policy {
         Some(policy) if !sized && !policy.is_empty() => policy_look(policy),
@@ -75,8 +76,8 @@ fn look(entries: &[&Entry], sized: bool, index: usize, name: &str) -> Look {
     }
 }
 
-/// The axis of errors, millimetres, with room for the spread.
-fn errors<'a>(entries: impl Iterator<Item = &'a &'a Entry<'a>>, measure: &str) -> Axis {
+/// The axis of errors, millimetres, with room for the axis_scale.
+fn errors<'a>(entries: impl Iterator<Item = &'a &'a SweepEntry<'a>>, measure: &str) -> Axis {
     let ends = entries.flat_map(|entry| {
         let spread_m = if entry.row.sd_over_seeds_m.is_finite() { entry.row.sd_over_seeds_m } else { 0.0 };
         [entry.row.mean_m - spread_m, entry.row.mean_m + spread_m].map(|end_m| 1e3 * end_m)
@@ -85,9 +86,9 @@ fn errors<'a>(entries: impl Iterator<Item = &'a &'a Entry<'a>>, measure: &str) -
 }
 
 /// Place, mean and standard deviation of the points of one line, in the order of the axis.
-fn points(own: &[&&Entry], field: &Field, aside: f64, ours: impl Fn(&Entry) -> bool) -> Vec<[f64; 3]> {
+fn points(own: &[&&SweepEntry], field: &SweptAxis, aside: f64, ours: impl Fn(&SweepEntry) -> bool) -> Vec<[f64; 3]> {
     let ours = own.iter().filter(|entry| ours(entry) && entry.row.mean_m.is_finite());
-    let point = |entry: &&&Entry| {
+    let point = |entry: &&&SweepEntry| {
         let place = entry.at.first().map_or(f64::NAN, |value| field.place(value));
         [place + aside, 1e3 * entry.row.mean_m, 1e3 * entry.row.sd_over_seeds_m]
     };

@@ -9,7 +9,7 @@ use super::canvas::Canvas;
 use super::style::{policy_label, training_label};
 use super::{Artifact, Figure, Published, ReportError, pictures};
 use crate::data::rows::SweepRow;
-use field::Field;
+use field::SweptAxis;
 use std::collections::HashMap;
 
 /// Registry entry.
@@ -27,7 +27,7 @@ const TASKS: [(&str, &str); 3] = [
 const TALL: f64 = 1e6;
 
 /// One row with the values of the swept fields.
-struct Entry<'a> {
+struct SweepEntry<'a> {
     /// The cells of the swept fields.
     at: Vec<&'a str>,
     row: &'a SweepRow,
@@ -42,12 +42,13 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
         let found = format!("{} swept fields", swept.fields.len());
         return Err(ReportError::Mixed { figure: FIGURE.name, found, expected: "or two of them" });
     }
-    let fields: Vec<Field> = swept.fields.iter().map(|(name, cells)| Field::new(name, cells)).collect();
+    let fields: Vec<SweptAxis> = swept.fields.iter().map(|(name, cells)| SweptAxis::new(name, cells)).collect();
     let at = |row: usize| swept.fields.iter().filter_map(|(_, cells)| cells.get(row).map(String::as_str)).collect();
-    let entries: Vec<Entry> = swept.rows.iter().enumerate().map(|(index, row)| Entry { at: at(index), row }).collect();
+    let entries: Vec<SweepEntry> =
+        swept.rows.iter().enumerate().map(|(index, row)| SweepEntry { at: at(index), row }).collect();
     let mut files = Vec::new();
     for (task, measure) in TASKS {
-        let own: Vec<&Entry> = entries.iter().filter(|entry| entry.row.task == task).collect();
+        let own: Vec<&SweepEntry> = entries.iter().filter(|entry| entry.row.task == task).collect();
         if own.is_empty() {
             continue;
         }
@@ -94,7 +95,7 @@ fn series_label(row: &SweepRow, sized: bool) -> String {
 }
 
 /// Whether any policy comes with several sizes at one point.
-fn sized(entries: &[&Entry]) -> bool {
+fn sized(entries: &[&SweepEntry]) -> bool {
     let mut first = HashMap::new();
     entries.iter().any(|entry| {
         let row = entry.row;

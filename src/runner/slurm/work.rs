@@ -9,7 +9,7 @@ use crate::runner::key::Key;
 use crate::runner::outcomes::Outcomes;
 use crate::runner::progress::Progress;
 use crate::runner::schedule::{Orders, carry_out};
-use crate::specs::Study;
+use crate::specs::ExperimentSet;
 use std::collections::HashMap;
 use std::time::Duration;
 
@@ -66,7 +66,7 @@ pub fn work(folder: &Folder, place: Place, threads: usize, progress: &Progress) 
 
 /// The campaign, expanded from the specs in its folder.
 pub(super) fn campaign(folder: &Folder) -> Result<Campaign, String> {
-    let read = |file| Study::read(file, &[], &[]).map_err(|error| error.to_string());
+    let read = |file| ExperimentSet::read(file, &[], &[]).map_err(|error| error.to_string());
     let specs = folder.specs().iter().map(|file| read(file)).collect::<Result<Vec<_>, _>>()?;
     Campaign::expand(specs).map_err(|failure| failure.to_string())
 }

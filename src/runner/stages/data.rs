@@ -5,7 +5,7 @@ use crate::base::{Point3, Seed};
 use crate::data::rows::GapRow;
 use crate::runner::code::ROBOT;
 use crate::runner::graph::Kind;
-use crate::tasks::{self, GpPool, Samples, SimulatedBy};
+use crate::tasks::{self, GpPool, SimulatedBy, Transitions};
 
 const EXPLORE: Kind = Kind { name: "collect_sim", sources: ROBOT, cost_ms: 14000 };
 const REPLAY: Kind = Kind { name: "collect_real", sources: ROBOT, cost_ms: 20000 };
@@ -23,11 +23,11 @@ pub(super) type Targets = Vec<(usize, Point3)>;
 
 impl Stages<'_> {
     /// The random exploration on the model.
-    pub(crate) fn explore(&mut self) -> Added<Samples> {
+    pub(crate) fn explore(&mut self) -> Added<Transitions> {
         self.once((EXPLORE.name, None, 0), Self::add_explore)
     }
 
-    fn add_explore(&mut self) -> Added<Samples> {
+    fn add_explore(&mut self) -> Added<Transitions> {
         let (model, options, step_s) = (self.parts.model.clone(), self.spec.explore, self.step_s());
         let seed = self.seed.child("explore");
         let params = (model.clone(), options, step_s, seed.0);
@@ -38,11 +38,11 @@ impl Stages<'_> {
     }
 
     /// The same commands on the robot.
-    pub(crate) fn replay(&mut self) -> Added<Samples> {
+    pub(crate) fn replay(&mut self) -> Added<Transitions> {
         self.once((REPLAY.name, None, 0), Self::add_replay)
     }
 
-    fn add_replay(&mut self) -> Added<Samples> {
+    fn add_replay(&mut self) -> Added<Transitions> {
         let explored = self.explore()?;
         let (plant, step_s, seed) = (self.parts.plant.clone(), self.step_s(), self.seed.child("replay"));
         let params = (plant.clone(), step_s, seed.0);
@@ -129,7 +129,7 @@ impl Stages<'_> {
     }
 }
 
-fn gap_row(model: &Samples, robot: &Samples, sample: usize) -> GapRow {
+fn gap_row(model: &Transitions, robot: &Transitions, sample: usize) -> GapRow {
     let (pulls, sim, real) = (model.pulls_m.row(sample), model.to_m.row(sample), robot.to_m.row(sample));
     GapRow {
         seed: 0,

@@ -9,7 +9,7 @@ use crate::policies::{ElmanForward, GpError};
 use crate::runner::code::LEARN;
 use crate::runner::graph::{Failure, Handle, Inputs, Kind};
 use crate::specs::{GeneratedStart, Training};
-use crate::tasks::{self, Samples, SimulatedBy};
+use crate::tasks::{self, SimulatedBy, Transitions};
 use std::sync::Arc;
 
 const FORWARD: Kind = Kind { name: "train_forward", sources: LEARN, cost_ms: 2000 };
@@ -85,7 +85,7 @@ impl Stages<'_> {
         let label = self.label(&format!("Gaussian process, {points} points"));
         self.graph.stage(GP, label, &(config.clone(), points, seed.0), &inputs, move |given| {
             let pool = given.get(pool)?;
-            let points_by = |steps: &Samples| pool.points_by(steps);
+            let points_by = |steps: &Transitions| pool.points_by(steps);
             let all = network.map(|network| simulated(given, network, &pool.steps)).transpose()?;
             let all = all.as_ref().map_or_else(|| pool.points(), points_by);
             let chosen = tasks::one_of_each_cluster(all.inputs.len(), points, seed).map_err(status)?;
@@ -121,7 +121,7 @@ impl Stages<'_> {
                 let samples = given.get(samples)?;
                 let error = GpError::new(given.get(gp)?.clone(), samples.pulls_m.width()).map_err(status)?;
                 let simulated = network.map(|network| simulated(given, network, samples)).transpose()?;
-                tasks::generate(simulated.as_ref().unwrap_or(samples), &error).map_err(status)?
+                tasks::correct_samples(simulated.as_ref().unwrap_or(samples), &error).map_err(status)?
             };
             let inputs = beside(&samples.from_m, &samples.to_m);
             let (outputs, starts) = (&samples.pulls_m, &samples.starts);
@@ -148,10 +148,10 @@ impl Stages<'_> {
 }
 
 /// The commands of a recording as the forward network plays them.
-fn simulated(given: &Inputs, network: Handle<Trained>, samples: &Samples) -> Result<Samples, String> {
+fn simulated(given: &Inputs, network: Handle<Trained>, samples: &Transitions) -> Result<Transitions, String> {
     let network = Arc::new(given.get(network)?.network.clone());
     let mut model = ElmanForward::new(network, samples.pulls_m.width()).map_err(status)?;
-    tasks::imagine(samples, &mut model).map_err(status)
+    tasks::rollout(samples, &mut model).map_err(status)
 }
 
 /// The columns of two tables side by side.

@@ -12,7 +12,7 @@ use crate::learn::rnn::Trained;
 use crate::policies::{self, ElmanInverse, GpError, InverseModel, Part, PolicyEntry, PolicyOptions, PolicyParts};
 use crate::runner::code::TRIAL;
 use crate::runner::graph::{Failure, Handle, Inputs, Kind};
-use crate::specs::{Cell, Mode, Training};
+use crate::specs::{Training, TrialCell, TrialMode};
 use crate::tasks::{self, LoopMode, ReachOptions, ReachOutcome, TrackStep};
 use std::sync::Arc;
 
@@ -72,7 +72,7 @@ struct Condition {
 
 impl Stages<'_> {
     /// Goal reaching in one cell; seed and training of the rows are filled in by whoever publishes them.
-    pub(crate) fn reach(&mut self, cell: &Cell, training: &Training) -> Added<Vec<TrialRow>> {
+    pub(crate) fn reach(&mut self, cell: &TrialCell, training: &Training) -> Added<Vec<TrialRow>> {
         let (entry, condition) = self.condition(cell, "reach")?;
         let (parts, targets, options) = (self.parts(entry, cell, training)?, self.targets()?, self.spec.reach);
         let inputs: Vec<usize> = parts.numbers().into_iter().chain([targets.number()]).collect();
@@ -85,7 +85,7 @@ impl Stages<'_> {
     }
 
     /// Path tracking of one policy; seed and training of the rows are filled in by whoever publishes them.
-    pub(crate) fn track(&mut self, cell: &Cell, training: &Training) -> Added<Vec<TrackRow>> {
+    pub(crate) fn track(&mut self, cell: &TrialCell, training: &Training) -> Added<Vec<TrackRow>> {
         let (entry, condition) = self.condition(cell, "track")?;
         let (parts, path, options) = (self.parts(entry, cell, training)?, self.path()?, self.spec.track);
         let inputs: Vec<usize> = parts.numbers().into_iter().chain([path.number()]).collect();
@@ -99,10 +99,10 @@ impl Stages<'_> {
         })
     }
 
-    fn condition(&self, cell: &Cell, task: &str) -> Result<(&'static PolicyEntry, Condition), Failure> {
+    fn condition(&self, cell: &TrialCell, task: &str) -> Result<(&'static PolicyEntry, Condition), Failure> {
         let unknown = |what: &str| Failure { stage: task.to_owned(), status: format!("unknown {what}") };
         let entry = policies::find(&cell.policy).ok_or_else(|| unknown(&cell.policy))?;
-        let mode: &Mode = self.spec.modes.get(&cell.mode).ok_or_else(|| unknown(&cell.mode))?;
+        let mode: &TrialMode = self.spec.modes.get(&cell.mode).ok_or_else(|| unknown(&cell.mode))?;
         let condition = Condition {
             policy: cell.policy.clone(),
             options: self.parts.policies.clone(),
@@ -115,7 +115,7 @@ impl Stages<'_> {
         Ok((entry, condition))
     }
 
-    fn parts(&mut self, entry: &PolicyEntry, cell: &Cell, training: &Training) -> Result<PartStages, Failure> {
+    fn parts(&mut self, entry: &PolicyEntry, cell: &TrialCell, training: &Training) -> Result<PartStages, Failure> {
         let mut parts = PartStages::default();
         for part in entry.needs {
             match part {
@@ -135,7 +135,7 @@ fn reach_all(
     mut policy: Box<dyn Policy>,
     targets: &Targets,
     options: &ReachOptions,
-    cell: &Cell,
+    cell: &TrialCell,
 ) -> Result<Vec<TrialRow>, String> {
     let mut plant = condition.plant.build(&condition.effects, condition.step_s)?;
     let mut rows = Vec::with_capacity(targets.len());
@@ -147,7 +147,7 @@ fn reach_all(
     Ok(rows)
 }
 
-fn trial_row(cell: &Cell, draw: usize, target_m: &Point3, outcome: &ReachOutcome) -> TrialRow {
+fn trial_row(cell: &TrialCell, draw: usize, target_m: &Point3, outcome: &ReachOutcome) -> TrialRow {
     TrialRow {
         seed: 0,
         training: String::new(),

@@ -2,8 +2,8 @@
 
 use super::{CHOICES, Document, Layer, SET, get, remove, unaliased};
 use crate::specs::emit::describe;
-use crate::specs::error::{Place, SpecError};
-use crate::specs::locate::{End, locate};
+use crate::specs::error::{SourceLocation, SpecError};
+use crate::specs::locate::{PathEnd, locate};
 use crate::specs::path::{KeyPath, Step};
 use serde::de::DeserializeOwned;
 use serde_yaml::{Mapping, Value};
@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// A field of `sweep:` as some source has it, before anybody asks what its values are.
 #[derive(Clone, Debug)]
-pub(in crate::specs) struct Written {
+pub(in crate::specs) struct SweptEntry {
     /// The field that it means.
     pub(in crate::specs) field: KeyPath,
     /// Where its values stand.
@@ -29,7 +29,7 @@ pub(in crate::specs) struct Written {
 #[derive(Clone, Debug)]
 pub(in crate::specs) struct Origin {
     /// The field, and where its values are written.
-    pub(in crate::specs) written: Arc<Written>,
+    pub(in crate::specs) written: Arc<SweptEntry>,
     /// Where among them this value is; nowhere for one that was computed.
     pub(in crate::specs) below: Option<Step>,
     /// Files that the value names: where below the field each name stood, the file and its text.
@@ -38,16 +38,16 @@ pub(in crate::specs) struct Origin {
 
 impl Origin {
     /// The place of `path`, if it is in the swept field.
-    pub(super) fn place(&self, document: &Document, path: &KeyPath, end: End) -> Option<Place> {
+    pub(super) fn place(&self, document: &Document, path: &KeyPath, end: PathEnd) -> Option<SourceLocation> {
         let rest = path.0.strip_prefix(self.written.field.0.as_slice())?;
         let files = self.files.iter().map(|(below, file, text)| (rest.strip_prefix(below.0.as_slice()), file, text));
         if let Some((inside, file, text)) = files.filter_map(|(inside, file, text)| Some((inside?, file, text))).next()
         {
             let (line, column) = locate(text, &KeyPath(inside.to_vec()), end).unwrap_or((1, 1));
-            return Some(Place::File { file: file.clone(), line, column });
+            return Some(SourceLocation::File { file: file.clone(), line, column });
         }
-        if rest.is_empty() && end == End::Key {
-            return Some(document.place_swept(&self.written, &[], End::Key));
+        if rest.is_empty() && end == PathEnd::Key {
+            return Some(document.place_swept(&self.written, &[], PathEnd::Key));
         }
         let below: Vec<Step> = self.below.iter().chain(rest).cloned().collect();
         Some(document.place_swept(&self.written, &below, end))
@@ -60,9 +60,9 @@ impl Document {
     ///
     /// # Errors
     /// A `sweep` that is no mapping, a field that one source, or the command line, sweeps twice.
-    pub(in crate::specs) fn take_sweep(&mut self) -> Result<Vec<Written>, SpecError> {
+    pub(in crate::specs) fn take_sweep(&mut self) -> Result<Vec<SweptEntry>, SpecError> {
         let sweep = KeyPath::default().key("sweep");
-        let mut fields: Vec<Written> = Vec::new();
+        let mut fields: Vec<SweptEntry> = Vec::new();
         for (number, layer) in self.layers.iter().enumerate().rev() {
             let mapping = match layer.rooted().get("sweep") {
                 None => continue,
@@ -80,11 +80,11 @@ impl Document {
                 let key = key.as_str().ok_or_else(|| refuse(format!("the key `{}`", describe(&key))))?.to_owned();
                 let field = unaliased(KeyPath::parse(&key).map_err(refuse)?);
                 let written =
-                    Written { at: sweep.key(&key), field, layer: number, folder: layer.folder.clone(), value };
+                    SweptEntry { at: sweep.key(&key), field, layer: number, folder: layer.folder.clone(), value };
                 let same = fields.iter().position(|known| known.field == written.field);
                 let known = same.map(|index| &self.layers[fields[index].layer]);
                 if known.is_some_and(|known| known.name == layer.name || (known.is_option() && layer.is_option())) {
-                    let place = layer.place(&written.at, End::Key);
+                    let place = layer.place(&written.at, PathEnd::Key);
                     let (found, expected) = ("a field that is swept already".into(), "each field once".into());
                     return Err(SpecError::Key { place, key: written.field, found, expected });
                 }
@@ -103,30 +103,31 @@ impl Document {
     }
 
     /// Where the `--set` stands that says something of `field` or of a part of it.
-    pub(in crate::specs) fn set_by(&self, field: &KeyPath) -> Option<Place> {
+    pub(in crate::specs) fn set_by(&self, field: &KeyPath) -> Option<SourceLocation> {
         let says = |layer: &&Layer| {
             layer.name.starts_with(SET) && (layer.root.0.starts_with(&field.0) || get(&layer.rooted(), field).is_some())
         };
-        self.layers.iter().find(says).map(|layer| layer.place(field, End::Value))
+        self.layers.iter().find(says).map(|layer| layer.place(field, PathEnd::Value))
     }
 
     /// The error for a place in the values of a swept field.
     pub(in crate::specs) fn refuse_swept(
         &self,
-        written: &Written,
+        written: &SweptEntry,
         below: &[Step],
         found: String,
         expected: &str,
     ) -> SpecError {
-        let place = self.place_swept(written, below, End::Value);
+        let place = self.place_swept(written, below, PathEnd::Value);
         SpecError::Key { place, key: written.field.clone(), found, expected: expected.to_owned() }
     }
 
     /// Where `below` the values of a swept field stands, or what of it was written.
-    pub(in crate::specs) fn place_swept(&self, written: &Written, below: &[Step], end: End) -> Place {
+    pub(in crate::specs) fn place_swept(&self, written: &SweptEntry, below: &[Step], end: PathEnd) -> SourceLocation {
         let layer = &self.layers[written.layer];
         let full = KeyPath([written.at.0.as_slice(), below].concat());
-        let (path, end) = if get(&layer.rooted(), &full).is_some() { (&full, end) } else { (&written.at, End::Value) };
+        let (path, end) =
+            if get(&layer.rooted(), &full).is_some() { (&full, end) } else { (&written.at, PathEnd::Value) };
         layer.place(path, end)
     }
 
@@ -162,11 +163,11 @@ impl Document {
     /// and its text.
     pub(in crate::specs) fn read_swept_file(
         &self,
-        written: &Written,
+        written: &SweptEntry,
         below: &[Step],
         name: &str,
     ) -> Result<(Value, String, String), SpecError> {
-        let place = self.place_swept(written, below, End::Value);
+        let place = self.place_swept(written, below, PathEnd::Value);
         let layer = Layer::file(&written.folder.join(name), Some((&written.field, place)))?;
         Ok((layer.value, layer.name, layer.text))
     }

@@ -6,7 +6,7 @@ use crate::base::{Displacements, Observation, Point3, Rows};
 
 /// Transitions (x_i, u_i) → x_{i+1} of one or more trajectories, each of which starts at rest at home.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Samples {
+pub struct Transitions {
     /// Measured tip before each step, metres, three columns.
     pub from_m: Rows,
     /// Displacements in force during the step, metres, one column a tendon.
@@ -17,10 +17,10 @@ pub struct Samples {
     pub starts: Vec<usize>,
 }
 
-impl Samples {
+impl Transitions {
     /// An empty trajectory of a robot with so many tendons.
     pub(super) fn begin(tendons: usize) -> Self {
-        Samples { from_m: Rows::new(3), pulls_m: Rows::new(tendons), to_m: Rows::new(3), starts: vec![0] }
+        Transitions { from_m: Rows::new(3), pulls_m: Rows::new(tendons), to_m: Rows::new(3), starts: vec![0] }
     }
 
     /// Appends the step from one observation to the next.
@@ -52,8 +52,8 @@ impl Samples {
     }
 
     /// Trajectories recorded apart, put one after the other.
-    pub fn concat(parts: &[Samples]) -> Samples {
-        let mut whole = Samples::begin(parts.first().map_or(0, |part| part.pulls_m.width()));
+    pub fn concat(parts: &[Transitions]) -> Transitions {
+        let mut whole = Transitions::begin(parts.first().map_or(0, |part| part.pulls_m.width()));
         whole.starts.clear();
         for part in parts {
             whole.starts.extend(part.starts.iter().map(|start| start + whole.to_m.len()));
@@ -67,9 +67,9 @@ impl Samples {
     }
 
     /// The first `count` transitions, for learning from fewer.
-    pub fn first(&self, count: usize) -> Samples {
+    pub fn first(&self, count: usize) -> Transitions {
         let kept: Vec<usize> = (0..count.min(self.len())).collect();
-        Samples {
+        Transitions {
             from_m: self.from_m.select(&kept),
             pulls_m: self.pulls_m.select(&kept),
             to_m: self.to_m.select(&kept),

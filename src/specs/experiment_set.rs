@@ -1,12 +1,12 @@
 //! A spec with what it sweeps: one checked experiment for each point of the product.
 
 use super::check;
-use super::document::{Document, Origin, Written};
+use super::document::{Document, Origin, SweptEntry};
 use super::error::SpecError;
 use super::experiment::Experiment;
 use super::path::{KeyPath, Step};
 use super::plant::PlantSpec;
-use super::series::{One, expand};
+use super::series::{SweepValue, expand};
 use super::to_yaml;
 use crate::base::Seed;
 use serde_yaml::{Mapping, Value};
@@ -21,13 +21,13 @@ const NOT_SWEPT: [&str; 8] = ["name", "extends", "sweep", "seeds", "first_seed",
 
 /// An experiment, or one for each point of what its spec sweeps.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Study {
+pub struct ExperimentSet {
     /// The experiment; of a sweep, its first point, with the claims, which its other points leave out.
     pub experiment: Experiment,
     /// The swept fields, the last of which changes first from point to point; none without a sweep.
     pub sweep: Vec<SweptField>,
     /// All points in their fixed order; none without a sweep.
-    pub points: Vec<Point>,
+    pub points: Vec<SweepPoint>,
     /// The fields with their values as they were written, files read in.
     written: Mapping,
 }
@@ -41,51 +41,51 @@ pub struct SweptField {
     pub values: Vec<String>,
 }
 
-/// One point of a sweep.
+/// SweepValue point of a sweep.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Point {
+pub struct SweepPoint {
     /// Which of its values each field has.
     pub values: Vec<usize>,
     /// The experiment there.
     pub experiment: Arc<Experiment>,
 }
 
-impl From<Experiment> for Study {
-    fn from(experiment: Experiment) -> Study {
-        Study { experiment, sweep: Vec::new(), points: Vec::new(), written: Mapping::new() }
+impl From<Experiment> for ExperimentSet {
+    fn from(experiment: Experiment) -> ExperimentSet {
+        ExperimentSet { experiment, sweep: Vec::new(), points: Vec::new(), written: Mapping::new() }
     }
 }
 
-impl Study {
+impl ExperimentSet {
     /// Reads and checks a spec with overrides `path.to.key=value` and sweeps `path.to.key=values`. Paths may be
     /// written with the aliases of `docs/sweeps.md`.
     ///
     /// # Errors
     /// [`SpecError`] for the first thing that is wrong, at whichever point.
-    pub fn read(file: &Path, sets: &[String], sweeps: &[String]) -> Result<Study, SpecError> {
+    pub fn read(file: &Path, sets: &[String], sweeps: &[String]) -> Result<ExperimentSet, SpecError> {
         let includes: Vec<KeyPath> =
             ["model", "plant"].iter().flat_map(|key| PlantSpec::model_paths(&KeyPath::default().key(key))).collect();
         let mut document = Document::read_swept(file, sets, sweeps, &includes)?;
         let written = document.take_sweep()?;
         if written.is_empty() {
-            return checked(&document, false).map(Study::from);
+            return checked(&document, false).map(ExperimentSet::from);
         }
         let seed = document.value(&KeyPath::default().key("seed")).and_then(Value::as_u64).unwrap_or_default();
-        let fields = written.into_iter().map(|written| Field::read(&document, written, &includes, Seed(seed)));
-        let fields = fields.collect::<Result<Vec<Field>, SpecError>>()?;
+        let fields = written.into_iter().map(|written| ResolvedField::read(&document, written, &includes, Seed(seed)));
+        let fields = fields.collect::<Result<Vec<ResolvedField>, SpecError>>()?;
         let count = count(&document, &fields)?;
-        let mut study = Study {
+        let mut set = ExperimentSet {
             experiment: at_point(&mut document, &fields, [0, count], false)?,
-            sweep: fields.iter().map(Field::swept).collect(),
+            sweep: fields.iter().map(ResolvedField::swept).collect(),
             points: Vec::with_capacity(count),
             written: fields.iter().map(|field| field.resolved(seed)).collect(),
         };
         document.drop_key("claims");
         for number in 0..count {
             let experiment = Arc::new(at_point(&mut document, &fields, [number, count], true)?);
-            study.points.push(Point { values: digits(&fields, number), experiment });
+            set.points.push(SweepPoint { values: digits(&fields, number), experiment });
         }
-        Ok(study)
+        Ok(set)
     }
 
     /// The experiments at all points, the first one again among them.
@@ -93,7 +93,7 @@ impl Study {
         std::iter::once(&self.experiment).chain(self.points.iter().map(|point| point.experiment.as_ref()))
     }
 
-    /// The spec with everything filled in, which reads as this study wherever it lies.
+    /// The spec with everything filled in, which reads as this set wherever it lies.
     ///
     /// # Errors
     /// What the serialiser says.
@@ -107,7 +107,7 @@ impl Study {
     }
 }
 
-impl Point {
+impl SweepPoint {
     /// Its values in words, `field=value` for each field.
     pub fn label(&self, sweep: &[SweptField]) -> String {
         label(sweep.iter().zip(&self.values).map(|(field, &value)| (field.name.as_str(), field.values[value].as_str())))
@@ -119,16 +119,21 @@ fn label<'a>(values: impl Iterator<Item = (&'a str, &'a str)>) -> String {
 }
 
 /// A swept field with its values.
-struct Field {
-    written: Arc<Written>,
-    values: Vec<(One, Files)>,
+struct ResolvedField {
+    written: Arc<SweptEntry>,
+    values: Vec<(SweepValue, IncludedFiles)>,
 }
 
 /// The files that a value names: where below the field each name stood, the file and its text.
-type Files = Arc<Vec<(KeyPath, String, String)>>;
+type IncludedFiles = Arc<Vec<(KeyPath, String, String)>>;
 
-impl Field {
-    fn read(document: &Document, written: Written, includes: &[KeyPath], seed: Seed) -> Result<Field, SpecError> {
+impl ResolvedField {
+    fn read(
+        document: &Document,
+        written: SweptEntry,
+        includes: &[KeyPath],
+        seed: Seed,
+    ) -> Result<ResolvedField, SpecError> {
         let field = &written.field;
         let refuse = |found: &str, expected: &str| document.refuse_swept(&written, &[], found.to_owned(), expected);
         if let Some(Step::Key(first)) = field.0.first()
@@ -142,12 +147,12 @@ impl Field {
         }
         let values = expand(&written.value, field, seed)
             .map_err(|(below, found, expected)| document.refuse_swept(&written, &below.0, found, &expected))?;
-        let with_files = |mut one: One| {
+        let with_files = |mut one: SweepValue| {
             let files = read_files(document, &written, &mut one, includes)?;
             Ok((one, files))
         };
         let values = values.into_iter().map(with_files).collect::<Result<Vec<_>, SpecError>>()?;
-        Ok(Field { written: Arc::new(written), values })
+        Ok(ResolvedField { written: Arc::new(written), values })
     }
 
     fn swept(&self) -> SweptField {
@@ -175,7 +180,12 @@ impl Field {
 }
 
 /// Reads the files that `one` names where a name may stand for a file, and puts their content there.
-fn read_files(document: &Document, written: &Written, one: &mut One, includes: &[KeyPath]) -> Result<Files, SpecError> {
+fn read_files(
+    document: &Document,
+    written: &SweptEntry,
+    one: &mut SweepValue,
+    includes: &[KeyPath],
+) -> Result<IncludedFiles, SpecError> {
     let mut files = Vec::new();
     for include in includes {
         let Some(below) = include.0.strip_prefix(written.field.0.as_slice()) else { continue };
@@ -190,7 +200,7 @@ fn read_files(document: &Document, written: &Written, one: &mut One, includes: &
 }
 
 /// The size of the product.
-fn count(document: &Document, fields: &[Field]) -> Result<usize, SpecError> {
+fn count(document: &Document, fields: &[ResolvedField]) -> Result<usize, SpecError> {
     let sizes: Vec<usize> = fields.iter().map(|field| field.values.len()).collect();
     let count = sizes.iter().try_fold(1_usize, |product, &size| product.checked_mul(size));
     match (count.filter(|&count| count <= MOST_POINTS), fields.last()) {
@@ -205,7 +215,7 @@ fn count(document: &Document, fields: &[Field]) -> Result<usize, SpecError> {
 }
 
 /// Which value of each field point `number` has: the last field's changes first.
-fn digits(fields: &[Field], number: usize) -> Vec<usize> {
+fn digits(fields: &[ResolvedField], number: usize) -> Vec<usize> {
     let mut rest = number;
     let mut digits: Vec<usize> = fields
         .iter()
@@ -223,19 +233,19 @@ fn digits(fields: &[Field], number: usize) -> Vec<usize> {
 /// Puts the values of point `number` into the document and reads the experiment there.
 fn at_point(
     document: &mut Document,
-    fields: &[Field],
+    fields: &[ResolvedField],
     [number, count]: [usize; 2],
     fast: bool,
 ) -> Result<Experiment, SpecError> {
     let digits = digits(fields, number);
-    let mut put: Vec<(&Field, &One, &Files)> = fields
+    let mut put: Vec<(&ResolvedField, &SweepValue, &IncludedFiles)> = fields
         .iter()
         .zip(&digits)
         .map(|(field, &digit)| (field, &field.values[digit].0, &field.values[digit].1))
         .collect();
     // A field inside another swept one (a number of a model, and the model's file) is put there after it.
     put.sort_by_key(|(field, _, _)| field.written.field.0.len());
-    let origin = |&(field, one, files): &(&Field, &One, &Files)| Origin {
+    let origin = |&(field, one, files): &(&ResolvedField, &SweepValue, &IncludedFiles)| Origin {
         written: field.written.clone(),
         below: one.below.clone(),
         files: files.clone(),
