@@ -10,7 +10,7 @@ use hardware_support::{STEP_S, open, options};
 use spinebench::base::{Plant, PlantError, Seed};
 use spinebench::hardware::interrupt::Interrupt;
 use spinebench::plants::Hardware;
-use spinebench::simulators::{ControllerFault, FakeBody, Plan, TrackerFault, World};
+use spinebench::simulators::{ControllerFault, Intervention, Simulator, TrackedBody, TrackerFault};
 
 /// When the fault comes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +34,7 @@ enum Expected {
 }
 
 /// What breaks something.
-type Breaks = Box<dyn Fn(&mut World, &Interrupt) + Send + Sync>;
+type Breaks = Box<dyn Fn(&mut Simulator, &Interrupt) + Send + Sync>;
 
 /// A fault, whether it ends by itself, and what must come of it in each phase.
 struct Fault {
@@ -88,8 +88,8 @@ fn of_the_tracker() -> Vec<(&'static str, TrackerFault, [Expected; 3])> {
     use TrackerFault::*;
     vec![
         ("tracker says nothing", Silent, LOST),
-        ("tip hidden", Occluded(FakeBody::Tip), LOST),
-        ("base hidden", Occluded(FakeBody::Base), LOST),
+        ("tip hidden", Occluded(TrackedBody::Tip), LOST),
+        ("base hidden", Occluded(TrackedBody::Base), LOST),
         ("tip's body removed in Motive", BodyGone, LOST),
         ("poses that are no numbers", NanPose, LOST),
         ("frames that cannot be read", Malformed, LOST),
@@ -110,7 +110,7 @@ fn passing() -> Vec<(&'static str, TrackerFault, [Expected; 3])> {
     let held = [Held("tracking"), Held("tracking"), Nothing];
     vec![
         ("tracker says nothing for 120 ms", TrackerFault::Silent, held),
-        ("tip hidden for 120 ms", TrackerFault::Occluded(FakeBody::Tip), held),
+        ("tip hidden for 120 ms", TrackerFault::Occluded(TrackedBody::Tip), held),
     ]
 }
 
@@ -179,7 +179,7 @@ fn plan(plant: &Hardware, fault: &Arc<Fault>) -> f64 {
     let stage = plant.stage().unwrap();
     let (interrupt, breaking, inject_s) = (stage.interrupt(), Arc::clone(fault), plant.now_s() + AFTER_S);
     stage.with(|world| {
-        let breaks: Plan = Box::new(move |world| (breaking.inject)(world, &interrupt));
+        let breaks: Intervention = Box::new(move |world| (breaking.inject)(world, &interrupt));
         world.at(inject_s, breaks);
         if fault.lasts_s.is_finite() {
             world.at(inject_s + fault.lasts_s, Box::new(|world| world.tracker.calm()));
@@ -228,7 +228,7 @@ fn blink(plant: &Hardware, times: u32, period_s: f64, hidden_s: f64) {
     plant.stage().unwrap().with(|world| {
         for k in 1..=times {
             let hide_s = begun_s + period_s * f64::from(k);
-            world.at(hide_s, Box::new(|world| world.tracker.inject(TrackerFault::Occluded(FakeBody::Tip))));
+            world.at(hide_s, Box::new(|world| world.tracker.inject(TrackerFault::Occluded(TrackedBody::Tip))));
             world.at(hide_s + hidden_s, Box::new(|world| world.tracker.calm()));
         }
     });

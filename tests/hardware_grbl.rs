@@ -15,7 +15,7 @@ mod transcripts;
 
 use bench::{Bench, near};
 use spinebench::hardware::clock::Clock;
-use spinebench::hardware::grbl::{Mode, MotionFault, MotionSettings, Refusal, codes};
+use spinebench::hardware::grbl::{Mode, MotionFault, MotionSettings, MoveRefusal, codes};
 use spinebench::simulators::{ControllerFault, ControllerOptions};
 
 #[test]
@@ -56,7 +56,7 @@ fn homing_ends_where_the_axes_stand() {
     let bench = Bench::new(ControllerOptions::default());
     let mut controller = bench.open();
     let now_s = bench.now_s();
-    assert_eq!(controller.move_to([1.0; 4], 600.0, now_s), Err(MotionFault::Refused(Refusal::NotHomed)));
+    assert_eq!(controller.move_to([1.0; 4], 600.0, now_s), Err(MotionFault::Refused(MoveRefusal::NotHomed)));
     bench.home(&mut controller).unwrap();
     assert!((5.0..7.0).contains(&(bench.now_s() - now_s)), "{}", bench.now_s() - now_s);
     assert_eq!((controller.homed(), controller.state().mode), (true, Mode::Idle));
@@ -162,7 +162,7 @@ fn a_hold_stops_and_goes_on() {
     bench.run(&mut controller, 1.0).unwrap();
     controller.hold(bench.now_s());
     let refused = controller.move_to([31.0; 4], 600.0, bench.now_s());
-    assert!(matches!(refused, Err(MotionFault::Refused(Refusal::NotReady(_)))), "{refused:?}");
+    assert!(matches!(refused, Err(MotionFault::Refused(MoveRefusal::NotReady(_)))), "{refused:?}");
     bench.run(&mut controller, 1.0).unwrap();
     assert_eq!(controller.state().mode, Mode::Hold { complete: true });
     let held_mm = bench.position_mm();
@@ -202,7 +202,7 @@ fn a_position_in_doubt_is_found_by_homing() {
     controller.distrust();
     bench.run(&mut controller, 4.0).unwrap();
     assert!(!controller.homed() && controller.is_distrusted(), "whatever it says");
-    assert_eq!(controller.move_to([1.0; 4], 600.0, bench.now_s()), Err(MotionFault::Refused(Refusal::NotHomed)));
+    assert_eq!(controller.move_to([1.0; 4], 600.0, bench.now_s()), Err(MotionFault::Refused(MoveRefusal::NotHomed)));
     bench.home(&mut controller).unwrap();
     assert!(controller.homed() && !controller.is_distrusted());
 }

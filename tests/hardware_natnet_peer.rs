@@ -10,8 +10,8 @@ use std::time::Duration;
 
 use natnet::Version;
 use spinebench::hardware::clock::{Clock, WallClock};
-use spinebench::hardware::tracking::{Pose, Transport};
-use spinebench::simulators::{FakeTracker, TrackerOptions};
+use spinebench::hardware::tracking::{RigidPose, Transport};
+use spinebench::simulators::{SimulatedTracker, TrackerOptions};
 
 const PACKAGE: &str = "natnet==0.3.0";
 
@@ -66,13 +66,13 @@ fn run(command: &mut Command) -> Result<(), String> {
 }
 
 /// Where base and tip are at `time_s`; numbers that single precision holds exactly.
-fn bodies(time_s: f64) -> (Pose, Pose) {
-    let base = Pose { position_m: [1.5, 0.25, -2.0], quaternion: [0.5, 0.5, -0.5, 0.5] };
-    (base, Pose::at([0.125 * time_s, -0.75, 0.5 + time_s]))
+fn bodies(time_s: f64) -> (RigidPose, RigidPose) {
+    let base = RigidPose { position_m: [1.5, 0.25, -2.0], quaternion: [0.5, 0.5, -0.5, 0.5] };
+    (base, RigidPose::at([0.125 * time_s, -0.75, 0.5 + time_s]))
 }
 
 /// Serves the peer until it ends; what it printed.
-fn serve(tracker: &mut FakeTracker, mut peer: Child) -> String {
+fn serve(tracker: &mut SimulatedTracker, mut peer: Child) -> String {
     // By the wall clock, for the peer's sake; nothing is measured by it.
     let clock = WallClock::new();
     let mut time_s = 0.0;
@@ -95,7 +95,7 @@ fn serve(tracker: &mut FakeTracker, mut peer: Child) -> String {
 fn agrees(python: &Path, version: Version, transport: Transport) {
     let offset_s = 64.0;
     let options = TrackerOptions { version, transport, clock_offset_s: offset_s, ..Default::default() };
-    let mut tracker = FakeTracker::new(options).unwrap();
+    let mut tracker = SimulatedTracker::new(options).unwrap();
     let settings = tracker.settings().unwrap();
     let peer = Command::new(python)
         .args(["-u", "-c", CLIENT, &settings.command_port.to_string(), &settings.data_port.to_string()])
@@ -125,7 +125,7 @@ fn agrees(python: &Path, version: Version, transport: Transport) {
         let expected = match values[1] as i32 {
             1 => base,
             2 => tip,
-            _ => Pose::default(),
+            _ => RigidPose::default(),
         };
         let [w, x, y, z] = expected.quaternion;
         let expected = [&expected.position_m[..], &[x, y, z, w]].concat();
@@ -146,7 +146,7 @@ fn a_python_client_sees_what_the_tracker_shows() {
             return;
         }
     };
-    for version in FakeTracker::VERSIONS {
+    for version in SimulatedTracker::VERSIONS {
         agrees(&python, version, Transport::Unicast);
     }
     agrees(&python, Version::V4_1, Transport::Multicast);

@@ -4,7 +4,7 @@ mod hardware_support;
 
 use hardware_support::{STEP_S, open, options, shipped};
 use spinebench::base::{Plant, PlantError, Seed, distance_m};
-use spinebench::hardware::safety::State;
+use spinebench::hardware::safety::GuardState;
 use spinebench::plants::{Simulated, SimulatedOptions};
 use spinebench::tasks::{ExploreOptions, explore};
 
@@ -33,7 +33,7 @@ fn an_exploration_is_that_of_the_simulated_robot() {
     println!("rms {rms_m:.5} m, largest {largest_m:.5} m, {:?}", plant.events());
     assert!(rms_m < LAG_M && largest_m < 3.0 * LAG_M, "{rms_m} m, {largest_m} m");
     assert_eq!((plant.timing().missed, plant.timing().held), (0, 0));
-    assert!(plant.look(|rig| *rig.state() == State::Active));
+    assert!(plant.look(|rig| *rig.state() == GuardState::Active));
 }
 
 #[test]

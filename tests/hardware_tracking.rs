@@ -18,8 +18,8 @@ mod real;
 use bench::{Bench, apart, at_rest, pose, steady};
 use nalgebra::Point3;
 use spinebench::hardware::clock::Clock;
-use spinebench::hardware::tracking::{Pose, TrackingFault, Transport, align};
-use spinebench::simulators::{FakeTracker, TrackerOptions};
+use spinebench::hardware::tracking::{RigidPose, TrackingFault, Transport, align};
+use spinebench::simulators::{SimulatedTracker, TrackerOptions};
 
 /// Single precision on the wire, at some metres from Motive's origin.
 const WIRE_M: f64 = 5e-7;
@@ -27,7 +27,7 @@ const WIRE_RAD: f64 = 1e-6;
 
 #[test]
 fn every_version_tracks_in_unicast() {
-    for version in FakeTracker::VERSIONS {
+    for version in SimulatedTracker::VERSIONS {
         let bench = Bench::new(TrackerOptions { version, ..Default::default() }, steady);
         let mut tracking = bench.open().unwrap();
         let (m, rad, fresh) = bench.judge(&mut tracking, 2.0);
@@ -41,7 +41,7 @@ fn every_version_tracks_in_unicast() {
 
 #[test]
 fn every_version_tracks_in_multicast() {
-    for version in FakeTracker::VERSIONS {
+    for version in SimulatedTracker::VERSIONS {
         let transport = Transport::Multicast;
         let bench = Bench::new(TrackerOptions { version, transport, ..Default::default() }, steady);
         let mut tracking = match bench.open() {
@@ -59,7 +59,7 @@ fn every_version_tracks_in_multicast() {
 
 #[test]
 fn moving_the_base_moves_nothing() {
-    fn carried(time_s: f64) -> (Pose, Pose) {
+    fn carried(time_s: f64) -> (RigidPose, RigidPose) {
         let base = pose([0.3 * time_s.sin(), 1.0, 0.2 * time_s], [0.5 * time_s, 0.1, -0.3 * time_s]);
         (at_rest(0.0).0, base)
     }
@@ -102,7 +102,7 @@ fn resampling_is_exact_for_steady_motion() {
 }
 
 /// By how much the newest sample's local time is later than the truth, from where the tip was then.
-fn clock_error_s(tracking: &spinebench::hardware::tracking::Tracking, now_s: f64) -> f64 {
+fn clock_error_s(tracking: &spinebench::hardware::tracking::TrackerClient, now_s: f64) -> f64 {
     let tip = tracking.latest().unwrap();
     let error_s = tip.time_s - (tip.position_m[0] - 0.01) / 0.05;
     assert!((-1e-5..0.0101).contains(&error_s), "{error_s} at {now_s}");

@@ -7,7 +7,7 @@ use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::base::{Point3, Seed};
 use spinebench::data::{Recording, write_atomic};
-use spinebench::hardware::tracking::{Alignment, Pose, realign};
+use spinebench::hardware::tracking::{Alignment, RigidPose, realign};
 use spinebench::plants::hardware::{Hardware, HardwareOptions};
 use spinebench::specs::{PlantSpec, to_yaml};
 use spinebench::tasks::{SimulationOptions, plan_static_poses, record_static_poses, simulate_recording, star_m};
@@ -114,14 +114,17 @@ fn aligned(options: &HardwareOptions, measured: &Recording, at_rest: bool) -> Re
 fn tell(found: &Alignment) -> CommandResult {
     let Alignment { pose, residual_m, worst_m, turn_rad, .. } = found;
     #[derive(serde::Serialize)]
-    struct Tracking<'a> {
-        alignment: &'a Pose,
+    struct TrackingSection<'a> {
+        alignment: &'a RigidPose,
     }
     #[derive(serde::Serialize)]
-    struct Setting<'a> {
-        tracking: Tracking<'a>,
+    struct PlantFragment<'a> {
+        tracking: TrackingSection<'a>,
     }
-    print!("{}", to_yaml(&Setting { tracking: Tracking { alignment: pose } }).map_err(CommandError::failed)?);
+    print!(
+        "{}",
+        to_yaml(&PlantFragment { tracking: TrackingSection { alignment: pose } }).map_err(CommandError::failed)?
+    );
     println!(
         "# {:.2} mm rms remain, {:.2} mm at most; the turn is known to {:.2} degrees (95 %), if the model is right",
         residual_m * 1e3,

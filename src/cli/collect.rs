@@ -1,12 +1,12 @@
 //! `spinebench collect`.
 
-use super::session::{Robot, Session};
+use super::session::{RecordedPlant, RecordingSession};
 use super::simulate::{failures, same_tendons};
 use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::base::Seed;
 use spinebench::data::{Actuation, Recording};
-use spinebench::plants::hardware::{Foreseen, HardwareOptions, NotPlayable, foresee};
+use spinebench::plants::hardware::{DryRun, HardwareOptions, RefusedRow, foresee};
 use spinebench::specs::{PlantSpec, SimulatedSpec, read_plant};
 use spinebench::tasks::{SimulationOptions, record_trial, simulate_recording, step_s};
 use std::path::{Path, PathBuf};
@@ -97,14 +97,14 @@ impl CollectCommand {
             tell(&foreseen, options, commands, step_s);
             return Ok(());
         }
-        let session = Session::open(self.out()?, commands)?;
-        let mut robot = Robot::open(plant, step_s, Seed(0))?;
+        let session = RecordingSession::open(self.out()?, commands)?;
+        let mut robot = RecordedPlant::open(plant, step_s, Seed(0))?;
         session.go_on(&mut robot, Seed(self.seed), &record_trial)
     }
 
     /// What the commands would do; commands that the robot would refuse are refused before anything is opened.
-    fn foresee(&self, options: &HardwareOptions, commands: &Recording, step_s: f64) -> Result<Foreseen, CommandError> {
-        foresee(&options.safety, commands, step_s).map_err(|NotPlayable { row, refusal }| {
+    fn foresee(&self, options: &HardwareOptions, commands: &Recording, step_s: f64) -> Result<DryRun, CommandError> {
+        foresee(&options.safety, commands, step_s).map_err(|RefusedRow { row, refusal }| {
             CommandError::BadInput(format!("{}, line {}: {refusal}", self.commands.display(), row + 2))
         })
     }
@@ -117,8 +117,8 @@ impl CollectCommand {
 }
 
 /// Prints what commands would do on a robot.
-fn tell(foreseen: &Foreseen, options: &HardwareOptions, commands: &Recording, step_s: f64) {
-    let Foreseen { trials, commands: count, ticks, largest_step_m, largest_row, reach_m: [low_m, high_m] } = foreseen;
+fn tell(foreseen: &DryRun, options: &HardwareOptions, commands: &Recording, step_s: f64) {
+    let DryRun { trials, commands: count, ticks, largest_step_m, largest_row, reach_m: [low_m, high_m] } = foreseen;
     let duration_s = *ticks as f64 * step_s + *trials as f64 * options.settle_s;
     println!("trials: {trials}, commands: {count}, ticks of {step_s} s: {ticks}");
     println!("duration: {:.1} minutes, homing and the ways home left out", duration_s / 60.0);

@@ -4,7 +4,7 @@ use super::session::bench;
 use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::base::{Plant, Seed, distance_m};
-use spinebench::plants::hardware::{Examined, Hardware, HardwareOptions};
+use spinebench::plants::hardware::{Diagnostics, Hardware, HardwareOptions};
 use std::path::PathBuf;
 
 /// Control step of the check, s.
@@ -52,9 +52,9 @@ fn line(good: bool, what: &str) -> usize {
     usize::from(!good)
 }
 
-fn report(examined: &Examined, options: &HardwareOptions) -> usize {
+fn report(examined: &Diagnostics, options: &HardwareOptions) -> usize {
     let (rate_hz, near_m) = (options.tracking.rate_hz, options.safety.tip_from_model_m);
-    let Examined { controller, homed, position_mm, server, tracking, tip, home_m, urgent } = examined;
+    let Diagnostics { controller, homed, position_mm, server, tracking, tip, home_m, urgent } = examined;
     let mut wrong = line(true, &format!("controller: {controller}"));
     let position = position_mm.map(|mm| format!("{mm:.3}")).join(", ");
     wrong += line(true, &format!("axes: {}, at {position} mm", if *homed { "homed" } else { "not homed yet" }));

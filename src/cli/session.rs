@@ -20,30 +20,30 @@ pub(super) fn bench(file: &Path) -> Result<Box<HardwareOptions>, CommandError> {
 }
 
 /// What is recorded.
-pub(super) enum Robot {
+pub(super) enum RecordedPlant {
     /// A robot on a bench, on which hands may hang something, or a rehearsal of one.
     Bench(Box<Hardware>),
     /// Anything else.
     Other(Box<dyn Plant>),
 }
 
-impl Robot {
-    pub(super) fn open(plant: &PlantSpec, step_s: f64, seed: Seed) -> Result<Robot, CommandError> {
+impl RecordedPlant {
+    pub(super) fn open(plant: &PlantSpec, step_s: f64, seed: Seed) -> Result<RecordedPlant, CommandError> {
         match plant {
-            PlantSpec::Hardware(options) => Robot::bench(options, step_s, seed),
-            other => Ok(Robot::Other(other.build(step_s).map_err(CommandError::Failed)?)),
+            PlantSpec::Hardware(options) => RecordedPlant::bench(options, step_s, seed),
+            other => Ok(RecordedPlant::Other(other.build(step_s).map_err(CommandError::Failed)?)),
         }
     }
 
-    pub(super) fn bench(options: &HardwareOptions, step_s: f64, seed: Seed) -> Result<Robot, CommandError> {
+    pub(super) fn bench(options: &HardwareOptions, step_s: f64, seed: Seed) -> Result<RecordedPlant, CommandError> {
         let hardware = Hardware::open(options, step_s, seed).map_err(CommandError::Failed)?;
-        Ok(Robot::Bench(Box::new(hardware)))
+        Ok(RecordedPlant::Bench(Box::new(hardware)))
     }
 
     fn plant(&mut self) -> &mut dyn Plant {
         match self {
-            Robot::Bench(hardware) => hardware.as_mut(),
-            Robot::Other(plant) => plant.as_mut(),
+            RecordedPlant::Bench(hardware) => hardware.as_mut(),
+            RecordedPlant::Other(plant) => plant.as_mut(),
         }
     }
 
@@ -56,12 +56,12 @@ impl Robot {
             format!("trial {trial}: take everything off the tip")
         };
         match self {
-            Robot::Other(_) => operator::ask(&what),
-            Robot::Bench(hardware) if hardware.stage().is_some() || assume_done => {
+            RecordedPlant::Other(_) => operator::ask(&what),
+            RecordedPlant::Bench(hardware) if hardware.stage().is_some() || assume_done => {
                 eprintln!("note: {what}");
                 hardware.hang(load_kg, None)
             }
-            Robot::Bench(hardware) => hardware.hang(load_kg, Some(&what)),
+            RecordedPlant::Bench(hardware) => hardware.hang(load_kg, Some(&what)),
         }
         .map_err(CommandError::Failed)
     }
@@ -73,7 +73,7 @@ pub(super) type Records<'a> =
 
 /// A recording under way. What has been recorded stands beside the recording until it is whole, so that a session that
 /// ends early goes on where it ended.
-pub(super) struct Session<'a> {
+pub(super) struct RecordingSession<'a> {
     out: &'a Path,
     part: PathBuf,
     commands: &'a Recording,
@@ -82,12 +82,12 @@ pub(super) struct Session<'a> {
     pub(super) assume_done: bool,
 }
 
-impl<'a> Session<'a> {
+impl<'a> RecordingSession<'a> {
     /// What an earlier session has left of the recording `out` of these `commands`.
-    pub(super) fn open(out: &'a Path, commands: &'a Recording) -> Result<Session<'a>, CommandError> {
+    pub(super) fn open(out: &'a Path, commands: &'a Recording) -> Result<RecordingSession<'a>, CommandError> {
         let extension = out.extension().map_or("csv".into(), |extension| extension.to_string_lossy().into_owned());
         let part = out.with_extension(format!("part.{extension}"));
-        let mut session = Session { out, part, commands, done: None, assume_done: false };
+        let mut session = RecordingSession { out, part, commands, done: None, assume_done: false };
         if !session.part.exists() {
             return Ok(session);
         }
@@ -116,7 +116,7 @@ impl<'a> Session<'a> {
     }
 
     /// Records what is missing and writes the whole.
-    pub(super) fn go_on(mut self, robot: &mut Robot, seed: Seed, record: Records) -> CommandResult {
+    pub(super) fn go_on(mut self, robot: &mut RecordedPlant, seed: Seed, record: Records) -> CommandResult {
         let (trials, recorded) = (self.commands.trials(), self.done.as_ref().map_or(0, Recording::len));
         // After an interruption nobody knows what hangs there.
         let mut hung_kg = if recorded == 0 { Some(0.0) } else { None };

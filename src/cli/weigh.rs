@@ -1,6 +1,6 @@
 //! `spinebench weigh`.
 
-use super::session::{Robot, Session, bench};
+use super::session::{RecordedPlant, RecordingSession, bench};
 use super::simulate::same_tendons;
 use super::{CommandError, CommandResult};
 use clap::Args;
@@ -54,9 +54,9 @@ impl WeighCommand {
         let visiting = visiting(&options, self.rest_steps);
         let poses_m = self.poses_m(&options)?;
         let planned = plan_static_poses(&poses_m, &self.weights, &visiting, STEP_S);
-        let mut session = Session::open(&self.out, &planned)?;
+        let mut session = RecordingSession::open(&self.out, &planned)?;
         session.assume_done = self.yes;
-        let mut robot = Robot::bench(&options, STEP_S, Seed(1))?;
+        let mut robot = RecordedPlant::bench(&options, STEP_S, Seed(1))?;
         let (poses, minutes) = (poses_m.len(), minutes(&planned));
         eprintln!("note: {poses} poses under each of {} weights, about {minutes:.0} minutes", self.weights.len());
         session.go_on(&mut robot, Seed(1), &|plant, planned, rows, seed| {

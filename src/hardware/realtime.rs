@@ -8,7 +8,7 @@ use thread_priority::{ThreadPriority, ThreadPriorityValue};
 
 /// Threads that may push each other aside, the first one least.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rank {
+pub enum Priority {
     /// Imitations of devices, which in reality have processors of their own.
     Device,
     /// Whoever sends the commands.
@@ -20,28 +20,28 @@ pub enum Rank {
 /// Until this is dropped, the calling thread goes before all others (`SCHED_FIFO`), where the system lets it: a user needs
 /// the right to real-time priorities for that, `rtprio` in `/etc/security/limits.conf`. It must not compute for long.
 #[derive(Debug)]
-pub struct Urgent {
+pub struct RealTime {
     /// The nice value to go back to; none where nothing was changed.
     before: Option<i32>,
 }
 
-impl Urgent {
+impl RealTime {
     /// Lets the calling thread go before others. A thread that is urgent already stays what it is.
-    pub fn new(rank: Rank) -> Urgent {
+    pub fn new(rank: Priority) -> RealTime {
         let normal = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
         if thread_schedule_policy().ok() != Some(normal) {
-            return Urgent { before: None };
+            return RealTime { before: None };
         }
         let value = match rank {
-            Rank::Device => 5,
-            Rank::Loop => 10,
-            Rank::Watch => 20,
+            Priority::Device => 5,
+            Priority::Loop => 10,
+            Priority::Watch => 20,
         };
         let nice = nice();
         let fifo = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
         let granted = priority(value)
             .is_some_and(|priority| set_thread_priority_and_policy(thread_native_id(), priority, fifo).is_ok());
-        Urgent { before: granted.then_some(nice) }
+        RealTime { before: granted.then_some(nice) }
     }
 
     /// Whether the system has let it.
@@ -50,7 +50,7 @@ impl Urgent {
     }
 }
 
-impl Drop for Urgent {
+impl Drop for RealTime {
     fn drop(&mut self) {
         let Some(nice) = self.before else { return };
         // What was granted can be given back; at worst the nice value is refused, which then stays as it was.
@@ -91,10 +91,10 @@ mod tests {
     fn urgency_ends_and_leaves_the_thread_as_it_was() {
         std::thread::spawn(|| {
             let before = (thread_schedule_policy().unwrap(), nice());
-            let urgent = Urgent::new(Rank::Watch);
+            let urgent = RealTime::new(Priority::Watch);
             let granted = urgent.is_granted();
             assert_eq!(thread_schedule_policy().unwrap() != before.0, granted);
-            assert!(!Urgent::new(Rank::Loop).is_granted() || !granted, "nothing to give back twice");
+            assert!(!RealTime::new(Priority::Loop).is_granted() || !granted, "nothing to give back twice");
             drop(urgent);
             assert_eq!((thread_schedule_policy().unwrap(), nice()), before);
         })

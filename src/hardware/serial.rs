@@ -8,7 +8,7 @@ use nix::errno::Errno;
 use serialport::{SerialPort, TTYPort};
 
 /// Bytes to and from a controller. Nothing here waits.
-pub trait Wire: Send {
+pub trait SerialLine: Send {
     /// Reads what has arrived into `buffer`; 0 when there is nothing.
     ///
     /// # Errors
@@ -26,42 +26,42 @@ pub trait Wire: Send {
 const MOST_WAITING: usize = 2048;
 
 /// A serial port of this computer.
-pub struct SerialWire {
+pub struct TtyLine {
     port: TTYPort,
 }
 
-impl SerialWire {
+impl TtyLine {
     /// Opens `path` exclusively at `baud`, eight data bits, no parity, one stop bit, no flow control.
     ///
     /// # Errors
     /// When there is no such port or somebody else has it.
-    pub fn open(path: &str, baud: u32) -> io::Result<SerialWire> {
+    pub fn open(path: &str, baud: u32) -> io::Result<TtyLine> {
         let port = serialport::new(path, baud).timeout(Duration::from_millis(1)).open_native()?;
-        Ok(SerialWire { port })
+        Ok(TtyLine { port })
     }
 
     /// One end of a pseudo-terminal, and the name of the other, which programs open as a serial port.
     ///
     /// # Errors
     /// When the system has none left.
-    pub fn served() -> io::Result<(SerialWire, String)> {
+    pub fn served() -> io::Result<(TtyLine, String)> {
         let (one, other) = TTYPort::pair()?;
         // Only one program may have a port open: this end's own handle of it is closed.
         let name = other.name().ok_or_else(|| io::Error::other("a pseudo-terminal without a name"))?;
-        Ok((SerialWire { port: one }, name))
+        Ok((TtyLine { port: one }, name))
     }
 
     /// Two ends of a pseudo-terminal: a serial line without a cable.
     ///
     /// # Errors
     /// When the system has none left.
-    pub fn pair() -> io::Result<(SerialWire, SerialWire)> {
+    pub fn pair() -> io::Result<(TtyLine, TtyLine)> {
         let (one, other) = TTYPort::pair()?;
-        Ok((SerialWire { port: one }, SerialWire { port: other }))
+        Ok((TtyLine { port: one }, TtyLine { port: other }))
     }
 }
 
-impl Wire for SerialWire {
+impl SerialLine for TtyLine {
     /// Not by the port's own reader: once the other end is closed, that gives up what has arrived before.
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let waiting = self.port.bytes_to_read()? as usize;
@@ -100,8 +100,8 @@ mod tests {
 
     #[test]
     fn what_was_written_before_the_other_end_closed_is_read() {
-        let (mut served, name) = SerialWire::served().unwrap();
-        let mut program = SerialWire::open(&name, 115_200).unwrap();
+        let (mut served, name) = TtyLine::served().unwrap();
+        let mut program = TtyLine::open(&name, 115_200).unwrap();
         program.write(b"!\x18").unwrap();
         drop(program);
         let mut buffer = [0; 16];

@@ -11,7 +11,7 @@ const JUNCTION_MM: f64 = 0.01;
 
 /// What limits the speed of a move.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pace {
+pub(crate) struct MotionLimits {
     /// Along the path, mm/min.
     pub(crate) feed_mm_min: f64,
     /// Of each axis, mm/min.
@@ -22,7 +22,7 @@ pub(crate) struct Pace {
 
 /// A straight move.
 #[derive(Clone, Debug)]
-struct Block {
+struct PlannedMove {
     target_mm: [f64; 4],
     direction: [f64; 4],
     left_mm: f64,
@@ -36,7 +36,7 @@ struct Block {
 
 /// Motors and screws.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Axes {
+pub(crate) struct SimulatedAxes {
     /// What the controller believes, mm.
     pub(crate) counted_mm: [f64; 4],
     /// Where the screws are, mm from home.
@@ -48,12 +48,12 @@ pub(crate) struct Axes {
     /// Slowing down to a stand.
     pub(crate) holding: bool,
     planned_mm: [f64; 4],
-    blocks: VecDeque<Block>,
+    blocks: VecDeque<PlannedMove>,
     speed_mm_s: f64,
     rest_s: f64,
 }
 
-impl Axes {
+impl SimulatedAxes {
     /// Moves in the queue, the running one included.
     pub(crate) fn queued(&self) -> usize {
         self.blocks.len()
@@ -70,8 +70,8 @@ impl Axes {
     }
 
     /// Motors of screws that are here, mm from home.
-    pub(crate) fn at(screws_mm: [f64; 4]) -> Axes {
-        Axes { screws_mm, ..Axes::default() }
+    pub(crate) fn at(screws_mm: [f64; 4]) -> SimulatedAxes {
+        SimulatedAxes { screws_mm, ..SimulatedAxes::default() }
     }
 
     /// Drops all moves; the axes stand at once.
@@ -95,7 +95,7 @@ impl Axes {
     }
 
     /// Adds a move to `target_mm`; none when there is nothing to go.
-    pub(crate) fn push(&mut self, target_mm: [f64; 4], pace: &Pace) {
+    pub(crate) fn push(&mut self, target_mm: [f64; 4], pace: &MotionLimits) {
         let way: [f64; 4] = std::array::from_fn(|axis| target_mm[axis] - self.planned_mm[axis]);
         let length_mm = way.iter().map(|part| part * part).sum::<f64>().sqrt();
         if length_mm < END_MM {
@@ -112,7 +112,7 @@ impl Axes {
             corner_mm_s(&before.direction, &direction, acceleration_mm_s2).min(speed_mm_s).min(before.speed_mm_s)
         });
         self.planned_mm = target_mm;
-        self.blocks.push_back(Block {
+        self.blocks.push_back(PlannedMove {
             target_mm,
             direction,
             left_mm: length_mm,
@@ -208,11 +208,12 @@ fn corner_mm_s(before: &[f64; 4], after: &[f64; 4], acceleration_mm_s2: f64) -> 
 mod tests {
     use super::*;
 
-    const PACE: Pace = Pace { feed_mm_min: 600.0, max_speed_mm_min: [600.0; 4], acceleration_mm_s2: [50.0; 4] };
+    const PACE: MotionLimits =
+        MotionLimits { feed_mm_min: 600.0, max_speed_mm_min: [600.0; 4], acceleration_mm_s2: [50.0; 4] };
 
     #[test]
     fn a_move_takes_the_time_of_its_trapezium() {
-        let mut axes = Axes::default();
+        let mut axes = SimulatedAxes::default();
         axes.push([10.0, 0.0, 0.0, 0.0], &PACE);
         axes.advance(1.19);
         assert!(axes.queued() == 1);
@@ -222,7 +223,7 @@ mod tests {
 
     #[test]
     fn straight_moves_run_into_each_other_and_a_hold_stops_between() {
-        let mut axes = Axes::default();
+        let mut axes = SimulatedAxes::default();
         (1..=5).for_each(|k| axes.push([2.0 * f64::from(k), 0.0, 0.0, 0.0], &PACE));
         axes.advance(0.5);
         assert!((axes.speed_mm_min() - 600.0).abs() < 1.0, "{}", axes.speed_mm_min());

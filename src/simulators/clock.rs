@@ -8,12 +8,12 @@ use crate::hardware::clock::Clock;
 /// A clock that jumps to the next moment that somebody waits for once all who have joined wait.
 #[derive(Debug, Default)]
 pub struct RehearsalClock {
-    state: Mutex<Moments>,
+    state: Mutex<ClockState>,
     changed: Condvar,
 }
 
 #[derive(Debug, Default)]
-struct Moments {
+struct ClockState {
     now_s: f64,
     joined: usize,
     /// What those who wait are waiting for.
@@ -27,11 +27,11 @@ impl RehearsalClock {
     }
 
     /// Whoever panics while it holds the lock has left nothing half done.
-    fn moments(&self) -> MutexGuard<'_, Moments> {
+    fn moments(&self) -> MutexGuard<'_, ClockState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn advance_if_all_wait(&self, moments: &mut Moments) {
+    fn advance_if_all_wait(&self, moments: &mut ClockState) {
         if moments.awaited_s.is_empty() || moments.awaited_s.len() < moments.joined {
             return;
         }

@@ -4,36 +4,36 @@ use std::collections::VecDeque;
 use std::io;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use crate::hardware::serial::Wire;
+use crate::hardware::serial::SerialLine;
 
 /// Bytes on their way in both directions, and whether both ends are still there.
 #[derive(Debug, Default)]
-struct Line {
+struct PipeBuffers {
     towards: [VecDeque<u8>; 2],
     cut: bool,
 }
 
 /// One end of a pipe. Dropping it unplugs the other one.
 #[derive(Debug)]
-pub struct PipeWire {
-    line: Arc<Mutex<Line>>,
+pub struct PipeEnd {
+    line: Arc<Mutex<PipeBuffers>>,
     end: usize,
 }
 
 /// Two wires: what is written to one is read from the other.
-pub fn pipe() -> (PipeWire, PipeWire) {
-    let line = Arc::new(Mutex::new(Line::default()));
-    (PipeWire { line: Arc::clone(&line), end: 0 }, PipeWire { line, end: 1 })
+pub fn pipe() -> (PipeEnd, PipeEnd) {
+    let line = Arc::new(Mutex::new(PipeBuffers::default()));
+    (PipeEnd { line: Arc::clone(&line), end: 0 }, PipeEnd { line, end: 1 })
 }
 
-impl PipeWire {
+impl PipeEnd {
     /// Whoever panics while it holds the lock has left nothing half done.
-    fn line(&self) -> MutexGuard<'_, Line> {
+    fn line(&self) -> MutexGuard<'_, PipeBuffers> {
         self.line.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl Wire for PipeWire {
+impl SerialLine for PipeEnd {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let mut line = self.line();
         let waiting = &mut line.towards[self.end];
@@ -57,7 +57,7 @@ impl Wire for PipeWire {
     }
 }
 
-impl Drop for PipeWire {
+impl Drop for PipeEnd {
     fn drop(&mut self) {
         self.line().cut = true;
     }

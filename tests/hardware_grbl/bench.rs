@@ -6,8 +6,8 @@ use std::sync::{Arc, Mutex, MutexGuard};
 
 use spinebench::hardware::clock::Clock;
 use spinebench::hardware::grbl::{Controller, MotionFault, MotionSettings};
-use spinebench::hardware::serial::Wire;
-use spinebench::simulators::{ControllerFault, ControllerOptions, FakeController, PipeWire, pipe};
+use spinebench::hardware::serial::SerialLine;
+use spinebench::simulators::{ControllerFault, ControllerOptions, PipeEnd, SimulatedController, pipe};
 
 /// How often the fake controller is looked after, seconds.
 const STEP_S: f64 = 0.005;
@@ -16,12 +16,12 @@ const POLL_S: f64 = 0.01;
 
 /// A wire that writes down what is sent, and on which noise arrives.
 struct Tap {
-    wire: PipeWire,
+    wire: PipeEnd,
     sent: Arc<Mutex<Vec<u8>>>,
     noise: Arc<Mutex<VecDeque<u8>>>,
 }
 
-impl Wire for Tap {
+impl SerialLine for Tap {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let mut noise = self.noise.lock().unwrap();
         let count = noise.len().min(buffer.len());
@@ -40,14 +40,14 @@ impl Wire for Tap {
 
 struct Inside {
     now_s: f64,
-    fake: FakeController,
+    fake: SimulatedController,
     most_queued: usize,
 }
 
 /// A fake controller, its time, and what was sent to it.
 pub(crate) struct Bench {
     inside: Mutex<Inside>,
-    wire: Mutex<Option<PipeWire>>,
+    wire: Mutex<Option<PipeEnd>>,
     sent: Arc<Mutex<Vec<u8>>>,
     noise: Arc<Mutex<VecDeque<u8>>>,
 }
@@ -71,7 +71,7 @@ impl Clock for Bench {
 impl Bench {
     pub(crate) fn new(options: ControllerOptions) -> Bench {
         let (wire, other) = pipe();
-        let mut fake = FakeController::new(Box::new(other), options);
+        let mut fake = SimulatedController::new(Box::new(other), options);
         fake.step(0.0);
         let inside = Mutex::new(Inside { now_s: 0.0, fake, most_queued: 0 });
         Bench { inside, wire: Mutex::new(Some(wire)), sent: Arc::default(), noise: Arc::default() }

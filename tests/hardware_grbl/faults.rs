@@ -1,7 +1,7 @@
 //! Every fault that can be injected ends in the fault of the driver that names it, and is left by reset and homing.
 
 use spinebench::hardware::clock::Clock;
-use spinebench::hardware::grbl::{Controller, Mode, MotionFault, MotionSettings, Refusal};
+use spinebench::hardware::grbl::{Controller, Mode, MotionFault, MotionSettings, MoveRefusal};
 use spinebench::simulators::{ControllerFault, ControllerOptions};
 
 use super::bench::{Bench, near};
@@ -84,7 +84,7 @@ fn recovers(bench: &Bench, controller: &mut Controller, found: &MotionFault) {
     }
     assert_eq!(sent[sent.len() - 2..], [b'!', 0x18], "no resume");
     bench.run(controller, 2.0).unwrap();
-    assert_eq!(controller.move_to(TARGET_MM, 600.0, bench.now_s()), Err(MotionFault::Refused(Refusal::NotHomed)));
+    assert_eq!(controller.move_to(TARGET_MM, 600.0, bench.now_s()), Err(MotionFault::Refused(MoveRefusal::NotHomed)));
     bench.home(controller).unwrap();
     bench.go(controller, TARGET_MM, 600.0).unwrap();
     bench.run(controller, 5.0).unwrap();

@@ -4,9 +4,9 @@ use std::io;
 
 use proptest::prelude::*;
 use spinebench::hardware::clock::Clock;
-use spinebench::hardware::grbl::parser::{LineReader, Piece, parse};
+use spinebench::hardware::grbl::parser::{LineReader, ReceivedLine, parse};
 use spinebench::hardware::grbl::{Controller, MotionSettings};
-use spinebench::hardware::serial::Wire;
+use spinebench::hardware::serial::SerialLine;
 use spinebench::simulators::{ControllerFault, ControllerOptions};
 
 use super::bench::Bench;
@@ -150,8 +150,8 @@ proptest! {
     fn lines_are_cut_at_their_ends_however_they_arrive(text in prop::collection::vec("[ -~]{1,40}", 1..20)) {
         let mut reader = LineReader::default();
         let bytes = text.join("\r\n") + "\n";
-        let pieces: Vec<Piece> = bytes.bytes().filter_map(|byte| reader.push(byte)).collect();
-        let expected: Vec<Piece> = text.into_iter().map(Piece::Line).collect();
+        let pieces: Vec<ReceivedLine> = bytes.bytes().filter_map(|byte| reader.push(byte)).collect();
+        let expected: Vec<ReceivedLine> = text.into_iter().map(ReceivedLine::Line).collect();
         prop_assert_eq!(pieces, expected);
     }
 }
@@ -162,7 +162,7 @@ struct Babbler {
     next: usize,
 }
 
-impl Wire for Babbler {
+impl SerialLine for Babbler {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let count = (self.next % 7).min(buffer.len()).min(self.answers.len());
         for place in &mut buffer[..count] {

@@ -7,33 +7,33 @@ use std::time::Duration;
 
 use spinebench::hardware::clock::{Clock, WallClock};
 use spinebench::hardware::grbl::{Controller, MotionFault, MotionSettings};
-use spinebench::hardware::serial::SerialWire;
-use spinebench::simulators::{ControllerOptions, FakeController};
+use spinebench::hardware::serial::TtyLine;
+use spinebench::simulators::{ControllerOptions, SimulatedController};
 
 /// A fake controller in a thread, until it is told to go.
-struct Served {
+struct ServedSimulator {
     over: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
 
-fn serve(wire: SerialWire) -> Served {
+fn serve(wire: TtyLine) -> ServedSimulator {
     let over = Arc::new(AtomicBool::new(false));
     let thread = std::thread::spawn({
         let over = Arc::clone(&over);
         move || {
             let clock = WallClock::new();
             let options = ControllerOptions { delay_s: [0.001, 0.002], ..ControllerOptions::default() };
-            let mut fake = FakeController::new(Box::new(wire), options);
+            let mut fake = SimulatedController::new(Box::new(wire), options);
             while !over.load(Ordering::SeqCst) {
                 fake.step(clock.now_s());
                 std::thread::sleep(Duration::from_millis(1));
             }
         }
     });
-    Served { over, thread: Some(thread) }
+    ServedSimulator { over, thread: Some(thread) }
 }
 
-impl Served {
+impl ServedSimulator {
     fn unplug(&mut self) {
         self.over.store(true, Ordering::SeqCst);
         self.thread.take().map(JoinHandle::join);
@@ -48,7 +48,7 @@ fn settings() -> MotionSettings {
 #[test]
 fn a_serial_line_is_opened_and_noticed_when_it_goes() {
     // Of a pseudo-terminal only the second end notices that the other one has gone.
-    let (other, wire) = SerialWire::pair().unwrap();
+    let (other, wire) = TtyLine::pair().unwrap();
     let mut served = serve(other);
     let clock = WallClock::new();
     let mut controller = Controller::open(Box::new(wire), &settings(), &clock).unwrap();

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use spinebench::hardware::grbl::parser::{Reply, parse};
 use spinebench::hardware::grbl::{Mode, codes};
-use spinebench::hardware::serial::Wire;
+use spinebench::hardware::serial::SerialLine;
 use spinebench::simulators::{
-    ControllerFault, ControllerOptions, FakeController, PipeWire, factory_settings, pipe, robot_settings,
+    ControllerFault, ControllerOptions, PipeEnd, SimulatedController, factory_settings, pipe, robot_settings,
 };
 
 /// Folder of the transcripts: they come with the tests.
@@ -84,8 +84,8 @@ fn bytes(text: &str) -> Vec<u8> {
 }
 
 struct Replay {
-    fake: FakeController,
-    wire: PipeWire,
+    fake: SimulatedController,
+    wire: PipeEnd,
     now_s: f64,
     received: Vec<u8>,
 }
@@ -108,7 +108,7 @@ fn replay(entries: &[Entry], options: ControllerOptions, fault: Option<Controlle
     // A little quicker than the simulator, so that everything is answered before the next line.
     let options = ControllerOptions { delay_s: [0.002, 0.01], ..options };
     let mut replay =
-        Replay { fake: FakeController::new(Box::new(other), options), wire, now_s: 0.9, received: Vec::new() };
+        Replay { fake: SimulatedController::new(Box::new(other), options), wire, now_s: 0.9, received: Vec::new() };
     replay.fake.step(replay.now_s);
     fault.into_iter().for_each(|fault| replay.fake.inject(fault));
     for entry in entries.iter().filter(|entry| entry.sent) {

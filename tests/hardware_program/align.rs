@@ -2,18 +2,18 @@
 
 use crate::bench::{Bench, ROOT};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
-use spinebench::hardware::tracking::Pose;
+use spinebench::hardware::tracking::RigidPose;
 use spinebench::specs::{PlantSpec, read_plant};
 use std::path::Path;
 
 /// Where the base frame of the imitated robot is in the base body's.
-fn hidden() -> Pose {
+fn hidden() -> RigidPose {
     let turn = UnitQuaternion::from_scaled_axis(Vector3::new(0.2, -0.1, 1.2));
-    Pose::of(&Isometry3::from_parts(Translation3::new(0.03, -0.015, 0.02), turn))
+    RigidPose::of(&Isometry3::from_parts(Translation3::new(0.03, -0.015, 0.02), turn))
 }
 
 fn put_plant(bench: &Bench, model: &str) {
-    let Pose { position_m, quaternion } = hidden();
+    let RigidPose { position_m, quaternion } = hidden();
     let alignment = format!("{{position_m: {position_m:?}, quaternion: {quaternion:?}}}");
     bench.put(
         "plant.yaml",
@@ -23,12 +23,12 @@ fn put_plant(bench: &Bench, model: &str) {
     );
 }
 
-fn alignment(file: &Path) -> Pose {
+fn alignment(file: &Path) -> RigidPose {
     let PlantSpec::Hardware(options) = read_plant(file).unwrap() else { panic!("no robot") };
     options.tracking.alignment
 }
 
-fn is_found(found: &Pose) {
+fn is_found(found: &RigidPose) {
     let apart = hidden().motion().inv_mul(&found.motion());
     let (m, rad) = (apart.translation.vector.norm(), apart.rotation.angle());
     assert!(m < 0.001 && rad < 0.005, "{m} m, {rad} rad");

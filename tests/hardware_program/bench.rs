@@ -126,14 +126,14 @@ impl Bench {
     }
 
     /// Serves the imitations of `plant`; other programs use them by `served`.
-    pub(crate) fn serve(&self, plant: &str, served: &str) -> Served<'_> {
+    pub(crate) fn serve(&self, plant: &str, served: &str) -> ServedSimulator<'_> {
         let log = format!("{served}.log.csv");
         let arguments = format!("rehearse --plant {plant} --out {served} --log {log}");
         let mut command = self.command(Path::new(PROGRAM), &arguments);
         command.stdin(Stdio::piped()).stdout(Stdio::null());
         let process = command.spawn().unwrap();
         let served_file = self.path(served);
-        let served = Served { bench: self, process, log };
+        let served = ServedSimulator { bench: self, process, log };
         until(|| served_file.exists().then_some(()));
         served
     }
@@ -185,13 +185,13 @@ pub(crate) struct Entry {
 }
 
 /// Imitations in a process of their own, until they are dropped.
-pub(crate) struct Served<'a> {
+pub(crate) struct ServedSimulator<'a> {
     bench: &'a Bench,
     process: Child,
     log: String,
 }
 
-impl Served<'_> {
+impl ServedSimulator<'_> {
     /// Lets something happen, and waits until it has.
     pub(crate) fn wish(&mut self, what: &str) {
         let done = format!("done {what}");
@@ -232,7 +232,7 @@ impl Served<'_> {
     }
 }
 
-impl Drop for Served<'_> {
+impl Drop for ServedSimulator<'_> {
     fn drop(&mut self) {
         // It may have ended by itself.
         let _ = self.process.kill();

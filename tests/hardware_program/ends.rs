@@ -1,6 +1,6 @@
 //! However a session ends, the robot stands where it was told to be, and the next one goes on.
 
-use crate::bench::{Bench, Entry, Served, target_mm, until};
+use crate::bench::{Bench, Entry, ServedSimulator, target_mm, until};
 use crate::in_process::SLOWED;
 use spinebench::data::Recording;
 
@@ -16,7 +16,7 @@ fn bench() -> Bench {
 }
 
 /// Waits until one trial has been kept and the second one is under way.
-fn in_the_second_trial(bench: &Bench, served: &Served) {
+fn in_the_second_trial(bench: &Bench, served: &ServedSimulator) {
     until(|| bench.path("out.part.csv").exists().then_some(()));
     let before = served.moves();
     // The way home takes a few moves, and then come those of the trial.
@@ -35,7 +35,7 @@ fn stands_within_the_last_tick(log: &[Entry]) {
 }
 
 /// A hold was heard, then a reset, and no move after it; the log.
-fn was_held(served: &Served) -> Vec<Entry> {
+fn was_held(served: &ServedSimulator) -> Vec<Entry> {
     // The last bytes of a program may still be on their way.
     until(|| served.log().iter().any(|entry| entry.what == "heard ^X").then_some(()));
     let log = served.stands();

@@ -7,8 +7,8 @@ use natnet::{
     ServerInfo, Skeleton, SyntheticServer, Version,
 };
 use spinebench::base::distance_m;
-use spinebench::hardware::tracking::{BodyName, Heard, Stream, TrackingSettings};
-use spinebench::simulators::FakeTracker;
+use spinebench::hardware::tracking::{BodyName, FrameStream, Received, TrackingSettings};
+use spinebench::simulators::SimulatedTracker;
 
 const CLOCK_HZ: u64 = 10_000_000;
 
@@ -48,8 +48,8 @@ fn crowd(version: Version, mut frame: FrameOfData) -> FrameOfData {
 fn markers_skeletons_and_assets_are_not_the_robots_bodies() {
     let from: SocketAddr = "127.0.0.1:1511".parse().unwrap();
     let settings = TrackingSettings { base_body: None, tip_body: BodyName::Id(2), ..TrackingSettings::default() };
-    for version in FakeTracker::VERSIONS {
-        let mut stream = Stream::new(&settings, &server(version), None::<&ModelDef>).unwrap();
+    for version in SimulatedTracker::VERSIONS {
+        let mut stream = FrameStream::new(&settings, &server(version), None::<&ModelDef>).unwrap();
         for k in 0..20 {
             let time_s = 0.01 * f64::from(k);
             let bodies = [
@@ -59,7 +59,7 @@ fn markers_skeletons_and_assets_are_not_the_robots_bodies() {
             ];
             let frame = SyntheticServer::new(version, CLOCK_HZ).frame(k + 1, time_s, &bodies);
             let datagram = crowd(version, frame).to_datagram(version).unwrap();
-            assert_eq!(stream.take(&datagram, from, time_s), Heard::Frame, "{version}");
+            assert_eq!(stream.take(&datagram, from, time_s), Received::Frame, "{version}");
             let tip = stream.latest().unwrap().position_m;
             let expected = [0.5, -0.25, 0.125 * f64::from(k)];
             assert!(distance_m(&tip, &expected) < 1e-12, "{version}: {tip:?}");
@@ -74,7 +74,7 @@ fn frames_of_no_use_are_named() {
     let from: SocketAddr = "127.0.0.1:1511".parse().unwrap();
     let settings = TrackingSettings { base_body: None, tip_body: BodyName::Id(2), ..TrackingSettings::default() };
     let unseen = |frames: &dyn Fn(i32) -> (i32, f64, PlannedBody)| {
-        let mut stream = Stream::new(&settings, &server(Version::V4_1), None).unwrap();
+        let mut stream = FrameStream::new(&settings, &server(Version::V4_1), None).unwrap();
         for k in 1..30 {
             let (number, stamp_s, body) = frames(k);
             let frame = SyntheticServer::new(Version::V4_1, CLOCK_HZ).frame(number, stamp_s, &[body]);

@@ -1,13 +1,13 @@
 //! What goes wrong in a running stream, one thing at a time.
 
 use spinebench::hardware::clock::Clock;
-use spinebench::hardware::tracking::{Tracking, Transport};
-use spinebench::simulators::{FakeBody, TrackerFault, TrackerOptions};
+use spinebench::hardware::tracking::{TrackerClient, Transport};
+use spinebench::simulators::{TrackedBody, TrackerFault, TrackerOptions};
 
 use super::bench::{Bench, at_rest, fresh, steady};
 use super::{WIRE_M, WIRE_RAD};
 
-fn tracked() -> (Bench, Tracking) {
+fn tracked() -> (Bench, TrackerClient) {
     let bench = Bench::new(TrackerOptions::default(), steady);
     let mut tracking = bench.open().unwrap();
     bench.run(&mut tracking, 0.5);
@@ -16,7 +16,7 @@ fn tracked() -> (Bench, Tracking) {
 }
 
 /// After the fault the samples are right again.
-fn recovers(bench: &Bench, tracking: &mut Tracking, within_s: f64) {
+fn recovers(bench: &Bench, tracking: &mut TrackerClient, within_s: f64) {
     bench.calm();
     bench.run(tracking, within_s);
     let (m, rad, fresh) = bench.judge(tracking, 0.5);
@@ -61,8 +61,8 @@ fn old_and_double_frames_are_dropped() {
 #[test]
 fn what_is_not_seen_is_not_valid() {
     let faults = [
-        TrackerFault::Occluded(FakeBody::Tip),
-        TrackerFault::Occluded(FakeBody::Base),
+        TrackerFault::Occluded(TrackedBody::Tip),
+        TrackerFault::Occluded(TrackedBody::Base),
         TrackerFault::NanPose,
         TrackerFault::BodyGone,
     ];

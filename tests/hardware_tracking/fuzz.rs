@@ -4,8 +4,8 @@ use std::net::SocketAddr;
 
 use natnet::{ModelDef, PlannedBody, ServerInfo, SyntheticServer, Version};
 use proptest::prelude::*;
-use spinebench::hardware::tracking::{Heard, Stream, StreamVersion, TrackingSettings};
-use spinebench::simulators::FakeTracker;
+use spinebench::hardware::tracking::{FrameStream, Received, StreamVersion, TrackingSettings};
+use spinebench::simulators::SimulatedTracker;
 
 use super::capture;
 
@@ -29,8 +29,8 @@ fn model() -> ModelDef {
     ModelDef { datasets: vec![body("base", 1), body("tip", 2)] }
 }
 
-fn stream(version: Version) -> Stream {
-    Stream::new(&TrackingSettings::default(), &server(version), Some(&model())).unwrap()
+fn stream(version: Version) -> FrameStream {
+    FrameStream::new(&TrackingSettings::default(), &server(version), Some(&model())).unwrap()
 }
 
 /// A frame, the list of bodies and the server's introduction.
@@ -42,7 +42,7 @@ fn good(version: Version) -> Vec<Vec<u8>> {
 }
 
 /// What the stream believes is a pose.
-fn is_sane(stream: &Stream) {
+fn is_sane(stream: &FrameStream) {
     if let Some(tip) = stream.latest() {
         let length2: f64 = tip.quaternion.iter().map(|value| value * value).sum();
         assert!(tip.time_s.is_finite() && tip.position_m.iter().all(|value| value.abs() < 1e4));
@@ -51,7 +51,7 @@ fn is_sane(stream: &Stream) {
 }
 
 fn version() -> impl Strategy<Value = Version> {
-    prop::sample::select(FakeTracker::VERSIONS.to_vec())
+    prop::sample::select(SimulatedTracker::VERSIONS.to_vec())
 }
 
 proptest! {
@@ -123,14 +123,14 @@ fn real_packets_with_any_one_bit_wrong() {
         for bit in 0..packet.len() * 8 {
             let mut broken = packet.clone();
             broken[bit / 8] ^= 1 << (bit % 8);
-            let mut stream = Stream::new(&settings, &server(Version::new(3, 0, 0, 0)), Some(&model())).unwrap();
+            let mut stream = FrameStream::new(&settings, &server(Version::new(3, 0, 0, 0)), Some(&model())).unwrap();
             stream.take(&broken, SERVER.parse().unwrap(), 0.0);
             is_sane(&stream);
         }
         for length in 0..packet.len() {
-            let mut stream = Stream::new(&settings, &server(Version::new(3, 0, 0, 0)), Some(&model())).unwrap();
+            let mut stream = FrameStream::new(&settings, &server(Version::new(3, 0, 0, 0)), Some(&model())).unwrap();
             let heard = stream.take(&packet[..length], SERVER.parse().unwrap(), 0.0);
-            assert!(!matches!(heard, Heard::Frame), "{name} cut to {length} bytes");
+            assert!(!matches!(heard, Received::Frame), "{name} cut to {length} bytes");
         }
     }
 }

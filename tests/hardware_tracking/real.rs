@@ -5,7 +5,9 @@ use std::net::UdpSocket;
 
 use natnet::{Decoder, Message, ModelDef, ServerInfo, Version};
 use spinebench::hardware::clock::Clock;
-use spinebench::hardware::tracking::{BodyName, Heard, Stream, Tracking, TrackingSettings, Transport, UpAxis};
+use spinebench::hardware::tracking::{
+    BodyName, FrameStream, Received, TrackerClient, TrackingSettings, Transport, UpAxis,
+};
 
 use super::bench::{apart, fresh};
 use super::capture::{self, CAPTURE, Datagram, PACKETS};
@@ -65,10 +67,10 @@ fn parts(recording: &[Datagram]) -> (ServerInfo, ModelDef) {
 fn a_recording_is_followed() {
     let recording = recording();
     let (info, model) = parts(&recording);
-    let mut stream = Stream::new(&settings(), &info, Some(&model)).unwrap();
+    let mut stream = FrameStream::new(&settings(), &info, Some(&model)).unwrap();
     let (mut poses, mut frames) = (Vec::new(), 0);
     for datagram in &recording {
-        if stream.take(&datagram.payload, datagram.from, datagram.time_s) == Heard::Frame {
+        if stream.take(&datagram.payload, datagram.from, datagram.time_s) == Received::Frame {
             frames += 1;
             poses.extend(stream.latest().copied());
         }
@@ -149,7 +151,7 @@ fn a_recording_comes_through_the_sockets() {
         ..settings()
     };
     let clock = OneThread(std::sync::Mutex::new(Replay { socket, recording, next: RefCell::new((0.0, 0, None)) }));
-    let mut tracking = Tracking::open(settings, &clock).unwrap();
+    let mut tracking = TrackerClient::open(settings, &clock).unwrap();
     assert_eq!(tracking.server(), "Motive 2.1.0.0, NatNet 3.0.0.0");
     let mut count = 0;
     for k in 1..2300 {

@@ -1,7 +1,7 @@
 //! What happens to the imitations, for a person and for a file.
 
 use super::super::CommandError;
-use spinebench::simulators::World;
+use spinebench::simulators::Simulator;
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -10,13 +10,13 @@ use std::path::{Path, PathBuf};
 const STAND_S: f64 = 0.05;
 
 /// A log on standard output and, with all details, in a file: `time_s,what,x_mm,y_mm,z_mm,a_mm`, where the screws are.
-pub(super) struct Log {
+pub(super) struct SimulatorLog {
     file: Option<(PathBuf, File)>,
     moving: bool,
 }
 
-impl Log {
-    pub(super) fn open(path: Option<&Path>) -> Result<Log, CommandError> {
+impl SimulatorLog {
+    pub(super) fn open(path: Option<&Path>) -> Result<SimulatorLog, CommandError> {
         let failed =
             |path: &Path, error| CommandError::BadInput(format!("{}: cannot be written: {error}", path.display()));
         let open = |path: &Path| -> Result<(PathBuf, File), CommandError> {
@@ -24,11 +24,11 @@ impl Log {
             writeln!(file, "time_s,what,x_mm,y_mm,z_mm,a_mm").map_err(|error| failed(path, error))?;
             Ok((path.to_owned(), file))
         };
-        Ok(Log { file: path.map(open).transpose()?, moving: false })
+        Ok(SimulatorLog { file: path.map(open).transpose()?, moving: false })
     }
 
     /// Writes down what has happened since the last call.
-    pub(super) fn look(&mut self, now_s: f64, world: &mut World) -> Result<(), CommandError> {
+    pub(super) fn look(&mut self, now_s: f64, world: &mut Simulator) -> Result<(), CommandError> {
         for heard in world.controller.heard() {
             // A person sees what holds the robot; a move a tick is for the file.
             let told = match heard.as_str() {
@@ -52,12 +52,12 @@ impl Log {
     }
 
     /// Writes down something that somebody did.
-    pub(super) fn tell(&mut self, now_s: f64, what: &str, world: &World) -> Result<(), CommandError> {
+    pub(super) fn tell(&mut self, now_s: f64, what: &str, world: &Simulator) -> Result<(), CommandError> {
         println!("{now_s:9.3} s  {what}");
         self.write(now_s, &format!("done {what}"), world)
     }
 
-    fn write(&mut self, now_s: f64, what: &str, world: &World) -> Result<(), CommandError> {
+    fn write(&mut self, now_s: f64, what: &str, world: &Simulator) -> Result<(), CommandError> {
         let Some((path, file)) = &mut self.file else { return Ok(()) };
         let [x_mm, y_mm, z_mm, a_mm] = world.controller.position_mm();
         // A controller hears anything; a table has commas of its own.

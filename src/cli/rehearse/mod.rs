@@ -1,17 +1,17 @@
 //! `spinebench rehearse`.
 
+mod fault_commands;
 mod log;
-mod wish;
 
 use super::session::bench;
 use super::{CommandError, CommandResult};
 use clap::Args;
-use log::Log;
+use log::SimulatorLog;
 use spinebench::base::Seed;
 use spinebench::data::write_atomic;
 use spinebench::hardware::interrupt::Interrupt;
-use spinebench::hardware::realtime::{Rank, Urgent};
-use spinebench::plants::hardware::Served;
+use spinebench::hardware::realtime::{Priority, RealTime};
+use spinebench::plants::hardware::ServedSimulator;
 use spinebench::specs::{PlantSpec, to_yaml};
 use std::io::stdin;
 use std::path::PathBuf;
@@ -51,8 +51,8 @@ impl RehearseCommand {
             )));
         }
         let interrupt = Interrupt::of_process().map_err(CommandError::failed)?;
-        let mut served = Served::open(&options, Seed(self.seed)).map_err(CommandError::Failed)?;
-        let mut log = Log::open(self.log.as_deref())?;
+        let mut served = ServedSimulator::open(&options, Seed(self.seed)).map_err(CommandError::Failed)?;
+        let mut log = SimulatorLog::open(self.log.as_deref())?;
         let plant = served.plant();
         let text = to_yaml(&PlantSpec::Hardware(Box::new(plant.clone()))).map_err(CommandError::failed)?;
         // Whoever waits for the file finds somebody who answers: what arrives meanwhile is kept by the system.
@@ -63,7 +63,7 @@ impl RehearseCommand {
         );
         println!("try `spinebench doctor --plant {}`; `help` lists what can go wrong here", self.out.display());
         let wishes = lines_of_stdin();
-        let _urgent = self.urgent.then(|| Urgent::new(Rank::Device));
+        let _urgent = self.urgent.then(|| RealTime::new(Priority::Device));
         while !interrupt.raised() {
             let now_s = served.step();
             log.look(now_s, served.world())?;
@@ -71,7 +71,7 @@ impl RehearseCommand {
                 match line.trim() {
                     "quit" => return Ok(()),
                     "" => {}
-                    text => match wish::read(text) {
+                    text => match fault_commands::parse(text) {
                         Ok(plan) => {
                             plan(served.world());
                             log.tell(now_s, text, served.world())?;

@@ -2,50 +2,21 @@
 
 use std::collections::VecDeque;
 
-use super::fault::{MotionFault, Refusal};
+use super::fault::{MotionFault, MoveRefusal};
 use super::gcode;
+use super::gcode::{HOLD, RESET, RESUME};
 use super::handshake;
-use super::handshake::Machine;
-use super::motion_monitor::{Path, Stillness};
-use super::poll::RESET_S;
+use super::handshake::ControllerInfo;
+use super::motion_monitor::{CommandedPath, StallDetector};
+use super::pending::{HomingPhase, LinePurpose, PendingLine};
 use super::port::Port;
-use super::settings::MotionSettings;
-use super::state::{Mode, State};
+use super::settings::{GREETING_S, MotionSettings};
+use super::state::{ControllerState, Mode};
 use crate::hardware::clock::Clock;
-use crate::hardware::serial::Wire;
+use crate::hardware::serial::SerialLine;
 
 /// Moves that the controller may have in its queue.
 const MOST_QUEUED: usize = 2;
-
-const HOLD: u8 = b'!';
-const RESUME: u8 = b'~';
-pub(super) const RESET: u8 = 0x18;
-
-/// What a line that waits for its `ok` was for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Purpose {
-    Setup,
-    Move,
-    Homing,
-}
-
-/// A line without an answer so far.
-#[derive(Clone, Debug)]
-pub(super) struct Pending {
-    pub(super) line: String,
-    pub(super) sent_s: f64,
-    pub(super) purpose: Purpose,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Homing {
-    No,
-    /// As soon as the line is free.
-    Wanted,
-    Running,
-    /// Done; the next report tells where the axes stand.
-    Settling,
-}
 
 /// A GRBL controller with four axes. Nothing here waits except [`Controller::open`].
 ///
@@ -53,14 +24,14 @@ pub(super) enum Homing {
 pub struct Controller {
     pub(super) port: Port,
     pub(super) settings: MotionSettings,
-    pub(super) machine: Machine,
-    pub(super) state: State,
+    pub(super) machine: ControllerInfo,
+    pub(super) state: ControllerState,
     pub(super) fault: Option<MotionFault>,
-    pub(super) pending: Option<Pending>,
+    pub(super) pending: Option<PendingLine>,
     /// When the status query left that has not been answered.
     pub(super) asked_s: Option<f64>,
     pub(super) next_ask_s: f64,
-    pub(super) homing: Homing,
+    pub(super) homing: HomingPhase,
     /// When a reset was sent whose greeting has not come.
     pub(super) reset_s: Option<f64>,
     /// Until then a greeting may still be due to a reset: the controller may have reset itself just before.
@@ -74,8 +45,8 @@ pub struct Controller {
     /// Whatever it says, something has happened since.
     pub(super) must_home: bool,
     pub(super) garbled_s: VecDeque<f64>,
-    pub(super) path: Path,
-    pub(super) stillness: Stillness,
+    pub(super) path: CommandedPath,
+    pub(super) stillness: StallDetector,
 }
 
 impl Controller {
@@ -84,7 +55,11 @@ impl Controller {
     ///
     /// # Errors
     /// [`MotionFault`] names what was found and what is expected.
-    pub fn open(wire: Box<dyn Wire>, settings: &MotionSettings, clock: &dyn Clock) -> Result<Controller, MotionFault> {
+    pub fn open(
+        wire: Box<dyn SerialLine>,
+        settings: &MotionSettings,
+        clock: &dyn Clock,
+    ) -> Result<Controller, MotionFault> {
         settings.check()?;
         let mut port = Port::new(wire);
         let (machine, status) = handshake::introduce(&mut port, settings, clock)?;
@@ -93,12 +68,12 @@ impl Controller {
             port,
             settings: settings.clone(),
             machine,
-            state: State { last_reply_s: now_s, ..State::default() },
+            state: ControllerState { last_reply_s: now_s, ..ControllerState::default() },
             fault: None,
             pending: None,
             asked_s: None,
             next_ask_s: now_s,
-            homing: Homing::No,
+            homing: HomingPhase::No,
             reset_s: None,
             greetings_until_s: now_s,
             held: false,
@@ -107,8 +82,8 @@ impl Controller {
             says_homed: false,
             must_home: false,
             garbled_s: VecDeque::new(),
-            path: Path::default(),
-            stillness: Stillness::default(),
+            path: CommandedPath::default(),
+            stillness: StallDetector::default(),
         };
         // Nothing moves: all blocks that there are are free, whatever the controller said that it has.
         if let (Mode::Idle, Some(free)) = (status.mode, status.free_blocks) {
@@ -132,15 +107,15 @@ impl Controller {
     /// Sends the axes to their switches, as soon as the controller takes it. What goes wrong shows in
     /// [`Controller::poll`].
     pub fn start_homing(&mut self, now_s: f64) {
-        if self.fault.is_none() && self.homing == Homing::No {
-            self.homing = Homing::Wanted;
+        if self.fault.is_none() && self.homing == HomingPhase::No {
+            self.homing = HomingPhase::Wanted;
             self.home_if_free(now_s);
         }
     }
 
     /// True from [`Controller::start_homing`] until the axes stand at home or a fault ends it.
     pub fn is_homing(&self) -> bool {
-        self.homing != Homing::No
+        self.homing != HomingPhase::No
     }
 
     /// True when positions count from the switches.
@@ -168,7 +143,7 @@ impl Controller {
     }
 
     /// What is known of the controller.
-    pub fn state(&self) -> &State {
+    pub fn state(&self) -> &ControllerState {
         &self.state
     }
 
@@ -178,7 +153,7 @@ impl Controller {
     }
 
     /// What the controller said about itself when it was opened.
-    pub fn machine(&self) -> &Machine {
+    pub fn machine(&self) -> &ControllerInfo {
         &self.machine
     }
 
@@ -199,11 +174,11 @@ impl Controller {
         }
         let the_move = gcode::compose(target_mm, feed_mm_min, &self.settings)?;
         if !self.state.homed {
-            return Err(Refusal::NotHomed.into());
+            return Err(MoveRefusal::NotHomed.into());
         }
         let ready = matches!(self.state.mode, Mode::Idle | Mode::Run) && !self.held && self.reset_s.is_none();
         if !ready || self.is_homing() {
-            return Err(Refusal::NotReady(self.state.mode).into());
+            return Err(MoveRefusal::NotReady(self.state.mode).into());
         }
         let room = self.pending.is_none() && self.state.queued < MOST_QUEUED;
         if !(room && self.set_up && self.path.is_known()) {
@@ -211,7 +186,7 @@ impl Controller {
         }
         self.path.push(the_move.target_mm);
         self.state.moves += 1;
-        self.send(the_move.line, Purpose::Move, now_s);
+        self.send(the_move.line, LinePurpose::Move, now_s);
         self.fault.clone().map_or(Ok(()), Err)
     }
 
@@ -247,7 +222,7 @@ impl Controller {
         self.start_over();
         self.held = false;
         self.reset_s = Some(now_s);
-        self.greetings_until_s = now_s + self.settings.reply_timeout_s + RESET_S;
+        self.greetings_until_s = now_s + self.settings.reply_timeout_s + GREETING_S;
         self.garbled_s.clear();
         self.send_byte(RESET);
     }
@@ -256,7 +231,7 @@ impl Controller {
     pub(super) fn start_over(&mut self) {
         self.pending = None;
         self.asked_s = None;
-        self.homing = Homing::No;
+        self.homing = HomingPhase::No;
         self.set_up = false;
         self.path.forget();
         self.state.mode = Mode::Unknown;
@@ -274,7 +249,7 @@ impl Controller {
     pub(super) fn fail(&mut self, fault: MotionFault) {
         self.fault.get_or_insert(fault);
         self.must_home = true;
-        self.homing = Homing::No;
+        self.homing = HomingPhase::No;
         self.pending = None;
         self.asked_s = None;
         self.state.unacknowledged = 0;

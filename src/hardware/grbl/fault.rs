@@ -6,7 +6,7 @@ use crate::base::BadOption;
 
 /// Why a move was not sent. The controller goes on as before.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Refusal {
+pub enum MoveRefusal {
     /// A target or a feed that is no number.
     #[error("a position or a feed that is not finite")]
     NotFinite,
@@ -46,7 +46,7 @@ pub enum MotionFault {
     Busy,
     /// Nothing was sent.
     #[error("move refused: {0}")]
-    Refused(#[from] Refusal),
+    Refused(#[from] MoveRefusal),
     /// A setting of this program.
     #[error(transparent)]
     BadSettings(#[from] BadOption),
@@ -205,6 +205,17 @@ pub enum MotionFault {
 }
 
 impl MotionFault {
+    /// The fault for an error of the serial line.
+    pub(super) fn unplugged(error: &std::io::Error) -> MotionFault {
+        MotionFault::Unplugged { detail: error.to_string() }
+    }
+
+    /// The fault for a status report without machine positions.
+    pub(super) fn no_position() -> MotionFault {
+        let found = "a report without MPos".to_owned();
+        MotionFault::WrongFirmware { what: "status", found, expected: "the machine position of four axes" }
+    }
+
     /// True when nothing was sent and nothing is broken: the caller may go on.
     pub fn is_refusal(&self) -> bool {
         matches!(self, MotionFault::Busy | MotionFault::Refused(_))

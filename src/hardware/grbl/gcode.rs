@@ -1,7 +1,14 @@
 //! The last gate: a move as a line, or a reason not to send it.
 
-use super::fault::Refusal;
+use super::fault::MoveRefusal;
 use super::settings::MotionSettings;
+
+/// Real-time byte: pause motion (feed hold).
+pub(super) const HOLD: u8 = b'!';
+/// Real-time byte: resume motion (cycle start).
+pub(super) const RESUME: u8 = b'~';
+/// Real-time byte: soft reset (Ctrl-X).
+pub(super) const RESET: u8 = 0x18;
 
 /// Slowest feed that is sent, mm/min.
 const LEAST_FEED_MM_MIN: f64 = 0.1;
@@ -16,21 +23,21 @@ pub(crate) struct Move {
 }
 
 /// A move to `target_mm` at `feed_mm_min`, as it will be read after rounding to what is sent.
-pub(crate) fn compose(target_mm: [f64; 4], feed_mm_min: f64, settings: &MotionSettings) -> Result<Move, Refusal> {
+pub(crate) fn compose(target_mm: [f64; 4], feed_mm_min: f64, settings: &MotionSettings) -> Result<Move, MoveRefusal> {
     if !(feed_mm_min.is_finite() && target_mm.iter().all(|value| value.is_finite())) {
-        return Err(Refusal::NotFinite);
+        return Err(MoveRefusal::NotFinite);
     }
     let target_mm = target_mm.map(|value| rounded(value, 1e3));
     for (axis, target_mm) in target_mm.into_iter().enumerate() {
         let (low_mm, high_mm) = settings.limits_mm(axis);
         if target_mm < low_mm || target_mm > high_mm {
-            return Err(Refusal::OutsideTravel { axis, target_mm, low_mm, high_mm });
+            return Err(MoveRefusal::OutsideTravel { axis, target_mm, low_mm, high_mm });
         }
     }
     let most_mm_min = settings.max_speed_mm_min;
     let feed_mm_min = rounded(feed_mm_min, 10.0);
     if feed_mm_min < LEAST_FEED_MM_MIN || feed_mm_min > most_mm_min {
-        return Err(Refusal::Feed { feed_mm_min, most_mm_min });
+        return Err(MoveRefusal::Feed { feed_mm_min, most_mm_min });
     }
     let [x, y, z, a] = target_mm;
     Ok(Move { target_mm, line: format!("G1 X{x:.3} Y{y:.3} Z{z:.3} A{a:.3} F{feed_mm_min:.1}") })

@@ -1,10 +1,10 @@
 //! The first talk with a controller: who it is and how it is set up. Nothing moves.
 
 use super::check;
-use super::check::Table;
-use super::controller::RESET;
+use super::check::SettingsTable;
 use super::fault::MotionFault;
-use super::parser::{Piece, Reply, Status, parse};
+use super::gcode::RESET;
+use super::parser::{ReceivedLine, Reply, StatusReport, parse};
 use super::port::Port;
 use super::settings::MotionSettings;
 use super::state::Mode;
@@ -25,7 +25,7 @@ const MOST_GARBLED: usize = 3;
 
 /// What a controller said about itself.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Machine {
+pub struct ControllerInfo {
     /// Version of the firmware, such as `1.1f.20260817:`.
     pub version: String,
     /// Name of the firmware, such as `grblHAL`; empty when it gives none.
@@ -39,7 +39,7 @@ pub struct Machine {
     /// Travel of each axis, mm.
     pub travel_mm: [f64; 4],
     /// All its settings by number.
-    pub settings: Table,
+    pub settings: SettingsTable,
 }
 
 /// Learns what is at the other end of `port`; the status is the latest one.
@@ -47,8 +47,8 @@ pub(super) fn introduce(
     port: &mut Port,
     settings: &MotionSettings,
     clock: &dyn Clock,
-) -> Result<(Machine, Status), MotionFault> {
-    let mut talk = Talk { port, clock, timeout_s: settings.reply_timeout_s };
+) -> Result<(ControllerInfo, StatusReport), MotionFault> {
+    let mut talk = Handshake { port, clock, timeout_s: settings.reply_timeout_s };
     // A controller that restarts when its port is opened, or is reset, may do so in the middle of the talk.
     for _ in 0..2 {
         match talk.introduce(settings) {
@@ -59,14 +59,14 @@ pub(super) fn introduce(
     talk.introduce(settings)
 }
 
-struct Talk<'a> {
+struct Handshake<'a> {
     port: &'a mut Port,
     clock: &'a dyn Clock,
     timeout_s: f64,
 }
 
-impl Talk<'_> {
-    fn introduce(&mut self, settings: &MotionSettings) -> Result<(Machine, Status), MotionFault> {
+impl Handshake<'_> {
+    fn introduce(&mut self, settings: &MotionSettings) -> Result<(ControllerInfo, StatusReport), MotionFault> {
         self.wake()?;
         let first = self.standing()?;
         if !matches!(first.mode, Mode::Idle | Mode::Alarm(_)) {
@@ -88,7 +88,7 @@ impl Talk<'_> {
 
     /// The status once nothing moves. A program that was killed has left two moves at most, which end by themselves; one
     /// that held the robot may have left them waiting: a reset forgets them, and standing axes keep their position.
-    fn standing(&mut self) -> Result<Status, MotionFault> {
+    fn standing(&mut self) -> Result<StatusReport, MotionFault> {
         let began_s = self.clock.now_s();
         let mut before_mm = None;
         loop {
@@ -100,7 +100,7 @@ impl Talk<'_> {
                     self.clock.sleep_until(self.clock.now_s() + ASK_S);
                 }
                 Mode::Hold { complete: true } => {
-                    self.port.send_byte(RESET).map_err(|error| unplugged(&error))?;
+                    self.port.send_byte(RESET).map_err(|error| MotionFault::unplugged(&error))?;
                     return Err(MotionFault::Rebooted { greeting: "reset out of a hold".to_owned() });
                 }
                 _ => return Ok(status),
@@ -169,11 +169,11 @@ impl Talk<'_> {
         Ok(answers)
     }
 
-    fn status(&mut self) -> Result<Status, MotionFault> {
-        self.port.send_byte(b'?').map_err(|error| unplugged(&error))?;
+    fn status(&mut self) -> Result<StatusReport, MotionFault> {
+        self.port.send_byte(b'?').map_err(|error| MotionFault::unplugged(&error))?;
         self.wait_for("?", |reply| match reply {
             Reply::Status(status) if status.position_mm.is_some() => Some(Ok(status)),
-            Reply::Status(_) => Some(Err(no_position())),
+            Reply::Status(_) => Some(Err(MotionFault::no_position())),
             _ => None,
         })
     }
@@ -212,37 +212,28 @@ impl Talk<'_> {
     }
 
     /// What has arrived after a short wait.
-    fn look(&mut self) -> Result<Vec<Piece>, MotionFault> {
+    fn look(&mut self) -> Result<Vec<ReceivedLine>, MotionFault> {
         self.clock.sleep_until(self.clock.now_s() + LOOK_S);
         let (pieces, gone) = self.port.read();
-        gone.map_err(|error| unplugged(&error))?;
+        gone.map_err(|error| MotionFault::unplugged(&error))?;
         Ok(pieces)
     }
 
     fn send(&mut self, line: &str) -> Result<(), MotionFault> {
-        self.port.send(line).map_err(|error| unplugged(&error))
+        self.port.send(line).map_err(|error| MotionFault::unplugged(&error))
     }
-}
-
-pub(crate) fn unplugged(error: &std::io::Error) -> MotionFault {
-    MotionFault::Unplugged { detail: error.to_string() }
 }
 
 /// The line's meaning, or the line itself when it has none.
-fn understand(piece: Piece) -> Result<Reply, String> {
+fn understand(piece: ReceivedLine) -> Result<Reply, String> {
     match piece {
-        Piece::Line(line) => parse(&line).ok_or(line),
-        Piece::Garbled(line) => Err(line),
+        ReceivedLine::Line(line) => parse(&line).ok_or(line),
+        ReceivedLine::Garbled(line) => Err(line),
     }
 }
 
-pub(crate) fn no_position() -> MotionFault {
-    let found = "a report without MPos".to_owned();
-    MotionFault::WrongFirmware { what: "status", found, expected: "the machine position of four axes" }
-}
-
 /// Refuses anything but GRBL 1.1 with the axes X, Y, Z and A; `free_blocks` of its queue were free at rest.
-fn identify(answers: &[Reply], free_blocks: Option<usize>) -> Result<Machine, MotionFault> {
+fn identify(answers: &[Reply], free_blocks: Option<usize>) -> Result<ControllerInfo, MotionFault> {
     let info = |wanted: &str| {
         answers.iter().find_map(|reply| match reply {
             Reply::Info { name, text } if name == wanted => Some(text.clone()),
@@ -260,10 +251,10 @@ fn identify(answers: &[Reply], free_blocks: Option<usize>) -> Result<Machine, Mo
     let told = info("OPT").and_then(|options| options.split(',').nth(1)?.trim().parse().ok());
     // Without either, moves count as done when the controller says that it is idle.
     let blocks = told.or(free_blocks).unwrap_or(0);
-    Ok(Machine { version, firmware: info("FIRMWARE").unwrap_or_default(), blocks, ..Machine::default() })
+    Ok(ControllerInfo { version, firmware: info("FIRMWARE").unwrap_or_default(), blocks, ..ControllerInfo::default() })
 }
 
-fn table(answers: &[Reply]) -> Table {
+fn table(answers: &[Reply]) -> SettingsTable {
     let settings = answers.iter().filter_map(|reply| match reply {
         Reply::Setting { number, value } => Some((*number, value.clone())),
         _ => None,

@@ -16,13 +16,13 @@ const STILL_REPORTS: u32 = 3;
 
 /// The last commands: between them is where an axis may be.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Path {
+pub(crate) struct CommandedPath {
     targets_mm: VecDeque<[f64; 4]>,
     /// Position of the report before.
     last_mm: [f64; 4],
 }
 
-impl Path {
+impl CommandedPath {
     /// False while it is not known where the axes are.
     pub(crate) fn is_known(&self) -> bool {
         !self.targets_mm.is_empty()
@@ -111,14 +111,14 @@ impl Path {
 /// Since when neither the axes nor the queue have gone on although they should: a controller that freezes may go on
 /// telling that it moves.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Stillness {
+pub(crate) struct StallDetector {
     since_s: f64,
     reports: u32,
     position_mm: [f64; 4],
     queued: usize,
 }
 
-impl Stillness {
+impl StallDetector {
     /// Motion is due from now on.
     pub(crate) fn begin_again(&mut self, now_s: f64) {
         (self.since_s, self.reports) = (now_s, 0);

@@ -17,7 +17,7 @@ pub enum Reply {
     /// The greeting of a controller that has just started or been reset.
     Boot(String),
     /// `<...>`: the answer to `?`.
-    Status(Status),
+    Status(StatusReport),
     /// `$N=value`.
     Setting {
         /// Number of the setting.
@@ -38,7 +38,7 @@ pub enum Reply {
 
 /// A status report. A field that a report leaves out has not changed, except for pins: those are listed when active.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Status {
+pub struct StatusReport {
     /// What the controller is doing.
     pub mode: Mode,
     /// It holds and does not tell whether that has come to its end, as most versions do by a number behind it.
@@ -93,10 +93,10 @@ fn info(text: &str) -> Option<Reply> {
     Some(Reply::Info { name: name.to_owned(), text: text.to_owned() })
 }
 
-fn status(text: &str) -> Option<Status> {
+fn status(text: &str) -> Option<StatusReport> {
     let mut fields = text.split('|');
     let name = fields.next()?;
-    let mut status = Status {
+    let mut status = StatusReport {
         mode: mode(name)?,
         bare_hold: name == "Hold",
         position_mm: None,
@@ -155,7 +155,7 @@ fn number(text: &str) -> Option<f64> {
 
 /// Something between two line ends.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Piece {
+pub enum ReceivedLine {
     /// A line in UTF-8, without its end.
     Line(String),
     /// Bytes that are no text, or too many of them without a line end; readable as far as possible.
@@ -172,7 +172,7 @@ pub struct LineReader {
 
 impl LineReader {
     /// Takes the next byte, and gives what it ends.
-    pub fn push(&mut self, byte: u8) -> Option<Piece> {
+    pub fn push(&mut self, byte: u8) -> Option<ReceivedLine> {
         if byte == b'\n' {
             let bytes = std::mem::take(&mut self.bytes);
             if std::mem::take(&mut self.overlong) {
@@ -186,7 +186,7 @@ impl LineReader {
         }
         self.overlong = true;
         let bytes = std::mem::take(&mut self.bytes);
-        Some(Piece::Garbled(String::from_utf8_lossy(&bytes).into_owned()))
+        Some(ReceivedLine::Garbled(String::from_utf8_lossy(&bytes).into_owned()))
     }
 
     /// Forgets the beginning of a line.
@@ -196,12 +196,12 @@ impl LineReader {
 }
 
 /// A finished line; nothing for an empty one.
-fn piece(bytes: &[u8]) -> Option<Piece> {
+fn piece(bytes: &[u8]) -> Option<ReceivedLine> {
     match std::str::from_utf8(bytes) {
         Ok(text) => {
             let text = text.trim_end_matches('\r');
-            (!text.is_empty()).then(|| Piece::Line(text.to_owned()))
+            (!text.is_empty()).then(|| ReceivedLine::Line(text.to_owned()))
         }
-        Err(_) => Some(Piece::Garbled(String::from_utf8_lossy(bytes).into_owned())),
+        Err(_) => Some(ReceivedLine::Garbled(String::from_utf8_lossy(bytes).into_owned())),
     }
 }

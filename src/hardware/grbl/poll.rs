@@ -1,14 +1,13 @@
 //! What leaves by itself, and what must have come by now.
 
-use super::controller::{Controller, Homing, Pending, Purpose};
+use super::controller::Controller;
 use super::fault::MotionFault;
-use super::handshake;
+use super::pending::{HomingPhase, LinePurpose, PendingLine};
+use super::settings::GREETING_S;
 use super::state::Mode;
 
 /// Time between two status queries, seconds.
 const ASK_EVERY_S: f64 = 0.05;
-/// A controller greets within this time after a reset, besides its reply time, seconds.
-pub(crate) const RESET_S: f64 = 1.0;
 /// Millimetres, absolute positions, feed per minute, in the first of the work coordinate systems.
 const SETUP: &str = "G21 G90 G94 G54";
 
@@ -18,7 +17,7 @@ impl Controller {
         let reply_s = self.settings.reply_timeout_s;
         if let Some(pending) = &self.pending {
             let waited_s = now_s - pending.sent_s;
-            if pending.purpose == Purpose::Homing {
+            if pending.purpose == LinePurpose::Homing {
                 if waited_s > self.settings.homing_timeout_s {
                     self.fail(MotionFault::HomingTimeout { waited_s });
                 }
@@ -31,7 +30,7 @@ impl Controller {
             self.fail(MotionFault::Silent { to: "a status query".to_owned(), waited_s });
         }
         let reset_waited_s = self.reset_s.map(|reset_s| now_s - reset_s);
-        if let Some(waited_s) = reset_waited_s.filter(|&waited_s| waited_s > reply_s + RESET_S) {
+        if let Some(waited_s) = reset_waited_s.filter(|&waited_s| waited_s > reply_s + GREETING_S) {
             self.reset_s = None;
             self.fail(MotionFault::Silent { to: "a reset".to_owned(), waited_s });
         }
@@ -39,7 +38,7 @@ impl Controller {
 
     /// How long the controller has owed an answer, seconds; 0 when it owes none, or while it homes and may be silent.
     pub fn waiting_s(&self, now_s: f64) -> f64 {
-        let line = self.pending.as_ref().filter(|pending| pending.purpose != Purpose::Homing);
+        let line = self.pending.as_ref().filter(|pending| pending.purpose != LinePurpose::Homing);
         let since_s = line.map(|pending| pending.sent_s).into_iter().chain(self.asked_s).fold(now_s, f64::min);
         now_s - since_s
     }
@@ -47,13 +46,13 @@ impl Controller {
     /// Sends what is due.
     pub(crate) fn go_on(&mut self, now_s: f64) {
         self.home_if_free(now_s);
-        let quiet = self.reset_s.is_some() || self.homing == Homing::Running;
+        let quiet = self.reset_s.is_some() || self.homing == HomingPhase::Running;
         if quiet || matches!(self.fault, Some(MotionFault::Unplugged { .. })) {
             return;
         }
-        let standing = self.state.mode == Mode::Idle || self.homing == Homing::Settling;
+        let standing = self.state.mode == Mode::Idle || self.homing == HomingPhase::Settling;
         if !self.set_up && self.state.homed && standing && self.pending.is_none() && self.fault.is_none() {
-            self.send(SETUP.to_owned(), Purpose::Setup, now_s);
+            self.send(SETUP.to_owned(), LinePurpose::Setup, now_s);
         }
         if self.asked_s.is_none() && now_s >= self.next_ask_s {
             self.asked_s = Some(now_s);
@@ -64,32 +63,32 @@ impl Controller {
 
     pub(crate) fn home_if_free(&mut self, now_s: f64) {
         let free = self.pending.is_none() && self.reset_s.is_none() && self.state.mode != Mode::Unknown;
-        if self.homing != Homing::Wanted || !free {
+        if self.homing != HomingPhase::Wanted || !free {
             return;
         }
-        self.homing = Homing::Running;
+        self.homing = HomingPhase::Running;
         self.says_homed = false;
         self.note_homed();
         self.path.forget();
         self.state.mode = Mode::Home;
         // A query that is on its way is answered when homing has ended, if at all.
         self.asked_s = None;
-        self.send("$H".to_owned(), Purpose::Homing, now_s);
+        self.send("$H".to_owned(), LinePurpose::Homing, now_s);
     }
 
-    pub(super) fn send(&mut self, line: String, purpose: Purpose, now_s: f64) {
+    pub(super) fn send(&mut self, line: String, purpose: LinePurpose, now_s: f64) {
         let sent = self.port.send(&line);
-        self.pending = Some(Pending { line, sent_s: now_s, purpose });
+        self.pending = Some(PendingLine { line, sent_s: now_s, purpose });
         self.state.unacknowledged = 1;
         self.state.sent += 1;
         if let Err(error) = sent {
-            self.fail(handshake::unplugged(&error));
+            self.fail(MotionFault::unplugged(&error));
         }
     }
 
     pub(crate) fn send_byte(&mut self, byte: u8) {
         if let Err(error) = self.port.send_byte(byte) {
-            self.fail(handshake::unplugged(&error));
+            self.fail(MotionFault::unplugged(&error));
         }
     }
 }

@@ -2,25 +2,25 @@
 
 use std::io;
 
-use super::parser::{LineReader, Piece};
-use crate::hardware::serial::Wire;
+use super::parser::{LineReader, ReceivedLine};
+use crate::hardware::serial::SerialLine;
 
 /// Most bytes read at once: a controller that never stops sending may not stop the program.
 const MOST_BYTES: usize = 1 << 16;
 
 /// A wire with the beginning of the line that is still arriving.
 pub(super) struct Port {
-    wire: Box<dyn Wire>,
+    wire: Box<dyn SerialLine>,
     reader: LineReader,
 }
 
 impl Port {
-    pub(super) fn new(wire: Box<dyn Wire>) -> Port {
+    pub(super) fn new(wire: Box<dyn SerialLine>) -> Port {
         Port { wire, reader: LineReader::default() }
     }
 
     /// The lines that have been completed since the last call, even when the wire has then gone.
-    pub(super) fn read(&mut self) -> (Vec<Piece>, io::Result<()>) {
+    pub(super) fn read(&mut self) -> (Vec<ReceivedLine>, io::Result<()>) {
         let mut pieces = Vec::new();
         let mut buffer = [0; 1024];
         let mut total = 0;

@@ -1,10 +1,10 @@
 //! What each reply of the controller changes.
 
-use super::controller::{Controller, Homing, Pending, Purpose};
+use super::controller::Controller;
 use super::fault::MotionFault;
-use super::handshake;
 use super::motion_monitor;
-use super::parser::{Piece, Reply, Status, parse};
+use super::parser::{ReceivedLine, Reply, StatusReport, parse};
+use super::pending::{HomingPhase, LinePurpose, PendingLine};
 use super::state::Mode;
 
 /// Unreadable lines within [`GARBLED_S`] that make a fault.
@@ -23,16 +23,16 @@ impl Controller {
         for piece in pieces {
             self.state.last_reply_s = now_s;
             match piece {
-                Piece::Line(line) => match parse(&line) {
+                ReceivedLine::Line(line) => match parse(&line) {
                     Some(reply) => self.take(reply, now_s),
                     None => self.garbled(line, now_s),
                 },
-                Piece::Garbled(line) => self.garbled(line, now_s),
+                ReceivedLine::Garbled(line) => self.garbled(line, now_s),
             }
         }
         if let Err(error) = gone {
-            self.fault = Some(handshake::unplugged(&error));
-            self.fail(handshake::unplugged(&error));
+            self.fault = Some(MotionFault::unplugged(&error));
+            self.fail(MotionFault::unplugged(&error));
         }
     }
 
@@ -61,7 +61,7 @@ impl Controller {
         }
     }
 
-    fn answered(&mut self) -> Option<Pending> {
+    fn answered(&mut self) -> Option<PendingLine> {
         self.state.unacknowledged = 0;
         self.pending.take()
     }
@@ -72,10 +72,10 @@ impl Controller {
             return;
         }
         match self.answered().map(|pending| pending.purpose) {
-            Some(Purpose::Move) => self.state.queued += 1,
-            Some(Purpose::Setup) => self.set_up = true,
-            Some(Purpose::Homing) => {
-                self.homing = Homing::Settling;
+            Some(LinePurpose::Move) => self.state.queued += 1,
+            Some(LinePurpose::Setup) => self.set_up = true,
+            Some(LinePurpose::Homing) => {
+                self.homing = HomingPhase::Settling;
                 self.says_homed = true;
                 self.must_home = false;
                 self.set_up = false;
@@ -117,7 +117,7 @@ impl Controller {
         self.must_home |= !awaited;
         let homing = self.homing;
         self.start_over();
-        if expected && homing == Homing::Wanted {
+        if expected && homing == HomingPhase::Wanted {
             self.homing = homing;
         }
         self.next_ask_s = now_s;
@@ -126,7 +126,7 @@ impl Controller {
         }
     }
 
-    pub(super) fn reported(&mut self, status: &Status, now_s: f64) {
+    pub(super) fn reported(&mut self, status: &StatusReport, now_s: f64) {
         let status = &self.completed(status);
         self.asked_s = None;
         self.state.last_status_s = now_s;
@@ -134,7 +134,7 @@ impl Controller {
         let before = std::mem::replace(&mut self.state.mode, status.mode);
         self.state.position_mm = status.position_mm.unwrap_or(self.state.position_mm);
         self.state.feed_mm_min = status.feed_mm_min.unwrap_or(self.state.feed_mm_min);
-        if self.homing == Homing::Running {
+        if self.homing == HomingPhase::Running {
             // An alarm whose own line was not readable; one from before homing may still be on its way.
             let begun =
                 self.pending.as_ref().is_some_and(|homing| now_s - homing.sent_s > self.settings.reply_timeout_s);
@@ -157,14 +157,14 @@ impl Controller {
     }
 
     /// A hold that does not tell whether it has come to its end has when two reports name the same position.
-    fn completed(&self, status: &Status) -> Status {
+    fn completed(&self, status: &StatusReport) -> StatusReport {
         let stands = status.position_mm == Some(self.state.position_mm);
         let held = matches!(self.state.mode, Mode::Hold { .. });
         let mode = if status.bare_hold && held { Mode::Hold { complete: stands } } else { status.mode };
-        Status { mode, ..*status }
+        StatusReport { mode, ..*status }
     }
 
-    fn count_blocks(&mut self, status: &Status, before: Mode) {
+    fn count_blocks(&mut self, status: &StatusReport, before: Mode) {
         if let Some(free) = status.free_blocks {
             self.state.queued = self.machine.blocks.saturating_sub(free);
         } else if (before, status.mode) == (Mode::Idle, Mode::Idle) {
@@ -172,7 +172,7 @@ impl Controller {
         }
     }
 
-    fn judge_mode(&mut self, status: &Status, before: Mode, now_s: f64) -> Result<(), MotionFault> {
+    fn judge_mode(&mut self, status: &StatusReport, before: Mode, now_s: f64) -> Result<(), MotionFault> {
         let lost = self.state.homed && status.homed == Some(false) && before != Mode::Unknown;
         self.says_homed = status.homed.unwrap_or(self.says_homed);
         self.note_homed();
@@ -187,7 +187,7 @@ impl Controller {
                 if expected { Ok(()) } else { Err(MotionFault::Alarm { code: code.unwrap_or(0) }) }
             }
             _ if lost => Err(MotionFault::Alarm { code: HOMING_REQUIRED }),
-            Mode::Home if self.homing == Homing::Settling => Ok(()),
+            Mode::Home if self.homing == HomingPhase::Settling => Ok(()),
             // Somebody has pressed the controller's own hold, or the word to go on got lost.
             mode @ Mode::Hold { .. } if !self.held && now_s - self.resumed_s > self.settings.reply_timeout_s => {
                 Err(MotionFault::UnexpectedMode { mode })
@@ -197,7 +197,7 @@ impl Controller {
         }
     }
 
-    fn judge_position(&mut self, status: &Status, now_s: f64) -> Result<(), MotionFault> {
+    fn judge_position(&mut self, status: &StatusReport, now_s: f64) -> Result<(), MotionFault> {
         if let Some(offset_mm) = status.offset_mm.filter(|offset_mm| offset_mm.iter().any(|&value| value != 0.0)) {
             let remedy = "G10 L2 P1 X0 Y0 Z0 A0, G92.1 and G49".to_owned();
             return Err(MotionFault::WorkOffset {
@@ -206,7 +206,7 @@ impl Controller {
                 remedy,
             });
         }
-        let Some(position_mm) = status.position_mm else { return Err(handshake::no_position()) };
+        let Some(position_mm) = status.position_mm else { return Err(MotionFault::no_position()) };
         if !self.state.homed {
             return Ok(());
         }
@@ -215,8 +215,8 @@ impl Controller {
         }
         motion_monitor::within_travel(&position_mm, &self.settings)?;
         let idle = status.mode == Mode::Idle;
-        if idle && self.homing == Homing::Settling {
-            self.homing = Homing::No;
+        if idle && self.homing == HomingPhase::Settling {
+            self.homing = HomingPhase::No;
         }
         if !self.path.is_known() {
             self.stillness.begin_again(now_s);

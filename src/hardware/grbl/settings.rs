@@ -4,6 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::base::BadOption;
 
+/// Longest time from a reset to the greeting, beyond the reply time, s.
+pub(super) const GREETING_S: f64 = 1.0;
+
 /// How to reach the controller and what it must be like. The controller's own settings are checked, never written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]

@@ -68,7 +68,7 @@ impl Pins {
 
 /// A controller as far as it has been heard.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct State {
+pub struct ControllerState {
     /// What it is doing.
     pub mode: Mode,
     /// Where the axes stand by its count of steps, millimetres.

@@ -4,7 +4,7 @@ use super::Rig;
 use super::stop_reasons::{ARM, implausible, lost};
 use crate::base::{Point3, distance_m};
 use crate::hardware::axes::AXES;
-use crate::hardware::safety::Cause;
+use crate::hardware::safety::StopReason;
 
 /// A pose that does not change is frozen after this time, s,
 const FROZEN_S: f64 = 0.05;
@@ -15,7 +15,7 @@ const FROZEN_TIP_M: f64 = 0.005;
 
 /// What things were like when the tracker's pose last changed.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Changed {
+pub(crate) struct LastPoseChange {
     /// Changes so far.
     count: u64,
     /// Where the screws stood, mm.
@@ -26,11 +26,11 @@ pub(crate) struct Changed {
 
 impl Rig {
     /// Why the robot should not go on for now: a controller that owes an answer, or a measurement that is not to be used.
-    pub(crate) fn doubt(&mut self, now_s: f64) -> Option<Cause> {
+    pub(crate) fn doubt(&mut self, now_s: f64) -> Option<StopReason> {
         let waiting_s = self.parts.controller.waiting_s(now_s);
         if waiting_s > self.parts.late_s {
             let what = format!("the controller has owed an answer for {:.0} ms", waiting_s * 1e3);
-            return Some(Cause { kind: "controller", what, remedy: ARM.to_owned() });
+            return Some(StopReason { kind: "controller", what, remedy: ARM.to_owned() });
         }
         let limits = self.parts.limits;
         let age_s = self.parts.tracking.age_s(now_s);
@@ -65,10 +65,10 @@ impl Rig {
     }
 
     /// A tracker that sends one pose for ever, with new time stamps, while motors and model have gone on.
-    fn frozen(&mut self) -> Option<Cause> {
+    fn frozen(&mut self) -> Option<StopReason> {
         let (status, position_mm) = (self.parts.tracking.status(), self.parts.controller.state().position_mm);
         if status.changes != self.changed.count {
-            self.changed = Changed { count: status.changes, position_mm, expected_m: self.expected_m };
+            self.changed = LastPoseChange { count: status.changes, position_mm, expected_m: self.expected_m };
             return None;
         }
         let (Some(from_m), Some(to_m)) = (self.changed.expected_m, self.expected_m) else {
@@ -79,7 +79,7 @@ impl Rig {
         let turned_mm = turned_mm.fold(0.0, f64::max);
         let unchanged_s = status.unchanged_s;
         let frozen = unchanged_s >= FROZEN_S && turned_mm > FROZEN_MM && distance_m(&from_m, &to_m) > FROZEN_TIP_M;
-        frozen.then(|| Cause {
+        frozen.then(|| StopReason {
             kind: "tracking",
             what: format!(
                 "the tracker has sent the same pose to the last bit for {:.0} ms while a screw moved by {turned_mm:.1} mm: \

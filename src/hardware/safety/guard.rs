@@ -7,7 +7,7 @@ use super::limits::SafetyLimits;
 
 /// Why a robot is held or stopped, in words: what was found and what was expected.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Cause {
+pub struct StopReason {
     /// One word for tables: `tracking`, `controller`, `tip`, `interrupted`, `ended`.
     pub kind: &'static str,
     /// What happened.
@@ -18,7 +18,7 @@ pub struct Cause {
 
 /// What the robot may do.
 #[derive(Clone, Debug, PartialEq)]
-pub enum State {
+pub enum GuardState {
     /// Nothing moves: not homed yet.
     Idle,
     /// The axes look for their switches.
@@ -28,41 +28,41 @@ pub enum State {
     /// Motion is paused where it is and goes on once the cause is gone.
     Held {
         /// Why.
-        cause: Cause,
+        cause: StopReason,
         /// Since when, seconds.
         since_s: f64,
     },
     /// Motion has ended; nothing moves until somebody has looked at the robot and armed it again.
     Stopped {
         /// Why.
-        cause: Cause,
+        cause: StopReason,
         /// Since when, seconds.
         since_s: f64,
     },
 }
 
-impl State {
+impl GuardState {
     /// Name for tables and logs.
     pub fn name(&self) -> &'static str {
         match self {
-            State::Idle => "idle",
-            State::Homing => "homing",
-            State::Active => "active",
-            State::Held { .. } => "held",
-            State::Stopped { .. } => "stopped",
+            GuardState::Idle => "idle",
+            GuardState::Homing => "homing",
+            GuardState::Active => "active",
+            GuardState::Held { .. } => "held",
+            GuardState::Stopped { .. } => "stopped",
         }
     }
 }
 
 /// What is the case at one moment.
 #[derive(Clone, Debug, Default)]
-pub struct Facts {
+pub struct SafetyInputs {
     /// Why the motion cannot be trusted any more; nothing while it can.
-    pub motion_fault: Option<Cause>,
+    pub motion_fault: Option<StopReason>,
     /// Why the robot should not go on for now, such as a measurement that is old, invalid or implausible.
-    pub doubt: Option<Cause>,
+    pub doubt: Option<StopReason>,
     /// A request to end, such as Ctrl-C.
-    pub interrupted: Option<Cause>,
+    pub interrupted: Option<StopReason>,
     /// Homing has ended well.
     pub homed: bool,
     /// A hold has come to its end: every axis stands.
@@ -71,7 +71,7 @@ pub struct Facts {
 
 /// What has to be done about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Order {
+pub enum SafetyAction {
     /// Nothing.
     Nothing,
     /// Pause motion.
@@ -86,7 +86,7 @@ pub enum Order {
 #[derive(Clone, Debug)]
 pub struct Guard {
     limits: SafetyLimits,
-    state: State,
+    state: GuardState,
     /// Since when a stopped robot has queued motion that has yet to be forgotten.
     stopping_s: Option<f64>,
     /// When it was last held.
@@ -104,28 +104,28 @@ const HOLDS_S: f64 = 10.0;
 impl Guard {
     /// A guard of a robot that has not been homed.
     pub fn new(limits: SafetyLimits) -> Guard {
-        Guard { limits, state: State::Idle, stopping_s: None, holds_s: VecDeque::new() }
+        Guard { limits, state: GuardState::Idle, stopping_s: None, holds_s: VecDeque::new() }
     }
 
     /// What the robot may do.
-    pub fn state(&self) -> &State {
+    pub fn state(&self) -> &GuardState {
         &self.state
     }
 
     /// Homing begins, where it may.
     pub fn begin_homing(&mut self) -> bool {
-        let may = matches!(self.state, State::Idle | State::Active);
+        let may = matches!(self.state, GuardState::Idle | GuardState::Active);
         if may {
-            self.state = State::Homing;
+            self.state = GuardState::Homing;
         }
         may
     }
 
     /// A robot that has been homed before becomes active.
     pub fn activate(&mut self) -> bool {
-        let may = matches!(self.state, State::Idle);
+        let may = matches!(self.state, GuardState::Idle);
         if may {
-            self.state = State::Active;
+            self.state = GuardState::Active;
         }
         may
     }
@@ -133,18 +133,18 @@ impl Guard {
     /// A robot that stands and is not told to move for now, such as while somebody works on it: what the tracker sees does
     /// not matter until it becomes active again.
     pub fn park(&mut self) -> bool {
-        let may = matches!(self.state, State::Active);
+        let may = matches!(self.state, GuardState::Active);
         if may {
-            self.state = State::Idle;
+            self.state = GuardState::Idle;
         }
         may
     }
 
     /// The program ends: a robot that may move is stopped, one that homes as well.
-    pub fn end(&mut self, cause: Cause, now_s: f64) -> Order {
+    pub fn end(&mut self, cause: StopReason, now_s: f64) -> SafetyAction {
         match self.state {
-            State::Idle | State::Stopped { .. } => Order::Nothing,
-            State::Homing | State::Active | State::Held { .. } => self.stop(cause, now_s),
+            GuardState::Idle | GuardState::Stopped { .. } => SafetyAction::Nothing,
+            GuardState::Homing | GuardState::Active | GuardState::Held { .. } => self.stop(cause, now_s),
         }
     }
 
@@ -154,8 +154,8 @@ impl Guard {
     }
 
     /// What the facts at `now_s` call for.
-    pub fn judge(&mut self, facts: &Facts, now_s: f64) -> Order {
-        if let State::Stopped { .. } = self.state {
+    pub fn judge(&mut self, facts: &SafetyInputs, now_s: f64) -> SafetyAction {
+        if let GuardState::Stopped { .. } = self.state {
             return self.finish_stop(facts, now_s);
         }
         // A fault outlives the program, a request to end does not.
@@ -163,53 +163,53 @@ impl Guard {
             return self.stop(cause.clone(), now_s);
         }
         match (&self.state, &facts.doubt) {
-            (State::Homing, _) if facts.homed => self.to(State::Active, Order::Nothing),
-            (State::Active, Some(cause)) => self.hold(cause.clone(), now_s),
-            (State::Held { .. }, None) => self.to(State::Active, Order::Resume),
-            (State::Held { since_s, .. }, Some(cause)) if now_s - since_s >= self.limits.hold_stop_s => {
+            (GuardState::Homing, _) if facts.homed => self.to(GuardState::Active, SafetyAction::Nothing),
+            (GuardState::Active, Some(cause)) => self.hold(cause.clone(), now_s),
+            (GuardState::Held { .. }, None) => self.to(GuardState::Active, SafetyAction::Resume),
+            (GuardState::Held { since_s, .. }, Some(cause)) if now_s - since_s >= self.limits.hold_stop_s => {
                 let cause = cause.clone();
                 self.stop(cause, now_s)
             }
-            _ => Order::Nothing,
+            _ => SafetyAction::Nothing,
         }
     }
 
     /// A robot that is held again and again is not one that goes on.
-    fn hold(&mut self, cause: Cause, now_s: f64) -> Order {
+    fn hold(&mut self, cause: StopReason, now_s: f64) -> SafetyAction {
         self.holds_s.retain(|&then_s| now_s - then_s < HOLDS_S);
         self.holds_s.push_back(now_s);
         let (count, most) = (self.holds_s.len(), self.limits.most_holds);
         if count > most {
             let what = format!("held {count} times within {HOLDS_S} s, expected at most {most}; now: {}", cause.what);
-            return self.stop(Cause { what, ..cause }, now_s);
+            return self.stop(StopReason { what, ..cause }, now_s);
         }
-        self.to(State::Held { cause, since_s: now_s }, Order::Hold)
+        self.to(GuardState::Held { cause, since_s: now_s }, SafetyAction::Hold)
     }
 
-    fn to(&mut self, state: State, order: Order) -> Order {
+    fn to(&mut self, state: GuardState, order: SafetyAction) -> SafetyAction {
         self.state = state;
         order
     }
 
     /// A robot that homes cannot be paused: its motion is forgotten at once.
-    fn stop(&mut self, cause: Cause, now_s: f64) -> Order {
+    fn stop(&mut self, cause: StopReason, now_s: f64) -> SafetyAction {
         let order = match self.state {
-            State::Homing => Order::Flush,
-            _ => Order::Hold,
+            GuardState::Homing => SafetyAction::Flush,
+            _ => SafetyAction::Hold,
         };
-        self.stopping_s = (order == Order::Hold).then_some(now_s);
-        self.to(State::Stopped { cause, since_s: now_s }, order)
+        self.stopping_s = (order == SafetyAction::Hold).then_some(now_s);
+        self.to(GuardState::Stopped { cause, since_s: now_s }, order)
     }
 
     /// Once the axes stand, or should have for long, what is queued is forgotten, so that nothing starts again by itself.
-    fn finish_stop(&mut self, facts: &Facts, now_s: f64) -> Order {
+    fn finish_stop(&mut self, facts: &SafetyInputs, now_s: f64) -> SafetyAction {
         let patience_s = if facts.motion_fault.is_some() { STAND_ANYWAY_S } else { STAND_S };
         match self.stopping_s {
             Some(since_s) if facts.standing || now_s - since_s >= patience_s => {
                 self.stopping_s = None;
-                Order::Flush
+                SafetyAction::Flush
             }
-            _ => Order::Nothing,
+            _ => SafetyAction::Nothing,
         }
     }
 }

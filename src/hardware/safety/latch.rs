@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use super::guard::Cause;
+use super::guard::StopReason;
 
 /// Latch and log of one robot, and whether its controller's count of steps may be believed.
 #[derive(Clone, Debug)]
@@ -72,7 +72,7 @@ impl Latch {
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn stop(&self, cause: &Cause) -> io::Result<()> {
+    pub fn stop(&self, cause: &StopReason) -> io::Result<()> {
         let line = format!("{} UTC: {} [{}]", utc(SystemTime::now()), cause.what, cause.kind);
         // The latch first: the log is for people, and may be full.
         let (latched, distrusted) = (self.put(&self.stopped, &line), self.distrust(&line));
@@ -150,7 +150,7 @@ mod tests {
     fn arming_does_not_bring_the_position_back() {
         let folder = tempfile::tempdir().unwrap();
         let latch = Latch::new(folder.path(), "robot");
-        let cause = Cause { kind: "tip", what: "somewhere else".to_owned(), remedy: "look".to_owned() };
+        let cause = StopReason { kind: "tip", what: "somewhere else".to_owned(), remedy: "look".to_owned() };
         latch.stop(&cause).unwrap();
         assert!(latch.release().unwrap().is_some() && latch.read().is_none());
         assert!(latch.distrusted().is_some_and(|why| why.contains("somewhere else")));

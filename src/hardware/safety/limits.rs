@@ -55,7 +55,7 @@ const ROUNDING_M: f64 = 1e-9;
 
 /// Why a command does not leave.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Refusal {
+pub enum CommandRefusal {
     /// A displacement is no number.
     #[error("tendon {tendon}: found {found}, expected a finite displacement")]
     NotFinite {
@@ -122,8 +122,8 @@ impl SafetyLimits {
     /// number of tendons apart.
     ///
     /// # Errors
-    /// [`Refusal`] names the first limit that is broken.
-    pub fn admit(&self, pulls_m: &[f64], last_m: &[f64], duration_s: f64, steps: usize) -> Result<(), Refusal> {
+    /// [`CommandRefusal`] names the first limit that is broken.
+    pub fn admit(&self, pulls_m: &[f64], last_m: &[f64], duration_s: f64, steps: usize) -> Result<(), CommandRefusal> {
         self.admit_each(pulls_m, last_m, duration_s, steps)?;
         self.admit_pairs(pulls_m, last_m)
     }
@@ -131,13 +131,19 @@ impl SafetyLimits {
     /// What [`SafetyLimits::admit`] asks of each tendon by itself.
     ///
     /// # Errors
-    /// [`Refusal`] names the first limit that is broken.
-    pub fn admit_each(&self, pulls_m: &[f64], last_m: &[f64], duration_s: f64, steps: usize) -> Result<(), Refusal> {
+    /// [`CommandRefusal`] names the first limit that is broken.
+    pub fn admit_each(
+        &self,
+        pulls_m: &[f64],
+        last_m: &[f64],
+        duration_s: f64,
+        steps: usize,
+    ) -> Result<(), CommandRefusal> {
         if pulls_m.len() != last_m.len() {
-            return Err(Refusal::Count { found: pulls_m.len(), expected: last_m.len() });
+            return Err(CommandRefusal::Count { found: pulls_m.len(), expected: last_m.len() });
         }
         if let Some(index) = pulls_m.iter().position(|pull| !pull.is_finite()) {
-            return Err(Refusal::NotFinite { tendon: index + 1, found: pulls_m[index] });
+            return Err(CommandRefusal::NotFinite { tendon: index + 1, found: pulls_m[index] });
         }
         let step_m = self.step_m(duration_s / steps as f64) * steps as f64;
         for (index, (&to, &from)) in pulls_m.iter().zip(last_m).enumerate() {
@@ -150,14 +156,14 @@ impl SafetyLimits {
     /// The ticks of `tick_s` in which the drive may go from the command `last_m` to `pulls_m`, at least one.
     ///
     /// # Errors
-    /// [`Refusal`] names the first limit that is broken, in [`MOST_TICKS`] if it needs more.
-    pub fn admit_in_ticks(&self, pulls_m: &[f64], last_m: &[f64], tick_s: f64) -> Result<usize, Refusal> {
+    /// [`CommandRefusal`] names the first limit that is broken, in [`MOST_TICKS`] if it needs more.
+    pub fn admit_in_ticks(&self, pulls_m: &[f64], last_m: &[f64], tick_s: f64) -> Result<usize, CommandRefusal> {
         let ticks = self.ticks(pulls_m, last_m, tick_s).clamp(1, MOST_TICKS);
         self.admit(pulls_m, last_m, tick_s * ticks as f64, ticks).map(|()| ticks)
     }
 
     /// A pair that stands beyond a bound may come back towards it.
-    fn admit_pairs(&self, pulls_m: &[f64], last_m: &[f64]) -> Result<(), Refusal> {
+    fn admit_pairs(&self, pulls_m: &[f64], last_m: &[f64]) -> Result<(), CommandRefusal> {
         let half = pulls_m.len() / 2;
         if !pulls_m.len().is_multiple_of(2) {
             return Ok(());
@@ -171,9 +177,9 @@ impl SafetyLimits {
     }
 }
 
-fn within(what: &'static str, index: usize, found: f64, low: f64, high: f64) -> Result<(), Refusal> {
+fn within(what: &'static str, index: usize, found: f64, low: f64, high: f64) -> Result<(), CommandRefusal> {
     if found >= low - ROUNDING_M && found <= high + ROUNDING_M {
         return Ok(());
     }
-    Err(Refusal::Beyond { tendon: index + 1, what, found, low, high })
+    Err(CommandRefusal::Beyond { tendon: index + 1, what, found, low, high })
 }

@@ -4,6 +4,6 @@ mod guard;
 mod latch;
 mod limits;
 
-pub use guard::{Cause, Facts, Guard, Order, State};
+pub use guard::{Guard, GuardState, SafetyAction, SafetyInputs, StopReason};
 pub use latch::Latch;
-pub use limits::{MOST_TICKS, Refusal, SafetyLimits};
+pub use limits::{CommandRefusal, MOST_TICKS, SafetyLimits};

@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 use super::fault::TrackingFault;
-use super::pose::Pose;
+use super::pose::RigidPose;
 use crate::base::Point3;
 
 /// Points whose spread across their longest direction is below this share of the spread along it are a line.
@@ -19,7 +19,7 @@ const LARGEST_M: f64 = 1000.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Alignment {
     /// Pose of the robot's base frame in the base body's frame: the setting `alignment`.
-    pub pose: Pose,
+    pub pose: RigidPose,
     /// Root mean square of the distances that remain, metres.
     pub residual_m: f64,
     /// Largest of them, metres.
@@ -35,7 +35,7 @@ pub struct Alignment {
 ///
 /// # Errors
 /// As [`align`].
-pub fn realign(present: &Pose, robot_m: &[Point3], measured_m: &[Point3]) -> Result<Alignment, TrackingFault> {
+pub fn realign(present: &RigidPose, robot_m: &[Point3], measured_m: &[Point3]) -> Result<Alignment, TrackingFault> {
     let motion = present.motion();
     let body = |point: &Point3| (motion * nalgebra::Point3::from(*point)).coords.into();
     align(robot_m, &measured_m.iter().map(body).collect::<Vec<Point3>>())
@@ -81,7 +81,7 @@ pub fn align(robot_m: &[Point3], body_m: &[Point3]) -> Result<Alignment, Trackin
     let freedom = (3.0 * count - 6.0).max(1.0);
     let noise2 = squares.iter().sum::<f64>() / freedom;
     let turn_rad = NORMAL_95 * (noise2 / (least + middle)).sqrt();
-    Ok(Alignment { pose: Pose::of(&motion), residual_m, worst_m, spread_m, turn_rad })
+    Ok(Alignment { pose: RigidPose::of(&motion), residual_m, worst_m, spread_m, turn_rad })
 }
 
 fn centred(points_m: &[Point3]) -> (Vec<Vector3<f64>>, Vector3<f64>) {

@@ -3,7 +3,7 @@
 use natnet::{FrameOfData, ModelDef, RigidBody};
 
 use super::fault::TrackingFault;
-use super::pose::Pose;
+use super::pose::RigidPose;
 use super::settings::{BodyName, TrackingSettings};
 
 /// How far the square of a quaternion's length may be from 1: the server sends single precision.
@@ -17,15 +17,15 @@ const MOST_LISTED: usize = 30;
 
 /// Streaming ids of the bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Bodies {
+pub(super) struct TrackedBodies {
     /// None where the base does not move.
     base: Option<i32>,
     tip: i32,
 }
 
-impl Bodies {
+impl TrackedBodies {
     /// Looks the bodies of `settings` up; without a model they are known by their ids alone.
-    pub(super) fn find(settings: &TrackingSettings, model: Option<&ModelDef>) -> Result<Bodies, TrackingFault> {
+    pub(super) fn find(settings: &TrackingSettings, model: Option<&ModelDef>) -> Result<TrackedBodies, TrackingFault> {
         let id = |role, body: &BodyName| match (body, model) {
             (body, Some(model)) => id_of(role, body, model),
             (BodyName::Id(id), None) => Ok(*id),
@@ -38,19 +38,19 @@ impl Bodies {
         if base == Some(tip) {
             return Err(TrackingFault::BodyShared { id: tip });
         }
-        Ok(Bodies { base, tip })
+        Ok(TrackedBodies { base, tip })
     }
 
     /// Base and tip in a frame, unless one of them is not seen.
-    pub(super) fn poses(&self, frame: &FrameOfData) -> Option<(Pose, Pose)> {
+    pub(super) fn poses(&self, frame: &FrameOfData) -> Option<(RigidPose, RigidPose)> {
         let base = match self.base {
             Some(id) => pose_of(id, frame)?,
-            None => Pose::default(),
+            None => RigidPose::default(),
         };
         Some((base, pose_of(self.tip, frame)?))
     }
 
-    /// Why [`Bodies::poses`] has none.
+    /// Why [`TrackedBodies::poses`] has none.
     pub(super) fn unseen(&self, frame: &FrameOfData) -> &'static str {
         let missing = |id| !frame.rigid_bodies.iter().any(|body| body.id == id);
         let seen = |id| pose_of(id, frame).is_some();
@@ -105,16 +105,16 @@ fn listed(model: &ModelDef) -> String {
 }
 
 /// The pose of the one body with this id, if it is tracked and its numbers are a pose.
-fn pose_of(id: i32, frame: &FrameOfData) -> Option<Pose> {
+fn pose_of(id: i32, frame: &FrameOfData) -> Option<RigidPose> {
     let mut same = frame.rigid_bodies.iter().filter(|body| body.id == id);
     let (body, None) = (same.next()?, same.next()) else { return None };
     body.tracking_valid().then(|| pose(body))?
 }
 
-fn pose(body: &RigidBody) -> Option<Pose> {
+fn pose(body: &RigidBody) -> Option<RigidPose> {
     let position_m = body.position.map(f64::from);
     let [x, y, z, w] = body.orientation.map(f64::from);
     let length2 = w * w + x * x + y * y + z * z;
     let possible = position_m.iter().all(|value| value.abs() < LARGEST_M) && (length2 - 1.0).abs() < UNIT_TOLERANCE;
-    possible.then_some(Pose { position_m, quaternion: [w, x, y, z] })
+    possible.then_some(RigidPose { position_m, quaternion: [w, x, y, z] })
 }

@@ -6,9 +6,9 @@ use super::fault::TrackingFault;
 use super::handshake;
 use super::pose::TipPose;
 use super::settings::{TrackingSettings, Transport};
-use super::sockets::Link;
+use super::sockets::TrackerSockets;
 use super::status::TrackingStatus;
-use super::stream::{Heard, Stream};
+use super::stream::{FrameStream, Received};
 use crate::hardware::clock::Clock;
 
 /// A unicast server is told so often, s, that this client is there.
@@ -24,25 +24,25 @@ const QUESTION_S: f64 = 0.5;
 const MOST_PER_POLL: usize = 4096;
 
 /// The connection to a motion capture server.
-pub struct Tracking {
+pub struct TrackerClient {
     settings: TrackingSettings,
-    link: Link,
-    stream: Stream,
+    link: TrackerSockets,
+    stream: FrameStream,
     server: ServerInfo,
     keepalive_s: f64,
     question_s: f64,
     last_frame_s: f64,
 }
 
-impl Tracking {
+impl TrackerClient {
     /// Connects to the server that the settings describe, and looks the robot's bodies up. Waits for answers on
     /// `clock`, `connect_s` for each at most.
     ///
     /// # Errors
     /// [`TrackingFault`] says what was found, what was expected and how to go on.
-    pub fn open(settings: TrackingSettings, clock: &dyn Clock) -> Result<Tracking, TrackingFault> {
+    pub fn open(settings: TrackingSettings, clock: &dyn Clock) -> Result<TrackerClient, TrackingFault> {
         settings.check()?;
-        let mut link = Link::open(&settings)?;
+        let mut link = TrackerSockets::open(&settings)?;
         let server = handshake::connect(&mut link, &settings, clock)?;
         let version = handshake::version(&settings, &server)?;
         handshake::transport(&settings, &server)?;
@@ -54,13 +54,13 @@ impl Tracking {
             Err(TrackingFault::NoModel { .. }) if settings.names_no_body() => None,
             other => Some(other?),
         };
-        let stream = Stream::new(&settings, &server, model.as_ref())?;
+        let stream = FrameStream::new(&settings, &server, model.as_ref())?;
         let now_s = clock.now_s();
-        Ok(Tracking { settings, link, stream, server, keepalive_s: now_s, question_s: now_s, last_frame_s: now_s })
+        Ok(TrackerClient { settings, link, stream, server, keepalive_s: now_s, question_s: now_s, last_frame_s: now_s })
     }
 
     /// Takes in everything that has arrived by local time `now_s`, and says to the server what has to be said. Never
-    /// waits and never fails: what goes wrong is counted in [`Tracking::status`].
+    /// waits and never fails: what goes wrong is counted in [`TrackerClient::status`].
     pub fn poll(&mut self, now_s: f64) {
         for _ in 0..MOST_PER_POLL {
             match self.link.receive() {
@@ -78,16 +78,16 @@ impl Tracking {
         self.tend(now_s);
     }
 
-    fn react(&mut self, heard: Heard, now_s: f64) {
+    fn react(&mut self, heard: Received, now_s: f64) {
         match heard {
-            Heard::Frame => self.last_frame_s = now_s,
-            Heard::Model(model) => self.stream.set_model(&model),
+            Received::Frame => self.last_frame_s = now_s,
+            Received::Model(model) => self.stream.set_model(&model),
             // Only as an answer: while frames come, nothing has to be agreed anew.
-            Heard::Server(server) if self.is_silent(now_s) => {
+            Received::Server(server) if self.is_silent(now_s) => {
                 self.stream.meet(&server);
                 self.server = server;
             }
-            Heard::Server(_) | Heard::Nothing => {}
+            Received::Server(_) | Received::Nothing => {}
         }
     }
 
@@ -151,7 +151,7 @@ impl Tracking {
     }
 }
 
-impl Drop for Tracking {
+impl Drop for TrackerClient {
     /// A unicast server need not wait for keep-alives that do not come.
     fn drop(&mut self) {
         if self.settings.transport == Transport::Unicast {

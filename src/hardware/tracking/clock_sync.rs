@@ -16,13 +16,13 @@ const MEAN_SHARE: f64 = 1.0 / 32.0;
 
 /// The difference of the clocks, as far as it is known.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct StampMap {
+pub(crate) struct ClockSync {
     /// Start of each stretch and the least difference in it, s.
     stretches: VecDeque<(f64, f64)>,
     jitter_s: f64,
 }
 
-impl StampMap {
+impl ClockSync {
     /// A frame stamped `stamp_s` was received at `received_s`. Returns the difference of the clocks.
     pub(crate) fn take(&mut self, stamp_s: f64, received_s: f64) -> f64 {
         let difference_s = received_s - stamp_s;
@@ -49,7 +49,7 @@ mod tests {
 
     #[test]
     fn delays_do_not_move_the_clock() {
-        let mut map = StampMap::default();
+        let mut map = ClockSync::default();
         let mut offset_s = 0.0;
         for k in 0..3000 {
             let time_s = f64::from(k) * 0.01;

@@ -7,7 +7,7 @@ use natnet::{ModelDef, ParsePolicy, ServerInfo, Version};
 
 use super::fault::TrackingFault;
 use super::settings::{TrackingSettings, Transport};
-use super::sockets::Link;
+use super::sockets::TrackerSockets;
 use crate::hardware::clock::Clock;
 
 /// A question is asked again after this time, s: datagrams get lost.
@@ -29,7 +29,7 @@ pub(super) fn connect_request(settings: &TrackingSettings) -> Result<Request, Co
 
 /// Asks the server who it is.
 pub(super) fn connect(
-    link: &mut Link,
+    link: &mut TrackerSockets,
     settings: &TrackingSettings,
     clock: &dyn Clock,
 ) -> Result<ServerInfo, TrackingFault> {
@@ -43,7 +43,7 @@ pub(super) fn connect(
 
 /// Asks the server which bodies it tracks.
 pub(super) fn model(
-    link: &mut Link,
+    link: &mut TrackerSockets,
     settings: &TrackingSettings,
     version: Version,
     clock: &dyn Clock,
@@ -58,7 +58,7 @@ pub(super) fn model(
 
 /// Asks until there is an answer that can be read, or the time is over: then how many datagrams could not be read.
 fn ask<T>(
-    link: &mut Link,
+    link: &mut TrackerSockets,
     settings: &TrackingSettings,
     clock: &dyn Clock,
     request: Result<Request, CommandError>,

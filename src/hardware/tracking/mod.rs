@@ -1,28 +1,30 @@
 //! Motion capture: the tip of the robot in its base frame, from an OptiTrack NatNet stream.
 //!
-//! [`Tracking`] speaks to Motive over UDP and never waits after [`Tracking::open`]. A datagram passes through [`Stream`]:
+//! [`TrackerClient`] speaks to Motive over UDP and never waits after [`TrackerClient::open`]. A datagram passes through [`FrameStream`]:
 //! is it from our server, does it decode, is it newer than the last one, are both bodies seen. What is left becomes a
 //! [`TipPose`] at a local time.
 
 mod align;
 mod bodies;
 mod client;
-pub(crate) mod clock_sync;
+mod clock_sync;
 mod fault;
-mod frames;
 mod handshake;
-pub(crate) mod peer_filter;
+mod mounting;
+mod peer_filter;
 mod pose;
-pub(crate) mod sequence_numbers;
+mod sequence_numbers;
 mod settings;
-pub(crate) mod sockets;
+mod sockets;
 mod status;
 mod stream;
+mod tip_buffer;
 
 pub use align::{Alignment, align, realign};
-pub use client::Tracking;
+pub use client::TrackerClient;
 pub use fault::TrackingFault;
-pub use pose::{Mounting, Pose, TipPose};
+pub use mounting::Mounting;
+pub use pose::{RigidPose, TipPose};
 pub use settings::{BodyName, StreamVersion, TrackingSettings, Transport, UpAxis};
 pub use status::TrackingStatus;
-pub use stream::{Heard, Stream};
+pub use stream::{FrameStream, Received};

@@ -5,16 +5,16 @@ use std::net::{SocketAddr, SocketAddrV4};
 /// Where our server sends from. Its address is known; the port of its frames is learnt from the first one, and a port
 /// that the server named takes precedence over one that it did not.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sources {
+pub(crate) struct PeerFilter {
     command: SocketAddrV4,
     data_port: u16,
     frames_port: Option<u16>,
 }
 
-impl Sources {
+impl PeerFilter {
     /// The server that answered at `command` and named `data_port`.
-    pub(crate) fn new(command: SocketAddrV4, data_port: u16) -> Sources {
-        Sources { command, data_port, frames_port: None }
+    pub(crate) fn new(command: SocketAddrV4, data_port: u16) -> PeerFilter {
+        PeerFilter { command, data_port, frames_port: None }
     }
 
     /// True for answers of our server.

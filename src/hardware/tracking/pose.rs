@@ -1,9 +1,8 @@
-//! Poses, and the way from two tracked bodies to the tip in the robot's base frame.
+//! Poses: a frame as seen from another one, and the tip at one time.
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::settings::{TrackingSettings, UpAxis};
 use crate::base::{BadOption, Point3};
 use crate::math::rotation;
 
@@ -13,28 +12,28 @@ const UNIT_TOLERANCE: f64 = 1e-3;
 /// A position and an orientation: where a frame is, seen from another one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-pub struct Pose {
+pub struct RigidPose {
     /// Position, metres.
     pub position_m: Point3,
     /// Orientation as a unit quaternion (w, x, y, z).
     pub quaternion: [f64; 4],
 }
 
-impl Default for Pose {
+impl Default for RigidPose {
     fn default() -> Self {
-        Pose { position_m: [0.0; 3], quaternion: [1.0, 0.0, 0.0, 0.0] }
+        RigidPose { position_m: [0.0; 3], quaternion: [1.0, 0.0, 0.0, 0.0] }
     }
 }
 
-impl Pose {
+impl RigidPose {
     /// A pose without rotation.
-    pub fn at(position_m: Point3) -> Pose {
-        Pose { position_m, ..Pose::default() }
+    pub fn at(position_m: Point3) -> RigidPose {
+        RigidPose { position_m, ..RigidPose::default() }
     }
 
     /// The pose of a rigid motion; its quaternion has w ≥ 0.
-    pub fn of(motion: &Isometry3<f64>) -> Pose {
-        Pose { position_m: motion.translation.vector.into(), quaternion: rotation::parts(&motion.rotation) }
+    pub fn of(motion: &Isometry3<f64>) -> RigidPose {
+        RigidPose { position_m: motion.translation.vector.into(), quaternion: rotation::parts(&motion.rotation) }
     }
 
     /// The rigid motion of this pose; the quaternion is normalised.
@@ -45,11 +44,11 @@ impl Pose {
     }
 
     /// The pose at `fraction` of the way to `other`: straight in position, at constant rate about one axis in rotation.
-    pub fn towards(&self, other: &Pose, fraction: f64) -> Pose {
+    pub fn towards(&self, other: &RigidPose, fraction: f64) -> RigidPose {
         let (from, to) = (self.motion(), other.motion());
         let turn = rotation::between(&from.rotation, &to.rotation, fraction);
         let position = from.translation.vector.lerp(&to.translation.vector, fraction);
-        Pose::of(&Isometry3::from_parts(position.into(), turn))
+        RigidPose::of(&Isometry3::from_parts(position.into(), turn))
     }
 
     /// Refuses numbers that are not finite and quaternions that are not of length 1; `key` is where the pose stands.
@@ -79,66 +78,12 @@ pub struct TipPose {
 }
 
 impl TipPose {
-    pub(super) fn new(time_s: f64, pose: Pose) -> TipPose {
+    pub(super) fn new(time_s: f64, pose: RigidPose) -> TipPose {
         TipPose { time_s, position_m: pose.position_m, quaternion: pose.quaternion }
     }
 
     /// The same without its time.
-    pub fn pose(&self) -> Pose {
-        Pose { position_m: self.position_m, quaternion: self.quaternion }
-    }
-}
-
-/// How the tracked bodies are fixed to the robot.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mounting {
-    /// From Motive's axes to those of the harness.
-    axes: UnitQuaternion<f64>,
-    /// The robot's base frame in the base body's frame.
-    base: Isometry3<f64>,
-    /// The robot's tip in the tip body's frame.
-    tip: Isometry3<f64>,
-}
-
-impl Mounting {
-    /// The mounting that the settings describe.
-    pub fn of(settings: &TrackingSettings) -> Mounting {
-        let axes = match settings.up_axis {
-            UpAxis::Y => UnitQuaternion::from_scaled_axis(Vector3::z() * -std::f64::consts::FRAC_PI_2),
-            UpAxis::Z => UnitQuaternion::from_quaternion(Quaternion::new(0.0, 1.0, 0.0, 1.0)),
-        };
-        Mounting { axes, base: settings.alignment.motion(), tip: settings.tip_offset.motion() }
-    }
-
-    /// The tip in the robot's base frame, from the two bodies as Motive sees them. Where Motive's origin is drops out.
-    pub fn tip(&self, base_body: &Pose, tip_body: &Pose) -> Pose {
-        let seen = base_body.motion().inv_mul(&tip_body.motion());
-        let turned = self.axes * seen * self.axes.inverse();
-        Pose::of(&(self.base.inv_mul(&turned) * self.tip))
-    }
-
-    /// The tip body as Motive sees it when the tip is at `tip` in the robot's base frame: the opposite of
-    /// [`Mounting::tip`].
-    pub fn tip_body(&self, base_body: &Pose, tip: &Pose) -> Pose {
-        let turned = self.base * tip.motion() * self.tip.inverse();
-        let seen = self.axes.inverse() * turned * self.axes;
-        Pose::of(&(base_body.motion() * seen))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn up_of_motive_is_x_and_the_straight_robot_is_z() {
-        let seen = |up_axis, body_m| {
-            let settings = TrackingSettings { up_axis, ..TrackingSettings::default() };
-            Vector3::from(Mounting::of(&settings).tip(&Pose::default(), &Pose::at(body_m)).position_m)
-        };
-        assert!((seen(UpAxis::Y, [0.0, 1.0, 0.0]) - Vector3::x()).norm() < 1e-15);
-        assert!((seen(UpAxis::Y, [0.0, 0.0, 1.0]) - Vector3::z()).norm() < 1e-15);
-        assert!((seen(UpAxis::Z, [0.0, 0.0, 1.0]) - Vector3::x()).norm() < 1e-15);
-        assert!((seen(UpAxis::Z, [1.0, 0.0, 0.0]) - Vector3::z()).norm() < 1e-15);
+    pub fn pose(&self) -> RigidPose {
+        RigidPose { position_m: self.position_m, quaternion: self.quaternion }
     }
 }

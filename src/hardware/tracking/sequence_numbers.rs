@@ -6,27 +6,27 @@ const RESTART_FRAMES: u32 = 5;
 
 /// What tells frames apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Mark {
+pub(crate) struct FrameStamp {
     /// The server's count; wraps.
     pub(crate) number: i32,
     /// The server's clock, s.
     pub(crate) stamp_s: f64,
 }
 
-impl Mark {
+impl FrameStamp {
     /// Frames from `earlier` to this one by their numbers; negative for an older frame.
-    fn ahead(&self, earlier: &Mark) -> i32 {
+    fn ahead(&self, earlier: &FrameStamp) -> i32 {
         self.number.wrapping_sub(earlier.number)
     }
 
-    fn follows(&self, earlier: &Mark) -> bool {
+    fn follows(&self, earlier: &FrameStamp) -> bool {
         self.ahead(earlier) > 0 && self.stamp_s > earlier.stamp_s
     }
 }
 
 /// What a frame is, compared with the last new one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Order {
+pub(crate) enum FrameOrder {
     /// New, after so many that did not come.
     New { lost: u64 },
     /// Seen before.
@@ -41,63 +41,63 @@ pub(crate) enum Order {
 
 /// Frames that were refused although they follow each other.
 #[derive(Clone, Copy, Debug)]
-struct Run {
+struct RefusedRun {
     since_s: f64,
     frames: u32,
-    last: Mark,
+    last: FrameStamp,
 }
 
 /// The order of the frames so far.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Sequence {
-    last: Option<Mark>,
-    refused: Option<Run>,
+pub(crate) struct FrameSequence {
+    last: Option<FrameStamp>,
+    refused: Option<RefusedRun>,
     restart_expected: bool,
 }
 
-impl Sequence {
+impl FrameSequence {
     /// The server was met again: numbers below the last one are then a new count at once.
     pub(crate) fn expect_restart(&mut self) {
         self.restart_expected = true;
     }
 
     /// Judges the next frame, received at `now_s`.
-    pub(crate) fn take(&mut self, mark: Mark, now_s: f64) -> Order {
+    pub(crate) fn take(&mut self, mark: FrameStamp, now_s: f64) -> FrameOrder {
         let Some(last) = self.last else {
             self.accept(mark);
-            return Order::New { lost: 0 };
+            return FrameOrder::New { lost: 0 };
         };
         let ahead = mark.ahead(&last);
         if mark.follows(&last) {
             self.accept(mark);
-            return Order::New { lost: u64::from(ahead.unsigned_abs()) - 1 };
+            return FrameOrder::New { lost: u64::from(ahead.unsigned_abs()) - 1 };
         }
         if ahead == 0 {
-            return Order::Duplicate;
+            return FrameOrder::Duplicate;
         }
         if self.restarted(mark, now_s) {
             self.accept(mark);
-            return Order::Restart;
+            return FrameOrder::Restart;
         }
-        if ahead > 0 { Order::StuckClock } else { Order::Old }
+        if ahead > 0 { FrameOrder::StuckClock } else { FrameOrder::Old }
     }
 
-    fn accept(&mut self, mark: Mark) {
-        *self = Sequence { last: Some(mark), refused: None, restart_expected: false };
+    fn accept(&mut self, mark: FrameStamp) {
+        *self = FrameSequence { last: Some(mark), refused: None, restart_expected: false };
     }
 
     /// Single stragglers are old; frames that are all older than the last one, but go on among themselves, are a new
     /// count.
-    fn restarted(&mut self, mark: Mark, now_s: f64) -> bool {
+    fn restarted(&mut self, mark: FrameStamp, now_s: f64) -> bool {
         let Some(run) = &mut self.refused else {
-            self.refused = Some(Run { since_s: now_s, frames: 1, last: mark });
+            self.refused = Some(RefusedRun { since_s: now_s, frames: 1, last: mark });
             return self.restart_expected;
         };
         if mark.follows(&run.last) {
             run.last = mark;
             run.frames += 1;
         } else if now_s - run.since_s > RESTART_S {
-            *run = Run { since_s: now_s, frames: 1, last: mark };
+            *run = RefusedRun { since_s: now_s, frames: 1, last: mark };
         }
         self.restart_expected || (run.frames >= RESTART_FRAMES && now_s - run.since_s >= RESTART_S)
     }
@@ -107,35 +107,41 @@ impl Sequence {
 mod tests {
     use super::*;
 
-    fn mark(number: i32) -> Mark {
-        Mark { number, stamp_s: f64::from(number) * 0.01 }
+    fn mark(number: i32) -> FrameStamp {
+        FrameStamp { number, stamp_s: f64::from(number) * 0.01 }
     }
 
     #[test]
     fn numbers_wrap() {
-        let mut sequence = Sequence::default();
-        sequence.take(Mark { number: i32::MAX, stamp_s: 1.0 }, 0.0);
-        assert_eq!(sequence.take(Mark { number: i32::MIN + 1, stamp_s: 1.02 }, 0.02), Order::New { lost: 1 });
+        let mut sequence = FrameSequence::default();
+        sequence.take(FrameStamp { number: i32::MAX, stamp_s: 1.0 }, 0.0);
+        assert_eq!(
+            sequence.take(FrameStamp { number: i32::MIN + 1, stamp_s: 1.02 }, 0.02),
+            FrameOrder::New { lost: 1 }
+        );
     }
 
     #[test]
     fn a_straggler_is_old_and_a_second_of_them_a_restart() {
-        let mut sequence = Sequence::default();
+        let mut sequence = FrameSequence::default();
         sequence.take(mark(1000), 0.0);
-        let orders: Vec<Order> = (1..150).map(|k| sequence.take(mark(k), f64::from(k) * 0.01)).collect();
-        let restart = orders.iter().position(|order| *order == Order::Restart);
+        let orders: Vec<FrameOrder> = (1..150).map(|k| sequence.take(mark(k), f64::from(k) * 0.01)).collect();
+        let restart = orders.iter().position(|order| *order == FrameOrder::Restart);
         assert!(restart.is_some_and(|at| (99..=102).contains(&at)), "{restart:?}");
-        assert!(orders[..99].iter().all(|order| *order == Order::Old));
-        assert_eq!(orders[110], Order::New { lost: 0 });
+        assert!(orders[..99].iter().all(|order| *order == FrameOrder::Old));
+        assert_eq!(orders[110], FrameOrder::New { lost: 0 });
     }
 
     #[test]
     fn a_clock_that_stands_is_no_restart() {
-        let mut sequence = Sequence::default();
-        sequence.take(Mark { number: 1, stamp_s: 5.0 }, 0.0);
+        let mut sequence = FrameSequence::default();
+        sequence.take(FrameStamp { number: 1, stamp_s: 5.0 }, 0.0);
         for k in 2..500 {
-            assert_eq!(sequence.take(Mark { number: k, stamp_s: 5.0 }, f64::from(k) * 0.01), Order::StuckClock);
+            assert_eq!(
+                sequence.take(FrameStamp { number: k, stamp_s: 5.0 }, f64::from(k) * 0.01),
+                FrameOrder::StuckClock
+            );
         }
-        assert_eq!(sequence.take(Mark { number: 500, stamp_s: 9.0 }, 5.0), Order::New { lost: 498 });
+        assert_eq!(sequence.take(FrameStamp { number: 500, stamp_s: 9.0 }, 5.0), FrameOrder::New { lost: 498 });
     }
 }

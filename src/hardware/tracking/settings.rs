@@ -6,7 +6,7 @@ use std::net::Ipv4Addr;
 use natnet::Version;
 use serde::{Deserialize, Serialize};
 
-use super::pose::Pose;
+use super::pose::RigidPose;
 use crate::base::BadOption;
 
 /// How frames come from the server: what Motive calls the transmission type.
@@ -111,9 +111,9 @@ pub struct TrackingSettings {
     pub up_axis: UpAxis,
     /// Pose of the robot's base frame in the base body's frame, in the axes that `up_axis` gives: x up, z along the
     /// straight robot.
-    pub alignment: Pose,
+    pub alignment: RigidPose,
     /// Pose of the robot's tip in the tip body's frame, in the same axes.
-    pub tip_offset: Pose,
+    pub tip_offset: RigidPose,
 }
 
 impl Default for TrackingSettings {
@@ -131,8 +131,8 @@ impl Default for TrackingSettings {
             version: StreamVersion::Auto,
             connect_s: 2.0,
             up_axis: UpAxis::Y,
-            alignment: Pose::default(),
-            tip_offset: Pose::default(),
+            alignment: RigidPose::default(),
+            tip_offset: RigidPose::default(),
         }
     }
 }

@@ -15,21 +15,21 @@ const BUFFER_BYTES: usize = 65_536;
 const QUEUE_BYTES: usize = 1 << 20;
 
 /// A socket for commands, on which unicast frames come too, and one for multicast frames.
-pub(crate) struct Link {
+pub(crate) struct TrackerSockets {
     command: UdpSocket,
     group: Option<UdpSocket>,
     server: SocketAddrV4,
     buffer: Box<[u8]>,
 }
 
-impl Link {
+impl TrackerSockets {
     /// The command socket, on a port of the system's choice.
-    pub(crate) fn open(settings: &TrackingSettings) -> Result<Link, TrackingFault> {
+    pub(crate) fn open(settings: &TrackingSettings) -> Result<TrackerSockets, TrackingFault> {
         let local = SocketAddrV4::new(settings.interface, 0);
         let command = socket(local, false)
             .map_err(|source| TrackingFault::Socket { doing: format!("open a UDP socket at {local}"), source })?;
         let server = SocketAddrV4::new(settings.server, settings.command_port);
-        Ok(Link { command, group: None, server, buffer: vec![0; BUFFER_BYTES].into_boxed_slice() })
+        Ok(TrackerSockets { command, group: None, server, buffer: vec![0; BUFFER_BYTES].into_boxed_slice() })
     }
 
     /// Joins the multicast group of the frames.

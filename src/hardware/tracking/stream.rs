@@ -5,16 +5,17 @@ use std::net::{SocketAddr, SocketAddrV4};
 
 use natnet::{Decoder, FrameOfData, Message, MessageHeader, ModelDef, ParsePolicy, ServerInfo};
 
-use super::bodies::Bodies;
-use super::clock_sync::StampMap;
+use super::bodies::TrackedBodies;
+use super::clock_sync::ClockSync;
 use super::fault::TrackingFault;
-use super::frames::Samples;
 use super::handshake;
-use super::peer_filter::Sources;
-use super::pose::{Mounting, Pose, TipPose};
-use super::sequence_numbers::{Mark, Order, Sequence};
+use super::mounting::Mounting;
+use super::peer_filter::PeerFilter;
+use super::pose::{RigidPose, TipPose};
+use super::sequence_numbers::{FrameOrder, FrameSequence, FrameStamp};
 use super::settings::TrackingSettings;
 use super::status::TrackingStatus;
+use super::tip_buffer::TipBuffer;
 
 /// Frames that the rate is measured over.
 const RATE_FRAMES: usize = 128;
@@ -33,7 +34,7 @@ const LONGEST_CAMERA_LATENCY_S: f64 = 10.0;
 
 /// What a datagram was.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Heard {
+pub enum Received {
     /// Nothing of use: foreign, malformed, or of another kind.
     Nothing,
     /// A frame of our server; it has been taken into the samples unless it was old.
@@ -45,24 +46,24 @@ pub enum Heard {
 }
 
 /// The stream of one server: fed with datagrams, asked for poses.
-pub struct Stream {
+pub struct FrameStream {
     settings: TrackingSettings,
     decoder: Decoder,
     clock_hz: u64,
-    sources: Sources,
-    bodies: Option<Bodies>,
+    sources: PeerFilter,
+    bodies: Option<TrackedBodies>,
     mounting: Mounting,
-    sequence: Sequence,
-    stamps: StampMap,
-    samples: Samples,
-    recent: VecDeque<Mark>,
+    sequence: FrameSequence,
+    stamps: ClockSync,
+    samples: TipBuffer,
+    recent: VecDeque<FrameStamp>,
     /// The tip's body as it was last seen, and the stamp since when it has been just so.
-    still: Option<(Pose, f64)>,
+    still: Option<(RigidPose, f64)>,
     wants_model: bool,
     status: TrackingStatus,
 }
 
-impl Stream {
+impl FrameStream {
     /// The stream of a server that has told who it is and what it tracks; the latter is not needed where the bodies are set by
     /// their streaming ids.
     ///
@@ -72,17 +73,17 @@ impl Stream {
         settings: &TrackingSettings,
         server: &ServerInfo,
         model: Option<&ModelDef>,
-    ) -> Result<Stream, TrackingFault> {
+    ) -> Result<FrameStream, TrackingFault> {
         let command = SocketAddrV4::new(settings.server, settings.command_port);
-        Ok(Stream {
+        Ok(FrameStream {
             decoder: decoder(settings, server)?,
             clock_hz: server.high_res_clock_frequency,
-            sources: Sources::new(command, server.connection.data_port),
-            bodies: Some(Bodies::find(settings, model)?),
+            sources: PeerFilter::new(command, server.connection.data_port),
+            bodies: Some(TrackedBodies::find(settings, model)?),
             mounting: Mounting::of(settings),
-            sequence: Sequence::default(),
-            stamps: StampMap::default(),
-            samples: Samples::new(1.0 / settings.rate_hz),
+            sequence: FrameSequence::default(),
+            stamps: ClockSync::default(),
+            samples: TipBuffer::new(1.0 / settings.rate_hz),
             recent: VecDeque::with_capacity(RATE_FRAMES),
             still: None,
             wants_model: false,
@@ -92,7 +93,7 @@ impl Stream {
     }
 
     /// Takes one datagram, received from `from` at local time `now_s`. Any bytes will do.
-    pub fn take(&mut self, datagram: &[u8], from: SocketAddr, now_s: f64) -> Heard {
+    pub fn take(&mut self, datagram: &[u8], from: SocketAddr, now_s: f64) -> Received {
         let id = MessageHeader::parse(datagram).map_or(u16::MAX, |header| header.message_id);
         let ours = match id {
             natnet::NAT_FRAMEOFDATA => self.sources.frames(from),
@@ -101,64 +102,64 @@ impl Stream {
         };
         if !ours {
             self.status.count_foreign(from);
-            return Heard::Nothing;
+            return Received::Nothing;
         }
         let Ok(decoded) = self.decoder.parse(datagram) else {
             self.status.malformed += 1;
             self.status.unseen = Some("frames that cannot be read");
-            return Heard::Nothing;
+            return Received::Nothing;
         };
         match decoded.into_message() {
             Message::FrameOfData(frame) => self.take_frame(&frame, from, now_s),
-            Message::ServerInfo(info) => Heard::Server(info),
-            Message::ModelDef(model) => Heard::Model(model),
-            _ => Heard::Nothing,
+            Message::ServerInfo(info) => Received::Server(info),
+            Message::ModelDef(model) => Received::Model(model),
+            _ => Received::Nothing,
         }
     }
 
-    fn take_frame(&mut self, frame: &FrameOfData, from: SocketAddr, now_s: f64) -> Heard {
-        let mark = Mark { number: frame.frame_number, stamp_s: frame.timing.timestamp };
+    fn take_frame(&mut self, frame: &FrameOfData, from: SocketAddr, now_s: f64) -> Received {
+        let mark = FrameStamp { number: frame.frame_number, stamp_s: frame.timing.timestamp };
         if !mark.stamp_s.is_finite() || mark.stamp_s.abs() > LATEST_STAMP_S {
             self.status.malformed += 1;
             self.status.unseen = Some("time stamps that are none, in seconds");
-            return Heard::Nothing;
+            return Received::Nothing;
         }
         self.sources.learn(from);
         self.status.received += 1;
         let (old, why) = match self.sequence.take(mark, now_s) {
-            Order::New { lost } => {
+            FrameOrder::New { lost } => {
                 self.status.lost += lost;
                 self.take_new(frame, mark, now_s);
-                return Heard::Frame;
+                return Received::Frame;
             }
-            Order::Restart => {
+            FrameOrder::Restart => {
                 self.begin_again();
                 self.take_new(frame, mark, now_s);
-                return Heard::Frame;
+                return Received::Frame;
             }
-            Order::Duplicate => (&mut self.status.duplicates, "frames with the number of the one before"),
-            Order::Old => (&mut self.status.out_of_order, "frames with lower numbers than before"),
-            Order::StuckClock => (&mut self.status.stuck_clock, "frames whose time stamps do not go on"),
+            FrameOrder::Duplicate => (&mut self.status.duplicates, "frames with the number of the one before"),
+            FrameOrder::Old => (&mut self.status.out_of_order, "frames with lower numbers than before"),
+            FrameOrder::StuckClock => (&mut self.status.stuck_clock, "frames whose time stamps do not go on"),
         };
         *old += 1;
         // Where others come besides, these do no harm.
         if self.samples.latest().is_none_or(|tip| now_s - tip.time_s > UNSEEN_S) {
             self.status.unseen = Some(why);
         }
-        Heard::Frame
+        Received::Frame
     }
 
     /// The server counts from another number, by another clock.
     fn begin_again(&mut self) {
         self.status.restarts += 1;
-        self.stamps = StampMap::default();
+        self.stamps = ClockSync::default();
         self.samples.clear();
         self.recent.clear();
         self.still = None;
         self.wants_model = true;
     }
 
-    fn take_new(&mut self, frame: &FrameOfData, mark: Mark, now_s: f64) {
+    fn take_new(&mut self, frame: &FrameOfData, mark: FrameStamp, now_s: f64) {
         let offset_s = self.stamps.take(mark.stamp_s, now_s);
         self.samples.set_offset(offset_s);
         self.status.latency_jitter_s = self.stamps.jitter_s();
@@ -180,7 +181,7 @@ impl Stream {
         self.status.unchanged_s = mark.stamp_s - since_s;
     }
 
-    fn measure(&mut self, frame: &FrameOfData, mark: Mark) {
+    fn measure(&mut self, frame: &FrameOfData, mark: FrameStamp) {
         if self.recent.len() == RATE_FRAMES {
             self.recent.pop_front();
         }
@@ -213,7 +214,7 @@ impl Stream {
     pub(super) fn set_model(&mut self, model: &ModelDef) {
         self.wants_model = false;
         self.status.models += 1;
-        let found = Bodies::find(&self.settings, Some(model));
+        let found = TrackedBodies::find(&self.settings, Some(model));
         self.status.fault = found.as_ref().err().map(ToString::to_string);
         self.bodies = found.ok();
     }

@@ -3,12 +3,12 @@
 use super::Hardware;
 use crate::base::Point3;
 use crate::hardware::axes::AXES;
-use crate::hardware::realtime::{Rank, Urgent};
+use crate::hardware::realtime::{Priority, RealTime};
 use crate::hardware::tracking::TrackingStatus;
 
 /// What motors and tracker say about themselves.
 #[derive(Clone, Debug)]
-pub struct Examined {
+pub struct Diagnostics {
     /// Kind and version of the controller.
     pub controller: String,
     /// Whether the axes know where they are.
@@ -29,15 +29,15 @@ pub struct Examined {
 
 impl Hardware {
     /// What motors and tracker say about themselves, the tracker after `watch_s`; moves nothing.
-    pub fn examine(&mut self, watch_s: f64) -> Examined {
+    pub fn examine(&mut self, watch_s: f64) -> Diagnostics {
         self.line.clock.sleep_until(self.line.clock.now_s() + watch_s);
         // Where the tip should be while nothing has been pulled; a model without rest says nothing.
         let _ = self.model.home();
         let home_m = self.expected_m();
-        let urgent = self.line.clock.is_real().then(|| Urgent::new(Rank::Loop).is_granted());
+        let urgent = self.line.clock.is_real().then(|| RealTime::new(Priority::Loop).is_granted());
         let now_s = self.line.clock.now_s();
         let rig = self.line.rig();
-        Examined {
+        Diagnostics {
             controller: format!("{} {}", rig.controller().machine().firmware, rig.controller().machine().version),
             homed: rig.controller().homed(),
             position_mm: rig.controller().state().position_mm,

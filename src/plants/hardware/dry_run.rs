@@ -1,11 +1,11 @@
 //! What commands would do on the robot, without it.
 
 use crate::data::Recording;
-use crate::hardware::safety::{Refusal, SafetyLimits};
+use crate::hardware::safety::{CommandRefusal, SafetyLimits};
 
 /// What playing a recording's commands would take.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Foreseen {
+pub struct DryRun {
     /// Trials.
     pub trials: usize,
     /// Commands that are sent: that of a trial's last row is not, since nothing is measured after it.
@@ -23,26 +23,26 @@ pub struct Foreseen {
 /// The first command that the robot would refuse.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{refusal}")]
-pub struct NotPlayable {
+pub struct RefusedRow {
     /// Its row, from 0.
     pub row: usize,
     /// Why.
-    pub refusal: Refusal,
+    pub refusal: CommandRefusal,
 }
 
 /// Plays `commands` (displacements) against `limits` alone, in ticks of `step_s`; every trial starts at home.
 ///
 /// # Errors
-/// [`NotPlayable`]: the first command that the robot would refuse.
-pub fn foresee(limits: &SafetyLimits, commands: &Recording, step_s: f64) -> Result<Foreseen, NotPlayable> {
-    let mut foreseen = Foreseen::default();
+/// [`RefusedRow`]: the first command that the robot would refuse.
+pub fn foresee(limits: &SafetyLimits, commands: &Recording, step_s: f64) -> Result<DryRun, RefusedRow> {
+    let mut foreseen = DryRun::default();
     for (_, rows) in commands.trials() {
         foreseen.trials += 1;
         let mut last_m = vec![0.0; commands.tendons()];
         for row in rows.start..rows.end - 1 {
             let pulls_m = commands.commands.row(row);
             let ticks = limits.admit_in_ticks(pulls_m, &last_m, step_s);
-            foreseen.ticks += ticks.map_err(|refusal| NotPlayable { row, refusal })?;
+            foreseen.ticks += ticks.map_err(|refusal| RefusedRow { row, refusal })?;
             foreseen.commands += 1;
             let changes = pulls_m.iter().zip(&last_m).map(|(to, from)| (to - from).abs());
             let step_m = changes.fold(0.0, f64::max);

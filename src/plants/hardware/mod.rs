@@ -12,24 +12,24 @@ pub(crate) mod served_simulator;
 pub(crate) mod supervised_rig;
 mod timing;
 
-pub use diagnostics::Examined;
-pub use dry_run::{Foreseen, NotPlayable, foresee};
+pub use diagnostics::Diagnostics;
+pub use dry_run::{DryRun, RefusedRow, foresee};
 pub use options::{HardwareOptions, RehearsalOptions};
-pub use rehearsal::Stage;
-pub use served_simulator::Served;
-pub use timing::{Lateness, Timing};
+pub use rehearsal::Rehearsal;
+pub use served_simulator::ServedSimulator;
+pub use timing::{Lateness, LoopTiming};
 
 use crate::base::Point3;
 use crate::effects::{Driven, Model};
 use crate::hardware::rig::{Event, Rig};
 use crate::hardware::safety::SafetyLimits;
 
-use operator::Claim;
-use supervised_rig::Line;
+use operator::RobotLock;
+use supervised_rig::SupervisedRig;
 
 /// A hardware robot as a [`Plant`](crate::base::Plant).
 pub struct Hardware {
-    line: Line,
+    line: SupervisedRig,
     /// What is believed about the robot.
     believed: Model,
     /// What that says the robot does: how tendons follow, where the tip may be.
@@ -42,11 +42,11 @@ pub struct Hardware {
     /// When the trial began and when its next tick is due, on the rig's clock, s.
     trial_s: f64,
     due_s: f64,
-    timing: Timing,
+    timing: LoopTiming,
     /// The imitations behind the drivers, in a rehearsal.
-    stage: Option<Stage>,
+    stage: Option<Rehearsal>,
     /// The right to use the robot, where there is one. Given back last.
-    claim: Option<Claim>,
+    claim: Option<RobotLock>,
 }
 
 impl Hardware {
@@ -61,17 +61,17 @@ impl Hardware {
     }
 
     /// How well the loop has kept time.
-    pub fn timing(&self) -> &Timing {
+    pub fn timing(&self) -> &LoopTiming {
         &self.timing
     }
 
     /// Forgets how well the loop has kept time so far.
     pub fn start_timing(&mut self) {
-        self.timing = Timing::default();
+        self.timing = LoopTiming::default();
     }
 
     /// The imitations behind the drivers, in a rehearsal.
-    pub fn stage(&self) -> Option<&Stage> {
+    pub fn stage(&self) -> Option<&Rehearsal> {
         self.stage.as_ref()
     }
 

@@ -2,18 +2,18 @@
 
 use std::sync::Arc;
 
-use super::operator::Claim;
-use super::supervised_rig::Line;
-use super::{Hardware, HardwareOptions, Stage, Timing};
+use super::operator::RobotLock;
+use super::supervised_rig::SupervisedRig;
+use super::{Hardware, HardwareOptions, LoopTiming, Rehearsal};
 use crate::base::Seed;
 use crate::effects::Driven;
 use crate::hardware::clock::{Clock, WallClock};
 use crate::hardware::grbl::Controller;
 use crate::hardware::interrupt::Interrupt;
-use crate::hardware::rig::{Parts, Rig, slowest_axis_mm_min};
+use crate::hardware::rig::{Rig, RigParts, slowest_axis_mm_min};
 use crate::hardware::safety::{Latch, SafetyLimits};
-use crate::hardware::serial::{SerialWire, Wire};
-use crate::hardware::tracking::{Tracking, TrackingSettings};
+use crate::hardware::serial::{SerialLine, TtyLine};
+use crate::hardware::tracking::{TrackerClient, TrackingSettings};
 
 /// A tick whose robot is held or whose controller is busy is waited for this much longer than the guard would wait, s.
 const PATIENCE_S: f64 = 2.0;
@@ -26,9 +26,9 @@ impl Hardware {
     pub fn open(options: &HardwareOptions, step_s: f64, seed: Seed) -> Result<Hardware, String> {
         match &options.rehearsal {
             Some(rehearsal) => {
-                let (stage, wire, tracking) = Stage::open(options, rehearsal, seed)?;
+                let (stage, wire, tracking) = Rehearsal::open(options, rehearsal, seed)?;
                 let clock = stage.clock();
-                let parts = Opened { wire, clock, latch: None, interrupt: stage.interrupt() };
+                let parts = OpenedDevices { wire, clock, latch: None, interrupt: stage.interrupt() };
                 let mut plant = Hardware::of(options, &tracking, step_s, parts)?;
                 plant.stage = Some(stage);
                 Ok(plant)
@@ -39,15 +39,16 @@ impl Hardware {
 
     fn on_the_bench(options: &HardwareOptions, step_s: f64) -> Result<Hardware, String> {
         // Whoever has the robot now may stop it: the latch is read when it is ours.
-        let claim = Claim::new(&options.attached)?;
+        let claim = RobotLock::new(&options.attached)?;
         let latch = Latch::new(&Latch::folder(), &options.name);
         if let Some(reason) = latch.read() {
             return Err(format!("robot `{}` is stopped: {reason}; look at it, then `spinebench arm`", options.name));
         }
-        let wire = SerialWire::open(&options.motion.port, options.motion.baud)
+        let wire = TtyLine::open(&options.motion.port, options.motion.baud)
             .map_err(|error| no_port(&options.motion.port, &error))?;
         let interrupt = Interrupt::of_process().map_err(|error| error.to_string())?;
-        let parts = Opened { wire: Box::new(wire), clock: Arc::new(WallClock::new()), latch: Some(latch), interrupt };
+        let parts =
+            OpenedDevices { wire: Box::new(wire), clock: Arc::new(WallClock::new()), latch: Some(latch), interrupt };
         let mut plant = Hardware::of(options, &options.tracking, step_s, parts)?;
         plant.claim = Some(claim);
         Ok(plant)
@@ -58,20 +59,20 @@ impl Hardware {
         options: &HardwareOptions,
         tracking: &TrackingSettings,
         step_s: f64,
-        opened: Opened,
+        opened: OpenedDevices,
     ) -> Result<Hardware, String> {
-        let Opened { wire, clock, latch, interrupt } = opened;
+        let OpenedDevices { wire, clock, latch, interrupt } = opened;
         let controller = Controller::open(wire, &options.motion, clock.as_ref()).map_err(|fault| fault.to_string());
         let controller =
             controller.and_then(|controller| fast_enough(&controller, &options.safety, step_s).map(|()| controller));
-        let tracking = Tracking::open(tracking.clone(), clock.as_ref()).map_err(|fault| fault.to_string());
+        let tracking = TrackerClient::open(tracking.clone(), clock.as_ref()).map_err(|fault| fault.to_string());
         let ready = match (controller, tracking) {
             (Ok(controller), Ok(tracking)) => Ok((controller, tracking)),
             (Err(one), Err(other)) => Err(format!("{one}; and {other}")),
             (Err(fault), Ok(_)) | (Ok(_), Err(fault)) => Err(fault),
         };
         let (controller, tracking) = ready.inspect_err(|_| clock.leave())?;
-        let parts = Parts {
+        let parts = RigParts {
             controller,
             tracking,
             axes: options.axes,
@@ -81,7 +82,7 @@ impl Hardware {
             interrupt,
         };
         Ok(Hardware {
-            line: Line::new(Rig::new(parts), clock),
+            line: SupervisedRig::new(Rig::new(parts), clock),
             believed: options.model.clone(),
             model: Driven::new(&options.model, &[]),
             step_s,
@@ -90,7 +91,7 @@ impl Hardware {
             patience_s: PATIENCE_S + options.safety.hold_stop_s.max(options.motion.reply_timeout_s),
             trial_s: 0.0,
             due_s: 0.0,
-            timing: Timing::default(),
+            timing: LoopTiming::default(),
             stage: None,
             claim: None,
         })
@@ -102,8 +103,8 @@ fn no_port(port: &str, error: &std::io::Error) -> String {
 }
 
 /// What [`Hardware::of`] drives.
-struct Opened {
-    wire: Box<dyn Wire>,
+struct OpenedDevices {
+    wire: Box<dyn SerialLine>,
     clock: Arc<dyn Clock>,
     latch: Option<Latch>,
     interrupt: Interrupt,

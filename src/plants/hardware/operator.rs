@@ -9,23 +9,23 @@ use crate::effects::EffectSpec;
 use crate::hardware::interrupt::Interrupt;
 
 /// Whether somebody in this program has the robot, and what hangs on it.
-struct Bench {
+struct SharedRobot {
     taken: bool,
     attached: Vec<EffectSpec>,
 }
 
-static BENCH: Mutex<Bench> = Mutex::new(Bench { taken: false, attached: Vec::new() });
+static BENCH: Mutex<SharedRobot> = Mutex::new(SharedRobot { taken: false, attached: Vec::new() });
 static FREE: Condvar = Condvar::new();
 
 /// The right to use the robot, until it is dropped.
-pub(crate) struct Claim(());
+pub(crate) struct RobotLock(());
 
-impl Claim {
+impl RobotLock {
     /// Waits until nobody else in this program has the robot, and has it changed if it has to be.
     ///
     /// # Errors
     /// In words, when there is nobody who could change it.
-    pub(crate) fn new(attached: &[EffectSpec]) -> Result<Claim, String> {
+    pub(crate) fn new(attached: &[EffectSpec]) -> Result<RobotLock, String> {
         let mut bench = BENCH.lock().unwrap_or_else(PoisonError::into_inner);
         while bench.taken {
             bench = FREE.wait(bench).unwrap_or_else(PoisonError::into_inner);
@@ -35,11 +35,11 @@ impl Claim {
             bench.attached = attached.to_vec();
         }
         bench.taken = true;
-        Ok(Claim(()))
+        Ok(RobotLock(()))
     }
 }
 
-impl Drop for Claim {
+impl Drop for RobotLock {
     fn drop(&mut self) {
         BENCH.lock().unwrap_or_else(PoisonError::into_inner).taken = false;
         FREE.notify_one();

@@ -7,7 +7,7 @@ use crate::effects::{EffectSpec, Model};
 use crate::hardware::axes::AxesOptions;
 use crate::hardware::grbl::MotionSettings;
 use crate::hardware::safety::SafetyLimits;
-use crate::hardware::tracking::{Pose, TrackingSettings};
+use crate::hardware::tracking::{RigidPose, TrackingSettings};
 
 /// Four lead screws, a tracker and what is believed about the robot between them (docs/hardware.md).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -59,7 +59,7 @@ pub struct RehearsalOptions {
     /// Where the robot's base frame really is in the base body's frame; null: where `tracking.alignment` has it. For trying
     /// out `spinebench align`.
     #[serde(default)]
-    pub alignment: Option<Pose>,
+    pub alignment: Option<RigidPose>,
 }
 
 impl HardwareOptions {

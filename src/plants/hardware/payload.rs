@@ -3,7 +3,7 @@
 use super::{Hardware, operator};
 use crate::base::PlantError;
 use crate::effects::{Driven, EffectSpec};
-use crate::hardware::safety::State;
+use crate::hardware::safety::GuardState;
 
 /// Longest that both bodies are waited for once hands have gone, s.
 const SEEN_S: f64 = 10.0;
@@ -35,7 +35,7 @@ impl Hardware {
 
     /// Brings a robot home that has moved, and lets hands and heads come between it and the cameras until the next trial.
     fn park(&mut self) -> Result<(), PlantError> {
-        if *self.line.rig().state() == State::Idle {
+        if *self.line.rig().state() == GuardState::Idle {
             return Ok(());
         }
         self.go_home()?;

@@ -3,9 +3,9 @@
 use super::Hardware;
 use crate::base::{Observation, Plant, PlantError, Seed, TendonCommand};
 use crate::hardware::axes::AXES;
-use crate::hardware::realtime::{Rank, Urgent};
-use crate::hardware::rig::NotMoved;
-use crate::hardware::safety::State;
+use crate::hardware::realtime::{Priority, RealTime};
+use crate::hardware::rig::MoveError;
+use crate::hardware::safety::GuardState;
 
 /// Longest that homing and the way home may take, s.
 const HOMING_S: f64 = 120.0;
@@ -20,7 +20,7 @@ impl Hardware {
     pub(super) fn go_home(&mut self) -> Result<(), PlantError> {
         self.line.rig().expect(None);
         let deadline_s = self.line.clock.now_s() + HOMING_S;
-        if *self.line.rig().state() == State::Idle {
+        if *self.line.rig().state() == GuardState::Idle {
             let now_s = self.line.clock.now_s();
             self.line.rig().begin(now_s).map_err(refused)?;
         }
@@ -29,8 +29,8 @@ impl Hardware {
             let tick_s = self.line.clock.now_s() + self.step_s;
             let step_s = self.step_s;
             let arrived = self.line.wait(deadline_s, |rig, now_s| match rig.state() {
-                State::Active => match rig.towards_home(step_s, now_s) {
-                    Err(NotMoved::Busy | NotMoved::Not(_)) => None,
+                GuardState::Active => match rig.towards_home(step_s, now_s) {
+                    Err(MoveError::Busy | MoveError::Not(_)) => None,
                     other => Some(other.map_err(refused)),
                 },
                 state => stopped(state).map(Err),
@@ -48,8 +48,8 @@ impl Hardware {
     fn until_active(&self, deadline_s: f64) -> Result<bool, PlantError> {
         let mut held = false;
         let ended = self.line.wait(deadline_s, |rig, _| match rig.state() {
-            State::Active => Some(Ok(())),
-            State::Held { .. } => {
+            GuardState::Active => Some(Ok(())),
+            GuardState::Held { .. } => {
                 held = true;
                 None
             }
@@ -110,9 +110,9 @@ impl Hardware {
     fn send(&mut self, pulls_m: &[f64], called_s: f64) -> Result<(), PlantError> {
         let (step_s, now_s) = (self.step_s, self.line.clock.now_s());
         let sent = self.line.wait(now_s + self.patience_s, |rig, now_s| match rig.state() {
-            State::Active => match rig.command(pulls_m, step_s, now_s) {
+            GuardState::Active => match rig.command(pulls_m, step_s, now_s) {
                 // The next look at the state names what is in the way.
-                Err(NotMoved::Busy | NotMoved::Not(_)) => None,
+                Err(MoveError::Busy | MoveError::Not(_)) => None,
                 other => Some(other.map_err(refused)),
             },
             state => stopped(state).map(Err),
@@ -139,15 +139,15 @@ impl Hardware {
 }
 
 /// Why a stopped robot does nothing.
-fn stopped(state: &State) -> Option<PlantError> {
-    let State::Stopped { cause, .. } = state else { return None };
+fn stopped(state: &GuardState) -> Option<PlantError> {
+    let GuardState::Stopped { cause, .. } = state else { return None };
     Some(PlantError::Stopped(format!("{}; {}", cause.what, cause.remedy)))
 }
 
-fn refused(error: NotMoved) -> PlantError {
+fn refused(error: MoveError) -> PlantError {
     match error {
-        NotMoved::Not(_) => PlantError::Stopped(error.to_string()),
-        NotMoved::Refused(_) | NotMoved::Gate(_) | NotMoved::Busy => PlantError::Refused(error.to_string()),
+        MoveError::Not(_) => PlantError::Stopped(error.to_string()),
+        MoveError::Refused(_) | MoveError::Gate(_) | MoveError::Busy => PlantError::Refused(error.to_string()),
     }
 }
 
@@ -179,7 +179,7 @@ impl Plant for Hardware {
 
     fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
         let now_s = self.line.clock.now_s();
-        let _urgent = self.line.clock.is_real().then(|| Urgent::new(Rank::Loop));
+        let _urgent = self.line.clock.is_real().then(|| RealTime::new(Priority::Loop));
         if now_s > self.due_s + 0.5 * self.step_s {
             self.timing.missed += 1;
         }

@@ -7,11 +7,11 @@ use crate::effects::{Driven, EffectSpec, Model};
 use crate::hardware::axes::AXES;
 use crate::hardware::clock::Clock;
 use crate::hardware::interrupt::Interrupt;
-use crate::hardware::serial::Wire;
-use crate::hardware::tracking::{Mounting, Pose, TrackingSettings};
+use crate::hardware::serial::SerialLine;
+use crate::hardware::tracking::{Mounting, RigidPose, TrackingSettings};
 use crate::simulators::{
-    Body, ControllerOptions, FakeController, FakeTracker, RehearsalClock, Running, TrackerFault, TrackerOptions, World,
-    pipe,
+    ControllerOptions, RehearsalClock, RunningSimulator, SimulatedController, SimulatedRobot, SimulatedTracker,
+    Simulator, TrackerFault, TrackerOptions, pipe,
 };
 
 use super::options::{HardwareOptions, RehearsalOptions};
@@ -29,28 +29,28 @@ const FAST: [(u16, &str); 8] = [
 ];
 
 /// What a rehearsal plays on.
-pub struct Stage {
+pub struct Rehearsal {
     // Dropped first, while its clock still runs.
-    running: Running,
+    running: RunningSimulator,
     clock: Arc<dyn Clock>,
     interrupt: Interrupt,
 }
 
-impl Stage {
+impl Rehearsal {
     /// Opens the imitations and joins their clock for the calling thread, which would else go on without it: the stage, the
     /// driver's end of the serial line, and what the tracker's client has to know.
     pub(super) fn open(
         options: &HardwareOptions,
         rehearsal: &RehearsalOptions,
         seed: Seed,
-    ) -> Result<(Stage, Box<dyn Wire>, TrackingSettings), String> {
+    ) -> Result<(Rehearsal, Box<dyn SerialLine>, TrackingSettings), String> {
         let clock: Arc<dyn Clock> = Arc::new(RehearsalClock::new());
         // A pseudo-terminal would deliver when it pleases, which is late on a clock that does not wait for it.
         let (theirs, ours) = pipe();
         let (world, tracking) = imitations(options, rehearsal, Box::new(theirs), seed)?;
         clock.join();
-        let running = Running::start(world, Arc::clone(&clock)).map_err(|error| error.to_string())?;
-        Ok((Stage { running, clock, interrupt: Interrupt::new() }, Box::new(ours), tracking))
+        let running = RunningSimulator::start(world, Arc::clone(&clock)).map_err(|error| error.to_string())?;
+        Ok((Rehearsal { running, clock, interrupt: Interrupt::new() }, Box::new(ours), tracking))
     }
 
     /// What the imitations go by.
@@ -64,7 +64,7 @@ impl Stage {
     }
 
     /// Does something to the imitations, such as breaking one.
-    pub fn with<T>(&self, what: impl FnOnce(&mut World) -> T) -> T {
+    pub fn with<T>(&self, what: impl FnOnce(&mut Simulator) -> T) -> T {
         what(&mut self.running.world())
     }
 }
@@ -73,17 +73,18 @@ impl Stage {
 pub(super) fn imitations(
     options: &HardwareOptions,
     rehearsal: &RehearsalOptions,
-    wire: Box<dyn Wire>,
+    wire: Box<dyn SerialLine>,
     seed: Seed,
-) -> Result<(World, TrackingSettings), String> {
+) -> Result<(Simulator, TrackingSettings), String> {
     let mut imitated = ControllerOptions { seed: seed.0, ..ControllerOptions::default() };
     for (number, value) in FAST {
         imitated.settings.insert(number, value.to_owned());
     }
     imitated.settings.insert(23, options.motion.homing_directions.to_string());
-    let controller = FakeController::new(wire, imitated);
+    let controller = SimulatedController::new(wire, imitated);
     let imitated = TrackerOptions { noise_m: rehearsal.noise_m, seed, ..TrackerOptions::default() };
-    let mut tracker = FakeTracker::new(imitated).map_err(|error| format!("no tracker on this computer: {error}"))?;
+    let mut tracker =
+        SimulatedTracker::new(imitated).map_err(|error| format!("no tracker on this computer: {error}"))?;
     let network = tracker.settings().map_err(|error| error.to_string())?;
     if rehearsal.loss > 0.0 {
         tracker.inject(TrackerFault::Loss(rehearsal.loss));
@@ -96,19 +97,19 @@ pub(super) fn imitations(
     };
     let truth = TrackingSettings { alignment: rehearsal.alignment.unwrap_or(tracking.alignment), ..tracking.clone() };
     let mounting = Mounting::of(&truth);
-    let body = Imitated::new(&rehearsal.model, &options.attached);
-    let seen = Box::new(move |base: &Pose, tip: &Pose| mounting.tip_body(base, tip));
-    Ok((World::new(controller, tracker, Box::new(body), options.axes, seen), tracking))
+    let body = RehearsalRobot::new(&rehearsal.model, &options.attached);
+    let seen = Box::new(move |base: &RigidPose, tip: &RigidPose| mounting.tip_body(base, tip));
+    Ok((Simulator::new(controller, tracker, Box::new(body), options.axes, seen), tracking))
 }
 
 /// A simulated robot whose tendons are moved by imitated lead screws.
-struct Imitated {
+struct RehearsalRobot {
     model: Model,
     attached: Vec<EffectSpec>,
     driven: Driven,
     /// Time that has passed since the robot was last moved on, s.
     waiting_s: f64,
-    tip: Pose,
+    tip: RigidPose,
     pulls_m: [f64; AXES],
     /// How long nothing has changed, s.
     still_s: f64,
@@ -119,14 +120,14 @@ const STEP_S: f64 = 0.02;
 /// A robot whose tendons have stood still for so long stands as well, s.
 const AT_REST_S: f64 = 2.0;
 
-impl Imitated {
-    fn new(model: &Model, attached: &[EffectSpec]) -> Imitated {
-        let mut robot = Imitated {
+impl RehearsalRobot {
+    fn new(model: &Model, attached: &[EffectSpec]) -> RehearsalRobot {
+        let mut robot = RehearsalRobot {
             model: model.clone(),
             attached: attached.to_vec(),
             driven: Driven::new(model, attached),
             waiting_s: 0.0,
-            tip: Pose::default(),
+            tip: RigidPose::default(),
             pulls_m: [0.0; AXES],
             still_s: 0.0,
         };
@@ -142,15 +143,16 @@ impl Imitated {
 
     fn look(&mut self) {
         let seen = self.driven.observation(&self.commands(), 0.0);
-        self.tip = Pose { position_m: seen.tip_m, quaternion: seen.tip_quaternion.unwrap_or([1.0, 0.0, 0.0, 0.0]) };
+        self.tip =
+            RigidPose { position_m: seen.tip_m, quaternion: seen.tip_quaternion.unwrap_or([1.0, 0.0, 0.0, 0.0]) };
     }
 }
 
 /// Beyond this the tendons are off their spools and the robot hangs as it hung, metres.
 const OFF_SPOOL_M: f64 = 0.06;
 
-impl Body for Imitated {
-    fn advance(&mut self, pulls_m: &[f64; AXES], duration_s: f64) -> Pose {
+impl SimulatedRobot for RehearsalRobot {
+    fn advance(&mut self, pulls_m: &[f64; AXES], duration_s: f64) -> RigidPose {
         self.waiting_s += duration_s;
         if self.waiting_s < STEP_S - 1e-9 {
             return self.tip;

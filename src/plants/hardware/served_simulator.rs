@@ -5,32 +5,32 @@ use super::HardwareOptions;
 use super::rehearsal::imitations;
 use crate::base::Seed;
 use crate::hardware::clock::{Clock, WallClock};
-use crate::hardware::serial::SerialWire;
-use crate::simulators::World;
+use crate::hardware::serial::TtyLine;
+use crate::simulators::Simulator;
 
 /// How often the imitations are looked after, s.
 const STEP_S: f64 = 0.002;
 
-/// Imitations that live as long as somebody calls [`Served::step`].
-pub struct Served {
-    world: World,
+/// Imitations that live as long as somebody calls [`ServedSimulator::step`].
+pub struct ServedSimulator {
+    world: Simulator,
     clock: WallClock,
     due_s: f64,
     plant: HardwareOptions,
 }
 
-impl Served {
+impl ServedSimulator {
     /// Opens the ports for the rehearsal in `options`.
     ///
     /// # Errors
     /// In words, when there is no rehearsal or the system refuses a port.
-    pub fn open(options: &HardwareOptions, seed: Seed) -> Result<Served, String> {
+    pub fn open(options: &HardwareOptions, seed: Seed) -> Result<ServedSimulator, String> {
         let rehearsal = options.rehearsal.as_ref().ok_or("found no `rehearsal`, expected what is to be imitated")?;
-        let (wire, port) = SerialWire::served().map_err(|error| format!("no pseudo-terminal: {error}"))?;
+        let (wire, port) = TtyLine::served().map_err(|error| format!("no pseudo-terminal: {error}"))?;
         let (world, tracking) = imitations(options, rehearsal, Box::new(wire), seed)?;
         let mut plant = HardwareOptions { tracking, rehearsal: None, attached: Vec::new(), ..options.clone() };
         plant.motion.port = port;
-        Ok(Served { world, clock: WallClock::new(), due_s: 0.0, plant })
+        Ok(ServedSimulator { world, clock: WallClock::new(), due_s: 0.0, plant })
     }
 
     /// The plant that other programs name to use the imitations.
@@ -39,7 +39,7 @@ impl Served {
     }
 
     /// The imitations.
-    pub fn world(&mut self) -> &mut World {
+    pub fn world(&mut self) -> &mut Simulator {
         &mut self.world
     }
 

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
 use crate::hardware::clock::Clock;
-use crate::hardware::realtime::{Rank, Urgent};
+use crate::hardware::realtime::{Priority, RealTime};
 use crate::hardware::rig::Rig;
 
 /// How often the rig is looked at, s.
@@ -15,22 +15,22 @@ const WATCH_S: f64 = 0.005;
 const LEAVE_S: f64 = 5.0;
 
 /// A rig that is watched whatever its user does.
-pub(crate) struct Line {
+pub(crate) struct SupervisedRig {
     rig: Arc<Mutex<Rig>>,
     pub(crate) clock: Arc<dyn Clock>,
     over: Arc<AtomicBool>,
     watch: Option<JoinHandle<()>>,
 }
 
-impl Line {
+impl SupervisedRig {
     /// Watches `rig` from now on. The calling thread has joined the clock, and leaves it when the line is dropped.
-    pub(crate) fn new(rig: Rig, clock: Arc<dyn Clock>) -> Line {
+    pub(crate) fn new(rig: Rig, clock: Arc<dyn Clock>) -> SupervisedRig {
         let (rig, over) = (Arc::new(Mutex::new(rig)), Arc::new(AtomicBool::new(false)));
         clock.join();
         let watch = std::thread::spawn({
             let (rig, clock, over) = (Arc::clone(&rig), Arc::clone(&clock), Arc::clone(&over));
             move || {
-                let _urgent = clock.is_real().then(|| Urgent::new(Rank::Watch));
+                let _urgent = clock.is_real().then(|| RealTime::new(Priority::Watch));
                 while !over.load(Ordering::SeqCst) {
                     lock(&rig).poll(clock.now_s());
                     clock.sleep_until(clock.now_s() + WATCH_S);
@@ -38,7 +38,7 @@ impl Line {
                 clock.leave();
             }
         });
-        Line { rig, clock, over, watch: Some(watch) }
+        SupervisedRig { rig, clock, over, watch: Some(watch) }
     }
 
     /// The rig, for as long as the guard lives.
@@ -70,7 +70,7 @@ fn lock(rig: &Mutex<Rig>) -> MutexGuard<'_, Rig> {
     rig.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Drop for Line {
+impl Drop for SupervisedRig {
     /// Whatever ends the program, a moving robot is held first.
     fn drop(&mut self) {
         let why = if std::thread::panicking() { "the program failed" } else { "the program ended" };

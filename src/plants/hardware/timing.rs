@@ -69,7 +69,7 @@ fn upper_s(class: usize) -> f64 {
 
 /// Lateness of ticks and of commands.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Timing {
+pub struct LoopTiming {
     /// How much later than planned each tick ended.
     pub jitter: Lateness,
     /// From the call of a step to its line on the wire; of a command that takes several ticks, from the start of each.

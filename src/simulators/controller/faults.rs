@@ -1,10 +1,10 @@
 //! Faults on request.
 
-use super::{Doing, FakeController};
+use super::{Activity, SimulatedController};
 
 /// Something that goes wrong with the controller, its cable or its machine.
 #[derive(Clone, Debug, PartialEq)]
-pub enum FakeFault {
+pub enum ControllerFault {
     /// It says nothing more.
     Silent,
     /// Its motion stands still, and it says for ever what it said last.
@@ -57,7 +57,7 @@ pub enum FakeFault {
 
 /// The lasting ones.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Injected {
+pub(crate) struct ActiveFaults {
     pub(crate) silent: bool,
     pub(crate) frozen: bool,
     pub(crate) last_status: Option<String>,
@@ -76,7 +76,7 @@ pub(crate) struct Injected {
     pub(crate) three_axes: bool,
 }
 
-impl Injected {
+impl ActiveFaults {
     /// What leaves instead of a line.
     pub(crate) fn spoil(&mut self, text: &str) -> Vec<Vec<u8>> {
         let mut copies = 1;
@@ -95,35 +95,35 @@ impl Injected {
     }
 }
 
-impl FakeController {
+impl SimulatedController {
     /// Lets something go wrong from now on.
-    pub fn inject(&mut self, fault: FakeFault) {
+    pub fn inject(&mut self, fault: ControllerFault) {
         let injected = &mut self.injected;
         match fault {
-            FakeFault::Silent => injected.silent = true,
-            FakeFault::Frozen => injected.frozen = true,
-            FakeFault::SlowReplies(slow_s) => injected.slow_s = slow_s,
-            FakeFault::Garbage => injected.garbage = true,
-            FakeFault::GarbledLine => injected.garble_next = true,
-            FakeFault::DeadAxis(axis) => self.axes.dead[axis] = true,
-            FakeFault::SlippingAxis(axis) => self.axes.slipping[axis] = true,
-            FakeFault::SwitchStuckOpen(axis) => injected.stuck_open[axis] = true,
-            FakeFault::SwitchStuckClosed(axis) => injected.stuck_closed[axis] = true,
-            FakeFault::HardLimit(axis) => injected.pressed[axis] = true,
-            FakeFault::SpuriousAlarm(code) => self.alarm(code),
-            FakeFault::StickyError(code) => injected.sticky = Some(code),
-            FakeFault::Reboot => self.reboot(),
-            FakeFault::Unplugged => self.wire = None,
-            FakeFault::LostOk => injected.lose_ok = true,
-            FakeFault::DoubledOk => injected.double_ok = true,
-            FakeFault::WrongPosition(axis, way_mm) => self.axes.counted_mm[axis] += way_mm,
-            FakeFault::WorkOffset(axis, offset_mm) => self.offset_mm[axis] = offset_mm,
-            FakeFault::HoldButton => self.hold(),
-            FakeFault::FeedOverride(percent) => injected.feed_percent = Some(percent),
-            FakeFault::TellsHomed => injected.tells_homed = true,
-            FakeFault::ThreeAxes => injected.three_axes = true,
-            FakeFault::WorkPositions => injected.work_positions = true,
-            FakeFault::WrongSettings(number, value) => {
+            ControllerFault::Silent => injected.silent = true,
+            ControllerFault::Frozen => injected.frozen = true,
+            ControllerFault::SlowReplies(slow_s) => injected.slow_s = slow_s,
+            ControllerFault::Garbage => injected.garbage = true,
+            ControllerFault::GarbledLine => injected.garble_next = true,
+            ControllerFault::DeadAxis(axis) => self.axes.dead[axis] = true,
+            ControllerFault::SlippingAxis(axis) => self.axes.slipping[axis] = true,
+            ControllerFault::SwitchStuckOpen(axis) => injected.stuck_open[axis] = true,
+            ControllerFault::SwitchStuckClosed(axis) => injected.stuck_closed[axis] = true,
+            ControllerFault::HardLimit(axis) => injected.pressed[axis] = true,
+            ControllerFault::SpuriousAlarm(code) => self.alarm(code),
+            ControllerFault::StickyError(code) => injected.sticky = Some(code),
+            ControllerFault::Reboot => self.reboot(),
+            ControllerFault::Unplugged => self.wire = None,
+            ControllerFault::LostOk => injected.lose_ok = true,
+            ControllerFault::DoubledOk => injected.double_ok = true,
+            ControllerFault::WrongPosition(axis, way_mm) => self.axes.counted_mm[axis] += way_mm,
+            ControllerFault::WorkOffset(axis, offset_mm) => self.offset_mm[axis] = offset_mm,
+            ControllerFault::HoldButton => self.hold(),
+            ControllerFault::FeedOverride(percent) => injected.feed_percent = Some(percent),
+            ControllerFault::TellsHomed => injected.tells_homed = true,
+            ControllerFault::ThreeAxes => injected.three_axes = true,
+            ControllerFault::WorkPositions => injected.work_positions = true,
+            ControllerFault::WrongSettings(number, value) => {
                 self.settings.insert(number, value);
             }
         }
@@ -131,7 +131,7 @@ impl FakeController {
 
     /// Repairs everything that lasts except a pulled cable and settings.
     pub fn repair(&mut self) {
-        self.injected = Injected::default();
+        self.injected = ActiveFaults::default();
         self.axes.dead = [false; 4];
         self.axes.slipping = [false; 4];
         self.offset_mm = [0.0; 4];
@@ -152,7 +152,7 @@ impl FakeController {
         let hit = (0..4).any(|axis| closed[axis] && !self.closed[axis]);
         self.closed = closed;
         let on = super::table::bits(&self.settings, 21) & 1 == 1;
-        if hit && on && matches!(self.doing, Doing::Ready | Doing::Holding) {
+        if hit && on && matches!(self.doing, Activity::Ready | Activity::Holding) {
             self.alarm(1);
         }
     }

@@ -2,7 +2,7 @@
 
 /// A line of words, each letter at most once except for G and M.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Words {
+pub(crate) struct GcodeWords {
     /// Target of each axis, as written.
     pub(crate) axes: [Option<f64>; 4],
     /// Feed.
@@ -13,7 +13,7 @@ pub(crate) struct Words {
 
 /// What stays in force from line to line.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Modes {
+pub(crate) struct ModalState {
     pub(crate) rapid: bool,
     pub(crate) inches: bool,
     pub(crate) incremental: bool,
@@ -22,13 +22,20 @@ pub(crate) struct Modes {
     pub(crate) feed: f64,
 }
 
-impl Default for Modes {
+impl Default for ModalState {
     fn default() -> Self {
-        Modes { rapid: true, inches: false, incremental: false, inverse_time: false, initial_level: true, feed: 0.0 }
+        ModalState {
+            rapid: true,
+            inches: false,
+            incremental: false,
+            inverse_time: false,
+            initial_level: true,
+            feed: 0.0,
+        }
     }
 }
 
-impl Modes {
+impl ModalState {
     /// As in answers to `$G`.
     pub(crate) fn text(&self) -> String {
         let motion = if self.rapid { 0 } else { 1 };
@@ -42,10 +49,10 @@ impl Modes {
 }
 
 /// Reads a line, or gives the number of the error.
-pub(crate) fn words(line: &str) -> Result<Words, u16> {
+pub(crate) fn words(line: &str) -> Result<GcodeWords, u16> {
     let text: Vec<u8> =
         line.bytes().filter(|byte| !byte.is_ascii_whitespace()).map(|byte| byte.to_ascii_uppercase()).collect();
-    let mut words = Words::default();
+    let mut words = GcodeWords::default();
     let mut seen = Vec::new();
     let mut rest = text.as_slice();
     while let Some((&letter, after)) = rest.split_first() {
@@ -86,7 +93,7 @@ fn number(text: &[u8]) -> Option<(f64, &[u8])> {
 
 /// What a line does.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Action {
+pub(crate) enum GcodeAction {
     /// Sets modes only, or waits for no time.
     Nothing,
     /// Makes the present position this work position.
@@ -96,7 +103,7 @@ pub(crate) enum Action {
 }
 
 /// Applies the modes of a line, or gives the number of the error.
-pub(crate) fn apply(words: &Words, modes: &mut Modes) -> Result<Action, u16> {
+pub(crate) fn apply(words: &GcodeWords, modes: &mut ModalState) -> Result<GcodeAction, u16> {
     let mut next = *modes;
     let (mut shift, mut dwell) = (false, false);
     for &command in &words.commands {
@@ -130,8 +137,8 @@ pub(crate) fn apply(words: &Words, modes: &mut Modes) -> Result<Action, u16> {
     let scale = if next.inches { 25.4 } else { 1.0 };
     let axes = words.axes.map(|value| value.map(|value| value * scale));
     Ok(match (shift, moves) {
-        (true, _) => Action::Shift(axes),
-        (false, true) => Action::Go(axes),
-        (false, false) => Action::Nothing,
+        (true, _) => GcodeAction::Shift(axes),
+        (false, true) => GcodeAction::Go(axes),
+        (false, false) => GcodeAction::Nothing,
     })
 }

@@ -1,6 +1,6 @@
 //! Homing: all axes down to their switches at once, off again, slowly back, and off.
 
-use super::{Doing, FakeController, table};
+use super::{Activity, SimulatedController, table};
 
 /// Time to start, seconds.
 const START_S: f64 = 0.2;
@@ -11,7 +11,7 @@ const SEARCH: f64 = 1.5;
 
 /// How far homing has come.
 #[derive(Clone, Debug)]
-pub(crate) struct Homing {
+pub(crate) struct HomingProgress {
     /// Before anything moves, seconds.
     wait_s: f64,
     searched_mm: f64,
@@ -21,7 +21,7 @@ pub(crate) struct Homing {
     pub(crate) asked: bool,
 }
 
-impl FakeController {
+impl SimulatedController {
     /// Begins to home, or gives the number of the error.
     pub(crate) fn begin_homing(&mut self) -> Result<(), u16> {
         if table::bits(&self.settings, 22) & 1 == 0 {
@@ -31,14 +31,14 @@ impl FakeController {
         self.injected.pressed = [false; 4];
         self.axes.stop();
         self.homed = false;
-        self.doing = Doing::Homing(Homing { wait_s: START_S, searched_mm: 0.0, left_s: None, asked: false });
+        self.doing = Activity::Homing(HomingProgress { wait_s: START_S, searched_mm: 0.0, left_s: None, asked: false });
         self.report();
         Ok(())
     }
 
     /// Goes on homing for a short time.
     pub(crate) fn home_on(&mut self, duration_s: f64) {
-        let Doing::Homing(mut homing) = self.doing.clone() else { return };
+        let Activity::Homing(mut homing) = self.doing.clone() else { return };
         homing.wait_s -= duration_s;
         let result = match homing.left_s {
             _ if homing.wait_s > 0.0 => Ok(()),
@@ -53,11 +53,11 @@ impl FakeController {
         match result {
             Err(code) => self.fail_homing(code),
             Ok(()) if done => self.end_homing(homing.asked),
-            Ok(()) => self.doing = Doing::Homing(homing),
+            Ok(()) => self.doing = Activity::Homing(homing),
         }
     }
 
-    fn seek(&mut self, homing: &mut Homing, duration_s: f64) -> Result<(), u16> {
+    fn seek(&mut self, homing: &mut HomingProgress, duration_s: f64) -> Result<(), u16> {
         let closed = self.closed_switches();
         let speed_mm_s = table::value(&self.settings, 25) / 60.0;
         if closed == [true; 4] {
@@ -86,7 +86,7 @@ impl FakeController {
         if asked {
             self.report();
         }
-        self.doing = Doing::Ready;
+        self.doing = Activity::Ready;
         self.closed = self.closed_switches();
         self.say("[MSG:]");
         self.say("ok");
@@ -95,7 +95,7 @@ impl FakeController {
     /// The controller resets itself.
     fn fail_homing(&mut self, code: u16) {
         self.say(&format!("ALARM:{code}"));
-        self.doing = Doing::Ready;
+        self.doing = Activity::Ready;
         self.restart(0.1, None);
     }
 }

@@ -1,23 +1,23 @@
 //! Lines: settings, commands of the controller and G-code.
 
 use super::gcode;
-use super::gcode::Action;
-use super::{Doing, FakeController, Modes, table};
-use crate::simulators::axes::Pace;
+use super::gcode::GcodeAction;
+use super::{Activity, ModalState, SimulatedController, table};
+use crate::simulators::axes::MotionLimits;
 
 /// What a line leads to besides `ok`.
-enum Answer {
+enum LineReply {
     Ok,
     /// Nothing for now.
     Later,
 }
 
-impl FakeController {
+impl SimulatedController {
     /// Does what a line says and answers it.
     pub(crate) fn carry_out(&mut self, line: Result<String, u16>) {
         match line.and_then(|line| self.obey(&line)) {
-            Ok(Answer::Ok) => self.say("ok"),
-            Ok(Answer::Later) => {}
+            Ok(LineReply::Ok) => self.say("ok"),
+            Ok(LineReply::Later) => {}
             Err(code) => {
                 self.last_error = code;
                 self.say(&format!("error:{code}"));
@@ -25,17 +25,17 @@ impl FakeController {
         }
     }
 
-    fn obey(&mut self, line: &str) -> Result<Answer, u16> {
+    fn obey(&mut self, line: &str) -> Result<LineReply, u16> {
         if line.is_empty() {
             self.last_error = 0;
-            return Ok(Answer::Ok);
+            return Ok(LineReply::Ok);
         }
         if let Some(command) = line.strip_prefix('$') {
             let answer = self.command(command)?;
             self.last_error = 0;
             return Ok(answer);
         }
-        if matches!(self.doing, Doing::Alarm(..)) {
+        if matches!(self.doing, Activity::Alarm(..)) {
             return Err(9);
         }
         if let Some(code) = self.injected.sticky.take() {
@@ -48,32 +48,32 @@ impl FakeController {
         let action = gcode::apply(&gcode::words(line)?, &mut modes)?;
         self.set_modes(modes);
         match action {
-            Action::Nothing => Ok(Answer::Ok),
-            Action::Shift(axes) => {
+            GcodeAction::Nothing => Ok(LineReply::Ok),
+            GcodeAction::Shift(axes) => {
                 let here_mm = self.faced_mm(self.axes.planned_mm());
                 for axis in 0..4 {
                     self.offset_mm[axis] = axes[axis].map_or(self.offset_mm[axis], |value| here_mm[axis] - value);
                 }
-                Ok(Answer::Ok)
+                Ok(LineReply::Ok)
             }
-            Action::Go(axes) => {
+            GcodeAction::Go(axes) => {
                 let target_mm = self.target_mm(axes, &modes, &self.offset_mm);
                 if self.soft_limit(&target_mm) {
                     self.alarm(2);
-                    return Ok(Answer::Later);
+                    return Ok(LineReply::Later);
                 }
                 self.queue(target_mm, &modes);
-                Ok(Answer::Ok)
+                Ok(LineReply::Ok)
             }
         }
     }
 
-    pub(crate) fn set_modes(&mut self, modes: Modes) {
+    pub(crate) fn set_modes(&mut self, modes: ModalState) {
         self.reporting.modes_changed |= modes != self.modes;
         self.modes = modes;
     }
 
-    fn target_mm(&self, axes: [Option<f64>; 4], modes: &Modes, offset_mm: &[f64; 4]) -> [f64; 4] {
+    fn target_mm(&self, axes: [Option<f64>; 4], modes: &ModalState, offset_mm: &[f64; 4]) -> [f64; 4] {
         let from_mm = self.faced_mm(self.axes.planned_mm());
         std::array::from_fn(|axis| match axes[axis] {
             None => from_mm[axis],
@@ -104,17 +104,17 @@ impl FakeController {
         std::array::from_fn(|axis| if upwards(axis) { -along_mm[axis] } else { along_mm[axis] })
     }
 
-    fn queue(&mut self, target_mm: [f64; 4], modes: &Modes) {
+    fn queue(&mut self, target_mm: [f64; 4], modes: &ModalState) {
         let target_mm = self.faced_mm(target_mm);
         let from_mm = self.axes.planned_mm();
         let length_mm = (0..4).map(|axis| (target_mm[axis] - from_mm[axis]).powi(2)).sum::<f64>().sqrt();
         let feed_mm_min = match modes {
-            Modes { rapid: true, .. } => f64::INFINITY,
-            Modes { inverse_time: true, feed, .. } => feed * length_mm,
-            Modes { inches: true, feed, .. } => feed * 25.4,
-            Modes { feed, .. } => *feed,
+            ModalState { rapid: true, .. } => f64::INFINITY,
+            ModalState { inverse_time: true, feed, .. } => feed * length_mm,
+            ModalState { inches: true, feed, .. } => feed * 25.4,
+            ModalState { feed, .. } => *feed,
         };
-        let pace = Pace {
+        let pace = MotionLimits {
             feed_mm_min,
             max_speed_mm_min: table::of_axes(&self.settings, 110),
             acceleration_mm_s2: table::of_axes(&self.settings, 120),
@@ -122,9 +122,9 @@ impl FakeController {
         self.axes.push(target_mm, &pace);
     }
 
-    fn command(&mut self, command: &str) -> Result<Answer, u16> {
+    fn command(&mut self, command: &str) -> Result<LineReply, u16> {
         match command {
-            "H" => return self.begin_homing().map(|()| Answer::Later),
+            "H" => return self.begin_homing().map(|()| LineReply::Later),
             "X" => self.unlock()?,
             "I" => self.identify(),
             "$" => {
@@ -142,44 +142,44 @@ impl FakeController {
             }
             _ => return Err(3),
         }
-        Ok(Answer::Ok)
+        Ok(LineReply::Ok)
     }
 
     /// Commands that want a controller that stands and needs no reset.
     pub(crate) fn standing_or_error(&self) -> Result<(), u16> {
         match self.doing {
-            Doing::Alarm(_, true) => Err(79),
-            Doing::Alarm(_, false) => Ok(()),
-            Doing::Ready if self.axes.queued() == 0 => Ok(()),
+            Activity::Alarm(_, true) => Err(79),
+            Activity::Alarm(_, false) => Ok(()),
+            Activity::Ready if self.axes.queued() == 0 => Ok(()),
             _ => Err(8),
         }
     }
 
     fn unlock(&mut self) -> Result<(), u16> {
-        let Doing::Alarm(_, needs_reset) = self.doing else { return Ok(()) };
+        let Activity::Alarm(_, needs_reset) = self.doing else { return Ok(()) };
         if needs_reset {
             return Err(79);
         }
         if table::bits(&self.settings, 22) & 5 == 5 && !self.homed {
             return Err(46);
         }
-        self.doing = Doing::Ready;
+        self.doing = Activity::Ready;
         self.say("[MSG:Caution: Unlocked]");
         Ok(())
     }
 
     fn jog(&mut self, line: &str) -> Result<(), u16> {
         match self.doing {
-            Doing::Ready if self.jogging || self.axes.queued() == 0 => {}
-            Doing::Ready | Doing::Holding | Doing::Homing(_) => return Err(8),
-            Doing::Alarm(..) => return Err(9),
+            Activity::Ready if self.jogging || self.axes.queued() == 0 => {}
+            Activity::Ready | Activity::Holding | Activity::Homing(_) => return Err(8),
+            Activity::Alarm(..) => return Err(9),
         }
         let words = gcode::words(line)?;
         if words.commands.iter().any(|command| ![20.0, 21.0, 53.0, 90.0, 91.0].contains(command)) {
             return Err(16);
         }
-        let mut modes = Modes { rapid: false, feed: 0.0, ..self.modes };
-        let Action::Go(axes) = gcode::apply(&words, &mut modes)? else { return Err(16) };
+        let mut modes = ModalState { rapid: false, feed: 0.0, ..self.modes };
+        let GcodeAction::Go(axes) = gcode::apply(&words, &mut modes)? else { return Err(16) };
         let offset_mm = if words.commands.contains(&53.0) { [0.0; 4] } else { self.offset_mm };
         let target_mm = self.target_mm(axes, &modes, &offset_mm);
         if self.homed && self.outside(&target_mm) {

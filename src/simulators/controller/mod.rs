@@ -12,16 +12,16 @@ use std::collections::{BTreeMap, VecDeque};
 
 use rand::RngExt;
 
-pub use faults::FakeFault;
+pub use faults::ControllerFault;
 pub use table::{factory_settings, robot_settings};
 
-use super::axes::Axes;
+use super::axes::SimulatedAxes;
 use crate::base::{Generator, Seed};
-use crate::hardware::serial::Wire;
-use faults::Injected;
-use gcode::Modes;
-use homing::Homing;
-use report::Reporting;
+use crate::hardware::serial::SerialLine;
+use faults::ActiveFaults;
+use gcode::ModalState;
+use homing::HomingProgress;
+use report::ReportState;
 use table::Settings;
 
 /// Moves that the queue holds.
@@ -37,7 +37,7 @@ const END_STOP_MM: f64 = 2.0;
 
 /// What a fake controller is like.
 #[derive(Clone, Debug, PartialEq)]
-pub struct FakeOptions {
+pub struct ControllerOptions {
     /// Its settings.
     pub settings: BTreeMap<u16, String>,
     /// It finds no stored settings when it starts.
@@ -53,9 +53,9 @@ pub struct FakeOptions {
     pub plain: bool,
 }
 
-impl Default for FakeOptions {
+impl Default for ControllerOptions {
     fn default() -> Self {
-        FakeOptions {
+        ControllerOptions {
             settings: robot_settings(),
             first_boot: false,
             start_mm: [8.0, 8.0, 12.5, 12.5],
@@ -68,32 +68,32 @@ impl Default for FakeOptions {
 
 /// What the controller is doing.
 #[derive(Clone, Debug)]
-enum Doing {
+enum Activity {
     /// Idle, or moving when there are moves.
     Ready,
     Holding,
-    Homing(Homing),
+    Homing(HomingProgress),
     /// With its number; true until a reset.
     Alarm(u16, bool),
 }
 
-/// A controller at the other end of a wire. It lives only in [`FakeController::step`].
-pub struct FakeController {
-    wire: Option<Box<dyn Wire>>,
+/// A controller at the other end of a wire. It lives only in [`SimulatedController::step`].
+pub struct SimulatedController {
+    wire: Option<Box<dyn SerialLine>>,
     settings: Settings,
-    axes: Axes,
-    doing: Doing,
+    axes: SimulatedAxes,
+    doing: Activity,
     jogging: bool,
     /// Dropping all moves as soon as the axes stand.
     flushing: bool,
     homed: bool,
-    modes: Modes,
+    modes: ModalState,
     /// Work offset, mm.
     offset_mm: [f64; 4],
     /// The error that is repeated until an empty line.
     last_error: u16,
-    reporting: Reporting,
-    injected: Injected,
+    reporting: ReportState,
+    injected: ActiveFaults,
     /// Switches that were closed when last looked at.
     closed: [bool; 4],
     half_line: Vec<u8>,
@@ -109,22 +109,22 @@ pub struct FakeController {
     random: Generator,
 }
 
-impl FakeController {
+impl SimulatedController {
     /// A controller that starts at its first step.
-    pub fn new(wire: Box<dyn Wire>, options: FakeOptions) -> FakeController {
-        FakeController {
+    pub fn new(wire: Box<dyn SerialLine>, options: ControllerOptions) -> SimulatedController {
+        SimulatedController {
             wire: Some(wire),
             settings: options.settings,
-            axes: Axes::at(options.start_mm),
-            doing: Doing::Ready,
+            axes: SimulatedAxes::at(options.start_mm),
+            doing: Activity::Ready,
             jogging: false,
             flushing: false,
             homed: false,
-            modes: Modes::default(),
+            modes: ModalState::default(),
             offset_mm: [0.0; 4],
             last_error: 0,
-            reporting: Reporting::default(),
-            injected: Injected::default(),
+            reporting: ReportState::default(),
+            injected: ActiveFaults::default(),
             closed: [false; 4],
             half_line: Vec::new(),
             lines: VecDeque::new(),
@@ -209,9 +209,9 @@ impl FakeController {
             self.now_s += part_s;
             match self.doing {
                 _ if self.injected.frozen => {}
-                Doing::Homing(_) => self.home_on(part_s),
-                Doing::Alarm(..) => {}
-                Doing::Ready | Doing::Holding => self.axes.advance(part_s),
+                Activity::Homing(_) => self.home_on(part_s),
+                Activity::Alarm(..) => {}
+                Activity::Ready | Activity::Holding => self.axes.advance(part_s),
             }
             self.jogging &= self.axes.queued() > 0;
             if self.flushing && self.axes.speed_mm_min() == 0.0 {
@@ -264,7 +264,7 @@ impl FakeController {
 
     /// Carries out lines while nothing keeps it from doing so.
     fn work(&mut self) {
-        while !matches!(self.doing, Doing::Homing(_)) && self.axes.queued() < BLOCKS && !self.flushing {
+        while !matches!(self.doing, Activity::Homing(_)) && self.axes.queued() < BLOCKS && !self.flushing {
             let Some(line) = self.lines.pop_front() else { return };
             self.carry_out(line);
         }

@@ -1,6 +1,6 @@
 //! Single bytes that are obeyed at once, alarms and restarts.
 
-use super::{Doing, FakeController, Modes, table};
+use super::{Activity, ModalState, SimulatedController, table};
 
 const GREETING: &str = "GrblHAL 1.1f ['$' or '$HELP' for help]";
 const PLAIN_GREETING: &str = "Grbl 1.1h ['$' for help]";
@@ -8,7 +8,7 @@ const PLAIN_GREETING: &str = "Grbl 1.1h ['$' for help]";
 const MESSAGE_S: f64 = 0.1;
 const HOMING_REQUIRED: u16 = 11;
 
-impl FakeController {
+impl SimulatedController {
     /// Obeys a byte; false when it belongs to a line.
     pub(crate) fn realtime(&mut self, byte: u8) -> bool {
         match byte {
@@ -32,7 +32,7 @@ impl FakeController {
 
     /// While homing, queries are remembered and answered once at the end.
     fn ask(&mut self) {
-        if let Doing::Homing(homing) = &mut self.doing {
+        if let Activity::Homing(homing) = &mut self.doing {
             homing.asked = true;
         } else {
             self.report();
@@ -41,15 +41,15 @@ impl FakeController {
 
     /// Jogs are not held.
     pub(crate) fn hold(&mut self) {
-        if matches!(self.doing, Doing::Ready) && !self.jogging {
-            self.doing = Doing::Holding;
+        if matches!(self.doing, Activity::Ready) && !self.jogging {
+            self.doing = Activity::Holding;
             self.axes.holding = true;
         }
     }
 
     fn go_on(&mut self) {
-        if matches!(self.doing, Doing::Holding) {
-            self.doing = Doing::Ready;
+        if matches!(self.doing, Activity::Holding) {
+            self.doing = Activity::Ready;
             self.axes.holding = false;
             self.say("[MSG:]");
         }
@@ -63,10 +63,10 @@ impl FakeController {
 
     /// Stops without losing the position.
     fn stop(&mut self) {
-        if matches!(self.doing, Doing::Ready | Doing::Holding) {
-            self.doing = Doing::Ready;
+        if matches!(self.doing, Activity::Ready | Activity::Holding) {
+            self.doing = Activity::Ready;
             self.flush();
-            self.set_modes(Modes::default());
+            self.set_modes(ModalState::default());
             self.say("[MSG:Stop]");
         }
     }
@@ -79,15 +79,15 @@ impl FakeController {
 
     /// What ctrl-X does.
     fn reset(&mut self) {
-        let moving = matches!(self.doing, Doing::Ready | Doing::Holding) && self.axes.speed_mm_min() > 0.0;
+        let moving = matches!(self.doing, Activity::Ready | Activity::Holding) && self.axes.speed_mm_min() > 0.0;
         let before = match self.doing {
-            Doing::Homing(_) => Some(6),
+            Activity::Homing(_) => Some(6),
             _ if moving => Some(3),
-            Doing::Alarm(code, _) => Some(code),
+            Activity::Alarm(code, _) => Some(code),
             _ => None,
         };
         let mut wait_s = 0.0;
-        if let Some(code @ (3 | 6)) = before.filter(|_| !matches!(self.doing, Doing::Alarm(..))) {
+        if let Some(code @ (3 | 6)) = before.filter(|_| !matches!(self.doing, Activity::Alarm(..))) {
             self.say(&format!("ALARM:{code}"));
             wait_s = MESSAGE_S;
         }
@@ -106,7 +106,7 @@ impl FakeController {
         self.jogging = false;
         self.flushing = false;
         self.last_error = 0;
-        self.modes = Modes::default();
+        self.modes = ModalState::default();
         self.reporting.start_over();
         self.say_after(wait_s, if self.plain { PLAIN_GREETING } else { GREETING });
         let homing_required = table::bits(&self.settings, 22) & 5 == 5 && !self.homed;
@@ -114,13 +114,13 @@ impl FakeController {
             if alarm != Some(HOMING_REQUIRED) {
                 self.say(&format!("ALARM:{HOMING_REQUIRED}"));
             }
-            self.doing = Doing::Alarm(HOMING_REQUIRED, false);
+            self.doing = Activity::Alarm(HOMING_REQUIRED, false);
             self.say_after(MESSAGE_S, "[MSG:Homing cycle required]");
         } else if let Some(code) = alarm {
-            self.doing = Doing::Alarm(code, false);
+            self.doing = Activity::Alarm(code, false);
             self.say("[MSG:'$H'|'$X' to unlock]");
         } else {
-            self.doing = Doing::Ready;
+            self.doing = Activity::Ready;
         }
     }
 
@@ -147,7 +147,7 @@ impl FakeController {
         self.axes.halt();
         self.jogging = false;
         self.flushing = false;
-        self.doing = Doing::Alarm(code, true);
+        self.doing = Activity::Alarm(code, true);
         self.reporting.alarmed = true;
         self.say(&format!("ALARM:{code}"));
         self.say_after(MESSAGE_S, "[MSG:Reset to continue]");

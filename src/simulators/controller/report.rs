@@ -1,6 +1,6 @@
 //! What the fake controller says about itself.
 
-use super::{BLOCKS, Doing, FakeController, table};
+use super::{Activity, BLOCKS, SimulatedController, table};
 use crate::hardware::grbl::AXIS_NAMES;
 
 /// Reports between two mentions of the work offset.
@@ -10,7 +10,7 @@ const OVERRIDES_EVERY: u32 = 20;
 
 /// What the next report has to mention.
 #[derive(Clone, Debug)]
-pub(crate) struct Reporting {
+pub(crate) struct ReportState {
     /// Reports since the start.
     count: u32,
     /// What was last said about homing.
@@ -19,20 +19,20 @@ pub(crate) struct Reporting {
     pub(crate) alarmed: bool,
 }
 
-impl Default for Reporting {
+impl Default for ReportState {
     fn default() -> Self {
-        Reporting { count: 0, homed: false, modes_changed: true, alarmed: false }
+        ReportState { count: 0, homed: false, modes_changed: true, alarmed: false }
     }
 }
 
-impl Reporting {
+impl ReportState {
     /// As after a reset.
     pub(crate) fn start_over(&mut self) {
-        *self = Reporting { homed: self.homed, ..Reporting::default() };
+        *self = ReportState { homed: self.homed, ..ReportState::default() };
     }
 }
 
-impl FakeController {
+impl SimulatedController {
     /// Answers `?`.
     pub(crate) fn report(&mut self) {
         let status = match self.injected.last_status.take().filter(|_| self.injected.frozen) {
@@ -107,7 +107,7 @@ impl FakeController {
         if std::mem::take(&mut self.reporting.alarmed) || count == 0 {
             text.push_str("|A:");
         }
-        let homing = matches!(self.doing, Doing::Homing(_));
+        let homing = matches!(self.doing, Activity::Homing(_));
         if (self.reporting.homed != self.homed || self.injected.tells_homed) && !homing {
             self.reporting.homed = self.homed;
             text.push_str(&format!("|H:{}", u8::from(self.homed)));
@@ -120,14 +120,14 @@ impl FakeController {
     fn mode(&self) -> String {
         let substates = table::bits(&self.settings, 10) & 1024 != 0;
         match self.doing {
-            Doing::Ready if self.axes.queued() == 0 => "Idle".to_owned(),
-            Doing::Ready if self.jogging => "Jog".to_owned(),
-            Doing::Ready => "Run".to_owned(),
-            Doing::Holding if self.plain => "Hold".to_owned(),
-            Doing::Holding => format!("Hold:{}", u8::from(self.axes.speed_mm_min() > 0.0)),
-            Doing::Homing(_) => "Home".to_owned(),
-            Doing::Alarm(code, _) if substates => format!("Alarm:{code}"),
-            Doing::Alarm(..) => "Alarm".to_owned(),
+            Activity::Ready if self.axes.queued() == 0 => "Idle".to_owned(),
+            Activity::Ready if self.jogging => "Jog".to_owned(),
+            Activity::Ready => "Run".to_owned(),
+            Activity::Holding if self.plain => "Hold".to_owned(),
+            Activity::Holding => format!("Hold:{}", u8::from(self.axes.speed_mm_min() > 0.0)),
+            Activity::Homing(_) => "Home".to_owned(),
+            Activity::Alarm(code, _) if substates => format!("Alarm:{code}"),
+            Activity::Alarm(..) => "Alarm".to_owned(),
         }
     }
 

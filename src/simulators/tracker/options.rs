@@ -9,7 +9,7 @@ use crate::hardware::tracking::Transport;
 
 /// Settings of the synthetic server.
 #[derive(Clone, Debug, PartialEq)]
-pub struct FakeTrackerOptions {
+pub struct TrackerOptions {
     /// Frames per second, Hz.
     pub rate_hz: f64,
     /// Standard deviation of the position noise of each body per axis, metres.
@@ -40,9 +40,9 @@ pub struct FakeTrackerOptions {
     pub seed: Seed,
 }
 
-impl Default for FakeTrackerOptions {
+impl Default for TrackerOptions {
     fn default() -> Self {
-        FakeTrackerOptions {
+        TrackerOptions {
             rate_hz: 100.0,
             noise_m: 0.0,
             version: Version::V4_1,
@@ -63,7 +63,7 @@ impl Default for FakeTrackerOptions {
 
 /// One of the two bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FakeBody {
+pub enum TrackedBody {
     /// The one at the base.
     Base,
     /// The one at the tip.
@@ -73,7 +73,7 @@ pub enum FakeBody {
 /// What can go wrong with the stream, from [`inject`](super::FakeTracker::inject) until
 /// [`calm`](super::FakeTracker::calm).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum FakeFault {
+pub enum TrackerFault {
     /// Frames are lost with this probability.
     Loss(f64),
     /// Of each two frames the later one comes first.
@@ -81,7 +81,7 @@ pub enum FakeFault {
     /// Each frame comes twice.
     Duplicate,
     /// A body is in the frames, but not seen.
-    Occluded(FakeBody),
+    Occluded(TrackedBody),
     /// The server says nothing at all.
     Silent,
     /// Numbers and stamps go on, the poses stay as they are.

@@ -7,7 +7,7 @@ use natnet::command::ConnectOptions;
 use natnet::{ConnectionInfo, FrameOfData, ModelDef, ServerInfo, Version};
 use socket2::SockRef;
 
-use super::options::FakeTrackerOptions;
+use super::options::TrackerOptions;
 use crate::hardware::tracking::Transport;
 
 /// Ticks per second of the cameras' clock.
@@ -24,28 +24,28 @@ const MOST_REQUESTS: usize = 256;
 const REQUEST_BYTES: usize = 2048;
 
 /// A client in unicast.
-struct Client {
+struct NatNetClient {
     address: SocketAddr,
     version: Version,
     heard_s: f64,
 }
 
 /// The server at 127.0.0.1.
-pub(crate) struct Server {
+pub(crate) struct NatNetServer {
     command: UdpSocket,
     data: UdpSocket,
     stranger: UdpSocket,
     transport: Transport,
     group: SocketAddrV4,
     version: Version,
-    clients: Vec<Client>,
+    clients: Vec<NatNetClient>,
 }
 
-impl Server {
-    pub(crate) fn open(options: &FakeTrackerOptions) -> io::Result<Server> {
+impl NatNetServer {
+    pub(crate) fn open(options: &TrackerOptions) -> io::Result<NatNetServer> {
         let data = socket(options.data_port)?;
         let group = SocketAddrV4::new(options.multicast_group, data.local_addr()?.port());
-        Ok(Server {
+        Ok(NatNetServer {
             command: socket(options.command_port)?,
             data,
             stranger: socket(0)?,
@@ -112,7 +112,7 @@ impl Server {
         let version = asked.filter(|version| version.validate().is_ok()).unwrap_or(self.version);
         self.clients.retain(|client| client.address != address);
         if self.clients.len() < MOST_CLIENTS {
-            self.clients.push(Client { address, version, heard_s });
+            self.clients.push(NatNetClient { address, version, heard_s });
         }
     }
 

@@ -1,7 +1,7 @@
 //! What somebody may wish to happen to imitated motors and an imitated tracker.
 
 use spinebench::hardware::grbl::AXIS_NAMES;
-use spinebench::simulators::{ControllerFault, FakeBody, Plan, TrackerFault, World};
+use spinebench::simulators::{ControllerFault, Intervention, Simulator, TrackedBody, TrackerFault};
 
 const HELP: &str = "\
 hang KG          a weight on the tip, kilograms; 0 takes it off
@@ -25,7 +25,7 @@ quit             the rehearsal ends";
 ///
 /// # Errors
 /// In words: the list of all that there is, or what was expected.
-pub(super) fn read(text: &str) -> Result<Plan, String> {
+pub(super) fn parse(text: &str) -> Result<Intervention, String> {
     let words: Vec<&str> = text.split_whitespace().collect();
     match words[..] {
         ["hang", load] => {
@@ -33,23 +33,23 @@ pub(super) fn read(text: &str) -> Result<Plan, String> {
             if !(0.0..=10.0).contains(&load_kg) {
                 return Err(format!("found {load_kg} kg, expected 0 to 10"));
             }
-            Ok(Box::new(move |world: &mut World| world.hang(load_kg)))
+            Ok(Box::new(move |world: &mut Simulator| world.hang(load_kg)))
         }
-        ["repair"] => Ok(Box::new(|world: &mut World| {
+        ["repair"] => Ok(Box::new(|world: &mut Simulator| {
             world.controller.repair();
             world.tracker.calm();
         })),
         ["freeze", "tracker"] => tracker(TrackerFault::Frozen),
         ["mute", "tracker"] => tracker(TrackerFault::Silent),
-        ["hide", "tip"] => tracker(TrackerFault::Occluded(FakeBody::Tip)),
-        ["hide", "base"] => tracker(TrackerFault::Occluded(FakeBody::Base)),
+        ["hide", "tip"] => tracker(TrackerFault::Occluded(TrackedBody::Tip)),
+        ["hide", "base"] => tracker(TrackerFault::Occluded(TrackedBody::Base)),
         ["jump", way] => tracker(TrackerFault::Jump(number(way)?)),
         ["swap"] => tracker(TrackerFault::SwappedBodies),
         _ => of_motors(&words),
     }
 }
 
-fn of_motors(words: &[&str]) -> Result<Plan, String> {
+fn of_motors(words: &[&str]) -> Result<Intervention, String> {
     match *words {
         ["unplug"] => motors(ControllerFault::Unplugged),
         ["power"] => motors(ControllerFault::Reboot),
@@ -65,12 +65,12 @@ fn of_motors(words: &[&str]) -> Result<Plan, String> {
     }
 }
 
-fn motors(fault: ControllerFault) -> Result<Plan, String> {
-    Ok(Box::new(move |world: &mut World| world.controller.inject(fault)))
+fn motors(fault: ControllerFault) -> Result<Intervention, String> {
+    Ok(Box::new(move |world: &mut Simulator| world.controller.inject(fault)))
 }
 
-fn tracker(fault: TrackerFault) -> Result<Plan, String> {
-    Ok(Box::new(move |world: &mut World| world.tracker.inject(fault)))
+fn tracker(fault: TrackerFault) -> Result<Intervention, String> {
+    Ok(Box::new(move |world: &mut Simulator| world.tracker.inject(fault)))
 }
 
 fn number(text: &str) -> Result<f64, String> {

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::pose::{Pose, TipPose};
+use super::pose::{RigidPose, TipPose};
 
 /// Samples kept: five seconds at 100 Hz.
 const KEPT: usize = 512;
@@ -14,7 +14,7 @@ const WIDEST_GAP: f64 = 2.5;
 const PLAY: f64 = 1e-6;
 
 #[derive(Clone, Copy, Debug)]
-struct Sample {
+struct TimedTip {
     /// The server's clock, s.
     stamp_s: f64,
     tip: TipPose,
@@ -22,16 +22,16 @@ struct Sample {
 
 /// Valid samples in the order of their stamps.
 #[derive(Clone, Debug)]
-pub(super) struct Samples {
+pub(super) struct TipBuffer {
     period_s: f64,
     offset_s: f64,
-    samples: VecDeque<Sample>,
+    samples: VecDeque<TimedTip>,
 }
 
-impl Samples {
+impl TipBuffer {
     /// No samples yet, of a tracker with this frame period in seconds.
-    pub(super) fn new(period_s: f64) -> Samples {
-        Samples { period_s, offset_s: 0.0, samples: VecDeque::with_capacity(KEPT) }
+    pub(super) fn new(period_s: f64) -> TipBuffer {
+        TipBuffer { period_s, offset_s: 0.0, samples: VecDeque::with_capacity(KEPT) }
     }
 
     /// Sets local time minus the server's, s; samples keep their distances and move together.
@@ -43,11 +43,11 @@ impl Samples {
     }
 
     /// Adds a sample that is newer than all others.
-    pub(super) fn push(&mut self, stamp_s: f64, tip: Pose) {
+    pub(super) fn push(&mut self, stamp_s: f64, tip: RigidPose) {
         if self.samples.len() == KEPT {
             self.samples.pop_front();
         }
-        self.samples.push_back(Sample { stamp_s, tip: TipPose::new(stamp_s + self.offset_s, tip) });
+        self.samples.push_back(TimedTip { stamp_s, tip: TipPose::new(stamp_s + self.offset_s, tip) });
     }
 
     /// Forgets all samples.

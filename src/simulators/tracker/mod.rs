@@ -11,11 +11,11 @@ use natnet::{DataSet, FrameOfData, ModelDef, PlannedBody, RigidBodyDef, Syntheti
 use rand::RngExt;
 use rand_distr::{Distribution, Normal};
 
-pub use options::{FakeBody, FakeFault, FakeTrackerOptions};
-use server::{CLOCK_HZ, Server};
+pub use options::{TrackedBody, TrackerFault, TrackerOptions};
+use server::{CLOCK_HZ, NatNetServer};
 
 use crate::base::{Generator, Seed};
-use crate::hardware::tracking::{BodyName, Pose, TrackingSettings};
+use crate::hardware::tracking::{BodyName, RigidPose, TrackingSettings};
 
 /// Frames that are overdue by more than this, s, are not sent any more.
 const OVERDUE_S: f64 = 2.0;
@@ -29,11 +29,11 @@ const SECOND_SERVER_FRAMES: i32 = 500_000;
 /// Bit of a frame's parameters: the list of bodies has changed.
 const MODEL_CHANGED: u16 = 0x02;
 
-/// A server at 127.0.0.1 that lives in [`FakeTracker::step`].
-pub struct FakeTracker {
-    options: FakeTrackerOptions,
-    server: Server,
-    faults: Vec<FakeFault>,
+/// A server at 127.0.0.1 that lives in [`SimulatedTracker::step`].
+pub struct SimulatedTracker {
+    options: TrackerOptions,
+    server: NatNetServer,
+    faults: Vec<TrackerFault>,
     rng: Generator,
     /// Number of the next frame, and when it is due by the caller's clock once that is known.
     number: i32,
@@ -43,14 +43,14 @@ pub struct FakeTracker {
     clock_from_zero: bool,
     model_changed: bool,
     /// Where base and tip were at the end of the last step.
-    before: Option<(f64, Pose, Pose)>,
+    before: Option<(f64, RigidPose, RigidPose)>,
     frozen: Option<Vec<PlannedBody>>,
     frozen_stamp_s: Option<f64>,
     held: Option<FrameOfData>,
     late: VecDeque<(f64, FrameOfData)>,
 }
 
-impl FakeTracker {
+impl SimulatedTracker {
     /// The versions that it speaks: NatNet 3.0, 3.1, 4.0 and 4.1.
     pub const VERSIONS: [Version; 4] =
         [Version::new(3, 0, 0, 0), Version::new(3, 1, 0, 0), Version::new(4, 0, 0, 0), Version::V4_1];
@@ -59,9 +59,9 @@ impl FakeTracker {
     ///
     /// # Errors
     /// When the system refuses one of them.
-    pub fn new(options: FakeTrackerOptions) -> io::Result<FakeTracker> {
-        Ok(FakeTracker {
-            server: Server::open(&options)?,
+    pub fn new(options: TrackerOptions) -> io::Result<SimulatedTracker> {
+        Ok(SimulatedTracker {
+            server: NatNetServer::open(&options)?,
             faults: Vec::new(),
             rng: options.seed.child("tracker").rng(),
             number: options.first_frame,
@@ -99,15 +99,15 @@ impl FakeTracker {
     }
 
     /// Adds a fault, or changes the one of its kind.
-    pub fn inject(&mut self, fault: FakeFault) {
-        if fault == FakeFault::Restart {
+    pub fn inject(&mut self, fault: TrackerFault) {
+        if fault == TrackerFault::Restart {
             self.server.forget_clients();
             self.late.clear();
             (self.number, self.next_s, self.held) = (1, None, None);
             self.clock_from_zero = true;
             return;
         }
-        self.model_changed |= fault == FakeFault::BodyGone;
+        self.model_changed |= fault == TrackerFault::BodyGone;
         self.faults.retain(|other| std::mem::discriminant(other) != std::mem::discriminant(&fault));
         self.faults.push(fault);
     }
@@ -119,16 +119,16 @@ impl FakeTracker {
 
     /// Ends all faults.
     pub fn calm(&mut self) {
-        self.model_changed |= self.has(FakeFault::BodyGone);
+        self.model_changed |= self.has(TrackerFault::BodyGone);
         self.faults.clear();
         (self.held, self.frozen, self.frozen_stamp_s) = (None, None, None);
     }
 
     /// Answers what clients asked and sends the frames that are due by `now_s`. The bodies are at `tip` and `base`, as
     /// Motive sees them, at `now_s`, and have moved there evenly since the last call.
-    pub fn step(&mut self, now_s: f64, tip: &Pose, base: &Pose) {
-        let silent = self.has(FakeFault::Silent);
-        let model = (!self.has(FakeFault::Undescribed)).then(|| self.model());
+    pub fn step(&mut self, now_s: f64, tip: &RigidPose, base: &RigidPose) {
+        let silent = self.has(TrackerFault::Silent);
+        let model = (!self.has(TrackerFault::Undescribed)).then(|| self.model());
         self.server.answer(now_s, model.as_ref(), silent);
         let (before_s, base_before, tip_before) =
             self.before.replace((now_s, *base, *tip)).unwrap_or((now_s, *base, *tip));
@@ -152,17 +152,17 @@ impl FakeTracker {
         }
     }
 
-    fn has(&self, fault: FakeFault) -> bool {
+    fn has(&self, fault: TrackerFault) -> bool {
         self.faults.contains(&fault)
     }
 
-    fn amount(&self, which: impl Fn(&FakeFault) -> Option<f64>) -> Option<f64> {
+    fn amount(&self, which: impl Fn(&TrackerFault) -> Option<f64>) -> Option<f64> {
         self.faults.iter().find_map(which)
     }
 
     /// The bodies that there are.
     fn model(&self) -> ModelDef {
-        let gone = self.has(FakeFault::BodyGone);
+        let gone = self.has(TrackerFault::BodyGone);
         let tip = (!gone).then_some(&self.options.tip);
         let bodies = [&self.options.base].into_iter().chain(tip).chain(&self.options.others);
         let datasets = bodies.map(|(name, id)| {
@@ -179,24 +179,24 @@ impl FakeTracker {
     }
 
     /// Takes a frame at `time_s` and sends it, or lets it suffer.
-    fn expose(&mut self, time_s: f64, base: Pose, tip: Pose) {
+    fn expose(&mut self, time_s: f64, base: RigidPose, tip: RigidPose) {
         let mut stamp_s = time_s + self.offset_s;
-        if self.has(FakeFault::FrozenClock) {
+        if self.has(TrackerFault::FrozenClock) {
             stamp_s = *self.frozen_stamp_s.get_or_insert(stamp_s);
         }
         let mut bodies = self.bodies(base, tip);
-        if self.has(FakeFault::Frozen) {
+        if self.has(TrackerFault::Frozen) {
             bodies = self.frozen.get_or_insert(bodies).clone();
         }
         let mut frame = SyntheticServer::new(self.options.version, CLOCK_HZ).frame(self.number, stamp_s, &bodies);
         if std::mem::take(&mut self.model_changed) {
             frame.params |= MODEL_CHANGED;
         }
-        let loss = self.amount(|fault| if let FakeFault::Loss(share) = fault { Some(*share) } else { None });
+        let loss = self.amount(|fault| if let TrackerFault::Loss(share) = fault { Some(*share) } else { None });
         if self.rng.random::<f64>() < loss.unwrap_or(self.options.loss) {
             return;
         }
-        if !self.has(FakeFault::OutOfOrder) {
+        if !self.has(TrackerFault::OutOfOrder) {
             self.deliver(time_s, frame);
         } else if let Some(earlier) = self.held.take() {
             self.deliver(time_s, frame);
@@ -206,29 +206,29 @@ impl FakeTracker {
         }
     }
 
-    fn bodies(&mut self, base: Pose, tip: Pose) -> Vec<PlannedBody> {
+    fn bodies(&mut self, base: RigidPose, tip: RigidPose) -> Vec<PlannedBody> {
         let (mut base, mut tip) = (self.noisy(base), self.noisy(tip));
         tip.position_m[0] +=
-            self.amount(|fault| if let FakeFault::Jump(m) = fault { Some(*m) } else { None }).unwrap_or(0.0);
-        if self.has(FakeFault::NanPose) {
+            self.amount(|fault| if let TrackerFault::Jump(m) = fault { Some(*m) } else { None }).unwrap_or(0.0);
+        if self.has(TrackerFault::NanPose) {
             tip.position_m = [f64::NAN; 3];
         }
-        if self.has(FakeFault::SwappedBodies) {
+        if self.has(TrackerFault::SwappedBodies) {
             std::mem::swap(&mut base, &mut tip);
         }
-        let seen = |body, id, pose: &Pose| PlannedBody {
-            tracking_valid: !self.has(FakeFault::Occluded(body)),
+        let seen = |body, id, pose: &RigidPose| PlannedBody {
+            tracking_valid: !self.has(TrackerFault::Occluded(body)),
             ..planned(id, pose)
         };
-        let mut bodies = vec![seen(FakeBody::Base, self.options.base.1, &base)];
-        if !self.has(FakeFault::BodyGone) {
-            bodies.push(seen(FakeBody::Tip, self.options.tip.1, &tip));
+        let mut bodies = vec![seen(TrackedBody::Base, self.options.base.1, &base)];
+        if !self.has(TrackerFault::BodyGone) {
+            bodies.push(seen(TrackedBody::Tip, self.options.tip.1, &tip));
         }
-        bodies.extend(self.options.others.iter().map(|(_, id)| planned(*id, &Pose::default())));
+        bodies.extend(self.options.others.iter().map(|(_, id)| planned(*id, &RigidPose::default())));
         bodies
     }
 
-    fn noisy(&mut self, mut pose: Pose) -> Pose {
+    fn noisy(&mut self, mut pose: RigidPose) -> RigidPose {
         if self.options.noise_m > 0.0
             && let Ok(normal) = Normal::new(0.0, self.options.noise_m)
         {
@@ -238,26 +238,26 @@ impl FakeTracker {
     }
 
     fn deliver(&mut self, time_s: f64, frame: FrameOfData) {
-        let late_s = self.amount(|fault| if let FakeFault::Late(s) = fault { Some(*s) } else { None });
+        let late_s = self.amount(|fault| if let TrackerFault::Late(s) = fault { Some(*s) } else { None });
         if let Some(late_s) = late_s {
             self.late.push_back((time_s + late_s, frame));
             return;
         }
         self.send(&frame);
-        if self.has(FakeFault::Duplicate) {
+        if self.has(TrackerFault::Duplicate) {
             self.send(&frame);
         }
     }
 
     fn send(&mut self, frame: &FrameOfData) {
-        let malformed = self.has(FakeFault::Malformed);
+        let malformed = self.has(TrackerFault::Malformed);
         let rng = &mut self.rng;
         self.server.send(frame, false, &mut |datagram| {
             if malformed {
                 datagram.truncate(rng.random_range(0..datagram.len()));
             }
         });
-        if self.has(FakeFault::SecondServer) {
+        if self.has(TrackerFault::SecondServer) {
             let mut other = frame.clone();
             other.frame_number = other.frame_number.wrapping_add(SECOND_SERVER_FRAMES);
             other.rigid_bodies.iter_mut().for_each(|body| {
@@ -270,7 +270,7 @@ impl FakeTracker {
     }
 }
 
-fn planned(id: i32, pose: &Pose) -> PlannedBody {
+fn planned(id: i32, pose: &RigidPose) -> PlannedBody {
     let [w, x, y, z] = pose.quaternion.map(|value| value as f32);
     PlannedBody::tracked(id, pose.position_m.map(|value| value as f32), [x, y, z, w])
 }

@@ -8,9 +8,9 @@ use crate::base::{Point3, distance_m};
 use super::axes::{AXES, AxesOptions};
 use super::grbl::{self, Controller, Mode, MotionFault};
 use super::interrupt::Interrupt;
-use super::safety::{Cause, Facts, Guard, Latch, Order, Refusal, SafetyLimits, State};
-use super::tracking::{TipPose, Tracking};
-use plausibility::Changed;
+use super::safety::{CommandRefusal, Guard, GuardState, Latch, SafetyAction, SafetyInputs, SafetyLimits, StopReason};
+use super::tracking::{TipPose, TrackerClient};
+use plausibility::LastPoseChange;
 use stop_reasons::{ARM, ENDED, INTERRUPTED, controller_cause, ended, interrupted};
 
 /// Share of a tick that a move takes at full speed; the rest is for its acceleration.
@@ -40,13 +40,13 @@ pub struct Event {
 
 /// Why a command was not carried out.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum NotMoved {
+pub enum MoveError {
     /// Beyond a limit; nothing left and the robot stays where it is.
     #[error(transparent)]
-    Refused(#[from] Refusal),
+    Refused(#[from] CommandRefusal),
     /// The last gate before the wire refused it.
     #[error(transparent)]
-    Gate(grbl::Refusal),
+    Gate(grbl::MoveRefusal),
     /// The controller's queue is full for now.
     #[error("the controller has two moves to do already")]
     Busy,
@@ -56,11 +56,11 @@ pub enum NotMoved {
 }
 
 /// What a rig is made of.
-pub struct Parts {
+pub struct RigParts {
     /// The motors.
     pub controller: Controller,
     /// The tracker.
-    pub tracking: Tracking,
+    pub tracking: TrackerClient,
     /// Where the screws stand at home.
     pub axes: AxesOptions,
     /// The limits.
@@ -73,7 +73,7 @@ pub struct Parts {
     pub interrupt: Interrupt,
 }
 
-impl Parts {
+impl RigParts {
     /// Displacements as the axes stand, metres.
     fn pulls_m(&self) -> [f64; AXES] {
         self.axes.pulls_m(&self.controller.faced_mm(self.controller.state().position_mm))
@@ -87,14 +87,14 @@ impl Parts {
 
 /// Motors, tracker and guard.
 pub struct Rig {
-    parts: Parts,
+    parts: RigParts,
     guard: Guard,
     /// The command in force, metres.
     commanded_m: [f64; AXES],
     /// Where the model puts the tip, metres.
     expected_m: Option<Point3>,
     /// What things were like when the tracker's pose last changed.
-    changed: Changed,
+    changed: LastPoseChange,
     /// The last tip that was believed, with its time.
     believed: Option<(f64, Point3)>,
     events: Vec<Event>,
@@ -102,7 +102,7 @@ pub struct Rig {
 
 impl Rig {
     /// A rig that has not moved. Where a stop has left the position in doubt, the axes have to be homed.
-    pub fn new(mut parts: Parts) -> Rig {
+    pub fn new(mut parts: RigParts) -> Rig {
         if parts.latch.as_ref().is_some_and(|latch| latch.distrusted().is_some()) {
             parts.controller.distrust();
         }
@@ -113,14 +113,14 @@ impl Rig {
             guard,
             commanded_m,
             expected_m: None,
-            changed: Changed::default(),
+            changed: LastPoseChange::default(),
             believed: None,
             events: Vec::new(),
         }
     }
 
     /// What the robot may do.
-    pub fn state(&self) -> &State {
+    pub fn state(&self) -> &GuardState {
         self.guard.state()
     }
 
@@ -135,7 +135,7 @@ impl Rig {
     }
 
     /// The tracker.
-    pub fn tracking(&self) -> &Tracking {
+    pub fn tracking(&self) -> &TrackerClient {
         &self.parts.tracking
     }
 
@@ -150,11 +150,11 @@ impl Rig {
     }
 
     /// Sends the axes to their switches, or makes a robot active that knows where it is.
-    pub fn begin(&mut self, now_s: f64) -> Result<(), NotMoved> {
+    pub fn begin(&mut self, now_s: f64) -> Result<(), MoveError> {
         let homed = self.parts.controller.homed();
         let may = if homed { self.guard.activate() } else { self.guard.begin_homing() };
         if !may {
-            return Err(NotMoved::Not(self.state().name()));
+            return Err(MoveError::Not(self.state().name()));
         }
         if !homed {
             self.parts.controller.start_homing(now_s);
@@ -183,8 +183,8 @@ impl Rig {
     pub fn poll(&mut self, now_s: f64) {
         let motion = self.parts.controller.poll(now_s);
         self.parts.tracking.poll(now_s);
-        let was_homing = *self.state() == State::Homing;
-        let facts = Facts {
+        let was_homing = *self.state() == GuardState::Homing;
+        let facts = SafetyInputs {
             motion_fault: motion.err().map(|fault| controller_cause(&fault)),
             doubt: self.doubt(now_s),
             interrupted: self.parts.interrupt.raised().then(interrupted),
@@ -194,7 +194,7 @@ impl Rig {
         let before = self.state().name();
         let order = self.guard.judge(&facts, now_s);
         self.obey(order, now_s);
-        if was_homing && *self.state() == State::Active {
+        if was_homing && *self.state() == GuardState::Active {
             self.commanded_m = self.parts.pulls_m();
             self.trust(now_s);
         }
@@ -203,12 +203,12 @@ impl Rig {
         }
     }
 
-    fn obey(&mut self, order: Order, now_s: f64) {
+    fn obey(&mut self, order: SafetyAction, now_s: f64) {
         match order {
-            Order::Nothing => {}
-            Order::Hold => self.parts.controller.hold(now_s),
-            Order::Resume => self.parts.controller.resume(now_s),
-            Order::Flush => {
+            SafetyAction::Nothing => {}
+            SafetyAction::Hold => self.parts.controller.hold(now_s),
+            SafetyAction::Resume => self.parts.controller.resume(now_s),
+            SafetyAction::Flush => {
                 self.parts.controller.reset(now_s);
                 self.distrust(now_s);
             }
@@ -234,8 +234,8 @@ impl Rig {
     /// Moves the tendons to `pulls_m` in about `duration_s`, if the limits and the state of the robot let them.
     ///
     /// # Errors
-    /// [`NotMoved`]: nothing has left.
-    pub fn command(&mut self, pulls_m: &[f64], duration_s: f64, now_s: f64) -> Result<(), NotMoved> {
+    /// [`MoveError`]: nothing has left.
+    pub fn command(&mut self, pulls_m: &[f64], duration_s: f64, now_s: f64) -> Result<(), MoveError> {
         self.admit(pulls_m, duration_s)?;
         let target: [f64; AXES] = std::array::from_fn(|axis| pulls_m[axis]);
         self.travel(target, duration_s, now_s)
@@ -244,10 +244,10 @@ impl Rig {
     /// Whether [`Rig::command`] would carry it out.
     ///
     /// # Errors
-    /// [`NotMoved`].
-    pub fn admit(&self, pulls_m: &[f64], duration_s: f64) -> Result<(), NotMoved> {
-        if *self.state() != State::Active {
-            return Err(NotMoved::Not(self.state().name()));
+    /// [`MoveError`].
+    pub fn admit(&self, pulls_m: &[f64], duration_s: f64) -> Result<(), MoveError> {
+        if *self.state() != GuardState::Active {
+            return Err(MoveError::Not(self.state().name()));
         }
         Ok(self.parts.limits.admit(pulls_m, &self.commanded_m, duration_s, 1)?)
     }
@@ -256,10 +256,10 @@ impl Rig {
     /// way home is longer than any displacement that a policy may ask for, so the limit of travel does not apply to it.
     ///
     /// # Errors
-    /// [`NotMoved`]: nothing has left.
-    pub fn towards_home(&mut self, duration_s: f64, now_s: f64) -> Result<bool, NotMoved> {
-        if *self.state() != State::Active {
-            return Err(NotMoved::Not(self.state().name()));
+    /// [`MoveError`]: nothing has left.
+    pub fn towards_home(&mut self, duration_s: f64, now_s: f64) -> Result<bool, MoveError> {
+        if *self.state() != GuardState::Active {
+            return Err(MoveError::Not(self.state().name()));
         }
         let limits = &self.parts.limits;
         let step_m = limits.step_m(duration_s);
@@ -269,7 +269,7 @@ impl Rig {
         Ok(share == 0.0)
     }
 
-    fn travel(&mut self, pulls_m: [f64; AXES], duration_s: f64, now_s: f64) -> Result<(), NotMoved> {
+    fn travel(&mut self, pulls_m: [f64; AXES], duration_s: f64, now_s: f64) -> Result<(), MoveError> {
         let (from_mm, to_mm) = (self.parts.machine_mm(&self.commanded_m), self.parts.machine_mm(&pulls_m));
         let length_mm = from_mm.iter().zip(&to_mm).map(|(from, to)| (to - from).powi(2)).sum::<f64>().sqrt();
         if length_mm >= LEAST_MOVE_MM {
@@ -277,12 +277,12 @@ impl Rig {
             match self.parts.controller.move_to(to_mm, feed_mm_min, now_s) {
                 Ok(()) => {}
                 // A controller that was held says so until its next report.
-                Err(MotionFault::Busy | MotionFault::Refused(grbl::Refusal::NotReady(_))) => {
-                    return Err(NotMoved::Busy);
+                Err(MotionFault::Busy | MotionFault::Refused(grbl::MoveRefusal::NotReady(_))) => {
+                    return Err(MoveError::Busy);
                 }
-                Err(MotionFault::Refused(refusal)) => return Err(NotMoved::Gate(refusal)),
+                Err(MotionFault::Refused(refusal)) => return Err(MoveError::Gate(refusal)),
                 // The next poll finds the same fault and acts on it.
-                Err(_) => return Err(NotMoved::Not("without motors")),
+                Err(_) => return Err(MoveError::Not("without motors")),
             }
         }
         self.commanded_m = pulls_m;
@@ -291,9 +291,9 @@ impl Rig {
 
     /// The robot does not do what it was told in the time that it has: it is stopped, for whoever comes next as well.
     pub fn give_up(&mut self, what: String, now_s: f64) {
-        let order = self.guard.end(Cause { kind: "controller", what, remedy: ARM.to_owned() }, now_s);
+        let order = self.guard.end(StopReason { kind: "controller", what, remedy: ARM.to_owned() }, now_s);
         self.obey(order, now_s);
-        if order != Order::Nothing {
+        if order != SafetyAction::Nothing {
             self.tell(now_s);
         }
     }
@@ -301,10 +301,10 @@ impl Rig {
     /// The program ends: a robot that moves is held, and what is queued is forgotten at one of the next polls, as after a
     /// stop, so that the next program finds it standing. False when there is nothing left to wait for.
     pub fn leave(&mut self, why: &str, now_s: f64) -> bool {
-        if !self.stands() || *self.state() == State::Homing {
+        if !self.stands() || *self.state() == GuardState::Homing {
             let order = self.guard.end(ended(why), now_s);
             self.obey(order, now_s);
-            if order != Order::Nothing {
+            if order != SafetyAction::Nothing {
                 self.tell(now_s);
             }
         }
@@ -330,8 +330,8 @@ impl Rig {
     /// Logs the state that has been reached.
     fn tell(&mut self, now_s: f64) {
         let (kind, what) = match self.state() {
-            State::Held { cause, .. } => (cause.kind, format!("{}; goes on by itself", cause.what)),
-            State::Stopped { cause, .. } => {
+            GuardState::Held { cause, .. } => (cause.kind, format!("{}; goes on by itself", cause.what)),
+            GuardState::Stopped { cause, .. } => {
                 let cause = cause.clone();
                 let mut what = format!("{}; {}", cause.what, cause.remedy);
                 let latch = self.parts.latch.as_ref().filter(|_| ![INTERRUPTED, ENDED].contains(&cause.kind));

@@ -5,64 +5,65 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
-use super::{FakeController, FakeTracker};
+use super::controller::SimulatedController;
+use super::tracker::SimulatedTracker;
 use crate::base::Seed;
 use crate::hardware::axes::{AXES, AxesOptions};
 use crate::hardware::clock::Clock;
-use crate::hardware::tracking::Pose;
+use crate::hardware::tracking::RigidPose;
 
 /// How often the imitations are looked after, s: twice as often as a tracker sends.
 const STEP_S: f64 = 0.005;
 
 /// What hangs between the motors and the tracker.
-pub trait Body: Send {
+pub trait SimulatedRobot: Send {
     /// Moves the tendons to `pulls_m` within `duration_s` (both since the last call); where the tip is then, in the base
     /// frame.
-    fn advance(&mut self, pulls_m: &[f64; AXES], duration_s: f64) -> Pose;
+    fn advance(&mut self, pulls_m: &[f64; AXES], duration_s: f64) -> RigidPose;
     /// A weight of `load_kg` hangs on the tip from now on, and nothing else.
     fn hang(&mut self, _load_kg: f64) {}
 }
 
 /// Motors, robot and tracker of a rehearsal.
-pub struct World {
+pub struct Simulator {
     /// The imitated controller.
-    pub controller: FakeController,
+    pub controller: SimulatedController,
     /// The imitated tracker.
-    pub tracker: FakeTracker,
+    pub tracker: SimulatedTracker,
     /// Where the base stands, as the tracker sees it.
-    pub base: Pose,
-    body: Box<dyn Body>,
+    pub base: RigidPose,
+    body: Box<dyn SimulatedRobot>,
     axes: AxesOptions,
     /// From the frame of the base to what the tracker sees of the tip.
-    seen: Sight,
+    seen: TrackerView,
     now_s: f64,
     /// When a screw last moved, s.
     moved_s: f64,
     stood_mm: [f64; AXES],
-    plans: Vec<(f64, Plan)>,
+    plans: Vec<(f64, Intervention)>,
 }
 
 /// From the base's body and the tip in the base frame to the tip's body, as the tracker sees them.
-pub type Sight = Box<dyn Fn(&Pose, &Pose) -> Pose + Send>;
+pub type TrackerView = Box<dyn Fn(&RigidPose, &RigidPose) -> RigidPose + Send>;
 
 /// Something that is done to a world.
-pub type Plan = Box<dyn FnOnce(&mut World) + Send>;
+pub type Intervention = Box<dyn FnOnce(&mut Simulator) + Send>;
 
-impl World {
+impl Simulator {
     /// A world at rest; `seen` says where the tracker sees the tip's body, given where it sees the base's and where the
     /// tip is in the base frame.
     pub fn new(
-        controller: FakeController,
-        tracker: FakeTracker,
-        body: Box<dyn Body>,
+        controller: SimulatedController,
+        tracker: SimulatedTracker,
+        body: Box<dyn SimulatedRobot>,
         axes: AxesOptions,
-        seen: Sight,
-    ) -> World {
+        seen: TrackerView,
+    ) -> Simulator {
         let stood_mm = controller.position_mm();
-        World {
+        Simulator {
             controller,
             tracker,
-            base: Pose::default(),
+            base: RigidPose::default(),
             body,
             axes,
             seen,
@@ -74,7 +75,7 @@ impl World {
     }
 
     /// Does `plan` at `time_s`.
-    pub fn at(&mut self, time_s: f64, plan: Plan) {
+    pub fn at(&mut self, time_s: f64, plan: Intervention) {
         self.plans.push((time_s, plan));
     }
 
@@ -114,18 +115,18 @@ impl World {
 }
 
 /// A world that goes on by itself until it is dropped.
-pub struct Running {
-    world: Arc<Mutex<World>>,
+pub struct RunningSimulator {
+    world: Arc<Mutex<Simulator>>,
     over: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
 
-impl Running {
+impl RunningSimulator {
     /// Lets `world` go on with `clock`.
     ///
     /// # Errors
     /// When the system refuses the thread.
-    pub fn start(world: World, clock: Arc<dyn Clock>) -> io::Result<Running> {
+    pub fn start(world: Simulator, clock: Arc<dyn Clock>) -> io::Result<RunningSimulator> {
         let (world, over) = (Arc::new(Mutex::new(world)), Arc::new(AtomicBool::new(false)));
         clock.join();
         let thread = std::thread::Builder::new().name("rehearsal".to_owned()).spawn({
@@ -141,20 +142,20 @@ impl Running {
                 clock.leave();
             }
         })?;
-        Ok(Running { world, over, thread: Some(thread) })
+        Ok(RunningSimulator { world, over, thread: Some(thread) })
     }
 
     /// The world, which stands still as long as the guard lives.
-    pub fn world(&self) -> MutexGuard<'_, World> {
+    pub fn world(&self) -> MutexGuard<'_, Simulator> {
         lock(&self.world)
     }
 }
 
-fn lock(world: &Mutex<World>) -> MutexGuard<'_, World> {
+fn lock(world: &Mutex<Simulator>) -> MutexGuard<'_, Simulator> {
     world.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Drop for Running {
+impl Drop for RunningSimulator {
     fn drop(&mut self) {
         self.over.store(true, Ordering::SeqCst);
         if let Some(thread) = self.thread.take() {
