@@ -6,6 +6,7 @@ use super::document::Document;
 use super::error::SpecError;
 use super::experiment::{DiscoveryRun, Experiment, TrackRun};
 use super::locate::PathEnd;
+use super::mismatch::one_of;
 use super::path::KeyPath;
 use super::plant::PlantSpec;
 use crate::base::BadOption;
@@ -298,10 +299,4 @@ impl Checker<'_> {
         }
         Ok(())
     }
-}
-
-/// `one of a, b`.
-pub(super) fn one_of(names: &[&str]) -> String {
-    let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
-    format!("one of {}", names.join(", "))
 }

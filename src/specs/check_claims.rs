@@ -1,10 +1,10 @@
 //! Claims must be about what the experiment runs.
 
-use super::check::one_of;
 use super::claims::{ClaimMetric, ReachCell, Relation};
 use super::document::Document;
 use super::error::SpecError;
 use super::experiment::Experiment;
+use super::mismatch::one_of;
 use super::path::KeyPath;
 
 /// Looks for the first claim that the experiment's rows cannot decide.

@@ -1,8 +1,8 @@
 //! Settings of a discovery that name effects and parameters, and what stands beside these names.
 
-use super::check::one_of;
 use super::document::Document;
 use super::error::SpecError;
+use super::mismatch::one_of;
 use super::path::KeyPath;
 use crate::base::BadOption;
 use crate::discovery::Options;

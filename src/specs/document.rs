@@ -7,12 +7,11 @@
 mod sweep;
 
 use super::alias::canonical as unaliased;
-use super::emit::{describe, emit};
 use super::error::{SourceLocation, SpecError};
 use super::locate::{PathEnd, locate};
+use super::mismatch::{Mismatch, describe, deserialize};
 use super::path::{KeyPath, Step};
 use super::sweep_option;
-use super::wording::explain;
 use serde::de::DeserializeOwned;
 use serde_yaml::{Mapping, Value};
 use std::path::{Path, PathBuf};
@@ -91,22 +90,13 @@ impl Document {
         self.layers.iter().filter(|layer| !layer.is_option()).map(|layer| PathBuf::from(&layer.name)).collect()
     }
 
-    /// The document as a `T`, refusing what `T` refuses with the place that it came from.
+    /// The document as a `T`.
     ///
     /// # Errors
-    /// [`SpecError::Key`] for an unknown or missing key or a value of the wrong type.
+    /// [`SpecError::Key`] for an unknown or missing key or a value of the wrong type, with its source location.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, SpecError> {
-        let refuse =
-            |(key, found): (KeyPath, String)| self.refuse(&key, PathEnd::Value, found, "plain keys and values");
-        let emitted = emit(&self.merged).map_err(refuse)?;
-        let deserializer = serde_yaml::Deserializer::from_str(&emitted.text);
-        serde_yaml::with::singleton_map_recursive::deserialize(deserializer).map_err(|error: serde_yaml::Error| {
-            let line = error.location().map_or(1, |at| at.line());
-            let path = emitted.paths.get(line.saturating_sub(1)).cloned().unwrap_or_default();
-            let said = explain(&error, &path);
-            let about = said.about.and_then(|about| self.search(&said.key, &|_, value| value.as_str() == Some(&about)));
-            self.refuse(&about.unwrap_or(said.key), said.end, said.found, said.expected)
-        })
+        deserialize(&self.merged)
+            .map_err(|wrong: Mismatch| self.refuse(&wrong.key, wrong.end, wrong.found, wrong.expected))
     }
 
     /// The error for the value at `path`, found as it stands.
@@ -201,7 +191,7 @@ impl Layer {
         if !layer.value.is_mapping() {
             return Err(layer.refuse(&layer.root, describe(&layer.value), "a mapping of keys to values"));
         }
-        Ok(layer)
+        layer.plain()
     }
 
     fn option(set: &str) -> Result<Layer, SpecError> {
@@ -218,7 +208,15 @@ impl Layer {
             return Err(refuse(format!("`{path}`, which names one item of a list")));
         }
         let value = yaml(text, &name)?;
-        Ok(Layer { name, text: text.to_owned(), value, folder: PathBuf::new(), root, replaces: false })
+        Layer { name, text: text.to_owned(), value, folder: PathBuf::new(), root, replaces: false }.plain()
+    }
+
+    /// Refuses keys that are not text, and tags.
+    fn plain(self) -> Result<Layer, SpecError> {
+        match not_plain(&self.value, &self.root) {
+            Some((path, found)) => Err(self.refuse(&path, found, "plain keys and values")),
+            None => Ok(self),
+        }
     }
 
     /// What the command line sweeps, as the entry of `sweep:` that it stands for.
@@ -318,6 +316,19 @@ fn yaml(text: &str, name: &str) -> Result<Value, SpecError> {
 
 fn canonical(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_path_buf())
+}
+
+/// The first mapping below `path` with a key that is not text, or the first tag.
+fn not_plain(value: &Value, path: &KeyPath) -> Option<(KeyPath, String)> {
+    match value {
+        Value::Mapping(mapping) => mapping.iter().find_map(|(key, value)| match key {
+            Value::String(key) => not_plain(value, &path.key(key)),
+            other => Some((path.clone(), format!("the key `{}`", describe(other)))),
+        }),
+        Value::Sequence(items) => items.iter().enumerate().find_map(|(index, item)| not_plain(item, &path.item(index))),
+        Value::Tagged(tagged) => Some((path.clone(), format!("the tag `{}`", tagged.tag))),
+        _ => None,
+    }
 }
 
 /// Lays `over` over `under`.

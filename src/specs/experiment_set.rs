@@ -68,21 +68,21 @@ impl ExperimentSet {
         let mut document = Document::read_swept(file, sets, sweeps, &includes)?;
         let written = document.take_sweep()?;
         if written.is_empty() {
-            return checked(&document, false).map(ExperimentSet::from);
+            return checked(&document).map(ExperimentSet::from);
         }
         let seed = document.value(&KeyPath::default().key("seed")).and_then(Value::as_u64).unwrap_or_default();
         let fields = written.into_iter().map(|written| ResolvedField::read(&document, written, &includes, Seed(seed)));
         let fields = fields.collect::<Result<Vec<ResolvedField>, SpecError>>()?;
         let count = count(&document, &fields)?;
         let mut set = ExperimentSet {
-            experiment: at_point(&mut document, &fields, [0, count], false)?,
+            experiment: at_point(&mut document, &fields, [0, count])?,
             sweep: fields.iter().map(ResolvedField::swept).collect(),
             points: Vec::with_capacity(count),
             written: fields.iter().map(|field| field.resolved(seed)).collect(),
         };
         document.drop_key("claims");
         for number in 0..count {
-            let experiment = Arc::new(at_point(&mut document, &fields, [number, count], true)?);
+            let experiment = Arc::new(at_point(&mut document, &fields, [number, count])?);
             set.points.push(SweepPoint { values: digits(&fields, number), experiment });
         }
         Ok(set)
@@ -235,7 +235,6 @@ fn at_point(
     document: &mut Document,
     fields: &[ResolvedField],
     [number, count]: [usize; 2],
-    fast: bool,
 ) -> Result<Experiment, SpecError> {
     let digits = digits(fields, number);
     let mut put: Vec<(&ResolvedField, &SweepValue, &IncludedFiles)> = fields
@@ -262,7 +261,7 @@ fn at_point(
             all.map(|(field, &digit)| (field.name(), field.values[digit].0.name.as_str())).collect();
         label(all.iter().map(|(name, value)| (name.as_str(), *value)))
     };
-    checked(document, fast).map_err(|error| match error {
+    checked(document).map_err(|error| match error {
         SpecError::Key { place, key, found, expected } => {
             let expected = format!("{expected} (point {} of {count}: {})", number + 1, values());
             SpecError::Key { place, key, found, expected }
@@ -271,10 +270,9 @@ fn at_point(
     })
 }
 
-/// The document as a checked experiment; `fast` for one of many, of which the first was read with all care.
-fn checked(document: &Document, fast: bool) -> Result<Experiment, SpecError> {
-    let read = if fast { document.parse_fast::<Experiment>() } else { None };
-    let experiment = read.map_or_else(|| document.parse(), Ok)?;
+/// The document as a checked experiment.
+fn checked(document: &Document) -> Result<Experiment, SpecError> {
+    let experiment = document.parse()?;
     check::check(&experiment, document)?;
     Ok(experiment)
 }

@@ -1,8 +1,7 @@
 //! The values of a swept field: a list, an even or logarithmic range, random samples, or values with names.
 
-use super::emit::describe;
+use super::mismatch::{describe, deserialize};
 use super::path::KeyPath;
-use super::wording::explain;
 use crate::base::Seed;
 use crate::data::tables::{SIGNIFICANT_DIGITS, round_significant};
 use rand::RngExt;
@@ -211,10 +210,8 @@ fn random(random: &RandomDraw, field: &KeyPath, seed: Seed) -> Result<Vec<SweepV
 }
 
 fn read<T: DeserializeOwned>(inside: &Value, form: &str) -> Result<T, Wrong> {
-    serde_yaml::from_value(inside.clone()).map_err(|error| {
-        let said = explain(&error, &KeyPath::default().key(form));
-        (said.key, said.found, said.expected)
-    })
+    let below = |key: KeyPath| KeyPath([KeyPath::default().key(form).0, key.0].concat());
+    deserialize(inside).map_err(|wrong| (below(wrong.key), wrong.found, wrong.expected))
 }
 
 fn ordered(form: &str, from: f64, to: f64) -> Result<(), Wrong> {
@@ -356,7 +353,7 @@ mod tests {
             ("{range: {from: 0, to: 1, step: 1e-9}}", "range.step: found 1000000001 values, expected at most"),
             ("{range: {from: 0, to: 1, count: 1000000}}", "range.count: found 1000000 values, expected at most"),
             ("{range: {from: 0, to: 1, cuont: 3}}", "range.cuont: found the unknown key `cuont`"),
-            ("{range: {from: 0, to: x, count: 3}}", "range: found text \"x\", expected a number"),
+            ("{range: {from: 0, to: x, count: 3}}", "range.to: found text \"x\", expected a number"),
             ("{log_range: {from: 0, to: 1, count: 3}}", "log_range.from: found 0, expected a number above 0"),
             ("{log_range: {from: 2, to: 1, count: 3}}", "log_range.from: found 2 to 1, expected two finite numbers"),
             ("{random: {from: -1, to: 1, count: 3, log: true}}", "random.from: found -1, expected a number above 0"),

@@ -1,11 +1,10 @@
 //! What a document sweeps: the fields with their values as written, and putting one value after another into the tree.
 
 use super::{CHOICES, Document, Layer, SET, get, remove, unaliased};
-use crate::specs::emit::describe;
 use crate::specs::error::{SourceLocation, SpecError};
 use crate::specs::locate::{PathEnd, locate};
+use crate::specs::mismatch::describe;
 use crate::specs::path::{KeyPath, Step};
-use serde::de::DeserializeOwned;
 use serde_yaml::{Mapping, Value};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -147,11 +146,6 @@ impl Document {
     /// Takes a key of the root out.
     pub(in crate::specs) fn drop_key(&mut self, key: &str) {
         remove(&mut self.merged, &KeyPath::default().key(key));
-    }
-
-    /// The document as a `T` without going through text: many times faster, and it says nothing of where an error is.
-    pub(in crate::specs) fn parse_fast<T: DeserializeOwned>(&self) -> Option<T> {
-        serde_yaml::with::singleton_map_recursive::deserialize(&self.merged).ok()
     }
 
     /// Notes where the swept values that stand in the tree came from, so that errors point there.

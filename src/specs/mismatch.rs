@@ -1,0 +1,125 @@
+//! A value that does not have the expected type: which key, what was found, what was expected.
+
+use super::locate::PathEnd;
+use super::path::KeyPath;
+use super::suggest::nearest;
+use serde::de::DeserializeOwned;
+use serde_path_to_error::{Deserializer, Track};
+use serde_yaml::Value;
+use serde_yaml::with::singleton_map_recursive;
+
+/// Why a value cannot be read as the expected type.
+#[derive(Debug, PartialEq)]
+pub(super) struct Mismatch {
+    /// The path below the value that was read.
+    pub(super) key: KeyPath,
+    /// Whether the key or its value is wrong.
+    pub(super) end: PathEnd,
+    pub(super) found: String,
+    pub(super) expected: String,
+}
+
+impl Mismatch {
+    fn new(key: KeyPath, end: PathEnd, found: String, expected: impl Into<String>) -> Mismatch {
+        Mismatch { key, end, found, expected: expected.into() }
+    }
+}
+
+/// `value` as a `T`, enums as `name: settings`.
+///
+/// # Errors
+/// [`Mismatch`] for the first key or value that does not fit.
+pub(super) fn deserialize<T: DeserializeOwned>(value: &Value) -> Result<T, Mismatch> {
+    // Most values fit, and reading without a record of the path is several times faster.
+    singleton_map_recursive::deserialize(value).or_else(|_| {
+        let mut track = Track::new();
+        singleton_map_recursive::deserialize(Deserializer::new(value, &mut track))
+            .map_err(|error: serde_yaml::Error| explain(&error.to_string(), &KeyPath::from(&track.path())))
+    })
+}
+
+/// Takes the deserialiser's message about the value at `path` apart.
+fn explain(message: &str, path: &KeyPath) -> Mismatch {
+    unknown(message, path)
+        .or_else(|| missing(message, path))
+        .or_else(|| mistyped(message, path))
+        .or_else(|| unregistered(message, path))
+        .unwrap_or_else(|| Mismatch::new(path.clone(), PathEnd::Value, message.to_owned(), "a valid value"))
+}
+
+/// ``unknown kernel `x`, expected one of a, b``, the message of registries.
+fn unregistered(message: &str, path: &KeyPath) -> Option<Mismatch> {
+    let (found, expected) = message[message.find("unknown ")?..].split_once(", expected ")?;
+    let near = nearest(found.split('`').nth(1)?, expected.trim_start_matches("one of ").split(", "));
+    let hint = near.map_or(String::new(), |near| format!(" (did you mean `{near}`?)"));
+    Some(Mismatch::new(path.clone(), PathEnd::Value, format!("the {found}"), format!("{expected}{hint}")))
+}
+
+/// ``unknown field `x`, expected one of `a`, `b` `` and the same for the names of enum variants.
+fn unknown(message: &str, path: &KeyPath) -> Option<Mismatch> {
+    let (kind, rest) = [("key", "unknown field `"), ("name", "unknown variant `")]
+        .iter()
+        .find_map(|(kind, start)| Some((*kind, &message[message.find(start)? + start.len()..])))?;
+    let (name, rest) = rest.split_once('`')?;
+    let known: Vec<&str> = rest.split('`').skip(1).step_by(2).collect();
+    let listed = match known.as_slice() {
+        [] => "no key here".to_owned(),
+        [one] => format!("`{one}`"),
+        several => one_of(several),
+    };
+    let expected = match nearest(name, known.iter().copied()) {
+        Some(near) => format!("{listed} (did you mean `{near}`?)"),
+        None => listed,
+    };
+    // A variant without settings is a value, not a key.
+    let is_key = path.0.last() == KeyPath::default().key(name).0.last();
+    let end = if is_key { PathEnd::Key } else { PathEnd::Value };
+    Some(Mismatch::new(path.clone(), end, format!("the unknown {kind} `{name}`"), expected))
+}
+
+/// ``missing field `x` ``.
+fn missing(message: &str, path: &KeyPath) -> Option<Mismatch> {
+    let name = message[message.find("missing field `")?..].split('`').nth(1)?;
+    Some(Mismatch::new(path.key(name), PathEnd::Value, "no such key".to_owned(), format!("the key `{name}`")))
+}
+
+/// `invalid type: string "x", expected u64` and similar messages.
+fn mistyped(message: &str, path: &KeyPath) -> Option<Mismatch> {
+    let start = ["invalid type: ", "invalid value: ", "invalid length "]
+        .iter()
+        .find_map(|start| message.find(start).map(|at| at + start.len()))?;
+    let (found, expected) = message[start..].rsplit_once(", expected ")?;
+    let expected = match expected {
+        "u8" | "u16" | "u32" | "u64" | "usize" => "a whole number, 0 or more",
+        "i8" | "i16" | "i32" | "i64" | "isize" => "a whole number",
+        "f32" | "f64" => "a number",
+        "a boolean" => "true or false",
+        "a string" => "text",
+        "a sequence" => "a list",
+        other if other.starts_with("enum ") => "one alternative with its settings",
+        other if other.starts_with("struct ") || other == "a map" => "a mapping of keys to values",
+        other => other,
+    };
+    let found = found.replace("unit value", "nothing").replace("string \"", "text \"").replace("map", "a mapping");
+    Some(Mismatch::new(path.clone(), PathEnd::Value, found, expected))
+}
+
+/// A value as error messages show it.
+pub(super) fn describe(value: &Value) -> String {
+    match value {
+        Value::Null => "nothing".to_owned(),
+        Value::Bool(flag) => flag.to_string(),
+        Value::Number(number) => number.to_string(),
+        Value::String(text) => format!("`{text}`"),
+        Value::Sequence(items) if items.is_empty() => "an empty list".to_owned(),
+        Value::Sequence(items) => format!("a list of {}", items.len()),
+        Value::Mapping(_) => "a mapping".to_owned(),
+        Value::Tagged(tagged) => format!("the tag `{}`", tagged.tag),
+    }
+}
+
+/// ``one of `a`, `b` ``.
+pub(super) fn one_of(names: &[&str]) -> String {
+    let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    format!("one of {}", names.join(", "))
+}
