@@ -9,7 +9,7 @@ include!(concat!(env!("OUT_DIR"), "/sources.rs"));
 pub(super) type Sources = &'static [&'static str];
 
 /// How a robot is made of its spec.
-const SPEC: &str = "specs/plant.rs";
+const SPEC: &str = "specs/experiment/plant.rs";
 /// How results are laid out in the store.
 const CODEC: &str = "runner/codec/";
 const STAGES: &str = "runner/stages/";

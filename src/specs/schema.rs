@@ -1,9 +1,9 @@
 //! JSON Schema of specs, for editors: derived from the types that specs are read into, and what is done to a spec before
 //! that (it may extend another, name files in place of mappings, sweep fields) added.
 
-use super::experiment::Experiment;
-use super::plant::PlantSpec;
-use super::series::SeriesForm;
+use super::experiment::plant::PlantSpec;
+use super::experiment::spec::Experiment;
+use super::sweep::series::SeriesForm;
 use crate::effects::Model;
 use schemars::{JsonSchema, generate::SchemaSettings};
 use serde_json::{Map, Value, json};

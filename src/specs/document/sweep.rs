@@ -1,57 +1,14 @@
 //! What a document sweeps: the fields with their values as written, and putting one value after another into the tree.
 
-use super::{CHOICES, Document, Layer, SET, get, remove, unaliased};
-use crate::specs::error::{SourceLocation, SpecError};
-use crate::specs::locate::{PathEnd, locate};
-use crate::specs::mismatch::describe;
-use crate::specs::path::{KeyPath, Step};
-use serde_yaml::{Mapping, Value};
-use std::path::PathBuf;
-use std::sync::Arc;
-
-/// A field of `sweep:` as some source has it, before anybody asks what its values are.
-#[derive(Clone, Debug)]
-pub(in crate::specs) struct SweptEntry {
-    /// The field that it means.
-    pub(in crate::specs) field: KeyPath,
-    /// Where its values stand.
-    pub(in crate::specs) at: KeyPath,
-    /// Number of its source, the strongest first.
-    layer: usize,
-    /// Folder that file names in it are relative to.
-    pub(in crate::specs) folder: PathBuf,
-    /// Its values.
-    pub(in crate::specs) value: Value,
-}
-
-/// Where a swept value came from.
-#[derive(Clone, Debug)]
-pub(in crate::specs) struct Origin {
-    /// The field, and where its values are written.
-    pub(in crate::specs) written: Arc<SweptEntry>,
-    /// Where among them this value is; nowhere for one that was computed.
-    pub(in crate::specs) below: Option<Step>,
-    /// Files that the value names: where below the field each name stood, the file and its text.
-    pub(in crate::specs) files: Arc<Vec<(KeyPath, String, String)>>,
-}
-
-impl Origin {
-    /// The place of `path`, if it is in the swept field.
-    pub(super) fn place(&self, document: &Document, path: &KeyPath, end: PathEnd) -> Option<SourceLocation> {
-        let rest = path.0.strip_prefix(self.written.field.0.as_slice())?;
-        let files = self.files.iter().map(|(below, file, text)| (rest.strip_prefix(below.0.as_slice()), file, text));
-        if let Some((inside, file, text)) = files.filter_map(|(inside, file, text)| Some((inside?, file, text))).next()
-        {
-            let (line, column) = locate(text, &KeyPath(inside.to_vec()), end).unwrap_or((1, 1));
-            return Some(SourceLocation::File { file: file.clone(), line, column });
-        }
-        if rest.is_empty() && end == PathEnd::Key {
-            return Some(document.place_swept(&self.written, &[], PathEnd::Key));
-        }
-        let below: Vec<Step> = self.below.iter().chain(rest).cloned().collect();
-        Some(document.place_swept(&self.written, &below, end))
-    }
-}
+use super::alias::canonical as unaliased;
+use super::error::{SourceLocation, SpecError};
+use super::layer::{Layer, SET};
+use super::locate::PathEnd;
+use super::merged::{Document, Origin, SweptEntry};
+use super::mismatch::describe;
+use super::path::{KeyPath, Step};
+use super::tree::{get, put, remove};
+use serde_yaml::Value;
 
 impl Document {
     /// Takes `sweep:` out of the tree: its fields in the order in which they were written, weaker sources first. A
@@ -121,15 +78,6 @@ impl Document {
         SpecError::Key { place, key: written.field.clone(), found, expected: expected.to_owned() }
     }
 
-    /// Where `below` the values of a swept field stands, or what of it was written.
-    pub(in crate::specs) fn place_swept(&self, written: &SweptEntry, below: &[Step], end: PathEnd) -> SourceLocation {
-        let layer = &self.layers[written.layer];
-        let full = KeyPath([written.at.0.as_slice(), below].concat());
-        let (path, end) =
-            if get(&layer.rooted(), &full).is_some() { (&full, end) } else { (&written.at, PathEnd::Value) };
-        layer.place(path, end)
-    }
-
     /// Puts a swept value where its field stands, in place of what was there.
     ///
     /// # Errors
@@ -165,36 +113,4 @@ impl Document {
         let layer = Layer::file(&written.folder.join(name), Some((&written.field, place)))?;
         Ok((layer.value, layer.name, layer.text))
     }
-}
-
-/// Puts `value` into `tree` at `steps`, making the mappings on the way that are not there.
-pub(in crate::specs) fn put(tree: &mut Value, steps: &[Step], value: Value) -> Result<(), String> {
-    let Some((step, below)) = steps.split_first() else {
-        *tree = value;
-        return Ok(());
-    };
-    if tree.is_null() && matches!(step, Step::Key(_)) {
-        *tree = Value::Mapping(Mapping::new());
-    }
-    let next = match (tree, step) {
-        (Value::Mapping(mapping), Step::Key(key)) => {
-            // Another alternative takes the place of the one that stands there, as it does in a file.
-            let choice = CHOICES.contains(&key.as_str());
-            let holder = mapping.entry(Value::from(key.as_str())).or_insert(Value::Null);
-            if let (true, Some(Step::Key(name)), Value::Mapping(chosen)) = (choice, below.first(), &mut *holder)
-                && chosen.len() == 1
-                && !chosen.contains_key(name.as_str())
-                && !chosen.contains_key("robot")
-            {
-                chosen.clear();
-            }
-            holder
-        }
-        (Value::Sequence(items), Step::Item(index)) => {
-            let count = items.len();
-            items.get_mut(*index).ok_or_else(|| format!("a list of {count}"))?
-        }
-        (other, _) => return Err(describe(other)),
-    };
-    put(next, below, value)
 }

@@ -1,4 +1,5 @@
-use super::*;
+use super::merged::Document;
+use super::path::KeyPath;
 use serde::Deserialize;
 
 #[derive(Debug, Deserialize)]

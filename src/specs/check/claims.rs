@@ -1,14 +1,15 @@
 //! Claims must be about what the experiment runs.
 
-use super::claims::{ClaimMetric, ReachCell, Relation};
-use super::document::Document;
-use super::error::SpecError;
-use super::experiment::Experiment;
-use super::mismatch::one_of;
-use super::path::KeyPath;
+use crate::specs::document::error::SpecError;
+use crate::specs::document::merged::Document;
+use crate::specs::document::mismatch::one_of;
+use crate::specs::document::path::KeyPath;
+use crate::specs::experiment::cells::{gp_sizes, reach_cells};
+use crate::specs::experiment::claims::{ClaimMetric, ReachCell, Relation};
+use crate::specs::experiment::spec::Experiment;
 
 /// Looks for the first claim that the experiment's rows cannot decide.
-pub(super) fn check(experiment: &Experiment, document: &Document) -> Result<(), SpecError> {
+pub(in crate::specs) fn check(experiment: &Experiment, document: &Document) -> Result<(), SpecError> {
     let mut names: Vec<&str> = Vec::new();
     for (index, claim) in experiment.claims.iter().enumerate() {
         let path = KeyPath::default().key("claims").item(index);
@@ -88,7 +89,7 @@ fn known(metric: &ClaimMetric, experiment: &Experiment) -> Result<(), String> {
             if names.contains(&network.as_str()) { Ok(()) } else { Err(one_of(&names)) }
         }
         ClaimMetric::GpError { points } => {
-            let fitted = super::cells::gp_sizes(experiment);
+            let fitted = gp_sizes(experiment);
             let known = usize::try_from(*points).is_ok_and(|points| fitted.contains(&points));
             if known { Ok(()) } else { Err(format!("one of the fitted sizes {fitted:?}")) }
         }
@@ -105,7 +106,7 @@ fn known(metric: &ClaimMetric, experiment: &Experiment) -> Result<(), String> {
 }
 
 fn known_cell(cell: &ReachCell, experiment: &Experiment) -> Result<(), String> {
-    let cells = super::cells::reach_cells(experiment);
+    let cells = reach_cells(experiment);
     let fits = |wanted: Option<u64>, has: usize| wanted.is_none_or(|wanted| usize::try_from(wanted) == Ok(has));
     let matching = cells.iter().filter(|one| {
         one.policy == cell.policy

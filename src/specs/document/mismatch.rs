@@ -10,13 +10,13 @@ use serde_yaml::with::singleton_map_recursive;
 
 /// Why a value cannot be read as the expected type.
 #[derive(Debug, PartialEq)]
-pub(super) struct Mismatch {
+pub(in crate::specs) struct Mismatch {
     /// The path below the value that was read.
-    pub(super) key: KeyPath,
+    pub(in crate::specs) key: KeyPath,
     /// Whether the key or its value is wrong.
-    pub(super) end: PathEnd,
-    pub(super) found: String,
-    pub(super) expected: String,
+    pub(in crate::specs) end: PathEnd,
+    pub(in crate::specs) found: String,
+    pub(in crate::specs) expected: String,
 }
 
 impl Mismatch {
@@ -29,7 +29,7 @@ impl Mismatch {
 ///
 /// # Errors
 /// [`Mismatch`] for the first key or value that does not fit.
-pub(super) fn deserialize<T: DeserializeOwned>(value: &Value) -> Result<T, Mismatch> {
+pub(in crate::specs) fn deserialize<T: DeserializeOwned>(value: &Value) -> Result<T, Mismatch> {
     // Most values fit, and reading without a record of the path is several times faster.
     singleton_map_recursive::deserialize(value).or_else(|_| {
         let mut track = Track::new();
@@ -105,7 +105,7 @@ fn mistyped(message: &str, path: &KeyPath) -> Option<Mismatch> {
 }
 
 /// A value as error messages show it.
-pub(super) fn describe(value: &Value) -> String {
+pub(in crate::specs) fn describe(value: &Value) -> String {
     match value {
         Value::Null => "nothing".to_owned(),
         Value::Bool(flag) => flag.to_string(),
@@ -119,7 +119,7 @@ pub(super) fn describe(value: &Value) -> String {
 }
 
 /// ``one of `a`, `b` ``.
-pub(super) fn one_of(names: &[&str]) -> String {
+pub(in crate::specs) fn one_of(names: &[&str]) -> String {
     let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
     format!("one of {}", names.join(", "))
 }

@@ -1,14 +1,15 @@
 //! A spec with what it sweeps: one checked experiment for each point of the product.
 
-use super::check;
-use super::document::{Document, Origin, SweptEntry};
-use super::error::SpecError;
-use super::experiment::Experiment;
-use super::path::{KeyPath, Step};
-use super::plant::PlantSpec;
 use super::series::{SweepValue, expand};
-use super::to_yaml;
 use crate::base::Seed;
+use crate::specs::check::experiment::check;
+use crate::specs::document::error::SpecError;
+use crate::specs::document::merged::{Document, Origin, SweptEntry};
+use crate::specs::document::path::{KeyPath, Step};
+use crate::specs::document::tree::{get, put};
+use crate::specs::experiment::plant::PlantSpec;
+use crate::specs::experiment::spec::Experiment;
+use crate::specs::write::to_yaml;
 use serde_yaml::{Mapping, Value};
 use std::path::Path;
 use std::sync::Arc;
@@ -107,6 +108,22 @@ impl ExperimentSet {
     }
 }
 
+impl Experiment {
+    /// Reads and checks a spec with overrides `path.to.key=value`; one that sweeps is a [`ExperimentSet`].
+    ///
+    /// # Errors
+    /// [`SpecError`] for the first thing that is wrong.
+    pub fn read(file: &Path, sets: &[String]) -> Result<Experiment, SpecError> {
+        let experiment_set = ExperimentSet::read(file, sets, &[])?;
+        let swept = experiment_set.sweep.first().map(|field| SpecError::File {
+            file: file.display().to_string(),
+            found: format!("a sweep of `{}`", field.name),
+            expected: "a spec that sweeps nothing",
+        });
+        swept.map_or(Ok(experiment_set.experiment), Err)
+    }
+}
+
 impl SweepPoint {
     /// Its values in words, `field=value` for each field.
     pub fn label(&self, sweep: &[SweptField]) -> String {
@@ -190,10 +207,10 @@ fn read_files(
     for include in includes {
         let Some(below) = include.0.strip_prefix(written.field.0.as_slice()) else { continue };
         let below = KeyPath(below.to_vec());
-        let Some(Value::String(name)) = super::document::get(&one.value, &below).cloned() else { continue };
+        let Some(Value::String(name)) = get(&one.value, &below).cloned() else { continue };
         let at: Vec<Step> = one.below.iter().chain(&below.0).cloned().collect();
         let (content, file, text) = document.read_swept_file(written, &at, &name)?;
-        super::document::put(&mut one.value, &below.0, content).unwrap_or_default(); // the name stood there
+        put(&mut one.value, &below.0, content).unwrap_or_default(); // the name stood there
         files.push((below, file, text));
     }
     Ok(Arc::new(files))
@@ -273,6 +290,6 @@ fn at_point(
 /// The document as a checked experiment.
 fn checked(document: &Document) -> Result<Experiment, SpecError> {
     let experiment = document.parse()?;
-    check::check(&experiment, document)?;
+    check(&experiment, document)?;
     Ok(experiment)
 }

@@ -3,14 +3,14 @@
 use super::path::{KeyPath, Step};
 
 /// What may be written, and the field that is meant; the first that fits is taken, then the next.
-pub(super) const ALIASES: [(&str, &str); 2] = [
+pub(in crate::specs) const ALIASES: [(&str, &str); 2] = [
     ("policy", "policies"),
     // What policy C compares with before it changes controllers: the paper's e_c (section IV-F).
     ("policies.c.switch_threshold_m", "policies.c.error_m"),
 ];
 
 /// The path of the field that `path` means.
-pub(super) fn canonical(mut path: KeyPath) -> KeyPath {
+pub(in crate::specs) fn canonical(mut path: KeyPath) -> KeyPath {
     for (alias, name) in ALIASES {
         let keys = |text: &str| -> Vec<Step> { text.split('.').map(|key| Step::Key(key.to_owned())).collect() };
         if let Some(below) = path.0.strip_prefix(keys(alias).as_slice()) {

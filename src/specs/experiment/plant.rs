@@ -1,12 +1,12 @@
 //! Which robot a spec names.
 
-use super::path::KeyPath;
 use crate::base::{BadOption, Plant, Seed};
 use crate::effects::{EffectSpec, Model};
 use crate::plants::{
     ConstantCurvature, ConstantCurvatureOptions, Hardware, HardwareOptions, Replay, ReplayOptions, Simulated,
     SimulatedOptions,
 };
+use crate::specs::document::path::KeyPath;
 use serde::{Deserialize, Serialize};
 
 /// A robot: the model, or what stands for the real one.
@@ -49,7 +49,7 @@ impl SimulatedSpec {
 
 impl PlantSpec {
     /// Where below a plant's own place the names of model files may stand.
-    pub(super) fn model_paths(plant: &KeyPath) -> Vec<KeyPath> {
+    pub(in crate::specs) fn model_paths(plant: &KeyPath) -> Vec<KeyPath> {
         let hardware = plant.key("hardware");
         vec![plant.key("simulated").key("model"), hardware.key("model"), hardware.key("rehearsal").key("model")]
     }

@@ -4,13 +4,13 @@ use super::path::KeyPath;
 use serde_yaml::{Mapping, Value};
 
 /// What may stand behind `=`.
-pub(super) const EXPECTED: &str = "values `a,b,c`, or `from:to:count`, `log:from:to:count`, `random:from:to:count`, each with `:whole` for whole numbers";
+pub(in crate::specs) const EXPECTED: &str = "values `a,b,c`, or `from:to:count`, `log:from:to:count`, `random:from:to:count`, each with `:whole` for whole numbers";
 
 /// The path and the values of `--sweep`, the values in the form in which YAML has them.
 ///
 /// # Errors
 /// What is malformed.
-pub(super) fn parse(text: &str) -> Result<(KeyPath, Value), String> {
+pub(in crate::specs) fn parse(text: &str) -> Result<(KeyPath, Value), String> {
     let (path, values) = text.split_once('=').ok_or_else(|| format!("`{text}`"))?;
     let path = KeyPath::parse(path.trim())?;
     Ok((path, series(values.trim())?))

@@ -1,31 +1,31 @@
 //! What the types cannot say: ranges, names and sizes that must fit each other.
 
-use super::cells::uses;
 use super::discovery::check_entries;
-use super::document::Document;
-use super::error::SpecError;
-use super::experiment::{DiscoveryRun, Experiment, TrackRun};
-use super::locate::PathEnd;
-use super::mismatch::one_of;
-use super::path::KeyPath;
-use super::plant::PlantSpec;
 use crate::base::BadOption;
 use crate::effects::check_effects;
 use crate::learn::LearnError;
 use crate::policies::{self, Part};
 use crate::report::FIGURES;
+use crate::specs::document::error::SpecError;
+use crate::specs::document::locate::PathEnd;
+use crate::specs::document::merged::Document;
+use crate::specs::document::mismatch::one_of;
+use crate::specs::document::path::KeyPath;
+use crate::specs::experiment::cells::uses;
+use crate::specs::experiment::plant::PlantSpec;
+use crate::specs::experiment::spec::{DiscoveryRun, Experiment, TrackRun};
 use crate::tasks::PointLayout;
 
 /// Looks for the first thing that is wrong with `experiment`, which was read from `document`.
 ///
 /// # Errors
 /// [`SpecError::Key`] with the place of what is wrong.
-pub(super) fn check(experiment: &Experiment, document: &Document) -> Result<(), SpecError> {
+pub(in crate::specs) fn check(experiment: &Experiment, document: &Document) -> Result<(), SpecError> {
     let checker = Checker { experiment, document };
     checker.header()?;
     checker.options()?;
     checker.runs()?;
-    super::check_claims::check(experiment, document)
+    super::claims::check(experiment, document)
 }
 
 /// Repetitions of an experiment: more would fill the memory with plans before anything runs.

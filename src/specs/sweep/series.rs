@@ -1,9 +1,9 @@
 //! The values of a swept field: a list, an even or logarithmic range, random samples, or values with names.
 
-use super::mismatch::{describe, deserialize};
-use super::path::KeyPath;
 use crate::base::Seed;
 use crate::data::tables::{SIGNIFICANT_DIGITS, round_significant};
+use crate::specs::document::mismatch::{describe, deserialize};
+use crate::specs::document::path::{KeyPath, Step};
 use rand::RngExt;
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -12,30 +12,30 @@ use serde_yaml::{Number, Value};
 use std::collections::BTreeMap;
 
 /// Values of one field beyond this are a mistyped count.
-pub(super) const MOST_VALUES: usize = 100_000;
+pub(in crate::specs) const MOST_VALUES: usize = 100_000;
 
 /// What the values of a field may be.
-pub(super) const FORMS: &str = "a list, or one of `range`, `log_range`, `random`, `named`";
+pub(in crate::specs) const FORMS: &str = "a list, or one of `range`, `log_range`, `random`, `named`";
 
 /// SweepValue value of a swept field.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct SweepValue {
+pub(in crate::specs) struct SweepValue {
     /// What tables and figures call it.
-    pub(super) name: String,
+    pub(in crate::specs) name: String,
     /// As it goes into the spec.
-    pub(super) value: Value,
+    pub(in crate::specs) value: Value,
     /// Where below the field's entry it is written; nowhere when it was computed.
-    pub(super) below: Option<super::path::Step>,
+    pub(in crate::specs) below: Option<Step>,
 }
 
 /// What is wrong with the values of a field: the path below them, what was found, what was expected.
-pub(super) type Wrong = (KeyPath, String, String);
+pub(in crate::specs) type Wrong = (KeyPath, String, String);
 
 /// The forms of values other than a list, as a schema knows them.
 #[derive(JsonSchema)]
 #[schemars(rename_all = "snake_case")]
 #[allow(dead_code)] // read by its schema alone
-pub(super) enum SeriesForm {
+pub(in crate::specs) enum SeriesForm {
     /// Evenly spaced values, both ends included.
     Range(EvenRange),
     /// Values with one ratio between neighbours, both ends included.
@@ -49,7 +49,7 @@ pub(super) enum SeriesForm {
 /// Evenly spaced values, both ends included.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct EvenRange {
+pub(in crate::specs) struct EvenRange {
     /// First value.
     from: f64,
     /// Last value.
@@ -66,7 +66,7 @@ pub(super) struct EvenRange {
 /// Values with one ratio between neighbours, both ends included.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct LogRange {
+pub(in crate::specs) struct LogRange {
     /// First value, above 0.
     from: f64,
     /// Last value.
@@ -81,7 +81,7 @@ pub(super) struct LogRange {
 /// Values drawn uniformly, or uniformly in the logarithm.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct RandomDraw {
+pub(in crate::specs) struct RandomDraw {
     /// Smallest value.
     from: f64,
     /// Largest value.
@@ -103,7 +103,7 @@ pub(super) struct RandomDraw {
 ///
 /// # Errors
 /// The first thing that is wrong.
-pub(super) fn expand(written: &Value, field: &KeyPath, seed: Seed) -> Result<Vec<SweepValue>, Wrong> {
+pub(in crate::specs) fn expand(written: &Value, field: &KeyPath, seed: Seed) -> Result<Vec<SweepValue>, Wrong> {
     let values = match written {
         Value::Sequence(items) => listed(items)?,
         Value::Mapping(form) if form.len() == 1 => {
@@ -136,7 +136,7 @@ fn listed(items: &[Value]) -> Result<Vec<SweepValue>, Wrong> {
     let one = |(index, value): (usize, &Value)| SweepValue {
         name: name(value),
         value: value.clone(),
-        below: Some(super::path::Step::Item(index)),
+        below: Some(Step::Item(index)),
     };
     Ok(items.iter().enumerate().map(one).collect())
 }

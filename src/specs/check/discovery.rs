@@ -1,16 +1,16 @@
 //! Settings of a discovery that name effects and parameters, and what stands beside these names.
 
-use super::document::Document;
-use super::error::SpecError;
-use super::mismatch::one_of;
-use super::path::KeyPath;
 use crate::base::BadOption;
 use crate::discovery::Options;
 use crate::effects::CATALOGUE;
+use crate::specs::document::error::SpecError;
+use crate::specs::document::merged::Document;
+use crate::specs::document::mismatch::one_of;
+use crate::specs::document::path::KeyPath;
 
 /// Refuses names that are not in the catalogue, and deviations that are none; `path` is where the settings stand in the
 /// document.
-pub(super) fn check_entries(document: &Document, options: &Options, path: &KeyPath) -> Result<(), SpecError> {
+pub(in crate::specs) fn check_entries(document: &Document, options: &Options, path: &KeyPath) -> Result<(), SpecError> {
     let unless = |holds: bool, path: &KeyPath, expected: &[&str]| {
         if holds { Ok(()) } else { Err(document.wrong(path, one_of(expected))) }
     };

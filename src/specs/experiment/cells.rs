@@ -1,6 +1,6 @@
 //! The cells of an experiment: the product of its sweeps, each once, in a fixed order.
 
-use super::experiment::Experiment;
+use super::spec::{Experiment, TrialMode};
 use crate::policies::{self, Part};
 
 /// Trials of one policy under one condition: a row of targets for each seed and training.
@@ -22,7 +22,7 @@ pub fn reach_cells(experiment: &Experiment) -> Vec<TrialCell> {
     for sweep in &experiment.runs.reach {
         for policy in &sweep.policies {
             let Some(entry) = policies::find(policy) else { continue };
-            let open = |mode: &String| experiment.modes.get(mode).is_some_and(super::experiment::TrialMode::is_open);
+            let open = |mode: &String| experiment.modes.get(mode).is_some_and(TrialMode::is_open);
             for mode in sweep.modes.iter().filter(|mode| !(entry.closed_loop_only && open(mode))) {
                 for gp_points in sizes(entry, Part::Error, sweep.gp_points.as_deref()) {
                     for real_points in sizes(entry, Part::RealInverse, sweep.real_points.as_deref()) {
@@ -69,6 +69,6 @@ fn sizes(entry: &policies::PolicyEntry, part: Part, given: Option<&[usize]>) -> 
 }
 
 /// Whether a policy is built from `part`, be it through another part: generated data come from the error model.
-pub(super) fn uses(entry: &policies::PolicyEntry, part: Part) -> bool {
+pub(in crate::specs) fn uses(entry: &policies::PolicyEntry, part: Part) -> bool {
     entry.needs.iter().any(|need| *need == part || (part == Part::Error && *need == Part::GeneratedInverse))
 }

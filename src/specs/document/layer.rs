@@ -1,0 +1,181 @@
+//! One source of a spec: a file, or an option of the command line.
+
+use super::alias::canonical as unaliased;
+use super::error::{SourceLocation, SpecError};
+use super::locate::{PathEnd, locate};
+use super::mismatch::describe;
+use super::path::{KeyPath, Step};
+use super::sweep_option;
+use super::tree::{get, not_plain, remove};
+use serde_yaml::{Mapping, Value};
+use std::path::{Path, PathBuf};
+
+/// One source of values.
+#[derive(Clone, Debug)]
+pub(super) struct Layer {
+    /// The file, or the option, as the user wrote it.
+    pub(super) name: String,
+    pub(super) text: String,
+    pub(super) value: Value,
+    /// Folder that file names in it are relative to.
+    pub(super) folder: PathBuf,
+    /// The path that its text is the value of: the root, or for an option and an included file that of the key.
+    pub(super) root: KeyPath,
+    /// What stood at `root` gives way to this layer instead of merging with it.
+    pub(super) replaces: bool,
+}
+
+/// How the names of sources on the command line begin.
+pub(super) const SET: &str = "--set ";
+const SWEEP: &str = "--sweep ";
+
+impl Layer {
+    /// A file as the layer below `include` (a path and where its name stands), or as the root.
+    pub(super) fn file(path: &Path, include: Option<(&KeyPath, SourceLocation)>) -> Result<Layer, SpecError> {
+        let name = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|error| {
+            let missing = error.kind() == std::io::ErrorKind::NotFound;
+            let found = if missing { format!("no file `{name}`") } else { format!("`{name}`: {error}") };
+            let expected = "the name of a YAML file";
+            match &include {
+                Some((key, place)) => {
+                    let (place, key) = (place.clone(), (*key).clone());
+                    SpecError::Key { place, key, found, expected: expected.into() }
+                }
+                None => SpecError::File { file: name.clone(), found, expected },
+            }
+        })?;
+        let value = yaml(&text, &name)?;
+        let value = if value.is_null() { Value::Mapping(Mapping::new()) } else { value };
+        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+        let root = include.as_ref().map_or_else(KeyPath::default, |(key, _)| (*key).clone());
+        let layer = Layer { name, text, value, folder, root, replaces: include.is_some() };
+        if !layer.value.is_mapping() {
+            return Err(layer.refuse(&layer.root, describe(&layer.value), "a mapping of keys to values"));
+        }
+        layer.plain()
+    }
+
+    pub(super) fn option(set: &str) -> Result<Layer, SpecError> {
+        let name = format!("{SET}{set}");
+        let refuse = |found: String| SpecError::Key {
+            place: SourceLocation::Option(name.clone()),
+            key: KeyPath::default(),
+            found,
+            expected: "path.to.key=value".to_owned(),
+        };
+        let (path, text) = set.split_once('=').ok_or_else(|| refuse(format!("`{set}`")))?;
+        let root = unaliased(KeyPath::parse(path.trim()).map_err(refuse)?);
+        if root.0.iter().any(|step| matches!(step, Step::Item(_))) {
+            return Err(refuse(format!("`{path}`, which names one item of a list")));
+        }
+        let value = yaml(text, &name)?;
+        Layer { name, text: text.to_owned(), value, folder: PathBuf::new(), root, replaces: false }.plain()
+    }
+
+    /// Refuses keys that are not text, and tags.
+    pub(super) fn plain(self) -> Result<Layer, SpecError> {
+        match not_plain(&self.value, &self.root) {
+            Some((path, found)) => Err(self.refuse(&path, found, "plain keys and values")),
+            None => Ok(self),
+        }
+    }
+
+    /// What the command line sweeps, as the entry of `sweep:` that it stands for.
+    pub(super) fn sweep(option: &str) -> Result<Layer, SpecError> {
+        let name = format!("{SWEEP}{option}");
+        let (path, values) = sweep_option::parse(option).map_err(|found| SpecError::Key {
+            place: SourceLocation::Option(name.clone()),
+            key: KeyPath::default(),
+            found,
+            expected: format!("path.to.key= and {}", sweep_option::EXPECTED),
+        })?;
+        let value = Value::Mapping(Mapping::from_iter([(Value::from(path.to_string()), values)]));
+        let root = KeyPath::default().key("sweep");
+        Ok(Layer { name, text: option.to_owned(), value, folder: PathBuf::new(), root, replaces: false })
+    }
+
+    pub(super) fn is_option(&self) -> bool {
+        self.name.starts_with(SET) || self.name.starts_with(SWEEP)
+    }
+
+    /// Appends this layer and, below it, the files that it names at the paths `includes`.
+    pub(super) fn push_with_included(mut self, includes: &[KeyPath], layers: &mut Vec<Layer>) -> Result<(), SpecError> {
+        let mut included = Vec::new();
+        for path in includes {
+            let Some(Value::String(name)) = get(&self.rooted(), path).cloned() else { continue };
+            let file = self.folder.join(&name);
+            included.push(Layer::file(&file, Some((path, self.place(path, PathEnd::Value))))?);
+            match path.0.strip_prefix(self.root.0.as_slice()) {
+                Some([]) | None => self.value = Value::Mapping(Mapping::new()),
+                Some(below) => remove(&mut self.value, &KeyPath(below.to_vec())),
+            }
+        }
+        layers.push(self);
+        layers.append(&mut included);
+        Ok(())
+    }
+
+    /// Takes `extends` out of this layer and reads the file that it names.
+    pub(super) fn parent(&mut self, seen: &[PathBuf]) -> Result<Option<Layer>, SpecError> {
+        let path = KeyPath::default().key("extends");
+        let Some(value) = self.value.get("extends").cloned() else { return Ok(None) };
+        let expected = "the name of a spec beside this one";
+        let Value::String(name) = &value else { return Err(self.refuse(&path, describe(&value), expected)) };
+        let file = self.folder.join(name);
+        if !file.is_file() {
+            return Err(self.refuse(&path, format!("no file `{}`", file.display()), expected));
+        }
+        if seen.contains(&canonical(&file)) {
+            return Err(self.refuse(&path, format!("`{name}`, which extends this file"), expected));
+        }
+        if let Value::Mapping(mapping) = &mut self.value {
+            mapping.remove("extends");
+        }
+        Layer::file(&file, None).map(Some)
+    }
+
+    pub(super) fn refuse(&self, path: &KeyPath, found: String, expected: &str) -> SpecError {
+        SpecError::Key {
+            place: self.place(path, PathEnd::Value),
+            key: path.clone(),
+            found,
+            expected: expected.to_owned(),
+        }
+    }
+
+    pub(super) fn place(&self, path: &KeyPath, end: PathEnd) -> SourceLocation {
+        if self.is_option() {
+            return SourceLocation::Option(self.name.clone());
+        }
+        let below = path.0.strip_prefix(self.root.0.as_slice()).unwrap_or_default();
+        let (line, column) = locate(&self.text, &KeyPath(below.to_vec()), end).unwrap_or((1, 1));
+        SourceLocation::File { file: self.name.clone(), line, column }
+    }
+
+    /// The value under its path from the root of the document.
+    pub(super) fn rooted(&self) -> Value {
+        self.root.0.iter().rev().fold(self.value.clone(), |value, step| match step {
+            Step::Key(key) => Value::Mapping(Mapping::from_iter([(Value::from(key.as_str()), value)])),
+            Step::Item(_) => value,
+        })
+    }
+}
+
+fn yaml(text: &str, name: &str) -> Result<Value, SpecError> {
+    serde_yaml::from_str(text).map_err(|error| {
+        let (line, column) = error.location().map_or((1, 1), |at| (at.line(), at.column()));
+        let place = if name.starts_with(SET) {
+            SourceLocation::Option(name.to_owned())
+        } else {
+            SourceLocation::File { file: name.to_owned(), line, column }
+        };
+        let words = error.to_string();
+        let found = words.split(" at line ").next().unwrap_or_default().to_owned();
+        SpecError::Syntax { place, found }
+    })
+}
+
+pub(super) fn canonical(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| path.to_path_buf())
+}

@@ -1,0 +1,198 @@
+//! The merged tree of a spec, and where each of its values was written.
+//!
+//! Mappings merge key by key, the extending file's values winning; lists and scalars replace what they override.
+//! Where a key may name a file (a model), that file's content takes the name's place.
+
+use super::error::{SourceLocation, SpecError};
+use super::layer::{Layer, canonical};
+use super::locate::{PathEnd, locate};
+use super::mismatch::{Mismatch, describe, deserialize};
+use super::path::{KeyPath, Step};
+use super::tree::{get, merge, remove};
+use serde::de::DeserializeOwned;
+use serde_yaml::{Mapping, Value};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The merged tree and its sources, strongest first.
+#[derive(Clone, Debug)]
+pub struct Document {
+    pub(super) layers: Vec<Layer>,
+    pub(super) merged: Value,
+    /// The file as the user named it.
+    pub file: String,
+    /// Where swept values came from, while they stand in the tree.
+    pub(super) origins: Vec<Origin>,
+}
+
+impl Document {
+    /// Reads `file`, what it `extends`, the overrides `path.to.key=value` in `sets`, and the files that are named at
+    /// the paths `includes`.
+    ///
+    /// # Errors
+    /// A missing file, text that is not YAML, a cycle of `extends`, a malformed override.
+    pub fn read(file: &Path, sets: &[String], includes: &[KeyPath]) -> Result<Document, SpecError> {
+        Document::read_swept(file, sets, &[], includes)
+    }
+
+    /// The same with what the command line sweeps.
+    pub(in crate::specs) fn read_swept(
+        file: &Path,
+        sets: &[String],
+        sweeps: &[String],
+        includes: &[KeyPath],
+    ) -> Result<Document, SpecError> {
+        let mut layers = Vec::new();
+        for sweep in sweeps.iter().rev() {
+            layers.push(Layer::sweep(sweep)?);
+        }
+        for set in sets.iter().rev() {
+            Layer::option(set)?.push_with_included(includes, &mut layers)?;
+        }
+        let mut next = Some(Layer::file(file, None)?);
+        let mut seen = Vec::new();
+        while let Some(mut layer) = next {
+            seen.push(canonical(Path::new(&layer.name)));
+            next = layer.parent(&seen)?;
+            layer.push_with_included(includes, &mut layers)?;
+        }
+        let mut merged = Value::Mapping(Mapping::new());
+        for layer in layers.iter().rev() {
+            if layer.replaces {
+                remove(&mut merged, &layer.root);
+            }
+            merge(&mut merged, layer.rooted());
+        }
+        Ok(Document { layers, merged, file: file.display().to_string(), origins: Vec::new() })
+    }
+
+    /// Every file that was read for it.
+    pub(in crate::specs) fn files(&self) -> Vec<PathBuf> {
+        self.layers.iter().filter(|layer| !layer.is_option()).map(|layer| PathBuf::from(&layer.name)).collect()
+    }
+
+    /// The document as a `T`.
+    ///
+    /// # Errors
+    /// [`SpecError::Key`] for an unknown or missing key or a value of the wrong type, with its source location.
+    pub fn parse<T: DeserializeOwned>(&self) -> Result<T, SpecError> {
+        deserialize(&self.merged)
+            .map_err(|wrong: Mismatch| self.refuse(&wrong.key, wrong.end, wrong.found, wrong.expected))
+    }
+
+    /// The error for the value at `path`, found as it stands.
+    pub fn wrong(&self, path: &KeyPath, expected: impl Into<String>) -> SpecError {
+        let found = get(&self.merged, path).map_or_else(|| "nothing".to_owned(), describe);
+        self.refuse(path, PathEnd::Value, found, expected)
+    }
+
+    /// True when the document has a value at `path`.
+    pub fn has(&self, path: &KeyPath) -> bool {
+        get(&self.merged, path).is_some()
+    }
+
+    /// True when the value at `path` is written as nothing (`null`, `~` or left empty).
+    pub fn is_null(&self, path: &KeyPath) -> bool {
+        get(&self.merged, path).is_some_and(Value::is_null)
+    }
+
+    /// The first path below `below` that ends in `key` and holds the value written `found`.
+    pub fn find(&self, below: &KeyPath, key: &str, found: &str) -> Option<KeyPath> {
+        let number: Option<f64> = found.parse().ok();
+        self.search(below, &|path, value| {
+            let same = value.as_str() == Some(found) || (number.is_some() && value.as_f64() == number);
+            same && path.0.last() == Some(&Step::Key(key.to_owned()))
+        })
+    }
+
+    fn search(&self, below: &KeyPath, wanted: &dyn Fn(&KeyPath, &Value) -> bool) -> Option<KeyPath> {
+        let value = get(&self.merged, below)?;
+        if wanted(below, value) {
+            return Some(below.clone());
+        }
+        match value {
+            Value::Mapping(mapping) => {
+                mapping.keys().filter_map(Value::as_str).find_map(|key| self.search(&below.key(key), wanted))
+            }
+            Value::Sequence(items) => (0..items.len()).find_map(|index| self.search(&below.item(index), wanted)),
+            _ => None,
+        }
+    }
+
+    /// The error for `path`, in the given words.
+    pub fn refuse(&self, path: &KeyPath, end: PathEnd, found: String, expected: impl Into<String>) -> SpecError {
+        SpecError::Key { place: self.place(path, end), key: path.clone(), found, expected: expected.into() }
+    }
+
+    /// Where `path`, or what of it exists, was written.
+    pub fn place(&self, path: &KeyPath, end: PathEnd) -> SourceLocation {
+        if let Some(place) = self.origins.iter().rev().find_map(|origin| origin.place(self, path, end)) {
+            return place;
+        }
+        // What is only in a layer that another one overrides is not there.
+        match self.owner(path).filter(|_| self.has(path)) {
+            Some(layer) => layer.place(path, end),
+            None if path.0.is_empty() => SourceLocation::File { file: self.file.clone(), line: 1, column: 1 },
+            None => self.place(&path.parent(), PathEnd::Value),
+        }
+    }
+
+    /// The strongest source that holds `path`.
+    fn owner(&self, path: &KeyPath) -> Option<&Layer> {
+        let above_option = |layer: &Layer| layer.root.0.len() > path.0.len();
+        self.layers.iter().find(|layer| !above_option(layer) && get(&layer.rooted(), path).is_some())
+    }
+
+    /// Where `below` the values of a swept field stands, or what of it was written.
+    pub(in crate::specs) fn place_swept(&self, written: &SweptEntry, below: &[Step], end: PathEnd) -> SourceLocation {
+        let layer = &self.layers[written.layer];
+        let full = KeyPath([written.at.0.as_slice(), below].concat());
+        let (path, end) =
+            if get(&layer.rooted(), &full).is_some() { (&full, end) } else { (&written.at, PathEnd::Value) };
+        layer.place(path, end)
+    }
+}
+
+/// A field of `sweep:` as some source has it, before anybody asks what its values are.
+#[derive(Clone, Debug)]
+pub(in crate::specs) struct SweptEntry {
+    /// The field that it means.
+    pub(in crate::specs) field: KeyPath,
+    /// Where its values stand.
+    pub(in crate::specs) at: KeyPath,
+    /// Number of its source, the strongest first.
+    pub(super) layer: usize,
+    /// Folder that file names in it are relative to.
+    pub(in crate::specs) folder: PathBuf,
+    /// Its values.
+    pub(in crate::specs) value: Value,
+}
+
+/// Where a swept value came from.
+#[derive(Clone, Debug)]
+pub(in crate::specs) struct Origin {
+    /// The field, and where its values are written.
+    pub(in crate::specs) written: Arc<SweptEntry>,
+    /// Where among them this value is; nowhere for one that was computed.
+    pub(in crate::specs) below: Option<Step>,
+    /// Files that the value names: where below the field each name stood, the file and its text.
+    pub(in crate::specs) files: Arc<Vec<(KeyPath, String, String)>>,
+}
+
+impl Origin {
+    /// The place of `path`, if it is in the swept field.
+    pub(super) fn place(&self, document: &Document, path: &KeyPath, end: PathEnd) -> Option<SourceLocation> {
+        let rest = path.0.strip_prefix(self.written.field.0.as_slice())?;
+        let files = self.files.iter().map(|(below, file, text)| (rest.strip_prefix(below.0.as_slice()), file, text));
+        if let Some((inside, file, text)) = files.filter_map(|(inside, file, text)| Some((inside?, file, text))).next()
+        {
+            let (line, column) = locate(text, &KeyPath(inside.to_vec()), end).unwrap_or((1, 1));
+            return Some(SourceLocation::File { file: file.clone(), line, column });
+        }
+        if rest.is_empty() && end == PathEnd::Key {
+            return Some(document.place_swept(&self.written, &[], PathEnd::Key));
+        }
+        let below: Vec<Step> = self.below.iter().chain(rest).cloned().collect();
+        Some(document.place_swept(&self.written, &below, end))
+    }
+}

@@ -1,0 +1,63 @@
+//! Model files and plant files, read and checked on their own.
+
+use super::check::discovery::check_entries;
+use super::document::error::SpecError;
+use super::document::locate::PathEnd;
+use super::document::merged::Document;
+use super::document::path::KeyPath;
+use super::experiment::plant::PlantSpec;
+use crate::base::BadOption;
+use crate::discovery::Options;
+use crate::effects::Model;
+use std::path::{Path, PathBuf};
+
+/// Reads and checks a model file.
+///
+/// # Errors
+/// [`SpecError`] for the first thing that is wrong.
+pub fn read_model(file: &Path) -> Result<Model, SpecError> {
+    let document = Document::read(file, &[], &[])?;
+    let model = document.parse::<Model>()?;
+    model.check().map_err(|(path, error)| refusal(&document, &path, &error))?;
+    Ok(model)
+}
+
+/// Reads and checks a plant file: a robot as in an experiment's `plant`, whose model may be the name of a model file. The name of
+/// a recording to be replayed counts from the folder of the plant file, as that of a model does.
+///
+/// # Errors
+/// As [`read_model`].
+pub fn read_plant(file: &Path) -> Result<PlantSpec, SpecError> {
+    let document = Document::read(file, &[], &PlantSpec::model_paths(&KeyPath::default()))?;
+    let mut plant = document.parse::<PlantSpec>()?;
+    plant.check().map_err(|(path, error)| refusal(&document, &path, &error))?;
+    if let (PlantSpec::Replay(options), Some(folder)) = (&mut plant, file.parent()) {
+        options.recording = folder.join(&options.recording);
+    }
+    Ok(plant)
+}
+
+/// The files that a model, a plant or settings are read from: `file`, what it extends, and the models that it names. Only
+/// `file` itself where it cannot be read.
+pub fn files_behind(file: &Path) -> Vec<PathBuf> {
+    let document = Document::read(file, &[], &PlantSpec::model_paths(&KeyPath::default()));
+    document.map_or_else(|_| vec![file.to_owned()], |document| document.files())
+}
+
+/// Reads and checks settings of a discovery.
+///
+/// # Errors
+/// As [`read_model`].
+pub fn read_options(file: &Path) -> Result<Options, SpecError> {
+    let document = Document::read(file, &[], &[])?;
+    let options = document.parse::<Options>()?;
+    check_entries(&document, &options, &KeyPath::default())?;
+    options.check().map_err(|error| refusal(&document, "", &error))?;
+    Ok(options)
+}
+
+/// The error for a field below `path` that left its range.
+fn refusal(document: &Document, path: &str, error: &BadOption) -> SpecError {
+    let parent = KeyPath::parse(path).unwrap_or_default();
+    document.refuse(&parent.key(error.key), PathEnd::Value, error.found.clone(), error.expected)
+}
