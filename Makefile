@@ -42,8 +42,8 @@ blind: build ## `discover` on 1,148 blind cases (hours; PARTS=1 for a seventh): 
 
 campaign: ## 100,000 random robots and commands, judged by an independent solver (over an hour; CAMPAIGN_DRAWS=1000 for a look)
 	mkdir -p results/robustness
-	WORKSPACE_STEPS=100000 cargo test --release --test rod_robust inside_the_workspace
-	CAMPAIGN_OUT=results/robustness/campaign.csv cargo test --release --test rod_campaign full_campaign -- --ignored --nocapture
+	WORKSPACE_STEPS=100000 cargo test --release --test rod inside_the_workspace
+	CAMPAIGN_OUT=results/robustness/campaign.csv cargo test --release --test rod full_campaign -- --ignored --nocapture
 
 peers: build ## other simulators on the same robots, time against accuracy: results/peers, plots/peers (docs/peers.md)
 	@{ python3 -m venv $(PEERS_VENV) && $(PEERS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check \

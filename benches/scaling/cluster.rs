@@ -22,7 +22,7 @@ pub struct Assumed {
 }
 
 impl Default for Assumed {
-    /// A scheduler as measured on the emulated one of `tests/slurm`, a store behind one 10-gigabit line.
+    /// A scheduler as measured on the emulated one of `tests/program/slurm.rs`, a store behind one 10-gigabit line.
     fn default() -> Self {
         Assumed { begin_s: 1.0, launches_per_s: 50.0, store_bytes_s: 1.0e9, store_latency_s: 0.005, task_ms: 60_000 }
     }

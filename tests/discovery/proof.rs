@@ -4,8 +4,7 @@ use spinebench::data::Recording;
 use spinebench::data::findings::Verdict;
 use spinebench::discovery::{Discovery, Options, discover};
 
-use super::common;
-use super::support::{NOISE_M, found, from_benchmark, names, nominal, recorded, told};
+use super::hidden::{NOISE_M, found, from_benchmark, names, nominal, recorded, told};
 
 /// Moves the tip along y by so much, metres, in the rows that `first` held out.
 fn move_held_out(measured: &mut Recording, first: &Discovery, by_m: impl Fn(usize) -> f64) {
@@ -69,7 +68,7 @@ fn held_out_trials_can_refute_an_answer() {
 #[test]
 fn what_the_model_has_too_much_of_is_no_other_effect() {
     let mut loaded = nominal();
-    loaded.effects = common::effects("- tip_load: {mass_kg: 0.02}");
+    loaded.effects = crate::support::rods::effects("- tip_load: {mass_kg: 0.02}");
     let found = discover(&loaded, &recorded("[]", 8, 3, 0.0), None, &Options::default()).unwrap();
     assert_eq!(found.findings.verdict, Verdict::Unexplained, "{}", found.findings.summary);
     assert_eq!(found.model.effects.len(), 1);

@@ -8,15 +8,14 @@ use spinebench::discovery::{Discovery, DiscoveryError, Options, discover};
 use spinebench::effects::Model;
 use spinebench::tasks::{SimulationOptions, simulate_recording};
 
-use super::common;
-use super::support::{NOISE_M, chain, found, names, nominal, part, recorded, told, trials, twin};
+use super::hidden::{NOISE_M, chain, found, names, nominal, part, recorded, told, trials, twin};
 
 /// A recording that was simulated, without noise: it is as wrong as the simulator's steps, the same in every trial.
 #[test]
 fn a_recording_without_noise_is_one_like_others() {
     let commands = trials(&twin("nothing"), 0, 6);
     let with_steps = |effects: &str, motion_tolerance_m: f64| {
-        let mut model = Model { effects: common::effects(effects), ..nominal() };
+        let mut model = Model { effects: crate::support::rods::effects(effects), ..nominal() };
         model.robot.resolution.motion_tolerance_m = motion_tolerance_m;
         let recording = simulate_recording(&model, &commands, &SimulationOptions::default());
         found(&Recording { tip_quaternion: None, ..recording }, &Options::default())

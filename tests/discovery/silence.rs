@@ -3,7 +3,7 @@
 use spinebench::data::findings::Verdict;
 use spinebench::discovery::{Options, discover};
 
-use super::support::{NOISE_M, chain, found, from_benchmark, names, nominal, recorded};
+use super::hidden::{NOISE_M, chain, found, from_benchmark, names, nominal, recorded};
 
 #[test]
 fn nothing_is_found_where_nothing_is_hidden() {

@@ -1,0 +1,27 @@
+//! What every part must hold: registries, files, specs, learning, tasks, tables and figures.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod architecture;
+mod drive_effects;
+mod effects;
+mod import_motive;
+mod kernels;
+mod learn_gp;
+mod learn_rnn;
+mod model_keys;
+mod plants;
+mod policies;
+mod policy_a;
+mod policy_c;
+mod policy_learned;
+mod recording_files;
+mod report_figures;
+mod report_numbers;
+mod report_tables;
+mod spec_bad_input;
+mod spec_shipped;
+mod spec_sweep;
+mod task_data;
+mod task_trials;

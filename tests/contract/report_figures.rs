@@ -1,0 +1,150 @@
+//! What every figure of the registry must do, whatever it shows.
+
+use std::path::Path;
+
+use crate::support::report_rows::{published, sweep};
+use spinebench::report::{FIGURES, OutputFolder, Published, ReportError, figure, write};
+
+#[test]
+fn the_same_rows_give_the_same_bytes() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("report");
+    for figure in FIGURES {
+        let rows = published(figure.name, 3);
+        let files = (figure.render)(&rows).unwrap();
+        assert!(files == (figure.render)(&rows).unwrap(), "{}", figure.name);
+        // Left there to be looked at.
+        write(&files, &folder, &folder).unwrap();
+    }
+}
+
+#[test]
+fn no_rows_are_an_error() {
+    for figure in FIGURES {
+        let error = (figure.render)(&Published::default()).unwrap_err();
+        assert!(matches!(error, ReportError::NoRows { figure: name, .. } if name == figure.name), "{error}");
+    }
+}
+
+#[test]
+fn one_repetition_is_enough() {
+    for figure in FIGURES {
+        (figure.render)(&published(figure.name, 1)).unwrap();
+    }
+}
+
+#[test]
+fn names_are_unique_and_pictures_come_as_png_and_svg() {
+    for (index, one) in FIGURES.iter().enumerate() {
+        assert!(FIGURES[..index].iter().all(|other| other.name != one.name));
+        assert_eq!(figure(one.name).unwrap().about, one.about);
+        let files = (one.render)(&published(one.name, 1)).unwrap();
+        for end in ["png", "svg"] {
+            let name = format!("{}.{end}", one.name);
+            let file = files.iter().find(|file| file.name == name).unwrap();
+            assert_eq!(file.folder, OutputFolder::Plots);
+            let start: &[u8] = if end == "png" { b"\x89PNG\r\n" } else { b"<svg " };
+            assert!(file.bytes.starts_with(start), "{name}");
+        }
+    }
+}
+
+#[test]
+fn figures_are_drawn_again_from_what_is_published() {
+    for figure in FIGURES {
+        let folder = tempfile::tempdir().unwrap();
+        let rows = published(figure.name, 2).write(folder.path()).unwrap();
+        let again = Published::read(folder.path()).unwrap();
+        assert!((figure.render)(&rows).unwrap() == (figure.render)(&again).unwrap(), "{}", figure.name);
+    }
+}
+
+#[test]
+fn poor_rows_are_drawn_or_refused_but_never_crash() {
+    for figure in FIGURES {
+        for keep in [1, 3] {
+            let mut rows = published(figure.name, 1);
+            rows.trials.truncate(keep);
+            rows.tracks.truncate(keep);
+            rows.waypoints.truncate(keep);
+            rows.workspace.truncate(keep);
+            rows.gaps.truncate(keep);
+            rows.claims.truncate(keep);
+            rows.sweep.rows.truncate(keep);
+            rows.sweep.fields.iter_mut().for_each(|(_, cells)| cells.truncate(keep));
+            rows.peers.truncate(keep);
+            rows.cases.truncate(keep);
+            (figure.render)(&rows).unwrap();
+            rows.trials.iter_mut().for_each(|row| row.error_m = f64::NAN);
+            rows.tracks.iter_mut().for_each(|row| (row.error_m, row.tip_x_m) = (f64::NAN, f64::NAN));
+            rows.gaps.iter_mut().for_each(|row| (row.sim_x_m, row.real_y_m) = (f64::NAN, f64::INFINITY));
+            rows.claims.iter_mut().for_each(|row| (row.ours, row.paper) = (f64::NAN, 0.0));
+            rows.sweep.rows.iter_mut().for_each(|row| (row.mean_m, row.sd_over_seeds_m) = (f64::NAN, f64::INFINITY));
+            rows.cases
+                .iter_mut()
+                .for_each(|row| (row.after_m, row.shift_m, row.noise_m) = (f64::NAN, f64::NAN, f64::INFINITY));
+            // Of simulators that all failed there is nothing to draw.
+            rows.peers.iter_mut().skip(1).for_each(|row| row.rms_error_m = f64::NAN);
+            (figure.render)(&rows).unwrap();
+        }
+    }
+}
+
+#[test]
+fn names_that_nobody_foresaw_are_drawn_too() {
+    let mut rows = published("table1", 1);
+    for row in rows.trials.iter_mut().filter(|row| row.training == "paper") {
+        row.training = "half, \"trained\" & <odd>".to_owned();
+    }
+    let files = (figure("table1").unwrap().render)(&rows).unwrap();
+    let svg = files.iter().find(|file| file.name == "table1.svg").unwrap();
+    assert!(!String::from_utf8_lossy(&svg.bytes).contains("<odd>"), "text in SVG is escaped");
+}
+
+#[test]
+fn sweeps_of_two_fields_are_heat_maps_and_of_three_are_left_to_the_table() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("report");
+    std::fs::create_dir_all(&folder).unwrap();
+    let render = |fields: &[(&str, &[&str])]| {
+        let rows = Published { sweep: sweep(fields, 3), ..Published::default() };
+        (figure("sweep").unwrap().render)(&rows)
+    };
+    let thresholds = ("policies.c.error_m", ["0.005", "0.01", "0.02"].as_slice());
+    let kernels = ("gp.kernel", ["se_ard", "matern32", "matern52"].as_slice());
+    let models = ("plant.simulated.model", ["../models/nominal.yaml", "../models/real.yaml"].as_slice());
+    let files = render(&[kernels, thresholds]).unwrap();
+    let svg = String::from_utf8_lossy(&files[1].bytes).into_owned();
+    // Every cell has its number: A, B and pi_real in two modes, C in one.
+    let numbers = svg.lines().filter(|line| line.trim().parse::<f64>().is_ok_and(|mm| mm > 1.0)).count();
+    assert!(numbers >= 9 * 7, "{numbers}");
+    assert!(svg.contains("matern52") && svg.contains("policies.c.error (m)"), "{svg}");
+    for (name, fields) in [("pair", [kernels, thresholds]), ("files", [models, kernels])] {
+        for file in render(&fields).unwrap() {
+            std::fs::write(folder.join(format!("{name}_{}", file.name)), file.bytes).unwrap();
+        }
+    }
+    let error = render(&[kernels, thresholds, models]).unwrap_err();
+    assert_eq!(error.to_string(), "sweep: found rows of 3 swept fields, expected one or two of them");
+}
+
+#[test]
+fn sweeps_of_any_size_and_kind_of_value_are_drawn() {
+    let numbers =
+        |count: i32, value: &dyn Fn(i32) -> f64| (0..count).map(|k| format!("{:e}", value(k))).collect::<Vec<_>>();
+    let cases: [Vec<String>; 5] = [
+        numbers(1500, &f64::from),
+        numbers(40, &|k| 10f64.powf(f64::from(k) / 8.0 - 4.0)),
+        numbers(1, &f64::from),
+        vec!["true".into(), "null".into(), "[{\"tip_load\":{\"mass_kg\":0.02}}]".into(), "<&>".into()],
+        (0..30).map(|k| format!("a rather long name of a value, number {k}")).collect(),
+    ];
+    for values in &cases {
+        let values: Vec<&str> = values.iter().map(String::as_str).collect();
+        for fields in [
+            &[("a.b", values.as_slice())] as &[(&str, &[&str])],
+            &[("a.b", &values[..values.len().min(45)]), ("c.d", &values[..values.len().min(60)])],
+        ] {
+            let rows = Published { sweep: sweep(fields, 1), ..Published::default() };
+            (figure("sweep").unwrap().render)(&rows).unwrap();
+        }
+    }
+}

@@ -1,0 +1,13 @@
+//! What `discover` says of recordings in which something is hidden, or nothing.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod benchmark;
+mod hidden;
+mod proof;
+mod recordings;
+mod report_benchmark;
+mod report_discovery;
+mod silence;
+mod verdicts;

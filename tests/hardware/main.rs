@@ -1,0 +1,13 @@
+//! Drivers, guard and commands against simulated motors and trackers.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod faults;
+mod grbl;
+mod limits;
+mod natnet_peer;
+mod plant;
+mod program;
+mod table1;
+mod tracking;

@@ -1,0 +1,63 @@
+//! What `doctor` says of a bench that is as it should be, and of one that is not.
+
+use super::bench::{Bench, ROOT};
+
+#[test]
+fn a_bench_that_is_as_it_should_be() {
+    let bench = Bench::new();
+    let plant = format!("{ROOT}/experiments/plants/rehearsal.yaml");
+    let ended = bench.run(&format!("doctor --plant {plant} --move"));
+    ended.is(
+        0,
+        &["ok     controller: grblHAL", "ok     tip: ", "ok     tendon 4: pulled 6 mm", "ok     command to wire"],
+    );
+    assert!(!ended.said.contains("WRONG"), "{}", ended.said);
+    bench.run(&format!("doctor --plant {plant}")).is(0, &["not homed yet", "nothing was moved"]);
+}
+
+#[test]
+fn a_bench_that_is_not() {
+    let bench = Bench::new();
+    bench.put_rehearsal("plant.yaml", "noise_m: 0.0002");
+    let mut served = bench.serve("plant.yaml", "served.yaml");
+    let plant = bench.text("served.yaml");
+    let changed = |name: &str, from: &str, to: &str| {
+        assert!(plant.contains(from), "{plant}");
+        bench.put(name, &plant.replace(from, to));
+    };
+    // A frame that is turned.
+    changed("turned.yaml", "up_axis: Y", "up_axis: Z");
+    bench.run("doctor --plant turned.yaml").is(1, &["WRONG  tip: ", "from the model's home", "1 things are not"]);
+    // A body of another name, a server that is not there, a port that is not there.
+    changed("unnamed.yaml", "tip_body: tip", "tip_body: hand");
+    bench.run("doctor --plant unnamed.yaml").is(1, &["error: ", "'hand'"]);
+    changed("elsewhere.yaml", "server: 127.0.0.1", "server: 127.0.0.9");
+    let elsewhere = bench.text("elsewhere.yaml").replace("connect_s: 20.0", "connect_s: 1.0");
+    bench.put("elsewhere.yaml", &elsewhere);
+    bench.run("doctor --plant elsewhere.yaml").is(1, &["error: ", "127.0.0.9"]);
+    changed("portless.yaml", "port: /dev/", "port: /dev/no-such-");
+    bench.run("doctor --plant portless.yaml").is(1, &["error: /dev/no-such-", "cannot open the port"]);
+    // Settings of the controller, in the order in which they are found.
+    served.wish("set 110 300");
+    bench.run("doctor --plant served.yaml").is(1, &["error: setting $110: found 300 mm/min, expected at least"]);
+    served.wish("set 21 0");
+    bench
+        .run("doctor --plant served.yaml")
+        .is(1, &["error: setting $21 (hard limits)", "found 0, expected a sum that includes 1"]);
+    // Both devices are named when both are wrong.
+    bench.put("both.yaml", &elsewhere);
+    bench.run("doctor --plant both.yaml").is(1, &["error: setting $21 (hard limits)", "; and ", "127.0.0.9"]);
+    assert_eq!(served.moves(), 0);
+}
+
+#[test]
+fn only_a_robot_on_a_bench_has_a_doctor() {
+    let bench = Bench::new();
+    bench.put("plant.yaml", "constant_curvature: {}\n");
+    for command in ["doctor", "arm", "weigh --out out.csv", "align --move", "rehearse --out out.yaml"] {
+        bench.run(&format!("{command} --plant plant.yaml")).is(2, &["error: plant.yaml: expected `hardware`"]);
+    }
+    bench.put("bench.yaml", &format!("hardware: {{name: robot, model: {ROOT}/models/nominal.yaml}}\n"));
+    bench.run("rehearse --plant bench.yaml --out out.yaml").is(2, &["found no `rehearsal`"]);
+    assert!(!bench.path("out.yaml").exists() && !bench.path("out.csv").exists());
+}

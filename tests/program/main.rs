@@ -1,0 +1,13 @@
+//! The program as its users start it.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod benchmark;
+mod discover;
+mod editors;
+mod page;
+mod run;
+mod simulate;
+mod slurm;
+mod survives;

@@ -1,0 +1,364 @@
+//! `simulate`, `collect`, `calibrate` and `effects` through the program itself.
+
+use spinebench::base::{Plant, Seed, TendonCommand};
+use spinebench::data::Recording;
+use spinebench::data::recording::Extra;
+use spinebench::effects::{CATALOGUE, Model};
+use spinebench::plants::{Simulated, SimulatedOptions};
+use spinebench::rod::TipLoad;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const NOMINAL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/models/nominal.yaml");
+const LENGTHS: &str = "trial,time_s,tendon_1_m,tendon_2_m,tendon_3_m,tendon_4_m";
+
+/// A folder with files in it, and the program run there.
+struct Bench(tempfile::TempDir);
+
+impl Bench {
+    fn new() -> Bench {
+        Bench(tempfile::tempdir().unwrap())
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn put(&self, name: &str, text: &str) {
+        std::fs::write(self.path(name), text).unwrap();
+    }
+
+    fn run(&self, arguments: &str) -> Output {
+        let program = Path::new(env!("CARGO_BIN_EXE_spinebench"));
+        let words = arguments.split(' ').map(|word| if word == "NOMINAL" { NOMINAL } else { word });
+        Command::new(program).args(words).current_dir(self.0.path()).output().unwrap()
+    }
+
+    /// Runs what must succeed.
+    fn ok(&self, arguments: &str) -> String {
+        let output = self.run(arguments);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(0), "{arguments}: {said}");
+        said + &String::from_utf8(output.stdout).unwrap()
+    }
+
+    /// Runs what must be refused with exit status 2, in one line, leaving no file `out*`.
+    fn refused(&self, arguments: &str) -> String {
+        let output = self.run(arguments);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {said}");
+        assert!(said.starts_with("error: ") && said.trim_end().lines().count() == 1, "{said}");
+        for entry in std::fs::read_dir(self.0.path()).unwrap() {
+            let name = entry.unwrap().file_name().into_string().unwrap();
+            assert!(!name.starts_with("out") && !name.starts_with('.'), "{arguments} left {name}");
+        }
+        said
+    }
+
+    fn simulated(&self, flags: &str, commands: &str) -> Recording {
+        self.put("in.csv", commands);
+        self.ok(&format!("simulate --model NOMINAL --commands in.csv --out out.csv{flags}"));
+        Recording::read(&self.path("out.csv")).unwrap()
+    }
+}
+
+fn nominal() -> Model {
+    let text = include_str!("../../models/nominal.yaml");
+    serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text)).unwrap()
+}
+
+fn plant() -> Simulated {
+    let options = SimulatedOptions { travel_m: f64::INFINITY, ..SimulatedOptions::default() };
+    Simulated::new(&nominal(), &[], options)
+}
+
+fn pulls(all: [f64; 4]) -> Vec<TendonCommand> {
+    all.map(TendonCommand::Pull).to_vec()
+}
+
+fn tips(recording: &Recording) -> &[[f64; 3]] {
+    recording.tip_m.as_deref().unwrap()
+}
+
+fn statuses(recording: &Recording) -> Vec<String> {
+    let found = recording.extra.iter().find(|(name, _)| name == "solver_status").unwrap();
+    let Extra::Text(cells) = &found.1 else { panic!("{found:?}") };
+    cells.clone()
+}
+
+fn apart_m(a: [f64; 3], b: [f64; 3]) -> f64 {
+    spinebench::base::distance_m(&a, &b)
+}
+
+#[test]
+fn static_lengths_are_the_equilibria_of_the_rod_with_all_digits() {
+    let bench = Bench::new();
+    let out = bench.simulated(
+        " --static",
+        &format!("{LENGTHS}\n0,0,0,0,0,0\n0,0.2,0.01,0,-0.01,0\n0,0.4,0.01,0.01,-0.01,-0.01\n1,0,0.005,0,-0.004,0\n"),
+    );
+    let mut plant = plant();
+    let commands = [[0.0; 4], [0.01, 0.0, -0.01, 0.0], [0.01, 0.01, -0.01, -0.01], [0.005, 0.0, -0.004, 0.0]];
+    for (row, command) in commands.into_iter().enumerate() {
+        plant.reset(Seed(0)).unwrap();
+        let seen = plant.settle(&pulls(command)).unwrap();
+        assert!(apart_m(seen.tip_m, tips(&out)[row]) < 1e-8, "row {row}");
+        let quaternion = out.tip_quaternion.as_ref().unwrap()[row];
+        assert!((quaternion.iter().map(|q| q * q).sum::<f64>() - 1.0).abs() < 1e-9);
+    }
+    // Pulling tendon 1 bends up, and gravity lets the robot hang at home.
+    assert!(tips(&out)[1][0] > tips(&out)[0][0] + 0.02 && tips(&out)[0][0] < -0.005, "{:?}", tips(&out));
+    assert_eq!(statuses(&out), ["converged"; 4]);
+    let header = std::fs::read_to_string(bench.path("out.csv")).unwrap();
+    for column in ["tip_qw", "tension_1_n", "tension_4_n", "solver_residual_m", "solver_status"] {
+        assert!(header.lines().next().unwrap().split(',').any(|name| name == column), "{header}");
+    }
+    assert!(header.lines().nth(2).unwrap().split(',').any(|cell| cell.len() >= 17), "all digits: {header}");
+}
+
+#[test]
+fn static_rows_carry_their_own_loads() {
+    let bench = Bench::new();
+    let columns = "tip_force_x_n,tip_force_y_n,tip_force_z_n,tip_moment_x_nm,tip_moment_y_nm,tip_moment_z_nm";
+    let out = bench.simulated(
+        " --static",
+        &format!(
+            "{LENGTHS},{columns}\n0,0,0,0,0,0,0.1,0,0,0,0,0\n0,1,0,0,0,0,0,0,0,0,0.01,0\n0,2,0,0,0,0,0,0,0,0,0,0\n\
+             0,3,0.01,0,-0.01,0,0,-0.2,0.1,0,0,0.005\n"
+        ),
+    );
+    let rows: [([f64; 4], [f64; 3], [f64; 3]); 4] = [
+        ([0.0; 4], [0.1, 0.0, 0.0], [0.0; 3]),
+        ([0.0; 4], [0.0; 3], [0.0, 0.01, 0.0]),
+        ([0.0; 4], [0.0; 3], [0.0; 3]),
+        ([0.01, 0.0, -0.01, 0.0], [0.0, -0.2, 0.1], [0.0, 0.0, 0.005]),
+    ];
+    for (row, (command, force, moment)) in rows.into_iter().enumerate() {
+        let mut plant = plant();
+        plant.set_extra_tip_load(TipLoad { force_n: force.into(), moment_nm: moment.into() });
+        let seen = plant.settle(&pulls(command)).unwrap();
+        assert!(apart_m(seen.tip_m, tips(&out)[row]) < 1e-8, "row {row}: {:?} {:?}", seen.tip_m, tips(&out)[row]);
+    }
+    let home = tips(&out)[2];
+    assert!(tips(&out)[0][0] > home[0] + 1e-3, "a force along x lifts");
+    assert!(tips(&out)[1][0] > home[0] + 1e-3, "a moment about y turns z towards x");
+}
+
+/// A known load is a mass at the tip, trial by trial, and may change from row to row; at rest it is its weight.
+#[test]
+fn known_loads_hang_on_the_tip() {
+    let bench = Bench::new();
+    let out = bench.simulated(
+        " --static",
+        &format!("{LENGTHS},known_load_kg\n0,0,0,0,0,0,0\n0,1,0,0,0,0,0.02\n1,0,0,0,0,0,0.02\n1,1,0,0,0,0,0\n"),
+    );
+    let [without, with] = [tips(&out)[0], tips(&out)[1]];
+    assert!(with[0] < without[0] - 0.005, "{with:?} {without:?}");
+    assert!(apart_m(with, tips(&out)[2]) < 1e-7 && apart_m(without, tips(&out)[3]) < 1e-7, "{:?}", tips(&out));
+    bench.put(
+        "loaded.yaml",
+        &std::fs::read_to_string(NOMINAL).unwrap().replace("effects: []", "effects: [{tip_load: {mass_kg: 0.02}}]"),
+    );
+    bench.put("plain.csv", &format!("{LENGTHS}\n0,0,0,0,0,0\n"));
+    bench.ok("simulate --model loaded.yaml --commands plain.csv --out loaded.csv");
+    let loaded = Recording::read(&bench.path("loaded.csv")).unwrap();
+    assert!(apart_m(with, tips(&loaded)[0]) < 1e-7);
+}
+
+#[test]
+fn a_moving_row_shows_the_robot_before_its_command_and_long_holds_come_to_rest() {
+    let bench = Bench::new();
+    let out = bench.simulated("", &format!("{LENGTHS}\n3,0,0.01,0,-0.01,0\n3,0.001,0.01,0,-0.01,0\n3,0.002,0,0,0,0\n3,0.3,0.01,0,-0.01,0\n3,100.3,0,0,0,0\n7,0,0.02,0,-0.02,0\n"));
+    let mut plant = plant();
+    let home = plant.reset(Seed(0)).unwrap().tip_m;
+    let bent = plant.settle(&pulls([0.01, 0.0, -0.01, 0.0])).unwrap().tip_m;
+    let seen = tips(&out);
+    assert!(apart_m(seen[0], home) < 1e-9, "the first command acts from time 0 on");
+    assert!(apart_m(seen[1], home) > 1e-3 && apart_m(seen[2], seen[1]) > 1e-3, "steps of 1 ms: {seen:?}");
+    assert!(apart_m(seen[4], bent) < 1e-6, "100 s are enough to come to rest: {:e} m", apart_m(seen[4], bent));
+    assert!(apart_m(seen[5], home) < 1e-9, "a trial of one row starts at home");
+    assert_eq!(statuses(&out), ["converged"; 6]);
+    assert!(out.valid.is_none());
+}
+
+#[test]
+fn tensions_drive_too_and_are_reported() {
+    let bench = Bench::new();
+    let tensions = LENGTHS.replace("_m,", "_n,").replace("tendon_4_m", "tendon_4_n");
+    let out = bench.simulated(
+        " --static",
+        &format!("{tensions}\n0,0,0,0,0,0\n0,1,5,0,0,0\n0,2,0,5,0,0\n0,3,0,-1,0,0\n0,4,0,0,5,0\n"),
+    );
+    let mut plant = plant();
+    plant.reset_slack(Seed(0));
+    let bent = plant.apply_tensions(&[5.0, 0.0, 0.0, 0.0], true).unwrap().tip_m;
+    assert!(apart_m(tips(&out)[1], bent) < 1e-8 && bent[0] > tips(&out)[0][0] + 0.02);
+    // A tendon cannot push: that row has a name, and takes no other with it.
+    assert_eq!(statuses(&out), ["converged", "converged", "converged", "bad_command", "converged"]);
+    assert_eq!(out.valid.as_deref(), Some(&[true, true, true, false, true][..]));
+    let text = std::fs::read_to_string(bench.path("out.csv")).unwrap();
+    assert!(!text.to_lowercase().contains("nan"), "{text}");
+    let moving = bench.simulated("", &format!("{tensions}\n0,0,5,0,0,0\n0,20,0,0,0,0\n"));
+    assert!(apart_m(tips(&moving)[1], bent) < 1e-6, "20 s at 5 N come to rest");
+}
+
+#[test]
+fn a_trial_that_fails_marks_its_rows_and_spares_the_others() {
+    let bench = Bench::new();
+    let out = bench.simulated(
+        "",
+        &format!(
+            "{LENGTHS}\n0,0,0,0,0,0\n0,0.2,3,3,3,3\n0,0.4,0,0,0,0\n0,0.6,0,0,0,0\n1,0,0.01,0,-0.01,0\n1,0.2,0,0,0,0\n"
+        ),
+    );
+    assert_eq!(out.valid.as_deref(), Some(&[true, true, false, false, true, true][..]));
+    let statuses = statuses(&out);
+    assert!(statuses[2] != "converged" && statuses[2] == statuses[3] && !statuses[2].contains(' '), "{statuses:?}");
+    assert!([0, 1, 4, 5].iter().all(|&row| statuses[row] == "converged"), "{statuses:?}");
+    let said = bench.ok("simulate --model NOMINAL --commands in.csv --out out.csv");
+    assert!(said.contains("2 of 6 rows could not be solved"), "{said}");
+}
+
+#[test]
+fn parquet_is_as_good_as_csv_and_unknown_columns_are_carried() {
+    let bench = Bench::new();
+    let commands =
+        format!("{LENGTHS},camera,note\n0,0,0,0,0,0,7,\"a, b\"\n0,0.2,0.01,0,-0.01,0,8,\n0,0.5,0,0,0,0,9,c\n");
+    let csv = bench.simulated("", &commands);
+    bench.ok("simulate --model NOMINAL --commands in.csv --out out.parquet");
+    let parquet = Recording::read(&bench.path("out.parquet")).unwrap();
+    assert_eq!(parquet.tip_m, csv.tip_m);
+    bench.ok("simulate --model NOMINAL --commands out.parquet --out again.csv");
+    let again = Recording::read(&bench.path("again.csv")).unwrap();
+    assert_eq!(again.tip_m, csv.tip_m);
+    assert_eq!(std::fs::read(bench.path("again.csv")).unwrap(), std::fs::read(bench.path("out.csv")).unwrap());
+    let note = csv.extra.iter().find(|(name, _)| name == "note").unwrap();
+    assert_eq!(note.1, Extra::Text(vec!["a, b".into(), String::new(), "c".into()]));
+    assert!(csv.extra.iter().any(|(name, _)| name == "camera"));
+}
+
+#[test]
+fn bad_models_are_refused_by_file_line_and_key() {
+    let bench = Bench::new();
+    bench.put("in.csv", &format!("{LENGTHS}\n0,0,0,0,0,0\n"));
+    let good = std::fs::read_to_string(NOMINAL).unwrap();
+    let cases = [
+        ("radius_m: 0.002", "radius_m: -0.002", "radius_m"),
+        ("radius_m: 0.002", "radius_mm: 2", "radius_mm"),
+        ("youngs_modulus_pa: 2.33e9", "youngs_modulus_pa: stiff", "youngs_modulus_pa"),
+        ("youngs_modulus_pa: 2.33e9", "youngs_modulus_pa: .nan", "youngs_modulus_pa"),
+        ("poisson_ratio: 0.3897", "poisson_ratio: 0.7", "poisson_ratio"),
+        ("count: 11", "count: 30", "length_m"),
+        ("count: 11", "count: -1", "count"),
+        ("count: 12", "count: 1000000000000", "count"),
+        ("angles_deg: [0, 90, 180, 270]", "angles_deg: []", "angles_deg"),
+        ("effects: []", "effects: [{tip_load: {mass_kg: -1}}]", "mass_kg"),
+        ("effects: []", "effects: [{tip_lode: {mass_kg: 1}}]", "tip_lode"),
+        ("effects: []", "effects: [{actuator_gain: {tendon: 5, scale: 1.1}}]", "tendon"),
+        ("damping_time_s: 0.03", "damping_time_s: 0.03\n  resolution: {cell_m: 1e-12}", "cell_m"),
+        ("damping_time_s: 0.03", "damping_time_s: 0.03\n  resolution: {bending_modes: 1000000}", "bending_modes"),
+    ];
+    for (from, to, key) in cases {
+        let text = good.replace(from, to);
+        assert_ne!(text, good, "{from}");
+        bench.put("model.yaml", &text);
+        let said = bench.refused("simulate --model model.yaml --commands in.csv --out out.csv");
+        let place = text.lines().position(|line| line.contains(to.lines().last().unwrap().trim())).unwrap() + 1;
+        assert!(said.contains("model.yaml") && said.contains(&place.to_string()) && said.contains(key), "{to}: {said}");
+    }
+    bench.refused("simulate --model none.yaml --commands in.csv --out out.csv");
+}
+
+#[test]
+fn bad_commands_and_places_are_refused() {
+    let bench = Bench::new();
+    let three = "trial,time_s,tendon_1_m,tendon_2_m,tendon_3_m\n0,0,0,0,0\n";
+    let cases = [
+        (three.to_owned(), "line 1, column `tendon_4_m`"),
+        (format!("{LENGTHS},tendon_5_m\n0,0,0,0,0,0,0\n"), "line 1, column `tendon_5_m`"),
+        (format!("{LENGTHS},tendon_1000000000000_m\n0,0,0,0,0,0,0\n"), "column `tendon_5_m`"),
+        (format!("{LENGTHS}\n0,0,0,x,0,0\n"), "line 2, column `tendon_2_m`"),
+        (format!("{LENGTHS}\n0,0,0,0,0,0\n0,0,0,0,0,0\n"), "line 3, column `time_s`"),
+        (format!("{LENGTHS}\n0,0.1,0,0,0,0\n"), "line 2, column `time_s`"),
+        (format!("{LENGTHS}\n0,0,0,0,0,inf\n"), "line 2, column `tendon_4_m`"),
+        (format!("{LENGTHS}\n"), "in.csv"),
+        (String::new(), "in.csv"),
+    ];
+    for (commands, place) in cases {
+        bench.put("in.csv", &commands);
+        let said = bench.refused("simulate --model NOMINAL --commands in.csv --out out.csv");
+        assert!(said.contains("in.csv") && said.contains(place), "{said}");
+    }
+    bench.put("in.csv", &format!("{LENGTHS}\n0,0,0,0,0,0\n"));
+    bench.put("file", "");
+    for out in ["file/out.csv", "/proc/none/out.csv"] {
+        let said = bench.refused(&format!("simulate --model NOMINAL --commands in.csv --out {out}"));
+        assert!(said.contains(out), "{said}");
+    }
+    bench.refused("calibrate --model NOMINAL --measured in.csv --out out.yaml");
+    let measured = |rows: &str| {
+        bench.put("in.csv", &format!("{LENGTHS},tip_x_m,tip_y_m,tip_z_m\n{rows}"));
+        bench.refused("calibrate --model NOMINAL --measured in.csv --out out.yaml")
+    };
+    let far = measured("0,0,0,0,0,0,0,0,0.2\n0,0.2,3,0,-3,0,0,0,0.2\n");
+    assert!(["in.csv", "line 3", "tendon_1_m", "millimetres"].iter().all(|word| far.contains(word)), "{far}");
+    let long = measured("0,0,0,0,0,0,0,0,0.2\n0,1e8,0,0,0,0,0,0,0.2\n");
+    assert!(["in.csv", "line 3", "time_s", "milliseconds"].iter().all(|word| long.contains(word)), "{long}");
+}
+
+#[test]
+fn collect_measures_with_noise_by_seed_and_heeds_the_travel() {
+    let bench = Bench::new();
+    bench.put("plant.yaml", &format!("simulated: {{model: {NOMINAL}, noise_m: 0.0005}}\n"));
+    let rows: String = (0..60).map(|k| format!("0,{},0,0,0,0\n", 0.2 * f64::from(k))).collect();
+    bench.put("in.csv", &format!("{LENGTHS}\n{rows}"));
+    let collect = |out: &str, more: &str| {
+        bench.ok(&format!("collect --plant plant.yaml --commands in.csv --out {out}{more}"));
+        Recording::read(&bench.path(out)).unwrap()
+    };
+    let (one, same, other) = (collect("a.csv", ""), collect("b.csv", ""), collect("c.csv", " --seed 2"));
+    assert_eq!(one, same);
+    assert_ne!(one.tip_m, other.tip_m);
+    assert!(one.tip_quaternion.is_none() && one.extra.is_empty(), "a tracker sees the tip");
+    for axis in 0..3 {
+        let values: Vec<f64> = tips(&one).iter().map(|tip| tip[axis]).collect();
+        let spread = spinebench::math::summary::standard_deviation(&values);
+        assert!((3.5e-4..6.5e-4).contains(&spread), "axis {axis}: {spread} m");
+    }
+    bench.put("in.csv", &format!("{LENGTHS}\n0,0,0.061,0,-0.061,0\n0,0.2,0,0,0,0\n"));
+    let refused = collect("d.csv", "");
+    assert_eq!(refused.valid.as_deref(), Some(&[true, false][..]), "travel is 60 mm");
+}
+
+#[test]
+fn weights_hung_on_tendons_calibrate_the_shipped_plant() {
+    let bench = Bench::new();
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/experiments/calibration");
+    bench.ok(&format!("collect --plant {folder}/plant.yaml --commands {folder}/weights.csv --out rec.csv"));
+    bench.put("guess.yaml", &std::fs::read_to_string(NOMINAL).unwrap().replace("2.33e9", "2.0e9"));
+    let said = bench.ok("calibrate --model guess.yaml --measured rec.csv --out fitted.yaml");
+    let numbers: Vec<f64> =
+        said.lines().next().unwrap().split([' ', ',']).filter_map(|word| word.parse().ok()).collect();
+    let [value, _, low, high] = numbers[..] else { panic!("{said}") };
+    assert!(low < value && value < high && low < 2.33e9 && 2.33e9 < high && high - low < 0.03e9, "{said}");
+    let fitted = spinebench::specs::read_model(&bench.path("fitted.yaml")).unwrap();
+    assert_eq!(fitted.robot.backbone.poisson_ratio, 0.3897);
+    assert!((fitted.robot.backbone.youngs_modulus_pa / value - 1.0).abs() < 1e-5);
+    let poisson = bench.run("calibrate --model guess.yaml --measured rec.csv --fit poisson_ratio --out out.yaml");
+    assert!(poisson.status.code() == Some(2) && !bench.path("out.yaml").exists(), "the ratio is held");
+}
+
+#[test]
+fn the_catalogue_tells_what_each_effect_is() {
+    let bench = Bench::new();
+    let all = bench.ok("effects");
+    for card in CATALOGUE {
+        let one = bench.ok(&format!("effects {}", card.name));
+        assert!(all.contains(&one), "{one}");
+        let parts = [card.missing, card.equation, card.source];
+        assert!(parts.iter().all(|part| !part.is_empty() && one.contains(part)), "{one}");
+        assert!(card.parameters.iter().all(|parameter| one.contains(parameter.name)), "{one}");
+        assert!(!card.confused_with.is_empty() && card.confused_with.iter().all(|name| one.contains(name)), "{one}");
+    }
+    assert!(bench.run("effects tip_lode").status.code() == Some(2));
+}

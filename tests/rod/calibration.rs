@@ -1,0 +1,154 @@
+//! Calibration from weights hung on tendons: the plant's numbers come back with intervals that mean what they say.
+
+use rand_distr::{Distribution, Normal};
+use spinebench::base::{Rows, Seed};
+use spinebench::calibration::{Calibration, calibrate};
+use spinebench::data::{Actuation, Recording};
+use spinebench::effects::Model;
+use spinebench::tasks::{SimulationOptions, TaskError, simulate_recording};
+
+const TRUE_PA: f64 = 2.33e9;
+const NOISE_M: f64 = 5e-4;
+
+fn nominal() -> Model {
+    let text = include_str!("../../models/nominal.yaml");
+    serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text)).unwrap()
+}
+
+/// Weights of `each_n` newtons on every tendon in turn, every row a pose at rest.
+fn weights(each_n: &[f64]) -> Recording {
+    let mut commands = Recording::new(Actuation::Tensions, 4);
+    let mut rows = Rows::new(4);
+    for tendon in 0..4 {
+        for (k, &weight_n) in each_n.iter().enumerate() {
+            let mut row = [0.0; 4];
+            row[tendon] = weight_n;
+            rows.push(&row);
+            commands.trial.push(tendon as u64);
+            commands.time_s.push(5.0 * k as f64);
+        }
+    }
+    commands.commands = rows;
+    commands
+}
+
+/// What a tracker with noise sees of `model`.
+fn measured(model: &Model, commands: &Recording, seed: u64, noise_m: f64) -> Recording {
+    let clean =
+        simulate_recording(model, commands, &SimulationOptions { at_rest: true, ..SimulationOptions::default() });
+    noisy(&clean, seed, noise_m)
+}
+
+fn noisy(clean: &Recording, seed: u64, noise_m: f64) -> Recording {
+    let mut random = Seed(seed).child("calibration test").rng();
+    let normal = Normal::new(0.0, noise_m).unwrap();
+    let mut recording = clean.clone();
+    for tip in recording.tip_m.iter_mut().flatten() {
+        tip.iter_mut().for_each(|x| *x += normal.sample(&mut random));
+    }
+    recording
+}
+
+fn fit(model: &Model, recording: &Recording, names: &[&str]) -> Calibration {
+    let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+    calibrate(model, recording, &names, true).unwrap()
+}
+
+#[test]
+fn youngs_modulus_comes_back_and_nothing_else_changes() {
+    let truth = nominal();
+    let mut guess = truth.clone();
+    for start_pa in [1e9, 2e9, 5e9] {
+        guess.robot.backbone.youngs_modulus_pa = start_pa;
+        let exact = fit(&guess, &measured(&truth, &weights(&[2.0, 5.0, 8.0]), 1, 1e-12), &["youngs_modulus_pa"]);
+        let number = &exact.numbers[0];
+        assert!((number.value / TRUE_PA - 1.0).abs() < 1e-5, "from {start_pa}: {number:?}");
+        let mut same = exact.model.clone();
+        same.robot.backbone.youngs_modulus_pa = start_pa;
+        assert_eq!(same, guess, "only Young's modulus was fitted");
+    }
+    assert_eq!(guess.robot.backbone.poisson_ratio, 0.3897);
+}
+
+/// 95 % intervals cover the truth 95 times in 100: fewer than 87 has a probability of 0.2 %, and the estimates spread as
+/// the intervals say (the root mean square of 100 standard scores is within 1 ± 0.25 but for 4 in 10,000).
+#[test]
+fn the_interval_covers_the_truth_as_often_as_it_says() {
+    let truth = nominal();
+    let mut guess = truth.clone();
+    guess.robot.backbone.youngs_modulus_pa = 2.1e9;
+    let commands = weights(&[3.0, 8.0]);
+    let clean =
+        simulate_recording(&truth, &commands, &SimulationOptions { at_rest: true, ..SimulationOptions::default() });
+    // Student's t for 24 coordinates and one number.
+    let quantile = 2.0687;
+    let (mut covered, mut scores) = (0, 0.0);
+    for seed in 0..100 {
+        let found = fit(&guess, &noisy(&clean, seed, NOISE_M), &["youngs_modulus_pa"]);
+        let [low, high] = found.numbers[0].interval_95;
+        covered += usize::from(low < TRUE_PA && TRUE_PA < high);
+        let half = 0.5 * (high / low).ln();
+        scores += ((found.numbers[0].value / TRUE_PA).ln() / (half / quantile)).powi(2);
+    }
+    let spread = (scores / 100.0).sqrt();
+    println!("{covered} of 100 intervals cover the truth; standard scores spread by {spread:.3}");
+    assert!(covered >= 87, "{covered} of 100");
+    assert!((0.75..1.25).contains(&spread), "{spread}");
+}
+
+#[test]
+fn several_numbers_at_once() {
+    let truth = nominal();
+    let mut guess = truth.clone();
+    guess.robot.backbone.youngs_modulus_pa = 2.0e9;
+    guess.robot.sections.compliance_m_per_n = 1.5e-4;
+    guess.robot.backbone.length_m = 0.21;
+    let names = ["youngs_modulus_pa", "compliance_m_per_n", "length_m"];
+    let recording = measured(&truth, &weights(&[1.0, 3.0, 5.0, 8.0]), 5, NOISE_M);
+    let found = fit(&guess, &recording, &names);
+    for (number, (name, value)) in found.numbers.iter().zip(names.iter().zip([TRUE_PA, 2e-4, 0.22])) {
+        let [low, high] = number.interval_95;
+        assert_eq!(number.name, *name);
+        // Three intervals of 95 % may miss by a little; by half their width more they do not.
+        let slack = (high / low).powf(0.25);
+        assert!(low / slack < value && value < high * slack, "{number:?}");
+        assert!(high / low < 1.2, "{number:?}");
+    }
+    assert!(found.before_m > 3.0 * found.after_m && found.after_m < 1.3 * NOISE_M * 3f64.sqrt(), "{found:?}");
+}
+
+/// At rest nothing depends on the damping, and without gravity and weights nothing on Young's modulus.
+#[test]
+fn what_a_recording_does_not_tell_has_no_interval_and_harms_no_other_number() {
+    let truth = nominal();
+    let mut guess = truth.clone();
+    guess.robot.backbone.youngs_modulus_pa = 2.1e9;
+    let recording = measured(&truth, &weights(&[3.0, 8.0]), 7, NOISE_M);
+    let found = fit(&guess, &recording, &["damping_time_s", "youngs_modulus_pa"]);
+    assert_eq!(found.numbers[0].value, 0.03);
+    assert_eq!(found.numbers[0].interval_95, [0.0, f64::INFINITY]);
+    let alone = fit(&guess, &recording, &["youngs_modulus_pa"]);
+    assert!((found.numbers[1].value / alone.numbers[0].value - 1.0).abs() < 1e-6, "{found:?} {alone:?}");
+    assert!(found.numbers[1].interval_95.iter().all(|end| end.is_finite()), "{found:?}");
+
+    guess.robot.gravity_m_s2 = [0.0; 3];
+    let still = measured(&guess, &weights(&[0.0, 0.0, 0.0]), 9, NOISE_M);
+    let found = fit(&guess, &still, &["youngs_modulus_pa"]);
+    assert_eq!(found.numbers[0].interval_95, [0.0, f64::INFINITY]);
+    assert_eq!(found.model.robot.backbone.youngs_modulus_pa, 2.1e9);
+}
+
+#[test]
+fn what_cannot_be_fitted_is_named() {
+    let (model, recording) = (nominal(), measured(&nominal(), &weights(&[3.0]), 3, NOISE_M));
+    let error = |model: &Model, names: &[&str]| {
+        let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+        calibrate(model, &recording, &names, true).unwrap_err()
+    };
+    assert!(matches!(error(&model, &["poisson_ratio"]), TaskError::UnknownName(_)));
+    assert!(matches!(error(&model, &["length_m", "length_m"]), TaskError::Repeated("length_m")));
+    let mut light = model.clone();
+    light.robot.disks.mass_kg = 0.0;
+    let words = error(&light, &["disk_mass_kg"]).to_string();
+    assert_eq!(words, "disk_mass_kg: found 0, expected a finite number above 0");
+}
