@@ -52,7 +52,7 @@ fn main() {
 
 /// One row a quantity, on standard output.
 fn measure(load: &str) {
-    let mut imitations = serve();
+    let mut simulator = serve();
     let over = AtomicBool::new(false);
     let processors = std::thread::available_parallelism().map_or(1, usize::from);
     let busy = if load == "loaded" { processors } else { 0 };
@@ -63,8 +63,8 @@ fn measure(load: &str) {
         play(load, processors);
         over.store(true, Ordering::SeqCst);
     });
-    imitations.kill().unwrap();
-    imitations.wait().unwrap();
+    simulator.kill().unwrap();
+    simulator.wait().unwrap();
 }
 
 fn spin(over: &AtomicBool) {
@@ -87,7 +87,7 @@ fn serve() -> Child {
 "
     );
     std::fs::write("plant.yaml", plant).unwrap();
-    let imitations = Command::new(env!("CARGO_BIN_EXE_spinebench"))
+    let simulator = Command::new(env!("CARGO_BIN_EXE_spinebench"))
         .args(["rehearse", "--plant", "plant.yaml", "--out", "served.yaml", "--urgent"])
         .stdin(Stdio::null())
         .stdout(Stdio::null())
@@ -98,14 +98,14 @@ fn serve() -> Child {
         assert!(begun.elapsed() < PATIENCE, "the imitations do not start");
         std::thread::sleep(Duration::from_millis(20));
     }
-    imitations
+    simulator
 }
 
 fn play(load: &str, processors: usize) {
     let PlantSpec::Hardware(options) = read_plant(Path::new("served.yaml")).unwrap() else { panic!("no robot") };
     let mut robot = Hardware::open(&options, STEP_S, Seed(1)).unwrap();
     robot.reset(Seed(1)).unwrap();
-    robot.start_timing();
+    robot.reset_timing();
     for k in 1..=TICKS {
         let angle = 0.08 * k as f64;
         let (x, y) = (0.012 * angle.sin(), 0.012 * (1.0 - angle.cos()));

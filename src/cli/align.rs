@@ -1,6 +1,6 @@
 //! `spinebench align`.
 
-use super::session::bench;
+use super::session::read_hardware_plant;
 use super::simulate::same_tendons;
 use super::weigh::{STEP_S, visiting};
 use super::{CommandError, CommandResult};
@@ -48,21 +48,21 @@ pub(super) struct AlignCommand {
 
 impl AlignCommand {
     pub(super) fn execute(self) -> CommandResult {
-        let mut options = bench(&self.plant)?;
+        let mut options = read_hardware_plant(&self.plant)?;
         let (recording, at_rest) = match &self.measured {
             Some(file) => {
                 let recording = Recording::read(file).map_err(CommandError::bad_input)?;
                 same_tendons(file, &recording, 4)?;
                 (recording, self.at_rest)
             }
-            None => (self.look(&options)?, true),
+            None => (self.record_poses(&options)?, true),
         };
         let found = aligned(&options, &recording, at_rest).map_err(|words| match &self.measured {
             Some(file) => CommandError::BadInput(format!("{}: {words}", file.display())),
             None => CommandError::Failed(words),
         })?;
         options.tracking.alignment = found.pose;
-        tell(&found)?;
+        print_alignment(&found)?;
         if let Some(out) = &self.out {
             let text = to_yaml(&PlantSpec::Hardware(options)).map_err(CommandError::failed)?;
             write_atomic(out, text.as_bytes()).map_err(CommandError::bad_input)?;
@@ -71,7 +71,7 @@ impl AlignCommand {
     }
 
     /// Poses at rest, measured now.
-    fn look(&self, options: &HardwareOptions) -> Result<Recording, CommandError> {
+    fn record_poses(&self, options: &HardwareOptions) -> Result<Recording, CommandError> {
         let travel_m = options.safety.travel_m;
         if !(self.reach_m > 0.0 && self.reach_m <= travel_m) {
             let found = self.reach_m;
@@ -111,7 +111,7 @@ fn aligned(options: &HardwareOptions, measured: &Recording, at_rest: bool) -> Re
     Ok(found)
 }
 
-fn tell(found: &Alignment) -> CommandResult {
+fn print_alignment(found: &Alignment) -> CommandResult {
     let Alignment { pose, residual_m, worst_m, turn_rad, .. } = found;
     #[derive(serde::Serialize)]
     struct TrackingSection<'a> {

@@ -1,6 +1,6 @@
 //! `spinebench arm`.
 
-use super::session::bench;
+use super::session::read_hardware_plant;
 use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::hardware::safety::Latch;
@@ -16,7 +16,7 @@ pub(super) struct ArmCommand {
 
 impl ArmCommand {
     pub(super) fn execute(self) -> CommandResult {
-        let options = bench(&self.plant)?;
+        let options = read_hardware_plant(&self.plant)?;
         let latch = Latch::new(&Latch::folder(), &options.name);
         match latch.release().map_err(CommandError::failed)? {
             Some(reason) => {

@@ -6,7 +6,7 @@ use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::base::Seed;
 use spinebench::data::{Actuation, Recording};
-use spinebench::plants::hardware::{DryRun, HardwareOptions, RefusedRow, foresee};
+use spinebench::plants::hardware::{DryRun, HardwareOptions, RefusedRow, dry_run};
 use spinebench::specs::{PlantSpec, SimulatedSpec, read_plant};
 use spinebench::tasks::{SimulationOptions, record_trial, simulate_recording, step_s};
 use std::path::{Path, PathBuf};
@@ -85,26 +85,31 @@ impl CollectCommand {
             )));
         }
         let step_s = step_s(commands).map_err(|error| CommandError::BadInput(format!("{file}: {error}")))?;
-        let foreseen = match plant {
-            PlantSpec::Hardware(options) => Some(self.foresee(options, commands, step_s)?),
+        let summary = match plant {
+            PlantSpec::Hardware(options) => Some(self.check_limits(options, commands, step_s)?),
             _ => None,
         };
         if self.dry_run {
-            let (PlantSpec::Hardware(options), Some(foreseen)) = (plant, foreseen) else {
+            let (PlantSpec::Hardware(options), Some(summary)) = (plant, summary) else {
                 let kind = plant.kind();
                 return Err(CommandError::BadInput(format!("--dry-run: found a {kind} plant, expected `hardware`")));
             };
-            tell(&foreseen, options, commands, step_s);
+            print_summary(&summary, options, commands, step_s);
             return Ok(());
         }
         let session = RecordingSession::open(self.out()?, commands)?;
         let mut robot = RecordedPlant::open(plant, step_s, Seed(0))?;
-        session.go_on(&mut robot, Seed(self.seed), &record_trial)
+        session.record_missing(&mut robot, Seed(self.seed), &record_trial)
     }
 
     /// What the commands would do; commands that the robot would refuse are refused before anything is opened.
-    fn foresee(&self, options: &HardwareOptions, commands: &Recording, step_s: f64) -> Result<DryRun, CommandError> {
-        foresee(&options.safety, commands, step_s).map_err(|RefusedRow { row, refusal }| {
+    fn check_limits(
+        &self,
+        options: &HardwareOptions,
+        commands: &Recording,
+        step_s: f64,
+    ) -> Result<DryRun, CommandError> {
+        dry_run(&options.safety, commands, step_s).map_err(|RefusedRow { row, refusal }| {
             CommandError::BadInput(format!("{}, line {}: {refusal}", self.commands.display(), row + 2))
         })
     }
@@ -117,8 +122,8 @@ impl CollectCommand {
 }
 
 /// Prints what commands would do on a robot.
-fn tell(foreseen: &DryRun, options: &HardwareOptions, commands: &Recording, step_s: f64) {
-    let DryRun { trials, commands: count, ticks, largest_step_m, largest_row, reach_m: [low_m, high_m] } = foreseen;
+fn print_summary(summary: &DryRun, options: &HardwareOptions, commands: &Recording, step_s: f64) {
+    let DryRun { trials, commands: count, ticks, largest_step_m, largest_row, reach_m: [low_m, high_m] } = summary;
     let duration_s = *ticks as f64 * step_s + *trials as f64 * options.settle_s;
     println!("trials: {trials}, commands: {count}, ticks of {step_s} s: {ticks}");
     println!("duration: {:.1} minutes, homing and the ways home left out", duration_s / 60.0);

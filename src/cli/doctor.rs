@@ -1,6 +1,6 @@
 //! `spinebench doctor`.
 
-use super::session::bench;
+use super::session::read_hardware_plant;
 use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::base::{Plant, Seed, distance_m};
@@ -33,12 +33,12 @@ pub(super) struct DoctorCommand {
 
 impl DoctorCommand {
     pub(super) fn execute(self) -> CommandResult {
-        let options = bench(&self.plant)?;
+        let options = read_hardware_plant(&self.plant)?;
         let mut plant = Hardware::open(&options, STEP_S, Seed(1)).map_err(CommandError::failed)?;
-        let examined = plant.examine(WATCH_S);
-        let mut wrong = report(&examined, &options);
+        let diagnostics = plant.run_diagnostics(WATCH_S);
+        let mut wrong = report(&diagnostics, &options);
         if self.moving {
-            wrong += try_out(&mut plant)?;
+            wrong += test_tendons(&mut plant)?;
         } else {
             println!("       nothing was moved; --move homes the axes and pulls each tendon by 6 mm");
         }
@@ -47,38 +47,38 @@ impl DoctorCommand {
 }
 
 /// One line of the report; how many things it says are wrong.
-fn line(good: bool, what: &str) -> usize {
+fn print_check(good: bool, what: &str) -> usize {
     println!("{}  {what}", if good { "ok   " } else { "WRONG" });
     usize::from(!good)
 }
 
-fn report(examined: &Diagnostics, options: &HardwareOptions) -> usize {
+fn report(diagnostics: &Diagnostics, options: &HardwareOptions) -> usize {
     let (rate_hz, near_m) = (options.tracking.rate_hz, options.safety.tip_from_model_m);
-    let Diagnostics { controller, homed, position_mm, server, tracking, tip, home_m, urgent } = examined;
-    let mut wrong = line(true, &format!("controller: {controller}"));
+    let Diagnostics { controller, homed, position_mm, server, tracking, tip, home_m, real_time } = diagnostics;
+    let mut wrong = print_check(true, &format!("controller: {controller}"));
     let position = position_mm.map(|mm| format!("{mm:.3}")).join(", ");
-    wrong += line(true, &format!("axes: {}, at {position} mm", if *homed { "homed" } else { "not homed yet" }));
-    wrong += line(true, &format!("tracker: {server}"));
+    wrong += print_check(true, &format!("axes: {}, at {position} mm", if *homed { "homed" } else { "not homed yet" }));
+    wrong += print_check(true, &format!("tracker: {server}"));
     let rate = tracking.rate_hz.unwrap_or(0.0);
-    wrong += line((rate - rate_hz).abs() < 0.05 * rate_hz, &format!("frames: {rate:.1} Hz, expected {rate_hz}"));
+    wrong += print_check((rate - rate_hz).abs() < 0.05 * rate_hz, &format!("frames: {rate:.1} Hz, expected {rate_hz}"));
     let lost = tracking.lost as f64 / (tracking.lost + tracking.received).max(1) as f64;
-    wrong += line(lost < 0.05, &format!("frames lost: {:.1} %, expected below 5", 100.0 * lost));
+    wrong += print_check(lost < 0.05, &format!("frames lost: {:.1} %, expected below 5", 100.0 * lost));
     let jitter_ms = tracking.latency_jitter_s * 1e3;
-    wrong += line(jitter_ms < 20.0, &format!("frames late by up to {jitter_ms:.1} ms, expected below 20"));
-    wrong += line(tracking.foreign == 0, &format!("frames of other servers: {}", tracking.foreign));
-    wrong += line(tracking.malformed == 0, &format!("frames that cannot be read: {}", tracking.malformed));
+    wrong += print_check(jitter_ms < 20.0, &format!("frames late by up to {jitter_ms:.1} ms, expected below 20"));
+    wrong += print_check(tracking.foreign == 0, &format!("frames of other servers: {}", tracking.foreign));
+    wrong += print_check(tracking.malformed == 0, &format!("frames that cannot be read: {}", tracking.malformed));
     match tip {
-        None => wrong += line(false, "tip: not seen; expected both bodies in view"),
+        None => wrong += print_check(false, "tip: not seen; expected both bodies in view"),
         Some(tip_m) => {
             let off_m = distance_m(tip_m, home_m);
             let place = tip_m.map(|x| format!("{:.1}", x * 1e3)).join(", ");
-            wrong += line(
+            wrong += print_check(
                 off_m <= near_m,
                 &format!("tip: ({place}) mm, {:.1} mm from the model's home, allowed {:.1}", off_m * 1e3, near_m * 1e3),
             );
         }
     }
-    if let Some(granted) = urgent {
+    if let Some(granted) = real_time {
         let words =
             if *granted { "granted" } else { "not granted: other programs can delay commands; see docs/hardware.md" };
         println!("       real-time priority: {words}");
@@ -87,7 +87,7 @@ fn report(examined: &Diagnostics, options: &HardwareOptions) -> usize {
 }
 
 /// Homes the robot and pulls each tendon; how many do not do what the model says.
-fn try_out(plant: &mut Hardware) -> Result<usize, CommandError> {
+fn test_tendons(plant: &mut Hardware) -> Result<usize, CommandError> {
     let failed = |error: spinebench::base::PlantError| CommandError::Failed(error.to_string());
     let mut wrong = 0;
     let home_m = plant.reset(Seed(1)).map_err(failed)?.tip_m;
@@ -114,12 +114,12 @@ fn try_out(plant: &mut Hardware) -> Result<usize, CommandError> {
             length(&wanted) * 1e3,
             along.clamp(-1.0, 1.0).acos().to_degrees()
         );
-        wrong += line(good, &words);
+        wrong += print_check(good, &words);
         plant.reset(Seed(1)).map_err(failed)?;
     }
     let timing = plant.timing();
     let (latency_ms, jitter_ms) = (1e3 * timing.latency.quantile_s(0.99), 1e3 * timing.jitter.quantile_s(0.99));
-    wrong += line(latency_ms <= 2.0, &format!("command to wire: 99 % within {latency_ms:.2} ms, expected 2"));
-    wrong += line(jitter_ms <= 5.0, &format!("ticks late: 99 % by less than {jitter_ms:.2} ms, expected 5"));
+    wrong += print_check(latency_ms <= 2.0, &format!("command to wire: 99 % within {latency_ms:.2} ms, expected 2"));
+    wrong += print_check(jitter_ms <= 5.0, &format!("ticks late: 99 % by less than {jitter_ms:.2} ms, expected 5"));
     Ok(wrong)
 }

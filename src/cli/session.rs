@@ -9,7 +9,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// The robot on a bench that a plant file describes.
-pub(super) fn bench(file: &Path) -> Result<Box<HardwareOptions>, CommandError> {
+pub(super) fn read_hardware_plant(file: &Path) -> Result<Box<HardwareOptions>, CommandError> {
     match read_plant(file).map_err(CommandError::bad_input)? {
         PlantSpec::Hardware(options) => Ok(options),
         other => {
@@ -22,7 +22,7 @@ pub(super) fn bench(file: &Path) -> Result<Box<HardwareOptions>, CommandError> {
 /// What is recorded.
 pub(super) enum RecordedPlant {
     /// A robot on a bench, on which hands may hang something, or a rehearsal of one.
-    Bench(Box<Hardware>),
+    Hardware(Box<Hardware>),
     /// Anything else.
     Other(Box<dyn Plant>),
 }
@@ -30,25 +30,29 @@ pub(super) enum RecordedPlant {
 impl RecordedPlant {
     pub(super) fn open(plant: &PlantSpec, step_s: f64, seed: Seed) -> Result<RecordedPlant, CommandError> {
         match plant {
-            PlantSpec::Hardware(options) => RecordedPlant::bench(options, step_s, seed),
+            PlantSpec::Hardware(options) => RecordedPlant::open_hardware(options, step_s, seed),
             other => Ok(RecordedPlant::Other(other.build(step_s).map_err(CommandError::Failed)?)),
         }
     }
 
-    pub(super) fn bench(options: &HardwareOptions, step_s: f64, seed: Seed) -> Result<RecordedPlant, CommandError> {
+    pub(super) fn open_hardware(
+        options: &HardwareOptions,
+        step_s: f64,
+        seed: Seed,
+    ) -> Result<RecordedPlant, CommandError> {
         let hardware = Hardware::open(options, step_s, seed).map_err(CommandError::Failed)?;
-        Ok(RecordedPlant::Bench(Box::new(hardware)))
+        Ok(RecordedPlant::Hardware(Box::new(hardware)))
     }
 
     fn plant(&mut self) -> &mut dyn Plant {
         match self {
-            RecordedPlant::Bench(hardware) => hardware.as_mut(),
+            RecordedPlant::Hardware(hardware) => hardware.as_mut(),
             RecordedPlant::Other(plant) => plant.as_mut(),
         }
     }
 
     /// Has a weight hung on the tip, in place of whatever hangs there. An imitated robot takes it by itself.
-    fn hang(&mut self, trial: u64, load_kg: f64, assume_done: bool) -> CommandResult {
+    fn hang_weight(&mut self, trial: u64, load_kg: f64, assume_done: bool) -> CommandResult {
         let grams = load_kg * 1e3;
         let what = if load_kg > 0.0 {
             format!("trial {trial}: hang {grams:.1} g on the tip")
@@ -56,19 +60,19 @@ impl RecordedPlant {
             format!("trial {trial}: take everything off the tip")
         };
         match self {
-            RecordedPlant::Other(_) => operator::ask(&what),
-            RecordedPlant::Bench(hardware) if hardware.stage().is_some() || assume_done => {
+            RecordedPlant::Other(_) => operator::ask_operator(&what),
+            RecordedPlant::Hardware(hardware) if hardware.rehearsal().is_some() || assume_done => {
                 eprintln!("note: {what}");
-                hardware.hang(load_kg, None)
+                hardware.hang_weight(load_kg, None)
             }
-            RecordedPlant::Bench(hardware) => hardware.hang(load_kg, Some(&what)),
+            RecordedPlant::Hardware(hardware) => hardware.hang_weight(load_kg, Some(&what)),
         }
         .map_err(CommandError::Failed)
     }
 }
 
 /// How a trial is recorded: on which plant, of which commands, which rows of them, with which seed.
-pub(super) type Records<'a> =
+pub(super) type RecordTrial<'a> =
     &'a dyn Fn(&mut dyn Plant, &Recording, Range<usize>, Seed) -> Result<Recording, PlantError>;
 
 /// A recording under way. What has been recorded stands beside the recording until it is whole, so that a session that
@@ -115,8 +119,13 @@ impl<'a> RecordingSession<'a> {
             })
     }
 
-    /// Records what is missing and writes the whole.
-    pub(super) fn go_on(mut self, robot: &mut RecordedPlant, seed: Seed, record: Records) -> CommandResult {
+    /// RecordTrial what is missing and writes the whole.
+    pub(super) fn record_missing(
+        mut self,
+        robot: &mut RecordedPlant,
+        seed: Seed,
+        record: RecordTrial,
+    ) -> CommandResult {
         let (trials, recorded) = (self.commands.trials(), self.done.as_ref().map_or(0, Recording::len));
         // After an interruption nobody knows what hangs there.
         let mut hung_kg = if recorded == 0 { Some(0.0) } else { None };
@@ -124,11 +133,11 @@ impl<'a> RecordingSession<'a> {
             if let Some(load_kg) = self.commands.known_load_kg.as_ref().map(|load| load[rows.start])
                 && hung_kg != Some(load_kg)
             {
-                robot.hang(*number, load_kg, self.assume_done)?;
+                robot.hang_weight(*number, load_kg, self.assume_done)?;
                 hung_kg = Some(load_kg);
             }
             match record(robot.plant(), self.commands, rows.clone(), seed.index(*number)) {
-                Ok(trial) => self.keep(trial)?,
+                Ok(trial) => self.append_trial(trial)?,
                 Err(error) => {
                     let (done, all) = (self.trials(), trials.len());
                     let words = "the same command goes on from there";
@@ -153,7 +162,7 @@ impl<'a> RecordingSession<'a> {
         self.done.as_ref().map_or(0, |done| done.trials().len())
     }
 
-    fn keep(&mut self, trial: Recording) -> CommandResult {
+    fn append_trial(&mut self, trial: Recording) -> CommandResult {
         let all = match self.done.take() {
             Some(done) => Recording::joined(&[done, trial]).map_err(CommandError::failed)?,
             None => trial,

@@ -1,6 +1,6 @@
 //! `spinebench weigh`.
 
-use super::session::{RecordedPlant, RecordingSession, bench};
+use super::session::{RecordedPlant, RecordingSession, read_hardware_plant};
 use super::simulate::same_tendons;
 use super::{CommandError, CommandResult};
 use clap::Args;
@@ -50,16 +50,16 @@ fn kilograms(text: &str) -> Result<f64, String> {
 
 impl WeighCommand {
     pub(super) fn execute(self) -> CommandResult {
-        let options = bench(&self.plant)?;
+        let options = read_hardware_plant(&self.plant)?;
         let visiting = visiting(&options, self.rest_steps);
         let poses_m = self.poses_m(&options)?;
         let planned = plan_static_poses(&poses_m, &self.weights, &visiting, STEP_S);
         let mut session = RecordingSession::open(&self.out, &planned)?;
         session.assume_done = self.yes;
-        let mut robot = RecordedPlant::bench(&options, STEP_S, Seed(1))?;
+        let mut robot = RecordedPlant::open_hardware(&options, STEP_S, Seed(1))?;
         let (poses, minutes) = (poses_m.len(), minutes(&planned));
         eprintln!("note: {poses} poses under each of {} weights, about {minutes:.0} minutes", self.weights.len());
-        session.go_on(&mut robot, Seed(1), &|plant, planned, rows, seed| {
+        session.record_missing(&mut robot, Seed(1), &|plant, planned, rows, seed| {
             record_static_poses(plant, planned, rows, &visiting, seed)
         })?;
         println!(
@@ -91,7 +91,7 @@ impl WeighCommand {
         let poses_m: Vec<Vec<f64>> = commands.commands.iter().map(<[f64]>::to_vec).collect();
         for (row, pose) in poses_m.iter().enumerate() {
             // On the way from home the step is kept; the pose itself is what may be out of bounds.
-            options.safety.admit(pose, &[0.0; 4], f64::INFINITY, usize::MAX).map_err(|refusal| {
+            options.safety.check_command(pose, &[0.0; 4], f64::INFINITY, usize::MAX).map_err(|refusal| {
                 CommandError::BadInput(format!("{}, line {}: {refusal}", file.display(), row + 2))
             })?;
         }

@@ -23,7 +23,7 @@ pub trait SerialLine: Send {
 }
 
 /// Bytes that may wait on their way out: a line that takes nothing may not hold the program up.
-const MOST_WAITING: usize = 2048;
+const MAX_WAITING: usize = 2048;
 
 /// A serial port of this computer.
 pub struct TtyLine {
@@ -79,7 +79,7 @@ impl SerialLine for TtyLine {
     /// Not by the port's own writer: that asks first whether there is room, for which the kernel waits until it has passed on
     /// all that has arrived on the line, tens of milliseconds on a busy computer.
     fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
-        if self.port.bytes_to_write()? as usize + bytes.len() > MOST_WAITING {
+        if self.port.bytes_to_write()? as usize + bytes.len() > MAX_WAITING {
             return Err(io::Error::new(io::ErrorKind::TimedOut, "the line takes no more"));
         }
         let mut rest = bytes;

@@ -95,7 +95,7 @@ impl SimulatedAxes {
     }
 
     /// Adds a move to `target_mm`; none when there is nothing to go.
-    pub(crate) fn push(&mut self, target_mm: [f64; 4], pace: &MotionLimits) {
+    pub(crate) fn push(&mut self, target_mm: [f64; 4], limits: &MotionLimits) {
         let way: [f64; 4] = std::array::from_fn(|axis| target_mm[axis] - self.planned_mm[axis]);
         let length_mm = way.iter().map(|part| part * part).sum::<f64>().sqrt();
         if length_mm < END_MM {
@@ -106,8 +106,8 @@ impl SimulatedAxes {
             let shares = limits.into_iter().zip(direction).filter(|(_, part)| part.abs() > 1e-9);
             shares.map(|(limit, part)| limit / part.abs()).fold(f64::INFINITY, f64::min)
         };
-        let speed_mm_s = pace.feed_mm_min.min(along(pace.max_speed_mm_min)) / 60.0;
-        let acceleration_mm_s2 = along(pace.acceleration_mm_s2);
+        let speed_mm_s = limits.feed_mm_min.min(along(limits.max_speed_mm_min)) / 60.0;
+        let acceleration_mm_s2 = along(limits.acceleration_mm_s2);
         let corner_mm_s = self.blocks.back().map_or(0.0, |before| {
             corner_mm_s(&before.direction, &direction, acceleration_mm_s2).min(speed_mm_s).min(before.speed_mm_s)
         });
@@ -121,11 +121,11 @@ impl SimulatedAxes {
             corner_mm_s,
             exit_mm_s: 0.0,
         });
-        self.plan();
+        self.intervention();
     }
 
     /// Every move ends so slowly that the ones after it can still stop in time.
-    fn plan(&mut self) {
+    fn intervention(&mut self) {
         let mut next_mm_s = 0.0;
         for block in self.blocks.iter_mut().rev() {
             block.exit_mm_s = next_mm_s;

@@ -78,23 +78,23 @@ mod tests {
     #[test]
     fn time_goes_on_only_when_all_wait_and_in_order() {
         let clock = Arc::new(RehearsalClock::new());
-        let seen = Arc::new(Mutex::new(Vec::new()));
+        let view = Arc::new(Mutex::new(Vec::new()));
         (0..3).for_each(|_| clock.join());
         std::thread::scope(|threads| {
             for k in 0..3 {
-                let (clock, seen) = (Arc::clone(&clock), Arc::clone(&seen));
+                let (clock, view) = (Arc::clone(&clock), Arc::clone(&view));
                 threads.spawn(move || {
                     for step in 1..=20 {
                         clock.sleep_until(f64::from(step) * (1.0 + 0.1 * f64::from(k)));
-                        seen.lock().unwrap().push(clock.now_s());
+                        view.lock().unwrap().push(clock.now_s());
                     }
                     clock.leave();
                 });
             }
         });
-        let seen = seen.lock().unwrap();
-        assert_eq!(seen.len(), 60);
-        assert!(seen.is_sorted(), "{seen:?}");
+        let view = view.lock().unwrap();
+        assert_eq!(view.len(), 60);
+        assert!(view.is_sorted(), "{view:?}");
         assert!((clock.now_s() - 24.0).abs() < 1e-12);
     }
 }

@@ -21,7 +21,7 @@ pub trait SimulatedRobot: Send {
     /// frame.
     fn advance(&mut self, pulls_m: &[f64; AXES], duration_s: f64) -> RigidPose;
     /// A weight of `load_kg` hangs on the tip from now on, and nothing else.
-    fn hang(&mut self, _load_kg: f64) {}
+    fn hang_weight(&mut self, _load_kg: f64) {}
 }
 
 /// Motors, robot and tracker of a rehearsal.
@@ -32,56 +32,56 @@ pub struct Simulator {
     pub tracker: SimulatedTracker,
     /// Where the base stands, as the tracker sees it.
     pub base: RigidPose,
-    body: Box<dyn SimulatedRobot>,
+    robot: Box<dyn SimulatedRobot>,
     axes: AxesOptions,
     /// From the frame of the base to what the tracker sees of the tip.
-    seen: TrackerView,
+    view: TrackerView,
     now_s: f64,
     /// When a screw last moved, s.
     moved_s: f64,
-    stood_mm: [f64; AXES],
-    plans: Vec<(f64, Intervention)>,
+    last_screws_mm: [f64; AXES],
+    interventions: Vec<(f64, Intervention)>,
 }
 
 /// From the base's body and the tip in the base frame to the tip's body, as the tracker sees them.
 pub type TrackerView = Box<dyn Fn(&RigidPose, &RigidPose) -> RigidPose + Send>;
 
-/// Something that is done to a world.
+/// Something that is done to a simulator.
 pub type Intervention = Box<dyn FnOnce(&mut Simulator) + Send>;
 
 impl Simulator {
-    /// A world at rest; `seen` says where the tracker sees the tip's body, given where it sees the base's and where the
+    /// A simulator at rest; `seen` says where the tracker sees the tip's body, given where it sees the base's and where the
     /// tip is in the base frame.
     pub fn new(
         controller: SimulatedController,
         tracker: SimulatedTracker,
-        body: Box<dyn SimulatedRobot>,
+        robot: Box<dyn SimulatedRobot>,
         axes: AxesOptions,
-        seen: TrackerView,
+        view: TrackerView,
     ) -> Simulator {
-        let stood_mm = controller.position_mm();
+        let last_screws_mm = controller.position_mm();
         Simulator {
             controller,
             tracker,
             base: RigidPose::default(),
-            body,
+            robot,
             axes,
-            seen,
+            view,
             now_s: 0.0,
             moved_s: 0.0,
-            stood_mm,
-            plans: Vec::new(),
+            last_screws_mm,
+            interventions: Vec::new(),
         }
     }
 
     /// Does `plan` at `time_s`.
-    pub fn at(&mut self, time_s: f64, plan: Intervention) {
-        self.plans.push((time_s, plan));
+    pub fn schedule(&mut self, time_s: f64, intervention: Intervention) {
+        self.interventions.push((time_s, intervention));
     }
 
     /// A weight of `load_kg` hangs on the tip from now on, and nothing else.
-    pub fn hang(&mut self, load_kg: f64) {
-        self.body.hang(load_kg);
+    pub fn hang_weight(&mut self, load_kg: f64) {
+        self.robot.hang_weight(load_kg);
     }
 
     /// All that is left to chance is `seed`'s from now on.
@@ -97,44 +97,44 @@ impl Simulator {
 
     /// Everything goes on until `now_s`.
     pub fn step(&mut self, now_s: f64) {
-        while let Some(due) = self.plans.iter().position(|(time_s, _)| *time_s <= now_s) {
-            let (_, plan) = self.plans.swap_remove(due);
-            plan(self);
+        while let Some(due) = self.interventions.iter().position(|(time_s, _)| *time_s <= now_s) {
+            let (_, intervention) = self.interventions.swap_remove(due);
+            intervention(self);
         }
         self.controller.step(now_s);
         let screws_mm = self.controller.position_mm();
-        if screws_mm != self.stood_mm {
-            (self.moved_s, self.stood_mm) = (now_s, screws_mm);
+        if screws_mm != self.last_screws_mm {
+            (self.moved_s, self.last_screws_mm) = (now_s, screws_mm);
         }
         let pulls_m = self.axes.pulls_m(&screws_mm);
-        let tip = self.body.advance(&pulls_m, now_s - self.now_s);
-        let seen = (self.seen)(&self.base, &tip);
-        self.tracker.step(now_s, &seen, &self.base);
+        let tip = self.robot.advance(&pulls_m, now_s - self.now_s);
+        let view = (self.view)(&self.base, &tip);
+        self.tracker.step(now_s, &view, &self.base);
         self.now_s = now_s;
     }
 }
 
-/// A world that goes on by itself until it is dropped.
+/// A simulator that goes on by itself until it is dropped.
 pub struct RunningSimulator {
-    world: Arc<Mutex<Simulator>>,
+    simulator: Arc<Mutex<Simulator>>,
     over: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl RunningSimulator {
-    /// Lets `world` go on with `clock`.
+    /// Lets `simulator` go on with `clock`.
     ///
     /// # Errors
     /// When the system refuses the thread.
-    pub fn start(world: Simulator, clock: Arc<dyn Clock>) -> io::Result<RunningSimulator> {
-        let (world, over) = (Arc::new(Mutex::new(world)), Arc::new(AtomicBool::new(false)));
+    pub fn start(simulator: Simulator, clock: Arc<dyn Clock>) -> io::Result<RunningSimulator> {
+        let (simulator, over) = (Arc::new(Mutex::new(simulator)), Arc::new(AtomicBool::new(false)));
         clock.join();
         let thread = std::thread::Builder::new().name("rehearsal".to_owned()).spawn({
-            let (world, over) = (Arc::clone(&world), Arc::clone(&over));
+            let (simulator, over) = (Arc::clone(&simulator), Arc::clone(&over));
             move || {
                 while !over.load(Ordering::SeqCst) {
                     let now_s = clock.now_s();
-                    lock(&world).step(now_s);
+                    lock(&simulator).step(now_s);
                     clock.sleep_until(now_s + STEP_S);
                     // Alone on a clock of its own it would never wait, and keep a processor from everybody else.
                     std::thread::yield_now();
@@ -142,17 +142,17 @@ impl RunningSimulator {
                 clock.leave();
             }
         })?;
-        Ok(RunningSimulator { world, over, thread: Some(thread) })
+        Ok(RunningSimulator { simulator, over, thread: Some(thread) })
     }
 
-    /// The world, which stands still as long as the guard lives.
-    pub fn world(&self) -> MutexGuard<'_, Simulator> {
-        lock(&self.world)
+    /// The simulator, which stands still as long as the guard lives.
+    pub fn lock(&self) -> MutexGuard<'_, Simulator> {
+        lock(&self.simulator)
     }
 }
 
-fn lock(world: &Mutex<Simulator>) -> MutexGuard<'_, Simulator> {
-    world.lock().unwrap_or_else(PoisonError::into_inner)
+fn lock(simulator: &Mutex<Simulator>) -> MutexGuard<'_, Simulator> {
+    simulator.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Drop for RunningSimulator {

@@ -116,12 +116,12 @@ fn faults() -> Vec<Fault> {
     let forever = f64::INFINITY;
     let mut all = Vec::new();
     for (name, fault, expected) in of_the_controller() {
-        let inject: Breaks = Box::new(move |world, _| world.controller.inject(fault.clone()));
+        let inject: Breaks = Box::new(move |simulator, _| simulator.controller.inject(fault.clone()));
         all.push(Fault { name, inject, lasts_s: forever, expected });
     }
     let tracker = of_the_tracker().into_iter().map(|fault| (fault, forever));
     for ((name, fault, expected), lasts_s) in tracker.chain(passing().into_iter().map(|fault| (fault, 0.12))) {
-        let inject: Breaks = Box::new(move |world, _| world.tracker.inject(fault));
+        let inject: Breaks = Box::new(move |simulator, _| simulator.tracker.inject(fault));
         all.push(Fault { name, inject, lasts_s, expected });
     }
     let inject: Breaks = Box::new(|_, interrupt| interrupt.raise());
@@ -163,7 +163,7 @@ fn play(fault: &Arc<Fault>, phase: Phase) -> Outcome {
     let first = after().find(|event| ["held", "stopped"].contains(&event.state));
     let stop = after().find(|event| event.state == "stopped");
     let ms = |time_s: f64| 1e3 * (time_s - inject_s);
-    let moved_s = plant.stage().unwrap().with(|world| world.moved_s());
+    let moved_s = plant.rehearsal().unwrap().with_simulator(|simulator| simulator.moved_s());
     Outcome {
         first: first.map(|event| (event.state, event.kind.to_owned(), ms(event.time_s))),
         stopped: stop.map(|event| (event.kind.to_owned(), ms(event.time_s))),
@@ -174,13 +174,13 @@ fn play(fault: &Arc<Fault>, phase: Phase) -> Outcome {
 
 /// Plans the fault and its end; when it comes, s.
 fn plan(plant: &Hardware, fault: &Arc<Fault>) -> f64 {
-    let stage = plant.stage().unwrap();
-    let (interrupt, breaking, inject_s) = (stage.interrupt(), Arc::clone(fault), plant.now_s() + AFTER_S);
-    stage.with(|world| {
-        let breaks: Intervention = Box::new(move |world| (breaking.inject)(world, &interrupt));
-        world.at(inject_s, breaks);
+    let rehearsal = plant.rehearsal().unwrap();
+    let (interrupt, breaking, inject_s) = (rehearsal.interrupt(), Arc::clone(fault), plant.now_s() + AFTER_S);
+    rehearsal.with_simulator(|simulator| {
+        let breaks: Intervention = Box::new(move |simulator| (breaking.inject)(simulator, &interrupt));
+        simulator.schedule(inject_s, breaks);
         if fault.lasts_s.is_finite() {
-            world.at(inject_s + fault.lasts_s, Box::new(|world| world.tracker.calm()));
+            simulator.schedule(inject_s + fault.lasts_s, Box::new(|simulator| simulator.tracker.clear_faults()));
         }
     });
     inject_s
@@ -223,11 +223,14 @@ fn judge(outcome: &Outcome, expected: Expected, phase: Phase) -> bool {
 /// Plans that the tip is hidden `times` times, for `hidden_s` of every `period_s`.
 fn blink(plant: &Hardware, times: u32, period_s: f64, hidden_s: f64) {
     let begun_s = plant.now_s();
-    plant.stage().unwrap().with(|world| {
+    plant.rehearsal().unwrap().with_simulator(|simulator| {
         for k in 1..=times {
             let hide_s = begun_s + period_s * f64::from(k);
-            world.at(hide_s, Box::new(|world| world.tracker.inject(TrackerFault::Occluded(TrackedBody::Tip))));
-            world.at(hide_s + hidden_s, Box::new(|world| world.tracker.calm()));
+            simulator.schedule(
+                hide_s,
+                Box::new(|simulator| simulator.tracker.inject(TrackerFault::Occluded(TrackedBody::Tip))),
+            );
+            simulator.schedule(hide_s + hidden_s, Box::new(|simulator| simulator.tracker.clear_faults()));
         }
     });
 }
@@ -254,20 +257,23 @@ fn a_robot_that_is_held_again_and_again_is_stopped() {
 fn a_stop_keeps_the_position() {
     let mut plant = open(&options(), 9);
     plant.reset(Seed(0)).unwrap();
-    plant.stage().unwrap().with(|world| {
-        (120..124).for_each(|k| world.controller.inject(ControllerFault::WrongSettings(k, "40".to_owned())));
+    plant.rehearsal().unwrap().with_simulator(|simulator| {
+        (120..124).for_each(|k| simulator.controller.inject(ControllerFault::WrongSettings(k, "40".to_owned())));
     });
-    let interrupt = plant.stage().unwrap().interrupt();
+    let interrupt = plant.rehearsal().unwrap().interrupt();
     // Well after a move has been sent: which of the two comes first at the same moment is chance.
     let raise_s = plant.now_s() + AFTER_S + 0.15;
-    plant.stage().unwrap().with(|world| world.at(raise_s, Box::new(move |_| interrupt.raise())));
+    plant
+        .rehearsal()
+        .unwrap()
+        .with_simulator(|simulator| simulator.schedule(raise_s, Box::new(move |_| interrupt.raise())));
     let stopped = wander(&mut plant, 12, 0.0025).unwrap_err();
     assert!(matches!(stopped, PlantError::Stopped(_)), "{stopped:?}");
-    plant.examine(2.0);
-    let moved_ms = 1e3 * (plant.stage().unwrap().with(|world| world.moved_s()) - raise_s);
+    plant.run_diagnostics(2.0);
+    let moved_ms = 1e3 * (plant.rehearsal().unwrap().with_simulator(|simulator| simulator.moved_s()) - raise_s);
     assert!(moved_ms > 200.0, "{moved_ms} ms: too short to tell");
-    let homed = plant.stage().unwrap().with(|world| world.controller.homed());
-    assert!(homed && plant.look(|rig| !rig.controller().is_distrusted()), "{:?}", plant.events());
+    let homed = plant.rehearsal().unwrap().with_simulator(|simulator| simulator.controller.homed());
+    assert!(homed && plant.with_rig(|rig| !rig.controller().is_distrusted()), "{:?}", plant.events());
 }
 
 #[test]

@@ -25,7 +25,7 @@ fn a_million_commands_are_admitted_only_within_the_limits() {
     let mut admitted = 0;
     for _ in 0..1_000_000 {
         let pulls_m: [f64; 4] = std::array::from_fn(|tendon| wild(&mut random, last_m[tendon], 0.004));
-        if limits.admit(&pulls_m, &last_m, STEP_S, 1).is_err() {
+        if limits.check_command(&pulls_m, &last_m, STEP_S, 1).is_err() {
             continue;
         }
         admitted += 1;
@@ -54,9 +54,9 @@ fn a_wild_policy_moves_no_screw_out_of_bounds() {
             Err(PlantError::Refused(_) | PlantError::Solver(_)) => refused += 1,
             Err(other) => panic!("{other}"),
         }
-        let screws_mm = plant.stage().unwrap().with(|world| world.controller.position_mm());
+        let screws_mm = plant.rehearsal().unwrap().with_simulator(|simulator| simulator.controller.position_mm());
         assert!(screws_mm.iter().all(|mm| (-0.01..=60.01).contains(mm)), "{screws_mm:?}");
-        let commanded_m = plant.look(|rig| rig.commanded_m());
+        let commanded_m = plant.with_rig(|rig| rig.commanded_m());
         assert_eq!(commanded_m.to_vec(), last_m, "a refused command has left something behind");
     }
     assert!(moved > 300 && refused > 300, "{moved} moved, {refused} refused");
@@ -69,11 +69,14 @@ fn a_tendon_that_follows_waives_no_limit_of_the_others() {
     plant.reset(Seed(0)).unwrap();
     let follow = TendonCommand::Follow;
     for asked_m in [0.05, -0.031, f64::NAN, f64::INFINITY] {
-        let before_mm = plant.stage().unwrap().with(|world| world.controller.position_mm());
+        let before_mm = plant.rehearsal().unwrap().with_simulator(|simulator| simulator.controller.position_mm());
         let commands = [TendonCommand::Pull(asked_m), TendonCommand::Pull(0.001), follow, follow];
         let Err(PlantError::Refused(words)) = plant.drive(&commands) else { panic!("{asked_m} was not refused") };
         assert!(words.contains("tendon 1"), "{words}");
-        assert_eq!(plant.stage().unwrap().with(|world| world.controller.position_mm()), before_mm);
+        assert_eq!(
+            plant.rehearsal().unwrap().with_simulator(|simulator| simulator.controller.position_mm()),
+            before_mm
+        );
     }
     let seen = plant.drive(&[TendonCommand::Pull(0.002), TendonCommand::Pull(0.001), follow, follow]).unwrap();
     assert!(seen.valid);
@@ -95,7 +98,7 @@ fn an_hour_with_lost_frames_misses_nothing() {
             invalid += usize::from(!plant.step(&[x, y, -x, -y]).unwrap().valid);
         }
     }
-    let status = plant.look(|rig| rig.tracking().status().clone());
+    let status = plant.with_rig(|rig| rig.tracking().status().clone());
     println!("{} ticks, {} frames, {} lost", plant.timing().jitter.count(), status.received, status.lost);
     assert!(status.lost as f64 > 0.005 * status.received as f64, "{status:?}");
     assert_eq!((invalid, plant.timing().missed, plant.timing().held), (0, 0, 0));

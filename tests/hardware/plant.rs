@@ -31,7 +31,7 @@ fn an_exploration_is_that_of_the_simulated_robot() {
     println!("rms {rms_m:.5} m, largest {largest_m:.5} m, {:?}", plant.events());
     assert!(rms_m < LAG_M && largest_m < 3.0 * LAG_M, "{rms_m} m, {largest_m} m");
     assert_eq!((plant.timing().missed, plant.timing().held), (0, 0));
-    assert!(plant.look(|rig| *rig.state() == GuardState::Active));
+    assert!(plant.with_rig(|rig| *rig.state() == GuardState::Active));
 }
 
 #[test]
@@ -58,8 +58,8 @@ fn switches_at_upper_ends_are_the_same_robot() {
         plant.reset(Seed(0)).unwrap();
         let tip_m = plant.step(&[0.003, 0.001, -0.003, -0.001]).unwrap().tip_m;
         plant.step(&[0.003, 0.001, -0.003, -0.001]).unwrap();
-        let screws_mm = plant.stage().unwrap().with(|world| world.controller.position_mm());
-        (tip_m, screws_mm, plant.look(|rig| rig.controller().state().position_mm))
+        let screws_mm = plant.rehearsal().unwrap().with_simulator(|simulator| simulator.controller.position_mm());
+        (tip_m, screws_mm, plant.with_rig(|rig| rig.controller().state().position_mm))
     };
     let [lower, upper, mixed] = [15, 0, 6].map(seen);
     assert_eq!(lower.2, [33.0, 31.0, 27.0, 29.0]);
@@ -104,7 +104,7 @@ fn lost_frames_do_not_hold_the_robot() {
         let (x, y) = (0.01 * angle.sin(), 0.01 * (1.0 - angle.cos()));
         assert!(plant.step(&[x, y, -x, -y]).unwrap().valid);
     }
-    let lost = plant.look(|rig| rig.tracking().status().lost);
+    let lost = plant.with_rig(|rig| rig.tracking().status().lost);
     assert!(lost > 20, "{lost}");
     assert_eq!((plant.timing().missed, plant.timing().held), (0, 0));
 }

@@ -33,11 +33,11 @@ pub(super) fn parse(text: &str) -> Result<Intervention, String> {
             if !(0.0..=10.0).contains(&load_kg) {
                 return Err(format!("found {load_kg} kg, expected 0 to 10"));
             }
-            Ok(Box::new(move |world: &mut Simulator| world.hang(load_kg)))
+            Ok(Box::new(move |simulator: &mut Simulator| simulator.hang_weight(load_kg)))
         }
-        ["repair"] => Ok(Box::new(|world: &mut Simulator| {
-            world.controller.repair();
-            world.tracker.calm();
+        ["repair"] => Ok(Box::new(|simulator: &mut Simulator| {
+            simulator.controller.clear_faults();
+            simulator.tracker.clear_faults();
         })),
         ["freeze", "tracker"] => tracker(TrackerFault::Frozen),
         ["mute", "tracker"] => tracker(TrackerFault::Silent),
@@ -66,11 +66,11 @@ fn of_motors(words: &[&str]) -> Result<Intervention, String> {
 }
 
 fn motors(fault: ControllerFault) -> Result<Intervention, String> {
-    Ok(Box::new(move |world: &mut Simulator| world.controller.inject(fault)))
+    Ok(Box::new(move |simulator: &mut Simulator| simulator.controller.inject(fault)))
 }
 
 fn tracker(fault: TrackerFault) -> Result<Intervention, String> {
-    Ok(Box::new(move |world: &mut Simulator| world.tracker.inject(fault)))
+    Ok(Box::new(move |simulator: &mut Simulator| simulator.tracker.inject(fault)))
 }
 
 fn number(text: &str) -> Result<f64, String> {

@@ -28,8 +28,8 @@ impl SimulatorLog {
     }
 
     /// Writes down what has happened since the last call.
-    pub(super) fn look(&mut self, now_s: f64, world: &mut Simulator) -> Result<(), CommandError> {
-        for heard in world.controller.heard() {
+    pub(super) fn record_changes(&mut self, now_s: f64, simulator: &mut Simulator) -> Result<(), CommandError> {
+        for heard in simulator.controller.take_received() {
             // A person sees what holds the robot; a move a tick is for the file.
             let told = match heard.as_str() {
                 "!" => Some("held"),
@@ -41,25 +41,25 @@ impl SimulatorLog {
             if let Some(told) = told {
                 println!("{now_s:9.3} s  {told}");
             }
-            self.write(now_s, &format!("heard {heard}"), world)?;
+            self.write(now_s, &format!("heard {heard}"), simulator)?;
         }
-        let moving = world.moved_s() > 0.0 && now_s - world.moved_s() < STAND_S;
+        let moving = simulator.moved_s() > 0.0 && now_s - simulator.moved_s() < STAND_S;
         if moving != self.moving {
             self.moving = moving;
-            self.write(now_s, if moving { "moves" } else { "stands" }, world)?;
+            self.write(now_s, if moving { "moves" } else { "stands" }, simulator)?;
         }
         Ok(())
     }
 
     /// Writes down something that somebody did.
-    pub(super) fn tell(&mut self, now_s: f64, what: &str, world: &Simulator) -> Result<(), CommandError> {
+    pub(super) fn record_command(&mut self, now_s: f64, what: &str, simulator: &Simulator) -> Result<(), CommandError> {
         println!("{now_s:9.3} s  {what}");
-        self.write(now_s, &format!("done {what}"), world)
+        self.write(now_s, &format!("done {what}"), simulator)
     }
 
-    fn write(&mut self, now_s: f64, what: &str, world: &Simulator) -> Result<(), CommandError> {
+    fn write(&mut self, now_s: f64, what: &str, simulator: &Simulator) -> Result<(), CommandError> {
         let Some((path, file)) = &mut self.file else { return Ok(()) };
-        let [x_mm, y_mm, z_mm, a_mm] = world.controller.position_mm();
+        let [x_mm, y_mm, z_mm, a_mm] = simulator.controller.position_mm();
         // A controller hears anything; a table has commas of its own.
         let what = what.replace([',', '"'], " ");
         writeln!(file, "{now_s:.3},{what},{x_mm:.4},{y_mm:.4},{z_mm:.4},{a_mm:.4}")

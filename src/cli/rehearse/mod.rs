@@ -3,7 +3,7 @@
 mod fault_commands;
 mod log;
 
-use super::session::bench;
+use super::session::read_hardware_plant;
 use super::{CommandError, CommandResult};
 use clap::Args;
 use log::SimulatorLog;
@@ -35,7 +35,7 @@ pub(super) struct RehearseCommand {
     log: Option<PathBuf>,
     /// Goes before all other programs, as devices with processors of their own do; needs the right to real-time priorities.
     #[arg(long)]
-    urgent: bool,
+    real_time: bool,
     /// Seed of noise and losses.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -43,7 +43,7 @@ pub(super) struct RehearseCommand {
 
 impl RehearseCommand {
     pub(super) fn execute(self) -> CommandResult {
-        let options = bench(&self.plant)?;
+        let options = read_hardware_plant(&self.plant)?;
         if options.rehearsal.is_none() {
             let file = self.plant.display();
             return Err(CommandError::BadInput(format!(
@@ -62,19 +62,19 @@ impl RehearseCommand {
             plant.motion.port, plant.tracking.server, plant.tracking.command_port
         );
         println!("try `spinebench doctor --plant {}`; `help` lists what can go wrong here", self.out.display());
-        let wishes = lines_of_stdin();
-        let _urgent = self.urgent.then(|| RealTime::new(Priority::Device));
+        let lines = lines_of_stdin();
+        let _priority = self.real_time.then(|| RealTime::new(Priority::Device));
         while !interrupt.raised() {
             let now_s = served.step();
-            log.look(now_s, served.world())?;
-            for line in wishes.try_iter() {
+            log.record_changes(now_s, served.simulator())?;
+            for line in lines.try_iter() {
                 match line.trim() {
                     "quit" => return Ok(()),
                     "" => {}
                     text => match fault_commands::parse(text) {
                         Ok(plan) => {
-                            plan(served.world());
-                            log.tell(now_s, text, served.world())?;
+                            plan(served.simulator());
+                            log.record_command(now_s, text, served.simulator())?;
                         }
                         Err(words) => println!("{words}"),
                     },

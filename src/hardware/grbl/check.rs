@@ -72,7 +72,7 @@ impl SettingRule {
             number: self.number,
             meaning: self.meaning,
             found,
-            expected: self.need.words(),
+            expected: self.need.description(),
         })
     }
 }
@@ -88,7 +88,7 @@ impl Requirement {
         }
     }
 
-    fn words(&self) -> String {
+    fn description(&self) -> String {
         match self {
             Requirement::Exactly(wanted) => wanted.to_string(),
             Requirement::AtLeast(least) => format!("at least {least}"),

@@ -16,7 +16,7 @@ use crate::hardware::clock::Clock;
 use crate::hardware::serial::SerialLine;
 
 /// Moves that the controller may have in its queue.
-const MOST_QUEUED: usize = 2;
+const MAX_QUEUED: usize = 2;
 
 /// A GRBL controller with four axes. Nothing here waits except [`Controller::open`].
 ///
@@ -29,24 +29,24 @@ pub struct Controller {
     pub(super) fault: Option<MotionFault>,
     pub(super) pending: Option<PendingLine>,
     /// When the status query left that has not been answered.
-    pub(super) asked_s: Option<f64>,
-    pub(super) next_ask_s: f64,
+    pub(super) query_sent_s: Option<f64>,
+    pub(super) next_query_s: f64,
     pub(super) homing: HomingPhase,
     /// When a reset was sent whose greeting has not come.
-    pub(super) reset_s: Option<f64>,
+    pub(super) reset_sent_s: Option<f64>,
     /// Until then a greeting may still be due to a reset: the controller may have reset itself just before.
-    pub(super) greetings_until_s: f64,
+    pub(super) greeting_expected_until_s: f64,
     pub(super) held: bool,
     /// When moves that were held were last told to go on, s; its reports may lag behind.
     pub(super) resumed_s: f64,
-    pub(super) set_up: bool,
+    pub(super) setup_acknowledged: bool,
     /// What the controller says; it leaves this out of most reports.
-    pub(super) says_homed: bool,
+    pub(super) reported_homed: bool,
     /// Whatever it says, something has happened since.
-    pub(super) must_home: bool,
+    pub(super) homing_required: bool,
     pub(super) garbled_s: VecDeque<f64>,
-    pub(super) path: CommandedPath,
-    pub(super) stillness: StallDetector,
+    pub(super) commanded_path: CommandedPath,
+    pub(super) stall_detector: StallDetector,
 }
 
 impl Controller {
@@ -56,13 +56,13 @@ impl Controller {
     /// # Errors
     /// [`MotionFault`] names what was found and what is expected.
     pub fn open(
-        wire: Box<dyn SerialLine>,
+        serial: Box<dyn SerialLine>,
         settings: &MotionSettings,
         clock: &dyn Clock,
     ) -> Result<Controller, MotionFault> {
         settings.check()?;
-        let mut port = Port::new(wire);
-        let (machine, status) = handshake::introduce(&mut port, settings, clock)?;
+        let mut port = Port::new(serial);
+        let (machine, status) = handshake::identify_controller(&mut port, settings, clock)?;
         let now_s = clock.now_s();
         let mut controller = Controller {
             port,
@@ -71,25 +71,25 @@ impl Controller {
             state: ControllerState { last_reply_s: now_s, ..ControllerState::default() },
             fault: None,
             pending: None,
-            asked_s: None,
-            next_ask_s: now_s,
+            query_sent_s: None,
+            next_query_s: now_s,
             homing: HomingPhase::No,
-            reset_s: None,
-            greetings_until_s: now_s,
+            reset_sent_s: None,
+            greeting_expected_until_s: now_s,
             held: false,
             resumed_s: f64::NEG_INFINITY,
-            set_up: false,
-            says_homed: false,
-            must_home: false,
+            setup_acknowledged: false,
+            reported_homed: false,
+            homing_required: false,
             garbled_s: VecDeque::new(),
-            path: CommandedPath::default(),
-            stillness: StallDetector::default(),
+            commanded_path: CommandedPath::default(),
+            stall_detector: StallDetector::default(),
         };
         // Nothing moves: all blocks that there are are free, whatever the controller said that it has.
         if let (Mode::Idle, Some(free)) = (status.mode, status.free_blocks) {
             controller.machine.blocks = free;
         }
-        controller.reported(&status, now_s);
+        controller.apply_status(&status, now_s);
         controller.fault.clone().map_or(Ok(controller), Err)
     }
 
@@ -98,9 +98,9 @@ impl Controller {
     /// # Errors
     /// The first fault since the controller was opened or reset, at every call.
     pub fn poll(&mut self, now_s: f64) -> Result<(), MotionFault> {
-        self.read(now_s);
+        self.read_replies(now_s);
         self.check_deadlines(now_s);
-        self.go_on(now_s);
+        self.send_due(now_s);
         self.fault.clone().map_or(Ok(()), Err)
     }
 
@@ -109,7 +109,7 @@ impl Controller {
     pub fn start_homing(&mut self, now_s: f64) {
         if self.fault.is_none() && self.homing == HomingPhase::No {
             self.homing = HomingPhase::Wanted;
-            self.home_if_free(now_s);
+            self.start_homing_if_free(now_s);
         }
     }
 
@@ -124,15 +124,15 @@ impl Controller {
     }
 
     /// Whatever the controller says, its count of steps is not believed before it has been homed again.
-    pub fn distrust(&mut self) {
-        self.must_home = true;
-        self.path.forget();
-        self.note_homed();
+    pub fn require_homing(&mut self) {
+        self.homing_required = true;
+        self.commanded_path.forget();
+        self.update_homed();
     }
 
     /// True while the count of steps is not believed whatever the controller says.
-    pub fn is_distrusted(&self) -> bool {
-        self.must_home
+    pub fn homing_required(&self) -> bool {
+        self.homing_required
     }
 
     /// True when nothing moves and nothing is about to, be it because everything has been done or because a hold has come to
@@ -148,8 +148,8 @@ impl Controller {
     }
 
     /// Machine positions for distances from the switches and the other way round, mm.
-    pub fn faced_mm(&self, along_mm: [f64; 4]) -> [f64; 4] {
-        std::array::from_fn(|axis| self.settings.facing(axis) * along_mm[axis])
+    pub fn mirrored_mm(&self, along_mm: [f64; 4]) -> [f64; 4] {
+        std::array::from_fn(|axis| self.settings.axis_sign(axis) * along_mm[axis])
     }
 
     /// What the controller said about itself when it was opened.
@@ -176,15 +176,15 @@ impl Controller {
         if !self.state.homed {
             return Err(MoveRefusal::NotHomed.into());
         }
-        let ready = matches!(self.state.mode, Mode::Idle | Mode::Run) && !self.held && self.reset_s.is_none();
+        let ready = matches!(self.state.mode, Mode::Idle | Mode::Run) && !self.held && self.reset_sent_s.is_none();
         if !ready || self.is_homing() {
             return Err(MoveRefusal::NotReady(self.state.mode).into());
         }
-        let room = self.pending.is_none() && self.state.queued < MOST_QUEUED;
-        if !(room && self.set_up && self.path.is_known()) {
+        let room = self.pending.is_none() && self.state.queued < MAX_QUEUED;
+        if !(room && self.setup_acknowledged && self.commanded_path.is_known()) {
             return Err(MotionFault::Busy);
         }
-        self.path.push(the_move.target_mm);
+        self.commanded_path.push(the_move.target_mm);
         self.state.moves += 1;
         self.send(the_move.line, LinePurpose::Move, now_s);
         self.fault.clone().map_or(Ok(()), Err)
@@ -205,7 +205,7 @@ impl Controller {
         if self.fault.is_none() {
             self.held = false;
             self.resumed_s = now_s;
-            self.stillness.begin_again(now_s);
+            self.stall_detector.restart(now_s);
             self.send_byte(RESUME);
         }
     }
@@ -214,46 +214,46 @@ impl Controller {
     /// and so do all after a fault.
     pub fn reset(&mut self, now_s: f64) {
         if !self.stands() || self.fault.is_some() || self.is_homing() {
-            self.must_home = true;
+            self.homing_required = true;
         }
         if !matches!(self.fault, Some(MotionFault::Unplugged { .. })) {
             self.fault = None;
         }
-        self.start_over();
+        self.clear_motion_state();
         self.held = false;
-        self.reset_s = Some(now_s);
-        self.greetings_until_s = now_s + self.settings.reply_timeout_s + GREETING_S;
+        self.reset_sent_s = Some(now_s);
+        self.greeting_expected_until_s = now_s + self.settings.reply_timeout_s + GREETING_S;
         self.garbled_s.clear();
         self.send_byte(RESET);
     }
 
     /// Nothing is known of a controller that has just started.
-    pub(super) fn start_over(&mut self) {
+    pub(super) fn clear_motion_state(&mut self) {
         self.pending = None;
-        self.asked_s = None;
+        self.query_sent_s = None;
         self.homing = HomingPhase::No;
-        self.set_up = false;
-        self.path.forget();
+        self.setup_acknowledged = false;
+        self.commanded_path.forget();
         self.state.mode = Mode::Unknown;
         self.state.unacknowledged = 0;
         self.state.queued = 0;
         self.state.feed_mm_min = 0.0;
-        self.note_homed();
+        self.update_homed();
     }
 
-    pub(super) fn note_homed(&mut self) {
-        self.state.homed = self.says_homed && !self.must_home;
+    pub(super) fn update_homed(&mut self) {
+        self.state.homed = self.reported_homed && !self.homing_required;
     }
 
     /// Records a fault; the first one stays.
-    pub(super) fn fail(&mut self, fault: MotionFault) {
+    pub(super) fn record_fault(&mut self, fault: MotionFault) {
         self.fault.get_or_insert(fault);
-        self.must_home = true;
+        self.homing_required = true;
         self.homing = HomingPhase::No;
         self.pending = None;
-        self.asked_s = None;
+        self.query_sent_s = None;
         self.state.unacknowledged = 0;
-        self.path.forget();
-        self.note_homed();
+        self.commanded_path.forget();
+        self.update_homed();
     }
 }

@@ -11,7 +11,7 @@ pub(super) const RESUME: u8 = b'~';
 pub(super) const RESET: u8 = 0x18;
 
 /// Slowest feed that is sent, mm/min.
-const LEAST_FEED_MM_MIN: f64 = 0.1;
+const MIN_FEED_MM_MIN: f64 = 0.1;
 
 /// A move that may be sent.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +36,7 @@ pub(crate) fn compose(target_mm: [f64; 4], feed_mm_min: f64, settings: &MotionSe
     }
     let most_mm_min = settings.max_speed_mm_min;
     let feed_mm_min = rounded(feed_mm_min, 10.0);
-    if feed_mm_min < LEAST_FEED_MM_MIN || feed_mm_min > most_mm_min {
+    if feed_mm_min < MIN_FEED_MM_MIN || feed_mm_min > most_mm_min {
         return Err(MoveRefusal::Feed { feed_mm_min, most_mm_min });
     }
     let [x, y, z, a] = target_mm;

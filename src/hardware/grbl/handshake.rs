@@ -21,7 +21,7 @@ const ASK_S: f64 = 0.05;
 /// Longest silence that is waited for before the first question, seconds.
 const QUIET_S: f64 = 1.0;
 /// Unreadable lines after which an answer is no longer waited for.
-const MOST_GARBLED: usize = 3;
+const MAX_GARBLED: usize = 3;
 
 /// What a controller said about itself.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -43,20 +43,20 @@ pub struct ControllerInfo {
 }
 
 /// Learns what is at the other end of `port`; the status is the latest one.
-pub(super) fn introduce(
+pub(super) fn identify_controller(
     port: &mut Port,
     settings: &MotionSettings,
     clock: &dyn Clock,
 ) -> Result<(ControllerInfo, StatusReport), MotionFault> {
-    let mut talk = Handshake { port, clock, timeout_s: settings.reply_timeout_s };
+    let mut handshake = Handshake { port, clock, timeout_s: settings.reply_timeout_s };
     // A controller that restarts when its port is opened, or is reset, may do so in the middle of the talk.
     for _ in 0..2 {
-        match talk.introduce(settings) {
+        match handshake.identify(settings) {
             Err(MotionFault::Rebooted { .. }) => {}
             other => return other,
         }
     }
-    talk.introduce(settings)
+    handshake.identify(settings)
 }
 
 struct Handshake<'a> {
@@ -66,16 +66,16 @@ struct Handshake<'a> {
 }
 
 impl Handshake<'_> {
-    fn introduce(&mut self, settings: &MotionSettings) -> Result<(ControllerInfo, StatusReport), MotionFault> {
+    fn identify(&mut self, settings: &MotionSettings) -> Result<(ControllerInfo, StatusReport), MotionFault> {
         self.wake()?;
-        let first = self.standing()?;
+        let first = self.wait_until_standing()?;
         if !matches!(first.mode, Mode::Idle | Mode::Alarm(_)) {
             return Err(MotionFault::UnexpectedMode { mode: first.mode });
         }
-        let mut machine = identify(&self.ask("$I")?, first.free_blocks)?;
-        machine.settings = table(&self.ask("$$")?);
+        let mut machine = parse_identity(&self.query("$I")?, first.free_blocks)?;
+        machine.settings = settings_table(&self.query("$$")?);
         check::check(&machine.settings, settings)?;
-        offsets(&self.ask("$#")?)?;
+        check_offsets(&self.query("$#")?)?;
         let numbers =
             |first: u16| [0, 1, 2, 3].map(|axis| check::number(&machine.settings, first + axis).unwrap_or(0.0));
         (machine.max_speed_mm_min, machine.acceleration_mm_s2, machine.travel_mm) =
@@ -88,7 +88,7 @@ impl Handshake<'_> {
 
     /// The status once nothing moves. A program that was killed has left two moves at most, which end by themselves; one
     /// that held the robot may have left them waiting: a reset forgets them, and standing axes keep their position.
-    fn standing(&mut self) -> Result<StatusReport, MotionFault> {
+    fn wait_until_standing(&mut self) -> Result<StatusReport, MotionFault> {
         let began_s = self.clock.now_s();
         let mut before_mm = None;
         loop {
@@ -114,7 +114,7 @@ impl Handshake<'_> {
         let mut garbled = Vec::new();
         loop {
             self.send("")?;
-            if self.acknowledged(&mut garbled)? {
+            if self.wait_for_ok(&mut garbled)? {
                 return self.drain();
             }
             let waited_s = self.clock.now_s() - began_s;
@@ -129,11 +129,11 @@ impl Handshake<'_> {
     }
 
     /// Whether an `ok` comes in time.
-    fn acknowledged(&mut self, garbled: &mut Vec<String>) -> Result<bool, MotionFault> {
+    fn wait_for_ok(&mut self, garbled: &mut Vec<String>) -> Result<bool, MotionFault> {
         let until_s = self.clock.now_s() + self.timeout_s.max(0.5);
         while self.clock.now_s() < until_s {
-            for piece in self.look()? {
-                match understand(piece) {
+            for received in self.read_lines()? {
+                match parse_received(received) {
                     Ok(Reply::Ok) => return Ok(true),
                     Ok(_) => {}
                     Err(line) => garbled.push(line),
@@ -147,7 +147,7 @@ impl Handshake<'_> {
         let mut quiet_s = self.clock.now_s();
         let end_s = quiet_s + WAKE_S;
         while self.clock.now_s().min(end_s) < (quiet_s + self.timeout_s.min(QUIET_S)).min(end_s) {
-            if !self.look()?.is_empty() {
+            if !self.read_lines()?.is_empty() {
                 quiet_s = self.clock.now_s();
             }
         }
@@ -155,7 +155,7 @@ impl Handshake<'_> {
     }
 
     /// The lines before the `ok` that answers `question`.
-    fn ask(&mut self, question: &str) -> Result<Vec<Reply>, MotionFault> {
+    fn query(&mut self, question: &str) -> Result<Vec<Reply>, MotionFault> {
         self.send(question)?;
         let mut answers = Vec::new();
         self.wait_for(question, |reply| match reply {
@@ -182,25 +182,25 @@ impl Handshake<'_> {
     fn wait_for<T>(
         &mut self,
         question: &str,
-        mut judge: impl FnMut(Reply) -> Option<Result<T, MotionFault>>,
+        mut accept: impl FnMut(Reply) -> Option<Result<T, MotionFault>>,
     ) -> Result<T, MotionFault> {
         let began_s = self.clock.now_s();
         let (mut last_s, mut garbled) = (began_s, Vec::new());
         while self.clock.now_s() - last_s <= self.timeout_s && self.clock.now_s() - began_s <= WAKE_S {
-            for piece in self.look()? {
+            for received in self.read_lines()? {
                 last_s = self.clock.now_s();
-                match understand(piece) {
+                match parse_received(received) {
                     Ok(Reply::Boot(greeting)) => return Err(MotionFault::Rebooted { greeting }),
                     Ok(Reply::Alarm(code)) if code != 11 => return Err(MotionFault::Alarm { code }),
                     Ok(reply) => {
-                        if let Some(result) = judge(reply) {
+                        if let Some(result) = accept(reply) {
                             return result;
                         }
                     }
                     Err(line) => garbled.push(line),
                 }
             }
-            if garbled.len() >= MOST_GARBLED {
+            if garbled.len() >= MAX_GARBLED {
                 break;
             }
         }
@@ -212,11 +212,11 @@ impl Handshake<'_> {
     }
 
     /// What has arrived after a short wait.
-    fn look(&mut self) -> Result<Vec<ReceivedLine>, MotionFault> {
+    fn read_lines(&mut self) -> Result<Vec<ReceivedLine>, MotionFault> {
         self.clock.sleep_until(self.clock.now_s() + LOOK_S);
-        let (pieces, gone) = self.port.read();
+        let (received_lines, gone) = self.port.read();
         gone.map_err(|error| MotionFault::unplugged(&error))?;
-        Ok(pieces)
+        Ok(received_lines)
     }
 
     fn send(&mut self, line: &str) -> Result<(), MotionFault> {
@@ -225,15 +225,15 @@ impl Handshake<'_> {
 }
 
 /// The line's meaning, or the line itself when it has none.
-fn understand(piece: ReceivedLine) -> Result<Reply, String> {
-    match piece {
+fn parse_received(received: ReceivedLine) -> Result<Reply, String> {
+    match received {
         ReceivedLine::Line(line) => parse(&line).ok_or(line),
         ReceivedLine::Garbled(line) => Err(line),
     }
 }
 
 /// Refuses anything but GRBL 1.1 with the axes X, Y, Z and A; `free_blocks` of its queue were free at rest.
-fn identify(answers: &[Reply], free_blocks: Option<usize>) -> Result<ControllerInfo, MotionFault> {
+fn parse_identity(answers: &[Reply], free_blocks: Option<usize>) -> Result<ControllerInfo, MotionFault> {
     let info = |wanted: &str| {
         answers.iter().find_map(|reply| match reply {
             Reply::Info { name, text } if name == wanted => Some(text.clone()),
@@ -248,13 +248,13 @@ fn identify(answers: &[Reply], free_blocks: Option<usize>) -> Result<ControllerI
     if let Some(axes) = info("AXS").filter(|axes| axes != "4:XYZA") {
         return Err(MotionFault::WrongFirmware { what: "axes", found: axes, expected: "4:XYZA" });
     }
-    let told = info("OPT").and_then(|options| options.split(',').nth(1)?.trim().parse().ok());
+    let reported = info("OPT").and_then(|options| options.split(',').nth(1)?.trim().parse().ok());
     // Without either, moves count as done when the controller says that it is idle.
-    let blocks = told.or(free_blocks).unwrap_or(0);
+    let blocks = reported.or(free_blocks).unwrap_or(0);
     Ok(ControllerInfo { version, firmware: info("FIRMWARE").unwrap_or_default(), blocks, ..ControllerInfo::default() })
 }
 
-fn table(answers: &[Reply]) -> SettingsTable {
+fn settings_table(answers: &[Reply]) -> SettingsTable {
     let settings = answers.iter().filter_map(|reply| match reply {
         Reply::Setting { number, value } => Some((*number, value.clone())),
         _ => None,
@@ -265,7 +265,7 @@ fn table(answers: &[Reply]) -> SettingsTable {
 /// Offsets that shift what `G1` means, and how to clear them.
 const OFFSETS: [(&str, &str); 3] = [("G54", "G10 L2 P1 X0 Y0 Z0 A0"), ("G92", "G92.1"), ("TLO", "G49")];
 
-fn offsets(answers: &[Reply]) -> Result<(), MotionFault> {
+fn check_offsets(answers: &[Reply]) -> Result<(), MotionFault> {
     for reply in answers {
         let Reply::Info { name, text } = reply else { continue };
         let Some((_, remedy)) = OFFSETS.iter().find(|(offset, _)| offset == name) else { continue };

@@ -8,11 +8,11 @@ use super::settings::MotionSettings;
 /// Reported positions may differ from commands by this much, mm.
 const TOLERANCE_MM: f64 = 0.02;
 /// Axes that move together may be seen this far from the straight lines between their commands, mm.
-const BESIDE_MM: f64 = 0.1;
+const MAX_OFF_LINE_MM: f64 = 0.1;
 /// The start of the oldest move that may still be running and the targets of at most two.
-const KEPT: usize = 3;
+const KEPT_TARGETS: usize = 3;
 /// Reports alike that tell of axes that stand, however far apart they are.
-const STILL_REPORTS: u32 = 3;
+const MIN_STILL_REPORTS: u32 = 3;
 
 /// The last commands: between them is where an axis may be.
 #[derive(Clone, Debug, Default)]
@@ -42,7 +42,7 @@ impl CommandedPath {
     /// The axes have been sent here.
     pub(crate) fn push(&mut self, target_mm: [f64; 4]) {
         self.targets_mm.push_back(target_mm);
-        if self.targets_mm.len() > KEPT {
+        if self.targets_mm.len() > KEPT_TARGETS {
             self.targets_mm.pop_front();
         }
     }
@@ -64,7 +64,7 @@ impl CommandedPath {
     }
 
     /// The axis that has the longest way to its last command, and that command, mm; none when all have arrived.
-    pub(crate) fn ahead(&self, position_mm: &[f64; 4]) -> Option<(usize, f64)> {
+    pub(crate) fn farthest_axis(&self, position_mm: &[f64; 4]) -> Option<(usize, f64)> {
         let target_mm = self.targets_mm.back()?;
         let left_mm = |axis: usize| (target_mm[axis] - position_mm[axis]).abs();
         let axis = (0..4).max_by(|&a, &b| left_mm(a).total_cmp(&left_mm(b)))?;
@@ -77,7 +77,7 @@ impl CommandedPath {
         let nearest = targets.windows(2).map(|ends| nearest_mm(ends[0], ends[1], position_mm));
         let off_mm = |place: &[f64; 4]| place.iter().zip(position_mm).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
         let Some(place) = nearest.min_by(|a, b| off_mm(a).total_cmp(&off_mm(b))) else { return Ok(()) };
-        if off_mm(&place) <= BESIDE_MM {
+        if off_mm(&place) <= MAX_OFF_LINE_MM {
             return Ok(());
         }
         let behind_mm = |axis: usize| {
@@ -120,7 +120,7 @@ pub(crate) struct StallDetector {
 
 impl StallDetector {
     /// Motion is due from now on.
-    pub(crate) fn begin_again(&mut self, now_s: f64) {
+    pub(crate) fn restart(&mut self, now_s: f64) {
         (self.since_s, self.reports) = (now_s, 0);
     }
 
@@ -129,10 +129,10 @@ impl StallDetector {
         let gone_on = position_mm != self.position_mm || queued < self.queued;
         (self.position_mm, self.queued) = (position_mm, queued);
         if gone_on || !due {
-            self.begin_again(now_s);
+            self.restart(now_s);
         }
         self.reports += 1;
-        if self.reports > STILL_REPORTS { now_s - self.since_s } else { 0.0 }
+        if self.reports > MIN_STILL_REPORTS { now_s - self.since_s } else { 0.0 }
     }
 }
 

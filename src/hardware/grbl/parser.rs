@@ -178,7 +178,7 @@ impl LineReader {
             if std::mem::take(&mut self.overlong) {
                 return None;
             }
-            return piece(&bytes);
+            return received(&bytes);
         }
         self.bytes.push(byte);
         if self.bytes.len() <= LONGEST_LINE {
@@ -196,7 +196,7 @@ impl LineReader {
 }
 
 /// A finished line; nothing for an empty one.
-fn piece(bytes: &[u8]) -> Option<ReceivedLine> {
+fn received(bytes: &[u8]) -> Option<ReceivedLine> {
     match std::str::from_utf8(bytes) {
         Ok(text) => {
             let text = text.trim_end_matches('\r');

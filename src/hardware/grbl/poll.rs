@@ -7,7 +7,7 @@ use super::settings::GREETING_S;
 use super::state::Mode;
 
 /// Time between two status queries, seconds.
-const ASK_EVERY_S: f64 = 0.05;
+const QUERY_INTERVAL_S: f64 = 0.05;
 /// Millimetres, absolute positions, feed per minute, in the first of the work coordinate systems.
 const SETUP: &str = "G21 G90 G94 G54";
 
@@ -19,60 +19,62 @@ impl Controller {
             let waited_s = now_s - pending.sent_s;
             if pending.purpose == LinePurpose::Homing {
                 if waited_s > self.settings.homing_timeout_s {
-                    self.fail(MotionFault::HomingTimeout { waited_s });
+                    self.record_fault(MotionFault::HomingTimeout { waited_s });
                 }
             } else if waited_s > reply_s {
                 let to = pending.line.clone();
-                self.fail(MotionFault::Silent { to, waited_s });
+                self.record_fault(MotionFault::Silent { to, waited_s });
             }
         }
-        if let Some(waited_s) = self.asked_s.map(|asked_s| now_s - asked_s).filter(|&waited_s| waited_s > reply_s) {
-            self.fail(MotionFault::Silent { to: "a status query".to_owned(), waited_s });
+        if let Some(waited_s) =
+            self.query_sent_s.map(|query_sent_s| now_s - query_sent_s).filter(|&waited_s| waited_s > reply_s)
+        {
+            self.record_fault(MotionFault::Silent { to: "a status query".to_owned(), waited_s });
         }
-        let reset_waited_s = self.reset_s.map(|reset_s| now_s - reset_s);
+        let reset_waited_s = self.reset_sent_s.map(|reset_sent_s| now_s - reset_sent_s);
         if let Some(waited_s) = reset_waited_s.filter(|&waited_s| waited_s > reply_s + GREETING_S) {
-            self.reset_s = None;
-            self.fail(MotionFault::Silent { to: "a reset".to_owned(), waited_s });
+            self.reset_sent_s = None;
+            self.record_fault(MotionFault::Silent { to: "a reset".to_owned(), waited_s });
         }
     }
 
     /// How long the controller has owed an answer, seconds; 0 when it owes none, or while it homes and may be silent.
     pub fn waiting_s(&self, now_s: f64) -> f64 {
         let line = self.pending.as_ref().filter(|pending| pending.purpose != LinePurpose::Homing);
-        let since_s = line.map(|pending| pending.sent_s).into_iter().chain(self.asked_s).fold(now_s, f64::min);
+        let since_s = line.map(|pending| pending.sent_s).into_iter().chain(self.query_sent_s).fold(now_s, f64::min);
         now_s - since_s
     }
 
     /// Sends what is due.
-    pub(crate) fn go_on(&mut self, now_s: f64) {
-        self.home_if_free(now_s);
-        let quiet = self.reset_s.is_some() || self.homing == HomingPhase::Running;
+    pub(crate) fn send_due(&mut self, now_s: f64) {
+        self.start_homing_if_free(now_s);
+        let quiet = self.reset_sent_s.is_some() || self.homing == HomingPhase::Running;
         if quiet || matches!(self.fault, Some(MotionFault::Unplugged { .. })) {
             return;
         }
         let standing = self.state.mode == Mode::Idle || self.homing == HomingPhase::Settling;
-        if !self.set_up && self.state.homed && standing && self.pending.is_none() && self.fault.is_none() {
+        if !self.setup_acknowledged && self.state.homed && standing && self.pending.is_none() && self.fault.is_none() {
             self.send(SETUP.to_owned(), LinePurpose::Setup, now_s);
         }
-        if self.asked_s.is_none() && now_s >= self.next_ask_s {
-            self.asked_s = Some(now_s);
-            self.next_ask_s = now_s + ASK_EVERY_S;
+        if self.query_sent_s.is_none() && now_s >= self.next_query_s {
+            self.query_sent_s = Some(now_s);
+            self.next_query_s = now_s + QUERY_INTERVAL_S;
             self.send_byte(b'?');
         }
     }
 
-    pub(crate) fn home_if_free(&mut self, now_s: f64) {
-        let free = self.pending.is_none() && self.reset_s.is_none() && self.state.mode != Mode::Unknown;
+    pub(crate) fn start_homing_if_free(&mut self, now_s: f64) {
+        let free = self.pending.is_none() && self.reset_sent_s.is_none() && self.state.mode != Mode::Unknown;
         if self.homing != HomingPhase::Wanted || !free {
             return;
         }
         self.homing = HomingPhase::Running;
-        self.says_homed = false;
-        self.note_homed();
-        self.path.forget();
+        self.reported_homed = false;
+        self.update_homed();
+        self.commanded_path.forget();
         self.state.mode = Mode::Home;
         // A query that is on its way is answered when homing has ended, if at all.
-        self.asked_s = None;
+        self.query_sent_s = None;
         self.send("$H".to_owned(), LinePurpose::Homing, now_s);
     }
 
@@ -82,13 +84,13 @@ impl Controller {
         self.state.unacknowledged = 1;
         self.state.sent += 1;
         if let Err(error) = sent {
-            self.fail(MotionFault::unplugged(&error));
+            self.record_fault(MotionFault::unplugged(&error));
         }
     }
 
     pub(crate) fn send_byte(&mut self, byte: u8) {
         if let Err(error) = self.port.send_byte(byte) {
-            self.fail(MotionFault::unplugged(&error));
+            self.record_fault(MotionFault::unplugged(&error));
         }
     }
 }

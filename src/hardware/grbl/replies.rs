@@ -8,127 +8,127 @@ use super::pending::{HomingPhase, LinePurpose, PendingLine};
 use super::state::Mode;
 
 /// Unreadable lines within [`GARBLED_S`] that make a fault.
-const MOST_GARBLED: usize = 3;
-/// See [`MOST_GARBLED`], seconds.
+const MAX_GARBLED: usize = 3;
+/// See [`MAX_GARBLED`], seconds.
 const GARBLED_S: f64 = 10.0;
 /// Axes that should move and have not for so long, or for as long as an answer may take if that is longer, do not, s.
-const STILL_S: f64 = 0.3;
+const MIN_STALL_S: f64 = 0.3;
 /// The alarm of a controller that wants to be homed.
 const HOMING_REQUIRED: u16 = 11;
 
 impl Controller {
     /// Takes everything that has arrived.
-    pub(super) fn read(&mut self, now_s: f64) {
-        let (pieces, gone) = self.port.read();
-        for piece in pieces {
+    pub(super) fn read_replies(&mut self, now_s: f64) {
+        let (received_lines, gone) = self.port.read();
+        for received in received_lines {
             self.state.last_reply_s = now_s;
-            match piece {
+            match received {
                 ReceivedLine::Line(line) => match parse(&line) {
-                    Some(reply) => self.take(reply, now_s),
-                    None => self.garbled(line, now_s),
+                    Some(reply) => self.apply_reply(reply, now_s),
+                    None => self.apply_garbled(line, now_s),
                 },
-                ReceivedLine::Garbled(line) => self.garbled(line, now_s),
+                ReceivedLine::Garbled(line) => self.apply_garbled(line, now_s),
             }
         }
         if let Err(error) = gone {
             self.fault = Some(MotionFault::unplugged(&error));
-            self.fail(MotionFault::unplugged(&error));
+            self.record_fault(MotionFault::unplugged(&error));
         }
     }
 
-    fn take(&mut self, reply: Reply, now_s: f64) {
+    fn apply_reply(&mut self, reply: Reply, now_s: f64) {
         match reply {
-            Reply::Ok => self.acknowledged(),
-            Reply::Error(code) => self.refused(code),
-            Reply::Alarm(code) => self.alarmed(code),
-            Reply::Boot(greeting) => self.booted(greeting, now_s),
-            Reply::Status(status) => self.reported(&status, now_s),
+            Reply::Ok => self.apply_ok(),
+            Reply::Error(code) => self.apply_error(code),
+            Reply::Alarm(code) => self.apply_alarm(code),
+            Reply::Boot(greeting) => self.apply_greeting(greeting, now_s),
+            Reply::Status(status) => self.apply_status(&status, now_s),
             Reply::Info { name, text } if name == "MSG" && !text.is_empty() => self.state.message = text,
             Reply::Info { .. } | Reply::Setting { .. } | Reply::StartupBlock(_) => {}
         }
     }
 
-    fn garbled(&mut self, line: String, now_s: f64) {
+    fn apply_garbled(&mut self, line: String, now_s: f64) {
         self.state.garbled += 1;
         // It may have been the report that is awaited: ask again.
-        self.asked_s = None;
+        self.query_sent_s = None;
         self.garbled_s.retain(|&then_s| now_s - then_s <= GARBLED_S);
         self.garbled_s.push_back(now_s);
         let count = self.garbled_s.len();
-        if count >= MOST_GARBLED {
+        if count >= MAX_GARBLED {
             self.garbled_s.clear();
-            self.fail(MotionFault::Garbled { count, line });
+            self.record_fault(MotionFault::Garbled { count, line });
         }
     }
 
-    fn answered(&mut self) -> Option<PendingLine> {
+    fn take_pending(&mut self) -> Option<PendingLine> {
         self.state.unacknowledged = 0;
         self.pending.take()
     }
 
-    fn acknowledged(&mut self) {
-        // Lines from before a reset or a fault may still be answered.
-        if self.reset_s.is_some() || self.fault.is_some() {
+    fn apply_ok(&mut self) {
+        // Lines from before a reset or a fault may still be take_pending.
+        if self.reset_sent_s.is_some() || self.fault.is_some() {
             return;
         }
-        match self.answered().map(|pending| pending.purpose) {
+        match self.take_pending().map(|pending| pending.purpose) {
             Some(LinePurpose::Move) => self.state.queued += 1,
-            Some(LinePurpose::Setup) => self.set_up = true,
+            Some(LinePurpose::Setup) => self.setup_acknowledged = true,
             Some(LinePurpose::Homing) => {
                 self.homing = HomingPhase::Settling;
-                self.says_homed = true;
-                self.must_home = false;
-                self.set_up = false;
+                self.reported_homed = true;
+                self.homing_required = false;
+                self.setup_acknowledged = false;
                 self.state.queued = 0;
-                self.note_homed();
+                self.update_homed();
             }
-            None => self.fail(MotionFault::StrayOk),
+            None => self.record_fault(MotionFault::StrayOk),
         }
     }
 
-    fn refused(&mut self, code: u16) {
-        if self.reset_s.is_some() {
+    fn apply_error(&mut self, code: u16) {
+        if self.reset_sent_s.is_some() {
             return;
         }
-        let line = self.answered().map_or_else(|| "(nothing)".to_owned(), |pending| pending.line);
-        self.fail(MotionFault::Error { code, line });
+        let line = self.take_pending().map_or_else(|| "(nothing)".to_owned(), |pending| pending.line);
+        self.record_fault(MotionFault::Error { code, line });
     }
 
-    fn alarmed(&mut self, code: u16) {
+    fn apply_alarm(&mut self, code: u16) {
         let expected = match self.state.mode {
-            _ if self.reset_s.is_some() => true,
+            _ if self.reset_sent_s.is_some() => true,
             Mode::Unknown => true,
             Mode::Alarm(known) => known == Some(code) || code == HOMING_REQUIRED,
             _ => false,
         };
         self.state.mode = Mode::Alarm(Some(code));
-        self.must_home = true;
-        self.path.forget();
-        self.note_homed();
+        self.homing_required = true;
+        self.commanded_path.forget();
+        self.update_homed();
         if !expected {
-            self.fail(MotionFault::Alarm { code });
+            self.record_fault(MotionFault::Alarm { code });
         }
     }
 
-    fn booted(&mut self, greeting: String, now_s: f64) {
-        let awaited = self.reset_s.take().is_some();
-        let expected = awaited || (self.pending.is_none() && now_s <= self.greetings_until_s);
+    fn apply_greeting(&mut self, greeting: String, now_s: f64) {
+        let awaited = self.reset_sent_s.take().is_some();
+        let expected = awaited || (self.pending.is_none() && now_s <= self.greeting_expected_until_s);
         // A second greeting may just as well be that of a controller that lost its power.
-        self.must_home |= !awaited;
+        self.homing_required |= !awaited;
         let homing = self.homing;
-        self.start_over();
+        self.clear_motion_state();
         if expected && homing == HomingPhase::Wanted {
             self.homing = homing;
         }
-        self.next_ask_s = now_s;
+        self.next_query_s = now_s;
         if !expected {
-            self.fail(MotionFault::Rebooted { greeting });
+            self.record_fault(MotionFault::Rebooted { greeting });
         }
     }
 
-    pub(super) fn reported(&mut self, status: &StatusReport, now_s: f64) {
-        let status = &self.completed(status);
-        self.asked_s = None;
+    pub(super) fn apply_status(&mut self, status: &StatusReport, now_s: f64) {
+        let status = &self.with_hold_completed(status);
+        self.query_sent_s = None;
         self.state.last_status_s = now_s;
         self.state.pins = status.pins;
         let before = std::mem::replace(&mut self.state.mode, status.mode);
@@ -136,28 +136,28 @@ impl Controller {
         self.state.feed_mm_min = status.feed_mm_min.unwrap_or(self.state.feed_mm_min);
         if self.homing == HomingPhase::Running {
             // An alarm whose own line was not readable; one from before homing may still be on its way.
-            let begun =
+            let has_begun =
                 self.pending.as_ref().is_some_and(|homing| now_s - homing.sent_s > self.settings.reply_timeout_s);
             if let Mode::Alarm(Some(code)) = status.mode
                 && code != HOMING_REQUIRED
-                && begun
+                && has_begun
             {
-                return self.fail(MotionFault::Alarm { code });
+                return self.record_fault(MotionFault::Alarm { code });
             }
             self.state.mode = Mode::Home;
             return;
         }
         self.count_blocks(status, before);
-        if self.reset_s.is_some() {
+        if self.reset_sent_s.is_some() {
             return;
         }
-        if let Err(fault) = self.judge_mode(status, before, now_s).and_then(|()| self.judge_position(status, now_s)) {
-            self.fail(fault);
+        if let Err(fault) = self.check_mode(status, before, now_s).and_then(|()| self.check_position(status, now_s)) {
+            self.record_fault(fault);
         }
     }
 
     /// A hold that does not tell whether it has come to its end has when two reports name the same position.
-    fn completed(&self, status: &StatusReport) -> StatusReport {
+    fn with_hold_completed(&self, status: &StatusReport) -> StatusReport {
         let stands = status.position_mm == Some(self.state.position_mm);
         let held = matches!(self.state.mode, Mode::Hold { .. });
         let mode = if status.bare_hold && held { Mode::Hold { complete: stands } } else { status.mode };
@@ -172,17 +172,17 @@ impl Controller {
         }
     }
 
-    fn judge_mode(&mut self, status: &StatusReport, before: Mode, now_s: f64) -> Result<(), MotionFault> {
+    fn check_mode(&mut self, status: &StatusReport, before: Mode, now_s: f64) -> Result<(), MotionFault> {
         let lost = self.state.homed && status.homed == Some(false) && before != Mode::Unknown;
-        self.says_homed = status.homed.unwrap_or(self.says_homed);
-        self.note_homed();
+        self.reported_homed = status.homed.unwrap_or(self.reported_homed);
+        self.update_homed();
         if let Some(percent) = status.feed_override.filter(|&percent| percent != 100.0) {
             return Err(MotionFault::Override { percent });
         }
         match status.mode {
             Mode::Alarm(code) => {
-                self.must_home = true;
-                self.note_homed();
+                self.homing_required = true;
+                self.update_homed();
                 let expected = matches!(before, Mode::Unknown | Mode::Alarm(_));
                 if expected { Ok(()) } else { Err(MotionFault::Alarm { code: code.unwrap_or(0) }) }
             }
@@ -197,7 +197,7 @@ impl Controller {
         }
     }
 
-    fn judge_position(&mut self, status: &StatusReport, now_s: f64) -> Result<(), MotionFault> {
+    fn check_position(&mut self, status: &StatusReport, now_s: f64) -> Result<(), MotionFault> {
         if let Some(offset_mm) = status.offset_mm.filter(|offset_mm| offset_mm.iter().any(|&value| value != 0.0)) {
             let remedy = "G10 L2 P1 X0 Y0 Z0 A0, G92.1 and G49".to_owned();
             return Err(MotionFault::WorkOffset {
@@ -218,26 +218,26 @@ impl Controller {
         if idle && self.homing == HomingPhase::Settling {
             self.homing = HomingPhase::No;
         }
-        if !self.path.is_known() {
-            self.stillness.begin_again(now_s);
+        if !self.commanded_path.is_known() {
+            self.stall_detector.restart(now_s);
             if idle || status.mode == (Mode::Hold { complete: true }) {
-                self.path.start(position_mm);
+                self.commanded_path.start(position_mm);
             }
             return Ok(());
         }
-        self.path.check(position_mm, idle && self.pending.is_none() && self.state.queued == 0)?;
-        self.judge_stillness(status.mode, position_mm, now_s)
+        self.commanded_path.check(position_mm, idle && self.pending.is_none() && self.state.queued == 0)?;
+        self.check_stall(status.mode, position_mm, now_s)
     }
 
     /// A controller that has somewhere to go goes there: the times for which it does not are those of its answers.
-    fn judge_stillness(&mut self, mode: Mode, position_mm: [f64; 4], now_s: f64) -> Result<(), MotionFault> {
+    fn check_stall(&mut self, mode: Mode, position_mm: [f64; 4], now_s: f64) -> Result<(), MotionFault> {
         let queued = self.state.queued;
         let due = !self.held && (mode == Mode::Run || (mode == Mode::Idle && queued > 0));
-        let still_s = self.stillness.take(due, position_mm, queued, now_s);
-        if still_s < self.settings.reply_timeout_s.max(STILL_S) {
+        let still_s = self.stall_detector.take(due, position_mm, queued, now_s);
+        if still_s < self.settings.reply_timeout_s.max(MIN_STALL_S) {
             return Ok(());
         }
-        match self.path.ahead(&position_mm) {
+        match self.commanded_path.farthest_axis(&position_mm) {
             Some((axis, target_mm)) => Err(MotionFault::NotMoving { axis, reached_mm: position_mm[axis], target_mm }),
             None => Ok(()),
         }

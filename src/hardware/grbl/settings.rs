@@ -74,11 +74,11 @@ impl MotionSettings {
     /// Lowest and highest machine position of an axis, millimetres: the switch is at 0.
     pub fn limits_mm(&self, axis: usize) -> (f64, f64) {
         let travel_mm = self.travel_m * 1e3;
-        if self.facing(axis) < 0.0 { (-travel_mm, 0.0) } else { (0.0, travel_mm) }
+        if self.axis_sign(axis) < 0.0 { (-travel_mm, 0.0) } else { (0.0, travel_mm) }
     }
 
     /// 1 for an axis whose machine position grows away from its switch, −1 for one whose switch is at the upper end.
-    pub fn facing(&self, axis: usize) -> f64 {
+    pub fn axis_sign(&self, axis: usize) -> f64 {
         if self.homing_directions & (1 << axis) == 0 { -1.0 } else { 1.0 }
     }
 }

@@ -11,14 +11,14 @@ use super::interrupt::Interrupt;
 use super::safety::{CommandRefusal, Guard, GuardState, Latch, SafetyAction, SafetyInputs, SafetyLimits, StopReason};
 use super::tracking::{TipPose, TrackerClient};
 use plausibility::LastPoseChange;
-use stop_reasons::{ARM, ENDED, INTERRUPTED, controller_cause, ended, interrupted};
+use stop_reasons::{ARM, ENDED, INTERRUPTED, controller_fault, interrupted, program_ended};
 
 /// Share of a tick that a move takes at full speed; the rest is for its acceleration.
 const MOVING_SHARE: f64 = 0.8;
 /// Slowest feed that is sent, mm/min: a controller takes none of 0.
-const LEAST_FEED_MM_MIN: f64 = 6.0;
+const MIN_FEED_MM_MIN: f64 = 6.0;
 /// Moves shorter than this are not sent, millimetres: they would round to nothing.
-const LEAST_MOVE_MM: f64 = 5e-4;
+const MIN_MOVE_MM: f64 = 5e-4;
 
 /// Speed that every axis must be able to reach for the largest step in `duration_s`, mm/min.
 pub fn slowest_axis_mm_min(limits: &SafetyLimits, duration_s: f64) -> f64 {
@@ -46,13 +46,13 @@ pub enum MoveError {
     Refused(#[from] CommandRefusal),
     /// The last gate before the wire refused it.
     #[error(transparent)]
-    Gate(grbl::MoveRefusal),
+    RefusedByDriver(grbl::MoveRefusal),
     /// The controller's queue is full for now.
     #[error("the controller has two moves to do already")]
     Busy,
     /// Not active.
     #[error("the robot is {0}")]
-    Not(&'static str),
+    NotActive(&'static str),
 }
 
 /// What a rig is made of.
@@ -76,12 +76,12 @@ pub struct RigParts {
 impl RigParts {
     /// Displacements as the axes stand, metres.
     fn pulls_m(&self) -> [f64; AXES] {
-        self.axes.pulls_m(&self.controller.faced_mm(self.controller.state().position_mm))
+        self.axes.pulls_m(&self.controller.mirrored_mm(self.controller.state().position_mm))
     }
 
     /// Machine positions for displacements in metres, mm.
     fn machine_mm(&self, pulls_m: &[f64; AXES]) -> [f64; AXES] {
-        self.controller.faced_mm(self.axes.from_switch_mm(pulls_m))
+        self.controller.mirrored_mm(self.axes.from_switch_mm(pulls_m))
     }
 }
 
@@ -94,17 +94,17 @@ pub struct Rig {
     /// Where the model puts the tip, metres.
     expected_m: Option<Point3>,
     /// What things were like when the tracker's pose last changed.
-    changed: LastPoseChange,
+    last_pose_change: LastPoseChange,
     /// The last tip that was believed, with its time.
-    believed: Option<(f64, Point3)>,
+    last_plausible: Option<(f64, Point3)>,
     events: Vec<Event>,
 }
 
 impl Rig {
     /// A rig that has not moved. Where a stop has left the position in doubt, the axes have to be homed.
     pub fn new(mut parts: RigParts) -> Rig {
-        if parts.latch.as_ref().is_some_and(|latch| latch.distrusted().is_some()) {
-            parts.controller.distrust();
+        if parts.latch.as_ref().is_some_and(|latch| latch.homing_required().is_some()) {
+            parts.controller.require_homing();
         }
         let commanded_m = parts.pulls_m();
         let guard = Guard::new(parts.limits);
@@ -113,8 +113,8 @@ impl Rig {
             guard,
             commanded_m,
             expected_m: None,
-            changed: LastPoseChange::default(),
-            believed: None,
+            last_pose_change: LastPoseChange::default(),
+            last_plausible: None,
             events: Vec::new(),
         }
     }
@@ -145,30 +145,30 @@ impl Rig {
     }
 
     /// Where the model puts the tip from now on, metres.
-    pub fn expect(&mut self, tip_m: Option<Point3>) {
+    pub fn set_expected_tip(&mut self, tip_m: Option<Point3>) {
         self.expected_m = tip_m;
     }
 
     /// Sends the axes to their switches, or makes a robot active that knows where it is.
-    pub fn begin(&mut self, now_s: f64) -> Result<(), MoveError> {
+    pub fn start(&mut self, now_s: f64) -> Result<(), MoveError> {
         let homed = self.parts.controller.homed();
         let may = if homed { self.guard.activate() } else { self.guard.begin_homing() };
         if !may {
-            return Err(MoveError::Not(self.state().name()));
+            return Err(MoveError::NotActive(self.state().name()));
         }
         if !homed {
             self.parts.controller.start_homing(now_s);
         }
-        self.note(now_s, "", if homed { "already homed" } else { "homing" }.to_owned());
+        self.log_event(now_s, "", if homed { "already homed" } else { "homing" }.to_owned());
         Ok(())
     }
 
-    /// Leaves a robot that stands to whoever works on it, until [`Rig::begin`]; false while it moves or may not.
+    /// Leaves a robot that stands to whoever works on it, until [`Rig::start`]; false while it moves or may not.
     pub fn park(&mut self, now_s: f64) -> bool {
         let parked = self.stands() && self.guard.park();
         if parked {
             self.expected_m = None;
-            self.note(now_s, "", "parked".to_owned());
+            self.log_event(now_s, "", "parked".to_owned());
         }
         parked
     }
@@ -185,49 +185,49 @@ impl Rig {
         self.parts.tracking.poll(now_s);
         let was_homing = *self.state() == GuardState::Homing;
         let facts = SafetyInputs {
-            motion_fault: motion.err().map(|fault| controller_cause(&fault)),
-            doubt: self.doubt(now_s),
+            motion_fault: motion.err().map(|fault| controller_fault(&fault)),
+            hold_reason: self.hold_reason(now_s),
             interrupted: self.parts.interrupt.raised().then(interrupted),
             homed: self.parts.controller.homed() && !self.parts.controller.is_homing(),
             standing: self.parts.controller.stands(),
         };
         let before = self.state().name();
-        let order = self.guard.judge(&facts, now_s);
-        self.obey(order, now_s);
+        let action = self.guard.evaluate(&facts, now_s);
+        self.apply_action(action, now_s);
         if was_homing && *self.state() == GuardState::Active {
             self.commanded_m = self.parts.pulls_m();
-            self.trust(now_s);
+            self.clear_homing_required(now_s);
         }
         if self.state().name() != before {
-            self.tell(now_s);
+            self.log_state(now_s);
         }
     }
 
-    fn obey(&mut self, order: SafetyAction, now_s: f64) {
-        match order {
+    fn apply_action(&mut self, action: SafetyAction, now_s: f64) {
+        match action {
             SafetyAction::Nothing => {}
             SafetyAction::Hold => self.parts.controller.hold(now_s),
             SafetyAction::Resume => self.parts.controller.resume(now_s),
             SafetyAction::Flush => {
                 self.parts.controller.reset(now_s);
-                self.distrust(now_s);
+                self.require_homing(now_s);
             }
         }
     }
 
     /// Axes that were reset before they stood may have lost steps, which the next program has to know.
-    fn distrust(&mut self, now_s: f64) {
-        let lost = self.parts.controller.is_distrusted();
-        let latch = self.parts.latch.as_ref().filter(|latch| lost && latch.distrusted().is_none());
-        if let Some(Err(error)) = latch.map(|latch| latch.distrust("reset before the axes were seen to stand")) {
-            self.note(now_s, "", format!("that the position is lost could not be written down: {error}"));
+    fn require_homing(&mut self, now_s: f64) {
+        let tracking_lost = self.parts.controller.homing_required();
+        let latch = self.parts.latch.as_ref().filter(|latch| tracking_lost && latch.homing_required().is_none());
+        if let Some(Err(error)) = latch.map(|latch| latch.require_homing("reset before the axes were seen to stand")) {
+            self.log_event(now_s, "", format!("that the position is lost could not be written down: {error}"));
         }
     }
 
     /// The axes have been homed.
-    fn trust(&mut self, now_s: f64) {
-        if let Some(Err(error)) = self.parts.latch.as_ref().map(Latch::trust) {
-            self.note(now_s, "", format!("that the axes are homed could not be written down: {error}"));
+    fn clear_homing_required(&mut self, now_s: f64) {
+        if let Some(Err(error)) = self.parts.latch.as_ref().map(Latch::clear_homing_required) {
+            self.log_event(now_s, "", format!("that the axes are homed could not be written down: {error}"));
         }
     }
 
@@ -236,20 +236,20 @@ impl Rig {
     /// # Errors
     /// [`MoveError`]: nothing has left.
     pub fn command(&mut self, pulls_m: &[f64], duration_s: f64, now_s: f64) -> Result<(), MoveError> {
-        self.admit(pulls_m, duration_s)?;
+        self.check_command(pulls_m, duration_s)?;
         let target: [f64; AXES] = std::array::from_fn(|axis| pulls_m[axis]);
-        self.travel(target, duration_s, now_s)
+        self.send_move(target, duration_s, now_s)
     }
 
     /// Whether [`Rig::command`] would carry it out.
     ///
     /// # Errors
     /// [`MoveError`].
-    pub fn admit(&self, pulls_m: &[f64], duration_s: f64) -> Result<(), MoveError> {
+    pub fn check_command(&self, pulls_m: &[f64], duration_s: f64) -> Result<(), MoveError> {
         if *self.state() != GuardState::Active {
-            return Err(MoveError::Not(self.state().name()));
+            return Err(MoveError::NotActive(self.state().name()));
         }
-        Ok(self.parts.limits.admit(pulls_m, &self.commanded_m, duration_s, 1)?)
+        Ok(self.parts.limits.check_command(pulls_m, &self.commanded_m, duration_s, 1)?)
     }
 
     /// Moves all tendons towards home by no more than one command may; true once they are there. From the switches the
@@ -257,32 +257,32 @@ impl Rig {
     ///
     /// # Errors
     /// [`MoveError`]: nothing has left.
-    pub fn towards_home(&mut self, duration_s: f64, now_s: f64) -> Result<bool, MoveError> {
+    pub fn step_towards_home(&mut self, duration_s: f64, now_s: f64) -> Result<bool, MoveError> {
         if *self.state() != GuardState::Active {
-            return Err(MoveError::Not(self.state().name()));
+            return Err(MoveError::NotActive(self.state().name()));
         }
         let limits = &self.parts.limits;
         let step_m = limits.step_m(duration_s);
         let largest_m = self.commanded_m.iter().fold(0.0_f64, |largest, pull| largest.max(pull.abs()));
         let share = if largest_m > step_m { 1.0 - step_m / largest_m } else { 0.0 };
-        self.travel(self.commanded_m.map(|pull| pull * share), duration_s, now_s)?;
+        self.send_move(self.commanded_m.map(|pull| pull * share), duration_s, now_s)?;
         Ok(share == 0.0)
     }
 
-    fn travel(&mut self, pulls_m: [f64; AXES], duration_s: f64, now_s: f64) -> Result<(), MoveError> {
+    fn send_move(&mut self, pulls_m: [f64; AXES], duration_s: f64, now_s: f64) -> Result<(), MoveError> {
         let (from_mm, to_mm) = (self.parts.machine_mm(&self.commanded_m), self.parts.machine_mm(&pulls_m));
         let length_mm = from_mm.iter().zip(&to_mm).map(|(from, to)| (to - from).powi(2)).sum::<f64>().sqrt();
-        if length_mm >= LEAST_MOVE_MM {
-            let feed_mm_min = (length_mm / (MOVING_SHARE * duration_s) * 60.0).max(LEAST_FEED_MM_MIN);
+        if length_mm >= MIN_MOVE_MM {
+            let feed_mm_min = (length_mm / (MOVING_SHARE * duration_s) * 60.0).max(MIN_FEED_MM_MIN);
             match self.parts.controller.move_to(to_mm, feed_mm_min, now_s) {
                 Ok(()) => {}
                 // A controller that was held says so until its next report.
                 Err(MotionFault::Busy | MotionFault::Refused(grbl::MoveRefusal::NotReady(_))) => {
                     return Err(MoveError::Busy);
                 }
-                Err(MotionFault::Refused(refusal)) => return Err(MoveError::Gate(refusal)),
+                Err(MotionFault::Refused(refusal)) => return Err(MoveError::RefusedByDriver(refusal)),
                 // The next poll finds the same fault and acts on it.
-                Err(_) => return Err(MoveError::Not("without motors")),
+                Err(_) => return Err(MoveError::NotActive("without motors")),
             }
         }
         self.commanded_m = pulls_m;
@@ -290,22 +290,22 @@ impl Rig {
     }
 
     /// The robot does not do what it was told in the time that it has: it is stopped, for whoever comes next as well.
-    pub fn give_up(&mut self, what: String, now_s: f64) {
-        let order = self.guard.end(StopReason { kind: "controller", what, remedy: ARM.to_owned() }, now_s);
-        self.obey(order, now_s);
-        if order != SafetyAction::Nothing {
-            self.tell(now_s);
+    pub fn stop(&mut self, what: String, now_s: f64) {
+        let action = self.guard.request_stop(StopReason { kind: "controller", what, remedy: ARM.to_owned() }, now_s);
+        self.apply_action(action, now_s);
+        if action != SafetyAction::Nothing {
+            self.log_state(now_s);
         }
     }
 
     /// The program ends: a robot that moves is held, and what is queued is forgotten at one of the next polls, as after a
     /// stop, so that the next program finds it standing. False when there is nothing left to wait for.
-    pub fn leave(&mut self, why: &str, now_s: f64) -> bool {
+    pub fn shut_down(&mut self, why: &str, now_s: f64) -> bool {
         if !self.stands() || *self.state() == GuardState::Homing {
-            let order = self.guard.end(ended(why), now_s);
-            self.obey(order, now_s);
-            if order != SafetyAction::Nothing {
-                self.tell(now_s);
+            let action = self.guard.request_stop(program_ended(why), now_s);
+            self.apply_action(action, now_s);
+            if action != SafetyAction::Nothing {
+                self.log_state(now_s);
             }
         }
         self.guard.is_stopping()
@@ -328,24 +328,24 @@ impl Rig {
     }
 
     /// Logs the state that has been reached.
-    fn tell(&mut self, now_s: f64) {
+    fn log_state(&mut self, now_s: f64) {
         let (kind, what) = match self.state() {
-            GuardState::Held { cause, .. } => (cause.kind, format!("{}; goes on by itself", cause.what)),
-            GuardState::Stopped { cause, .. } => {
-                let cause = cause.clone();
-                let mut what = format!("{}; {}", cause.what, cause.remedy);
-                let latch = self.parts.latch.as_ref().filter(|_| ![INTERRUPTED, ENDED].contains(&cause.kind));
-                if let Some(Err(error)) = latch.map(|latch| latch.stop(&cause)) {
+            GuardState::Held { reason, .. } => (reason.kind, format!("{}; goes on by itself", reason.what)),
+            GuardState::Stopped { reason, .. } => {
+                let reason = reason.clone();
+                let mut what = format!("{}; {}", reason.what, reason.remedy);
+                let latch = self.parts.latch.as_ref().filter(|_| ![INTERRUPTED, ENDED].contains(&reason.kind));
+                if let Some(Err(error)) = latch.map(|latch| latch.stop(&reason)) {
                     what = format!("{what}; this stop could not be written down for the next program: {error}");
                 }
-                (cause.kind, what)
+                (reason.kind, what)
             }
             state => ("", state.name().to_owned()),
         };
-        self.note(now_s, kind, what);
+        self.log_event(now_s, kind, what);
     }
 
-    fn note(&mut self, time_s: f64, kind: &'static str, what: String) {
+    fn log_event(&mut self, time_s: f64, kind: &'static str, what: String) {
         let state = self.state().name();
         if let Some(latch) = &self.parts.latch {
             // The log is for people; the robot does not depend on it.

@@ -1,7 +1,7 @@
 //! What the robot is held for until it is over.
 
 use super::Rig;
-use super::stop_reasons::{ARM, implausible, lost};
+use super::stop_reasons::{ARM, implausible, tracking_lost};
 use crate::base::{Point3, distance_m};
 use crate::hardware::axes::AXES;
 use crate::hardware::safety::StopReason;
@@ -26,7 +26,7 @@ pub(crate) struct LastPoseChange {
 
 impl Rig {
     /// Why the robot should not go on for now: a controller that owes an answer, or a measurement that is not to be used.
-    pub(crate) fn doubt(&mut self, now_s: f64) -> Option<StopReason> {
+    pub(crate) fn hold_reason(&mut self, now_s: f64) -> Option<StopReason> {
         let waiting_s = self.parts.controller.waiting_s(now_s);
         if waiting_s > self.parts.late_s {
             let what = format!("the controller has owed an answer for {:.0} ms", waiting_s * 1e3);
@@ -35,14 +35,14 @@ impl Rig {
         let limits = self.parts.limits;
         let age_s = self.parts.tracking.age_s(now_s);
         if age_s.is_nan() || age_s > limits.tracking_hold_s {
-            return Some(lost(age_s, limits.tracking_hold_s, self.parts.tracking.status()));
+            return Some(tracking_lost(age_s, limits.tracking_hold_s, self.parts.tracking.status()));
         }
-        if let Some(cause) = self.frozen() {
-            return Some(cause);
+        if let Some(reason) = self.frozen_tracking() {
+            return Some(reason);
         }
         let pose = self.parts.tracking.latest()?;
         let (time_s, tip_m) = (pose.time_s, pose.position_m);
-        if let Some((then_s, there_m)) = self.believed.filter(|(then_s, _)| *then_s < time_s) {
+        if let Some((then_s, there_m)) = self.last_plausible.filter(|(then_s, _)| *then_s < time_s) {
             let speed_m_s = distance_m(&tip_m, &there_m) / (time_s - then_s);
             if speed_m_s > limits.tip_speed_m_s {
                 return Some(implausible(format!(
@@ -60,26 +60,27 @@ impl Rig {
                 )));
             }
         }
-        self.believed = Some((time_s, tip_m));
+        self.last_plausible = Some((time_s, tip_m));
         None
     }
 
     /// A tracker that sends one pose for ever, with new time stamps, while motors and model have gone on.
-    fn frozen(&mut self) -> Option<StopReason> {
+    fn frozen_tracking(&mut self) -> Option<StopReason> {
         let (status, position_mm) = (self.parts.tracking.status(), self.parts.controller.state().position_mm);
-        if status.changes != self.changed.count {
-            self.changed = LastPoseChange { count: status.changes, position_mm, expected_m: self.expected_m };
+        if status.changes != self.last_pose_change.count {
+            self.last_pose_change = LastPoseChange { count: status.changes, position_mm, expected_m: self.expected_m };
             return None;
         }
-        let (Some(from_m), Some(to_m)) = (self.changed.expected_m, self.expected_m) else {
-            self.changed.expected_m = self.expected_m;
+        let (Some(from_m), Some(to_m)) = (self.last_pose_change.expected_m, self.expected_m) else {
+            self.last_pose_change.expected_m = self.expected_m;
             return None;
         };
-        let turned_mm = position_mm.iter().zip(&self.changed.position_mm).map(|(to, from)| (to - from).abs());
+        let turned_mm = position_mm.iter().zip(&self.last_pose_change.position_mm).map(|(to, from)| (to - from).abs());
         let turned_mm = turned_mm.fold(0.0, f64::max);
         let unchanged_s = status.unchanged_s;
-        let frozen = unchanged_s >= FROZEN_S && turned_mm > FROZEN_MM && distance_m(&from_m, &to_m) > FROZEN_TIP_M;
-        frozen.then(|| StopReason {
+        let frozen_tracking =
+            unchanged_s >= FROZEN_S && turned_mm > FROZEN_MM && distance_m(&from_m, &to_m) > FROZEN_TIP_M;
+        frozen_tracking.then(|| StopReason {
             kind: "tracking",
             what: format!(
                 "the tracker has sent the same pose to the last bit for {:.0} ms while a screw moved by {turned_mm:.1} mm: \

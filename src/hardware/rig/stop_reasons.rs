@@ -17,15 +17,15 @@ pub(crate) fn interrupted() -> StopReason {
     }
 }
 
-pub(crate) fn ended(why: &str) -> StopReason {
+pub(crate) fn program_ended(why: &str) -> StopReason {
     StopReason { kind: ENDED, what: why.to_owned(), remedy: "start the program again to go on".to_owned() }
 }
 
-pub(crate) fn controller_cause(fault: &MotionFault) -> StopReason {
+pub(crate) fn controller_fault(fault: &MotionFault) -> StopReason {
     StopReason { kind: "controller", what: fault.to_string(), remedy: ARM.to_owned() }
 }
 
-pub(crate) fn lost(age_s: f64, allowed_s: f64, status: &TrackingStatus) -> StopReason {
+pub(crate) fn tracking_lost(age_s: f64, allowed_s: f64, status: &TrackingStatus) -> StopReason {
     let aged = || format!("the last valid pose is {:.0} ms old", age_s * 1e3);
     let found = if age_s.is_finite() { aged() } else { "no valid pose so far".to_owned() };
     let stranger = || {

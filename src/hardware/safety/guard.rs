@@ -25,17 +25,17 @@ pub enum GuardState {
     Homing,
     /// Commands within the limits are carried out.
     Active,
-    /// Motion is paused where it is and goes on once the cause is gone.
+    /// Motion is paused where it is and goes on once the reason is gone.
     Held {
         /// Why.
-        cause: StopReason,
+        reason: StopReason,
         /// Since when, seconds.
         since_s: f64,
     },
     /// Motion has ended; nothing moves until somebody has looked at the robot and armed it again.
     Stopped {
         /// Why.
-        cause: StopReason,
+        reason: StopReason,
         /// Since when, seconds.
         since_s: f64,
     },
@@ -60,7 +60,7 @@ pub struct SafetyInputs {
     /// Why the motion cannot be trusted any more; nothing while it can.
     pub motion_fault: Option<StopReason>,
     /// Why the robot should not go on for now, such as a measurement that is old, invalid or implausible.
-    pub doubt: Option<StopReason>,
+    pub hold_reason: Option<StopReason>,
     /// A request to end, such as Ctrl-C.
     pub interrupted: Option<StopReason>,
     /// Homing has ended well.
@@ -141,10 +141,10 @@ impl Guard {
     }
 
     /// The program ends: a robot that may move is stopped, one that homes as well.
-    pub fn end(&mut self, cause: StopReason, now_s: f64) -> SafetyAction {
+    pub fn request_stop(&mut self, reason: StopReason, now_s: f64) -> SafetyAction {
         match self.state {
             GuardState::Idle | GuardState::Stopped { .. } => SafetyAction::Nothing,
-            GuardState::Homing | GuardState::Active | GuardState::Held { .. } => self.stop(cause, now_s),
+            GuardState::Homing | GuardState::Active | GuardState::Held { .. } => self.stop(reason, now_s),
         }
     }
 
@@ -154,51 +154,51 @@ impl Guard {
     }
 
     /// What the facts at `now_s` call for.
-    pub fn judge(&mut self, facts: &SafetyInputs, now_s: f64) -> SafetyAction {
+    pub fn evaluate(&mut self, facts: &SafetyInputs, now_s: f64) -> SafetyAction {
         if let GuardState::Stopped { .. } = self.state {
             return self.finish_stop(facts, now_s);
         }
         // A fault outlives the program, a request to end does not.
-        if let Some(cause) = facts.motion_fault.as_ref().or(facts.interrupted.as_ref()) {
-            return self.stop(cause.clone(), now_s);
+        if let Some(reason) = facts.motion_fault.as_ref().or(facts.interrupted.as_ref()) {
+            return self.stop(reason.clone(), now_s);
         }
-        match (&self.state, &facts.doubt) {
-            (GuardState::Homing, _) if facts.homed => self.to(GuardState::Active, SafetyAction::Nothing),
-            (GuardState::Active, Some(cause)) => self.hold(cause.clone(), now_s),
-            (GuardState::Held { .. }, None) => self.to(GuardState::Active, SafetyAction::Resume),
-            (GuardState::Held { since_s, .. }, Some(cause)) if now_s - since_s >= self.limits.hold_stop_s => {
-                let cause = cause.clone();
-                self.stop(cause, now_s)
+        match (&self.state, &facts.hold_reason) {
+            (GuardState::Homing, _) if facts.homed => self.enter(GuardState::Active, SafetyAction::Nothing),
+            (GuardState::Active, Some(reason)) => self.hold(reason.clone(), now_s),
+            (GuardState::Held { .. }, None) => self.enter(GuardState::Active, SafetyAction::Resume),
+            (GuardState::Held { since_s, .. }, Some(reason)) if now_s - since_s >= self.limits.hold_stop_s => {
+                let reason = reason.clone();
+                self.stop(reason, now_s)
             }
             _ => SafetyAction::Nothing,
         }
     }
 
     /// A robot that is held again and again is not one that goes on.
-    fn hold(&mut self, cause: StopReason, now_s: f64) -> SafetyAction {
+    fn hold(&mut self, reason: StopReason, now_s: f64) -> SafetyAction {
         self.holds_s.retain(|&then_s| now_s - then_s < HOLDS_S);
         self.holds_s.push_back(now_s);
         let (count, most) = (self.holds_s.len(), self.limits.most_holds);
         if count > most {
-            let what = format!("held {count} times within {HOLDS_S} s, expected at most {most}; now: {}", cause.what);
-            return self.stop(StopReason { what, ..cause }, now_s);
+            let what = format!("held {count} times within {HOLDS_S} s, expected at most {most}; now: {}", reason.what);
+            return self.stop(StopReason { what, ..reason }, now_s);
         }
-        self.to(GuardState::Held { cause, since_s: now_s }, SafetyAction::Hold)
+        self.enter(GuardState::Held { reason, since_s: now_s }, SafetyAction::Hold)
     }
 
-    fn to(&mut self, state: GuardState, order: SafetyAction) -> SafetyAction {
+    fn enter(&mut self, state: GuardState, order: SafetyAction) -> SafetyAction {
         self.state = state;
         order
     }
 
     /// A robot that homes cannot be paused: its motion is forgotten at once.
-    fn stop(&mut self, cause: StopReason, now_s: f64) -> SafetyAction {
+    fn stop(&mut self, reason: StopReason, now_s: f64) -> SafetyAction {
         let order = match self.state {
             GuardState::Homing => SafetyAction::Flush,
             _ => SafetyAction::Hold,
         };
         self.stopping_s = (order == SafetyAction::Hold).then_some(now_s);
-        self.to(GuardState::Stopped { cause, since_s: now_s }, order)
+        self.enter(GuardState::Stopped { reason, since_s: now_s }, order)
     }
 
     /// Once the axes stand, or should have for long, what is queued is forgotten, so that nothing starts again by itself.

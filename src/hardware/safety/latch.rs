@@ -37,7 +37,7 @@ impl Latch {
 
     /// Why the controller's count of steps is not to be believed whatever it says, until the axes have been homed; none when
     /// it may be. A file that cannot be read is there.
-    pub fn distrusted(&self) -> Option<String> {
+    pub fn homing_required(&self) -> Option<String> {
         read(&self.rehome)
     }
 
@@ -45,7 +45,7 @@ impl Latch {
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn distrust(&self, why: &str) -> io::Result<()> {
+    pub fn require_homing(&self, why: &str) -> io::Result<()> {
         self.put(&self.rehome, why)
     }
 
@@ -53,7 +53,7 @@ impl Latch {
     ///
     /// # Errors
     /// When the file cannot be removed.
-    pub fn trust(&self) -> io::Result<()> {
+    pub fn clear_homing_required(&self) -> io::Result<()> {
         match fs::remove_file(&self.rehome) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
             _ => Ok(()),
@@ -72,12 +72,12 @@ impl Latch {
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn stop(&self, cause: &StopReason) -> io::Result<()> {
-        let line = format!("{} UTC: {} [{}]", utc(SystemTime::now()), cause.what, cause.kind);
+    pub fn stop(&self, reason: &StopReason) -> io::Result<()> {
+        let line = format!("{} UTC: {} [{}]", utc(SystemTime::now()), reason.what, reason.kind);
         // The latch first: the log is for people, and may be full.
-        let (latched, distrusted) = (self.put(&self.stopped, &line), self.distrust(&line));
-        latched.and(distrusted)?;
-        self.write(&format!("stopped: {line}; {}", cause.remedy))
+        let (latched, homing_required) = (self.put(&self.stopped, &line), self.require_homing(&line));
+        latched.and(homing_required)?;
+        self.write(&format!("stopped: {line}; {}", reason.remedy))
     }
 
     /// Arms the robot again and logs it; what it had been stopped for. Where it stands has to be found out by homing all the
@@ -150,13 +150,13 @@ mod tests {
     fn arming_does_not_bring_the_position_back() {
         let folder = tempfile::tempdir().unwrap();
         let latch = Latch::new(folder.path(), "robot");
-        let cause = StopReason { kind: "tip", what: "somewhere else".to_owned(), remedy: "look".to_owned() };
-        latch.stop(&cause).unwrap();
+        let reason = StopReason { kind: "tip", what: "somewhere else".to_owned(), remedy: "look".to_owned() };
+        latch.stop(&reason).unwrap();
         assert!(latch.release().unwrap().is_some() && latch.read().is_none());
-        assert!(latch.distrusted().is_some_and(|why| why.contains("somewhere else")));
-        latch.trust().unwrap();
-        latch.trust().unwrap();
-        assert_eq!(latch.distrusted(), None);
+        assert!(latch.homing_required().is_some_and(|why| why.contains("somewhere else")));
+        latch.clear_homing_required().unwrap();
+        latch.clear_homing_required().unwrap();
+        assert_eq!(latch.homing_required(), None);
     }
 
     #[test]

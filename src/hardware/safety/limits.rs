@@ -48,7 +48,7 @@ impl Default for SafetyLimits {
 }
 
 /// A command that needs more ticks than this is a mistake.
-pub const MOST_TICKS: usize = 4;
+pub const MAX_TICKS: usize = 4;
 
 /// Rounding that no limit is about, metres.
 const ROUNDING_M: f64 = 1e-9;
@@ -123,16 +123,22 @@ impl SafetyLimits {
     ///
     /// # Errors
     /// [`CommandRefusal`] names the first limit that is broken.
-    pub fn admit(&self, pulls_m: &[f64], last_m: &[f64], duration_s: f64, steps: usize) -> Result<(), CommandRefusal> {
-        self.admit_each(pulls_m, last_m, duration_s, steps)?;
-        self.admit_pairs(pulls_m, last_m)
+    pub fn check_command(
+        &self,
+        pulls_m: &[f64],
+        last_m: &[f64],
+        duration_s: f64,
+        steps: usize,
+    ) -> Result<(), CommandRefusal> {
+        self.check_each_tendon(pulls_m, last_m, duration_s, steps)?;
+        self.check_antagonists(pulls_m, last_m)
     }
 
-    /// What [`SafetyLimits::admit`] asks of each tendon by itself.
+    /// What [`SafetyLimits::check_command`] asks of each tendon by itself.
     ///
     /// # Errors
     /// [`CommandRefusal`] names the first limit that is broken.
-    pub fn admit_each(
+    pub fn check_each_tendon(
         &self,
         pulls_m: &[f64],
         last_m: &[f64],
@@ -156,14 +162,14 @@ impl SafetyLimits {
     /// The ticks of `tick_s` in which the drive may go from the command `last_m` to `pulls_m`, at least one.
     ///
     /// # Errors
-    /// [`CommandRefusal`] names the first limit that is broken, in [`MOST_TICKS`] if it needs more.
-    pub fn admit_in_ticks(&self, pulls_m: &[f64], last_m: &[f64], tick_s: f64) -> Result<usize, CommandRefusal> {
-        let ticks = self.ticks(pulls_m, last_m, tick_s).clamp(1, MOST_TICKS);
-        self.admit(pulls_m, last_m, tick_s * ticks as f64, ticks).map(|()| ticks)
+    /// [`CommandRefusal`] names the first limit that is broken, in [`MAX_TICKS`] if it needs more.
+    pub fn check_in_ticks(&self, pulls_m: &[f64], last_m: &[f64], tick_s: f64) -> Result<usize, CommandRefusal> {
+        let ticks = self.ticks(pulls_m, last_m, tick_s).clamp(1, MAX_TICKS);
+        self.check_command(pulls_m, last_m, tick_s * ticks as f64, ticks).map(|()| ticks)
     }
 
     /// A pair that stands beyond a bound may come back towards it.
-    fn admit_pairs(&self, pulls_m: &[f64], last_m: &[f64]) -> Result<(), CommandRefusal> {
+    fn check_antagonists(&self, pulls_m: &[f64], last_m: &[f64]) -> Result<(), CommandRefusal> {
         let half = pulls_m.len() / 2;
         if !pulls_m.len().is_multiple_of(2) {
             return Ok(());

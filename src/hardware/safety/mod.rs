@@ -6,4 +6,4 @@ mod limits;
 
 pub use guard::{Guard, GuardState, SafetyAction, SafetyInputs, StopReason};
 pub use latch::Latch;
-pub use limits::{CommandRefusal, MOST_TICKS, SafetyLimits};
+pub use limits::{CommandRefusal, MAX_TICKS, SafetyLimits};

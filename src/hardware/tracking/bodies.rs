@@ -13,7 +13,7 @@ const UNIT_TOLERANCE: f64 = 1e-3;
 const LARGEST_M: f64 = 1000.0;
 
 /// Bodies that an error lists.
-const MOST_LISTED: usize = 30;
+const MAX_LISTED: usize = 30;
 
 /// Streaming ids of the bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,8 +96,8 @@ fn listed(model: &ModelDef) -> String {
     if names.is_empty() {
         return "none".into();
     }
-    let more = names.len().saturating_sub(MOST_LISTED);
-    names.truncate(MOST_LISTED);
+    let more = names.len().saturating_sub(MAX_LISTED);
+    names.truncate(MAX_LISTED);
     if more > 0 {
         names.push(format!("{more} more"));
     }

@@ -18,10 +18,10 @@ const KEEPALIVE_S: f64 = 1.0;
 const SILENCE_S: f64 = 1.0;
 
 /// Shortest time between two questions, s.
-const QUESTION_S: f64 = 0.5;
+const MIN_REQUEST_INTERVAL_S: f64 = 0.5;
 
 /// Datagrams read in one poll: a flood may not hold the caller up.
-const MOST_PER_POLL: usize = 4096;
+const MAX_PER_POLL: usize = 4096;
 
 /// The connection to a motion capture server.
 pub struct TrackerClient {
@@ -30,7 +30,7 @@ pub struct TrackerClient {
     stream: FrameStream,
     server: ServerInfo,
     keepalive_s: f64,
-    question_s: f64,
+    next_request_s: f64,
     last_frame_s: f64,
 }
 
@@ -56,17 +56,25 @@ impl TrackerClient {
         };
         let stream = FrameStream::new(&settings, &server, model.as_ref())?;
         let now_s = clock.now_s();
-        Ok(TrackerClient { settings, link, stream, server, keepalive_s: now_s, question_s: now_s, last_frame_s: now_s })
+        Ok(TrackerClient {
+            settings,
+            link,
+            stream,
+            server,
+            keepalive_s: now_s,
+            next_request_s: now_s,
+            last_frame_s: now_s,
+        })
     }
 
     /// Takes in everything that has arrived by local time `now_s`, and says to the server what has to be said. Never
     /// waits and never fails: what goes wrong is counted in [`TrackerClient::status`].
     pub fn poll(&mut self, now_s: f64) {
-        for _ in 0..MOST_PER_POLL {
+        for _ in 0..MAX_PER_POLL {
             match self.link.receive() {
                 Ok(Some((datagram, from))) => {
-                    let heard = self.stream.take(datagram, from, now_s);
-                    self.react(heard, now_s);
+                    let received = self.stream.process(datagram, from, now_s);
+                    self.handle(received, now_s);
                 }
                 Ok(None) => break,
                 Err(error) => {
@@ -75,16 +83,16 @@ impl TrackerClient {
                 }
             }
         }
-        self.tend(now_s);
+        self.maintain_connection(now_s);
     }
 
-    fn react(&mut self, heard: Received, now_s: f64) {
-        match heard {
+    fn handle(&mut self, received: Received, now_s: f64) {
+        match received {
             Received::Frame => self.last_frame_s = now_s,
             Received::Model(model) => self.stream.set_model(&model),
             // Only as an answer: while frames come, nothing has to be agreed anew.
             Received::Server(server) if self.is_silent(now_s) => {
-                self.stream.meet(&server);
+                self.stream.reconnect(&server);
                 self.server = server;
             }
             Received::Server(_) | Received::Nothing => {}
@@ -96,28 +104,28 @@ impl TrackerClient {
     }
 
     /// Keeps a unicast server sending, and asks for what is not known.
-    fn tend(&mut self, now_s: f64) {
+    fn maintain_connection(&mut self, now_s: f64) {
         if self.settings.transport == Transport::Unicast && now_s >= self.keepalive_s {
             self.keepalive_s = now_s + KEEPALIVE_S;
-            self.say(&command::keepalive_datagram());
+            self.send(&command::keepalive_datagram());
         }
-        if now_s < self.question_s {
+        if now_s < self.next_request_s {
             return;
         }
-        let question = if self.is_silent(now_s) {
+        let request = if self.is_silent(now_s) {
             handshake::connect_request(&self.settings)
         } else if self.stream.wants_model() {
             command::request_modeldef()
         } else {
             return;
         };
-        self.question_s = now_s + QUESTION_S;
-        if let Ok(request) = question {
-            self.say(request.as_bytes());
+        self.next_request_s = now_s + MIN_REQUEST_INTERVAL_S;
+        if let Ok(request) = request {
+            self.send(request.as_bytes());
         }
     }
 
-    fn say(&mut self, datagram: &[u8]) {
+    fn send(&mut self, datagram: &[u8]) {
         if let Err(error) = self.link.send(datagram) {
             self.stream.status_mut().count_socket_error(&error);
         }
@@ -155,7 +163,7 @@ impl Drop for TrackerClient {
     /// A unicast server need not wait for keep-alives that do not come.
     fn drop(&mut self) {
         if self.settings.transport == Transport::Unicast {
-            self.say(&command::disconnect_datagram());
+            self.send(&command::disconnect_datagram());
         }
     }
 }

@@ -24,7 +24,7 @@ pub(crate) struct ClockSync {
 
 impl ClockSync {
     /// A frame stamped `stamp_s` was received at `received_s`. Returns the difference of the clocks.
-    pub(crate) fn take(&mut self, stamp_s: f64, received_s: f64) -> f64 {
+    pub(crate) fn update(&mut self, stamp_s: f64, received_s: f64) -> f64 {
         let difference_s = received_s - stamp_s;
         match self.stretches.back_mut() {
             Some((start_s, least_s)) if received_s - *start_s < STRETCH_S => *least_s = least_s.min(difference_s),
@@ -54,7 +54,7 @@ mod tests {
         for k in 0..3000 {
             let time_s = f64::from(k) * 0.01;
             let delay_s = f64::from(k * 7919 % 13) * 0.004;
-            offset_s = map.take(time_s + 1e6, time_s + 0.003 + delay_s);
+            offset_s = map.update(time_s + 1e6, time_s + 0.003 + delay_s);
         }
         assert!((offset_s + 1e6 - 0.003).abs() < 1e-9, "{offset_s}");
         assert!((map.jitter_s() - 0.024).abs() < 0.01);

@@ -17,7 +17,7 @@ const ASK_AGAIN_S: f64 = 0.25;
 const LOOK_S: f64 = 0.002;
 
 /// Datagrams that are read between two looks at the clock.
-const MOST_AT_ONCE: usize = 256;
+const MAX_AT_ONCE: usize = 256;
 
 /// "Who are you?" In unicast it also asks for the frames, in the fixed version if there is one.
 pub(super) fn connect_request(settings: &TrackingSettings) -> Result<Request, CommandError> {
@@ -75,7 +75,7 @@ fn ask<T>(
         }
         clock.sleep_until(clock.now_s() + LOOK_S);
         let server = SocketAddr::V4(link.server());
-        for _ in 0..MOST_AT_ONCE {
+        for _ in 0..MAX_AT_ONCE {
             let Some((datagram, from)) = link.receive().map_err(fault)? else { break };
             if let Some(answer) = read(datagram).filter(|_| from == server) {
                 return Ok(Ok(answer));

@@ -62,42 +62,42 @@ impl FrameSequence {
     }
 
     /// Judges the next frame, received at `now_s`.
-    pub(crate) fn take(&mut self, mark: FrameStamp, now_s: f64) -> FrameOrder {
+    pub(crate) fn classify(&mut self, stamp: FrameStamp, now_s: f64) -> FrameOrder {
         let Some(last) = self.last else {
-            self.accept(mark);
+            self.accept(stamp);
             return FrameOrder::New { lost: 0 };
         };
-        let ahead = mark.ahead(&last);
-        if mark.follows(&last) {
-            self.accept(mark);
+        let ahead = stamp.ahead(&last);
+        if stamp.follows(&last) {
+            self.accept(stamp);
             return FrameOrder::New { lost: u64::from(ahead.unsigned_abs()) - 1 };
         }
         if ahead == 0 {
             return FrameOrder::Duplicate;
         }
-        if self.restarted(mark, now_s) {
-            self.accept(mark);
+        if self.restarted(stamp, now_s) {
+            self.accept(stamp);
             return FrameOrder::Restart;
         }
         if ahead > 0 { FrameOrder::StuckClock } else { FrameOrder::Old }
     }
 
-    fn accept(&mut self, mark: FrameStamp) {
-        *self = FrameSequence { last: Some(mark), refused: None, restart_expected: false };
+    fn accept(&mut self, stamp: FrameStamp) {
+        *self = FrameSequence { last: Some(stamp), refused: None, restart_expected: false };
     }
 
     /// Single stragglers are old; frames that are all older than the last one, but go on among themselves, are a new
     /// count.
-    fn restarted(&mut self, mark: FrameStamp, now_s: f64) -> bool {
+    fn restarted(&mut self, stamp: FrameStamp, now_s: f64) -> bool {
         let Some(run) = &mut self.refused else {
-            self.refused = Some(RefusedRun { since_s: now_s, frames: 1, last: mark });
+            self.refused = Some(RefusedRun { since_s: now_s, frames: 1, last: stamp });
             return self.restart_expected;
         };
-        if mark.follows(&run.last) {
-            run.last = mark;
+        if stamp.follows(&run.last) {
+            run.last = stamp;
             run.frames += 1;
         } else if now_s - run.since_s > RESTART_S {
-            *run = RefusedRun { since_s: now_s, frames: 1, last: mark };
+            *run = RefusedRun { since_s: now_s, frames: 1, last: stamp };
         }
         self.restart_expected || (run.frames >= RESTART_FRAMES && now_s - run.since_s >= RESTART_S)
     }
@@ -107,16 +107,16 @@ impl FrameSequence {
 mod tests {
     use super::*;
 
-    fn mark(number: i32) -> FrameStamp {
+    fn stamp(number: i32) -> FrameStamp {
         FrameStamp { number, stamp_s: f64::from(number) * 0.01 }
     }
 
     #[test]
     fn numbers_wrap() {
         let mut sequence = FrameSequence::default();
-        sequence.take(FrameStamp { number: i32::MAX, stamp_s: 1.0 }, 0.0);
+        sequence.classify(FrameStamp { number: i32::MAX, stamp_s: 1.0 }, 0.0);
         assert_eq!(
-            sequence.take(FrameStamp { number: i32::MIN + 1, stamp_s: 1.02 }, 0.02),
+            sequence.classify(FrameStamp { number: i32::MIN + 1, stamp_s: 1.02 }, 0.02),
             FrameOrder::New { lost: 1 }
         );
     }
@@ -124,8 +124,8 @@ mod tests {
     #[test]
     fn a_straggler_is_old_and_a_second_of_them_a_restart() {
         let mut sequence = FrameSequence::default();
-        sequence.take(mark(1000), 0.0);
-        let orders: Vec<FrameOrder> = (1..150).map(|k| sequence.take(mark(k), f64::from(k) * 0.01)).collect();
+        sequence.classify(stamp(1000), 0.0);
+        let orders: Vec<FrameOrder> = (1..150).map(|k| sequence.classify(stamp(k), f64::from(k) * 0.01)).collect();
         let restart = orders.iter().position(|order| *order == FrameOrder::Restart);
         assert!(restart.is_some_and(|at| (99..=102).contains(&at)), "{restart:?}");
         assert!(orders[..99].iter().all(|order| *order == FrameOrder::Old));
@@ -135,13 +135,13 @@ mod tests {
     #[test]
     fn a_clock_that_stands_is_no_restart() {
         let mut sequence = FrameSequence::default();
-        sequence.take(FrameStamp { number: 1, stamp_s: 5.0 }, 0.0);
+        sequence.classify(FrameStamp { number: 1, stamp_s: 5.0 }, 0.0);
         for k in 2..500 {
             assert_eq!(
-                sequence.take(FrameStamp { number: k, stamp_s: 5.0 }, f64::from(k) * 0.01),
+                sequence.classify(FrameStamp { number: k, stamp_s: 5.0 }, f64::from(k) * 0.01),
                 FrameOrder::StuckClock
             );
         }
-        assert_eq!(sequence.take(FrameStamp { number: 500, stamp_s: 9.0 }, 5.0), FrameOrder::New { lost: 498 });
+        assert_eq!(sequence.classify(FrameStamp { number: 500, stamp_s: 9.0 }, 5.0), FrameOrder::New { lost: 498 });
     }
 }

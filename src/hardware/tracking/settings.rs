@@ -140,8 +140,8 @@ impl Default for TrackingSettings {
 impl TrackingSettings {
     /// True when both bodies are set by their streaming ids.
     pub fn names_no_body(&self) -> bool {
-        let named = |body: &BodyName| matches!(body, BodyName::Name(_));
-        !named(&self.tip_body) && !self.base_body.as_ref().is_some_and(named)
+        let is_named_port = |body: &BodyName| matches!(body, BodyName::Name(_));
+        !is_named_port(&self.tip_body) && !self.base_body.as_ref().is_some_and(is_named_port)
     }
 
     /// Refuses settings out of range.

@@ -50,15 +50,15 @@ pub struct FrameStream {
     settings: TrackingSettings,
     decoder: Decoder,
     clock_hz: u64,
-    sources: PeerFilter,
+    peer_filter: PeerFilter,
     bodies: Option<TrackedBodies>,
     mounting: Mounting,
     sequence: FrameSequence,
-    stamps: ClockSync,
+    clock_sync: ClockSync,
     samples: TipBuffer,
     recent: VecDeque<FrameStamp>,
     /// The tip's body as it was last seen, and the stamp since when it has been just so.
-    still: Option<(RigidPose, f64)>,
+    unchanged: Option<(RigidPose, f64)>,
     wants_model: bool,
     status: TrackingStatus,
 }
@@ -78,14 +78,14 @@ impl FrameStream {
         Ok(FrameStream {
             decoder: decoder(settings, server)?,
             clock_hz: server.high_res_clock_frequency,
-            sources: PeerFilter::new(command, server.connection.data_port),
+            peer_filter: PeerFilter::new(command, server.connection.data_port),
             bodies: Some(TrackedBodies::find(settings, model)?),
             mounting: Mounting::of(settings),
             sequence: FrameSequence::default(),
-            stamps: ClockSync::default(),
+            clock_sync: ClockSync::default(),
             samples: TipBuffer::new(1.0 / settings.rate_hz),
             recent: VecDeque::with_capacity(RATE_FRAMES),
-            still: None,
+            unchanged: None,
             wants_model: false,
             status: TrackingStatus::default(),
             settings: settings.clone(),
@@ -93,12 +93,12 @@ impl FrameStream {
     }
 
     /// Takes one datagram, received from `from` at local time `now_s`. Any bytes will do.
-    pub fn take(&mut self, datagram: &[u8], from: SocketAddr, now_s: f64) -> Received {
+    pub fn process(&mut self, datagram: &[u8], from: SocketAddr, now_s: f64) -> Received {
         let id = MessageHeader::parse(datagram).map_or(u16::MAX, |header| header.message_id);
         let ours = match id {
-            natnet::NAT_FRAMEOFDATA => self.sources.frames(from),
-            natnet::NAT_SERVERINFO | natnet::NAT_MODELDEF => self.sources.answers(from),
-            _ => self.sources.same_computer(from),
+            natnet::NAT_FRAMEOFDATA => self.peer_filter.accepts_frames(from),
+            natnet::NAT_SERVERINFO | natnet::NAT_MODELDEF => self.peer_filter.accepts_answers(from),
+            _ => self.peer_filter.is_same_host(from),
         };
         if !ours {
             self.status.count_foreign(from);
@@ -118,28 +118,28 @@ impl FrameStream {
     }
 
     fn take_frame(&mut self, frame: &FrameOfData, from: SocketAddr, now_s: f64) -> Received {
-        let mark = FrameStamp { number: frame.frame_number, stamp_s: frame.timing.timestamp };
-        if !mark.stamp_s.is_finite() || mark.stamp_s.abs() > LATEST_STAMP_S {
+        let stamp = FrameStamp { number: frame.frame_number, stamp_s: frame.timing.timestamp };
+        if !stamp.stamp_s.is_finite() || stamp.stamp_s.abs() > LATEST_STAMP_S {
             self.status.malformed += 1;
-            self.status.unseen = Some("time stamps that are none, in seconds");
+            self.status.unseen = Some("time clock_sync that are none, in seconds");
             return Received::Nothing;
         }
-        self.sources.learn(from);
+        self.peer_filter.set_frames_port(from);
         self.status.received += 1;
-        let (old, why) = match self.sequence.take(mark, now_s) {
+        let (old, why) = match self.sequence.classify(stamp, now_s) {
             FrameOrder::New { lost } => {
                 self.status.lost += lost;
-                self.take_new(frame, mark, now_s);
+                self.take_new(frame, stamp, now_s);
                 return Received::Frame;
             }
             FrameOrder::Restart => {
-                self.begin_again();
-                self.take_new(frame, mark, now_s);
+                self.restart();
+                self.take_new(frame, stamp, now_s);
                 return Received::Frame;
             }
             FrameOrder::Duplicate => (&mut self.status.duplicates, "frames with the number of the one before"),
             FrameOrder::Old => (&mut self.status.out_of_order, "frames with lower numbers than before"),
-            FrameOrder::StuckClock => (&mut self.status.stuck_clock, "frames whose time stamps do not go on"),
+            FrameOrder::StuckClock => (&mut self.status.stuck_clock, "frames whose time clock_sync do not go on"),
         };
         *old += 1;
         // Where others come besides, these do no harm.
@@ -150,20 +150,20 @@ impl FrameStream {
     }
 
     /// The server counts from another number, by another clock.
-    fn begin_again(&mut self) {
+    fn restart(&mut self) {
         self.status.restarts += 1;
-        self.stamps = ClockSync::default();
+        self.clock_sync = ClockSync::default();
         self.samples.clear();
         self.recent.clear();
-        self.still = None;
+        self.unchanged = None;
         self.wants_model = true;
     }
 
-    fn take_new(&mut self, frame: &FrameOfData, mark: FrameStamp, now_s: f64) {
-        let offset_s = self.stamps.take(mark.stamp_s, now_s);
+    fn take_new(&mut self, frame: &FrameOfData, stamp: FrameStamp, now_s: f64) {
+        let offset_s = self.clock_sync.update(stamp.stamp_s, now_s);
         self.samples.set_offset(offset_s);
-        self.status.latency_jitter_s = self.stamps.jitter_s();
-        self.measure(frame, mark);
+        self.status.latency_jitter_s = self.clock_sync.jitter_s();
+        self.measure(frame, stamp);
         self.wants_model |= frame.params & MODEL_CHANGED != 0;
         self.wants_model |= self.bodies.is_none_or(|bodies| !bodies.are_in(frame));
         let Some((base, tip)) = self.bodies.and_then(|bodies| bodies.poses(frame)) else {
@@ -173,21 +173,21 @@ impl FrameStream {
         };
         self.status.valid += 1;
         self.status.unseen = None;
-        self.samples.push(mark.stamp_s, self.mounting.tip(&base, &tip));
-        let still_s = self.still.filter(|still| still.0 == tip).map(|still| still.1);
-        self.status.changes += u64::from(still_s.is_none());
-        let since_s = still_s.unwrap_or(mark.stamp_s);
-        self.still = Some((tip, since_s));
-        self.status.unchanged_s = mark.stamp_s - since_s;
+        self.samples.push(stamp.stamp_s, self.mounting.tip(&base, &tip));
+        let unchanged_since_s = self.unchanged.filter(|unchanged| unchanged.0 == tip).map(|unchanged| unchanged.1);
+        self.status.changes += u64::from(unchanged_since_s.is_none());
+        let since_s = unchanged_since_s.unwrap_or(stamp.stamp_s);
+        self.unchanged = Some((tip, since_s));
+        self.status.unchanged_s = stamp.stamp_s - since_s;
     }
 
-    fn measure(&mut self, frame: &FrameOfData, mark: FrameStamp) {
+    fn measure(&mut self, frame: &FrameOfData, stamp: FrameStamp) {
         if self.recent.len() == RATE_FRAMES {
             self.recent.pop_front();
         }
-        self.recent.push_back(mark);
-        let first = self.recent.front().unwrap_or(&mark);
-        let (frames, time_s) = (mark.number.wrapping_sub(first.number), mark.stamp_s - first.stamp_s);
+        self.recent.push_back(stamp);
+        let first = self.recent.front().unwrap_or(&stamp);
+        let (frames, time_s) = (stamp.number.wrapping_sub(first.number), stamp.stamp_s - first.stamp_s);
         self.status.rate_hz = (time_s > 0.0).then(|| f64::from(frames) / time_s);
         let (exposed, sent) = (frame.timing.camera_mid_exposure, frame.timing.transmit);
         let latency_s = sent.saturating_sub(exposed) as f64 / self.clock_hz.max(1) as f64;
@@ -196,7 +196,7 @@ impl FrameStream {
     }
 
     /// The server answered a new handshake: it may have started again, with other ports, versions and bodies.
-    pub(super) fn meet(&mut self, server: &ServerInfo) {
+    pub(super) fn reconnect(&mut self, server: &ServerInfo) {
         match decoder(&self.settings, server) {
             Ok(decoder) => self.decoder = decoder,
             Err(fault) => {
@@ -205,7 +205,7 @@ impl FrameStream {
             }
         }
         self.clock_hz = server.high_res_clock_frequency;
-        self.sources.meet(server.connection.data_port);
+        self.peer_filter.reconnect(server.connection.data_port);
         self.sequence.expect_restart();
         self.wants_model = true;
     }

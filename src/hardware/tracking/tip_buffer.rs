@@ -20,7 +20,7 @@ struct TimedTip {
     tip: TipPose,
 }
 
-/// Valid samples in the order of their stamps.
+/// Valid samples in the order of their clock_sync.
 #[derive(Clone, Debug)]
 pub(super) struct TipBuffer {
     period_s: f64,

@@ -24,19 +24,19 @@ pub struct Diagnostics {
     /// Where the model puts the tip at home, metres.
     pub home_m: Point3,
     /// Whether the loop may go before everything else on this computer; none where time waits for it.
-    pub urgent: Option<bool>,
+    pub real_time: Option<bool>,
 }
 
 impl Hardware {
     /// What motors and tracker say about themselves, the tracker after `watch_s`; moves nothing.
-    pub fn examine(&mut self, watch_s: f64) -> Diagnostics {
-        self.line.clock.sleep_until(self.line.clock.now_s() + watch_s);
+    pub fn run_diagnostics(&mut self, watch_s: f64) -> Diagnostics {
+        self.supervised.clock.sleep_until(self.supervised.clock.now_s() + watch_s);
         // Where the tip should be while nothing has been pulled; a model without rest says nothing.
         let _ = self.model.home();
         let home_m = self.expected_m();
-        let urgent = self.line.clock.is_real().then(|| RealTime::new(Priority::Loop).is_granted());
-        let now_s = self.line.clock.now_s();
-        let rig = self.line.rig();
+        let real_time = self.supervised.clock.is_real().then(|| RealTime::new(Priority::Loop).is_granted());
+        let now_s = self.supervised.clock.now_s();
+        let rig = self.supervised.rig();
         Diagnostics {
             controller: format!("{} {}", rig.controller().machine().firmware, rig.controller().machine().version),
             homed: rig.controller().homed(),
@@ -45,7 +45,7 @@ impl Hardware {
             tracking: rig.tracking().status().clone(),
             tip: rig.fresh_tip(now_s).map(|pose| pose.position_m),
             home_m,
-            urgent,
+            real_time,
         }
     }
 }

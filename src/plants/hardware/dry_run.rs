@@ -34,14 +34,14 @@ pub struct RefusedRow {
 ///
 /// # Errors
 /// [`RefusedRow`]: the first command that the robot would refuse.
-pub fn foresee(limits: &SafetyLimits, commands: &Recording, step_s: f64) -> Result<DryRun, RefusedRow> {
+pub fn dry_run(limits: &SafetyLimits, commands: &Recording, step_s: f64) -> Result<DryRun, RefusedRow> {
     let mut foreseen = DryRun::default();
     for (_, rows) in commands.trials() {
         foreseen.trials += 1;
         let mut last_m = vec![0.0; commands.tendons()];
         for row in rows.start..rows.end - 1 {
             let pulls_m = commands.commands.row(row);
-            let ticks = limits.admit_in_ticks(pulls_m, &last_m, step_s);
+            let ticks = limits.check_in_ticks(pulls_m, &last_m, step_s);
             foreseen.ticks += ticks.map_err(|refusal| RefusedRow { row, refusal })?;
             foreseen.commands += 1;
             let changes = pulls_m.iter().zip(&last_m).map(|(to, from)| (to - from).abs());

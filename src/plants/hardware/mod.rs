@@ -13,7 +13,7 @@ pub(crate) mod supervised_rig;
 mod timing;
 
 pub use diagnostics::Diagnostics;
-pub use dry_run::{DryRun, RefusedRow, foresee};
+pub use dry_run::{DryRun, RefusedRow, dry_run};
 pub use options::{HardwareOptions, RehearsalOptions};
 pub use rehearsal::Rehearsal;
 pub use served_simulator::ServedSimulator;
@@ -29,9 +29,9 @@ use supervised_rig::SupervisedRig;
 
 /// A hardware robot as a [`Plant`](crate::base::Plant).
 pub struct Hardware {
-    line: SupervisedRig,
+    supervised: SupervisedRig,
     /// What is believed about the robot.
-    believed: Model,
+    unloaded_model: Model,
     /// What that says the robot does: how tendons follow, where the tip may be.
     model: Driven,
     step_s: f64,
@@ -44,20 +44,20 @@ pub struct Hardware {
     due_s: f64,
     timing: LoopTiming,
     /// The imitations behind the drivers, in a rehearsal.
-    stage: Option<Rehearsal>,
+    rehearsal: Option<Rehearsal>,
     /// The right to use the robot, where there is one. Given back last.
-    claim: Option<RobotLock>,
+    lock: Option<RobotLock>,
 }
 
 impl Hardware {
     /// What has happened to the robot so far.
     pub fn events(&self) -> Vec<Event> {
-        self.line.rig().events().to_vec()
+        self.supervised.rig().events().to_vec()
     }
 
     /// Time on the rig's clock, s: that of [`Hardware::events`].
     pub fn now_s(&self) -> f64 {
-        self.line.clock.now_s()
+        self.supervised.clock.now_s()
     }
 
     /// How well the loop has kept time.
@@ -66,13 +66,13 @@ impl Hardware {
     }
 
     /// Forgets how well the loop has kept time so far.
-    pub fn start_timing(&mut self) {
+    pub fn reset_timing(&mut self) {
         self.timing = LoopTiming::default();
     }
 
     /// The imitations behind the drivers, in a rehearsal.
-    pub fn stage(&self) -> Option<&Rehearsal> {
-        self.stage.as_ref()
+    pub fn rehearsal(&self) -> Option<&Rehearsal> {
+        self.rehearsal.as_ref()
     }
 
     /// Where the model puts the tip now, metres.
@@ -82,7 +82,7 @@ impl Hardware {
     }
 
     /// Looks at the rig for a moment.
-    pub fn look<T>(&self, what: impl FnOnce(&Rig) -> T) -> T {
-        what(&self.line.rig())
+    pub fn with_rig<T>(&self, what: impl FnOnce(&Rig) -> T) -> T {
+        what(&self.supervised.rig())
     }
 }

@@ -26,43 +26,47 @@ impl Hardware {
     pub fn open(options: &HardwareOptions, step_s: f64, seed: Seed) -> Result<Hardware, String> {
         match &options.rehearsal {
             Some(rehearsal) => {
-                let (stage, wire, tracking) = Rehearsal::open(options, rehearsal, seed)?;
-                let clock = stage.clock();
-                let parts = OpenedDevices { wire, clock, latch: None, interrupt: stage.interrupt() };
-                let mut plant = Hardware::of(options, &tracking, step_s, parts)?;
-                plant.stage = Some(stage);
+                let (rehearsal, serial, tracking) = Rehearsal::open(options, rehearsal, seed)?;
+                let clock = rehearsal.clock();
+                let parts = OpenedDevices { serial, clock, latch: None, interrupt: rehearsal.interrupt() };
+                let mut plant = Hardware::with_devices(options, &tracking, step_s, parts)?;
+                plant.rehearsal = Some(rehearsal);
                 Ok(plant)
             }
-            None => Hardware::on_the_bench(options, step_s),
+            None => Hardware::open_robot(options, step_s),
         }
     }
 
-    fn on_the_bench(options: &HardwareOptions, step_s: f64) -> Result<Hardware, String> {
+    fn open_robot(options: &HardwareOptions, step_s: f64) -> Result<Hardware, String> {
         // Whoever has the robot now may stop it: the latch is read when it is ours.
-        let claim = RobotLock::new(&options.attached)?;
+        let lock = RobotLock::new(&options.attached)?;
         let latch = Latch::new(&Latch::folder(), &options.name);
         if let Some(reason) = latch.read() {
             return Err(format!("robot `{}` is stopped: {reason}; look at it, then `spinebench arm`", options.name));
         }
-        let wire = TtyLine::open(&options.motion.port, options.motion.baud)
+        let serial = TtyLine::open(&options.motion.port, options.motion.baud)
             .map_err(|error| no_port(&options.motion.port, &error))?;
         let interrupt = Interrupt::of_process().map_err(|error| error.to_string())?;
-        let parts =
-            OpenedDevices { wire: Box::new(wire), clock: Arc::new(WallClock::new()), latch: Some(latch), interrupt };
-        let mut plant = Hardware::of(options, &options.tracking, step_s, parts)?;
-        plant.claim = Some(claim);
+        let parts = OpenedDevices {
+            serial: Box::new(serial),
+            clock: Arc::new(WallClock::new()),
+            latch: Some(latch),
+            interrupt,
+        };
+        let mut plant = Hardware::with_devices(options, &options.tracking, step_s, parts)?;
+        plant.lock = Some(lock);
         Ok(plant)
     }
 
     /// The calling thread has joined the clock.
-    fn of(
+    fn with_devices(
         options: &HardwareOptions,
         tracking: &TrackingSettings,
         step_s: f64,
         opened: OpenedDevices,
     ) -> Result<Hardware, String> {
-        let OpenedDevices { wire, clock, latch, interrupt } = opened;
-        let controller = Controller::open(wire, &options.motion, clock.as_ref()).map_err(|fault| fault.to_string());
+        let OpenedDevices { serial, clock, latch, interrupt } = opened;
+        let controller = Controller::open(serial, &options.motion, clock.as_ref()).map_err(|fault| fault.to_string());
         let controller =
             controller.and_then(|controller| fast_enough(&controller, &options.safety, step_s).map(|()| controller));
         let tracking = TrackerClient::open(tracking.clone(), clock.as_ref()).map_err(|fault| fault.to_string());
@@ -82,8 +86,8 @@ impl Hardware {
             interrupt,
         };
         Ok(Hardware {
-            line: SupervisedRig::new(Rig::new(parts), clock),
-            believed: options.model.clone(),
+            supervised: SupervisedRig::new(Rig::new(parts), clock),
+            unloaded_model: options.model.clone(),
             model: Driven::new(&options.model, &[]),
             step_s,
             settle_s: options.settle_s,
@@ -92,8 +96,8 @@ impl Hardware {
             trial_s: 0.0,
             due_s: 0.0,
             timing: LoopTiming::default(),
-            stage: None,
-            claim: None,
+            rehearsal: None,
+            lock: None,
         })
     }
 }
@@ -104,7 +108,7 @@ fn no_port(port: &str, error: &std::io::Error) -> String {
 
 /// What [`Hardware::of`] drives.
 struct OpenedDevices {
-    wire: Box<dyn SerialLine>,
+    serial: Box<dyn SerialLine>,
     clock: Arc<dyn Clock>,
     latch: Option<Latch>,
     interrupt: Interrupt,

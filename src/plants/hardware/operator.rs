@@ -14,7 +14,7 @@ struct SharedRobot {
     attached: Vec<EffectSpec>,
 }
 
-static BENCH: Mutex<SharedRobot> = Mutex::new(SharedRobot { taken: false, attached: Vec::new() });
+static ROBOT: Mutex<SharedRobot> = Mutex::new(SharedRobot { taken: false, attached: Vec::new() });
 static FREE: Condvar = Condvar::new();
 
 /// The right to use the robot, until it is dropped.
@@ -26,22 +26,22 @@ impl RobotLock {
     /// # Errors
     /// In words, when there is nobody who could change it.
     pub(crate) fn new(attached: &[EffectSpec]) -> Result<RobotLock, String> {
-        let mut bench = BENCH.lock().unwrap_or_else(PoisonError::into_inner);
-        while bench.taken {
-            bench = FREE.wait(bench).unwrap_or_else(PoisonError::into_inner);
+        let mut robot = ROBOT.lock().unwrap_or_else(PoisonError::into_inner);
+        while robot.taken {
+            robot = FREE.wait(robot).unwrap_or_else(PoisonError::into_inner);
         }
-        if bench.attached != attached {
+        if robot.attached != attached {
             attach(attached)?;
-            bench.attached = attached.to_vec();
+            robot.attached = attached.to_vec();
         }
-        bench.taken = true;
+        robot.taken = true;
         Ok(RobotLock(()))
     }
 }
 
 impl Drop for RobotLock {
     fn drop(&mut self) {
-        BENCH.lock().unwrap_or_else(PoisonError::into_inner).taken = false;
+        ROBOT.lock().unwrap_or_else(PoisonError::into_inner).taken = false;
         FREE.notify_one();
     }
 }
@@ -50,9 +50,9 @@ impl Drop for RobotLock {
 fn attach(attached: &[EffectSpec]) -> Result<(), String> {
     let what = serde_json::to_string(attached).map_err(|error| error.to_string())?;
     if attached.is_empty() {
-        ask("take everything off the robot")
+        ask_operator("take everything off the robot")
     } else {
-        ask(&format!("attach to the robot: {what}"))
+        ask_operator(&format!("attach to the robot: {what}"))
     }
 }
 
@@ -63,7 +63,7 @@ const LOOK_S: f64 = 0.05;
 ///
 /// # Errors
 /// In words, when there is nobody (standard input has ended) or the program is to end.
-pub fn ask(what: &str) -> Result<(), String> {
+pub fn ask_operator(what: &str) -> Result<(), String> {
     let interrupt = Interrupt::of_process().map_err(|error| error.to_string())?;
     eprint!("{what}, then press Enter: ");
     let (sender, answer) = channel();

@@ -17,30 +17,30 @@ impl Hardware {
     ///
     /// # Errors
     /// In words: a robot that is stopped, nobody there, or bodies that are not seen.
-    pub fn hang(&mut self, load_kg: f64, what: Option<&str>) -> Result<(), String> {
-        if let Some(stage) = &self.stage {
-            stage.with(|world| world.hang(load_kg));
+    pub fn hang_weight(&mut self, load_kg: f64, what: Option<&str>) -> Result<(), String> {
+        if let Some(rehearsal) = &self.rehearsal {
+            rehearsal.with_simulator(|simulator| simulator.hang_weight(load_kg));
         } else if let Some(what) = what {
             self.park().map_err(|error| error.to_string())?;
-            operator::ask(what)?;
-            let now_s = self.line.clock.now_s();
-            let seen = self.line.wait(now_s + SEEN_S, |rig, now_s| rig.fresh_tip(now_s));
+            operator::ask_operator(what)?;
+            let now_s = self.supervised.clock.now_s();
+            let seen = self.supervised.wait(now_s + SEEN_S, |rig, now_s| rig.fresh_tip(now_s));
             seen.ok_or("the tracker does not see base and tip; make both bodies visible")?;
         }
         let hung: Vec<EffectSpec> = (load_kg > 0.0).then(|| EffectSpec::tip_load(load_kg)).into_iter().collect();
-        self.model = Driven::new(&self.believed, &hung);
-        self.line.rig().expect(None);
+        self.model = Driven::new(&self.unloaded_model, &hung);
+        self.supervised.rig().set_expected_tip(None);
         Ok(())
     }
 
     /// Brings a robot home that has moved, and lets hands and heads come between it and the cameras until the next trial.
     fn park(&mut self) -> Result<(), PlantError> {
-        if *self.line.rig().state() == GuardState::Idle {
+        if *self.supervised.rig().state() == GuardState::Idle {
             return Ok(());
         }
         self.go_home()?;
-        let now_s = self.line.clock.now_s();
-        let parked = self.line.wait(now_s + STAND_S, |rig, now_s| rig.park(now_s).then_some(()));
+        let now_s = self.supervised.clock.now_s();
+        let parked = self.supervised.wait(now_s + STAND_S, |rig, now_s| rig.park(now_s).then_some(()));
         parked.ok_or_else(|| PlantError::Stopped("the axes do not come to rest at home; look at the robot".to_owned()))
     }
 }

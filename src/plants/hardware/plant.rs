@@ -18,26 +18,26 @@ const LATE_SHARE: f64 = 0.1;
 impl Hardware {
     /// Homes the robot unless it is homed, and brings its tendons home.
     pub(super) fn go_home(&mut self) -> Result<(), PlantError> {
-        self.line.rig().expect(None);
-        let deadline_s = self.line.clock.now_s() + HOMING_S;
-        if *self.line.rig().state() == GuardState::Idle {
-            let now_s = self.line.clock.now_s();
-            self.line.rig().begin(now_s).map_err(refused)?;
+        self.supervised.rig().set_expected_tip(None);
+        let deadline_s = self.supervised.clock.now_s() + HOMING_S;
+        if *self.supervised.rig().state() == GuardState::Idle {
+            let now_s = self.supervised.clock.now_s();
+            self.supervised.rig().start(now_s).map_err(plant_error)?;
         }
-        self.until_active(deadline_s)?;
+        self.wait_until_active(deadline_s)?;
         loop {
-            let tick_s = self.line.clock.now_s() + self.step_s;
+            let tick_s = self.supervised.clock.now_s() + self.step_s;
             let step_s = self.step_s;
-            let arrived = self.line.wait(deadline_s, |rig, now_s| match rig.state() {
-                GuardState::Active => match rig.towards_home(step_s, now_s) {
-                    Err(MoveError::Busy | MoveError::Not(_)) => None,
-                    other => Some(other.map_err(refused)),
+            let arrived = self.supervised.wait(deadline_s, |rig, now_s| match rig.state() {
+                GuardState::Active => match rig.step_towards_home(step_s, now_s) {
+                    Err(MoveError::Busy | MoveError::NotActive(_)) => None,
+                    other => Some(other.map_err(plant_error)),
                 },
-                state => stopped(state).map(Err),
+                state => stop_error(state).map(Err),
             });
-            let arrived = arrived.unwrap_or_else(|| Err(self.late("the way home")))?;
-            self.line.clock.sleep_until(tick_s);
-            self.until_active(deadline_s)?;
+            let arrived = arrived.unwrap_or_else(|| Err(self.stop_overdue("the way home")))?;
+            self.supervised.clock.sleep_until(tick_s);
+            self.wait_until_active(deadline_s)?;
             if arrived {
                 return Ok(());
             }
@@ -45,32 +45,32 @@ impl Hardware {
     }
 
     /// Waits while the robot homes or is held.
-    fn until_active(&self, deadline_s: f64) -> Result<bool, PlantError> {
+    fn wait_until_active(&self, deadline_s: f64) -> Result<bool, PlantError> {
         let mut held = false;
-        let ended = self.line.wait(deadline_s, |rig, _| match rig.state() {
+        let ended = self.supervised.wait(deadline_s, |rig, _| match rig.state() {
             GuardState::Active => Some(Ok(())),
             GuardState::Held { .. } => {
                 held = true;
                 None
             }
-            state => stopped(state).map(Err),
+            state => stop_error(state).map(Err),
         });
-        ended.unwrap_or_else(|| Err(self.late("a hold or homing"))).map(|()| held)
+        ended.unwrap_or_else(|| Err(self.stop_overdue("a hold or homing"))).map(|()| held)
     }
 
     /// What takes longer than it may stops the robot.
-    pub(super) fn late(&self, what: &str) -> PlantError {
+    pub(super) fn stop_overdue(&self, what: &str) -> PlantError {
         let words = format!("{what} took longer than it may; look at the robot");
-        let now_s = self.line.clock.now_s();
-        self.line.rig().give_up(words.clone(), now_s);
+        let now_s = self.supervised.clock.now_s();
+        self.supervised.rig().stop(words.clone(), now_s);
         PlantError::Stopped(words)
     }
 
     /// Refuses a command before the model moves, so that both stay where they are. How far tendons that follow go is for
     /// the model to say; the others keep to the limits of each by itself, in the ticks that they need: one that has
     /// followed so far may have a way to go.
-    fn admit(&self, commands: &[TendonCommand]) -> Result<(), PlantError> {
-        let last_m = self.line.rig().commanded_m();
+    fn check_commands(&self, commands: &[TendonCommand]) -> Result<(), PlantError> {
+        let last_m = self.supervised.rig().commanded_m();
         let asked = |(command, last_m): (&TendonCommand, &f64)| match *command {
             TendonCommand::Pull(pull_m) => pull_m,
             TendonCommand::Follow => *last_m,
@@ -78,17 +78,17 @@ impl Hardware {
         let pulls_m: Vec<f64> = commands.iter().zip(&last_m).map(asked).collect();
         let admitted = if commands.contains(&TendonCommand::Follow) {
             let ticks = self.safety.ticks(&pulls_m, &last_m, self.step_s).max(1);
-            self.safety.admit_each(&pulls_m, &last_m, self.step_s * ticks as f64, ticks)
+            self.safety.check_each_tendon(&pulls_m, &last_m, self.step_s * ticks as f64, ticks)
         } else {
-            self.safety.admit_in_ticks(&pulls_m, &last_m, self.step_s).map(|_| ())
+            self.safety.check_in_ticks(&pulls_m, &last_m, self.step_s).map(|_| ())
         };
         admitted.map_err(|refusal| PlantError::Refused(refusal.to_string()))
     }
 
     /// Moves the tendons to `pulls_m` in as many ticks as the limits ask for; true if the robot was held on the way. The
     /// command was given at `called_s`, the first tick begins at `begin_s`.
-    fn carry_out(&mut self, pulls_m: &[f64], called_s: f64, begin_s: f64) -> Result<bool, PlantError> {
-        let from_m = self.line.rig().commanded_m();
+    fn drive_in_ticks(&mut self, pulls_m: &[f64], called_s: f64, begin_s: f64) -> Result<bool, PlantError> {
+        let from_m = self.supervised.rig().commanded_m();
         let ticks = self.safety.ticks(pulls_m, &from_m, self.step_s).max(1);
         let (mut held, mut called_s) = (false, called_s);
         for tick in 1..=ticks {
@@ -97,10 +97,10 @@ impl Hardware {
                 pulls_m.iter().zip(&from_m).map(|(to, from)| share * to + (1.0 - share) * from).collect();
             self.send(&there_m, called_s)?;
             let end_s = begin_s + self.step_s * tick as f64;
-            self.line.clock.sleep_until(end_s);
-            called_s = self.line.clock.now_s();
+            self.supervised.clock.sleep_until(end_s);
+            called_s = self.supervised.clock.now_s();
             self.timing.jitter.push(called_s - end_s);
-            held |= self.until_active(end_s + self.patience_s)?;
+            held |= self.wait_until_active(end_s + self.patience_s)?;
             self.due_s = end_s;
         }
         Ok(held)
@@ -108,25 +108,25 @@ impl Hardware {
 
     /// Sends the command of a tick that is due, as soon as the robot is active and the controller has room for it.
     fn send(&mut self, pulls_m: &[f64], called_s: f64) -> Result<(), PlantError> {
-        let (step_s, now_s) = (self.step_s, self.line.clock.now_s());
-        let sent = self.line.wait(now_s + self.patience_s, |rig, now_s| match rig.state() {
+        let (step_s, now_s) = (self.step_s, self.supervised.clock.now_s());
+        let sent = self.supervised.wait(now_s + self.patience_s, |rig, now_s| match rig.state() {
             GuardState::Active => match rig.command(pulls_m, step_s, now_s) {
                 // The next look at the state names what is in the way.
-                Err(MoveError::Busy | MoveError::Not(_)) => None,
-                other => Some(other.map_err(refused)),
+                Err(MoveError::Busy | MoveError::NotActive(_)) => None,
+                other => Some(other.map_err(plant_error)),
             },
-            state => stopped(state).map(Err),
+            state => stop_error(state).map(Err),
         });
-        self.timing.latency.push(self.line.clock.now_s() - called_s);
-        sent.unwrap_or_else(|| Err(self.late("room in the controller's queue")))
+        self.timing.latency.push(self.supervised.clock.now_s() - called_s);
+        sent.unwrap_or_else(|| Err(self.stop_overdue("room in the controller's queue")))
     }
 
     /// What the tracker sees now; not valid where it sees nothing.
     fn observe(&self, pulls_m: Vec<f64>) -> Observation {
-        let asked_s = self.line.clock.now_s();
-        let between = self.line.wait(asked_s + POSE_S, |rig, _| rig.tip_at(asked_s));
+        let asked_s = self.supervised.clock.now_s();
+        let between = self.supervised.wait(asked_s + POSE_S, |rig, _| rig.tip_at(asked_s));
         // Where several frames are lost in a row, the last one does as long as the guard believes it.
-        let pose = between.or_else(|| self.line.rig().fresh_tip(asked_s));
+        let pose = between.or_else(|| self.supervised.rig().fresh_tip(asked_s));
         Observation {
             time_s: asked_s - self.trial_s,
             tip_m: pose.as_ref().map_or([f64::NAN; 3], |pose| pose.position_m),
@@ -139,15 +139,17 @@ impl Hardware {
 }
 
 /// Why a stopped robot does nothing.
-fn stopped(state: &GuardState) -> Option<PlantError> {
-    let GuardState::Stopped { cause, .. } = state else { return None };
-    Some(PlantError::Stopped(format!("{}; {}", cause.what, cause.remedy)))
+fn stop_error(state: &GuardState) -> Option<PlantError> {
+    let GuardState::Stopped { reason, .. } = state else { return None };
+    Some(PlantError::Stopped(format!("{}; {}", reason.what, reason.remedy)))
 }
 
-fn refused(error: MoveError) -> PlantError {
+fn plant_error(error: MoveError) -> PlantError {
     match error {
-        MoveError::Not(_) => PlantError::Stopped(error.to_string()),
-        MoveError::Refused(_) | MoveError::Gate(_) | MoveError::Busy => PlantError::Refused(error.to_string()),
+        MoveError::NotActive(_) => PlantError::Stopped(error.to_string()),
+        MoveError::Refused(_) | MoveError::RefusedByDriver(_) | MoveError::Busy => {
+            PlantError::Refused(error.to_string())
+        }
     }
 }
 
@@ -162,47 +164,47 @@ impl Plant for Hardware {
 
     /// The robot is brought home and rests there. The noise of a robot on a bench is its own; that of a rehearsal is `seed`'s.
     fn reset(&mut self, seed: Seed) -> Result<Observation, PlantError> {
-        if let Some(stage) = &self.stage {
-            stage.with(|world| world.reseed(seed));
+        if let Some(rehearsal) = &self.rehearsal {
+            rehearsal.with_simulator(|simulator| simulator.reseed(seed));
         }
         self.go_home()?;
         self.model.home()?;
-        let rested_s = self.line.clock.now_s() + self.settle_s;
-        self.line.clock.sleep_until(rested_s);
-        self.until_active(rested_s + self.patience_s)?;
+        let rested_s = self.supervised.clock.now_s() + self.settle_s;
+        self.supervised.clock.sleep_until(rested_s);
+        self.wait_until_active(rested_s + self.patience_s)?;
         let home = [TendonCommand::Pull(0.0); AXES];
-        self.line.rig().expect(Some(self.model.observation(&home, 0.0).tip_m));
-        self.trial_s = self.line.clock.now_s();
+        self.supervised.rig().set_expected_tip(Some(self.model.observation(&home, 0.0).tip_m));
+        self.trial_s = self.supervised.clock.now_s();
         self.due_s = self.trial_s;
         Ok(self.observe(vec![0.0; AXES]))
     }
 
     fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
-        let now_s = self.line.clock.now_s();
-        let _urgent = self.line.clock.is_real().then(|| RealTime::new(Priority::Loop));
+        let now_s = self.supervised.clock.now_s();
+        let _priority = self.supervised.clock.is_real().then(|| RealTime::new(Priority::Loop));
         if now_s > self.due_s + 0.5 * self.step_s {
             self.timing.missed += 1;
         }
-        self.admit(commands)?;
+        self.check_commands(commands)?;
         // The model goes first: it says how far the tendons that follow have to move.
         self.model.advance(commands, self.step_s)?;
-        let believed = self.model.observation(commands, 0.0);
+        let predicted = self.model.observation(commands, 0.0);
         let travel_m = self.safety.travel_m;
         let follow = |(command, pull_m): (&TendonCommand, &f64)| match command {
             TendonCommand::Follow => pull_m.clamp(-travel_m, travel_m),
             TendonCommand::Pull(asked_m) => *asked_m,
         };
-        let pulls_m: Vec<f64> = commands.iter().zip(&believed.pulls_m).map(follow).collect();
+        let pulls_m: Vec<f64> = commands.iter().zip(&predicted.pulls_m).map(follow).collect();
         // What the model has the followers do is held to the limits as a whole, before anything leaves; they take the
         // ticks that they need.
-        let last_m = self.line.rig().commanded_m();
+        let last_m = self.supervised.rig().commanded_m();
         let ticks = self.safety.ticks(&pulls_m, &last_m, self.step_s).max(1);
-        let admitted = self.safety.admit(&pulls_m, &last_m, self.step_s * ticks as f64, ticks);
+        let admitted = self.safety.check_command(&pulls_m, &last_m, self.step_s * ticks as f64, ticks);
         admitted.map_err(|refusal| PlantError::Refused(refusal.to_string()))?;
-        self.line.rig().expect(Some(believed.tip_m));
+        self.supervised.rig().set_expected_tip(Some(predicted.tip_m));
         let in_time = now_s <= self.due_s + LATE_SHARE * self.step_s;
         let begin_s = if in_time { self.due_s } else { now_s };
-        if self.carry_out(&pulls_m, now_s, begin_s)? {
+        if self.drive_in_ticks(&pulls_m, now_s, begin_s)? {
             self.timing.held += 1;
         }
         Ok(self.observe(pulls_m))

@@ -47,9 +47,9 @@ impl Rehearsal {
         let clock: Arc<dyn Clock> = Arc::new(RehearsalClock::new());
         // A pseudo-terminal would deliver when it pleases, which is late on a clock that does not wait for it.
         let (theirs, ours) = pipe();
-        let (world, tracking) = imitations(options, rehearsal, Box::new(theirs), seed)?;
+        let (simulator, tracking) = build_simulator(options, rehearsal, Box::new(theirs), seed)?;
         clock.join();
-        let running = RunningSimulator::start(world, Arc::clone(&clock)).map_err(|error| error.to_string())?;
+        let running = RunningSimulator::start(simulator, Arc::clone(&clock)).map_err(|error| error.to_string())?;
         Ok((Rehearsal { running, clock, interrupt: Interrupt::new() }, Box::new(ours), tracking))
     }
 
@@ -64,16 +64,16 @@ impl Rehearsal {
     }
 
     /// Does something to the imitations, such as breaking one.
-    pub fn with<T>(&self, what: impl FnOnce(&mut Simulator) -> T) -> T {
-        what(&mut self.running.world())
+    pub fn with_simulator<T>(&self, what: impl FnOnce(&mut Simulator) -> T) -> T {
+        what(&mut self.running.lock())
     }
 }
 
 /// Motors at the other end of `wire`, a tracker and a robot between them, and what the tracker's client has to know.
-pub(super) fn imitations(
+pub(super) fn build_simulator(
     options: &HardwareOptions,
     rehearsal: &RehearsalOptions,
-    wire: Box<dyn SerialLine>,
+    serial: Box<dyn SerialLine>,
     seed: Seed,
 ) -> Result<(Simulator, TrackingSettings), String> {
     let mut imitated = ControllerOptions { seed: seed.0, ..ControllerOptions::default() };
@@ -81,7 +81,7 @@ pub(super) fn imitations(
         imitated.settings.insert(number, value.to_owned());
     }
     imitated.settings.insert(23, options.motion.homing_directions.to_string());
-    let controller = SimulatedController::new(wire, imitated);
+    let controller = SimulatedController::new(serial, imitated);
     let imitated = TrackerOptions { noise_m: rehearsal.noise_m, seed, ..TrackerOptions::default() };
     let mut tracker =
         SimulatedTracker::new(imitated).map_err(|error| format!("no tracker on this computer: {error}"))?;
@@ -133,7 +133,7 @@ impl RehearsalRobot {
         };
         // Before homing the screws stand anywhere; the robot's first place is that of its tendons at home.
         let _ = robot.driven.home();
-        robot.look();
+        robot.update_tip();
         robot
     }
 
@@ -141,7 +141,7 @@ impl RehearsalRobot {
         self.pulls_m.map(TendonCommand::Pull)
     }
 
-    fn look(&mut self) {
+    fn update_tip(&mut self) {
         let seen = self.driven.observation(&self.commands(), 0.0);
         self.tip =
             RigidPose { position_m: seen.tip_m, quaternion: seen.tip_quaternion.unwrap_or([1.0, 0.0, 0.0, 0.0]) };
@@ -163,7 +163,7 @@ impl SimulatedRobot for RehearsalRobot {
             self.pulls_m = *pulls_m;
             // A rod that finds no equilibrium stays where it was, as one that is stuck.
             if self.driven.advance(&self.commands(), self.waiting_s).is_ok() {
-                self.look();
+                self.update_tip();
             }
         }
         self.waiting_s = 0.0;
@@ -171,13 +171,13 @@ impl SimulatedRobot for RehearsalRobot {
     }
 
     /// The weight is let down gently: the robot comes to rest under it at once.
-    fn hang(&mut self, load_kg: f64) {
+    fn hang_weight(&mut self, load_kg: f64) {
         let hung = (load_kg > 0.0).then(|| EffectSpec::tip_load(load_kg));
         let all: Vec<EffectSpec> = self.attached.iter().cloned().chain(hung).collect();
         self.driven = Driven::new(&self.model, &all);
         let rests = self.driven.home().and_then(|()| self.driven.settle(&self.commands()));
         if rests.is_ok() {
-            self.look();
+            self.update_tip();
         }
         self.still_s = 0.0;
     }

@@ -2,7 +2,7 @@
 //! clock.
 
 use super::HardwareOptions;
-use super::rehearsal::imitations;
+use super::rehearsal::build_simulator;
 use crate::base::Seed;
 use crate::hardware::clock::{Clock, WallClock};
 use crate::hardware::serial::TtyLine;
@@ -13,7 +13,7 @@ const STEP_S: f64 = 0.002;
 
 /// Imitations that live as long as somebody calls [`ServedSimulator::step`].
 pub struct ServedSimulator {
-    world: Simulator,
+    simulator: Simulator,
     clock: WallClock,
     due_s: f64,
     plant: HardwareOptions,
@@ -26,11 +26,11 @@ impl ServedSimulator {
     /// In words, when there is no rehearsal or the system refuses a port.
     pub fn open(options: &HardwareOptions, seed: Seed) -> Result<ServedSimulator, String> {
         let rehearsal = options.rehearsal.as_ref().ok_or("found no `rehearsal`, expected what is to be imitated")?;
-        let (wire, port) = TtyLine::served().map_err(|error| format!("no pseudo-terminal: {error}"))?;
-        let (world, tracking) = imitations(options, rehearsal, Box::new(wire), seed)?;
+        let (serial, port) = TtyLine::served().map_err(|error| format!("no pseudo-terminal: {error}"))?;
+        let (simulator, tracking) = build_simulator(options, rehearsal, Box::new(serial), seed)?;
         let mut plant = HardwareOptions { tracking, rehearsal: None, attached: Vec::new(), ..options.clone() };
         plant.motion.port = port;
-        Ok(ServedSimulator { world, clock: WallClock::new(), due_s: 0.0, plant })
+        Ok(ServedSimulator { simulator, clock: WallClock::new(), due_s: 0.0, plant })
     }
 
     /// The plant that other programs name to use the imitations.
@@ -39,15 +39,15 @@ impl ServedSimulator {
     }
 
     /// The imitations.
-    pub fn world(&mut self) -> &mut Simulator {
-        &mut self.world
+    pub fn simulator(&mut self) -> &mut Simulator {
+        &mut self.simulator
     }
 
     /// Waits until the imitations are due and does all that happens until now; the time since they were opened, s.
     pub fn step(&mut self) -> f64 {
         self.clock.sleep_until(self.due_s);
         let now_s = self.clock.now_s();
-        self.world.step(now_s);
+        self.simulator.step(now_s);
         self.due_s = f64::max(self.due_s + STEP_S, now_s);
         now_s
     }

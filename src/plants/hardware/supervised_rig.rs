@@ -30,7 +30,7 @@ impl SupervisedRig {
         let watch = std::thread::spawn({
             let (rig, clock, over) = (Arc::clone(&rig), Arc::clone(&clock), Arc::clone(&over));
             move || {
-                let _urgent = clock.is_real().then(|| RealTime::new(Priority::Watch));
+                let _priority = clock.is_real().then(|| RealTime::new(Priority::Watch));
                 while !over.load(Ordering::SeqCst) {
                     lock(&rig).poll(clock.now_s());
                     clock.sleep_until(clock.now_s() + WATCH_S);
@@ -75,8 +75,8 @@ impl Drop for SupervisedRig {
     fn drop(&mut self) {
         let why = if std::thread::panicking() { "the program failed" } else { "the program ended" };
         let now_s = self.clock.now_s();
-        if self.rig().leave(why, now_s) {
-            self.wait(now_s + LEAVE_S, |rig, now_s| (!rig.leave(why, now_s)).then_some(()));
+        if self.rig().shut_down(why, now_s) {
+            self.wait(now_s + LEAVE_S, |rig, now_s| (!rig.shut_down(why, now_s)).then_some(()));
         }
         self.over.store(true, Ordering::SeqCst);
         self.clock.leave();

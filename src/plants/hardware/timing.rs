@@ -1,7 +1,7 @@
 //! How well the loop keeps time.
 
 /// The shortest time that is told from nothing, s.
-const LEAST_S: f64 = 1e-6;
+const MIN_S: f64 = 1e-6;
 /// Classes to a decade: neighbours differ by 2.3 %.
 const PER_DECADE: usize = 100;
 /// From a microsecond to a hundred seconds; what is longer falls into the last class.
@@ -56,15 +56,15 @@ impl Lateness {
 }
 
 fn class(time_s: f64) -> usize {
-    if time_s <= LEAST_S {
+    if time_s <= MIN_S {
         return 0;
     }
-    let decades = (time_s / LEAST_S).log10();
+    let decades = (time_s / MIN_S).log10();
     ((decades * PER_DECADE as f64).floor() as usize + 1).min(CLASSES - 1)
 }
 
 fn upper_s(class: usize) -> f64 {
-    if class + 1 == CLASSES { f64::INFINITY } else { LEAST_S * 10_f64.powf(class as f64 / PER_DECADE as f64) }
+    if class + 1 == CLASSES { f64::INFINITY } else { MIN_S * 10_f64.powf(class as f64 / PER_DECADE as f64) }
 }
 
 /// Lateness of ticks and of commands.

@@ -78,7 +78,7 @@ pub(crate) struct ActiveFaults {
 
 impl ActiveFaults {
     /// What leaves instead of a line.
-    pub(crate) fn spoil(&mut self, text: &str) -> Vec<Vec<u8>> {
+    pub(crate) fn corrupt(&mut self, text: &str) -> Vec<Vec<u8>> {
         let mut copies = 1;
         if text == "ok" {
             copies += usize::from(std::mem::take(&mut self.double_ok));
@@ -113,7 +113,7 @@ impl SimulatedController {
             ControllerFault::SpuriousAlarm(code) => self.alarm(code),
             ControllerFault::StickyError(code) => injected.sticky = Some(code),
             ControllerFault::Reboot => self.reboot(),
-            ControllerFault::Unplugged => self.wire = None,
+            ControllerFault::Unplugged => self.serial = None,
             ControllerFault::LostOk => injected.lose_ok = true,
             ControllerFault::DoubledOk => injected.double_ok = true,
             ControllerFault::WrongPosition(axis, way_mm) => self.axes.counted_mm[axis] += way_mm,
@@ -130,7 +130,7 @@ impl SimulatedController {
     }
 
     /// Repairs everything that lasts except a pulled cable and settings.
-    pub fn repair(&mut self) {
+    pub fn clear_faults(&mut self) {
         self.injected = ActiveFaults::default();
         self.axes.dead = [false; 4];
         self.axes.slipping = [false; 4];
@@ -147,12 +147,12 @@ impl SimulatedController {
     }
 
     /// A switch that closes while hard limits are on stops everything.
-    pub(crate) fn watch_switches(&mut self) {
+    pub(crate) fn check_switches(&mut self) {
         let closed = self.closed_switches();
         let hit = (0..4).any(|axis| closed[axis] && !self.closed[axis]);
         self.closed = closed;
         let on = super::table::bits(&self.settings, 21) & 1 == 1;
-        if hit && on && matches!(self.doing, Activity::Ready | Activity::Holding) {
+        if hit && on && matches!(self.activity, Activity::Ready | Activity::Holding) {
             self.alarm(1);
         }
     }

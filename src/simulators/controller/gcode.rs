@@ -41,10 +41,10 @@ impl ModalState {
         let motion = if self.rapid { 0 } else { 1 };
         let units = if self.inches { 20 } else { 21 };
         let distance = if self.incremental { 91 } else { 90 };
-        let pace = if self.inverse_time { 93 } else { 94 };
+        let limits = if self.inverse_time { 93 } else { 94 };
         let level = if self.initial_level { 98 } else { 99 };
         let feed = self.feed;
-        format!("[GC:G{motion} G54 G17 G{units} G{distance} G{pace} G40 G49 G{level} G50 M5 M9 T0 F{feed} S0.]")
+        format!("[GC:G{motion} G54 G17 G{units} G{distance} G{limits} G40 G49 G{level} G50 M5 M9 T0 F{feed} S0.]")
     }
 }
 
@@ -53,7 +53,7 @@ pub(crate) fn words(line: &str) -> Result<GcodeWords, u16> {
     let text: Vec<u8> =
         line.bytes().filter(|byte| !byte.is_ascii_whitespace()).map(|byte| byte.to_ascii_uppercase()).collect();
     let mut words = GcodeWords::default();
-    let mut seen = Vec::new();
+    let mut view = Vec::new();
     let mut rest = text.as_slice();
     while let Some((&letter, after)) = rest.split_first() {
         if !letter.is_ascii_uppercase() {
@@ -62,10 +62,10 @@ pub(crate) fn words(line: &str) -> Result<GcodeWords, u16> {
         let (value, after) = number(after).ok_or(2_u16)?;
         rest = after;
         if !matches!(letter, b'G' | b'M') {
-            if seen.contains(&letter) {
+            if view.contains(&letter) {
                 return Err(25);
             }
-            seen.push(letter);
+            view.push(letter);
         }
         match letter {
             b'X' => words.axes[0] = Some(value),

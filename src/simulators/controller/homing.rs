@@ -27,18 +27,19 @@ impl SimulatedController {
         if table::bits(&self.settings, 22) & 1 == 0 {
             return Err(5);
         }
-        self.standing_or_error()?;
+        self.require_standing()?;
         self.injected.pressed = [false; 4];
         self.axes.stop();
         self.homed = false;
-        self.doing = Activity::Homing(HomingProgress { wait_s: START_S, searched_mm: 0.0, left_s: None, asked: false });
+        self.activity =
+            Activity::Homing(HomingProgress { wait_s: START_S, searched_mm: 0.0, left_s: None, asked: false });
         self.report();
         Ok(())
     }
 
     /// Goes on homing for a short time.
-    pub(crate) fn home_on(&mut self, duration_s: f64) {
-        let Activity::Homing(mut homing) = self.doing.clone() else { return };
+    pub(crate) fn advance_homing(&mut self, duration_s: f64) {
+        let Activity::Homing(mut homing) = self.activity.clone() else { return };
         homing.wait_s -= duration_s;
         let result = match homing.left_s {
             _ if homing.wait_s > 0.0 => Ok(()),
@@ -53,7 +54,7 @@ impl SimulatedController {
         match result {
             Err(code) => self.fail_homing(code),
             Ok(()) if done => self.end_homing(homing.asked),
-            Ok(()) => self.doing = Activity::Homing(homing),
+            Ok(()) => self.activity = Activity::Homing(homing),
         }
     }
 
@@ -86,16 +87,16 @@ impl SimulatedController {
         if asked {
             self.report();
         }
-        self.doing = Activity::Ready;
+        self.activity = Activity::Ready;
         self.closed = self.closed_switches();
-        self.say("[MSG:]");
-        self.say("ok");
+        self.reply("[MSG:]");
+        self.reply("ok");
     }
 
     /// The controller resets itself.
     fn fail_homing(&mut self, code: u16) {
-        self.say(&format!("ALARM:{code}"));
-        self.doing = Activity::Ready;
+        self.reply(&format!("ALARM:{code}"));
+        self.activity = Activity::Ready;
         self.restart(0.1, None);
     }
 }

@@ -14,18 +14,18 @@ enum LineReply {
 
 impl SimulatedController {
     /// Does what a line says and answers it.
-    pub(crate) fn carry_out(&mut self, line: Result<String, u16>) {
-        match line.and_then(|line| self.obey(&line)) {
-            Ok(LineReply::Ok) => self.say("ok"),
+    pub(crate) fn execute_line(&mut self, line: Result<String, u16>) {
+        match line.and_then(|line| self.execute(&line)) {
+            Ok(LineReply::Ok) => self.reply("ok"),
             Ok(LineReply::Later) => {}
             Err(code) => {
                 self.last_error = code;
-                self.say(&format!("error:{code}"));
+                self.reply(&format!("error:{code}"));
             }
         }
     }
 
-    fn obey(&mut self, line: &str) -> Result<LineReply, u16> {
+    fn execute(&mut self, line: &str) -> Result<LineReply, u16> {
         if line.is_empty() {
             self.last_error = 0;
             return Ok(LineReply::Ok);
@@ -35,7 +35,7 @@ impl SimulatedController {
             self.last_error = 0;
             return Ok(answer);
         }
-        if matches!(self.doing, Activity::Alarm(..)) {
+        if matches!(self.activity, Activity::Alarm(..)) {
             return Err(9);
         }
         if let Some(code) = self.injected.sticky.take() {
@@ -50,7 +50,7 @@ impl SimulatedController {
         match action {
             GcodeAction::Nothing => Ok(LineReply::Ok),
             GcodeAction::Shift(axes) => {
-                let here_mm = self.faced_mm(self.axes.planned_mm());
+                let here_mm = self.mirrored_mm(self.axes.planned_mm());
                 for axis in 0..4 {
                     self.offset_mm[axis] = axes[axis].map_or(self.offset_mm[axis], |value| here_mm[axis] - value);
                 }
@@ -74,7 +74,7 @@ impl SimulatedController {
     }
 
     fn target_mm(&self, axes: [Option<f64>; 4], modes: &ModalState, offset_mm: &[f64; 4]) -> [f64; 4] {
-        let from_mm = self.faced_mm(self.axes.planned_mm());
+        let from_mm = self.mirrored_mm(self.axes.planned_mm());
         std::array::from_fn(|axis| match axes[axis] {
             None => from_mm[axis],
             Some(way_mm) if modes.incremental => from_mm[axis] + way_mm,
@@ -98,14 +98,14 @@ impl SimulatedController {
     }
 
     /// Machine positions of the screws and the other way round: where homing goes up, they fall away from the switches.
-    pub(crate) fn faced_mm(&self, along_mm: [f64; 4]) -> [f64; 4] {
+    pub(crate) fn mirrored_mm(&self, along_mm: [f64; 4]) -> [f64; 4] {
         let downwards = table::bits(&self.settings, 23);
         let upwards = |axis: usize| self.homed && downwards & (1 << axis) == 0;
         std::array::from_fn(|axis| if upwards(axis) { -along_mm[axis] } else { along_mm[axis] })
     }
 
     fn queue(&mut self, target_mm: [f64; 4], modes: &ModalState) {
-        let target_mm = self.faced_mm(target_mm);
+        let target_mm = self.mirrored_mm(target_mm);
         let from_mm = self.axes.planned_mm();
         let length_mm = (0..4).map(|axis| (target_mm[axis] - from_mm[axis]).powi(2)).sum::<f64>().sqrt();
         let feed_mm_min = match modes {
@@ -114,12 +114,12 @@ impl SimulatedController {
             ModalState { inches: true, feed, .. } => feed * 25.4,
             ModalState { feed, .. } => *feed,
         };
-        let pace = MotionLimits {
+        let limits = MotionLimits {
             feed_mm_min,
             max_speed_mm_min: table::of_axes(&self.settings, 110),
             acceleration_mm_s2: table::of_axes(&self.settings, 120),
         };
-        self.axes.push(target_mm, &pace);
+        self.axes.push(target_mm, &limits);
     }
 
     fn command(&mut self, command: &str) -> Result<LineReply, u16> {
@@ -128,13 +128,13 @@ impl SimulatedController {
             "X" => self.unlock()?,
             "I" => self.identify(),
             "$" => {
-                self.standing_or_error().or_else(|code| if code == 79 { Ok(()) } else { Err(code) })?;
+                self.require_standing().or_else(|code| if code == 79 { Ok(()) } else { Err(code) })?;
                 self.list_settings();
             }
             "#" => self.list_offsets(),
             "G" => {
                 let text = self.modes.text();
-                self.say(&text);
+                self.reply(&text);
             }
             _ if command.starts_with("J=") => self.jog(&command[2..])?,
             _ if command.starts_with(|first: char| first.is_ascii_digit()) => {
@@ -146,8 +146,8 @@ impl SimulatedController {
     }
 
     /// Commands that want a controller that stands and needs no reset.
-    pub(crate) fn standing_or_error(&self) -> Result<(), u16> {
-        match self.doing {
+    pub(crate) fn require_standing(&self) -> Result<(), u16> {
+        match self.activity {
             Activity::Alarm(_, true) => Err(79),
             Activity::Alarm(_, false) => Ok(()),
             Activity::Ready if self.axes.queued() == 0 => Ok(()),
@@ -156,20 +156,20 @@ impl SimulatedController {
     }
 
     fn unlock(&mut self) -> Result<(), u16> {
-        let Activity::Alarm(_, needs_reset) = self.doing else { return Ok(()) };
+        let Activity::Alarm(_, needs_reset) = self.activity else { return Ok(()) };
         if needs_reset {
             return Err(79);
         }
         if table::bits(&self.settings, 22) & 5 == 5 && !self.homed {
             return Err(46);
         }
-        self.doing = Activity::Ready;
-        self.say("[MSG:Caution: Unlocked]");
+        self.activity = Activity::Ready;
+        self.reply("[MSG:Caution: Unlocked]");
         Ok(())
     }
 
     fn jog(&mut self, line: &str) -> Result<(), u16> {
-        match self.doing {
+        match self.activity {
             Activity::Ready if self.jogging || self.axes.queued() == 0 => {}
             Activity::Ready | Activity::Holding | Activity::Homing(_) => return Err(8),
             Activity::Alarm(..) => return Err(9),

@@ -29,7 +29,7 @@ const BLOCKS: usize = 100;
 /// Longer lines are refused.
 const LONGEST_LINE: usize = 256;
 /// Things heard that are kept for whoever asks.
-const MOST_HEARD: usize = 1000;
+const MAX_RECEIVED: usize = 1000;
 /// The motion is looked at this often, seconds.
 const LOOK_S: f64 = 0.01;
 /// Screws end this far beyond their switches and their travel, mm.
@@ -79,10 +79,10 @@ enum Activity {
 
 /// A controller at the other end of a wire. It lives only in [`SimulatedController::step`].
 pub struct SimulatedController {
-    wire: Option<Box<dyn SerialLine>>,
+    serial: Option<Box<dyn SerialLine>>,
     settings: Settings,
     axes: SimulatedAxes,
-    doing: Activity,
+    activity: Activity,
     jogging: bool,
     /// Dropping all moves as soon as the axes stand.
     flushing: bool,
@@ -96,11 +96,11 @@ pub struct SimulatedController {
     injected: ActiveFaults,
     /// Switches that were closed when last looked at.
     closed: [bool; 4],
-    half_line: Vec<u8>,
+    partial_line: Vec<u8>,
     lines: VecDeque<Result<String, u16>>,
-    heard: VecDeque<String>,
+    received: VecDeque<String>,
     /// Answers with the time at which they leave.
-    answers: VecDeque<(f64, Vec<u8>)>,
+    replies: VecDeque<(f64, Vec<u8>)>,
     now_s: f64,
     started: bool,
     first_boot: bool,
@@ -111,12 +111,12 @@ pub struct SimulatedController {
 
 impl SimulatedController {
     /// A controller that starts at its first step.
-    pub fn new(wire: Box<dyn SerialLine>, options: ControllerOptions) -> SimulatedController {
+    pub fn new(serial: Box<dyn SerialLine>, options: ControllerOptions) -> SimulatedController {
         SimulatedController {
-            wire: Some(wire),
+            serial: Some(serial),
             settings: options.settings,
             axes: SimulatedAxes::at(options.start_mm),
-            doing: Activity::Ready,
+            activity: Activity::Ready,
             jogging: false,
             flushing: false,
             homed: false,
@@ -126,10 +126,10 @@ impl SimulatedController {
             reporting: ReportState::default(),
             injected: ActiveFaults::default(),
             closed: [false; 4],
-            half_line: Vec::new(),
+            partial_line: Vec::new(),
             lines: VecDeque::new(),
-            heard: VecDeque::new(),
-            answers: VecDeque::new(),
+            received: VecDeque::new(),
+            replies: VecDeque::new(),
             now_s: 0.0,
             started: false,
             first_boot: options.first_boot,
@@ -139,36 +139,36 @@ impl SimulatedController {
         }
     }
 
-    /// The times to its answers are those of `seed` from now on.
+    /// The times to its replies are those of `seed` from now on.
     pub fn reseed(&mut self, seed: Seed) {
         self.random = seed.child("controller").rng();
     }
 
-    /// Does all that happens until `now_s`, seconds: moves, reads, answers.
+    /// Does all that happens until `now_s`, seconds: moves, reads, replies.
     pub fn step(&mut self, now_s: f64) {
         if self.started {
-            self.move_on((now_s - self.now_s).max(0.0));
+            self.advance_motion((now_s - self.now_s).max(0.0));
             self.now_s = self.now_s.max(now_s);
         } else {
             (self.started, self.now_s) = (true, now_s);
             self.start();
         }
-        self.listen();
-        self.work();
-        self.speak();
+        self.receive();
+        self.execute_lines();
+        self.send_due_replies();
     }
 
     /// What has arrived since this was last asked, status queries left out: lines as they came, single bytes as `!` hold,
     /// `~` resume, `^X` reset and `\x..` any other. The last thousand of them.
-    pub fn heard(&mut self) -> Vec<String> {
-        self.heard.drain(..).collect()
+    pub fn take_received(&mut self) -> Vec<String> {
+        self.received.drain(..).collect()
     }
 
-    fn note(&mut self, what: String) {
-        if self.heard.len() == MOST_HEARD {
-            self.heard.pop_front();
+    fn log_received(&mut self, what: String) {
+        if self.received.len() == MAX_RECEIVED {
+            self.received.pop_front();
         }
-        self.heard.push_back(what);
+        self.received.push_back(what);
     }
 
     /// Where the screws really are, mm from home.
@@ -201,15 +201,15 @@ impl SimulatedController {
         self.settings.get(&number).map(String::as_str)
     }
 
-    fn move_on(&mut self, duration_s: f64) {
+    fn advance_motion(&mut self, duration_s: f64) {
         let mut left_s = duration_s;
         while left_s > 0.0 {
             let part_s = left_s.min(LOOK_S);
             left_s -= part_s;
             self.now_s += part_s;
-            match self.doing {
+            match self.activity {
                 _ if self.injected.frozen => {}
-                Activity::Homing(_) => self.home_on(part_s),
+                Activity::Homing(_) => self.advance_homing(part_s),
                 Activity::Alarm(..) => {}
                 Activity::Ready | Activity::Holding => self.axes.advance(part_s),
             }
@@ -219,7 +219,7 @@ impl SimulatedController {
                 self.flushing = false;
             }
             self.stop_at_ends();
-            self.watch_switches();
+            self.check_switches();
         }
     }
 
@@ -233,65 +233,65 @@ impl SimulatedController {
     }
 
     /// Takes what has arrived: realtime bytes at once, lines in their turn.
-    fn listen(&mut self) {
+    fn receive(&mut self) {
         let mut buffer = [0; 1024];
         loop {
-            let count = match self.wire.as_mut().map(|wire| wire.read(&mut buffer)) {
+            let count = match self.serial.as_mut().map(|serial| serial.read(&mut buffer)) {
                 None | Some(Ok(0) | Err(_)) => return,
                 Some(Ok(count)) => count,
             };
             for byte in buffer.into_iter().take(count) {
                 if !self.realtime(byte) {
-                    self.write_down(byte);
+                    self.buffer_byte(byte);
                 }
             }
         }
     }
 
-    fn write_down(&mut self, byte: u8) {
+    fn buffer_byte(&mut self, byte: u8) {
         if !matches!(byte, b'\n' | b'\r') {
-            self.half_line.push(byte);
+            self.partial_line.push(byte);
             return;
         }
-        let bytes = std::mem::take(&mut self.half_line);
+        let bytes = std::mem::take(&mut self.partial_line);
         let too_long = bytes.len() > LONGEST_LINE;
         let line = String::from_utf8_lossy(&bytes).trim().to_owned();
-        self.note(line.clone());
+        self.log_received(line.clone());
         self.lines.push_back(if too_long { Err(11) } else { Ok(line) });
         // Realtime bytes come after the lines before them.
-        self.work();
+        self.execute_lines();
     }
 
     /// Carries out lines while nothing keeps it from doing so.
-    fn work(&mut self) {
-        while !matches!(self.doing, Activity::Homing(_)) && self.axes.queued() < BLOCKS && !self.flushing {
+    fn execute_lines(&mut self) {
+        while !matches!(self.activity, Activity::Homing(_)) && self.axes.queued() < BLOCKS && !self.flushing {
             let Some(line) = self.lines.pop_front() else { return };
-            self.carry_out(line);
+            self.execute_line(line);
         }
     }
 
-    fn say(&mut self, text: &str) {
-        self.say_after(0.0, text);
+    fn reply(&mut self, text: &str) {
+        self.reply_after(0.0, text);
     }
 
     /// Says something `wait_s` later than usual.
-    fn say_after(&mut self, wait_s: f64, text: &str) {
+    fn reply_after(&mut self, wait_s: f64, text: &str) {
         let [least_s, most_s] = self.delay_s;
         let delay_s = if most_s > least_s { self.random.random_range(least_s..most_s) } else { least_s };
         let due_s = self.now_s + wait_s + delay_s + self.injected.slow_s;
         // Nothing overtakes what was said before.
-        let due_s = self.answers.back().map_or(due_s, |(last_s, _)| last_s.max(due_s));
-        for bytes in self.injected.spoil(text) {
-            self.answers.push_back((due_s, bytes));
+        let due_s = self.replies.back().map_or(due_s, |(last_s, _)| last_s.max(due_s));
+        for bytes in self.injected.corrupt(text) {
+            self.replies.push_back((due_s, bytes));
         }
     }
 
-    fn speak(&mut self) {
-        while self.answers.front().is_some_and(|(due_s, _)| *due_s <= self.now_s) {
-            let Some((_, bytes)) = self.answers.pop_front() else { return };
-            if let Some(wire) = self.wire.as_mut() {
+    fn send_due_replies(&mut self) {
+        while self.replies.front().is_some_and(|(due_s, _)| *due_s <= self.now_s) {
+            let Some((_, bytes)) = self.replies.pop_front() else { return };
+            if let Some(serial) = self.serial.as_mut() {
                 // Nobody may be listening.
-                let _ = wire.write(&bytes);
+                let _ = serial.write(&bytes);
             }
         }
     }

@@ -12,15 +12,15 @@ impl SimulatedController {
     /// Obeys a byte; false when it belongs to a line.
     pub(crate) fn realtime(&mut self, byte: u8) -> bool {
         match byte {
-            b'!' | b'~' => self.note(char::from(byte).to_string()),
-            0x18 => self.note("^X".to_owned()),
-            0x19 | 0x80..=0xff => self.note(format!("\\x{byte:02x}")),
+            b'!' | b'~' => self.log_received(char::from(byte).to_string()),
+            0x18 => self.log_received("^X".to_owned()),
+            0x19 | 0x80..=0xff => self.log_received(format!("\\x{byte:02x}")),
             _ => {}
         }
         match byte {
-            b'?' => self.ask(),
+            b'?' => self.answer_query(),
             b'!' => self.hold(),
-            b'~' => self.go_on(),
+            b'~' => self.resume(),
             0x18 => self.reset(),
             0x19 => self.stop(),
             0x85 => self.cancel_jog(),
@@ -31,8 +31,8 @@ impl SimulatedController {
     }
 
     /// While homing, queries are remembered and answered once at the end.
-    fn ask(&mut self) {
-        if let Activity::Homing(homing) = &mut self.doing {
+    fn answer_query(&mut self) {
+        if let Activity::Homing(homing) = &mut self.activity {
             homing.asked = true;
         } else {
             self.report();
@@ -41,17 +41,17 @@ impl SimulatedController {
 
     /// Jogs are not held.
     pub(crate) fn hold(&mut self) {
-        if matches!(self.doing, Activity::Ready) && !self.jogging {
-            self.doing = Activity::Holding;
+        if matches!(self.activity, Activity::Ready) && !self.jogging {
+            self.activity = Activity::Holding;
             self.axes.holding = true;
         }
     }
 
-    fn go_on(&mut self) {
-        if matches!(self.doing, Activity::Holding) {
-            self.doing = Activity::Ready;
+    fn resume(&mut self) {
+        if matches!(self.activity, Activity::Holding) {
+            self.activity = Activity::Ready;
             self.axes.holding = false;
-            self.say("[MSG:]");
+            self.reply("[MSG:]");
         }
     }
 
@@ -63,11 +63,11 @@ impl SimulatedController {
 
     /// Stops without losing the position.
     fn stop(&mut self) {
-        if matches!(self.doing, Activity::Ready | Activity::Holding) {
-            self.doing = Activity::Ready;
+        if matches!(self.activity, Activity::Ready | Activity::Holding) {
+            self.activity = Activity::Ready;
             self.flush();
             self.set_modes(ModalState::default());
-            self.say("[MSG:Stop]");
+            self.reply("[MSG:Stop]");
         }
     }
 
@@ -79,16 +79,16 @@ impl SimulatedController {
 
     /// What ctrl-X does.
     fn reset(&mut self) {
-        let moving = matches!(self.doing, Activity::Ready | Activity::Holding) && self.axes.speed_mm_min() > 0.0;
-        let before = match self.doing {
+        let moving = matches!(self.activity, Activity::Ready | Activity::Holding) && self.axes.speed_mm_min() > 0.0;
+        let before = match self.activity {
             Activity::Homing(_) => Some(6),
             _ if moving => Some(3),
             Activity::Alarm(code, _) => Some(code),
             _ => None,
         };
         let mut wait_s = 0.0;
-        if let Some(code @ (3 | 6)) = before.filter(|_| !matches!(self.doing, Activity::Alarm(..))) {
-            self.say(&format!("ALARM:{code}"));
+        if let Some(code @ (3 | 6)) = before.filter(|_| !matches!(self.activity, Activity::Alarm(..))) {
+            self.reply(&format!("ALARM:{code}"));
             wait_s = MESSAGE_S;
         }
         // A soft limit stops nothing that has begun to move.
@@ -102,25 +102,25 @@ impl SimulatedController {
     pub(crate) fn restart(&mut self, wait_s: f64, alarm: Option<u16>) {
         self.axes.stop();
         self.lines.clear();
-        self.half_line.clear();
+        self.partial_line.clear();
         self.jogging = false;
         self.flushing = false;
         self.last_error = 0;
         self.modes = ModalState::default();
         self.reporting.start_over();
-        self.say_after(wait_s, if self.plain { PLAIN_GREETING } else { GREETING });
+        self.reply_after(wait_s, if self.plain { PLAIN_GREETING } else { GREETING });
         let homing_required = table::bits(&self.settings, 22) & 5 == 5 && !self.homed;
         if homing_required {
             if alarm != Some(HOMING_REQUIRED) {
-                self.say(&format!("ALARM:{HOMING_REQUIRED}"));
+                self.reply(&format!("ALARM:{HOMING_REQUIRED}"));
             }
-            self.doing = Activity::Alarm(HOMING_REQUIRED, false);
-            self.say_after(MESSAGE_S, "[MSG:Homing cycle required]");
+            self.activity = Activity::Alarm(HOMING_REQUIRED, false);
+            self.reply_after(MESSAGE_S, "[MSG:Homing cycle required]");
         } else if let Some(code) = alarm {
-            self.doing = Activity::Alarm(code, false);
-            self.say("[MSG:'$H'|'$X' to unlock]");
+            self.activity = Activity::Alarm(code, false);
+            self.reply("[MSG:'$H'|'$X' to unlock]");
         } else {
-            self.doing = Activity::Ready;
+            self.activity = Activity::Ready;
         }
     }
 
@@ -128,14 +128,14 @@ impl SimulatedController {
     pub(crate) fn start(&mut self) {
         self.closed = self.closed_switches();
         if self.first_boot {
-            self.say("error:7");
+            self.reply("error:7");
         }
         self.restart(0.0, None);
     }
 
     /// Loses everything but the settings.
     pub(crate) fn reboot(&mut self) {
-        self.answers.clear();
+        self.replies.clear();
         self.homed = false;
         self.offset_mm = [0.0; 4];
         self.axes.count_from([0.0; 4]);
@@ -147,9 +147,9 @@ impl SimulatedController {
         self.axes.halt();
         self.jogging = false;
         self.flushing = false;
-        self.doing = Activity::Alarm(code, true);
+        self.activity = Activity::Alarm(code, true);
         self.reporting.alarmed = true;
-        self.say(&format!("ALARM:{code}"));
-        self.say_after(MESSAGE_S, "[MSG:Reset to continue]");
+        self.reply(&format!("ALARM:{code}"));
+        self.reply_after(MESSAGE_S, "[MSG:Reset to continue]");
     }
 }

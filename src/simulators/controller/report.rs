@@ -39,18 +39,18 @@ impl SimulatedController {
             Some(last) => last,
             None => self.status(),
         };
-        self.say(&status);
+        self.reply(&status);
         self.injected.last_status = Some(status);
         let parser_state = table::bits(&self.settings, 10) & 512 != 0;
         if std::mem::take(&mut self.reporting.modes_changed) && parser_state {
             let text = self.modes.text();
-            self.say(&text);
+            self.reply(&text);
         }
     }
 
     fn status(&mut self) -> String {
         let steps_per_mm = table::of_axes(&self.settings, 100);
-        let counted_mm = self.faced_mm(self.axes.counted_mm);
+        let counted_mm = self.mirrored_mm(self.axes.counted_mm);
         let position_mm = std::array::from_fn(|axis| {
             let steps_per_mm = steps_per_mm[axis].max(1.0);
             (counted_mm[axis] * steps_per_mm).round() / steps_per_mm
@@ -61,7 +61,7 @@ impl SimulatedController {
             return self.plain_status(&position_mm, feed);
         }
         let which = if self.injected.work_positions { "WPos" } else { "MPos" };
-        let mut position = four(&position_mm);
+        let mut position = format_axes(&position_mm);
         if self.injected.three_axes {
             position.truncate(position.rfind(',').unwrap_or_default());
         }
@@ -73,12 +73,12 @@ impl SimulatedController {
 
     /// As GRBL itself: `$10` has 2 for the queue, and the work offset comes now and then.
     fn plain_status(&mut self, position_mm: &[f64; 4], feed: f64) -> String {
-        let mut text = format!("<{}|FS:{feed},0|MPos:{}", self.mode(), four(position_mm));
+        let mut text = format!("<{}|FS:{feed},0|MPos:{}", self.mode(), format_axes(position_mm));
         if table::bits(&self.settings, 10) & 2 != 0 {
             text.push_str(&format!("|Bf:{},128", BLOCKS - self.axes.queued().min(BLOCKS)));
         }
         match self.reporting.count % OFFSET_EVERY {
-            0 => text.push_str(&format!("|WCO:{}", four(&self.offset_mm))),
+            0 => text.push_str(&format!("|WCO:{}", format_axes(&self.offset_mm))),
             1 => text.push_str("|Ov:100,100,100"),
             2 => text.push_str("|Ln:12|Pn:P"),
             _ => {}
@@ -98,7 +98,7 @@ impl SimulatedController {
             text.extend((0..4).filter(|&axis| closed[axis]).map(|axis| AXIS_NAMES[axis]));
         }
         if count % OFFSET_EVERY == 1 {
-            text.push_str(&format!("|WCO:{}", four(&self.offset_mm)));
+            text.push_str(&format!("|WCO:{}", format_axes(&self.offset_mm)));
         } else if let Some(percent) = self.injected.feed_percent {
             text.push_str(&format!("|Ov:{percent},100,100"));
         } else if count.is_multiple_of(OVERRIDES_EVERY) {
@@ -107,7 +107,7 @@ impl SimulatedController {
         if std::mem::take(&mut self.reporting.alarmed) || count == 0 {
             text.push_str("|A:");
         }
-        let homing = matches!(self.doing, Activity::Homing(_));
+        let homing = matches!(self.activity, Activity::Homing(_));
         if (self.reporting.homed != self.homed || self.injected.tells_homed) && !homing {
             self.reporting.homed = self.homed;
             text.push_str(&format!("|H:{}", u8::from(self.homed)));
@@ -119,7 +119,7 @@ impl SimulatedController {
 
     fn mode(&self) -> String {
         let substates = table::bits(&self.settings, 10) & 1024 != 0;
-        match self.doing {
+        match self.activity {
             Activity::Ready if self.axes.queued() == 0 => "Idle".to_owned(),
             Activity::Ready if self.jogging => "Jog".to_owned(),
             Activity::Ready => "Run".to_owned(),
@@ -134,8 +134,8 @@ impl SimulatedController {
     /// Answers `$I`.
     pub(crate) fn identify(&mut self) {
         if self.plain {
-            self.say("[VER:1.1h.20190830:another]");
-            return self.say("[OPT:V]");
+            self.reply("[VER:1.1h.20190830:another]");
+            return self.reply("[OPT:V]");
         }
         let lines = [
             "[VER:1.1f.20260817:]",
@@ -148,31 +148,31 @@ impl SimulatedController {
             "[DRIVER:Simulator]",
             "[DRIVER VERSION:260324]",
         ];
-        lines.iter().for_each(|line| self.say(line));
+        lines.iter().for_each(|line| self.reply(line));
     }
 
     /// Answers `$$`.
     pub(crate) fn list_settings(&mut self) {
         let lines: Vec<String> = self.settings.iter().map(|(number, value)| format!("${number}={value}")).collect();
-        lines.iter().for_each(|line| self.say(line));
+        lines.iter().for_each(|line| self.reply(line));
     }
 
     /// Answers `$#`.
     pub(crate) fn list_offsets(&mut self) {
-        let none = four(&[0.0; 4]);
+        let none = format_axes(&[0.0; 4]);
         for name in ["G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3", "G28", "G30"] {
-            self.say(&format!("[{name}:{none}]"));
+            self.reply(&format!("[{name}:{none}]"));
         }
-        let offset = four(&self.offset_mm);
-        self.say(&format!("[G92:{offset}]"));
+        let offset = format_axes(&self.offset_mm);
+        self.reply(&format!("[G92:{offset}]"));
         let axes = if self.homed { 15 } else { 0 };
-        self.say(&format!("[HOME:{none}:{axes}]"));
-        self.say(&if self.plain { "[TLO:0.000]".to_owned() } else { format!("[TLO:{none}]") });
-        self.say(&format!("[PRB:{none}:0]"));
+        self.reply(&format!("[HOME:{none}:{axes}]"));
+        self.reply(&if self.plain { "[TLO:0.000]".to_owned() } else { format!("[TLO:{none}]") });
+        self.reply(&format!("[PRB:{none}:0]"));
     }
 }
 
 /// Four numbers as in reports.
-fn four(values: &[f64; 4]) -> String {
+fn format_axes(values: &[f64; 4]) -> String {
     values.map(|value| format!("{:.3}", value + 0.0)).join(",")
 }

@@ -118,7 +118,7 @@ impl SimulatedTracker {
     }
 
     /// Ends all faults.
-    pub fn calm(&mut self) {
+    pub fn clear_faults(&mut self) {
         self.model_changed |= self.has(TrackerFault::BodyGone);
         self.faults.clear();
         (self.held, self.frozen, self.frozen_stamp_s) = (None, None, None);
@@ -139,7 +139,7 @@ impl SimulatedTracker {
         while due_s <= now_s {
             let share = if now_s > before_s { ((due_s - before_s) / (now_s - before_s)).clamp(0.0, 1.0) } else { 1.0 };
             if !silent && now_s - due_s <= OVERDUE_S {
-                self.expose(due_s, base_before.towards(base, share), tip_before.towards(tip, share));
+                self.capture_frame(due_s, base_before.towards(base, share), tip_before.towards(tip, share));
             }
             self.number = self.number.wrapping_add(1);
             due_s += 1.0 / self.options.rate_hz;
@@ -179,7 +179,7 @@ impl SimulatedTracker {
     }
 
     /// Takes a frame at `time_s` and sends it, or lets it suffer.
-    fn expose(&mut self, time_s: f64, base: RigidPose, tip: RigidPose) {
+    fn capture_frame(&mut self, time_s: f64, base: RigidPose, tip: RigidPose) {
         let mut stamp_s = time_s + self.offset_s;
         if self.has(TrackerFault::FrozenClock) {
             stamp_s = *self.frozen_stamp_s.get_or_insert(stamp_s);
@@ -216,13 +216,13 @@ impl SimulatedTracker {
         if self.has(TrackerFault::SwappedBodies) {
             std::mem::swap(&mut base, &mut tip);
         }
-        let seen = |body, id, pose: &RigidPose| PlannedBody {
-            tracking_valid: !self.has(TrackerFault::Occluded(body)),
+        let view = |robot, id, pose: &RigidPose| PlannedBody {
+            tracking_valid: !self.has(TrackerFault::Occluded(robot)),
             ..planned(id, pose)
         };
-        let mut bodies = vec![seen(TrackedBody::Base, self.options.base.1, &base)];
+        let mut bodies = vec![view(TrackedBody::Base, self.options.base.1, &base)];
         if !self.has(TrackerFault::BodyGone) {
-            bodies.push(seen(TrackedBody::Tip, self.options.tip.1, &tip));
+            bodies.push(view(TrackedBody::Tip, self.options.tip.1, &tip));
         }
         bodies.extend(self.options.others.iter().map(|(_, id)| planned(*id, &RigidPose::default())));
         bodies
@@ -260,9 +260,9 @@ impl SimulatedTracker {
         if self.has(TrackerFault::SecondServer) {
             let mut other = frame.clone();
             other.frame_number = other.frame_number.wrapping_add(SECOND_SERVER_FRAMES);
-            other.rigid_bodies.iter_mut().for_each(|body| {
-                if body.id == self.options.tip.1 {
-                    body.position[0] += SECOND_SERVER_M as f32;
+            other.rigid_bodies.iter_mut().for_each(|robot| {
+                if robot.id == self.options.tip.1 {
+                    robot.position[0] += SECOND_SERVER_M as f32;
                 }
             });
             self.server.send(&other, true, &mut |_| {});

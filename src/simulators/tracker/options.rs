@@ -71,7 +71,7 @@ pub enum TrackedBody {
 }
 
 /// What can go wrong with the stream, from [`inject`](super::FakeTracker::inject) until
-/// [`calm`](super::FakeTracker::calm).
+/// [`clear_faults`](super::FakeTracker::calm).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TrackerFault {
     /// Frames are lost with this probability.

@@ -17,8 +17,8 @@ pub(crate) const CLOCK_HZ: u64 = 10_000_000;
 const CLIENT_GONE_S: f64 = 5.0;
 
 /// Clients that are kept and requests that are answered at once: the port is open to anybody on this computer.
-const MOST_CLIENTS: usize = 8;
-const MOST_REQUESTS: usize = 256;
+const MAX_CLIENTS: usize = 8;
+const MAX_REQUESTS: usize = 256;
 
 /// Longest request that is read, bytes.
 const REQUEST_BYTES: usize = 2048;
@@ -68,7 +68,7 @@ impl NatNetServer {
     /// Reads what clients asked, and answers unless `silent`.
     pub(crate) fn answer(&mut self, now_s: f64, model: Option<&ModelDef>, silent: bool) {
         let mut request = [0; REQUEST_BYTES];
-        for _ in 0..MOST_REQUESTS {
+        for _ in 0..MAX_REQUESTS {
             let Ok((length, from)) = self.command.recv_from(&mut request) else { break };
             if silent {
                 continue;
@@ -85,7 +85,7 @@ impl NatNetServer {
         let payload = &request[natnet::HEADER_LEN..];
         match id {
             natnet::NAT_CONNECT => {
-                self.admit(payload, from, now_s);
+                self.add_client(payload, from, now_s);
                 self.info()
             }
             natnet::NAT_DISCOVERY => self.info(),
@@ -107,11 +107,11 @@ impl NatNetServer {
     }
 
     /// A client in unicast, with the version that it asks for.
-    fn admit(&mut self, payload: &[u8], address: SocketAddr, heard_s: f64) {
+    fn add_client(&mut self, payload: &[u8], address: SocketAddr, heard_s: f64) {
         let asked = ConnectOptions::parse(payload).and_then(|options| options.bitstream_version);
         let version = asked.filter(|version| version.validate().is_ok()).unwrap_or(self.version);
         self.clients.retain(|client| client.address != address);
-        if self.clients.len() < MOST_CLIENTS {
+        if self.clients.len() < MAX_CLIENTS {
             self.clients.push(NatNetClient { address, version, heard_s });
         }
     }
@@ -139,12 +139,12 @@ impl NatNetServer {
         info.to_datagram().ok()
     }
 
-    /// Sends a frame to everybody who listens. `spoil` may change its bytes; a stranger sends from another port.
-    pub(crate) fn send(&self, frame: &FrameOfData, stranger: bool, spoil: &mut dyn FnMut(&mut Vec<u8>)) {
+    /// Sends a frame to everybody who listens. `corrupt` may change its bytes; a stranger sends from another port.
+    pub(crate) fn send(&self, frame: &FrameOfData, stranger: bool, corrupt: &mut dyn FnMut(&mut Vec<u8>)) {
         let socket = if stranger { &self.stranger } else { &self.data };
         let mut send = |version: Version, address: SocketAddr| {
             if let Ok(mut datagram) = frame.to_datagram(version) {
-                spoil(&mut datagram);
+                corrupt(&mut datagram);
                 let _ = socket.send_to(&datagram, address);
             }
         };

@@ -16,7 +16,7 @@ const POLL_S: f64 = 0.01;
 
 /// A wire that writes down what is sent, and on which noise arrives.
 struct Tap {
-    wire: PipeEnd,
+    serial: PipeEnd,
     sent: Arc<Mutex<Vec<u8>>>,
     noise: Arc<Mutex<VecDeque<u8>>>,
 }
@@ -26,7 +26,7 @@ impl SerialLine for Tap {
         let mut noise = self.noise.lock().unwrap();
         let count = noise.len().min(buffer.len());
         if count == 0 {
-            return self.wire.read(buffer);
+            return self.serial.read(buffer);
         }
         buffer.iter_mut().zip(noise.drain(..count)).for_each(|(place, byte)| *place = byte);
         Ok(count)
@@ -34,7 +34,7 @@ impl SerialLine for Tap {
 
     fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
         self.sent.lock().unwrap().extend(bytes);
-        self.wire.write(bytes)
+        self.serial.write(bytes)
     }
 }
 
@@ -47,7 +47,7 @@ struct Inside {
 /// A fake controller, its time, and what was sent to it.
 pub(crate) struct Bench {
     inside: Mutex<Inside>,
-    wire: Mutex<Option<PipeEnd>>,
+    serial: Mutex<Option<PipeEnd>>,
     sent: Arc<Mutex<Vec<u8>>>,
     noise: Arc<Mutex<VecDeque<u8>>>,
 }
@@ -70,11 +70,11 @@ impl Clock for Bench {
 
 impl Bench {
     pub(crate) fn new(options: ControllerOptions) -> Bench {
-        let (wire, other) = pipe();
+        let (serial, other) = pipe();
         let mut fake = SimulatedController::new(Box::new(other), options);
         fake.step(0.0);
         let inside = Mutex::new(Inside { now_s: 0.0, fake, most_queued: 0 });
-        Bench { inside, wire: Mutex::new(Some(wire)), sent: Arc::default(), noise: Arc::default() }
+        Bench { inside, serial: Mutex::new(Some(serial)), sent: Arc::default(), noise: Arc::default() }
     }
 
     fn inside(&self) -> MutexGuard<'_, Inside> {
@@ -82,8 +82,8 @@ impl Bench {
     }
 
     pub(crate) fn open_with(&self, settings: &MotionSettings) -> Result<Controller, MotionFault> {
-        let wire = self.wire.lock().unwrap().take().unwrap();
-        let tap = Tap { wire, sent: Arc::clone(&self.sent), noise: Arc::clone(&self.noise) };
+        let serial = self.serial.lock().unwrap().take().unwrap();
+        let tap = Tap { serial, sent: Arc::clone(&self.sent), noise: Arc::clone(&self.noise) };
         Controller::open(Box::new(tap), settings, self)
     }
 
@@ -93,7 +93,7 @@ impl Bench {
 
     /// Somebody else has homed the controller before.
     pub(crate) fn home_beforehand(&self) {
-        self.wire.lock().unwrap().as_mut().unwrap().write(b"$H\n").unwrap();
+        self.serial.lock().unwrap().as_mut().unwrap().write(b"$H\n").unwrap();
         self.sleep_until(self.now_s() + 8.0);
     }
 
@@ -159,8 +159,8 @@ impl Bench {
         self.noise.lock().unwrap().extend(bytes);
     }
 
-    pub(crate) fn repair(&self) {
-        self.inside().fake.repair();
+    pub(crate) fn clear_faults(&self) {
+        self.inside().fake.clear_faults();
     }
 
     pub(crate) fn position_mm(&self) -> [f64; 4] {

@@ -75,7 +75,7 @@ fn recovers(bench: &Bench, controller: &mut Controller, found: &MotionFault) {
     assert_eq!(bench.sent_lines().len(), before);
     controller.hold(bench.now_s());
     controller.resume(bench.now_s());
-    bench.repair();
+    bench.clear_faults();
     controller.reset(bench.now_s());
     let sent = bench.sent();
     if matches!(found, MotionFault::Unplugged { .. }) {

@@ -89,7 +89,7 @@ fn make(call: Call, bench: &Bench, controller: &mut Controller) {
         Call::Noise(bytes) => bench.make_noise(&bytes),
         Call::Say(line) => bench.make_noise(format!("{line}\n").as_bytes()),
         Call::Fault(fault) => bench.inject(fault),
-        Call::Repair => bench.repair(),
+        Call::Repair => bench.clear_faults(),
     }
 }
 

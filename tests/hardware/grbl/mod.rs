@@ -193,12 +193,12 @@ fn a_position_in_doubt_is_found_by_homing() {
     bench.home_beforehand();
     let mut controller = bench.open();
     assert!(controller.homed());
-    controller.distrust();
+    controller.require_homing();
     bench.run(&mut controller, 4.0).unwrap();
-    assert!(!controller.homed() && controller.is_distrusted(), "whatever it says");
+    assert!(!controller.homed() && controller.homing_required(), "whatever it says");
     assert_eq!(controller.move_to([1.0; 4], 600.0, bench.now_s()), Err(MotionFault::Refused(MoveRefusal::NotHomed)));
     bench.home(&mut controller).unwrap();
-    assert!(controller.homed() && !controller.is_distrusted());
+    assert!(controller.homed() && !controller.homing_required());
 }
 
 #[test]

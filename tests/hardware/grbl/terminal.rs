@@ -16,14 +16,14 @@ struct ServedSimulator {
     thread: Option<JoinHandle<()>>,
 }
 
-fn serve(wire: TtyLine) -> ServedSimulator {
+fn serve(serial: TtyLine) -> ServedSimulator {
     let over = Arc::new(AtomicBool::new(false));
     let thread = std::thread::spawn({
         let over = Arc::clone(&over);
         move || {
             let clock = WallClock::new();
             let options = ControllerOptions { delay_s: [0.001, 0.002], ..ControllerOptions::default() };
-            let mut fake = SimulatedController::new(Box::new(wire), options);
+            let mut fake = SimulatedController::new(Box::new(serial), options);
             while !over.load(Ordering::SeqCst) {
                 fake.step(clock.now_s());
                 std::thread::sleep(Duration::from_millis(1));
@@ -48,10 +48,10 @@ fn settings() -> MotionSettings {
 #[test]
 fn a_serial_line_is_opened_and_noticed_when_it_goes() {
     // Of a pseudo-terminal only the second end notices that the other one has gone.
-    let (other, wire) = TtyLine::pair().unwrap();
+    let (other, serial) = TtyLine::pair().unwrap();
     let mut served = serve(other);
     let clock = WallClock::new();
-    let mut controller = Controller::open(Box::new(wire), &settings(), &clock).unwrap();
+    let mut controller = Controller::open(Box::new(serial), &settings(), &clock).unwrap();
     assert_eq!(controller.machine().firmware, "grblHAL");
     controller.poll(clock.now_s()).unwrap();
     served.unplug();

@@ -85,7 +85,7 @@ fn bytes(text: &str) -> Vec<u8> {
 
 struct Replay {
     fake: SimulatedController,
-    wire: PipeEnd,
+    serial: PipeEnd,
     now_s: f64,
     received: Vec<u8>,
 }
@@ -96,7 +96,7 @@ impl Replay {
             self.now_s = (self.now_s + 0.002).min(time_s);
             self.fake.step(self.now_s);
             let mut buffer = [0; 4096];
-            let count = self.wire.read(&mut buffer).unwrap();
+            let count = self.serial.read(&mut buffer).unwrap();
             self.received.extend(&buffer[..count]);
         }
     }
@@ -104,16 +104,16 @@ impl Replay {
 
 /// What the fake controller answers to the sent lines of a transcript, sent at the same times.
 fn replay(entries: &[Entry], options: ControllerOptions, fault: Option<ControllerFault>) -> String {
-    let (wire, other) = pipe();
+    let (serial, other) = pipe();
     // A little quicker than the simulator, so that everything is answered before the next line.
     let options = ControllerOptions { delay_s: [0.002, 0.01], ..options };
     let mut replay =
-        Replay { fake: SimulatedController::new(Box::new(other), options), wire, now_s: 0.9, received: Vec::new() };
+        Replay { fake: SimulatedController::new(Box::new(other), options), serial, now_s: 0.9, received: Vec::new() };
     replay.fake.step(replay.now_s);
     fault.into_iter().for_each(|fault| replay.fake.inject(fault));
     for entry in entries.iter().filter(|entry| entry.sent) {
         replay.until(entry.time_s);
-        replay.wire.write(&bytes(&entry.text)).unwrap();
+        replay.serial.write(&bytes(&entry.text)).unwrap();
     }
     let last_s = entries.last().map_or(0.0, |entry| entry.time_s);
     replay.until(last_s + 0.02);

@@ -82,8 +82,8 @@ impl Bench {
         self.tracker.lock().unwrap().inject(fault);
     }
 
-    pub(crate) fn calm(&self) {
-        self.tracker.lock().unwrap().calm();
+    pub(crate) fn clear_faults(&self) {
+        self.tracker.lock().unwrap().clear_faults();
     }
 
     /// Lets `duration_s` pass in steps of `step_s`, polling after each, and looks at the client each time.

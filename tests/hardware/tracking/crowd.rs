@@ -59,7 +59,7 @@ fn markers_skeletons_and_assets_are_not_the_robots_bodies() {
             ];
             let frame = SyntheticServer::new(version, CLOCK_HZ).frame(k + 1, time_s, &bodies);
             let datagram = crowd(version, frame).to_datagram(version).unwrap();
-            assert_eq!(stream.take(&datagram, from, time_s), Received::Frame, "{version}");
+            assert_eq!(stream.process(&datagram, from, time_s), Received::Frame, "{version}");
             let tip = stream.latest().unwrap().position_m;
             let expected = [0.5, -0.25, 0.125 * f64::from(k)];
             assert!(distance_m(&tip, &expected) < 1e-12, "{version}: {tip:?}");
@@ -78,7 +78,7 @@ fn frames_of_no_use_are_named() {
         for k in 1..30 {
             let (number, stamp_s, body) = frames(k);
             let frame = SyntheticServer::new(Version::V4_1, CLOCK_HZ).frame(number, stamp_s, &[body]);
-            stream.take(&frame.to_datagram(Version::V4_1).unwrap(), from, 0.01 * f64::from(k));
+            stream.process(&frame.to_datagram(Version::V4_1).unwrap(), from, 0.01 * f64::from(k));
         }
         stream.status().unseen
     };

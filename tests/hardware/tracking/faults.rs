@@ -17,7 +17,7 @@ fn tracked() -> (Bench, TrackerClient) {
 
 /// After the fault the samples are right again.
 fn recovers(bench: &Bench, tracking: &mut TrackerClient, within_s: f64) {
-    bench.calm();
+    bench.clear_faults();
     bench.run(tracking, within_s);
     let (m, rad, fresh) = bench.judge(tracking, 0.5);
     assert!(m < WIRE_M && rad < WIRE_RAD && fresh > 0.99, "{m} m, {rad} rad, {fresh}, {:?}", tracking.status());
@@ -169,7 +169,7 @@ fn jumps_and_swaps_are_seen_as_they_come() {
     bench.inject(TrackerFault::Jump(0.05));
     let (m, rad, fresh) = bench.judge(&mut tracking, 0.2);
     assert!((m - 0.05).abs() < WIRE_M && rad < WIRE_RAD && fresh > 0.7, "{m}");
-    bench.calm();
+    bench.clear_faults();
     bench.inject(TrackerFault::SwappedBodies);
     let (m, _, _) = bench.judge(&mut tracking, 0.2);
     assert!(m > 0.05, "the base seen from the tip is elsewhere: {m}");

@@ -61,8 +61,8 @@ proptest! {
     fn any_bytes(version in version(), id in 0_u16..16, bytes in prop::collection::vec(any::<u8>(), 0..400)) {
         let mut stream = stream(version);
         let from: SocketAddr = SERVER.parse().unwrap();
-        stream.take(&bytes, from, 0.0);
-        stream.take(&[&id.to_le_bytes()[..], &bytes].concat(), from, 0.1);
+        stream.process(&bytes, from, 0.0);
+        stream.process(&[&id.to_le_bytes()[..], &bytes].concat(), from, 0.1);
         is_sane(&stream);
     }
 
@@ -84,7 +84,7 @@ proptest! {
         }
         let mut stream = stream(version);
         for k in 0..3 {
-            stream.take(&datagram, SERVER.parse().unwrap(), f64::from(k));
+            stream.process(&datagram, SERVER.parse().unwrap(), f64::from(k));
         }
         is_sane(&stream);
         if truncate {
@@ -100,7 +100,7 @@ proptest! {
         for (k, (number, stamp_s, near_s)) in numbers.into_iter().enumerate() {
             let stamp_s = if k % 2 == 0 { stamp_s } else { near_s };
             let frame = SyntheticServer::new(Version::V4_1, 1000).datagram(number, stamp_s, &bodies).unwrap();
-            stream.take(&frame, SERVER.parse().unwrap(), k as f64);
+            stream.process(&frame, SERVER.parse().unwrap(), k as f64);
             is_sane(&stream);
             let asked = [k as f64, stamp_s].into_iter().filter_map(|time_s| stream.pose_at(time_s));
             prop_assert!(asked.map(|tip| tip.position_m[0]).all(f64::is_finite));
@@ -124,12 +124,12 @@ fn real_packets_with_any_one_bit_wrong() {
             let mut broken = packet.clone();
             broken[bit / 8] ^= 1 << (bit % 8);
             let mut stream = FrameStream::new(&settings, &server(Version::new(3, 0, 0, 0)), Some(&model())).unwrap();
-            stream.take(&broken, SERVER.parse().unwrap(), 0.0);
+            stream.process(&broken, SERVER.parse().unwrap(), 0.0);
             is_sane(&stream);
         }
         for length in 0..packet.len() {
             let mut stream = FrameStream::new(&settings, &server(Version::new(3, 0, 0, 0)), Some(&model())).unwrap();
-            let heard = stream.take(&packet[..length], SERVER.parse().unwrap(), 0.0);
+            let heard = stream.process(&packet[..length], SERVER.parse().unwrap(), 0.0);
             assert!(!matches!(heard, Received::Frame), "{name} cut to {length} bytes");
         }
     }

@@ -70,7 +70,7 @@ fn a_recording_is_followed() {
     let mut stream = FrameStream::new(&settings(), &info, Some(&model)).unwrap();
     let (mut poses, mut frames) = (Vec::new(), 0);
     for datagram in &recording {
-        if stream.take(&datagram.payload, datagram.from, datagram.time_s) == Received::Frame {
+        if stream.process(&datagram.payload, datagram.from, datagram.time_s) == Received::Frame {
             frames += 1;
             poses.extend(stream.latest().copied());
         }
