@@ -273,7 +273,7 @@ fn a_stop_keeps_the_position() {
     let moved_ms = 1e3 * (plant.rehearsal().unwrap().with_simulator(|simulator| simulator.moved_s()) - raise_s);
     assert!(moved_ms > 200.0, "{moved_ms} ms: too short to tell");
     let homed = plant.rehearsal().unwrap().with_simulator(|simulator| simulator.controller.homed());
-    assert!(homed && plant.with_rig(|rig| !rig.controller().is_distrusted()), "{:?}", plant.events());
+    assert!(homed && plant.with_rig(|rig| !rig.controller().homing_required()), "{:?}", plant.events());
 }
 
 #[test]
