@@ -1,10 +1,10 @@
 //! The paper's claims and what became of them: a table in Markdown and a picture of ours against the paper's.
 
-use super::axes::{Axis, Panel, signed};
-use super::canvas::{Canvas, Text, TextAlign};
-use super::legend::{LegendEntry, legend};
+use super::drawing::axes::{Axis, Panel, signed};
+use super::drawing::canvas::{Canvas, Text, TextAlign};
+use super::drawing::legend::{LegendEntry, legend};
+use super::drawing::paint::text_width;
 use super::markup::MarkdownTable;
-use super::paint::text_width;
 use super::style::{
     Colour, DASHED, GREEN, GREY, HAIR, INK, MARKER, Marker, PAGE_WIDTH, SMALL, VERMILION, WHITE, policy_label,
     training_short,

@@ -1,9 +1,9 @@
 //! Fig. 5: tips that the model computes and tips that the robot shows, under the same commands: three projections, and
 //! how the difference is distributed along each axis.
 
-use super::axes::{Axis, Panel, range, signed};
-use super::canvas::{Canvas, Text, TextAlign};
-use super::legend::{LegendEntry, legend};
+use super::drawing::axes::{Axis, Panel, range, signed};
+use super::drawing::canvas::{Canvas, Text, TextAlign};
+use super::drawing::legend::{LegendEntry, legend};
 use super::style::{BLUE, DASHED, GREY, INK, PAGE_WIDTH, SMALL, VERMILION};
 use super::{Artifact, Figure, Published, ReportError, csv, pictures};
 use crate::base::Point3;

@@ -1,12 +1,13 @@
 //! Fig. 6: error against real data used. (a) π_real against the real points of its network; (b) policy A against the
 //! real points of its Gaussian process. Open and closed loop, bands of one standard deviation.
 
-use super::axes::{Axis, Panel};
-use super::canvas::{Canvas, Text, TextAlign};
-use super::legend::{LegendEntry, legend};
+use super::drawing::axes::{Axis, Panel};
+use super::drawing::canvas::{Canvas, Text, TextAlign};
+use super::drawing::legend::{LegendEntry, legend};
+use super::order::trainings;
 use super::style::{BLUE, GREY, INK, Look, MARKER, Marker, PAGE_WIDTH, SMALL, SOLID, TEXT, VERMILION, heading};
 use super::summarise::reach_summary;
-use super::{Artifact, Figure, Published, ReportError, csv, pictures, trainings};
+use super::{Artifact, Figure, Published, ReportError, csv, pictures};
 use crate::data::rows::ReachSummaryRow;
 
 /// Registry entry.

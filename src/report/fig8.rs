@@ -1,16 +1,17 @@
 //! Fig. 8: (a) the target path in the workspace, (b) the paths that the policies track, (c) their error over time.
 
-use super::axes::{Axis, Panel};
-use super::canvas::{Canvas, CanvasPoint, Text, TextAlign};
-use super::isometric::View;
-use super::legend::{LegendEntry, legend};
+use super::drawing::axes::{Axis, Panel};
+use super::drawing::canvas::{Canvas, CanvasPoint, Text, TextAlign};
+use super::drawing::isometric::View;
+use super::drawing::legend::{LegendEntry, legend};
 use super::markup::MarkdownTable;
+use super::order::{rank, trainings};
 use super::style::{
     CLOUD, DASHED, GREY, HAIR, INK, Marker, PAGE_WIDTH, POLICIES, SMALL, SOLID, TEXT, heading, policy_label,
     policy_look, policy_markdown, training_short,
 };
-use super::summarise::{rank, track_summary};
-use super::{Artifact, Figure, Published, ReportError, csv, pictures, text, trainings};
+use super::summarise::track_summary;
+use super::{Artifact, Figure, Published, ReportError, csv, pictures, text};
 use crate::base::Point3;
 use crate::data::rows::{TrackRow, TrackSummaryRow};
 use crate::math::summary::{interval_95, mean};

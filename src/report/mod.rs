@@ -1,21 +1,19 @@
 //! Tables and figures: pure functions from published rows to bytes. A figure is one file and one line in [`FIGURES`];
 //! nothing here can reach what computed the rows, so every picture can be drawn again from `results/`.
 
-mod axes;
 mod benchmark;
-mod canvas;
 mod claims;
 pub mod discovery;
+mod drawing;
 mod fig5;
 mod fig6;
 mod fig8;
-mod isometric;
-mod legend;
 pub mod markup;
+mod order;
 pub mod page;
-mod paint;
 pub mod paper;
 mod peers;
+mod peers_labels;
 mod peers_table;
 mod published;
 mod scaling;
@@ -107,7 +105,7 @@ pub const FIGURES: &[Figure] = &[
     claims::FIGURE,
     sweep::FIGURE,
     peers::FIGURE,
-    discovery::FIGURE,
+    benchmark::FIGURE,
     scaling::FIGURE,
 ];
 
@@ -132,10 +130,13 @@ pub fn write(artifacts: &[Artifact], results: &Path, plots: &Path) -> Result<(),
 }
 
 /// PNG and SVG of a drawing.
-fn pictures(figure: &'static str, stem: &str, canvas: &canvas::Canvas) -> Result<[Artifact; 2], ReportError> {
-    let failed = |error: paint::PaintError| ReportError::Draw { figure, reason: error.to_string() };
+fn pictures(figure: &'static str, stem: &str, canvas: &drawing::canvas::Canvas) -> Result<[Artifact; 2], ReportError> {
+    let failed = |error: drawing::paint::PaintError| ReportError::Draw { figure, reason: error.to_string() };
     let file = |end: &str, bytes| Artifact { name: format!("{stem}.{end}"), folder: OutputFolder::Plots, bytes };
-    Ok([file("png", paint::png(canvas).map_err(failed)?), file("svg", paint::svg(canvas).map_err(failed)?)])
+    Ok([
+        file("png", drawing::paint::png(canvas).map_err(failed)?),
+        file("svg", drawing::paint::svg(canvas).map_err(failed)?),
+    ])
 }
 
 /// A CSV for `results/<experiment>/`.
@@ -147,16 +148,4 @@ fn csv<R: serde::Serialize>(name: &str, rows: &[R]) -> Result<Artifact, ReportEr
 /// A text file for `results/<experiment>/`.
 fn text(name: &str, text: String) -> Artifact {
     Artifact { name: name.to_owned(), folder: OutputFolder::Results, bytes: text.into_bytes() }
-}
-
-/// Ways of training among these, the paper's first, then in order of appearance.
-fn trainings<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
-    let mut found: Vec<&str> = Vec::new();
-    for name in names {
-        if !found.contains(&name) {
-            found.push(name);
-        }
-    }
-    found.sort_by_key(|name| *name != "paper");
-    found
 }

@@ -1,8 +1,10 @@
 //! Work against precision: processor time over the error of the tip, one panel a robot, one look a simulator.
 
-use super::axes::{Axis, Panel};
-use super::canvas::{Canvas, Text, TextAlign};
-use super::legend::{LegendEntry, legend};
+use super::drawing::axes::{Axis, Panel};
+use super::drawing::canvas::{Canvas, Text, TextAlign};
+use super::drawing::legend::{LegendEntry, legend};
+use super::order::distinct;
+use super::peers_labels::{name, order, rank, title};
 use super::style::{DASHED, GREY, HAIR, LINE, LOOKS, Look, MARKER, PAGE_WIDTH, SMALL};
 use super::{Artifact, Figure, Published, ReportError, pictures, text};
 use crate::data::rows::PeerRow;
@@ -10,15 +12,6 @@ use crate::data::rows::PeerRow;
 /// Registry entry.
 pub(super) const FIGURE: Figure =
     Figure { name: "peers", about: "Processor time against tip error, beside other simulators", render };
-
-/// Simulators in the order of their looks, and their names in the picture.
-const PEERS: [(&str, &str); 5] = [
-    ("spinebench", "spinebench"),
-    ("till_2019", "Till et al. 2019, their solver"),
-    ("till_2019_tuned", "Till et al. 2019, Jacobian kept, RK4"),
-    ("mujoco", "MuJoCo hinge chain"),
-    ("pyelastica", "PyElastica"),
-];
 
 const PANEL_HIGH: f64 = 250.0;
 const LEFT: f64 = 58.0;
@@ -40,8 +33,8 @@ fn drawable(row: &PeerRow) -> bool {
 }
 
 fn draw(rows: &[&PeerRow]) -> Canvas {
-    let robots = names(rows.iter().map(|row| row.robot.as_str()));
-    let seen = names(rows.iter().map(|row| row.peer.as_str()));
+    let robots = distinct(rows.iter().map(|row| row.robot.as_str()));
+    let seen = distinct(rows.iter().map(|row| row.peer.as_str()));
     let mut canvas = Canvas::new(PAGE_WIDTH, 378.0);
     let labels: Vec<(Look, String)> = order(&seen).into_iter().map(|peer| (look(peer), name(peer))).collect();
     let mut keys: Vec<(LegendEntry, &str)> =
@@ -74,13 +67,13 @@ fn draw(rows: &[&PeerRow]) -> Canvas {
 
 /// One line through the time steps of each setting; our own last, so that it lies on top.
 fn curves(canvas: &mut Canvas, panel: &Panel, rows: &[&PeerRow]) {
-    let seen = names(rows.iter().map(|row| row.peer.as_str()));
+    let seen = distinct(rows.iter().map(|row| row.peer.as_str()));
     for peer in order(&seen).into_iter().rev() {
         let own: Vec<&PeerRow> = rows.iter().copied().filter(|row| row.peer == peer).collect();
         let look = look(peer);
         let kind = |row: &PeerRow| format!("{} {}", row.setting, row.segments_or_nodes);
         let kinds: Vec<String> = own.iter().map(|row| kind(row)).collect();
-        for one in names(kinds.iter().map(String::as_str)) {
+        for one in distinct(kinds.iter().map(String::as_str)) {
             let mut line: Vec<&&PeerRow> = own.iter().filter(|row| kind(row) == one).collect();
             line.sort_by(|a, b| a.dt_s.total_cmp(&b.dt_s));
             let points: Vec<[f64; 2]> =
@@ -94,40 +87,5 @@ fn curves(canvas: &mut Canvas, panel: &Panel, rows: &[&PeerRow]) {
 }
 
 fn look(peer: &str) -> Look {
-    let place = PEERS.iter().position(|(known, _)| *known == peer);
-    LOOKS[place.unwrap_or(PEERS.len()).min(LOOKS.len() - 1)]
-}
-
-/// What a simulator is called.
-pub(super) fn name(peer: &str) -> String {
-    PEERS.iter().find(|(known, _)| *known == peer).map_or(peer, |(_, words)| *words).to_owned()
-}
-
-/// These simulators in the order of [`PEERS`], unknown ones last.
-pub(super) fn order<'a>(seen: &[&'a str]) -> Vec<&'a str> {
-    let place = |peer: &str| PEERS.iter().position(|(known, _)| *known == peer).unwrap_or(PEERS.len());
-    let mut peers = seen.to_vec();
-    peers.sort_by_key(|peer| place(peer));
-    peers
-}
-
-/// What a robot is called.
-pub(super) fn title(robot: &str) -> String {
-    match robot {
-        "till" => "Till et al.’s example".to_owned(),
-        "paper" => "paper’s robot, lengths".to_owned(),
-        "paper_tension" => "no spine, no damping".to_owned(),
-        other => other.to_owned(),
-    }
-}
-
-/// Each name once, in order of appearance.
-pub(super) fn names<'a>(all: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
-    let mut found = Vec::new();
-    for name in all {
-        if !found.contains(&name) {
-            found.push(name);
-        }
-    }
-    found
+    LOOKS[rank(peer).min(LOOKS.len() - 1)]
 }

@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use super::peers::{name, names, order, title};
+use super::order::distinct;
+use super::peers_labels::{name, order, title};
 use crate::data::rows::PeerRow;
 
 /// Errors that one may ask for, mm.
@@ -20,10 +21,10 @@ fn moving(text: &mut String, rows: &[PeerRow]) {
     let heads: Vec<String> = WANTED_MM.iter().map(|mm| format!("≤ {mm} mm")).collect();
     let _ = writeln!(text, "| Robot | Simulator | {} | smallest error |", heads.join(" | "));
     let _ = writeln!(text, "| --- | --- |{} ---: |", " ---: |".repeat(heads.len()));
-    for robot in names(rows.iter().filter(|row| row.real_time_factor.is_finite()).map(|row| row.robot.as_str())) {
+    for robot in distinct(rows.iter().filter(|row| row.real_time_factor.is_finite()).map(|row| row.robot.as_str())) {
         let own: Vec<&PeerRow> =
             rows.iter().filter(|row| row.robot == robot && row.real_time_factor.is_finite()).collect();
-        let seen = names(own.iter().map(|row| row.peer.as_str()));
+        let seen = distinct(own.iter().map(|row| row.peer.as_str()));
         for (place, peer) in order(&seen).into_iter().enumerate() {
             let its: Vec<&PeerRow> = own.iter().copied().filter(|row| row.peer == peer).collect();
             let cells: Vec<String> = WANTED_MM.iter().map(|mm| fastest(&its, 1e-3 * mm)).collect();

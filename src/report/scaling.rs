@@ -1,8 +1,8 @@
 //! How campaigns scale: efficiency and time over the number of nodes, as replayed from recorded stage times.
 
-use super::axes::{Axis, Panel};
-use super::canvas::{Canvas, Text, TextAlign};
-use super::legend::{LegendEntry, legend};
+use super::drawing::axes::{Axis, Panel};
+use super::drawing::canvas::{Canvas, Text, TextAlign};
+use super::drawing::legend::{LegendEntry, legend};
 use super::style::{DASHED, GREY, HAIR, LINE, LOOKS, MARKER, PAGE_WIDTH, SMALL};
 use super::{Artifact, Figure, Published, ReportError, pictures, text};
 use crate::data::rows::ScalingRow;

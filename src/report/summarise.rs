@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::order::{rank, trainings};
 use super::paper;
 use super::style::POLICIES;
 use crate::data::rows::{ReachSummaryRow, TrackRow, TrackSummaryRow, TrialRow};
@@ -13,17 +14,12 @@ pub(super) const MODES: [&str; 3] = ["open", "closed", "closed_load"];
 /// Duration of the windows in which path tracking's oscillation is measured, seconds.
 pub const OSCILLATION_WINDOW_S: f64 = 5.0;
 
-/// Place of a name in an order; unknown names last.
-pub(super) fn rank(order: &[&str], name: &str) -> usize {
-    order.iter().position(|known| *known == name).unwrap_or(order.len())
-}
-
 /// Goal-reaching trials, summarised by training, policy, mode and data sizes; in the order of Table I, sizes increasing.
 /// The paper's numbers stand beside the sizes that Table I was made with: the one of 100 points where a sweep has it,
 /// and the only size where there is one.
 pub fn reach_summary(trials: &[TrialRow]) -> Vec<ReachSummaryRow> {
     let mut cells: BTreeMap<_, Vec<&TrialRow>> = BTreeMap::new();
-    let order = super::trainings(trials.iter().map(|row| row.training.as_str()));
+    let order = trainings(trials.iter().map(|row| row.training.as_str()));
     for row in trials {
         let key = (
             rank(&order, &row.training),
@@ -77,7 +73,7 @@ fn reach_cell(rows: &[&TrialRow], only: bool) -> ReachSummaryRow {
 /// Path tracking, one row for each training, policy and seed.
 pub fn track_summary(tracks: &[TrackRow]) -> Vec<TrackSummaryRow> {
     let mut runs: BTreeMap<_, Vec<&TrackRow>> = BTreeMap::new();
-    let order = super::trainings(tracks.iter().map(|row| row.training.as_str()));
+    let order = trainings(tracks.iter().map(|row| row.training.as_str()));
     for row in tracks {
         let policy = (rank(&POLICIES, &row.policy), row.policy.as_str());
         runs.entry((rank(&order, &row.training), policy, row.seed)).or_default().push(row);

@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use super::order::{rank, trainings};
 use super::style::POLICIES;
-use super::summarise::{MODES, rank};
+use super::summarise::MODES;
 use crate::data::rows::{GpRow, SweepRow, TrackSummaryRow, TrialRow};
 use crate::data::tables::Beside;
 use crate::math::summary::{interval_95, mean, standard_deviation};
@@ -25,7 +26,7 @@ type SeedError = (u64, Option<f64>);
 
 /// Goal reaching at one point.
 pub fn reach_sweep(trials: &[TrialRow]) -> Vec<SweepRow> {
-    let names = super::trainings(trials.iter().map(|row| row.training.as_str()));
+    let names = trainings(trials.iter().map(|row| row.training.as_str()));
     let mut cells: BTreeMap<CellKey, Vec<SeedError>> = BTreeMap::new();
     for row in trials {
         let cell = cell(&names, [&row.training, &row.policy, &row.mode], [row.gp_points, row.real_points]);
@@ -37,7 +38,7 @@ pub fn reach_sweep(trials: &[TrialRow]) -> Vec<SweepRow> {
 
 /// Path tracking at one point; `sizes` are each policy's real points, those of the Gaussian process first.
 pub fn track_sweep(runs: &[TrackSummaryRow], mode: &str, sizes: impl Fn(&str) -> [u64; 2]) -> Vec<SweepRow> {
-    let names = super::trainings(runs.iter().map(|row| row.training.as_str()));
+    let names = trainings(runs.iter().map(|row| row.training.as_str()));
     let mut cells: BTreeMap<CellKey, Vec<SeedError>> = BTreeMap::new();
     for row in runs {
         let cell = cell(&names, [&row.training, &row.policy, mode], sizes(&row.policy));
@@ -49,7 +50,7 @@ pub fn track_sweep(runs: &[TrackSummaryRow], mode: &str, sizes: impl Fn(&str) ->
 
 /// Gaussian processes at one point.
 pub fn gp_sweep(gps: &[GpRow]) -> Vec<SweepRow> {
-    let names = super::trainings(gps.iter().map(|row| row.training.as_str()));
+    let names = trainings(gps.iter().map(|row| row.training.as_str()));
     let mut cells: BTreeMap<CellKey, Vec<SeedError>> = BTreeMap::new();
     for row in gps {
         let error_m = row.cross_validation_mae_m;
@@ -59,8 +60,8 @@ pub fn gp_sweep(gps: &[GpRow]) -> Vec<SweepRow> {
     rows("gp", cells)
 }
 
-fn cell<'a>(trainings: &[&str], [training, policy, mode]: [&'a str; 3], sizes: [u64; 2]) -> CellKey<'a> {
-    (rank(trainings, training), training, rank(&POLICIES, policy), policy, rank(&MODES, mode), mode, sizes)
+fn cell<'a>(kinds: &[&str], [training, policy, mode]: [&'a str; 3], sizes: [u64; 2]) -> CellKey<'a> {
+    (rank(kinds, training), training, rank(&POLICIES, policy), policy, rank(&MODES, mode), mode, sizes)
 }
 
 fn rows(task: &str, cells: BTreeMap<CellKey, Vec<SeedError>>) -> Vec<SweepRow> {

@@ -1,16 +1,17 @@
 //! Table I: goal-reaching error of A, B, C and π_real in open loop, in closed loop and with a load, beside the paper's
 //! numbers; as Markdown, LaTeX, CSV and a picture.
 
-use super::axes::{Axis, Panel};
-use super::canvas::{Canvas, Text, TextAlign};
-use super::legend::{LegendEntry, legend};
+use super::drawing::axes::{Axis, Panel};
+use super::drawing::canvas::{Canvas, Text, TextAlign};
+use super::drawing::legend::{LegendEntry, legend};
 use super::markup::{MarkdownTable, latex};
+use super::order::trainings;
 use super::style::{
     BLUE, Colour, GREEN, HAIR, INK, MARKER, Marker, ORANGE, PAGE_WIDTH, POLICIES, SMALL, policy_label, policy_markdown,
     training_label,
 };
 use super::summarise::{MODES, reach_summary};
-use super::{Artifact, Figure, Published, ReportError, csv, paper, pictures, text, trainings};
+use super::{Artifact, Figure, Published, ReportError, csv, paper, pictures, text};
 use crate::data::rows::ReachSummaryRow;
 
 /// Registry entry.

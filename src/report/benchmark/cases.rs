@@ -82,7 +82,7 @@ pub(crate) fn gap_closed(case: &CaseRow) -> Option<f64> {
 }
 
 /// Finite values once each, ascending.
-pub(crate) fn distinct(values: impl Iterator<Item = f64>) -> Vec<f64> {
+pub(crate) fn ascending(values: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
     values.sort_by(f64::total_cmp);
     values.dedup();

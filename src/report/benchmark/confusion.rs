@@ -6,10 +6,10 @@ use serde::Serialize;
 
 use super::cases::Answer;
 use crate::data::findings::CaseRow;
-use crate::report::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 use crate::report::discovery::format::fitted;
-use crate::report::paint::text_width;
-use crate::report::peers::names;
+use crate::report::drawing::canvas::{Canvas, CanvasPoint, Text, TextAlign};
+use crate::report::drawing::paint::text_width;
+use crate::report::order::distinct;
 use crate::report::style::{BLUE, Colour, GREY, HAIR, INK, PAGE_WIDTH, SKY, SMALL, TEXT, VERMILION, WHITE};
 
 /// Cases of one truth that got one answer (`confusion.csv`).
@@ -41,7 +41,7 @@ const ROW: f64 = 17.0;
 pub(crate) fn counts(cases: &[CaseRow]) -> Vec<CountRow> {
     let kinds = ["nothing", "single", "pair", "outside", "inside"];
     let place = |group: &str| kinds.iter().position(|known| *known == group).unwrap_or(kinds.len());
-    let truths = names(cases.iter().map(|case| case.truth.as_str()));
+    let truths = distinct(cases.iter().map(|case| case.truth.as_str()));
     let mut found: BTreeMap<(usize, String, usize, String), [u64; 2]> = BTreeMap::new();
     for case in cases {
         let truth = truths.iter().position(|truth| *truth == case.truth).unwrap_or(truths.len());
@@ -74,7 +74,7 @@ fn lines(cases: &[CaseRow]) -> Vec<Line<'_>> {
     let mut lines = Vec::new();
     for (group, _) in GROUPS {
         let own: Vec<&CaseRow> = cases.iter().filter(|case| case.group == group).collect();
-        for truth in names(own.iter().map(|case| case.truth.as_str())) {
+        for truth in distinct(own.iter().map(|case| case.truth.as_str())) {
             let cases = own.iter().copied().filter(|case| case.truth == truth).collect();
             lines.push(Line { group, truth, cases });
         }

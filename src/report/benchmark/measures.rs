@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::cases::{alarmed, distinct, gap_closed, in_catalogue};
+use super::cases::{alarmed, ascending, gap_closed, in_catalogue};
 use super::share::{Estimate, median, wilson};
 use crate::data::findings::{CaseRow, OR};
 
@@ -184,8 +184,8 @@ const MEASURES: &[Measure] = &[
 /// Every figure over all cases, then over each number of samples and each level of noise where there are several.
 /// Figures that no case is about are left out.
 pub(crate) fn summary(cases: &[CaseRow]) -> Vec<SummaryRow> {
-    let samples = distinct(cases.iter().map(|case| case.samples as f64));
-    let noises = distinct(cases.iter().map(|case| case.noise_m));
+    let samples = ascending(cases.iter().map(|case| case.samples as f64));
+    let noises = ascending(cases.iter().map(|case| case.noise_m));
     let mut rows = part("all", cases.iter());
     if samples.len() > 1 {
         for count in samples.iter().rev() {

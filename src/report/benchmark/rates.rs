@@ -2,11 +2,11 @@
 
 use super::measures::{SummaryRow, is_ratio};
 use super::table::{interval, plain};
-use crate::report::axes::{Axis, Panel};
-use crate::report::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 use crate::report::discovery::format::fitted;
-use crate::report::legend::{LegendEntry, legend};
-use crate::report::peers::names;
+use crate::report::drawing::axes::{Axis, Panel};
+use crate::report::drawing::canvas::{Canvas, CanvasPoint, Text, TextAlign};
+use crate::report::drawing::legend::{LegendEntry, legend};
+use crate::report::order::distinct;
 use crate::report::style::{GREEN, GREY, INK, LOOKS, Look, MARKER, PAGE_WIDTH, SMALL};
 
 const LEFT: f64 = 262.0;
@@ -17,7 +17,7 @@ const TOP: f64 = 52.0;
 pub(crate) fn draw(rows: &[SummaryRow]) -> Canvas {
     let rows: Vec<&SummaryRow> = rows.iter().filter(|row| !is_ratio(&row.measure)).collect();
     let parts = parts(&rows);
-    let measures = names(rows.iter().map(|row| row.measure.as_str()));
+    let measures = distinct(rows.iter().map(|row| row.measure.as_str()));
     let pitch = 9.0 + 11.0 * parts.len() as f64;
     let high = pitch * measures.len() as f64;
     let mut canvas = Canvas::new(PAGE_WIDTH, (TOP + high + 46.0).ceil());
@@ -59,7 +59,7 @@ fn marker(look: Look) -> LegendEntry {
 
 /// Numbers of samples where there are several, else all cases; no more than there are looks.
 fn parts<'a>(rows: &[&'a SummaryRow]) -> Vec<&'a str> {
-    let all = names(rows.iter().map(|row| row.part.as_str()));
+    let all = distinct(rows.iter().map(|row| row.part.as_str()));
     let samples: Vec<&str> = all.iter().copied().filter(|part| part.ends_with(" samples")).collect();
     let parts = if samples.is_empty() { all } else { samples };
     parts.into_iter().take(4).collect()

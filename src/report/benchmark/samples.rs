@@ -1,14 +1,14 @@
 //! What is left with fewer samples: the gap that is closed, by what was found and by what a lab would try instead, and
 //! the share of single effects that are named right, against the samples of the recording.
 
-use super::cases::{distinct, in_catalogue};
+use super::cases::{ascending, in_catalogue};
 use super::measures::noise_name;
 use super::share::{Estimate, median, wilson};
 use crate::data::findings::CaseRow;
-use crate::report::axes::{Axis, Panel};
-use crate::report::canvas::{Canvas, Text, TextAlign};
 use crate::report::discovery::answer::closed;
-use crate::report::legend::{LegendEntry, legend};
+use crate::report::drawing::axes::{Axis, Panel};
+use crate::report::drawing::canvas::{Canvas, Text, TextAlign};
+use crate::report::drawing::legend::{LegendEntry, legend};
 use crate::report::style::{GREY, LINE, LOOKS, Look, MARKER, PAGE_WIDTH, SMALL};
 
 const LEFT: f64 = 58.0;
@@ -48,7 +48,7 @@ pub(crate) fn draw(cases: &[CaseRow]) -> Canvas {
     ];
     let axis = "squared error beyond noise (%)";
     panel(&mut canvas, 0, ("(a) gap closed on held-out trials", axis), cases, &remedies);
-    let noises = distinct(cases.iter().map(|case| case.noise_m));
+    let noises = ascending(cases.iter().map(|case| case.noise_m));
     let noises: Vec<Series> = noises.into_iter().take(LOOKS.len()).map(named).collect();
     panel(&mut canvas, 1, ("(b) single effects named right", "share (%)"), cases, &noises);
     let note = "(a): medians of singles and pairs, what is beyond the axis at its end; bars: 95 % intervals";
@@ -58,7 +58,7 @@ pub(crate) fn draw(cases: &[CaseRow]) -> Canvas {
 
 /// Draws panel number `index` under its legend.
 fn panel(canvas: &mut Canvas, index: usize, (title, axis): (&str, &str), cases: &[CaseRow], all: &[Series]) {
-    let counts = distinct(cases.iter().map(|case| case.samples as f64));
+    let counts = ascending(cases.iter().map(|case| case.samples as f64));
     let names: Vec<String> = counts.iter().map(f64::to_string).collect();
     let left = LEFT + (WIDE + LEFT + 12.0) * index as f64;
     let panel = Panel {

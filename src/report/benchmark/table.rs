@@ -3,15 +3,15 @@
 use super::measures::{SummaryRow, is_ratio};
 use crate::report::discovery::format::NONE;
 use crate::report::markup::MarkdownTable;
-use crate::report::peers::names;
+use crate::report::order::distinct;
 
 /// The table, with a line on how to read it.
 pub(crate) fn markdown(rows: &[SummaryRow]) -> String {
-    let parts = names(rows.iter().map(|row| row.part.as_str()));
+    let parts = distinct(rows.iter().map(|row| row.part.as_str()));
     let mut grid = MarkdownTable { header: ["Figure", "To reach"].map(str::to_owned).to_vec(), rows: Vec::new() };
     grid.header
         .extend(parts.iter().map(|part| if *part == "all" { "All cases".to_owned() } else { (*part).to_owned() }));
-    for measure in names(rows.iter().map(|row| row.measure.as_str())) {
+    for measure in distinct(rows.iter().map(|row| row.measure.as_str())) {
         let here = |part: &str| rows.iter().find(|row| row.measure == measure && row.part == part);
         let goal = rows.iter().find(|row| row.measure == measure).map_or("", |row| row.goal.as_str());
         let mut cells = vec![measure.to_owned(), if goal.is_empty() { NONE.to_owned() } else { goal.to_owned() }];
@@ -50,5 +50,5 @@ pub(crate) fn interval(row: &SummaryRow) -> String {
 fn hundredth(share: f64) -> String {
     let percent = 100.0 * share;
     let near = (percent > 0.0 && percent < 9.95) || (percent > 90.05 && percent < 100.0);
-    crate::report::axes::signed(percent, usize::from(near))
+    crate::report::drawing::axes::signed(percent, usize::from(near))
 }

@@ -1,8 +1,6 @@
 //! Where they disagree, in space: from each measured tip which way and how far it lies from the model's, seen from the
 //! side and from above, without and with the effects.
 
-use super::super::axes::{Axis, Panel, range};
-use super::super::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 use super::super::style::{GREY, SMALL};
 use super::format::number;
 use super::residuals::AXES;
@@ -10,6 +8,8 @@ use super::scale;
 use crate::base::Point3;
 use crate::data::findings::ResidualRow;
 use crate::math::summary::quantile;
+use crate::report::drawing::axes::{Axis, Panel, range};
+use crate::report::drawing::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 
 /// Arrows in a panel: more would cover each other.
 const ARROWS: usize = 160;

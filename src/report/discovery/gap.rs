@@ -1,12 +1,12 @@
 //! The gap: tip error of the model as given, of the answer and of the leading candidates, beside the noise floor.
 
-use super::super::axes::{Axis, Panel};
-use super::super::canvas::{Canvas, Text, TextAlign};
-use super::super::paint::text_width;
 use super::super::style::{BLUE, Colour, DASHED, INK, SMALL, VERMILION, WHITE};
 use super::Story;
 use super::format::{fitted, millimetres, times};
 use crate::data::findings::Candidate;
+use crate::report::drawing::axes::{Axis, Panel};
+use crate::report::drawing::canvas::{Canvas, Text, TextAlign};
+use crate::report::drawing::paint::text_width;
 
 const BAR: f64 = 13.0;
 const ROW: f64 = 19.0;

@@ -1,11 +1,11 @@
 //! Where they disagree, as a table in colours: a row for each place, and for each axis the residual over the noise
 //! floor without and with the effects.
 
-use super::super::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 use super::super::style::{GREY, HAIR, INK, SMALL, TEXT};
 use super::format::{fitted, ratio_text};
 use super::scale::{SIGNIFICANT, cell};
 use crate::data::findings::PlaceRow;
+use crate::report::drawing::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 
 const ROW: f64 = 17.0;
 /// Axes in the order of their columns, and their headings.

@@ -1,9 +1,9 @@
 //! The map of disagreement: at which places model and measurement differ, along which axis and by how much, before and
 //! after; and the same in space.
 
-use super::super::canvas::{Canvas, Text, TextAlign};
 use super::super::style::{GREY, SMALL};
 use super::{Story, arrows, heat, scale};
+use crate::report::drawing::canvas::{Canvas, Text, TextAlign};
 
 /// The picture at a width in hundredths of an inch; none where there is neither a place nor a sample.
 pub(super) fn draw(story: &Story, width: f64) -> Option<Canvas> {

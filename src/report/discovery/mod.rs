@@ -16,8 +16,6 @@ mod quantity;
 mod residuals;
 mod scale;
 
-pub(super) use super::benchmark::FIGURE;
-
 use super::style::PAGE_WIDTH;
 use super::{Artifact, OutputFolder, ReportError, csv, pictures};
 use crate::data::findings::{Findings, PlaceRow, ResidualRow};
@@ -81,7 +79,7 @@ impl Story<'_> {
 }
 
 /// A figure of the page: its name, and how it is drawn at a width.
-type Drawing = (&'static str, fn(&Story, f64) -> Option<super::canvas::Canvas>);
+type Drawing = (&'static str, fn(&Story, f64) -> Option<super::drawing::canvas::Canvas>);
 
 /// The figures in their order on the page.
 const DRAWINGS: [Drawing; 3] = [("map", map::draw), ("gap", gap::draw), ("residuals", residuals::draw)];

@@ -1,9 +1,10 @@
 //! `report.html`: one self-contained page for somebody who has not read the code. No script, no link, nothing fetched.
 
 use super::super::style::PAGE_WIDTH;
-use super::super::{ReportError, paint};
 use super::html::{Html, lines, tag, text, words};
 use super::{DRAWINGS, Story, answer, appendix, evidence};
+use crate::report::ReportError;
+use crate::report::drawing::paint;
 
 const CSS: &str = include_str!("page.css");
 /// Width of the figures on a telephone, hundredths of an inch.

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 
-use super::super::axes::signed;
 use super::format::{NONE, decimals, number};
 use crate::data::findings::FoundEffect;
+use crate::report::drawing::axes::signed;
 
 /// A parameter, ready to print.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,12 +3,12 @@
 
 use std::collections::BTreeMap;
 
-use super::super::axes::{Axis, Panel};
-use super::super::canvas::{Canvas, Text, TextAlign};
-use super::super::legend::{LegendEntry, legend};
 use super::super::style::{BLUE, Colour, DASHED, GREEN, GREY, HAIR, INK, SMALL, VERMILION};
 use super::Story;
 use crate::data::findings::ResidualRow;
+use crate::report::drawing::axes::{Axis, Panel};
+use crate::report::drawing::canvas::{Canvas, Text, TextAlign};
+use crate::report::drawing::legend::{LegendEntry, legend};
 
 /// Names of the axes.
 pub(super) const AXES: [&str; 3] = ["x", "y", "z"];

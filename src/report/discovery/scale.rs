@@ -1,9 +1,9 @@
 //! Sizes over the noise floor as colours: six steps, lighter to darker, so that a grey print keeps their order. The page
 //! turns the same six round for dark screens.
 
-use super::super::canvas::{Canvas, CanvasPoint, Text, TextAlign};
-use super::super::paint::text_width;
 use super::super::style::{Colour, GREY, INK, SMALL, WHITE};
+use crate::report::drawing::canvas::{Canvas, CanvasPoint, Text, TextAlign};
+use crate::report::drawing::paint::text_width;
 
 /// Upper end of each step, as a multiple of the noise floor, its colour, and the colour of a number on it.
 const STEPS: [(f64, Colour, Colour); 6] = [

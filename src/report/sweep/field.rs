@@ -1,8 +1,8 @@
 //! A swept field as an axis: even or logarithmic for numbers, equal distances for names.
 
-use super::super::axes::{Axis, signed};
-use super::super::paint::text_width;
-use super::super::style::{SMALL, TEXT};
+use crate::report::drawing::axes::{Axis, signed};
+use crate::report::drawing::paint::text_width;
+use crate::report::style::{SMALL, TEXT};
 use std::collections::{HashMap, HashSet};
 
 /// Largest over smallest value from which on an axis is logarithmic.
@@ -101,7 +101,7 @@ impl SweptAxis {
             return Axis::categories(&label, &names);
         }
         let places: Vec<f64> = self.values.iter().map(|value| self.place(value)).collect();
-        let (low, high) = super::super::axes::range(places.iter().copied());
+        let (low, high) = crate::report::drawing::axes::range(places.iter().copied());
         let room = 0.05 * (high - low);
         let axis = Axis::exact(&label, low - room, high + room, (long / 45.0).clamp(3.0, 7.0) as usize);
         let own: Vec<(f64, String)> = places.into_iter().zip(self.values.iter().map(|value| written(value))).collect();

@@ -1,10 +1,11 @@
 //! Two swept fields: a heat map for each kind of training, mode and policy, all to one scale of colours.
 
-use super::super::canvas::{Canvas, CanvasPoint, Text, TextAlign};
-use super::super::paint::text_width;
-use super::super::style::{Colour, GREY, HAIR, INK, PAGE_WIDTH, SMALL, TEXT, WHITE, heading};
 use super::field::{SweptAxis, shown};
-use super::{SweepEntry, distinct, mode_label, series_label, sized, training_heading};
+use super::{SweepEntry, mode_label, series_label, sized, training_heading};
+use crate::report::drawing::canvas::{Canvas, CanvasPoint, Text, TextAlign};
+use crate::report::drawing::paint::text_width;
+use crate::report::order::{distinct, trainings};
+use crate::report::style::{Colour, GREY, HAIR, INK, PAGE_WIDTH, SMALL, TEXT, WHITE, heading};
 
 /// Light to dark, so that a grey print keeps their order; ColorBrewer's YlOrBr, told apart with every common vision.
 const SHADES: [Colour; 6] =
@@ -39,7 +40,7 @@ pub(super) fn draw(entries: &[&SweepEntry], [down, across]: [&SweptAxis; 2], mea
     let scale = (values_mm().fold(f64::INFINITY, f64::min), values_mm().fold(f64::NEG_INFINITY, f64::max));
     let mut canvas = Canvas::new(PAGE_WIDTH, super::TALL);
     let mut top = key(&mut canvas, scale, measure) + 8.0;
-    for training in super::super::trainings(entries.iter().map(|entry| entry.row.training.as_str())) {
+    for training in trainings(entries.iter().map(|entry| entry.row.training.as_str())) {
         if !training_heading(training).is_empty() {
             top += 18.0;
             canvas.text(Text::new(heading(training), [12.0, top], TEXT, TextAlign::Left).bold());

@@ -1,11 +1,12 @@
 //! One swept field: a panel for each kind of training and mode, a line for each policy.
 
-use super::super::axes::{Axis, Panel};
-use super::super::canvas::{Canvas, Text, TextAlign};
-use super::super::legend::{LegendEntry, legend};
-use super::super::style::{GREY, LOOKS, Look, PAGE_WIDTH, SMALL, TEXT, heading, policy_look};
 use super::field::SweptAxis;
-use super::{SweepEntry, distinct, mode_label, series_label, sized, training_heading};
+use super::{SweepEntry, mode_label, series_label, sized, training_heading};
+use crate::report::drawing::axes::{Axis, Panel};
+use crate::report::drawing::canvas::{Canvas, Text, TextAlign};
+use crate::report::drawing::legend::{LegendEntry, legend};
+use crate::report::order::{distinct, trainings};
+use crate::report::style::{GREY, LOOKS, Look, PAGE_WIDTH, SMALL, TEXT, heading, policy_look};
 
 const LEFT: f64 = 58.0;
 const GAP: f64 = 24.0;
@@ -16,7 +17,7 @@ const PITCH: f64 = 226.0;
 const MARKED: usize = 60;
 
 pub(super) fn draw(entries: &[&SweepEntry], field: &SweptAxis, measure: &str) -> Canvas {
-    let trainings = super::super::trainings(entries.iter().map(|entry| entry.row.training.as_str()));
+    let kinds = trainings(entries.iter().map(|entry| entry.row.training.as_str()));
     let modes = distinct(entries.iter().map(|entry| entry.row.mode.as_str()));
     let sized = sized(entries);
     let label = |entry: &SweepEntry| series_label(entry.row, sized);
@@ -32,17 +33,17 @@ pub(super) fn draw(entries: &[&SweepEntry], field: &SweptAxis, measure: &str) ->
     let kind = if banded { "band" } else { "bars" };
     let note = format!("{kind}: ± 1 standard deviation over repetitions");
     canvas.text(Text::new(note, [LEFT, below + 17.0], SMALL, TextAlign::Left).colour(GREY));
-    let wide = (PAGE_WIDTH - LEFT - 14.0 - GAP * (trainings.len() - 1) as f64) / trainings.len() as f64;
-    let headed = trainings.iter().any(|training| !training_heading(training).is_empty());
+    let wide = (PAGE_WIDTH - LEFT - 14.0 - GAP * (kinds.len() - 1) as f64) / kinds.len() as f64;
+    let headed = kinds.iter().any(|training| !training_heading(training).is_empty());
     let top = below + if headed { 60.0 } else { 42.0 };
-    for (column, training) in trainings.iter().enumerate() {
+    for (column, training) in kinds.iter().enumerate() {
         let middle = LEFT + column as f64 * (wide + GAP) + wide / 2.0;
         let words = if training_heading(training).is_empty() { String::new() } else { heading(training) };
         canvas.text(Text::new(words, [middle, below + 37.0], TEXT, TextAlign::Centre).bold());
     }
     for (line, mode) in modes.iter().enumerate() {
         let y = errors(entries.iter().filter(|entry| entry.row.mode == *mode), measure);
-        for (column, training) in trainings.iter().enumerate() {
+        for (column, training) in kinds.iter().enumerate() {
             let panel = Panel {
                 corner: [LEFT + column as f64 * (wide + GAP), top + PITCH * line as f64],
                 size: [wide, HIGH],

@@ -5,7 +5,7 @@ mod field;
 mod heat;
 mod lines;
 
-use super::canvas::Canvas;
+use super::drawing::canvas::Canvas;
 use super::style::{policy_label, training_label};
 use super::{Artifact, Figure, Published, ReportError, pictures};
 use crate::data::rows::SweepRow;
@@ -102,15 +102,4 @@ fn sized(entries: &[&SweepEntry]) -> bool {
         let sizes = (row.gp_points, row.real_points);
         *first.entry((&entry.at, &row.training, &row.policy, &row.mode)).or_insert(sizes) != sizes
     })
-}
-
-/// Each item once, in order of appearance.
-fn distinct<T: PartialEq>(items: impl Iterator<Item = T>) -> Vec<T> {
-    let mut found = Vec::new();
-    for item in items {
-        if !found.contains(&item) {
-            found.push(item);
-        }
-    }
-    found
 }

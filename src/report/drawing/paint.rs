@@ -10,7 +10,7 @@ use plotters::style::{
 };
 
 use super::canvas::{Canvas, CanvasPoint, Primitive, Text, TextAlign};
-use super::style::Colour;
+use crate::report::style::Colour;
 
 /// The embedded font's name, followed in SVG by fonts of like widths.
 const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
@@ -32,14 +32,14 @@ const SVG_BASELINE: f64 = 0.76;
 /// Why a figure could not be painted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{0}")]
-pub(super) struct PaintError(String);
+pub(crate) struct PaintError(String);
 
 fn failed(error: impl std::fmt::Display) -> PaintError {
     PaintError(error.to_string())
 }
 
 /// The PNG of a figure.
-pub(super) fn png(canvas: &Canvas) -> Result<Vec<u8>, PaintError> {
+pub(crate) fn png(canvas: &Canvas) -> Result<Vec<u8>, PaintError> {
     register()?;
     let scale = (PIXELS * SAMPLES) as f64;
     let (wide, high) = ((canvas.width as usize) * PIXELS, (canvas.height as usize) * PIXELS);
@@ -55,7 +55,7 @@ pub(super) fn png(canvas: &Canvas) -> Result<Vec<u8>, PaintError> {
 }
 
 /// The SVG of a figure.
-pub(super) fn svg(canvas: &Canvas) -> Result<Vec<u8>, PaintError> {
+pub(crate) fn svg(canvas: &Canvas) -> Result<Vec<u8>, PaintError> {
     register()?;
     let mut text = String::new();
     let (wide, high) = ((canvas.width * SVG_UNITS) as u32, (canvas.height * SVG_UNITS) as u32);
@@ -63,7 +63,7 @@ pub(super) fn svg(canvas: &Canvas) -> Result<Vec<u8>, PaintError> {
         let mut backend = SVGBackend::with_string(&mut text, (wide, high));
         let mut painter = Painter { backend: &mut backend, scale: SVG_UNITS, bitmap: false };
         let corners = [[0.0, 0.0], [canvas.width, 0.0], [canvas.width, canvas.height], [0.0, canvas.height]];
-        painter.area(&corners, super::style::WHITE, 1.0)?;
+        painter.area(&corners, crate::report::style::WHITE, 1.0)?;
         canvas.marks.iter().try_for_each(|mark| painter.paint(mark))?;
         backend.present().map_err(failed)?;
     }
@@ -74,7 +74,7 @@ pub(super) fn svg(canvas: &Canvas) -> Result<Vec<u8>, PaintError> {
 }
 
 /// Width of a text, hundredths of an inch.
-pub(super) fn text_width(text: &str, size: f64, bold: bool) -> f64 {
+pub(crate) fn text_width(text: &str, size: f64, bold: bool) -> f64 {
     const FINE: f64 = 20.0;
     if register().is_err() {
         return 0.0;

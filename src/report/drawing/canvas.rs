@@ -1,13 +1,13 @@
 //! A figure as a list of marks, before it is painted: the same list becomes PNG and SVG.
 
-use super::style::{Colour, Dash, Marker, WHITE};
+use crate::report::style::{Colour, Dash, Marker, WHITE};
 
 /// A place on the figure: to the right and down from its upper left corner, hundredths of an inch.
-pub(super) type CanvasPoint = [f64; 2];
+pub(crate) type CanvasPoint = [f64; 2];
 
 /// Where along a text its anchor lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum TextAlign {
+pub(crate) enum TextAlign {
     Left,
     Centre,
     Right,
@@ -15,21 +15,21 @@ pub(super) enum TextAlign {
 
 /// A line of text whose baseline passes through `at`.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Text {
-    pub(super) at: CanvasPoint,
-    pub(super) text: String,
+pub(crate) struct Text {
+    pub(crate) at: CanvasPoint,
+    pub(crate) text: String,
     /// Size of the em.
-    pub(super) size: f64,
-    pub(super) bold: bool,
-    pub(super) colour: Colour,
-    pub(super) align: TextAlign,
+    pub(crate) size: f64,
+    pub(crate) bold: bool,
+    pub(crate) colour: Colour,
+    pub(crate) align: TextAlign,
     /// Written upwards.
-    pub(super) upwards: bool,
+    pub(crate) upwards: bool,
 }
 
 /// One thing to paint.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Primitive {
+pub(crate) enum Primitive {
     Stroke { points: Vec<CanvasPoint>, width: f64, colour: Colour },
     Area { points: Vec<CanvasPoint>, colour: Colour, opacity: f64 },
     Disc { centre: CanvasPoint, radius: f64, colour: Colour, opacity: f64 },
@@ -38,14 +38,14 @@ pub(super) enum Primitive {
 
 /// The marks of a figure in the order of painting.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Canvas {
-    pub(super) width: f64,
-    pub(super) height: f64,
-    pub(super) marks: Vec<Primitive>,
+pub(crate) struct Canvas {
+    pub(crate) width: f64,
+    pub(crate) height: f64,
+    pub(crate) marks: Vec<Primitive>,
 }
 
 impl Canvas {
-    pub(super) fn new(width: f64, height: f64) -> Self {
+    pub(crate) fn new(width: f64, height: f64) -> Self {
         Canvas { width, height, marks: Vec::new() }
     }
 
@@ -56,32 +56,32 @@ impl Canvas {
     }
 
     /// A line through the points.
-    pub(super) fn line(&mut self, points: &[CanvasPoint], width: f64, colour: Colour, dash: Dash) {
+    pub(crate) fn line(&mut self, points: &[CanvasPoint], width: f64, colour: Colour, dash: Dash) {
         for points in dashes(&self.drawable(points), dash) {
             self.marks.push(Primitive::Stroke { points, width, colour });
         }
     }
 
     /// A filled polygon.
-    pub(super) fn area(&mut self, points: Vec<CanvasPoint>, colour: Colour, opacity: f64) {
+    pub(crate) fn area(&mut self, points: Vec<CanvasPoint>, colour: Colour, opacity: f64) {
         let points = self.drawable(&points);
         self.marks.push(Primitive::Area { points, colour, opacity });
     }
 
     /// A filled rectangle between two corners.
-    pub(super) fn rectangle(&mut self, [x0, y0]: CanvasPoint, [x1, y1]: CanvasPoint, colour: Colour, opacity: f64) {
+    pub(crate) fn rectangle(&mut self, [x0, y0]: CanvasPoint, [x1, y1]: CanvasPoint, colour: Colour, opacity: f64) {
         self.area(vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]], colour, opacity);
     }
 
     /// A filled circle.
-    pub(super) fn disc(&mut self, centre: CanvasPoint, radius: f64, colour: Colour, opacity: f64) {
+    pub(crate) fn disc(&mut self, centre: CanvasPoint, radius: f64, colour: Colour, opacity: f64) {
         for centre in self.drawable(&[centre]) {
             self.marks.push(Primitive::Disc { centre, radius, colour, opacity });
         }
     }
 
     /// A marker with a thin white rim, so that neighbours stay apart; hollow where `hollow`.
-    pub(super) fn marker(&mut self, at: CanvasPoint, shape: Marker, radius: f64, colour: Colour, hollow: bool) {
+    pub(crate) fn marker(&mut self, at: CanvasPoint, shape: Marker, radius: f64, colour: Colour, hollow: bool) {
         self.shape(at, shape, radius + 0.8, WHITE);
         self.shape(at, shape, radius, colour);
         if hollow {
@@ -101,27 +101,27 @@ impl Canvas {
     }
 
     /// A line of text.
-    pub(super) fn text(&mut self, text: Text) {
+    pub(crate) fn text(&mut self, text: Text) {
         self.marks.push(Primitive::Text(text));
     }
 }
 
 impl Text {
     /// Upright text in ink.
-    pub(super) fn new(text: impl Into<String>, at: CanvasPoint, size: f64, align: TextAlign) -> Self {
-        let colour = super::style::INK;
+    pub(crate) fn new(text: impl Into<String>, at: CanvasPoint, size: f64, align: TextAlign) -> Self {
+        let colour = crate::report::style::INK;
         Text { at, text: text.into(), size, bold: false, colour, align, upwards: false }
     }
 
-    pub(super) fn bold(self) -> Self {
+    pub(crate) fn bold(self) -> Self {
         Text { bold: true, ..self }
     }
 
-    pub(super) fn upwards(self) -> Self {
+    pub(crate) fn upwards(self) -> Self {
         Text { upwards: true, ..self }
     }
 
-    pub(super) fn colour(self, colour: Colour) -> Self {
+    pub(crate) fn colour(self, colour: Colour) -> Self {
         Text { colour, ..self }
     }
 }

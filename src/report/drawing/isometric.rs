@@ -1,8 +1,8 @@
 //! Looking at points in space: an isometric view with a triad of axes and a scale bar.
 
 use super::canvas::{Canvas, CanvasPoint, Text, TextAlign};
-use super::style::{HAIR, INK, SMALL};
 use crate::base::Point3;
+use crate::report::style::{HAIR, INK, SMALL};
 
 /// Isometric view: x (up, against gravity) upwards, z (along the robot) to the lower right, y to the lower left.
 /// Screen coordinates to the right and **up**, in the units of the points.

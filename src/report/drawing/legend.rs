@@ -2,11 +2,11 @@
 
 use super::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 use super::paint::text_width;
-use super::style::{BAND, Colour, Dash, LINE, Look, MARKER, Marker, SMALL, TEXT};
+use crate::report::style::{BAND, Colour, Dash, LINE, Look, MARKER, Marker, SMALL, TEXT};
 
 /// What stands before a name in a legend.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum LegendEntry {
+pub(crate) enum LegendEntry {
     /// Line and marker over a band.
     Series(Look),
     /// A marker, hollow or filled.
@@ -24,7 +24,7 @@ const GAP: f64 = 16.0;
 
 /// Draws keys in a row whose text has its baseline at `at` (left end), and wraps before `right`. Returns the last
 /// baseline.
-pub(super) fn legend(canvas: &mut Canvas, at: CanvasPoint, right: f64, keys: &[(LegendEntry, &str)]) -> f64 {
+pub(crate) fn legend(canvas: &mut Canvas, at: CanvasPoint, right: f64, keys: &[(LegendEntry, &str)]) -> f64 {
     let [mut x, mut y] = at;
     for (key, name) in keys {
         let width = text_width(name, SMALL, false);

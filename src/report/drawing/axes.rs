@@ -2,21 +2,21 @@
 
 use super::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 use super::paint::text_width;
-use super::style::{BAND, Colour, Dash, GRID, HAIR, INK, LINE, Look, MARKER, SMALL, TEXT};
+use crate::report::style::{BAND, Colour, Dash, GRID, HAIR, INK, LINE, Look, MARKER, SMALL, TEXT};
 
 /// One direction of a panel.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Axis {
-    pub(super) label: String,
-    pub(super) low: f64,
-    pub(super) high: f64,
+pub(crate) struct Axis {
+    pub(crate) label: String,
+    pub(crate) low: f64,
+    pub(crate) high: f64,
     /// Value and label of each tick.
-    pub(super) ticks: Vec<(f64, String)>,
+    pub(crate) ticks: Vec<(f64, String)>,
 }
 
 impl Axis {
     /// An axis that covers `values` (and what is not finite not at all), its ends on ticks, with about `wanted` of them.
-    pub(super) fn covering(label: &str, values: impl Iterator<Item = f64>, wanted: usize) -> Axis {
+    pub(crate) fn covering(label: &str, values: impl Iterator<Item = f64>, wanted: usize) -> Axis {
         let (low, high) = range(values);
         let step = nice_step(low, high, wanted);
         let low = (low / step + 1e-9).floor() * step;
@@ -25,7 +25,7 @@ impl Axis {
     }
 
     /// An axis from `low` to `high` exactly, with about `wanted` ticks.
-    pub(super) fn exact(label: &str, low: f64, high: f64, wanted: usize) -> Axis {
+    pub(crate) fn exact(label: &str, low: f64, high: f64, wanted: usize) -> Axis {
         Axis::between(label, low, high, nice_step(low, high, wanted))
     }
 
@@ -44,13 +44,13 @@ impl Axis {
     }
 
     /// An axis of named places 0, 1, 2, …
-    pub(super) fn categories(label: &str, names: &[String]) -> Axis {
+    pub(crate) fn categories(label: &str, names: &[String]) -> Axis {
         let ticks = names.iter().enumerate().map(|(place, name)| (place as f64, name.clone())).collect();
         Axis { label: label.to_owned(), low: -0.4, high: names.len() as f64 - 0.6, ticks }
     }
 
     /// An axis of logarithms to base ten that covers `values` (positive), its ends on powers of ten.
-    pub(super) fn decades(label: &str, values: impl Iterator<Item = f64>) -> Axis {
+    pub(crate) fn decades(label: &str, values: impl Iterator<Item = f64>) -> Axis {
         let (low, high) = range(values.map(f64::log10));
         let (low, high) = (low.floor(), high.ceil().max(low.floor() + 1.0));
         // No more labels than have room.
@@ -60,7 +60,7 @@ impl Axis {
     }
 
     /// The same without tick labels and label: for a panel whose neighbour shows them.
-    pub(super) fn bare(&self) -> Axis {
+    pub(crate) fn bare(&self) -> Axis {
         let ticks = self.ticks.iter().map(|(value, _)| (*value, String::new())).collect();
         Axis { label: String::new(), ticks, ..self.clone() }
     }
@@ -85,14 +85,14 @@ fn power_of_ten(power: i64) -> String {
 }
 
 /// A number with a typographer's minus, and none before zero.
-pub(super) fn signed(value: f64, digits: usize) -> String {
+pub(crate) fn signed(value: f64, digits: usize) -> String {
     let text = format!("{value:.digits$}");
     let zero = text.chars().all(|letter| matches!(letter, '-' | '0' | '.'));
     if zero { text.replace('-', "") } else { text.replace('-', "−") }
 }
 
 /// Smallest and largest of the finite values, widened where they are one.
-pub(super) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+pub(crate) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let finite = values.filter(|value| value.is_finite());
     let (low, high) =
         finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
@@ -112,25 +112,25 @@ fn nice_step(low: f64, high: f64, wanted: usize) -> f64 {
 
 /// A frame with two axes.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Panel {
+pub(crate) struct Panel {
     /// Upper left corner of the frame.
-    pub(super) corner: CanvasPoint,
+    pub(crate) corner: CanvasPoint,
     /// Width and height of the frame.
-    pub(super) size: [f64; 2],
-    pub(super) x: Axis,
-    pub(super) y: Axis,
-    pub(super) title: String,
+    pub(crate) size: [f64; 2],
+    pub(crate) x: Axis,
+    pub(crate) y: Axis,
+    pub(crate) title: String,
 }
 
 impl Panel {
     /// Where a point of the data stands.
-    pub(super) fn at(&self, x: f64, y: f64) -> CanvasPoint {
+    pub(crate) fn at(&self, x: f64, y: f64) -> CanvasPoint {
         let [left, top] = self.corner;
         [left + self.size[0] * self.x.share(x), top + self.size[1] * (1.0 - self.y.share(y))]
     }
 
     /// Grid, axes, ticks, labels and title; data go on top.
-    pub(super) fn draw(&self, canvas: &mut Canvas) {
+    pub(crate) fn draw(&self, canvas: &mut Canvas) {
         let [left, top] = self.corner;
         let [right, bottom] = [left + self.size[0], top + self.size[1]];
         for (value, label) in &self.x.ticks {
@@ -157,13 +157,13 @@ impl Panel {
     }
 
     /// A line through data points.
-    pub(super) fn line(&self, canvas: &mut Canvas, points: &[[f64; 2]], colour: Colour, dash: Dash, width: f64) {
+    pub(crate) fn line(&self, canvas: &mut Canvas, points: &[[f64; 2]], colour: Colour, dash: Dash, width: f64) {
         let places: Vec<CanvasPoint> = points.iter().map(|point| self.at(point[0], point[1])).collect();
         canvas.line(&places, width, colour, dash);
     }
 
     /// A band of one standard deviation around means (x, mean, standard deviation); drawn before all lines.
-    pub(super) fn band(&self, canvas: &mut Canvas, points: &[[f64; 3]], look: Look) {
+    pub(crate) fn band(&self, canvas: &mut Canvas, points: &[[f64; 3]], look: Look) {
         let banded: Vec<&[f64; 3]> = points.iter().filter(|point| point[2].is_finite()).collect();
         let upper = banded.iter().map(|[x, mean, sd]| self.at(*x, (mean + sd).min(self.y.high)));
         let lower = banded.iter().rev().map(|[x, mean, sd]| self.at(*x, (mean - sd).max(self.y.low)));
@@ -171,7 +171,7 @@ impl Panel {
     }
 
     /// A line through means (x, mean, standard deviation) with markers on them.
-    pub(super) fn series(&self, canvas: &mut Canvas, points: &[[f64; 3]], look: Look) {
+    pub(crate) fn series(&self, canvas: &mut Canvas, points: &[[f64; 3]], look: Look) {
         let line: Vec<[f64; 2]> = points.iter().map(|[x, mean, _]| [*x, *mean]).collect();
         self.line(canvas, &line, look.colour, look.dash, LINE);
         for [x, mean] in line {
@@ -180,7 +180,7 @@ impl Panel {
     }
 
     /// An upright bar between two values, with caps.
-    pub(super) fn interval(&self, canvas: &mut Canvas, x: f64, [low, high]: [f64; 2], colour: Colour) {
+    pub(crate) fn interval(&self, canvas: &mut Canvas, x: f64, [low, high]: [f64; 2], colour: Colour) {
         let [bottom, top] = [self.at(x, low), self.at(x, high)];
         canvas.line(&[bottom, top], 1.1, colour, &[]);
         for end in [bottom, top] {
