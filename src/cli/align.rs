@@ -13,32 +13,31 @@ use spinebench::specs::{PlantSpec, to_yaml};
 use spinebench::tasks::{SimulationOptions, plan_static_poses, record_static_poses, simulate_recording, star_m};
 use std::path::PathBuf;
 
-/// Steps for which the robot comes to rest in each pose.
+/// Steps during which the robot comes to rest in each pose.
 const REST_STEPS: usize = 8;
-/// Largest root mean square of the distances that remain, over that of the points from their centre: more is not a frame
-/// that is turned or shifted, but points that do not belong together.
+/// Largest residual rms over the rms distance of the points from their centre: above it the points do not correspond to
+/// each other.
 const MISFIT: f64 = 0.35;
 
-/// Finds where the robot's base frame is in the tracker's base body, from where the tip is measured and where the model
-/// puts it.
+/// Find the pose of the robot's base frame in the tracker's base body, from measured tips and the model's predictions.
 ///
-/// Prints the setting `tracking.alignment`, to paste into the plant file, or writes the plant with it. What the model gets
-/// wrong is in the answer: take a calibrated one, and poses all round.
+/// Prints the setting `tracking.alignment` for the plant file, or writes a plant file with it. Errors of the model
+/// enter the result: use a calibrated model and poses in all directions.
 #[derive(Args)]
 pub(super) struct AlignCommand {
-    /// Plant file of a robot on a bench.
+    /// Plant file with `hardware:`.
     #[arg(long, value_name = "PLANT.yaml")]
     plant: PathBuf,
-    /// Recording of this robot, measured with the alignment that the plant file has now.
+    /// Recording of this robot, measured with the present alignment of the plant file.
     #[arg(long, value_name = "REC.csv", required_unless_present = "moving", conflicts_with = "moving")]
     measured: Option<PathBuf>,
-    /// Every row of the recording is a pose at rest, as `weigh` writes them.
+    /// Treat every row of the recording as a pose at rest, as `weigh` writes them.
     #[arg(long = "static", conflicts_with = "moving")]
     at_rest: bool,
-    /// Instead of a recording: homes the robot and bends it in eight directions.
+    /// Measure now instead of reading a recording: home the robot and bend it in eight directions.
     #[arg(long = "move")]
     moving: bool,
-    /// How far tendons are pulled with --move, metres.
+    /// Tendon displacement with --move, metres.
     #[arg(long, value_name = "M", default_value_t = 0.012)]
     reach_m: f64,
     /// Plant file to write, complete and with the alignment.
@@ -70,7 +69,7 @@ impl AlignCommand {
         Ok(())
     }
 
-    /// Poses at rest, measured now.
+    /// Records poses at rest.
     fn record_poses(&self, options: &HardwareOptions) -> Result<Recording, CommandError> {
         let travel_m = options.safety.travel_m;
         if !(self.reach_m > 0.0 && self.reach_m <= travel_m) {
@@ -79,7 +78,7 @@ impl AlignCommand {
                 "--reach-m: found {found}, expected more than 0 and at most {travel_m}"
             )));
         }
-        // Where the tip is seen is what is to be found out: it cannot hold the robot.
+        // The tip's measured position is what is to be calibrated: it must not hold the robot.
         let mut unaligned = options.clone();
         unaligned.safety.tip_from_model_m = f64::MAX;
         let visiting = visiting(options, REST_STEPS);
@@ -89,7 +88,7 @@ impl AlignCommand {
     }
 }
 
-/// The alignment that brings the measured tips to where the model puts them; in words why there is none.
+/// The alignment that brings the measured tips to the predicted ones, or why there is none.
 fn aligned(options: &HardwareOptions, measured: &Recording, at_rest: bool) -> Result<Alignment, String> {
     let played =
         simulate_recording(&options.model, measured, &SimulationOptions { at_rest, ..SimulationOptions::default() });
@@ -104,8 +103,8 @@ fn aligned(options: &HardwareOptions, measured: &Recording, at_rest: bool) -> Re
     if found.residual_m > MISFIT * found.spread_m {
         let (left_mm, spread_mm) = (found.residual_m * 1e3, found.spread_m * 1e3);
         return Err(format!(
-            "the measured tips fit no turned or shifted frame: {left_mm:.1} mm remain of {spread_mm:.1} mm; check tip_body, \
-             base_body, up_axis, which tendon is which, and the model"
+            "no rotation and shift fits the measured tips: residual {left_mm:.1} mm rms of {spread_mm:.1} mm; check \
+             tip_body, base_body, up_axis, the order of the tendons, and the model"
         ));
     }
     Ok(found)
@@ -126,7 +125,7 @@ fn print_alignment(found: &Alignment) -> CommandResult {
         to_yaml(&PlantFragment { tracking: TrackingSection { alignment: pose } }).map_err(CommandError::failed)?
     );
     println!(
-        "# {:.2} mm rms remain, {:.2} mm at most; the turn is known to {:.2} degrees (95 %), if the model is right",
+        "# residual {:.2} mm rms, {:.2} mm at most; rotation ± {:.2} degrees (95 %), if the model is correct",
         residual_m * 1e3,
         worst_m * 1e3,
         turn_rad.to_degrees()

@@ -6,10 +6,10 @@ use clap::Args;
 use spinebench::hardware::safety::Latch;
 use std::path::PathBuf;
 
-/// Lets a robot move again that has been stopped, once somebody has looked at it.
+/// Arm a robot that was stopped, after a person has inspected it.
 #[derive(Args)]
 pub(super) struct ArmCommand {
-    /// Plant file of a robot on a bench.
+    /// Plant file with `hardware:`.
     #[arg(long, value_name = "PLANT.yaml")]
     plant: PathBuf,
 }
@@ -20,8 +20,8 @@ impl ArmCommand {
         let latch = Latch::new(&Latch::folder(), &options.name);
         match latch.release().map_err(CommandError::failed)? {
             Some(reason) => {
-                println!("armed: `{}` had been stopped {reason}", options.name);
-                println!("steps may have been lost: it is homed before it moves again");
+                println!("armed: `{}` was stopped {reason}", options.name);
+                println!("steps may have been lost: the robot is homed before it moves again");
             }
             None => println!("`{}` was not stopped", options.name),
         }

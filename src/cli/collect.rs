@@ -11,25 +11,25 @@ use spinebench::specs::{PlantSpec, SimulatedSpec, read_plant};
 use spinebench::tasks::{SimulationOptions, record_trial, simulate_recording, step_s};
 use std::path::{Path, PathBuf};
 
-/// Plays commands on a plant and records what its tracker measures.
+/// Play commands on a plant and record what its tracker measures.
 #[derive(Args)]
 pub(super) struct CollectCommand {
     /// Plant file, such as `simulated: {model: real.yaml, noise_m: 0.0005}`.
     #[arg(long, value_name = "PLANT.yaml")]
     plant: PathBuf,
-    /// Commands: a recording, whose tip columns may be missing; CSV or Parquet.
+    /// Commands: a recording, whose tip columns may be missing (CSV or Parquet).
     #[arg(long, value_name = "IN.csv")]
     commands: PathBuf,
-    /// Recording to write; CSV or Parquet.
+    /// Recording to write (CSV or Parquet).
     #[arg(long, value_name = "REC.csv", required_unless_present = "dry_run")]
     out: Option<PathBuf>,
     /// Seed of the measurement noise.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Every row is measured once the robot has come to rest under its command.
+    /// Measure every row after the robot has come to rest under its command.
     #[arg(long = "static")]
     at_rest: bool,
-    /// Checks the commands against the limits of a robot on a bench and says what they would do; opens and moves nothing.
+    /// Check the commands against the limits of a `hardware` plant and print a summary; open and move nothing.
     #[arg(long)]
     dry_run: bool,
 }
@@ -45,7 +45,7 @@ impl CollectCommand {
         }
     }
 
-    /// A simulated robot is solved as finely as `simulate` does, in steps as uneven as the commands'.
+    /// A simulated robot is solved as accurately as in `simulate`, at the times of the commands.
     fn simulate(&self, plant: &SimulatedSpec, commands: &Recording) -> CommandResult {
         let out = self.out()?;
         let options = SimulationOptions {
@@ -56,7 +56,7 @@ impl CollectCommand {
         };
         let mut recorded = simulate_recording(&plant.model, commands, &options);
         let failed = failures(&recorded);
-        // A tracker sees the tip; what only the simulation knows stays out of a measurement.
+        // A tracker measures the tip only; what only the simulation knows is left out.
         recorded.extra.clone_from(&commands.extra);
         recorded.tip_quaternion = None;
         recorded.write(out).map_err(CommandError::bad_input)?;
@@ -102,7 +102,7 @@ impl CollectCommand {
         session.record_missing(&mut robot, Seed(self.seed), &record_trial)
     }
 
-    /// What the commands would do; commands that the robot would refuse are refused before anything is opened.
+    /// Summary of the commands; a command that the robot would refuse is an error before anything is opened.
     fn check_limits(
         &self,
         options: &HardwareOptions,
@@ -117,24 +117,24 @@ impl CollectCommand {
     fn out(&self) -> Result<&Path, CommandError> {
         self.out
             .as_deref()
-            .ok_or_else(|| CommandError::BadInput("--out: found nothing, expected a recording to write".into()))
+            .ok_or_else(|| CommandError::BadInput("--out: found nothing, expected the recording to write".into()))
     }
 }
 
-/// Prints what commands would do on a robot.
+/// Prints the summary of a dry run.
 fn print_summary(summary: &DryRun, options: &HardwareOptions, commands: &Recording, step_s: f64) {
     let DryRun { trials, commands: count, ticks, largest_step_m, largest_row, reach_m: [low_m, high_m] } = summary;
     let duration_s = *ticks as f64 * step_s + *trials as f64 * options.settle_s;
     println!("trials: {trials}, commands: {count}, ticks of {step_s} s: {ticks}");
-    println!("duration: {:.1} minutes, homing and the ways home left out", duration_s / 60.0);
+    println!("duration: {:.1} minutes, without homing and returning home", duration_s / 60.0);
     println!(
-        "largest step: {:.3} mm (line {}), one tick does at most {:.3} mm",
+        "largest step: {:.3} mm (line {}), at most {:.3} mm per tick",
         largest_step_m * 1e3,
         largest_row + 2,
         options.safety.step_m(step_s) * 1e3
     );
     println!(
-        "displacements: {:.3} to {:.3} mm, allowed {:.3} either way",
+        "displacements: {:.3} to {:.3} mm, permitted ±{:.3} mm",
         low_m * 1e3,
         high_m * 1e3,
         options.safety.travel_m * 1e3
@@ -145,7 +145,7 @@ fn print_summary(summary: &DryRun, options: &HardwareOptions, commands: &Recordi
             .iter()
             .map(|(trial, rows)| format!("trial {trial}: {:.1} g", loads[rows.start] * 1e3))
             .collect();
-        println!("to be hung on the tip: {}", hung.join(", "));
+        println!("weights on the tip: {}", hung.join(", "));
     }
-    println!("nothing was opened and nothing moves; all commands are within the limits");
+    println!("all commands are within the limits; nothing was opened or moved");
 }

@@ -9,24 +9,24 @@ use std::path::PathBuf;
 
 /// Control step of the check, s.
 const STEP_S: f64 = 0.2;
-/// How long the tracker is watched, s.
+/// Observation time of the tracker, s.
 const WATCH_S: f64 = 2.0;
-/// How far each tendon is pulled to see which way the tip goes, metres, in steps of a third of it.
+/// Test displacement of each tendon, metres, in steps of a third of it.
 const PULL_M: f64 = 0.006;
-/// A tip that moves less is not seen to move, metres.
+/// Smallest motion of the tip that counts as motion, metres.
 const SEEN_M: f64 = 0.002;
 
-/// Cosine between the way that the tip goes and the model's: a robot that sags differs by tens of degrees, swapped tendons
-/// by ninety and more.
+/// Smallest cosine between the measured and the predicted direction of the tip: sag changes it by tens of degrees,
+/// swapped tendons by ninety and more.
 const ALONG: f64 = 0.5;
 
-/// Checks the bench of a plant: ports, versions, settings, rates, frames. Moves nothing unless told to.
+/// Check a robot's hardware: ports, versions, settings, rates, frames. Moves nothing without --move.
 #[derive(Args)]
 pub(super) struct DoctorCommand {
-    /// Plant file of a robot on a bench.
+    /// Plant file with `hardware:`.
     #[arg(long, value_name = "PLANT.yaml")]
     plant: PathBuf,
-    /// Homes the axes and pulls each tendon by 6 mm, to see whether the tip goes where the model says.
+    /// Home the axes and pull each tendon by 6 mm, to check that the tip moves as the model predicts.
     #[arg(long = "move")]
     moving: bool,
 }
@@ -40,13 +40,13 @@ impl DoctorCommand {
         if self.moving {
             wrong += test_tendons(&mut plant)?;
         } else {
-            println!("       nothing was moved; --move homes the axes and pulls each tendon by 6 mm");
+            println!("       nothing was moved; use --move to home the axes and pull each tendon by 6 mm");
         }
-        if wrong > 0 { Err(CommandError::Failed(format!("{wrong} things are not as they should be"))) } else { Ok(()) }
+        if wrong > 0 { Err(CommandError::Failed(format!("{wrong} checks failed"))) } else { Ok(()) }
     }
 }
 
-/// One line of the report; how many things it says are wrong.
+/// Prints one check; returns the number of failed ones.
 fn print_check(good: bool, what: &str) -> usize {
     println!("{}  {what}", if good { "ok   " } else { "WRONG" });
     usize::from(!good)
@@ -57,24 +57,30 @@ fn report(diagnostics: &Diagnostics, options: &HardwareOptions) -> usize {
     let Diagnostics { controller, homed, position_mm, server, tracking, tip, home_m, real_time } = diagnostics;
     let mut wrong = print_check(true, &format!("controller: {controller}"));
     let position = position_mm.map(|mm| format!("{mm:.3}")).join(", ");
-    wrong += print_check(true, &format!("axes: {}, at {position} mm", if *homed { "homed" } else { "not homed yet" }));
+    wrong +=
+        print_check(true, &format!("axes: {}, position {position} mm", if *homed { "homed" } else { "not homed" }));
     wrong += print_check(true, &format!("tracker: {server}"));
     let rate = tracking.rate_hz.unwrap_or(0.0);
     wrong += print_check((rate - rate_hz).abs() < 0.05 * rate_hz, &format!("frames: {rate:.1} Hz, expected {rate_hz}"));
     let lost = tracking.lost as f64 / (tracking.lost + tracking.received).max(1) as f64;
     wrong += print_check(lost < 0.05, &format!("frames lost: {:.1} %, expected below 5", 100.0 * lost));
     let jitter_ms = tracking.latency_jitter_s * 1e3;
-    wrong += print_check(jitter_ms < 20.0, &format!("frames late by up to {jitter_ms:.1} ms, expected below 20"));
-    wrong += print_check(tracking.foreign == 0, &format!("frames of other servers: {}", tracking.foreign));
-    wrong += print_check(tracking.malformed == 0, &format!("frames that cannot be read: {}", tracking.malformed));
+    wrong += print_check(jitter_ms < 20.0, &format!("frame jitter: {jitter_ms:.1} ms, expected below 20"));
+    wrong +=
+        print_check(tracking.foreign == 0, &format!("frames from other servers: {}, expected 0", tracking.foreign));
+    wrong += print_check(tracking.malformed == 0, &format!("unreadable frames: {}, expected 0", tracking.malformed));
     match tip {
-        None => wrong += print_check(false, "tip: not seen; expected both bodies in view"),
+        None => wrong += print_check(false, "tip: not tracked, expected both bodies in view"),
         Some(tip_m) => {
             let off_m = distance_m(tip_m, home_m);
             let place = tip_m.map(|x| format!("{:.1}", x * 1e3)).join(", ");
             wrong += print_check(
                 off_m <= near_m,
-                &format!("tip: ({place}) mm, {:.1} mm from the model's home, allowed {:.1}", off_m * 1e3, near_m * 1e3),
+                &format!(
+                    "tip: ({place}) mm, {:.1} mm from the model's home, expected at most {:.1}",
+                    off_m * 1e3,
+                    near_m * 1e3
+                ),
             );
         }
     }
@@ -86,7 +92,7 @@ fn report(diagnostics: &Diagnostics, options: &HardwareOptions) -> usize {
     wrong
 }
 
-/// Homes the robot and pulls each tendon; how many do not do what the model says.
+/// Homes the robot and pulls each tendon; returns the number of those that do not move as the model predicts.
 fn test_tendons(plant: &mut Hardware) -> Result<usize, CommandError> {
     let failed = |error: spinebench::base::PlantError| CommandError::Failed(error.to_string());
     let mut wrong = 0;
@@ -107,7 +113,7 @@ fn test_tendons(plant: &mut Hardware) -> Result<usize, CommandError> {
             moved.iter().zip(&wanted).map(|(a, b)| a * b).sum::<f64>() / (length(&moved) * length(&wanted));
         let good = length(&moved) > SEEN_M && along > ALONG;
         let words = format!(
-            "tendon {}: pulled {:.0} mm, the tip moves {:.1} mm, the model says {:.1} mm, {:.0} degrees apart",
+            "tendon {}: pulled {:.0} mm, tip moved {:.1} mm, predicted {:.1} mm, {:.0} degrees apart",
             tendon + 1,
             PULL_M * 1e3,
             length(&moved) * 1e3,
@@ -119,7 +125,7 @@ fn test_tendons(plant: &mut Hardware) -> Result<usize, CommandError> {
     }
     let timing = plant.timing();
     let (latency_ms, jitter_ms) = (1e3 * timing.latency.quantile_s(0.99), 1e3 * timing.jitter.quantile_s(0.99));
-    wrong += print_check(latency_ms <= 2.0, &format!("command to wire: 99 % within {latency_ms:.2} ms, expected 2"));
-    wrong += print_check(jitter_ms <= 5.0, &format!("ticks late: 99 % by less than {jitter_ms:.2} ms, expected 5"));
+    wrong += print_check(latency_ms <= 2.0, &format!("command latency: 99 % within {latency_ms:.2} ms, expected 2"));
+    wrong += print_check(jitter_ms <= 5.0, &format!("tick jitter: 99 % within {jitter_ms:.2} ms, expected 5"));
     Ok(wrong)
 }

@@ -1,4 +1,4 @@
-//! What commands at the bench share: the robot, and a recording under way, trial by trial, resumable.
+//! What the commands for robots share: the plant, and a resumable recording, trial by trial.
 
 use super::{CommandError, CommandResult};
 use spinebench::base::{Plant, PlantError, Seed};
@@ -8,7 +8,7 @@ use spinebench::specs::{PlantSpec, read_plant};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// The robot on a bench that a plant file describes.
+/// The `hardware` plant of a plant file.
 pub(super) fn read_hardware_plant(file: &Path) -> Result<Box<HardwareOptions>, CommandError> {
     match read_plant(file).map_err(CommandError::bad_input)? {
         PlantSpec::Hardware(options) => Ok(options),
@@ -19,11 +19,11 @@ pub(super) fn read_hardware_plant(file: &Path) -> Result<Box<HardwareOptions>, C
     }
 }
 
-/// What is recorded.
+/// The plant that is recorded.
 pub(super) enum RecordedPlant {
-    /// A robot on a bench, on which hands may hang something, or a rehearsal of one.
+    /// A real robot, on which an operator can hang weights, or a rehearsal of one.
     Hardware(Box<Hardware>),
-    /// Anything else.
+    /// Any other plant.
     Other(Box<dyn Plant>),
 }
 
@@ -51,13 +51,13 @@ impl RecordedPlant {
         }
     }
 
-    /// Has a weight hung on the tip, in place of whatever hangs there. An imitated robot takes it by itself.
+    /// Hangs a weight on the tip, in place of whatever hangs there. A simulated robot takes it by itself.
     fn hang_weight(&mut self, trial: u64, load_kg: f64, assume_done: bool) -> CommandResult {
         let grams = load_kg * 1e3;
         let what = if load_kg > 0.0 {
             format!("trial {trial}: hang {grams:.1} g on the tip")
         } else {
-            format!("trial {trial}: take everything off the tip")
+            format!("trial {trial}: remove everything from the tip")
         };
         match self {
             RecordedPlant::Other(_) => operator::ask_operator(&what),
@@ -71,23 +71,23 @@ impl RecordedPlant {
     }
 }
 
-/// How a trial is recorded: on which plant, of which commands, which rows of them, with which seed.
+/// Records a trial: plant, commands, their rows, seed.
 pub(super) type RecordTrial<'a> =
     &'a dyn Fn(&mut dyn Plant, &Recording, Range<usize>, Seed) -> Result<Recording, PlantError>;
 
-/// A recording under way. What has been recorded stands beside the recording until it is whole, so that a session that
-/// ends early goes on where it ended.
+/// A recording in progress. Finished trials are stored in a `.part` file, so that an interrupted recording can be
+/// resumed.
 pub(super) struct RecordingSession<'a> {
     out: &'a Path,
     part: PathBuf,
     commands: &'a Recording,
     done: Option<Recording>,
-    /// Nobody is asked whether a weight hangs.
+    /// Do not ask the operator for weights.
     pub(super) assume_done: bool,
 }
 
 impl<'a> RecordingSession<'a> {
-    /// What an earlier session has left of the recording `out` of these `commands`.
+    /// Opens the recording `out` of these `commands`, with the trials that an earlier run has left.
     pub(super) fn open(out: &'a Path, commands: &'a Recording) -> Result<RecordingSession<'a>, CommandError> {
         let extension = out.extension().map_or("csv".into(), |extension| extension.to_string_lossy().into_owned());
         let part = out.with_extension(format!("part.{extension}"));
@@ -99,11 +99,12 @@ impl<'a> RecordingSession<'a> {
         if !session.begins_with(&earlier) {
             let part = session.part.display();
             return Err(CommandError::BadInput(format!(
-                "{part}: found a recording of other commands, expected the first trials of these; remove it to begin anew"
+                "{part}: found a recording of other commands, expected the first trials of these; remove it to \
+                 start over"
             )));
         }
         let (done, all) = (earlier.trials().len(), commands.trials().len());
-        eprintln!("note: {}: goes on after {done} of {all} trials", session.part.display());
+        eprintln!("note: {}: resuming after {done} of {all} trials", session.part.display());
         session.done = Some(earlier);
         Ok(session)
     }
@@ -119,7 +120,7 @@ impl<'a> RecordingSession<'a> {
             })
     }
 
-    /// RecordTrial what is missing and writes the whole.
+    /// Records the missing trials and writes the whole recording.
     pub(super) fn record_missing(
         mut self,
         robot: &mut RecordedPlant,
@@ -127,7 +128,7 @@ impl<'a> RecordingSession<'a> {
         record: RecordTrial,
     ) -> CommandResult {
         let (trials, recorded) = (self.commands.trials(), self.done.as_ref().map_or(0, Recording::len));
-        // After an interruption nobody knows what hangs there.
+        // After an interruption it is unknown which weight is attached.
         let mut hung_kg = if recorded == 0 { Some(0.0) } else { None };
         for (number, rows) in trials.iter().filter(|(_, rows)| rows.start >= recorded) {
             if let Some(load_kg) = self.commands.known_load_kg.as_ref().map(|load| load[rows.start])
@@ -140,7 +141,7 @@ impl<'a> RecordingSession<'a> {
                 Ok(trial) => self.append_trial(trial)?,
                 Err(error) => {
                     let (done, all) = (self.trials(), trials.len());
-                    let words = "the same command goes on from there";
+                    let words = "run the same command to resume";
                     return Err(CommandError::Failed(format!(
                         "trial {number}: {error}; {done} of {all} trials are kept, {words}"
                     )));

@@ -13,32 +13,31 @@ use std::path::PathBuf;
 /// Control step of the session, s.
 pub(super) const STEP_S: f64 = 0.2;
 
-/// Guides through a calibration with weights: asks for each to be hung on the tip, brings the robot to poses and records
-/// it at rest in each of them.
+/// Record the robot at rest in poses, under one weight after the other, for `spinebench calibrate --static`.
 ///
-/// The recording is one for `spinebench calibrate --static`. A session that ends early goes on with the same command.
-/// In a rehearsal the imitated robot is given the weights and nobody is asked.
+/// Asks the operator to hang each weight on the tip. An interrupted recording is resumed by the same command. In a
+/// rehearsal the simulated robot takes the weights and nobody is asked.
 #[derive(Args)]
 pub(super) struct WeighCommand {
-    /// Plant file of a robot on a bench.
+    /// Plant file with `hardware:`.
     #[arg(long, value_name = "PLANT.yaml")]
     plant: PathBuf,
     /// Weights in the order in which they are hung on the tip, kilograms; 0 is none.
     #[arg(long, value_name = "KG,…", value_delimiter = ',', default_value = "0,0.01,0.02", value_parser = kilograms)]
     weights: Vec<f64>,
-    /// Recording to write; CSV or Parquet.
+    /// Recording to write (CSV or Parquet).
     #[arg(long, value_name = "REC.csv")]
     out: PathBuf,
-    /// Poses to bring the robot to, one a row of a file of commands [default: home, and bent in eight directions].
+    /// Commands with one pose per row [default: home, and bent in eight directions].
     #[arg(long, value_name = "POSES.csv")]
     poses: Option<PathBuf>,
-    /// How far tendons are pulled in the default poses, metres.
+    /// Tendon displacement of the default poses, metres.
     #[arg(long, value_name = "M", default_value_t = 0.012)]
     reach_m: f64,
-    /// Steps of 0.2 s for which the robot comes to rest in each pose.
+    /// Steps of 0.2 s during which the robot comes to rest in each pose.
     #[arg(long, value_name = "N", default_value_t = StaticPoseOptions::default().rest_steps)]
     rest_steps: usize,
-    /// Nobody is asked: the weights hang as soon as they are due.
+    /// Do not ask the operator: the weights are already attached when they are due.
     #[arg(long)]
     yes: bool,
 }
@@ -58,7 +57,7 @@ impl WeighCommand {
         session.assume_done = self.yes;
         let mut robot = RecordedPlant::open_hardware(&options, STEP_S, Seed(1))?;
         let (poses, minutes) = (poses_m.len(), minutes(&planned));
-        eprintln!("note: {poses} poses under each of {} weights, about {minutes:.0} minutes", self.weights.len());
+        eprintln!("note: {poses} poses with each of {} weights, about {minutes:.0} minutes", self.weights.len());
         session.record_missing(&mut robot, Seed(1), &|plant, planned, rows, seed| {
             record_static_poses(plant, planned, rows, &visiting, seed)
         })?;
@@ -90,7 +89,7 @@ impl WeighCommand {
         }
         let poses_m: Vec<Vec<f64>> = commands.commands.iter().map(<[f64]>::to_vec).collect();
         for (row, pose) in poses_m.iter().enumerate() {
-            // On the way from home the step is kept; the pose itself is what may be out of bounds.
+            // The way from home keeps to the step limit; only the pose itself may be out of range.
             options.safety.check_command(pose, &[0.0; 4], f64::INFINITY, usize::MAX).map_err(|refusal| {
                 CommandError::BadInput(format!("{}, line {}: {refusal}", file.display(), row + 2))
             })?;
@@ -99,7 +98,7 @@ impl WeighCommand {
     }
 }
 
-/// How poses are visited within the limits of a robot.
+/// Options for visiting poses within the limits of a robot.
 pub(super) fn visiting(options: &HardwareOptions, rest_steps: usize) -> StaticPoseOptions {
     StaticPoseOptions { max_step_m: options.safety.step_m(STEP_S), rest_steps, ..StaticPoseOptions::default() }
 }

@@ -1,4 +1,4 @@
-//! From tendon displacements to positions of the lead screws and back.
+//! Conversion between tendon displacements and lead-screw positions.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,13 +7,13 @@ use crate::base::BadOption;
 /// Number of lead screws.
 pub const AXES: usize = 4;
 
-/// Where the lead screws stand when the tendons are at home, and which way they pull.
+/// Lead-screw positions with the tendons at home, and the direction in which each screw pulls.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct AxesOptions {
-    /// Where each axis (X, Y, Z, A) stands with its tendon at home, millimetres from its homing switch.
+    /// Position of each axis (X, Y, Z, A) with its tendon at home, millimetres from its homing switch.
     pub home_mm: [f64; AXES],
-    /// True for an axis that comes nearer to its switch when it pulls its tendon.
+    /// True for an axis that moves towards its switch when it pulls its tendon.
     pub reversed: [bool; AXES],
 }
 
@@ -24,8 +24,8 @@ impl Default for AxesOptions {
 }
 
 impl AxesOptions {
-    /// Refuses homes from which the limits cannot be reached: every axis has to go `travel_m` either way between 0 and
-    /// `screw_m`.
+    /// Refuses home positions from which the limits cannot be reached: every axis must be able to move `travel_m`
+    /// either way within 0 and `screw_m`.
     ///
     /// # Errors
     /// [`BadOption`] for the first such axis.
@@ -36,17 +36,17 @@ impl AxesOptions {
             Some(home_mm) => Err(BadOption {
                 key: "home_mm",
                 found: home_mm.to_string(),
-                expected: "safety.travel_m either way within motion.travel_m",
+                expected: "a range of ±safety.travel_m within 0 to motion.travel_m",
             }),
         }
     }
 
-    /// Distances from the switches for displacements in metres, millimetres.
+    /// Distances from the switches in millimetres for displacements in metres.
     pub fn from_switch_mm(&self, pulls_m: &[f64; AXES]) -> [f64; AXES] {
         std::array::from_fn(|axis| self.home_mm[axis] + self.sign(axis) * pulls_m[axis] * 1e3)
     }
 
-    /// Displacements at distances from the switches in millimetres, metres.
+    /// Displacements in metres for distances from the switches in millimetres.
     pub fn pulls_m(&self, from_switch_mm: &[f64; AXES]) -> [f64; AXES] {
         std::array::from_fn(|axis| self.sign(axis) * (from_switch_mm[axis] - self.home_mm[axis]) * 1e-3)
     }

@@ -1,18 +1,19 @@
-//! Time as the drivers see it: the wall clock on a bench, a clock of its own in rehearsals.
+//! Time as the drivers see it: the wall clock with a real robot, a clock of its own in rehearsals.
 
 use std::time::{Duration, Instant};
 
-/// Seconds since some instant, and a way to wait for a later one.
+/// Seconds since an arbitrary instant, and a way to wait for a later one.
 pub trait Clock: Send + Sync {
-    /// Seconds since the clock was made; never falls.
+    /// Seconds since the clock was created; never decreases.
     fn now_s(&self) -> f64;
     /// Returns once `now_s` is at least `time_s`.
     fn sleep_until(&self, time_s: f64);
-    /// The calling thread will wait on this clock from now on: a clock that makes its own time may not go on while it runs.
+    /// Registers the calling thread as one that waits on this clock. A clock that makes its own time does not advance
+    /// while a registered thread runs.
     fn join(&self) {}
     /// The opposite of [`Clock::join`].
     fn leave(&self) {}
-    /// True when it goes on whether or not anybody is ready for it.
+    /// True for a clock that advances on its own, whether or not any thread waits on it.
     fn is_real(&self) -> bool {
         false
     }

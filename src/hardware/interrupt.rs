@@ -1,4 +1,4 @@
-//! Signals that ask the program to end: the robot is held, or what was begun is ended, before it does.
+//! Requests to end the program (signals): the robot is held, or started work is finished, before it exits.
 
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -7,17 +7,17 @@ use std::sync::{Arc, OnceLock};
 use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR2};
 use signal_hook::flag;
 
-/// Whether somebody has asked the program to end.
+/// A request to end the program.
 #[derive(Clone, Debug)]
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// One that only [`Interrupt::raise`] raises.
+    /// A request that only [`Interrupt::raise`] sets.
     pub fn new() -> Interrupt {
         Interrupt(Arc::new(AtomicBool::new(false)))
     }
 
-    /// The one of this process: the first signal raises it, the second ends the program at once.
+    /// The request of this process: the first signal sets it, the second ends the program at once.
     ///
     /// # Errors
     /// When the system refuses the handlers.
@@ -34,7 +34,7 @@ impl Interrupt {
         Ok(OWN.get_or_init(|| interrupt).clone())
     }
 
-    /// The one of a task on a cluster, which SIGUSR2 tells that its time is nearly over.
+    /// The request of a cluster task: SIGUSR2 announces that its time is nearly over.
     ///
     /// # Errors
     /// When the system refuses the handler.
@@ -44,17 +44,17 @@ impl Interrupt {
         Ok(interrupt)
     }
 
-    /// What is true once the program has been asked to end.
+    /// A flag that is true once the end has been requested.
     pub fn flag(&self) -> &AtomicBool {
         &self.0
     }
 
-    /// Asks the program to end.
+    /// Requests the end of the program.
     pub fn raise(&self) {
         self.0.store(true, Ordering::SeqCst);
     }
 
-    /// Whether it has been asked to.
+    /// Whether the end has been requested.
     pub fn raised(&self) -> bool {
         self.0.load(Ordering::SeqCst)
     }

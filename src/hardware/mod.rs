@@ -1,4 +1,10 @@
-//! The bench: motors, tracker, and what keeps the robot from being hurt (docs/hardware.md).
+//! Drivers of the real robot: motors, tracker, and the safety functions (docs/hardware.md).
+//!
+//! - [`grbl`]: the motor controller.
+//! - [`tracking`]: the motion capture system.
+//! - [`safety`]: limits of commands; the state machine that holds and stops the robot, also when tracking is lost; the
+//!   latch.
+//! - [`rig`]: all three together. Every command to the robot passes through it.
 
 pub mod axes;
 pub mod clock;

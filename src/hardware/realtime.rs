@@ -1,4 +1,4 @@
-//! Threads that go before all others of the computer for the moment in which the robot depends on them.
+//! Real-time priority of the threads that the robot depends on.
 
 use thread_priority::unix::{
     NormalThreadSchedulePolicy, RealtimeThreadSchedulePolicy, ThreadSchedulePolicy, set_thread_priority_and_policy,
@@ -6,27 +6,27 @@ use thread_priority::unix::{
 };
 use thread_priority::{ThreadPriority, ThreadPriorityValue};
 
-/// Threads that may push each other aside, the first one least.
+/// Priorities of real-time threads, lowest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Priority {
-    /// Imitations of devices, which in reality have processors of their own.
+    /// Simulated devices. Real ones have processors of their own.
     Device,
-    /// Whoever sends the commands.
+    /// The thread that sends the commands.
     Loop,
-    /// Whoever watches over the robot.
+    /// The thread that supervises the robot.
     Watch,
 }
 
-/// Until this is dropped, the calling thread goes before all others (`SCHED_FIFO`), where the system lets it: a user needs
-/// the right to real-time priorities for that, `rtprio` in `/etc/security/limits.conf`. It must not compute for long.
+/// Gives the calling thread real-time priority (`SCHED_FIFO`) until dropped, if the system permits it: the user needs
+/// `rtprio` in `/etc/security/limits.conf`. The thread must not compute for long.
 #[derive(Debug)]
 pub struct RealTime {
-    /// The nice value to go back to; none where nothing was changed.
+    /// The nice value to restore; none if nothing was changed.
     before: Option<i32>,
 }
 
 impl RealTime {
-    /// Lets the calling thread go before others. A thread that is urgent already stays what it is.
+    /// Raises the calling thread's priority. A thread that has real-time priority already keeps it.
     pub fn new(rank: Priority) -> RealTime {
         let normal = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
         if thread_schedule_policy().ok() != Some(normal) {
@@ -44,7 +44,7 @@ impl RealTime {
         RealTime { before: granted.then_some(nice) }
     }
 
-    /// Whether the system has let it.
+    /// Whether the system granted it.
     pub fn is_granted(&self) -> bool {
         self.before.is_some()
     }
@@ -53,12 +53,12 @@ impl RealTime {
 impl Drop for RealTime {
     fn drop(&mut self) {
         let Some(nice) = self.before else { return };
-        // What was granted can be given back; at worst the nice value is refused, which then stays as it was.
+        // A granted priority can be given back; at worst the nice value is refused and stays as it was.
         be_nice(nice);
     }
 }
 
-/// Makes the calling thread an ordinary one of that nice value, as far as the system lets it.
+/// Makes the calling thread an ordinary one with that nice value, if the system permits it.
 fn be_nice(nice: i32) {
     let normal = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
     let _ = priority(share_of_nice(nice))
@@ -69,15 +69,15 @@ fn priority(value: u8) -> Option<ThreadPriority> {
     ThreadPriorityValue::try_from(value).ok().map(ThreadPriority::Crossplatform)
 }
 
-/// Nice value of the calling thread; 0 where the system does not tell.
+/// Nice value of the calling thread; 0 if the system does not provide it.
 fn nice() -> i32 {
-    // The name in parentheses may contain anything; nice is the seventeenth field behind it (proc(5): 19).
+    // The name in parentheses may contain any character; nice is the seventeenth field after it (proc(5): 19).
     let text = std::fs::read_to_string("/proc/thread-self/stat").unwrap_or_default();
     let fields = text.rsplit_once(')').map_or("", |(_, fields)| fields);
     fields.split_whitespace().nth(16).and_then(|field| field.parse().ok()).unwrap_or(0)
 }
 
-/// The package counts from 0 to 99 and makes of that nice values from 19 down to -20, which it rounds down.
+/// The crate maps 0 to 99 to nice values 19 to -20 and rounds down.
 fn share_of_nice(nice: i32) -> u8 {
     let share = 1.0 - (f64::from(nice.clamp(-20, 19)) + 20.5) / 39.0;
     (99.0 * share).round() as u8
@@ -102,7 +102,7 @@ mod tests {
         .unwrap();
     }
 
-    /// Any thread may be nicer than it is.
+    /// Every thread may increase its nice value.
     #[test]
     fn every_nice_value_is_found_again() {
         std::thread::spawn(|| {

@@ -1,4 +1,4 @@
-//! A serial line as bytes that come and go.
+//! A serial line as a non-blocking stream of bytes.
 
 use std::io;
 use std::os::fd::AsRawFd;
@@ -7,22 +7,22 @@ use std::time::Duration;
 use nix::errno::Errno;
 use serialport::{SerialPort, TTYPort};
 
-/// Bytes to and from a controller. Nothing here waits.
+/// Bytes to and from a controller. No call blocks.
 pub trait SerialLine: Send {
-    /// Reads what has arrived into `buffer`; 0 when there is nothing.
+    /// Reads what has arrived into `buffer`; 0 if nothing has.
     ///
     /// # Errors
-    /// When the line is gone (unplugged).
+    /// When the line has failed (unplugged).
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize>;
 
     /// Writes all of `bytes`.
     ///
     /// # Errors
-    /// When the line is gone or takes no more.
+    /// When the line has failed or its output buffer is full.
     fn write(&mut self, bytes: &[u8]) -> io::Result<()>;
 }
 
-/// Bytes that may wait on their way out: a line that takes nothing may not hold the program up.
+/// Largest number of unsent bytes: a line that accepts nothing must not block the program.
 const MAX_WAITING: usize = 2048;
 
 /// A serial port of this computer.
@@ -34,24 +34,24 @@ impl TtyLine {
     /// Opens `path` exclusively at `baud`, eight data bits, no parity, one stop bit, no flow control.
     ///
     /// # Errors
-    /// When there is no such port or somebody else has it.
+    /// When there is no such port or another program uses it.
     pub fn open(path: &str, baud: u32) -> io::Result<TtyLine> {
         let port = serialport::new(path, baud).timeout(Duration::from_millis(1)).open_native()?;
         Ok(TtyLine { port })
     }
 
-    /// One end of a pseudo-terminal, and the name of the other, which programs open as a serial port.
+    /// One end of a pseudo-terminal, and the name of the other end, which programs open as a serial port.
     ///
     /// # Errors
     /// When the system has none left.
     pub fn served() -> io::Result<(TtyLine, String)> {
         let (one, other) = TTYPort::pair()?;
-        // Only one program may have a port open: this end's own handle of it is closed.
-        let name = other.name().ok_or_else(|| io::Error::other("a pseudo-terminal without a name"))?;
+        // Only one program may have a port open: this process closes its own handle of the other end.
+        let name = other.name().ok_or_else(|| io::Error::other("the pseudo-terminal has no name"))?;
         Ok((TtyLine { port: one }, name))
     }
 
-    /// Two ends of a pseudo-terminal: a serial line without a cable.
+    /// Both ends of a pseudo-terminal: a serial line without a cable.
     ///
     /// # Errors
     /// When the system has none left.
@@ -62,7 +62,7 @@ impl TtyLine {
 }
 
 impl SerialLine for TtyLine {
-    /// Not by the port's own reader: once the other end is closed, that gives up what has arrived before.
+    /// Avoids the port's own reader, which discards data that arrived before the other end was closed.
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let waiting = self.port.bytes_to_read()? as usize;
         if waiting == 0 {
@@ -76,11 +76,11 @@ impl SerialLine for TtyLine {
         }
     }
 
-    /// Not by the port's own writer: that asks first whether there is room, for which the kernel waits until it has passed on
-    /// all that has arrived on the line, tens of milliseconds on a busy computer.
+    /// Avoids the port's own writer: it asks the kernel for room first, which waits until all received data has been
+    /// passed on, tens of milliseconds on a busy computer.
     fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
         if self.port.bytes_to_write()? as usize + bytes.len() > MAX_WAITING {
-            return Err(io::Error::new(io::ErrorKind::TimedOut, "the line takes no more"));
+            return Err(io::Error::new(io::ErrorKind::TimedOut, "output buffer full"));
         }
         let mut rest = bytes;
         while !rest.is_empty() {

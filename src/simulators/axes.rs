@@ -1,15 +1,15 @@
-//! Four lead screws with motors: a queue of straight moves, carried out with limited acceleration.
+//! Four lead screws with motors: a queue of straight moves with limited acceleration.
 
 use std::collections::VecDeque;
 
 /// Time step of the motion, seconds.
 const STEP_S: f64 = 1e-3;
-/// A move that has less than this to go has ended, mm.
+/// Remaining distance below which a move has ended, mm.
 const END_MM: f64 = 5e-4;
-/// Deviation at corners that sets how fast they are passed, mm (`$11`).
+/// Junction deviation, which sets the speed at corners, mm (`$11`).
 const JUNCTION_MM: f64 = 0.01;
 
-/// What limits the speed of a move.
+/// Speed and acceleration limits of a move.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MotionLimits {
     /// Along the path, mm/min.
@@ -28,24 +28,24 @@ struct PlannedMove {
     left_mm: f64,
     speed_mm_s: f64,
     acceleration_mm_s2: f64,
-    /// Fastest at its start, from the corner before it.
+    /// Largest speed at its start, from the corner before it.
     corner_mm_s: f64,
-    /// Fastest at its end.
+    /// Largest speed at its end.
     exit_mm_s: f64,
 }
 
 /// Motors and screws.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SimulatedAxes {
-    /// What the controller believes, mm.
+    /// Positions that the controller counts, mm.
     pub(crate) counted_mm: [f64; 4],
-    /// Where the screws are, mm from home.
+    /// True positions of the screws, mm from home.
     pub(crate) screws_mm: [f64; 4],
     /// Axes that neither turn nor count.
     pub(crate) dead: [bool; 4],
     /// Axes that count but do not turn.
     pub(crate) slipping: [bool; 4],
-    /// Slowing down to a stand.
+    /// Decelerating to a standstill.
     pub(crate) holding: bool,
     planned_mm: [f64; 4],
     blocks: VecDeque<PlannedMove>,
@@ -54,7 +54,7 @@ pub(crate) struct SimulatedAxes {
 }
 
 impl SimulatedAxes {
-    /// Moves in the queue, the running one included.
+    /// Moves in the queue, including the running one.
     pub(crate) fn queued(&self) -> usize {
         self.blocks.len()
     }
@@ -64,17 +64,17 @@ impl SimulatedAxes {
         self.speed_mm_s * 60.0
     }
 
-    /// Where the last move ends, mm.
+    /// End of the last move, mm.
     pub(crate) fn planned_mm(&self) -> [f64; 4] {
         self.planned_mm
     }
 
-    /// Motors of screws that are here, mm from home.
+    /// Axes whose screws are at `screws_mm`, mm from home.
     pub(crate) fn at(screws_mm: [f64; 4]) -> SimulatedAxes {
         SimulatedAxes { screws_mm, ..SimulatedAxes::default() }
     }
 
-    /// Drops all moves; the axes stand at once.
+    /// Discards all moves; the axes stop at once.
     pub(crate) fn stop(&mut self) {
         self.blocks.clear();
         self.holding = false;
@@ -82,19 +82,19 @@ impl SimulatedAxes {
         self.planned_mm = self.counted_mm;
     }
 
-    /// The axes stand at once; the moves stay in the queue.
+    /// The axes stop at once; the moves stay in the queue.
     pub(crate) fn halt(&mut self) {
         self.speed_mm_s = 0.0;
         self.rest_s = 0.0;
     }
 
-    /// The axes are here from now on, as far as the controller knows.
+    /// Sets the positions that the controller counts.
     pub(crate) fn count_from(&mut self, position_mm: [f64; 4]) {
         self.counted_mm = position_mm;
         self.stop();
     }
 
-    /// Adds a move to `target_mm`; none when there is nothing to go.
+    /// Adds a move to `target_mm`; none if the distance is negligible.
     pub(crate) fn push(&mut self, target_mm: [f64; 4], limits: &MotionLimits) {
         let way: [f64; 4] = std::array::from_fn(|axis| target_mm[axis] - self.planned_mm[axis]);
         let length_mm = way.iter().map(|part| part * part).sum::<f64>().sqrt();
@@ -124,7 +124,7 @@ impl SimulatedAxes {
         self.intervention();
     }
 
-    /// Every move ends so slowly that the ones after it can still stop in time.
+    /// Limits the exit speed of every move so that the following ones can stop in time.
     fn intervention(&mut self) {
         let mut next_mm_s = 0.0;
         for block in self.blocks.iter_mut().rev() {
@@ -134,7 +134,7 @@ impl SimulatedAxes {
         }
     }
 
-    /// Moves on by `duration_s`.
+    /// Advances the motion by `duration_s`.
     pub(crate) fn advance(&mut self, duration_s: f64) {
         self.rest_s += duration_s;
         while self.rest_s >= STEP_S && !self.blocks.is_empty() {
@@ -181,7 +181,7 @@ impl SimulatedAxes {
         }
     }
 
-    /// Rounding errors do not add up from move to move.
+    /// Prevents rounding errors from accumulating over moves.
     fn settle(&mut self, target_mm: [f64; 4]) {
         for axis in 0..4 {
             if (self.counted_mm[axis] - target_mm[axis]).abs() < 1e-6 {
@@ -191,7 +191,7 @@ impl SimulatedAxes {
     }
 }
 
-/// Speed at which a corner may be passed, after the junction deviation of GRBL.
+/// Largest speed at a corner, by GRBL's junction deviation.
 fn corner_mm_s(before: &[f64; 4], after: &[f64; 4], acceleration_mm_s2: f64) -> f64 {
     let cosine = -before.iter().zip(after).map(|(one, other)| one * other).sum::<f64>();
     if cosine > 0.999_999 {

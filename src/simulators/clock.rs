@@ -1,11 +1,11 @@
-//! Time of a rehearsal: it goes on when everybody who joined waits for it, and so neither runs away from a slow computer
-//! nor waits for a fast one.
+//! Clock of a rehearsal: it advances when every registered thread waits for it, so its speed does not depend on the
+//! computer.
 
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
 use crate::hardware::clock::Clock;
 
-/// A clock that jumps to the next moment that somebody waits for once all who have joined wait.
+/// A clock that jumps to the next awaited time once all registered threads wait.
 #[derive(Debug, Default)]
 pub struct RehearsalClock {
     state: Mutex<ClockState>,
@@ -16,7 +16,7 @@ pub struct RehearsalClock {
 struct ClockState {
     now_s: f64,
     joined: usize,
-    /// What those who wait are waiting for.
+    /// Times that the waiting threads wait for.
     awaited_s: Vec<f64>,
 }
 
@@ -26,7 +26,7 @@ impl RehearsalClock {
         RehearsalClock::default()
     }
 
-    /// Whoever panics while it holds the lock has left nothing half done.
+    /// A thread that panicked while holding the lock has left no inconsistent state.
     fn moments(&self) -> MutexGuard<'_, ClockState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }

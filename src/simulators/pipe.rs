@@ -1,4 +1,4 @@
-//! Two wires that are connected to each other inside the program.
+//! Two serial lines connected to each other within the program.
 
 use std::collections::VecDeque;
 use std::io;
@@ -6,28 +6,28 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::hardware::serial::SerialLine;
 
-/// Bytes on their way in both directions, and whether both ends are still there.
+/// Bytes in transit in both directions, and whether both ends exist.
 #[derive(Debug, Default)]
 struct PipeBuffers {
     towards: [VecDeque<u8>; 2],
     cut: bool,
 }
 
-/// One end of a pipe. Dropping it unplugs the other one.
+/// One end of a pipe. Dropping it unplugs the other end.
 #[derive(Debug)]
 pub struct PipeEnd {
     line: Arc<Mutex<PipeBuffers>>,
     end: usize,
 }
 
-/// Two wires: what is written to one is read from the other.
+/// Two connected serial lines: what is written to one is read from the other.
 pub fn pipe() -> (PipeEnd, PipeEnd) {
     let line = Arc::new(Mutex::new(PipeBuffers::default()));
     (PipeEnd { line: Arc::clone(&line), end: 0 }, PipeEnd { line, end: 1 })
 }
 
 impl PipeEnd {
-    /// Whoever panics while it holds the lock has left nothing half done.
+    /// A thread that panicked while holding the lock has left no inconsistent state.
     fn line(&self) -> MutexGuard<'_, PipeBuffers> {
         self.line.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -64,5 +64,5 @@ impl Drop for PipeEnd {
 }
 
 fn unplugged() -> io::Error {
-    io::Error::new(io::ErrorKind::BrokenPipe, "the other end is gone")
+    io::Error::new(io::ErrorKind::BrokenPipe, "the other end is closed")
 }

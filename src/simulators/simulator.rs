@@ -1,4 +1,4 @@
-//! A robot between imitated motors and an imitated tracker, in a thread of its own.
+//! A simulated robot between a simulated controller and a simulated tracker, in a thread of its own.
 
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,29 +12,29 @@ use crate::hardware::axes::{AXES, AxesOptions};
 use crate::hardware::clock::Clock;
 use crate::hardware::tracking::RigidPose;
 
-/// How often the imitations are looked after, s: twice as often as a tracker sends.
+/// Time step, s: twice the rate of a tracker.
 const STEP_S: f64 = 0.005;
 
-/// What hangs between the motors and the tracker.
+/// The robot between the motors and the tracker.
 pub trait SimulatedRobot: Send {
-    /// Moves the tendons to `pulls_m` within `duration_s` (both since the last call); where the tip is then, in the base
-    /// frame.
+    /// Moves the tendons to `pulls_m` within `duration_s` (both since the last call); returns the pose of the tip in
+    /// the base frame.
     fn advance(&mut self, pulls_m: &[f64; AXES], duration_s: f64) -> RigidPose;
-    /// A weight of `load_kg` hangs on the tip from now on, and nothing else.
+    /// Replaces whatever hangs on the tip by a weight of `load_kg`.
     fn hang_weight(&mut self, _load_kg: f64) {}
 }
 
-/// Motors, robot and tracker of a rehearsal.
+/// Simulated motors, robot and tracker of a rehearsal.
 pub struct Simulator {
-    /// The imitated controller.
+    /// The simulated controller.
     pub controller: SimulatedController,
-    /// The imitated tracker.
+    /// The simulated tracker.
     pub tracker: SimulatedTracker,
-    /// Where the base stands, as the tracker sees it.
+    /// Pose of the base body in the tracker's frame.
     pub base: RigidPose,
     robot: Box<dyn SimulatedRobot>,
     axes: AxesOptions,
-    /// From the frame of the base to what the tracker sees of the tip.
+    /// Computes the pose of the tip body in the tracker's frame.
     view: TrackerView,
     now_s: f64,
     /// When a screw last moved, s.
@@ -43,15 +43,16 @@ pub struct Simulator {
     interventions: Vec<(f64, Intervention)>,
 }
 
-/// From the base's body and the tip in the base frame to the tip's body, as the tracker sees them.
+/// Pose of the tip's body in the tracker's frame, given the pose of the base's body there and the tip in the base
+/// frame.
 pub type TrackerView = Box<dyn Fn(&RigidPose, &RigidPose) -> RigidPose + Send>;
 
-/// Something that is done to a simulator.
+/// A scheduled change of a simulator, such as a fault.
 pub type Intervention = Box<dyn FnOnce(&mut Simulator) + Send>;
 
 impl Simulator {
-    /// A simulator at rest; `seen` says where the tracker sees the tip's body, given where it sees the base's and where the
-    /// tip is in the base frame.
+    /// A simulator at rest; `view` computes the pose of the tip's body in the tracker's frame, given the pose of the
+    /// base's body there and the tip in the base frame.
     pub fn new(
         controller: SimulatedController,
         tracker: SimulatedTracker,
@@ -74,17 +75,17 @@ impl Simulator {
         }
     }
 
-    /// Does `plan` at `time_s`.
+    /// Applies `intervention` at `time_s`.
     pub fn schedule(&mut self, time_s: f64, intervention: Intervention) {
         self.interventions.push((time_s, intervention));
     }
 
-    /// A weight of `load_kg` hangs on the tip from now on, and nothing else.
+    /// Replaces whatever hangs on the tip by a weight of `load_kg`.
     pub fn hang_weight(&mut self, load_kg: f64) {
         self.robot.hang_weight(load_kg);
     }
 
-    /// All that is left to chance is `seed`'s from now on.
+    /// Draws all random numbers from `seed` from now on.
     pub fn reseed(&mut self, seed: Seed) {
         self.controller.reseed(seed);
         self.tracker.reseed(seed);
@@ -95,7 +96,7 @@ impl Simulator {
         self.moved_s
     }
 
-    /// Everything goes on until `now_s`.
+    /// Simulates until `now_s`.
     pub fn step(&mut self, now_s: f64) {
         while let Some(due) = self.interventions.iter().position(|(time_s, _)| *time_s <= now_s) {
             let (_, intervention) = self.interventions.swap_remove(due);
@@ -114,7 +115,7 @@ impl Simulator {
     }
 }
 
-/// A simulator that goes on by itself until it is dropped.
+/// A simulator in a thread of its own, which ends when it is dropped.
 pub struct RunningSimulator {
     simulator: Arc<Mutex<Simulator>>,
     over: Arc<AtomicBool>,
@@ -122,7 +123,7 @@ pub struct RunningSimulator {
 }
 
 impl RunningSimulator {
-    /// Lets `simulator` go on with `clock`.
+    /// Runs `simulator` by `clock`.
     ///
     /// # Errors
     /// When the system refuses the thread.
@@ -136,7 +137,7 @@ impl RunningSimulator {
                     let now_s = clock.now_s();
                     lock(&simulator).step(now_s);
                     clock.sleep_until(now_s + STEP_S);
-                    // Alone on a clock of its own it would never wait, and keep a processor from everybody else.
+                    // Alone on its clock this thread would never wait, and would occupy a processor.
                     std::thread::yield_now();
                 }
                 clock.leave();
@@ -145,7 +146,7 @@ impl RunningSimulator {
         Ok(RunningSimulator { simulator, over, thread: Some(thread) })
     }
 
-    /// The simulator, which stands still as long as the guard lives.
+    /// The simulator, which is paused while the guard lives.
     pub fn lock(&self) -> MutexGuard<'_, Simulator> {
         lock(&self.simulator)
     }
@@ -159,7 +160,7 @@ impl Drop for RunningSimulator {
     fn drop(&mut self) {
         self.over.store(true, Ordering::SeqCst);
         if let Some(thread) = self.thread.take() {
-            // A rehearsal that failed has nothing left to end.
+            // A simulator that panicked has nothing left to end.
             let _ = thread.join();
         }
     }

@@ -1,30 +1,30 @@
-//! What somebody may wish to happen to imitated motors and an imitated tracker.
+//! Commands on standard input that inject faults into the simulators.
 
 use spinebench::hardware::grbl::AXIS_NAMES;
 use spinebench::simulators::{ControllerFault, Intervention, Simulator, TrackedBody, TrackerFault};
 
 const HELP: &str = "\
-hang KG          a weight on the tip, kilograms; 0 takes it off
-unplug           the serial cable is pulled
-power            the controller loses its power for a moment
-mute MOTORS      the controller (`motors`) or the tracker (`tracker`) says nothing
-freeze DEVICE    `motors` stand still and say what they said last; `tracker` sends one pose for ever
-slow S           the controller answers so many seconds later
-hide BODY        the cameras do not see `tip` or `base`
-jump M           the tip is seen so many metres beside where it is
-swap             the two bodies are taken for each other
-dead AXIS        an axis (X, Y, Z, A) does not turn
-press AXIS       a limit switch closes
-alarm N          the controller stops with alarm N
-tell homed       every report of the controller says whether it is homed
-set N VALUE      setting $N of the controller has another value
-repair           all of this ends, except for a pulled cable and settings
-quit             the rehearsal ends";
+hang KG          hang a weight on the tip, kilograms; 0 removes it
+unplug           unplug the serial cable
+power            interrupt the controller's power briefly
+mute DEVICE      silence the controller (`motors`) or the tracker (`tracker`)
+freeze DEVICE    `motors`: stop motion and repeat the last report; `tracker`: repeat one pose
+slow S           delay the controller's answers, seconds
+hide BODY        hide `tip` or `base` from the cameras
+jump M           displace the measured tip, metres
+swap             interchange the two bodies
+dead AXIS        block an axis (X, Y, Z, A)
+press AXIS       close a limit switch
+alarm N          stop the controller with alarm N
+tell homed       include the homing state in every report of the controller
+set N VALUE      change setting $N of the controller
+repair           clear all faults, except an unplugged cable and changed settings
+quit             end the rehearsal";
 
-/// What `text` asks for.
+/// Parses a command.
 ///
 /// # Errors
-/// In words: the list of all that there is, or what was expected.
+/// A message: the list of all commands, or what was expected.
 pub(super) fn parse(text: &str) -> Result<Intervention, String> {
     let words: Vec<&str> = text.split_whitespace().collect();
     match words[..] {

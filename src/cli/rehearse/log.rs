@@ -1,4 +1,4 @@
-//! What happens to the imitations, for a person and for a file.
+//! Log of the simulators, on standard output and in a file.
 
 use super::super::CommandError;
 use spinebench::simulators::Simulator;
@@ -6,10 +6,11 @@ use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Screws that have not moved for so long stand, s.
+/// Time without motion after which the screws stand, s.
 const STAND_S: f64 = 0.05;
 
-/// A log on standard output and, with all details, in a file: `time_s,what,x_mm,y_mm,z_mm,a_mm`, where the screws are.
+/// A log on standard output and, in full detail, in a file with the columns `time_s,what,x_mm,y_mm,z_mm,a_mm` (screw
+/// positions).
 pub(super) struct SimulatorLog {
     file: Option<(PathBuf, File)>,
     moving: bool,
@@ -27,10 +28,10 @@ impl SimulatorLog {
         Ok(SimulatorLog { file: path.map(open).transpose()?, moving: false })
     }
 
-    /// Writes down what has happened since the last call.
+    /// Records what has happened since the last call.
     pub(super) fn record_changes(&mut self, now_s: f64, simulator: &mut Simulator) -> Result<(), CommandError> {
         for heard in simulator.controller.take_received() {
-            // A person sees what holds the robot; a move a tick is for the file.
+            // Standard output shows holds and resets; the file has every move as well.
             let told = match heard.as_str() {
                 "!" => Some("held"),
                 "~" => Some("goes on"),
@@ -51,7 +52,7 @@ impl SimulatorLog {
         Ok(())
     }
 
-    /// Writes down something that somebody did.
+    /// Records a command from standard input.
     pub(super) fn record_command(&mut self, now_s: f64, what: &str, simulator: &Simulator) -> Result<(), CommandError> {
         println!("{now_s:9.3} s  {what}");
         self.write(now_s, &format!("done {what}"), simulator)
@@ -60,7 +61,7 @@ impl SimulatorLog {
     fn write(&mut self, now_s: f64, what: &str, simulator: &Simulator) -> Result<(), CommandError> {
         let Some((path, file)) = &mut self.file else { return Ok(()) };
         let [x_mm, y_mm, z_mm, a_mm] = simulator.controller.position_mm();
-        // A controller hears anything; a table has commas of its own.
+        // Received text may contain anything; commas and quotes would break the table.
         let what = what.replace([',', '"'], " ");
         writeln!(file, "{now_s:.3},{what},{x_mm:.4},{y_mm:.4},{z_mm:.4},{a_mm:.4}")
             .map_err(|error| CommandError::Failed(format!("{}: cannot be written: {error}", path.display())))

@@ -17,23 +17,22 @@ use std::io::stdin;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, channel};
 
-/// Serves imitated motors on a serial port and an imitated tracker on UDP, around a simulated robot, so that every command
-/// can be tried before there is a robot.
+/// Serve simulated motors on a serial port and a simulated tracker on UDP, around a simulated robot.
 ///
-/// Other commands use them by the plant file that this one writes. Lines on standard input break things: `help` lists
-/// them. Ends with Ctrl-C or `quit`.
+/// Other commands and programs use them through the plant file that this command writes. Lines on standard input inject
+/// faults: `help` lists them. Ends with Ctrl-C or `quit`.
 #[derive(Args)]
 pub(super) struct RehearseCommand {
-    /// Plant file of a robot on a bench with a `rehearsal`.
+    /// Plant file with `hardware:` and `rehearsal:`.
     #[arg(long, value_name = "PLANT.yaml")]
     plant: PathBuf,
     /// Plant file to write, for other commands to use.
     #[arg(long, value_name = "SERVED.yaml")]
     out: PathBuf,
-    /// File for all that the controller hears and when the screws move, as a table.
+    /// CSV file for all input of the controller and all starts and stops of the screws.
     #[arg(long, value_name = "LOG.csv")]
     log: Option<PathBuf>,
-    /// Goes before all other programs, as devices with processors of their own do; needs the right to real-time priorities.
+    /// Run with real-time priority, as real devices would (needs CAP_SYS_NICE or `rtprio`).
     #[arg(long)]
     real_time: bool,
     /// Seed of noise and losses.
@@ -47,7 +46,7 @@ impl RehearseCommand {
         if options.rehearsal.is_none() {
             let file = self.plant.display();
             return Err(CommandError::BadInput(format!(
-                "{file}: hardware: found no `rehearsal`, expected what is to be imitated"
+                "{file}: hardware: found no `rehearsal`, expected the model to simulate"
             )));
         }
         let interrupt = Interrupt::of_process().map_err(CommandError::failed)?;
@@ -55,13 +54,17 @@ impl RehearseCommand {
         let mut log = SimulatorLog::open(self.log.as_deref())?;
         let plant = served.plant();
         let text = to_yaml(&PlantSpec::Hardware(Box::new(plant.clone()))).map_err(CommandError::failed)?;
-        // Whoever waits for the file finds somebody who answers: what arrives meanwhile is kept by the system.
+        // The ports are open before the file exists: input that arrives before the first step is buffered by the
+        // system.
         write_atomic(&self.out, text.as_bytes()).map_err(CommandError::bad_input)?;
         println!(
             "motors at {}, tracker at {}:{}",
             plant.motion.port, plant.tracking.server, plant.tracking.command_port
         );
-        println!("try `spinebench doctor --plant {}`; `help` lists what can go wrong here", self.out.display());
+        println!(
+            "try `spinebench doctor --plant {}`; `help` lists the faults that can be injected",
+            self.out.display()
+        );
         let lines = lines_of_stdin();
         let _priority = self.real_time.then(|| RealTime::new(Priority::Device));
         while !interrupt.raised() {
@@ -85,7 +88,7 @@ impl RehearseCommand {
     }
 }
 
-/// What is typed, line by line; nothing more once standard input has ended.
+/// Lines from standard input; none after it has ended.
 fn lines_of_stdin() -> Receiver<String> {
     let (sender, lines) = channel();
     std::thread::spawn(move || {

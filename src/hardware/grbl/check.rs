@@ -1,4 +1,4 @@
-//! Whether a controller is set up for the robot.
+//! Checks that a controller is configured for the robot.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use super::settings::MotionSettings;
 /// The controller's settings by number.
 pub(super) type SettingsTable = BTreeMap<u16, String>;
 
-/// What a setting must be.
+/// What value a setting must have.
 enum Requirement {
     Exactly(f64),
     AtLeast(f64),
@@ -20,19 +20,19 @@ struct SettingRule {
     number: u16,
     meaning: &'static str,
     need: Requirement,
-    /// Versions without this setting are all right.
+    /// Firmware without this setting is accepted.
     optional: bool,
 }
 
-/// Refuses a controller whose settings are not those that the robot needs.
+/// Refuses a controller whose settings do not meet the robot's requirements.
 pub(super) fn check(table: &SettingsTable, settings: &MotionSettings) -> Result<(), MotionFault> {
-    // GRBL itself, and what follows it closely, has its homing passes compiled in, and `$22` only turns homing on.
+    // Plain GRBL has its homing passes compiled in; there `$22` only turns homing on.
     let plain = PASSES.iter().all(|pass| !table.contains_key(pass));
     rules(settings, plain).iter().try_for_each(|rule| rule.check(table))?;
     if plain { Ok(()) } else { all_axes_home(table) }
 }
 
-/// The settings that say which axes home in each pass.
+/// The settings that name the axes of each homing pass.
 const PASSES: [u16; 4] = [44, 45, 46, 47];
 
 fn rules(settings: &MotionSettings, plain: bool) -> Vec<SettingRule> {
@@ -40,21 +40,21 @@ fn rules(settings: &MotionSettings, plain: bool) -> Vec<SettingRule> {
     let optional = |number, meaning, need| SettingRule { number, meaning, need, optional: true };
     let homing = if plain { 1 } else { 13 };
     let mut rules = vec![
-        // Whether reports have machine positions shows in the reports.
-        optional(10, "fields of the status report: 1 machine position", Requirement::Bits(1)),
-        rule(13, "report in inches", Requirement::Exactly(0.0)),
+        // Optional: the reports themselves show whether they carry machine positions.
+        optional(10, "status report fields, 1: machine position", Requirement::Bits(1)),
+        rule(13, "reports in inches", Requirement::Exactly(0.0)),
         rule(20, "soft limits", Requirement::Exactly(1.0)),
         rule(21, "hard limits", Requirement::Bits(1)),
-        rule(22, "homing: 1 on, 4 required after the start, 8 makes the switch 0", Requirement::Bits(homing)),
-        rule(23, "axes that home downwards", Requirement::Exactly(f64::from(settings.homing_directions))),
-        optional(376, "axes that turn instead of moving in a line", Requirement::Exactly(0.0)),
+        rule(22, "homing, 1: on, 4: required after start-up, 8: switches at 0", Requirement::Bits(homing)),
+        rule(23, "axes that home in negative direction", Requirement::Exactly(f64::from(settings.homing_directions))),
+        optional(376, "rotary axes", Requirement::Exactly(0.0)),
     ];
     if settings.hold_when_idle {
-        rules.push(rule(1, "delay before the motors are switched off at rest, 255 never", Requirement::Exactly(255.0)));
+        rules.push(rule(1, "delay before idle motors are switched off, 255: never", Requirement::Exactly(255.0)));
     }
     for axis in 0..4 {
-        rules.push(rule(110 + axis, "greatest speed of an axis, mm/min", Requirement::Positive));
-        rules.push(rule(120 + axis, "greatest acceleration of an axis, mm/s²", Requirement::Positive));
+        rules.push(rule(110 + axis, "maximum speed of an axis, mm/min", Requirement::Positive));
+        rules.push(rule(120 + axis, "maximum acceleration of an axis, mm/s²", Requirement::Positive));
         rules.push(rule(130 + axis, "travel of an axis, mm", Requirement::AtLeast(settings.travel_m * 1e3)));
     }
     rules
@@ -92,13 +92,13 @@ impl Requirement {
         match self {
             Requirement::Exactly(wanted) => wanted.to_string(),
             Requirement::AtLeast(least) => format!("at least {least}"),
-            Requirement::Bits(bits) => format!("a sum that includes {bits}"),
+            Requirement::Bits(bits) => format!("a bit mask that includes {bits}"),
             Requirement::Positive => "a number above 0".to_owned(),
         }
     }
 }
 
-/// The axes that home in each pass stand in `$44` and the settings after it; together they must be all four.
+/// The axes of each homing pass are listed in `$44` and the settings after it; together they must cover all four.
 fn all_axes_home(table: &SettingsTable) -> Result<(), MotionFault> {
     let homed = PASSES.into_iter().filter_map(|pass| number(table, pass)).fold(0, |all, axes| all | axes as u32);
     if homed & 15 == 15 {
@@ -110,10 +110,10 @@ fn all_axes_home(table: &SettingsTable) -> Result<(), MotionFault> {
         .collect::<Vec<_>>()
         .join(" ");
     let expected = "1, 2, 4 and 8 (X, Y, Z and A) in one of $44 to $47".to_owned();
-    Err(MotionFault::WrongSetting { number: 44, meaning: "axes that home in each pass", found, expected })
+    Err(MotionFault::WrongSetting { number: 44, meaning: "axes of a homing pass", found, expected })
 }
 
-/// The value of a setting as a number; what some versions say about it behind it is left out.
+/// The value of a setting as a number; some firmware appends a description, which is ignored.
 pub(super) fn number(table: &SettingsTable, number: u16) -> Option<f64> {
     let value = table.get(&number)?.split_whitespace().next()?;
     value.parse().ok().filter(|value: &f64| value.is_finite())

@@ -1,4 +1,4 @@
-//! The numbers of errors and alarms in plain words.
+//! Meanings of GRBL error and alarm numbers.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use std::fmt;
 pub struct Meaning {
     /// What has happened, one sentence.
     pub what: &'static str,
-    /// What to do, one sentence.
+    /// What to do about it, one sentence.
     pub remedy: &'static str,
 }
 

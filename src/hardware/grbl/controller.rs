@@ -1,4 +1,4 @@
-//! The controller's driver: a state machine that never waits.
+//! The controller's driver: a state machine that never blocks.
 
 use std::collections::VecDeque;
 
@@ -15,12 +15,12 @@ use super::state::{ControllerState, Mode};
 use crate::hardware::clock::Clock;
 use crate::hardware::serial::SerialLine;
 
-/// Moves that the controller may have in its queue.
+/// Most moves in the controller's queue.
 const MAX_QUEUED: usize = 2;
 
-/// A GRBL controller with four axes. Nothing here waits except [`Controller::open`].
+/// Driver of a GRBL controller with four axes. No call blocks except [`Controller::open`].
 ///
-/// After a fault it takes no move before [`Controller::reset`] and homing; holding and resetting always work.
+/// After a fault it accepts no move until [`Controller::reset`] and homing; hold and reset always work.
 pub struct Controller {
     pub(super) port: Port,
     pub(super) settings: MotionSettings,
@@ -28,21 +28,21 @@ pub struct Controller {
     pub(super) state: ControllerState,
     pub(super) fault: Option<MotionFault>,
     pub(super) pending: Option<PendingLine>,
-    /// When the status query left that has not been answered.
+    /// When the unanswered status query was sent.
     pub(super) query_sent_s: Option<f64>,
     pub(super) next_query_s: f64,
     pub(super) homing: HomingPhase,
-    /// When a reset was sent whose greeting has not come.
+    /// When a reset was sent whose greeting has not arrived.
     pub(super) reset_sent_s: Option<f64>,
-    /// Until then a greeting may still be due to a reset: the controller may have reset itself just before.
+    /// Until then a greeting may still belong to a reset: the controller may have reset itself just before.
     pub(super) greeting_expected_until_s: f64,
     pub(super) held: bool,
-    /// When moves that were held were last told to go on, s; its reports may lag behind.
+    /// When held moves were last resumed, s; status reports may lag behind.
     pub(super) resumed_s: f64,
     pub(super) setup_acknowledged: bool,
-    /// What the controller says; it leaves this out of most reports.
+    /// Whether the controller reports itself as homed; most reports leave this out.
     pub(super) reported_homed: bool,
-    /// Whatever it says, something has happened since.
+    /// Homing is required regardless of what the controller reports.
     pub(super) homing_required: bool,
     pub(super) garbled_s: VecDeque<f64>,
     pub(super) commanded_path: CommandedPath,
@@ -50,11 +50,11 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// Wakes the controller and checks that it is the right one with the right settings; moves nothing. Waits on
-    /// `clock`, some seconds at most.
+    /// Wakes the controller and checks firmware and settings; moves nothing. Waits on `clock` for a few seconds at
+    /// most.
     ///
     /// # Errors
-    /// [`MotionFault`] names what was found and what is expected.
+    /// [`MotionFault`] says what was found and what was expected.
     pub fn open(
         serial: Box<dyn SerialLine>,
         settings: &MotionSettings,
@@ -85,7 +85,7 @@ impl Controller {
             commanded_path: CommandedPath::default(),
             stall_detector: StallDetector::default(),
         };
-        // Nothing moves: all blocks that there are are free, whatever the controller said that it has.
+        // At rest all blocks are free: this is the true queue length, whatever the controller reported.
         if let (Mode::Idle, Some(free)) = (status.mode, status.free_blocks) {
             controller.machine.blocks = free;
         }
@@ -93,10 +93,10 @@ impl Controller {
         controller.fault.clone().map_or(Ok(controller), Err)
     }
 
-    /// Reads what has arrived, notices what is wrong, and asks for the state ten times a second.
+    /// Reads what has arrived, checks it, and queries the status twenty times a second.
     ///
     /// # Errors
-    /// The first fault since the controller was opened or reset, at every call.
+    /// The first fault since the controller was opened or reset; returned by every call until the next reset.
     pub fn poll(&mut self, now_s: f64) -> Result<(), MotionFault> {
         self.read_replies(now_s);
         self.check_deadlines(now_s);
@@ -104,8 +104,7 @@ impl Controller {
         self.fault.clone().map_or(Ok(()), Err)
     }
 
-    /// Sends the axes to their switches, as soon as the controller takes it. What goes wrong shows in
-    /// [`Controller::poll`].
+    /// Starts homing as soon as the controller accepts it. Failures are reported by [`Controller::poll`].
     pub fn start_homing(&mut self, now_s: f64) {
         if self.fault.is_none() && self.homing == HomingPhase::No {
             self.homing = HomingPhase::Wanted;
@@ -113,41 +112,41 @@ impl Controller {
         }
     }
 
-    /// True from [`Controller::start_homing`] until the axes stand at home or a fault ends it.
+    /// True from [`Controller::start_homing`] until the axes are homed or a fault ends homing.
     pub fn is_homing(&self) -> bool {
         self.homing != HomingPhase::No
     }
 
-    /// True when positions count from the switches.
+    /// True when positions count from the homing switches.
     pub fn homed(&self) -> bool {
         self.state.homed
     }
 
-    /// Whatever the controller says, its count of steps is not believed before it has been homed again.
+    /// Discards the position: it is not trusted until the axes have been homed again, whatever the controller reports.
     pub fn require_homing(&mut self) {
         self.homing_required = true;
         self.commanded_path.forget();
         self.update_homed();
     }
 
-    /// True while the count of steps is not believed whatever the controller says.
+    /// True while the position is not trusted, whatever the controller reports.
     pub fn homing_required(&self) -> bool {
         self.homing_required
     }
 
-    /// True when nothing moves and nothing is about to, be it because everything has been done or because a hold has come to
-    /// its end: a reset now keeps the position.
+    /// True when nothing moves and no move is pending, because the queue is empty or a hold is complete. A reset now
+    /// keeps the position.
     pub fn stands(&self) -> bool {
         let done = self.state.mode == Mode::Idle && self.pending.is_none() && self.state.queued == 0;
         done || self.state.mode == Mode::Hold { complete: true }
     }
 
-    /// What is known of the controller.
+    /// What is known about the controller.
     pub fn state(&self) -> &ControllerState {
         &self.state
     }
 
-    /// Machine positions for distances from the switches and the other way round, mm.
+    /// Converts between distances from the switches and machine positions, mm. The conversion is its own inverse.
     pub fn mirrored_mm(&self, along_mm: [f64; 4]) -> [f64; 4] {
         std::array::from_fn(|axis| self.settings.axis_sign(axis) * along_mm[axis])
     }
@@ -157,17 +156,17 @@ impl Controller {
         &self.machine
     }
 
-    /// The fault that keeps the controller from moving.
+    /// The fault that blocks motion.
     pub fn fault(&self) -> Option<&MotionFault> {
         self.fault.as_ref()
     }
 
-    /// Moves all axes in a straight line to `target_mm` (machine positions of X, Y, Z and A) at `feed_mm_min` along
-    /// the path in all four.
+    /// Moves all axes in a straight line to `target_mm` (machine positions of X, Y, Z and A) at `feed_mm_min`, measured
+    /// along the path in all four axes.
     ///
     /// # Errors
-    /// [`MotionFault::Busy`] or [`MotionFault::Refused`], after which it goes on as before; any other is a fault that
-    /// has been found before. Nothing was sent.
+    /// [`MotionFault::Busy`] or [`MotionFault::Refused`] leave the driver usable; any other fault was found before.
+    /// Nothing was sent.
     pub fn move_to(&mut self, target_mm: [f64; 4], feed_mm_min: f64, now_s: f64) -> Result<(), MotionFault> {
         if let Some(fault) = &self.fault {
             return Err(fault.clone());
@@ -190,17 +189,17 @@ impl Controller {
         self.fault.clone().map_or(Ok(()), Err)
     }
 
-    /// Slows all axes down to a stand, which keeps the position. The rest of the moves waits.
+    /// Decelerates all axes to a standstill, which keeps the position. Queued moves wait.
     pub fn hold(&mut self, _now_s: f64) {
         self.held = true;
         if matches!(self.state.mode, Mode::Hold { .. }) {
-            // It may have begun to move since it said so.
+            // The axes may have moved again since the last report.
             self.state.mode = Mode::Hold { complete: false };
         }
         self.send_byte(HOLD);
     }
 
-    /// Goes on with the moves that were held, unless there is a fault.
+    /// Resumes held moves, unless there is a fault.
     pub fn resume(&mut self, now_s: f64) {
         if self.fault.is_none() {
             self.held = false;
@@ -210,8 +209,8 @@ impl Controller {
         }
     }
 
-    /// Stops the controller and drops its moves. Standing axes keep their position; moving ones have to be homed again,
-    /// and so do all after a fault.
+    /// Resets the controller and discards its moves. Axes at rest keep their position. Moving axes must be homed again,
+    /// and so must all axes after a fault.
     pub fn reset(&mut self, now_s: f64) {
         if !self.stands() || self.fault.is_some() || self.is_homing() {
             self.homing_required = true;
@@ -227,7 +226,7 @@ impl Controller {
         self.send_byte(RESET);
     }
 
-    /// Nothing is known of a controller that has just started.
+    /// Forgets what was known about motion: the controller has just started.
     pub(super) fn clear_motion_state(&mut self) {
         self.pending = None;
         self.query_sent_s = None;
@@ -245,7 +244,7 @@ impl Controller {
         self.state.homed = self.reported_homed && !self.homing_required;
     }
 
-    /// Records a fault; the first one stays.
+    /// Records a fault; the first one is kept.
     pub(super) fn record_fault(&mut self, fault: MotionFault) {
         self.fault.get_or_insert(fault);
         self.homing_required = true;

@@ -1,4 +1,4 @@
-//! The last gate: a move as a line, or a reason not to send it.
+//! Composes G-code for a move, or refuses it: the last check before the serial line.
 
 use super::fault::MoveRefusal;
 use super::settings::MotionSettings;
@@ -13,16 +13,16 @@ pub(super) const RESET: u8 = 0x18;
 /// Slowest feed that is sent, mm/min.
 const MIN_FEED_MM_MIN: f64 = 0.1;
 
-/// A move that may be sent.
+/// A move that passed all checks.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Move {
-    /// Target as it is written, mm.
+    /// Target after rounding, mm.
     pub(crate) target_mm: [f64; 4],
-    /// The line.
+    /// The G-code line.
     pub(crate) line: String,
 }
 
-/// A move to `target_mm` at `feed_mm_min`, as it will be read after rounding to what is sent.
+/// Composes a move to `target_mm` at `feed_mm_min`; the checks apply to the values after rounding.
 pub(crate) fn compose(target_mm: [f64; 4], feed_mm_min: f64, settings: &MotionSettings) -> Result<Move, MoveRefusal> {
     if !(feed_mm_min.is_finite() && target_mm.iter().all(|value| value.is_finite())) {
         return Err(MoveRefusal::NotFinite);
@@ -43,7 +43,7 @@ pub(crate) fn compose(target_mm: [f64; 4], feed_mm_min: f64, settings: &MotionSe
     Ok(Move { target_mm, line: format!("G1 X{x:.3} Y{y:.3} Z{z:.3} A{a:.3} F{feed_mm_min:.1}") })
 }
 
-/// To `1 / parts`, without a negative zero.
+/// Rounds to `1 / parts`, without a negative zero.
 fn rounded(value: f64, parts: f64) -> f64 {
     (value * parts).round() / parts + 0.0
 }

@@ -1,4 +1,4 @@
-//! The first talk with a controller: who it is and how it is set up. Nothing moves.
+//! Handshake: identifies the controller and checks its settings. Moves nothing.
 
 use super::check;
 use super::check::SettingsTable;
@@ -10,17 +10,17 @@ use super::settings::MotionSettings;
 use super::state::Mode;
 use crate::hardware::clock::Clock;
 
-/// A controller may need this long to start when the port is opened, seconds.
+/// Longest start-up time of a controller after its port is opened, s.
 const WAKE_S: f64 = 5.0;
-/// Time between two looks at the line, seconds.
+/// Interval at which the line is read, s.
 const LOOK_S: f64 = 0.005;
-/// Moves that another program has left may take this long, seconds, and are asked after so often.
+/// Longest duration of moves left over by another program, s, and the interval of queries during that time.
 const LEFT_S: f64 = 2.0;
 /// See [`LEFT_S`].
 const ASK_S: f64 = 0.05;
-/// Longest silence that is waited for before the first question, seconds.
+/// Longest silence that is waited for before the first query, s.
 const QUIET_S: f64 = 1.0;
-/// Unreadable lines after which an answer is no longer waited for.
+/// Unreadable lines after which no answer is expected any more.
 const MAX_GARBLED: usize = 3;
 
 /// What a controller said about itself.
@@ -30,7 +30,7 @@ pub struct ControllerInfo {
     pub version: String,
     /// Name of the firmware, such as `grblHAL`; empty when it gives none.
     pub firmware: String,
-    /// Moves that its queue holds.
+    /// Capacity of its motion queue, moves.
     pub blocks: usize,
     /// Greatest speed of each axis, mm/min.
     pub max_speed_mm_min: [f64; 4],
@@ -42,14 +42,14 @@ pub struct ControllerInfo {
     pub settings: SettingsTable,
 }
 
-/// Learns what is at the other end of `port`; the status is the latest one.
+/// Identifies the controller at `port`; returns its latest status as well.
 pub(super) fn identify_controller(
     port: &mut Port,
     settings: &MotionSettings,
     clock: &dyn Clock,
 ) -> Result<(ControllerInfo, StatusReport), MotionFault> {
     let mut handshake = Handshake { port, clock, timeout_s: settings.reply_timeout_s };
-    // A controller that restarts when its port is opened, or is reset, may do so in the middle of the talk.
+    // A controller that restarts when its port is opened, or is reset, may do so during the handshake.
     for _ in 0..2 {
         match handshake.identify(settings) {
             Err(MotionFault::Rebooted { .. }) => {}
@@ -80,14 +80,14 @@ impl Handshake<'_> {
             |first: u16| [0, 1, 2, 3].map(|axis| check::number(&machine.settings, first + axis).unwrap_or(0.0));
         (machine.max_speed_mm_min, machine.acceleration_mm_s2, machine.travel_mm) =
             (numbers(110), numbers(120), numbers(130));
-        // Reports leave out what has been reported before.
+        // Reports leave out values that have been reported before.
         let mut last = self.status()?;
         last.homed = last.homed.or(first.homed);
         Ok((machine, last))
     }
 
-    /// The status once nothing moves. A program that was killed has left two moves at most, which end by themselves; one
-    /// that held the robot may have left them waiting: a reset forgets them, and standing axes keep their position.
+    /// Waits until nothing moves. A program that was killed leaves at most two moves, which end by themselves. One that
+    /// held the robot may leave them waiting: a reset discards them, and axes at rest keep their position.
     fn wait_until_standing(&mut self) -> Result<StatusReport, MotionFault> {
         let began_s = self.clock.now_s();
         let mut before_mm = None;
@@ -101,14 +101,14 @@ impl Handshake<'_> {
                 }
                 Mode::Hold { complete: true } => {
                     self.port.send_byte(RESET).map_err(|error| MotionFault::unplugged(&error))?;
-                    return Err(MotionFault::Rebooted { greeting: "reset out of a hold".to_owned() });
+                    return Err(MotionFault::Rebooted { greeting: "reset during a hold".to_owned() });
                 }
                 _ => return Ok(status),
             }
         }
     }
 
-    /// Ends half a line and a repeating error; waits until nothing more comes of the past.
+    /// Ends an incomplete line and a repeating error, then waits until no old output arrives.
     fn wake(&mut self) -> Result<(), MotionFault> {
         let began_s = self.clock.now_s();
         let mut garbled = Vec::new();
@@ -128,7 +128,7 @@ impl Handshake<'_> {
         }
     }
 
-    /// Whether an `ok` comes in time.
+    /// Waits for an `ok`; false if none arrives in time.
     fn wait_for_ok(&mut self, garbled: &mut Vec<String>) -> Result<bool, MotionFault> {
         let until_s = self.clock.now_s() + self.timeout_s.max(0.5);
         while self.clock.now_s() < until_s {
@@ -154,7 +154,7 @@ impl Handshake<'_> {
         Ok(())
     }
 
-    /// The lines before the `ok` that answers `question`.
+    /// Sends `question` and returns the lines before its `ok`.
     fn query(&mut self, question: &str) -> Result<Vec<Reply>, MotionFault> {
         self.send(question)?;
         let mut answers = Vec::new();
@@ -178,7 +178,7 @@ impl Handshake<'_> {
         })
     }
 
-    /// Looks at every reply until `judge` is content; every line that arrives gives it more time.
+    /// Passes every reply to `accept` until it returns a result; every received line extends the deadline.
     fn wait_for<T>(
         &mut self,
         question: &str,
@@ -204,14 +204,14 @@ impl Handshake<'_> {
                 break;
             }
         }
-        // What cannot be read may have been the answer.
+        // An unreadable line may have been the answer.
         Err(match garbled.pop() {
             Some(line) => MotionFault::Garbled { count: garbled.len() + 1, line },
             None => MotionFault::Silent { to: question.to_owned(), waited_s: self.clock.now_s() - began_s },
         })
     }
 
-    /// What has arrived after a short wait.
+    /// Waits briefly and returns the lines that have arrived.
     fn read_lines(&mut self) -> Result<Vec<ReceivedLine>, MotionFault> {
         self.clock.sleep_until(self.clock.now_s() + LOOK_S);
         let (received_lines, gone) = self.port.read();
@@ -224,7 +224,7 @@ impl Handshake<'_> {
     }
 }
 
-/// The line's meaning, or the line itself when it has none.
+/// Parses a received line; returns the line itself if it is not GRBL.
 fn parse_received(received: ReceivedLine) -> Result<Reply, String> {
     match received {
         ReceivedLine::Line(line) => parse(&line).ok_or(line),
@@ -232,7 +232,7 @@ fn parse_received(received: ReceivedLine) -> Result<Reply, String> {
     }
 }
 
-/// Refuses anything but GRBL 1.1 with the axes X, Y, Z and A; `free_blocks` of its queue were free at rest.
+/// Refuses anything but GRBL 1.1 with axes X, Y, Z and A. `free_blocks` blocks of its queue were free at rest.
 fn parse_identity(answers: &[Reply], free_blocks: Option<usize>) -> Result<ControllerInfo, MotionFault> {
     let info = |wanted: &str| {
         answers.iter().find_map(|reply| match reply {
@@ -244,12 +244,12 @@ fn parse_identity(answers: &[Reply], free_blocks: Option<usize>) -> Result<Contr
     if !version.starts_with("1.1") {
         return Err(MotionFault::WrongFirmware { what: "version", found: version, expected: "GRBL 1.1 or grblHAL" });
     }
-    // A version that does not name its axes has reported four positions.
+    // Firmware that does not name its axes has reported four positions.
     if let Some(axes) = info("AXS").filter(|axes| axes != "4:XYZA") {
         return Err(MotionFault::WrongFirmware { what: "axes", found: axes, expected: "4:XYZA" });
     }
     let reported = info("OPT").and_then(|options| options.split(',').nth(1)?.trim().parse().ok());
-    // Without either, moves count as done when the controller says that it is idle.
+    // Without either, moves count as done when the controller reports `Idle`.
     let blocks = reported.or(free_blocks).unwrap_or(0);
     Ok(ControllerInfo { version, firmware: info("FIRMWARE").unwrap_or_default(), blocks, ..ControllerInfo::default() })
 }
@@ -262,14 +262,14 @@ fn settings_table(answers: &[Reply]) -> SettingsTable {
     settings.collect()
 }
 
-/// Offsets that shift what `G1` means, and how to clear them.
+/// Offsets that shift the meaning of `G1`, and the commands that clear them.
 const OFFSETS: [(&str, &str); 3] = [("G54", "G10 L2 P1 X0 Y0 Z0 A0"), ("G92", "G92.1"), ("TLO", "G49")];
 
 fn check_offsets(answers: &[Reply]) -> Result<(), MotionFault> {
     for reply in answers {
         let Reply::Info { name, text } = reply else { continue };
         let Some((_, remedy)) = OFFSETS.iter().find(|(offset, _)| offset == name) else { continue };
-        // Of the length of a tool some versions give one number.
+        // Some firmware reports the tool length offset as one number.
         let shifted = |value: &str| value.trim().parse().is_ok_and(|value: f64| value != 0.0);
         if text.split(',').any(shifted) {
             return Err(MotionFault::WorkOffset {

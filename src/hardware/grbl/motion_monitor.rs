@@ -1,45 +1,45 @@
-//! Whether the axes are where their commands put them, and move while they should.
+//! Monitors motion: axes must be where their commands put them, and must move while moves are pending.
 
 use std::collections::VecDeque;
 
 use super::fault::MotionFault;
 use super::settings::MotionSettings;
 
-/// Reported positions may differ from commands by this much, mm.
+/// Largest difference between reported and commanded positions, mm.
 const TOLERANCE_MM: f64 = 0.02;
-/// Axes that move together may be seen this far from the straight lines between their commands, mm.
+/// Largest distance of moving axes from the straight lines between their commands, mm.
 const MAX_OFF_LINE_MM: f64 = 0.1;
-/// The start of the oldest move that may still be running and the targets of at most two.
+/// The start of the oldest move that may still be running, and the targets of at most two.
 const KEPT_TARGETS: usize = 3;
-/// Reports alike that tell of axes that stand, however far apart they are.
+/// Equal reports after which axes count as standing, regardless of their interval.
 const MIN_STILL_REPORTS: u32 = 3;
 
-/// The last commands: between them is where an axis may be.
+/// The last commanded positions; the axes are between them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CommandedPath {
     targets_mm: VecDeque<[f64; 4]>,
-    /// Position of the report before.
+    /// Position in the previous report.
     last_mm: [f64; 4],
 }
 
 impl CommandedPath {
-    /// False while it is not known where the axes are.
+    /// False while the position of the axes is unknown.
     pub(crate) fn is_known(&self) -> bool {
         !self.targets_mm.is_empty()
     }
 
-    /// From now on it is not known where the axes are.
+    /// Discards the commanded positions.
     pub(crate) fn forget(&mut self) {
         self.targets_mm.clear();
     }
 
-    /// The axes stand here, and that is right.
+    /// Sets the present position as the start.
     pub(crate) fn start(&mut self, position_mm: [f64; 4]) {
         self.targets_mm = VecDeque::from([position_mm]);
         self.last_mm = position_mm;
     }
 
-    /// The axes have been sent here.
+    /// Adds the target of a move.
     pub(crate) fn push(&mut self, target_mm: [f64; 4]) {
         self.targets_mm.push_back(target_mm);
         if self.targets_mm.len() > KEPT_TARGETS {
@@ -47,7 +47,7 @@ impl CommandedPath {
         }
     }
 
-    /// Compares a report with the commands; `standing` when all of them have been carried out.
+    /// Compares a report with the commands; `standing` when all moves are done.
     pub(crate) fn check(&mut self, position_mm: [f64; 4], standing: bool) -> Result<(), MotionFault> {
         let Some(&target_mm) = self.targets_mm.back() else { return Ok(()) };
         for axis in 0..4 {
@@ -63,7 +63,7 @@ impl CommandedPath {
         Ok(())
     }
 
-    /// The axis that has the longest way to its last command, and that command, mm; none when all have arrived.
+    /// The axis with the longest remaining distance, and its target, mm; none when all axes have arrived.
     pub(crate) fn farthest_axis(&self, position_mm: &[f64; 4]) -> Option<(usize, f64)> {
         let target_mm = self.targets_mm.back()?;
         let left_mm = |axis: usize| (target_mm[axis] - position_mm[axis]).abs();
@@ -71,7 +71,7 @@ impl CommandedPath {
         (left_mm(axis) > TOLERANCE_MM).then_some((axis, target_mm[axis]))
     }
 
-    /// All axes arrive together: one that stands while the others move is beside the line.
+    /// All axes arrive together: an axis that stands while the others move puts the position off the line.
     fn check_line(&self, position_mm: &[f64; 4]) -> Result<(), MotionFault> {
         let targets: Vec<&[f64; 4]> = self.targets_mm.iter().collect();
         let nearest = targets.windows(2).map(|ends| nearest_mm(ends[0], ends[1], position_mm));
@@ -108,8 +108,8 @@ impl CommandedPath {
     }
 }
 
-/// Since when neither the axes nor the queue have gone on although they should: a controller that freezes may go on
-/// telling that it moves.
+/// Detects a stall: neither the axes nor the queue advance although moves are pending. A controller whose motion
+/// freezes may go on reporting that it moves.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct StallDetector {
     since_s: f64,
@@ -119,12 +119,12 @@ pub(crate) struct StallDetector {
 }
 
 impl StallDetector {
-    /// Motion is due from now on.
+    /// Restarts the measurement at `now_s`.
     pub(crate) fn restart(&mut self, now_s: f64) {
         (self.since_s, self.reports) = (now_s, 0);
     }
 
-    /// Takes the next report, of a controller that should be moving when `due`; for how long it has not, s.
+    /// Takes the next report, of a controller that should be moving when `due`; returns how long it has not moved, s.
     pub(crate) fn take(&mut self, due: bool, position_mm: [f64; 4], queued: usize, now_s: f64) -> f64 {
         let gone_on = position_mm != self.position_mm || queued < self.queued;
         (self.position_mm, self.queued) = (position_mm, queued);
@@ -136,7 +136,7 @@ impl StallDetector {
     }
 }
 
-/// The place between `from` and `to` that is nearest to `position`, mm.
+/// The point between `from` and `to` that is nearest to `position`, mm.
 fn nearest_mm(from: &[f64; 4], to: &[f64; 4], position: &[f64; 4]) -> [f64; 4] {
     let way: [f64; 4] = std::array::from_fn(|axis| to[axis] - from[axis]);
     let length2: f64 = way.iter().map(|x| x * x).sum();

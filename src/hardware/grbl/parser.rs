@@ -1,20 +1,20 @@
-//! What a controller sends, line by line.
+//! Parser of a controller's output, line by line.
 
 use super::state::{Mode, Pins};
 
-/// Longer lines are no GRBL lines.
+/// Longest line in bytes; a longer one is not GRBL.
 pub const LONGEST_LINE: usize = 256;
 
-/// One line of a controller, understood.
+/// One parsed line of a controller.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Reply {
-    /// `ok`: a line was taken.
+    /// `ok`: a line was accepted.
     Ok,
     /// `error:N`: a line was refused.
     Error(u16),
     /// `ALARM:N`: the controller has stopped.
     Alarm(u16),
-    /// The greeting of a controller that has just started or been reset.
+    /// The greeting after a start or a reset.
     Boot(String),
     /// `<...>`: the answer to `?`.
     Status(StatusReport),
@@ -25,23 +25,23 @@ pub enum Reply {
         /// Its value, as written.
         value: String,
     },
-    /// `[name:text]`: messages and answers to questions.
+    /// `[name:text]`: messages and answers to queries.
     Info {
-        /// What stands before the colon.
+        /// Text before the colon.
         name: String,
-        /// What stands behind it.
+        /// Text after the colon.
         text: String,
     },
     /// `>...`: a start-up block and its result.
     StartupBlock(String),
 }
 
-/// A status report. A field that a report leaves out has not changed, except for pins: those are listed when active.
+/// A status report. Fields that a report leaves out have not changed, except for pins, which are listed while active.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StatusReport {
-    /// What the controller is doing.
+    /// Mode of the controller.
     pub mode: Mode,
-    /// It holds and does not tell whether that has come to its end, as most versions do by a number behind it.
+    /// A hold without a sub-state: the report does not tell whether the hold is complete.
     pub bare_hold: bool,
     /// Machine position, millimetres.
     pub position_mm: Option<[f64; 4]>,
@@ -55,11 +55,11 @@ pub struct StatusReport {
     pub offset_mm: Option<[f64; 4]>,
     /// Whether all axes are homed.
     pub homed: Option<bool>,
-    /// What all speeds are multiplied by, per cent.
+    /// Feed override, per cent.
     pub feed_override: Option<f64>,
 }
 
-/// Understands a line; `None` when it is no GRBL line.
+/// Parses a line; `None` if it is not GRBL.
 pub fn parse(line: &str) -> Option<Reply> {
     let line = line.trim();
     if line == "ok" {
@@ -108,7 +108,7 @@ fn status(text: &str) -> Option<StatusReport> {
         feed_override: None,
     };
     for field in fields {
-        // Controllers differ in what else they tell.
+        // Other fields differ between firmware versions and are ignored.
         let Some((name, value)) = field.split_once(':') else { continue };
         match name {
             "MPos" => status.position_mm = Some(four(value)?),
@@ -141,7 +141,7 @@ fn mode(text: &str) -> Option<Mode> {
     })
 }
 
-/// Four numbers with commas between them, as many as there are axes.
+/// Four numbers separated by commas, one for each axis.
 fn four(text: &str) -> Option<[f64; 4]> {
     let mut values = text.split(',').map(number);
     let four = [values.next()??, values.next()??, values.next()??, values.next()??];
@@ -153,25 +153,25 @@ fn number(text: &str) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
-/// Something between two line ends.
+/// Received bytes between two line ends.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ReceivedLine {
     /// A line in UTF-8, without its end.
     Line(String),
-    /// Bytes that are no text, or too many of them without a line end; readable as far as possible.
+    /// Bytes that are not UTF-8, or too many without a line end; decoded as far as possible.
     Garbled(String),
 }
 
-/// Cuts the bytes that arrive into lines.
+/// Splits received bytes into lines.
 #[derive(Clone, Debug, Default)]
 pub struct LineReader {
     bytes: Vec<u8>,
-    /// Inside a line whose beginning was too long already.
+    /// Inside a line that was already too long.
     overlong: bool,
 }
 
 impl LineReader {
-    /// Takes the next byte, and gives what it ends.
+    /// Takes the next byte; returns the line that it ends.
     pub fn push(&mut self, byte: u8) -> Option<ReceivedLine> {
         if byte == b'\n' {
             let bytes = std::mem::take(&mut self.bytes);
@@ -189,13 +189,13 @@ impl LineReader {
         Some(ReceivedLine::Garbled(String::from_utf8_lossy(&bytes).into_owned()))
     }
 
-    /// Forgets the beginning of a line.
+    /// Discards an incomplete line.
     pub fn clear(&mut self) {
         *self = LineReader::default();
     }
 }
 
-/// A finished line; nothing for an empty one.
+/// A complete line; none if it is empty.
 fn received(bytes: &[u8]) -> Option<ReceivedLine> {
     match std::str::from_utf8(bytes) {
         Ok(text) => {

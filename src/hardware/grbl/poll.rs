@@ -1,4 +1,4 @@
-//! What leaves by itself, and what must have come by now.
+//! Periodic transmissions and deadlines.
 
 use super::controller::Controller;
 use super::fault::MotionFault;
@@ -6,13 +6,13 @@ use super::pending::{HomingPhase, LinePurpose, PendingLine};
 use super::settings::GREETING_S;
 use super::state::Mode;
 
-/// Time between two status queries, seconds.
+/// Interval of status queries, s.
 const QUERY_INTERVAL_S: f64 = 0.05;
-/// Millimetres, absolute positions, feed per minute, in the first of the work coordinate systems.
+/// Millimetres, absolute positions, feed per minute, first work coordinate system.
 const SETUP: &str = "G21 G90 G94 G54";
 
 impl Controller {
-    /// No line is later than it may be.
+    /// Records a fault for every deadline that has passed.
     pub(crate) fn check_deadlines(&mut self, now_s: f64) {
         let reply_s = self.settings.reply_timeout_s;
         if let Some(pending) = &self.pending {
@@ -38,7 +38,7 @@ impl Controller {
         }
     }
 
-    /// How long the controller has owed an answer, seconds; 0 when it owes none, or while it homes and may be silent.
+    /// How long an answer has been outstanding, s; 0 when none is, or during homing, when the controller may be silent.
     pub fn waiting_s(&self, now_s: f64) -> f64 {
         let line = self.pending.as_ref().filter(|pending| pending.purpose != LinePurpose::Homing);
         let since_s = line.map(|pending| pending.sent_s).into_iter().chain(self.query_sent_s).fold(now_s, f64::min);
@@ -73,7 +73,7 @@ impl Controller {
         self.update_homed();
         self.commanded_path.forget();
         self.state.mode = Mode::Home;
-        // A query that is on its way is answered when homing has ended, if at all.
+        // A query that was already sent is answered after homing, if at all.
         self.query_sent_s = None;
         self.send("$H".to_owned(), LinePurpose::Homing, now_s);
     }

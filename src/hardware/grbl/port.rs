@@ -5,10 +5,10 @@ use std::io;
 use super::parser::{LineReader, ReceivedLine};
 use crate::hardware::serial::SerialLine;
 
-/// Most bytes read at once: a controller that never stops sending may not stop the program.
+/// Most bytes read in one call, so that a controller that never stops sending cannot block the program.
 const MAX_BYTES: usize = 1 << 16;
 
-/// A wire with the beginning of the line that is still arriving.
+/// A serial line with the incomplete line that is still arriving.
 pub(super) struct Port {
     serial: Box<dyn SerialLine>,
     reader: LineReader,
@@ -19,7 +19,7 @@ impl Port {
         Port { serial, reader: LineReader::default() }
     }
 
-    /// The lines that have been completed since the last call, even when the wire has then gone.
+    /// The lines completed since the last call, even if the serial line has failed since.
     pub(super) fn read(&mut self) -> (Vec<ReceivedLine>, io::Result<()>) {
         let mut received_lines = Vec::new();
         let mut buffer = [0; 1024];
@@ -37,12 +37,12 @@ impl Port {
         (received_lines, Ok(()))
     }
 
-    /// Sends a line with the one line end that is acknowledged once.
+    /// Sends a line with exactly one line end, so that it is acknowledged once.
     pub(super) fn send(&mut self, line: &str) -> io::Result<()> {
         self.serial.write(format!("{line}\n").as_bytes())
     }
 
-    /// Sends a byte that is not part of a line.
+    /// Sends a real-time byte, which is not part of a line.
     pub(super) fn send_byte(&mut self, byte: u8) -> io::Result<()> {
         self.serial.write(&[byte])
     }

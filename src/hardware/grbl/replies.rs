@@ -1,4 +1,4 @@
-//! What each reply of the controller changes.
+//! State changes on each reply of the controller.
 
 use super::controller::Controller;
 use super::fault::MotionFault;
@@ -7,17 +7,18 @@ use super::parser::{ReceivedLine, Reply, StatusReport, parse};
 use super::pending::{HomingPhase, LinePurpose, PendingLine};
 use super::state::Mode;
 
-/// Unreadable lines within [`GARBLED_S`] that make a fault.
+/// Unreadable lines within [`GARBLED_S`] that cause a fault.
 const MAX_GARBLED: usize = 3;
 /// See [`MAX_GARBLED`], seconds.
 const GARBLED_S: f64 = 10.0;
-/// Axes that should move and have not for so long, or for as long as an answer may take if that is longer, do not, s.
+/// Shortest time without motion, s, after which pending moves count as stalled; the reply timeout applies if it is
+/// longer.
 const MIN_STALL_S: f64 = 0.3;
-/// The alarm of a controller that wants to be homed.
+/// Alarm number for "homing required".
 const HOMING_REQUIRED: u16 = 11;
 
 impl Controller {
-    /// Takes everything that has arrived.
+    /// Processes everything that has arrived.
     pub(super) fn read_replies(&mut self, now_s: f64) {
         let (received_lines, gone) = self.port.read();
         for received in received_lines {
@@ -50,7 +51,7 @@ impl Controller {
 
     fn apply_garbled(&mut self, line: String, now_s: f64) {
         self.state.garbled += 1;
-        // It may have been the report that is awaited: ask again.
+        // The unreadable line may have been the awaited report: query again.
         self.query_sent_s = None;
         self.garbled_s.retain(|&then_s| now_s - then_s <= GARBLED_S);
         self.garbled_s.push_back(now_s);
@@ -67,7 +68,7 @@ impl Controller {
     }
 
     fn apply_ok(&mut self) {
-        // Lines from before a reset or a fault may still be take_pending.
+        // Lines sent before a reset or a fault may still be acknowledged.
         if self.reset_sent_s.is_some() || self.fault.is_some() {
             return;
         }
@@ -113,7 +114,7 @@ impl Controller {
     fn apply_greeting(&mut self, greeting: String, now_s: f64) {
         let awaited = self.reset_sent_s.take().is_some();
         let expected = awaited || (self.pending.is_none() && now_s <= self.greeting_expected_until_s);
-        // A second greeting may just as well be that of a controller that lost its power.
+        // A second greeting may come from a controller that lost power.
         self.homing_required |= !awaited;
         let homing = self.homing;
         self.clear_motion_state();
@@ -135,7 +136,7 @@ impl Controller {
         self.state.position_mm = status.position_mm.unwrap_or(self.state.position_mm);
         self.state.feed_mm_min = status.feed_mm_min.unwrap_or(self.state.feed_mm_min);
         if self.homing == HomingPhase::Running {
-            // An alarm whose own line was not readable; one from before homing may still be on its way.
+            // The alarm's own line may have been unreadable; an alarm from before homing may still be in transit.
             let has_begun =
                 self.pending.as_ref().is_some_and(|homing| now_s - homing.sent_s > self.settings.reply_timeout_s);
             if let Mode::Alarm(Some(code)) = status.mode
@@ -156,7 +157,7 @@ impl Controller {
         }
     }
 
-    /// A hold that does not tell whether it has come to its end has when two reports name the same position.
+    /// A hold without a sub-state is complete when two reports give the same position.
     fn with_hold_completed(&self, status: &StatusReport) -> StatusReport {
         let stands = status.position_mm == Some(self.state.position_mm);
         let held = matches!(self.state.mode, Mode::Hold { .. });
@@ -188,7 +189,7 @@ impl Controller {
             }
             _ if lost => Err(MotionFault::Alarm { code: HOMING_REQUIRED }),
             Mode::Home if self.homing == HomingPhase::Settling => Ok(()),
-            // Somebody has pressed the controller's own hold, or the word to go on got lost.
+            // The controller's own hold button was pressed, or the resume byte was lost.
             mode @ Mode::Hold { .. } if !self.held && now_s - self.resumed_s > self.settings.reply_timeout_s => {
                 Err(MotionFault::UnexpectedMode { mode })
             }
@@ -201,7 +202,7 @@ impl Controller {
         if let Some(offset_mm) = status.offset_mm.filter(|offset_mm| offset_mm.iter().any(|&value| value != 0.0)) {
             let remedy = "G10 L2 P1 X0 Y0 Z0 A0, G92.1 and G49".to_owned();
             return Err(MotionFault::WorkOffset {
-                name: "its status".to_owned(),
+                name: "the status report".to_owned(),
                 found: format!("{offset_mm:?}"),
                 remedy,
             });
@@ -229,7 +230,7 @@ impl Controller {
         self.check_stall(status.mode, position_mm, now_s)
     }
 
-    /// A controller that has somewhere to go goes there: the times for which it does not are those of its answers.
+    /// Checks that a controller with pending moves moves; time is measured between its reports.
     fn check_stall(&mut self, mode: Mode, position_mm: [f64; 4], now_s: f64) -> Result<(), MotionFault> {
         let queued = self.state.queued;
         let due = !self.held && (mode == Mode::Run || (mode == Mode::Idle && queued > 0));

@@ -1,4 +1,4 @@
-//! Settings of the motion: the serial line, and what the controller must have been set to.
+//! Motion settings: the serial line, and the required configuration of the controller.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +7,7 @@ use crate::base::BadOption;
 /// Longest time from a reset to the greeting, beyond the reply time, s.
 pub(super) const GREETING_S: f64 = 1.0;
 
-/// How to reach the controller and what it must be like. The controller's own settings are checked, never written.
+/// How to reach the controller and how it must be configured. The controller's own settings are checked, never written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MotionSettings {
@@ -15,19 +15,19 @@ pub struct MotionSettings {
     pub port: String,
     /// Speed of the serial line, bits per second.
     pub baud: u32,
-    /// A robot whose controller has owed an answer for so long is held, seconds.
+    /// Answer time after which the robot is held, s.
     pub late_s: f64,
-    /// The controller answers within this time, seconds; else the robot is stopped.
+    /// Answer time after which the robot is stopped, s.
     pub reply_timeout_s: f64,
-    /// Homing ends within this time, seconds.
+    /// Longest duration of homing, s.
     pub homing_timeout_s: f64,
-    /// Length of the screws that may be used, from the switches on, metres.
+    /// Usable length of the screws, from the switches on, metres.
     pub travel_m: f64,
-    /// Fastest feed that is ever sent, mm/min along the path in all four axes together.
+    /// Largest feed that is sent, mm/min along the path in all four axes together.
     pub max_speed_mm_min: f64,
-    /// Axes whose switch is at the lower end (`$23`): 1 for X, 2 for Y, 4 for Z and 8 for A, added up.
+    /// Axes whose switch is at the lower end (`$23`): the sum of 1 for X, 2 for Y, 4 for Z and 8 for A.
     pub homing_directions: u8,
-    /// Demands that the motors stay energised at rest (`$1=255`), so that the tendons cannot drive the screws back.
+    /// Require that the motors stay energised at rest (`$1=255`), so that the tendons cannot drive the screws back.
     pub hold_when_idle: bool,
 }
 
@@ -77,7 +77,8 @@ impl MotionSettings {
         if self.axis_sign(axis) < 0.0 { (-travel_mm, 0.0) } else { (0.0, travel_mm) }
     }
 
-    /// 1 for an axis whose machine position grows away from its switch, −1 for one whose switch is at the upper end.
+    /// 1 for an axis whose machine position increases away from its switch, −1 for one whose switch is at the upper
+    /// end.
     pub fn axis_sign(&self, axis: usize) -> f64 {
         if self.homing_directions & (1 << axis) == 0 { -1.0 } else { 1.0 }
     }

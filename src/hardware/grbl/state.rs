@@ -1,35 +1,35 @@
-//! What is known of a controller.
+//! State of a controller.
 
 use std::fmt;
 
 /// Names of the axes in the order of every list of four.
 pub const AXIS_NAMES: [char; 4] = ['X', 'Y', 'Z', 'A'];
 
-/// What a controller is doing.
+/// Mode of a controller.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
-    /// Standing, ready for a move.
+    /// At rest, ready for a move.
     Idle,
     /// Moving.
     Run,
-    /// Held by `!`.
+    /// Feed hold (`!`).
     Hold {
-        /// True once it stands; a reset before that loses the position.
+        /// True once the axes stand; a reset before that loses the position.
         complete: bool,
     },
-    /// Jogging, which this driver never asks for.
+    /// Jogging, which this driver never requests.
     Jog,
-    /// On the way to the switches.
+    /// Homing.
     Home,
-    /// Stopped by an alarm, with its number where it is known.
+    /// Alarm, with its number if known.
     Alarm(Option<u16>),
     /// A door switch is open.
     Door,
-    /// Trying programs without moving.
+    /// Checking programs without moving.
     Check,
     /// Asleep.
     Sleep,
-    /// Waiting for another tool.
+    /// Waiting for a tool change.
     ToolChange,
     /// Not known yet.
     #[default]
@@ -40,7 +40,7 @@ impl fmt::Display for Mode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Mode::Hold { complete: true } => f.write_str("Hold (standing)"),
-            Mode::Hold { complete: false } => f.write_str("Hold (slowing down)"),
+            Mode::Hold { complete: false } => f.write_str("Hold (decelerating)"),
             Mode::Alarm(Some(code)) => write!(f, "Alarm {code}"),
             Mode::Alarm(None) => f.write_str("Alarm"),
             Mode::ToolChange => f.write_str("tool change"),
@@ -66,22 +66,22 @@ impl Pins {
     }
 }
 
-/// A controller as far as it has been heard.
+/// State of a controller as last reported.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ControllerState {
-    /// What it is doing.
+    /// Its mode.
     pub mode: Mode,
-    /// Where the axes stand by its count of steps, millimetres.
+    /// Positions of the axes by its step count, millimetres.
     pub position_mm: [f64; 4],
-    /// True when that count starts at the switches.
+    /// True when positions count from the homing switches.
     pub homed: bool,
     /// Inputs that are active.
     pub pins: Pins,
     /// Speed along the path, mm/min.
     pub feed_mm_min: f64,
-    /// Lines sent that have not been answered.
+    /// Lines sent that have not been acknowledged.
     pub unacknowledged: usize,
-    /// Moves in its queue, the running one included; never too few.
+    /// Moves in its queue, including the running one; never underestimated.
     pub queued: usize,
     /// When anything last arrived, seconds.
     pub last_reply_s: f64,
@@ -91,8 +91,8 @@ pub struct ControllerState {
     pub sent: u64,
     /// Moves sent so far.
     pub moves: u64,
-    /// Lines received that were no GRBL lines.
+    /// Received lines that were not GRBL.
     pub garbled: u64,
-    /// The last `[MSG:...]` that said something.
+    /// The last `[MSG:...]` with a text.
     pub message: String,
 }

@@ -1,38 +1,41 @@
-//! The state machine between whoever decides and whatever moves (docs/hardware.md shows it). It knows no device: it is
-//! told what is the case and says what has to be done.
+//! The state machine that holds and stops the robot (diagram in docs/hardware.md).
+//!
+//! It knows no device. [`Rig`](crate::hardware::rig::Rig) gives it [`SafetyInputs`] every 5 ms and executes the
+//! [`SafetyAction`] that [`Guard::evaluate`] returns. Lost tracking arrives as a `hold_reason`: the robot is held at
+//! once, and stopped if it lasts for `hold_stop_s`.
 
 use std::collections::VecDeque;
 
 use super::limits::SafetyLimits;
 
-/// Why a robot is held or stopped, in words: what was found and what was expected.
+/// Why a robot is held or stopped: what was found, what was expected, how to continue.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StopReason {
-    /// One word for tables: `tracking`, `controller`, `tip`, `interrupted`, `ended`.
+    /// Kind, one word for tables: `tracking`, `controller`, `tip`, `interrupted`, `ended`.
     pub kind: &'static str,
     /// What happened.
     pub what: String,
-    /// How to go on.
+    /// How to continue.
     pub remedy: String,
 }
 
-/// What the robot may do.
+/// State of the robot.
 #[derive(Clone, Debug, PartialEq)]
 pub enum GuardState {
-    /// Nothing moves: not homed yet.
+    /// Not homed; nothing moves.
     Idle,
-    /// The axes look for their switches.
+    /// The axes are being homed.
     Homing,
-    /// Commands within the limits are carried out.
+    /// Commands within the limits are executed.
     Active,
-    /// Motion is paused where it is and goes on once the reason is gone.
+    /// Motion is paused and resumes once the reason is gone.
     Held {
         /// Why.
         reason: StopReason,
         /// Since when, seconds.
         since_s: f64,
     },
-    /// Motion has ended; nothing moves until somebody has looked at the robot and armed it again.
+    /// Motion has ended; nothing moves until a person has inspected the robot and armed it again.
     Stopped {
         /// Why.
         reason: StopReason,
@@ -54,31 +57,31 @@ impl GuardState {
     }
 }
 
-/// What is the case at one moment.
+/// What the guard decides on.
 #[derive(Clone, Debug, Default)]
 pub struct SafetyInputs {
-    /// Why the motion cannot be trusted any more; nothing while it can.
+    /// Fault of the motors, after which the motion cannot be trusted.
     pub motion_fault: Option<StopReason>,
-    /// Why the robot should not go on for now, such as a measurement that is old, invalid or implausible.
+    /// Why the robot has to be held now, such as a measurement that is old, invalid or implausible.
     pub hold_reason: Option<StopReason>,
     /// A request to end, such as Ctrl-C.
     pub interrupted: Option<StopReason>,
-    /// Homing has ended well.
+    /// Homing was successful.
     pub homed: bool,
-    /// A hold has come to its end: every axis stands.
+    /// A hold is complete: every axis stands.
     pub standing: bool,
 }
 
-/// What has to be done about it.
+/// What the rig has to do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SafetyAction {
     /// Nothing.
     Nothing,
     /// Pause motion.
     Hold,
-    /// Go on with it.
+    /// Resume motion.
     Resume,
-    /// Forget all motion that is queued; the robot stands.
+    /// Discard all queued motion; the robot stands.
     Flush,
 }
 
@@ -87,18 +90,18 @@ pub enum SafetyAction {
 pub struct Guard {
     limits: SafetyLimits,
     state: GuardState,
-    /// Since when a stopped robot has queued motion that has yet to be forgotten.
+    /// Since when a stopped robot has queued motion that has yet to be discarded.
     stopping_s: Option<f64>,
-    /// When it was last held.
+    /// Times of the last holds.
     holds_s: VecDeque<f64>,
 }
 
-/// Longest that the axes are waited for until they stand, before their queue is forgotten, seconds: a reset of axes that
-/// still slow down loses their position.
+/// Longest time until the axes stand, s; then their queue is discarded all the same. A reset of decelerating axes loses
+/// their position.
 const STAND_S: f64 = 1.0;
-/// The same where the motors cannot be trusted, nor their position.
+/// The same after a fault of the motors, whose position cannot be trusted anyway.
 const STAND_ANYWAY_S: f64 = 0.15;
-/// The last so many seconds are those in which a robot may be held `most_holds` times.
+/// Window in which a robot may be held `most_holds` times, s.
 const HOLDS_S: f64 = 10.0;
 
 impl Guard {
@@ -107,12 +110,12 @@ impl Guard {
         Guard { limits, state: GuardState::Idle, stopping_s: None, holds_s: VecDeque::new() }
     }
 
-    /// What the robot may do.
+    /// State of the robot.
     pub fn state(&self) -> &GuardState {
         &self.state
     }
 
-    /// Homing begins, where it may.
+    /// Starts homing, if the state permits it.
     pub fn begin_homing(&mut self) -> bool {
         let may = matches!(self.state, GuardState::Idle | GuardState::Active);
         if may {
@@ -121,7 +124,7 @@ impl Guard {
         may
     }
 
-    /// A robot that has been homed before becomes active.
+    /// Activates a robot that is homed.
     pub fn activate(&mut self) -> bool {
         let may = matches!(self.state, GuardState::Idle);
         if may {
@@ -130,8 +133,7 @@ impl Guard {
         may
     }
 
-    /// A robot that stands and is not told to move for now, such as while somebody works on it: what the tracker sees does
-    /// not matter until it becomes active again.
+    /// Parks a robot at rest, for example while a person works on it: tracking is ignored until it is active again.
     pub fn park(&mut self) -> bool {
         let may = matches!(self.state, GuardState::Active);
         if may {
@@ -140,7 +142,7 @@ impl Guard {
         may
     }
 
-    /// The program ends: a robot that may move is stopped, one that homes as well.
+    /// Stops a robot that is active, held or homing, because the program ends or gives up.
     pub fn request_stop(&mut self, reason: StopReason, now_s: f64) -> SafetyAction {
         match self.state {
             GuardState::Idle | GuardState::Stopped { .. } => SafetyAction::Nothing,
@@ -148,17 +150,17 @@ impl Guard {
         }
     }
 
-    /// Whether queued motion of a stopped robot has yet to be forgotten.
+    /// Whether queued motion of a stopped robot has yet to be discarded.
     pub fn is_stopping(&self) -> bool {
         self.stopping_s.is_some()
     }
 
-    /// What the facts at `now_s` call for.
+    /// Decides on the inputs at `now_s`: the next state and the action of the rig.
     pub fn evaluate(&mut self, facts: &SafetyInputs, now_s: f64) -> SafetyAction {
         if let GuardState::Stopped { .. } = self.state {
             return self.finish_stop(facts, now_s);
         }
-        // A fault outlives the program, a request to end does not.
+        // A fault is remembered after the program ends, a request to end is not.
         if let Some(reason) = facts.motion_fault.as_ref().or(facts.interrupted.as_ref()) {
             return self.stop(reason.clone(), now_s);
         }
@@ -174,13 +176,14 @@ impl Guard {
         }
     }
 
-    /// A robot that is held again and again is not one that goes on.
+    /// A robot that is held too often is stopped.
     fn hold(&mut self, reason: StopReason, now_s: f64) -> SafetyAction {
         self.holds_s.retain(|&then_s| now_s - then_s < HOLDS_S);
         self.holds_s.push_back(now_s);
         let (count, most) = (self.holds_s.len(), self.limits.most_holds);
         if count > most {
-            let what = format!("held {count} times within {HOLDS_S} s, expected at most {most}; now: {}", reason.what);
+            let what =
+                format!("held {count} times within {HOLDS_S} s, expected at most {most}; last reason: {}", reason.what);
             return self.stop(StopReason { what, ..reason }, now_s);
         }
         self.enter(GuardState::Held { reason, since_s: now_s }, SafetyAction::Hold)
@@ -191,7 +194,7 @@ impl Guard {
         order
     }
 
-    /// A robot that homes cannot be paused: its motion is forgotten at once.
+    /// Homing cannot be paused: its motion is discarded at once.
     fn stop(&mut self, reason: StopReason, now_s: f64) -> SafetyAction {
         let order = match self.state {
             GuardState::Homing => SafetyAction::Flush,
@@ -201,7 +204,7 @@ impl Guard {
         self.enter(GuardState::Stopped { reason, since_s: now_s }, order)
     }
 
-    /// Once the axes stand, or should have for long, what is queued is forgotten, so that nothing starts again by itself.
+    /// Discards the queue once the axes stand, or should have for long, so that nothing starts again by itself.
     fn finish_stop(&mut self, facts: &SafetyInputs, now_s: f64) -> SafetyAction {
         let patience_s = if facts.motion_fault.is_some() { STAND_ANYWAY_S } else { STAND_S };
         match self.stopping_s {

@@ -1,4 +1,4 @@
-//! A stop outlives the program: a file that stands until somebody has looked at the robot.
+//! The latch: a stop is stored in a file and outlives the program, until a person has inspected the robot.
 
 use std::fs;
 use std::io::{self, Write};
@@ -7,7 +7,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use super::guard::StopReason;
 
-/// Latch and log of one robot, and whether its controller's count of steps may be believed.
+/// Latch and log of one robot, and whether its position is trusted.
 #[derive(Clone, Debug)]
 pub struct Latch {
     stopped: PathBuf,
@@ -16,13 +16,13 @@ pub struct Latch {
 }
 
 impl Latch {
-    /// Those of the robot `name` in `folder`, which is made when the first line is written.
+    /// Latch and log of the robot `name` in `folder`, which is created with the first line.
     pub fn new(folder: &Path, name: &str) -> Latch {
         let file = |ending: &str| folder.join(format!("{name}.{ending}"));
         Latch { stopped: file("stopped"), rehome: file("rehome"), log: file("log") }
     }
 
-    /// Where this user's programs keep their state (`XDG_STATE_HOME`, or `.local/state` at home).
+    /// Folder for the state of this user's programs (`XDG_STATE_HOME`, or `.local/state` in the home folder).
     pub fn folder() -> PathBuf {
         let own = std::env::var_os("XDG_STATE_HOME").map(PathBuf::from);
         let home =
@@ -30,18 +30,18 @@ impl Latch {
         own.filter(|path| path.is_absolute()).unwrap_or_else(home).join("spinebench")
     }
 
-    /// Why the robot is stopped, if it is. A latch that cannot be read is one that holds.
+    /// Why the robot is stopped, if it is. A latch that cannot be read counts as a stop.
     pub fn read(&self) -> Option<String> {
         read(&self.stopped)
     }
 
-    /// Why the controller's count of steps is not to be believed whatever it says, until the axes have been homed; none when
-    /// it may be. A file that cannot be read is there.
+    /// Why homing is required whatever the controller reports; none if it is not. A file that cannot be read counts as
+    /// present.
     pub fn homing_required(&self) -> Option<String> {
         read(&self.rehome)
     }
 
-    /// From now on the controller's count of steps is not to be believed, by later programs either.
+    /// Requires homing before the next motion, also of later programs.
     ///
     /// # Errors
     /// When the file cannot be written.
@@ -49,7 +49,7 @@ impl Latch {
         self.put(&self.rehome, why)
     }
 
-    /// The axes have been homed: their count may be believed again.
+    /// Notes that the axes have been homed.
     ///
     /// # Errors
     /// When the file cannot be removed.
@@ -67,28 +67,26 @@ impl Latch {
         fs::write(file, format!("{line}\n"))
     }
 
-    /// Stops the robot for this and all later programs, distrusts its position, and logs it: whatever went wrong may have cost
-    /// steps.
+    /// Stops the robot for this and all later programs, requires homing, and logs it: any fault may have cost steps.
     ///
     /// # Errors
     /// When the file cannot be written.
     pub fn stop(&self, reason: &StopReason) -> io::Result<()> {
         let line = format!("{} UTC: {} [{}]", utc(SystemTime::now()), reason.what, reason.kind);
-        // The latch first: the log is for people, and may be full.
+        // The latch first: the log is informative only, and its disk may be full.
         let (latched, homing_required) = (self.put(&self.stopped, &line), self.require_homing(&line));
         latched.and(homing_required)?;
         self.write(&format!("stopped: {line}; {}", reason.remedy))
     }
 
-    /// Arms the robot again and logs it; what it had been stopped for. Where it stands has to be found out by homing all the
-    /// same.
+    /// Arms the robot again and logs it; returns the reason of the stop. Homing remains required.
     ///
     /// # Errors
     /// When the file cannot be removed.
     pub fn release(&self) -> io::Result<Option<String>> {
         let Some(reason) = self.read() else { return Ok(None) };
         fs::remove_file(&self.stopped)?;
-        self.write(&format!("armed by hand: {} UTC", utc(SystemTime::now())))?;
+        self.write(&format!("armed by the operator: {} UTC", utc(SystemTime::now())))?;
         Ok(Some(reason))
     }
 
@@ -103,7 +101,7 @@ impl Latch {
         writeln!(fs::OpenOptions::new().create(true).append(true).open(&self.log)?, "{line}")
     }
 
-    /// The log's path.
+    /// Path of the log.
     pub fn log(&self) -> &Path {
         &self.log
     }

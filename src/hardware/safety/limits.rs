@@ -1,10 +1,10 @@
-//! What a command may ask of the drive, whoever asks.
+//! Limits of commands, whoever sends them.
 
 use serde::{Deserialize, Serialize};
 
 use crate::base::BadOption;
 
-/// Limits of the drive and of what the tracker may miss.
+/// Limits of the drive and of the tracking.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SafetyLimits {
@@ -12,21 +12,22 @@ pub struct SafetyLimits {
     pub travel_m: f64,
     /// Largest change of a displacement from one command to the next, metres.
     pub max_step_m: f64,
-    /// Fastest that a tendon may be moved, m/s.
+    /// Largest speed of a tendon, m/s.
     pub max_speed_m_s: f64,
-    /// By how much two opposite tendons together may be let out, metres: more hangs loose and falls off its spool.
+    /// Largest length by which two opposite tendons together may be let out, metres; a slacker tendon falls off its
+    /// spool.
     pub slack_m: f64,
-    /// By how much two opposite tendons together may be pulled in, metres: more crushes the spine.
+    /// Largest length by which two opposite tendons together may be pulled in, metres; more would crush the spine.
     pub over_tension_m: f64,
-    /// Tracking older than this holds the robot, seconds.
+    /// Age of the last valid pose above which the robot is held, s.
     pub tracking_hold_s: f64,
-    /// A robot held for longer than this is stopped, seconds.
+    /// Duration of a hold after which the robot is stopped, s.
     pub hold_stop_s: f64,
-    /// A robot that is held more often than this within ten seconds is stopped.
+    /// Holds within ten seconds above which the robot is stopped.
     pub most_holds: usize,
-    /// Distance from where the model puts the tip beyond which a measurement is not believed, metres.
+    /// Largest plausible distance of the measured tip from the predicted one, metres.
     pub tip_from_model_m: f64,
-    /// Fastest that a tip may seem to move, m/s; what is faster is not believed.
+    /// Largest plausible speed of the tip, m/s.
     pub tip_speed_m_s: f64,
 }
 
@@ -47,24 +48,24 @@ impl Default for SafetyLimits {
     }
 }
 
-/// A command that needs more ticks than this is a mistake.
+/// Most ticks of one command; a longer one is a mistake.
 pub const MAX_TICKS: usize = 4;
 
-/// Rounding that no limit is about, metres.
+/// Rounding tolerance of all limits, metres.
 const ROUNDING_M: f64 = 1e-9;
 
-/// Why a command does not leave.
+/// Why a command is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CommandRefusal {
-    /// A displacement is no number.
+    /// A displacement is not finite.
     #[error("tendon {tendon}: found {found}, expected a finite displacement")]
     NotFinite {
         /// From 1.
         tendon: usize,
-        /// What was asked for.
+        /// Requested displacement.
         found: f64,
     },
-    /// Another number of tendons than the robot has.
+    /// The number of displacements differs from the number of tendons.
     #[error("found {found} displacements, expected {expected}")]
     Count {
         /// Number given.
@@ -72,18 +73,18 @@ pub enum CommandRefusal {
         /// Number of tendons.
         expected: usize,
     },
-    /// Beyond a limit.
+    /// A limit is exceeded.
     #[error("tendon {tendon}: {what} of {found:.6}, expected {low:.6} to {high:.6}")]
     Beyond {
         /// From 1.
         tendon: usize,
         /// The limited quantity, with its unit.
         what: &'static str,
-        /// What was asked for.
+        /// Requested value.
         found: f64,
-        /// Least allowed.
+        /// Smallest permitted value.
         low: f64,
-        /// Most allowed.
+        /// Largest permitted value.
         high: f64,
     },
 }
@@ -111,18 +112,18 @@ impl SafetyLimits {
         self.max_step_m.min(self.max_speed_m_s * duration_s)
     }
 
-    /// Ticks of `tick_s` that it takes from `last_m` to `pulls_m`; 0 where nothing moves or something is no number.
+    /// Number of ticks of `tick_s` from `last_m` to `pulls_m`; 0 if nothing moves or a value is not a number.
     pub fn ticks(&self, pulls_m: &[f64], last_m: &[f64], tick_s: f64) -> usize {
         let changes = pulls_m.iter().zip(last_m).map(|(to, from)| (to - from).abs());
         let largest_m = changes.fold(0.0, |largest, change| if change > largest { change } else { largest });
         ((largest_m - ROUNDING_M) / self.step_m(tick_s)).ceil().max(0.0) as usize
     }
 
-    /// Whether the drive may go from the command `last_m` to `pulls_m` in `duration_s` and `steps` steps. Opposite tendons stand half the
-    /// number of tendons apart.
+    /// Checks the command `pulls_m` after `last_m`, executed in `duration_s` and `steps` steps. Opposite tendons are
+    /// half the number of tendons apart.
     ///
     /// # Errors
-    /// [`CommandRefusal`] names the first limit that is broken.
+    /// [`CommandRefusal`] names the first limit that is exceeded.
     pub fn check_command(
         &self,
         pulls_m: &[f64],
@@ -134,10 +135,10 @@ impl SafetyLimits {
         self.check_antagonists(pulls_m, last_m)
     }
 
-    /// What [`SafetyLimits::check_command`] asks of each tendon by itself.
+    /// The checks of [`SafetyLimits::check_command`] that concern one tendon at a time.
     ///
     /// # Errors
-    /// [`CommandRefusal`] names the first limit that is broken.
+    /// [`CommandRefusal`] names the first limit that is exceeded.
     pub fn check_each_tendon(
         &self,
         pulls_m: &[f64],
@@ -159,16 +160,16 @@ impl SafetyLimits {
         Ok(())
     }
 
-    /// The ticks of `tick_s` in which the drive may go from the command `last_m` to `pulls_m`, at least one.
+    /// Number of ticks of `tick_s` (at least one) in which the drive may move from `last_m` to `pulls_m`.
     ///
     /// # Errors
-    /// [`CommandRefusal`] names the first limit that is broken, in [`MAX_TICKS`] if it needs more.
+    /// [`CommandRefusal`] names the first limit that is exceeded, over [`MAX_TICKS`] ticks if it needs more.
     pub fn check_in_ticks(&self, pulls_m: &[f64], last_m: &[f64], tick_s: f64) -> Result<usize, CommandRefusal> {
         let ticks = self.ticks(pulls_m, last_m, tick_s).clamp(1, MAX_TICKS);
         self.check_command(pulls_m, last_m, tick_s * ticks as f64, ticks).map(|()| ticks)
     }
 
-    /// A pair that stands beyond a bound may come back towards it.
+    /// A pair beyond a bound may move back towards it.
     fn check_antagonists(&self, pulls_m: &[f64], last_m: &[f64]) -> Result<(), CommandRefusal> {
         let half = pulls_m.len() / 2;
         if !pulls_m.len().is_multiple_of(2) {

@@ -1,4 +1,5 @@
-//! Between policy and motors: what may leave, and what happens when something goes wrong.
+//! Safety between policy and motors: the limits of commands, the state machine that holds and stops the robot
+//! ([`Guard`]), and the latch that stores a stop.
 
 mod guard;
 mod latch;

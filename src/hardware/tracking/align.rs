@@ -1,4 +1,4 @@
-//! Where the robot's base frame is in the base body's frame, from points that are known in both.
+//! Pose of the robot's base frame in the base body's frame, from points known in both.
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 
@@ -6,32 +6,32 @@ use super::fault::TrackingFault;
 use super::pose::RigidPose;
 use crate::base::Point3;
 
-/// Points whose spread across their longest direction is below this share of the spread along it are a line.
+/// Points count as collinear if their spread across the longest direction is below this share of the spread along it.
 const THINNEST: f64 = 0.02;
 
-/// Normal deviates within which 95 % lie.
+/// Standard normal quantile of a two-sided 95 % interval.
 const NORMAL_95: f64 = 1.96;
 
-/// Coordinates beyond this are no lengths in metres.
+/// Larger coordinates are not lengths in metres.
 const LARGEST_M: f64 = 1000.0;
 
-/// The pose found, and how well it fits.
+/// The pose found, and its quality of fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Alignment {
     /// Pose of the robot's base frame in the base body's frame: the setting `alignment`.
     pub pose: RigidPose,
-    /// Root mean square of the distances that remain, metres.
+    /// Root mean square of the residual distances, metres.
     pub residual_m: f64,
     /// Largest of them, metres.
     pub worst_m: f64,
     /// Root mean square of the distances of the points from their centre, metres.
     pub spread_m: f64,
-    /// How well the turn is known about the axis about which it is known least, half of a 95 % interval, radians, if what
-    /// remains is noise.
+    /// Half width of the 95 % interval of the rotation about its least determined axis, radians, if the residuals are
+    /// noise.
     pub turn_rad: f64,
 }
 
-/// [`align`] for points that were measured with the alignment `present`: the alignment that should take its place.
+/// [`align`] for points measured with the alignment `present`: the alignment to replace it.
 ///
 /// # Errors
 /// As [`align`].
@@ -41,21 +41,24 @@ pub fn realign(present: &RigidPose, robot_m: &[Point3], measured_m: &[Point3]) -
     align(robot_m, &measured_m.iter().map(body).collect::<Vec<Point3>>())
 }
 
-/// The rigid motion that brings the points `robot_m` of the robot's base frame closest to the same points `body_m` as
-/// they were measured with an `alignment` of identity (Kabsch's method, without scale).
+/// The rigid motion that brings the points `robot_m` in the robot's base frame closest to the same points `body_m`,
+/// measured with an `alignment` of identity (Kabsch's method, without scale).
 ///
 /// # Errors
-/// [`TrackingFault::Alignment`] for fewer than three points, numbers that are no lengths, or points along a line.
+/// [`TrackingFault::Alignment`] for fewer than three points, values that are not lengths, or collinear points.
 pub fn align(robot_m: &[Point3], body_m: &[Point3]) -> Result<Alignment, TrackingFault> {
     let refuse = |why: String| Err(TrackingFault::Alignment(why));
     if robot_m.len() != body_m.len() {
         return refuse(format!("{} points in the robot's frame and {} measured", robot_m.len(), body_m.len()));
     }
     if robot_m.len() < 3 {
-        return refuse(format!("{} points, expected at least 3, better 10 all over the workspace", robot_m.len()));
+        return refuse(format!(
+            "{} points, expected at least 3, better 10 distributed over the workspace",
+            robot_m.len()
+        ));
     }
     if robot_m.iter().chain(body_m).flatten().any(|value| !value.is_finite() || value.abs() > LARGEST_M) {
-        return refuse(format!("a coordinate is not a number below {LARGEST_M} m"));
+        return refuse(format!("a coordinate is not a number within ±{LARGEST_M} m"));
     }
     let (robot, robot_centre) = centred(robot_m);
     let (body, body_centre) = centred(body_m);
@@ -64,7 +67,8 @@ pub fn align(robot_m: &[Point3], body_m: &[Point3]) -> Result<Alignment, Trackin
         if thinness < THINNEST {
             let expected = "bend the robot in at least two directions";
             return refuse(format!(
-                "{whose} lie on a line (width to length {thinness:.4}, at least {THINNEST}); {expected}"
+                "{whose} lie on a line (ratio of width to length {thinness:.4}, expected at least {THINNEST}); \
+                 {expected}"
             ));
         }
     }
@@ -76,7 +80,7 @@ pub fn align(robot_m: &[Point3], body_m: &[Point3]) -> Result<Alignment, Trackin
     let worst_m = squares.iter().copied().fold(0.0, f64::max).sqrt();
     let count = robot.len() as f64;
     let spread_m = (robot.iter().map(|point| point.norm_squared()).sum::<f64>() / count).sqrt();
-    // About the axis of the largest spread only the other two hold the turn; six numbers are fitted.
+    // About the axis of the largest spread, only the other two spreads determine the rotation; six numbers are fitted.
     let [least, middle, _] = spreads(&robot);
     let freedom = (3.0 * count - 6.0).max(1.0);
     let noise2 = squares.iter().sum::<f64>() / freedom;
@@ -90,7 +94,7 @@ fn centred(points_m: &[Point3]) -> (Vec<Vector3<f64>>, Vector3<f64>) {
     (points.iter().map(|point| point - centre).collect(), centre)
 }
 
-/// Spread in the second direction over that in the first; 0 for a line or a point.
+/// Spread in the second direction over the spread in the first; 0 for a line or a point.
 fn thinness(points: &[Vector3<f64>]) -> f64 {
     let [_, middle, largest] = spreads(points);
     if largest > 0.0 { (middle / largest).sqrt() } else { 0.0 }
@@ -109,7 +113,7 @@ fn turn_between(from: &[Vector3<f64>], to: &[Vector3<f64>]) -> Rotation3<f64> {
     let covariance: Matrix3<f64> = from.iter().zip(to).map(|(from, to)| to * from.transpose()).sum();
     let svd = covariance.svd(true, true);
     let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else { return Rotation3::identity() };
-    // The closest orthogonal matrix may be a reflection: then the least direction is turned round. Singular values are
+    // The closest orthogonal matrix may be a reflection: then the smallest direction is inverted. Singular values are
     // sorted, so it is the last one.
     let handedness = (u * v_t).determinant().signum();
     let turn = u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, handedness)) * v_t;

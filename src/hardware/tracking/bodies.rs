@@ -1,4 +1,4 @@
-//! The two bodies of the robot among those that the server tracks.
+//! The robot's two bodies among those that the server tracks.
 
 use natnet::{FrameOfData, ModelDef, RigidBody};
 
@@ -6,32 +6,34 @@ use super::fault::TrackingFault;
 use super::pose::RigidPose;
 use super::settings::{BodyName, TrackingSettings};
 
-/// How far the square of a quaternion's length may be from 1: the server sends single precision.
+/// Largest deviation of the squared norm of a quaternion from 1: the server sends single precision.
 const UNIT_TOLERANCE: f64 = 1e-3;
 
-/// No capture volume is larger, metres.
+/// Largest coordinate in a capture volume, metres.
 const LARGEST_M: f64 = 1000.0;
 
-/// Bodies that an error lists.
+/// Most bodies listed in an error.
 const MAX_LISTED: usize = 30;
 
 /// Streaming ids of the bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct TrackedBodies {
-    /// None where the base does not move.
+    /// None if the base does not move.
     base: Option<i32>,
     tip: i32,
 }
 
 impl TrackedBodies {
-    /// Looks the bodies of `settings` up; without a model they are known by their ids alone.
+    /// Finds the bodies of `settings`; without a model they are known by their ids alone.
     pub(super) fn find(settings: &TrackingSettings, model: Option<&ModelDef>) -> Result<TrackedBodies, TrackingFault> {
         let id = |role, body: &BodyName| match (body, model) {
             (body, Some(model)) => id_of(role, body, model),
             (BodyName::Id(id), None) => Ok(*id),
-            (BodyName::Name(_), None) => {
-                Err(TrackingFault::BodyMissing { role, body: body.clone(), there_are: "described none".to_owned() })
-            }
+            (BodyName::Name(_), None) => Err(TrackingFault::BodyMissing {
+                role,
+                body: body.clone(),
+                there_are: "no described bodies".to_owned(),
+            }),
         };
         let base = settings.base_body.as_ref().map(|body| id("base", body)).transpose()?;
         let tip = id("tip", &settings.tip_body)?;
@@ -41,7 +43,7 @@ impl TrackedBodies {
         Ok(TrackedBodies { base, tip })
     }
 
-    /// Base and tip in a frame, unless one of them is not seen.
+    /// Base and tip in a frame; none if one of them is not tracked.
     pub(super) fn poses(&self, frame: &FrameOfData) -> Option<(RigidPose, RigidPose)> {
         let base = match self.base {
             Some(id) => pose_of(id, frame)?,
@@ -50,20 +52,20 @@ impl TrackedBodies {
         Some((base, pose_of(self.tip, frame)?))
     }
 
-    /// Why [`TrackedBodies::poses`] has none.
+    /// Why [`TrackedBodies::poses`] returned none.
     pub(super) fn unseen(&self, frame: &FrameOfData) -> &'static str {
         let missing = |id| !frame.rigid_bodies.iter().any(|body| body.id == id);
         let seen = |id| pose_of(id, frame).is_some();
         match self.base {
             _ if missing(self.tip) => "frames without the tip's body",
             Some(base) if missing(base) => "frames without the base's body",
-            Some(base) if !seen(base) && !seen(self.tip) => "base and tip are not seen",
-            Some(base) if !seen(base) => "the base is not seen",
-            _ => "the tip is not seen",
+            Some(base) if !seen(base) && !seen(self.tip) => "base and tip are not tracked",
+            Some(base) if !seen(base) => "the base is not tracked",
+            _ => "the tip is not tracked",
         }
     }
 
-    /// True if the frame holds both, seen or not.
+    /// True if the frame lists both, tracked or not.
     pub(super) fn are_in(&self, frame: &FrameOfData) -> bool {
         let holds = |id| frame.rigid_bodies.iter().any(|body| body.id == id);
         holds(self.tip) && self.base.is_none_or(holds)
@@ -83,7 +85,7 @@ fn id_of(role: &'static str, body: &BodyName, model: &ModelDef) -> Result<i32, T
             count => TrackingFault::BodyDouble { role, body, count, there_are },
         });
     };
-    // Another body with the same id makes its frames ambiguous, whatever its name.
+    // A second body with the same id makes the frames ambiguous, whatever its name.
     let count = model.rigid_bodies().filter(|(_, other)| *other == id).count();
     if count > 1 {
         return Err(TrackingFault::BodyDouble { role, body: BodyName::Id(id), count, there_are: listed(model) });
@@ -104,7 +106,7 @@ fn listed(model: &ModelDef) -> String {
     names.join(", ")
 }
 
-/// The pose of the one body with this id, if it is tracked and its numbers are a pose.
+/// The pose of the only body with this id, if it is tracked and its values are valid.
 fn pose_of(id: i32, frame: &FrameOfData) -> Option<RigidPose> {
     let mut same = frame.rigid_bodies.iter().filter(|body| body.id == id);
     let (body, None) = (same.next()?, same.next()) else { return None };

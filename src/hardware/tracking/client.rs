@@ -1,4 +1,4 @@
-//! The client: a stream, its sockets, and what keeps the connection alive.
+//! The client: a frame stream, its sockets, and the keep-alive of the connection.
 
 use natnet::{ServerInfo, command};
 
@@ -11,19 +11,19 @@ use super::status::TrackingStatus;
 use super::stream::{FrameStream, Received};
 use crate::hardware::clock::Clock;
 
-/// A unicast server is told so often, s, that this client is there.
+/// Interval of keep-alive messages to a unicast server, s.
 const KEEPALIVE_S: f64 = 1.0;
 
-/// After so long without a frame, s, the server is asked again who it is.
+/// Time without a frame after which the handshake is repeated, s.
 const SILENCE_S: f64 = 1.0;
 
-/// Shortest time between two questions, s.
+/// Shortest interval between two requests, s.
 const MIN_REQUEST_INTERVAL_S: f64 = 0.5;
 
-/// Datagrams read in one poll: a flood may not hold the caller up.
+/// Most datagrams read in one poll, so that a flood cannot block the caller.
 const MAX_PER_POLL: usize = 4096;
 
-/// The connection to a motion capture server.
+/// A connection to a motion capture server.
 pub struct TrackerClient {
     settings: TrackingSettings,
     link: TrackerSockets,
@@ -35,11 +35,10 @@ pub struct TrackerClient {
 }
 
 impl TrackerClient {
-    /// Connects to the server that the settings describe, and looks the robot's bodies up. Waits for answers on
-    /// `clock`, `connect_s` for each at most.
+    /// Connects to the server and finds the robot's bodies. Waits for answers on `clock`, at most `connect_s` for each.
     ///
     /// # Errors
-    /// [`TrackingFault`] says what was found, what was expected and how to go on.
+    /// [`TrackingFault`] says what was found, what was expected and how to continue.
     pub fn open(settings: TrackingSettings, clock: &dyn Clock) -> Result<TrackerClient, TrackingFault> {
         settings.check()?;
         let mut link = TrackerSockets::open(&settings)?;
@@ -50,7 +49,7 @@ impl TrackerClient {
             link.join(&settings)?;
         }
         let model = match handshake::model(&mut link, &settings, version, clock) {
-            // Bodies that are set by their streaming ids need nobody to look them up.
+            // Bodies given by their streaming ids need no model.
             Err(TrackingFault::NoModel { .. }) if settings.names_no_body() => None,
             other => Some(other?),
         };
@@ -67,8 +66,8 @@ impl TrackerClient {
         })
     }
 
-    /// Takes in everything that has arrived by local time `now_s`, and says to the server what has to be said. Never
-    /// waits and never fails: what goes wrong is counted in [`TrackerClient::status`].
+    /// Processes everything that has arrived by local time `now_s`, and sends what is due. Never blocks and never
+    /// fails: [`TrackerClient::status`] counts what goes wrong.
     pub fn poll(&mut self, now_s: f64) {
         for _ in 0..MAX_PER_POLL {
             match self.link.receive() {
@@ -90,7 +89,7 @@ impl TrackerClient {
         match received {
             Received::Frame => self.last_frame_s = now_s,
             Received::Model(model) => self.stream.set_model(&model),
-            // Only as an answer: while frames come, nothing has to be agreed anew.
+            // Only as an answer: while frames arrive, nothing has to be negotiated.
             Received::Server(server) if self.is_silent(now_s) => {
                 self.stream.reconnect(&server);
                 self.server = server;
@@ -103,7 +102,7 @@ impl TrackerClient {
         now_s - self.last_frame_s >= SILENCE_S
     }
 
-    /// Keeps a unicast server sending, and asks for what is not known.
+    /// Keeps a unicast server sending, and requests what is missing.
     fn maintain_connection(&mut self, now_s: f64) {
         if self.settings.transport == Transport::Unicast && now_s >= self.keepalive_s {
             self.keepalive_s = now_s + KEEPALIVE_S;
@@ -131,8 +130,8 @@ impl TrackerClient {
         }
     }
 
-    /// The tip at a local time, s: between the valid samples before and after if they are at most 2.5 frame periods
-    /// apart, else the one before if it is at most one period old, else none.
+    /// The tip at a local time, s: interpolated between the valid samples before and after if they are at most 2.5
+    /// frame periods apart, else the sample before if it is at most one period old, else none.
     pub fn pose_at(&self, time_s: f64) -> Option<TipPose> {
         self.stream.pose_at(time_s)
     }
@@ -142,13 +141,13 @@ impl TrackerClient {
         self.stream.latest()
     }
 
-    /// How old the newest valid sample is at `now_s`, s; infinite before the first one. Frames that come late are old
-    /// when they come, against the least delay of the last ten seconds.
+    /// Age of the newest valid sample at `now_s`, s; infinite before the first one. The delay of late frames counts as
+    /// age, relative to the smallest delay of the last ten seconds.
     pub fn age_s(&self, now_s: f64) -> f64 {
         self.latest().map_or(f64::INFINITY, |tip| now_s - tip.time_s)
     }
 
-    /// What has been counted and measured so far.
+    /// Counts and measures so far.
     pub fn status(&self) -> &TrackingStatus {
         self.stream.status()
     }
@@ -160,7 +159,7 @@ impl TrackerClient {
 }
 
 impl Drop for TrackerClient {
-    /// A unicast server need not wait for keep-alives that do not come.
+    /// Tells a unicast server not to wait for keep-alives.
     fn drop(&mut self) {
         if self.settings.transport == Transport::Unicast {
             self.send(&command::disconnect_datagram());

@@ -1,29 +1,29 @@
-//! The server's clock against ours.
+//! Offset between the server's clock and the local clock.
 //!
-//! A frame is received at its stamp, plus the difference of the clocks, plus a delay that is never negative. The least
-//! of many "received − stamp" is therefore the difference plus the least delay, whatever the others suffered. Delay that begins and stays makes samples old for as long as an earlier, lesser one is
-//! remembered; after that it cannot be told from the clocks.
+//! A frame arrives at its stamp, plus the clock offset, plus a non-negative delay. The minimum of many "received −
+//! stamp" is therefore the offset plus the smallest delay. A delay that begins and persists makes samples old for as
+//! long as an earlier, smaller one is remembered; after that it cannot be distinguished from the offset.
 
 use std::collections::VecDeque;
 
-/// The least difference is taken over so many stretches of this length, s: long against bursts of delay, short enough
-/// that two quartz clocks do not drift apart by more than a millisecond.
+/// The minimum is taken over this many intervals of this length, s: long compared with bursts of delay, short enough
+/// that two quartz clocks drift apart by less than a millisecond.
 const STRETCHES: usize = 10;
 const STRETCH_S: f64 = 1.0;
 
-/// Share of the newest delay in the mean.
+/// Weight of the newest delay in the running mean.
 const MEAN_SHARE: f64 = 1.0 / 32.0;
 
-/// The difference of the clocks, as far as it is known.
+/// Estimate of the clock offset.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ClockSync {
-    /// Start of each stretch and the least difference in it, s.
+    /// Start of each interval and its minimum, s.
     stretches: VecDeque<(f64, f64)>,
     jitter_s: f64,
 }
 
 impl ClockSync {
-    /// A frame stamped `stamp_s` was received at `received_s`. Returns the difference of the clocks.
+    /// Adds a frame stamped `stamp_s` that was received at `received_s`. Returns the clock offset, s.
     pub(crate) fn update(&mut self, stamp_s: f64, received_s: f64) -> f64 {
         let difference_s = received_s - stamp_s;
         match self.stretches.back_mut() {
@@ -37,7 +37,7 @@ impl ClockSync {
         offset_s
     }
 
-    /// Mean delay of the frames beyond the least one, s.
+    /// Mean delay of the frames beyond the smallest one, s.
     pub(crate) fn jitter_s(&self) -> f64 {
         self.jitter_s
     }

@@ -1,4 +1,4 @@
-//! The questions that a connection begins with, and whether the answers will do.
+//! Handshake: requests at the start of a connection, and checks of the answers.
 
 use std::net::SocketAddr;
 
@@ -10,16 +10,16 @@ use super::settings::{TrackingSettings, Transport};
 use super::sockets::TrackerSockets;
 use crate::hardware::clock::Clock;
 
-/// A question is asked again after this time, s: datagrams get lost.
+/// Time after which a request is repeated, s: datagrams get lost.
 const ASK_AGAIN_S: f64 = 0.25;
 
-/// How often is looked for the answer, s.
+/// Interval at which the sockets are read, s.
 const LOOK_S: f64 = 0.002;
 
-/// Datagrams that are read between two looks at the clock.
+/// Most datagrams read between two looks at the clock.
 const MAX_AT_ONCE: usize = 256;
 
-/// "Who are you?" In unicast it also asks for the frames, in the fixed version if there is one.
+/// The connect request. In unicast it also requests the frames, in the fixed version if there is one.
 pub(super) fn connect_request(settings: &TrackingSettings) -> Result<Request, CommandError> {
     match (settings.transport, settings.version.fixed()) {
         (Transport::Unicast, Some(version)) => command::connect_request_with(ConnectOptions::requesting(version)),
@@ -27,7 +27,7 @@ pub(super) fn connect_request(settings: &TrackingSettings) -> Result<Request, Co
     }
 }
 
-/// Asks the server who it is.
+/// Requests the server's identity.
 pub(super) fn connect(
     link: &mut TrackerSockets,
     settings: &TrackingSettings,
@@ -41,7 +41,7 @@ pub(super) fn connect(
     })
 }
 
-/// Asks the server which bodies it tracks.
+/// Requests the list of bodies.
 pub(super) fn model(
     link: &mut TrackerSockets,
     settings: &TrackingSettings,
@@ -56,7 +56,7 @@ pub(super) fn model(
     })
 }
 
-/// Asks until there is an answer that can be read, or the time is over: then how many datagrams could not be read.
+/// Repeats a request until a valid answer arrives or the time is over; then returns the number of unreadable datagrams.
 fn ask<T>(
     link: &mut TrackerSockets,
     settings: &TrackingSettings,
@@ -64,7 +64,7 @@ fn ask<T>(
     request: Result<Request, CommandError>,
     read: impl Fn(&[u8]) -> Option<T>,
 ) -> Result<Result<T, u64>, TrackingFault> {
-    let fault = |source| TrackingFault::Socket { doing: format!("talk to {}", settings.server), source };
+    let fault = |source| TrackingFault::Socket { doing: format!("communicate with {}", settings.server), source };
     let request = request.map_err(|error| fault(std::io::Error::other(error)))?;
     let start_s = clock.now_s();
     let (mut ask_s, mut unreadable) = (start_s, 0);
@@ -80,7 +80,7 @@ fn ask<T>(
             if let Some(answer) = read(datagram).filter(|_| from == server) {
                 return Ok(Ok(answer));
             }
-            // Unicast frames may come before the answer.
+            // Unicast frames may arrive before the answer.
             unreadable += u64::from(natnet::FrameOfData::parse(datagram, Version::V4_1).is_err());
         }
     }
@@ -98,17 +98,17 @@ pub(super) fn version(settings: &TrackingSettings, server: &ServerInfo) -> Resul
     if same || can_switch {
         return Ok(fixed);
     }
-    let expected = format!("{}.{} as `version` says; set it to auto, or stream in unicast", fixed.major, fixed.minor);
+    let expected = format!("{}.{} as set in `version`; set it to auto, or use unicast", fixed.major, fixed.minor);
     Err(TrackingFault::Version { application: application(server), found: offered.to_string(), expected })
 }
 
-/// The error for a version without a layout.
+/// The error for an unsupported version.
 pub(super) fn unreadable_version(server: &ServerInfo, found: Version) -> TrackingFault {
-    let expected = "3.0, 3.1, 4.0 or 4.1; a newer server may stream 4.1 if `version` asks for it in unicast".into();
+    let expected = "3.0, 3.1, 4.0 or 4.1; a newer server may stream 4.1 if `version` requests it in unicast".into();
     TrackingFault::Version { application: application(server), found: found.to_string(), expected }
 }
 
-/// Refuses a server that sends its frames elsewhere than this client listens.
+/// Refuses a server that sends its frames to another address than the configured one.
 pub(super) fn transport(settings: &TrackingSettings, server: &ServerInfo) -> Result<(), TrackingFault> {
     let connection = &server.connection;
     let found = if connection.multicast { Transport::Multicast } else { Transport::Unicast };
@@ -120,7 +120,7 @@ pub(super) fn transport(settings: &TrackingSettings, server: &ServerInfo) -> Res
     Err(TrackingFault::Transport { found, found_at, expected: settings.transport, expected_at })
 }
 
-/// The server's name and version.
+/// Name and version of the server.
 pub(super) fn application(server: &ServerInfo) -> String {
     format!("{} {}", server.application_name, server.server_version)
 }

@@ -1,7 +1,7 @@
 //! Motion capture: the tip of the robot in its base frame, from an OptiTrack NatNet stream.
 //!
-//! [`TrackerClient`] speaks to Motive over UDP and never waits after [`TrackerClient::open`]. A datagram passes through [`FrameStream`]:
-//! is it from our server, does it decode, is it newer than the last one, are both bodies seen. What is left becomes a
+//! [`TrackerClient`] talks to Motive over UDP and never blocks after [`TrackerClient::open`]. [`FrameStream`] checks
+//! each datagram: sent by our server, decodable, newer than the last one, both bodies tracked. The result is a
 //! [`TipPose`] at a local time.
 
 mod align;

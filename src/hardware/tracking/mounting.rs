@@ -5,10 +5,10 @@ use nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3};
 use super::pose::RigidPose;
 use super::settings::{TrackingSettings, UpAxis};
 
-/// How the tracked bodies are fixed to the robot.
+/// Mounting of the tracked bodies on the robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mounting {
-    /// From Motive's axes to those of the harness.
+    /// From Motive's axes to those of this program.
     axes: UnitQuaternion<f64>,
     /// The robot's base frame in the base body's frame.
     base: Isometry3<f64>,
@@ -26,15 +26,14 @@ impl Mounting {
         Mounting { axes, base: settings.alignment.motion(), tip: settings.tip_offset.motion() }
     }
 
-    /// The tip in the robot's base frame, from the two bodies as Motive sees them. Where Motive's origin is drops out.
+    /// The tip in the robot's base frame, from the poses of the two bodies in Motive. Motive's origin cancels out.
     pub fn tip(&self, base_body: &RigidPose, tip_body: &RigidPose) -> RigidPose {
         let seen = base_body.motion().inv_mul(&tip_body.motion());
         let turned = self.axes * seen * self.axes.inverse();
         RigidPose::of(&(self.base.inv_mul(&turned) * self.tip))
     }
 
-    /// The tip body as Motive sees it when the tip is at `tip` in the robot's base frame: the opposite of
-    /// [`Mounting::tip`].
+    /// The tip body in Motive when the tip is at `tip` in the robot's base frame: the inverse of [`Mounting::tip`].
     pub fn tip_body(&self, base_body: &RigidPose, tip: &RigidPose) -> RigidPose {
         let turned = self.base * tip.motion() * self.tip.inverse();
         let seen = self.axes.inverse() * turned * self.axes;

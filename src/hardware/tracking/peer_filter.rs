@@ -1,9 +1,9 @@
-//! Whose datagrams count: those of the server that we shook hands with.
+//! Filter of datagrams by sender: only the server of the handshake counts.
 
 use std::net::{SocketAddr, SocketAddrV4};
 
-/// Where our server sends from. Its address is known; the port of its frames is learnt from the first one, and a port
-/// that the server named takes precedence over one that it did not.
+/// Addresses of the server. The port of its frames is learnt from the first frame; a port that the server announced
+/// takes precedence.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PeerFilter {
     command: SocketAddrV4,
@@ -12,7 +12,7 @@ pub(crate) struct PeerFilter {
 }
 
 impl PeerFilter {
-    /// The server that answered at `command` and named `data_port`.
+    /// A filter for the server that answered at `command` and announced `data_port`.
     pub(crate) fn new(command: SocketAddrV4, data_port: u16) -> PeerFilter {
         PeerFilter { command, data_port, frames_port: None }
     }
@@ -22,7 +22,7 @@ impl PeerFilter {
         from == SocketAddr::V4(self.command)
     }
 
-    /// True for frames of our server, or of one that may be it.
+    /// True for frames of our server, or of one that may be our server.
     pub(crate) fn accepts_frames(&self, from: SocketAddr) -> bool {
         let SocketAddr::V4(from) = from else { return false };
         let port = from.port();
@@ -31,12 +31,12 @@ impl PeerFilter {
         from.ip() == self.command.ip() && (same || better)
     }
 
-    /// A good frame came from here: from now on only these count.
+    /// Accepts frames from this port only, after a valid frame came from it.
     pub(crate) fn set_frames_port(&mut self, from: SocketAddr) {
         self.frames_port = Some(from.port());
     }
 
-    /// The server was met again and names `data_port`. A port that it never named need not be its port any more.
+    /// Takes the `data_port` of a new handshake. A port that was never announced is discarded.
     pub(crate) fn reconnect(&mut self, data_port: u16) {
         self.data_port = data_port;
         self.frames_port = self.frames_port.filter(|known| self.is_named_port(*known));

@@ -1,4 +1,4 @@
-//! Poses: a frame as seen from another one, and the tip at one time.
+//! Poses: a frame relative to another one, and the tip at one time.
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
@@ -6,10 +6,10 @@ use serde::{Deserialize, Serialize};
 use crate::base::{BadOption, Point3};
 use crate::math::rotation;
 
-/// Quaternions whose length is further from 1 are refused rather than normalised.
+/// Largest deviation of a quaternion's norm from 1; others are refused rather than normalised.
 const UNIT_TOLERANCE: f64 = 1e-3;
 
-/// A position and an orientation: where a frame is, seen from another one.
+/// A position and an orientation: the pose of a frame relative to another one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RigidPose {
@@ -43,7 +43,7 @@ impl RigidPose {
         Isometry3::from_parts(Translation3::from(Vector3::from(self.position_m)), turn)
     }
 
-    /// The pose at `fraction` of the way to `other`: straight in position, at constant rate about one axis in rotation.
+    /// The pose at `fraction` of the way to `other`: linear in position, constant angular rate about one axis.
     pub fn towards(&self, other: &RigidPose, fraction: f64) -> RigidPose {
         let (from, to) = (self.motion(), other.motion());
         let turn = rotation::between(&from.rotation, &to.rotation, fraction);
@@ -51,7 +51,7 @@ impl RigidPose {
         RigidPose::of(&Isometry3::from_parts(position.into(), turn))
     }
 
-    /// Refuses numbers that are not finite and quaternions that are not of length 1; `key` is where the pose stands.
+    /// Refuses values that are not finite and quaternions whose norm is not 1; `key` names the setting.
     ///
     /// # Errors
     /// [`BadOption`].
@@ -66,7 +66,7 @@ impl RigidPose {
     }
 }
 
-/// Where the tip was at one time.
+/// Pose of the tip at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TipPose {
     /// Local time, s.
@@ -82,7 +82,7 @@ impl TipPose {
         TipPose { time_s, position_m: pose.position_m, quaternion: pose.quaternion }
     }
 
-    /// The same without its time.
+    /// The pose without its time.
     pub fn pose(&self) -> RigidPose {
         RigidPose { position_m: self.position_m, quaternion: self.quaternion }
     }

@@ -1,20 +1,20 @@
-//! Frame numbers: which frame is new, how many were lost, and when the server has started again.
+//! Frame numbers: new frames, lost frames, and restarts of the server.
 
-/// Frames with lower numbers must come for so long, s, and be so many, until the server is taken to have started again.
+/// Duration, s, and number of frames with lower numbers after which the server counts as restarted.
 const RESTART_S: f64 = 1.0;
 const RESTART_FRAMES: u32 = 5;
 
-/// What tells frames apart.
+/// Number and time stamp of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FrameStamp {
-    /// The server's count; wraps.
+    /// The server's frame number; wraps.
     pub(crate) number: i32,
     /// The server's clock, s.
     pub(crate) stamp_s: f64,
 }
 
 impl FrameStamp {
-    /// Frames from `earlier` to this one by their numbers; negative for an older frame.
+    /// Frames from `earlier` to this one; negative for an older frame.
     fn ahead(&self, earlier: &FrameStamp) -> i32 {
         self.number.wrapping_sub(earlier.number)
     }
@@ -24,22 +24,22 @@ impl FrameStamp {
     }
 }
 
-/// What a frame is, compared with the last new one.
+/// Order of a frame relative to the last new one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FrameOrder {
-    /// New, after so many that did not come.
+    /// New, after `lost` missing frames.
     New { lost: u64 },
-    /// Seen before.
+    /// The same frame again.
     Duplicate,
-    /// Older than the last one.
+    /// Older than the last new frame.
     Old,
-    /// A higher number, but the server's clock has not gone on.
+    /// A higher number, but the server's clock has not advanced.
     StuckClock,
-    /// New, of a server that has begun to count again.
+    /// New, after a restart of the server.
     Restart,
 }
 
-/// Frames that were refused although they follow each other.
+/// Rejected frames that follow each other.
 #[derive(Clone, Copy, Debug)]
 struct RefusedRun {
     since_s: f64,
@@ -47,7 +47,7 @@ struct RefusedRun {
     last: FrameStamp,
 }
 
-/// The order of the frames so far.
+/// State of the sequence so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct FrameSequence {
     last: Option<FrameStamp>,
@@ -56,12 +56,12 @@ pub(crate) struct FrameSequence {
 }
 
 impl FrameSequence {
-    /// The server was met again: numbers below the last one are then a new count at once.
+    /// Accepts lower numbers as a restart at once, after a new handshake.
     pub(crate) fn expect_restart(&mut self) {
         self.restart_expected = true;
     }
 
-    /// Judges the next frame, received at `now_s`.
+    /// Classifies the next frame, received at `now_s`.
     pub(crate) fn classify(&mut self, stamp: FrameStamp, now_s: f64) -> FrameOrder {
         let Some(last) = self.last else {
             self.accept(stamp);
@@ -86,8 +86,7 @@ impl FrameSequence {
         *self = FrameSequence { last: Some(stamp), refused: None, restart_expected: false };
     }
 
-    /// Single stragglers are old; frames that are all older than the last one, but go on among themselves, are a new
-    /// count.
+    /// Single stragglers are old; a consecutive run of frames that are all older than the last one is a restart.
     fn restarted(&mut self, stamp: FrameStamp, now_s: f64) -> bool {
         let Some(run) = &mut self.refused else {
             self.refused = Some(RefusedRun { since_s: now_s, frames: 1, last: stamp });

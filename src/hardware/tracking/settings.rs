@@ -1,4 +1,4 @@
-//! What a lab sets about its motion capture.
+//! Settings of the motion capture system.
 
 use std::fmt;
 use std::net::Ipv4Addr;
@@ -9,29 +9,29 @@ use serde::{Deserialize, Serialize};
 use super::pose::RigidPose;
 use crate::base::BadOption;
 
-/// How frames come from the server: what Motive calls the transmission type.
+/// Transport of the frames: Motive's "transmission type".
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Transport {
-    /// To this computer alone, for as long as it says that it is there.
+    /// To this computer alone, while it sends keep-alive messages.
     Unicast,
     /// To a group that any computer may join.
     Multicast,
 }
 
-/// Which axis of Motive's ground plane settings points up. Bodies are created with their axes along Motive's.
+/// Motive's up axis. Bodies are created with their axes along Motive's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 pub enum UpAxis {
-    /// Y up, Motive's default: x of the harness is Motive's y, z is Motive's z.
+    /// Y up, Motive's default: x of this program is Motive's y, z is Motive's z.
     Y,
-    /// Z up: x of the harness is Motive's z, z is Motive's x.
+    /// Z up: x of this program is Motive's z, z is Motive's x.
     Z,
 }
 
-/// The layout of the frames.
+/// Version of the frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 pub enum StreamVersion {
-    /// The one that the server names.
+    /// The version that the server announces.
     #[serde(rename = "auto")]
     Auto,
     /// NatNet 3.0 (Motive 2.0 and 2.1).
@@ -49,7 +49,7 @@ pub enum StreamVersion {
 }
 
 impl StreamVersion {
-    /// The version, unless it is the server's choice.
+    /// The version, unless the server chooses it.
     pub fn fixed(self) -> Option<Version> {
         match self {
             StreamVersion::Auto => None,
@@ -61,13 +61,13 @@ impl StreamVersion {
     }
 }
 
-/// A rigid body of Motive, by its name or by its streaming id.
+/// A rigid body of Motive, by name or by streaming id.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(untagged)]
 pub enum BodyName {
     /// Streaming id, as in Motive's properties of the body.
     Id(i32),
-    /// Name, as in Motive's list of assets; capitals matter.
+    /// Name, as in Motive's list of assets; case-sensitive.
     Name(String),
 }
 
@@ -80,7 +80,7 @@ impl fmt::Display for BodyName {
     }
 }
 
-/// Settings of the motion capture.
+/// Settings of the motion capture system.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrackingSettings {
@@ -88,28 +88,28 @@ pub struct TrackingSettings {
     pub server: Ipv4Addr,
     /// UDP port of the server for commands.
     pub command_port: u16,
-    /// UDP port of the frames: of the group in multicast, of the server's end in unicast.
+    /// UDP port of the frames: of the group in multicast, of the server in unicast.
     pub data_port: u16,
     /// `unicast` or `multicast`, as in Motive.
     pub transport: Transport,
-    /// Group that the server sends to in multicast.
+    /// Multicast group of the server.
     pub multicast_group: Ipv4Addr,
-    /// IPv4 address of this computer on the network of the cameras; 0.0.0.0 leaves the choice to the system.
+    /// IPv4 address of this computer on the cameras' network; 0.0.0.0 lets the system choose.
     pub interface: Ipv4Addr,
-    /// Rigid body fixed to the robot's base; null where there is none and the base does not move against the cameras:
+    /// Rigid body fixed to the robot's base; null if there is none and the base does not move relative to the cameras:
     /// the base body's frame is then Motive's own.
     pub base_body: Option<BodyName>,
     /// Rigid body fixed to the robot's tip.
     pub tip_body: BodyName,
-    /// Frame rate that Motive is set to, Hz: tells gaps between samples that are interpolated from those that are not.
+    /// Frame rate set in Motive, Hz; determines which gaps between samples are interpolated.
     pub rate_hz: f64,
-    /// `auto`, or the version of the stream: `3.0`, `3.1`, `4.0`, `4.1`. Unicast servers are asked for it.
+    /// `auto`, or the version of the stream: `3.0`, `3.1`, `4.0`, `4.1`. Unicast servers are asked to send it.
     pub version: StreamVersion,
-    /// How long the server may take to answer when the connection is made, s.
+    /// Longest time for an answer of the server while connecting, s.
     pub connect_s: f64,
     /// `Y` or `Z`, as in Motive's streaming settings.
     pub up_axis: UpAxis,
-    /// Pose of the robot's base frame in the base body's frame, in the axes that `up_axis` gives: x up, z along the
+    /// Pose of the robot's base frame in the base body's frame, in the axes given by `up_axis`: x up, z along the
     /// straight robot.
     pub alignment: RigidPose,
     /// Pose of the robot's tip in the tip body's frame, in the same axes.
@@ -138,7 +138,7 @@ impl Default for TrackingSettings {
 }
 
 impl TrackingSettings {
-    /// True when both bodies are set by their streaming ids.
+    /// True if both bodies are given by their streaming ids.
     pub fn names_no_body(&self) -> bool {
         let is_named_port = |body: &BodyName| matches!(body, BodyName::Name(_));
         !is_named_port(&self.tip_body) && !self.base_body.as_ref().is_some_and(is_named_port)

@@ -1,4 +1,4 @@
-//! The sockets. Nothing here waits.
+//! The client's UDP sockets. No call blocks.
 
 use std::io::{self, ErrorKind};
 use std::net::{Ipv4Addr, SocketAddr, SocketAddrV4, UdpSocket};
@@ -8,13 +8,13 @@ use socket2::{Domain, Protocol, Socket, Type};
 use super::fault::TrackingFault;
 use super::settings::TrackingSettings;
 
-/// The longest UDP datagram fits.
+/// Size of the receive buffer: holds the longest UDP datagram.
 const BUFFER_BYTES: usize = 65_536;
 
-/// Asked of the system for frames that wait to be read: seconds of them.
+/// Requested size of the system's receive queue: several seconds of frames.
 const QUEUE_BYTES: usize = 1 << 20;
 
-/// A socket for commands, on which unicast frames come too, and one for multicast frames.
+/// A socket for commands, which also receives unicast frames, and one for multicast frames.
 pub(crate) struct TrackerSockets {
     command: UdpSocket,
     group: Option<UdpSocket>,
@@ -23,7 +23,7 @@ pub(crate) struct TrackerSockets {
 }
 
 impl TrackerSockets {
-    /// The command socket, on a port of the system's choice.
+    /// Opens the command socket, on a port that the system chooses.
     pub(crate) fn open(settings: &TrackingSettings) -> Result<TrackerSockets, TrackingFault> {
         let local = SocketAddrV4::new(settings.interface, 0);
         let command = socket(local, false)
@@ -43,7 +43,7 @@ impl TrackerSockets {
         Ok(())
     }
 
-    /// Where commands go.
+    /// Address that commands are sent to.
     pub(crate) fn server(&self) -> SocketAddrV4 {
         self.server
     }
@@ -53,7 +53,7 @@ impl TrackerSockets {
         self.command.send_to(datagram, self.server).map(|_| ())
     }
 
-    /// The next datagram that waits, and who sent it.
+    /// The next waiting datagram and its sender.
     pub(crate) fn receive(&mut self) -> io::Result<Option<(&[u8], SocketAddr)>> {
         let mut received = waiting(&self.command, &mut self.buffer)?;
         if let (None, Some(group)) = (received, &self.group) {
@@ -66,7 +66,7 @@ impl TrackerSockets {
 fn waiting(socket: &UdpSocket, buffer: &mut [u8]) -> io::Result<Option<(usize, SocketAddr)>> {
     match socket.recv_from(buffer) {
         Ok((length, from)) => Ok(Some((length, from))),
-        // Some systems report a server's closed port here; that it does not answer is seen anyway.
+        // Some systems report a closed port of the server here; a missing answer is detected elsewhere.
         Err(error)
             if matches!(
                 error.kind(),
@@ -86,15 +86,15 @@ fn socket(local: SocketAddrV4, shared: bool) -> io::Result<UdpSocket> {
     let socket = Socket::new(Domain::IPV4, Type::DGRAM, Some(Protocol::UDP))?;
     socket.set_reuse_address(shared)?;
     socket.set_nonblocking(true)?;
-    // A smaller queue than asked for is no reason to stop.
+    // A smaller queue than requested is acceptable.
     let _ = socket.set_recv_buffer_size(QUEUE_BYTES);
     socket.bind(&SocketAddr::V4(local).into())?;
     Ok(socket.into())
 }
 
-/// Other programs on this computer may listen to the same group.
+/// Other programs on this computer may join the same group.
 fn joined(group: SocketAddrV4, interface: Ipv4Addr) -> io::Result<UdpSocket> {
-    // Bound to the group's address, Unix delivers this group alone; Windows does not take that address.
+    // Bound to the group's address, Unix delivers only this group; Windows does not accept that address.
     let address = if cfg!(windows) { Ipv4Addr::UNSPECIFIED } else { *group.ip() };
     let socket = socket(SocketAddrV4::new(address, group.port()), true)?;
     socket.join_multicast_v4(group.ip(), &interface)?;

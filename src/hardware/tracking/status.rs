@@ -1,51 +1,51 @@
-//! What a tracker counts while it runs.
+//! Counts and measures of the tracking.
 
 use std::net::SocketAddr;
 
 /// Counts since the connection was made, and measures of the stream.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TrackingStatus {
-    /// Frames of our server that decoded, old ones and duplicates included.
+    /// Decoded frames of our server, including old and duplicate ones.
     pub received: u64,
-    /// Frames that did not come, by their numbers.
+    /// Missing frames, by their numbers.
     pub lost: u64,
-    /// Frames that came after a later one; dropped.
+    /// Frames that arrived after a later one; dropped.
     pub out_of_order: u64,
-    /// Frames that came twice; dropped.
+    /// Frames that arrived twice; dropped.
     pub duplicates: u64,
-    /// Frames with a higher number whose stamp had not gone on; dropped.
+    /// Frames with a higher number but an old time stamp; dropped.
     pub stuck_clock: u64,
-    /// Datagrams of our server that do not decode.
+    /// Undecodable datagrams of our server.
     pub malformed: u64,
-    /// Datagrams of anybody else; dropped.
+    /// Datagrams of other senders; dropped.
     pub foreign: u64,
-    /// Who sent the last of those.
+    /// Sender of the last of those.
     pub foreign_source: Option<SocketAddr>,
     /// New frames without a valid pose of both bodies.
     pub occluded: u64,
     /// New frames with a valid pose of both bodies.
     pub valid: u64,
-    /// Times that the server began to count its frames again.
+    /// Restarts of the server's frame count.
     pub restarts: u64,
     /// Times that the list of bodies was read again.
     pub models: u64,
-    /// Why the server's frames are of no use at present: bodies that it no longer has, a version that it changed to.
+    /// Why the server's frames cannot be used now: missing bodies, or a changed version.
     pub fault: Option<String>,
-    /// Frames per second by the server's clock, over the last second or so.
+    /// Frames per second by the server's clock, over the last 128 frames.
     pub rate_hz: Option<f64>,
-    /// Mean delay of the frames beyond the least one, s.
+    /// Mean delay of the frames beyond the smallest one, s.
     pub latency_jitter_s: f64,
-    /// From mid-exposure to transmission of the last frame by the server's clock, s, where it tells.
+    /// Time from mid-exposure to transmission of the last frame by the server's clock, s, if the server reports it.
     pub camera_latency_s: Option<f64>,
-    /// What is the matter with the frames that have come since the last valid one.
+    /// What is wrong with the frames since the last valid one.
     pub unseen: Option<&'static str>,
-    /// For how long all numbers of the tip's body have been the same to the last bit, s: real cameras are never so still.
+    /// How long all values of the tip's body have been identical to the last bit, s: real cameras are never that still.
     pub unchanged_s: f64,
-    /// Times that they were others than before.
+    /// Number of changes of those values.
     pub changes: u64,
-    /// Times that the system refused to send or receive.
+    /// Errors of the sockets.
     pub socket_errors: u64,
-    /// The last of its reasons.
+    /// The last of them.
     pub socket_error: Option<String>,
 }
 

@@ -1,4 +1,4 @@
-//! From datagrams to samples: everything about the client except its sockets.
+//! From datagrams to samples: the client without its sockets.
 
 use std::collections::VecDeque;
 use std::net::{SocketAddr, SocketAddrV4};
@@ -17,35 +17,35 @@ use super::settings::TrackingSettings;
 use super::status::TrackingStatus;
 use super::tip_buffer::TipBuffer;
 
-/// Frames that the rate is measured over.
+/// Number of frames over which the rate is measured.
 const RATE_FRAMES: usize = 128;
 
 /// Bit of a frame's parameters: the list of bodies has changed.
 const MODEL_CHANGED: u16 = 0x02;
 
-/// Stamps beyond this are no times, s: three centuries, be it since the server's start or since 1970.
+/// Largest valid time stamp, s: three centuries, since the server's start or since 1970.
 const LATEST_STAMP_S: f64 = 1e10;
 
-/// After so long without a sample, s, frames that are of no use are the reason.
+/// Time without a sample, s, after which unusable frames are reported as its reason.
 const UNSEEN_S: f64 = 0.04;
 
-/// Delays beyond this are no delays of cameras, s.
+/// Largest plausible camera latency, s.
 const LONGEST_CAMERA_LATENCY_S: f64 = 10.0;
 
-/// What a datagram was.
+/// Kind of a processed datagram.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Received {
     /// Nothing of use: foreign, malformed, or of another kind.
     Nothing,
-    /// A frame of our server; it has been taken into the samples unless it was old.
+    /// A frame of our server; added to the samples unless it was old.
     Frame,
-    /// Our server tells who it is.
+    /// The identity of our server.
     Server(ServerInfo),
-    /// Our server tells which bodies it tracks.
+    /// The list of bodies of our server.
     Model(ModelDef),
 }
 
-/// The stream of one server: fed with datagrams, asked for poses.
+/// The frame stream of one server: takes datagrams, returns poses.
 pub struct FrameStream {
     settings: TrackingSettings,
     decoder: Decoder,
@@ -57,18 +57,18 @@ pub struct FrameStream {
     clock_sync: ClockSync,
     samples: TipBuffer,
     recent: VecDeque<FrameStamp>,
-    /// The tip's body as it was last seen, and the stamp since when it has been just so.
+    /// The tip's body when it was last tracked, and the stamp since when it has not changed.
     unchanged: Option<(RigidPose, f64)>,
     wants_model: bool,
     status: TrackingStatus,
 }
 
 impl FrameStream {
-    /// The stream of a server that has told who it is and what it tracks; the latter is not needed where the bodies are set by
-    /// their streaming ids.
+    /// A stream of a server that has announced its identity and its bodies; the bodies are not needed if both are given
+    /// by their streaming ids.
     ///
     /// # Errors
-    /// [`TrackingFault`] for a version that cannot be read, or bodies that are missing or double.
+    /// [`TrackingFault`] for an unsupported version, or bodies that are missing or not unique.
     pub fn new(
         settings: &TrackingSettings,
         server: &ServerInfo,
@@ -92,7 +92,7 @@ impl FrameStream {
         })
     }
 
-    /// Takes one datagram, received from `from` at local time `now_s`. Any bytes will do.
+    /// Processes one datagram, received from `from` at local time `now_s`. Any bytes are accepted.
     pub fn process(&mut self, datagram: &[u8], from: SocketAddr, now_s: f64) -> Received {
         let id = MessageHeader::parse(datagram).map_or(u16::MAX, |header| header.message_id);
         let ours = match id {
@@ -106,7 +106,7 @@ impl FrameStream {
         }
         let Ok(decoded) = self.decoder.parse(datagram) else {
             self.status.malformed += 1;
-            self.status.unseen = Some("frames that cannot be read");
+            self.status.unseen = Some("unreadable frames");
             return Received::Nothing;
         };
         match decoded.into_message() {
@@ -121,7 +121,7 @@ impl FrameStream {
         let stamp = FrameStamp { number: frame.frame_number, stamp_s: frame.timing.timestamp };
         if !stamp.stamp_s.is_finite() || stamp.stamp_s.abs() > LATEST_STAMP_S {
             self.status.malformed += 1;
-            self.status.unseen = Some("time clock_sync that are none, in seconds");
+            self.status.unseen = Some("invalid time stamps");
             return Received::Nothing;
         }
         self.peer_filter.set_frames_port(from);
@@ -137,19 +137,19 @@ impl FrameStream {
                 self.take_new(frame, stamp, now_s);
                 return Received::Frame;
             }
-            FrameOrder::Duplicate => (&mut self.status.duplicates, "frames with the number of the one before"),
-            FrameOrder::Old => (&mut self.status.out_of_order, "frames with lower numbers than before"),
-            FrameOrder::StuckClock => (&mut self.status.stuck_clock, "frames whose time clock_sync do not go on"),
+            FrameOrder::Duplicate => (&mut self.status.duplicates, "frames with the number of the previous one"),
+            FrameOrder::Old => (&mut self.status.out_of_order, "frames with lower numbers than the previous one"),
+            FrameOrder::StuckClock => (&mut self.status.stuck_clock, "frames whose time stamps do not increase"),
         };
         *old += 1;
-        // Where others come besides, these do no harm.
+        // While other frames are valid, these do no harm.
         if self.samples.latest().is_none_or(|tip| now_s - tip.time_s > UNSEEN_S) {
             self.status.unseen = Some(why);
         }
         Received::Frame
     }
 
-    /// The server counts from another number, by another clock.
+    /// Discards everything that depends on the server's frame numbers and clock.
     fn restart(&mut self) {
         self.status.restarts += 1;
         self.clock_sync = ClockSync::default();
@@ -195,7 +195,7 @@ impl FrameStream {
         self.status.camera_latency_s = told.then_some(latency_s);
     }
 
-    /// The server answered a new handshake: it may have started again, with other ports, versions and bodies.
+    /// Takes the answer to a new handshake: the server may have restarted with other ports, versions and bodies.
     pub(super) fn reconnect(&mut self, server: &ServerInfo) {
         match decoder(&self.settings, server) {
             Ok(decoder) => self.decoder = decoder,
@@ -210,7 +210,7 @@ impl FrameStream {
         self.wants_model = true;
     }
 
-    /// The bodies of the server as they are now.
+    /// Takes the server's present list of bodies.
     pub(super) fn set_model(&mut self, model: &ModelDef) {
         self.wants_model = false;
         self.status.models += 1;
@@ -219,13 +219,13 @@ impl FrameStream {
         self.bodies = found.ok();
     }
 
-    /// True if the list of bodies should be asked for.
+    /// True if the list of bodies has to be requested.
     pub(super) fn wants_model(&self) -> bool {
         self.wants_model
     }
 
-    /// The tip at a local time, s: between the valid samples before and after if they are at most 2.5 frame periods
-    /// apart, else the one before if it is at most one period old, else none.
+    /// The tip at a local time, s: interpolated between the valid samples before and after if they are at most 2.5
+    /// frame periods apart, else the sample before if it is at most one period old, else none.
     pub fn pose_at(&self, time_s: f64) -> Option<TipPose> {
         self.samples.at(time_s)
     }
@@ -235,7 +235,7 @@ impl FrameStream {
         self.samples.latest()
     }
 
-    /// What has been counted so far.
+    /// Counts so far.
     pub fn status(&self) -> &TrackingStatus {
         &self.status
     }
@@ -245,7 +245,7 @@ impl FrameStream {
     }
 }
 
-/// Sections that are not read may be of a newer Motive than the decoder knows; they do no harm.
+/// Unread sections may be of a newer Motive than the decoder knows.
 fn decoder(settings: &TrackingSettings, server: &ServerInfo) -> Result<Decoder, TrackingFault> {
     let version = handshake::version(settings, server)?;
     match Decoder::new(version) {

@@ -1,16 +1,16 @@
-//! The latest samples, and the pose at a time between them.
+//! Buffer of the latest samples, with interpolation in time.
 
 use std::collections::VecDeque;
 
 use super::pose::{RigidPose, TipPose};
 
-/// Samples kept: five seconds at 100 Hz.
+/// Capacity: five seconds at 100 Hz.
 const KEPT: usize = 512;
 
-/// Widest gap that is interpolated, in frame periods: one lost frame, with some play.
+/// Largest gap that is interpolated, in frame periods: one lost frame, with some tolerance.
 const WIDEST_GAP: f64 = 2.5;
 
-/// Share of a period by which times may differ from round numbers of periods.
+/// Tolerance of times relative to the frame period.
 const PLAY: f64 = 1e-6;
 
 #[derive(Clone, Copy, Debug)]
@@ -20,7 +20,7 @@ struct TimedTip {
     tip: TipPose,
 }
 
-/// Valid samples in the order of their clock_sync.
+/// Valid samples in the order of their stamps.
 #[derive(Clone, Debug)]
 pub(super) struct TipBuffer {
     period_s: f64,
@@ -29,12 +29,12 @@ pub(super) struct TipBuffer {
 }
 
 impl TipBuffer {
-    /// No samples yet, of a tracker with this frame period in seconds.
+    /// An empty buffer for a tracker with this frame period, s.
     pub(super) fn new(period_s: f64) -> TipBuffer {
         TipBuffer { period_s, offset_s: 0.0, samples: VecDeque::with_capacity(KEPT) }
     }
 
-    /// Sets local time minus the server's, s; samples keep their distances and move together.
+    /// Sets local time minus the server's time, s; all samples shift together.
     pub(super) fn set_offset(&mut self, offset_s: f64) {
         if offset_s != self.offset_s {
             self.offset_s = offset_s;
@@ -50,7 +50,7 @@ impl TipBuffer {
         self.samples.push_back(TimedTip { stamp_s, tip: TipPose::new(stamp_s + self.offset_s, tip) });
     }
 
-    /// Forgets all samples.
+    /// Removes all samples.
     pub(super) fn clear(&mut self) {
         self.samples.clear();
     }
@@ -60,8 +60,8 @@ impl TipBuffer {
         self.samples.back().map(|sample| &sample.tip)
     }
 
-    /// The pose at a local time: between its neighbours if they are close together, else the one before if it is at
-    /// most one period old, else none.
+    /// The pose at a local time: interpolated between its neighbours if they are close together, else the sample before
+    /// if it is at most one period old, else none.
     pub(super) fn at(&self, time_s: f64) -> Option<TipPose> {
         let after = self.samples.partition_point(|sample| sample.tip.time_s <= time_s);
         let before = self.samples.get(after.checked_sub(1)?)?.tip;

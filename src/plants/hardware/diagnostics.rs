@@ -1,4 +1,4 @@
-//! What motors and tracker say about themselves.
+//! Diagnostics: what motors and tracker report about themselves.
 
 use super::Hardware;
 use crate::base::Point3;
@@ -6,32 +6,32 @@ use crate::hardware::axes::AXES;
 use crate::hardware::realtime::{Priority, RealTime};
 use crate::hardware::tracking::TrackingStatus;
 
-/// What motors and tracker say about themselves.
+/// Diagnostics of motors and tracker.
 #[derive(Clone, Debug)]
 pub struct Diagnostics {
-    /// Kind and version of the controller.
+    /// Firmware and version of the controller.
     pub controller: String,
-    /// Whether the axes know where they are.
+    /// Whether the axes are homed.
     pub homed: bool,
-    /// Where they are, millimetres.
+    /// Positions of the axes, millimetres.
     pub position_mm: [f64; AXES],
     /// Name and version of the tracking server.
     pub server: String,
-    /// How its frames have come.
+    /// Counts and measures of the tracking.
     pub tracking: TrackingStatus,
-    /// The tip, metres; none if it has not been seen.
+    /// Measured tip position, metres; none if it was not tracked.
     pub tip: Option<Point3>,
-    /// Where the model puts the tip at home, metres.
+    /// Tip position at home predicted by the model, metres.
     pub home_m: Point3,
-    /// Whether the loop may go before everything else on this computer; none where time waits for it.
+    /// Whether the control loop has real-time priority; none in a rehearsal.
     pub real_time: Option<bool>,
 }
 
 impl Hardware {
-    /// What motors and tracker say about themselves, the tracker after `watch_s`; moves nothing.
+    /// Collects the diagnostics, those of the tracker over `watch_s`; moves nothing.
     pub fn run_diagnostics(&mut self, watch_s: f64) -> Diagnostics {
         self.supervised.clock.sleep_until(self.supervised.clock.now_s() + watch_s);
-        // Where the tip should be while nothing has been pulled; a model without rest says nothing.
+        // Predicts the tip with all tendons at home; a model without an equilibrium predicts nothing.
         let _ = self.model.home();
         let home_m = self.expected_m();
         let real_time = self.supervised.clock.is_real().then(|| RealTime::new(Priority::Loop).is_granted());

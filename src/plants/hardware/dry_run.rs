@@ -1,22 +1,22 @@
-//! What commands would do on the robot, without it.
+//! Dry run: checks commands against the limits without the robot.
 
 use crate::data::Recording;
 use crate::hardware::safety::{CommandRefusal, SafetyLimits};
 
-/// What playing a recording's commands would take.
+/// Summary of a recording's commands.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DryRun {
     /// Trials.
     pub trials: usize,
-    /// Commands that are sent: that of a trial's last row is not, since nothing is measured after it.
+    /// Commands that are sent. That of a trial's last row is not: nothing is measured after it.
     pub commands: usize,
-    /// Ticks that they take: one that goes further than a step takes several.
+    /// Ticks that they take; a command longer than one step takes several.
     pub ticks: usize,
     /// Largest change of a displacement from one command to the next, metres.
     pub largest_step_m: f64,
-    /// Row in which that is, from 0.
+    /// Row of that change, from 0.
     pub largest_row: usize,
-    /// Least and largest displacement, metres.
+    /// Smallest and largest displacement, metres.
     pub reach_m: [f64; 2],
 }
 
@@ -26,11 +26,11 @@ pub struct DryRun {
 pub struct RefusedRow {
     /// Its row, from 0.
     pub row: usize,
-    /// Why.
+    /// Reason.
     pub refusal: CommandRefusal,
 }
 
-/// Plays `commands` (displacements) against `limits` alone, in ticks of `step_s`; every trial starts at home.
+/// Checks `commands` (displacements) against `limits`, in ticks of `step_s`; every trial starts at home.
 ///
 /// # Errors
 /// [`RefusedRow`]: the first command that the robot would refuse.

@@ -1,4 +1,4 @@
-//! A robot on a bench: four lead screws, a tracker, and the guard between them and whoever decides.
+//! A real robot as a plant: four lead screws, a tracker, and the guard between the policy and the motors.
 
 pub(crate) mod diagnostics;
 pub(crate) mod dry_run;
@@ -27,61 +27,61 @@ use crate::hardware::safety::SafetyLimits;
 use operator::RobotLock;
 use supervised_rig::SupervisedRig;
 
-/// A hardware robot as a [`Plant`](crate::base::Plant).
+/// A real robot, or a rehearsal of one, as a [`Plant`](crate::base::Plant).
 pub struct Hardware {
     supervised: SupervisedRig,
-    /// What is believed about the robot.
+    /// Model of the robot without a weight.
     unloaded_model: Model,
-    /// What that says the robot does: how tendons follow, where the tip may be.
+    /// Model with the present weight: predicts the motion of following tendons and the tip.
     model: Driven,
     step_s: f64,
     settle_s: f64,
     safety: SafetyLimits,
-    /// Longest that a held robot or a busy controller is waited for, s.
+    /// Longest wait for a held robot or a busy controller, s.
     patience_s: f64,
-    /// When the trial began and when its next tick is due, on the rig's clock, s.
+    /// Start of the trial and due time of its next tick, on the rig's clock, s.
     trial_s: f64,
     due_s: f64,
     timing: LoopTiming,
-    /// The imitations behind the drivers, in a rehearsal.
+    /// The simulators behind the drivers, in a rehearsal.
     rehearsal: Option<Rehearsal>,
-    /// The right to use the robot, where there is one. Given back last.
+    /// Exclusive use of a real robot. Released last.
     lock: Option<RobotLock>,
 }
 
 impl Hardware {
-    /// What has happened to the robot so far.
+    /// Events so far.
     pub fn events(&self) -> Vec<Event> {
         self.supervised.rig().events().to_vec()
     }
 
-    /// Time on the rig's clock, s: that of [`Hardware::events`].
+    /// Time on the rig's clock, s, as in [`Hardware::events`].
     pub fn now_s(&self) -> f64 {
         self.supervised.clock.now_s()
     }
 
-    /// How well the loop has kept time.
+    /// Timing of the control loop.
     pub fn timing(&self) -> &LoopTiming {
         &self.timing
     }
 
-    /// Forgets how well the loop has kept time so far.
+    /// Clears the timing of the control loop.
     pub fn reset_timing(&mut self) {
         self.timing = LoopTiming::default();
     }
 
-    /// The imitations behind the drivers, in a rehearsal.
+    /// The simulators behind the drivers, in a rehearsal.
     pub fn rehearsal(&self) -> Option<&Rehearsal> {
         self.rehearsal.as_ref()
     }
 
-    /// Where the model puts the tip now, metres.
+    /// Tip position that the model predicts now, metres.
     pub fn expected_m(&self) -> Point3 {
         use crate::base::TendonCommand::Pull;
         self.model.observation(&[Pull(0.0); crate::hardware::axes::AXES], 0.0).tip_m
     }
 
-    /// Looks at the rig for a moment.
+    /// Calls `what` with the locked rig.
     pub fn with_rig<T>(&self, what: impl FnOnce(&Rig) -> T) -> T {
         what(&self.supervised.rig())
     }

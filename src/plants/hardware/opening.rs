@@ -1,4 +1,4 @@
-//! Opening the motors and the tracker, or imitations of both.
+//! Opens the motors and the tracker, or simulators of both.
 
 use std::sync::Arc;
 
@@ -15,14 +15,14 @@ use crate::hardware::safety::{Latch, SafetyLimits};
 use crate::hardware::serial::{SerialLine, TtyLine};
 use crate::hardware::tracking::{TrackerClient, TrackingSettings};
 
-/// A tick whose robot is held or whose controller is busy is waited for this much longer than the guard would wait, s.
+/// Additional wait for a held robot or a busy controller, beyond the guard's own limits, s.
 const PATIENCE_S: f64 = 2.0;
 
 impl Hardware {
-    /// Opens the motors and the tracker of `options`, or imitations of both for a rehearsal; moves nothing.
+    /// Opens the motors and the tracker of `options`, or simulators of both for a rehearsal; moves nothing.
     ///
     /// # Errors
-    /// In words: a stop that nobody has looked at, a port, a setting or a body that is not as it should be.
+    /// A message: a stored stop, a port, a setting or a body that is not as required.
     pub fn open(options: &HardwareOptions, step_s: f64, seed: Seed) -> Result<Hardware, String> {
         match &options.rehearsal {
             Some(rehearsal) => {
@@ -38,11 +38,14 @@ impl Hardware {
     }
 
     fn open_robot(options: &HardwareOptions, step_s: f64) -> Result<Hardware, String> {
-        // Whoever has the robot now may stop it: the latch is read when it is ours.
+        // Read only after the lock is held: the previous user may have stopped the robot.
         let lock = RobotLock::new(&options.attached)?;
         let latch = Latch::new(&Latch::folder(), &options.name);
         if let Some(reason) = latch.read() {
-            return Err(format!("robot `{}` is stopped: {reason}; look at it, then `spinebench arm`", options.name));
+            return Err(format!(
+                "robot `{}` is stopped: {reason}; inspect it, then run `spinebench arm`",
+                options.name
+            ));
         }
         let serial = TtyLine::open(&options.motion.port, options.motion.baud)
             .map_err(|error| no_port(&options.motion.port, &error))?;
@@ -58,7 +61,7 @@ impl Hardware {
         Ok(plant)
     }
 
-    /// The calling thread has joined the clock.
+    /// Builds the plant from open devices. The calling thread is registered with the clock.
     fn with_devices(
         options: &HardwareOptions,
         tracking: &TrackingSettings,
@@ -103,10 +106,10 @@ impl Hardware {
 }
 
 fn no_port(port: &str, error: &std::io::Error) -> String {
-    format!("{port}: cannot open the port: {error}; check the cable, the name and that no other program uses it")
+    format!("{port}: cannot open the port: {error}; check the cable, the name, and that no other program uses it")
 }
 
-/// What [`Hardware::of`] drives.
+/// The devices of [`Hardware::with_devices`].
 struct OpenedDevices {
     serial: Box<dyn SerialLine>,
     clock: Arc<dyn Clock>,
@@ -114,7 +117,7 @@ struct OpenedDevices {
     interrupt: Interrupt,
 }
 
-/// Refuses axes that are too slow for the largest step in the time that a tick has for it.
+/// Refuses axes that are too slow for the largest step in a tick.
 fn fast_enough(controller: &Controller, safety: &SafetyLimits, step_s: f64) -> Result<(), String> {
     let needed_mm_min = slowest_axis_mm_min(safety, step_s);
     let speeds = controller.machine().max_speed_mm_min;

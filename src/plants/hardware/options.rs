@@ -1,4 +1,4 @@
-//! What a hardware plant is told in its YAML file.
+//! Options of a hardware plant in its YAML file.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,33 +9,34 @@ use crate::hardware::grbl::MotionSettings;
 use crate::hardware::safety::SafetyLimits;
 use crate::hardware::tracking::{RigidPose, TrackingSettings};
 
-/// Four lead screws, a tracker and what is believed about the robot between them (docs/hardware.md).
+/// Four lead screws, a tracker, and a model of the robot between them (docs/hardware.md).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HardwareOptions {
-    /// Name of the robot: a stop is remembered and logged under it.
+    /// Name of the robot; a stop is stored and logged under it.
     pub name: String,
-    /// What is believed about the robot: how far tendons that follow move, and where the tip may be.
+    /// Model of the robot: predicts the motion of following tendons and the tip position.
     pub model: Model,
     /// The motors.
     #[serde(default)]
     pub motion: MotionSettings,
-    /// Where the lead screws stand at home.
+    /// Positions of the lead screws at home.
     #[serde(default)]
     pub axes: AxesOptions,
     /// The tracker.
     #[serde(default)]
     pub tracking: TrackingSettings,
-    /// What may leave, and what holds the robot.
+    /// Limits of commands, and conditions that hold or stop the robot.
     #[serde(default)]
     pub safety: SafetyLimits,
-    /// How long the robot rests at home before a trial, s.
+    /// Rest at home before a trial, s.
     #[serde(default = "settle_s")]
     pub settle_s: f64,
-    /// Instead of the motors and the tracker: imitations of both around a simulated robot, behind the same drivers.
+    /// Simulators of the motors and the tracker around a simulated robot, in place of the real devices, behind the same
+    /// drivers.
     #[serde(default)]
     pub rehearsal: Option<RehearsalOptions>,
-    /// What somebody has to do to the robot before a trial, such as hanging a load on it.
+    /// Effects that the operator attaches to the robot before a trial, such as a load at the tip.
     #[serde(default)]
     pub attached: Vec<EffectSpec>,
 }
@@ -44,26 +45,26 @@ fn settle_s() -> f64 {
     2.0
 }
 
-/// What moves in a rehearsal.
+/// The simulated robot of a rehearsal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RehearsalOptions {
-    /// What the imitated robot is made of.
+    /// Model of the simulated robot.
     pub model: Model,
     /// Standard deviation of the tracking noise per axis, metres.
     #[serde(default)]
     pub noise_m: f64,
-    /// Share of the tracker's frames that are lost on the way.
+    /// Share of the tracker's frames that are lost.
     #[serde(default)]
     pub loss: f64,
-    /// Where the robot's base frame really is in the base body's frame; null: where `tracking.alignment` has it. For trying
-    /// out `spinebench align`.
+    /// True pose of the robot's base frame in the base body's frame; null: the pose in `tracking.alignment`. For
+    /// testing `spinebench align`.
     #[serde(default)]
     pub alignment: Option<RigidPose>,
 }
 
 impl HardwareOptions {
-    /// The robot `name` of `model` with the usual settings.
+    /// The robot `name` with `model` and default settings.
     pub fn of(name: &str, model: Model) -> HardwareOptions {
         HardwareOptions {
             name: name.to_owned(),
@@ -81,7 +82,7 @@ impl HardwareOptions {
     /// Refuses settings out of range.
     ///
     /// # Errors
-    /// The path below which the key stands, and the first field out of range.
+    /// The path of the section, and the first field out of range.
     pub fn check(&self) -> Result<(), (String, BadOption)> {
         let at = |path: &'static str| move |error: BadOption| (path.to_owned(), error);
         let named = |letter: char| letter.is_ascii_alphanumeric() || "_-".contains(letter);

@@ -1,4 +1,4 @@
-//! The robot in ticks: homing, commands, what is seen.
+//! Control of the robot in ticks: homing, commands, observations.
 
 use super::Hardware;
 use crate::base::{Observation, Plant, PlantError, Seed, TendonCommand};
@@ -7,16 +7,16 @@ use crate::hardware::realtime::{Priority, RealTime};
 use crate::hardware::rig::MoveError;
 use crate::hardware::safety::GuardState;
 
-/// Longest that homing and the way home may take, s.
+/// Longest duration of homing and of the way home, s.
 const HOMING_S: f64 = 120.0;
-/// Longest that a pose is waited for after a tick, s.
+/// Longest wait for a pose after a tick, s.
 const POSE_S: f64 = 0.03;
-/// Share of a tick by which a command may come late without shifting the ticks after it: the pose of the last tick has to
-/// be waited for.
+/// Share of a tick by which a command may be late without shifting the following ticks: it has to wait for the pose of
+/// the last tick.
 const LATE_SHARE: f64 = 0.1;
 
 impl Hardware {
-    /// Homes the robot unless it is homed, and brings its tendons home.
+    /// Homes the robot unless it is homed, and moves its tendons home.
     pub(super) fn go_home(&mut self) -> Result<(), PlantError> {
         self.supervised.rig().set_expected_tip(None);
         let deadline_s = self.supervised.clock.now_s() + HOMING_S;
@@ -44,7 +44,7 @@ impl Hardware {
         }
     }
 
-    /// Waits while the robot homes or is held.
+    /// Waits until the robot is active; true if it was held meanwhile.
     fn wait_until_active(&self, deadline_s: f64) -> Result<bool, PlantError> {
         let mut held = false;
         let ended = self.supervised.wait(deadline_s, |rig, _| match rig.state() {
@@ -58,17 +58,17 @@ impl Hardware {
         ended.unwrap_or_else(|| Err(self.stop_overdue("a hold or homing"))).map(|()| held)
     }
 
-    /// What takes longer than it may stops the robot.
+    /// Stops a robot that exceeded a time limit.
     pub(super) fn stop_overdue(&self, what: &str) -> PlantError {
-        let words = format!("{what} took longer than it may; look at the robot");
+        let words = format!("{what} took too long; inspect the robot");
         let now_s = self.supervised.clock.now_s();
         self.supervised.rig().stop(words.clone(), now_s);
         PlantError::Stopped(words)
     }
 
-    /// Refuses a command before the model moves, so that both stay where they are. How far tendons that follow go is for
-    /// the model to say; the others keep to the limits of each by itself, in the ticks that they need: one that has
-    /// followed so far may have a way to go.
+    /// Refuses a command before the model moves, so that both stay where they are. The model decides how far following
+    /// tendons go. The others must keep the limits of single tendons in the ticks that they need: a tendon that has
+    /// followed so far may have a long way to go.
     fn check_commands(&self, commands: &[TendonCommand]) -> Result<(), PlantError> {
         let last_m = self.supervised.rig().commanded_m();
         let asked = |(command, last_m): (&TendonCommand, &f64)| match *command {
@@ -85,7 +85,7 @@ impl Hardware {
         admitted.map_err(|refusal| PlantError::Refused(refusal.to_string()))
     }
 
-    /// Moves the tendons to `pulls_m` in as many ticks as the limits ask for; true if the robot was held on the way. The
+    /// Moves the tendons to `pulls_m` in as many ticks as the limits require; true if the robot was held meanwhile. The
     /// command was given at `called_s`, the first tick begins at `begin_s`.
     fn drive_in_ticks(&mut self, pulls_m: &[f64], called_s: f64, begin_s: f64) -> Result<bool, PlantError> {
         let from_m = self.supervised.rig().commanded_m();
@@ -106,12 +106,12 @@ impl Hardware {
         Ok(held)
     }
 
-    /// Sends the command of a tick that is due, as soon as the robot is active and the controller has room for it.
+    /// Sends the command of a tick once the robot is active and the controller's queue has room.
     fn send(&mut self, pulls_m: &[f64], called_s: f64) -> Result<(), PlantError> {
         let (step_s, now_s) = (self.step_s, self.supervised.clock.now_s());
         let sent = self.supervised.wait(now_s + self.patience_s, |rig, now_s| match rig.state() {
             GuardState::Active => match rig.command(pulls_m, step_s, now_s) {
-                // The next look at the state names what is in the way.
+                // The next check of the state reports the reason.
                 Err(MoveError::Busy | MoveError::NotActive(_)) => None,
                 other => Some(other.map_err(plant_error)),
             },
@@ -121,11 +121,11 @@ impl Hardware {
         sent.unwrap_or_else(|| Err(self.stop_overdue("room in the controller's queue")))
     }
 
-    /// What the tracker sees now; not valid where it sees nothing.
+    /// The tracker's present measurement; not valid without a pose.
     fn observe(&self, pulls_m: Vec<f64>) -> Observation {
         let asked_s = self.supervised.clock.now_s();
         let between = self.supervised.wait(asked_s + POSE_S, |rig, _| rig.tip_at(asked_s));
-        // Where several frames are lost in a row, the last one does as long as the guard believes it.
+        // If several frames in a row are lost, the last pose is used while it is plausible.
         let pose = between.or_else(|| self.supervised.rig().fresh_tip(asked_s));
         Observation {
             time_s: asked_s - self.trial_s,
@@ -138,7 +138,7 @@ impl Hardware {
     }
 }
 
-/// Why a stopped robot does nothing.
+/// The error of a stopped robot.
 fn stop_error(state: &GuardState) -> Option<PlantError> {
     let GuardState::Stopped { reason, .. } = state else { return None };
     Some(PlantError::Stopped(format!("{}; {}", reason.what, reason.remedy)))
@@ -162,7 +162,7 @@ impl Plant for Hardware {
         self.step_s
     }
 
-    /// The robot is brought home and rests there. The noise of a robot on a bench is its own; that of a rehearsal is `seed`'s.
+    /// Brings the robot home and lets it rest. The noise of a rehearsal is drawn from `seed`.
     fn reset(&mut self, seed: Seed) -> Result<Observation, PlantError> {
         if let Some(rehearsal) = &self.rehearsal {
             rehearsal.with_simulator(|simulator| simulator.reseed(seed));
@@ -186,7 +186,7 @@ impl Plant for Hardware {
             self.timing.missed += 1;
         }
         self.check_commands(commands)?;
-        // The model goes first: it says how far the tendons that follow have to move.
+        // The model goes first: it decides how far following tendons move.
         self.model.advance(commands, self.step_s)?;
         let predicted = self.model.observation(commands, 0.0);
         let travel_m = self.safety.travel_m;
@@ -195,8 +195,8 @@ impl Plant for Hardware {
             TendonCommand::Pull(asked_m) => *asked_m,
         };
         let pulls_m: Vec<f64> = commands.iter().zip(&predicted.pulls_m).map(follow).collect();
-        // What the model has the followers do is held to the limits as a whole, before anything leaves; they take the
-        // ticks that they need.
+        // The complete command, following tendons included, is checked before anything is sent; it takes as many ticks
+        // as it needs.
         let last_m = self.supervised.rig().commanded_m();
         let ticks = self.safety.ticks(&pulls_m, &last_m, self.step_s).max(1);
         let admitted = self.safety.check_command(&pulls_m, &last_m, self.step_s * ticks as f64, ticks);

@@ -1,4 +1,4 @@
-//! Imitations of the motors and the tracker around a simulated robot, behind the real drivers.
+//! A rehearsal: simulators of the motors and the tracker around a simulated robot, behind the real drivers.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ use crate::simulators::{
 
 use super::options::{HardwareOptions, RehearsalOptions};
 
-/// Speeds (mm/min) and accelerations (mm/s²) of the imitated axes: what steps of 3 mm at 5 Hz need.
+/// Speeds (mm/min) and accelerations (mm/s²) of the simulated axes, sufficient for steps of 3 mm at 5 Hz.
 const FAST: [(u16, &str); 8] = [
     (110, "3000"),
     (111, "3000"),
@@ -28,7 +28,7 @@ const FAST: [(u16, &str); 8] = [
     (123, "500"),
 ];
 
-/// What a rehearsal plays on.
+/// The running simulators of a rehearsal.
 pub struct Rehearsal {
     // Dropped first, while its clock still runs.
     running: RunningSimulator,
@@ -37,15 +37,15 @@ pub struct Rehearsal {
 }
 
 impl Rehearsal {
-    /// Opens the imitations and joins their clock for the calling thread, which would else go on without it: the stage, the
-    /// driver's end of the serial line, and what the tracker's client has to know.
+    /// Starts the simulators and registers the calling thread with their clock, which would otherwise advance without
+    /// it. Returns the rehearsal, the driver's end of the serial line, and the settings of the tracker's client.
     pub(super) fn open(
         options: &HardwareOptions,
         rehearsal: &RehearsalOptions,
         seed: Seed,
     ) -> Result<(Rehearsal, Box<dyn SerialLine>, TrackingSettings), String> {
         let clock: Arc<dyn Clock> = Arc::new(RehearsalClock::new());
-        // A pseudo-terminal would deliver when it pleases, which is late on a clock that does not wait for it.
+        // A pseudo-terminal delivers with a delay, which is late on a clock that does not wait for it.
         let (theirs, ours) = pipe();
         let (simulator, tracking) = build_simulator(options, rehearsal, Box::new(theirs), seed)?;
         clock.join();
@@ -53,23 +53,24 @@ impl Rehearsal {
         Ok((Rehearsal { running, clock, interrupt: Interrupt::new() }, Box::new(ours), tracking))
     }
 
-    /// What the imitations go by.
+    /// The clock of the simulators.
     pub(super) fn clock(&self) -> Arc<dyn Clock> {
         Arc::clone(&self.clock)
     }
 
-    /// A request to end this rehearsal, as Ctrl-C is one to end a program.
+    /// A request to end this rehearsal, as Ctrl-C ends a program.
     pub fn interrupt(&self) -> Interrupt {
         self.interrupt.clone()
     }
 
-    /// Does something to the imitations, such as breaking one.
+    /// Calls `what` with the locked simulator, for example to inject a fault.
     pub fn with_simulator<T>(&self, what: impl FnOnce(&mut Simulator) -> T) -> T {
         what(&mut self.running.lock())
     }
 }
 
-/// Motors at the other end of `wire`, a tracker and a robot between them, and what the tracker's client has to know.
+/// Simulated motors at the other end of `serial`, a simulated robot and tracker, and the settings of the tracker's
+/// client.
 pub(super) fn build_simulator(
     options: &HardwareOptions,
     rehearsal: &RehearsalOptions,
@@ -102,22 +103,22 @@ pub(super) fn build_simulator(
     Ok((Simulator::new(controller, tracker, Box::new(body), options.axes, seen), tracking))
 }
 
-/// A simulated robot whose tendons are moved by imitated lead screws.
+/// A simulated robot whose tendons are moved by simulated lead screws.
 struct RehearsalRobot {
     model: Model,
     attached: Vec<EffectSpec>,
     driven: Driven,
-    /// Time that has passed since the robot was last moved on, s.
+    /// Time since the robot was last advanced, s.
     waiting_s: f64,
     tip: RigidPose,
     pulls_m: [f64; AXES],
-    /// How long nothing has changed, s.
+    /// Time without a change, s.
     still_s: f64,
 }
 
-/// The robot is moved on in steps of this length, s: lead screws are slow against it.
+/// Time step of the robot, s: lead screws are slow compared with it.
 const STEP_S: f64 = 0.02;
-/// A robot whose tendons have stood still for so long stands as well, s.
+/// Time after which a robot with constant tendons is at rest, s.
 const AT_REST_S: f64 = 2.0;
 
 impl RehearsalRobot {
@@ -131,7 +132,7 @@ impl RehearsalRobot {
             pulls_m: [0.0; AXES],
             still_s: 0.0,
         };
-        // Before homing the screws stand anywhere; the robot's first place is that of its tendons at home.
+        // Before homing the screws have arbitrary positions; the robot starts with its tendons at home.
         let _ = robot.driven.home();
         robot.update_tip();
         robot
@@ -148,7 +149,7 @@ impl RehearsalRobot {
     }
 }
 
-/// Beyond this the tendons are off their spools and the robot hangs as it hung, metres.
+/// Displacement beyond which tendons are off their spools, metres; the robot then keeps its shape.
 const OFF_SPOOL_M: f64 = 0.06;
 
 impl SimulatedRobot for RehearsalRobot {
@@ -161,7 +162,7 @@ impl SimulatedRobot for RehearsalRobot {
         self.still_s = if moved { 0.0 } else { self.still_s + self.waiting_s };
         if self.still_s < AT_REST_S && pulls_m.iter().all(|pull_m| pull_m.abs() < OFF_SPOOL_M) {
             self.pulls_m = *pulls_m;
-            // A rod that finds no equilibrium stays where it was, as one that is stuck.
+            // A rod without an equilibrium keeps its shape, as if stuck.
             if self.driven.advance(&self.commands(), self.waiting_s).is_ok() {
                 self.update_tip();
             }
@@ -170,7 +171,7 @@ impl SimulatedRobot for RehearsalRobot {
         self.tip
     }
 
-    /// The weight is let down gently: the robot comes to rest under it at once.
+    /// The weight is applied quasi-statically: the robot is at rest under it at once.
     fn hang_weight(&mut self, load_kg: f64) {
         let hung = (load_kg > 0.0).then(|| EffectSpec::tip_load(load_kg));
         let all: Vec<EffectSpec> = self.attached.iter().cloned().chain(hung).collect();

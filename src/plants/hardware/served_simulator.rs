@@ -1,5 +1,4 @@
-//! Imitated motors and an imitated tracker for other programs: a serial port and UDP ports of this computer, by the wall
-//! clock.
+//! Simulated motors and tracker for other programs: a serial port and UDP ports of this computer, by the wall clock.
 
 use super::HardwareOptions;
 use super::rehearsal::build_simulator;
@@ -8,10 +7,10 @@ use crate::hardware::clock::{Clock, WallClock};
 use crate::hardware::serial::TtyLine;
 use crate::simulators::Simulator;
 
-/// How often the imitations are looked after, s.
+/// Time step of the simulators, s.
 const STEP_S: f64 = 0.002;
 
-/// Imitations that live as long as somebody calls [`ServedSimulator::step`].
+/// Simulators that advance while [`ServedSimulator::step`] is called.
 pub struct ServedSimulator {
     simulator: Simulator,
     clock: WallClock,
@@ -23,9 +22,9 @@ impl ServedSimulator {
     /// Opens the ports for the rehearsal in `options`.
     ///
     /// # Errors
-    /// In words, when there is no rehearsal or the system refuses a port.
+    /// A message, if there is no rehearsal or the system refuses a port.
     pub fn open(options: &HardwareOptions, seed: Seed) -> Result<ServedSimulator, String> {
-        let rehearsal = options.rehearsal.as_ref().ok_or("found no `rehearsal`, expected what is to be imitated")?;
+        let rehearsal = options.rehearsal.as_ref().ok_or("found no `rehearsal`, expected the model to simulate")?;
         let (serial, port) = TtyLine::served().map_err(|error| format!("no pseudo-terminal: {error}"))?;
         let (simulator, tracking) = build_simulator(options, rehearsal, Box::new(serial), seed)?;
         let mut plant = HardwareOptions { tracking, rehearsal: None, attached: Vec::new(), ..options.clone() };
@@ -33,17 +32,17 @@ impl ServedSimulator {
         Ok(ServedSimulator { simulator, clock: WallClock::new(), due_s: 0.0, plant })
     }
 
-    /// The plant that other programs name to use the imitations.
+    /// The plant through which other programs use the simulators.
     pub fn plant(&self) -> &HardwareOptions {
         &self.plant
     }
 
-    /// The imitations.
+    /// The simulator.
     pub fn simulator(&mut self) -> &mut Simulator {
         &mut self.simulator
     }
 
-    /// Waits until the imitations are due and does all that happens until now; the time since they were opened, s.
+    /// Waits until the next step is due and simulates until now; returns the time since opening, s.
     pub fn step(&mut self) -> f64 {
         self.clock.sleep_until(self.due_s);
         let now_s = self.clock.now_s();

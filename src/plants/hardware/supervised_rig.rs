@@ -1,4 +1,4 @@
-//! The rig of one robot with the thread that watches it.
+//! The rig of one robot with its supervising thread.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -8,13 +8,13 @@ use crate::hardware::clock::Clock;
 use crate::hardware::realtime::{Priority, RealTime};
 use crate::hardware::rig::Rig;
 
-/// How often the rig is looked at, s.
+/// Interval at which the rig is polled, s.
 const WATCH_S: f64 = 0.005;
-/// Longest that a robot is waited for at the end until it stands and what is queued is forgotten, s: a controller that
-/// answers late must still be heard.
+/// Longest wait at the end until the robot stands and its queue is discarded, s: a late answer of the controller must
+/// still arrive.
 const LEAVE_S: f64 = 5.0;
 
-/// A rig that is watched whatever its user does.
+/// A rig that a thread of its own polls, whatever its user does.
 pub(crate) struct SupervisedRig {
     rig: Arc<Mutex<Rig>>,
     pub(crate) clock: Arc<dyn Clock>,
@@ -23,7 +23,7 @@ pub(crate) struct SupervisedRig {
 }
 
 impl SupervisedRig {
-    /// Watches `rig` from now on. The calling thread has joined the clock, and leaves it when the line is dropped.
+    /// Supervises `rig` from now on. The calling thread is registered with the clock, and deregistered on drop.
     pub(crate) fn new(rig: Rig, clock: Arc<dyn Clock>) -> SupervisedRig {
         let (rig, over) = (Arc::new(Mutex::new(rig)), Arc::new(AtomicBool::new(false)));
         clock.join();
@@ -41,12 +41,12 @@ impl SupervisedRig {
         SupervisedRig { rig, clock, over, watch: Some(watch) }
     }
 
-    /// The rig, for as long as the guard lives.
+    /// The locked rig.
     pub(crate) fn rig(&self) -> MutexGuard<'_, Rig> {
         lock(&self.rig)
     }
 
-    /// Looks at the rig every few milliseconds until `ready` has an answer; none after `deadline_s`.
+    /// Polls the rig until `ready` returns a result; none after `deadline_s`.
     pub(crate) fn wait<T>(&self, deadline_s: f64, mut ready: impl FnMut(&mut Rig, f64) -> Option<T>) -> Option<T> {
         loop {
             let now_s = self.clock.now_s();
@@ -65,13 +65,13 @@ impl SupervisedRig {
     }
 }
 
-/// A thread that panicked has not left the rig's state half changed: all of it is set before the next call.
+/// A thread that panicked has left the rig in a consistent state.
 fn lock(rig: &Mutex<Rig>) -> MutexGuard<'_, Rig> {
     rig.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Drop for SupervisedRig {
-    /// Whatever ends the program, a moving robot is held first.
+    /// However the program ends, a moving robot is held first.
     fn drop(&mut self) {
         let why = if std::thread::panicking() { "the program failed" } else { "the program ended" };
         let now_s = self.clock.now_s();
@@ -81,7 +81,7 @@ impl Drop for SupervisedRig {
         self.over.store(true, Ordering::SeqCst);
         self.clock.leave();
         if let Some(watch) = self.watch.take() {
-            // A watch that failed has been noticed by whoever locked the rig.
+            // A panic of the supervising thread has been noticed by whoever locked the rig.
             let _ = watch.join();
         }
     }

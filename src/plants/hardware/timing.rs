@@ -1,18 +1,18 @@
-//! How well the loop keeps time.
+//! Timing of the control loop.
 
-/// The shortest time that is told from nothing, s.
+/// The shortest time that is distinguished from 0, s.
 const MIN_S: f64 = 1e-6;
-/// Classes to a decade: neighbours differ by 2.3 %.
+/// Bins per decade: neighbours differ by 2.3 %.
 const PER_DECADE: usize = 100;
-/// From a microsecond to a hundred seconds; what is longer falls into the last class.
+/// Bins from a microsecond to a hundred seconds; longer times fall into the last one.
 const CLASSES: usize = 8 * PER_DECADE + 1;
 
-/// How late things were: how many, the latest, and how they are spread. Takes the same memory however many there are.
+/// Distribution of delays: number, maximum, and a histogram of constant size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lateness {
     count: u64,
     most_s: f64,
-    /// Number of times in each class of [`class`].
+    /// Counts in each bin of [`class`].
     classes: Vec<u64>,
 }
 
@@ -23,7 +23,7 @@ impl Default for Lateness {
 }
 
 impl Lateness {
-    /// One more time, seconds; what is early counts as 0.
+    /// Adds a time, s; negative ones count as 0.
     pub fn push(&mut self, time_s: f64) {
         self.count += 1;
         self.most_s = self.most_s.max(time_s);
@@ -35,13 +35,12 @@ impl Lateness {
         self.count
     }
 
-    /// The longest, seconds; 0 when there are none.
+    /// The longest time, s; 0 if there are none.
     pub fn most_s(&self) -> f64 {
         self.most_s
     }
 
-    /// A time that a `share` of all times do not exceed, seconds: at most 2.3 % above the least such time, never below it.
-    /// 0 when there are none.
+    /// Quantile `share` of the times, s: at most 2.3 % above the exact one, never below it; 0 if there are none.
     pub fn quantile_s(&self, share: f64) -> f64 {
         let wanted = (share * self.count as f64).ceil();
         let mut below = 0;
@@ -67,14 +66,14 @@ fn upper_s(class: usize) -> f64 {
     if class + 1 == CLASSES { f64::INFINITY } else { MIN_S * 10_f64.powf(class as f64 / PER_DECADE as f64) }
 }
 
-/// Lateness of ticks and of commands.
+/// Delays of ticks and of commands.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoopTiming {
-    /// How much later than planned each tick ended.
+    /// Delay of the end of each tick.
     pub jitter: Lateness,
-    /// From the call of a step to its line on the wire; of a command that takes several ticks, from the start of each.
+    /// Time from the call of a step until its line is sent; for a command of several ticks, from the start of each.
     pub latency: Lateness,
-    /// Ticks that began later than they should have because whoever decides took longer than a tick.
+    /// Ticks that began late because the policy took longer than a tick.
     pub missed: usize,
     /// Ticks during which the robot was held.
     pub held: usize,

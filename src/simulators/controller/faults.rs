@@ -1,23 +1,23 @@
-//! Faults on request.
+//! Faults that can be injected into the simulated controller.
 
 use super::{Activity, SimulatedController};
 
-/// Something that goes wrong with the controller, its cable or its machine.
+/// A fault of the controller, its cable or its machine.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ControllerFault {
-    /// It says nothing more.
+    /// It sends nothing any more.
     Silent,
-    /// Its motion stands still, and it says for ever what it said last.
+    /// Motion freezes and it repeats its last report.
     Frozen,
     /// It answers this many seconds later than usual.
     SlowReplies(f64),
-    /// Everything that it says is unreadable.
+    /// All its output is unreadable.
     Garbage,
-    /// The next line that it says is unreadable.
+    /// Its next line is unreadable.
     GarbledLine,
     /// An axis neither turns nor counts.
     DeadAxis(usize),
-    /// An axis counts its steps and does not turn, which the controller cannot know.
+    /// An axis counts its steps but does not turn; the controller cannot detect it.
     SlippingAxis(usize),
     /// A limit switch never closes.
     SwitchStuckOpen(usize),
@@ -27,35 +27,35 @@ pub enum ControllerFault {
     HardLimit(usize),
     /// An alarm without a cause.
     SpuriousAlarm(u16),
-    /// The next G-code is refused with this error, and all after it until an empty line.
+    /// The next G-code line is refused with this error, and all further ones until an empty line.
     StickyError(u16),
-    /// Power is lost for a moment.
+    /// Power is interrupted briefly.
     Reboot,
-    /// The cable is pulled.
+    /// The cable is unplugged.
     Unplugged,
     /// The next `ok` is lost.
     LostOk,
-    /// The next `ok` comes twice.
+    /// The next `ok` is sent twice.
     DoubledOk,
-    /// The count of an axis jumps by this many millimetres.
+    /// The counted position of an axis jumps by this many millimetres.
     WrongPosition(usize, f64),
     /// A work offset of an axis, millimetres.
     WorkOffset(usize, f64),
     /// A setting has another value.
     WrongSettings(u16, String),
-    /// Somebody presses the controller's own hold.
+    /// The controller's own hold button is pressed.
     HoldButton,
-    /// Somebody changes what all speeds are multiplied by, per cent.
+    /// The feed override is changed to this value, per cent.
     FeedOverride(u32),
-    /// Every report says whether it is homed, as those of some do; others say so once.
+    /// Every report carries the homing state, as with some firmware; others report it once.
     TellsHomed,
     /// Its reports have three axes.
     ThreeAxes,
-    /// Somebody has it report work positions instead of machine positions.
+    /// It reports work positions instead of machine positions.
     WorkPositions,
 }
 
-/// The lasting ones.
+/// State of the persistent faults.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ActiveFaults {
     pub(crate) silent: bool,
@@ -77,7 +77,7 @@ pub(crate) struct ActiveFaults {
 }
 
 impl ActiveFaults {
-    /// What leaves instead of a line.
+    /// The bytes that are sent in place of a line.
     pub(crate) fn corrupt(&mut self, text: &str) -> Vec<Vec<u8>> {
         let mut copies = 1;
         if text == "ok" {
@@ -96,7 +96,7 @@ impl ActiveFaults {
 }
 
 impl SimulatedController {
-    /// Lets something go wrong from now on.
+    /// Injects a fault.
     pub fn inject(&mut self, fault: ControllerFault) {
         let injected = &mut self.injected;
         match fault {
@@ -129,7 +129,7 @@ impl SimulatedController {
         }
     }
 
-    /// Repairs everything that lasts except a pulled cable and settings.
+    /// Clears all persistent faults except an unplugged cable and changed settings.
     pub fn clear_faults(&mut self) {
         self.injected = ActiveFaults::default();
         self.axes.dead = [false; 4];
@@ -146,7 +146,7 @@ impl SimulatedController {
         })
     }
 
-    /// A switch that closes while hard limits are on stops everything.
+    /// Raises an alarm when a switch closes while hard limits are on.
     pub(crate) fn check_switches(&mut self) {
         let closed = self.closed_switches();
         let hit = (0..4).any(|axis| closed[axis] && !self.closed[axis]);

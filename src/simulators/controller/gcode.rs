@@ -1,6 +1,6 @@
-//! The little G-code that the fake controller takes.
+//! The subset of G-code that the simulated controller accepts.
 
-/// A line of words, each letter at most once except for G and M.
+/// The words of a line, each letter at most once except G and M.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct GcodeWords {
     /// Target of each axis, as written.
@@ -11,7 +11,7 @@ pub(crate) struct GcodeWords {
     pub(crate) commands: Vec<f64>,
 }
 
-/// What stays in force from line to line.
+/// Modal state, which persists from line to line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ModalState {
     pub(crate) rapid: bool,
@@ -36,19 +36,19 @@ impl Default for ModalState {
 }
 
 impl ModalState {
-    /// As in answers to `$G`.
+    /// Formatted as in answers to `$G`.
     pub(crate) fn text(&self) -> String {
         let motion = if self.rapid { 0 } else { 1 };
         let units = if self.inches { 20 } else { 21 };
         let distance = if self.incremental { 91 } else { 90 };
-        let limits = if self.inverse_time { 93 } else { 94 };
+        let feed_mode = if self.inverse_time { 93 } else { 94 };
         let level = if self.initial_level { 98 } else { 99 };
         let feed = self.feed;
-        format!("[GC:G{motion} G54 G17 G{units} G{distance} G{limits} G40 G49 G{level} G50 M5 M9 T0 F{feed} S0.]")
+        format!("[GC:G{motion} G54 G17 G{units} G{distance} G{feed_mode} G40 G49 G{level} G50 M5 M9 T0 F{feed} S0.]")
     }
 }
 
-/// Reads a line, or gives the number of the error.
+/// Parses a line; on failure returns the error number.
 pub(crate) fn words(line: &str) -> Result<GcodeWords, u16> {
     let text: Vec<u8> =
         line.bytes().filter(|byte| !byte.is_ascii_whitespace()).map(|byte| byte.to_ascii_uppercase()).collect();
@@ -91,18 +91,18 @@ fn number(text: &[u8]) -> Option<(f64, &[u8])> {
     Some((value, &text[end..]))
 }
 
-/// What a line does.
+/// Effect of a line.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum GcodeAction {
-    /// Sets modes only, or waits for no time.
+    /// Changes modes only, or dwells for no time.
     Nothing,
-    /// Makes the present position this work position.
+    /// Declares the present position to be this work position.
     Shift([Option<f64>; 4]),
-    /// Goes to a work position, as the modes say.
+    /// Moves to a work position, interpreted by the modes.
     Go([Option<f64>; 4]),
 }
 
-/// Applies the modes of a line, or gives the number of the error.
+/// Applies the modes of a line; on failure returns the error number.
 pub(crate) fn apply(words: &GcodeWords, modes: &mut ModalState) -> Result<GcodeAction, u16> {
     let mut next = *modes;
     let (mut shift, mut dwell) = (false, false);

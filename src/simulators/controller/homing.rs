@@ -1,28 +1,28 @@
-//! Homing: all axes down to their switches at once, off again, slowly back, and off.
+//! Homing: all axes move to their switches at once, back off, approach slowly, and back off.
 
 use super::{Activity, SimulatedController, table};
 
-/// Time to start, seconds.
+/// Delay before the start, s.
 const START_S: f64 = 0.2;
-/// Pauses at the switches, seconds.
+/// Pauses at the switches, s.
 const PAUSES_S: f64 = 1.35;
-/// The switches are looked for over this many travels.
+/// Search distance, in travels.
 const SEARCH: f64 = 1.5;
 
 /// How far homing has come.
 #[derive(Clone, Debug)]
 pub(crate) struct HomingProgress {
-    /// Before anything moves, seconds.
+    /// Remaining delay before motion starts, s.
     wait_s: f64,
     searched_mm: f64,
-    /// Time to the end, seconds, once all switches are found.
+    /// Remaining time, s, once all switches are found.
     left_s: Option<f64>,
-    /// Somebody has asked for the status.
+    /// A status query has arrived.
     pub(crate) asked: bool,
 }
 
 impl SimulatedController {
-    /// Begins to home, or gives the number of the error.
+    /// Starts homing; on failure returns the error number.
     pub(crate) fn begin_homing(&mut self) -> Result<(), u16> {
         if table::bits(&self.settings, 22) & 1 == 0 {
             return Err(5);
@@ -37,7 +37,7 @@ impl SimulatedController {
         Ok(())
     }
 
-    /// Goes on homing for a short time.
+    /// Advances homing by a short time.
     pub(crate) fn advance_homing(&mut self, duration_s: f64) {
         let Activity::Homing(mut homing) = self.activity.clone() else { return };
         homing.wait_s -= duration_s;
@@ -74,7 +74,7 @@ impl SimulatedController {
         if homing.searched_mm > SEARCH * longest_mm { Err(9) } else { Ok(()) }
     }
 
-    /// From the switches towards home.
+    /// Moves from the switches towards home.
     fn back_off(&mut self, left_s: f64, duration_s: f64) {
         let share = (duration_s / left_s.max(duration_s)).min(1.0);
         let way_mm = self.axes.screws_mm.map(|position_mm| -position_mm * share);
@@ -93,7 +93,7 @@ impl SimulatedController {
         self.reply("ok");
     }
 
-    /// The controller resets itself.
+    /// A failure resets the controller.
     fn fail_homing(&mut self, code: u16) {
         self.reply(&format!("ALARM:{code}"));
         self.activity = Activity::Ready;

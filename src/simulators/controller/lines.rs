@@ -1,19 +1,19 @@
-//! Lines: settings, commands of the controller and G-code.
+//! Execution of lines: settings, `$` commands and G-code.
 
 use super::gcode;
 use super::gcode::GcodeAction;
 use super::{Activity, ModalState, SimulatedController, table};
 use crate::simulators::axes::MotionLimits;
 
-/// What a line leads to besides `ok`.
+/// Reply to a line.
 enum LineReply {
     Ok,
-    /// Nothing for now.
+    /// No reply yet.
     Later,
 }
 
 impl SimulatedController {
-    /// Does what a line says and answers it.
+    /// Executes a line and replies to it.
     pub(crate) fn execute_line(&mut self, line: Result<String, u16>) {
         match line.and_then(|line| self.execute(&line)) {
             Ok(LineReply::Ok) => self.reply("ok"),
@@ -82,7 +82,7 @@ impl SimulatedController {
         })
     }
 
-    /// The travel is only watched on axes that are homed.
+    /// Soft limits apply to homed axes only.
     fn soft_limit(&self, target_mm: &[f64; 4]) -> bool {
         self.homed && table::bits(&self.settings, 20) & 1 == 1 && self.outside(target_mm)
     }
@@ -97,7 +97,8 @@ impl SimulatedController {
         })
     }
 
-    /// Machine positions of the screws and the other way round: where homing goes up, they fall away from the switches.
+    /// Converts between screw and machine positions (its own inverse): positions of axes that home upwards are
+    /// negative.
     pub(crate) fn mirrored_mm(&self, along_mm: [f64; 4]) -> [f64; 4] {
         let downwards = table::bits(&self.settings, 23);
         let upwards = |axis: usize| self.homed && downwards & (1 << axis) == 0;
@@ -145,7 +146,7 @@ impl SimulatedController {
         Ok(LineReply::Ok)
     }
 
-    /// Commands that want a controller that stands and needs no reset.
+    /// Refuses commands that require a controller at rest that needs no reset.
     pub(crate) fn require_standing(&self) -> Result<(), u16> {
         match self.activity {
             Activity::Alarm(_, true) => Err(79),

@@ -1,4 +1,4 @@
-//! A GRBL controller that is not there: it talks like a grblHAL with four axes, moves like one, and fails on request.
+//! A simulated GRBL controller: protocol and motion of a grblHAL with four axes, with injectable faults.
 
 mod faults;
 mod gcode;
@@ -24,32 +24,32 @@ use homing::HomingProgress;
 use report::ReportState;
 use table::Settings;
 
-/// Moves that the queue holds.
+/// Capacity of the motion queue.
 const BLOCKS: usize = 100;
-/// Longer lines are refused.
+/// Longest accepted line, bytes.
 const LONGEST_LINE: usize = 256;
-/// Things heard that are kept for whoever asks.
+/// Capacity of the log of received input.
 const MAX_RECEIVED: usize = 1000;
-/// The motion is looked at this often, seconds.
+/// Time step of the simulation, s.
 const LOOK_S: f64 = 0.01;
-/// Screws end this far beyond their switches and their travel, mm.
+/// End stops lie this far beyond the switches and the travel, mm.
 const END_STOP_MM: f64 = 2.0;
 
-/// What a fake controller is like.
+/// Options of a simulated controller.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ControllerOptions {
     /// Its settings.
     pub settings: BTreeMap<u16, String>,
-    /// It finds no stored settings when it starts.
+    /// It finds no stored settings at start-up.
     pub first_boot: bool,
-    /// Where the screws stand at the start, mm from home.
+    /// Initial positions of the screws, mm from home.
     pub start_mm: [f64; 4],
-    /// Shortest and longest time to an answer, seconds.
+    /// Shortest and longest reply delay, s.
     pub delay_s: [f64; 2],
-    /// Seed of these times.
+    /// Seed of the reply delays.
     pub seed: u64,
-    /// It speaks as other controllers do that follow GRBL 1.1: names neither its axes nor the homing passes, says nothing of
-    /// homing in its reports, has its fields in another order, and a hold is a hold.
+    /// It behaves like plain GRBL 1.1: names neither its axes nor the homing passes, reports no homing state, orders
+    /// the report fields differently, and reports holds without a sub-state.
     pub plain: bool,
 }
 
@@ -66,25 +66,25 @@ impl Default for ControllerOptions {
     }
 }
 
-/// What the controller is doing.
+/// Activity of the controller.
 #[derive(Clone, Debug)]
 enum Activity {
-    /// Idle, or moving when there are moves.
+    /// Idle, or moving while moves are queued.
     Ready,
     Holding,
     Homing(HomingProgress),
-    /// With its number; true until a reset.
+    /// Alarm number; true if a reset is required.
     Alarm(u16, bool),
 }
 
-/// A controller at the other end of a wire. It lives only in [`SimulatedController::step`].
+/// A controller at the other end of a serial line. It advances only in [`SimulatedController::step`].
 pub struct SimulatedController {
     serial: Option<Box<dyn SerialLine>>,
     settings: Settings,
     axes: SimulatedAxes,
     activity: Activity,
     jogging: bool,
-    /// Dropping all moves as soon as the axes stand.
+    /// Discards all moves as soon as the axes stand.
     flushing: bool,
     homed: bool,
     modes: ModalState,
@@ -94,12 +94,12 @@ pub struct SimulatedController {
     last_error: u16,
     reporting: ReportState,
     injected: ActiveFaults,
-    /// Switches that were closed when last looked at.
+    /// Switches that were closed in the previous step.
     closed: [bool; 4],
     partial_line: Vec<u8>,
     lines: VecDeque<Result<String, u16>>,
     received: VecDeque<String>,
-    /// Answers with the time at which they leave.
+    /// Replies with the times at which they are sent.
     replies: VecDeque<(f64, Vec<u8>)>,
     now_s: f64,
     started: bool,
@@ -110,7 +110,7 @@ pub struct SimulatedController {
 }
 
 impl SimulatedController {
-    /// A controller that starts at its first step.
+    /// A controller that starts up in its first step.
     pub fn new(serial: Box<dyn SerialLine>, options: ControllerOptions) -> SimulatedController {
         SimulatedController {
             serial: Some(serial),
@@ -139,12 +139,12 @@ impl SimulatedController {
         }
     }
 
-    /// The times to its replies are those of `seed` from now on.
+    /// Draws the reply delays from `seed` from now on.
     pub fn reseed(&mut self, seed: Seed) {
         self.random = seed.child("controller").rng();
     }
 
-    /// Does all that happens until `now_s`, seconds: moves, reads, replies.
+    /// Simulates until `now_s`, s: motion, input, replies.
     pub fn step(&mut self, now_s: f64) {
         if self.started {
             self.advance_motion((now_s - self.now_s).max(0.0));
@@ -158,8 +158,8 @@ impl SimulatedController {
         self.send_due_replies();
     }
 
-    /// What has arrived since this was last asked, status queries left out: lines as they came, single bytes as `!` hold,
-    /// `~` resume, `^X` reset and `\x..` any other. The last thousand of them.
+    /// Input since the last call, at most the last thousand entries, without status queries: lines as received; single
+    /// bytes as `!` hold, `~` resume, `^X` reset and `\x..` any other.
     pub fn take_received(&mut self) -> Vec<String> {
         self.received.drain(..).collect()
     }
@@ -171,32 +171,32 @@ impl SimulatedController {
         self.received.push_back(what);
     }
 
-    /// Where the screws really are, mm from home.
+    /// True positions of the screws, mm from home.
     pub fn position_mm(&self) -> [f64; 4] {
         self.axes.screws_mm
     }
 
-    /// Where the screws really are, metres from home.
+    /// True positions of the screws, metres from home.
     pub fn position_m(&self) -> [f64; 4] {
         self.axes.screws_mm.map(|position_mm| position_mm * 1e-3)
     }
 
-    /// Where the controller believes the screws to be, mm.
+    /// Positions that the controller counts, mm.
     pub fn counted_mm(&self) -> [f64; 4] {
         self.axes.counted_mm
     }
 
-    /// Moves in the queue, the running one included.
+    /// Moves in the queue, including the running one.
     pub fn queued(&self) -> usize {
         self.axes.queued()
     }
 
-    /// Whether the controller knows where the screws are.
+    /// Whether the controller is homed.
     pub fn homed(&self) -> bool {
         self.homed
     }
 
-    /// A setting as it is now.
+    /// Present value of a setting.
     pub fn setting(&self, number: u16) -> Option<&str> {
         self.settings.get(&number).map(String::as_str)
     }
@@ -232,7 +232,7 @@ impl SimulatedController {
         }
     }
 
-    /// Takes what has arrived: realtime bytes at once, lines in their turn.
+    /// Reads the input: real-time bytes take effect at once, lines in order.
     fn receive(&mut self) {
         let mut buffer = [0; 1024];
         loop {
@@ -258,11 +258,11 @@ impl SimulatedController {
         let line = String::from_utf8_lossy(&bytes).trim().to_owned();
         self.log_received(line.clone());
         self.lines.push_back(if too_long { Err(11) } else { Ok(line) });
-        // Realtime bytes come after the lines before them.
+        // Real-time bytes take effect after the lines before them.
         self.execute_lines();
     }
 
-    /// Carries out lines while nothing keeps it from doing so.
+    /// Executes lines until the state requires to wait.
     fn execute_lines(&mut self) {
         while !matches!(self.activity, Activity::Homing(_)) && self.axes.queued() < BLOCKS && !self.flushing {
             let Some(line) = self.lines.pop_front() else { return };
@@ -274,12 +274,12 @@ impl SimulatedController {
         self.reply_after(0.0, text);
     }
 
-    /// Says something `wait_s` later than usual.
+    /// Queues a reply `wait_s` later than usual.
     fn reply_after(&mut self, wait_s: f64, text: &str) {
         let [least_s, most_s] = self.delay_s;
         let delay_s = if most_s > least_s { self.random.random_range(least_s..most_s) } else { least_s };
         let due_s = self.now_s + wait_s + delay_s + self.injected.slow_s;
-        // Nothing overtakes what was said before.
+        // Replies keep their order.
         let due_s = self.replies.back().map_or(due_s, |(last_s, _)| last_s.max(due_s));
         for bytes in self.injected.corrupt(text) {
             self.replies.push_back((due_s, bytes));
@@ -290,7 +290,7 @@ impl SimulatedController {
         while self.replies.front().is_some_and(|(due_s, _)| *due_s <= self.now_s) {
             let Some((_, bytes)) = self.replies.pop_front() else { return };
             if let Some(serial) = self.serial.as_mut() {
-                // Nobody may be listening.
+                // The other end may be closed.
                 let _ = serial.write(&bytes);
             }
         }

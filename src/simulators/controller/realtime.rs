@@ -1,15 +1,15 @@
-//! Single bytes that are obeyed at once, alarms and restarts.
+//! Real-time bytes, alarms and restarts.
 
 use super::{Activity, ModalState, SimulatedController, table};
 
 const GREETING: &str = "GrblHAL 1.1f ['$' or '$HELP' for help]";
 const PLAIN_GREETING: &str = "Grbl 1.1h ['$' for help]";
-/// Time from an alarm to its message, seconds.
+/// Time from an alarm to its message, s.
 const MESSAGE_S: f64 = 0.1;
 const HOMING_REQUIRED: u16 = 11;
 
 impl SimulatedController {
-    /// Obeys a byte; false when it belongs to a line.
+    /// Executes a real-time byte; false for a byte of a line.
     pub(crate) fn realtime(&mut self, byte: u8) -> bool {
         match byte {
             b'!' | b'~' => self.log_received(char::from(byte).to_string()),
@@ -30,7 +30,7 @@ impl SimulatedController {
         true
     }
 
-    /// While homing, queries are remembered and answered once at the end.
+    /// During homing, queries are remembered and answered once at the end.
     fn answer_query(&mut self) {
         if let Activity::Homing(homing) = &mut self.activity {
             homing.asked = true;
@@ -77,7 +77,7 @@ impl SimulatedController {
         self.lines.clear();
     }
 
-    /// What ctrl-X does.
+    /// The effect of Ctrl-X.
     fn reset(&mut self) {
         let moving = matches!(self.activity, Activity::Ready | Activity::Holding) && self.axes.speed_mm_min() > 0.0;
         let before = match self.activity {
@@ -91,14 +91,14 @@ impl SimulatedController {
             self.reply(&format!("ALARM:{code}"));
             wait_s = MESSAGE_S;
         }
-        // A soft limit stops nothing that has begun to move.
+        // After a soft limit no motion was interrupted, so the position is kept.
         if before.is_some_and(|code| code != 2) {
             self.homed = false;
         }
         self.restart(wait_s, before);
     }
 
-    /// Greets, and says what keeps it from moving; `alarm` is the one before.
+    /// Greets and reports what blocks motion; `alarm` is the alarm before.
     pub(crate) fn restart(&mut self, wait_s: f64, alarm: Option<u16>) {
         self.axes.stop();
         self.lines.clear();
@@ -124,7 +124,7 @@ impl SimulatedController {
         }
     }
 
-    /// The first start.
+    /// The first start-up.
     pub(crate) fn start(&mut self) {
         self.closed = self.closed_switches();
         if self.first_boot {
@@ -133,7 +133,7 @@ impl SimulatedController {
         self.restart(0.0, None);
     }
 
-    /// Loses everything but the settings.
+    /// Loses all state except the settings.
     pub(crate) fn reboot(&mut self) {
         self.replies.clear();
         self.homed = false;

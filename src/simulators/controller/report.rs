@@ -1,19 +1,19 @@
-//! What the fake controller says about itself.
+//! Reports of the simulated controller.
 
 use super::{Activity, BLOCKS, SimulatedController, table};
 use crate::hardware::grbl::AXIS_NAMES;
 
-/// Reports between two mentions of the work offset.
+/// Reports between two that carry the work offset.
 const OFFSET_EVERY: u32 = 30;
-/// Reports between two mentions of the overrides.
+/// Reports between two that carry the overrides.
 const OVERRIDES_EVERY: u32 = 20;
 
-/// What the next report has to mention.
+/// What the next report has to carry.
 #[derive(Clone, Debug)]
 pub(crate) struct ReportState {
     /// Reports since the start.
     count: u32,
-    /// What was last said about homing.
+    /// The homing state reported last.
     homed: bool,
     pub(crate) modes_changed: bool,
     pub(crate) alarmed: bool,
@@ -26,7 +26,7 @@ impl Default for ReportState {
 }
 
 impl ReportState {
-    /// As after a reset.
+    /// State after a reset.
     pub(crate) fn start_over(&mut self) {
         *self = ReportState { homed: self.homed, ..ReportState::default() };
     }
@@ -71,7 +71,7 @@ impl SimulatedController {
         text
     }
 
-    /// As GRBL itself: `$10` has 2 for the queue, and the work offset comes now and then.
+    /// Report of plain GRBL: `$10` bit 2 adds the queue, the work offset is sent now and then.
     fn plain_status(&mut self, position_mm: &[f64; 4], feed: f64) -> String {
         let mut text = format!("<{}|FS:{feed},0|MPos:{}", self.mode(), format_axes(position_mm));
         if table::bits(&self.settings, 10) & 2 != 0 {
@@ -88,7 +88,7 @@ impl SimulatedController {
         text
     }
 
-    /// Fields that are only there when there is news, or every now and then.
+    /// Adds the fields that are sent only on changes or periodically.
     fn add_changes(&mut self, text: &mut String) {
         let count = self.reporting.count;
         self.reporting.count += 1;
@@ -172,7 +172,7 @@ impl SimulatedController {
     }
 }
 
-/// Four numbers as in reports.
+/// Formats four numbers as in reports.
 fn format_axes(values: &[f64; 4]) -> String {
     values.map(|value| format!("{:.3}", value + 0.0)).join(",")
 }

@@ -1,4 +1,4 @@
-//! A synthetic motion capture server: NatNet over real UDP on this computer, without threads, with faults on demand.
+//! A simulated motion capture server: NatNet over real UDP on this computer, without threads, with injectable faults.
 
 mod options;
 mod server;
@@ -17,32 +17,32 @@ use server::{CLOCK_HZ, NatNetServer};
 use crate::base::{Generator, Seed};
 use crate::hardware::tracking::{BodyName, RigidPose, TrackingSettings};
 
-/// Frames that are overdue by more than this, s, are not sent any more.
+/// Frames that are overdue by more than this are not sent, s.
 const OVERDUE_S: f64 = 2.0;
 
-/// How far beside the truth the second server's tip is, metres.
+/// Position error of the second server's tip, metres.
 const SECOND_SERVER_M: f64 = 0.1;
 
-/// By how much the second server's frame numbers are higher.
+/// Offset of the second server's frame numbers.
 const SECOND_SERVER_FRAMES: i32 = 500_000;
 
 /// Bit of a frame's parameters: the list of bodies has changed.
 const MODEL_CHANGED: u16 = 0x02;
 
-/// A server at 127.0.0.1 that lives in [`SimulatedTracker::step`].
+/// A server at 127.0.0.1 that advances in [`SimulatedTracker::step`].
 pub struct SimulatedTracker {
     options: TrackerOptions,
     server: NatNetServer,
     faults: Vec<TrackerFault>,
     rng: Generator,
-    /// Number of the next frame, and when it is due by the caller's clock once that is known.
+    /// Number of the next frame, and its due time by the caller's clock once known.
     number: i32,
     next_s: Option<f64>,
     /// The server's clock minus the caller's, s.
     offset_s: f64,
     clock_from_zero: bool,
     model_changed: bool,
-    /// Where base and tip were at the end of the last step.
+    /// Poses of base and tip at the end of the last step.
     before: Option<(f64, RigidPose, RigidPose)>,
     frozen: Option<Vec<PlannedBody>>,
     frozen_stamp_s: Option<f64>,
@@ -51,7 +51,7 @@ pub struct SimulatedTracker {
 }
 
 impl SimulatedTracker {
-    /// The versions that it speaks: NatNet 3.0, 3.1, 4.0 and 4.1.
+    /// Supported versions: NatNet 3.0, 3.1, 4.0 and 4.1.
     pub const VERSIONS: [Version; 4] =
         [Version::new(3, 0, 0, 0), Version::new(3, 1, 0, 0), Version::new(4, 0, 0, 0), Version::V4_1];
 
@@ -78,10 +78,10 @@ impl SimulatedTracker {
         })
     }
 
-    /// Settings for a client of this server: everything that is not about mounting.
+    /// Settings for a client of this server, except for the mounting.
     ///
     /// # Errors
-    /// When the system does not tell the ports.
+    /// When the system does not provide the ports.
     pub fn settings(&self) -> io::Result<TrackingSettings> {
         let (command_port, data_port) = self.server.ports()?;
         Ok(TrackingSettings {
@@ -98,7 +98,7 @@ impl SimulatedTracker {
         })
     }
 
-    /// Adds a fault, or changes the one of its kind.
+    /// Injects a fault, or replaces the one of its kind.
     pub fn inject(&mut self, fault: TrackerFault) {
         if fault == TrackerFault::Restart {
             self.server.forget_clients();
@@ -112,20 +112,20 @@ impl SimulatedTracker {
         self.faults.push(fault);
     }
 
-    /// Its noise and its losses are those of `seed` from now on.
+    /// Draws noise and losses from `seed` from now on.
     pub fn reseed(&mut self, seed: Seed) {
         self.rng = seed.child("tracker").rng();
     }
 
-    /// Ends all faults.
+    /// Clears all faults.
     pub fn clear_faults(&mut self) {
         self.model_changed |= self.has(TrackerFault::BodyGone);
         self.faults.clear();
         (self.held, self.frozen, self.frozen_stamp_s) = (None, None, None);
     }
 
-    /// Answers what clients asked and sends the frames that are due by `now_s`. The bodies are at `tip` and `base`, as
-    /// Motive sees them, at `now_s`, and have moved there evenly since the last call.
+    /// Answers requests and sends the frames that are due by `now_s`. The bodies are at `tip` and `base` in Motive's
+    /// frame at `now_s`, and have moved there uniformly since the last call.
     pub fn step(&mut self, now_s: f64, tip: &RigidPose, base: &RigidPose) {
         let silent = self.has(TrackerFault::Silent);
         let model = (!self.has(TrackerFault::Undescribed)).then(|| self.model());
@@ -160,7 +160,7 @@ impl SimulatedTracker {
         self.faults.iter().find_map(which)
     }
 
-    /// The bodies that there are.
+    /// The list of bodies.
     fn model(&self) -> ModelDef {
         let gone = self.has(TrackerFault::BodyGone);
         let tip = (!gone).then_some(&self.options.tip);
@@ -178,7 +178,7 @@ impl SimulatedTracker {
         ModelDef { datasets: datasets.collect() }
     }
 
-    /// Takes a frame at `time_s` and sends it, or lets it suffer.
+    /// Captures a frame at `time_s` and sends it, subject to the injected faults.
     fn capture_frame(&mut self, time_s: f64, base: RigidPose, tip: RigidPose) {
         let mut stamp_s = time_s + self.offset_s;
         if self.has(TrackerFault::FrozenClock) {

@@ -1,4 +1,4 @@
-//! What the synthetic tracker is like, and what can go wrong with it.
+//! Options of the simulated tracker, and its faults.
 
 use std::net::Ipv4Addr;
 
@@ -7,32 +7,32 @@ use natnet::Version;
 use crate::base::Seed;
 use crate::hardware::tracking::Transport;
 
-/// Settings of the synthetic server.
+/// Options of the simulated server.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrackerOptions {
-    /// Frames per second, Hz.
+    /// Frame rate, Hz.
     pub rate_hz: f64,
     /// Standard deviation of the position noise of each body per axis, metres.
     pub noise_m: f64,
-    /// Protocol: 3.0, 3.1, 4.0 or 4.1; unicast clients may ask for another one of these.
+    /// Version: 3.0, 3.1, 4.0 or 4.1; unicast clients may request another one of these.
     pub version: Version,
-    /// How frames are sent.
+    /// Transport of the frames.
     pub transport: Transport,
-    /// Group for multicast.
+    /// Multicast group.
     pub multicast_group: Ipv4Addr,
     /// Port for commands; 0 lets the system choose.
     pub command_port: u16,
-    /// Port that frames come from, and of the group; 0 lets the system choose.
+    /// Source port of the frames, and port of the group; 0 lets the system choose.
     pub data_port: u16,
     /// Name and streaming id of the body at the base.
     pub base: (String, i32),
     /// Name and streaming id of the body at the tip.
     pub tip: (String, i32),
-    /// Name and streaming id of bodies that only lie about.
+    /// Names and streaming ids of bodies that are not part of the robot.
     pub others: Vec<(String, i32)>,
     /// Probability that a frame is lost.
     pub loss: f64,
-    /// Server's clock minus the time given to [`step`](super::FakeTracker::step), s.
+    /// Server's clock minus the time given to [`step`](super::SimulatedTracker::step), s.
     pub clock_offset_s: f64,
     /// Number of the first frame.
     pub first_frame: i32,
@@ -61,49 +61,49 @@ impl Default for TrackerOptions {
     }
 }
 
-/// One of the two bodies.
+/// One of the robot's two bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TrackedBody {
-    /// The one at the base.
+    /// The body at the base.
     Base,
-    /// The one at the tip.
+    /// The body at the tip.
     Tip,
 }
 
-/// What can go wrong with the stream, from [`inject`](super::FakeTracker::inject) until
-/// [`clear_faults`](super::FakeTracker::calm).
+/// A fault of the stream, from [`inject`](super::SimulatedTracker::inject) until
+/// [`clear_faults`](super::SimulatedTracker::clear_faults).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TrackerFault {
     /// Frames are lost with this probability.
     Loss(f64),
-    /// Of each two frames the later one comes first.
+    /// Every two frames are sent in reverse order.
     OutOfOrder,
-    /// Each frame comes twice.
+    /// Each frame is sent twice.
     Duplicate,
-    /// A body is in the frames, but not seen.
+    /// A body is listed in the frames, but not tracked.
     Occluded(TrackedBody),
-    /// The server says nothing at all.
+    /// The server sends nothing at all.
     Silent,
-    /// Numbers and stamps go on, the poses stay as they are.
+    /// Numbers and stamps advance, the poses are frozen.
     Frozen,
-    /// Numbers and poses go on, the stamps stay as they are.
+    /// Numbers and poses advance, the stamps are frozen.
     FrozenClock,
     /// The tip's position is not a number.
     NanPose,
-    /// The tip is seen so far away from where it is, metres along Motive's x.
+    /// The tip is displaced by this much, metres along Motive's x.
     Jump(f64),
-    /// Each body is taken for the other.
+    /// The two bodies are interchanged.
     SwappedBodies,
     /// A second server on this computer sends other poses to the same clients.
     SecondServer,
-    /// The server starts again, once: frame numbers from 1, clock from 0, no clients.
+    /// The server restarts once: frame numbers from 1, clock from 0, no clients.
     Restart,
-    /// Frames are cut off or have wrong bytes.
+    /// Frames are truncated or have wrong bytes.
     Malformed,
-    /// Frames come so much later than they were taken, s.
+    /// Frames are sent this much later than they were captured, s.
     Late(f64),
     /// Requests for the list of bodies are not answered.
     Undescribed,
-    /// The tip's body is no longer in the frames, nor in the list of bodies.
+    /// The tip's body is missing in the frames and in the list of bodies.
     BodyGone,
 }

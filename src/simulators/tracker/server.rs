@@ -1,4 +1,4 @@
-//! The server's sockets: who is asking, what is answered, where frames go.
+//! Sockets of the server: clients, answers, and destinations of frames.
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, SocketAddrV4, UdpSocket};
@@ -13,17 +13,17 @@ use crate::hardware::tracking::Transport;
 /// Ticks per second of the cameras' clock.
 pub(crate) const CLOCK_HZ: u64 = 10_000_000;
 
-/// A client that says nothing for so long, s, is sent nothing more.
+/// Time without a message after which a client is forgotten, s.
 const CLIENT_GONE_S: f64 = 5.0;
 
-/// Clients that are kept and requests that are answered at once: the port is open to anybody on this computer.
+/// Most clients, and most requests answered in one step: the port is open to everybody on this computer.
 const MAX_CLIENTS: usize = 8;
 const MAX_REQUESTS: usize = 256;
 
 /// Longest request that is read, bytes.
 const REQUEST_BYTES: usize = 2048;
 
-/// A client in unicast.
+/// A unicast client.
 struct NatNetClient {
     address: SocketAddr,
     version: Version,
@@ -65,7 +65,7 @@ impl NatNetServer {
         self.clients.clear();
     }
 
-    /// Reads what clients asked, and answers unless `silent`.
+    /// Reads the requests, and answers them unless `silent`.
     pub(crate) fn answer(&mut self, now_s: f64, model: Option<&ModelDef>, silent: bool) {
         let mut request = [0; REQUEST_BYTES];
         for _ in 0..MAX_REQUESTS {
@@ -106,7 +106,7 @@ impl NatNetServer {
         }
     }
 
-    /// A client in unicast, with the version that it asks for.
+    /// Adds a unicast client, with the version that it requests.
     fn add_client(&mut self, payload: &[u8], address: SocketAddr, heard_s: f64) {
         let asked = ConnectOptions::parse(payload).and_then(|options| options.bitstream_version);
         let version = asked.filter(|version| version.validate().is_ok()).unwrap_or(self.version);
@@ -126,7 +126,7 @@ impl NatNetServer {
 
     fn info(&self) -> Option<Vec<u8>> {
         let info = ServerInfo {
-            application_name: "Synthetic tracker".into(),
+            application_name: "Simulated tracker".into(),
             server_version: Version::new(1, 0, 0, 0),
             protocol_version: self.version,
             high_res_clock_frequency: CLOCK_HZ,
@@ -139,7 +139,7 @@ impl NatNetServer {
         info.to_datagram().ok()
     }
 
-    /// Sends a frame to everybody who listens. `corrupt` may change its bytes; a stranger sends from another port.
+    /// Sends a frame to all clients. `corrupt` may change its bytes; a second server sends from another port.
     pub(crate) fn send(&self, frame: &FrameOfData, stranger: bool, corrupt: &mut dyn FnMut(&mut Vec<u8>)) {
         let socket = if stranger { &self.stranger } else { &self.data };
         let mut send = |version: Version, address: SocketAddr| {
@@ -170,7 +170,7 @@ fn message(id: u16, payload: &[u8]) -> Vec<u8> {
     [&id.to_le_bytes(), &length.to_le_bytes(), payload].concat()
 }
 
-/// The client's time as it came, and the server's.
+/// The client's time as received, and the server's time.
 fn echo(payload: &[u8], now_s: f64) -> Vec<u8> {
     let ticks = (now_s * CLOCK_HZ as f64) as u64;
     message(natnet::NAT_ECHORESPONSE, &[&payload[..payload.len().min(8)], &ticks.to_le_bytes()].concat())

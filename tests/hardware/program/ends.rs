@@ -49,7 +49,7 @@ fn was_held(served: &ServedSimulator) -> Vec<Entry> {
 /// The same command finishes the recording, and keeps what there was.
 fn goes_on(bench: &Bench) {
     let kept = Recording::read(&bench.path("out.part.csv")).unwrap();
-    bench.run(COLLECT).is(0, &["goes on after 1 of 3 trials"]);
+    bench.run(COLLECT).is(0, &["resuming after 1 of 3 trials"]);
     let whole = Recording::read(&bench.path("out.csv")).unwrap();
     assert_eq!((whole.len(), whole.trials().len()), (TRIALS * ROWS, TRIALS));
     assert_eq!(whole.tip_m.unwrap()[..ROWS], kept.tip_m.unwrap());
@@ -112,18 +112,18 @@ fn a_pulled_cable_stops_until_somebody_has_looked() {
     let collect = bench.start(COLLECT);
     in_the_second_trial(&bench, &served);
     served.wish("unplug");
-    collect.end().is(1, &["trial 1: robot stopped: the serial line to the controller is gone", "spinebench arm"]);
+    collect.end().is(1, &["trial 1: robot stopped: serial line to the controller lost", "spinebench arm"]);
     stands_within_the_last_tick(&served.stands());
     assert!(bench.is_latched());
     drop(served);
     // Plugged in again.
     let _served = bench.serve("plant.yaml", "served.yaml");
-    bench.run(COLLECT).is(1, &["robot `robot` is stopped", "the serial line to the controller is gone"]);
+    bench.run(COLLECT).is(1, &["robot `robot` is stopped", "serial line to the controller lost"]);
     bench.run("arm --plant served.yaml").is(0, &["armed: `robot` had been stopped"]);
     bench.run("arm --plant served.yaml").is(0, &["`robot` was not stopped"]);
     goes_on(&bench);
     let log = bench.text("spinebench/robot.log");
-    assert!(log.contains("stopped: ") && log.contains("armed by hand"), "{log}");
+    assert!(log.contains("stopped: ") && log.contains("armed by the operator"), "{log}");
 }
 
 /// Steps may have been lost although the controller says that it is homed: another program homes the robot, however often it is armed.
@@ -136,7 +136,7 @@ fn after_a_stop_the_position_is_found_anew() {
     assert_eq!((served.homings(), bench.is_distrusted()), (1, false));
     // The motors and the controller are as they were: only the tip is elsewhere.
     served.wish("jump 0.15");
-    collect.end().is(1, &["trial 1: robot stopped: the tip is measured", "spinebench arm"]);
+    collect.end().is(1, &["trial 1: robot stopped: the measured tip is", "spinebench arm"]);
     assert!(bench.is_latched() && bench.is_distrusted());
     served.stands();
     served.wish("repair");
@@ -145,7 +145,7 @@ fn after_a_stop_the_position_is_found_anew() {
     assert!(!bench.is_latched() && bench.is_distrusted(), "arming finds no position");
     // What else it says depends on how busy the computer is.
     let found = |words: &str| assert!(bench.run("doctor --plant served.yaml").said.contains(words), "no `{words}`");
-    found("axes: not homed yet");
+    found("axes: not homed");
     assert!(bench.is_distrusted() && served.homings() == 1, "nothing was moved");
     goes_on(&bench);
     assert_eq!((served.homings(), bench.is_distrusted()), (2, false));

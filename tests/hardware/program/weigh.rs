@@ -64,7 +64,7 @@ fn a_session_waits_for_hands() {
     let quick = bench.text("served.yaml").replace("hold_stop_s: 10.0", "hold_stop_s: 0.4");
     bench.put("served.yaml", &quick.replace("tracking_hold_s: 5.0", "tracking_hold_s: 0.6"));
     let weigh = "weigh --plant served.yaml --weights 0,0.05,0.02 --poses poses.csv --rest-steps 3 --out out.csv";
-    bench.run(weigh).is(1, &["nobody there to do this: trial 1: hang 50.0 g on the tip"]);
+    bench.run(weigh).is(1, &["stdin closed while waiting for the operator: trial 1: hang 50.0 g on the tip"]);
     assert!(bench.path("out.part.csv").exists() && !bench.path("out.csv").exists());
     served.wish("hang 0.05");
     let mut session = bench.start_with_hands(weigh);
@@ -78,7 +78,7 @@ fn a_session_waits_for_hands() {
     std::thread::sleep(std::time::Duration::from_secs(2));
     served.wish("repair");
     session.press_enter();
-    session.end().is(0, &["goes on after 1 of 3 trials", "trial 2: hang 20.0 g on the tip, then press Enter"]);
+    session.end().is(0, &["resuming after 1 of 3 trials", "trial 2: hang 20.0 g on the tip, then press Enter"]);
     assert!(!bench.is_latched());
     let tips = Recording::read(&bench.path("out.csv")).unwrap().tip_m.unwrap();
     assert!(tips[2][0] < tips[0][0] - 0.005 && tips[4][0] > tips[2][0] + 0.002, "weights pull the tip down: {tips:?}");

@@ -85,10 +85,10 @@ fn frames_of_no_use_are_named() {
     let tip = |id| PlannedBody::tracked(id, [0.1; 3], [0.0, 0.0, 0.0, 1.0]);
     let stamp_s = |k| 0.01 * f64::from(k);
     assert_eq!(unseen(&|k| (k, stamp_s(k), tip(2))), None);
-    assert_eq!(unseen(&|k| (k, 0.0, tip(2))), Some("frames whose time stamps do not go on"));
-    assert_eq!(unseen(&|k| (7, stamp_s(k), tip(2))), Some("frames with the number of the one before"));
-    assert_eq!(unseen(&|k| (k, 1e13 + stamp_s(k), tip(2))), Some("time stamps that are none, in seconds"));
+    assert_eq!(unseen(&|k| (k, 0.0, tip(2))), Some("frames whose time stamps do not increase"));
+    assert_eq!(unseen(&|k| (7, stamp_s(k), tip(2))), Some("frames with the number of the previous one"));
+    assert_eq!(unseen(&|k| (k, 1e13 + stamp_s(k), tip(2))), Some("invalid time stamps"));
     assert_eq!(unseen(&|k| (k, stamp_s(k), tip(3))), Some("frames without the tip's body"));
     let lost = PlannedBody { tracking_valid: false, ..tip(2) };
-    assert_eq!(unseen(&|k| (k, stamp_s(k), lost)), Some("the tip is not seen"));
+    assert_eq!(unseen(&|k| (k, stamp_s(k), lost)), Some("the tip is not tracked"));
 }

@@ -1,0 +1,87 @@
+//! Holds the robot when tracking is lost: no valid pose for `tracking_hold_s`, or a tracker that repeats one pose.
+//!
+//! The reason goes to the guard (`safety/guard.rs`), which holds the robot at once and stops it after `hold_stop_s`.
+
+use super::Rig;
+use crate::base::{Point3, distance_m};
+use crate::hardware::axes::AXES;
+use crate::hardware::safety::StopReason;
+use crate::hardware::tracking::TrackingStatus;
+
+/// An unchanged pose counts as frozen after this time, s,
+const FROZEN_S: f64 = 0.05;
+/// if a screw has moved by more than this meanwhile, mm,
+const FROZEN_MM: f64 = 1.0;
+/// and the predicted tip by more than this, metres: noise and dry friction hide less.
+const FROZEN_TIP_M: f64 = 0.005;
+
+/// State when the tracker's pose last changed.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LastPoseChange {
+    /// Number of changes so far.
+    count: u64,
+    /// Screw positions, mm.
+    position_mm: [f64; AXES],
+    /// Tip position that the model predicted, metres.
+    expected_m: Option<Point3>,
+}
+
+impl Rig {
+    /// Why tracking counts as lost; none while it works.
+    pub(super) fn tracking_loss(&mut self, now_s: f64) -> Option<StopReason> {
+        let hold_s = self.parts.limits.tracking_hold_s;
+        let age_s = self.parts.tracking.age_s(now_s);
+        if age_s.is_nan() || age_s > hold_s {
+            return Some(old_pose(age_s, hold_s, self.parts.tracking.status()));
+        }
+        self.frozen_tracking()
+    }
+
+    /// A tracker that repeats one pose with new time stamps while the motors and the model move.
+    fn frozen_tracking(&mut self) -> Option<StopReason> {
+        let (status, position_mm) = (self.parts.tracking.status(), self.parts.controller.state().position_mm);
+        if status.changes != self.last_pose_change.count {
+            self.last_pose_change = LastPoseChange { count: status.changes, position_mm, expected_m: self.expected_m };
+            return None;
+        }
+        let (Some(from_m), Some(to_m)) = (self.last_pose_change.expected_m, self.expected_m) else {
+            self.last_pose_change.expected_m = self.expected_m;
+            return None;
+        };
+        let turned_mm = position_mm.iter().zip(&self.last_pose_change.position_mm).map(|(to, from)| (to - from).abs());
+        let turned_mm = turned_mm.fold(0.0, f64::max);
+        let unchanged_s = status.unchanged_s;
+        let frozen = unchanged_s >= FROZEN_S && turned_mm > FROZEN_MM && distance_m(&from_m, &to_m) > FROZEN_TIP_M;
+        frozen.then(|| StopReason {
+            kind: "tracking",
+            what: format!(
+                "the tracker has repeated one pose for {:.0} ms while a screw moved by {turned_mm:.1} mm: it no \
+                 longer measures",
+                unchanged_s * 1e3
+            ),
+            remedy: "restart its streaming and check it with `spinebench doctor`, then run `spinebench arm --plant \
+             PLANT.yaml`"
+                .to_owned(),
+        })
+    }
+}
+
+/// The reason for a pose that is too old.
+fn old_pose(age_s: f64, allowed_s: f64, status: &TrackingStatus) -> StopReason {
+    let aged = || format!("tracking lost: the last valid pose is {:.0} ms old", age_s * 1e3);
+    let found = if age_s.is_finite() { aged() } else { "tracking lost: no valid pose so far".to_owned() };
+    let stranger = || {
+        let from = status.foreign_source?;
+        Some(format!("{} datagrams from {from}, which is not the server", status.foreign))
+    };
+    let unseen = || status.unseen.map(str::to_owned);
+    let why = status.fault.clone().or_else(unseen).or_else(stranger).or_else(|| status.socket_error.clone());
+    let why = why.map(|why| format!(" ({why})")).unwrap_or_default();
+    StopReason {
+        kind: "tracking",
+        what: format!("{found}, expected at most {:.0} ms{why}", allowed_s * 1e3),
+        remedy: "make both bodies visible and check that Motive streams, then run `spinebench arm --plant \
+         PLANT.yaml`"
+            .to_owned(),
+    }
+}
