@@ -53,7 +53,7 @@ pub(crate) fn words(line: &str) -> Result<GcodeWords, u16> {
     let text: Vec<u8> =
         line.bytes().filter(|byte| !byte.is_ascii_whitespace()).map(|byte| byte.to_ascii_uppercase()).collect();
     let mut words = GcodeWords::default();
-    let mut view = Vec::new();
+    let mut seen = Vec::new();
     let mut rest = text.as_slice();
     while let Some((&letter, after)) = rest.split_first() {
         if !letter.is_ascii_uppercase() {
@@ -62,10 +62,10 @@ pub(crate) fn words(line: &str) -> Result<GcodeWords, u16> {
         let (value, after) = number(after).ok_or(2_u16)?;
         rest = after;
         if !matches!(letter, b'G' | b'M') {
-            if view.contains(&letter) {
+            if seen.contains(&letter) {
                 return Err(25);
             }
-            view.push(letter);
+            seen.push(letter);
         }
         match letter {
             b'X' => words.axes[0] = Some(value),

@@ -198,7 +198,7 @@ fn errors_repeat_and_carriage_returns_are_lines() {
 fn a_reset_after_a_hold_keeps_the_position() {
     compare("transcript_g1_hold_then_reset.txt", robot(), None, |theirs| {
         // How long it slows down is a matter of time.
-        let slowing = place(theirs, "Hold (slowing down)", 0);
+        let slowing = place(theirs, "Hold (decelerating)", 0);
         theirs[slowing + 1] = "Hold (standing)".to_owned();
     });
 }

@@ -78,7 +78,7 @@ fn a_unicast_server_is_asked_for_the_version() {
     let mut tracking = bench.open().unwrap();
     let (_, _, fresh) = bench.judge(&mut tracking, 1.0);
     assert!(fresh > 0.98 && tracking.status().malformed == 0);
-    assert_eq!(tracking.server(), "Synthetic tracker 1.0.0.0, NatNet 4.1.0.0");
+    assert_eq!(tracking.server(), "Simulated tracker 1.0.0.0, NatNet 4.1.0.0");
 }
 
 #[test]
