@@ -3,7 +3,7 @@
 SHELL := bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build reproduce test bench blind campaign peers scaling verify
+.PHONY: help build reproduce check test bench blind campaign peers scaling verify
 
 # Repetitions of every experiment, data and training included. Claims need ten; SEEDS=1 takes minutes.
 SEEDS ?= 10
@@ -23,10 +23,30 @@ reproduce: build ## Table I, Figs 5, 6 and 8 and the claims, into results/ and p
 	$(SPINEBENCH) page README.md
 	$(SPINEBENCH) page docs/error_budget.md
 
-test: ## format, lints, all tests, documentation
+# Tests run side by side under `cargo nextest` where it is installed, program by program under `cargo test` where not.
+# Incremental compilation keeps a rebuild after an edit short.
+check test campaign: export CARGO_INCREMENTAL = 1
+NEXTEST := $(shell cargo nextest --version 2>/dev/null | head -1)
+
+check: ## while you work (3 minutes): format, lints, unit and contract tests, one `discover` per verdict
 	cargo fmt --check
 	cargo clippy --release --all-targets -- -D warnings
-	cargo test --release --no-fail-fast
+ifdef NEXTEST
+	cargo nextest run --release --lib --test contract --test discovery -E 'not binary(discovery) or test(/^per_verdict::/)'
+else
+	cargo test --release --lib --test contract
+	cargo test --release --test discovery per_verdict::
+endif
+
+test: ## everything that guards a promise (12 minutes): format, lints, all tests, documentation
+	cargo fmt --check
+	cargo clippy --release --all-targets -- -D warnings
+ifdef NEXTEST
+	cargo nextest run --release
+else
+	cargo test --release --no-fail-fast --lib --bins --tests
+endif
+	cargo test --release --doc
 	RUSTDOCFLAGS="-D warnings" cargo doc --release --no-deps
 
 bench: build ## microbenchmarks, then one repetition of everything from nothing: where the time goes, by stage
@@ -40,8 +60,11 @@ blind: build ## `discover` on 1,148 blind cases (hours; PARTS=1 for a seventh): 
 	$(SPINEBENCH) run experiments/discovery_full.yaml --seeds $(PARTS)
 	$(SPINEBENCH) page docs/blind_benchmark.md
 
-campaign: ## 100,000 random robots and commands, judged by an independent solver (over an hour; CAMPAIGN_DRAWS=1000 for a look)
+campaign: ## the long tests (hours): 200 kills, every case of `discover`, 100,000 random robots (CAMPAIGN_DRAWS=1000 for a look)
 	mkdir -p results/robustness
+	KILLS=200 cargo test --release --test program kills
+	cargo test --release --test discovery -- --ignored
+	cargo test --release --test rod a_hundred_intervals -- --ignored
 	WORKSPACE_STEPS=100000 cargo test --release --test rod inside_the_workspace
 	CAMPAIGN_OUT=results/robustness/campaign.csv cargo test --release --test rod full_campaign -- --ignored --nocapture
 

@@ -11,6 +11,7 @@ mod kernels;
 mod learn_gp;
 mod learn_rnn;
 mod model_keys;
+mod names;
 mod plants;
 mod policies;
 mod policy_a;

@@ -5,6 +5,7 @@ mod support;
 
 mod benchmark;
 mod hidden;
+mod per_verdict;
 mod proof;
 mod recordings;
 mod report_benchmark;

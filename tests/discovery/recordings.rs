@@ -84,9 +84,6 @@ fn recordings_of_another_simulator_are_understood() {
     assert_eq!((load.findings.verdict, names(&load)), (Verdict::Named, vec!["tip_load"]), "{}", load.findings.summary);
     // Two simulators of one robot agree on what a load does to a tenth.
     assert!((told(&load, "mass_kg").0 - 0.01).abs() < 1e-3);
-    let friction = with("friction");
-    assert_eq!((friction.findings.verdict, names(&friction)), (Verdict::Named, vec!["friction"]));
-    assert!((told(&friction, "moment_nm").0 - 0.02).abs() < 2e-3);
     // A number that the baseline tells of, and that the answer puts another one in the place of.
     let damping = discover(&nominal(), &chain("r10.csv"), Some(&chain("baseline.csv")), &Options::default()).unwrap();
     assert_eq!((damping.findings.verdict, names(&damping)), (Verdict::Named, vec!["damping"]));
@@ -94,11 +91,11 @@ fn recordings_of_another_simulator_are_understood() {
     // With a baseline that was itself recorded against a wall, the answer is worth little, and says so.
     let doubts =
         |found: &Discovery| found.findings.limitations.iter().filter(|told| told.contains("model is still")).count();
-    assert_eq!([&nothing, &load, &friction].map(doubts), [0; 3]);
+    assert_eq!([&nothing, &load].map(doubts), [0; 2]);
     let other = discover(&nominal(), &chain("baseline.csv"), Some(&chain("r15.csv")), &Options::default()).unwrap();
     assert_eq!(doubts(&other), 1, "{:?}", other.findings.limitations);
     // Whether the baseline has changed the model is told as it is.
-    for found in [&nothing, &load, &friction, &other] {
+    for found in [&nothing, &load, &other] {
         let told = |words: &str| found.findings.limitations.iter().any(|told| told.contains(words));
         assert_eq!(found.calibrated, told("bending stiffness times"), "{:?}", found.findings.limitations);
         assert_ne!(found.calibrated, told("the model is no likelier there"));
@@ -108,6 +105,14 @@ fn recordings_of_another_simulator_are_understood() {
             found.model.robot.backbone != before.backbone || found.model.robot.sections != before.sections
         );
     }
+}
+
+#[test]
+#[ignore = "make campaign"]
+fn friction_of_another_simulator_is_named() {
+    let friction = discover(&nominal(), &twin("friction"), Some(&twin("baseline")), &Options::default()).unwrap();
+    assert_eq!((friction.findings.verdict, names(&friction)), (Verdict::Named, vec!["friction"]));
+    assert!((told(&friction, "moment_nm").0 - 0.02).abs() < 2e-3);
 }
 
 #[test]

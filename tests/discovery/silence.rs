@@ -17,16 +17,6 @@ fn nothing_is_found_where_nothing_is_hidden() {
     }
 }
 
-/// What is in no catalogue is not given a name that is.
-#[test]
-fn what_the_catalogue_lacks_is_unexplained() {
-    let options = Options { left_out: vec!["actuator_offset".to_owned()], ..Options::default() };
-    let found = found(&recorded("- actuator_offset: {tendon: 3, offset_m: 0.003}", 4, 3, 0.0), &options);
-    assert_eq!(found.findings.verdict, Verdict::Unexplained, "{}", found.findings.summary);
-    assert!(found.findings.effects.is_empty() && found.model.effects.is_empty());
-    assert!(!found.findings.pattern.is_empty());
-}
-
 /// Case 942 of experiments/discovery_full.yaml: the zero of a drive stands for its gain, in many ways a little badly, and worst
 /// where it does most.
 #[test]

@@ -5,47 +5,59 @@ use spinebench::data::findings::Verdict;
 use spinebench::discovery::Options;
 use spinebench::effects::EffectSpec;
 
+/// Of a hidden `effect`: its name, the strength `truth` of its `parameter`, and the gap closed.
+fn is_named(effect: &str, parameter: &str, truth: f64, seed: u64) {
+    let found = found(&recorded(&format!("- {effect}"), 4, seed, 0.0), &Options::default());
+    let name = effect.split(':').next().unwrap();
+    assert_eq!(found.findings.verdict, Verdict::Named, "{effect}: {}", found.findings.summary);
+    assert_eq!(names(&found), [name]);
+    let (value, [low, high]) = told(&found, parameter);
+    let null = if parameter == "scale" { 1.0 } else { 0.0 };
+    assert!((value - truth).abs() < 0.15 * (truth - null).abs(), "{effect}: {value}");
+    assert!(low < value && value < high && high - low < truth.abs(), "{effect}: {low} to {high}");
+    let gap = &found.findings.gap;
+    assert!(gap.after_m < 1.15 * 3.0_f64.sqrt() * NOISE_M, "{effect}: {gap:?}");
+    assert!(gap.before_m > 1.5 * gap.after_m, "{effect}: {gap:?}");
+    assert_eq!(gap.held_out_trials.len(), 1);
+    assert_eq!(found.model.effects.len(), 1);
+    let first = &found.findings.candidates[0];
+    assert!(first.name.starts_with(name) && first.why_not.is_empty(), "{effect}: {first:?}");
+    assert!(found.findings.missing_before.p_value < 0.01 && found.findings.missing_after.p_value > 1e-3);
+}
+
 #[test]
 fn a_hidden_effect_is_named_and_its_strength_told() {
-    let cases = [
-        ("tip_load: {mass_kg: 0.01}", "mass_kg", 0.01),
-        ("backlash: {width_m: 0.0015}", "width_m", 0.0015),
-        ("actuator_gain: {tendon: 2, scale: 1.08}", "scale", 1.08),
-        // A little stiffer, the robot answers quite otherwise than much softer.
-        ("bending_stiffness: {scale: 0.67}", "scale", 0.67),
-        // Half as late or half as late again, the tip is further off than without any delay.
-        ("delay: {time_s: 0.177}", "time_s", 0.177),
-    ];
-    for (k, (effect, parameter, truth)) in cases.into_iter().enumerate() {
-        let found = found(&recorded(&format!("- {effect}"), 4, k as u64, 0.0), &Options::default());
-        let name = effect.split(':').next().unwrap();
-        assert_eq!(found.findings.verdict, Verdict::Named, "{effect}: {}", found.findings.summary);
-        assert_eq!(names(&found), [name]);
-        let (value, [low, high]) = told(&found, parameter);
-        let null = if parameter == "scale" { 1.0 } else { 0.0 };
-        assert!((value - truth).abs() < 0.15 * (truth - null).abs(), "{effect}: {value}");
-        assert!(low < value && value < high && high - low < truth.abs(), "{effect}: {low} to {high}");
-        let gap = &found.findings.gap;
-        assert!(gap.after_m < 1.15 * 3.0_f64.sqrt() * NOISE_M, "{effect}: {gap:?}");
-        assert!(gap.before_m > 1.5 * gap.after_m, "{effect}: {gap:?}");
-        assert_eq!(gap.held_out_trials.len(), 1);
-        assert_eq!(found.model.effects.len(), 1);
-        let first = &found.findings.candidates[0];
-        assert!(first.name.starts_with(name) && first.why_not.is_empty(), "{effect}: {first:?}");
-        assert!(found.findings.missing_before.p_value < 0.01 && found.findings.missing_after.p_value > 1e-3);
-    }
+    is_named("backlash: {width_m: 0.0015}", "width_m", 0.0015, 1);
+    // Half as late or half as late again, the tip is further off than without any delay.
+    is_named("delay: {time_s: 0.177}", "time_s", 0.177, 4);
+}
+
+#[test]
+#[ignore = "make campaign"]
+fn further_hidden_effects_are_named_and_their_strengths_told() {
+    is_named("tip_load: {mass_kg: 0.01}", "mass_kg", 0.01, 0);
+    is_named("actuator_gain: {tendon: 2, scale: 1.08}", "scale", 1.08, 2);
+    // A little stiffer, the robot answers quite otherwise than much softer.
+    is_named("bending_stiffness: {scale: 0.67}", "scale", 0.67, 3);
+}
+
+/// From home a little of either only takes up slack; a tilted base with more mass, and creep, are like more of them.
+fn is_named_though_a_little_promises_nothing(effect: &str) {
+    let found = found(&explored(&format!("- {effect}"), 8, 0), &Options::default());
+    assert_eq!(found.findings.verdict, Verdict::Named, "{effect}: {}", found.findings.summary);
+    assert_eq!(names(&found), [effect.split(':').next().unwrap()], "{effect}");
+    assert!(found.findings.gap.after_m < 1.15 * 3.0_f64.sqrt() * NOISE_M, "{effect}: {:?}", found.findings.gap);
 }
 
 #[test]
 fn an_effect_of_which_a_little_promises_nothing_is_named() {
-    // From home a little of either only takes up slack; a tilted base with more mass, and creep, are like more of them.
-    let cases = ["precurvature: {kappa_x_rad_m: -0.0131, kappa_y_rad_m: -0.216}", "bending_stiffness: {scale: 0.82}"];
-    for effect in cases {
-        let found = found(&explored(&format!("- {effect}"), 8, 0), &Options::default());
-        assert_eq!(found.findings.verdict, Verdict::Named, "{effect}: {}", found.findings.summary);
-        assert_eq!(names(&found), [effect.split(':').next().unwrap()], "{effect}");
-        assert!(found.findings.gap.after_m < 1.15 * 3.0_f64.sqrt() * NOISE_M, "{effect}: {:?}", found.findings.gap);
-    }
+    is_named_though_a_little_promises_nothing("bending_stiffness: {scale: 0.82}");
+}
+
+#[test]
+#[ignore = "make campaign"]
+fn a_curved_robot_of_which_a_little_promises_nothing_is_named() {
+    is_named_though_a_little_promises_nothing("precurvature: {kappa_x_rad_m: -0.0131, kappa_y_rad_m: -0.216}");
 }
 
 #[test]
@@ -88,6 +100,7 @@ fn a_pair_is_found_that_no_single_effect_leads_to() {
 }
 
 #[test]
+#[ignore = "make campaign"]
 fn beside_much_of_one_effect_the_tip_answers_otherwise_to_another() {
     // Case 1092 of experiments/discovery_full.yaml: by the tip's answer without the soft section, another stiffness would
     // explain nothing beside it. Hysteresis that never yields does almost as well, where the search finds it.

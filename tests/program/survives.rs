@@ -57,14 +57,16 @@ fn store(folder: &Path) -> Store {
 /// Two hundred times a run is killed at a random moment and begun again. After up to twenty kills it is left to get
 /// through, however slow the machine is meanwhile: its bytes are those of an undisturbed run, and the store is emptied.
 #[test]
-fn two_hundred_kills_change_no_byte_and_lose_only_what_was_in_flight() {
+fn kills_change_no_byte_and_lose_only_what_was_in_flight() {
+    // `make campaign` asks for 200.
+    let wanted: usize = std::env::var("KILLS").map_or(20, |kills| kills.parse().expect("a number of kills"));
     let folder = tempfile::tempdir().unwrap();
     let calm = tempfile::tempdir().unwrap();
     let (expected, stages, whole) = undisturbed(calm.path());
     let mut random = Seed(21).rng();
     let (mut kills, mut kills_of_this, mut finished) = (0, 0, 0);
     let mut patience = random.random_range(1..=20);
-    while kills < 200 {
+    while kills < wanted {
         let mut child = begin(folder.path());
         if kills_of_this < patience {
             // Late and early moments alike, those of publishing included.
@@ -97,7 +99,7 @@ fn two_hundred_kills_change_no_byte_and_lose_only_what_was_in_flight() {
     let (computed, _, _) = run(folder.path(), &[]);
     assert_same(&published(folder.path()), &expected, "at last");
     assert_eq!(before + computed, stages, "what was stored is not computed again, and nothing is missing");
-    assert!(finished >= 9, "{finished} runs got through");
+    assert!(finished >= (wanted / 22).max(1), "{finished} runs got through");
 
     let pruned = spinebench(folder.path(), &["cache", "prune"]);
     let said = String::from_utf8(pruned.stdout).unwrap();
