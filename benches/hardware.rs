@@ -1,5 +1,5 @@
-//! How well the loop at the bench keeps time, by the wall clock: the drivers over a pseudo-terminal and UDP against
-//! imitations in another process, with idle processors and with a busy thread on each.
+//! Timing of the control loop by the wall clock: the drivers over a pseudo-terminal and UDP against simulators in
+//! another process, with idle processors and with a busy thread on each.
 //!
 //! `cargo bench --bench hardware` prints a table and writes `results/hardware/timing.csv`.
 #![allow(missing_docs)]
@@ -19,9 +19,9 @@ const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 const STEP_S: f64 = 0.2;
 /// Ticks of each row.
 const TICKS: usize = 600;
-/// Longest that the imitations may take to start.
+/// Longest start-up time of the simulators.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// Says to this program, started once more, what to measure: the state folder of the robot is one of its own.
+/// Environment variable with the load, for a second process of this program, whose robot has a state folder of its own.
 const LOAD: &str = "SPINEBENCH_BENCH_LOAD";
 
 fn main() {
@@ -74,7 +74,7 @@ fn spin(over: &AtomicBool) {
     }
 }
 
-/// Imitations in another process, as `spinebench rehearse` serves them to anybody.
+/// Simulators in another process, as `spinebench rehearse` serves them.
 fn serve() -> Child {
     let plant = format!(
         "hardware:
@@ -88,14 +88,14 @@ fn serve() -> Child {
     );
     std::fs::write("plant.yaml", plant).unwrap();
     let simulator = Command::new(env!("CARGO_BIN_EXE_spinebench"))
-        .args(["rehearse", "--plant", "plant.yaml", "--out", "served.yaml", "--urgent"])
+        .args(["rehearse", "--plant", "plant.yaml", "--out", "served.yaml", "--real-time"])
         .stdin(Stdio::null())
         .stdout(Stdio::null())
         .spawn()
         .unwrap();
     let begun = Instant::now();
     while !Path::new("served.yaml").exists() {
-        assert!(begun.elapsed() < PATIENCE, "the imitations do not start");
+        assert!(begun.elapsed() < PATIENCE, "the simulators do not start");
         std::thread::sleep(Duration::from_millis(20));
     }
     simulator

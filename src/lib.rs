@@ -2,7 +2,7 @@
 //!
 //! Rooms, lowest first; a room may import only rooms above its own line in `docs/architecture.md`:
 //! [`base`] value types and seeds, [`math`] numerics, [`data`] all files, [`rod`] the Cosserat rod, [`effects`] the
-//! catalogue of missing physics, [`hardware`] motors, tracker and safety, [`simulators`] imitations of motors and tracker,
+//! catalogue of missing physics, [`hardware`] motors, tracker and safety, [`simulators`] simulators of motors and tracker,
 //! [`plants`] robots, [`learn`] networks and Gaussian processes, [`discovery`] what a model lacks, [`policies`]
 //! controllers, [`tasks`] the loops, [`calibration`] numbers of a model from recordings, [`benchmark`] the blind benchmark of
 //! `discover`, [`specs`] YAML experiments, [`runner`] stages, store and threads, [`report`] tables and figures.

@@ -20,7 +20,7 @@ pub enum PlantError {
     /// The simulated mechanics found no equilibrium; holds the solver's named status.
     #[error("rod solver: {0}")]
     Solver(String),
-    /// A robot on a bench stands still for good: why, and how to go on.
+    /// A real robot was stopped: why, and how to continue.
     #[error("robot stopped: {0}")]
     Stopped(String),
     /// Tracking saw nothing, however often the command was held once more.

@@ -41,7 +41,7 @@ impl VerifyCommand {
         if let Some(study) = specs.iter().find(|study| study.experiments().any(|spec| on_bench(&spec.plant))) {
             let name = &study.experiment.name;
             let words =
-                format!("{name}: found a robot on a bench, expected one that does the same twice; name the others");
+                format!("{name}: found a `hardware` plant, expected a reproducible one; name the other experiments");
             return Err(bad(words));
         }
         let campaign = Campaign::expand(specs).map_err(|failure| bad(failure.to_string()))?;

@@ -10,11 +10,11 @@ use thread_priority::{ThreadPriority, ThreadPriorityValue};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Priority {
     /// Simulated devices. Real ones have processors of their own.
-    Device,
+    Simulator,
     /// The thread that sends the commands.
-    Loop,
+    ControlLoop,
     /// The thread that supervises the robot.
-    Watch,
+    Supervisor,
 }
 
 /// Gives the calling thread real-time priority (`SCHED_FIFO`) until dropped, if the system permits it: the user needs
@@ -33,9 +33,9 @@ impl RealTime {
             return RealTime { before: None };
         }
         let value = match rank {
-            Priority::Device => 5,
-            Priority::Loop => 10,
-            Priority::Watch => 20,
+            Priority::Simulator => 5,
+            Priority::ControlLoop => 10,
+            Priority::Supervisor => 20,
         };
         let nice = nice();
         let fifo = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
@@ -54,14 +54,14 @@ impl Drop for RealTime {
     fn drop(&mut self) {
         let Some(nice) = self.before else { return };
         // A granted priority can be given back; at worst the nice value is refused and stays as it was.
-        be_nice(nice);
+        set_nice(nice);
     }
 }
 
 /// Makes the calling thread an ordinary one with that nice value, if the system permits it.
-fn be_nice(nice: i32) {
+fn set_nice(nice: i32) {
     let normal = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
-    let _ = priority(share_of_nice(nice))
+    let _ = priority(crate_value_of_nice(nice))
         .map(|priority| set_thread_priority_and_policy(thread_native_id(), priority, normal));
 }
 
@@ -78,7 +78,7 @@ fn nice() -> i32 {
 }
 
 /// The crate maps 0 to 99 to nice values 19 to -20 and rounds down.
-fn share_of_nice(nice: i32) -> u8 {
+fn crate_value_of_nice(nice: i32) -> u8 {
     let share = 1.0 - (f64::from(nice.clamp(-20, 19)) + 20.5) / 39.0;
     (99.0 * share).round() as u8
 }
@@ -88,14 +88,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn urgency_ends_and_leaves_the_thread_as_it_was() {
+    fn real_time_priority_ends_and_leaves_the_thread_as_it_was() {
         std::thread::spawn(|| {
             let before = (thread_schedule_policy().unwrap(), nice());
-            let urgent = RealTime::new(Priority::Watch);
-            let granted = urgent.is_granted();
+            let real_time = RealTime::new(Priority::Supervisor);
+            let granted = real_time.is_granted();
             assert_eq!(thread_schedule_policy().unwrap() != before.0, granted);
-            assert!(!RealTime::new(Priority::Loop).is_granted() || !granted, "nothing to give back twice");
-            drop(urgent);
+            assert!(!RealTime::new(Priority::ControlLoop).is_granted() || !granted, "nothing to give back twice");
+            drop(real_time);
             assert_eq!((thread_schedule_policy().unwrap(), nice()), before);
         })
         .join()
@@ -107,7 +107,7 @@ mod tests {
     fn every_nice_value_is_found_again() {
         std::thread::spawn(|| {
             for wanted in nice()..=19 {
-                be_nice(wanted);
+                set_nice(wanted);
                 assert_eq!(nice(), wanted);
             }
         })

@@ -2,8 +2,8 @@
 
 use crate::base::{Observation, Plant, PlantError, Seed, TendonCommand};
 
-/// Steps for which a command is held once more, 2 s at the usual 0.2 s: a marker is hidden for moments. A robot on a bench
-/// whose tracker sees nothing for longer stops by itself.
+/// Steps for which a command is held once more, 2 s at the usual 0.2 s: markers are hidden briefly. A real robot
+/// without tracking for longer is stopped by its guard.
 const MOST_REPEATS: usize = 10;
 
 /// A plant whose every observation is a measurement. Where the tip was not seen, the same command is held for another

@@ -193,7 +193,7 @@ fn millimetres_are_noticed() {
     assert!(error.contains("line 3, column `tip_z_m`: found 218.833"), "{error}");
     let bench = read(&GOOD.replace("0.218833", "1.218833").replace("0.218688", "1.218688")).unwrap();
     assert!(bench.check_reach(Path::new("rec.csv"), [0.0; 3], 0.22).is_err());
-    assert_eq!(bench.check_reach(Path::new("rec.csv"), [0.0, 0.0, 1.0], 0.22), Ok(()), "a robot on a bench");
+    assert_eq!(bench.check_reach(Path::new("rec.csv"), [0.0, 0.0, 1.0], 0.22), Ok(()), "a real robot");
 }
 
 /// What a file begins with tells where its rows stand; its name need not.

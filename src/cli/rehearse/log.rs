@@ -32,15 +32,15 @@ impl SimulatorLog {
     pub(super) fn record_changes(&mut self, now_s: f64, simulator: &mut Simulator) -> Result<(), CommandError> {
         for heard in simulator.controller.take_received() {
             // Standard output shows holds and resets; the file has every move as well.
-            let told = match heard.as_str() {
+            let text = match heard.as_str() {
                 "!" => Some("held"),
-                "~" => Some("goes on"),
+                "~" => Some("resumed"),
                 "^X" => Some("reset"),
-                "$H" => Some("homes"),
+                "$H" => Some("homing"),
                 _ => None,
             };
-            if let Some(told) = told {
-                println!("{now_s:9.3} s  {told}");
+            if let Some(text) = text {
+                println!("{now_s:9.3} s  {text}");
             }
             self.write(now_s, &format!("heard {heard}"), simulator)?;
         }

@@ -33,7 +33,7 @@ pub(super) struct RehearseCommand {
     #[arg(long, value_name = "LOG.csv")]
     log: Option<PathBuf>,
     /// Run with real-time priority, as real devices would (needs CAP_SYS_NICE or `rtprio`).
-    #[arg(long)]
+    #[arg(long, alias = "urgent")]
     real_time: bool,
     /// Seed of noise and losses.
     #[arg(long, default_value_t = 1)]
@@ -66,7 +66,7 @@ impl RehearseCommand {
             self.out.display()
         );
         let lines = lines_of_stdin();
-        let _priority = self.real_time.then(|| RealTime::new(Priority::Device));
+        let _priority = self.real_time.then(|| RealTime::new(Priority::Simulator));
         while !interrupt.raised() {
             let now_s = served.step();
             log.record_changes(now_s, served.simulator())?;

@@ -1,4 +1,4 @@
-//! Limits of commands, whoever sends them.
+//! Limits of commands.
 
 use serde::{Deserialize, Serialize};
 

@@ -191,8 +191,8 @@ impl FrameStream {
         self.status.rate_hz = (time_s > 0.0).then(|| f64::from(frames) / time_s);
         let (exposed, sent) = (frame.timing.camera_mid_exposure, frame.timing.transmit);
         let latency_s = sent.saturating_sub(exposed) as f64 / self.clock_hz.max(1) as f64;
-        let told = exposed > 0 && sent >= exposed && latency_s < LONGEST_CAMERA_LATENCY_S;
-        self.status.camera_latency_s = told.then_some(latency_s);
+        let reported = exposed > 0 && sent >= exposed && latency_s < LONGEST_CAMERA_LATENCY_S;
+        self.status.camera_latency_s = reported.then_some(latency_s);
     }
 
     /// Takes the answer to a new handshake: the server may have restarted with other ports, versions and bodies.

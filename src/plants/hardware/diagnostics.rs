@@ -34,7 +34,7 @@ impl Hardware {
         // Predicts the tip with all tendons at home; a model without an equilibrium predicts nothing.
         let _ = self.model.home();
         let home_m = self.expected_m();
-        let real_time = self.supervised.clock.is_real().then(|| RealTime::new(Priority::Loop).is_granted());
+        let real_time = self.supervised.clock.is_real().then(|| RealTime::new(Priority::ControlLoop).is_granted());
         let now_s = self.supervised.clock.now_s();
         let rig = self.supervised.rig();
         Diagnostics {

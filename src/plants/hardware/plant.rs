@@ -181,7 +181,7 @@ impl Plant for Hardware {
 
     fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
         let now_s = self.supervised.clock.now_s();
-        let _priority = self.supervised.clock.is_real().then(|| RealTime::new(Priority::Loop));
+        let _priority = self.supervised.clock.is_real().then(|| RealTime::new(Priority::ControlLoop));
         if now_s > self.due_s + 0.5 * self.step_s {
             self.timing.missed += 1;
         }

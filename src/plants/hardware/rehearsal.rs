@@ -77,15 +77,15 @@ pub(super) fn build_simulator(
     serial: Box<dyn SerialLine>,
     seed: Seed,
 ) -> Result<(Simulator, TrackingSettings), String> {
-    let mut imitated = ControllerOptions { seed: seed.0, ..ControllerOptions::default() };
+    let mut controller_options = ControllerOptions { seed: seed.0, ..ControllerOptions::default() };
     for (number, value) in FAST {
-        imitated.settings.insert(number, value.to_owned());
+        controller_options.settings.insert(number, value.to_owned());
     }
-    imitated.settings.insert(23, options.motion.homing_directions.to_string());
-    let controller = SimulatedController::new(serial, imitated);
-    let imitated = TrackerOptions { noise_m: rehearsal.noise_m, seed, ..TrackerOptions::default() };
-    let mut tracker =
-        SimulatedTracker::new(imitated).map_err(|error| format!("no tracker on this computer: {error}"))?;
+    controller_options.settings.insert(23, options.motion.homing_directions.to_string());
+    let controller = SimulatedController::new(serial, controller_options);
+    let tracker_options = TrackerOptions { noise_m: rehearsal.noise_m, seed, ..TrackerOptions::default() };
+    let mut tracker = SimulatedTracker::new(tracker_options)
+        .map_err(|error| format!("cannot start the simulated tracker: {error}"))?;
     let network = tracker.settings().map_err(|error| error.to_string())?;
     if rehearsal.loss > 0.0 {
         tracker.inject(TrackerFault::Loss(rehearsal.loss));

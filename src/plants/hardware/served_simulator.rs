@@ -25,7 +25,7 @@ impl ServedSimulator {
     /// A message, if there is no rehearsal or the system refuses a port.
     pub fn open(options: &HardwareOptions, seed: Seed) -> Result<ServedSimulator, String> {
         let rehearsal = options.rehearsal.as_ref().ok_or("found no `rehearsal`, expected the model to simulate")?;
-        let (serial, port) = TtyLine::served().map_err(|error| format!("no pseudo-terminal: {error}"))?;
+        let (serial, port) = TtyLine::served().map_err(|error| format!("cannot open a pseudo-terminal: {error}"))?;
         let (simulator, tracking) = build_simulator(options, rehearsal, Box::new(serial), seed)?;
         let mut plant = HardwareOptions { tracking, rehearsal: None, attached: Vec::new(), ..options.clone() };
         plant.motion.port = port;

@@ -30,7 +30,7 @@ impl SupervisedRig {
         let watch = std::thread::spawn({
             let (rig, clock, over) = (Arc::clone(&rig), Arc::clone(&clock), Arc::clone(&over));
             move || {
-                let _priority = clock.is_real().then(|| RealTime::new(Priority::Watch));
+                let _priority = clock.is_real().then(|| RealTime::new(Priority::Supervisor));
                 while !over.load(Ordering::SeqCst) {
                     lock(&rig).poll(clock.now_s());
                     clock.sleep_until(clock.now_s() + WATCH_S);
@@ -81,7 +81,7 @@ impl Drop for SupervisedRig {
         self.over.store(true, Ordering::SeqCst);
         self.clock.leave();
         if let Some(watch) = self.watch.take() {
-            // A panic of the supervising thread has been noticed by whoever locked the rig.
+            // A panic of the supervising thread has been noticed by the next lock of the rig.
             let _ = watch.join();
         }
     }

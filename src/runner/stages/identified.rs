@@ -18,7 +18,7 @@ pub(super) struct Identified {
 }
 
 impl Identified {
-    /// Digests a robot; of one that replays a recording the content, wherever the file lies, and of one on a bench the
+    /// Digests a robot; of one that replays a recording the content, wherever the file lies, and of a `hardware` plant the
     /// code that drives it.
     ///
     /// # Errors

@@ -116,14 +116,14 @@ impl Checker<'_> {
                 self.pulls(name, robot.travel_m)?;
             }
             if let PlantSpec::Hardware(robot) = plant {
-                self.unless(name == "plant", &root.key(name), "a model, not a robot on a bench")?;
+                self.unless(name == "plant", &root.key(name), "a model, not a `hardware` plant")?;
                 self.pulls(name, robot.safety.travel_m)?;
             }
         }
         for (name, mode) in &spec.modes {
             let path = root.key("modes").key(name).key("effects");
             let allowed = mode.effects.is_empty() || spec.plant.takes_effects();
-            self.unless(allowed, &path, "no effects, as the plant is neither a simulated rod nor a robot on a bench")?;
+            self.unless(allowed, &path, "no effects, because the plant is neither `simulated` nor `hardware`")?;
             check_effects(&mode.effects, spec.plant.tendons()).map_err(|(index, effect, bad)| {
                 let path = path.item(index).key(effect).key(bad.key);
                 self.document.refuse(&path, PathEnd::Value, bad.found, bad.expected)

@@ -17,7 +17,7 @@ pub enum PlantSpec {
     Simulated(Box<SimulatedSpec>),
     /// A robot of constant curvature, for tests.
     ConstantCurvature(ConstantCurvatureOptions),
-    /// A robot on a bench, or a rehearsal of one.
+    /// A real robot, or a rehearsal of one.
     Hardware(Box<HardwareOptions>),
     /// What a recording says a robot did.
     Replay(ReplayOptions),
@@ -99,7 +99,7 @@ impl PlantSpec {
         matches!(self, PlantSpec::Simulated(_) | PlantSpec::Hardware(_))
     }
 
-    /// The robot, moving in steps of `step_s` seconds. A robot on a bench is waited for until nobody else here has it.
+    /// The robot, moving in steps of `step_s` seconds. A real robot is waited for until no other stage uses it.
     ///
     /// # Errors
     /// What is out of range or not as it should be, in words.
