@@ -3,28 +3,23 @@
 //! The unknowns are the internal moments and forces along the rod, as polynomials, and the tendon tensions; the
 //! derivation is in `docs/rod.md`.
 
+mod params;
+mod state;
 mod discretisation;
 mod dynamics;
 mod equations;
-mod fields;
-mod params;
 mod sensitivity;
-mod simulation;
 mod solver;
-mod span;
-mod state;
 mod statics;
-mod status;
-mod tendon;
 
-pub use dynamics::scheme::Scheme;
-pub use equations::hysteresis_law::{HistoryMoment, MemoryState, MomentLaw};
-pub use fields::Energy;
-pub use params::{CompressibleSection, LineLoad, PointLoad, PointMass, Resolution, RodParams, TipLoad};
+pub use self::params::scheme::Scheme;
+pub use self::params::hysteresis_law::{HistoryMoment, MemoryState, MomentLaw};
+pub use self::state::fields::Energy;
+pub use self::params::rod_params::{CompressibleSection, LineLoad, PointLoad, PointMass, Resolution, RodParams, TipLoad};
 pub use sensitivity::perturbed_rods::{Nearby, NotNearby};
 pub use sensitivity::{Direction, TipRate};
-pub use simulation::{Drive, Effort, Rod};
-pub use span::{Span, Taper};
-pub use state::CrossSection;
-pub use status::Status;
-pub use tendon::{PathPoint, Tendon, TendonPath};
+pub use self::state::rod::{Drive, Effort, Rod};
+pub use self::params::span::{Span, Taper};
+pub use self::state::rod_state::CrossSection;
+pub use self::solver::status::Status;
+pub use self::params::tendon::{PathPoint, Tendon, TendonPath};

@@ -2,9 +2,9 @@
 
 use super::basis::Basis;
 use crate::math::polynomial::legendre;
-use crate::rod::params::{Resolution, RodParams};
-use crate::rod::span::Span;
-use crate::rod::tendon::Tendon;
+use crate::rod::params::rod_params::{Resolution, RodParams};
+use crate::rod::params::span::Span;
+use crate::rod::params::tendon::Tendon;
 
 /// Half the distance between the two Gauss points, as a share of the cell: √3/6.
 pub(crate) const GAUSS: f64 = 0.288_675_134_594_812_9;

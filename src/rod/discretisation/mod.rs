@@ -2,5 +2,4 @@
 
 pub(crate) mod basis;
 pub(crate) mod grid;
-pub(crate) mod homogenised_cells;
 pub(crate) mod transfer;

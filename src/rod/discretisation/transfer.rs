@@ -2,7 +2,7 @@
 
 use super::grid::{COMPONENTS, Grid};
 use crate::math::polynomial::legendre;
-use crate::rod::equations::hysteresis_law::MemoryState;
+use crate::rod::params::hysteresis_law::MemoryState;
 
 impl Grid {
     /// Coefficients and tensions of the grid `from` on this one: the polynomials projected on those of each element.

@@ -1,9 +1,9 @@
 //! Moving the rod in time: steps of a diagonally implicit Runge–Kutta scheme, as long as their error allows.
 
-use super::scheme::Tableau;
-use crate::rod::simulation::{Drive, Rod};
-use crate::rod::state::State;
-use crate::rod::status::Status;
+use crate::rod::params::scheme::Tableau;
+use crate::rod::state::rod::{Drive, Rod};
+use crate::rod::state::rod_state::State;
+use crate::rod::solver::status::Status;
 
 /// A stage is solved until the tip is known to this share of the error that a step may have …
 const STAGE_SHARE: f64 = 1e-2;

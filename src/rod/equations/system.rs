@@ -4,16 +4,16 @@
 use nalgebra::{DVector, Vector3};
 
 use super::boundary_conditions::{Conditions, Hold};
-use super::hysteresis_law::MemoryState;
+use crate::rod::params::hysteresis_law::MemoryState;
 use super::loads::{Constant, LoadedRod, Loads};
 use super::material::{Section, Six};
 use super::motion::EndMass;
 use super::shape::Shape;
 use crate::math::{rotation, three, vectorised};
 use crate::rod::discretisation::grid::{COMPONENTS, Grid, Node};
-use crate::rod::discretisation::homogenised_cells;
-use crate::rod::params::RodParams;
-use crate::rod::tendon::{Guide, Tendon};
+use super::homogenised_cells;
+use crate::rod::params::rod_params::RodParams;
+use crate::rod::params::tendon::{Guide, Tendon};
 
 /// A rod with its discretisation; constant during a simulation.
 #[derive(Clone, Debug)]

@@ -11,7 +11,7 @@ use super::equations::boundary_conditions::{Conditions, Hold};
 use super::equations::jacobian::Derivative;
 use super::equations::motion::Motion;
 use super::equations::system::Work;
-use super::simulation::Rod;
+use super::state::rod::Rod;
 use crate::math::rotation;
 
 /// What the tip is differentiated with respect to. Tendons and axes count from 0.

@@ -9,14 +9,14 @@
 use nalgebra::{DVector, Dyn, LU};
 
 use crate::rod::discretisation::grid::Grid;
-use crate::rod::dynamics::solve_log::{Solved, Trace};
+use crate::rod::state::solve_log::{Solved, Trace};
 use crate::rod::equations::boundary_conditions::{Conditions, Hold};
 use crate::rod::equations::motion::Motion;
 use crate::rod::equations::system::System;
-use crate::rod::params::{RodParams, TipLoad};
-use crate::rod::simulation::{Drive, Rod};
-use crate::rod::state::Rates;
-use crate::rod::status::Status;
+use crate::rod::params::rod_params::{RodParams, TipLoad};
+use crate::rod::state::rod::{Drive, Rod};
+use crate::rod::state::rod_state::Rates;
+use crate::rod::solver::status::Status;
 
 /// A rod cannot follow the first one: other parts, or parts that no longer share a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

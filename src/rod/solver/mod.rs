@@ -4,6 +4,7 @@
 //! the set is changed wherever a taut tendon would push or a slack one would be overstretched (a primal–dual active
 //! set, which is a semismooth Newton method). The derivative is kept as long as it contracts well.
 
+pub(crate) mod status;
 pub(crate) mod newton_damping;
 
 use nalgebra::{DVector, Dyn, LU};
@@ -11,7 +12,7 @@ use nalgebra::{DVector, Dyn, LU};
 use super::equations::boundary_conditions::{Conditions, Hold};
 use super::equations::jacobian::Derivative;
 use super::equations::system::{System, Work};
-use super::status::Status;
+use self::status::Status;
 use newton_damping::Damping;
 
 const MOST_ITERATIONS: usize = 150;

@@ -1,12 +1,12 @@
 //! Equilibria: a rod is brought to rest under what its tendons are told and what loads it.
 
 use crate::rod::equations::boundary_conditions::Hold;
-use crate::rod::equations::hysteresis_law::MemoryState;
+use crate::rod::params::hysteresis_law::MemoryState;
 use crate::rod::equations::motion::Motion;
-use crate::rod::params::TipLoad;
-use crate::rod::simulation::{Drive, Rod};
-use crate::rod::state::Rates;
-use crate::rod::status::Status;
+use crate::rod::params::rod_params::TipLoad;
+use crate::rod::state::rod::{Drive, Rod};
+use crate::rod::state::rod_state::Rates;
+use crate::rod::solver::status::Status;
 
 /// Displacement of the tip that a converged static solve may be off by (its last step, squared for Newton), metres.
 const STATIC_TOLERANCE_M: f64 = 1e-8;

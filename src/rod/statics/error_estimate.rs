@@ -6,7 +6,7 @@ use crate::rod::discretisation::grid::Cell;
 use crate::rod::equations::material::Six;
 use crate::rod::equations::shape::Shape;
 use crate::rod::equations::system::{System, Work};
-use crate::rod::simulation::Rod;
+use crate::rod::state::rod::Rod;
 
 /// A tendon closer to the axis than this share of the length shortens the rod rather than bend it.
 const LEAST_OFFSET: f64 = 0.01;

@@ -14,7 +14,7 @@ use crate::rod::equations::boundary_conditions::{Conditions, Hold};
 use crate::rod::equations::material::Six;
 use crate::rod::equations::motion::Motion;
 use crate::rod::equations::system::{System, Work};
-use crate::rod::simulation::Rod;
+use crate::rod::state::rod::Rod;
 
 /// The reconstruction is right but for terms of higher order; in 600 random robots it was never less than three
 /// quarters of the error.

@@ -9,9 +9,9 @@ use crate::rod::equations::boundary_conditions::Hold;
 use crate::rod::equations::material::Section;
 use crate::rod::equations::shape::Shape;
 use crate::rod::equations::system::System;
-use crate::rod::params::{Resolution, RodParams};
-use crate::rod::simulation::Rod;
-use crate::rod::status::Status;
+use crate::rod::params::rod_params::{Resolution, RodParams};
+use crate::rod::state::rod::Rod;
+use crate::rod::solver::status::Status;
 
 /// How often the grid may be refined: cells to a sixteenth, and polynomials that end at every jump of the material.
 const MOST_REFINEMENTS: u32 = 4;

@@ -1,7 +1,7 @@
 //! What has been solved, kept for the rods that follow another one.
 
-use crate::rod::simulation::Rod;
-use crate::rod::state::State;
+use super::rod::Rod;
+use super::rod_state::State;
 
 /// What has been solved.
 #[derive(Clone, Debug, Default)]

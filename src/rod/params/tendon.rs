@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::discretisation::grid::COMPONENTS;
-use super::equations::material::Six;
+use crate::rod::discretisation::grid::COMPONENTS;
+use crate::rod::equations::material::Six;
 use crate::math::{rotation, three};
 
 /// A tendon that runs through guide holes from the base, or from a point further on, to where it is anchored. It slides
@@ -46,19 +46,19 @@ pub struct PathPoint {
 
 /// A tendon at one Gauss point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Guide {
+pub(crate) struct Guide {
     /// Offset from the backbone along the body axes x and y, metres.
-    pub(super) offset_m: [f64; 2],
+    pub(crate) offset_m: [f64; 2],
     /// Change of that offset per length.
-    pub(super) slope: [f64; 2],
+    pub(crate) slope: [f64; 2],
     /// Whether the tendon passes here.
-    pub(super) present: bool,
+    pub(crate) present: bool,
 }
 
 impl Guide {
     /// Path of the tendon per length of backbone, body frame: v + u × r + r′.
     #[inline(always)]
-    pub(super) fn path(&self, s: &Six) -> Vector3<f64> {
+    pub(crate) fn path(&self, s: &Six) -> Vector3<f64> {
         let ([x, y], [dx, dy]) = (self.offset_m, self.slope);
         Vector3::new(s[3] - s[2] * y + dx, s[4] + s[2] * x + dy, s[5] + s[0] * y - s[1] * x)
     }
@@ -66,7 +66,7 @@ impl Guide {
     /// Adds tension · ∂²length/∂strain², the stiffness of a taut tendon, to `total`. Its path has the direction `t` and
     /// this `stretch`, its length per length of backbone.
     #[inline(always)]
-    pub(super) fn add_stiffness(&self, t: &Vector3<f64>, stretch: f64, tension: f64, total: &mut [Six; COMPONENTS]) {
+    pub(crate) fn add_stiffness(&self, t: &Vector3<f64>, stretch: f64, tension: f64, total: &mut [Six; COMPONENTS]) {
         let [x, y] = self.offset_m;
         // What lies across the path, (τ/ℓ)(1 − t tᵀ), seen by the strains: the path is v + u × r.
         let across = Matrix3::from_fn(|i, j| (f64::from(i == j) - t[i] * t[j]) * (tension / stretch));
@@ -98,19 +98,19 @@ impl Tendon {
     }
 
     /// Stretch per tension once `pull_m` has been pulled in, m/N.
-    pub(super) fn compliance_at(&self, pull_m: f64) -> f64 {
+    pub(crate) fn compliance_at(&self, pull_m: f64) -> f64 {
         self.compliance_m_per_n * (1.0 - pull_m / self.elastic_length_m)
     }
 
     /// Offset and slope at `position_m`.
-    pub(super) fn guide(&self, position_m: f64) -> Guide {
+    pub(crate) fn guide(&self, position_m: f64) -> Guide {
         let present = position_m > self.start_m && position_m <= self.end_m;
         let ([x, y], [dx, dy]) = self.path.at(position_m);
         Guide { offset_m: [x, y], slope: [dx, dy], present }
     }
 
     /// Where the rod's own wrench may jump because of this tendon: its ends and the kinks of its path.
-    pub(super) fn borders_m(&self) -> Vec<f64> {
+    pub(crate) fn borders_m(&self) -> Vec<f64> {
         let mut borders = vec![self.start_m, self.end_m];
         let inside = |s: f64| s > self.start_m && s < self.end_m;
         borders.extend(self.path.points.iter().map(|point| point.s_m).filter(|&s| inside(s)));

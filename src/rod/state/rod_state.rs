@@ -2,26 +2,26 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::discretisation::grid::Grid;
-use super::equations::hysteresis_law::MemoryState;
-use super::equations::material::Six;
-use super::equations::motion::{EndMass, Motion};
-use super::equations::shape::Shape;
+use crate::rod::discretisation::grid::Grid;
+use crate::rod::params::hysteresis_law::MemoryState;
+use crate::rod::equations::material::Six;
+use crate::rod::equations::motion::{EndMass, Motion};
+use crate::rod::equations::shape::Shape;
 
 /// Position, velocity and history of a rod at one instant.
 #[derive(Clone, Debug)]
-pub(super) struct State {
+pub(crate) struct State {
     /// Polynomial coefficients, then tensions.
-    pub(super) unknowns: Vec<f64>,
-    pub(super) taut: Vec<bool>,
-    pub(super) shape: Shape,
-    pub(super) rates: Rates,
-    pub(super) memory: Vec<Vec<MemoryState>>,
+    pub(crate) unknowns: Vec<f64>,
+    pub(crate) taut: Vec<bool>,
+    pub(crate) shape: Shape,
+    pub(crate) rates: Rates,
+    pub(crate) memory: Vec<Vec<MemoryState>>,
 }
 
 impl State {
     /// A state of nothing, to hold a place.
-    pub(super) fn empty() -> State {
+    pub(crate) fn empty() -> State {
         State {
             unknowns: Vec::new(),
             taut: Vec::new(),
@@ -32,7 +32,7 @@ impl State {
     }
 
     /// Becomes a copy of `other` without allocating.
-    pub(super) fn copy_from(&mut self, other: &State) {
+    pub(crate) fn copy_from(&mut self, other: &State) {
         self.unknowns.clone_from(&other.unknowns);
         self.taut.clone_from(&other.taut);
         self.shape.copy_from(&other.shape);
@@ -43,20 +43,20 @@ impl State {
 
 /// Velocities and accelerations of all that has them.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Rates {
-    pub(super) node_v: Vec<Vector3<f64>>,
-    pub(super) node_a: Vec<Vector3<f64>>,
+pub(crate) struct Rates {
+    pub(crate) node_v: Vec<Vector3<f64>>,
+    pub(crate) node_a: Vec<Vector3<f64>>,
     /// Of the lumped masses.
-    pub(super) mass_v: Vec<Vector3<f64>>,
-    pub(super) mass_a: Vec<Vector3<f64>>,
-    pub(super) strain_v: Vec<Six>,
+    pub(crate) mass_v: Vec<Vector3<f64>>,
+    pub(crate) mass_a: Vec<Vector3<f64>>,
+    pub(crate) strain_v: Vec<Six>,
     /// Body angular velocity and acceleration of the masses with rotary inertia; zero for the others.
-    pub(super) spin: Vec<Vector3<f64>>,
-    pub(super) spin_a: Vec<Vector3<f64>>,
+    pub(crate) spin: Vec<Vector3<f64>>,
+    pub(crate) spin_a: Vec<Vector3<f64>>,
 }
 
 impl Rates {
-    pub(super) fn zero(grid: &Grid, masses: &[EndMass]) -> Rates {
+    pub(crate) fn zero(grid: &Grid, masses: &[EndMass]) -> Rates {
         let (nodes, lumps) = (grid.nodes.len(), masses.len());
         let zero = Vector3::zeros();
         Rates {
@@ -71,7 +71,7 @@ impl Rates {
     }
 
     /// Becomes a copy of `other` without allocating.
-    pub(super) fn copy_from(&mut self, other: &Rates) {
+    pub(crate) fn copy_from(&mut self, other: &Rates) {
         self.node_v.clone_from(&other.node_v);
         self.node_a.clone_from(&other.node_a);
         self.mass_v.clone_from(&other.mass_v);
@@ -82,7 +82,7 @@ impl Rates {
     }
 
     /// Reads the rates that `motion` gives to a solved shape.
-    pub(super) fn read(&mut self, motion: &Motion, masses: &[EndMass], shape: &Shape) {
+    pub(crate) fn read(&mut self, motion: &Motion, masses: &[EndMass], shape: &Shape) {
         for (g, p) in shape.node_p.iter().enumerate() {
             self.node_v[g] = motion.node_velocity(g, p);
             self.node_a[g] = motion.node_acceleration(g, p);
@@ -130,7 +130,7 @@ impl History<'_> {
 impl Motion {
     /// Prepares a stage of a step of `h` seconds. `row` holds the coefficients of the earlier stages, whose rates are
     /// in `stages`, and then γ.
-    pub(super) fn prepare(&mut self, start: &State, masses: &[EndMass], row: &[f64], stages: &[Rates], h: f64) {
+    pub(crate) fn prepare(&mut self, start: &State, masses: &[EndMass], row: &[f64], stages: &[Rates], h: f64) {
         let gamma = row[row.len() - 1];
         let rate = 1.0 / (h * gamma);
         self.rate = rate;

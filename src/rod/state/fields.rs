@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::discretisation::grid::Grid;
-use super::simulation::Rod;
-use super::state::CrossSection;
+use crate::rod::discretisation::grid::Grid;
+use super::rod::Rod;
+use super::rod_state::CrossSection;
 
 /// Energy of the rod, J.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,18 +2,18 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::dynamics::scheme::{Scheme, Tableau};
-use super::dynamics::solve_log::Trace;
-use super::dynamics::time_stepping::Pace;
-use super::equations::boundary_conditions::{Conditions, Hold};
-use super::equations::motion::Motion;
-use super::equations::system::System;
-use super::params::{RodParams, TipLoad};
-use super::solver::Solver;
-use super::state::{Rates, State};
-use super::statics::equilibrium::Rest;
-use super::statics::refinement::Space;
-use super::status::Status;
+use crate::rod::params::scheme::{Scheme, Tableau};
+use super::solve_log::Trace;
+use crate::rod::dynamics::time_stepping::Pace;
+use crate::rod::equations::boundary_conditions::{Conditions, Hold};
+use crate::rod::equations::motion::Motion;
+use crate::rod::equations::system::System;
+use crate::rod::params::rod_params::{RodParams, TipLoad};
+use crate::rod::solver::Solver;
+use super::rod_state::{Rates, State};
+use crate::rod::statics::equilibrium::Rest;
+use crate::rod::statics::refinement::Space;
+use crate::rod::solver::status::Status;
 use crate::math::vectorised;
 
 /// What a tendon is told.
@@ -43,21 +43,21 @@ pub struct Effort {
 /// A tendon-driven rod.
 #[derive(Clone, Debug)]
 pub struct Rod {
-    pub(super) system: System,
-    pub(super) solver: Solver,
-    pub(super) state: State,
+    pub(crate) system: System,
+    pub(crate) solver: Solver,
+    pub(crate) state: State,
     /// The state before the step under way, to go back to.
-    pub(super) before: State,
-    pub(super) motion: Motion,
-    pub(super) stages: Vec<Rates>,
-    pub(super) tableau: Tableau,
-    pub(super) pace: Pace,
-    pub(super) tip_load: TipLoad,
-    pub(super) space: Space,
+    pub(crate) before: State,
+    pub(crate) motion: Motion,
+    pub(crate) stages: Vec<Rates>,
+    pub(crate) tableau: Tableau,
+    pub(crate) pace: Pace,
+    pub(crate) tip_load: TipLoad,
+    pub(crate) space: Space,
     /// Under what the rod came to rest; nothing once it has moved.
-    pub(super) rest: Option<Rest>,
+    pub(crate) rest: Option<Rest>,
     /// What has been solved, for those who follow; nothing is kept when absent.
-    pub(super) trace: Option<Trace>,
+    pub(crate) trace: Option<Trace>,
 }
 
 impl Rod {
@@ -66,7 +66,7 @@ impl Rod {
         Rod::on(System::new(params))
     }
 
-    pub(super) fn on(system: System) -> Rod {
+    pub(crate) fn on(system: System) -> Rod {
         let tip_load = system.params.tip_load;
         let scheme: Scheme = system.params.resolution.scheme;
         let tableau = scheme.tableau();
@@ -121,7 +121,7 @@ impl Rod {
         self.tip_load = load;
     }
 
-    pub(super) fn solve(
+    pub(crate) fn solve(
         &mut self,
         holds: &[Hold],
         (tip_load, load_share): (&TipLoad, f64),
@@ -155,7 +155,7 @@ impl Rod {
         status
     }
 
-    pub(super) fn commit_memory(&mut self, dt_s: f64) {
+    pub(crate) fn commit_memory(&mut self, dt_s: f64) {
         let shape = &self.state.shape;
         for (law, states) in self.system.params.memory.iter().zip(&mut self.state.memory) {
             for (g, state) in states.iter_mut().enumerate() {
@@ -166,12 +166,12 @@ impl Rod {
     }
 
     /// Checks the drives and adds the pretension.
-    pub(super) fn holds(&self, drives: &[Drive]) -> Option<Vec<Hold>> {
+    pub(crate) fn holds(&self, drives: &[Drive]) -> Option<Vec<Hold>> {
         let tendons = &self.system.params.tendons;
         if drives.len() != tendons.len() {
             return None;
         }
-        let hold = |(drive, tendon): (&Drive, &super::tendon::Tendon)| match *drive {
+        let hold = |(drive, tendon): (&Drive, &crate::rod::params::tendon::Tendon)| match *drive {
             Drive::Pull(pull) if pull.is_finite() => Some(Hold::Length(pull + tendon.pretension_m)),
             Drive::Tension(tension) if tension.is_finite() && tension >= 0.0 => Some(Hold::Tension(tension)),
             Drive::Follow => Some(Hold::Tension(0.0)),
@@ -181,7 +181,7 @@ impl Rod {
     }
 
     /// Known tensions are put in place before the first iteration.
-    pub(super) fn seed_tensions(&mut self, holds: &[Hold]) {
+    pub(crate) fn seed_tensions(&mut self, holds: &[Hold]) {
         let n = self.system.grid.unknowns;
         for (i, hold) in holds.iter().enumerate() {
             if let Hold::Tension(tension) = *hold {

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::dynamics::scheme::Scheme;
-use super::equations::hysteresis_law::MomentLaw;
+use super::scheme::Scheme;
+use super::hysteresis_law::MomentLaw;
 use super::span::Span;
 use super::tendon::Tendon;
 
@@ -153,7 +153,7 @@ impl Default for Resolution {
 
 impl Resolution {
     /// Cells that an element needs at least: a Gauss point for each polynomial.
-    pub(super) fn least_cells(&self) -> usize {
+    pub(crate) fn least_cells(&self) -> usize {
         let bend_or_twist = self.bending_modes.max(self.torsion_modes);
         bend_or_twist.max(self.shear_modes).max(self.axial_modes).div_ceil(2)
     }

@@ -1,8 +1,8 @@
 //! Cells that go across jumps of the material: what their two Gauss points stand for.
 
-use super::grid::GAUSS;
+use crate::rod::discretisation::grid::GAUSS;
 use crate::rod::equations::material::Section;
-use crate::rod::params::RodParams;
+use crate::rod::params::rod_params::RodParams;
 
 /// The laws at the Gauss points of the cells between `boundaries_m`. Both together have the compliance and the mass of the
 /// cell and their first moments, so that what is linear along a cell is integrated exactly.

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::params::RodParams;
+use super::rod_params::RodParams;
 
 /// Linear-elastic cross-section of the backbone and its rest shape over part of the length. The values hold at the
 /// span's start; `taper` says how they change along it.
