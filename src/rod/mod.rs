@@ -3,23 +3,27 @@
 //! The unknowns are the internal moments and forces along the rod, as polynomials, and the tendon tensions; the
 //! derivation is in `docs/rod.md`.
 
-mod params;
-mod state;
 mod discretisation;
 mod dynamics;
 mod equations;
+mod params;
 mod sensitivity;
 mod solver;
+mod state;
 mod statics;
 
-pub use self::params::scheme::Scheme;
-pub use self::params::hysteresis_law::{HistoryMoment, MemoryState, MomentLaw};
-pub use self::state::fields::Energy;
-pub use self::params::rod_params::{CompressibleSection, LineLoad, PointLoad, PointMass, Resolution, RodParams, TipLoad};
+pub use params::hysteresis_law::{HistoryMoment, MemoryState, MomentLaw};
+pub use params::loads::{LineLoad, PointLoad, TipLoad};
+pub use params::resolution::Resolution;
+pub use params::rod_params::RodParams;
+pub use params::scheme::Scheme;
+pub use params::span::{Span, Taper};
+pub use params::spine::{CompressibleSection, PointMass};
+pub use params::tendon::{PathPoint, Tendon, TendonPath};
 pub use sensitivity::perturbed_rods::{Nearby, NotNearby};
-pub use sensitivity::{Direction, TipRate};
-pub use self::state::rod::{Drive, Effort, Rod};
-pub use self::params::span::{Span, Taper};
-pub use self::state::rod_state::CrossSection;
-pub use self::solver::status::Status;
-pub use self::params::tendon::{PathPoint, Tendon, TendonPath};
+pub use sensitivity::tip_jacobian::{Direction, TipRate};
+pub use solver::status::Status;
+pub use state::fields::CrossSection;
+pub use state::fields::Energy;
+pub use state::readout::Effort;
+pub use state::rod::{Drive, Rod};

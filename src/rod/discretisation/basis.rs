@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use super::grid::{COMPONENTS, Node};
+use super::cell::{COMPONENTS, Node};
 
 /// Values of the polynomials at the Gauss points.
 #[derive(Clone, Debug)]

@@ -1,13 +1,12 @@
 //! Where along the rod things are computed: cells with two Gauss–Legendre points each, and the polynomials on them.
 
 use super::basis::Basis;
+use super::cell::{COMPONENTS, Cell, GAUSS, Node};
 use crate::math::polynomial::legendre;
-use crate::rod::params::rod_params::{Resolution, RodParams};
+use crate::rod::params::resolution::Resolution;
+use crate::rod::params::rod_params::RodParams;
 use crate::rod::params::span::Span;
 use crate::rod::params::tendon::Tendon;
-
-/// Half the distance between the two Gauss points, as a share of the cell: √3/6.
-pub(crate) const GAUSS: f64 = 0.288_675_134_594_812_9;
 
 /// Ends of polynomials that are closer are one, metres: what jumps in so short a piece is as good as smooth.
 const SAME_END_M: f64 = 1e-6;
@@ -15,29 +14,6 @@ const SAME_END_M: f64 = 1e-6;
 const SAME_END_SHARE: f64 = 1e-4;
 /// Ends of cells that are closer are one, metres. A tendon that ends elsewhere has another length, so that this is rounding.
 const SAME_PLACE_M: f64 = 1e-10;
-
-/// Internal wrench components in the body frame: moments about x, y, z, then forces along x, y, z.
-pub(crate) const COMPONENTS: usize = 6;
-
-/// A piece of the rod without a jump inside, unless cells go across jumps (see [`Resolution::blended`]).
-#[derive(Clone, Debug)]
-pub(crate) struct Cell {
-    /// Length, metres.
-    pub(crate) length_m: f64,
-}
-
-/// A Gauss point.
-#[derive(Clone, Debug)]
-pub(crate) struct Node {
-    /// Distance from the base, metres.
-    pub(crate) position_m: f64,
-    /// Quadrature weight, metres.
-    pub(crate) weight_m: f64,
-    /// Index of the first unknown of each component in the element that holds this node.
-    pub(crate) offset: [usize; COMPONENTS],
-    /// Values of the Legendre polynomials of the element here.
-    pub(crate) basis: Vec<f64>,
-}
 
 /// The discretisation of one rod.
 #[derive(Clone, Debug)]

@@ -1,6 +1,7 @@
 //! From one grid to another: polynomials, tensions and histories of the same rod.
 
-use super::grid::{COMPONENTS, Grid};
+use super::cell::COMPONENTS;
+use super::grid::Grid;
 use crate::math::polynomial::legendre;
 use crate::rod::params::hysteresis_law::MemoryState;
 

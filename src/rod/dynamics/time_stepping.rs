@@ -1,9 +1,8 @@
 //! Moving the rod in time: steps of a diagonally implicit Runge–Kutta scheme, as long as their error allows.
 
-use crate::rod::params::scheme::Tableau;
+use crate::rod::solver::status::Status;
 use crate::rod::state::rod::{Drive, Rod};
 use crate::rod::state::rod_state::State;
-use crate::rod::solver::status::Status;
 
 /// A stage is solved until the tip is known to this share of the error that a step may have …
 const STAGE_SHARE: f64 = 1e-2;
@@ -20,24 +19,6 @@ const REPEAT_BELOW: f64 = 0.7;
 /// … and keeps its length up to this factor: factors of the derivative belong to one length.
 const KEEP_UP_TO: f64 = 1.3;
 const LARGEST_GROWTH: f64 = 2.0;
-
-/// The length of the time steps.
-#[derive(Clone, Debug)]
-pub(crate) struct Pace {
-    /// What the error of the last step suggests for the next one, s; infinite before the first.
-    next_s: f64,
-    /// Steps since the rod was made or restarted.
-    pub(crate) taken: u64,
-    /// Time of each stage as a share of the step.
-    stage_times: Vec<f64>,
-}
-
-impl Pace {
-    pub(crate) fn new(tableau: &Tableau) -> Pace {
-        let stage_times: Vec<f64> = tableau.rows.iter().map(|row| row.iter().sum()).collect();
-        Pace { next_s: f64::INFINITY, taken: 0, stage_times }
-    }
-}
 
 impl Rod {
     /// Moves the rod for `duration_s` with `drives` held.

@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
-use crate::rod::params::hysteresis_law::MemoryState;
 use super::motion::Motion;
-use crate::rod::params::rod_params::TipLoad;
+use crate::rod::params::hysteresis_law::MemoryState;
+use crate::rod::params::loads::TipLoad;
 
 /// What a tendon is held to during a solve.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! Cells that go across jumps of the material: what their two Gauss points stand for.
 
-use crate::rod::discretisation::grid::GAUSS;
+use crate::rod::discretisation::cell::GAUSS;
 use crate::rod::equations::material::Section;
 use crate::rod::params::rod_params::RodParams;
 

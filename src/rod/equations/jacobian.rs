@@ -13,7 +13,8 @@ use super::system::{System, Work};
 use super::variation::Variation;
 use super::world_vectors::{Triple, padded};
 use crate::math::{rotation, three, vectorised};
-use crate::rod::discretisation::grid::{COMPONENTS, Grid};
+use crate::rod::discretisation::cell::COMPONENTS;
+use crate::rod::discretisation::grid::Grid;
 
 /// Room for the derivative of one rod's equations.
 #[derive(Clone, Debug)]

@@ -8,7 +8,8 @@ use super::material::Section;
 use super::motion::EndMass;
 use super::shape::Shape;
 use crate::rod::discretisation::grid::Grid;
-use crate::rod::params::rod_params::{PointLoad, RodParams};
+use crate::rod::params::loads::PointLoad;
+use crate::rod::params::rod_params::RodParams;
 
 /// Forces in the world frame and the wrench that they add up to.
 #[derive(Clone, Debug)]

@@ -1,6 +1,6 @@
 //! The constitutive law at a Gauss point: from the elastic internal wrench to the strains.
 
-use crate::rod::discretisation::grid::GAUSS;
+use crate::rod::discretisation::cell::GAUSS;
 use crate::rod::params::rod_params::RodParams;
 
 /// Strains in the body frame: curvature and twist u (rad/m), then v (shear, shear, stretch).

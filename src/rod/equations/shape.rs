@@ -5,7 +5,8 @@ use nalgebra::{Matrix3, Vector3};
 use super::material::{Compliance, Section, Six};
 use crate::math::rotation::{self, Turns};
 use crate::math::three;
-use crate::rod::discretisation::grid::{GAUSS, Grid};
+use crate::rod::discretisation::cell::GAUSS;
+use crate::rod::discretisation::grid::Grid;
 
 /// Poses and strains of a rod under given internal-wrench coefficients.
 #[derive(Clone, Debug, Default)]
@@ -157,4 +158,12 @@ impl Shape {
     pub(crate) fn tip_rotation(&self) -> Matrix3<f64> {
         self.end_r[self.end_r.len() - 1]
     }
+}
+
+/// How far the tips of two shapes lie apart, metres; a turn counts as what it moves at the length of the rod.
+pub(crate) fn distance_m(a: &Shape, b: &Shape, length_m: f64) -> f64 {
+    let moved = (a.tip_m() - b.tip_m()).norm();
+    let turned = (a.tip_rotation() - b.tip_rotation()).norm() * length_m;
+    // A comparison with what is not a number must not pass for agreement.
+    if moved.is_finite() && turned.is_finite() { moved.max(turned) } else { f64::INFINITY }
 }

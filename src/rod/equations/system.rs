@@ -4,16 +4,18 @@
 use nalgebra::{DVector, Vector3};
 
 use super::boundary_conditions::{Conditions, Hold};
-use crate::rod::params::hysteresis_law::MemoryState;
+use super::homogenised_cells;
 use super::loads::{Constant, LoadedRod, Loads};
 use super::material::{Section, Six};
 use super::motion::EndMass;
 use super::shape::Shape;
+use super::tendon_guide::Guide;
 use crate::math::{rotation, three, vectorised};
-use crate::rod::discretisation::grid::{COMPONENTS, Grid, Node};
-use super::homogenised_cells;
+use crate::rod::discretisation::cell::{COMPONENTS, Node};
+use crate::rod::discretisation::grid::Grid;
+use crate::rod::params::hysteresis_law::MemoryState;
 use crate::rod::params::rod_params::RodParams;
-use crate::rod::params::tendon::{Guide, Tendon};
+use crate::rod::params::tendon::Tendon;
 
 /// A rod with its discretisation; constant during a simulation.
 #[derive(Clone, Debug)]

@@ -4,7 +4,8 @@
 use super::shape::Shape;
 use super::world_vectors::Triple;
 use crate::math::three;
-use crate::rod::discretisation::grid::{COMPONENTS, Grid};
+use crate::rod::discretisation::cell::COMPONENTS;
+use crate::rod::discretisation::grid::Grid;
 
 /// Derivatives of orientation (as a world rotation vector) and position along the rod.
 #[derive(Clone, Debug)]

@@ -2,8 +2,6 @@
 
 use nalgebra::Vector3;
 
-use super::rod_params::RodParams;
-
 /// Linear-elastic cross-section of the backbone and its rest shape over part of the length. The values hold at the
 /// span's start; `taper` says how they change along it.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,7 +77,7 @@ impl Span {
     }
 
     /// What is left of a span that began at `start_m` from `position_m` on: same end, values at its new start.
-    fn from(&self, start_m: f64, position_m: f64) -> Span {
+    pub(super) fn from(&self, start_m: f64, position_m: f64) -> Span {
         if self.taper == Taper::NONE {
             return self.clone();
         }
@@ -95,50 +93,5 @@ impl Span {
             taper: Taper { outer: rest(self.taper.outer), inner: rest(self.taper.inner) },
             ..self.clone()
         }
-    }
-}
-
-impl RodParams {
-    /// Relaxed length of the rod, metres.
-    pub fn length_m(&self) -> f64 {
-        self.spans.last().map_or(0.0, |span| span.end_m)
-    }
-
-    /// The cross-section `position_m` from the base: a span that starts there.
-    pub fn span_at(&self, position_m: f64) -> Span {
-        let last = self.spans.len() - 1;
-        let index = self.spans.iter().position(|span| position_m < span.end_m).unwrap_or(last);
-        self.spans[index].from(self.start_of_span_m(index), position_m)
-    }
-
-    /// Where span `index` begins, metres from the base.
-    pub fn start_of_span_m(&self, index: usize) -> f64 {
-        if index == 0 { 0.0 } else { self.spans[index - 1].end_m }
-    }
-
-    /// Splits the spans so that one ends at `position_m`; effects that change part of the rod begin with this.
-    pub fn split_at(&mut self, position_m: f64) {
-        let Some(index) = self.spans.iter().position(|span| position_m < span.end_m) else { return };
-        let start_m = self.start_of_span_m(index);
-        if position_m > start_m {
-            let span = &self.spans[index];
-            let second = span.from(start_m, position_m);
-            let middle = |[from, _]: [f64; 2], [to, _]: [f64; 2]| [from, to];
-            let taper = Taper {
-                outer: middle(span.taper.outer, second.taper.outer),
-                inner: middle(span.taper.inner, second.taper.inner),
-            };
-            let first = Span { end_m: position_m, taper, ..span.clone() };
-            self.spans[index] = second;
-            self.spans.insert(index, first);
-        }
-    }
-
-    /// The spans between `start_m` and `end_m`, split where they cross those places.
-    pub fn spans_between(&mut self, start_m: f64, end_m: f64) -> impl Iterator<Item = &mut Span> {
-        self.split_at(start_m);
-        self.split_at(end_m);
-        let first = self.spans.iter().position(|span| start_m < span.end_m).unwrap_or(self.spans.len());
-        self.spans[first..].iter_mut().take_while(move |span| span.end_m <= end_m)
     }
 }

@@ -9,14 +9,15 @@
 use nalgebra::{DVector, Dyn, LU};
 
 use crate::rod::discretisation::grid::Grid;
-use crate::rod::state::solve_log::{Solved, Trace};
 use crate::rod::equations::boundary_conditions::{Conditions, Hold};
 use crate::rod::equations::motion::Motion;
 use crate::rod::equations::system::System;
-use crate::rod::params::rod_params::{RodParams, TipLoad};
-use crate::rod::state::rod::{Drive, Rod};
-use crate::rod::state::rod_state::Rates;
+use crate::rod::params::loads::TipLoad;
+use crate::rod::params::rod_params::RodParams;
 use crate::rod::solver::status::Status;
+use crate::rod::state::rates::Rates;
+use crate::rod::state::rod::{Drive, Rod};
+use crate::rod::state::solve_log::{Solved, Trace};
 
 /// A rod cannot follow the first one: other parts, or parts that no longer share a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

@@ -1,10 +1,28 @@
 //! What a rod carries along its length, and its energy.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
-use crate::rod::discretisation::grid::Grid;
 use super::rod::Rod;
-use super::rod_state::CrossSection;
+use crate::rod::discretisation::grid::Grid;
+
+/// What a cross-section of the rod does and carries: the fields of the paper's section III.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CrossSection {
+    /// Distance from the base along the relaxed rod, metres.
+    pub s_m: f64,
+    /// Position p, metres.
+    pub position_m: Vector3<f64>,
+    /// Orientation R, columns are the body axes.
+    pub rotation: Matrix3<f64>,
+    /// Internal force n of the rod (without tendons), world frame, N.
+    pub force_n: Vector3<f64>,
+    /// Internal moment m of the rod (without tendons), world frame, N m.
+    pub moment_nm: Vector3<f64>,
+    /// Velocity q, body frame, m/s.
+    pub velocity_m_s: Vector3<f64>,
+    /// Angular velocity ω, body frame, rad/s.
+    pub angular_velocity_rad_s: Vector3<f64>,
+}
 
 /// Energy of the rod, J.
 #[derive(Clone, Copy, Debug, PartialEq)]

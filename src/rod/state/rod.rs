@@ -1,20 +1,22 @@
 //! A rod that can be settled and moved: the interface of this room.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
-use crate::rod::params::scheme::{Scheme, Tableau};
+use super::grid_level::Space;
+use super::rates::Rates;
+use super::rest::Rest;
+use super::rod_state::State;
 use super::solve_log::Trace;
-use crate::rod::dynamics::time_stepping::Pace;
+use super::step_size::Pace;
+use crate::math::vectorised;
 use crate::rod::equations::boundary_conditions::{Conditions, Hold};
 use crate::rod::equations::motion::Motion;
 use crate::rod::equations::system::System;
-use crate::rod::params::rod_params::{RodParams, TipLoad};
-use crate::rod::solver::Solver;
-use super::rod_state::{Rates, State};
-use crate::rod::statics::equilibrium::Rest;
-use crate::rod::statics::refinement::Space;
+use crate::rod::params::loads::TipLoad;
+use crate::rod::params::rod_params::RodParams;
+use crate::rod::params::scheme::{Scheme, Tableau};
+use crate::rod::solver::newton_state::Solver;
 use crate::rod::solver::status::Status;
-use crate::math::vectorised;
 
 /// What a tendon is told.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,19 +27,6 @@ pub enum Drive {
     Tension(f64),
     /// No tension and no slack: the drive follows the shape.
     Follow,
-}
-
-/// What solving has taken so far.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Effort {
-    /// Time steps, those that had to be repeated not counted.
-    pub steps: u64,
-    /// Evaluations of the equations, one an iteration.
-    pub iterations: u64,
-    /// Evaluations of their derivative.
-    pub derivatives: u64,
-    /// Factorisations of it.
-    pub factorisations: u64,
 }
 
 /// A tendon-driven rod.
@@ -191,42 +180,9 @@ impl Rod {
         }
     }
 
-    /// Tip position in the world frame, metres.
-    pub fn tip_m(&self) -> Vector3<f64> {
-        self.state.shape.tip_m()
-    }
-
-    /// Tip orientation, columns are the body axes.
-    pub fn tip_rotation(&self) -> Matrix3<f64> {
-        self.state.shape.tip_rotation()
-    }
-
-    /// Position (metres) and orientation of the cross-section `position_m` from the base along the relaxed rod, world
-    /// frame; the nearest end where the rod has no such place.
-    pub fn pose_at(&self, position_m: f64) -> (Vector3<f64>, Matrix3<f64>) {
-        self.state.shape.pose_at(&self.system.grid, position_m)
-    }
-
-    /// Tendon tensions, N; 0 when slack.
-    pub fn tensions_n(&self) -> &[f64] {
-        &self.state.unknowns[self.system.grid.unknowns..]
-    }
-
-    /// Displacement at which each tendon would be neither slack nor under tension, metres.
-    pub fn following_pulls_m(&self) -> Vec<f64> {
-        let lengths_m = self.system.lengths_m(&self.state.shape);
-        let homes = lengths_m.iter().zip(&self.system.home_lengths_m);
-        homes.zip(&self.system.params.tendons).map(|((now, home), t)| home - now - t.pretension_m).collect()
-    }
-
-    /// What the last solve may be off by at the tip, metres.
-    pub fn residual_m(&self) -> f64 {
-        self.solver.residual_m
-    }
-
-    /// Work done so far.
-    pub fn effort(&self) -> Effort {
-        let Solver { iterations, derivatives, factorisations, .. } = self.solver;
-        Effort { steps: self.pace.taken, iterations, derivatives, factorisations }
+    /// Keeps what has just been solved for those who follow.
+    pub(crate) fn trace_stage(&mut self) {
+        let State { unknowns, taut, .. } = &self.state;
+        self.trace.iter_mut().for_each(|trace| trace.stages.push((unknowns.clone(), taut.clone())));
     }
 }

@@ -1,8 +1,5 @@
 //! What has been solved, kept for the rods that follow another one.
 
-use super::rod::Rod;
-use super::rod_state::State;
-
 /// What has been solved.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Trace {
@@ -23,13 +20,5 @@ impl Trace {
     /// The stages so far were those of a step of `duration_s`.
     pub(crate) fn accept(&mut self, duration_s: f64) {
         self.solved.push(Solved { duration_s, stages: std::mem::take(&mut self.stages) });
-    }
-}
-
-impl Rod {
-    /// Keeps what has just been solved for those who follow.
-    pub(crate) fn trace_stage(&mut self) {
-        let State { unknowns, taut, .. } = &self.state;
-        self.trace.iter_mut().for_each(|trace| trace.stages.push((unknowns.clone(), taut.clone())));
     }
 }

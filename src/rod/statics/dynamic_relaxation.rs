@@ -6,8 +6,8 @@
 
 use crate::rod::equations::boundary_conditions::Hold;
 use crate::rod::equations::motion::Motion;
-use crate::rod::state::rod::Rod;
 use crate::rod::solver::status::Status;
+use crate::rod::state::rod::Rod;
 
 /// Damping over stiffness of the honey, s: so much that inertia plays no part.
 const HONEY_S: f64 = 1e4;

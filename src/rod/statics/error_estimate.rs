@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::rod::discretisation::grid::Cell;
+use crate::rod::discretisation::cell::Cell;
 use crate::rod::equations::material::Six;
 use crate::rod::equations::shape::Shape;
 use crate::rod::equations::system::{System, Work};

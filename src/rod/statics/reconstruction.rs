@@ -5,15 +5,16 @@
 //! under the loads of the solved shape. What the shape of these strains then leaves open in the mean is taken off with
 //! the solver's own derivative, so that what a slender rod or a rod near buckling makes of a small error is in it.
 
-use nalgebra::{DVector, Matrix6, Vector3, Vector6};
+use nalgebra::{DVector, Matrix6, Vector6};
 
-use super::refinement::distance_m;
 use crate::math::vectorised;
-use crate::rod::discretisation::grid::COMPONENTS;
+use crate::rod::discretisation::cell::COMPONENTS;
 use crate::rod::equations::boundary_conditions::{Conditions, Hold};
 use crate::rod::equations::material::Six;
 use crate::rod::equations::motion::Motion;
+use crate::rod::equations::shape::distance_m;
 use crate::rod::equations::system::{System, Work};
+use crate::rod::state::grid_level::Confirmed;
 use crate::rod::state::rod::Rod;
 
 /// The reconstruction is right but for terms of higher order; in 600 random robots it was never less than three
@@ -23,14 +24,6 @@ const RECONSTRUCTION_CAUTION: f64 = 2.0;
 /// scaled, this many times.
 const NEAR: f64 = 0.05;
 const NEAR_CAUTION: f64 = 5.0;
-
-/// A shape whose error has been told by its reconstruction, and by how much that exceeded what was estimated.
-#[derive(Clone, Debug)]
-pub(crate) struct Confirmed {
-    tip_m: Vector3<f64>,
-    taut: Vec<bool>,
-    ratio: f64,
-}
 
 impl Rod {
     /// Raises an error below the tolerance to what the reconstruction says, which knows what the rod makes of it. Next to

@@ -8,8 +8,8 @@ use nalgebra::linalg::Schur;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use crate::rod::equations::boundary_conditions::Hold;
-use crate::rod::state::rod::Rod;
 use crate::rod::solver::status::Status;
+use crate::rod::state::rod::Rod;
 
 /// A bound below this share of the elastic stiffness proves stability; the rest is for shear and stretch.
 const SAFE_SHARE: f64 = 0.8;

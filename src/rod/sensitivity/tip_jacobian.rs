@@ -1,0 +1,150 @@
+//! Derivative of the tip of a rod at rest with respect to commands and loads (`docs/sensitivities.md`).
+//!
+//! At rest F(x; c) = 0 for the unknowns x under the commands c, so dx/dc = −(∂F/∂x)⁻¹ ∂F/∂c. The derivative is taken at
+//! the solution, for the tendons that are taut there.
+
+use nalgebra::{DVector, Dyn, LU, Matrix3, Vector3};
+
+use crate::math::rotation;
+use crate::rod::equations::boundary_conditions::{Conditions, Hold};
+use crate::rod::equations::jacobian::Derivative;
+use crate::rod::equations::motion::Motion;
+use crate::rod::equations::system::Work;
+use crate::rod::state::rod::Rod;
+
+/// What the tip is differentiated with respect to. Tendons and axes count from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// Displacement of a tendon's drive, per metre; nothing where the tendon is slack or not held by its length.
+    Pull(usize),
+    /// Tension of a tendon that is held by its tension or follows (without any), per newton; nothing where it is not.
+    Tension(usize),
+    /// Force on the tip along an axis of the world, per newton.
+    Force(usize),
+    /// Moment on the tip about an axis of the world, per newton metre.
+    Moment(usize),
+}
+
+/// How fast the tip moves and turns with something, per unit of it, world frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TipRate {
+    /// Of the position, metres.
+    pub position_m: Vector3<f64>,
+    /// Of the orientation: the rotation vector of a small change, radians.
+    pub rotation_rad: Vector3<f64>,
+}
+
+/// Size of the difference that refines a derivative, in lengths of the rod.
+const PROBE: f64 = 1e-5;
+
+/// The equations at a solution.
+struct Linearised<'a> {
+    conditions: &'a Conditions<'a>,
+    derivative: &'a Derivative,
+    factors: &'a LU<f64, Dyn, Dyn>,
+}
+
+impl Rod {
+    /// Derivative of the tip with respect to each of `directions`, for the pose in which [`Rod::settle`] left the rod.
+    /// `None` when it has not come to rest or has moved since, or when the pose is unstable to first order.
+    pub fn tip_jacobian(&mut self, directions: &[Direction]) -> Option<Vec<TipRate>> {
+        let rest = self.rest.as_ref()?;
+        let motion = Motion::rest(&self.system.grid, &self.system.masses);
+        let conditions = Conditions {
+            holds: &rest.holds,
+            taut: &self.state.taut,
+            tip_load: &self.tip_load,
+            load_share: 1.0,
+            gravity_m_s2: self.system.params.gravity_m_s2,
+            motion: &motion,
+            memory: &rest.memory,
+            settled: true,
+        };
+        let mut work = self.solver.work.clone();
+        let mut derivative = Derivative::new(&self.system);
+        self.system.evaluate(&self.state.unknowns, &conditions, &mut work);
+        derivative.update(&self.system, &self.state.unknowns, &conditions, &work);
+        let factors = derivative.matrix(&self.system, &conditions).lu();
+        let mut shifted = work.clone();
+        let rate = |&direction: &Direction| {
+            let explicit = self.residual_rate(direction, &conditions, &work);
+            let solution = Linearised { conditions: &conditions, derivative: &derivative, factors: &factors };
+            self.tip_rate(&explicit, &solution, &mut shifted)
+        };
+        directions.iter().map(rate).collect()
+    }
+
+    /// Derivative of the tip where ∂F/∂direction is `explicit`: dx = −J⁻¹ ∂F/∂direction, once refined with a central
+    /// difference of F along dx, as J leaves out how strain rates of a cell turn each other.
+    fn tip_rate(&self, explicit: &DVector<f64>, solution: &Linearised, shifted: &mut Work) -> Option<TipRate> {
+        let &Linearised { conditions, derivative, factors } = solution;
+        let n = self.system.grid.unknowns;
+        let mut change = -explicit;
+        if !factors.solve_mut(&mut change) {
+            return None;
+        }
+        let size_m = self.system.size_of_step_m(&change.as_slice()[..n], shifted);
+        if size_m == 0.0 {
+            return Some(TipRate { position_m: Vector3::zeros(), rotation_rad: Vector3::zeros() });
+        }
+        let share = PROBE * self.system.params.length_m() / size_m;
+        let mut at = |sign: f64| {
+            let unknowns: Vec<f64> =
+                self.state.unknowns.iter().zip(change.iter()).map(|(x, dx)| x + sign * share * dx).collect();
+            self.system.evaluate(&unknowns, conditions, shifted);
+            (DVector::from_column_slice(&shifted.residual), shifted.shape.tip_m(), shifted.shape.tip_rotation())
+        };
+        let (after, before) = (at(1.0), at(-1.0));
+        let mut left = -(explicit + (after.0 - before.0) / (2.0 * share));
+        if !factors.solve_mut(&mut left) {
+            return None;
+        }
+        let last = derivative.variation.end_move.len() - 1;
+        let more = &left.as_slice()[..n];
+        Some(TipRate {
+            position_m: (after.1 - before.1) / (2.0 * share) + derivative.variation.end_move[last].times(more),
+            rotation_rad: rotation::log(&(after.2 * before.2.transpose())) / (2.0 * share)
+                + derivative.variation.end_turn[last].times(more),
+        })
+    }
+
+    /// ∂F/∂direction at fixed unknowns.
+    fn residual_rate(&self, direction: Direction, conditions: &Conditions, work: &Work) -> DVector<f64> {
+        let n = self.system.grid.unknowns;
+        let mut rate = DVector::zeros(self.system.size());
+        match direction {
+            Direction::Pull(i) => {
+                if matches!(conditions.holds.get(i), Some(Hold::Length(_))) && conditions.taut[i] {
+                    let tendon = &self.system.params.tendons[i];
+                    rate[n + i] =
+                        1.0 + tendon.compliance_m_per_n / tendon.elastic_length_m * self.state.unknowns[n + i];
+                }
+            }
+            Direction::Tension(i) => {
+                if matches!(conditions.holds.get(i), Some(Hold::Tension(_))) {
+                    rate[n + i] = -1.0;
+                }
+            }
+            Direction::Force(axis) => self.add_load(unit(axis), Vector3::zeros(), work, &mut rate),
+            Direction::Moment(axis) => self.add_load(Vector3::zeros(), unit(axis), work, &mut rate),
+        }
+        rate
+    }
+
+    /// Adds what a force and a moment on the tip do to the balance equations.
+    fn add_load(&self, force_n: Vector3<f64>, moment_nm: Vector3<f64>, work: &Work, rate: &mut DVector<f64>) {
+        let shape = &work.shape;
+        let tip = shape.tip_m();
+        for g in 0..self.system.grid.nodes.len() {
+            let back: Matrix3<f64> = shape.node_r[g].transpose();
+            let moment = back * (moment_nm + (tip - shape.node_p[g]).cross(&force_n));
+            let force = back * force_n;
+            let wrench = [-moment.x, -moment.y, -moment.z, -force.x, -force.y, -force.z];
+            self.system.project(g, &work.shape.compliance[g].apply(&wrench), rate.as_mut_slice());
+        }
+    }
+}
+
+fn unit(axis: usize) -> Vector3<f64> {
+    Vector3::from_fn(|row, _| f64::from(u8::from(row == axis)))
+}

@@ -1,0 +1,56 @@
+//! The derivative and its factors, kept between iterations and solves.
+
+use nalgebra::DVector;
+
+use super::newton_state::{Factors, Solver};
+use crate::rod::equations::boundary_conditions::Conditions;
+use crate::rod::equations::system::System;
+
+/// Factors kept for one derivative: a few step lengths and taut sets come back again and again.
+const MOST_FACTORS: usize = 8;
+/// A correction that is to undo more than this share of the one before is taken as it is.
+const MOST_ACCELERATION: f64 = 0.5;
+
+impl Solver {
+    /// Brings the factors of the derivative for the rate and the taut set of `conditions` to the end of the list.
+    pub(super) fn factor(&mut self, system: &System, conditions: &Conditions) {
+        let rate = conditions.motion.rate;
+        let known = self.factors.iter().position(|f| f.rate == rate && f.taut == conditions.taut);
+        let newest = match known {
+            Some(index) => self.factors.remove(index),
+            None => {
+                self.factorisations += 1;
+                if self.factors.len() == MOST_FACTORS {
+                    self.factors.remove(0);
+                }
+                let lu = self.derivative.matrix(system, conditions).lu();
+                Factors { rate, taut: conditions.taut.to_vec(), lu }
+            }
+        };
+        self.factors.push(newest);
+    }
+
+    /// The next correction, with Broyden's update of the factors by the corrections so far (Kelley, Solving Nonlinear
+    /// Equations with Newton's Method, 2003, section 4.1), in the norm that counts a change by what it moves the tip.
+    pub(super) fn step(&self, system: &System) -> Option<DVector<f64>> {
+        let mut step = DVector::from_column_slice(&self.work.residual);
+        if !self.factors.last()?.lu.solve_mut(&mut step) {
+            return None;
+        }
+        let mut steps = self.steps.iter().peekable();
+        while let Some(earlier) = steps.next() {
+            let share = system.product_m2(earlier, &step) / system.product_m2(earlier, earlier);
+            match steps.peek() {
+                Some(next) => step.axpy(share, next, 1.0),
+                None if share.abs() < MOST_ACCELERATION => step /= 1.0 - share,
+                None => (),
+            }
+        }
+        Some(step)
+    }
+
+    /// Divides by the derivative that the last solve ended with; false when it is singular.
+    pub(crate) fn divide(&self, residual: &mut DVector<f64>) -> bool {
+        self.factors.last().is_some_and(|factors| factors.lu.solve_mut(residual))
+    }
+}

@@ -1,0 +1,27 @@
+//! Cross-sections must not pass through each other.
+
+use crate::rod::solver::status::Status;
+use crate::rod::state::rod::Rod;
+
+impl Rod {
+    /// Whether the material keeps its order: no cross-section passes through the next, on the axis or at a tendon.
+    pub(crate) fn possible(&self) -> Status {
+        if self.least_stretch() > 0.0 { Status::Converged } else { Status::Crushed }
+    }
+
+    /// Least length of the backbone, or of the axial part of a tendon's path, per relaxed length.
+    pub(crate) fn least_stretch(&self) -> f64 {
+        let count = self.system.params.tendons.len();
+        let mut least = f64::INFINITY;
+        for (g, strain) in self.state.shape.strain.iter().enumerate() {
+            least = least.min(strain[5]);
+            for guide in &self.system.guides[g * count..(g + 1) * count] {
+                let [x, y] = guide.offset_m;
+                if guide.present {
+                    least = least.min(strain[5] + strain[0] * y - strain[1] * x);
+                }
+            }
+        }
+        least
+    }
+}
