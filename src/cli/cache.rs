@@ -4,7 +4,7 @@ use super::shared::CacheArgs;
 use super::{CommandError, CommandResult};
 use clap::{Args, Subcommand};
 use spinebench::runner::stages::codes;
-use spinebench::runner::{Digest, Kept, State, Store};
+use spinebench::runner::{Digest, EntryState, Store, StoredEntry};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -67,22 +67,22 @@ impl CacheCommand {
     }
 }
 
-fn list(entries: &[Kept], stage: Option<&str>, text: &mut String) {
+fn list(entries: &[StoredEntry], stage: Option<&str>, text: &mut String) {
     let codes = codes();
     for entry in entries.iter().filter(|entry| stage.is_none_or(|stage| entry.stage == stage)) {
-        let state = if entry.state(&codes) == State::Current { "current" } else { "stale" };
+        let state = if entry.state(&codes) == EntryState::Current { "current" } else { "stale" };
         let label = entry.note.as_ref().map_or("", |note| note.label.as_str());
         let (stage, key, bytes, age) = (&entry.stage, entry.key.short(), entry.bytes, days(entry.age));
         let _ = writeln!(text, "{stage:16} {key} {bytes:>10} B {age:8.2} days {state:7} {label}");
     }
 }
 
-fn size(entries: &[Kept], text: &mut String) {
+fn size(entries: &[StoredEntry], text: &mut String) {
     let codes: BTreeMap<&str, Digest> = codes();
     let mut kinds: BTreeMap<&str, [u64; 4]> = BTreeMap::new();
     for entry in entries {
         let counts = kinds.entry(&entry.stage).or_default();
-        let stale = entry.state(&codes) == State::Stale;
+        let stale = entry.state(&codes) == EntryState::Stale;
         let add = [1, entry.bytes, u64::from(stale), if stale { entry.bytes } else { 0 }];
         counts.iter_mut().zip(add).for_each(|(count, add)| *count += add);
     }
@@ -98,8 +98,8 @@ fn size(entries: &[Kept], text: &mut String) {
     line("all", sum);
 }
 
-fn verify(store: &Store, entries: &[Kept], text: &mut String) -> CommandResult {
-    let damaged: Vec<(&Kept, String)> =
+fn verify(store: &Store, entries: &[StoredEntry], text: &mut String) -> CommandResult {
+    let damaged: Vec<(&StoredEntry, String)> =
         entries.iter().filter_map(|entry| Some((entry, store.damage(entry)?))).collect();
     for (entry, reason) in &damaged {
         let _ = writeln!(text, "{} {}: {reason}", entry.stage, entry.key.short());
@@ -112,16 +112,22 @@ fn verify(store: &Store, entries: &[Kept], text: &mut String) -> CommandResult {
     }
 }
 
-fn prune(store: &Store, entries: &[Kept], older_than: Option<f64>, dry_run: bool, text: &mut String) -> CommandResult {
+fn prune(
+    store: &Store,
+    entries: &[StoredEntry],
+    older_than: Option<f64>,
+    dry_run: bool,
+    text: &mut String,
+) -> CommandResult {
     if let Some(found) = older_than.filter(|days| !(days.is_finite() && *days >= 0.0)) {
         return Err(CommandError::BadInput(format!("--older-than: found {found}, expected a number of days")));
     }
     let codes = codes();
-    let useless = |entry: &&Kept| {
+    let useless = |entry: &&StoredEntry| {
         let old = older_than.is_some_and(|limit| days(entry.age) > limit);
-        old || entry.state(&codes) == State::Stale || store.damage(entry).is_some()
+        old || entry.state(&codes) == EntryState::Stale || store.damage(entry).is_some()
     };
-    let useless: Vec<&Kept> = entries.iter().filter(useless).collect();
+    let useless: Vec<&StoredEntry> = entries.iter().filter(useless).collect();
     let left = store.leftovers().map_err(CommandError::failed)?;
     let bytes = useless.iter().map(|entry| entry.bytes).chain(left.iter().map(|(_, bytes)| *bytes)).sum();
     if !dry_run {

@@ -3,7 +3,7 @@
 use super::shared::writable;
 use super::{CommandError, CommandResult};
 use clap::Args;
-use spinebench::runner::{self, GatherError};
+use spinebench::runner::{self, MergeError};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -21,8 +21,8 @@ pub(super) struct GatherCommand {
 
 impl GatherCommand {
     pub(super) fn execute(self) -> CommandResult {
-        let (name, mut publication) = runner::gather(&self.parts).map_err(|error| match error {
-            GatherError::Publish(_) => CommandError::failed(error),
+        let (name, mut publication) = runner::merge(&self.parts).map_err(|error| match error {
+            MergeError::Publish(_) => CommandError::failed(error),
             _ => CommandError::bad_input(error),
         })?;
         writable(&self.out)?;

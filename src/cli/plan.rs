@@ -3,7 +3,7 @@
 use super::CommandResult;
 use super::shared::{CacheArgs, SpecArgs};
 use clap::Args;
-use spinebench::runner::{Campaign, Entry, Need, survey};
+use spinebench::runner::{Campaign, CampaignEntry, Need, plan};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -20,7 +20,7 @@ pub(super) struct PlanCommand {
 impl PlanCommand {
     pub(super) fn execute(self) -> CommandResult {
         let campaign = self.specs.campaign()?;
-        let needs = survey(&campaign.graph, &self.cache.store(), &campaign.wanted());
+        let needs = plan(&campaign.graph, &self.cache.store(), &campaign.wanted());
         let mut text = String::new();
         for entry in &campaign.entries {
             describe(entry, &needs, &mut text);
@@ -34,7 +34,7 @@ impl PlanCommand {
     }
 }
 
-fn describe(entry: &Entry, needs: &[Need], text: &mut String) {
+fn describe(entry: &CampaignEntry, needs: &[Need], text: &mut String) {
     let experiment = &entry.experiment;
     let cells = entry.cells();
     let left = cells.iter().filter(|cell| needs[cell.stage] == Need::Compute).count();

@@ -6,7 +6,7 @@ use super::{CommandError, CommandResult};
 use clap::{Args, ValueEnum};
 use spinebench::data::rows::ClaimRow;
 use spinebench::runner::{
-    self, Campaign, Entry, Files, Manifest, Orders, Outcomes, Progress, Publication, StageTimes, Store,
+    self, Campaign, CampaignEntry, Files, Manifest, Outcomes, Progress, Publication, RunOptions, StageTimes, Store,
 };
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
@@ -64,8 +64,8 @@ impl RunCommand {
             }
             threads = 1;
         }
-        let orders = Orders { threads, progress: &progress, stop: &AtomicBool::new(false), known: &known };
-        let outcomes = runner::carry_out(&campaign.graph, &store, &wanted, &orders)
+        let options = RunOptions { threads, progress: &progress, stop: &AtomicBool::new(false), known: &known };
+        let outcomes = runner::execute(&campaign.graph, &store, &wanted, &options)
             .map_err(|failure| CommandError::Failed(failure.to_string()))?;
         let wall_s = began.elapsed().as_secs_f64();
         let published =
@@ -98,7 +98,7 @@ impl RunCommand {
             let manifest = Manifest::new((campaign, entry), outcomes, store, revision, self.threads(entry), wall_s);
             let folder = Path::new("results").join(&name);
             files.insert(folder.join("manifest.yaml"), manifest.to_yaml()?);
-            let trail = runner::trail(campaign, entry, outcomes, store);
+            let trail = runner::provenance(campaign, entry, outcomes, store);
             runner::put(&mut files, &folder.join("stages.csv"), &trail).map_err(|error| words(&error))?;
             files.extend(publication.files.clone());
             claims.insert(name, publication.claims.clone());
@@ -110,7 +110,7 @@ impl RunCommand {
     }
 
     /// Threads that stages were given: of this machine, or of a task on the cluster.
-    fn threads(&self, entry: &Entry) -> usize {
+    fn threads(&self, entry: &CampaignEntry) -> usize {
         match self.executor {
             Executor::Slurm => self.cluster.cpus.unwrap_or(entry.experiment.slurm.cpus) as usize,
             Executor::Local if self.progress_args.jobs > 0 => self.progress_args.jobs,

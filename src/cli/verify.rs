@@ -5,7 +5,7 @@ use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::data::rows::StageRow;
 use spinebench::data::tables::read_csv;
-use spinebench::runner::{self, Campaign, Entry, Files, Manifest, Standard, Store};
+use spinebench::runner::{self, Campaign, CampaignEntry, Files, Manifest, RunOptions, Standard, Store};
 use spinebench::specs::{ExperimentSet, PlantSpec};
 use std::path::{Path, PathBuf};
 
@@ -48,14 +48,15 @@ impl VerifyCommand {
         let scratch = Scratch::new().map_err(|error| CommandError::Failed(format!("no temporary folder: {error}")))?;
         let progress = self.progress_args.progress();
         let (store, wanted) = (Store::at(&scratch.0), campaign.wanted());
-        let outcomes = runner::execute(&campaign.graph, &store, &wanted, self.progress_args.jobs, &progress)
-            .map_err(|failure| CommandError::Failed(failure.to_string()))?;
+        let outcomes =
+            runner::execute(&campaign.graph, &store, &wanted, &RunOptions::new(self.progress_args.jobs, &progress))
+                .map_err(|failure| CommandError::Failed(failure.to_string()))?;
         let mut wrong = Vec::new();
         for entry in &campaign.entries {
             let name = &entry.experiment.name;
             let publication =
                 entry.publish(&outcomes).map_err(|error| CommandError::Failed(format!("{name}: {error}")))?;
-            let trail = runner::trail(&campaign, entry, &outcomes, &store);
+            let trail = runner::provenance(&campaign, entry, &outcomes, &store);
             match self.compare(entry, &publication.files, &trail) {
                 Ok(said) => progress.say(&format!("{name}: {said}")),
                 Err(said) => wrong.push(format!("{name}: differs: {said}")),
@@ -65,12 +66,12 @@ impl VerifyCommand {
     }
 
     /// Compares one experiment: what agrees, or what differs first.
-    fn compare(&self, entry: &Entry, files: &Files, trail: &[StageRow]) -> Result<String, String> {
+    fn compare(&self, entry: &CampaignEntry, files: &Files, trail: &[StageRow]) -> Result<String, String> {
         let folder = self.folder(&entry.experiment.name);
         let standard = self.standard(&folder);
         runner::compare(files, &self.out, standard).map_err(|difference| {
             let published: Vec<StageRow> = read_csv(&folder.join("stages.csv")).unwrap_or_default();
-            match runner::parting(&published, trail).filter(|_| !published.is_empty()) {
+            match runner::first_difference(&published, trail).filter(|_| !published.is_empty()) {
                 Some(parting) => format!("{difference}; first stage that differs: {parting}"),
                 None => difference.to_string(),
             }

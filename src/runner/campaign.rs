@@ -3,7 +3,7 @@
 use super::graph::{Failure, Graph, Handle};
 use super::metrics::{ANY_TRAINING, Tables};
 use super::outcomes::Outcomes;
-use super::stages::{BlindStages, Parts, Stages};
+use super::stages::{BlindStages, SharedParts, Stages};
 use crate::base::Point3;
 use crate::data::rows::{GapRow, GpRow, TrackRow, TrialRow};
 use crate::learn::rnn::Trained;
@@ -20,11 +20,11 @@ pub struct Campaign {
     /// All stages.
     pub graph: Graph,
     /// The experiments with their stages, in the order given.
-    pub entries: Vec<Entry>,
+    pub entries: Vec<CampaignEntry>,
 }
 
 /// An experiment and its stages.
-pub struct Entry {
+pub struct CampaignEntry {
     /// What is run; of a sweep, its first point.
     pub experiment: Experiment,
     /// What is swept; nothing for a single experiment.
@@ -67,14 +67,14 @@ pub(super) struct Repetition {
 /// The stages of one seed and kind of training.
 pub(super) struct TrainedCells {
     pub(super) training: String,
-    pub(super) networks: Vec<(Network, Handle<Trained>)>,
+    pub(super) networks: Vec<(NetworkRole, Handle<Trained>)>,
     pub(super) reach: Vec<(TrialCell, Handle<Vec<TrialRow>>)>,
     pub(super) track: Vec<(TrialCell, Handle<Vec<TrackRow>>)>,
 }
 
 /// A network of an experiment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Network {
+pub(super) enum NetworkRole {
     Forward,
     Inverse,
     /// With the points of the Gaussian process.
@@ -97,12 +97,12 @@ impl Campaign {
 
     /// The stages whose results are published.
     pub fn wanted(&self) -> Vec<usize> {
-        let numbers: BTreeSet<usize> = self.entries.iter().flat_map(Entry::wanted).collect();
+        let numbers: BTreeSet<usize> = self.entries.iter().flat_map(CampaignEntry::wanted).collect();
         numbers.into_iter().collect()
     }
 }
 
-impl Entry {
+impl CampaignEntry {
     /// The stages whose results this experiment publishes.
     pub fn wanted(&self) -> BTreeSet<usize> {
         let mut numbers = BTreeSet::new();
@@ -163,7 +163,7 @@ impl Repetition {
 }
 
 /// The stages of one study.
-fn entry(graph: &mut Graph, study: ExperimentSet) -> Result<Entry, Failure> {
+fn entry(graph: &mut Graph, study: ExperimentSet) -> Result<CampaignEntry, Failure> {
     let failed = |status: String| Failure { stage: "spec".into(), status };
     let spec_yaml = study.to_yaml().map_err(failed)?;
     let ExperimentSet { experiment, sweep, mut points, .. } = study;
@@ -171,18 +171,23 @@ fn entry(graph: &mut Graph, study: ExperimentSet) -> Result<Entry, Failure> {
         points.push(SweepPoint { values: Vec::new(), experiment: Arc::new(experiment.clone()) });
     }
     let mut stages = Vec::with_capacity(points.len());
-    let mut before: Option<Parts> = None;
+    let mut before: Option<SharedParts> = None;
     for SweepPoint { values, experiment } in points {
-        let parts = Parts::new(&experiment, before.as_ref())?;
+        let parts = SharedParts::new(&experiment, before.as_ref())?;
         let repetitions = experiment.repetitions().map(|seed| repetition(graph, &experiment, &parts, seed));
         let repetitions = repetitions.collect::<Result<Vec<_>, Failure>>()?;
         stages.push(PointStages { values, experiment, repetitions });
         before = Some(parts);
     }
-    Ok(Entry { experiment, sweep, spec_yaml, points: stages })
+    Ok(CampaignEntry { experiment, sweep, spec_yaml, points: stages })
 }
 
-fn repetition(graph: &mut Graph, experiment: &Experiment, parts: &Parts, seed: u64) -> Result<Repetition, Failure> {
+fn repetition(
+    graph: &mut Graph,
+    experiment: &Experiment,
+    parts: &SharedParts,
+    seed: u64,
+) -> Result<Repetition, Failure> {
     let mut stages = Stages::new(graph, experiment, parts, seed);
     let mut one = Repetition { seed, ..Repetition::default() };
     one.gap = experiment.runs.gap.map(|gap| stages.gap(gap.rows)).transpose()?;
@@ -220,26 +225,26 @@ fn gaussian_processes(stages: &mut Stages, experiment: &Experiment) -> Result<Ve
     Ok(gps)
 }
 
-fn add_network(stages: &mut Stages, network: Network, training: &Training) -> Result<Handle<Trained>, Failure> {
+fn add_network(stages: &mut Stages, network: NetworkRole, training: &Training) -> Result<Handle<Trained>, Failure> {
     match network {
-        Network::Forward => stages.forward(training),
-        Network::Inverse => stages.inverse(training),
-        Network::Generated(points) => stages.generated(training, points),
-        Network::Real(points) => stages.pi_real(training, points),
+        NetworkRole::Forward => stages.forward(training),
+        NetworkRole::Inverse => stages.inverse(training),
+        NetworkRole::Generated(points) => stages.generated(training, points),
+        NetworkRole::Real(points) => stages.pi_real(training, points),
     }
 }
 
 /// The networks that the cells are built from, and the forward model where it is asked for or stands for the rod.
-fn networks<'a>(experiment: &Experiment, cells: impl Iterator<Item = &'a TrialCell>) -> BTreeSet<Network> {
+fn networks<'a>(experiment: &Experiment, cells: impl Iterator<Item = &'a TrialCell>) -> BTreeSet<NetworkRole> {
     let simulates = experiment.gp_points.p_sim == SimulatedBy::Network && !gp_sizes(experiment).is_empty();
-    let forward = (experiment.runs.forward || simulates).then_some(Network::Forward);
-    let mut networks: BTreeSet<Network> = forward.into_iter().collect();
+    let forward = (experiment.runs.forward || simulates).then_some(NetworkRole::Forward);
+    let mut networks: BTreeSet<NetworkRole> = forward.into_iter().collect();
     for cell in cells {
         for part in policies::find(&cell.policy).map_or(&[] as &[Part], |entry| entry.needs) {
             networks.extend(match part {
-                Part::SimulatedInverse => Some(Network::Inverse),
-                Part::GeneratedInverse => Some(Network::Generated(cell.gp_points)),
-                Part::RealInverse => Some(Network::Real(cell.real_points)),
+                Part::SimulatedInverse => Some(NetworkRole::Inverse),
+                Part::GeneratedInverse => Some(NetworkRole::Generated(cell.gp_points)),
+                Part::RealInverse => Some(NetworkRole::Real(cell.real_points)),
                 Part::Error => None,
             });
         }

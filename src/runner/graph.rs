@@ -2,10 +2,10 @@
 //!
 //! A stage that is asked for twice, by one spec or by several, has one key and therefore stands in the graph once.
 
-use super::code::{self, Sources};
 use super::codec::{CodecError, decode, encode};
 use super::digest::Digest;
 use super::key::{Key, key};
+use super::source_digest::{self, Sources};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::any::Any;
 use std::collections::{BTreeMap, HashMap};
@@ -13,11 +13,11 @@ use std::marker::PhantomData;
 use std::sync::Arc;
 
 /// What a stage can hand on: stored on disk and shared between threads.
-pub trait Artifact: Serialize + DeserializeOwned + Send + Sync + 'static {}
-impl<T: Serialize + DeserializeOwned + Send + Sync + 'static> Artifact for T {}
+pub trait StageResult: Serialize + DeserializeOwned + Send + Sync + 'static {}
+impl<T: Serialize + DeserializeOwned + Send + Sync + 'static> StageResult for T {}
 
 /// A result with its type forgotten; the handle of its stage remembers it.
-pub(super) type Value = Arc<dyn Any + Send + Sync>;
+pub(super) type AnyResult = Arc<dyn Any + Send + Sync>;
 
 /// Why a stage has no result. It becomes the status of the rows that needed it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, thiserror::Error)]
@@ -31,12 +31,12 @@ pub struct Failure {
 
 /// A kind of stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Kind {
+pub struct StageKind {
     /// Its name, also its folder in the store.
     pub name: &'static str,
     /// The sources that its numbers come from.
     pub sources: Sources,
-    /// Rough cost of one, in milliseconds: it orders work and weighs the progress bar, nothing else.
+    /// Rough cost of one, in milliseconds: it options work and weighs the progress bar, nothing else.
     pub cost_ms: u64,
 }
 
@@ -60,23 +60,23 @@ impl<T> Handle<T> {
     }
 }
 
-type Job = Box<dyn Fn(&Inputs) -> Result<Value, String> + Send + Sync>;
+type Job = Box<dyn Fn(&Inputs) -> Result<AnyResult, String> + Send + Sync>;
 
 /// One stage with its key and the numbers of its inputs, all smaller than its own.
-pub(super) struct Node {
-    pub(super) kind: Kind,
+pub(super) struct StageNode {
+    pub(super) kind: StageKind,
     pub(super) key: Key,
     pub(super) label: String,
     pub(super) inputs: Vec<usize>,
     pub(super) job: Job,
-    pub(super) encode: fn(&Value) -> Result<Vec<u8>, CodecError>,
-    pub(super) decode: fn(&[u8]) -> Result<Value, CodecError>,
+    pub(super) encode: fn(&AnyResult) -> Result<Vec<u8>, CodecError>,
+    pub(super) decode: fn(&[u8]) -> Result<AnyResult, CodecError>,
 }
 
 /// Stages in an order in which each follows its inputs.
 #[derive(Default)]
 pub struct Graph {
-    pub(super) nodes: Vec<Node>,
+    pub(super) nodes: Vec<StageNode>,
     by_key: HashMap<Key, usize>,
     /// Digests of the code of the kinds that have been met.
     codes: BTreeMap<&'static str, Digest>,
@@ -88,27 +88,27 @@ impl Graph {
     ///
     /// # Errors
     /// [`Failure`] when `params` cannot be written as JSON.
-    pub fn stage<T: Artifact>(
+    pub fn stage<T: StageResult>(
         &mut self,
-        kind: Kind,
+        kind: StageKind,
         label: impl Into<String>,
         params: &impl Serialize,
         inputs: &[usize],
         job: impl Fn(&Inputs) -> Result<T, String> + Send + Sync + 'static,
     ) -> Result<Handle<T>, Failure> {
         let keys: Vec<Key> = inputs.iter().map(|&input| self.nodes[input].key).collect();
-        let code = self.codes.entry(kind.name).or_insert_with(|| code::digest(kind.sources));
+        let code = self.codes.entry(kind.name).or_insert_with(|| source_digest::digest(kind.sources));
         let key =
             key(kind.name, code, params, &keys).map_err(|status| Failure { stage: kind.name.to_owned(), status })?;
         let node = *self.by_key.entry(key).or_insert_with(|| {
-            self.nodes.push(Node {
+            self.nodes.push(StageNode {
                 kind,
                 key,
                 label: label.into(),
                 inputs: inputs.to_vec(),
-                job: Box::new(move |given| job(given).map(|result| Arc::new(result) as Value)),
+                job: Box::new(move |given| job(given).map(|result| Arc::new(result) as AnyResult)),
                 encode: |value| encode(value.downcast_ref::<T>().ok_or_else(mismatch)?),
-                decode: |bytes| decode::<T>(bytes).map(|result| Arc::new(result) as Value),
+                decode: |bytes| decode::<T>(bytes).map(|result| Arc::new(result) as AnyResult),
             });
             self.nodes.len() - 1
         });
@@ -138,7 +138,7 @@ impl Graph {
     /// The digest of the code of stage number `node`.
     pub(super) fn code(&self, node: usize) -> Digest {
         let kind = self.nodes[node].kind;
-        self.codes.get(kind.name).copied().unwrap_or_else(|| code::digest(kind.sources))
+        self.codes.get(kind.name).copied().unwrap_or_else(|| source_digest::digest(kind.sources))
     }
 
     /// Name, label and key of stage number `node`.
@@ -154,7 +154,7 @@ fn mismatch() -> CodecError {
 
 /// The results that a stage asked for.
 pub struct Inputs {
-    pub(super) values: Vec<(usize, Value)>,
+    pub(super) values: Vec<(usize, AnyResult)>,
 }
 
 impl Inputs {
@@ -162,7 +162,7 @@ impl Inputs {
     ///
     /// # Errors
     /// When the stage did not name it among its inputs.
-    pub fn get<T: Artifact>(&self, handle: Handle<T>) -> Result<&T, String> {
+    pub fn get<T: StageResult>(&self, handle: Handle<T>) -> Result<&T, String> {
         self.values
             .iter()
             .find(|(node, _)| *node == handle.node)

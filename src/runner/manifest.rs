@@ -1,10 +1,10 @@
 //! What is needed to repeat a run, and what it took. Beside the trail of stages the only published file that holds clocks.
 
-use super::campaign::{Campaign, Entry};
+use super::campaign::{Campaign, CampaignEntry};
 use super::outcomes::Outcomes;
+use super::provenance::stages_behind;
 use super::store::Store;
 use super::timing::Timing;
-use super::trail::needed;
 use crate::data::rows::StageRow;
 use crate::specs::{Document, SpecError, to_yaml};
 use serde::{Deserialize, Serialize};
@@ -62,14 +62,14 @@ pub struct StageTimes {
 impl Manifest {
     /// The manifest of an entry after a run of its campaign, which began when the sources were at this revision.
     pub fn new(
-        (campaign, entry): (&Campaign, &Entry),
+        (campaign, entry): (&Campaign, &CampaignEntry),
         outcomes: &Outcomes,
         store: &Store,
         git_revision: &str,
         threads: usize,
         run_wall_s: f64,
     ) -> Manifest {
-        let needed = needed(campaign, entry);
+        let needed = stages_behind(campaign, entry);
         let mut stages = stage_times(campaign, needed.iter().copied(), outcomes);
         for number in needed.into_iter().filter(|&number| outcomes.timings[number].is_none()) {
             let (kind, _, key) = campaign.graph.describe(number);
@@ -94,7 +94,7 @@ impl Manifest {
     }
 
     /// The manifest of an experiment whose parts have run one after the other or on several machines.
-    pub(super) fn gathered<'a>(
+    pub(super) fn merged<'a>(
         parts: impl ExactSizeIterator<Item = &'a Manifest> + Clone,
         trail: &[StageRow],
     ) -> Manifest {

@@ -1,9 +1,9 @@
 //! What became of the stages of a run.
 
-use super::graph::{Artifact, Failure, Handle, Value};
+use super::graph::{AnyResult, Failure, Handle, StageResult};
 use super::timing::Timing;
 
-pub(super) type Outcome = Result<Value, Failure>;
+pub(super) type Outcome = Result<AnyResult, Failure>;
 
 /// What became of the stages that were wanted, and of those computed for them.
 pub struct Outcomes {
@@ -25,7 +25,7 @@ impl Outcomes {
     ///
     /// # Errors
     /// The failure of the stage or of one before it.
-    pub fn get<T: Artifact>(&self, handle: Handle<T>) -> Result<&T, Failure> {
+    pub fn get<T: StageResult>(&self, handle: Handle<T>) -> Result<&T, Failure> {
         let missing = || Failure { stage: "runner".into(), status: format!("stage {} was not wanted", handle.node) };
         match self.values.get(handle.node).and_then(Option::as_ref) {
             Some(Ok(value)) => value.downcast_ref::<T>().ok_or_else(missing),

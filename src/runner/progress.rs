@@ -20,7 +20,7 @@ pub enum Style {
 
 /// One stage, as it is told of.
 #[derive(Clone, Copy, Debug)]
-pub struct Told<'a> {
+pub struct StageEvent<'a> {
     /// Kind of stage.
     pub stage: &'a str,
     /// Which of them.
@@ -35,11 +35,11 @@ pub struct Told<'a> {
 pub struct Progress {
     style: Style,
     bar: ProgressBar,
-    left: Mutex<Left>,
+    left: Mutex<StageCounts>,
 }
 
 #[derive(Default)]
-struct Left {
+struct StageCounts {
     total: usize,
     done: usize,
     failed: usize,
@@ -47,7 +47,7 @@ struct Left {
     kinds: BTreeMap<String, [usize; 2]>,
 }
 
-impl Left {
+impl StageCounts {
     /// How far everything and the kind of the last stage are, and how fast it goes.
     fn words(&self, stage: &str, elapsed_s: f64) -> String {
         let failed = if self.failed > 0 { format!(", {} failed", self.failed) } else { String::new() };
@@ -69,7 +69,7 @@ impl Progress {
     /// The work is known: stages to compute, each with its kind and rough cost in milliseconds, and `cached` that need
     /// nothing.
     pub fn planned<'a>(&self, compute: impl Iterator<Item = (&'a str, u64)>, cached: usize) {
-        let mut left = Left::default();
+        let mut left = StageCounts::default();
         let mut all_ms = 0;
         for (kind, cost_ms) in compute {
             left.kinds.entry(kind.to_owned()).or_default()[1] += 1;
@@ -87,12 +87,12 @@ impl Progress {
     }
 
     /// A stage begins.
-    pub fn started(&self, told: Told) {
+    pub fn started(&self, told: StageEvent) {
         self.event("started", json!({ "stage": told.stage, "label": told.label, "key": told.key }));
     }
 
     /// A stage ended, with its failure if it failed.
-    pub fn finished(&self, told: Told, timing: Timing, failure: Option<&str>) {
+    pub fn finished(&self, told: StageEvent, timing: Timing, failure: Option<&str>) {
         let state = json!({ "stage": told.stage, "label": told.label, "key": told.key, "wall_s": timing.wall_s,
                             "cpu_s": timing.cpu_s, "failure": failure });
         self.event("finished", state);
@@ -146,7 +146,7 @@ mod tests {
     #[test]
     fn a_person_reads_how_far_and_how_fast_it_goes() {
         let kinds = BTreeMap::from([("reach".to_owned(), [3, 8]), ("train".to_owned(), [2, 2])]);
-        let mut left = Left { total: 10, done: 5, failed: 0, kinds };
+        let mut left = StageCounts { total: 10, done: 5, failed: 0, kinds };
         assert_eq!(left.words("reach", 60.0), "5 of 10 stages, 5/min, reach 3/8");
         left.failed = 1;
         assert_eq!(left.words("train", 30.0), "5 of 10 stages, 1 failed, 10/min, train 2/2");

@@ -1,6 +1,6 @@
 //! The files that an experiment publishes, as bytes: writing them is one more step, comparing them another.
 
-use super::campaign::{Entry, PointStages};
+use super::campaign::{CampaignEntry, PointStages};
 use super::claims::evaluate;
 use super::metrics::Tables;
 use super::outcomes::Outcomes;
@@ -41,7 +41,7 @@ pub struct Publication {
     pub notices: Vec<String>,
 }
 
-impl Entry {
+impl CampaignEntry {
     /// Makes the files of this experiment from the results of its stages.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! The results of a sweep: the tables of all points one below the other, with a column for each swept field, and a
 //! summary of one row a point.
 
-use super::campaign::{Entry, PointStages};
+use super::campaign::{CampaignEntry, PointStages};
 use super::metrics::Tables;
 use super::outcomes::Outcomes;
 use super::results::{Files, Publication, PublishError, failed};
@@ -15,7 +15,7 @@ use std::path::Path;
 /// The figure that every sweep has.
 const FIGURE: &str = "sweep";
 
-impl Entry {
+impl CampaignEntry {
     /// Makes the files of this sweep from the results of its stages. The claims are judged at every point, and count for
     /// none of the published ones.
     pub(super) fn publish_sweep(&self, outcomes: &Outcomes) -> Result<Publication, PublishError> {

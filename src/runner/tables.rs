@@ -1,6 +1,6 @@
 //! Stage results to published rows: labels filled in, failures turned into rows, everything in a fixed order.
 
-use super::campaign::{Network, PointStages, TrainedCells};
+use super::campaign::{NetworkRole, PointStages, TrainedCells};
 use super::graph::Failure;
 use super::metrics::Tables;
 use super::outcomes::Outcomes;
@@ -71,13 +71,19 @@ fn trained(tables: &mut Tables, experiment: &Experiment, seed: u64, cells: &Trai
     }
 }
 
-fn network_row(seed: u64, training: &str, network: Network, trained: &Trained, experiment: &Experiment) -> NetworkRow {
+fn network_row(
+    seed: u64,
+    training: &str,
+    network: NetworkRole,
+    trained: &Trained,
+    experiment: &Experiment,
+) -> NetworkRow {
     // The paper's validation errors: sections IV-A, IV-C and IV-E; none is given for π_real.
     let (name, points, paper_mae_m) = match network {
-        Network::Forward => ("forward", experiment.explore.points, 0.0024),
-        Network::Inverse => ("inverse", experiment.explore.points, 0.0024),
-        Network::Generated(points) => ("inverse_b", points, 0.0019),
-        Network::Real(points) => ("pi_real", points, f64::NAN),
+        NetworkRole::Forward => ("forward", experiment.explore.points, 0.0024),
+        NetworkRole::Inverse => ("inverse", experiment.explore.points, 0.0024),
+        NetworkRole::Generated(points) => ("inverse_b", points, 0.0019),
+        NetworkRole::Real(points) => ("pi_real", points, f64::NAN),
     };
     NetworkRow {
         seed,

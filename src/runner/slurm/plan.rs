@@ -4,7 +4,7 @@
 //! it. What remains are chains that several others build on: a chain's wave is one more than that of the last it needs.
 
 use crate::runner::graph::Graph;
-use crate::runner::survey::Need;
+use crate::runner::plan::Need;
 use std::collections::BTreeMap;
 
 /// A chain that costs less than this is computed wherever it is needed, milliseconds: less than it takes to begin a task.
@@ -96,13 +96,13 @@ impl Chains {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::runner::graph::{Handle, Kind};
+    use crate::runner::graph::{Handle, StageKind};
 
     /// A graph of stages with these costs and inputs.
     fn graph(stages: &[(u64, &[usize])]) -> Graph {
         let mut graph = Graph::default();
         for (number, (cost_ms, inputs)) in stages.iter().enumerate() {
-            let kind = Kind { name: "test", sources: &[], cost_ms: *cost_ms };
+            let kind = StageKind { name: "test", sources: &[], cost_ms: *cost_ms };
             let _: Handle<u64> = graph.stage(kind, "", &number, inputs, |_| Ok(1)).unwrap();
         }
         graph

@@ -7,9 +7,9 @@ use crate::hardware::interrupt::Interrupt;
 use crate::runner::campaign::Campaign;
 use crate::runner::graph::Failure;
 use crate::runner::key::Key;
-use crate::runner::progress::{Progress, Told};
+use crate::runner::plan::{Need, plan};
+use crate::runner::progress::{Progress, StageEvent};
 use crate::runner::store::Store;
-use crate::runner::survey::{Need, survey};
 use crate::specs::SlurmOptions;
 use std::collections::{BTreeMap, HashMap};
 use std::time::{Duration, Instant};
@@ -61,7 +61,7 @@ impl Watch<'_> {
     pub fn run(&self) -> Result<Ended, String> {
         let id = self.id();
         let folder = Folder::of(self.store, &id);
-        let needs = survey(&self.campaign.graph, self.store, &self.campaign.wanted());
+        let needs = plan(&self.campaign.graph, self.store, &self.campaign.wanted());
         let missing: Vec<usize> = (0..needs.len()).filter(|&stage| needs[stage] == Need::Compute).collect();
         if missing.is_empty() {
             return Ok(Ended::Done(HashMap::new()));
@@ -169,7 +169,7 @@ impl Watch<'_> {
                     self.progress
                         .notice(&format!("{} stages got lost on the cluster; submitting them again", left.len()));
                     // A cluster that refuses now may not a while later: it counts as an attempt in vain.
-                    if let Err(words) = self.submit(folder, &survey(graph, self.store, &self.campaign.wanted())) {
+                    if let Err(words) = self.submit(folder, &plan(graph, self.store, &self.campaign.wanted())) {
                         self.progress.notice(&words);
                     }
                 }
@@ -187,7 +187,7 @@ impl Watch<'_> {
         let over = failure.is_some() || self.store.contains(kind, &key);
         if over {
             let short = key.short();
-            let told = Told { stage: kind, label, key: &short, cost_ms: graph.cost_ms(stage) };
+            let told = StageEvent { stage: kind, label, key: &short, cost_ms: graph.cost_ms(stage) };
             let timing = self.store.noted(kind, &key).map(|note| note.timing).unwrap_or_default();
             let own = failure.filter(|failure| failure.stage == kind).map(|failure| failure.status.as_str());
             self.progress.finished(told, timing, own);

@@ -4,11 +4,11 @@ use super::folder::Folder;
 use super::queue;
 use crate::hardware::interrupt::Interrupt;
 use crate::runner::campaign::Campaign;
+use crate::runner::executor::{RunOptions, execute};
 use crate::runner::graph::Failure;
 use crate::runner::key::Key;
 use crate::runner::outcomes::Outcomes;
 use crate::runner::progress::Progress;
-use crate::runner::schedule::{Orders, carry_out};
 use crate::specs::ExperimentSet;
 use std::collections::HashMap;
 use std::time::Duration;
@@ -51,9 +51,9 @@ pub fn work(folder: &Folder, place: Place, threads: usize, progress: &Progress) 
     };
     let notice = Interrupt::of_batch().map_err(|error| error.to_string())?;
     let known = folder.failures();
-    let orders = Orders { threads, progress, stop: notice.flag(), known: &known };
+    let options = RunOptions { threads, progress, stop: notice.flag(), known: &known };
     let outcomes =
-        carry_out(&campaign.graph, &folder.store(), &wanted, &orders).map_err(|failure| failure.to_string())?;
+        execute(&campaign.graph, &folder.store(), &wanted, &options).map_err(|failure| failure.to_string())?;
     tell_failures(folder, &campaign, &outcomes)?;
     if !outcomes.stopped {
         return Ok(Worked::Done);

@@ -3,20 +3,20 @@
 use super::{Added, Stages, status};
 use crate::base::{Point3, Seed};
 use crate::data::rows::GapRow;
-use crate::runner::code::ROBOT;
-use crate::runner::graph::Kind;
+use crate::runner::graph::StageKind;
+use crate::runner::source_digest::ROBOT;
 use crate::tasks::{self, GpPool, SimulatedBy, Transitions};
 
-const EXPLORE: Kind = Kind { name: "collect_sim", sources: ROBOT, cost_ms: 14000 };
-const REPLAY: Kind = Kind { name: "collect_real", sources: ROBOT, cost_ms: 20000 };
-const GAP: Kind = Kind { name: "gap", sources: ROBOT, cost_ms: 20 };
-const GP_POOL: Kind = Kind { name: "gp_pool", sources: ROBOT, cost_ms: 4000 };
-const TARGET_POOL: Kind = Kind { name: "target_pool", sources: ROBOT, cost_ms: 4000 };
-const TARGETS: Kind = Kind { name: "targets", sources: ROBOT, cost_ms: 1 };
-const WAYPOINTS: Kind = Kind { name: "waypoints", sources: ROBOT, cost_ms: 100 };
-const PATH: Kind = Kind { name: "path", sources: ROBOT, cost_ms: 1 };
+const EXPLORE: StageKind = StageKind { name: "collect_sim", sources: ROBOT, cost_ms: 14000 };
+const REPLAY: StageKind = StageKind { name: "collect_real", sources: ROBOT, cost_ms: 20000 };
+const GAP: StageKind = StageKind { name: "gap", sources: ROBOT, cost_ms: 20 };
+const GP_POOL: StageKind = StageKind { name: "gp_pool", sources: ROBOT, cost_ms: 4000 };
+const TARGET_POOL: StageKind = StageKind { name: "target_pool", sources: ROBOT, cost_ms: 4000 };
+const TARGETS: StageKind = StageKind { name: "targets", sources: ROBOT, cost_ms: 1 };
+const WAYPOINTS: StageKind = StageKind { name: "waypoints", sources: ROBOT, cost_ms: 100 };
+const PATH: StageKind = StageKind { name: "path", sources: ROBOT, cost_ms: 1 };
 /// All of this file.
-pub(super) const KINDS: [Kind; 8] = [EXPLORE, REPLAY, GAP, GP_POOL, TARGET_POOL, TARGETS, WAYPOINTS, PATH];
+pub(super) const KINDS: [StageKind; 8] = [EXPLORE, REPLAY, GAP, GP_POOL, TARGET_POOL, TARGETS, WAYPOINTS, PATH];
 
 /// Targets with their numbers in the pool, metres.
 pub(super) type Targets = Vec<(usize, Point3)>;

@@ -6,20 +6,20 @@ use crate::benchmark;
 use crate::benchmark::{Answer, Batch, Commands, Presented, Prior, Robot, Scored, Span, Truth};
 use crate::discovery::{Options, discover};
 use crate::effects::Model;
-use crate::runner::code::{DISCOVERY, ROBOT};
-use crate::runner::graph::{Handle, Kind};
+use crate::runner::graph::{Handle, StageKind};
 use crate::runner::outcomes::Outcomes;
+use crate::runner::source_digest::{DISCOVERY, ROBOT};
 use crate::specs::{DiscoveryRun, PlantSpec};
 use crate::tasks::ExploreOptions;
 
-const COMMANDS: Kind = Kind { name: "blind_commands", sources: ROBOT, cost_ms: 300 };
-const SPAN: Kind = Kind { name: "blind_span", sources: ROBOT, cost_ms: 15_000 };
-const TRUTH: Kind = Kind { name: "blind_truth", sources: ROBOT, cost_ms: 3_000 };
-const RECORDING: Kind = Kind { name: "blind_recording", sources: ROBOT, cost_ms: 500 };
-const DISCOVER: Kind = Kind { name: "discover", sources: DISCOVERY, cost_ms: 15_000 };
-const SCORE: Kind = Kind { name: "blind_score", sources: DISCOVERY, cost_ms: 1 };
+const COMMANDS: StageKind = StageKind { name: "blind_commands", sources: ROBOT, cost_ms: 300 };
+const SPAN: StageKind = StageKind { name: "blind_span", sources: ROBOT, cost_ms: 15_000 };
+const TRUTH: StageKind = StageKind { name: "blind_truth", sources: ROBOT, cost_ms: 3_000 };
+const RECORDING: StageKind = StageKind { name: "blind_recording", sources: ROBOT, cost_ms: 500 };
+const DISCOVER: StageKind = StageKind { name: "discover", sources: DISCOVERY, cost_ms: 15_000 };
+const SCORE: StageKind = StageKind { name: "blind_score", sources: DISCOVERY, cost_ms: 1 };
 /// All of this file.
-pub(super) const KINDS: [Kind; 6] = [COMMANDS, SPAN, TRUTH, RECORDING, DISCOVER, SCORE];
+pub(super) const KINDS: [StageKind; 6] = [COMMANDS, SPAN, TRUTH, RECORDING, DISCOVER, SCORE];
 
 /// The stages of one case.
 pub(crate) struct BlindStages {
@@ -58,7 +58,7 @@ impl BlindStages {
 }
 
 /// A set of commands and, where the oracle has been asked about them, what it knows.
-type Asked = (Handle<Commands>, Option<Handle<Span>>);
+type CommandStages = (Handle<Commands>, Option<Handle<Span>>);
 
 /// What expanding a part of the experiment yields.
 type Expanded<T> = Result<T, super::Failure>;
@@ -131,7 +131,13 @@ impl Stages<'_> {
     }
 
     /// The commands of a case: its own, or for cases that the oracle judges those of several.
-    fn blind_commands(&mut self, benchmark: &Benchmark, batch: &Batch, number: usize, case: u64) -> Expanded<Asked> {
+    fn blind_commands(
+        &mut self,
+        benchmark: &Benchmark,
+        batch: &Batch,
+        number: usize,
+        case: u64,
+    ) -> Expanded<CommandStages> {
         let explore = ExploreOptions { points: batch.samples, trajectories: batch.trials, ..self.spec.explore };
         let judged = batch.group.judged();
         let seed = if judged {

@@ -3,9 +3,9 @@
 
 use crate::base::Plant;
 use crate::effects::EffectSpec;
-use crate::runner::code::{self, BENCH};
 use crate::runner::digest::Digest;
 use crate::runner::graph::Failure;
+use crate::runner::source_digest::{self, BENCH};
 use crate::specs::PlantSpec;
 use serde::{Serialize, Serializer};
 use std::sync::Arc;
@@ -31,7 +31,7 @@ impl Identified {
             bytes.extend(std::fs::read(&options.recording).unwrap_or_default());
         }
         if let PlantSpec::Hardware(_) = &spec {
-            bytes.extend(code::digest(BENCH).bytes());
+            bytes.extend(source_digest::digest(BENCH).bytes());
         }
         Ok(Identified { digest: Digest::of(&bytes), spec: Arc::new(spec) })
     }

@@ -6,20 +6,20 @@ use crate::data::rows::GpRow;
 use crate::learn::gp::Gp;
 use crate::learn::rnn::{Elman, ElmanConfig, Trained};
 use crate::policies::{ElmanForward, GpError};
-use crate::runner::code::LEARN;
-use crate::runner::graph::{Failure, Handle, Inputs, Kind};
+use crate::runner::graph::{Failure, Handle, Inputs, StageKind};
+use crate::runner::source_digest::LEARN;
 use crate::specs::{GeneratedStart, Training};
 use crate::tasks::{self, SimulatedBy, Transitions};
 use std::sync::Arc;
 
-const FORWARD: Kind = Kind { name: "train_forward", sources: LEARN, cost_ms: 2000 };
-const INVERSE: Kind = Kind { name: "train_inverse", sources: LEARN, cost_ms: 1000 };
-const GENERATED: Kind = Kind { name: "train_inverse_b", sources: LEARN, cost_ms: 1000 };
-const REAL: Kind = Kind { name: "train_pi_real", sources: LEARN, cost_ms: 1000 };
-const GP_SCORE: Kind = Kind { name: "gp_score", sources: LEARN, cost_ms: 50 };
-const GP: Kind = Kind { name: "gp_fit", sources: LEARN, cost_ms: 100 };
+const FORWARD: StageKind = StageKind { name: "train_forward", sources: LEARN, cost_ms: 2000 };
+const INVERSE: StageKind = StageKind { name: "train_inverse", sources: LEARN, cost_ms: 1000 };
+const GENERATED: StageKind = StageKind { name: "train_inverse_b", sources: LEARN, cost_ms: 1000 };
+const REAL: StageKind = StageKind { name: "train_pi_real", sources: LEARN, cost_ms: 1000 };
+const GP_SCORE: StageKind = StageKind { name: "gp_score", sources: LEARN, cost_ms: 50 };
+const GP: StageKind = StageKind { name: "gp_fit", sources: LEARN, cost_ms: 100 };
 /// All of this file.
-pub(super) const KINDS: [Kind; 6] = [FORWARD, INVERSE, GENERATED, REAL, GP_SCORE, GP];
+pub(super) const KINDS: [StageKind; 6] = [FORWARD, INVERSE, GENERATED, REAL, GP_SCORE, GP];
 
 impl Stages<'_> {
     /// The forward model of eq. (17): (u_i, x_i) → x_{i+1}.

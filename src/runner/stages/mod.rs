@@ -6,15 +6,15 @@ mod data;
 mod discovery;
 mod identified;
 mod learning;
-mod parts;
+mod shared;
 mod trials;
 
 pub(super) use discovery::BlindStages;
-pub(super) use parts::Parts;
+pub(super) use shared::SharedParts;
 
-use super::code;
 use super::digest::Digest;
 use super::graph::{Failure, Graph, Handle};
+use super::source_digest;
 use crate::base::Seed;
 use crate::specs::{Experiment, Training};
 use std::any::Any;
@@ -23,33 +23,38 @@ use std::collections::{BTreeMap, HashMap};
 /// The digest of the present code of each kind of stage, by its name.
 pub fn codes() -> BTreeMap<&'static str, Digest> {
     let kinds = [&data::KINDS[..], &learning::KINDS, &trials::KINDS, &discovery::KINDS];
-    kinds.into_iter().flatten().map(|kind| (kind.name, code::digest(kind.sources))).collect()
+    kinds.into_iter().flatten().map(|kind| (kind.name, source_digest::digest(kind.sources))).collect()
 }
 
 /// Adds the stages of one repetition of an experiment to a graph.
 pub(super) struct Stages<'a> {
     graph: &'a mut Graph,
     spec: &'a Experiment,
-    parts: &'a Parts,
+    parts: &'a SharedParts,
     seed: Seed,
     repetition: u64,
     /// Stages of this repetition that were added before: asking again costs no key.
-    known: HashMap<Asked, Box<dyn Any>>,
+    known: HashMap<StageQuery, Box<dyn Any>>,
 }
 
 /// What one of several like stages of a repetition was asked for: its kind, where the networks behind it stop, its size.
-type Asked = (&'static str, Option<[Option<u64>; 4]>, usize);
+type StageQuery = (&'static str, Option<[Option<u64>; 4]>, usize);
 
 impl<'a> Stages<'a> {
     /// For repetition number `repetition` of `spec`. Its seed depends on the spec's seed and its number only, so that
     /// experiments that share settings share stages.
-    pub(super) fn new(graph: &'a mut Graph, spec: &'a Experiment, parts: &'a Parts, repetition: u64) -> Stages<'a> {
+    pub(super) fn new(
+        graph: &'a mut Graph,
+        spec: &'a Experiment,
+        parts: &'a SharedParts,
+        repetition: u64,
+    ) -> Stages<'a> {
         let seed = Seed(spec.seed).child("repetition").index(repetition);
         Stages { graph, spec, parts, seed, repetition, known: HashMap::new() }
     }
 
     /// The stage that was added for `asked` before, or the one that `add` adds now.
-    fn once<T: 'static>(&mut self, asked: Asked, add: impl FnOnce(&mut Self) -> Added<T>) -> Added<T> {
+    fn once<T: 'static>(&mut self, asked: StageQuery, add: impl FnOnce(&mut Self) -> Added<T>) -> Added<T> {
         if let Some(handle) = self.known.get(&asked).and_then(|known| known.downcast_ref::<Handle<T>>()) {
             return Ok(*handle);
         }

@@ -2,7 +2,7 @@
 
 use super::data::Targets;
 use super::identified::Identified;
-use super::parts::Part as SpecPart;
+use super::shared::SharedPart;
 use super::{Added, Stages, status};
 use crate::base::{Point3, Policy, Seed};
 use crate::data::rows::{TrackRow, TrialRow};
@@ -10,16 +10,16 @@ use crate::effects::EffectSpec;
 use crate::learn::gp::Gp;
 use crate::learn::rnn::Trained;
 use crate::policies::{self, ElmanInverse, GpError, InverseModel, Part, PolicyEntry, PolicyOptions, PolicyParts};
-use crate::runner::code::TRIAL;
-use crate::runner::graph::{Failure, Handle, Inputs, Kind};
+use crate::runner::graph::{Failure, Handle, Inputs, StageKind};
+use crate::runner::source_digest::TRIAL;
 use crate::specs::{Training, TrialCell, TrialMode};
 use crate::tasks::{self, LoopMode, ReachOptions, ReachOutcome, TrackStep};
 use std::sync::Arc;
 
-const REACH: Kind = Kind { name: "reach", sources: TRIAL, cost_ms: 1000 };
-const TRACK: Kind = Kind { name: "track", sources: TRIAL, cost_ms: 1000 };
+const REACH: StageKind = StageKind { name: "reach", sources: TRIAL, cost_ms: 1000 };
+const TRACK: StageKind = StageKind { name: "track", sources: TRIAL, cost_ms: 1000 };
 /// All of this file.
-pub(super) const KINDS: [Kind; 2] = [REACH, TRACK];
+pub(super) const KINDS: [StageKind; 2] = [REACH, TRACK];
 
 /// Where a policy's parts come from.
 #[derive(Clone, Copy, Default)]
@@ -61,7 +61,7 @@ impl PartStages {
 #[derive(Clone, serde::Serialize)]
 struct Condition {
     policy: String,
-    options: SpecPart<PolicyOptions>,
+    options: SharedPart<PolicyOptions>,
     plant: Identified,
     /// What the mode puts on top of the robot's own.
     effects: Vec<EffectSpec>,

@@ -10,36 +10,36 @@ use std::path::PathBuf;
 
 /// The right to compute an entry, given back when dropped.
 #[derive(Debug)]
-pub struct Claim {
+pub struct EntryLock {
     file: Option<File>,
     path: PathBuf,
 }
 
 /// What came of asking for a claim.
 #[derive(Debug)]
-pub enum Claimed {
+pub enum LockAttempt {
     /// It is ours.
-    Ours(Claim),
+    Acquired(EntryLock),
     /// Another process computes this entry now.
-    Elsewhere,
+    HeldElsewhere,
 }
 
 impl Store {
     /// Claims an entry. Who gets it looks into the store once more: another may have finished meanwhile.
-    pub fn claim(&self, stage: &str, key: &Key) -> Claimed {
+    pub fn try_lock(&self, stage: &str, key: &Key) -> LockAttempt {
         let folder = self.root.join("claims");
         let path = folder.join(format!("{stage}-{}", key.short()));
         let file = fs::create_dir_all(&folder).and_then(|()| File::options().append(true).create(true).open(&path));
         // Without a file there is no lock: the store takes nothing, which its writes will tell.
-        let Ok(file) = file else { return Claimed::Ours(Claim { file: None, path }) };
+        let Ok(file) = file else { return LockAttempt::Acquired(EntryLock { file: None, path }) };
         match file.try_lock() {
-            Err(TryLockError::WouldBlock) => Claimed::Elsewhere,
-            Ok(()) | Err(TryLockError::Error(_)) => Claimed::Ours(Claim { file: Some(file), path }),
+            Err(TryLockError::WouldBlock) => LockAttempt::HeldElsewhere,
+            Ok(()) | Err(TryLockError::Error(_)) => LockAttempt::Acquired(EntryLock { file: Some(file), path }),
         }
     }
 }
 
-impl Drop for Claim {
+impl Drop for EntryLock {
     fn drop(&mut self) {
         // Removed while it is held. One who has it open meanwhile gets a lock on nothing and finds the entry there.
         if self.file.is_some() {
@@ -58,12 +58,12 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (one, other) = (Store::at(folder.path()), Store::at(folder.path()));
         let key = Digest::of(b"key");
-        let held = one.claim("stage", &key);
-        assert!(matches!(held, Claimed::Ours(_)));
-        assert!(matches!(other.claim("stage", &key), Claimed::Elsewhere));
-        assert!(matches!(other.claim("stage", &Digest::of(b"another")), Claimed::Ours(_)));
+        let held = one.try_lock("stage", &key);
+        assert!(matches!(held, LockAttempt::Acquired(_)));
+        assert!(matches!(other.try_lock("stage", &key), LockAttempt::HeldElsewhere));
+        assert!(matches!(other.try_lock("stage", &Digest::of(b"another")), LockAttempt::Acquired(_)));
         drop(held);
-        assert!(matches!(other.claim("stage", &key), Claimed::Ours(_)));
+        assert!(matches!(other.try_lock("stage", &key), LockAttempt::Acquired(_)));
         assert_eq!(fs::read_dir(folder.path().join("claims")).unwrap().count(), 0, "claims leave nothing behind");
     }
 
@@ -71,6 +71,9 @@ mod tests {
     fn a_store_that_takes_nothing_claims_everything() {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("file"), "").unwrap();
-        assert!(matches!(Store::at(folder.path().join("file")).claim("stage", &Digest::of(b"k")), Claimed::Ours(_)));
+        assert!(matches!(
+            Store::at(folder.path().join("file")).try_lock("stage", &Digest::of(b"k")),
+            LockAttempt::Acquired(_)
+        ));
     }
 }

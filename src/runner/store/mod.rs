@@ -5,10 +5,10 @@
 //! read. Whoever computes an entry holds a claim on it, so that processes that share a store share the work as well.
 
 mod claim;
-mod keep;
+mod gc;
 
-pub use claim::{Claim, Claimed};
-pub use keep::{Kept, State};
+pub use claim::{EntryLock, LockAttempt};
+pub use gc::{EntryState, StoredEntry};
 
 use super::digest::Digest;
 use super::key::Key;

@@ -1,6 +1,6 @@
 //! Keeping the store: what lies in it, whether it is good, and taking out what is of no use.
 
-use super::{Claimed, Lookup, Note, Store};
+use super::{LockAttempt, Lookup, Note, Store};
 use crate::runner::digest::Digest;
 use crate::runner::key::Key;
 use std::collections::BTreeMap;
@@ -11,7 +11,7 @@ use std::time::{Duration, SystemTime};
 
 /// One entry, as it lies there.
 #[derive(Clone, Debug)]
-pub struct Kept {
+pub struct StoredEntry {
     /// Kind of stage.
     pub stage: String,
     /// Its key.
@@ -26,20 +26,24 @@ pub struct Kept {
 
 /// What an entry is worth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum State {
+pub enum EntryState {
     /// The present code may read it.
     Current,
     /// Other code computed it; the present code computes its own.
     Stale,
 }
 
-impl Kept {
+impl StoredEntry {
     /// Whether the present code may read it, by the digests of the code of each kind of stage.
-    pub fn state(&self, codes: &BTreeMap<&str, Digest>) -> State {
+    pub fn state(&self, codes: &BTreeMap<&str, Digest>) -> EntryState {
         let current = codes.get(self.stage.as_str()).map(Digest::to_string);
         let noted = self.note.as_ref().map(|note| &note.code);
         // An entry whose note was lost may be anybody's: it is kept.
-        if current.is_some() && (noted.is_none() || noted == current.as_ref()) { State::Current } else { State::Stale }
+        if current.is_some() && (noted.is_none() || noted == current.as_ref()) {
+            EntryState::Current
+        } else {
+            EntryState::Stale
+        }
     }
 }
 
@@ -48,14 +52,14 @@ impl Store {
     ///
     /// # Errors
     /// What the file system says of a folder; a store that does not exist is empty.
-    pub fn entries(&self) -> io::Result<Vec<Kept>> {
+    pub fn entries(&self) -> io::Result<Vec<StoredEntry>> {
         let mut entries = Vec::new();
         self.visit(|stage, path, name| {
             if let Some(key) = Digest::parse(name) {
                 let about = fs::metadata(path)?;
                 let age = about.modified().ok().and_then(|at| SystemTime::now().duration_since(at).ok());
                 let (stage, note) = (stage.to_owned(), self.noted(stage, &key));
-                entries.push(Kept { stage, key, bytes: about.len(), age: age.unwrap_or_default(), note });
+                entries.push(StoredEntry { stage, key, bytes: about.len(), age: age.unwrap_or_default(), note });
             }
             Ok(())
         })?;
@@ -64,7 +68,7 @@ impl Store {
     }
 
     /// Why an entry cannot be believed; `None` for a good one.
-    pub fn damage(&self, entry: &Kept) -> Option<String> {
+    pub fn damage(&self, entry: &StoredEntry) -> Option<String> {
         match self.read(&entry.stage, &entry.key) {
             Lookup::Found(_) => None,
             Lookup::Absent => Some("it is gone".to_owned()),
@@ -76,7 +80,7 @@ impl Store {
     ///
     /// # Errors
     /// What the file system says.
-    pub fn remove(&self, entry: &Kept) -> io::Result<()> {
+    pub fn remove(&self, entry: &StoredEntry) -> io::Result<()> {
         let path = self.path(&entry.stage, &entry.key);
         let _ = fs::remove_file(path.with_extension("note")); // there may be none
         fs::remove_file(path)
@@ -91,7 +95,7 @@ impl Store {
         self.visit(|stage, path, name| {
             let key = name.strip_prefix('.').and_then(|name| Digest::parse(name.split('.').next()?));
             if let Some(key) = key.filter(|_| name.ends_with(".tmp"))
-                && matches!(self.claim(stage, &key), Claimed::Ours(_))
+                && matches!(self.try_lock(stage, &key), LockAttempt::Acquired(_))
             {
                 found.push((path.to_owned(), fs::metadata(path).map_or(0, |about| about.len())));
             }
@@ -146,12 +150,12 @@ mod tests {
         }
         let codes = BTreeMap::from([("stage", Digest::of(b"2"))]);
         let entries = store.entries().unwrap();
-        let states: BTreeMap<Key, State> = entries.iter().map(|entry| (entry.key, entry.state(&codes))).collect();
-        assert_eq!(states, BTreeMap::from([(old, State::Stale), (new, State::Current)]));
+        let states: BTreeMap<Key, EntryState> = entries.iter().map(|entry| (entry.key, entry.state(&codes))).collect();
+        assert_eq!(states, BTreeMap::from([(old, EntryState::Stale), (new, EntryState::Current)]));
 
         let left = store.path("stage", &old).with_file_name(format!(".{old}.77.0.tmp"));
         fs::write(&left, "half").unwrap();
-        let held = store.claim("stage", &old);
+        let held = store.try_lock("stage", &old);
         assert!(store.leftovers().unwrap().is_empty(), "somebody is writing it");
         drop(held);
         assert_eq!(store.leftovers().unwrap(), [(left, 4)]);

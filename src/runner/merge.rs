@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 /// Why parts could not be put together.
 #[derive(Debug, thiserror::Error)]
-pub enum GatherError {
+pub enum MergeError {
     /// A published spec or manifest cannot be read.
     #[error(transparent)]
     Spec(#[from] SpecError),
@@ -52,8 +52,8 @@ struct PublishedPart {
 /// The name of the experiment comes with it.
 ///
 /// # Errors
-/// [`GatherError`] for the first folder that cannot be read, is not whole or does not go with the others.
-pub fn gather(folders: &[PathBuf]) -> Result<(String, Publication), GatherError> {
+/// [`MergeError`] for the first folder that cannot be read, is not whole or does not go with the others.
+pub fn merge(folders: &[PathBuf]) -> Result<(String, Publication), MergeError> {
     let mut parts = folders.iter().map(|folder| PublishedPart::read(folder)).collect::<Result<Vec<_>, _>>()?;
     parts.sort_by_key(|part| part.experiment.first_seed);
     for pair in parts.windows(2) {
@@ -65,7 +65,7 @@ pub fn gather(folders: &[PathBuf]) -> Result<(String, Publication), GatherError>
     let name = whole.name.clone();
     let campaign = Campaign::expand([whole])?;
     let (entry, trail) = (&campaign.entries[0], joined(&parts));
-    let manifest = Manifest::gathered(parts.iter().map(|part| &part.manifest), &trail);
+    let manifest = Manifest::merged(parts.iter().map(|part| &part.manifest), &trail);
     let mut tables = Tables::default();
     parts.into_iter().for_each(|part| tables.append(part.tables));
     let mut publication = entry.publish_rows(&entry.points[0], &tables).map_err(Box::new)?;
@@ -81,7 +81,7 @@ pub fn gather(folders: &[PathBuf]) -> Result<(String, Publication), GatherError>
 }
 
 impl PublishedPart {
-    fn read(folder: &Path) -> Result<PublishedPart, GatherError> {
+    fn read(folder: &Path) -> Result<PublishedPart, MergeError> {
         let study = ExperimentSet::read(&folder.join("spec.yaml"), &[], &[])?;
         if !study.sweep.is_empty() {
             return Err(refused(folder, "a sweep", "repetitions of one experiment"));
@@ -98,7 +98,7 @@ impl PublishedPart {
     }
 
     /// Refuses tables that a copy has left out or cut off.
-    fn check_whole(&self) -> Result<(), GatherError> {
+    fn check_whole(&self) -> Result<(), MergeError> {
         let campaign = Campaign::expand([self.experiment.clone()])?;
         let repetitions = &campaign.entries[0].points[0].repetitions;
         let trained = || repetitions.iter().flat_map(|one| &one.trained);
@@ -127,7 +127,7 @@ impl PublishedPart {
     }
 
     /// Whether it is the same experiment, continued where `before` ends.
-    fn follows(&self, before: &PublishedPart) -> Result<(), GatherError> {
+    fn follows(&self, before: &PublishedPart) -> Result<(), MergeError> {
         let one = |experiment: &Experiment| Experiment { seeds: 1, first_seed: 0, ..experiment.clone() };
         let other = before.folder.display();
         if one(&self.experiment) != one(&before.experiment) {
@@ -143,8 +143,8 @@ impl PublishedPart {
     }
 }
 
-fn refused(place: &Path, found: &str, expected: &str) -> GatherError {
-    GatherError::Part { place: place.to_owned(), found: found.to_owned(), expected: expected.to_owned() }
+fn refused(place: &Path, found: &str, expected: &str) -> MergeError {
+    MergeError::Part { place: place.to_owned(), found: found.to_owned(), expected: expected.to_owned() }
 }
 
 /// The stages of all parts; those that several needed stand there once.

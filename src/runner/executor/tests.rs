@@ -1,12 +1,12 @@
-use super::super::graph::{Handle, Kind};
+use super::super::graph::{Handle, StageKind};
+use super::super::plan::plan;
 use super::super::progress::Style;
-use super::super::survey::survey;
 use super::*;
 use std::sync::Arc;
 
-const KIND: Kind = Kind { name: "add", sources: &[], cost_ms: 1 };
+const KIND: StageKind = StageKind { name: "add", sources: &[], cost_ms: 1 };
 
-/// A ladder of stages: number n adds the two before it; counts how often any was carried out.
+/// A ladder of stages: number n adds the two before it; counts how often any ran.
 fn ladder(count: Arc<AtomicUsize>) -> (Graph, Vec<Handle<u64>>) {
     let mut graph = Graph::default();
     let mut handles: Vec<Handle<u64>> = Vec::new();
@@ -24,7 +24,7 @@ fn ladder(count: Arc<AtomicUsize>) -> (Graph, Vec<Handle<u64>>) {
 }
 
 fn run(graph: &Graph, store: &Store, wanted: usize, threads: usize) -> Outcomes {
-    execute(graph, store, &[wanted], threads, &Progress::new(Style::Quiet)).unwrap()
+    execute(graph, store, &[wanted], &RunOptions::new(threads, &Progress::new(Style::Quiet))).unwrap()
 }
 
 #[test]
@@ -51,21 +51,21 @@ fn computed_once_then_read_and_recomputed_when_damaged() {
 }
 
 #[test]
-fn a_failure_reaches_those_that_need_it_and_nobody_else() {
+fn a_failure_reaches_only_the_stages_that_need_it() {
     let folder = tempfile::tempdir().unwrap();
     let store = Store::at(folder.path());
     let mut graph = Graph::default();
     let bad: Handle<u64> = graph.stage(KIND, "bad", &"bad", &[], |_| Err("diverged".into())).unwrap();
     let after: Handle<u64> = graph.stage(KIND, "after", &"after", &[0], move |given| given.get(bad).copied()).unwrap();
     let good: Handle<u64> = graph.stage(KIND, "good", &"good", &[], |_| Ok(3)).unwrap();
-    let done = execute(&graph, &store, &[1, 2], 2, &Progress::new(Style::Quiet)).unwrap();
+    let done = execute(&graph, &store, &[1, 2], &RunOptions::new(2, &Progress::new(Style::Quiet))).unwrap();
     assert_eq!(done.get(after).unwrap_err(), Failure { stage: "add".into(), status: "diverged".into() });
     assert_eq!(*done.get(good).unwrap(), 3);
-    assert_eq!(survey(&graph, &store, &[1, 2]), [Need::Compute, Need::Compute, Need::Cached]);
+    assert_eq!(plan(&graph, &store, &[1, 2]), [Need::Compute, Need::Compute, Need::Cached]);
 }
 
 #[test]
-fn a_store_that_takes_nothing_does_not_stop_the_run() {
+fn a_store_that_cannot_be_written_does_not_stop_the_run() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("file"), "").unwrap();
     let (graph, handles) = ladder(Arc::default());
@@ -91,13 +91,13 @@ fn runs_that_share_a_store_share_the_work() {
 }
 
 #[test]
-fn a_run_that_is_told_to_stop_begins_nothing_more_and_goes_on_later() {
+fn a_stopped_run_starts_no_further_stage_and_continues_later() {
     let folder = tempfile::tempdir().unwrap();
     let store = Store::at(folder.path());
     let count = Arc::new(AtomicUsize::new(0));
     let (graph, handles) = ladder(count.clone());
     let (stop, known, progress) = (AtomicBool::new(false), HashMap::new(), Progress::new(Style::Quiet));
-    let orders = Orders { threads: 1, progress: &progress, stop: &stop, known: &known };
+    let options = RunOptions { threads: 1, progress: &progress, stop: &stop, known: &known };
     let stopped = std::thread::scope(|scope| {
         scope.spawn(|| {
             while count.load(Ordering::Relaxed) < 5 {
@@ -105,28 +105,28 @@ fn a_run_that_is_told_to_stop_begins_nothing_more_and_goes_on_later() {
             }
             stop.store(true, Ordering::Relaxed);
         });
-        super::carry_out(&graph, &store, &[19], &orders).unwrap()
+        execute(&graph, &store, &[19], &options).unwrap()
     });
     let before = count.load(Ordering::Relaxed);
     assert!(stopped.stopped && stopped.computed == before && before < 20, "{before}");
     let done = run(&graph, &store, 19, 2);
     assert_eq!((*done.get(handles[19]).unwrap(), done.stopped), (6765, false));
-    assert_eq!(count.load(Ordering::Relaxed), 20, "what was done is not done again");
+    assert_eq!(count.load(Ordering::Relaxed), 20, "finished stages do not run again");
 }
 
 #[test]
-fn what_is_known_to_fail_is_not_tried_again_and_a_panic_says_what_it_said() {
+fn known_failures_are_not_tried_again_and_a_panic_keeps_its_message() {
     let folder = tempfile::tempdir().unwrap();
     let store = Store::at(folder.path());
     let mut graph = Graph::default();
     let bad: Handle<u64> = graph.stage(KIND, "bad", &"bad", &[], |_| panic!("seven is not eight")).unwrap();
-    let done = execute(&graph, &store, &[0], 1, &Progress::new(Style::Quiet)).unwrap();
+    let done = execute(&graph, &store, &[0], &RunOptions::new(1, &Progress::new(Style::Quiet))).unwrap();
     assert_eq!(done.get(bad).unwrap_err().status, "panicked: seven is not eight");
 
     let failure = Failure { stage: "add".into(), status: "lost".into() };
     let known = HashMap::from([(graph.describe(0).2, failure.clone())]);
     let (stop, progress) = (AtomicBool::new(false), Progress::new(Style::Quiet));
-    let orders = Orders { threads: 1, progress: &progress, stop: &stop, known: &known };
-    let done = super::carry_out(&graph, &store, &[0], &orders).unwrap();
+    let options = RunOptions { threads: 1, progress: &progress, stop: &stop, known: &known };
+    let done = execute(&graph, &store, &[0], &options).unwrap();
     assert_eq!((done.get(bad).unwrap_err(), done.failure(0)), (failure.clone(), Some(&failure)));
 }

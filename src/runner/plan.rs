@@ -1,6 +1,6 @@
 //! What a run would do with each stage.
 
-use super::graph::{Graph, Node};
+use super::graph::{Graph, StageNode};
 use super::store::Store;
 
 /// What a run would do with a stage.
@@ -15,12 +15,16 @@ pub enum Need {
 }
 
 /// What is needed for the `wanted` stages, judging by the entries that the store has, without reading them.
-pub fn survey(graph: &Graph, store: &Store, wanted: &[usize]) -> Vec<Need> {
-    backwards(graph, wanted, |_, node| store.contains(node.kind.name, &node.key))
+pub fn plan(graph: &Graph, store: &Store, wanted: &[usize]) -> Vec<Need> {
+    plan_with(graph, wanted, |_, node| store.contains(node.kind.name, &node.key))
 }
 
 /// Decides for each stage from the last to the first: `stored` is asked only for those that are needed.
-pub(super) fn backwards(graph: &Graph, wanted: &[usize], mut stored: impl FnMut(usize, &Node) -> bool) -> Vec<Need> {
+pub(super) fn plan_with(
+    graph: &Graph,
+    wanted: &[usize],
+    mut stored: impl FnMut(usize, &StageNode) -> bool,
+) -> Vec<Need> {
     let mut asked = vec![false; graph.nodes.len()];
     wanted.iter().for_each(|&node| asked[node] = true);
     let mut needs = vec![Need::None; graph.nodes.len()];

@@ -1,82 +1,77 @@
-//! Carries out a graph: what is wanted and not stored is computed, each stage as soon as its inputs are there, the
-//! one with the longest chain of work behind it first. What another process computes meanwhile is waited for.
+//! Executes a graph: computes what is wanted and not stored, each stage as soon as its inputs exist, the stage with the
+//! longest chain of dependent work first. Stages that another process computes are waited for.
 
-use super::graph::{Failure, Graph, Inputs, Node, Value};
+use super::graph::{AnyResult, Failure, Graph, Inputs, StageNode};
 use super::key::Key;
 use super::outcomes::{Outcome, Outcomes};
-use super::progress::{Progress, Told};
-use super::store::{Claimed, Lookup, Note, Store};
-use super::survey::{Need, backwards};
+use super::plan::{Need, plan_with};
+use super::progress::{Progress, StageEvent};
+use super::store::{LockAttempt, Lookup, Note, Store};
 use super::timing::{Stopwatch, Timing};
 use std::any::Any;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Condvar, LazyLock, Mutex, MutexGuard, PoisonError};
 use std::thread::{Builder, available_parallelism};
 use std::time::Duration;
 
-/// How often threads without work look whether others are done, or whether they shall stop.
-const LOOK: Duration = Duration::from_millis(50);
+/// Interval at which idle threads check for finished stages of other processes and for a stop request.
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// How a graph is carried out.
-pub struct Orders<'a> {
-    /// Threads; 0: one a processor.
+/// How to execute a graph.
+pub struct RunOptions<'a> {
+    /// Number of threads; 0: one per processor.
     pub threads: usize,
-    /// Whom it is told to.
+    /// Receives what happens.
     pub progress: &'a Progress,
-    /// Once true, no stage is begun any more; those under way are ended.
+    /// Once true, no further stage starts; stages that have started end normally.
     pub stop: &'a AtomicBool,
-    /// Stages that are known to fail, as another process found out; they are not tried again.
+    /// Stages that failed in another process; they are not tried again.
     pub known: &'a HashMap<Key, Failure>,
 }
 
-/// Computes or reads the `wanted` stages on `threads` threads (0: one a processor).
-///
-/// # Errors
-/// When the threads cannot be started.
-pub fn execute(
-    graph: &Graph,
-    store: &Store,
-    wanted: &[usize],
-    threads: usize,
-    progress: &Progress,
-) -> Result<Outcomes, Failure> {
-    let (stop, known) = (AtomicBool::new(false), HashMap::new());
-    carry_out(graph, store, wanted, &Orders { threads, progress, stop: &stop, known: &known })
+impl<'a> RunOptions<'a> {
+    /// Options of a run that ends when all is done and that knows of no failures.
+    pub fn new(threads: usize, progress: &'a Progress) -> RunOptions<'a> {
+        static NEVER: AtomicBool = AtomicBool::new(false);
+        static NONE: LazyLock<HashMap<Key, Failure>> = LazyLock::new(HashMap::new);
+        RunOptions { threads, progress, stop: &NEVER, known: &NONE }
+    }
 }
 
-/// Computes or reads the `wanted` stages.
+/// Reads the `wanted` stages from the store or computes them.
 ///
 /// # Errors
-/// When the threads cannot be started.
-pub fn carry_out(graph: &Graph, store: &Store, wanted: &[usize], orders: &Orders) -> Result<Outcomes, Failure> {
+/// [`Failure`] when no thread can be started.
+pub fn execute(graph: &Graph, store: &Store, wanted: &[usize], options: &RunOptions) -> Result<Outcomes, Failure> {
     let mut values: Vec<Option<Outcome>> = graph.nodes.iter().map(|_| None).collect();
-    let needs = backwards(graph, wanted, |number, node| {
-        values[number] = load(node, store, Some(orders.progress)).map(Ok);
+    let needs = plan_with(graph, wanted, |number, node| {
+        values[number] = load(node, store, Some(options.progress)).map(Ok);
         values[number].is_some()
     });
     let cached = needs.iter().filter(|&&need| need == Need::Cached).count();
-    let crew = Crew::new(graph, store, orders, values, &needs, wanted);
-    let kinds = crew.todo().map(|number| graph.nodes[number].kind);
-    orders.progress.planned(kinds.map(|kind| (kind.name, kind.cost_ms)), cached);
-    let threads = if orders.threads == 0 { available_parallelism().map_or(1, usize::from) } else { orders.threads };
+    let workers = Workers::new(graph, store, options, values, &needs, wanted);
+    let kinds = workers.todo().map(|number| graph.nodes[number].kind);
+    options.progress.planned(kinds.map(|kind| (kind.name, kind.cost_ms)), cached);
+    let threads = if options.threads == 0 { available_parallelism().map_or(1, usize::from) } else { options.threads };
     // Parts of stages share as many more; the first run of a process decides.
     let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
     let started = std::thread::scope(|scope| {
-        let spawn = |number: usize| Builder::new().name(format!("stage {number}")).spawn_scoped(scope, || crew.work());
+        let spawn =
+            |number: usize| Builder::new().name(format!("stage {number}")).spawn_scoped(scope, || workers.work());
         (0..threads).map(spawn).filter_map(Result::ok).count()
     });
     if started == 0 {
         return Err(Failure { stage: "threads".into(), status: "none could be started".into() });
     }
-    orders.progress.done();
-    Ok(crew.outcomes(cached))
+    options.progress.done();
+    Ok(workers.outcomes(cached))
 }
 
-/// Reads a stored result; `None` when there is none or it fails its checks, which is told.
-fn load(node: &Node, store: &Store, told: Option<&Progress>) -> Option<Value> {
+/// Reads a stored result; `None` when there is none or it fails its checks, which `progress` reports.
+fn load(node: &StageNode, store: &Store, progress: Option<&Progress>) -> Option<AnyResult> {
     let reason = match store.read(node.kind.name, &node.key) {
         Lookup::Absent => return None,
         Lookup::Found(bytes) => match (node.decode)(&bytes) {
@@ -85,7 +80,7 @@ fn load(node: &Node, store: &Store, told: Option<&Progress>) -> Option<Value> {
         },
         Lookup::Damaged(reason) => reason,
     };
-    if let Some(progress) = told {
+    if let Some(progress) = progress {
         progress.notice(&format!(
             "stored result {} {} is damaged ({reason}); computing it again",
             node.kind.name,
@@ -95,54 +90,54 @@ fn load(node: &Node, store: &Store, told: Option<&Progress>) -> Option<Value> {
     None
 }
 
-/// Stages that can be carried out now.
-struct Queue {
+/// Stages that can run now.
+struct ReadyQueue {
     /// With the cost of the chain behind each, the heaviest on top.
     ready: BinaryHeap<(u64, Reverse<usize>)>,
-    /// Ready, but another process has claimed them.
-    elsewhere: Vec<usize>,
-    /// Stages that have not been carried out, ready or not.
-    left: usize,
+    /// Ready, but another process holds their locks.
+    locked_elsewhere: Vec<usize>,
+    /// Number of stages that have not ended, ready or not.
+    remaining: usize,
 }
 
-/// The threads' shared view of a run. They are no pool of rayon's: a thread that waits there for a part of its stage may
-/// begin another stage meanwhile, within the first, and another within that.
-struct Crew<'a> {
+/// State shared by the worker threads of a run. The workers are not a rayon pool: a rayon thread that waits for a part of
+/// its stage may start another stage inside the first one, without limit.
+struct Workers<'a> {
     graph: &'a Graph,
     store: &'a Store,
-    orders: &'a Orders<'a>,
+    options: &'a RunOptions<'a>,
     needs: &'a [Need],
     values: Vec<Mutex<Option<Outcome>>>,
     timings: Vec<Mutex<Option<Timing>>>,
-    /// Inputs of each stage that are still to be computed.
-    waits: Vec<AtomicUsize>,
-    /// Uses of each result that are still to come; a wanted one counts one more, so that it stays.
+    /// Number of inputs of each stage that are not computed yet.
+    pending_inputs: Vec<AtomicUsize>,
+    /// Remaining uses of each result; a wanted result counts one more, so that it stays in memory.
     uses: Vec<AtomicUsize>,
     /// Computed stages that ask for each stage.
     dependents: Vec<Vec<usize>>,
     /// Cost of the longest chain that begins with each stage.
     priority: Vec<u64>,
-    queue: Mutex<Queue>,
-    /// Told when stages have become ready, and at the end.
-    news: Condvar,
-    /// Stages that were found in the store after all: another process has computed them.
+    queue: Mutex<ReadyQueue>,
+    /// Signalled when stages become ready, and at the end.
+    changed: Condvar,
+    /// Number of stages that another process computed meanwhile.
     found: AtomicUsize,
-    store_told: AtomicBool,
+    write_failure_reported: AtomicBool,
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl<'a> Crew<'a> {
+impl<'a> Workers<'a> {
     fn new(
         graph: &'a Graph,
         store: &'a Store,
-        orders: &'a Orders,
+        options: &'a RunOptions,
         values: Vec<Option<Outcome>>,
         needs: &'a [Need],
         wanted: &[usize],
-    ) -> Crew<'a> {
+    ) -> Workers<'a> {
         let count = graph.nodes.len();
         let mut dependents = vec![Vec::new(); count];
         let mut priority = vec![0; count];
@@ -158,24 +153,24 @@ impl<'a> Crew<'a> {
         let waits: Vec<usize> = graph.nodes.iter().map(|node| node.inputs.iter().filter(to_compute).count()).collect();
         let todo = || (0..count).filter(|&number| needs[number] == Need::Compute);
         let ready = todo().filter(|&number| waits[number] == 0).map(|number| (priority[number], Reverse(number)));
-        let queue = Queue { ready: ready.collect(), elsewhere: Vec::new(), left: todo().count() };
+        let queue = ReadyQueue { ready: ready.collect(), locked_elsewhere: Vec::new(), remaining: todo().count() };
         let mut uses: Vec<usize> = dependents.iter().map(Vec::len).collect();
         wanted.iter().for_each(|&number| uses[number] += 1);
-        Crew {
+        Workers {
             graph,
             store,
-            orders,
+            options,
             needs,
-            waits: waits.into_iter().map(AtomicUsize::new).collect(),
+            pending_inputs: waits.into_iter().map(AtomicUsize::new).collect(),
             uses: uses.into_iter().map(AtomicUsize::new).collect(),
             values: values.into_iter().map(Mutex::new).collect(),
             timings: graph.nodes.iter().map(|_| Mutex::default()).collect(),
             dependents,
             priority,
             queue: Mutex::new(queue),
-            news: Condvar::new(),
+            changed: Condvar::new(),
             found: AtomicUsize::new(0),
-            store_told: AtomicBool::new(false),
+            write_failure_reported: AtomicBool::new(false),
         }
     }
 
@@ -183,52 +178,52 @@ impl<'a> Crew<'a> {
         (0..self.needs.len()).filter(|&number| self.needs[number] == Need::Compute)
     }
 
-    /// Carries out stages, the heaviest first, until none is left or somebody says stop.
+    /// Runs stages, the highest priority first, until none remains or a stop is requested.
     fn work(&self) {
         let mut queue = lock(&self.queue);
-        while queue.left > 0 && !self.orders.stop.load(Ordering::Relaxed) {
+        while queue.remaining > 0 && !self.options.stop.load(Ordering::Relaxed) {
             let Some((_, Reverse(number))) = queue.ready.pop() else {
-                queue = self.news.wait_timeout(queue, LOOK).unwrap_or_else(PoisonError::into_inner).0;
-                let again: Vec<usize> = queue.elsewhere.drain(..).collect();
+                queue = self.changed.wait_timeout(queue, POLL_INTERVAL).unwrap_or_else(PoisonError::into_inner).0;
+                let again: Vec<usize> = queue.locked_elsewhere.drain(..).collect();
                 queue.ready.extend(again.into_iter().map(|number| (self.priority[number], Reverse(number))));
                 continue;
             };
             drop(queue);
-            let ended = self.carry_out(number);
+            let ended = self.run_stage(number);
             queue = lock(&self.queue);
             if !ended {
-                queue.elsewhere.push(number);
+                queue.locked_elsewhere.push(number);
                 continue;
             }
-            let waits = |&&next: &&usize| self.waits[next].fetch_sub(1, Ordering::AcqRel) == 1;
+            let waits = |&&next: &&usize| self.pending_inputs[next].fetch_sub(1, Ordering::AcqRel) == 1;
             let ready = self.dependents[number].iter().filter(waits);
             queue.ready.extend(ready.map(|&next| (self.priority[next], Reverse(next))));
-            queue.left -= 1;
-            self.news.notify_all();
+            queue.remaining -= 1;
+            self.changed.notify_all();
         }
     }
 
-    /// Computes a stage, or finds that it is done; false where another process is at it.
-    fn carry_out(&self, number: usize) -> bool {
+    /// Computes a stage, or finds it in the store; false where another process computes it.
+    fn run_stage(&self, number: usize) -> bool {
         let node = &self.graph.nodes[number];
-        let inputs = match self.orders.known.get(&node.key) {
+        let inputs = match self.options.known.get(&node.key) {
             Some(failure) => Err(failure.clone()),
             None => self.inputs(node),
         };
         let key = node.key.short();
-        let told = Told { stage: node.kind.name, label: &node.label, key: &key, cost_ms: node.kind.cost_ms };
+        let event = StageEvent { stage: node.kind.name, label: &node.label, key: &key, cost_ms: node.kind.cost_ms };
         let inputs = match inputs {
             Ok(inputs) => inputs,
             Err(failure) => {
-                // The failure was told when it happened.
-                self.orders.progress.started(told);
-                self.orders.progress.finished(told, Timing::default(), None);
-                self.ended(number, Err(failure), None);
+                // The failure was reported when it happened.
+                self.options.progress.started(event);
+                self.options.progress.finished(event, Timing::default(), None);
+                self.finish(number, Err(failure), None);
                 return true;
             }
         };
-        let Claimed::Ours(claim) = self.store.claim(node.kind.name, &node.key) else { return false };
-        self.orders.progress.started(told);
+        let LockAttempt::Acquired(entry_lock) = self.store.try_lock(node.kind.name, &node.key) else { return false };
+        self.options.progress.started(event);
         let stopwatch = Stopwatch::start();
         let (outcome, timing) = match load(node, self.store, None) {
             Some(value) => {
@@ -241,15 +236,15 @@ impl<'a> Crew<'a> {
             let code = self.graph.code(number).to_string();
             self.store.note(node.kind.name, &node.key, &Note { label: node.label.clone(), code, timing });
         }
-        drop(claim);
+        drop(entry_lock);
         let failure = outcome.as_ref().err().map(|failure| failure.status.as_str());
-        self.orders.progress.finished(told, timing.unwrap_or_default(), failure);
-        self.ended(number, outcome, timing);
+        self.options.progress.finished(event, timing.unwrap_or_default(), failure);
+        self.finish(number, outcome, timing);
         true
     }
 
-    /// Files what became of a stage, and lets go of inputs that nobody else will ask for.
-    fn ended(&self, number: usize, outcome: Outcome, timing: Option<Timing>) {
+    /// Stores the outcome of a stage and drops inputs that no other stage needs.
+    fn finish(&self, number: usize, outcome: Outcome, timing: Option<Timing>) {
         *lock(&self.timings[number]) = timing;
         *lock(&self.values[number]) = Some(outcome);
         for &input in &self.graph.nodes[number].inputs {
@@ -259,8 +254,8 @@ impl<'a> Crew<'a> {
         }
     }
 
-    /// The results that a stage asked for, or the first failure among them.
-    fn inputs(&self, node: &Node) -> Result<Inputs, Failure> {
+    /// The results that a stage reads, or the first failure among them.
+    fn inputs(&self, node: &StageNode) -> Result<Inputs, Failure> {
         let missing = || Failure { stage: node.kind.name.into(), status: "an input is missing".into() };
         let value = |&input: &usize| match &*lock(&self.values[input]) {
             Some(Ok(value)) => Ok((input, value.clone())),
@@ -270,25 +265,25 @@ impl<'a> Crew<'a> {
         Ok(Inputs { values: node.inputs.iter().map(value).collect::<Result<_, _>>()? })
     }
 
-    /// Runs the stage and files its result. A panic in a stage is a defect, but it ends that stage only.
-    fn compute(&self, node: &Node, inputs: &Inputs) -> Result<Value, Failure> {
+    /// Runs the stage and stores its result. A panic in a stage is a defect, but it ends that stage only.
+    fn compute(&self, node: &StageNode, inputs: &Inputs) -> Result<AnyResult, Failure> {
         let failed = |status: String| Failure { stage: node.kind.name.into(), status };
         let value = catch_unwind(AssertUnwindSafe(|| (node.job)(inputs)))
-            .unwrap_or_else(|panic| Err(format!("panicked: {}", words(panic.as_ref()))))
+            .unwrap_or_else(|panic| Err(format!("panicked: {}", panic_message(panic.as_ref()))))
             .map_err(failed)?;
         let bytes = (node.encode)(&value).map_err(|error| failed(error.to_string()))?;
         if let Err(error) = self.store.write(node.kind.name, &node.key, &bytes)
-            && !self.store_told.swap(true, Ordering::Relaxed)
+            && !self.write_failure_reported.swap(true, Ordering::Relaxed)
         {
             let root = self.store.root().display();
-            let text = format!("results cannot be kept in {root}: {error}; the run goes on without");
-            self.orders.progress.notice(&text);
+            let text = format!("cannot store results in {root}: {error}; the run continues without storing");
+            self.options.progress.notice(&text);
         }
         Ok(value)
     }
 
     fn outcomes(self, cached: usize) -> Outcomes {
-        let stopped = lock(&self.queue).left > 0;
+        let stopped = lock(&self.queue).remaining > 0;
         let cached = cached + self.found.into_inner();
         let inner = |timing: Mutex<_>| timing.into_inner().unwrap_or_else(PoisonError::into_inner);
         let values = self.values.into_iter().map(|value| value.into_inner().unwrap_or_else(PoisonError::into_inner));
@@ -296,10 +291,10 @@ impl<'a> Crew<'a> {
     }
 }
 
-/// What a panic said.
-fn words(panic: &(dyn Any + Send)) -> &str {
+/// The message of a panic.
+fn panic_message(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<String>().map(String::as_str);
-    text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("it said nothing")
+    text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message")
 }
 
 #[cfg(test)]

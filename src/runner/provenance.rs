@@ -1,14 +1,14 @@
 //! The trail of an experiment: every stage behind its results, in an order in which each follows its inputs. It is what
 //! names the first stage at which two runs part.
 
-use super::campaign::{Campaign, Entry};
+use super::campaign::{Campaign, CampaignEntry};
 use super::outcomes::Outcomes;
 use super::store::Store;
 use crate::data::rows::StageRow;
 use std::collections::BTreeSet;
 
 /// The numbers of all stages behind what an experiment publishes.
-pub(super) fn needed(campaign: &Campaign, entry: &Entry) -> BTreeSet<usize> {
+pub(super) fn stages_behind(campaign: &Campaign, entry: &CampaignEntry) -> BTreeSet<usize> {
     let mut needed = entry.wanted();
     for number in (0..campaign.graph.len()).rev() {
         if needed.contains(&number) {
@@ -19,7 +19,7 @@ pub(super) fn needed(campaign: &Campaign, entry: &Entry) -> BTreeSet<usize> {
 }
 
 /// The trail of `entry` after a run: digests as they stand in the store, times of this run or as they were noted.
-pub fn trail(campaign: &Campaign, entry: &Entry, outcomes: &Outcomes, store: &Store) -> Vec<StageRow> {
+pub fn provenance(campaign: &Campaign, entry: &CampaignEntry, outcomes: &Outcomes, store: &Store) -> Vec<StageRow> {
     let row = |number: usize| {
         let (stage, label, key) = campaign.graph.describe(number);
         let noted = || store.noted(stage, &key).map(|note| note.timing);
@@ -33,11 +33,11 @@ pub fn trail(campaign: &Campaign, entry: &Entry, outcomes: &Outcomes, store: &St
             cpu_s: timing.cpu_s,
         }
     };
-    needed(campaign, entry).into_iter().map(row).collect()
+    stages_behind(campaign, entry).into_iter().map(row).collect()
 }
 
 /// The first stage at which a run parts from a published trail, in words; `None` where they go together.
-pub fn parting(published: &[StageRow], found: &[StageRow]) -> Option<String> {
+pub fn first_difference(published: &[StageRow], found: &[StageRow]) -> Option<String> {
     for (before, now) in published.iter().zip(found) {
         let name = format!("{} ({})", now.stage, now.label);
         if (&before.stage, &before.label) != (&now.stage, &now.label) {
@@ -65,16 +65,19 @@ mod tests {
     #[test]
     fn the_first_stage_that_differs_is_named() {
         let published = [row("a", "1", "x"), row("b", "2", "y"), row("c", "3", "z")];
-        assert_eq!(parting(&published, &published), None);
+        assert_eq!(first_difference(&published, &published), None);
         let mut other = published.clone();
         other[2] = row("c", "3", "w");
         other[1] = row("b", "2", "w");
-        let said = parting(&published, &other).unwrap();
+        let said = first_difference(&published, &other).unwrap();
         assert_eq!(said, "b (seed 0): published y, found w, by the same settings and code");
         other[1] = row("b", "9", "y");
-        assert!(parting(&published, &other).unwrap().starts_with("c (seed 0)"), "another key alone is no difference");
-        assert_eq!(parting(&published, &published[..2]).unwrap(), "2 stages, published were 3");
-        let said = parting(&published, &[row("q", "1", "x")]).unwrap();
+        assert!(
+            first_difference(&published, &other).unwrap().starts_with("c (seed 0)"),
+            "another key alone is no difference"
+        );
+        assert_eq!(first_difference(&published, &published[..2]).unwrap(), "2 stages, published were 3");
+        let said = first_difference(&published, &[row("q", "1", "x")]).unwrap();
         assert!(said.contains("published was a (seed 0) in its place"), "{said}");
     }
 }
