@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::error::BlindError;
+use super::error::BenchmarkError;
 use crate::base::{Point3, Rows, Seed};
 use crate::effects::{EffectSpec, Model, Trial, replay};
 use crate::plants::{Simulated, SimulatedOptions};
@@ -20,8 +20,13 @@ pub struct Commands {
 /// Commands as the paper collects data: a random exploration of the model, trials from rest at home.
 ///
 /// # Errors
-/// [`BlindError::Commands`] when the model cannot be explored so.
-pub fn commands(model: &Model, options: &ExploreOptions, step_s: f64, seed: Seed) -> Result<Commands, BlindError> {
+/// [`BenchmarkError::Commands`] when the model cannot be explored so.
+pub fn explore_commands(
+    model: &Model,
+    options: &ExploreOptions,
+    step_s: f64,
+    seed: Seed,
+) -> Result<Commands, BenchmarkError> {
     let mut plant = Simulated::new(model, &[], SimulatedOptions { step_s, ..SimulatedOptions::default() });
     let samples = explore(&mut plant, options, seed)?;
     let trial = |range: std::ops::Range<usize>| samples.pulls_m.select(&range.collect::<Vec<usize>>());

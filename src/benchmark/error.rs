@@ -5,7 +5,7 @@ use crate::tasks::TaskError;
 
 /// A blind case cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum BlindError {
+pub enum BenchmarkError {
     /// The exploration that gives the commands failed.
     #[error(transparent)]
     Commands(#[from] TaskError),

@@ -9,7 +9,7 @@ use crate::rod::Resolution;
 /// What is hidden.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Group {
+pub enum CaseGroup {
     /// Nothing but noise and the uncertainty of the model's numbers.
     Nothing,
     /// One effect of the catalogue.
@@ -22,30 +22,30 @@ pub enum Group {
     Inside,
 }
 
-impl Group {
+impl CaseGroup {
     /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
-            Group::Nothing => "nothing",
-            Group::Single => "single",
-            Group::Pair => "pair",
-            Group::Outside => "outside",
-            Group::Inside => "inside",
+            CaseGroup::Nothing => "nothing",
+            CaseGroup::Single => "single",
+            CaseGroup::Pair => "pair",
+            CaseGroup::Outside => "outside",
+            CaseGroup::Inside => "inside",
         }
     }
 
     /// Whether its cases need the oracle.
     pub fn judged(self) -> bool {
-        matches!(self, Group::Outside | Group::Inside)
+        matches!(self, CaseGroup::Outside | CaseGroup::Inside)
     }
 }
 
 /// Cases of one kind.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Batch {
+pub struct CaseBatch {
     /// What is hidden in them.
-    pub group: Group,
+    pub group: CaseGroup,
     /// How many.
     pub cases: usize,
     /// Trials of a recording, each from rest at home.
@@ -88,7 +88,7 @@ const MOST_SAMPLES: usize = 100_000;
 /// Shifts and noise beyond this are a wrong unit, metres.
 const MOST_M: f64 = 0.05;
 
-impl Batch {
+impl CaseBatch {
     /// Refuses settings out of range.
     ///
     /// # Errors

@@ -4,15 +4,15 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
 use super::commands::Commands;
-use super::drawing::{Robot, true_tips_m};
-use super::error::BlindError;
+use super::drawing::{CaseDesign, true_tips_m};
+use super::error::BenchmarkError;
 use super::truth::Truth;
 use crate::base::{Point3, Seed};
 use crate::data::{Actuation, Recording};
 
 /// A recording without its label, and what is taken out of the catalogue for it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Presented {
+pub struct PublicCase {
     /// What the drives were told.
     pub commands: Commands,
     /// Measured tips, sample by sample, metres.
@@ -24,13 +24,18 @@ pub struct Presented {
 /// Plays the commands on the true robot and measures with noise, of this correlation from one sample to the next.
 ///
 /// # Errors
-/// [`BlindError::NoRobot`] when the robot cannot follow.
-pub fn present(robot: &Robot, truth: &Truth, commands: &Commands, correlation: f64) -> Result<Presented, BlindError> {
-    let unplayable = || BlindError::NoRobot { what: truth.name(), tried: 1 };
+/// [`BenchmarkError::NoRobot`] when the robot cannot follow.
+pub fn measure_case(
+    robot: &CaseDesign,
+    truth: &Truth,
+    commands: &Commands,
+    correlation: f64,
+) -> Result<PublicCase, BenchmarkError> {
+    let unplayable = || BenchmarkError::NoRobot { what: truth.name(), tried: 1 };
     let mut tips_m = true_tips_m(robot, truth, commands).ok_or_else(unplayable)?;
     let counts = commands.trials.iter().map(crate::base::Rows::len);
     add_noise(&mut tips_m, counts, (robot.noise_m, correlation), Seed(robot.seed).child("noise"));
-    Ok(Presented { commands: commands.clone(), tips_m, left_out: truth.left_out.clone() })
+    Ok(PublicCase { commands: commands.clone(), tips_m, left_out: truth.left_out.clone() })
 }
 
 /// Adds Gaussian noise of this standard deviation an axis, metres, and this correlation from one sample to the next (a
@@ -57,7 +62,7 @@ pub fn add_noise(
     }
 }
 
-impl Presented {
+impl PublicCase {
     /// As the recording that a lab would have.
     pub fn recording(&self) -> Recording {
         let tendons = self.commands.trials.first().map_or(0, crate::base::Rows::width);

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::drawing::injected_effects::{Hidden, null_value, size};
-use super::options::{Batch, Group};
+use super::injection::injected_effects::{InjectedEffect, null_value, size};
+use super::options::{CaseBatch, CaseGroup};
 use super::truth::Truth;
 use crate::data::findings::{CaseRow, Findings, FoundEffect, IntervalRow, OR, Verdict};
 use crate::effects::{Model, Parameter, Seek};
@@ -14,11 +14,11 @@ use crate::math::summary::quantile;
 
 /// What was answered to a recording.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Answer {
+pub struct CaseAnswer {
     /// The verdict.
     pub verdict: Verdict,
     /// Effects that were named, or those between which the data cannot tell.
-    pub effects: Vec<Answered>,
+    pub effects: Vec<AnsweredEffect>,
     /// Held-out error of the model as given, metres.
     pub before_m: f64,
     /// With the effects, metres.
@@ -33,7 +33,7 @@ pub struct Answer {
 
 /// An effect of an answer. Parameters by their names on the card, components of a vector each for itself.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Answered {
+pub struct AnsweredEffect {
     /// Its name.
     pub name: String,
     /// Values.
@@ -42,12 +42,12 @@ pub struct Answered {
     pub intervals: BTreeMap<String, [f64; 2]>,
 }
 
-impl Answer {
+impl CaseAnswer {
     /// From findings, and from the held-out errors of the two other remedies, metres.
-    pub fn new(findings: &Findings, stiffness_only_m: Option<f64>, gp_m: Option<f64>) -> Answer {
-        Answer {
+    pub fn new(findings: &Findings, stiffness_only_m: Option<f64>, gp_m: Option<f64>) -> CaseAnswer {
+        CaseAnswer {
             verdict: findings.verdict,
-            effects: findings.effects.iter().map(Answered::new).collect(),
+            effects: findings.effects.iter().map(AnsweredEffect::new).collect(),
             before_m: findings.gap.before_m,
             after_m: findings.gap.after_m,
             stiffness_only_m: stiffness_only_m.unwrap_or(f64::NAN),
@@ -63,8 +63,8 @@ impl Answer {
     }
 }
 
-impl Answered {
-    fn new(found: &FoundEffect) -> Answered {
+impl AnsweredEffect {
+    fn new(found: &FoundEffect) -> AnsweredEffect {
         let mut values = BTreeMap::new();
         let mut intervals = BTreeMap::new();
         let ends = |value: &Value| Some([value.get(0)?.as_f64()?, value.get(1)?.as_f64()?]);
@@ -86,13 +86,13 @@ impl Answered {
                 value => intervals.extend(ends(value).map(|ends| (name.clone(), ends))),
             }
         }
-        Answered { name: found.name.clone(), values, intervals }
+        AnsweredEffect { name: found.name.clone(), values, intervals }
     }
 }
 
 /// What a case adds to the tables.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Scored {
+pub struct ScoredCase {
     /// The case.
     pub row: CaseRow,
     /// The intervals that are scored: those of rightly named effects.
@@ -100,12 +100,19 @@ pub struct Scored {
 }
 
 /// Scores a case whose recording was answered.
-pub fn score(case: u64, batch: &Batch, correlation: f64, model: &Model, truth: &Truth, answer: &Answer) -> Scored {
+pub fn score(
+    case: u64,
+    batch: &CaseBatch,
+    correlation: f64,
+    model: &Model,
+    truth: &Truth,
+    answer: &CaseAnswer,
+) -> ScoredCase {
     let mut row = row(case, batch, correlation, Some(truth));
     let mut intervals = Vec::new();
     row.verdict = answer.verdict.name().to_owned();
     row.answer = answer.names().join(" + ");
-    (row.right, row.in_group) = judged(batch.group, truth, answer);
+    (row.right, row.in_group) = is_right(batch.group, truth, answer);
     if row.right {
         let errors: Vec<f64> = truth.hidden.iter().filter_map(|hidden| strength_error(model, hidden, answer)).collect();
         row.strength_error = if errors.is_empty() { f64::NAN } else { quantile(&errors, 0.5) };
@@ -120,16 +127,16 @@ pub fn score(case: u64, batch: &Batch, correlation: f64, model: &Model, truth: &
     row.stiffness_only_m = answer.stiffness_only_m;
     row.gp_m = answer.gp_m;
     row.floor_m = answer.floor_m;
-    Scored { row, intervals }
+    ScoredCase { row, intervals }
 }
 
 /// A case without an answer, and why there is none. `truth` where at least that is known.
-pub fn failed(case: u64, batch: &Batch, correlation: f64, truth: Option<&Truth>, why: &str) -> Scored {
+pub fn failed(case: u64, batch: &CaseBatch, correlation: f64, truth: Option<&Truth>, why: &str) -> ScoredCase {
     let row = CaseRow { verdict: format!("failed: {why}"), ..row(case, batch, correlation, truth) };
-    Scored { row, intervals: Vec::new() }
+    ScoredCase { row, intervals: Vec::new() }
 }
 
-fn row(case: u64, batch: &Batch, correlation: f64, truth: Option<&Truth>) -> CaseRow {
+fn row(case: u64, batch: &CaseBatch, correlation: f64, truth: Option<&Truth>) -> CaseRow {
     CaseRow {
         case,
         group: batch.group.name().to_owned(),
@@ -155,19 +162,19 @@ fn row(case: u64, batch: &Batch, correlation: f64, truth: Option<&Truth>) -> Cas
 }
 
 /// Whether the answer is right, and whether it at least holds the truth.
-fn judged(group: Group, truth: &Truth, answer: &Answer) -> (bool, bool) {
+fn is_right(group: CaseGroup, truth: &Truth, answer: &CaseAnswer) -> (bool, bool) {
     match group {
-        Group::Nothing => alike(answer.verdict == Verdict::Consistent),
-        Group::Outside => alike(answer.verdict == Verdict::Unexplained),
+        CaseGroup::Nothing => both(answer.verdict == Verdict::Consistent),
+        CaseGroup::Outside => both(answer.verdict == Verdict::Unexplained),
         // The truth is not on offer: that the data cannot tell is the answer, or that nothing explains them.
-        Group::Inside => {
+        CaseGroup::Inside => {
             let group = answer.verdict == Verdict::Ambiguous;
             (group || answer.verdict == Verdict::Unexplained, group)
         }
-        Group::Single | Group::Pair => {
+        CaseGroup::Single | CaseGroup::Pair => {
             let mut names: Vec<&str> = truth.hidden.iter().map(|hidden| hidden.name.as_str()).collect();
             names.sort_unstable();
-            let told = truth.hidden.iter().all(|hidden| of(hidden, answer).is_some());
+            let told = truth.hidden.iter().all(|hidden| answered_effect(hidden, answer).is_some());
             let right = answer.verdict == Verdict::Named && answer.names() == names && told;
             // A group lists the effects of all its sets, each with its tendon.
             (right, right || answer.verdict == Verdict::Ambiguous && told)
@@ -175,14 +182,14 @@ fn judged(group: Group, truth: &Truth, answer: &Answer) -> (bool, bool) {
     }
 }
 
-fn alike(right: bool) -> (bool, bool) {
+fn both(right: bool) -> (bool, bool) {
     (right, right)
 }
 
 /// What the answer says of an effect: that of the same name, and of the same tendon where it is about one.
-fn of<'a>(hidden: &Hidden, answer: &'a Answer) -> Option<&'a Answered> {
+fn answered_effect<'a>(hidden: &InjectedEffect, answer: &'a CaseAnswer) -> Option<&'a AnsweredEffect> {
     let card = hidden.card()?;
-    let same = |found: &&Answered| {
+    let same = |found: &&AnsweredEffect| {
         let tendon = card.parameters.iter().position(|parameter| parameter.seek == Seek::Tendon);
         let alike = tendon.is_none_or(|index| {
             found.values.get(card.parameters[index].name).is_some_and(|tendon| *tendon == hidden.values[index])
@@ -193,8 +200,8 @@ fn of<'a>(hidden: &Hidden, answer: &'a Answer) -> Option<&'a Answered> {
 }
 
 /// Relative error of the size of an effect: the length of the difference over the length of the size.
-fn strength_error(model: &Model, hidden: &Hidden, answer: &Answer) -> Option<f64> {
-    let (card, found) = (hidden.card()?, of(hidden, answer)?);
+fn strength_error(model: &Model, hidden: &InjectedEffect, answer: &CaseAnswer) -> Option<f64> {
+    let (card, found) = (hidden.card()?, answered_effect(hidden, answer)?);
     let truth = as_answered(hidden, found);
     let (mut off, mut all) = (0.0, 0.0);
     for (parameter, value) in card.parameters.iter().zip(truth) {
@@ -207,8 +214,8 @@ fn strength_error(model: &Model, hidden: &Hidden, answer: &Answer) -> Option<f64
 }
 
 /// The parameters of an effect that have an interval, beside the truth.
-fn intervals(row: &CaseRow, hidden: &Hidden, answer: &Answer) -> Vec<IntervalRow> {
-    let (Some(card), Some(found)) = (hidden.card(), of(hidden, answer)) else { return Vec::new() };
+fn intervals(row: &CaseRow, hidden: &InjectedEffect, answer: &CaseAnswer) -> Vec<IntervalRow> {
+    let (Some(card), Some(found)) = (hidden.card(), answered_effect(hidden, answer)) else { return Vec::new() };
     let beside = |(parameter, truth): (&Parameter, f64)| {
         let &[low, high] = found.intervals.get(parameter.name)?;
         Some(IntervalRow {
@@ -228,7 +235,7 @@ fn intervals(row: &CaseRow, hidden: &Hidden, answer: &Answer) -> Vec<IntervalRow
 
 /// The true values, written as the answer has them: principal axes a quarter turn apart with the opposite ratio are the
 /// same, and so are axes half a turn apart.
-fn as_answered(hidden: &Hidden, found: &Answered) -> Vec<f64> {
+fn as_answered(hidden: &InjectedEffect, found: &AnsweredEffect) -> Vec<f64> {
     use std::f64::consts::{FRAC_PI_2, PI};
     let mut values = hidden.values.clone();
     if hidden.name != "anisotropic_stiffness" {

@@ -4,9 +4,9 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
 use super::commands::Commands;
-use super::drawing::disturbances::Disturbance;
-use super::drawing::injected_effects::{Hidden, card, null_value};
-use super::error::BlindError;
+use super::error::BenchmarkError;
+use super::injection::disturbances::Disturbance;
+use super::injection::injected_effects::{InjectedEffect, card, null_value};
 use super::options::Prior;
 use crate::base::{BadOption, Generator, Point3};
 use crate::effects::{EffectSpec, Model, Seek};
@@ -15,11 +15,11 @@ use crate::effects::{EffectSpec, Model, Seek};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Truth {
     /// Effects of the catalogue.
-    pub hidden: Vec<Hidden>,
+    pub hidden: Vec<InjectedEffect>,
     /// What is in no catalogue.
     pub unknown: Option<Disturbance>,
     /// Where the robot's numbers are, as far as a lab does not know them.
-    pub uncertain: Vec<Hidden>,
+    pub uncertain: Vec<InjectedEffect>,
     /// How far what is hidden moves the tip, root mean square, metres.
     pub shift_m: f64,
     /// For cases that the oracle has judged: what the best few others leave, over the noise; else 0.
@@ -45,11 +45,11 @@ impl Truth {
 pub(crate) fn tips_m(
     model: &Model,
     commands: &Commands,
-    uncertain: &[Hidden],
-    hidden: &[Hidden],
+    uncertain: &[InjectedEffect],
+    hidden: &[InjectedEffect],
     unknown: Option<&Disturbance>,
 ) -> Option<Vec<Point3>> {
-    let each = uncertain.iter().chain(hidden).map(Hidden::effects).collect::<Option<Vec<Vec<EffectSpec>>>>()?;
+    let each = uncertain.iter().chain(hidden).map(InjectedEffect::effects).collect::<Option<Vec<Vec<EffectSpec>>>>()?;
     let extra: Vec<EffectSpec> = each.into_iter().flatten().collect();
     let Some(unknown) = unknown else { return commands.tips_m(model, &extra) };
     let tips_m = unknown.drives(commands).tips_m(model, &extra)?;
@@ -59,9 +59,10 @@ pub(crate) fn tips_m(
 /// Refuses a prior on what is no size of an effect.
 ///
 /// # Errors
-/// [`BlindError::Option`].
-pub(crate) fn sized(prior: &Prior) -> Result<(), BlindError> {
-    let known = card(&prior.effect).is_some_and(|card| card.parameters.iter().any(|one| about(one.name, prior)));
+/// [`BenchmarkError::Option`].
+pub(crate) fn check_prior(prior: &Prior) -> Result<(), BenchmarkError> {
+    let known =
+        card(&prior.effect).is_some_and(|card| card.parameters.iter().any(|one| is_component_of(one.name, prior)));
     let found = format!("{}.{}", prior.effect, prior.parameter);
     if known {
         return Ok(());
@@ -70,12 +71,12 @@ pub(crate) fn sized(prior: &Prior) -> Result<(), BlindError> {
 }
 
 /// Whether a parameter of the prior's effect is the one that the prior is about: its name, or a component of it.
-pub(crate) fn about(parameter: &str, prior: &Prior) -> bool {
+pub(crate) fn is_component_of(parameter: &str, prior: &Prior) -> bool {
     parameter.split('[').next() == Some(prior.parameter.as_str())
 }
 
 /// The uncertain numbers of a robot, drawn from their priors: an effect a number, of each tendon where it is about one.
-pub(crate) fn uncertain(priors: &[Prior], model: &Model, random: &mut Generator) -> Vec<Hidden> {
+pub(crate) fn draw_uncertain(priors: &[Prior], model: &Model, random: &mut Generator) -> Vec<InjectedEffect> {
     let mut drawn = Vec::new();
     for prior in priors {
         let Some(card) = card(&prior.effect) else { continue };
@@ -84,7 +85,7 @@ pub(crate) fn uncertain(priors: &[Prior], model: &Model, random: &mut Generator)
         for number in 1..=count {
             let mut values: Vec<f64> = card.parameters.iter().map(|one| null_value(one, model)).collect();
             for (value, parameter) in values.iter_mut().zip(card.parameters) {
-                if about(parameter.name, prior) {
+                if is_component_of(parameter.name, prior) {
                     let random: f64 = StandardNormal.sample(random);
                     *value += prior.deviation * random;
                 }
@@ -92,7 +93,7 @@ pub(crate) fn uncertain(priors: &[Prior], model: &Model, random: &mut Generator)
             if let Some(tendon) = tendon {
                 values[tendon] = number as f64;
             }
-            drawn.push(Hidden { name: card.name.to_owned(), values, other_law: false });
+            drawn.push(InjectedEffect { name: card.name.to_owned(), values, other_law: false });
         }
     }
     drawn

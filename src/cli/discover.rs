@@ -9,7 +9,7 @@ use spinebench::data::findings::Verdict;
 use spinebench::data::{Recording, write_atomic};
 use spinebench::discovery::{Discovery, DiscoveryError, Options, discover};
 use spinebench::effects::{CATALOGUE, Model};
-use spinebench::report::discovery::{EffectText, Story, artifacts};
+use spinebench::report::discovery::{DiscoveryReport, EffectText, artifacts};
 use spinebench::specs::{
     PlantSpec, SimulatedSpec, extended_text, files_behind, model_text, read_model, read_options, read_plant,
 };
@@ -150,7 +150,7 @@ impl DiscoverCommand {
             let found = discover(given, &measured, baseline, options)
                 .map_err(|error| self.refusal(&error, &measured, &trials))?;
             // A plant file says how its base stands: turning it is not for us.
-            let next = found.next.iter().find(|next| next.proposal.name != "base_remounted");
+            let next = found.next_experiments.iter().find(|next| next.proposal.name != "base_remounted");
             let next = next.filter(|_| found.findings.verdict == Verdict::Ambiguous && round <= self.rounds);
             let (Some(plant), Some(next)) = (plant, next) else {
                 return Ok((numbered(found, &measured, &trials, !made.is_empty()), made));
@@ -185,11 +185,11 @@ impl DiscoverCommand {
         match error {
             DiscoveryError::Baseline(_) => told(self.baseline.as_ref().unwrap_or(&self.model), error),
             DiscoveryError::Option(_) => told(self.options.as_ref().unwrap_or(&self.model), error),
-            DiscoveryError::Unplayable(number) => {
+            DiscoveryError::CannotFollow(number) => {
                 let place = measured.trials().iter().position(|(known, _)| known == number);
                 let given = |(file, _): &&(PathBuf, u64)| self.measured.contains(file);
                 match place.and_then(|place| trials.get(place)).filter(given) {
-                    Some((file, own)) => told(file, &DiscoveryError::Unplayable(*own)),
+                    Some((file, own)) => told(file, &DiscoveryError::CannotFollow(*own)),
                     None => CommandError::BadInput(format!("{}: {error}", all())),
                 }
             }
@@ -216,7 +216,7 @@ impl DiscoverCommand {
             .collect();
         let before = model_text(given).map_err(CommandError::failed)?;
         let after = if added == 0 { before.clone() } else { model_text(&found.model).map_err(CommandError::failed)? };
-        let files = artifacts(&Story {
+        let files = artifacts(&DiscoveryReport {
             findings: &found.findings,
             residuals: &found.residuals,
             places: &found.places,
@@ -235,10 +235,10 @@ impl DiscoverCommand {
         for (file, recording) in recorded {
             recording.write(file).map_err(CommandError::failed)?;
         }
-        for next in &found.next {
+        for next in &found.next_experiments {
             next.commands.write(&self.out.join(&next.proposal.file)).map_err(CommandError::failed)?;
         }
-        for file in old.iter().filter(|old| !found.next.iter().any(|next| next.proposal.file == **old)) {
+        for file in old.iter().filter(|old| !found.next_experiments.iter().any(|next| next.proposal.file == **old)) {
             let _ = std::fs::remove_file(self.out.join(file));
         }
         write_atomic(&self.out.join("model.yaml"), model.as_bytes()).map_err(CommandError::failed)?;

@@ -5,7 +5,7 @@ use crate::base::BadOption;
 /// Data that allow no answer. The messages name the column, what was found and what was expected.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DiscoveryError {
-    /// Less than the smallest recording that can be judged.
+    /// Less than the smallest recording that can be rescored.
     #[error("{what}: found {found}, expected at least {least}{why}")]
     TooFew {
         /// Of what.
@@ -29,7 +29,7 @@ pub enum DiscoveryError {
     },
     /// The model cannot follow the commands.
     #[error("the model cannot follow the commands of trial {0}: expected commands within the robot's reach")]
-    Unplayable(u64),
+    CannotFollow(u64),
     /// The same, for the baseline.
     #[error(transparent)]
     Baseline(Box<DiscoveryError>),

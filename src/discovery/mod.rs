@@ -2,7 +2,7 @@
 //! whether that is all (docs/discovery.md).
 //!
 //! The physics is fitted anew for every candidate; numbers that a lab would recalibrate are free in all of them alike;
-//! candidates pay for their parameters; trials that take no part in any of it are the proof.
+//! candidates pay for their parameters; trials that take no part in any of it are the held_out.
 
 mod answer;
 mod error;
@@ -16,38 +16,19 @@ mod recording;
 mod search;
 
 use crate::data::Recording;
-use crate::data::findings::{Findings, PlaceRow, ResidualRow};
 use crate::effects::Model;
 
-use answer::final_fit::About;
-use noise_floor::Floor;
-use problem::Question;
+use answer::final_fit::FinalFit;
+use noise_floor::NoiseFloor;
+use problem::Problem;
 use recording::samples::Samples;
-use search::{Found, Search};
+use search::{Search, SearchOutcome};
 
-pub use answer::alternatives::Remedies;
+pub use answer::Discovery;
+pub use answer::alternatives::Alternatives;
 pub use error::DiscoveryError;
-pub use next_experiment::t_optimality::Next;
+pub use next_experiment::t_optimality::NextExperiment;
 pub use options::{Options, Uncertainty};
-
-/// An answer with all that stands behind it.
-#[derive(Clone, Debug)]
-pub struct Discovery {
-    /// The answer.
-    pub findings: Findings,
-    /// The given model (calibrated, where there was a baseline) with the effects that were named.
-    pub model: Model,
-    /// Every sample that was asked about with its residual before and after.
-    pub residuals: Vec<ResidualRow>,
-    /// The map of disagreement.
-    pub places: Vec<PlaceRow>,
-    /// What a lab would try instead.
-    pub remedies: Remedies,
-    /// What to record next where these data cannot tell, the best first.
-    pub next: Vec<Next>,
-    /// Whether a baseline has changed the model that all of this is about.
-    pub calibrated: bool,
-}
 
 /// Finds what `model` lacks to explain `measured`. With a `baseline`, a recording of the robot as built, the model is
 /// first calibrated on it, and what the two have in common is no discovery. Every trial starts at rest under its first
@@ -63,49 +44,49 @@ pub fn discover(
     options: &Options,
 ) -> Result<Discovery, DiscoveryError> {
     options.check()?;
-    let ask = |samples: Samples| -> Result<Question, DiscoveryError> {
+    let new_problem = |samples: Samples| -> Result<Problem, DiscoveryError> {
         recording::validate::check(measured, &samples)?;
         recording::validate::check_trials(&samples)?;
-        let mut question = Question::new(model, samples, baseline, options)?;
-        let fitted: Vec<u64> = question.fit.trials.iter().map(|trial| trial.number).collect();
-        question.base_stands = recording::base_markers::stands_as_modelled(measured, &fitted, model);
-        Ok(question)
+        let mut problem = Problem::new(model, samples, baseline, options)?;
+        let fitted: Vec<u64> = problem.training.trials.iter().map(|trial| trial.number).collect();
+        problem.base_matches_model = recording::base_markers::base_matches_model(measured, &fitted, model);
+        Ok(problem)
     };
     let all = Samples::new(measured);
-    let question = ask(all.clone())?;
+    let problem = new_problem(all.clone())?;
     // Without them first, where that can be asked: a few tips that are far off lead every fit astray.
-    if let Some(starts) = noise_floor::trial_starts::doubtful(&question.fit, model)
-        && let Ok(rest) = ask(noise_floor::trial_starts::without(&all))
-        && let Ok((about, found)) = searched(&rest)
-        && Floor::left_by(&about.fine.fitted.explained, &rest.fit).is_exceeded_by(&starts)
+    if let Some(starts) = noise_floor::trial_starts::scattered_starts(&problem.training, model)
+        && let Ok(rest) = new_problem(noise_floor::trial_starts::without_starts(&all))
+        && let Ok((final_fit, found)) = search_best(&rest)
+        && NoiseFloor::of_residual(&final_fit.fine.fitted.nuisance_fit, &rest.training).is_exceeded_by(&starts)
     {
-        let mut told = rest.discovery(model, measured, &about, &found);
-        told.findings.limitations.push(noise_floor::trial_starts::left_out(&starts));
+        let mut told = rest.discovery(model, measured, &final_fit, &found);
+        told.findings.limitations.push(noise_floor::trial_starts::starts_caveat(&starts));
         return Ok(told);
     }
-    let (about, found) = searched(&question)?;
-    Ok(question.discovery(model, measured, &about, &found))
+    let (final_fit, found) = search_best(&problem)?;
+    Ok(problem.discovery(model, measured, &final_fit, &found))
 }
 
-/// The best set of effects with all about it, and what else was found.
-fn searched(question: &Question) -> Result<(About, Found), DiscoveryError> {
-    let study = question.study();
-    let unplayable = || DiscoveryError::Unplayable(question.fit.trials[0].number);
-    let limits = question.options.limits(&question.model);
-    let mut search = Search::new(&study, question.responses.clone(), &limits).ok_or_else(unplayable)?;
-    let mut best = search.best();
-    let mut about = question.about(&best.fitted);
-    let mut searched = !about.left.possibly && best.fitted.members.is_empty();
+/// The best set of effects with all final_fit it, and what else was found.
+fn search_best(problem: &Problem) -> Result<(FinalFit, SearchOutcome), DiscoveryError> {
+    let fit_problem = problem.fit_problem();
+    let cannot_follow = || DiscoveryError::CannotFollow(problem.training.trials[0].number);
+    let limits = problem.options.limits(&problem.model);
+    let mut search = Search::new(&fit_problem, problem.sensitivities.clone(), &limits).ok_or_else(cannot_follow)?;
+    let mut best = search.greedy();
+    let mut final_fit = problem.final_fit(&best.fitted);
+    let mut searched = !final_fit.goodness.is_doubtful && best.fitted.members.is_empty();
     while !searched {
-        let (before, certainly) = (best.fitted.members.clone(), about.left.certainly());
-        best = search.thoroughly(best, certainly);
+        let (before, certainly) = (best.fitted.members.clone(), final_fit.goodness.is_rejected());
+        best = search.widen(best, certainly);
         if best.fitted.members != before {
-            about = question.about(&best.fitted);
+            final_fit = problem.final_fit(&best.fitted);
         }
         // Before anything is called unexplained, the search has known that something is left.
-        searched = certainly || !about.left.certainly();
+        searched = certainly || !final_fit.goodness.is_rejected();
     }
-    let (best, about) = question.judged(&mut search, best, about);
-    let found = about.refined(search.ended(best));
-    Ok((about, found))
+    let (best, final_fit) = problem.rescore(&mut search, best, final_fit);
+    let found = final_fit.replace_best(search.into_outcome(best));
+    Ok((final_fit, found))
 }

@@ -2,8 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::fit::candidate::Hypothesis;
-use super::search::Limits;
 use crate::base::{BadOption, Seed};
 use crate::effects::Model;
 
@@ -41,12 +39,12 @@ pub struct Options {
     pub least_foretold: f64,
     /// Effects that are left out of the catalogue.
     pub left_out: Vec<String>,
-    /// What is not known exactly of any robot, and free in every hypothesis alike.
+    /// What is not known exactly of any robot, and free in every candidate alike.
     pub uncertain: Vec<Uncertainty>,
-    /// Precision in time with which the model is played, metres. An error of a tenth of the noise in every sample would
+    /// Precision in time with which the model is simulated_m, metres. An error of a tenth of the noise in every sample would
     /// tell candidates apart that the data do not.
     pub motion_tolerance_m: f64,
-    /// Length of a cell of the grid on which it is played, metres; the model's own where that is longer. Cells go across
+    /// Length of a cell of the grid on which it is simulated_m, metres; the model's own where that is longer. Cells go across
     /// jumps of the material.
     pub cell_m: f64,
     /// What moves the tip by less than this share of the backbone's length is neither named nor missed, whatever the noise:
@@ -138,25 +136,51 @@ impl Options {
         self.least_of_length * model.robot.backbone.length_m
     }
 
-    pub(super) fn limits(&self, model: &Model) -> Limits {
-        Limits {
+    pub(super) fn limits(&self, model: &Model) -> SearchLimits {
+        SearchLimits {
             most_effects: self.most_effects,
             least_score: self.least_score,
             least_size: self.least_size,
             least_share: self.least_share,
             least_m: self.least_m(model),
             rival_score: self.rival_score,
-            thorough: 0,
+            exhaustive_below: 0,
         }
     }
 
     /// Whether a parameter of this effect is uncertain.
-    pub(super) fn is_uncertain(&self, hypothesis: &Hypothesis) -> bool {
-        self.uncertain.iter().any(|one| one.effect == hypothesis.card.name)
+    pub(super) fn is_uncertain(&self, effect: &str) -> bool {
+        self.uncertain.iter().any(|one| one.effect == effect)
     }
 
     pub(super) fn seed(&self) -> Seed {
         Seed(self.seed).child("discovery")
+    }
+}
+
+/// How far the search goes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SearchLimits {
+    /// Effects at most.
+    pub(super) most_effects: usize,
+    /// Score that an effect must add to be taken.
+    pub(super) least_score: f64,
+    /// Distance that an effect must move the tip, over the noise floor.
+    pub(super) least_size: f64,
+    /// The same for one effect more, over what those found before it do together.
+    pub(super) least_share: f64,
+    /// The same in metres, whatever the noise.
+    pub(super) least_m: f64,
+    /// Sets whose scores are nearer are rivals.
+    pub(super) rival_score: f64,
+    /// Beside sets of fewer effects every candidate is fitted, whatever it predictions at a first look.
+    pub(super) exhaustive_below: usize,
+}
+
+impl SearchLimits {
+    /// How far an effect must move the tip beside a set that leaves this noise, metres.
+    pub(super) fn least_m(&self, noise_rms_m: f64) -> f64 {
+        self.least_m.max(self.least_size * noise_rms_m)
     }
 }
 

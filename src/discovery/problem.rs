@@ -1,49 +1,47 @@
-//! A question: the model, its samples, and what has been found out about them before anything is named.
+//! A problem: the model, its samples, and what has been found out about them before anything is named.
 
 use super::error::DiscoveryError;
-use super::fit::candidate::{Hypothesis, Member, effects, hypotheses};
-use super::fit::gauss_newton::{Fitted, Study};
-use super::fit::nuisance::{Column, Explained, Nuisances};
-use super::fit::nuisance_priors::Uncertain;
+use super::fit::candidate::{CandidateEffect, SetMember, catalogue_candidates};
+use super::fit::gauss_newton::FitProblem;
+use super::fit::nuisance::{NuisanceColumn, Nuisances};
+use super::fit::nuisance_priors::UncertainParameters;
 use super::fit::{baseline, sensitivities, simulate};
-use super::goodness_of_fit::{Sign, Test};
-use super::noise_floor::Floor;
+use super::noise_floor::NoiseFloor;
 use super::noise_floor::trial_starts;
 use super::options::Options;
 use super::recording::samples::{Samples, rms_m};
 use super::recording::{holdout, validate};
 use crate::data::Recording;
-use crate::effects::{EffectSpec, Model};
-use crate::math::distribution::f_above;
+use crate::effects::Model;
 
 /// What an answer is sought for, and what has been found out on the way.
-pub(crate) struct Question<'a> {
+pub(crate) struct Problem<'a> {
     pub(crate) options: &'a Options,
-    /// The model, calibrated on the baseline where there is one, played with the precision of the options.
+    /// The model, calibrated on the baseline where there is one, simulated_m with the precision of the options.
     pub(crate) model: Model,
-    /// The same, played coarsely.
+    /// The same, simulated_m coarsely.
     pub(crate) coarse: Model,
-    pub(crate) base: Option<Base>,
-    pub(crate) hypotheses: Vec<Hypothesis>,
-    /// All samples that are asked about, those of the fit, and the proof.
+    pub(crate) base: Option<Baseline>,
+    pub(crate) candidates: Vec<CandidateEffect>,
+    /// All samples that are asked about, those of the fit, and the held_out.
     pub(crate) all: Samples,
-    pub(crate) fit: Samples,
-    pub(crate) proof: Samples,
-    pub(crate) played: Vec<f64>,
-    pub(crate) played_proof: Vec<f64>,
-    pub(crate) responses: Vec<sensitivities::Response>,
+    pub(crate) training: Samples,
+    pub(crate) held_out: Samples,
+    pub(crate) simulated_m: Vec<f64>,
+    pub(crate) held_out_simulated_m: Vec<f64>,
+    pub(crate) sensitivities: Vec<sensitivities::Sensitivity>,
     pub(crate) nuisances: Nuisances,
     /// Whether markers on the base show it standing as in the model.
-    pub(crate) base_stands: bool,
+    pub(crate) base_matches_model: bool,
 }
 
-impl<'a> Question<'a> {
+impl<'a> Problem<'a> {
     pub(crate) fn new(
         model: &Model,
         all: Samples,
         baseline: Option<&Recording>,
         options: &'a Options,
-    ) -> Result<Question<'a>, DiscoveryError> {
+    ) -> Result<Problem<'a>, DiscoveryError> {
         let mut model = model.clone();
         let resolution = &mut model.robot.resolution;
         resolution.motion_tolerance_m = options.motion_tolerance_m;
@@ -51,101 +49,66 @@ impl<'a> Question<'a> {
         resolution.static_tolerance_m = f64::INFINITY;
         resolution.cell_m = resolution.cell_m.max(options.cell_m);
         resolution.blended = true;
-        let hypotheses = hypotheses(&model);
+        let candidates = catalogue_candidates(&model);
         let (kept, held_out) = holdout::split(&all, options.held_out_share);
-        let (fit, proof) = (all.of_trials(&kept), all.of_trials(&held_out));
-        validate::check_parts(&fit, &proof)?;
+        let (training, held_out) = (all.of_trials(&kept), all.of_trials(&held_out));
+        validate::check_parts(&training, &held_out)?;
         let base = match baseline {
             Some(recording) => Some(
-                Base::new(&mut model, &hypotheses, recording, options)
+                Baseline::new(&mut model, &candidates, recording, options)
                     .map_err(|error| DiscoveryError::Baseline(Box::new(error)))?,
             ),
             None => None,
         };
-        let played = played(&model, &fit)?;
-        let played_proof = self::played(&model, &proof)?;
+        let simulated_m = simulate_model(&model, &training)?;
+        let held_out_simulated_m = simulate_model(&model, &held_out)?;
         let coarse = simulate::coarse(&model);
-        let responses = sensitivities::responses(&coarse, &hypotheses, &[], &|_| true, &fit);
-        let columns = uncertain(options, &hypotheses, &[], base.as_ref()).columns(&model, &[], &fit);
-        let nuisances = nuisances(base.as_ref(), &fit, &played, &columns);
-        Ok(Question {
+        let sensitivities = sensitivities::sensitivities(&coarse, &candidates, &[], &|_| true, &training);
+        let columns = uncertain(options, &candidates, &[], base.as_ref()).columns(&model, &[], &training);
+        let nuisances = nuisances(base.as_ref(), &training, &simulated_m, &columns);
+        Ok(Problem {
             options,
             model,
             coarse,
             base,
-            hypotheses,
+            candidates,
             all,
-            fit,
-            proof,
-            played,
-            played_proof,
-            responses,
+            training,
+            held_out,
+            simulated_m,
+            held_out_simulated_m,
+            sensitivities,
             nuisances,
-            base_stands: false,
+            base_matches_model: false,
         })
     }
 
-    pub(crate) fn study(&self) -> Study<'_> {
-        let open = |hypothesis: &Hypothesis| {
-            let name = hypothesis.card.name;
-            let contradicted = self.base_stands && name == "base_tilt";
+    pub(crate) fn fit_problem(&self) -> FitProblem<'_> {
+        let open = |candidate: &CandidateEffect| {
+            let name = candidate.card.name;
+            let contradicted = self.base_matches_model && name == "base_tilt";
             !contradicted && !self.options.left_out.iter().any(|left_out| left_out == name)
         };
-        Study {
+        FitProblem {
             model: &self.model,
             coarse: &self.coarse,
-            hypotheses: &self.hypotheses,
-            open: self.hypotheses.iter().map(open).collect(),
-            samples: &self.fit,
+            candidates: &self.candidates,
+            open: self.candidates.iter().map(open).collect(),
+            samples: &self.training,
             nuisances: &self.nuisances,
         }
     }
 
-    /// What is left of the held-out trials, where the model with the `answer` has the tip at `played`: what is uncertain of
-    /// any robot, and what is in common with a baseline, within what the fit leaves of it.
-    pub(crate) fn held_out(&self, study: &Study, answer: &Fitted, played: &[f64]) -> Option<Explained> {
-        let precision = study.nuisance_precision(answer)?;
-        let beside = self.nuisances_beside(&answer.members, &self.proof, &self.played_proof);
-        let amounts = &answer.explained.amounts;
-        let known = effects(&self.hypotheses, &answer.members).unwrap_or_default();
-        let there = |off: &[EffectSpec]| simulate::tips(&self.model, &[&known, off].concat(), &self.proof);
-        let nuisances = self.uncertain(&answer.members).bent(beside, amounts, played, &there);
-        let nuisances = nuisances.known(amounts.clone(), precision);
-        Some(nuisances.explain(&self.proof, &self.proof.residual(played), 0.0))
-    }
-
-    /// Whether held-out trials scatter no more about `other` numbers of an answer than the trials of the fit.
-    pub(crate) fn bear_out(&self, study: &Study, other: &Fitted) -> bool {
-        let known = effects(&self.hypotheses, &other.members);
-        let played = known.and_then(|known| simulate::tips(&self.model, &known, &self.proof));
-        let unseen = played.and_then(|played| self.held_out(study, other, &played));
-        unseen.is_some_and(|unseen| self.held_out_sign(other, &unseen).is_none())
-    }
-
-    /// The sign that trials that took no part scatter more about `answer` than those of its fit. `unseen`: what is left of
-    /// them.
-    pub(crate) fn held_out_sign(&self, answer: &Fitted, unseen: &Explained) -> Option<Sign> {
-        let square_m2 = |explained: &Explained| explained.noise.rms_m().powi(2);
-        let freedom = |explained: &Explained, samples: &Samples| explained.noise.freedom(samples.len());
-        let (there, here) = (square_m2(unseen), square_m2(&answer.explained));
-        let above = freedom(unseen, &self.proof);
-        let p_value = f_above(there / here, above, freedom(&answer.explained, &self.fit));
-        let least_m = self.least_left_m(here.sqrt()).max(self.inexact_m(&answer.played));
-        let more_m = (there - here).max(0.0).sqrt();
-        let clear = p_value < self.options.false_alarm && more_m > least_m;
-        clear.then_some(Sign { test: Test::HeldOut, p_value, more_m, beyond_m: here.sqrt() })
-    }
-
-    /// What may differ a little from the model with the `members`, in `samples` where it has the tip at `played` without
+    /// What may differ a little from the model with the `members`, in `samples` where it has the tip at `simulated_m` without
     /// them: with much of an effect the tip answers to the rest otherwise than without.
-    pub(crate) fn nuisances_beside(&self, members: &[Member], samples: &Samples, played: &[f64]) -> Nuisances {
+    pub(crate) fn nuisances_with(&self, members: &[SetMember], samples: &Samples, simulated_m: &[f64]) -> Nuisances {
         let columns = self.uncertain(members).columns(&self.model, members, samples);
-        nuisances(self.base.as_ref(), samples, played, &columns)
+        nuisances(self.base.as_ref(), samples, simulated_m, &columns)
     }
 
     /// The numbers that are uncertain beside the `members`.
-    pub(crate) fn uncertain(&self, members: &[Member]) -> Uncertain<'_> {
-        uncertain(self.options, &self.hypotheses, members, self.base.as_ref())
+    pub(crate) fn uncertain(&self, members: &[SetMember]) -> UncertainParameters<'_> {
+        uncertain(self.options, &self.candidates, members, self.base.as_ref())
     }
 
     /// Whether what a baseline has in common with the recording is no discovery.
@@ -159,93 +122,104 @@ impl<'a> Question<'a> {
     }
 
     /// What is left beside noise of this size, metres, matters beyond so much.
-    pub(crate) fn least_left_m(&self, floor_m: f64) -> f64 {
+    pub(crate) fn least_relevant_m(&self, floor_m: f64) -> f64 {
         self.options.least_m(&self.model).max(self.options.least_foretold * floor_m)
     }
 
-    /// What the laws of the effects that bring the tip to `played` are off by, at their best, metres.
-    pub(crate) fn inexact_m(&self, played: &[f64]) -> f64 {
-        self.options.least_share * rms_m(&self.moved(played))
+    /// What the laws of the effects that bring the tip to `simulated_m` are off by, at their best, metres.
+    pub(crate) fn law_error_m(&self, simulated_m: &[f64]) -> f64 {
+        self.options.least_share * rms_m(&self.displacement_m(simulated_m))
     }
 
-    /// By how much effects that bring the tip to `played` move it, three numbers a sample, metres.
-    pub(crate) fn moved(&self, played: &[f64]) -> Vec<f64> {
-        played.iter().zip(&self.played).map(|(with, without)| with - without).collect()
+    /// By how much effects that bring the tip to `simulated_m` move it, three numbers a sample, metres.
+    pub(crate) fn displacement_m(&self, simulated_m: &[f64]) -> Vec<f64> {
+        simulated_m.iter().zip(&self.simulated_m).map(|(with, without)| with - without).collect()
     }
 }
 
 /// A baseline, once the model is calibrated on it.
-pub(crate) struct Base {
+pub(crate) struct Baseline {
     pub(crate) samples: Samples,
     /// How its first tips scatter, where beginnings of its trials were left out for that.
-    pub(crate) starts: Option<Floor>,
-    pub(crate) played: Vec<f64>,
+    pub(crate) starts: Option<NoiseFloor>,
+    pub(crate) simulated_m: Vec<f64>,
     /// What is uncertain, far wider than after a calibration.
-    columns: Vec<Column>,
+    columns: Vec<NuisanceColumn>,
     /// What the calibration multiplied, where it made the baseline likelier.
-    pub(crate) factors: Option<baseline::Factors>,
+    pub(crate) factors: Option<baseline::CalibrationFactors>,
 }
 
 /// Before a calibration a number is known this many times worse than after it.
 const BEFORE_CALIBRATION: f64 = 10.0;
 
-impl Base {
+impl Baseline {
     fn new(
         model: &mut Model,
-        hypotheses: &[Hypothesis],
+        candidates: &[CandidateEffect],
         recording: &Recording,
         options: &Options,
-    ) -> Result<Base, DiscoveryError> {
+    ) -> Result<Baseline, DiscoveryError> {
         let whole = Samples::new(recording);
         validate::check(recording, &whole)?;
-        let later = trial_starts::doubtful(&whole, model).map(|starts| (trial_starts::without(&whole), Some(starts)));
+        let later = trial_starts::scattered_starts(&whole, model)
+            .map(|starts| (trial_starts::without_starts(&whole), Some(starts)));
         let enough = |(later, _): &(Samples, _)| validate::check(recording, later).is_ok();
         let (samples, starts) = later.filter(enough).unwrap_or((whole, None));
-        let look = |model: &Model| -> Result<(Vec<f64>, Vec<Column>), DiscoveryError> {
-            let played = played(model, &samples)?;
-            let uncertain = Uncertain::new(options, hypotheses, &[], BEFORE_CALIBRATION);
+        let look = |model: &Model| -> Result<(Vec<f64>, Vec<NuisanceColumn>), DiscoveryError> {
+            let simulated_m = simulate_model(model, &samples)?;
+            let uncertain = UncertainParameters::new(options, candidates, &[], BEFORE_CALIBRATION);
             let columns = uncertain.columns(model, &[], &samples);
-            Ok((played, columns))
+            Ok((simulated_m, columns))
         };
         let (first, columns) = look(model)?;
         let nuisances = Nuisances::independent(first.len(), &columns);
-        let left = |played: &[f64], columns: &[Column]| {
-            Nuisances::independent(played.len(), columns).explain(&samples, &samples.residual(played), 0.0).deviance
+        let left = |simulated_m: &[f64], columns: &[NuisanceColumn]| {
+            Nuisances::independent(simulated_m.len(), columns)
+                .explain(&samples, &samples.residual(simulated_m), 0.0)
+                .deviance
         };
-        if let Some((better, factors)) = baseline::calibrated(model, hypotheses, &samples, &nuisances) {
+        if let Some((better, factors)) = baseline::calibrate(model, candidates, &samples, &nuisances) {
             let (there, wider) = look(&better)?;
             if left(&there, &wider) < left(&first, &columns) {
                 *model = better;
-                return Ok(Base { samples, starts, played: there, columns: wider, factors: Some(factors) });
+                return Ok(Baseline { samples, starts, simulated_m: there, columns: wider, factors: Some(factors) });
             }
         }
-        Ok(Base { samples, starts, played: first, columns, factors: None })
+        Ok(Baseline { samples, starts, simulated_m: first, columns, factors: None })
     }
 }
 
 /// What is uncertain beside the `members`; with a baseline as wide as it was before that, which tells how wide it is.
 fn uncertain<'a>(
     options: &Options,
-    hypotheses: &'a [Hypothesis],
-    members: &[Member],
-    base: Option<&Base>,
-) -> Uncertain<'a> {
-    Uncertain::new(options, hypotheses, members, if base.is_some() { BEFORE_CALIBRATION } else { 1.0 })
+    candidates: &'a [CandidateEffect],
+    members: &[SetMember],
+    base: Option<&Baseline>,
+) -> UncertainParameters<'a> {
+    UncertainParameters::new(options, candidates, members, if base.is_some() { BEFORE_CALIBRATION } else { 1.0 })
 }
 
-/// What may differ a little between the model and the robot in `samples`, where the model has the tip at `played`.
-fn nuisances(base: Option<&Base>, samples: &Samples, played: &[f64], uncertain: &[Column]) -> Nuisances {
+/// What may differ a little between the model and the robot in `samples`, where the model has the tip at `simulated_m`.
+fn nuisances(
+    base: Option<&Baseline>,
+    samples: &Samples,
+    simulated_m: &[f64],
+    uncertain: &[NuisanceColumn],
+) -> Nuisances {
     match base {
-        None => Nuisances::independent(played.len(), uncertain),
-        Some(base) => baseline::in_common((&base.samples, &base.played, &base.columns), (samples, played, uncertain)),
+        None => Nuisances::independent(simulated_m.len(), uncertain),
+        Some(base) => baseline::calibrated_nuisances(
+            (&base.samples, &base.simulated_m, &base.columns),
+            (samples, simulated_m, uncertain),
+        ),
     }
 }
 
 /// Where `model` has the tip in `samples`, three numbers a sample, metres.
-pub(crate) fn played(model: &Model, samples: &Samples) -> Result<Vec<f64>, DiscoveryError> {
+pub(crate) fn simulate_model(model: &Model, samples: &Samples) -> Result<Vec<f64>, DiscoveryError> {
     simulate::tips(model, &[], samples).ok_or_else(|| {
         let alone = |k: usize| simulate::tips(model, &[], &samples.of_trials(&[k])).is_none();
         let first = (0..samples.trials.len()).find(|&k| alone(k)).unwrap_or(0);
-        DiscoveryError::Unplayable(samples.trials[first].number)
+        DiscoveryError::CannotFollow(samples.trials[first].number)
     })
 }

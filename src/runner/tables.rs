@@ -4,7 +4,7 @@ use super::campaign::{NetworkRole, PointStages, TrainedCells};
 use super::graph::Failure;
 use super::metrics::Tables;
 use super::outcomes::Outcomes;
-use crate::benchmark::Scored;
+use crate::benchmark::ScoredCase;
 use crate::data::rows::{GpRow, NetworkRow, TrackRow, TrialRow, WaypointRow};
 use crate::learn::rnn::Trained;
 use crate::report::track_summary;
@@ -32,7 +32,7 @@ pub(super) fn assemble(point: &PointStages, outcomes: &Outcomes) -> Tables {
         }
         let gps = one.gps.iter().filter_map(|(training, stage)| Some((training, outcomes.get(*stage).ok()?)));
         tables.gps.extend(gps.map(|(training, row)| GpRow { seed, training: training.clone(), ..row.clone() }));
-        for Scored { row, intervals } in one.blind.iter().map(|case| case.scored(outcomes)) {
+        for ScoredCase { row, intervals } in one.blind.iter().map(|case| case.scored(outcomes)) {
             tables.published.cases.push(row);
             tables.published.intervals.extend(intervals);
         }

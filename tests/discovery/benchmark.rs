@@ -3,8 +3,8 @@
 
 use spinebench::base::Seed;
 use spinebench::benchmark::{
-    Answer, Answered, Batch, Commands, Group, OracleOptions, Prior, Robot, Span, Truth, TruthOptions, UNKNOWNS,
-    commands, draw, present, score,
+    AnsweredEffect, CaseAnswer, CaseBatch, CaseDesign, CaseGroup, CatalogueSpan, Commands, DISTURBANCES, OracleOptions,
+    Prior, Truth, TruthOptions, draw, explore_commands, measure_case, score,
 };
 use spinebench::data::findings::Verdict;
 use spinebench::effects::{CATALOGUE, Model};
@@ -25,7 +25,7 @@ fn model() -> Model {
 
 fn walk(samples: usize, seed: u64) -> Commands {
     let explore = ExploreOptions { points: samples, trajectories: 3, max_step_m: 0.006, ..ExploreOptions::default() };
-    commands(&model(), &explore, 0.2, Seed(seed)).unwrap()
+    explore_commands(&model(), &explore, 0.2, Seed(seed)).unwrap()
 }
 
 fn priors() -> Vec<Prior> {
@@ -37,7 +37,7 @@ fn priors() -> Vec<Prior> {
     vec![prior("bending_stiffness", "scale", 0.003), prior("frame_shift", "shift_m", 6e-5)]
 }
 
-fn robot(group: Group, number: usize, shift_m: f64) -> Robot {
+fn robot(group: CaseGroup, number: usize, shift_m: f64) -> CaseDesign {
     // Of the truth only the steps in time are finer here: a test is no benchmark.
     let truth = TruthOptions {
         cell_m: 0.05,
@@ -48,7 +48,7 @@ fn robot(group: Group, number: usize, shift_m: f64) -> Robot {
     };
     let oracle = OracleOptions { most_effects: 2, ..OracleOptions::default() };
     let seed = Seed(11).index(number as u64).0;
-    Robot { model: model(), group, number, shift_m, noise_m: 5e-4, priors: priors(), truth, oracle, seed }
+    CaseDesign { model: model(), group, number, shift_m, noise_m: 5e-4, priors: priors(), truth, oracle, seed }
 }
 
 #[test]
@@ -57,14 +57,14 @@ fn a_seed_gives_one_case_and_another_seed_another() {
     assert_eq!(commands, walk(36, 1));
     assert_ne!(commands, walk(36, 2));
     assert_eq!(commands.len(), 36);
-    let one = robot(Group::Pair, 3, 0.003);
+    let one = robot(CaseGroup::Pair, 3, 0.003);
     let truth = draw(&one, &commands, None).unwrap();
     assert_eq!(truth, draw(&one, &commands, None).unwrap());
-    let shown = present(&one, &truth, &commands, 0.6).unwrap();
-    assert_eq!(shown, present(&one, &truth, &commands, 0.6).unwrap());
-    let other = Robot { seed: one.seed + 1, ..one.clone() };
+    let shown = measure_case(&one, &truth, &commands, 0.6).unwrap();
+    assert_eq!(shown, measure_case(&one, &truth, &commands, 0.6).unwrap());
+    let other = CaseDesign { seed: one.seed + 1, ..one.clone() };
     assert_ne!(truth, draw(&other, &commands, None).unwrap());
-    assert_ne!(shown.tips_m, present(&other, &truth, &commands, 0.6).unwrap().tips_m, "the same noise");
+    assert_ne!(shown.tips_m, measure_case(&other, &truth, &commands, 0.6).unwrap().tips_m, "the same noise");
     let recording = shown.recording();
     assert_eq!((recording.len(), recording.trials().len()), (36, 3));
     assert!(recording.time_s.iter().all(|time| *time <= 11.0 * 0.2 + 1e-9));
@@ -75,7 +75,7 @@ fn what_is_hidden_moves_the_tip_as_asked_or_says_that_it_cannot() {
     let commands = walk(60, 4);
     let mut short = BTreeSet::new();
     for number in 0..CATALOGUE.len() {
-        let truth = draw(&robot(Group::Single, number, 0.004), &commands, None).unwrap();
+        let truth = draw(&robot(CaseGroup::Single, number, 0.004), &commands, None).unwrap();
         assert_eq!(truth.name(), CATALOGUE[number].name, "every effect has its turn");
         assert!(truth.shift_m > 0.0 && truth.shift_m < 0.0046, "{truth:?}");
         if truth.shift_m < 0.0034 {
@@ -90,10 +90,10 @@ fn what_is_hidden_moves_the_tip_as_asked_or_says_that_it_cannot() {
 fn pairs_are_two_effects_and_nothing_is_nothing() {
     let commands = walk(36, 5);
     for number in 0..3 {
-        let truth = draw(&robot(Group::Pair, number, 0.003), &commands, None).unwrap();
+        let truth = draw(&robot(CaseGroup::Pair, number, 0.003), &commands, None).unwrap();
         let names: BTreeSet<&str> = truth.hidden.iter().map(|hidden| hidden.name.as_str()).collect();
         assert_eq!(names.len(), 2, "{truth:?}");
-        let nothing = draw(&robot(Group::Nothing, number, 0.003), &commands, None).unwrap();
+        let nothing = draw(&robot(CaseGroup::Nothing, number, 0.003), &commands, None).unwrap();
         assert!(nothing.hidden.is_empty() && nothing.unknown.is_none() && nothing.shift_m == 0.0);
         assert_eq!(nothing.uncertain.len(), 2, "no robot is the model to the last digit");
         assert!(nothing.uncertain[0].values[0] != 1.0 && (nothing.uncertain[0].values[0] - 1.0).abs() < 0.02);
@@ -103,17 +103,17 @@ fn pairs_are_two_effects_and_nothing_is_nothing() {
 #[test]
 fn the_oracle_knows_inside_from_outside() {
     let commands = walk(60, 6);
-    let span = Span::new(&model(), &commands, &priors(), 5e-4).unwrap();
+    let span = CatalogueSpan::new(&model(), &commands, &priors(), 5e-4).unwrap();
     let mut outside = BTreeSet::new();
     for number in 0..4 {
-        let truth = draw(&robot(Group::Outside, number, 0.004), &commands, Some(&span)).unwrap();
+        let truth = draw(&robot(CaseGroup::Outside, number, 0.004), &commands, Some(&span)).unwrap();
         assert!(truth.left > OracleOptions::default().outside_above, "{truth:?}");
         let names: Vec<String> = truth.hidden.iter().map(|hidden| hidden.name.clone()).collect();
         assert_eq!(truth.left_out, names, "an effect of the catalogue is only unknown when it is taken out");
         outside.insert(truth.name());
     }
     assert!(outside.len() >= 3, "{outside:?}");
-    let inside = draw(&robot(Group::Inside, 0, 0.004), &commands, Some(&span)).unwrap();
+    let inside = draw(&robot(CaseGroup::Inside, 0, 0.004), &commands, Some(&span)).unwrap();
     assert!(inside.left < OracleOptions::default().inside_below, "{inside:?}");
     assert_eq!(inside.left_out.len(), 1);
     let (out, imitations) = (&inside.left_out[0], &inside.imitations);
@@ -122,12 +122,17 @@ fn the_oracle_knows_inside_from_outside() {
         "{inside:?}"
     );
     // What is in the catalogue is imitated by itself.
-    let load = draw(&robot(Group::Single, 0, 0.004), &commands, None).unwrap();
-    let with =
-        present(&Robot { noise_m: 1e-12, priors: vec![], ..robot(Group::Single, 0, 0.004) }, &load, &commands, 0.0);
+    let load = draw(&robot(CaseGroup::Single, 0, 0.004), &commands, None).unwrap();
+    let with = measure_case(
+        &CaseDesign { noise_m: 1e-12, priors: vec![], ..robot(CaseGroup::Single, 0, 0.004) },
+        &load,
+        &commands,
+        0.0,
+    );
     let nothing = Truth { hidden: vec![], ..load.clone() };
     let without =
-        present(&Robot { noise_m: 1e-12, ..robot(Group::Single, 0, 0.004) }, &nothing, &commands, 0.0).unwrap();
+        measure_case(&CaseDesign { noise_m: 1e-12, ..robot(CaseGroup::Single, 0, 0.004) }, &nothing, &commands, 0.0)
+            .unwrap();
     let each = with.unwrap().tips_m.into_iter().zip(without.tips_m);
     let moved: Vec<f64> = each.flat_map(|(a, b)| [a[0] - b[0], a[1] - b[1], a[2] - b[2]]).collect();
     let left = |out: &[String]| span.left(&model(), &commands, &moved, out, &OracleOptions::default(), true);
@@ -143,44 +148,52 @@ fn the_oracle_knows_inside_from_outside() {
 #[test]
 fn every_disturbance_can_be_hidden() {
     let commands = walk(60, 7);
-    let span = Span::new(&model(), &commands, &priors(), 5e-4).unwrap();
+    let span = CatalogueSpan::new(&model(), &commands, &priors(), 5e-4).unwrap();
     let oracle = OracleOptions { outside_above: 1e-6, inside_below: 1e-6, most_effects: 1, cases_per_commands: 1 };
     let mut seen = BTreeSet::new();
-    for number in 0..2 * UNKNOWNS.len() {
-        let robot = Robot { oracle, ..robot(Group::Outside, number, 0.004) };
+    for number in 0..2 * DISTURBANCES.len() {
+        let robot = CaseDesign { oracle, ..robot(CaseGroup::Outside, number, 0.004) };
         let truth = draw(&robot, &commands, Some(&span)).unwrap();
         if let Some(unknown) = &truth.unknown {
             assert!(truth.shift_m > 5e-4 && truth.shift_m < 0.0046, "{truth:?}");
             seen.insert(unknown.name.clone());
         }
     }
-    assert_eq!(seen.len(), UNKNOWNS.len(), "{seen:?}");
-    assert!(UNKNOWNS.len() >= 5);
-    assert!(UNKNOWNS.iter().all(|unknown| CATALOGUE.iter().all(|card| card.name != unknown.name)));
+    assert_eq!(seen.len(), DISTURBANCES.len(), "{seen:?}");
+    assert!(DISTURBANCES.len() >= 5);
+    assert!(DISTURBANCES.iter().all(|unknown| CATALOGUE.iter().all(|card| card.name != unknown.name)));
 }
 
 /// Name and parameters with their intervals of an effect in an answer.
 type Told<'t> = (&'t str, &'t [(&'t str, f64, [f64; 2])]);
 
-fn answer(verdict: Verdict, effects: &[Told]) -> Answer {
-    let one = |(name, values): &Told| Answered {
+fn answer(verdict: Verdict, effects: &[Told]) -> CaseAnswer {
+    let one = |(name, values): &Told| AnsweredEffect {
         name: (*name).to_owned(),
         values: values.iter().map(|(name, value, _)| ((*name).to_owned(), *value)).collect(),
         intervals: values.iter().map(|(name, _, ends)| ((*name).to_owned(), *ends)).collect::<BTreeMap<_, _>>(),
     };
     let effects = effects.iter().map(one).collect();
-    Answer { verdict, effects, before_m: 4e-3, after_m: 9e-4, stiffness_only_m: 3e-3, gp_m: f64::NAN, floor_m: 9e-4 }
+    CaseAnswer {
+        verdict,
+        effects,
+        before_m: 4e-3,
+        after_m: 9e-4,
+        stiffness_only_m: 3e-3,
+        gp_m: f64::NAN,
+        floor_m: 9e-4,
+    }
 }
 
 #[test]
 fn answers_are_scored_by_name_tendon_size_and_interval() {
     let commands = walk(36, 8);
     let batch =
-        |group: &str| -> Batch { serde_json::from_str(&format!("{{\"group\":\"{group}\",\"cases\":1}}")).unwrap() };
+        |group: &str| -> CaseBatch { serde_json::from_str(&format!("{{\"group\":\"{group}\",\"cases\":1}}")).unwrap() };
     let number = CATALOGUE.iter().position(|card| card.name == "actuator_gain").unwrap();
-    let truth = draw(&robot(Group::Single, number, 0.004), &commands, None).unwrap();
+    let truth = draw(&robot(CaseGroup::Single, number, 0.004), &commands, None).unwrap();
     let [tendon, scale] = truth.hidden[0].values[..] else { panic!("{truth:?}") };
-    let scored = |answer: &Answer| score(7, &batch("single"), 0.0, &model(), &truth, answer).row;
+    let scored = |answer: &CaseAnswer| score(7, &batch("single"), 0.0, &model(), &truth, answer).row;
     let near = 1.0 + 1.1 * (scale - 1.0);
     let ends = [scale.min(near) - 1e-3, scale.max(near) + 1e-3];
     let good = answer(Verdict::Named, &[("actuator_gain", &[("tendon", tendon, [0.0; 2]), ("scale", near, ends)])]);
@@ -197,7 +210,7 @@ fn answers_are_scored_by_name_tendon_size_and_interval() {
     );
     assert!(!scored(&wrong_tendon).right && !scored(&wrong_tendon).in_group);
     let radius = answer(Verdict::Named, &[("tendon_radius", &[])]).effects;
-    let group = |gain: &Answer| Answer {
+    let group = |gain: &CaseAnswer| CaseAnswer {
         verdict: Verdict::Ambiguous,
         effects: [radius.clone(), gain.effects.clone()].concat(),
         ..good.clone()
@@ -206,7 +219,7 @@ fn answers_are_scored_by_name_tendon_size_and_interval() {
     assert!(!scored(&two).right && scored(&two).in_group && scored(&two).strength_error.is_nan());
     assert!(!scored(&group(&wrong_tendon)).in_group, "a group of another tendon");
     let more = [good.effects.clone(), radius].concat();
-    assert!(!scored(&Answer { effects: more, ..good.clone() }).in_group, "an effect too many is no group");
+    assert!(!scored(&CaseAnswer { effects: more, ..good.clone() }).in_group, "an effect too many is no group");
     let other = answer(Verdict::Named, &[("tendon_radius", &[])]);
     assert!(!scored(&other).right && !scored(&other).in_group);
     for (group, verdict, right, in_group) in [
@@ -250,9 +263,9 @@ fn the_label_is_sealed() {
     // What a recording shows besides commands and tips is what is taken out of the catalogue: nothing, for the groups in
     // which the catalogue is whole.
     let commands = walk(36, 9);
-    for group in [Group::Nothing, Group::Single, Group::Pair] {
+    for group in [CaseGroup::Nothing, CaseGroup::Single, CaseGroup::Pair] {
         let robot = robot(group, 1, 0.003);
-        let shown = present(&robot, &draw(&robot, &commands, None).unwrap(), &commands, 0.0).unwrap();
+        let shown = measure_case(&robot, &draw(&robot, &commands, None).unwrap(), &commands, 0.0).unwrap();
         assert!(shown.left_out.is_empty());
         assert!(shown.recording().extra.is_empty() && shown.recording().known_load_kg.is_none());
     }

@@ -6,7 +6,7 @@ use crate::support::discovery_rows::{Made, ambiguous, consistent, named, unexpla
 use crate::support::text_overlap as overlap;
 use serde_json::{Value, json};
 use spinebench::data::findings::{Candidate, FoundEffect, Verdict};
-use spinebench::report::discovery::{EffectText, Story, artifacts};
+use spinebench::report::discovery::{DiscoveryReport, EffectText, artifacts};
 use spinebench::report::{Artifact, write};
 
 fn files(made: &Made) -> Vec<Artifact> {
@@ -103,7 +103,7 @@ fn each_verdict_has_its_words() {
 #[test]
 fn with_a_baseline_it_is_the_calibrated_model_that_errs() {
     let made = named();
-    let files = artifacts(&Story { calibrated: true, ..made.story() }).unwrap();
+    let files = artifacts(&DiscoveryReport { calibrated: true, ..made.story() }).unwrap();
     for (name, words) in [
         ("report.html", "Error of the calibrated model"),
         ("gap.svg", "calibrated model"),

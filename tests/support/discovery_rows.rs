@@ -5,7 +5,7 @@ use spinebench::base::Seed;
 use spinebench::data::findings::{
     Candidate, Disagreement, Findings, FoundEffect, Gap, MissingTest, Noise, PlaceRow, Proposal, ResidualRow, Verdict,
 };
-use spinebench::report::discovery::{EffectText, Story};
+use spinebench::report::discovery::{DiscoveryReport, EffectText};
 
 use rand::RngExt;
 
@@ -20,8 +20,8 @@ pub(crate) struct Made {
 }
 
 impl Made {
-    pub(crate) fn story(&self) -> Story<'_> {
-        Story {
+    pub(crate) fn story(&self) -> DiscoveryReport<'_> {
+        DiscoveryReport {
             findings: &self.findings,
             residuals: &self.residuals,
             places: &self.places,

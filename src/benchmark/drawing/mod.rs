@@ -1,36 +1,34 @@
 //! Robots with something hidden in them.
 
-pub(crate) mod disturbances;
-pub(crate) mod injected_effects;
 pub(crate) mod scale_to_shift;
 
 use rand::seq::SliceRandom;
 use serde::Serialize;
 
 use super::commands::{Commands, apart_m};
-use super::error::BlindError;
-use super::options::{Group, OracleOptions, Prior, TruthOptions};
-use super::oracle::Span;
-use super::truth::{Truth, sized, tips_m, uncertain};
+use super::error::BenchmarkError;
+use super::injection::disturbances::{DISTURBANCES, Disturbance};
+use super::injection::injected_effects::{InjectedEffect, UnscaledEffect};
+use super::options::{CaseGroup, OracleOptions, Prior, TruthOptions};
+use super::oracle::CatalogueSpan;
+use super::truth::{Truth, check_prior, draw_uncertain, tips_m};
 use crate::base::{Generator, Point3, Seed};
 use crate::effects::{CATALOGUE, Card, Model};
-use disturbances::{Disturbance, UNKNOWNS};
-use injected_effects::{Draft, Hidden};
-use scale_to_shift::{Reached, reach};
+use scale_to_shift::{ScaledStrength, scale_to_shift};
 
 /// What moves the tip by less than this share of what was asked is not worth a case.
 const FAINT: f64 = 0.25;
 
 /// What is hidden in a robot whose uncertain numbers these are; nothing where it cannot be.
-type Hide<'h> = dyn FnMut(&[Hidden], &mut Generator) -> Option<Vec<Hidden>> + 'h;
+type DrawEffects<'h> = dyn FnMut(&[InjectedEffect], &mut Generator) -> Option<Vec<InjectedEffect>> + 'h;
 
 /// What a blind case is drawn from.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Robot {
+pub struct CaseDesign {
     /// The model as it is believed.
     pub model: Model,
     /// What is hidden.
-    pub group: Group,
+    pub group: CaseGroup,
     /// Number of the case in its batch: kinds and sizes take turns by it.
     pub number: usize,
     /// How far it is to move the tip, root mean square, metres.
@@ -41,7 +39,7 @@ pub struct Robot {
     pub priors: Vec<Prior>,
     /// How finely the truth is computed.
     pub truth: TruthOptions,
-    /// When something is outside the span of the catalogue.
+    /// TrialProgress something is outside the span of the catalogue.
     pub oracle: OracleOptions,
     /// Root of all that is random about it.
     pub seed: u64,
@@ -57,29 +55,29 @@ const ROBOTS: usize = 20;
 /// Draws the truth of a case. `span`: what the oracle knows of these commands, for the groups that it judges.
 ///
 /// # Errors
-/// [`BlindError`] when no robot of this kind can follow the commands, or the oracle finds nothing of it.
-pub fn draw(robot: &Robot, commands: &Commands, span: Option<&Span>) -> Result<Truth, BlindError> {
-    robot.priors.iter().try_for_each(sized)?;
-    let drawing = Drawing { robot, commands };
+/// [`BenchmarkError`] when no robot of this kind can follow the commands, or the oracle finds nothing of it.
+pub fn draw(robot: &CaseDesign, commands: &Commands, span: Option<&CatalogueSpan>) -> Result<Truth, BenchmarkError> {
+    robot.priors.iter().try_for_each(check_prior)?;
+    let drawing = CaseDrawing { robot, commands };
     match robot.group {
-        Group::Nothing => drawing.settled("nothing", &mut |_, _| Some(Vec::new())),
-        Group::Single => {
+        CaseGroup::Nothing => drawing.draw_robot("nothing", &mut |_, _| Some(Vec::new())),
+        CaseGroup::Single => {
             let card = drawing.card_in_turn();
-            drawing.settled(card.name, &mut |uncertain, random| {
-                drawing.effect(card, uncertain, random).map(|(hidden, _)| vec![hidden])
+            drawing.draw_robot(card.name, &mut |uncertain, random| {
+                drawing.draw_effect(card, uncertain, random).map(|(hidden, _)| vec![hidden])
             })
         }
-        Group::Pair => drawing.settled("a pair", &mut |uncertain, random| drawing.pair(uncertain, random)),
-        Group::Outside | Group::Inside => drawing.judged(span.ok_or(BlindError::Unplayable)?),
+        CaseGroup::Pair => drawing.draw_robot("a pair", &mut |uncertain, random| drawing.draw_pair(uncertain, random)),
+        CaseGroup::Outside | CaseGroup::Inside => drawing.draw_by_oracle(span.ok_or(BenchmarkError::Unplayable)?),
     }
 }
 
-struct Drawing<'a> {
-    robot: &'a Robot,
+struct CaseDrawing<'a> {
+    robot: &'a CaseDesign,
     commands: &'a Commands,
 }
 
-impl Drawing<'_> {
+impl CaseDrawing<'_> {
     /// The model with the resolution of the truth.
     fn fine(&self) -> Model {
         let mut fine = self.robot.model.clone();
@@ -98,20 +96,25 @@ impl Drawing<'_> {
     }
 
     /// Draws robots until one with what `hide` gives can follow the commands.
-    fn settled(&self, what: &str, hide: &mut Hide) -> Result<Truth, BlindError> {
+    fn draw_robot(&self, what: &str, hide: &mut DrawEffects) -> Result<Truth, BenchmarkError> {
         for tried in 0..ROBOTS {
             let seed = Seed(self.robot.seed).child("robot").index(tried as u64);
-            let uncertain = uncertain(&self.robot.priors, &self.robot.model, &mut seed.child("uncertain").rng());
+            let uncertain = draw_uncertain(&self.robot.priors, &self.robot.model, &mut seed.child("uncertain").rng());
             let Some(hidden) = hide(&uncertain, &mut seed.child("hidden").rng()) else { continue };
-            if let Some(truth) = self.truth(hidden, None, uncertain) {
+            if let Some(truth) = self.measure_shift(hidden, None, uncertain) {
                 return Ok(truth);
             }
         }
-        Err(BlindError::NoRobot { what: what.to_owned(), tried: ROBOTS })
+        Err(BenchmarkError::NoRobot { what: what.to_owned(), tried: ROBOTS })
     }
 
     /// The truth with its shift as the robot has it; none when it cannot follow.
-    fn truth(&self, hidden: Vec<Hidden>, unknown: Option<Disturbance>, uncertain: Vec<Hidden>) -> Option<Truth> {
+    fn measure_shift(
+        &self,
+        hidden: Vec<InjectedEffect>,
+        unknown: Option<Disturbance>,
+        uncertain: Vec<InjectedEffect>,
+    ) -> Option<Truth> {
         let fine = self.fine();
         let with = tips_m(&fine, self.commands, &uncertain, &hidden, unknown.as_ref())?;
         let nothing = hidden.is_empty() && unknown.is_none();
@@ -120,25 +123,30 @@ impl Drawing<'_> {
     }
 
     /// An effect as strong as asked, or as it can be, and how far it moves the tip.
-    fn effect(&self, card: &'static Card, uncertain: &[Hidden], random: &mut Generator) -> Option<(Hidden, Reached)> {
+    fn draw_effect(
+        &self,
+        card: &'static Card,
+        uncertain: &[InjectedEffect],
+        random: &mut Generator,
+    ) -> Option<(InjectedEffect, ScaledStrength)> {
         let model = &self.robot.model;
-        let draft = Draft::draw(card, model, self.other_law(card), random);
+        let draft = UnscaledEffect::draw(card, model, self.other_law(card), random);
         let without = tips_m(model, self.commands, uncertain, &[], None)?;
         let shift_m = |amount: f64| {
-            let with = tips_m(model, self.commands, uncertain, &[draft.hidden(amount)], None)?;
+            let with = tips_m(model, self.commands, uncertain, &[draft.scaled(amount)], None)?;
             Some(apart_m(&with, &without))
         };
-        let reached = reach(self.robot.shift_m, MOST, &mut { shift_m })?;
-        Some((draft.hidden(reached.amount), reached))
+        let reached = scale_to_shift(self.robot.shift_m, MOST, &mut { shift_m })?;
+        Some((draft.scaled(reached.amount), reached))
     }
 
     /// Two different effects, each of which moves the tip far enough.
-    fn pair(&self, uncertain: &[Hidden], random: &mut Generator) -> Option<Vec<Hidden>> {
+    fn draw_pair(&self, uncertain: &[InjectedEffect], random: &mut Generator) -> Option<Vec<InjectedEffect>> {
         let mut cards: Vec<&'static Card> = CATALOGUE.to_vec();
         cards.shuffle(random);
         let mut found = Vec::new();
         for card in cards {
-            let Some((hidden, reached)) = self.effect(card, uncertain, random) else { continue };
+            let Some((hidden, reached)) = self.draw_effect(card, uncertain, random) else { continue };
             if reached.shift_m >= PAIR_SHARE * self.robot.shift_m {
                 found.push(hidden);
             }
@@ -150,52 +158,52 @@ impl Drawing<'_> {
     }
 
     /// The first candidate in turn that the oracle takes for what was asked.
-    fn judged(&self, span: &Span) -> Result<Truth, BlindError> {
-        let outside = self.robot.group == Group::Outside;
+    fn draw_by_oracle(&self, span: &CatalogueSpan) -> Result<Truth, BenchmarkError> {
+        let outside = self.robot.group == CaseGroup::Outside;
         let candidates = self.candidates();
         for (tried, candidate) in candidates.iter().enumerate() {
             let seed = Seed(self.robot.seed).child("robot").index(tried as u64);
             let mut random = seed.child("hidden").rng();
-            let Some((hidden, unknown, moved)) = self.candidate(*candidate, &mut random) else { continue };
+            let Some((hidden, unknown, moved)) = self.draw_candidate(*candidate, &mut random) else { continue };
             let left_out: Vec<String> = hidden.iter().map(|hidden| hidden.name.clone()).collect();
-            let Some(left) = self.left(span, &moved, &left_out, outside) else { continue };
-            let uncertain = uncertain(&self.robot.priors, &self.robot.model, &mut seed.child("uncertain").rng());
-            if let Some(truth) = self.truth(hidden, unknown, uncertain) {
+            let Some(left) = self.oracle_residual(span, &moved, &left_out, outside) else { continue };
+            let uncertain = draw_uncertain(&self.robot.priors, &self.robot.model, &mut seed.child("uncertain").rng());
+            if let Some(truth) = self.measure_shift(hidden, unknown, uncertain) {
                 let (model, oracle) = (&self.robot.model, &self.robot.oracle);
                 let imitations =
                     if outside { Vec::new() } else { span.imitations(model, self.commands, &moved, &left_out, oracle) };
                 return Ok(Truth { left, imitations, left_out, ..truth });
             }
         }
-        Err(BlindError::NoneFound { group: self.robot.group.name(), tried: candidates.len() })
+        Err(BenchmarkError::NoneFound { group: self.robot.group.name(), tried: candidates.len() })
     }
 
     /// Kinds in the order in which this case asks for them, first the one whose turn it is, then the others as they are
     /// drawn: of those outside, every third one first looks among effects that are taken out of the catalogue.
-    fn candidates(&self) -> Vec<Candidate> {
+    fn candidates(&self) -> Vec<InjectionKind> {
         let number = self.robot.number;
         let mut random = Seed(self.robot.seed).child("candidates").rng();
-        let mut turned = |mut all: Vec<Candidate>, turn: usize| -> Vec<Candidate> {
+        let mut turned = |mut all: Vec<InjectionKind>, turn: usize| -> Vec<InjectionKind> {
             let first = all.remove(turn % all.len());
             all.shuffle(&mut random);
             [vec![first], all].concat()
         };
-        let left_out = (0..CATALOGUE.len()).map(Candidate::LeftOut).collect();
-        let unknown = (0..UNKNOWNS.len()).map(Candidate::Unknown).collect();
+        let left_out = (0..CATALOGUE.len()).map(InjectionKind::LeftOut).collect();
+        let unknown = (0..DISTURBANCES.len()).map(InjectionKind::Unknown).collect();
         match self.robot.group {
-            Group::Outside if number % 3 == 2 => {
+            CaseGroup::Outside if number % 3 == 2 => {
                 [turned(left_out, number / 3 * 5), turned(unknown, number / 3)].concat()
             }
-            Group::Outside => turned(unknown, number - number / 3),
+            CaseGroup::Outside => turned(unknown, number - number / 3),
             _ => turned(left_out, number * 5),
         }
     }
 
     /// A candidate as strong as asked, and by how much it moves the tip of the model, sample by sample.
-    fn candidate(&self, candidate: Candidate, random: &mut Generator) -> Option<Moved> {
+    fn draw_candidate(&self, candidate: InjectionKind, random: &mut Generator) -> Option<DrawnCandidate> {
         let model = &self.robot.model;
         let without = tips_m(model, self.commands, &[], &[], None)?;
-        let moved = |hidden: &[Hidden], unknown: Option<&Disturbance>| -> Option<Vec<f64>> {
+        let moved = |hidden: &[InjectedEffect], unknown: Option<&Disturbance>| -> Option<Vec<f64>> {
             let with = tips_m(model, self.commands, &[], hidden, unknown)?;
             Some(
                 with.iter()
@@ -205,21 +213,21 @@ impl Drawing<'_> {
             )
         };
         match candidate {
-            Candidate::LeftOut(index) => {
-                let (hidden, _) = self.effect(CATALOGUE[index], &[], random)?;
+            InjectionKind::LeftOut(index) => {
+                let (hidden, _) = self.draw_effect(CATALOGUE[index], &[], random)?;
                 let moved = moved(std::slice::from_ref(&hidden), None)?;
                 Some((vec![hidden], None, moved))
             }
-            Candidate::Unknown(index) => {
+            InjectionKind::Unknown(index) => {
                 // A tendon that is hardly used shows nothing: another is drawn.
                 let drawn = (0..ROBOTS).find_map(|_| {
-                    let unit = UNKNOWNS[index].draw(model.robot.tendons.angles_deg.len(), random);
+                    let unit = DISTURBANCES[index].draw(model.robot.tendons.angles_deg.len(), random);
                     let shift_m = |amount: f64| {
-                        let with = tips_m(model, self.commands, &[], &[], Some(&unit.times(amount)))?;
+                        let with = tips_m(model, self.commands, &[], &[], Some(&unit.scaled(amount)))?;
                         Some(apart_m(&with, &without))
                     };
-                    let reached = reach(self.robot.shift_m, UNKNOWNS[index].most, &mut { shift_m })?;
-                    (reached.shift_m >= FAINT * self.robot.shift_m).then(|| unit.times(reached.amount))
+                    let reached = scale_to_shift(self.robot.shift_m, DISTURBANCES[index].most, &mut { shift_m })?;
+                    (reached.shift_m >= FAINT * self.robot.shift_m).then(|| unit.scaled(reached.amount))
                 });
                 let unknown = drawn?;
                 let moved = moved(&[], Some(&unknown))?;
@@ -229,7 +237,7 @@ impl Drawing<'_> {
     }
 
     /// What the best few others leave, over the noise, where that makes the candidate what was asked.
-    fn left(&self, span: &Span, moved: &[f64], left_out: &[String], outside: bool) -> Option<f64> {
+    fn oracle_residual(&self, span: &CatalogueSpan, moved: &[f64], left_out: &[String], outside: bool) -> Option<f64> {
         let (options, model) = (&self.robot.oracle, &self.robot.model);
         let enough = if outside { options.outside_above } else { options.inside_below };
         // A first look, on straight lines, spares the refit of what is far from the mark.
@@ -246,15 +254,15 @@ impl Drawing<'_> {
 
 /// Something that may be hidden: a line of the catalogue, or a kind of disturbance.
 #[derive(Clone, Copy, Debug)]
-enum Candidate {
+enum InjectionKind {
     LeftOut(usize),
     Unknown(usize),
 }
 
-type Moved = (Vec<Hidden>, Option<Disturbance>, Vec<f64>);
+type DrawnCandidate = (Vec<InjectedEffect>, Option<Disturbance>, Vec<f64>);
 
 /// Where the true robot has the tip, metres; none where it cannot follow.
-pub(crate) fn true_tips_m(robot: &Robot, truth: &Truth, commands: &Commands) -> Option<Vec<Point3>> {
-    let drawing = Drawing { robot, commands };
+pub(crate) fn true_tips_m(robot: &CaseDesign, truth: &Truth, commands: &Commands) -> Option<Vec<Point3>> {
+    let drawing = CaseDrawing { robot, commands };
     tips_m(&drawing.fine(), commands, &truth.uncertain, &truth.hidden, truth.unknown.as_ref())
 }

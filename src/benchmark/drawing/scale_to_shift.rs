@@ -2,7 +2,7 @@
 
 /// A strength and what it does.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reached {
+pub struct ScaledStrength {
     /// Strength, in usual sizes.
     pub amount: f64,
     /// How far it moves the tip, root mean square, metres.
@@ -16,17 +16,17 @@ const TRIES: usize = 20;
 
 /// The strength, `most` at most, at which `shift_m` (none where the robot cannot follow) moves the tip by `wanted_m`; the
 /// strongest that is possible where none does. None when nothing is possible.
-pub fn reach(wanted_m: f64, most: f64, shift_m: &mut dyn FnMut(f64) -> Option<f64>) -> Option<Reached> {
-    let mut below = Reached { amount: 0.0, shift_m: 0.0 };
+pub fn scale_to_shift(wanted_m: f64, most: f64, shift_m: &mut dyn FnMut(f64) -> Option<f64>) -> Option<ScaledStrength> {
+    let mut below = ScaledStrength { amount: 0.0, shift_m: 0.0 };
     let mut above: Option<f64> = None;
     let mut amount = most.min(1.0);
     for tried in 0..TRIES {
         match shift_m(amount) {
             Some(shift_m) if (shift_m / wanted_m - 1.0).abs() <= ACCURACY => {
-                return Some(Reached { amount, shift_m });
+                return Some(ScaledStrength { amount, shift_m });
             }
             Some(shift_m) if shift_m < wanted_m => {
-                below = Reached { amount, shift_m };
+                below = ScaledStrength { amount, shift_m };
                 if amount >= most {
                     break;
                 }
@@ -67,15 +67,15 @@ mod tests {
         let fragile = |amount: f64| (amount < 2.5).then_some(0.001 * amount);
         for wanted_m in [0.002, 0.004, 0.008] {
             for (number, shift) in [&linear as &dyn Fn(f64) -> Option<f64>, &kinked, &saturating].iter().enumerate() {
-                let found = reach(wanted_m, 8.0, &mut |amount| shift(amount)).unwrap();
+                let found = scale_to_shift(wanted_m, 8.0, &mut |amount| shift(amount)).unwrap();
                 assert!((found.shift_m / wanted_m - 1.0).abs() <= ACCURACY, "{number} {wanted_m} {found:?}");
                 assert_eq!(shift(found.amount), Some(found.shift_m));
             }
         }
-        let found = reach(0.004, 8.0, &mut |amount| fragile(amount)).unwrap();
+        let found = scale_to_shift(0.004, 8.0, &mut |amount| fragile(amount)).unwrap();
         assert!(found.amount > 2.3 && found.amount < 2.5, "{found:?}");
-        let found = reach(0.1, 8.0, &mut |amount| linear(amount)).unwrap();
+        let found = scale_to_shift(0.1, 8.0, &mut |amount| linear(amount)).unwrap();
         assert_eq!(found.amount, 8.0);
-        assert_eq!(reach(0.004, 8.0, &mut |_| None), None);
+        assert_eq!(scale_to_shift(0.004, 8.0, &mut |_| None), None);
     }
 }

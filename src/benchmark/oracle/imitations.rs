@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use super::{Answer, Set, Span, rms};
+use super::{CatalogueSpan, EffectResponse, EffectSet, rms};
 use crate::benchmark::commands::Commands;
-use crate::benchmark::drawing::injected_effects::card;
+use crate::benchmark::injection::injected_effects::card;
 use crate::benchmark::options::OracleOptions;
 use crate::effects::{Model, Seek};
 
@@ -13,7 +13,7 @@ const REFITTED: usize = 8;
 /// Squares over the noise that are so close are expected to be equally likely, as `rival_score` has it.
 const ALIKE: f64 = 6.0;
 
-impl Span {
+impl CatalogueSpan {
     /// The sets of as few effects as can be that imitate `moved` (three numbers a sample, metres), the best first: those that
     /// leave no more than rivals may beyond the best of their size, the smallest at which that is inside the span. None
     /// where no set of up to `most_effects` is. `left_out`: effects that may not be taken.
@@ -28,8 +28,8 @@ impl Span {
         let Some(refit) = self.refit(model, commands, moved) else { return Vec::new() };
         let (metric, wanted) = (&refit.metric, &refit.wanted);
         let of_size = |effects: usize| {
-            let sets = self.apart(self.sets(metric, wanted, left_out, effects));
-            let refitted = sets.into_iter().map(|(name, set)| (refit.carry_out(self.members(&set)), name));
+            let sets = self.distinct_sets(self.sets(metric, wanted, left_out, effects));
+            let refitted = sets.into_iter().map(|(name, set)| (refit.remaining_square(self.members(&set)), name));
             let mut refitted: Vec<(f64, String)> = refitted.collect();
             refitted.sort_by(|a, b| a.0.total_cmp(&b.0));
             let least = refitted.first().filter(|(square, _)| rms(*square, wanted.len()) < options.inside_below)?.0;
@@ -41,18 +41,18 @@ impl Span {
 
     /// The first few of `sets` that are of other effects or tendons, with their names: places and shapes make no other set,
     /// and no effect is taken twice.
-    fn apart(&self, sets: Vec<Set>) -> Vec<(String, Set)> {
+    fn distinct_sets(&self, sets: Vec<EffectSet>) -> Vec<(String, EffectSet)> {
         let mut seen = BTreeSet::new();
         let named = sets.into_iter().filter_map(|set| {
-            let names: BTreeSet<String> = set.answers.iter().map(|&k| self.answers[k].label()).collect();
-            let new = names.len() == set.answers.len() && seen.insert(names.clone());
+            let names: BTreeSet<String> = set.responses.iter().map(|&k| self.responses[k].label()).collect();
+            let new = names.len() == set.responses.len() && seen.insert(names.clone());
             new.then(|| (names.into_iter().collect::<Vec<String>>().join(" + "), set))
         });
         named.take(REFITTED).collect()
     }
 }
 
-impl Answer {
+impl EffectResponse {
     /// Its effect, and the tendon where it is about one.
     fn label(&self) -> String {
         let tendon = card(&self.name)

@@ -1,5 +1,5 @@
 //! The oracle: what is left of a change of the tip once the best few effects of the catalogue have imitated it, computed
-//! without noise, from answers of the model alone. It decides once, before anybody is asked, whether something hidden is
+//! without noise, from responses of the model alone. It decides once, before anybody is asked, whether something hidden is
 //! outside or inside the span of the catalogue.
 
 pub(crate) mod imitations;
@@ -10,10 +10,10 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use super::commands::Commands;
-use super::drawing::injected_effects::{card, null_value, size};
-use super::error::BlindError;
+use super::error::BenchmarkError;
+use super::injection::injected_effects::{card, null_value, size};
 use super::options::{OracleOptions, Prior};
-use super::truth::about;
+use super::truth::is_component_of;
 use crate::effects::{CATALOGUE, Card, EffectSpec, Model, Seek};
 use metric::Metric;
 use refit::{Members, Refit, difference};
@@ -23,19 +23,19 @@ const PLACES: usize = 11;
 /// Sets that are refitted, the most promising first.
 const REFITTED: usize = 2;
 
-/// How the tip answers, under one set of commands, to a little of everything in the catalogue.
+/// How the tip responses, under one set of commands, to a little of everything in the catalogue.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Span {
+pub struct CatalogueSpan {
     /// Noise that everything is measured by, metres an axis.
     noise_m: f64,
     /// What one standard deviation of each uncertain number does to the tip, over the noise.
     uncertain: Vec<Vec<f64>>,
-    pub(crate) answers: Vec<Answer>,
+    pub(crate) responses: Vec<EffectResponse>,
 }
 
-/// The answers to an effect with one set of shapes, place and tendon.
+/// The responses to an effect with one set of shapes, place and tendon.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Answer {
+pub(crate) struct EffectResponse {
     /// The effect's name.
     pub(crate) name: String,
     /// Values at which it changes nothing.
@@ -44,14 +44,19 @@ pub(crate) struct Answer {
     columns: Vec<Vec<f64>>,
 }
 
-impl Span {
+impl CatalogueSpan {
     /// Asks `model` under these commands.
     ///
     /// # Errors
-    /// [`BlindError::Unplayable`] when it cannot follow them.
-    pub fn new(model: &Model, commands: &Commands, priors: &[Prior], noise_m: f64) -> Result<Span, BlindError> {
-        let here = commands.tips_m(model, &[]).ok_or(BlindError::Unplayable)?;
-        let ask = |card: &'static Card, null: &[f64], parameter: usize, step: f64| -> Option<Vec<f64>> {
+    /// [`BenchmarkError::Unplayable`] when it cannot follow them.
+    pub fn new(
+        model: &Model,
+        commands: &Commands,
+        priors: &[Prior],
+        noise_m: f64,
+    ) -> Result<CatalogueSpan, BenchmarkError> {
+        let here = commands.tips_m(model, &[]).ok_or(BenchmarkError::Unplayable)?;
+        let respond = |card: &'static Card, null: &[f64], parameter: usize, step: f64| -> Option<Vec<f64>> {
             // Where the one direction cannot be played, the other may.
             [step, -step].into_iter().find_map(|step| {
                 let mut values = null.to_vec();
@@ -61,37 +66,40 @@ impl Span {
                 Some(difference(&there, &here).iter().map(|x| x * sign).collect())
             })
         };
-        let mut answers = Vec::new();
+        let mut responses = Vec::new();
         for card in CATALOGUE.iter().copied() {
             for null in nulls(card, model) {
                 let sizes = (0..null.len()).filter_map(|k| Some((k, size(&card.parameters[k])?)));
-                let columns: Option<Vec<_>> = sizes.map(|(k, size)| ask(card, &null, k, size.abs())).collect();
-                answers.extend(columns.map(|columns| Answer { name: card.name.to_owned(), null, columns }));
+                let columns: Option<Vec<_>> = sizes.map(|(k, size)| respond(card, &null, k, size.abs())).collect();
+                responses.extend(columns.map(|columns| EffectResponse { name: card.name.to_owned(), null, columns }));
             }
         }
-        let mut span = Span { noise_m, uncertain: Vec::new(), answers };
-        span.uncertain = priors.iter().flat_map(|prior| span.deviations(prior)).collect();
+        let mut span = CatalogueSpan { noise_m, uncertain: Vec::new(), responses };
+        span.uncertain = priors.iter().flat_map(|prior| span.prior_responses(prior)).collect();
         Ok(span)
     }
 
     /// What one standard deviation of an uncertain number does: of each component and of each tendon.
-    fn deviations(&self, prior: &Prior) -> Vec<Vec<f64>> {
+    fn prior_responses(&self, prior: &Prior) -> Vec<Vec<f64>> {
         let Some(card) = card(&prior.effect) else { return Vec::new() };
         let about_one = card.parameters.iter().any(|parameter| parameter.seek == Seek::Tendon);
-        let sizes: Vec<_> =
-            card.parameters.iter().filter_map(|one| Some((about(one.name, prior), size(one)?.abs()))).collect();
-        let own = self.answers.iter().filter(|answer| answer.name == prior.effect);
+        let sizes: Vec<_> = card
+            .parameters
+            .iter()
+            .filter_map(|one| Some((is_component_of(one.name, prior), size(one)?.abs())))
+            .collect();
+        let own = self.responses.iter().filter(|response| response.name == prior.effect);
         let own = own.take(if about_one { usize::MAX } else { 1 });
         let scaled = |column: &Vec<f64>, size: f64| column.iter().map(|x| x * prior.deviation / size).collect();
-        own.flat_map(|answer| {
-            let meant = answer.columns.iter().zip(&sizes).filter(|(_, (meant, _))| *meant);
+        own.flat_map(|response| {
+            let meant = response.columns.iter().zip(&sizes).filter(|(_, (meant, _))| *meant);
             meant.map(|(column, (_, size))| scaled(column, *size)).collect::<Vec<Vec<f64>>>()
         })
         .collect()
     }
 
     /// What the best set of at most `most` effects leaves of `moved` (three numbers a sample, metres) over the noise, as
-    /// far as the tip answers in proportion. `left_out`: effects that may not be taken.
+    /// far as the tip responses in proportion. `left_out`: effects that may not be taken.
     pub fn first_look(&self, moved: &[f64], left_out: &[String], most: usize) -> f64 {
         let wanted: Vec<f64> = moved.iter().map(|x| x / self.noise_m).collect();
         let metric = Metric::new(&self.uncertain);
@@ -99,7 +107,7 @@ impl Span {
         rms(best.map_or_else(|| metric.square(&wanted), |set| set.left), wanted.len())
     }
 
-    /// The same with the most promising sets refitted, shapes as well, as far as the tip answers.
+    /// The same with the most promising sets refitted, shapes as well, as far as the tip responses.
     pub fn left(
         &self,
         model: &Model,
@@ -115,7 +123,7 @@ impl Span {
         let mut least = rms(metric.square(wanted), wanted.len());
         let sets = self.sets(metric, wanted, left_out, options.most_effects);
         for set in sets.into_iter().take(REFITTED) {
-            least = least.min(rms(refit.carry_out(self.members(&set)), wanted.len()));
+            least = least.min(rms(refit.remaining_square(self.members(&set)), wanted.len()));
             if least < enough {
                 break; // decided: less can only be less
             }
@@ -136,10 +144,11 @@ impl Span {
     }
 
     /// Sets of effects with their amounts, those that leave least first.
-    pub(crate) fn sets(&self, metric: &Metric, wanted: &[f64], left_out: &[String], most: usize) -> Vec<Set> {
-        let open: Vec<usize> = (0..self.answers.len()).filter(|&k| !left_out.contains(&self.answers[k].name)).collect();
+    pub(crate) fn sets(&self, metric: &Metric, wanted: &[f64], left_out: &[String], most: usize) -> Vec<EffectSet> {
+        let open: Vec<usize> =
+            (0..self.responses.len()).filter(|&k| !left_out.contains(&self.responses[k].name)).collect();
         let columns: Vec<(usize, &Vec<f64>)> =
-            open.iter().flat_map(|&k| self.answers[k].columns.iter().map(move |column| (k, column))).collect();
+            open.iter().flat_map(|&k| self.responses[k].columns.iter().map(move |column| (k, column))).collect();
         let gram = DMatrix::from_fn(columns.len(), columns.len(), |a, b| {
             if a <= b { metric.product(columns[a].1, columns[b].1) } else { 0.0 }
         });
@@ -156,7 +165,7 @@ impl Span {
             if let Some(factor) = Cholesky::new(part) {
                 let amounts = factor.solve(&along);
                 let left = (whole - amounts.dot(&along)).max(0.0);
-                sets.push(Set { answers: chosen.to_vec(), amounts: amounts.as_slice().to_vec(), left });
+                sets.push(EffectSet { responses: chosen.to_vec(), amounts: amounts.as_slice().to_vec(), left });
             }
         });
         sets.sort_by(|a, b| a.left.total_cmp(&b.left));
@@ -164,12 +173,12 @@ impl Span {
     }
 
     /// The effects of a set, as strong as straight lines say.
-    pub(crate) fn members(&self, set: &Set) -> Members {
+    pub(crate) fn members(&self, set: &EffectSet) -> Members {
         let mut amounts = set.amounts.iter();
         let member = |&k: &usize| {
-            let answer = &self.answers[k];
-            let card = card(&answer.name)?;
-            let mut values = answer.null.clone();
+            let response = &self.responses[k];
+            let card = card(&response.name)?;
+            let mut values = response.null.clone();
             for (value, parameter) in values.iter_mut().zip(card.parameters) {
                 if let Some(size) = size(parameter) {
                     *value += amounts.next().copied().unwrap_or(0.0) * size.abs();
@@ -177,13 +186,13 @@ impl Span {
             }
             Some((card, values))
         };
-        set.answers.iter().filter_map(member).collect()
+        set.responses.iter().filter_map(member).collect()
     }
 }
 
-/// Some answers, how much of each column, and the square of what they leave.
-pub(crate) struct Set {
-    pub(crate) answers: Vec<usize>,
+/// Some responses, how much of each column, and the square of what they leave.
+pub(crate) struct EffectSet {
+    pub(crate) responses: Vec<usize>,
     amounts: Vec<f64>,
     left: f64,
 }

@@ -1,11 +1,11 @@
-//! A few effects fitted to a change of the tip, as far as the tip answers and without noise.
+//! A few effects fitted to a change of the tip, as far as the tip responses and without noise.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::metric::Metric;
 use crate::base::Point3;
 use crate::benchmark::commands::Commands;
-use crate::benchmark::drawing::injected_effects::{null_value, size};
+use crate::benchmark::injection::injected_effects::{null_value, size};
 use crate::effects::{Card, EffectSpec, Model, Seek};
 
 /// Rounds of a refit.
@@ -33,11 +33,11 @@ pub(crate) struct Refit<'a> {
 
 impl Refit<'_> {
     /// The square of what is left, over the noise.
-    pub(crate) fn carry_out(&self, mut members: Members) -> f64 {
-        let Some(mut rest) = self.possible(&mut members) else { return f64::INFINITY };
+    pub(crate) fn remaining_square(&self, mut members: Members) -> f64 {
+        let Some(mut rest) = self.weaken_until_playable(&mut members) else { return f64::INFINITY };
         let mut square = self.metric.square(&rest);
         for _ in 0..ROUNDS {
-            let Some((next, there)) = self.round(&members, &rest, square) else { break };
+            let Some((next, there)) = self.improve(&members, &rest, square) else { break };
             let progress = 1.0 - self.metric.square(&there) / square.max(1e-300);
             (members, rest) = (next, there);
             square = self.metric.square(&rest);
@@ -49,9 +49,9 @@ impl Refit<'_> {
     }
 
     /// Weakens the members until the model can play them; what they leave.
-    fn possible(&self, members: &mut Members) -> Option<Vec<f64>> {
+    fn weaken_until_playable(&self, members: &mut Members) -> Option<Vec<f64>> {
         for _ in 0..6 {
-            if let Some(rest) = self.rest(members) {
+            if let Some(rest) = self.residual(members) {
                 return Some(rest);
             }
             for (card, values) in members.iter_mut() {
@@ -76,7 +76,7 @@ impl Refit<'_> {
     }
 
     /// What of the wanted change these members leave, over the noise; none where the model cannot play them.
-    fn rest(&self, members: &Members) -> Option<Vec<f64>> {
+    fn residual(&self, members: &Members) -> Option<Vec<f64>> {
         let effects: Vec<EffectSpec> =
             members.iter().map(|(card, values)| EffectSpec::from_card(card, values)).collect::<Option<_>>()?;
         let there = self.commands.tips_m(self.model, &effects)?;
@@ -85,7 +85,7 @@ impl Refit<'_> {
     }
 
     /// Better members and what they leave; none when no step helps.
-    fn round(&self, members: &Members, rest: &[f64], square: f64) -> Option<(Members, Vec<f64>)> {
+    fn improve(&self, members: &Members, rest: &[f64], square: f64) -> Option<(Members, Vec<f64>)> {
         let mut places = Vec::new();
         let mut columns: Vec<Vec<f64>> = Vec::new();
         for (k, (card, values)) in members.iter().enumerate() {
@@ -98,7 +98,7 @@ impl Refit<'_> {
                 let column = [step, -step].into_iter().find_map(|step| {
                     let mut there = members.clone();
                     there[k].1[index] += step;
-                    let left = self.rest(&there)?;
+                    let left = self.residual(&there)?;
                     Some(rest.iter().zip(left).map(|(here, there)| (here - there) / step).collect())
                 });
                 if let Some(column) = column {
@@ -115,7 +115,7 @@ impl Refit<'_> {
         [1.0, 0.5, 0.2, 0.05].into_iter().find_map(|share| {
             let mut there = members.clone();
             places.iter().zip(step.iter()).for_each(|(&(k, index), step)| there[k].1[index] += share * step);
-            let left = self.rest(&there)?;
+            let left = self.residual(&there)?;
             (self.metric.square(&left) < square).then_some((there, left))
         })
     }

@@ -2,68 +2,74 @@
 //! left.
 
 use crate::base::Rows;
-use crate::discovery::fit::candidate::{Hypothesis, Member, effects};
-use crate::discovery::fit::gauss_newton::{Fitted, Study};
-use crate::discovery::fit::sensitivities::Response;
+use crate::discovery::fit::candidate::{CandidateEffect, SetMember, effect_specs};
+use crate::discovery::fit::gauss_newton::{FitProblem, FittedSet};
+use crate::discovery::fit::sensitivities::Sensitivity;
 use crate::discovery::fit::simulate::tips;
-use crate::discovery::recording::covariates::circumstances;
+use crate::discovery::recording::covariates::sample_covariates;
 use crate::discovery::recording::samples::{Samples, rms_m};
 use crate::learn::gp::{Gp, GpConfig};
 
-/// Points that the paper's process learns from.
+/// BinnedSamples that the paper's process learns from.
 const GP_POINTS: usize = 100;
 
-/// Error of two other remedies on held-out trials, root mean square, metres; none where a remedy has no answer.
+/// Error of two other alternatives on held-out trials, root mean square, metres; none where a remedy has no answer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Remedies {
+pub struct Alternatives {
     /// Young's modulus fitted, nothing else.
     pub stiffness_only_m: Option<f64>,
     /// The paper's Gaussian process: residual over four commands and the simulated tip, 100 points.
     pub gp_m: Option<f64>,
 }
 
-/// The remedies on the same trials: `study` has those of the fit, `proof` those held out; `null` and `proof_played` are
+/// The alternatives on the same trials: `fit_problem` has those of the fit, `held_out` those held out; `null` and `held_out_simulated_m` are
 /// without effects.
-pub(crate) fn remedies(
-    study: &Study,
-    responses: &[Response],
-    null: &Fitted,
-    proof: &Samples,
-    proof_played: &[f64],
-) -> Remedies {
-    Remedies {
-        stiffness_only_m: stiffness_only(study, responses, null, proof),
-        gp_m: process(study.samples, &null.played, proof, proof_played),
+pub(crate) fn fit_alternatives(
+    fit_problem: &FitProblem,
+    sensitivities: &[Sensitivity],
+    null: &FittedSet,
+    held_out: &Samples,
+    held_out_simulated_m: &[f64],
+) -> Alternatives {
+    Alternatives {
+        stiffness_only_m: stiffness_only(fit_problem, sensitivities, null, held_out),
+        gp_m: process(fit_problem.samples, &null.simulated_m, held_out, held_out_simulated_m),
     }
 }
 
-fn stiffness_only(study: &Study, responses: &[Response], null: &Fitted, proof: &Samples) -> Option<f64> {
-    let hypothesis = study.hypotheses.iter().position(|h: &Hypothesis| h.card.name == "bending_stiffness")?;
-    let start = Member { hypothesis, values: study.hypotheses[hypothesis].variants().swap_remove(0) };
-    let known = responses.iter().find(|response| response.hypothesis == hypothesis)?;
-    let slopes = study.known_slopes(null, &start, known);
-    let fitted = study.rough_fit(study.at(vec![start])?, slopes, f64::INFINITY)?;
-    let there = tips(study.model, &effects(study.hypotheses, &fitted.members)?, proof)?;
-    Some(rms_m(&proof.residual(&there)))
+fn stiffness_only(
+    fit_problem: &FitProblem,
+    sensitivities: &[Sensitivity],
+    null: &FittedSet,
+    held_out: &Samples,
+) -> Option<f64> {
+    let candidate = fit_problem.candidates.iter().position(|h: &CandidateEffect| h.card.name == "bending_stiffness")?;
+    let start = SetMember { candidate, values: fit_problem.candidates[candidate].variants().swap_remove(0) };
+    let known = sensitivities.iter().find(|sensitivity| sensitivity.candidate == candidate)?;
+    let slopes = fit_problem.known_jacobian(null, &start, known);
+    let fitted = fit_problem.rough_fit(fit_problem.evaluate(vec![start])?, slopes, f64::INFINITY)?;
+    let there = tips(fit_problem.model, &effect_specs(fit_problem.candidates, &fitted.members)?, held_out)?;
+    Some(rms_m(&held_out.residual(&there)))
 }
 
-fn process(samples: &Samples, played: &[f64], proof: &Samples, proof_played: &[f64]) -> Option<f64> {
+fn process(samples: &Samples, simulated_m: &[f64], held_out: &Samples, held_out_simulated_m: &[f64]) -> Option<f64> {
     let every = samples.len().div_ceil(GP_POINTS).max(1);
     let chosen: Vec<usize> = (0..samples.len()).step_by(every).collect();
-    let inputs = inputs(samples, played);
+    let inputs = inputs(samples, simulated_m);
     let mut outputs = Rows::new(3);
-    samples.residual(played).chunks_exact(3).for_each(|row| outputs.push(row));
+    samples.residual(simulated_m).chunks_exact(3).for_each(|row| outputs.push(row));
     let gp = Gp::fit(&inputs.select(&chosen), &outputs.select(&chosen), &GpConfig::default()).ok()?;
-    let told = gp.mean_rows(&self::inputs(proof, proof_played)).ok()?;
-    let left: Vec<f64> = proof.residual(proof_played).iter().zip(told.values()).map(|(r, t)| r - t).collect();
+    let told = gp.mean_rows(&self::inputs(held_out, held_out_simulated_m)).ok()?;
+    let left: Vec<f64> =
+        held_out.residual(held_out_simulated_m).iter().zip(told.values()).map(|(r, t)| r - t).collect();
     Some(rms_m(&left))
 }
 
 /// Commands in force and the simulated tip, a row a sample.
-fn inputs(samples: &Samples, played: &[f64]) -> Rows {
-    let around = circumstances(samples, played);
-    let mut rows = Rows::new(around.first().map_or(0, |at| at.command.len() + 3));
-    for at in &around {
+fn inputs(samples: &Samples, simulated_m: &[f64]) -> Rows {
+    let covariates = sample_covariates(samples, simulated_m);
+    let mut rows = Rows::new(covariates.first().map_or(0, |at| at.command.len() + 3));
+    for at in &covariates {
         rows.push(&at.command.iter().copied().chain(at.tip_m).collect::<Vec<f64>>());
     }
     rows

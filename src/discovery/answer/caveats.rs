@@ -4,17 +4,17 @@ use std::collections::BTreeSet;
 
 use crate::data::findings::Verdict;
 use crate::discovery::fit::baseline;
-use crate::discovery::fit::candidate::Hypothesis;
-use crate::discovery::noise_floor::Floor;
+use crate::discovery::fit::candidate::CandidateEffect;
+use crate::discovery::noise_floor::NoiseFloor;
 use crate::discovery::noise_floor::trial_starts;
-use crate::discovery::problem::Question;
+use crate::discovery::problem::Problem;
 use crate::discovery::recording::samples::rms_m;
 
 /// A robot's file is hardly wrong by such a factor.
 const LARGE_FACTOR: f64 = 1.3;
 
 /// What a calibration did, in words.
-fn calibration(factors: &baseline::Factors, named: bool) -> String {
+fn calibration_caveat(factors: &baseline::CalibrationFactors, named: bool) -> String {
     let written = if named { "has them, too" } else { "does not have them, as nothing is added to it" };
     let is_large = |factor: f64| factor.max(1.0 / factor) > LARGE_FACTOR;
     let doubt = if is_large(factors.bending_stiffness) || is_large(factors.compliance) {
@@ -33,44 +33,44 @@ fn calibration(factors: &baseline::Factors, named: bool) -> String {
 const LARGE_FORM_M: f64 = 2e-3;
 const LARGE_FORM: f64 = 3.0;
 
-impl Question<'_> {
+impl Problem<'_> {
     /// What is to be known of an answer besides: what was calibrated, what could not be a candidate.
-    pub(crate) fn remarks(&self, verdict: Verdict) -> Vec<String> {
+    pub(crate) fn caveats(&self, verdict: Verdict) -> Vec<String> {
         let calibrated = self.base.as_ref().map(|base| match base.factors {
-            Some(factors) => calibration(&factors, matches!(verdict, Verdict::Named | Verdict::Ambiguous)),
+            Some(factors) => calibration_caveat(&factors, matches!(verdict, Verdict::Named | Verdict::Ambiguous)),
             None => {
                 "Calibrated on the baseline, the model is no likelier there: it is taken as it was given.".to_owned()
             }
         });
         let stands = self
-            .base_stands
+            .base_matches_model
             .then(|| "Markers on the base show it standing as in the model: `base_tilt` was no candidate.".to_owned());
         let fixed: BTreeSet<&str> =
-            self.hypotheses.iter().filter(|one| self.is_fixed(one)).map(|one| one.card.name).collect();
+            self.candidates.iter().filter(|one| self.is_fixed(one)).map(|one| one.card.name).collect();
         let fixed = fixed
             .into_iter()
             .filter(|_| verdict != Verdict::Consistent)
             .map(|name| format!("`{name}` is in the model already; less of it than there was no candidate."));
-        let starts = self.base.as_ref().and_then(|base| base.starts.as_ref()).map(trial_starts::left_out_of_baseline);
-        calibrated.into_iter().chain(starts).chain(self.doubts()).chain(stands).chain(fixed).collect()
+        let starts = self.base.as_ref().and_then(|base| base.starts.as_ref()).map(trial_starts::baseline_starts_caveat);
+        calibrated.into_iter().chain(starts).chain(self.baseline_caveat()).chain(stands).chain(fixed).collect()
     }
 
     /// Whether the model has the effect, and no candidate takes any of it away.
-    fn is_fixed(&self, hypothesis: &Hypothesis) -> bool {
-        let has = self.model.effects.iter().any(|effect| effect.card().name == hypothesis.card.name);
-        has && hypothesis.variants().first().is_some_and(|nothing| hypothesis.is_at_an_end(nothing))
+    fn is_fixed(&self, candidate: &CandidateEffect) -> bool {
+        let has = self.model.effects.iter().any(|effect| effect.card().name == candidate.card.name);
+        has && candidate.variants().first().is_some_and(|nothing| candidate.is_at_range_end(nothing))
     }
 
     /// What the baseline shows the calibrated model to be off by, where that is more than its form alone.
-    fn doubts(&self) -> Option<String> {
+    fn baseline_caveat(&self) -> Option<String> {
         let base = self.base.as_ref()?;
-        let left_m = rms_m(&base.samples.residual(&base.played));
-        let floor_m = Floor::of_repeats(&base.samples, 0.0).rms_m();
-        (left_m > LARGE_FORM_M.max(LARGE_FORM * floor_m)).then(|| {
+        let residual_m = rms_m(&base.samples.residual(&base.simulated_m));
+        let floor_m = NoiseFloor::from_repeats(&base.samples, 0.0).rms_m();
+        (residual_m > LARGE_FORM_M.max(LARGE_FORM * floor_m)).then(|| {
             format!(
                 "Calibrated on the baseline, the model is still {:.1} mm off in it: it may be of another robot, or the \
                  model lacks something that both recordings have.",
-                1e3 * left_m
+                1e3 * residual_m
             )
         })
     }

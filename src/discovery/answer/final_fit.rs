@@ -1,85 +1,86 @@
 //! The best set of effects, with all that depends on what is uncertain beside it.
 
-use crate::discovery::fit::candidate::effects;
-use crate::discovery::fit::gauss_newton::{Fitted, Study};
+use crate::discovery::fit::candidate::effect_specs;
+use crate::discovery::fit::gauss_newton::{FitProblem, FittedSet};
 use crate::discovery::fit::nuisance::Nuisances;
 use crate::discovery::fit::simulate;
-use crate::discovery::goodness_of_fit::Left;
-use crate::discovery::goodness_of_fit::cross_trial::Missing;
-use crate::discovery::problem::Question;
+use crate::discovery::goodness_of_fit::GoodnessOfFit;
+use crate::discovery::goodness_of_fit::cross_trial::CrossTrialTest;
+use crate::discovery::problem::Problem;
 use crate::discovery::recording::samples::Samples;
-use crate::discovery::search::Found;
+use crate::discovery::search::SearchOutcome;
 use crate::effects::EffectSpec;
 
 /// What is found out about a set before it is an answer.
-pub(crate) struct About {
+pub(crate) struct FinalFit {
     /// The set, fitted as finely as can be.
-    pub(crate) fine: Fine,
+    pub(crate) fine: FineFit,
     /// Whether what it leaves can be foretold.
-    pub(crate) missing: Missing,
+    pub(crate) cross_trial: CrossTrialTest,
     /// Whether it leaves more than nuisances and noise in any way.
-    pub(crate) left: Left,
+    pub(crate) goodness: GoodnessOfFit,
 }
 
 /// A set with all that its last fit depends on.
-pub(crate) struct Fine {
+pub(crate) struct FineFit {
     /// The samples, without what the search's steps in time and cells are off by with the set.
     pub(crate) samples: Samples,
     /// What may differ a little from the model with the set.
     pub(crate) nuisances: Nuisances,
     /// The set, fitted with those.
-    pub(crate) fitted: Fitted,
+    pub(crate) fitted: FittedSet,
 }
 
-impl Question<'_> {
+impl Problem<'_> {
     /// All about the set that fits `best`.
-    pub(crate) fn about(&self, best: &Fitted) -> About {
-        let fine = self.finely(best);
-        let Fine { samples, nuisances, fitted } = &fine;
-        let fitted = self.study_of(samples, nuisances).outward(fitted.clone());
-        let fine = Fine { fitted, ..fine };
-        let missing = self.foretold(&fine.fitted.explained, &fine.fitted.played);
-        let left = self.left(&fine.nuisances, &fine.fitted, &missing);
-        About { fine, missing, left }
+    pub(crate) fn final_fit(&self, best: &FittedSet) -> FinalFit {
+        let fine = self.refit_finely(best);
+        let FineFit { samples, nuisances, fitted } = &fine;
+        let fitted = self.fit_problem_with(samples, nuisances).step_out(fitted.clone());
+        let fine = FineFit { fitted, ..fine };
+        let cross_trial = self.cross_trial_test(&fine.fitted.nuisance_fit, &fine.fitted.simulated_m);
+        let goodness = self.goodness_of_fit(&fine.nuisances, &fine.fitted, &cross_trial);
+        FinalFit { fine, cross_trial, goodness }
     }
 
     /// The set fitted with samples and nuisances as they are beside it: comparisons, tests and intervals depend on them.
-    pub(crate) fn finely(&self, near: &Fitted) -> Fine {
+    pub(crate) fn refit_finely(&self, near: &FittedSet) -> FineFit {
         let nuisances = if near.members.is_empty() {
             self.nuisances.clone()
         } else {
-            self.nuisances_beside(&near.members, &self.fit, &self.played)
+            self.nuisances_with(&near.members, &self.training, &self.simulated_m)
         };
-        let (samples, nuisances) = self.about_where_they_are(near, nuisances);
-        match self.study_of(&samples, &nuisances).refit(near.members.clone(), near.jacobian.clone()) {
-            Some(fitted) => Fine { samples, nuisances, fitted },
+        let (samples, nuisances) = self.corrected_and_relinearised(near, nuisances);
+        match self.fit_problem_with(&samples, &nuisances).refit(near.members.clone(), near.jacobian.clone()) {
+            Some(fitted) => FineFit { samples, nuisances, fitted },
             None => {
-                let fitted = self.study().sharpened(near.clone()).unwrap_or_else(|| near.clone());
-                Fine { samples: self.fit.clone(), nuisances: self.nuisances.clone(), fitted }
+                let fitted = self.fit_problem().with_fresh_jacobian(near.clone()).unwrap_or_else(|| near.clone());
+                FineFit { samples: self.training.clone(), nuisances: self.nuisances.clone(), fitted }
             }
         }
     }
 
-    fn study_of<'s>(&'s self, samples: &'s Samples, nuisances: &'s Nuisances) -> Study<'s> {
-        Study { nuisances, samples, ..self.study() }
+    fn fit_problem_with<'s>(&'s self, samples: &'s Samples, nuisances: &'s Nuisances) -> FitProblem<'s> {
+        FitProblem { nuisances, samples, ..self.fit_problem() }
     }
 
     /// The samples without what the search's steps in time and cells are off by beside the set, and its `nuisances`, linear
-    /// about where they are; as they are where the set cannot be played so finely.
-    fn about_where_they_are(&self, best: &Fitted, nuisances: Nuisances) -> (Samples, Nuisances) {
-        let known = effects(&self.hypotheses, &best.members).unwrap_or_default();
-        let fine = |off: &[EffectSpec]| simulate::fine_tips(&self.model, &[&known, off].concat(), &self.fit);
-        let Some(here) = fine(&[]) else { return (self.fit.clone(), nuisances) };
-        let samples = simulate::corrected(&self.fit, &here, &best.played);
-        let amounts = self.study_of(&samples, &nuisances).explained(&best.members, &best.played).amounts;
-        let nuisances = self.uncertain(&best.members).bent(nuisances, &amounts, &here, &fine);
+    /// about where they are; as they are where the set cannot be simulated_m so finely.
+    fn corrected_and_relinearised(&self, best: &FittedSet, nuisances: Nuisances) -> (Samples, Nuisances) {
+        let known = effect_specs(&self.candidates, &best.members).unwrap_or_default();
+        let fine = |off: &[EffectSpec]| simulate::fine_tips(&self.model, &[&known, off].concat(), &self.training);
+        let Some(here) = fine(&[]) else { return (self.training.clone(), nuisances) };
+        let samples = simulate::corrected(&self.training, &here, &best.simulated_m);
+        let amounts =
+            self.fit_problem_with(&samples, &nuisances).fit_nuisances(&best.members, &best.simulated_m).amounts;
+        let nuisances = self.uncertain(&best.members).linearised_at(nuisances, &amounts, &here, &fine);
         (samples, nuisances)
     }
 }
 
-impl About {
+impl FinalFit {
     /// What was found, with its best set as it was fitted last.
-    pub(crate) fn refined(&self, mut found: Found) -> Found {
+    pub(crate) fn replace_best(&self, mut found: SearchOutcome) -> SearchOutcome {
         let members = std::mem::replace(&mut found.best.fitted, self.fine.fitted.clone()).members;
         let own = found.tried.iter_mut().filter(|scored| scored.fitted.members == members);
         own.for_each(|scored| *scored = found.best.clone());

@@ -1,14 +1,14 @@
-//! Where model and measurement disagree: samples sorted by place in the workspace, time, direction of motion, tension
-//! and history, each place with its residual and how likely noise alone would leave as much.
+//! Where model and measurement disagree: samples sorted by group in the workspace, time, direction of motion, tension
+//! and history, each group with its residual and how likely noise alone would leave as much.
 
 use crate::data::findings::{Disagreement, PlaceRow};
-use crate::discovery::fit::ar1_noise::Noise;
-use crate::discovery::recording::covariates::Circumstances;
+use crate::discovery::fit::ar1_noise::Ar1Noise;
+use crate::discovery::recording::covariates::Covariates;
 use crate::math::distribution::{chi_squared_above, holm};
 use crate::math::summary::quantile;
 
 /// A group of samples.
-struct Place {
+struct SampleGroup {
     by: &'static str,
     name: String,
     rows: Vec<usize>,
@@ -18,19 +18,24 @@ struct Place {
 const FEWEST: usize = 8;
 const AXES: [&str; 4] = ["x", "y", "z", "all"];
 
-/// The map: every place, along every axis and all together, before and after. Residuals have three numbers a sample,
+/// The map: every group, along every axis and all together, before and after. Residuals have three numbers a sample,
 /// metres.
-pub(crate) fn map(around: &[Circumstances], before: &[f64], after: &[f64], noise: &Noise) -> Vec<PlaceRow> {
+pub(crate) fn residual_map(
+    covariates: &[Covariates],
+    before: &[f64],
+    after: &[f64],
+    noise: &Ar1Noise,
+) -> Vec<PlaceRow> {
     let mut found = Vec::new();
-    for place in places(around).iter().filter(|place| place.rows.len() >= FEWEST) {
+    for group in groups(covariates).iter().filter(|group| group.rows.len() >= FEWEST) {
         for (axis, name) in AXES.into_iter().enumerate() {
-            let (mean_before_m, rms_before_m, p_before) = seen(&place.rows, before, axis, noise);
-            let (mean_after_m, rms_after_m, p_after) = seen(&place.rows, after, axis, noise);
+            let (mean_before_m, rms_before_m, p_before) = summarise(&group.rows, before, axis, noise);
+            let (mean_after_m, rms_after_m, p_after) = summarise(&group.rows, after, axis, noise);
             found.push(PlaceRow {
-                by: place.by.to_owned(),
-                place: place.name.clone(),
+                by: group.by.to_owned(),
+                place: group.name.clone(),
                 axis: name.to_owned(),
-                samples: place.rows.len() as u64,
+                samples: group.rows.len() as u64,
                 mean_before_m,
                 rms_before_m,
                 p_before,
@@ -49,7 +54,7 @@ pub(crate) fn map(around: &[Circumstances], before: &[f64], after: &[f64], noise
     found
 }
 
-/// The places of the map with the most in them before, the most unlikely first.
+/// The groups of the map with the most in them before, the most unlikely first.
 pub(crate) fn disagreements(map: &[PlaceRow]) -> Vec<Disagreement> {
     let squares = |row: &PlaceRow| row.samples as f64 * row.rms_before_m.powi(2);
     let whole = map.iter().find(|row| row.by == "all" && row.axis == "all").map_or(0.0, squares);
@@ -67,7 +72,7 @@ pub(crate) fn disagreements(map: &[PlaceRow]) -> Vec<Disagreement> {
 }
 
 /// Mean, root mean square, and probability of as much by noise alone.
-fn seen(rows: &[usize], residual: &[f64], axis: usize, noise: &Noise) -> (f64, f64, f64) {
+fn summarise(rows: &[usize], residual: &[f64], axis: usize, noise: &Ar1Noise) -> (f64, f64, f64) {
     let axes = if axis < 3 { axis..axis + 1 } else { 0..3 };
     let count = rows.len() as f64;
     let values = |axis: usize| rows.iter().map(move |&row| residual[3 * row + axis]);
@@ -83,19 +88,20 @@ fn seen(rows: &[usize], residual: &[f64], axis: usize, noise: &Noise) -> (f64, f
     (mean_m, (squares / count).sqrt(), spread)
 }
 
-fn places(around: &[Circumstances]) -> Vec<Place> {
-    let mut places = vec![Place { by: "all", name: "all samples".to_owned(), rows: (0..around.len()).collect() }];
-    let mut add = |by: &'static str, name: String, kept: &dyn Fn(&Circumstances) -> bool| {
-        let rows = (0..around.len()).filter(|&row| kept(&around[row])).collect();
-        places.push(Place { by, name, rows });
+fn groups(covariates: &[Covariates]) -> Vec<SampleGroup> {
+    let mut groups =
+        vec![SampleGroup { by: "all", name: "all samples".to_owned(), rows: (0..covariates.len()).collect() }];
+    let mut add = |by: &'static str, name: String, kept: &dyn Fn(&Covariates) -> bool| {
+        let rows = (0..covariates.len()).filter(|&row| kept(&covariates[row])).collect();
+        groups.push(SampleGroup { by, name, rows });
     };
     for axis in 0..3 {
-        let middle = quantile(&around.iter().map(|at| at.tip_m[axis]).collect::<Vec<f64>>(), 0.5);
+        let middle = quantile(&covariates.iter().map(|at| at.tip_m[axis]).collect::<Vec<f64>>(), 0.5);
         let mm = whole_mm(middle);
         add("workspace", format!("{} below {mm} mm", AXES[axis]), &|at| at.tip_m[axis] < middle);
         add("workspace", format!("{} above {mm} mm", AXES[axis]), &|at| at.tip_m[axis] >= middle);
     }
-    let longest = around.iter().map(|at| at.time_s).fold(0.0, f64::max);
+    let longest = covariates.iter().map(|at| at.time_s).fold(0.0, f64::max);
     for (third, name) in ["first third", "second third", "last third"].into_iter().enumerate() {
         let (start, end) = (longest * third as f64 / 3.0, longest * (third + 1) as f64 / 3.0);
         let last = third == 2;
@@ -106,19 +112,19 @@ fn places(around: &[Circumstances]) -> Vec<Place> {
             add("direction of motion", format!("{} {word}", AXES[axis]), &|at| sign * at.moved_m[axis] > 1e-6);
         }
     }
-    let pull = |at: &Circumstances| at.command.iter().copied().fold(0.0, f64::max);
-    let pulls: Vec<f64> = around.iter().map(pull).collect();
+    let pull = |at: &Covariates| at.command.iter().copied().fold(0.0, f64::max);
+    let pulls: Vec<f64> = covariates.iter().map(pull).collect();
     let (low, high) = (quantile(&pulls, 1.0 / 3.0), quantile(&pulls, 2.0 / 3.0));
     add("largest pull", "small".to_owned(), &|at| pull(at) < low);
     add("largest pull", "middling".to_owned(), &|at| pull(at) >= low && pull(at) < high);
     add("largest pull", "large".to_owned(), &|at| pull(at) >= high);
-    let reversed = |at: &Circumstances| at.change.iter().zip(&at.change_before).any(|(now, before)| now * before < 0.0);
-    let further = |at: &Circumstances| at.command.iter().zip(&at.largest).any(|(now, most)| *now > 0.0 && now >= most);
+    let reversed = |at: &Covariates| at.change.iter().zip(&at.change_before).any(|(now, before)| now * before < 0.0);
+    let further = |at: &Covariates| at.command.iter().zip(&at.largest).any(|(now, most)| *now > 0.0 && now >= most);
     add("history", "a tendon has just reversed".to_owned(), &reversed);
     add("history", "no tendon has just reversed".to_owned(), &|at| !reversed(at));
     add("history", "further out than before".to_owned(), &further);
     add("history", "where it has been before".to_owned(), &|at| !further(at));
-    places
+    groups
 }
 
 /// A length in whole millimetres, with a typographer's minus and none before zero.

@@ -6,7 +6,7 @@ use crate::discovery::recording::samples::Samples;
 
 /// A first-order autoregression, Gaussian, stationary, starting anew in every trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Noise {
+pub(crate) struct Ar1Noise {
     /// Standard deviation along x, y and z, metres.
     pub(crate) sigma_m: [f64; 3],
     /// Correlation over one usual step of the tracker.
@@ -15,10 +15,10 @@ pub(crate) struct Noise {
 
 /// Correlations beyond this are not told from drift.
 const MOST_CORRELATION: f64 = 0.98;
-/// Noise is never taken to be smaller than this, metres: a tracker's last digit.
+/// Ar1Noise is never taken to be smaller than this, metres: a tracker's last digit.
 pub(crate) const LEAST_SIGMA_M: f64 = 1e-6;
 
-impl Noise {
+impl Ar1Noise {
     /// Root mean square distance that it makes, metres.
     pub(crate) fn rms_m(&self) -> f64 {
         self.sigma_m.iter().map(|sigma| sigma * sigma).sum::<f64>().sqrt()
@@ -32,7 +32,7 @@ impl Noise {
     /// Degrees of freedom behind the mean square of so many samples, all axes together: three a sample where the axes are
     /// alike, fewer where one is noisier than the others (Satterthwaite, Biometrics Bulletin 2, 1946).
     pub(crate) fn freedom(&self, samples: usize) -> f64 {
-        alike(&self.sigma_m.map(|sigma| sigma * sigma)) * self.independent(samples)
+        effective_axes(&self.sigma_m.map(|sigma| sigma * sigma)) * self.independent(samples)
     }
 
     /// The part of a sample's noise that was in the sample before. Within a usual step it is that of the step: trackers do
@@ -77,22 +77,22 @@ impl Noise {
     }
 
     /// The most likely noise behind `residual`, of which a fit has used up `freedom` numbers.
-    pub(crate) fn of(samples: &Samples, residual: &[f64], freedom: f64) -> Noise {
+    pub(crate) fn estimate(samples: &Samples, residual: &[f64], freedom: f64) -> Ar1Noise {
         // A negative correlation is no tracker's: it is chance.
         let correlation = correlation(samples, residual).clamp(0.0, MOST_CORRELATION);
-        let unit = Noise { sigma_m: [1.0; 3], correlation };
+        let unit = Ar1Noise { sigma_m: [1.0; 3], correlation };
         let white = unit.whiten(samples, residual);
         let left = (samples.len() as f64 - freedom / 3.0).max(1.0);
         let sigma = |axis: usize| {
             let sum: f64 = white.iter().skip(axis).step_by(3).map(|w| w * w).sum();
             (sum / left).sqrt().max(LEAST_SIGMA_M)
         };
-        Noise { sigma_m: std::array::from_fn(sigma), correlation }
+        Ar1Noise { sigma_m: std::array::from_fn(sigma), correlation }
     }
 }
 
 /// How many axes a sum of squares over three of them is worth, whose `variances` these are.
-pub(crate) fn alike(variances: &[f64; 3]) -> f64 {
+pub(crate) fn effective_axes(variances: &[f64; 3]) -> f64 {
     let sum: f64 = variances.iter().sum();
     let squares: f64 = variances.iter().map(|variance| variance * variance).sum();
     if squares > 0.0 { sum * sum / squares } else { 3.0 }
@@ -101,7 +101,7 @@ pub(crate) fn alike(variances: &[f64; 3]) -> f64 {
 /// Correlation of neighbours within trials, the mean over axes in which anything is seen. Samples that are farther apart
 /// than usual say less and are left out.
 fn correlation(samples: &Samples, residual: &[f64]) -> f64 {
-    let neighbours = samples.close_behind();
+    let neighbours = samples.consecutive_rows();
     let least_m2 = neighbours.len() as f64 * LEAST_SIGMA_M.powi(2);
     let of = |axis: usize| {
         let at = |row: usize| residual[3 * row + axis];
@@ -122,13 +122,13 @@ mod tests {
 
     #[test]
     fn one_noisy_axis_is_worth_less_than_three() {
-        let noise = |sigma_m| Noise { sigma_m, correlation: 0.0 };
+        let noise = |sigma_m| Ar1Noise { sigma_m, correlation: 0.0 };
         assert!((noise([2e-3; 3]).freedom(10) - 30.0).abs() < 1e-9);
         assert!((noise([0.0, 0.0, 1e-3]).freedom(10) - 10.0).abs() < 1e-9);
         assert!((noise([1e-3, 1e-3, 3e-3]).freedom(1) - 121.0 / 83.0).abs() < 1e-9);
     }
 
-    /// Noise that remembers does so by the tracker's clock, be the drives' twice as fast, and a planar tracker has no third axis.
+    /// Ar1Noise that remembers does so by the tracker's clock, be the drives' twice as fast, and a planar tracker has no third axis.
     #[test]
     fn a_tracker_has_its_own_clock_and_axes() {
         let every_other = |samples: &Samples| {
@@ -138,14 +138,14 @@ mod tests {
         };
         let samples = every_other(&Samples::alike(40, 100));
         let mut noise = white_noise(NOISE_M, 1);
-        let mut left_m: Vec<f64> = (0..3 * samples.len()).map(|_| noise()).collect();
+        let mut residual_m: Vec<f64> = (0..3 * samples.len()).map(|_| noise()).collect();
         for row in 1..samples.len() {
             for axis in 0..2 {
-                left_m[3 * row + axis] = 0.8 * left_m[3 * (row - 1) + axis] + 0.6 * left_m[3 * row + axis];
+                residual_m[3 * row + axis] = 0.8 * residual_m[3 * (row - 1) + axis] + 0.6 * residual_m[3 * row + axis];
             }
         }
-        left_m.iter_mut().skip(2).step_by(3).for_each(|y| *y = 0.0);
-        let found = Noise::of(&samples, &left_m, 0.0);
+        residual_m.iter_mut().skip(2).step_by(3).for_each(|y| *y = 0.0);
+        let found = Ar1Noise::estimate(&samples, &residual_m, 0.0);
         assert!((found.correlation - 0.8).abs() < 0.03, "{found:?}");
     }
 
@@ -158,8 +158,8 @@ mod tests {
         }
         for seed in 0..20 {
             let mut noise = white_noise(NOISE_M, seed);
-            let left_m: Vec<f64> = (0..3 * samples.len()).map(|_| noise()).collect();
-            let found = Noise::of(&samples, &left_m, 0.0);
+            let residual_m: Vec<f64> = (0..3 * samples.len()).map(|_| noise()).collect();
+            let found = Ar1Noise::estimate(&samples, &residual_m, 0.0);
             assert!(found.correlation < 0.1, "{found:?}");
             assert!((found.rms_m() / (3.0_f64.sqrt() * NOISE_M) - 1.0).abs() < 0.08, "{found:?}");
         }

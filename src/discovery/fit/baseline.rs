@@ -1,12 +1,12 @@
 //! What a recording of the robot as built says: its numbers, calibrated, and whatever else it has in common with the
-//! recording in question (the form of the model, the frame, how the robot settles), which is no discovery.
+//! recording in problem (the form of the model, the frame, how the robot settles), which is no discovery.
 
 use nalgebra::DMatrix;
 
-use super::candidate::{Hypothesis, Member};
-use super::gauss_newton::Study;
-use super::nuisance::{Column, Nuisances};
-use crate::discovery::recording::covariates::{Circumstances, circumstances};
+use super::candidate::{CandidateEffect, SetMember};
+use super::gauss_newton::FitProblem;
+use super::nuisance::{NuisanceColumn, Nuisances};
+use crate::discovery::recording::covariates::{Covariates, sample_covariates};
 use crate::discovery::recording::samples::Samples;
 use crate::effects::Model;
 
@@ -23,49 +23,49 @@ const SLOWEST_M_S: f64 = 5e-5;
 
 /// What a calibration has multiplied numbers of the model by.
 #[derive(Clone, Copy)]
-pub(crate) struct Factors {
+pub(crate) struct CalibrationFactors {
     pub(crate) bending_stiffness: f64,
     pub(crate) compliance: f64,
 }
 
 /// `model` with its numbers calibrated on `baseline`, free of everything else, and by how much they changed; none when it
-/// cannot be played.
-pub(crate) fn calibrated(
+/// cannot be simulated_m.
+pub(crate) fn calibrate(
     model: &Model,
-    hypotheses: &[Hypothesis],
+    candidates: &[CandidateEffect],
     baseline: &Samples,
     nuisances: &Nuisances,
-) -> Option<(Model, Factors)> {
-    let open = vec![true; hypotheses.len()];
-    let study = Study { model, coarse: model, hypotheses, open, samples: baseline, nuisances };
+) -> Option<(Model, CalibrationFactors)> {
+    let open = vec![true; candidates.len()];
+    let fit_problem = FitProblem { model, coarse: model, candidates, open, samples: baseline, nuisances };
     let start = CALIBRATED.iter().filter_map(|name| {
-        let hypothesis = hypotheses.iter().position(|hypothesis| hypothesis.card.name == *name)?;
-        Some(Member { hypothesis, values: hypotheses[hypothesis].variants().swap_remove(0) })
+        let candidate = candidates.iter().position(|candidate| candidate.card.name == *name)?;
+        Some(SetMember { candidate, values: candidates[candidate].variants().swap_remove(0) })
     });
-    let fitted = study.fit(start.collect())?;
+    let fitted = fit_problem.fit(start.collect())?;
     let [bending_stiffness, compliance] = CALIBRATED.map(|name| {
-        let member = fitted.members.iter().find(|member| hypotheses[member.hypothesis].card.name == name);
+        let member = fitted.members.iter().find(|member| candidates[member.candidate].card.name == name);
         member.map_or(1.0, |member| member.values[0])
     });
     let mut model = model.clone();
     model.robot.backbone.scale_bending(bending_stiffness);
     model.robot.sections.compliance_m_per_n *= compliance;
-    model.check().is_ok().then_some((model, Factors { bending_stiffness, compliance }))
+    model.check().is_ok().then_some((model, CalibrationFactors { bending_stiffness, compliance }))
 }
 
 /// Terms of a smooth error of the tip over where the tip is and how it moves: those that stand for the form of a model.
-struct Form {
+struct ModelFormBasis {
     middle_m: [f64; 3],
     spread_m: [f64; 3],
     speed_m_s: f64,
 }
 
-impl Form {
+impl ModelFormBasis {
     /// Terms scaled to the circumstances of a baseline.
-    fn new(around: &[Circumstances]) -> Form {
-        let column = |axis: usize| around.iter().map(|at| at.tip_m[axis]).collect::<Vec<f64>>();
-        let moving: Vec<f64> = around.iter().flat_map(|at| at.velocity_m_s).collect();
-        Form {
+    fn new(covariates: &[Covariates]) -> ModelFormBasis {
+        let column = |axis: usize| covariates.iter().map(|at| at.tip_m[axis]).collect::<Vec<f64>>();
+        let moving: Vec<f64> = covariates.iter().flat_map(|at| at.velocity_m_s).collect();
+        ModelFormBasis {
             middle_m: std::array::from_fn(|axis| crate::math::summary::mean(&column(axis))),
             spread_m: std::array::from_fn(|axis| crate::math::summary::standard_deviation(&column(axis)).max(1e-4)),
             speed_m_s: crate::math::summary::root_mean_square(&moving).max(SLOWEST_M_S),
@@ -73,10 +73,10 @@ impl Form {
     }
 
     /// The terms in every sample, three numbers a sample, with the standard deviation expected of each.
-    fn columns(&self, around: &[Circumstances]) -> Vec<Column> {
-        let terms: Vec<Vec<f64>> = around.iter().map(|at| self.terms(at)).collect();
+    fn columns(&self, covariates: &[Covariates]) -> Vec<NuisanceColumn> {
+        let terms: Vec<Vec<f64>> = covariates.iter().map(|at| self.terms(at)).collect();
         let moving: Vec<Vec<f64>> =
-            around.iter().map(|at| at.velocity_m_s.map(|v| v / self.speed_m_s).to_vec()).collect();
+            covariates.iter().map(|at| at.velocity_m_s.map(|v| v / self.speed_m_s).to_vec()).collect();
         let mut columns = Vec::new();
         for (table, deviation) in [(&terms, FORM_M), (&moving, MOTION_FORM_M)] {
             for term in 0..table.first().map_or(0, Vec::len) {
@@ -90,7 +90,7 @@ impl Form {
     }
 
     /// Monomials up to the third degree in the tip's place.
-    fn terms(&self, at: &Circumstances) -> Vec<f64> {
+    fn terms(&self, at: &Covariates) -> Vec<f64> {
         let x: [f64; 3] =
             std::array::from_fn(|axis| ((at.tip_m[axis] - self.middle_m[axis]) / self.spread_m[axis]).clamp(-3.0, 3.0));
         let mut terms = vec![1.0];
@@ -106,22 +106,22 @@ impl Form {
 }
 
 /// Samples, where the model has the tip in them, and the uncertain numbers' columns.
-pub(crate) type Seen<'a> = (&'a Samples, &'a [f64], &'a [Column]);
+pub(crate) type SimulatedRecording<'a> = (&'a Samples, &'a [f64], &'a [NuisanceColumn]);
 
-/// The nuisances of the recording in question as the baseline leaves them: `own` (a column and a deviation each) on
+/// The nuisances of the recording in problem as the baseline leaves them: `own` (a column and a deviation each) on
 /// either recording, and the form of the model.
-pub(crate) fn in_common(baseline: Seen, recording: Seen) -> Nuisances {
-    let (samples, played, own) = baseline;
-    let around = circumstances(samples, played);
-    let form = Form::new(&around);
-    let all: Vec<Column> = own.iter().cloned().chain(form.columns(&around)).collect();
-    let before = Nuisances::independent(played.len(), &all);
-    let explained = before.explain(samples, &samples.residual(played), 0.0);
-    let precision = before.information(&explained.noise.whitened(samples, &before.columns));
-    let (samples, played, own) = recording;
-    let around = circumstances(samples, played);
-    let form = form.columns(&around);
-    let all: Vec<&Column> = own.iter().chain(&form).collect();
-    let columns = DMatrix::from_fn(played.len(), all.len(), |row, k| all[k].0[row]);
-    Nuisances::new(columns, explained.amounts, precision)
+pub(crate) fn calibrated_nuisances(baseline: SimulatedRecording, recording: SimulatedRecording) -> Nuisances {
+    let (samples, simulated_m, own) = baseline;
+    let covariates = sample_covariates(samples, simulated_m);
+    let form = ModelFormBasis::new(&covariates);
+    let all: Vec<NuisanceColumn> = own.iter().cloned().chain(form.columns(&covariates)).collect();
+    let before = Nuisances::independent(simulated_m.len(), &all);
+    let nuisance_fit = before.explain(samples, &samples.residual(simulated_m), 0.0);
+    let precision = before.information(&nuisance_fit.noise.whitened(samples, &before.columns));
+    let (samples, simulated_m, own) = recording;
+    let covariates = sample_covariates(samples, simulated_m);
+    let form = form.columns(&covariates);
+    let all: Vec<&NuisanceColumn> = own.iter().chain(&form).collect();
+    let columns = DMatrix::from_fn(simulated_m.len(), all.len(), |row, k| all[k].0[row]);
+    Nuisances::new(columns, nuisance_fit.amounts, precision)
 }

@@ -1,4 +1,4 @@
-//! Effects of the catalogue as hypotheses: what of them is fitted, and from where.
+//! Effects of the catalogue as candidates: what of them is fitted, and from where.
 
 use std::collections::BTreeSet;
 
@@ -6,16 +6,16 @@ use crate::effects::{CATALOGUE, Card, EffectSpec, Model, ModelParameter, Robot, 
 
 /// An effect that may be missing: a line of the catalogue, with the tendon where it is about one.
 #[derive(Clone, Debug)]
-pub(crate) struct Hypothesis {
+pub(crate) struct CandidateEffect {
     pub(crate) card: &'static Card,
     /// How each parameter of the card is found.
-    fields: Vec<Field>,
+    searches: Vec<ParameterSearch>,
 }
 
 /// How a parameter is found.
 #[derive(Clone, Debug)]
-enum Field {
-    /// Fitted, in units of `size` from `null`; begun from the best of `scan`, if there are any.
+enum ParameterSearch {
+    /// FittedSet, in units of `size` from `null`; begun from the best of `scan`, if there are any.
     Size { null: f64, size: f64, scan: &'static [f64] },
     /// Tried at each of these, then fitted; by its logarithm where `positive`, and then no farther than [`BEYOND`] them.
     Shape { tries: Vec<f64>, positive: bool },
@@ -25,11 +25,11 @@ enum Field {
     Fixed(f64),
 }
 
-/// A hypothesis with numbers: the values of the card's parameters in their order.
+/// A candidate with numbers: the values of the card's parameters in their order.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Member {
-    /// Number of the hypothesis.
-    pub(crate) hypothesis: usize,
+pub(crate) struct SetMember {
+    /// Number of the candidate.
+    pub(crate) candidate: usize,
     pub(crate) values: Vec<f64>,
 }
 
@@ -44,45 +44,45 @@ const BEYOND: f64 = 5.0;
 const HALVINGS: usize = 60;
 const ROUND: f64 = 1e-9;
 
-/// The catalogue as hypotheses about `model`.
-pub(crate) fn hypotheses(model: &Model) -> Vec<Hypothesis> {
+/// The catalogue as candidates about `model`.
+pub(crate) fn catalogue_candidates(model: &Model) -> Vec<CandidateEffect> {
     let tendons = model.robot.tendons.angles_deg.len();
     let each = CATALOGUE.iter().flat_map(|card| {
         let about_one = card.parameters.iter().any(|parameter| parameter.seek == Seek::Tendon);
         let each: Vec<usize> = if about_one { (1..=tendons).collect() } else { vec![0] };
-        each.into_iter().map(|tendon| Hypothesis::new(card, model, tendon)).collect::<Vec<_>>()
+        each.into_iter().map(|tendon| CandidateEffect::new(card, model, tendon)).collect::<Vec<_>>()
     });
     each.collect()
 }
 
-impl Hypothesis {
-    fn new(card: &'static Card, model: &Model, tendon: usize) -> Hypothesis {
+impl CandidateEffect {
+    fn new(card: &'static Card, model: &Model, tendon: usize) -> CandidateEffect {
         let length_m = model.robot.backbone.length_m;
-        let field = |parameter: &crate::effects::Parameter| match parameter.seek {
-            Seek::Size(size) => Field::Size { null: parameter.null, size, scan: &[] },
-            Seek::Scanned(size, scan) => Field::Size { null: parameter.null, size, scan },
+        let search = |parameter: &crate::effects::Parameter| match parameter.seek {
+            Seek::Size(size) => ParameterSearch::Size { null: parameter.null, size, scan: &[] },
+            Seek::Scanned(size, scan) => ParameterSearch::Size { null: parameter.null, size, scan },
             Seek::Replaces(path, size) => {
                 // An effect that the model has already may have replaced it before.
                 let last = model.effects.iter().rposition(|effect| effect.card().name == card.name);
                 let own = last.map(|k| format!("effects[{k}].{}", parameter.name));
                 let path = own.as_deref().unwrap_or(path);
                 let number = ModelParameter::named(model, path).and_then(|number| number.value(model));
-                Field::Size { null: number.unwrap_or(parameter.null), size, scan: &[] }
+                ParameterSearch::Size { null: number.unwrap_or(parameter.null), size, scan: &[] }
             }
             Seek::Shape(tries) => {
-                Field::Shape { tries: tries.to_vec(), positive: tries.iter().all(|&value| value > 0.0) }
+                ParameterSearch::Shape { tries: tries.to_vec(), positive: tries.iter().all(|&value| value > 0.0) }
             }
-            Seek::Place => Field::Choice(places(&model.robot, length_m)),
-            Seek::Tendon => Field::Fixed(tendon as f64),
-            Seek::Flag => Field::Choice(vec![0.0, 1.0]),
+            Seek::Place => ParameterSearch::Choice(places(&model.robot, length_m)),
+            Seek::Tendon => ParameterSearch::Fixed(tendon as f64),
+            Seek::Flag => ParameterSearch::Choice(vec![0.0, 1.0]),
         };
-        Hypothesis { card, fields: card.parameters.iter().map(field).collect() }
+        CandidateEffect { card, searches: card.parameters.iter().map(search).collect() }
     }
 
     /// Its name; with the tendon where it is about one.
     pub(crate) fn label(&self) -> String {
-        let tendon = self.fields.iter().find_map(|field| match field {
-            Field::Fixed(tendon) => Some(*tendon),
+        let tendon = self.searches.iter().find_map(|search| match search {
+            ParameterSearch::Fixed(tendon) => Some(*tendon),
             _ => None,
         });
         tendon.map_or_else(|| self.card.name.to_owned(), |tendon| format!("{} (tendon {tendon})", self.card.name))
@@ -90,17 +90,17 @@ impl Hypothesis {
 
     /// Number of parameters that are fitted or chosen: what it costs to bring it in.
     pub(crate) fn freedom(&self) -> usize {
-        self.fields.iter().filter(|field| !matches!(field, Field::Fixed(_))).count()
+        self.searches.iter().filter(|search| !matches!(search, ParameterSearch::Fixed(_))).count()
     }
 
     /// Parameters (of the card, from 0) that give the size.
     pub(crate) fn sizes(&self) -> Vec<usize> {
-        self.indices(|field| matches!(field, Field::Size { .. }))
+        self.indices(|search| matches!(search, ParameterSearch::Size { .. }))
     }
 
     /// Whether there is more to it than sizes, which alone a rough fit moves at first.
     pub(crate) fn has_shape(&self) -> bool {
-        self.fields.iter().any(|field| matches!(field, Field::Shape { .. } | Field::Choice(_)))
+        self.searches.iter().any(|search| matches!(search, ParameterSearch::Shape { .. } | ParameterSearch::Choice(_)))
     }
 
     /// Whether it puts a number in the place of the model's.
@@ -110,21 +110,21 @@ impl Hypothesis {
 
     /// Parameters (of the card, from 0) that a fit moves.
     pub(crate) fn fitted(&self) -> Vec<usize> {
-        self.indices(|field| matches!(field, Field::Size { .. } | Field::Shape { .. }))
+        self.indices(|search| matches!(search, ParameterSearch::Size { .. } | ParameterSearch::Shape { .. }))
     }
 
-    fn indices(&self, kept: impl Fn(&Field) -> bool) -> Vec<usize> {
-        (0..self.fields.len()).filter(|&index| kept(&self.fields[index])).collect()
+    fn indices(&self, kept: impl Fn(&ParameterSearch) -> bool) -> Vec<usize> {
+        (0..self.searches.len()).filter(|&index| kept(&self.searches[index])).collect()
     }
 
     /// Its values without any effect, one for each combination of shapes and choices.
     pub(crate) fn variants(&self) -> Vec<Vec<f64>> {
         let mut found = vec![Vec::new()];
-        for field in &self.fields {
-            let values: &[f64] = match field {
-                Field::Size { null, .. } => std::slice::from_ref(null),
-                Field::Fixed(value) => std::slice::from_ref(value),
-                Field::Shape { tries, .. } | Field::Choice(tries) => tries,
+        for search in &self.searches {
+            let values: &[f64] = match search {
+                ParameterSearch::Size { null, .. } => std::slice::from_ref(null),
+                ParameterSearch::Fixed(value) => std::slice::from_ref(value),
+                ParameterSearch::Shape { tries, .. } | ParameterSearch::Choice(tries) => tries,
             };
             let longer = |known: &Vec<f64>| -> Vec<Vec<f64>> {
                 values.iter().map(|&value| known.iter().copied().chain([value]).collect()).collect()
@@ -135,30 +135,32 @@ impl Hypothesis {
     }
 
     /// `values` with the sizes at which nothing changes.
-    pub(crate) fn without(&self, values: &[f64]) -> Vec<f64> {
-        let null = |(field, value): (&Field, &f64)| if let Field::Size { null, .. } = field { *null } else { *value };
-        self.fields.iter().zip(values).map(null).collect()
+    pub(crate) fn without_size(&self, values: &[f64]) -> Vec<f64> {
+        let null = |(search, value): (&ParameterSearch, &f64)| {
+            if let ParameterSearch::Size { null, .. } = search { *null } else { *value }
+        };
+        self.searches.iter().zip(values).map(null).collect()
     }
 
     /// Whether what a little of it does says nothing of the way on.
-    pub(crate) fn rises_and_falls(&self) -> bool {
+    pub(crate) fn is_scanned(&self) -> bool {
         !self.scan().is_empty()
     }
 
-    /// Steps from nothing to each of the sizes that are looked at whatever a little of the effect promises.
+    /// Steps from nothing to each of the sizes that are looked at whatever a little of the effect predictions.
     pub(crate) fn scan(&self) -> Vec<f64> {
-        let steps = |field: &Field| match *field {
-            Field::Size { null, scan, .. } => scan.iter().map(|value| value - null).collect(),
+        let steps = |search: &ParameterSearch| match *search {
+            ParameterSearch::Size { null, scan, .. } => scan.iter().map(|value| value - null).collect(),
             _ => Vec::new(),
         };
-        self.fields.iter().flat_map(steps).collect()
+        self.searches.iter().flat_map(steps).collect()
     }
 
     /// Other choices beside these values: its neighbours in every chosen parameter.
-    pub(crate) fn neighbours(&self, values: &[f64]) -> Vec<Vec<f64>> {
+    pub(crate) fn neighbouring_choices(&self, values: &[f64]) -> Vec<Vec<f64>> {
         let mut found = Vec::new();
-        for (index, field) in self.fields.iter().enumerate() {
-            let Field::Choice(choices) = field else { continue };
+        for (index, search) in self.searches.iter().enumerate() {
+            let ParameterSearch::Choice(choices) = search else { continue };
             let at = choices.iter().position(|&choice| choice == values[index]).unwrap_or(0);
             for other in [at.checked_sub(1), Some(at + 1)].into_iter().flatten().filter(|&k| k < choices.len()) {
                 let mut beside = values.to_vec();
@@ -169,11 +171,11 @@ impl Hypothesis {
         found
     }
 
-    /// A change of parameter `index` that is easily seen, in the coordinate that [`Hypothesis::moved`] takes.
+    /// A change of parameter `index` that is easily seen, in the coordinate that [`CandidateEffect::moved`] takes.
     pub(crate) fn probe(&self, index: usize) -> f64 {
-        match self.fields[index] {
-            Field::Size { size, .. } => size,
-            Field::Shape { positive: true, .. } => 0.25,
+        match self.searches[index] {
+            ParameterSearch::Size { size, .. } => size,
+            ParameterSearch::Shape { positive: true, .. } => 0.25,
             _ => 0.1,
         }
     }
@@ -182,8 +184,8 @@ impl Hypothesis {
     /// its range.
     pub(crate) fn moved(&self, values: &[f64], index: usize, step: f64) -> Vec<f64> {
         let mut there = values.to_vec();
-        match self.fields[index] {
-            Field::Shape { ref tries, positive: true } => {
+        match self.searches[index] {
+            ParameterSearch::Shape { ref tries, positive: true } => {
                 let least = tries.iter().copied().fold(f64::INFINITY, f64::min) / BEYOND;
                 let most = tries.iter().copied().fold(0.0, f64::max) * BEYOND;
                 there[index] = (values[index] * step.exp()).clamp(least, most);
@@ -194,7 +196,7 @@ impl Hypothesis {
     }
 
     /// `values` with each of the sizes moved by one of the `steps`.
-    pub(crate) fn sized(&self, values: &[f64], steps: &[f64]) -> Vec<f64> {
+    pub(crate) fn with_sizes(&self, values: &[f64], steps: &[f64]) -> Vec<f64> {
         let each = self.sizes().into_iter().zip(steps);
         each.fold(values.to_vec(), |at, (size, &step)| self.moved(&at, size, step))
     }
@@ -221,16 +223,16 @@ impl Hypothesis {
     }
 
     /// Whether a size stands at the end of its range: a little more of it would be no effect.
-    pub(crate) fn is_at_an_end(&self, values: &[f64]) -> bool {
+    pub(crate) fn is_at_range_end(&self, values: &[f64]) -> bool {
         let is_out = |index: usize, step: f64| self.effect(&self.moved(values, index, step)).is_none();
         let little = |index: usize| 1e-3 * self.probe(index).abs();
         self.sizes().into_iter().any(|index| is_out(index, little(index)) || is_out(index, -little(index)))
     }
 
-    /// The step that [`Hypothesis::moved`] took from `values` to `there`.
+    /// The step that [`CandidateEffect::moved`] took from `values` to `there`.
     pub(crate) fn step(&self, values: &[f64], there: &[f64], index: usize) -> f64 {
-        match self.fields[index] {
-            Field::Shape { positive: true, .. } => (there[index] / values[index]).ln(),
+        match self.searches[index] {
+            ParameterSearch::Shape { positive: true, .. } => (there[index] / values[index]).ln(),
             _ => there[index] - values[index],
         }
     }
@@ -253,28 +255,28 @@ fn places(robot: &Robot, length_m: f64) -> Vec<f64> {
     (0..count).map(place).collect()
 }
 
-/// Which hypotheses the members are, whatever their order.
-pub(crate) fn set_of(members: &[Member]) -> BTreeSet<usize> {
-    members.iter().map(|member| member.hypothesis).collect()
+/// Which candidates the members are, whatever their order.
+pub(crate) fn candidate_set(members: &[SetMember]) -> BTreeSet<usize> {
+    members.iter().map(|member| member.candidate).collect()
 }
 
 /// The effects of these members on top of a model; none where one is out of range.
-pub(crate) fn effects(hypotheses: &[Hypothesis], members: &[Member]) -> Option<Vec<EffectSpec>> {
-    members.iter().map(|member| hypotheses[member.hypothesis].effect(&member.values)).collect()
+pub(crate) fn effect_specs(candidates: &[CandidateEffect], members: &[SetMember]) -> Option<Vec<EffectSpec>> {
+    members.iter().map(|member| candidates[member.candidate].effect(&member.values)).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn hypothesis(name: &str) -> Hypothesis {
+    fn candidate(name: &str) -> CandidateEffect {
         let model = Model { robot: Robot::default(), effects: Vec::new() };
-        hypotheses(&model).into_iter().find(|hypothesis| hypothesis.card.name == name).unwrap()
+        catalogue_candidates(&model).into_iter().find(|candidate| candidate.card.name == name).unwrap()
     }
 
     #[test]
     fn a_shape_stays_within_its_range_and_a_step_says_how_far_it_went() {
-        let friction = hypothesis("friction");
+        let friction = candidate("friction");
         let from = &friction.variants()[0];
         let there = friction.moved(from, 1, -9.0);
         assert_eq!(there[1], 0.1 / BEYOND);
@@ -286,11 +288,11 @@ mod tests {
 
     #[test]
     fn a_size_goes_to_the_end_of_its_range_and_no_farther() {
-        let load = hypothesis("tip_load");
+        let load = candidate("tip_load");
         assert_eq!(load.moved_within(&[0.003], 0, -0.002), load.moved(&[0.003], 0, -0.002));
         assert_eq!(load.moved_within(&[0.003], 0, -0.01), [0.0]);
         assert!(load.moved_within(&[0.003], 0, -0.01)[0].is_sign_positive());
-        let tilt = hypothesis("base_tilt");
+        let tilt = candidate("base_tilt");
         assert_eq!(tilt.moved_within(&[0.01, 0.02], 1, -0.05), tilt.moved(&[0.01, 0.02], 1, -0.05));
     }
 
@@ -312,7 +314,7 @@ mod tests {
 
     #[test]
     fn the_end_of_a_range_is_known_from_either_side_and_some_ranges_have_none() {
-        let at_an_end = |name: &str, values: &[f64]| hypothesis(name).is_at_an_end(values);
+        let at_an_end = |name: &str, values: &[f64]| candidate(name).is_at_range_end(values);
         assert!(at_an_end("tip_load", &[0.0]) && !at_an_end("tip_load", &[0.003]));
         assert!(at_an_end("distributed_mass", &[1e-9]) && !at_an_end("distributed_mass", &[0.2]));
         assert!(!at_an_end("base_tilt", &[0.0, 0.0]));
@@ -322,19 +324,20 @@ mod tests {
     fn what_an_effect_of_the_model_has_replaced_is_what_it_is_now() {
         let mut model = Model { robot: Robot::default(), effects: Vec::new() };
         let null = |model: &Model| {
-            let found = hypotheses(model).into_iter().find(|hypothesis| hypothesis.card.name == "damping").unwrap();
+            let found =
+                catalogue_candidates(model).into_iter().find(|candidate| candidate.card.name == "damping").unwrap();
             found.variants()[0][0]
         };
         assert_eq!(null(&model), model.robot.damping_time_s);
-        let damping = hypothesis("damping").effect(&[0.15]).unwrap();
+        let damping = candidate("damping").effect(&[0.15]).unwrap();
         model.effects.push(damping);
         assert_eq!(null(&model), 0.15);
     }
 
     #[test]
     fn what_rises_and_falls_is_looked_at_everywhere() {
-        let scan = hypothesis("delay").scan();
+        let scan = candidate("delay").scan();
         assert!(scan.len() > 10 && scan.is_sorted() && scan[0] > 0.0);
-        assert!(hypothesis("tip_load").scan().is_empty());
+        assert!(candidate("tip_load").scan().is_empty());
     }
 }

@@ -1,20 +1,20 @@
 //! What may differ a little between any robot and its model without being news: numbers that a lab would recalibrate,
 //! each with the uncertainty that its calibration leaves, and what a baseline recording shows in common. They are free in
-//! every hypothesis alike, within that uncertainty, and enter linearly about where they are.
+//! every candidate alike, within that uncertainty, and enter linearly about where they are.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::ar1_noise::Noise;
+use super::ar1_noise::Ar1Noise;
 use crate::discovery::recording::samples::Samples;
 
 /// What one nuisance adds to the tip, three numbers a sample over its unit, and the standard deviation of its amount.
-pub(crate) type Column = (Vec<f64>, f64);
+pub(crate) type NuisanceColumn = (Vec<f64>, f64);
 
-/// Nuisances with a Gaussian prior: what they add to the tip is `bend + columns · amounts`.
+/// Nuisances with a Gaussian prior: what they add to the tip is `offset + columns · amounts`.
 #[derive(Clone, Debug)]
 pub(crate) struct Nuisances {
     /// What they add beyond that in which they are linear, three numbers a sample, metres: where about they are.
-    bend: DVector<f64>,
+    offset: DVector<f64>,
     /// Three numbers a sample, a column a nuisance.
     pub(crate) columns: DMatrix<f64>,
     /// Expected amounts.
@@ -25,15 +25,15 @@ pub(crate) struct Nuisances {
     log_determinant: f64,
 }
 
-/// A residual explained by nuisances and noise alone.
+/// A residual nuisance_fit by nuisances and noise alone.
 #[derive(Clone, Debug)]
-pub(crate) struct Explained {
+pub(crate) struct NuisanceFit {
     /// Most likely noise.
-    pub(crate) noise: Noise,
+    pub(crate) noise: Ar1Noise,
     /// Most likely amounts of the nuisances.
     pub(crate) amounts: DVector<f64>,
     /// What is left, three numbers a sample, metres.
-    pub(crate) left_m: Vec<f64>,
+    pub(crate) residual_m: Vec<f64>,
     /// Minus twice the log-likelihood, nuisances integrated out.
     pub(crate) deviance: f64,
 }
@@ -43,7 +43,7 @@ const ROUNDS: usize = 5;
 
 impl Nuisances {
     /// Independent ones: columns of a standard deviation each.
-    pub(crate) fn independent(rows: usize, columns: &[Column]) -> Nuisances {
+    pub(crate) fn independent(rows: usize, columns: &[NuisanceColumn]) -> Nuisances {
         let precision = DMatrix::from_diagonal(&DVector::from_iterator(
             columns.len(),
             columns.iter().map(|(_, deviation)| deviation.powi(-2)),
@@ -54,44 +54,44 @@ impl Nuisances {
 
     pub(crate) fn new(columns: DMatrix<f64>, mean: DVector<f64>, precision: DMatrix<f64>) -> Nuisances {
         let log_determinant = log_determinant(&precision);
-        Nuisances { bend: DVector::zeros(columns.nrows()), columns, mean, precision, log_determinant }
+        Nuisances { offset: DVector::zeros(columns.nrows()), columns, mean, precision, log_determinant }
     }
 
     /// The same, known to be about these amounts.
-    pub(crate) fn known(self, mean: DVector<f64>, precision: DMatrix<f64>) -> Nuisances {
+    pub(crate) fn with_prior(self, mean: DVector<f64>, precision: DMatrix<f64>) -> Nuisances {
         let log_determinant = log_determinant(&precision);
         Nuisances { mean, precision, log_determinant, ..self }
     }
 
     /// The same with so much beyond that in which they are linear.
-    pub(crate) fn bent(self, bend: DVector<f64>) -> Nuisances {
-        Nuisances { bend, ..self }
+    pub(crate) fn with_offset(self, offset: DVector<f64>) -> Nuisances {
+        Nuisances { offset, ..self }
     }
 
     /// The same in those rows of the samples alone (three numbers a sample).
     pub(crate) fn in_rows(&self, rows: &[usize]) -> Nuisances {
-        Nuisances { bend: self.bend.select_rows(rows), columns: self.columns.select_rows(rows), ..self.clone() }
+        Nuisances { offset: self.offset.select_rows(rows), columns: self.columns.select_rows(rows), ..self.clone() }
     }
 
     /// Explains `residual` as well as nuisances and noise can; of the samples a fit of other parameters has used up
     /// `freedom` numbers.
-    pub(crate) fn explain(&self, samples: &Samples, residual: &[f64], freedom: f64) -> Explained {
+    pub(crate) fn explain(&self, samples: &Samples, residual: &[f64], freedom: f64) -> NuisanceFit {
         let residual: Vec<f64> =
-            residual.iter().zip(self.bend.iter()).map(|(residual, bend)| residual - bend).collect();
+            residual.iter().zip(self.offset.iter()).map(|(residual, offset)| residual - offset).collect();
         let residual = residual.as_slice();
-        let mut noise = Noise::of(samples, residual, freedom);
+        let mut noise = Ar1Noise::estimate(samples, residual, freedom);
         let mut found = self.amounts(samples, residual, &noise);
         for _ in 0..ROUNDS {
-            noise = Noise::of(samples, &self.left(residual, &found.0), freedom + found.2);
+            noise = Ar1Noise::estimate(samples, &self.left(residual, &found.0), freedom + found.2);
             found = self.amounts(samples, residual, &noise);
         }
         let (amounts, log_determinant, _) = found;
-        let left_m = self.left(residual, &amounts);
+        let residual_m = self.left(residual, &amounts);
         let off = &amounts - &self.mean;
-        let squares: f64 = noise.whiten(samples, &left_m).iter().map(|w| w * w).sum();
+        let squares: f64 = noise.whiten(samples, &residual_m).iter().map(|w| w * w).sum();
         let deviance = noise.log_determinant(samples) + squares + off.dot(&(&self.precision * &off)) + log_determinant
             - self.log_determinant;
-        Explained { noise, amounts, left_m, deviance }
+        NuisanceFit { noise, amounts, residual_m, deviance }
     }
 
     /// Their columns, and after them `others`.
@@ -113,7 +113,7 @@ impl Nuisances {
     }
 
     /// Most likely amounts, the log-determinant of their posterior's precision, and how many numbers they use up.
-    fn amounts(&self, samples: &Samples, residual: &[f64], noise: &Noise) -> (DVector<f64>, f64, f64) {
+    fn amounts(&self, samples: &Samples, residual: &[f64], noise: &Ar1Noise) -> (DVector<f64>, f64, f64) {
         if self.mean.is_empty() {
             return (self.mean.clone(), 0.0, 0.0);
         }

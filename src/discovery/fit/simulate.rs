@@ -1,11 +1,11 @@
-//! Models played on the commands of samples.
+//! Models simulated_m on the commands of samples.
 
 use rayon::prelude::*;
 
 use crate::discovery::recording::samples::{Samples, TrialCommands};
 use crate::effects::{EffectSpec, Model, Trial, replay};
 
-/// First looks and rough fits are played with a tolerance that is larger by this, longer cells by this, and polynomials up to
+/// First looks and rough fits are simulated_m with a tolerance that is larger by this, longer cells by this, and polynomials up to
 /// so many of the bending moments and of everything else: what they are followed by corrects them.
 const COARSER: f64 = 10.0;
 const LONGER: f64 = 1.5;
@@ -40,7 +40,7 @@ fn fine(model: &Model) -> Model {
     fine
 }
 
-/// Where `model` with `extra` effects has the tip with finer steps in time and a finer grid; none where it cannot be played so.
+/// Where `model` with `extra` effects has the tip with finer steps in time and a finer grid; none where it cannot be simulated_m so.
 pub(crate) fn fine_tips(model: &Model, extra: &[EffectSpec], samples: &Samples) -> Option<Vec<f64>> {
     let fine = fine(model);
     // A rest that cannot be settled so finely is taken on the grid that motion has.
@@ -50,11 +50,13 @@ pub(crate) fn fine_tips(model: &Model, extra: &[EffectSpec], samples: &Samples) 
 }
 
 /// `samples` without what a model that has the tip at `fine` with finer steps and a finer grid does there beyond having it at
-/// `played`: a fit to them is one with those (defect correction; Stetter, Numerische Mathematik 29, 1978).
-pub(crate) fn corrected(samples: &Samples, fine: &[f64], played: &[f64]) -> Samples {
+/// `simulated_m`: a fit to them is one with those (defect correction; Stetter, Numerische Mathematik 29, 1978).
+pub(crate) fn corrected(samples: &Samples, fine: &[f64], simulated_m: &[f64]) -> Samples {
     let mut corrected = samples.clone();
-    for (row, (fine, played)) in corrected.rows.iter_mut().zip(fine.chunks_exact(3).zip(played.chunks_exact(3))) {
-        row.tip_m = std::array::from_fn(|axis| row.tip_m[axis] - (fine[axis] - played[axis]));
+    for (row, (fine, simulated_m)) in
+        corrected.rows.iter_mut().zip(fine.chunks_exact(3).zip(simulated_m.chunks_exact(3)))
+    {
+        row.tip_m = std::array::from_fn(|axis| row.tip_m[axis] - (fine[axis] - simulated_m[axis]));
     }
     corrected
 }
@@ -62,12 +64,12 @@ pub(crate) fn corrected(samples: &Samples, fine: &[f64], played: &[f64]) -> Samp
 /// Where `model` with `extra` effects has the tip in every sample, three numbers a sample, metres; none where it cannot
 /// follow the commands. Trials run beside each other.
 pub(crate) fn tips(model: &Model, extra: &[EffectSpec], samples: &Samples) -> Option<Vec<f64>> {
-    let played: Vec<Vec<[f64; 3]>> =
-        samples.trials.par_iter().map(|trial| play(model, extra, trial)).collect::<Option<_>>()?;
-    Some(samples.rows.iter().flat_map(|row| played[row.trial][row.row]).collect())
+    let simulated_m: Vec<Vec<[f64; 3]>> =
+        samples.trials.par_iter().map(|trial| simulate_trial(model, extra, trial)).collect::<Option<_>>()?;
+    Some(samples.rows.iter().flat_map(|row| simulated_m[row.trial][row.row]).collect())
 }
 
-fn play(model: &Model, extra: &[EffectSpec], trial: &TrialCommands) -> Option<Vec<[f64; 3]>> {
+fn simulate_trial(model: &Model, extra: &[EffectSpec], trial: &TrialCommands) -> Option<Vec<[f64; 3]>> {
     let commands = Trial {
         commands: &trial.commands,
         durations_s: &trial.durations_s,
@@ -100,8 +102,8 @@ pub(crate) fn circling(model: &Model, extra: &[EffectSpec]) -> Samples {
     }
     recording.tip_m = Some(tips_m);
     let mut samples = Samples::new(&recording);
-    let played = tips(model, extra, &samples).unwrap();
-    for (row, tip) in samples.rows.iter_mut().zip(played.chunks_exact(3)) {
+    let simulated_m = tips(model, extra, &samples).unwrap();
+    for (row, tip) in samples.rows.iter_mut().zip(simulated_m.chunks_exact(3)) {
         row.tip_m = [tip[0], tip[1], tip[2]];
     }
     samples
@@ -129,10 +131,10 @@ mod tests {
         for (row, tip) in samples.rows.iter_mut().zip(tips_m.chunks_exact(3)) {
             row.tip_m = [tip[0], tip[1], tip[2]];
         }
-        let played = tips(&model, &[], &samples).unwrap();
+        let simulated_m = tips(&model, &[], &samples).unwrap();
         let fine = fine_tips(&model, &[], &samples).unwrap();
         let [before_m, after_m] =
-            [&samples, &corrected(&samples, &fine, &played)].map(|samples| rms_m(&samples.residual(&played)));
+            [&samples, &corrected(&samples, &fine, &simulated_m)].map(|samples| rms_m(&samples.residual(&simulated_m)));
         assert!(before_m > 1e-5 && after_m < 0.4 * before_m, "{before_m} to {after_m}");
     }
 }

@@ -6,11 +6,11 @@ use std::ops::Range;
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use crate::discovery::recording::covariates::Circumstances;
+use crate::discovery::recording::covariates::Covariates;
 
 /// On what a residual depends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Pattern {
+pub(crate) enum ResidualPattern {
     /// Where the robot is.
     Pose,
     /// How it got there.
@@ -30,51 +30,52 @@ const MOST_POINTS: usize = 1200;
 const MOST_GROUPS: usize = 12;
 
 /// Samples, or means over neighbours where there are too many of them.
-pub(crate) struct Points {
+pub(crate) struct BinnedSamples {
     /// The points of each trial, or of some that follow each other where there are too many of them.
     pub(crate) ranges: Vec<Range<usize>>,
     /// The circumstances of each, those of the middle one of its samples.
-    around: Vec<Circumstances>,
+    covariates: Vec<Covariates>,
     /// What was left, metres, three numbers a point.
     residual: Vec<f64>,
     /// Samples that a point stands for, about.
     samples_each: f64,
 }
 
-impl Points {
-    pub(crate) fn new(trials: &[Range<usize>], around: &[Circumstances], residual: &[f64]) -> Points {
-        let together = around.len().div_ceil(MOST_POINTS).max(1);
-        let mut points = Points { ranges: Vec::new(), around: Vec::new(), residual: Vec::new(), samples_each: 1.0 };
+impl BinnedSamples {
+    pub(crate) fn new(trials: &[Range<usize>], covariates: &[Covariates], residual: &[f64]) -> BinnedSamples {
+        let together = covariates.len().div_ceil(MOST_POINTS).max(1);
+        let mut points =
+            BinnedSamples { ranges: Vec::new(), covariates: Vec::new(), residual: Vec::new(), samples_each: 1.0 };
         for trial in trials {
-            let first = points.around.len();
+            let first = points.covariates.len();
             for start in trial.clone().step_by(together) {
                 let rows = start..trial.end.min(start + together);
-                points.around.push(around[start + rows.len() / 2].clone());
+                points.covariates.push(covariates[start + rows.len() / 2].clone());
                 let mean =
                     |axis: usize| rows.clone().map(|row| residual[3 * row + axis]).sum::<f64>() / rows.len() as f64;
                 points.residual.extend((0..3).map(mean));
             }
-            points.ranges.push(first..points.around.len());
+            points.ranges.push(first..points.covariates.len());
         }
         let each = points.ranges.len().div_ceil(MOST_GROUPS).max(1);
         points.ranges = points.ranges.chunks(each).map(|group| group[0].start..group[group.len() - 1].end).collect();
-        points.samples_each = around.len() as f64 / points.around.len().max(1) as f64;
+        points.samples_each = covariates.len() as f64 / points.covariates.len().max(1) as f64;
         points
     }
 }
 
 /// Products between what was left in each block and what each block of another trial foretells there.
-pub(crate) struct Table {
+pub(crate) struct CrossPrediction {
     /// For each axis: block foretold × block foretelling.
     products: [DMatrix<f64>; 3],
     /// Fall of the sum of squares of all samples by what is foretold, m²; not below zero.
     pub(crate) foretold: f64,
 }
 
-impl Table {
+impl CrossPrediction {
     /// The points of each of the `blocks` foretold by what `pattern` says of other trials.
-    pub(crate) fn new(pattern: Pattern, points: &Points, blocks: &[Range<usize>]) -> Table {
-        let kernel = kernel(pattern, &points.around);
+    pub(crate) fn new(pattern: ResidualPattern, points: &BinnedSamples, blocks: &[Range<usize>]) -> CrossPrediction {
+        let kernel = kernel(pattern, &points.covariates);
         let (trials, residual) = (&points.ranges, &points.residual);
         let count = blocks.len();
         let mut products: [DMatrix<f64>; 3] = std::array::from_fn(|_| DMatrix::zeros(count, count));
@@ -105,7 +106,7 @@ impl Table {
                 foretold += 2.0 * left.dot(&sum) - sum.norm_squared();
             }
         }
-        Table { products, foretold: points.samples_each * foretold.max(0.0) }
+        CrossPrediction { products, foretold: points.samples_each * foretold.max(0.0) }
     }
 
     /// Agreement of what was left with what was foretold, m², each trial's residual with a sign.
@@ -120,17 +121,17 @@ impl Table {
 }
 
 /// How alike the circumstances of two samples are, from 0 to 1.
-fn kernel(pattern: Pattern, around: &[Circumstances]) -> DMatrix<f64> {
-    let features: Vec<Vec<f64>> = around
+fn kernel(pattern: ResidualPattern, covariates: &[Covariates]) -> DMatrix<f64> {
+    let features: Vec<Vec<f64>> = covariates
         .iter()
         .map(|at| match pattern {
-            Pattern::Constant => Vec::new(),
-            Pattern::Pose => at.tip_m.iter().chain(&at.command).copied().collect(),
-            Pattern::History => {
+            ResidualPattern::Constant => Vec::new(),
+            ResidualPattern::Pose => at.tip_m.iter().chain(&at.command).copied().collect(),
+            ResidualPattern::History => {
                 let within = at.command.iter().zip(&at.largest).map(|(now, most)| most - now);
                 at.change.iter().chain(&at.change_before).copied().chain(at.moved_m).chain(within).collect()
             }
-            Pattern::Time => vec![at.time_s],
+            ResidualPattern::Time => vec![at.time_s],
         })
         .collect();
     let width = features.first().map_or(0, Vec::len);
@@ -143,5 +144,5 @@ fn kernel(pattern: Pattern, around: &[Circumstances]) -> DMatrix<f64> {
     let distance = |a: &[f64], b: &[f64]| -> f64 {
         a.iter().zip(b).zip(&scale).map(|((a, b), scale)| ((a - b) / scale).powi(2)).sum()
     };
-    DMatrix::from_fn(around.len(), around.len(), |i, j| (-0.5 * distance(&features[i], &features[j])).exp())
+    DMatrix::from_fn(covariates.len(), covariates.len(), |i, j| (-0.5 * distance(&features[i], &features[j])).exp())
 }

@@ -2,13 +2,13 @@
 //! be foretold by nothing. Levene's test: an analysis of variance of the distances (Levene, in Contributions to
 //! Probability and Statistics, 1960), which outliers mislead less than the variances themselves.
 
-use crate::discovery::fit::nuisance::Explained;
+use crate::discovery::fit::nuisance::NuisanceFit;
 use crate::discovery::recording::samples::{Samples, rms_m};
 use crate::math::distribution::f_above;
 use crate::math::summary::{mean, quantile};
 
 /// How unevenly what is left is spread over the trials.
-pub(crate) struct Uneven {
+pub(crate) struct LeveneResult {
     /// Chance of as much from noise.
     pub(crate) p_value: f64,
     /// What the worst trial has more than the middle one, root mean square, metres (the squares add up).
@@ -17,9 +17,9 @@ pub(crate) struct Uneven {
     pub(crate) middle_m: f64,
 }
 
-/// The test on what `explained` leaves in `samples`.
-pub(crate) fn uneven(samples: &Samples, explained: &Explained) -> Uneven {
-    let distance_m: Vec<f64> = explained.left_m.chunks_exact(3).map(rms_m).collect();
+/// The test on what `nuisance_fit` leaves in `samples`.
+pub(crate) fn levene_test(samples: &Samples, nuisance_fit: &NuisanceFit) -> LeveneResult {
+    let distance_m: Vec<f64> = nuisance_fit.residual_m.chunks_exact(3).map(rms_m).collect();
     let (mut between, mut within) = (0.0, 0.0);
     let mut ranges = samples.ranges();
     ranges.retain(|range| !range.is_empty());
@@ -32,13 +32,14 @@ pub(crate) fn uneven(samples: &Samples, explained: &Explained) -> Uneven {
     }
     let groups = ranges.len() as f64;
     // Correlated samples count for fewer.
-    let independent = explained.noise.independent(samples.len());
+    let independent = nuisance_fit.noise.independent(samples.len());
     let (above, below) = (groups - 1.0, (independent - groups).max(1.0));
     let ratio = between / above / (within / below).max(f64::MIN_POSITIVE);
-    let each: Vec<f64> = ranges.iter().map(|r| rms_m(&explained.left_m[3 * r.start..3 * r.end]).powi(2)).collect();
+    let each: Vec<f64> =
+        ranges.iter().map(|r| rms_m(&nuisance_fit.residual_m[3 * r.start..3 * r.end]).powi(2)).collect();
     let worst = each.iter().copied().fold(0.0, f64::max);
     let middle = quantile(&each, 0.5);
-    Uneven {
+    LeveneResult {
         p_value: f_above(ratio, above, below),
         more_m: (worst - middle).max(0.0).sqrt(),
         middle_m: middle.max(0.0).sqrt(),
@@ -50,17 +51,20 @@ mod tests {
     use nalgebra::DVector;
 
     use super::*;
-    use crate::discovery::fit::ar1_noise::Noise;
+    use crate::discovery::fit::ar1_noise::Ar1Noise;
     use crate::discovery::recording::samples::white_noise;
 
     const NOISE_M: f64 = 5e-4;
 
     /// Six trials of fifty samples that leave noise, in one of them so many times as much.
-    fn tested(times: f64, seed: u64) -> Uneven {
+    fn tested(times: f64, seed: u64) -> LeveneResult {
         let mut noise = white_noise(NOISE_M, seed);
-        let left_m = (0..900).map(|k| if (300..450).contains(&k) { times * noise() } else { noise() }).collect();
-        let noise = Noise { sigma_m: [NOISE_M; 3], correlation: 0.0 };
-        uneven(&Samples::alike(6, 50), &Explained { noise, amounts: DVector::zeros(0), left_m, deviance: 0.0 })
+        let residual_m = (0..900).map(|k| if (300..450).contains(&k) { times * noise() } else { noise() }).collect();
+        let noise = Ar1Noise { sigma_m: [NOISE_M; 3], correlation: 0.0 };
+        levene_test(
+            &Samples::alike(6, 50),
+            &NuisanceFit { noise, amounts: DVector::zeros(0), residual_m, deviance: 0.0 },
+        )
     }
 
     #[test]

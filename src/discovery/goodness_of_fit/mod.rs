@@ -2,67 +2,40 @@
 //! miss.
 
 pub(crate) mod cross_trial;
+pub(crate) mod held_out;
 pub(crate) mod kernel_ridge;
+pub(crate) mod lack_of_fit;
 pub(crate) mod levene;
 pub(crate) mod score_test;
 pub(crate) mod spearman;
+pub(crate) mod test_result;
 
 use nalgebra::{DMatrix, DVectorView};
 
-use super::fit::candidate::Member;
-use super::fit::gauss_newton::Fitted;
-use super::fit::nuisance::{Explained, Nuisances};
-use super::noise_floor::{Floor, bias};
-use super::problem::Question;
-use super::recording::covariates::circumstances;
-use cross_trial::{Missing, missing};
-use score_test::together;
-use spearman::grows;
-
-/// By what it shows that a set is not all.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Test {
-    /// What it leaves is foretold by other trials.
-    Foretold,
-    /// It leaves more scatter than the noise floor.
-    Scatter,
-    /// The same, by little, but of what hardly changes from one sample to the next.
-    Slow,
-    /// It leaves more in some trials than in others.
-    Uneven,
-    /// Its mean is off where the same thing was measured again.
-    Bias,
-    /// It leaves more where it does more.
-    Grows,
-    /// A little of every effect together explains more of what it leaves than of noise.
-    Together,
-    /// Trials that took no part in its fit scatter more about it than those of the fit.
-    HeldOut,
-}
-
-/// What a test found.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Sign {
-    pub(crate) test: Test,
-    /// Chance of as much from noise.
-    pub(crate) p_value: f64,
-    /// How much of the residual it is about, root mean square, metres, …
-    pub(crate) more_m: f64,
-    /// … beyond this much, where two scatters are compared (the squares add up).
-    pub(crate) beyond_m: f64,
-}
+use super::fit::candidate::SetMember;
+use super::fit::gauss_newton::FittedSet;
+use super::fit::nuisance::{NuisanceFit, Nuisances};
+use super::noise_floor::NoiseFloor;
+use super::problem::Problem;
+use super::recording::covariates::sample_covariates;
+use cross_trial::{CrossTrialTest, test_cross_trial};
+use lack_of_fit::lack_of_fit_test;
+use levene::levene_test;
+use score_test::score_test;
+use spearman::spearman_test;
+use test_result::{FitTest, TestResult};
 
 /// Whether something is left.
 #[derive(Clone, Debug)]
-pub(crate) struct Left {
-    /// The clearest sign of it, by a chance below `false_alarm`, or that it is slower than any noise.
-    pub(crate) sign: Option<Sign>,
+pub(crate) struct GoodnessOfFit {
+    /// The clearest failed of it, by a chance below `false_alarm`, or that it is slower than any noise.
+    pub(crate) failed: Option<TestResult>,
     /// By one that is worth a longer search.
-    pub(crate) possibly: bool,
+    pub(crate) is_doubtful: bool,
     /// What all effects together would certainly explain of it, but no more than laws may be off by, metres.
     pub(crate) tolerated_m: Option<f64>,
     /// The noise floor that it was held against.
-    pub(crate) floor: Floor,
+    pub(crate) floor: NoiseFloor,
 }
 
 /// Correlation from one sample to the next beyond which what is left is not a tracker's noise.
@@ -74,76 +47,83 @@ const DOUBTFUL: f64 = 0.05;
 /// Laws of how a rod gives way stand for many; effects without a shape or a place are off by this share of `least_share`.
 const WITHOUT_SHAPE: f64 = 0.5;
 
-impl Left {
+impl GoodnessOfFit {
     /// Whether it is more than noise leaves.
-    pub(crate) fn certainly(&self) -> bool {
-        self.sign.is_some()
+    pub(crate) fn is_rejected(&self) -> bool {
+        self.failed.is_some()
     }
 }
 
-impl Question<'_> {
+impl Problem<'_> {
     /// Whether what is left of the samples of the fit can be foretold.
-    pub(crate) fn foretold(&self, explained: &Explained, played: &[f64]) -> Missing {
-        let around = circumstances(&self.fit, played);
-        missing(&self.fit, &around, &explained.left_m, self.options.seed())
+    pub(crate) fn cross_trial_test(&self, nuisance_fit: &NuisanceFit, simulated_m: &[f64]) -> CrossTrialTest {
+        let covariates = sample_covariates(&self.training, simulated_m);
+        test_cross_trial(&self.training, &covariates, &nuisance_fit.residual_m, self.options.seed())
     }
 
     /// Whether `fitted` leaves more than the `nuisances` beside it and noise; `foretold`: what can be foretold of it.
-    pub(crate) fn left(&self, nuisances: &Nuisances, fitted: &Fitted, foretold: &Missing) -> Left {
-        let explained = &fitted.explained;
-        let floor_m = explained.noise.rms_m();
+    pub(crate) fn goodness_of_fit(
+        &self,
+        nuisances: &Nuisances,
+        fitted: &FittedSet,
+        foretold: &CrossTrialTest,
+    ) -> GoodnessOfFit {
+        let nuisance_fit = &fitted.nuisance_fit;
+        let floor_m = nuisance_fit.noise.rms_m();
         let model_m = self.options.least_m(&self.model);
-        let least_m = self.least_left_m(floor_m);
-        let inexact_m = least_m.max(self.laws_m(fitted, 1.0));
+        let least_m = self.least_relevant_m(floor_m);
+        let inexact_m = least_m.max(self.allowed_law_error_m(fitted, 1.0));
         // More scatter than noise alone; scatter that hardly changes from one sample to the next is no tracker's, and little
         // more of it is enough.
-        let floor = Floor::of(&self.fit, explained, &fitted.played);
-        let scatters = floor.chance_of(&Floor::left_by(explained, &self.fit));
+        let floor = NoiseFloor::estimate(&self.training, nuisance_fit, &fitted.simulated_m);
+        let scatters = floor.p_value_of(&NoiseFloor::of_residual(nuisance_fit, &self.training));
         let alone_m = floor.rms_m();
         let more_m = (floor_m.powi(2) - alone_m.powi(2)).max(0.0).sqrt();
-        let slow = explained.noise.correlation > SLOW && scatters < SLOW_CHANCE && more_m > model_m;
-        let spread = levene::uneven(&self.fit, explained);
-        let bias = bias(&self.fit, &explained.left_m, &explained.noise, &floor);
-        let grows = grows(explained, &self.moved(&fitted.played));
-        let all = together(&self.fit, nuisances, fitted, &self.answers());
+        let slow = nuisance_fit.noise.correlation > SLOW && scatters < SLOW_CHANCE && more_m > model_m;
+        let spread = levene_test(&self.training, nuisance_fit);
+        let bias = lack_of_fit_test(&self.training, &nuisance_fit.residual_m, &nuisance_fit.noise, &floor);
+        let grows = spearman_test(nuisance_fit, &self.displacement_m(&fitted.simulated_m));
+        let all = score_test(&self.training, nuisances, fitted, &self.catalogue_sensitivities());
         let (all, all_m) = all.map_or((1.0, 0.0), |found| (found.p_value, found.more_m));
         // That is only the part of what is left that the catalogue reaches, and not held against the noise floor.
-        let shaped = fitted.members.iter().any(|member| self.hypotheses[member.hypothesis].has_shape());
-        let tolerable_m = model_m.max(self.laws_m(fitted, if shaped { 1.0 } else { WITHOUT_SHAPE }));
-        let seen = |test, p_value, more_m, beyond_m| Sign { test, p_value, more_m, beyond_m };
+        let shaped = fitted.members.iter().any(|member| self.candidates[member.candidate].has_shape());
+        let tolerable_m = model_m.max(self.allowed_law_error_m(fitted, if shaped { 1.0 } else { WITHOUT_SHAPE }));
+        let seen = |test, p_value, more_m, beyond_m| TestResult { test, p_value, more_m, beyond_m };
         // What each test found, and how large it must be to matter.
         let tests = [
-            (seen(Test::Foretold, foretold.test.p_value, foretold.test.foretold_m, 0.0), least_m),
-            (seen(Test::Scatter, scatters, more_m, alone_m), least_m),
-            (seen(Test::Uneven, spread.p_value, spread.more_m, spread.middle_m), inexact_m),
-            (seen(Test::Bias, bias.p_value, bias.rms_m, 0.0), inexact_m),
-            (seen(Test::Together, all, all_m, 0.0), tolerable_m),
-            (seen(Test::Grows, grows.p_value, grows.more_m, grows.least_m), inexact_m),
+            (seen(FitTest::CrossTrial, foretold.test.p_value, foretold.test.foretold_m, 0.0), least_m),
+            (seen(FitTest::Variance, scatters, more_m, alone_m), least_m),
+            (seen(FitTest::Levene, spread.p_value, spread.more_m, spread.middle_m), inexact_m),
+            (seen(FitTest::LackOfFit, bias.p_value, bias.rms_m, 0.0), inexact_m),
+            (seen(FitTest::Score, all, all_m, 0.0), tolerable_m),
+            (seen(FitTest::Spearman, grows.p_value, grows.more_m, grows.least_m), inexact_m),
         ];
         let below = |chance: f64| {
-            let clear = tests.iter().filter(|(sign, matters_m)| sign.more_m > *matters_m && sign.p_value < chance);
-            clear.map(|(sign, _)| *sign).min_by(|a, b| a.p_value.total_cmp(&b.p_value))
+            let clear =
+                tests.iter().filter(|(failed, matters_m)| failed.more_m > *matters_m && failed.p_value < chance);
+            clear.map(|(failed, _)| *failed).min_by(|a, b| a.p_value.total_cmp(&b.p_value))
         };
-        let sign = below(self.options.false_alarm).or(slow.then(|| seen(Test::Slow, scatters, more_m, alone_m)));
-        let possibly = sign.or(below(DOUBTFUL / tests.len() as f64)).is_some();
+        let failed =
+            below(self.options.false_alarm).or(slow.then(|| seen(FitTest::SlowVariance, scatters, more_m, alone_m)));
+        let is_doubtful = failed.or(below(DOUBTFUL / tests.len() as f64)).is_some();
         let is_tolerated = all < self.options.false_alarm && all_m > model_m && all_m <= tolerable_m;
-        Left { sign, possibly, tolerated_m: is_tolerated.then_some(all_m), floor }
+        GoodnessOfFit { failed, is_doubtful, tolerated_m: is_tolerated.then_some(all_m), floor }
     }
 
     /// What the laws of the members may be off by, metres: this `share` of what laws are off by at their best. Nothing where
     /// a size would go on beyond the end of its range: that is no law's error.
-    fn laws_m(&self, fitted: &Fitted, share: f64) -> f64 {
-        let ended = |member: &Member| self.hypotheses[member.hypothesis].is_at_an_end(&member.values);
-        if fitted.members.iter().any(ended) { 0.0 } else { share * self.inexact_m(&fitted.played) }
+    fn allowed_law_error_m(&self, fitted: &FittedSet, share: f64) -> f64 {
+        let ended = |member: &SetMember| self.candidates[member.candidate].is_at_range_end(&member.values);
+        if fitted.members.iter().any(ended) { 0.0 } else { share * self.law_error_m(&fitted.simulated_m) }
     }
 
     /// How the tip answers to a little of every effect that could be the answer, a column a size. Not of those that are
     /// uncertain: together they would tell how uncertain, which is the lab's to say.
-    fn answers(&self) -> DMatrix<f64> {
-        let open = self.study().open;
-        let asked = |number: usize| open[number] && !self.options.is_uncertain(&self.hypotheses[number]);
-        let own = self.responses.iter().filter(|response| asked(response.hypothesis));
-        let columns: Vec<DVectorView<f64>> = own.flat_map(|response| response.columns.column_iter()).collect();
-        DMatrix::from_fn(3 * self.fit.len(), columns.len(), |row, k| columns[k][row])
+    fn catalogue_sensitivities(&self) -> DMatrix<f64> {
+        let open = self.fit_problem().open;
+        let asked = |number: usize| open[number] && !self.options.is_uncertain(self.candidates[number].card.name);
+        let own = self.sensitivities.iter().filter(|sensitivity| asked(sensitivity.candidate));
+        let columns: Vec<DVectorView<f64>> = own.flat_map(|sensitivity| sensitivity.columns.column_iter()).collect();
+        DMatrix::from_fn(3 * self.training.len(), columns.len(), |row, k| columns[k][row])
     }
 }

@@ -5,13 +5,13 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SymmetricEigen};
 
-use crate::discovery::fit::gauss_newton::Fitted;
+use crate::discovery::fit::gauss_newton::FittedSet;
 use crate::discovery::fit::nuisance::Nuisances;
 use crate::discovery::recording::samples::Samples;
 use crate::math::distribution::f_above;
 
 /// What all effects together explain of what is left.
-pub(crate) struct Together {
+pub(crate) struct ScoreTestResult {
     /// Chance of as much from noise.
     pub(crate) p_value: f64,
     /// What they explain beyond what so many numbers explain of noise, root mean square, metres; at least, where noise is
@@ -28,13 +28,13 @@ const RIDGE: f64 = 1e-9;
 /// The test on what `fitted` leaves in `samples`: `nuisances` are free within their uncertainty and the members' numbers
 /// without any. `answers`: what a little of every effect does to the tip, a column each, three numbers a sample. None where
 /// there are too few samples for so many effects, or no effects.
-pub(crate) fn together(
+pub(crate) fn score_test(
     samples: &Samples,
     nuisances: &Nuisances,
-    fitted: &Fitted,
+    fitted: &FittedSet,
     answers: &DMatrix<f64>,
-) -> Option<Together> {
-    let noise = &fitted.explained.noise;
+) -> Option<ScoreTestResult> {
+    let noise = &fitted.nuisance_fit.noise;
     let free = noise.whitened(samples, &nuisances.with(&fitted.jacobian));
     let answers = of_length_one(&noise.whitened(samples, answers));
     if answers.is_empty() {
@@ -42,7 +42,7 @@ pub(crate) fn together(
     }
     let factor = factor(nuisances, &free)?;
     let beyond = &answers - &free * factor.solve(&free.tr_mul(&answers));
-    let left = DVector::from_vec(noise.whiten(samples, &fitted.explained.left_m));
+    let left = DVector::from_vec(noise.whiten(samples, &fitted.nuisance_fit.residual_m));
     // A fit may end at the end of a range or short of its best: the members' numbers take what they still can (Neyman's
     // C(alpha)). Nuisances are at their most likely amounts.
     let mut pull = free.tr_mul(&left);
@@ -63,7 +63,7 @@ pub(crate) fn together(
     let freedom = numbers.checked_sub(count + free.ncols()).filter(|freedom| *freedom > 0)? as f64;
     let rest = (left.norm_squared() - taken).max(0.0) / freedom;
     let more = (taken - count as f64 * rest).max(0.0) / numbers as f64;
-    Some(Together {
+    Some(ScoreTestResult {
         p_value: f_above(taken / (count.max(1) as f64 * rest.max(f64::MIN_POSITIVE)), count as f64, freedom),
         more_m: more.sqrt() * noise.rms_m(),
     })
@@ -105,27 +105,27 @@ mod tests {
     }
 
     /// The test on noise of this correlation and so much of all waves, the first wave uncertain and the second fitted.
-    fn tested(correlation: f64, each_m: f64, seed: u64) -> Together {
+    fn tested(correlation: f64, each_m: f64, seed: u64) -> ScoreTestResult {
         short_of_best(correlation, each_m, 0.0, seed)
     }
 
     /// The same where the fit of the second wave has ended by so much too soon.
-    fn short_of_best(correlation: f64, each_m: f64, short_m: f64, seed: u64) -> Together {
+    fn short_of_best(correlation: f64, each_m: f64, short_m: f64, seed: u64) -> ScoreTestResult {
         let (samples, waves) = (Samples::alike(6, 50), waves());
-        let mut left_m = samples.noise(NOISE_M, correlation, seed);
-        for (left, wave) in left_m.iter_mut().zip(waves.row_iter()) {
+        let mut residual_m = samples.noise(NOISE_M, correlation, seed);
+        for (left, wave) in residual_m.iter_mut().zip(waves.row_iter()) {
             *left += each_m * wave.sum();
         }
         let own = |k: usize| (waves.column(k).as_slice().to_vec(), 1.0);
         let nuisances = Nuisances::independent(900, &[own(0)]);
-        let mut explained = Nuisances::independent(900, &[own(0), own(1)]).explain(&samples, &left_m, 0.0);
+        let mut nuisance_fit = Nuisances::independent(900, &[own(0), own(1)]).explain(&samples, &residual_m, 0.0);
         // The effect that was fitted answers a little otherwise where it is.
         let jacobian = waves.columns(1, 1) + 0.1 * waves.columns(4, 1);
-        for (left, answer) in explained.left_m.iter_mut().zip(jacobian.iter()) {
+        for (left, answer) in nuisance_fit.residual_m.iter_mut().zip(jacobian.iter()) {
             *left += short_m * answer;
         }
-        let fitted = Fitted { members: Vec::new(), explained, played: vec![0.0; 900], jacobian };
-        together(&samples, &nuisances, &fitted, &waves).unwrap()
+        let fitted = FittedSet { members: Vec::new(), nuisance_fit, simulated_m: vec![0.0; 900], jacobian };
+        score_test(&samples, &nuisances, &fitted, &waves).unwrap()
     }
 
     #[test]
@@ -162,11 +162,15 @@ mod tests {
     fn where_nothing_can_be_explained_nothing_is_said() {
         let (samples, nothing) = (Samples::alike(6, 50), DMatrix::zeros(900, 0));
         let nuisances = Nuisances::independent(900, &[]);
-        let explained = nuisances.explain(&samples, &samples.noise(NOISE_M, 0.0, 0), 0.0);
-        let fitted =
-            Fitted { members: Vec::new(), explained, played: vec![0.0; 900], jacobian: DMatrix::zeros(900, 0) };
-        assert!(together(&samples, &nuisances, &fitted, &nothing).is_none());
-        assert!(together(&samples, &nuisances, &fitted, &DMatrix::zeros(900, 2)).is_none());
-        assert!(together(&samples, &nuisances, &fitted, &waves()).is_some_and(|found| found.p_value > 0.01));
+        let nuisance_fit = nuisances.explain(&samples, &samples.noise(NOISE_M, 0.0, 0), 0.0);
+        let fitted = FittedSet {
+            members: Vec::new(),
+            nuisance_fit,
+            simulated_m: vec![0.0; 900],
+            jacobian: DMatrix::zeros(900, 0),
+        };
+        assert!(score_test(&samples, &nuisances, &fitted, &nothing).is_none());
+        assert!(score_test(&samples, &nuisances, &fitted, &DMatrix::zeros(900, 2)).is_none());
+        assert!(score_test(&samples, &nuisances, &fitted, &waves()).is_some_and(|found| found.p_value > 0.01));
     }
 }

@@ -2,14 +2,14 @@
 //! where the set has most to do, be it in one trial alone, and there nothing foretells it. Spearman's rank correlation (Am. J.
 //! Psychol. 15, 1904), which outliers and heavy tails hardly move.
 
-use crate::discovery::fit::ar1_noise::Noise;
-use crate::discovery::fit::nuisance::Explained;
+use crate::discovery::fit::ar1_noise::Ar1Noise;
+use crate::discovery::fit::nuisance::NuisanceFit;
 use crate::discovery::recording::samples::rms_m;
 use crate::math::distribution::f_above;
 use crate::math::summary::mean;
 
 /// How what is left grows with what the set does.
-pub(crate) struct Grows {
+pub(crate) struct SpearmanResult {
     /// Chance of as much from noise.
     pub(crate) p_value: f64,
     /// What the third of the samples that the set moves most has more than the third that it moves least, root mean square,
@@ -19,20 +19,20 @@ pub(crate) struct Grows {
     pub(crate) least_m: f64,
 }
 
-/// The test on what `explained` leaves of samples that the set moves by `moved` (three numbers a sample, metres).
-pub(crate) fn grows(explained: &Explained, moved: &[f64]) -> Grows {
+/// The test on what `nuisance_fit` leaves of samples that the set moves by `moved` (three numbers a sample, metres).
+pub(crate) fn spearman_test(nuisance_fit: &NuisanceFit, moved: &[f64]) -> SpearmanResult {
     let distances_m = |values: &[f64]| -> Vec<f64> { values.chunks_exact(3).map(rms_m).collect() };
-    let (left_m, moved_m) = (distances_m(&explained.left_m), distances_m(moved));
-    let mut order: Vec<usize> = (0..left_m.len()).collect();
+    let (residual_m, moved_m) = (distances_m(&nuisance_fit.residual_m), distances_m(moved));
+    let mut order: Vec<usize> = (0..residual_m.len()).collect();
     order.sort_by(|&a, &b| moved_m[a].total_cmp(&moved_m[b]));
     let third = (order.len() / 3).max(1);
-    let square_m2 = |rows: &[usize]| mean(&rows.iter().map(|&row| left_m[row].powi(2)).collect::<Vec<f64>>());
+    let square_m2 = |rows: &[usize]| mean(&rows.iter().map(|&row| residual_m[row].powi(2)).collect::<Vec<f64>>());
     let (least, most) = (square_m2(&order[..third]), square_m2(&order[order.len() - third..]));
     // Correlated samples count for fewer; squares of normal numbers forget twice as fast as these do.
-    let memory = Noise { correlation: explained.noise.correlation.powi(2), ..explained.noise };
-    let freedom = memory.independent(left_m.len()) - 2.0;
-    Grows {
-        p_value: chance(rank_correlation(&left_m, &moved_m), freedom),
+    let memory = Ar1Noise { correlation: nuisance_fit.noise.correlation.powi(2), ..nuisance_fit.noise };
+    let freedom = memory.independent(residual_m.len()) - 2.0;
+    SpearmanResult {
+        p_value: chance(rank_correlation(&residual_m, &moved_m), freedom),
         more_m: (most - least).max(0.0).sqrt(),
         least_m: least.sqrt(),
     }
@@ -81,14 +81,14 @@ mod tests {
 
     /// Six trials of fifty samples, moved more and more along each of them, with noise of this correlation and an error of
     /// this share of how far they are moved, to either side.
-    fn tested(correlation: f64, share: f64, seed: u64) -> Grows {
+    fn tested(correlation: f64, share: f64, seed: u64) -> SpearmanResult {
         let samples = Samples::alike(6, 50);
-        let mut left_m = samples.noise(NOISE_M, correlation, seed);
+        let mut residual_m = samples.noise(NOISE_M, correlation, seed);
         let mut side = white_noise(1.0, 1000 + seed);
         let moved: Vec<f64> = samples.rows.iter().flat_map(|row| [2e-4 * row.row as f64, 0.0, 0.0]).collect();
-        left_m.iter_mut().zip(&moved).for_each(|(left, moved)| *left += share * moved * side().signum());
-        let noise = Noise { sigma_m: [NOISE_M; 3], correlation };
-        grows(&Explained { noise, amounts: DVector::zeros(0), left_m, deviance: 0.0 }, &moved)
+        residual_m.iter_mut().zip(&moved).for_each(|(left, moved)| *left += share * moved * side().signum());
+        let noise = Ar1Noise { sigma_m: [NOISE_M; 3], correlation };
+        spearman_test(&NuisanceFit { noise, amounts: DVector::zeros(0), residual_m, deviance: 0.0 }, &moved)
     }
 
     #[test]

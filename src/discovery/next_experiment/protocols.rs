@@ -3,7 +3,7 @@
 use crate::base::Rows;
 
 /// Something to record.
-pub(crate) struct Dish {
+pub(crate) struct Protocol {
     pub(crate) name: &'static str,
     pub(crate) what: String,
     /// Set-up by hand, minutes.
@@ -17,7 +17,7 @@ pub(crate) struct Dish {
 }
 
 /// The recorded range that commands may use.
-pub(crate) struct Range {
+pub(crate) struct CommandRange {
     /// Recorded commands, all trials.
     poses: Vec<Vec<f64>>,
     /// How long a command is held, seconds.
@@ -34,13 +34,13 @@ const CORNERS: usize = 6;
 /// A weight that labs have and robots bear.
 const WEIGHT_KG: f64 = 0.02;
 
-/// The menu, for a base that sees gravity like this: every entry takes four trials.
-pub(crate) fn menu(range: &Range, gravity_m_s2: [f64; 3]) -> Vec<Dish> {
+/// The protocols, for a base that sees gravity like this: every entry takes four trials.
+pub(crate) fn protocols(range: &CommandRange, gravity_m_s2: [f64; 3]) -> Vec<Protocol> {
     let path = |first: usize| range.path(&range.corners(first), range.step);
     let four = |trial: &dyn Fn(usize) -> Rows| -> Vec<(Rows, f64)> { (0..4).map(|k| (trial(k), 0.0)).collect() };
-    let dish = |name, what: &str, setup_min, trials| {
+    let protocol = |name, what: &str, setup_min, trials| {
         let what = what.to_owned();
-        Dish { name, what, setup_min, trials, step_s: range.step_s, gravity_m_s2: None }
+        Protocol { name, what, setup_min, trials, step_s: range.step_s, gravity_m_s2: None }
     };
     let (mounted, gravity_m_s2) = remounted(gravity_m_s2);
     let weighed = (0..4).map(|k| (path(k / 2), if k % 2 == 1 { WEIGHT_KG } else { 0.0 })).collect();
@@ -54,21 +54,21 @@ pub(crate) fn menu(range: &Range, gravity_m_s2: [f64; 3]) -> Vec<Dish> {
     };
     let stay = format!("Go to four far poses and stay there, {:.0} s in all each", LENGTH as f64 * range.step_s);
     vec![
-        dish("known_weight", "Play four trials, the second and fourth with 20 g on the tip", 2.0, weighed),
-        Dish {
+        protocol("known_weight", "Play four trials, the second and fourth with 20 g on the tip", 2.0, weighed),
+        Protocol {
             gravity_m_s2: Some(gravity_m_s2),
-            ..dish("base_remounted", &format!("{mounted} and play four trials"), 5.0, four(&path))
+            ..protocol("base_remounted", &format!("{mounted} and play four trials"), 5.0, four(&path))
         },
-        dish("dwell", &stay, 0.5, four(&|k| range.dwell(k))),
-        dish("repeated_loop", "Play one loop three times over, in four trials", 0.5, four(&looped)),
-        dish("slow_and_fast", "Play two paths, each fast and at a third of the speed", 0.5, four(&paced)),
-        dish(
+        protocol("dwell", &stay, 0.5, four(&|k| range.dwell(k))),
+        protocol("repeated_loop", "Play one loop three times over, in four trials", 0.5, four(&looped)),
+        protocol("slow_and_fast", "Play two paths, each fast and at a third of the speed", 0.5, four(&paced)),
+        protocol(
             "reversals",
             "Bend out and back three times with growing amplitude, in four directions",
             0.5,
             four(&|k| range.reversals(k)),
         ),
-        dish("far_poses", "Go through the farthest poses one after the other, in four trials", 0.5, four(&path)),
+        protocol("far_poses", "Go through the farthest poses one after the other, in four trials", 0.5, four(&path)),
     ]
 }
 
@@ -80,11 +80,11 @@ fn remounted([x, y, z]: [f64; 3]) -> (&'static str, [f64; 3]) {
     ("Turn the base a quarter about its axis", [-y, x, z])
 }
 
-impl Range {
+impl CommandRange {
     /// The range of recorded commands, trial by trial, a row every `recorded_s` seconds.
-    pub(crate) fn new<'a>(trials: impl Iterator<Item = &'a Rows>, recorded_s: f64) -> Range {
+    pub(crate) fn new<'a>(trials: impl Iterator<Item = &'a Rows>, recorded_s: f64) -> CommandRange {
         let held = (HELD_S / recorded_s).round().max(1.0);
-        let mut range = Range { poses: Vec::new(), step_s: held * recorded_s, step: 0.0 };
+        let mut range = CommandRange { poses: Vec::new(), step_s: held * recorded_s, step: 0.0 };
         for trial in trials {
             let rows: Vec<&[f64]> = trial.iter().collect();
             for pair in rows.windows((held as usize + 1).min(rows.len()).max(1)) {
@@ -190,25 +190,25 @@ mod tests {
     #[test]
     fn commands_go_no_farther_and_no_faster_than_what_was_recorded() {
         let trials = recorded();
-        let range = Range::new(trials.iter(), 0.2);
+        let range = CommandRange::new(trials.iter(), 0.2);
         let most = trials.iter().flat_map(Rows::iter).flatten().copied().fold(0.0, f64::max);
-        let dishes = menu(&range, ACROSS);
-        assert_eq!(dishes.len(), 7);
-        for dish in &dishes {
-            assert_eq!(dish.trials.len(), 4, "{}", dish.name);
-            for (rows, _) in &dish.trials {
-                assert_eq!(rows.len(), LENGTH, "{}", dish.name);
+        let all = protocols(&range, ACROSS);
+        assert_eq!(all.len(), 7);
+        for protocol in &all {
+            assert_eq!(protocol.trials.len(), 4, "{}", protocol.name);
+            for (rows, _) in &protocol.trials {
+                assert_eq!(rows.len(), LENGTH, "{}", protocol.name);
                 let mut at = vec![0.0; 4];
                 for row in rows.iter() {
-                    assert!(farthest(&at, row) < range.step + 1e-12, "{}: {at:?} to {row:?}", dish.name);
-                    assert!(row.iter().all(|x| (0.0..=most).contains(x)), "{}: {row:?}", dish.name);
+                    assert!(farthest(&at, row) < range.step + 1e-12, "{}: {at:?} to {row:?}", protocol.name);
+                    assert!(row.iter().all(|x| (0.0..=most).contains(x)), "{}: {row:?}", protocol.name);
                     at = row.to_vec();
                 }
             }
-            let weights: Vec<f64> = dish.trials.iter().map(|trial| trial.1).collect();
-            let weighed = if dish.name == "known_weight" { WEIGHT_KG } else { 0.0 };
-            assert_eq!(weights, [0.0, weighed, 0.0, weighed], "{}", dish.name);
-            assert_eq!(dish.gravity_m_s2.is_some(), dish.name == "base_remounted");
+            let weights: Vec<f64> = protocol.trials.iter().map(|trial| trial.1).collect();
+            let weighed = if protocol.name == "known_weight" { WEIGHT_KG } else { 0.0 };
+            assert_eq!(weights, [0.0, weighed, 0.0, weighed], "{}", protocol.name);
+            assert_eq!(protocol.gravity_m_s2.is_some(), protocol.name == "base_remounted");
         }
     }
 
@@ -221,12 +221,12 @@ mod tests {
             rows
         };
         let trials = [trial(5.0), trial(2.0)];
-        let range = Range::new(trials.iter(), 0.2);
+        let range = CommandRange::new(trials.iter(), 0.2);
         assert_eq!(range.step, 5.0);
-        for dish in menu(&range, ACROSS) {
-            assert!(dish.trials.iter().all(|(rows, _)| rows.len() == LENGTH), "{}", dish.name);
-            let most = dish.trials.iter().flat_map(|(rows, _)| rows.iter()).map(|row| row[0]).fold(0.0, f64::max);
-            assert!((2.0..=5.0).contains(&most), "{}: {most}", dish.name);
+        for protocol in protocols(&range, ACROSS) {
+            assert!(protocol.trials.iter().all(|(rows, _)| rows.len() == LENGTH), "{}", protocol.name);
+            let most = protocol.trials.iter().flat_map(|(rows, _)| rows.iter()).map(|row| row[0]).fold(0.0, f64::max);
+            assert!((2.0..=5.0).contains(&most), "{}: {most}", protocol.name);
         }
     }
 
@@ -240,29 +240,36 @@ mod tests {
             trial.iter().for_each(|row| (0..20).for_each(|_| rows.push(row)));
             fast.push(rows);
         }
-        let [slow, fast] = [Range::new(slow.iter(), 0.2), Range::new(fast.iter(), 0.01)];
+        let [slow, fast] = [CommandRange::new(slow.iter(), 0.2), CommandRange::new(fast.iter(), 0.01)];
         assert_eq!((slow.step, slow.step_s), (fast.step, fast.step_s));
-        assert_eq!(menu(&slow, ACROSS)[2].trials[0].0, menu(&fast, ACROSS)[2].trials[0].0);
+        assert_eq!(protocols(&slow, ACROSS)[2].trials[0].0, protocols(&fast, ACROSS)[2].trials[0].0);
     }
 
     #[test]
     fn a_loop_comes_again_a_dwell_stays_and_reversals_grow() {
         let trials = recorded();
-        let range = Range::new(trials.iter(), 0.2);
-        let dish = |name: &str| {
-            menu(&range, ACROSS).into_iter().find(|dish| dish.name == name).unwrap().trials.swap_remove(0).0
+        let range = CommandRange::new(trials.iter(), 0.2);
+        let protocol = |name: &str| {
+            protocols(&range, ACROSS)
+                .into_iter()
+                .find(|protocol| protocol.name == name)
+                .unwrap()
+                .trials
+                .swap_remove(0)
+                .0
         };
-        let dwell: Vec<Vec<f64>> = dish("dwell").iter().map(<[f64]>::to_vec).collect();
+        let dwell: Vec<Vec<f64>> = protocol("dwell").iter().map(<[f64]>::to_vec).collect();
         assert!(dwell[LENGTH - 40..].iter().all(|row| *row == dwell[LENGTH - 1]) && dwell[LENGTH - 1] != dwell[0]);
-        let slow_and_fast = menu(&range, ACROSS).into_iter().find(|dish| dish.name == "slow_and_fast").unwrap().trials;
+        let slow_and_fast =
+            protocols(&range, ACROSS).into_iter().find(|protocol| protocol.name == "slow_and_fast").unwrap().trials;
         let fastest = |rows: &Rows| (1..LENGTH).map(|k| farthest(rows.row(k - 1), rows.row(k))).fold(0.0, f64::max);
         assert!(fastest(&slow_and_fast[1].0) < 0.4 * fastest(&slow_and_fast[0].0));
-        let out: Vec<f64> = dish("reversals").iter().map(|row| row.iter().copied().fold(0.0, f64::max)).collect();
+        let out: Vec<f64> = protocol("reversals").iter().map(|row| row.iter().copied().fold(0.0, f64::max)).collect();
         let peaks: Vec<f64> =
             (1..LENGTH - 1).filter(|&k| out[k] > out[k - 1] && out[k] > out[k + 1]).map(|k| out[k]).collect();
         assert_eq!(peaks.len(), 3, "{out:?}");
         assert!(peaks.is_sorted() && (peaks[0] / peaks[2] - 1.0 / 3.0).abs() < 1e-9, "{peaks:?}");
         let corner = range.corners(0).swap_remove(0);
-        assert!(dish("repeated_loop").iter().filter(|row| **row == corner[..]).count() >= 2);
+        assert!(protocol("repeated_loop").iter().filter(|row| **row == corner[..]).count() >= 2);
     }
 }

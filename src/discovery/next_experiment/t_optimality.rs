@@ -1,25 +1,25 @@
-//! What to record next: for every entry of the menu, how far apart the rivals' predictions would be once each has been
+//! What to record next: for every entry of the protocols, how far apart the rivals' predictions would be once each has been
 //! fitted to the other's (T-optimality; Atkinson & Fedorov, Biometrika 62, 1975), in standard deviations, per minute.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::protocols::{Dish, Range, menu};
+use super::protocols::{CommandRange, Protocol, protocols};
 use crate::data::findings::Proposal;
 use crate::data::tables::round_significant;
 use crate::data::{Actuation, Recording};
-use crate::discovery::fit::ar1_noise::Noise;
-use crate::discovery::fit::candidate::{Member, effects};
-use crate::discovery::fit::nuisance::Column;
-use crate::discovery::fit::nuisance_priors::Uncertain;
+use crate::discovery::fit::ar1_noise::Ar1Noise;
+use crate::discovery::fit::candidate::{SetMember, effect_specs};
+use crate::discovery::fit::nuisance::NuisanceColumn;
+use crate::discovery::fit::nuisance_priors::UncertainParameters;
 use crate::discovery::fit::simulate::{coarse, tips};
-use crate::discovery::problem::Question;
+use crate::discovery::problem::Problem;
 use crate::discovery::recording::samples::{Sample, Samples, TrialCommands};
 use crate::effects::Model;
 
 /// Something to record, with its commands.
 #[derive(Clone, Debug)]
-pub struct Next {
-    /// What it is and what it promises.
+pub struct NextExperiment {
+    /// What it is and what it predictions.
     pub proposal: Proposal,
     /// What `collect` plays.
     pub commands: Recording,
@@ -31,18 +31,18 @@ const DIFFERENCE: f64 = 0.1;
 /// Significant digits of a time: steps add up to numbers that nobody would write.
 const TIME_DIGITS: usize = 9;
 
-impl Question<'_> {
-    /// The menu for telling `rivals` apart, the best per minute first; `noise` is that of the measurement.
-    pub(crate) fn next(&self, rivals: &[Vec<Member>], noise: &Noise) -> Vec<Next> {
+impl Problem<'_> {
+    /// The protocols for telling `rivals` apart, the best per minute first; `noise` is that of the measurement.
+    pub(crate) fn rank_protocols(&self, rivals: &[Vec<SetMember>], noise: &Ar1Noise) -> Vec<NextExperiment> {
         if rivals.len() < 2 {
             return Vec::new();
         }
-        let range = Range::new(self.all.trials.iter().map(|trial| &trial.commands), self.all.step_s);
-        let mut found: Vec<Next> = menu(&range, self.model.robot.gravity_m_s2)
+        let range = CommandRange::new(self.all.trials.iter().map(|trial| &trial.commands), self.all.step_s);
+        let mut found: Vec<NextExperiment> = protocols(&range, self.model.robot.gravity_m_s2)
             .iter()
-            .filter_map(|dish| self.promise(dish, rivals, noise))
+            .filter_map(|protocol| self.evaluate(protocol, rivals, noise))
             .collect();
-        let rate = |next: &Next| next.proposal.separation / next.proposal.minutes;
+        let rate = |next: &NextExperiment| next.proposal.separation / next.proposal.minutes;
         found.sort_by(|a, b| rate(b).total_cmp(&rate(a)));
         for (rank, next) in found.iter_mut().enumerate() {
             next.proposal.file = format!("next_{}_{}.csv", rank + 1, next.proposal.name);
@@ -50,41 +50,50 @@ impl Question<'_> {
         found
     }
 
-    fn promise(&self, dish: &Dish, rivals: &[Vec<Member>], noise: &Noise) -> Option<Next> {
+    fn evaluate(&self, protocol: &Protocol, rivals: &[Vec<SetMember>], noise: &Ar1Noise) -> Option<NextExperiment> {
         let mut model = self.model.clone();
-        model.robot.gravity_m_s2 = dish.gravity_m_s2.unwrap_or(model.robot.gravity_m_s2);
-        let samples = self.samples_of(dish);
-        let free = Uncertain::new(self.options, &self.hypotheses, &[], 1.0).columns(&coarse(&model), &[], &samples);
-        let played: Vec<Vec<f64>> = rivals
+        model.robot.gravity_m_s2 = protocol.gravity_m_s2.unwrap_or(model.robot.gravity_m_s2);
+        let samples = self.protocol_samples(protocol);
+        let free =
+            UncertainParameters::new(self.options, &self.candidates, &[], 1.0).columns(&coarse(&model), &[], &samples);
+        let simulated_m: Vec<Vec<f64>> = rivals
             .iter()
-            .map(|members| tips(&model, &effects(&self.hypotheses, members)?, &samples))
+            .map(|members| tips(&model, &effect_specs(&self.candidates, members)?, &samples))
             .collect::<Option<_>>()?;
-        let slopes: Vec<DMatrix<f64>> =
-            rivals.iter().zip(&played).map(|(members, here)| self.slopes(&model, members, &samples, here)).collect();
+        let slopes: Vec<DMatrix<f64>> = rivals
+            .iter()
+            .zip(&simulated_m)
+            .map(|(members, here)| self.slopes(&model, members, &samples, here))
+            .collect();
         let mut separation = f64::INFINITY;
         for a in 0..rivals.len() {
             for b in (0..rivals.len()).filter(|&b| b != a) {
-                let apart: Vec<f64> = played[a].iter().zip(&played[b]).map(|(a, b)| a - b).collect();
-                separation = separation.min(left(&samples, noise, &apart, &slopes[b], &free));
+                let apart: Vec<f64> = simulated_m[a].iter().zip(&simulated_m[b]).map(|(a, b)| a - b).collect();
+                separation = separation.min(separation_sigma(&samples, noise, &apart, &slopes[b], &free));
             }
         }
-        let rows: usize = dish.trials.iter().map(|(rows, _)| rows.len() + 1).sum();
-        let minutes = dish.setup_min + rows as f64 * dish.step_s / 60.0;
-        let proposal =
-            Proposal { name: dish.name.to_owned(), what: dish.what.clone(), minutes, separation, file: String::new() };
-        Some(Next { proposal, commands: self.commands_of(dish) })
+        let rows: usize = protocol.trials.iter().map(|(rows, _)| rows.len() + 1).sum();
+        let minutes = protocol.setup_min + rows as f64 * protocol.step_s / 60.0;
+        let proposal = Proposal {
+            name: protocol.name.to_owned(),
+            what: protocol.what.clone(),
+            minutes,
+            separation,
+            file: String::new(),
+        };
+        Some(NextExperiment { proposal, commands: self.protocol_commands(protocol) })
     }
 
     /// Derivatives of a rival's tip by each of its coordinates.
-    fn slopes(&self, model: &Model, members: &[Member], samples: &Samples, here: &[f64]) -> DMatrix<f64> {
+    fn slopes(&self, model: &Model, members: &[SetMember], samples: &Samples, here: &[f64]) -> DMatrix<f64> {
         let mut columns = Vec::new();
         for (k, member) in members.iter().enumerate() {
-            let hypothesis = &self.hypotheses[member.hypothesis];
-            for parameter in hypothesis.fitted() {
+            let candidate = &self.candidates[member.candidate];
+            for parameter in candidate.fitted() {
                 let there = [DIFFERENCE, -DIFFERENCE].into_iter().find_map(|share| {
                     let mut moved = members.to_vec();
-                    moved[k].values = hypothesis.moved(&member.values, parameter, share * hypothesis.probe(parameter));
-                    tips(model, &effects(&self.hypotheses, &moved)?, samples)
+                    moved[k].values = candidate.moved(&member.values, parameter, share * candidate.probe(parameter));
+                    tips(model, &effect_specs(&self.candidates, &moved)?, samples)
                 });
                 columns.extend(there.map(|there| {
                     DVector::from_iterator(here.len(), there.iter().zip(here).map(|(there, here)| there - here))
@@ -94,13 +103,13 @@ impl Question<'_> {
         if columns.is_empty() { DMatrix::zeros(here.len(), 0) } else { DMatrix::from_columns(&columns) }
     }
 
-    fn samples_of(&self, dish: &Dish) -> Samples {
+    fn protocol_samples(&self, protocol: &Protocol) -> Samples {
         let mut samples = Samples { trials: Vec::new(), rows: Vec::new(), ..self.all };
-        for (trial, (commands, load_kg)) in dish.trials.iter().enumerate() {
+        for (trial, (commands, load_kg)) in protocol.trials.iter().enumerate() {
             samples.trials.push(TrialCommands {
                 number: trial as u64,
                 commands: commands.clone(),
-                durations_s: vec![dish.step_s; commands.len()],
+                durations_s: vec![protocol.step_s; commands.len()],
                 tensions: self.all.trials[0].tensions,
                 known_load_kg: *load_kg,
                 tip_loads: None,
@@ -108,23 +117,23 @@ impl Question<'_> {
             samples.rows.extend((0..=commands.len()).map(|row| Sample {
                 trial,
                 row,
-                time_s: row as f64 * dish.step_s,
+                time_s: row as f64 * protocol.step_s,
                 tip_m: [0.0; 3],
             }));
         }
         samples
     }
 
-    fn commands_of(&self, dish: &Dish) -> Recording {
-        let width = dish.trials[0].0.width();
+    fn protocol_commands(&self, protocol: &Protocol) -> Recording {
+        let width = protocol.trials[0].0.width();
         let actuation = if self.all.trials[0].tensions { Actuation::Tensions } else { Actuation::Lengths };
         let mut commands = Recording::new(actuation, width);
         let mut loads = Vec::new();
-        for (trial, (rows, load_kg)) in dish.trials.iter().enumerate() {
+        for (trial, (rows, load_kg)) in protocol.trials.iter().enumerate() {
             // The last command is held for a step like all others: its row is there twice.
             for (k, row) in rows.iter().chain(rows.iter().last()).enumerate() {
                 commands.trial.push(trial as u64);
-                commands.time_s.push(round_significant(k as f64 * dish.step_s, TIME_DIGITS));
+                commands.time_s.push(round_significant(k as f64 * protocol.step_s, TIME_DIGITS));
                 commands.commands.push(row);
                 loads.push(*load_kg);
             }
@@ -136,7 +145,13 @@ impl Question<'_> {
 
 /// What is left of `apart` once the `slopes` and the `free` columns (with a deviation each) have done what they can, in
 /// standard deviations of the noise.
-fn left(samples: &Samples, noise: &Noise, apart: &[f64], slopes: &DMatrix<f64>, free: &[Column]) -> f64 {
+fn separation_sigma(
+    samples: &Samples,
+    noise: &Ar1Noise,
+    apart: &[f64],
+    slopes: &DMatrix<f64>,
+    free: &[NuisanceColumn],
+) -> f64 {
     let white = |values: &[f64]| DVector::from_vec(noise.whiten(samples, values));
     let target = white(apart);
     let mut columns: Vec<DVector<f64>> = free.iter().map(|(column, _)| white(column)).collect();
@@ -154,8 +169,8 @@ fn left(samples: &Samples, noise: &Noise, apart: &[f64], slopes: &DMatrix<f64>, 
         normal[(k, k)] = normal[(k, k)] * (1.0 + 1e-9) + 1e-12;
     }
     let right = all.tr_mul(&target);
-    let explained = Cholesky::new(normal).map_or(0.0, |factor| right.dot(&factor.solve(&right)));
-    (target.norm_squared() - explained).max(0.0).sqrt()
+    let nuisance_fit = Cholesky::new(normal).map_or(0.0, |factor| right.dot(&factor.solve(&right)));
+    (target.norm_squared() - nuisance_fit).max(0.0).sqrt()
 }
 
 #[cfg(test)]
@@ -171,15 +186,15 @@ mod tests {
     fn a_weight_and_a_force_like_it_are_told_apart_by_turning_the_base() {
         let model = Model { robot: Robot::default(), effects: Vec::new() };
         let options = Options::default();
-        let question = Question::new(&model, circling(&model, &[]), None, &options).unwrap();
+        let problem = Problem::new(&model, circling(&model, &[]), None, &options).unwrap();
         let member = |name: &str, values: Vec<f64>| {
-            let hypothesis = question.hypotheses.iter().position(|one| one.card.name == name).unwrap();
-            vec![Member { hypothesis, values }]
+            let candidate = problem.candidates.iter().position(|one| one.card.name == name).unwrap();
+            vec![SetMember { candidate, values }]
         };
         let force_n = model.robot.gravity_m_s2.map(|g| 0.01 * g).to_vec();
         let rivals = [member("tip_load", vec![0.01]), member("tip_force", force_n)];
-        let noise = Noise { sigma_m: [5e-4; 3], correlation: 0.0 };
-        let found = question.next(&rivals, &noise);
+        let noise = Ar1Noise { sigma_m: [5e-4; 3], correlation: 0.0 };
+        let found = problem.rank_protocols(&rivals, &noise);
         assert_eq!(found.len(), 7);
         let proposals: Vec<&Proposal> = found.iter().map(|next| &next.proposal).collect();
         let rates: Vec<f64> = proposals.iter().map(|one| one.separation / one.minutes).collect();
@@ -190,6 +205,6 @@ mod tests {
         let most = others.iter().map(|one| one.separation).fold(0.0, f64::max);
         assert!(turned[0].separation > 4.0 * most, "{proposals:?}");
         // One alone needs nothing more.
-        assert!(question.next(&rivals[..1], &noise).is_empty());
+        assert!(problem.rank_protocols(&rivals[..1], &noise).is_empty());
     }
 }

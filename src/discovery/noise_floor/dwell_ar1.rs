@@ -3,9 +3,9 @@
 
 use crate::discovery::recording::samples::Samples;
 
-/// Samples beyond two a rest that tell a correlation well enough.
+/// Samples beyond two a dwell that tell a correlation well enough.
 const ENOUGH: usize = 50;
-/// Standard deviations, of one axis, beyond which rests contradict a correlation.
+/// Standard deviations, of one axis, beyond which dwells contradict a correlation.
 const CONTRADICTS: f64 = 6.0;
 /// Correlations beyond this are not told from drift.
 const MOST: f64 = 0.98;
@@ -14,42 +14,42 @@ const SLIGHTLY: f64 = 1e-4;
 /// Halvings that find a correlation.
 const HALVINGS: usize = 30;
 
-/// What a sum of squares about the means of some groups is worth, over the variance of the noise.
+/// What a sum of squares about the means of some groups is moments_of_all, over the variance of the noise.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Worth {
+pub(crate) struct SquareSumMoments {
     /// Its mean.
     pub(crate) mean: f64,
     /// Half its variance.
-    spread: f64,
+    half_variance: f64,
 }
 
-impl Worth {
+impl SquareSumMoments {
     /// That of groups of so many samples, of which neighbours are correlated; that this correlation is itself known from no
     /// more than these samples is part of the variance (to first order).
-    pub(crate) fn of(counts: impl Iterator<Item = usize> + Clone, correlation: f64) -> Worth {
+    pub(crate) fn of(counts: impl Iterator<Item = usize> + Clone, correlation: f64) -> SquareSumMoments {
         let sums = |correlation: f64| {
             let each = counts.clone().map(|count| moments(count, correlation));
             each.fold([0.0, 0.0], |all, own| [all[0] + own[0], all[1] + own[1]])
         };
-        let [mean, spread] = sums(correlation);
+        let [mean, half_variance] = sums(correlation);
         if correlation == 0.0 {
-            return Worth { mean, spread };
+            return SquareSumMoments { mean, half_variance };
         }
         let slope = (sums(correlation)[0] - sums(correlation - SLIGHTLY)[0]) / SLIGHTLY;
         let samples = counts.map(beyond_two).sum::<usize>().max(1) as f64;
         // Quenouille's variance of a correlation, one axis; Journal of the Royal Statistical Society 110, 1947.
         let unknown = slope * slope * (1.0 - correlation * correlation) / samples;
-        Worth { mean, spread: spread + 0.5 * unknown }
+        SquareSumMoments { mean, half_variance: half_variance + 0.5 * unknown }
     }
 
     /// Of both together.
-    pub(crate) fn and(self, other: Worth) -> Worth {
-        Worth { mean: self.mean + other.mean, spread: self.spread + other.spread }
+    pub(crate) fn combined_with(self, other: SquareSumMoments) -> SquareSumMoments {
+        SquareSumMoments { mean: self.mean + other.mean, half_variance: self.half_variance + other.half_variance }
     }
 
     /// Degrees of freedom of a χ² with this mean and variance, scaled (Box, Annals of Mathematical Statistics 25, 1954).
     pub(crate) fn freedom(&self) -> f64 {
-        if self.spread > 0.0 { self.mean * self.mean / self.spread } else { 0.0 }
+        if self.half_variance > 0.0 { self.mean * self.mean / self.half_variance } else { 0.0 }
     }
 }
 
@@ -64,8 +64,8 @@ fn moments(count: usize, correlation: f64) -> [f64; 2] {
     let all: f64 = rows.iter().sum();
     let square = |lag: usize| if lag == 0 { n } else { 2.0 * (n - lag as f64) * powers[lag].powi(2) };
     let squares: f64 = (0..count).map(square).sum();
-    let spread = squares - 2.0 / n * rows.iter().map(|row| row * row).sum::<f64>() + (all / n).powi(2);
-    [n - all / n, spread]
+    let half_variance = squares - 2.0 / n * rows.iter().map(|row| row * row).sum::<f64>() + (all / n).powi(2);
+    [n - all / n, half_variance]
 }
 
 fn beyond_two(count: usize) -> usize {
@@ -81,33 +81,33 @@ pub(crate) fn squares_m2(samples: &Samples, group: &[usize]) -> [f64; 3] {
     })
 }
 
-/// The correlation from one sample to the next: the one that is `believed`, from more than rests, or where `rests` contradict
+/// The correlation from one sample to the next: the one that is `believed`, from more than dwells, or where `dwells` contradict
 /// it the one that they show, by how much less neighbours differ than all of them (von Neumann, Annals of Mathematical
 /// Statistics 12, 1941). What a model lacks is correlated, too.
-pub(crate) fn correlation(samples: &Samples, rests: &[&[usize]], believed: f64) -> f64 {
-    let count: usize = rests.iter().map(|rest| beyond_two(rest.len())).sum();
+pub(crate) fn correlation(samples: &Samples, dwells: &[&[usize]], believed: f64) -> f64 {
+    let count: usize = dwells.iter().map(|dwell| beyond_two(dwell.len())).sum();
     if count < ENOUGH {
         return believed;
     }
-    let shown = shown(samples, rests);
+    let shown = shown(samples, dwells);
     let deviation = ((1.0 - believed * believed) / count as f64).sqrt();
     if (shown - believed).abs() < CONTRADICTS * deviation { believed } else { shown }
 }
 
-fn shown(samples: &Samples, rests: &[&[usize]]) -> f64 {
-    let half_m2 = |rest: &[usize], axis: usize| -> f64 {
+fn shown(samples: &Samples, dwells: &[&[usize]]) -> f64 {
+    let half_m2 = |dwell: &[usize], axis: usize| -> f64 {
         let at = |row: usize| samples.rows[row].tip_m[axis];
-        rest.windows(2).map(|pair| 0.5 * (at(pair[1]) - at(pair[0])).powi(2)).sum()
+        dwell.windows(2).map(|pair| 0.5 * (at(pair[1]) - at(pair[0])).powi(2)).sum()
     };
     let ratio = |axis: usize| -> f64 {
-        let near: f64 = rests.iter().map(|rest| half_m2(rest, axis)).sum();
-        let all: f64 = rests.iter().map(|rest| squares_m2(samples, rest)[axis]).sum();
+        let near: f64 = dwells.iter().map(|dwell| half_m2(dwell, axis)).sum();
+        let all: f64 = dwells.iter().map(|dwell| squares_m2(samples, dwell)[axis]).sum();
         if all > 0.0 { near / all } else { 1.0 }
     };
     let found = (0..3).map(ratio).sum::<f64>() / 3.0;
-    let neighbours: usize = rests.iter().map(|rest| rest.len() - 1).sum();
+    let neighbours: usize = dwells.iter().map(|dwell| dwell.len() - 1).sum();
     let expected = |correlation: f64| {
-        let all: f64 = rests.iter().map(|rest| moments(rest.len(), correlation)[0]).sum();
+        let all: f64 = dwells.iter().map(|dwell| moments(dwell.len(), correlation)[0]).sum();
         (1.0 - correlation) * neighbours as f64 / all
     };
     let (mut low, mut high) = (0.0, MOST);
@@ -125,14 +125,14 @@ mod tests {
     #[test]
     fn white_samples_are_worth_one_less_than_there_are() {
         for count in [2, 3, 20] {
-            let [own, spread] = moments(count, 0.0);
+            let [own, half_variance] = moments(count, 0.0);
             assert!(
-                (own - (count as f64 - 1.0)).abs() < 1e-12 && (spread - own).abs() < 1e-9,
-                "{count}: {own} {spread}"
+                (own - (count as f64 - 1.0)).abs() < 1e-12 && (half_variance - own).abs() < 1e-9,
+                "{count}: {own} {half_variance}"
             );
         }
         // Two of them differ by what the first does not have of the second.
-        let [own, spread] = moments(2, 0.6);
-        assert!((own - 0.4).abs() < 1e-12 && (spread - 0.16).abs() < 1e-12);
+        let [own, half_variance] = moments(2, 0.6);
+        assert!((own - 0.4).abs() < 1e-12 && (half_variance - 0.16).abs() < 1e-12);
     }
 }

@@ -1,12 +1,12 @@
-//! Noise from what is left in samples that follow each other: what changes there although the robot has hardly moved. In half
+//! Ar1Noise from what is left in samples that follow each other: what changes there although the robot has hardly moved. In half
 //! the squares of these differences noise is all of what remains where nothing moves, the nugget of a variogram (Matheron,
 //! Economic Geology 58, 1963; from differences in time, Rice, Annals of Statistics 12, 1984), while what a model lacks
 //! changes with where the tip is and how it moves.
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::discovery::fit::nuisance::Explained;
-use crate::discovery::recording::covariates::{Circumstances, circumstances};
+use crate::discovery::fit::nuisance::NuisanceFit;
+use crate::discovery::recording::covariates::{Covariates, sample_covariates};
 use crate::discovery::recording::samples::Samples;
 
 /// Pairs of neighbours that are enough to tell what remains where nothing moves.
@@ -17,7 +17,7 @@ const MEMORY: f64 = 3.0;
 /// sample.
 const SHARED: f64 = 1.5;
 
-/// Noise by neighbours.
+/// Ar1Noise by neighbours.
 pub(crate) struct Nugget {
     /// Variance along x, y and z, m².
     pub(crate) variance_m2: [f64; 3],
@@ -25,18 +25,18 @@ pub(crate) struct Nugget {
     pub(crate) freedom: f64,
 }
 
-/// The nugget of what `explained` leaves, where the model has the tip at `played`. None where what is left has a memory, too
+/// The nugget of what `nuisance_fit` leaves, where the model has the tip at `simulated_m`. None where what is left has a memory, too
 /// few samples follow each other, or they are nowhere alike.
-pub(crate) fn nugget(samples: &Samples, explained: &Explained, played: &[f64]) -> Option<Nugget> {
-    let pairs = samples.close_behind();
+pub(crate) fn estimate_nugget(samples: &Samples, nuisance_fit: &NuisanceFit, simulated_m: &[f64]) -> Option<Nugget> {
+    let pairs = samples.consecutive_rows();
     let deviation = 1.0 / (3.0 * pairs.len() as f64).sqrt();
-    if pairs.len() < ENOUGH || explained.noise.correlation > MEMORY * deviation {
+    if pairs.len() < ENOUGH || nuisance_fit.noise.correlation > MEMORY * deviation {
         return None;
     }
-    let moved = moved(&circumstances(samples, played), &pairs);
+    let moved = moved(&sample_covariates(samples, simulated_m), &pairs);
     let inverse = (moved.transpose() * &moved).try_inverse()?;
     let line = |axis: usize| -> (f64, f64) {
-        let at = |row: usize| explained.left_m[3 * row + axis];
+        let at = |row: usize| nuisance_fit.residual_m[3 * row + axis];
         let half = |&row: &usize| 0.5 * (at(row) - at(row - 1)).powi(2);
         let halves = DVector::from_iterator(pairs.len(), pairs.iter().map(half));
         let fitted = &inverse * moved.tr_mul(&halves);
@@ -44,7 +44,7 @@ pub(crate) fn nugget(samples: &Samples, explained: &Explained, played: &[f64]) -
     };
     let lines: [(f64, f64); 3] = std::array::from_fn(line);
     let variance_m2 = lines.map(|(nothing_moves, _)| nothing_moves);
-    // About the line noise alone scatters by twice its variance squared; what a model lacks does by more.
+    // FinalFit the line noise alone scatters by twice its variance squared; what a model lacks does by more.
     let squares: f64 = variance_m2.iter().map(|variance| 2.0 * variance * variance).sum();
     let scatter: f64 = lines.iter().map(|(_, scatter)| scatter).sum();
     let freedom = (squares / scatter).min(1.0) / (SHARED * inverse[(0, 0)]);
@@ -54,11 +54,12 @@ pub(crate) fn nugget(samples: &Samples, explained: &Explained, played: &[f64]) -
 
 /// What half the squares are fitted by, a row a pair: one, how far the tip has moved, and by how much its motion has changed,
 /// squared and over their means.
-fn moved(around: &[Circumstances], pairs: &[usize]) -> DMatrix<f64> {
+fn moved(covariates: &[Covariates], pairs: &[usize]) -> DMatrix<f64> {
     let square = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>();
-    let way = |row: usize| square(around[row].moved_m);
-    let change =
-        |row: usize| square(std::array::from_fn(|axis| around[row].moved_m[axis] - around[row - 1].moved_m[axis]));
+    let way = |row: usize| square(covariates[row].moved_m);
+    let change = |row: usize| {
+        square(std::array::from_fn(|axis| covariates[row].moved_m[axis] - covariates[row - 1].moved_m[axis]))
+    };
     let column = |of: &dyn Fn(usize) -> f64| -> Vec<f64> {
         let own: Vec<f64> = pairs.iter().map(|&row| of(row)).collect();
         let mean = crate::math::summary::mean(&own).max(f64::MIN_POSITIVE);
@@ -71,7 +72,7 @@ fn moved(around: &[Circumstances], pairs: &[usize]) -> DMatrix<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::discovery::fit::ar1_noise::Noise;
+    use crate::discovery::fit::ar1_noise::Ar1Noise;
     use crate::discovery::recording::samples::white_noise;
     use crate::math::summary::{mean, standard_deviation};
 
@@ -81,23 +82,28 @@ mod tests {
     fn wandering(seed: u64) -> (Samples, Vec<f64>, Vec<f64>) {
         let samples = Samples::alike(6, 50);
         let mut step = white_noise(5e-3, seed);
-        let (mut played, mut moved, mut tip) = (Vec::new(), Vec::new(), [0.0; 3]);
+        let (mut simulated_m, mut moved, mut tip) = (Vec::new(), Vec::new(), [0.0; 3]);
         for sample in &samples.rows {
             let moves: [f64; 3] = std::array::from_fn(|_| if sample.row == 0 { 0.0 } else { step() });
             tip = std::array::from_fn(|axis| if sample.row == 0 { 0.0 } else { tip[axis] + moves[axis] });
-            played.extend(tip);
+            simulated_m.extend(tip);
             moved.extend(moves);
         }
-        (samples, played, moved)
+        (samples, simulated_m, moved)
     }
 
     /// The nugget of noise of this correlation beside an error of `lag` times the motion and `scale` times the place.
     fn told(correlation: f64, [lag, scale]: [f64; 2], seed: u64) -> Option<Nugget> {
-        let (samples, played, moved) = wandering(seed);
+        let (samples, simulated_m, moved) = wandering(seed);
         let noise = samples.noise(NOISE_M, correlation, 1000 + seed);
-        let left_m: Vec<f64> = (0..noise.len()).map(|k| noise[k] + lag * moved[k] + scale * played[k]).collect();
-        let noise = Noise::of(&samples, &left_m, 0.0);
-        nugget(&samples, &Explained { noise, amounts: DVector::zeros(0), left_m, deviance: 0.0 }, &played)
+        let residual_m: Vec<f64> =
+            (0..noise.len()).map(|k| noise[k] + lag * moved[k] + scale * simulated_m[k]).collect();
+        let noise = Ar1Noise::estimate(&samples, &residual_m, 0.0);
+        estimate_nugget(
+            &samples,
+            &NuisanceFit { noise, amounts: DVector::zeros(0), residual_m, deviance: 0.0 },
+            &simulated_m,
+        )
     }
 
     #[test]

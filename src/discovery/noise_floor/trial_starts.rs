@@ -1,6 +1,6 @@
 //! Trials that may not begin settled at home, as a model does: cut out of a longer log, or seen by a tracker that was not ready.
 
-use super::Floor;
+use super::NoiseFloor;
 use crate::discovery::recording::samples::{Sample, Samples};
 use crate::effects::Model;
 
@@ -10,13 +10,13 @@ const DOUBTFUL: f64 = 0.01;
 const FORGOTTEN_S: f64 = 1.0;
 
 /// How first tips scatter, where they may not be at home.
-pub(crate) fn doubtful(samples: &Samples, model: &Model) -> Option<Floor> {
-    let starts = Floor::of_starts(samples);
+pub(crate) fn scattered_starts(samples: &Samples, model: &Model) -> Option<NoiseFloor> {
+    let starts = NoiseFloor::from_starts(samples);
     (starts.rms_m() > DOUBTFUL * model.robot.backbone.length_m).then_some(starts)
 }
 
 /// The samples but for those at the beginning of a trial.
-pub(crate) fn without(samples: &Samples) -> Samples {
+pub(crate) fn without_starts(samples: &Samples) -> Samples {
     let rows: Vec<Sample> = samples.rows.iter().filter(|row| row.time_s > FORGOTTEN_S).copied().collect();
     let later = Samples { trials: samples.trials.clone(), rows, ..*samples };
     let seen = later.ranges().into_iter().enumerate().filter(|(_, rows)| !rows.is_empty());
@@ -24,7 +24,7 @@ pub(crate) fn without(samples: &Samples) -> Samples {
 }
 
 /// What to know where beginnings of trials were left out, whose first tips scatter as `starts` do.
-pub(crate) fn left_out(starts: &Floor) -> String {
+pub(crate) fn starts_caveat(starts: &NoiseFloor) -> String {
     format!(
         "The first tips of the trials scatter by {:.1} mm, far more than what is left of later ones: either not every trial \
          starts settled at home, as the model does, or the tracker was not ready. The first second of each trial was left \
@@ -34,7 +34,7 @@ pub(crate) fn left_out(starts: &Floor) -> String {
 }
 
 /// The same of a baseline.
-pub(crate) fn left_out_of_baseline(starts: &Floor) -> String {
+pub(crate) fn baseline_starts_caveat(starts: &NoiseFloor) -> String {
     format!(
         "The first tips of the baseline's trials scatter by {:.1} mm; the first second of each was left out.",
         1e3 * starts.rms_m()
@@ -49,11 +49,11 @@ mod tests {
     fn only_the_first_second_is_left_out_and_trials_of_no_more_with_it() {
         let mut samples = Samples::alike(3, 10);
         samples.rows.retain(|sample| sample.trial != 1 || sample.row < 5);
-        assert!(doubtful(&samples, &Model::default()).is_none());
+        assert!(scattered_starts(&samples, &Model::default()).is_none());
         samples.rows[0].tip_m[0] = 0.02;
-        let starts = doubtful(&samples, &Model::default()).unwrap();
+        let starts = scattered_starts(&samples, &Model::default()).unwrap();
         assert!((starts.rms_m() - 0.02 / 3.0_f64.sqrt()).abs() < 1e-12);
-        let later = without(&samples);
+        let later = without_starts(&samples);
         assert_eq!(later.trials.iter().map(|trial| trial.number).collect::<Vec<u64>>(), [0, 2]);
         let rows: Vec<(usize, usize)> = later.rows.iter().map(|sample| (sample.trial, sample.row)).collect();
         assert_eq!(rows, (0..2).flat_map(|trial| (6..10).map(move |row| (trial, row))).collect::<Vec<_>>());

@@ -13,7 +13,7 @@ const SEEN: f64 = 1.5;
 
 /// Whether markers on the base, where there are any in these `trials`, show it standing as in the `model`, but for turns about
 /// its own axis: then nothing at the tip is its tilt.
-pub(crate) fn stands_as_modelled(measured: &Recording, trials: &[u64], model: &Model) -> bool {
+pub(crate) fn base_matches_model(measured: &Recording, trials: &[u64], model: &Model) -> bool {
     let Some(base) = &measured.base else { return false };
     let modelled = UnitQuaternion::from_scaled_axis(model.rod(&[]).base_rotation_rad);
     let asked = base.iter().zip(&measured.trial).filter(|(_, number)| trials.contains(number)).map(|(pose, _)| pose);
@@ -49,7 +49,7 @@ mod tests {
     #[test]
     fn a_base_is_compared_with_that_of_the_model() {
         let mut model = Model::default();
-        let stands = |measured: &Recording, model: &Model| stands_as_modelled(measured, &[0], model);
+        let stands = |measured: &Recording, model: &Model| base_matches_model(measured, &[0], model);
         assert!(!stands(&Recording::new(Actuation::Lengths, 4), &model), "nobody looked");
         let tilted = [0.0, 0.025, 0.3];
         assert!(stands(&turned([0.0, 0.001, 0.0]), &model));
@@ -67,8 +67,8 @@ mod tests {
         let lying = UnitQuaternion::from_scaled_axis(Vector3::y() * std::f64::consts::FRAC_PI_2);
         model.robot.base_rotation_rad = lying.scaled_axis().into();
         let about = |axis: Vector3<f64>| (UnitQuaternion::from_scaled_axis(axis * 0.1) * lying).scaled_axis().into();
-        assert!(stands_as_modelled(&turned(about(Vector3::x())), &[0], &model));
-        assert!(!stands_as_modelled(&turned(about(Vector3::z())), &[0], &model));
+        assert!(base_matches_model(&turned(about(Vector3::x())), &[0], &model));
+        assert!(!base_matches_model(&turned(about(Vector3::z())), &[0], &model));
     }
 
     #[test]
@@ -76,7 +76,7 @@ mod tests {
         let mut measured = turned([0.0; 3]);
         let aside = turned([0.1, 0.0, 0.0]).base.unwrap();
         measured.base.as_mut().unwrap()[3..].clone_from_slice(&aside[3..]);
-        assert!(stands_as_modelled(&measured, &[0], &Model::default()));
-        assert!(!stands_as_modelled(&measured, &[1], &Model::default()));
+        assert!(base_matches_model(&measured, &[0], &Model::default()));
+        assert!(!base_matches_model(&measured, &[1], &Model::default()));
     }
 }

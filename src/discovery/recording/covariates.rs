@@ -6,7 +6,7 @@ use crate::base::Rows;
 
 /// The circumstances of one sample.
 #[derive(Clone, Debug)]
-pub(crate) struct Circumstances {
+pub(crate) struct Covariates {
     /// Time since the trial began, seconds.
     pub(crate) time_s: f64,
     /// Where the model has the tip, metres.
@@ -25,10 +25,10 @@ pub(crate) struct Circumstances {
     pub(crate) largest: Vec<f64>,
 }
 
-/// The circumstances of all samples; `played` is where the model has the tip.
-pub(crate) fn circumstances(samples: &Samples, played: &[f64]) -> Vec<Circumstances> {
-    let tip = |row: usize| -> [f64; 3] { std::array::from_fn(|axis| played[3 * row + axis]) };
-    let largest: Vec<Vec<Vec<f64>>> = samples.trials.iter().map(|trial| so_far(&trial.commands)).collect();
+/// The circumstances of all samples; `simulated_m` is where the model has the tip.
+pub(crate) fn sample_covariates(samples: &Samples, simulated_m: &[f64]) -> Vec<Covariates> {
+    let tip = |row: usize| -> [f64; 3] { std::array::from_fn(|axis| simulated_m[3 * row + axis]) };
+    let largest: Vec<Vec<Vec<f64>>> = samples.trials.iter().map(|trial| running_maxima(&trial.commands)).collect();
     samples
         .rows
         .iter()
@@ -45,7 +45,7 @@ pub(crate) fn circumstances(samples: &Samples, played: &[f64]) -> Vec<Circumstan
             let since = samples.steps_since_last(index);
             let from = if since.is_some() { tip(index - 1) } else { tip(index) };
             let moved_m: [f64; 3] = std::array::from_fn(|axis| tip(index)[axis] - from[axis]);
-            Circumstances {
+            Covariates {
                 time_s: sample.time_s,
                 tip_m: tip(index),
                 moved_m,
@@ -60,7 +60,7 @@ pub(crate) fn circumstances(samples: &Samples, played: &[f64]) -> Vec<Circumstan
 }
 
 /// The largest command of each tendon before the first row, the second, and so on to after the last one.
-fn so_far(commands: &Rows) -> Vec<Vec<f64>> {
+fn running_maxima(commands: &Rows) -> Vec<Vec<f64>> {
     let mut found = vec![vec![0.0; commands.width()]];
     for row in commands.iter() {
         let most = &found[found.len() - 1];

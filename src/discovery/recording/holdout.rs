@@ -1,4 +1,4 @@
-//! Which trials are kept back as proof: whole trials, chosen by their commands alone, so that the proof and the rest both
+//! Which trials are kept back as held_out: whole trials, chosen by their commands alone, so that the held_out and the rest both
 //! exercise every tendon. What was measured has no say.
 
 use super::samples::Samples;
@@ -7,23 +7,27 @@ use super::samples::Samples;
 const MOST_CHOICES: usize = 20_000;
 /// A choice that leaves both parts this share of the tracked rows that they should have is no better for more.
 const ENOUGH_ROWS: f64 = 0.75;
-/// The proof does with fewer rows than the fit.
+/// The held_out does with fewer rows than the fit.
 const SHORT_PROOF: f64 = 2.0;
 
-/// The trials of the fit and those of the proof, by their index.
+/// The trials of the fit and those of the held_out, by their index.
 pub(crate) fn split(samples: &Samples, share: f64) -> (Vec<usize>, Vec<usize>) {
-    let trials = Trials::new(samples, share);
-    let proof = if choices(trials.count(), trials.held) <= MOST_CHOICES as f64 { trials.best() } else { trials.good() };
-    ((0..trials.count()).filter(|trial| !proof.contains(trial)).collect(), proof)
+    let trials = TrialStatistics::new(samples, share);
+    let held_out = if count_choices(trials.count(), trials.held) <= MOST_CHOICES as f64 {
+        trials.best_of_all()
+    } else {
+        trials.improved_by_exchange()
+    };
+    ((0..trials.count()).filter(|trial| !held_out.contains(trial)).collect(), held_out)
 }
 
 /// How many ways there are to choose so many.
-fn choices(count: usize, held: usize) -> f64 {
+fn count_choices(count: usize, held: usize) -> f64 {
     (0..held).map(|k| (count - k) as f64 / (k + 1) as f64).product()
 }
 
 /// What speaks for one choice or another.
-struct Trials {
+struct TrialStatistics {
     /// Sum of squares of each tendon's commands in each trial.
     spreads: Vec<Vec<f64>>,
     /// Tracked rows of each trial.
@@ -31,22 +35,22 @@ struct Trials {
     /// The mean over all trials of both.
     usual: Vec<f64>,
     usual_rows: f64,
-    /// Trials that are kept back.
+    /// TrialStatistics that are kept back.
     held: usize,
 }
 
-/// What a choice is worth: first the rows that it leaves both parts, then the exercise of tendons.
-type Worth = (f64, f64);
+/// What a choice is quality: first the rows that it leaves both parts, then the exercise of tendons.
+type SplitQuality = (f64, f64);
 
-impl Trials {
-    fn new(samples: &Samples, share: f64) -> Trials {
+impl TrialStatistics {
+    fn new(samples: &Samples, share: f64) -> TrialStatistics {
         let count = samples.trials.len();
         let spreads: Vec<Vec<f64>> = (0..count).map(|trial| spread(samples, trial)).collect();
         let rows: Vec<f64> = samples.ranges().iter().map(|range| range.len() as f64).collect();
         let held = ((count as f64 * share).ceil() as usize).clamp(1, count - 1);
         let mean = |tendon: usize| spreads.iter().map(|own| own[tendon]).sum::<f64>() / count as f64;
         let usual = (0..spreads[0].len()).map(mean).collect();
-        Trials { usual, usual_rows: rows.iter().sum::<f64>() / count as f64, spreads, rows, held }
+        TrialStatistics { usual, usual_rows: rows.iter().sum::<f64>() / count as f64, spreads, rows, held }
     }
 
     fn count(&self) -> usize {
@@ -54,24 +58,24 @@ impl Trials {
     }
 
     /// The best of all choices; among equals the last trials.
-    fn best(&self) -> Vec<usize> {
+    fn best_of_all(&self) -> Vec<usize> {
         let mut choice: Vec<usize> = (self.count() - self.held..self.count()).collect();
-        let mut best = (self.worth(&choice), choice.clone());
-        while previous(&mut choice, self.count()) {
-            let worth = self.worth(&choice);
-            if is_better(worth, best.0) {
-                best = (worth, choice.clone());
+        let mut best = (self.quality(&choice), choice.clone());
+        while previous_choice(&mut choice, self.count()) {
+            let quality = self.quality(&choice);
+            if is_better(quality, best.0) {
+                best = (quality, choice.clone());
             }
         }
         best.1
     }
 
-    /// Trials at equal distances, each exchanged for the best other one as long as that helps.
-    fn good(&self) -> Vec<usize> {
+    /// TrialStatistics at equal distances, each exchanged for the best other one as long as that helps.
+    fn improved_by_exchange(&self) -> Vec<usize> {
         let mut choice: Vec<usize> = (0..self.held).map(|k| (2 * k + 1) * self.count() / (2 * self.held)).collect();
-        let mut worth = self.worth(&choice);
+        let mut quality = self.quality(&choice);
         loop {
-            let begun = worth;
+            let begun = quality;
             for k in 0..self.held {
                 for other in (0..self.count()).rev() {
                     let own = choice[k];
@@ -79,29 +83,29 @@ impl Trials {
                         continue;
                     }
                     choice[k] = other;
-                    let there = self.worth(&choice);
-                    if is_better(there, worth) {
-                        worth = there;
+                    let there = self.quality(&choice);
+                    if is_better(there, quality) {
+                        quality = there;
                     } else {
                         choice[k] = own;
                     }
                 }
             }
-            if worth == begun {
+            if quality == begun {
                 choice.sort_unstable();
                 return choice;
             }
         }
     }
 
-    fn worth(&self, proof: &[usize]) -> Worth {
+    fn quality(&self, held_out: &[usize]) -> SplitQuality {
         let rest = self.count() - self.held;
-        // Over the mean of all trials: that of the proof, and that of the rest.
+        // Over the mean of all trials: that of the held_out, and that of the rest.
         let shares = |own: f64, usual: f64| {
             let own = own / (self.held as f64 * usual);
             [own, (self.count() as f64 - self.held as f64 * own) / rest as f64]
         };
-        let sum = |of: &dyn Fn(usize) -> f64| proof.iter().map(|&trial| of(trial)).sum::<f64>();
+        let sum = |of: &dyn Fn(usize) -> f64| held_out.iter().map(|&trial| of(trial)).sum::<f64>();
         let [proved, fitted] = shares(sum(&|trial| self.rows[trial]), self.usual_rows);
         let used = (0..self.usual.len()).filter(|&tendon| self.usual[tendon] > 0.0);
         let exercise = used.flat_map(|tendon| shares(sum(&|trial| self.spreads[trial][tendon]), self.usual[tendon]));
@@ -109,7 +113,7 @@ impl Trials {
     }
 }
 
-fn is_better(there: Worth, here: Worth) -> bool {
+fn is_better(there: SplitQuality, here: SplitQuality) -> bool {
     const EQUAL: f64 = 1e-9;
     there.0 > here.0 + EQUAL || (there.0 > here.0 - EQUAL && there.1 > here.1 + EQUAL)
 }
@@ -125,7 +129,7 @@ fn spread(samples: &Samples, trial: usize) -> Vec<f64> {
 }
 
 /// The choice before this one in lexicographic order; false when it was the first.
-fn previous(choice: &mut [usize], count: usize) -> bool {
+fn previous_choice(choice: &mut [usize], count: usize) -> bool {
     let held = choice.len();
     // The last element that can go down, with those after it as high as can be.
     for k in (0..held).rev() {
@@ -151,7 +155,7 @@ mod tests {
     fn every_choice_is_met_once() {
         let mut choice = vec![3, 4];
         let mut met = vec![choice.clone()];
-        while previous(&mut choice, 5) {
+        while previous_choice(&mut choice, 5) {
             met.push(choice.clone());
         }
         met.sort();
@@ -160,7 +164,7 @@ mod tests {
         assert_eq!(met[0], [0, 1]);
     }
 
-    /// Trials of so many rows, each of which pulls two of four tendons.
+    /// TrialStatistics of so many rows, each of which pulls two of four tendons.
     fn pulled(trials: &[(usize, [usize; 2])]) -> Samples {
         let mut samples = Samples::alike(trials.len(), 1);
         samples.rows.clear();
@@ -178,17 +182,17 @@ mod tests {
 
     #[test]
     fn the_longest_trial_is_fitted_to() {
-        let (fit, proof) = split(&pulled(&[(400, [0, 2]), (30, [0, 1]), (30, [2, 3])]), 0.25);
-        assert_eq!((fit.len(), proof.len()), (2, 1));
+        let (fit, held_out) = split(&pulled(&[(400, [0, 2]), (30, [0, 1]), (30, [2, 3])]), 0.25);
+        assert_eq!((fit.len(), held_out.len()), (2, 1));
         assert!(fit.contains(&0), "{fit:?}");
     }
 
     #[test]
     fn of_many_trials_those_are_held_out_that_use_every_tendon() {
         let trials: Vec<(usize, [usize; 2])> = (0..40).map(|k| (20, if k < 20 { [0, 2] } else { [1, 3] })).collect();
-        let (fit, proof) = split(&pulled(&trials), 0.25);
-        assert_eq!((fit.len(), proof.len()), (30, 10));
-        for part in [fit, proof] {
+        let (fit, held_out) = split(&pulled(&trials), 0.25);
+        assert_eq!((fit.len(), held_out.len()), (30, 10));
+        for part in [fit, held_out] {
             let early = part.iter().filter(|&&trial| trial < 20).count();
             assert_eq!(2 * early, part.len(), "{part:?}");
         }

@@ -1,10 +1,10 @@
-//! A recording as samples to be explained: the commands of every trial and the rows in which the tip was tracked.
+//! A recording as samples to be nuisance_fit: the commands of every trial and the rows in which the tip was tracked.
 
 use crate::base::{Point3, Rows};
 use crate::data::{Actuation, Recording, recording};
 use crate::rod::TipLoad;
 
-/// One trial's commands, to be played on models.
+/// One trial's commands, to be simulated_m on models.
 #[derive(Clone, Debug)]
 pub(crate) struct TrialCommands {
     /// Its number in the recording.
@@ -110,9 +110,14 @@ impl Samples {
         (0..self.trials.len()).map(|trial| start(trial)..start(trial + 1)).collect()
     }
 
-    /// Measured tip minus `played`, three numbers a sample, metres.
-    pub(crate) fn residual(&self, played: &[f64]) -> Vec<f64> {
-        self.rows.iter().flat_map(|row| row.tip_m).zip(played).map(|(tip, played)| tip - played).collect()
+    /// Measured tip minus `simulated_m`, three numbers a sample, metres.
+    pub(crate) fn residual(&self, simulated_m: &[f64]) -> Vec<f64> {
+        self.rows
+            .iter()
+            .flat_map(|row| row.tip_m)
+            .zip(simulated_m)
+            .map(|(tip, simulated_m)| tip - simulated_m)
+            .collect()
     }
 
     /// Time between a sample and the one before it in the same trial, in usual steps of the tracker; none for the first one.
@@ -122,7 +127,7 @@ impl Samples {
     }
 
     /// The rows that have the one before them in the same trial and no farther off than usual.
-    pub(crate) fn close_behind(&self) -> Vec<usize> {
+    pub(crate) fn consecutive_rows(&self) -> Vec<usize> {
         let is_close = |&row: &usize| self.steps_since_last(row).is_some_and(|steps| steps < MOST_STEPS);
         (0..self.len()).filter(is_close).collect()
     }

@@ -1,4 +1,4 @@
-//! What a recording must hold to be judged.
+//! What a recording must hold to be rescored.
 
 use super::samples::Samples;
 use crate::data::Recording;
@@ -6,7 +6,7 @@ use crate::discovery::error::DiscoveryError;
 
 /// Fewer tracked rows than this leave nothing to fit and to prove with.
 const FEWEST_SAMPLES: usize = 30;
-/// And so many of them in the trials of the fit and of the proof.
+/// And so many of them in the trials of the fit and of the held_out.
 const FEWEST_TO_FIT: usize = 15;
 const FEWEST_TO_PROVE: usize = 5;
 /// One to fit, one to prove.
@@ -37,21 +37,21 @@ pub(crate) fn check(measured: &Recording, samples: &Samples) -> Result<(), Disco
 pub(crate) fn check_trials(samples: &Samples) -> Result<(), DiscoveryError> {
     let trials = samples.trials.len();
     if trials < FEWEST_TRIALS {
-        let why = ": one is kept back as proof";
+        let why = ": one is kept back as held_out";
         return Err(DiscoveryError::TooFew { what: "tracked trials", found: trials, least: FEWEST_TRIALS, why });
     }
     Ok(())
 }
 
 /// Refuses trials of which one of the two parts holds too little.
-pub(crate) fn check_parts(fit: &Samples, proof: &Samples) -> Result<(), DiscoveryError> {
-    let [to_fit, to_prove] = [fit, proof].map(Samples::len);
+pub(crate) fn check_parts(fit: &Samples, held_out: &Samples) -> Result<(), DiscoveryError> {
+    let [to_fit, to_prove] = [fit, held_out].map(Samples::len);
     if to_fit < FEWEST_TO_FIT {
-        let why = ": the rest is kept back as proof";
+        let why = ": the rest is kept back as held_out";
         return Err(DiscoveryError::TooFew { what: "tracked rows to fit", found: to_fit, least: FEWEST_TO_FIT, why });
     }
     if to_prove < FEWEST_TO_PROVE {
-        let what = "tracked rows in the trials that are kept back as proof";
+        let what = "tracked rows in the trials that are kept back as held_out";
         return Err(DiscoveryError::TooFew { what, found: to_prove, least: FEWEST_TO_PROVE, why: "" });
     }
     Ok(())

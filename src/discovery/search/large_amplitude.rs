@@ -1,18 +1,18 @@
-//! A second look at each hypothesis, as far out as the residual is large. The tip's answer to a little of an effect may
+//! A second look at each candidate, as far out as the residual is large. The tip's answer to a little of an effect may
 //! say nothing of its answer to much of it, or to the other direction: a softer rod sags until tendons are taut, a
 //! stiffer one does not.
 //!
-//! The trials where most is left show which of the looks may matter; those alone are played in all of them.
+//! The trials where most is left show which of the looks may matter; those alone are simulated_m in all of them.
 
 use std::ops::Range;
 
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::screening::{ALIKE, Screen, best_of_each};
-use crate::discovery::fit::candidate::{Hypothesis, Member, effects};
-use crate::discovery::fit::gauss_newton::{Fitted, Study};
-use crate::discovery::fit::sensitivities::{Response, responses};
+use super::screening::{ALIKE, LinearScreen, best_of_each};
+use crate::discovery::fit::candidate::{CandidateEffect, SetMember, effect_specs};
+use crate::discovery::fit::gauss_newton::{FitProblem, FittedSet};
+use crate::discovery::fit::sensitivities::{Sensitivity, sensitivities};
 use crate::discovery::fit::simulate::tips;
 use crate::discovery::recording::samples::{Samples, rms_m};
 
@@ -22,63 +22,74 @@ const FARTHEST: f64 = 8.0;
 const LOOKS: usize = 5;
 /// Between these shares of the residual that is far enough.
 const NEAR_ENOUGH: Range<f64> = 0.5..2.0;
-/// Looks at most nearer to where the best of those promises to fit, and how near to that is near enough.
+/// Looks at most nearer to where the best of those predictions to fit, and how near to that is near enough.
 const NEARER: usize = 3;
 const THERE: f64 = 0.2;
 /// How often the steps of a scan are halved about its best one: a delay is seen within a quarter of a drive's time.
 const HALVED: usize = 2;
 /// Trials that are looked at first.
 const SHOWN: usize = 2;
-/// A look is followed up when it promises there this share of what the best one does, or all but so much.
+/// A look is followed up when it predictions there this share of what the best one does, or all but so much.
 const WORTH_SHARE: f64 = 0.2;
 const WORTH_SLACK: f64 = 10.0;
 
-impl Study<'_> {
-    /// Answers to each hypothesis beside those of `base`, in both directions, where it would move the tip as far as the
+impl FitProblem<'_> {
+    /// Answers to each candidate beside those of `base`, in both directions, where it would move the tip as far as the
     /// residual that `base` leaves if it went on as a little of it does, and from there where it fits; of each the variant
-    /// that promises most, or the first one if none: a little of an effect may promise nothing where much of it does.
+    /// that predictions most, or the first one if none: a little of an effect may prediction nothing where much of it does.
     /// Those whose answer rises and falls are looked at everywhere (a delay hardly shows until the command acts after the
     /// tracker has looked).
-    pub(crate) fn farther(&self, base: &Fitted, responses: &[Response]) -> Vec<Response> {
-        let all = Far::new(self, base, &(0..self.samples.trials.len()).collect::<Vec<usize>>());
-        let some = Far::new(self, base, &self.most_telling(base));
-        let (Some(here), Some(there)) = (some.played(&[]), all.played(&[])) else { return Vec::new() };
-        let beside = some.beside(&|_| true);
-        let (known, promises) = if beside.is_empty() {
-            (responses.iter().map(|response| some.part(response)).collect(), self.promises(base, &[], responses))
+    pub(crate) fn large_amplitude_sensitivities(
+        &self,
+        base: &FittedSet,
+        sensitivities: &[Sensitivity],
+    ) -> Vec<Sensitivity> {
+        let all = LargeAmplitudeScreen::new(self, base, &(0..self.samples.trials.len()).collect::<Vec<usize>>());
+        let some = LargeAmplitudeScreen::new(self, base, &self.largest_residual_trials(base));
+        let (Some(here), Some(there)) = (some.simulate(&[]), all.simulate(&[])) else { return Vec::new() };
+        let beside = some.sensitivities_beside_base(&|_| true);
+        let (known, predictions) = if beside.is_empty() {
+            (
+                sensitivities.iter().map(|sensitivity| some.restricted(sensitivity)).collect(),
+                self.predictions(base, &[], sensitivities),
+            )
         } else {
-            let promises = best_of_each(some.screen.promises(&beside));
-            (beside, promises)
+            let predictions = best_of_each(some.screen.predictions(&beside));
+            (beside, predictions)
         };
-        let little = |of: &Response| known.iter().find(|response| response.is_little_of(of));
-        let promised = promises.iter().filter_map(|promise| little(&known[promise.response]));
-        let mut seen = vec![false; self.hypotheses.len()];
-        base.members.iter().for_each(|member| seen[member.hypothesis] = true);
-        let begun: Vec<&Response> = promised
+        let little = |of: &Sensitivity| known.iter().find(|sensitivity| sensitivity.is_small_step_of(of));
+        let promised = predictions.iter().filter_map(|prediction| little(&known[prediction.sensitivity]));
+        let mut seen = vec![false; self.candidates.len()];
+        base.members.iter().for_each(|member| seen[member.candidate] = true);
+        let begun: Vec<&Sensitivity> = promised
             .chain(known.iter().filter_map(little))
-            .filter(|response| self.open[response.hypothesis])
-            .filter(|response| !std::mem::replace(&mut seen[response.hypothesis], true))
+            .filter(|sensitivity| self.open[sensitivity.candidate])
+            .filter(|sensitivity| !std::mem::replace(&mut seen[sensitivity.candidate], true))
             .collect();
-        let looks: Vec<Response> = begun.into_par_iter().flat_map(|response| some.looks(response, &here)).collect();
-        let worth = some.worth(looks, &known);
+        let looks: Vec<Sensitivity> =
+            begun.into_par_iter().flat_map(|sensitivity| some.sensitivities_of(sensitivity, &here)).collect();
+        let worth = some.keep_relevant(looks, &known);
         // A look corrects the answer in its own direction; the others are right beside the base only.
-        let wide = |hypothesis: &Hypothesis| {
-            let of = |look: &Response| std::ptr::eq(hypothesis, &self.hypotheses[look.hypothesis]);
-            hypothesis.sizes().len() > 1 && worth.iter().any(of)
+        let wide = |candidate: &CandidateEffect| {
+            let of = |look: &Sensitivity| std::ptr::eq(candidate, &self.candidates[look.candidate]);
+            candidate.sizes().len() > 1 && worth.iter().any(of)
         };
-        let beside = all.beside(&wide);
-        let everywhere = |look: &Response| {
-            let little = beside.iter().chain(responses).find(|response| response.is_little_of(look))?;
-            Some(all.look(little, &there, look.step.as_ref()?)?.0)
+        let beside = all.sensitivities_beside_base(&wide);
+        let everywhere = |look: &Sensitivity| {
+            let little = beside.iter().chain(sensitivities).find(|sensitivity| sensitivity.is_small_step_of(look))?;
+            Some(all.sensitivity_at(little, &there, look.step.as_ref()?)?.0)
         };
         worth.par_iter().filter_map(everywhere).collect()
     }
 
     /// The trials where most is left.
-    fn most_telling(&self, base: &Fitted) -> Vec<usize> {
+    fn largest_residual_trials(&self, base: &FittedSet) -> Vec<usize> {
         let ranges = self.samples.ranges();
         let left = |trial: usize| -> f64 {
-            base.explained.left_m[3 * ranges[trial].start..3 * ranges[trial].end].iter().map(|left| left * left).sum()
+            base.nuisance_fit.residual_m[3 * ranges[trial].start..3 * ranges[trial].end]
+                .iter()
+                .map(|left| left * left)
+                .sum()
         };
         let mut trials: Vec<usize> = (0..ranges.len()).collect();
         trials.sort_by(|&a, &b| left(b).total_cmp(&left(a)));
@@ -88,94 +99,104 @@ impl Study<'_> {
 }
 
 /// A look at one step of a scan, and the squares that it leaves.
-struct Tried {
+struct ScanPoint {
     step: f64,
     left: f64,
-    look: Response,
+    look: Sensitivity,
 }
 
 /// What is looked for far out, in some of the trials.
-struct Far<'a> {
-    study: &'a Study<'a>,
+struct LargeAmplitudeScreen<'a> {
+    fit_problem: &'a FitProblem<'a>,
     /// What is known to be missing.
-    base: &'a Fitted,
+    base: &'a FittedSet,
     samples: Samples,
-    /// Their numbers among all of the study, three a sample.
+    /// Their numbers among all of the fit_problem, three a sample.
     rows: Vec<usize>,
     /// What is left in them, metres.
-    left_m: Vec<f64>,
-    screen: Screen<'a>,
+    residual_m: Vec<f64>,
+    screen: LinearScreen<'a>,
 }
 
-impl<'a> Far<'a> {
-    fn new(study: &'a Study<'a>, base: &'a Fitted, trials: &[usize]) -> Far<'a> {
-        let ranges = study.samples.ranges();
+impl<'a> LargeAmplitudeScreen<'a> {
+    fn new(fit_problem: &'a FitProblem<'a>, base: &'a FittedSet, trials: &[usize]) -> LargeAmplitudeScreen<'a> {
+        let ranges = fit_problem.samples.ranges();
         let rows: Vec<usize> =
             trials.iter().flat_map(|&trial| 3 * ranges[trial].start..3 * ranges[trial].end).collect();
-        let samples = study.samples.of_trials(trials);
-        let left_m: Vec<f64> = rows.iter().map(|&row| base.explained.left_m[row]).collect();
-        let nuisances = study.nuisances.in_rows(&rows);
+        let samples = fit_problem.samples.of_trials(trials);
+        let residual_m: Vec<f64> = rows.iter().map(|&row| base.nuisance_fit.residual_m[row]).collect();
+        let nuisances = fit_problem.nuisances.in_rows(&rows);
         let held = base.jacobian.select_rows(&rows);
-        let screen = Screen::new(study.hypotheses, &samples, &nuisances, (&base.explained.noise, &left_m), &held);
-        Far { study, base, samples, rows, left_m, screen }
+        let screen = LinearScreen::new(
+            fit_problem.candidates,
+            &samples,
+            &nuisances,
+            (&base.nuisance_fit.noise, &residual_m),
+            &held,
+        );
+        LargeAmplitudeScreen { fit_problem, base, samples, rows, residual_m, screen }
     }
 
     /// An answer in these samples.
-    fn part(&self, response: &Response) -> Response {
-        Response { columns: response.columns.select_rows(&self.rows), ..response.clone() }
+    fn restricted(&self, sensitivity: &Sensitivity) -> Sensitivity {
+        Sensitivity { columns: sensitivity.columns.select_rows(&self.rows), ..sensitivity.clone() }
     }
 
-    /// Answers to a little of those hypotheses beside the members of the base, where there are any: with those the rod may
+    /// Answers to a little of those candidates beside the members of the base, where there are any: with those the rod may
     /// hang on other tendons.
-    fn beside(&self, asked: &(dyn Fn(&Hypothesis) -> bool + Sync)) -> Vec<Response> {
-        let (study, members) = (self.study, &self.base.members);
-        let asked = |hypothesis: &Hypothesis| !members.is_empty() && asked(hypothesis);
-        responses(study.coarse, study.hypotheses, members, &asked, &self.samples)
+    fn sensitivities_beside_base(&self, asked: &(dyn Fn(&CandidateEffect) -> bool + Sync)) -> Vec<Sensitivity> {
+        let (fit_problem, members) = (self.fit_problem, &self.base.members);
+        let asked = |candidate: &CandidateEffect| !members.is_empty() && asked(candidate);
+        sensitivities(fit_problem.coarse, fit_problem.candidates, members, &asked, &self.samples)
     }
 
     /// Where the coarse model with the members of the base and `more` has the tip.
-    fn played(&self, more: &[crate::effects::EffectSpec]) -> Option<Vec<f64>> {
-        let known = effects(self.study.hypotheses, &self.base.members)?;
-        tips(self.study.coarse, &[&known, more].concat(), &self.samples)
+    fn simulate(&self, more: &[crate::effects::EffectSpec]) -> Option<Vec<f64>> {
+        let known = effect_specs(self.fit_problem.candidates, &self.base.members)?;
+        tips(self.fit_problem.coarse, &[&known, more].concat(), &self.samples)
     }
 
-    /// `response` corrected by what so much of it does (Broyden's update, in units of the probes), and how far that moves
-    /// the tip from where it is `here`; none where it cannot be played.
-    fn look(&self, response: &Response, here: &[f64], step: &[f64]) -> Option<(Response, f64)> {
-        let hypothesis = &self.study.hypotheses[response.hypothesis];
-        let sizes = hypothesis.sizes();
-        let effect = hypothesis.effect(&hypothesis.sized(&response.null, step))?;
-        let change: Vec<f64> = self.played(&[effect])?.iter().zip(here).map(|(there, here)| there - here).collect();
+    /// `sensitivity` corrected by what so much of it does (Broyden's update, in units of the probes), and how far that moves
+    /// the tip from where it is `here`; none where it cannot be simulated_m.
+    fn sensitivity_at(&self, sensitivity: &Sensitivity, here: &[f64], step: &[f64]) -> Option<(Sensitivity, f64)> {
+        let candidate = &self.fit_problem.candidates[sensitivity.candidate];
+        let sizes = candidate.sizes();
+        let effect = candidate.effect(&candidate.with_sizes(&sensitivity.null, step))?;
+        let change: Vec<f64> = self.simulate(&[effect])?.iter().zip(here).map(|(there, here)| there - here).collect();
         let by = DVector::from_column_slice(step);
         let along = DVector::from_iterator(
             step.len(),
-            sizes.iter().zip(step).map(|(&size, by)| by / hypothesis.probe(size).powi(2)),
+            sizes.iter().zip(step).map(|(&size, by)| by / candidate.probe(size).powi(2)),
         );
-        let missed = DVector::from_column_slice(&change) - &response.columns * &by;
-        let columns = &response.columns + missed * along.transpose() / along.dot(&by);
-        Some((Response { columns, step: Some(step.to_vec()), ..response.clone() }, rms_m(&change)))
+        let missed = DVector::from_column_slice(&change) - &sensitivity.columns * &by;
+        let columns = &sensitivity.columns + missed * along.transpose() / along.dot(&by);
+        Some((Sensitivity { columns, step: Some(step.to_vec()), ..sensitivity.clone() }, rms_m(&change)))
     }
 
-    /// All looks at a hypothesis, of which a little answers with `response`.
-    fn looks(&self, response: &Response, here: &[f64]) -> Vec<Response> {
-        let hypothesis = &self.study.hypotheses[response.hypothesis];
-        if hypothesis.rises_and_falls() {
-            let scan = hypothesis.scan();
+    /// All looks at a candidate, of which a little answers with `sensitivity`.
+    fn sensitivities_of(&self, sensitivity: &Sensitivity, here: &[f64]) -> Vec<Sensitivity> {
+        let candidate = &self.fit_problem.candidates[sensitivity.candidate];
+        if candidate.is_scanned() {
+            let scan = candidate.scan();
             let look = |&step: &f64| {
-                let (look, _) = self.look(response, here, &[step])?;
-                Some(Tried { step, left: self.screen.left_by((&look.columns * step).as_slice()), look })
+                let (look, _) = self.sensitivity_at(sensitivity, here, &[step])?;
+                Some(ScanPoint { step, left: self.screen.residual_square((&look.columns * step).as_slice()), look })
             };
-            return Self::between(scan.par_iter().filter_map(look).collect(), &scan, &look);
+            return Self::refine_scan(scan.par_iter().filter_map(look).collect(), &scan, &look);
         }
-        let Some(direction) = self.direction(response) else { return Vec::new() };
+        let Some(direction) = self.direction(sensitivity) else { return Vec::new() };
         let both = [1.0, -1.0].into_par_iter().map(|sign| sign * &direction);
-        let looks = both.flat_map(|direction| self.outward(response, here, &direction)).collect();
-        self.nearer(looks, here)
+        let looks = both.flat_map(|direction| self.step_out(sensitivity, here, &direction)).collect();
+        self.refine(looks, here)
     }
 
     /// The looks at the steps of a `scan`, with more of them to both sides of the one that fits best: what rises and falls may
     /// do so within a step.
-    fn between(mut tried: Vec<Tried>, scan: &[f64], look: &dyn Fn(&f64) -> Option<Tried>) -> Vec<Response> {
+    fn refine_scan(
+        mut tried: Vec<ScanPoint>,
+        scan: &[f64],
+        look: &dyn Fn(&f64) -> Option<ScanPoint>,
+    ) -> Vec<Sensitivity> {
         let mut apart = scan.windows(2).map(|two| two[1] - two[0]).fold(scan[0], f64::min);
         for _ in 0..HALVED {
             apart *= 0.5;
@@ -186,47 +207,49 @@ impl<'a> Far<'a> {
         tried.into_iter().map(|tried| tried.look).collect()
     }
 
-    /// Where a hypothesis points: at what is promised by a little of it, if it has several sizes.
-    fn direction(&self, response: &Response) -> Option<DVector<f64>> {
-        let hypothesis = &self.study.hypotheses[response.hypothesis];
-        match hypothesis.sizes()[..] {
-            [size] => Some(DVector::from_element(1, hypothesis.probe(size).abs())),
-            _ => Some(self.step(&self.screen.promises(std::slice::from_ref(response)).pop()?.member, response)),
+    /// Where a candidate points: at what is promised by a little of it, if it has several sizes.
+    fn direction(&self, sensitivity: &Sensitivity) -> Option<DVector<f64>> {
+        let candidate = &self.fit_problem.candidates[sensitivity.candidate];
+        match candidate.sizes()[..] {
+            [size] => Some(DVector::from_element(1, candidate.probe(size).abs())),
+            _ => {
+                Some(self.step(&self.screen.predictions(std::slice::from_ref(sensitivity)).pop()?.member, sensitivity))
+            }
         }
     }
 
     /// The change of the sizes from nothing to `member`.
-    fn step(&self, member: &Member, response: &Response) -> DVector<f64> {
-        let hypothesis = &self.study.hypotheses[response.hypothesis];
-        let each = hypothesis.sizes().into_iter().map(|size| hypothesis.step(&response.null, &member.values, size));
+    fn step(&self, member: &SetMember, sensitivity: &Sensitivity) -> DVector<f64> {
+        let candidate = &self.fit_problem.candidates[sensitivity.candidate];
+        let each = candidate.sizes().into_iter().map(|size| candidate.step(&sensitivity.null, &member.values, size));
         DVector::from_vec(each.collect())
     }
 
     /// A step in units of the probes.
-    fn in_probes(&self, response: &Response, step: &DVector<f64>) -> DVector<f64> {
-        let hypothesis = &self.study.hypotheses[response.hypothesis];
-        let each = hypothesis.sizes().into_iter().zip(step.iter()).map(|(size, by)| by / hypothesis.probe(size));
+    fn in_probes(&self, sensitivity: &Sensitivity, step: &DVector<f64>) -> DVector<f64> {
+        let candidate = &self.fit_problem.candidates[sensitivity.candidate];
+        let each = candidate.sizes().into_iter().zip(step.iter()).map(|(size, by)| by / candidate.probe(size));
         DVector::from_vec(each.collect())
     }
 
     /// Looks on the way to where the tip is moved far enough. Each is an answer: where that is far from even, the last one
     /// may say least.
-    fn outward(&self, response: &Response, here: &[f64], direction: &DVector<f64>) -> Vec<Response> {
-        let left_m = rms_m(&self.left_m);
-        let farthest = FARTHEST / self.in_probes(response, direction).amax().max(f64::MIN_POSITIVE);
-        let usual_m = rms_m((&response.columns * direction).as_slice());
-        let mut size = farthest.min(left_m / usual_m.max(f64::MIN_POSITIVE));
+    fn step_out(&self, sensitivity: &Sensitivity, here: &[f64], direction: &DVector<f64>) -> Vec<Sensitivity> {
+        let residual_m = rms_m(&self.residual_m);
+        let farthest = FARTHEST / self.in_probes(sensitivity, direction).amax().max(f64::MIN_POSITIVE);
+        let usual_m = rms_m((&sensitivity.columns * direction).as_slice());
+        let mut size = farthest.min(residual_m / usual_m.max(f64::MIN_POSITIVE));
         // Known to be too little and too much.
         let (mut little, mut much) = (0.0, f64::INFINITY);
         let mut found = Vec::new();
         for _ in 0..LOOKS {
-            let Some((seen, moved_m)) = self.look(response, here, (size * direction).as_slice()) else {
+            let Some((seen, moved_m)) = self.sensitivity_at(sensitivity, here, (size * direction).as_slice()) else {
                 much = size;
                 size = 0.5 * (little + much);
                 continue;
             };
             found.push(seen);
-            let wanted = left_m / moved_m.max(f64::MIN_POSITIVE);
+            let wanted = residual_m / moved_m.max(f64::MIN_POSITIVE);
             if NEAR_ENOUGH.contains(&wanted) || (wanted > 1.0 && size >= farthest) {
                 break;
             }
@@ -237,25 +260,27 @@ impl<'a> Far<'a> {
         found
     }
 
-    /// The looks, with more of them where the best promises that it fits, as long as the newest is the best.
-    fn nearer(&self, mut looks: Vec<Response>, here: &[f64]) -> Vec<Response> {
+    /// The looks, with more of them where the best predictions that it fits, as long as the newest is the best.
+    fn refine(&self, mut looks: Vec<Sensitivity>, here: &[f64]) -> Vec<Sensitivity> {
         let mut followed = looks.len();
         for _ in 0..NEARER {
-            let promises = self.screen.promises_anywhere(&looks).into_iter();
-            let Some(best) = promises.max_by(|a, b| a.gain.total_cmp(&b.gain)) else { break };
-            let look = &looks[best.response];
-            let Some(next) = look.step.as_ref().and_then(|step| self.next(look, step, &best.member)) else { break };
-            if std::mem::replace(&mut followed, best.response) == best.response {
+            let predictions = self.screen.predictions_at_any_step(&looks).into_iter();
+            let Some(best) = predictions.max_by(|a, b| a.gain.total_cmp(&b.gain)) else { break };
+            let look = &looks[best.sensitivity];
+            let Some(next) = look.step.as_ref().and_then(|step| self.next_step(look, step, &best.member)) else {
+                break;
+            };
+            if std::mem::replace(&mut followed, best.sensitivity) == best.sensitivity {
                 break;
             }
-            let Some((seen, _)) = self.look(look, here, next.as_slice()) else { break };
+            let Some((seen, _)) = self.sensitivity_at(look, here, next.as_slice()) else { break };
             looks.push(seen);
         }
         looks
     }
 
     /// Where to look after a look at `step` has promised `best`; none where that is near enough.
-    fn next(&self, look: &Response, step: &[f64], best: &Member) -> Option<DVector<f64>> {
+    fn next_step(&self, look: &Sensitivity, step: &[f64], best: &SetMember) -> Option<DVector<f64>> {
         let (there, wanted) = (DVector::from_column_slice(step), self.step(best, look));
         let size = |step: &DVector<f64>| self.in_probes(look, step).norm();
         let most = FARTHEST.min(ALIKE.end * size(&there));
@@ -263,14 +288,14 @@ impl<'a> Far<'a> {
         (size(&(&wanted - there)) >= THERE * size(&wanted)).then_some(wanted)
     }
 
-    /// Those of the looks that promise enough in these samples, beside what is `known`.
-    fn worth(&self, looks: Vec<Response>, known: &[Response]) -> Vec<Response> {
-        let found = self.screen.promises(&looks);
-        let mut rivals = self.screen.promises(known);
-        rivals.retain(|promise| self.study.open[promise.member.hypothesis]);
-        let best = found.iter().chain(&rivals).map(|promise| promise.gain).fold(0.0, f64::max);
+    /// Those of the looks that prediction enough in these samples, beside what is `known`.
+    fn keep_relevant(&self, looks: Vec<Sensitivity>, known: &[Sensitivity]) -> Vec<Sensitivity> {
+        let found = self.screen.predictions(&looks);
+        let mut rivals = self.screen.predictions(known);
+        rivals.retain(|prediction| self.fit_problem.open[prediction.member.candidate]);
+        let best = found.iter().chain(&rivals).map(|prediction| prediction.gain).fold(0.0, f64::max);
         let least = (WORTH_SHARE * best).min(best - WORTH_SLACK);
-        let kept = found.into_iter().filter(|promise| promise.gain >= least);
-        kept.map(|promise| looks[promise.response].clone()).collect()
+        let kept = found.into_iter().filter(|prediction| prediction.gain >= least);
+        kept.map(|prediction| looks[prediction.sensitivity].clone()).collect()
     }
 }

@@ -6,7 +6,7 @@ use crate::report::discovery::answer::closed;
 
 /// What an answer comes to.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Answer {
+pub(crate) enum AnswerClass {
     /// One effect was named.
     Named(String),
     /// Several effects were named together.
@@ -25,43 +25,43 @@ pub(crate) enum Answer {
     Failed,
 }
 
-impl Answer {
+impl AnswerClass {
     /// Answers other than a single name, in the order of their columns.
-    pub(crate) const OTHERS: [Answer; 7] = [
-        Answer::Several,
-        Answer::GroupWith,
-        Answer::GroupWithout,
-        Answer::Group,
-        Answer::Unexplained,
-        Answer::Consistent,
-        Answer::Failed,
+    pub(crate) const OTHERS: [AnswerClass; 7] = [
+        AnswerClass::Several,
+        AnswerClass::GroupWith,
+        AnswerClass::GroupWithout,
+        AnswerClass::Group,
+        AnswerClass::Unexplained,
+        AnswerClass::Consistent,
+        AnswerClass::Failed,
     ];
 
     /// Reads a case.
-    pub(crate) fn of(case: &CaseRow) -> Answer {
+    pub(crate) fn of(case: &CaseRow) -> AnswerClass {
         match case.verdict.as_str() {
-            "named" if case.answer.contains(" + ") => Answer::Several,
-            "named" => Answer::Named(case.answer.clone()),
-            "consistent" => Answer::Consistent,
-            "ambiguous" if case.group == "inside" => Answer::Group,
-            "ambiguous" if case.in_group => Answer::GroupWith,
-            "ambiguous" => Answer::GroupWithout,
-            "unexplained" => Answer::Unexplained,
-            _ => Answer::Failed,
+            "named" if case.answer.contains(" + ") => AnswerClass::Several,
+            "named" => AnswerClass::Named(case.answer.clone()),
+            "consistent" => AnswerClass::Consistent,
+            "ambiguous" if case.group == "inside" => AnswerClass::Group,
+            "ambiguous" if case.in_group => AnswerClass::GroupWith,
+            "ambiguous" => AnswerClass::GroupWithout,
+            "unexplained" => AnswerClass::Unexplained,
+            _ => AnswerClass::Failed,
         }
     }
 
     /// Its name in tables and pictures.
     pub(crate) fn name(&self) -> &str {
         match self {
-            Answer::Named(name) => name,
-            Answer::Several => "several effects",
-            Answer::Consistent => "consistent",
-            Answer::GroupWith => "group with the truth",
-            Answer::GroupWithout => "group without it",
-            Answer::Group => "a group",
-            Answer::Unexplained => "unexplained",
-            Answer::Failed => "failed",
+            AnswerClass::Named(name) => name,
+            AnswerClass::Several => "several effects",
+            AnswerClass::Consistent => "consistent",
+            AnswerClass::GroupWith => "group with the truth",
+            AnswerClass::GroupWithout => "group without it",
+            AnswerClass::Group => "a group",
+            AnswerClass::Unexplained => "unexplained",
+            AnswerClass::Failed => "failed",
         }
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::cases::Answer;
+use super::cases::AnswerClass;
 use crate::data::findings::CaseRow;
 use crate::report::discovery::format::fitted;
 use crate::report::drawing::canvas::{Canvas, CanvasPoint, Text, TextAlign};
@@ -15,7 +15,7 @@ use crate::report::style::{BLUE, Colour, GREY, HAIR, INK, PAGE_WIDTH, SKY, SMALL
 /// Cases of one truth that got one answer (`confusion.csv`).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct CountRow {
-    /// Kind of case.
+    /// MeasureKind of case.
     pub(crate) group: String,
     /// Hidden effects; empty for nothing.
     pub(crate) truth: String,
@@ -45,8 +45,8 @@ pub(crate) fn counts(cases: &[CaseRow]) -> Vec<CountRow> {
     let mut found: BTreeMap<(usize, String, usize, String), [u64; 2]> = BTreeMap::new();
     for case in cases {
         let truth = truths.iter().position(|truth| *truth == case.truth).unwrap_or(truths.len());
-        let answer = match Answer::of(case) {
-            Answer::Several => case.answer.clone(),
+        let answer = match AnswerClass::of(case) {
+            AnswerClass::Several => case.answer.clone(),
             other => other.name().to_owned(),
         };
         let count = found.entry((place(&case.group), case.group.clone(), truth, answer)).or_default();
@@ -64,35 +64,35 @@ pub(crate) fn counts(cases: &[CaseRow]) -> Vec<CountRow> {
 }
 
 /// A line of the picture.
-struct Line<'a> {
+struct MatrixRow<'a> {
     group: &'a str,
     truth: &'a str,
     cases: Vec<&'a CaseRow>,
 }
 
-fn lines(cases: &[CaseRow]) -> Vec<Line<'_>> {
+fn lines(cases: &[CaseRow]) -> Vec<MatrixRow<'_>> {
     let mut lines = Vec::new();
     for (group, _) in GROUPS {
         let own: Vec<&CaseRow> = cases.iter().filter(|case| case.group == group).collect();
         for truth in distinct(own.iter().map(|case| case.truth.as_str())) {
             let cases = own.iter().copied().filter(|case| case.truth == truth).collect();
-            lines.push(Line { group, truth, cases });
+            lines.push(MatrixRow { group, truth, cases });
         }
     }
     lines
 }
 
 /// Columns: hidden single effects in the order of their lines, other names that were given, then the other answers.
-fn columns(lines: &[Line]) -> Vec<Answer> {
+fn columns(lines: &[MatrixRow]) -> Vec<AnswerClass> {
     let hidden = lines.iter().filter(|line| line.group == "single").map(|line| line.truth.to_owned());
-    let mut columns: Vec<Answer> = hidden.map(Answer::Named).collect();
-    let given = lines.iter().flat_map(|line| line.cases.iter().map(|case| Answer::of(case)));
-    let mut strange: Vec<Answer> =
-        given.filter(|answer| matches!(answer, Answer::Named(_)) && !columns.contains(answer)).collect();
+    let mut columns: Vec<AnswerClass> = hidden.map(AnswerClass::Named).collect();
+    let given = lines.iter().flat_map(|line| line.cases.iter().map(|case| AnswerClass::of(case)));
+    let mut strange: Vec<AnswerClass> =
+        given.filter(|answer| matches!(answer, AnswerClass::Named(_)) && !columns.contains(answer)).collect();
     strange.sort();
     strange.dedup();
     columns.extend(strange);
-    columns.extend(Answer::OTHERS);
+    columns.extend(AnswerClass::OTHERS);
     columns
 }
 
@@ -109,7 +109,7 @@ pub(crate) fn draw(cases: &[CaseRow]) -> Canvas {
     let top = 44.0 + longest;
     for (index, (answer, name)) in columns.iter().zip(&names).enumerate() {
         let x = LEFT + wide * (index as f64 + 0.5) + 0.36 * size + gap(answer);
-        let colour = if matches!(answer, Answer::Named(_)) { INK } else { GREY };
+        let colour = if matches!(answer, AnswerClass::Named(_)) { INK } else { GREY };
         canvas.text(Text::new(name, [x, top - 6.0], size, TextAlign::Left).upwards().colour(colour));
     }
     canvas.text(Text::new("answer", [12.0, top - 6.0], SMALL, TextAlign::Left).colour(GREY));
@@ -146,8 +146,8 @@ pub(crate) fn draw(cases: &[CaseRow]) -> Canvas {
 }
 
 /// Answers other than a name stand apart.
-fn gap(answer: &Answer) -> f64 {
-    if matches!(answer, Answer::Named(_)) { 0.0 } else { 6.0 }
+fn gap(answer: &AnswerClass) -> f64 {
+    if matches!(answer, AnswerClass::Named(_)) { 0.0 } else { 6.0 }
 }
 
 fn heading(canvas: &mut Canvas, group: &str, y: f64) -> f64 {
@@ -169,9 +169,9 @@ fn keys(canvas: &mut Canvas) {
 }
 
 /// How many cases of a line got an answer: the more, the stronger the colour.
-fn cell(canvas: &mut Canvas, line: &Line, column: &Answer, [x, y]: CanvasPoint, wide: f64) {
+fn cell(canvas: &mut Canvas, line: &MatrixRow, column: &AnswerClass, [x, y]: CanvasPoint, wide: f64) {
     let [from, to] = [[x + 0.5, y + 0.5], [x + wide - 0.5, y + ROW - 0.5]];
-    let here: Vec<&&CaseRow> = line.cases.iter().filter(|case| Answer::of(case) == *column).collect();
+    let here: Vec<&&CaseRow> = line.cases.iter().filter(|case| AnswerClass::of(case) == *column).collect();
     if here.is_empty() {
         canvas.rectangle(from, to, [244, 244, 244], 1.0);
         return;
@@ -179,7 +179,7 @@ fn cell(canvas: &mut Canvas, line: &Line, column: &Answer, [x, y]: CanvasPoint, 
     let right = 2 * here.iter().filter(|case| case.right).count() >= here.len();
     let hue = match column {
         _ if right => BLUE,
-        Answer::GroupWith | Answer::Group => SKY,
+        AnswerClass::GroupWith | AnswerClass::Group => SKY,
         _ => VERMILION,
     };
     let share = here.len() as f64 / line.cases.len() as f64;

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::cases::{alarmed, ascending, gap_closed, in_catalogue};
-use super::share::{Estimate, median, wilson};
+use super::share::{IntervalEstimate, median, wilson};
 use crate::data::findings::{CaseRow, OR};
 
 /// One figure over one part of the cases (`summary.csv`).
@@ -31,7 +31,7 @@ pub(crate) struct SummaryRow {
 
 /// What is measured of a case.
 #[derive(Clone, Copy)]
-enum Kind {
+enum MeasureKind {
     /// Whether it holds.
     Share(fn(&CaseRow) -> bool),
     /// Hits and trials of the case.
@@ -45,7 +45,7 @@ struct Measure {
     name: &'static str,
     /// Which cases it is about.
     about: fn(&CaseRow) -> bool,
-    kind: Kind,
+    kind: MeasureKind,
     /// What is to be reached.
     goal: Option<[f64; 2]>,
 }
@@ -108,7 +108,12 @@ fn plain(case: &CaseRow) -> bool {
     case.shift_m >= PLAIN_SHIFT_M
 }
 
-const fn measure(name: &'static str, about: fn(&CaseRow) -> bool, kind: Kind, goal: Option<[f64; 2]>) -> Measure {
+const fn measure(
+    name: &'static str,
+    about: fn(&CaseRow) -> bool,
+    kind: MeasureKind,
+    goal: Option<[f64; 2]>,
+) -> Measure {
     Measure { name, about, kind, goal }
 }
 
@@ -117,68 +122,108 @@ const MEASURES: &[Measure] = &[
     measure(
         "single effects of 2 mm and more named right",
         |c| single(c) && plain(c),
-        Kind::Share(right),
+        MeasureKind::Share(right),
         Some([0.95, 1.0]),
     ),
-    measure("… or in the answer’s group", |c| single(c) && plain(c), Kind::Share(in_group), Some([0.98, 1.0])),
-    measure("single effects of 5 mm and more: named right", |c| shifted(c, 0.005, ANY), Kind::Share(right), None),
-    measure("single effects of 5 mm and more: in the group", |c| shifted(c, 0.005, ANY), Kind::Share(in_group), None),
-    measure("single effects of 2 to 5 mm: named right", |c| shifted(c, 0.002, 0.005), Kind::Share(right), None),
-    measure("single effects of 2 to 5 mm: in the group", |c| shifted(c, 0.002, 0.005), Kind::Share(in_group), None),
-    measure("single effects of 1 to 2 mm: named right", |c| shifted(c, 0.001, 0.002), Kind::Share(right), None),
-    measure("single effects of 1 to 2 mm: in the group", |c| shifted(c, 0.001, 0.002), Kind::Share(in_group), None),
-    measure("single effects under 1 mm: named right", |c| shifted(c, 0.0, 0.001), Kind::Share(right), None),
-    measure("single effects under 1 mm: in the group", |c| shifted(c, 0.0, 0.001), Kind::Share(in_group), None),
-    measure("pairs named exactly", |c| c.group == "pair", Kind::Share(right), Some([0.85, 1.0])),
-    measure("pairs in the answer’s group", |c| c.group == "pair", Kind::Share(in_group), None),
-    measure("false alarms", nothing, Kind::Share(alarmed), Some([0.0, 0.01])),
-    measure("false alarms in white noise", |c| nothing(c) && c.correlation == 0.0, Kind::Share(alarmed), None),
-    measure("false alarms in coloured noise", |c| nothing(c) && c.correlation != 0.0, Kind::Share(alarmed), None),
+    measure("… or in the answer’s group", |c| single(c) && plain(c), MeasureKind::Share(in_group), Some([0.98, 1.0])),
+    measure(
+        "single effects of 5 mm and more: named right",
+        |c| shifted(c, 0.005, ANY),
+        MeasureKind::Share(right),
+        None,
+    ),
+    measure(
+        "single effects of 5 mm and more: in the group",
+        |c| shifted(c, 0.005, ANY),
+        MeasureKind::Share(in_group),
+        None,
+    ),
+    measure("single effects of 2 to 5 mm: named right", |c| shifted(c, 0.002, 0.005), MeasureKind::Share(right), None),
+    measure(
+        "single effects of 2 to 5 mm: in the group",
+        |c| shifted(c, 0.002, 0.005),
+        MeasureKind::Share(in_group),
+        None,
+    ),
+    measure("single effects of 1 to 2 mm: named right", |c| shifted(c, 0.001, 0.002), MeasureKind::Share(right), None),
+    measure(
+        "single effects of 1 to 2 mm: in the group",
+        |c| shifted(c, 0.001, 0.002),
+        MeasureKind::Share(in_group),
+        None,
+    ),
+    measure("single effects under 1 mm: named right", |c| shifted(c, 0.0, 0.001), MeasureKind::Share(right), None),
+    measure("single effects under 1 mm: in the group", |c| shifted(c, 0.0, 0.001), MeasureKind::Share(in_group), None),
+    measure("pairs named exactly", |c| c.group == "pair", MeasureKind::Share(right), Some([0.85, 1.0])),
+    measure("pairs in the answer’s group", |c| c.group == "pair", MeasureKind::Share(in_group), None),
+    measure("false alarms", nothing, MeasureKind::Share(alarmed), Some([0.0, 0.01])),
+    measure("false alarms in white noise", |c| nothing(c) && c.correlation == 0.0, MeasureKind::Share(alarmed), None),
+    measure(
+        "false alarms in coloured noise",
+        |c| nothing(c) && c.correlation != 0.0,
+        MeasureKind::Share(alarmed),
+        None,
+    ),
     measure(
         "unknown and outside the span: unexplained",
         |c| c.group == "outside",
-        Kind::Share(right),
+        MeasureKind::Share(right),
         Some([0.95, 1.0]),
     ),
-    measure("unknown and inside the span: a group", |c| c.group == "inside", Kind::Share(in_group), Some([0.90, 1.0])),
-    measure("… or unexplained", |c| c.group == "inside", Kind::Share(right), None),
-    measure("unknown and inside: one set alone imitates it", has_imitations, Kind::Share(one_imitation), None),
+    measure(
+        "unknown and inside the span: a group",
+        |c| c.group == "inside",
+        MeasureKind::Share(in_group),
+        Some([0.90, 1.0]),
+    ),
+    measure("… or unexplained", |c| c.group == "inside", MeasureKind::Share(right), None),
+    measure("unknown and inside: one set alone imitates it", has_imitations, MeasureKind::Share(one_imitation), None),
     measure(
         "unknown and imitated by several sets: a group",
         |c| has_imitations(c) && !one_imitation(c),
-        Kind::Share(in_group),
+        MeasureKind::Share(in_group),
         None,
     ),
-    measure("error of the strength", single, Kind::Median(|c| c.strength_error), Some([0.0, 0.05])),
+    measure("error of the strength", single, MeasureKind::Median(|c| c.strength_error), Some([0.0, 0.05])),
     measure(
         "95 % intervals that hold the truth",
         |_| true,
-        Kind::Counts(|c| [c.covered, c.intervals]),
+        MeasureKind::Counts(|c| [c.covered, c.intervals]),
         Some([0.93, 0.97]),
     ),
     measure(
         "held-out error over the noise floor",
         in_catalogue,
-        Kind::Median(|c| c.after_m / c.floor_m),
+        MeasureKind::Median(|c| c.after_m / c.floor_m),
         Some([0.0, AT_FLOOR]),
     ),
     measure(
         "held-out error of at most 1.10 times the floor",
         in_catalogue,
-        Kind::Share(|c| c.after_m <= AT_FLOOR * c.floor_m),
+        MeasureKind::Share(|c| c.after_m <= AT_FLOOR * c.floor_m),
         None,
     ),
-    measure("gap closed", in_catalogue, Kind::Median(|c| gap_closed(c).unwrap_or(f64::NAN)), None),
+    measure("gap closed", in_catalogue, MeasureKind::Median(|c| gap_closed(c).unwrap_or(f64::NAN)), None),
     measure(
         "better than stiffness refitted (2 mm and more)",
         |c| beats_stiffness_about(c) && plain(c),
-        Kind::Share(beats_stiffness),
+        MeasureKind::Share(beats_stiffness),
         Some([1.0, 1.0]),
     ),
-    measure("better than stiffness refitted (any size)", beats_stiffness_about, Kind::Share(beats_stiffness), None),
-    measure("better than a GP (2 mm and more)", |c| has_gp(c) && plain(c), Kind::Share(beats_gp), Some([1.0, 1.0])),
-    measure("better than a GP (any size)", has_gp, Kind::Share(beats_gp), None),
-    measure("cases without an answer", |_| true, Kind::Share(|c| c.verdict.starts_with("failed")), None),
+    measure(
+        "better than stiffness refitted (any size)",
+        beats_stiffness_about,
+        MeasureKind::Share(beats_stiffness),
+        None,
+    ),
+    measure(
+        "better than a GP (2 mm and more)",
+        |c| has_gp(c) && plain(c),
+        MeasureKind::Share(beats_gp),
+        Some([1.0, 1.0]),
+    ),
+    measure("better than a GP (any size)", has_gp, MeasureKind::Share(beats_gp), None),
+    measure("cases without an answer", |_| true, MeasureKind::Share(|c| c.verdict.starts_with("failed")), None),
 ];
 
 /// Every figure over all cases, then over each number of samples and each level of noise where there are several.
@@ -216,21 +261,21 @@ fn part<'a>(name: &str, cases: impl Iterator<Item = &'a CaseRow>) -> Vec<Summary
 fn row(part: &str, measure: &Measure, cases: &[&CaseRow]) -> Option<SummaryRow> {
     let about: Vec<&CaseRow> = cases.iter().copied().filter(|case| (measure.about)(case)).collect();
     let (found, count, kind) = match measure.kind {
-        Kind::Share(holds) => {
+        MeasureKind::Share(holds) => {
             let hits = about.iter().filter(|case| holds(case)).count() as u64;
             (wilson(hits, about.len() as u64)?, about.len() as u64, "share")
         }
-        Kind::Counts(counts) => {
+        MeasureKind::Counts(counts) => {
             let [hits, of] =
                 about.iter().map(|case| counts(case)).fold([0, 0], |sum, one| [sum[0] + one[0], sum[1] + one[1]]);
             (wilson(hits, of)?, of, "share")
         }
-        Kind::Median(number) => {
+        MeasureKind::Median(number) => {
             let values: Vec<f64> = about.iter().map(|case| number(case)).filter(|value| value.is_finite()).collect();
             (median(&values)?, values.len() as u64, "median")
         }
     };
-    let Estimate { value, low_95, high_95 } = found;
+    let IntervalEstimate { value, low_95, high_95 } = found;
     let [goal_low, goal_high] = measure.goal.unwrap_or([f64::NAN; 2]);
     let met = if (goal_low..=goal_high).contains(&value) { "met" } else { "not met" };
     Some(SummaryRow {

@@ -3,7 +3,7 @@
 
 use super::cases::{ascending, in_catalogue};
 use super::measures::noise_name;
-use super::share::{Estimate, median, wilson};
+use super::share::{IntervalEstimate, median, wilson};
 use crate::data::findings::CaseRow;
 use crate::report::discovery::answer::closed;
 use crate::report::drawing::axes::{Axis, Panel};
@@ -17,7 +17,7 @@ const HIGH: f64 = 190.0;
 const WIDE: f64 = (PAGE_WIDTH - 2.0 * LEFT - 24.0) / 2.0;
 
 /// A line: its name and what of the cases with so many samples stands on it.
-type Series<'a> = (String, Box<dyn Fn(&[&CaseRow]) -> Option<Estimate> + 'a>);
+type Series<'a> = (String, Box<dyn Fn(&[&CaseRow]) -> Option<IntervalEstimate> + 'a>);
 
 /// The gap that a remedy, which leaves `after_m` of a case, closes; all levels of noise together.
 fn closing(name: &str, after_m: fn(&CaseRow) -> f64) -> Series<'static> {
@@ -80,12 +80,12 @@ fn panel(canvas: &mut Canvas, index: usize, (title, axis): (&str, &str), cases: 
         };
         let places = counts.iter().enumerate();
         let points = places.filter_map(|(place, count)| at(*count).map(|found| (place as f64 + aside, found)));
-        series(canvas, &panel, &points.collect::<Vec<(f64, Estimate)>>(), look);
+        series(canvas, &panel, &points.collect::<Vec<(f64, IntervalEstimate)>>(), look);
     }
 }
 
 /// A line with intervals; what leaves the panel stands at its edge.
-fn series(canvas: &mut Canvas, panel: &Panel, points: &[(f64, Estimate)], look: Look) {
+fn series(canvas: &mut Canvas, panel: &Panel, points: &[(f64, IntervalEstimate)], look: Look) {
     let percent = |share: f64| (100.0 * share).clamp(panel.y.low, panel.y.high);
     let line: Vec<[f64; 2]> = points.iter().map(|(x, found)| [*x, percent(found.value)]).collect();
     panel.line(canvas, &line, look.colour, look.dash, LINE);

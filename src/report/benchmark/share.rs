@@ -7,14 +7,14 @@ const Z: f64 = 1.959_963_984_540_054;
 
 /// A number with its 95 % interval; the ends are not numbers where there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Estimate {
+pub(crate) struct IntervalEstimate {
     pub(crate) value: f64,
     pub(crate) low_95: f64,
     pub(crate) high_95: f64,
 }
 
 /// The share `hits / of` with its interval (Wilson 1927): right near 0 and 1, and for few cases. Nothing of no cases.
-pub(crate) fn wilson(hits: u64, of: u64) -> Option<Estimate> {
+pub(crate) fn wilson(hits: u64, of: u64) -> Option<IntervalEstimate> {
     if of == 0 || hits > of {
         return None;
     }
@@ -25,12 +25,12 @@ pub(crate) fn wilson(hits: u64, of: u64) -> Option<Estimate> {
     // At the ends the formula gives 0 and 1 but for rounding.
     let low_95 = if hits == 0 { 0.0 } else { centre - half };
     let high_95 = if hits == of { 1.0 } else { centre + half };
-    Some(Estimate { value, low_95, high_95 })
+    Some(IntervalEstimate { value, low_95, high_95 })
 }
 
 /// The median with its interval between order statistics (Conover 1999, section 3.2); nothing of no values, and no
 /// interval of fewer than six, whose ends would lie beyond the sample.
-pub(crate) fn median(values: &[f64]) -> Option<Estimate> {
+pub(crate) fn median(values: &[f64]) -> Option<IntervalEstimate> {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
     if sorted.is_empty() {
@@ -45,7 +45,7 @@ pub(crate) fn median(values: &[f64]) -> Option<Estimate> {
         _ if sorted.len() >= 6 => [sorted[0], sorted[sorted.len() - 1]],
         _ => [f64::NAN; 2],
     };
-    Some(Estimate { value: quantile(&sorted, 0.5), low_95: ends[0], high_95: ends[1] })
+    Some(IntervalEstimate { value: quantile(&sorted, 0.5), low_95: ends[0], high_95: ends[1] })
 }
 
 #[cfg(test)]

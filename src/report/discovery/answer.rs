@@ -4,13 +4,13 @@ use super::format::{NONE, enumerate, millimetres, percent, times};
 use super::html::{Html, lines, list, table, tag, text, words};
 use super::page::section;
 use super::quantity::quantities;
-use super::{EffectText, Story};
+use super::{DiscoveryReport, EffectText};
 use crate::data::findings::{FoundEffect, Verdict};
 
 /// The answer as a title.
-pub(super) fn title(story: &Story) -> String {
-    let missing: Vec<String> = story.findings.effects.iter().map(|effect| missing(story, effect)).collect();
-    match story.findings.verdict {
+pub(super) fn title(report: &DiscoveryReport) -> String {
+    let missing: Vec<String> = report.findings.effects.iter().map(|effect| missing(report, effect)).collect();
+    match report.findings.verdict {
         Verdict::Named if missing.is_empty() => "Something is missing from the model".to_owned(),
         Verdict::Named => format!("The model lacks: {}", missing.join("; ")),
         Verdict::Consistent => "Nothing is missing that these data can show".to_owned(),
@@ -21,8 +21,8 @@ pub(super) fn title(story: &Story) -> String {
 }
 
 /// What a model without the effect lacks; its name where the catalogue says nothing.
-fn missing(story: &Story, effect: &FoundEffect) -> String {
-    let text = story.text_of(&effect.name).filter(|text| !text.missing.is_empty());
+fn missing(report: &DiscoveryReport, effect: &FoundEffect) -> String {
+    let text = report.text_of(&effect.name).filter(|text| !text.missing.is_empty());
     text.map_or_else(|| effect.name.replace('_', " "), |text| text.missing.clone())
 }
 
@@ -47,15 +47,15 @@ fn meaning(verdict: Verdict) -> &'static str {
 }
 
 /// Verdict, summary and the gap in numbers.
-pub(super) fn head(story: &Story) -> Html {
-    let findings = story.findings;
+pub(super) fn head(report: &DiscoveryReport) -> Html {
+    let findings = report.findings;
     let badge = match findings.verdict {
         Verdict::Named => "p class=\"badge named\"",
         Verdict::Consistent => "p class=\"badge consistent\"",
         Verdict::Ambiguous => "p class=\"badge ambiguous\"",
         Verdict::Unexplained => "p class=\"badge unexplained\"",
     };
-    let mut parts = vec![words(badge, format!("Verdict: {}", findings.verdict.name())), words("h1", title(story))];
+    let mut parts = vec![words(badge, format!("Verdict: {}", findings.verdict.name())), words("h1", title(report))];
     if !findings.summary.is_empty() {
         parts.push(words("p class=\"lead\"", &findings.summary));
     }
@@ -63,13 +63,13 @@ pub(super) fn head(story: &Story) -> Html {
     if !findings.summary.contains(&findings.pattern) {
         parts.push(tag("p", words("strong", "Pattern: ").and(text(&findings.pattern))));
     }
-    parts.push(tiles(story));
+    parts.push(tiles(report));
     tag("header", lines(parts))
 }
 
 /// The numbers that matter most.
-fn tiles(story: &Story) -> Html {
-    let (gap, floor_m) = (&story.findings.gap, story.findings.noise_floor_m);
+fn tiles(report: &DiscoveryReport) -> Html {
+    let (gap, floor_m) = (&report.findings.gap, report.findings.noise_floor_m);
     let tile = |name: &str, value: String, note: String| {
         let inner = lines([words("dt", name), words("dd", value), words("dd class=\"note\"", note)]);
         tag("div", inner)
@@ -79,12 +79,12 @@ fn tiles(story: &Story) -> Html {
         ratio => format!("{ratio} the noise floor"),
     };
     let mut tiles =
-        vec![tile(&format!("Error of the {}", story.before()), millimetres(gap.before_m), over(gap.before_m))];
-    if story.changed() {
+        vec![tile(&format!("Error of the {}", report.before()), millimetres(gap.before_m), over(gap.before_m))];
+    if report.changed() {
         tiles.push(tile("Error with the effects", millimetres(gap.after_m), over(gap.after_m)));
     }
     tiles.push(tile("Noise floor", millimetres(floor_m), "what no model can beat".to_owned()));
-    if story.changed() {
+    if report.changed() {
         let share = closed(gap.before_m, gap.after_m, floor_m);
         tiles.push(tile(
             "Gap closed",
@@ -114,18 +114,18 @@ pub(in crate::report) fn closed(before_m: f64, after_m: f64, floor_m: f64) -> Op
 }
 
 /// A card for each effect of the answer.
-pub(super) fn effects(story: &Story) -> Html {
-    let found = &story.findings.effects;
-    let heading = match (story.findings.verdict, found.len()) {
+pub(super) fn effects(report: &DiscoveryReport) -> Html {
+    let found = &report.findings.effects;
+    let heading = match (report.findings.verdict, found.len()) {
         (Verdict::Ambiguous, _) => "What it may be",
         (_, 1) => "What is missing",
         _ => "What is missing, together",
     };
-    section(heading, lines(found.iter().map(|effect| card(story, effect))))
+    section(heading, lines(found.iter().map(|effect| card(report, effect))))
 }
 
-fn card(story: &Story, effect: &FoundEffect) -> Html {
-    let known = story.text_of(&effect.name);
+fn card(report: &DiscoveryReport, effect: &FoundEffect) -> Html {
+    let known = report.text_of(&effect.name);
     let name = words("code", &effect.name);
     let title = match known.filter(|text| !text.missing.is_empty()) {
         Some(known) => words("span", &known.missing).and(text(" ")).and(name),

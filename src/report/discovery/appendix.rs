@@ -1,9 +1,9 @@
 //! The end of the page: what else was considered, what to record next, limitations, and what was added to the model.
 
-use super::Story;
+use super::DiscoveryReport;
 use super::format::{millimetres, number, times};
 use super::html::{Html, lines, list, table, tag, text, words};
-use super::model_diff::{Line, compare};
+use super::model_diff::{DiffLine, compare};
 use super::page::section;
 
 /// Candidates in the table; the others are in `candidates.csv`.
@@ -12,12 +12,12 @@ const CANDIDATES: usize = 30;
 const CONTEXT: usize = 2;
 
 /// What else was considered, and why not.
-pub(crate) fn candidates(story: &Story) -> Html {
-    let (candidates, floor_m) = (&story.findings.candidates, story.findings.noise_floor_m);
+pub(crate) fn candidates(report: &DiscoveryReport) -> Html {
+    let (candidates, floor_m) = (&report.findings.candidates, report.findings.noise_floor_m);
     let rows = candidates.iter().take(CANDIDATES).map(|one| {
         let why = if one.why_not.is_empty() { words("strong", "the answer") } else { text(&one.why_not) };
         // Without one of the trials the others do not pin it down.
-        let hangs = one.after_m > story.findings.gap.before_m;
+        let hangs = one.after_m > report.findings.gap.before_m;
         let [error, over] = match hangs {
             true => ["hangs on single trials".to_owned(), String::new()],
             false => [millimetres(one.after_m), times(one.after_m, floor_m)],
@@ -31,7 +31,7 @@ pub(crate) fn candidates(story: &Story) -> Html {
     }
     let more = candidates.len().saturating_sub(CANDIDATES);
     let beyond = if more > 0 { format!(" {more} more stand in candidates.csv.") } else { String::new() };
-    let before = story.before();
+    let before = report.before();
     let note = format!(
         "Score: how much better the data are explained than by the {before} (2 ln of the likelihood), less a penalty for \
          parameters and for the number of candidates; more is better. Errors are on trials that the candidate’s fit has \
@@ -48,8 +48,8 @@ fn score(score: f64) -> String {
 }
 
 /// What to record next.
-pub(crate) fn next(story: &Story) -> Html {
-    let findings = story.findings;
+pub(crate) fn next(report: &DiscoveryReport) -> Html {
+    let findings = report.findings;
     let rows = findings.proposals.iter().map(|one| {
         vec![
             text(one.name.replace('_', " ")),
@@ -72,14 +72,14 @@ pub(crate) fn next(story: &Story) -> Html {
 }
 
 /// What these data could not show.
-pub(crate) fn limitations(story: &Story) -> Html {
-    section("Limitations", list(story.findings.limitations.iter().map(text)))
+pub(crate) fn limitations(report: &DiscoveryReport) -> Html {
+    section("Limitations", list(report.findings.limitations.iter().map(text)))
 }
 
 /// The lines of the model that are new.
-pub(crate) fn model(story: &Story) -> Html {
-    let lines_ = compare(story.model_before, story.model_after);
-    let changed = |line: &Line| !matches!(line, Line::Kept(_));
+pub(crate) fn model(report: &DiscoveryReport) -> Html {
+    let lines_ = compare(report.model_before, report.model_after);
+    let changed = |line: &DiffLine| !matches!(line, DiffLine::Kept(_));
     if !lines_.iter().any(changed) {
         let words_ = "Nothing was added: model.yaml is the model as given.";
         return section("The model", words("p", words_));
@@ -99,9 +99,9 @@ pub(crate) fn model(story: &Story) -> Html {
             shown.push(words("span class=\"kept\"", "  …"));
         }
         shown.push(match line {
-            Line::Kept(line) => words("span class=\"kept\"", format!("  {line}")),
-            Line::Added(line) => words("ins", format!("+ {line}")),
-            Line::Removed(line) => words("del", format!("- {line}")),
+            DiffLine::Kept(line) => words("span class=\"kept\"", format!("  {line}")),
+            DiffLine::Added(line) => words("ins", format!("+ {line}")),
+            DiffLine::Removed(line) => words("del", format!("- {line}")),
         });
     }
     let words_ = "What was added (+) to the model; the whole of it is model.yaml, which can be simulated as it is.";

@@ -19,20 +19,20 @@ const VIEWS: [(usize, usize); 2] = [(2, 0), (2, 1)];
 const LONG: f64 = 20.0;
 
 /// A sample: measured tip and residual, metres.
-struct Sample {
+struct ArrowSample {
     tip_m: Point3,
     before_m: Point3,
     after_m: Point3,
 }
 
 /// The samples that have a place and a residual.
-fn samples(rows: &[ResidualRow]) -> Vec<Sample> {
-    let sample = |row: &ResidualRow| Sample {
+fn samples(rows: &[ResidualRow]) -> Vec<ArrowSample> {
+    let sample = |row: &ResidualRow| ArrowSample {
         tip_m: [row.tip_x_m, row.tip_y_m, row.tip_z_m],
         before_m: [row.before_x_m, row.before_y_m, row.before_z_m],
         after_m: [row.after_x_m, row.after_y_m, row.after_z_m],
     };
-    let whole = |sample: &Sample| sample.tip_m.iter().chain(&sample.before_m).all(|part| part.is_finite());
+    let whole = |sample: &ArrowSample| sample.tip_m.iter().chain(&sample.before_m).all(|part| part.is_finite());
     rows.iter().map(sample).filter(whole).collect()
 }
 
@@ -70,7 +70,7 @@ pub(super) fn draw(canvas: &mut Canvas, rows: &[ResidualRow], floor_m: f64, both
                 title: format!("{} over {}, {moment}", AXES[up], AXES[across]),
             };
             panel.draw(canvas);
-            let residual = |sample: &Sample| if turn == 0 { sample.before_m } else { sample.after_m };
+            let residual = |sample: &ArrowSample| if turn == 0 { sample.before_m } else { sample.after_m };
             arrows(canvas, &panel, &samples, residual, [across, up], magnified, floor_m);
             left += room + gap;
         }
@@ -116,7 +116,7 @@ fn axis(axis: usize, spans: &[[f64; 2]; 3], scale: f64) -> Axis {
 
 /// What each axis shows, millimetres: x and y alike, and z at least half as much, so that a path along one axis has a
 /// picture too.
-fn spans_mm(samples: &[Sample]) -> [[f64; 2]; 3] {
+fn spans_mm(samples: &[ArrowSample]) -> [[f64; 2]; 3] {
     let seen = |axis: usize| samples.iter().map(move |sample| 1e3 * sample.tip_m[axis]);
     let (low, high) = range(seen(0).chain(seen(1)));
     let room = (0.08 * (high - low)).max(15.0);
@@ -131,14 +131,14 @@ fn spans_mm(samples: &[Sample]) -> [[f64; 2]; 3] {
 fn arrows(
     canvas: &mut Canvas,
     panel: &Panel,
-    samples: &[Sample],
-    residual: impl Fn(&Sample) -> Point3,
+    samples: &[ArrowSample],
+    residual: impl Fn(&ArrowSample) -> Point3,
     [across, up]: [usize; 2],
     magnified: f64,
     floor_m: f64,
 ) {
     let stride = samples.len().div_ceil(ARROWS).max(1);
-    let mut shown: Vec<&Sample> = samples.iter().step_by(stride).collect();
+    let mut shown: Vec<&ArrowSample> = samples.iter().step_by(stride).collect();
     shown.retain(|sample| residual(sample).iter().all(|part| part.is_finite()));
     shown.sort_by(|a, b| size(&residual(a)).total_cmp(&size(&residual(b))));
     for sample in shown {

@@ -1,6 +1,6 @@
 //! The middle of the page: where model and measurement disagree, and the proof that the answer closes the gap.
 
-use super::Story;
+use super::DiscoveryReport;
 use super::answer::closed;
 use super::format::{NONE, enumerate, millimetres, number, percent, probability, times};
 use super::html::{Html, lines, table, text, words};
@@ -14,8 +14,8 @@ use crate::math::summary::root_mean_square;
 const MOST: usize = 12;
 
 /// Where they disagree.
-pub(super) fn place(story: &Story, map: Html) -> Html {
-    let findings = story.findings;
+pub(super) fn place(report: &DiscoveryReport, map: Html) -> Html {
+    let findings = report.findings;
     let caption = "Each number is the root mean square of measured minus model at that place, along that axis, over \
                    what noise alone would give there: 1 is noise. The views show the robot’s workspace, its length \
                    (z) to the right.";
@@ -36,7 +36,7 @@ pub(super) fn place(story: &Story, map: Html) -> Html {
     let note = "p: the probability of as much by noise alone, corrected for the number of places looked at.";
     let note = if places.is_empty() { Html::default() } else { words("p class=\"note\"", note) };
     let content = lines([captioned(map, caption), places, note]);
-    section("Where they disagree", lines([content, noise(story)]))
+    section("Where they disagree", lines([content, noise(report)]))
 }
 
 /// What noise alone makes along this axis, or of the distance.
@@ -48,8 +48,8 @@ fn floor_m(findings: &Findings, axis: &str) -> f64 {
 }
 
 /// What was taken for noise.
-fn noise(story: &Story) -> Html {
-    let noise = &story.findings.noise;
+fn noise(report: &DiscoveryReport) -> Html {
+    let noise = &report.findings.noise;
     let sizes: Vec<String> = noise.sigma_m.iter().map(|sigma| number(1e3 * sigma, 2)).collect();
     let from = if noise.from.is_empty() { String::new() } else { format!(", estimated from {}", noise.from) };
     let words_ = format!(
@@ -61,19 +61,19 @@ fn noise(story: &Story) -> Html {
 }
 
 /// Gap, residuals, the test for more, and each held-out trial.
-pub(super) fn proof(story: &Story, gap: Html, residuals: Html) -> Html {
+pub(super) fn proof(report: &DiscoveryReport, gap: Html, residuals: Html) -> Html {
     let bars = "Root mean square distance of the tip from the model’s. Dashed: what noise alone makes.";
     let curves = "Measured minus model on trials that took no part in naming or fitting.";
-    let heading = if story.changed() { "Proof" } else { "How large it is" };
-    let parts = [captioned(gap, bars), captioned(residuals, curves), trials(story), missing(story)];
+    let heading = if report.changed() { "Proof" } else { "How large it is" };
+    let parts = [captioned(gap, bars), captioned(residuals, curves), trials(report), missing(report)];
     section(heading, lines(parts))
 }
 
 /// A row for each held-out trial.
-fn trials(story: &Story) -> Html {
-    let held_out = held_out(story.residuals);
-    let floor_m = story.findings.noise_floor_m;
-    let changed = story.changed();
+fn trials(report: &DiscoveryReport) -> Html {
+    let held_out = held_out(report.residuals);
+    let floor_m = report.findings.noise_floor_m;
+    let changed = report.changed();
     let rows = held_out.iter().map(|(trial, rows)| {
         let (before, after) = (rms_m(rows, before_m), rms_m(rows, after_m));
         let mut cells = vec![text(trial.to_string()), text(rows.len().to_string()), text(millimetres(before))];
@@ -94,7 +94,7 @@ fn rms_m(rows: &[&ResidualRow], residual: fn(&ResidualRow) -> [f64; 3]) -> f64 {
 }
 
 /// Is anything missing, before and after?
-fn missing(story: &Story) -> Html {
+fn missing(report: &DiscoveryReport) -> Html {
     let row = |name: &str, test: &MissingTest, more: bool| {
         let verdict = match test.p_value {
             p if !p.is_finite() => NONE,
@@ -106,14 +106,14 @@ fn missing(story: &Story) -> Html {
         cells.collect::<Vec<Html>>()
     };
     // More tests than this one decide, and how much it would be: the verdict has them all.
-    let verdict = story.findings.verdict;
+    let verdict = report.findings.verdict;
     let mut rows = vec![row(
-        if story.calibrated { "as calibrated" } else { "as given" },
-        &story.findings.missing_before,
+        if report.calibrated { "as calibrated" } else { "as given" },
+        &report.findings.missing_before,
         verdict != Verdict::Consistent,
     )];
-    if story.changed() {
-        rows.push(row("with the effects", &story.findings.missing_after, verdict == Verdict::Unexplained));
+    if report.changed() {
+        rows.push(row("with the effects", &report.findings.missing_after, verdict == Verdict::Unexplained));
     }
     let words_ = "Is anything missing? If the residual were noise, other trials could predict none of it. Five more tests \
                   ask about scatter, trials that differ, means, many small effects together, and whether more is left where \

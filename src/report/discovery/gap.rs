@@ -1,7 +1,7 @@
 //! The gap: tip error of the model as given, of the answer and of the leading candidates, beside the noise floor.
 
 use super::super::style::{BLUE, Colour, DASHED, INK, SMALL, VERMILION, WHITE};
-use super::Story;
+use super::DiscoveryReport;
 use super::format::{fitted, millimetres, times};
 use crate::data::findings::Candidate;
 use crate::report::drawing::axes::{Axis, Panel};
@@ -25,10 +25,10 @@ struct Bar {
 }
 
 /// The picture at a width in hundredths of an inch; none where no gap was measured.
-pub(super) fn draw(story: &Story, width: f64) -> Option<Canvas> {
-    let floor_m = story.findings.noise_floor_m;
-    let proof = proof(story);
-    let others = others(story);
+pub(super) fn draw(report: &DiscoveryReport, width: f64) -> Option<Canvas> {
+    let floor_m = report.findings.noise_floor_m;
+    let proof = proof(report);
+    let others = others(report);
     let sizes = || proof.iter().chain(&others).map(|bar| bar.size_m).filter(|size| size.is_finite());
     sizes().next()?;
     let label = if width > 500.0 { 210.0 } else { 118.0 };
@@ -80,26 +80,26 @@ fn heading(canvas: &mut Canvas, words: &str, baseline: f64, width: f64) {
 }
 
 /// Before and after.
-fn proof(story: &Story) -> Vec<Bar> {
-    let gap = &story.findings.gap;
-    let given = Bar { name: story.before().to_owned(), size_m: gap.before_m, colour: VERMILION };
-    let names: Vec<&str> = story.findings.effects.iter().map(|effect| effect.name.as_str()).collect();
+fn proof(report: &DiscoveryReport) -> Vec<Bar> {
+    let gap = &report.findings.gap;
+    let given = Bar { name: report.before().to_owned(), size_m: gap.before_m, colour: VERMILION };
+    let names: Vec<&str> = report.findings.effects.iter().map(|effect| effect.name.as_str()).collect();
     let name = if names.len() == 1 { format!("with {}", names[0]) } else { "with the effects found".to_owned() };
-    let found = story.changed().then_some(Bar { name, size_m: gap.after_m, colour: BLUE });
+    let found = report.changed().then_some(Bar { name, size_m: gap.after_m, colour: BLUE });
     std::iter::once(given).chain(found).collect()
 }
 
 /// The answer, where there is one, the leading candidates without it, and what others add to it. What other trials
 /// do not pin down, and so is worse than the model without any effect, is left out.
-fn others(story: &Story) -> Vec<Bar> {
-    let answer = story.findings.candidates.iter().find(|one| one.why_not.is_empty());
+fn others(report: &DiscoveryReport) -> Vec<Bar> {
+    let answer = report.findings.candidates.iter().find(|one| one.why_not.is_empty());
     let shown = |name: &str| {
         let added = answer.and_then(|answer| name.strip_prefix(&answer.name)?.strip_prefix(" + "));
         added.map_or_else(|| name.to_owned(), |added| format!("… + {added}"))
     };
-    let is_shown = |one: &&Candidate| !one.why_not.is_empty() && one.after_m <= story.findings.gap.before_m;
+    let is_shown = |one: &&Candidate| !one.why_not.is_empty() && one.after_m <= report.findings.gap.before_m;
     let (more, rivals): (Vec<&Candidate>, Vec<&Candidate>) =
-        story.findings.candidates.iter().filter(is_shown).partition(|one| shown(&one.name) != one.name);
+        report.findings.candidates.iter().filter(is_shown).partition(|one| shown(&one.name) != one.name);
     let beaten = rivals.into_iter().take(RIVALS).chain(more).take(CANDIDATES);
     let others: Vec<Bar> =
         beaten.map(|one| Bar { name: shown(&one.name), size_m: one.after_m, colour: OTHER }).collect();

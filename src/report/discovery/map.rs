@@ -2,12 +2,12 @@
 //! after; and the same in space.
 
 use super::super::style::{GREY, SMALL};
-use super::{Story, arrows, heat, scale};
+use super::{DiscoveryReport, arrows, heat, scale};
 use crate::report::drawing::canvas::{Canvas, Text, TextAlign};
 
 /// The picture at a width in hundredths of an inch; none where there is neither a place nor a sample.
-pub(super) fn draw(story: &Story, width: f64) -> Option<Canvas> {
-    let Story { places, residuals, .. } = story;
+pub(super) fn draw(report: &DiscoveryReport, width: f64) -> Option<Canvas> {
+    let DiscoveryReport { places, residuals, .. } = report;
     if places.is_empty() && residuals.is_empty() {
         return None;
     }
@@ -16,16 +16,16 @@ pub(super) fn draw(story: &Story, width: f64) -> Option<Canvas> {
     canvas.height = 1e5;
     let heading = "residual over the noise floor";
     let mut y = scale::key(&mut canvas, [12.0, 18.0], width - 8.0, heading);
-    let both = story.changed();
+    let both = report.changed();
     if !places.is_empty() {
         y += 17.0;
         heat::key(&mut canvas, [12.0, y]);
         y = heat::draw(&mut canvas, places, both, y + 24.0) + 12.0;
     }
-    y = arrows::draw(&mut canvas, residuals, story.findings.noise_floor_m, both, y);
+    y = arrows::draw(&mut canvas, residuals, report.findings.noise_floor_m, both, y);
     if both {
         y += 16.0;
-        let words = format!("before: the {}; after: the model with the effects found", story.before());
+        let words = format!("before: the {}; after: the model with the effects found", report.before());
         canvas.text(Text::new(words, [12.0, y], SMALL, TextAlign::Left).colour(GREY));
     }
     canvas.height = (y + 14.0).ceil();

@@ -35,7 +35,7 @@ pub struct EffectText {
 
 /// All that the page tells.
 #[derive(Clone, Copy, Debug)]
-pub struct Story<'a> {
+pub struct DiscoveryReport<'a> {
     /// The answer.
     pub findings: &'a Findings,
     /// Every sample's residual, before and after.
@@ -52,7 +52,7 @@ pub struct Story<'a> {
     pub model_after: &'a str,
 }
 
-impl Story<'_> {
+impl DiscoveryReport<'_> {
     /// Whether the model with the effects is another one than the model as given.
     fn changed(&self) -> bool {
         let other = |row: &ResidualRow| {
@@ -79,33 +79,33 @@ impl Story<'_> {
 }
 
 /// A figure of the page: its name, and how it is drawn at a width.
-type Drawing = (&'static str, fn(&Story, f64) -> Option<super::drawing::canvas::Canvas>);
+type PageFigure = (&'static str, fn(&DiscoveryReport, f64) -> Option<super::drawing::canvas::Canvas>);
 
 /// The figures in their order on the page.
-const DRAWINGS: [Drawing; 3] = [("map", map::draw), ("gap", gap::draw), ("residuals", residuals::draw)];
+const DRAWINGS: [PageFigure; 3] = [("map", map::draw), ("gap", gap::draw), ("residuals", residuals::draw)];
 
 /// Everything that `discover` writes for people: `report.html`, the figures `map`, `gap` and `residuals` as PNG and SVG,
 /// and `disagreement.csv`, `residuals.csv` and `candidates.csv`. A figure or table that has nothing to show is left out.
 ///
 /// # Errors
 /// [`ReportError::Draw`] when a figure cannot be painted, [`ReportError::Data`] when a table cannot be written.
-pub fn artifacts(story: &Story) -> Result<Vec<Artifact>, ReportError> {
-    let page = page::page(story)?;
+pub fn artifacts(report: &DiscoveryReport) -> Result<Vec<Artifact>, ReportError> {
+    let page = page::page(report)?;
     let mut files =
         vec![Artifact { name: "report.html".to_owned(), folder: OutputFolder::Results, bytes: page.into_bytes() }];
     for (name, draw) in DRAWINGS {
-        if let Some(canvas) = draw(story, PAGE_WIDTH) {
+        if let Some(canvas) = draw(report, PAGE_WIDTH) {
             files.extend(pictures(name, name, &canvas)?);
         }
     }
-    if !story.places.is_empty() {
-        files.push(csv("disagreement.csv", story.places)?);
+    if !report.places.is_empty() {
+        files.push(csv("disagreement.csv", report.places)?);
     }
-    if !story.residuals.is_empty() {
-        files.push(csv("residuals.csv", story.residuals)?);
+    if !report.residuals.is_empty() {
+        files.push(csv("residuals.csv", report.residuals)?);
     }
-    if !story.findings.candidates.is_empty() {
-        files.push(csv("candidates.csv", &story.findings.candidates)?);
+    if !report.findings.candidates.is_empty() {
+        files.push(csv("candidates.csv", &report.findings.candidates)?);
     }
     Ok(files)
 }

@@ -2,7 +2,7 @@
 
 /// A line of the new file.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Line<'a> {
+pub(crate) enum DiffLine<'a> {
     /// It stood there before.
     Kept(&'a str),
     /// It is new.
@@ -15,25 +15,25 @@ pub(crate) enum Line<'a> {
 const LONGEST: usize = 1000;
 
 /// Both files as one list of lines, by their longest common subsequence.
-pub(crate) fn compare<'a>(before: &'a str, after: &'a str) -> Vec<Line<'a>> {
+pub(crate) fn compare<'a>(before: &'a str, after: &'a str) -> Vec<DiffLine<'a>> {
     let (old, new): (Vec<&str>, Vec<&str>) = (before.lines().collect(), after.lines().collect());
     let head = old.iter().zip(&new).take_while(|(a, b)| a == b).count();
     let room = old.len().min(new.len()) - head;
     let tail = old.iter().rev().zip(new.iter().rev()).take(room).take_while(|(a, b)| a == b).count();
     let (middle_old, middle_new) = (&old[head..old.len() - tail], &new[head..new.len() - tail]);
-    let mut out: Vec<Line> = new[..head].iter().map(|line| Line::Kept(line)).collect();
+    let mut out: Vec<DiffLine> = new[..head].iter().map(|line| DiffLine::Kept(line)).collect();
     if middle_old.len() > LONGEST || middle_new.len() > LONGEST {
-        out.extend(middle_old.iter().map(|line| Line::Removed(line)));
-        out.extend(middle_new.iter().map(|line| Line::Added(line)));
+        out.extend(middle_old.iter().map(|line| DiffLine::Removed(line)));
+        out.extend(middle_new.iter().map(|line| DiffLine::Added(line)));
     } else {
         out.extend(common(middle_old, middle_new));
     }
-    out.extend(new[new.len() - tail..].iter().map(|line| Line::Kept(line)));
+    out.extend(new[new.len() - tail..].iter().map(|line| DiffLine::Kept(line)));
     out
 }
 
 /// Longest common subsequence by dynamic programming.
-fn common<'a>(old: &[&'a str], new: &[&'a str]) -> Vec<Line<'a>> {
+fn common<'a>(old: &[&'a str], new: &[&'a str]) -> Vec<DiffLine<'a>> {
     let mut length = vec![vec![0u32; new.len() + 1]; old.len() + 1];
     for i in (0..old.len()).rev() {
         for j in (0..new.len()).rev() {
@@ -44,13 +44,13 @@ fn common<'a>(old: &[&'a str], new: &[&'a str]) -> Vec<Line<'a>> {
     let (mut i, mut j, mut out) = (0, 0, Vec::new());
     while i < old.len() || j < new.len() {
         if i < old.len() && j < new.len() && old[i] == new[j] {
-            out.push(Line::Kept(new[j]));
+            out.push(DiffLine::Kept(new[j]));
             (i, j) = (i + 1, j + 1);
         } else if j == new.len() || (i < old.len() && length[i + 1][j] >= length[i][j + 1]) {
-            out.push(Line::Removed(old[i]));
+            out.push(DiffLine::Removed(old[i]));
             i += 1;
         } else {
-            out.push(Line::Added(new[j]));
+            out.push(DiffLine::Added(new[j]));
             j += 1;
         }
     }
@@ -66,26 +66,26 @@ mod tests {
         let before = "robot:\n  a: 1\n  b: 2\neffects: []\n";
         let after = "robot:\n  a: 1\n  b: 3\neffects:\n- tip_load:\n    mass_kg: 0.02\n";
         let lines = compare(before, after);
-        let added: Vec<&Line> = lines.iter().filter(|line| matches!(line, Line::Added(_))).collect();
+        let added: Vec<&DiffLine> = lines.iter().filter(|line| matches!(line, DiffLine::Added(_))).collect();
         assert_eq!(added.len(), 4);
-        assert_eq!(lines[0], Line::Kept("robot:"));
-        assert!(lines.contains(&Line::Removed("  b: 2")) && lines.contains(&Line::Added("  b: 3")));
+        assert_eq!(lines[0], DiffLine::Kept("robot:"));
+        assert!(lines.contains(&DiffLine::Removed("  b: 2")) && lines.contains(&DiffLine::Added("  b: 3")));
         // Without the removed lines it is the new file, without the added ones the old.
-        let read = |skip: fn(&Line) -> bool| {
+        let read = |skip: fn(&DiffLine) -> bool| {
             let text = lines.iter().filter(|line| !skip(line)).map(|line| match line {
-                Line::Kept(text) | Line::Added(text) | Line::Removed(text) => format!("{text}\n"),
+                DiffLine::Kept(text) | DiffLine::Added(text) | DiffLine::Removed(text) => format!("{text}\n"),
             });
             text.collect::<String>()
         };
-        assert_eq!(read(|line| matches!(line, Line::Removed(_))), after);
-        assert_eq!(read(|line| matches!(line, Line::Added(_))), before);
+        assert_eq!(read(|line| matches!(line, DiffLine::Removed(_))), after);
+        assert_eq!(read(|line| matches!(line, DiffLine::Added(_))), before);
     }
 
     #[test]
     fn same_and_empty_files_have_nothing_added() {
-        assert!(compare("a\nb", "a\nb").iter().all(|line| matches!(line, Line::Kept(_))));
+        assert!(compare("a\nb", "a\nb").iter().all(|line| matches!(line, DiffLine::Kept(_))));
         assert!(compare("", "").is_empty());
-        assert_eq!(compare("", "a"), [Line::Added("a")]);
-        assert_eq!(compare("a\na", "a"), [Line::Kept("a"), Line::Removed("a")]);
+        assert_eq!(compare("", "a"), [DiffLine::Added("a")]);
+        assert_eq!(compare("a\na", "a"), [DiffLine::Kept("a"), DiffLine::Removed("a")]);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::super::style::PAGE_WIDTH;
 use super::html::{Html, lines, tag, text, words};
-use super::{DRAWINGS, Story, answer, appendix, evidence};
+use super::{DRAWINGS, DiscoveryReport, answer, appendix, evidence};
 use crate::report::ReportError;
 use crate::report::drawing::paint;
 
@@ -14,18 +14,18 @@ const NARROW: f64 = 372.0;
 ///
 /// # Errors
 /// [`ReportError::Draw`] when a figure cannot be painted.
-pub(super) fn page(story: &Story) -> Result<String, ReportError> {
+pub(super) fn page(report: &DiscoveryReport) -> Result<String, ReportError> {
     let parts = [
-        answer::head(story),
-        answer::effects(story),
-        evidence::place(story, figure(story, "map")?),
-        evidence::proof(story, figure(story, "gap")?, figure(story, "residuals")?),
-        appendix::candidates(story),
-        appendix::next(story),
-        appendix::limitations(story),
-        appendix::model(story),
+        answer::head(report),
+        answer::effects(report),
+        evidence::place(report, figure(report, "map")?),
+        evidence::proof(report, figure(report, "gap")?, figure(report, "residuals")?),
+        appendix::candidates(report),
+        appendix::next(report),
+        appendix::limitations(report),
+        appendix::model(report),
     ];
-    let title = answer::title(story);
+    let title = answer::title(report);
     let body = tag("main", lines(parts));
     Ok(format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -43,12 +43,12 @@ pub(super) fn section(heading: &str, content: Html) -> Html {
 }
 
 /// A figure at the widths of a page and of a telephone, of which the page shows the one that fits.
-fn figure(story: &Story, name: &'static str) -> Result<Html, ReportError> {
+fn figure(report: &DiscoveryReport, name: &'static str) -> Result<Html, ReportError> {
     let failed = |error: paint::PaintError| ReportError::Draw { figure: name, reason: error.to_string() };
     let Some((_, draw)) = DRAWINGS.iter().find(|(known, _)| *known == name) else { return Ok(Html::default()) };
     let mut both = Html::default();
     for (class, width) in [("wide", PAGE_WIDTH), ("narrow", NARROW)] {
-        if let Some(canvas) = draw(story, width) {
+        if let Some(canvas) = draw(report, width) {
             both = both.and(Html::drawing(&paint::svg(&canvas).map_err(failed)?, class, name));
         }
     }

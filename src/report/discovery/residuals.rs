@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use super::super::style::{BLUE, Colour, DASHED, GREEN, GREY, HAIR, INK, SMALL, VERMILION};
-use super::Story;
+use super::DiscoveryReport;
 use crate::data::findings::ResidualRow;
 use crate::report::drawing::axes::{Axis, Panel};
 use crate::report::drawing::canvas::{Canvas, Text, TextAlign};
@@ -20,8 +20,8 @@ const BAND_SIGMAS: f64 = 1.96;
 const BAND: f64 = 0.22;
 
 /// The picture at a width in hundredths of an inch; none where no trial was held out.
-pub(super) fn draw(story: &Story, width: f64) -> Option<Canvas> {
-    let trials = held_out(story.residuals);
+pub(super) fn draw(report: &DiscoveryReport, width: f64) -> Option<Canvas> {
+    let trials = held_out(report.residuals);
     if trials.is_empty() {
         return None;
     }
@@ -30,12 +30,12 @@ pub(super) fn draw(story: &Story, width: f64) -> Option<Canvas> {
     let gap = 22.0;
     let wide = (width - LEFT - 12.0 - gap * (shown.len() - 1) as f64) / shown.len() as f64;
     let mut canvas = Canvas::new(width, 1e5);
-    let both = story.changed();
+    let both = report.changed();
     let mut top = keys(&mut canvas, both) + 26.0;
     let seconds =
         Axis::covering("time in trial (s)", shown.iter().flat_map(|(_, rows)| rows.iter().map(|row| row.time_s)), 5);
     for axis in 0..3 {
-        let sigma_mm = 1e3 * story.findings.noise.sigma_m[axis];
+        let sigma_mm = 1e3 * report.findings.noise.sigma_m[axis];
         let y = millimetres(axis, &shown, sigma_mm);
         for (column, (trial, rows)) in shown.iter().enumerate() {
             let panel = Panel {

@@ -3,7 +3,9 @@
 
 use super::{Added, Stages, status};
 use crate::benchmark;
-use crate::benchmark::{Answer, Batch, Commands, Presented, Prior, Robot, Scored, Span, Truth};
+use crate::benchmark::{
+    CaseAnswer, CaseBatch, CaseDesign, CatalogueSpan, Commands, Prior, PublicCase, ScoredCase, Truth,
+};
 use crate::discovery::{Options, discover};
 use crate::effects::Model;
 use crate::runner::graph::{Handle, StageKind};
@@ -24,10 +26,10 @@ pub(super) const KINDS: [StageKind; 6] = [COMMANDS, SPAN, TRUTH, RECORDING, DISC
 /// The stages of one case.
 pub(crate) struct BlindStages {
     case: u64,
-    batch: Batch,
+    batch: CaseBatch,
     correlation: f64,
     truth: Handle<Truth>,
-    score: Handle<Scored>,
+    score: Handle<ScoredCase>,
 }
 
 impl BlindStages {
@@ -48,7 +50,7 @@ impl BlindStages {
     }
 
     /// What it adds to the tables; a failure is a row that says so.
-    pub(crate) fn scored(&self, outcomes: &Outcomes) -> Scored {
+    pub(crate) fn scored(&self, outcomes: &Outcomes) -> ScoredCase {
         let truth = outcomes.get(self.truth).ok();
         let failed = |failure: super::Failure| {
             benchmark::failed(self.case, &self.batch, self.correlation, truth, &failure.to_string())
@@ -58,7 +60,7 @@ impl BlindStages {
 }
 
 /// A set of commands and, where the oracle has been asked about them, what it knows.
-type CommandStages = (Handle<Commands>, Option<Handle<Span>>);
+type CommandStages = (Handle<Commands>, Option<Handle<CatalogueSpan>>);
 
 /// What expanding a part of the experiment yields.
 type Expanded<T> = Result<T, super::Failure>;
@@ -100,12 +102,18 @@ impl Stages<'_> {
         Ok(cases)
     }
 
-    fn blind_case(&mut self, benchmark: &Benchmark, batch: &Batch, number: usize, case: u64) -> Expanded<BlindStages> {
+    fn blind_case(
+        &mut self,
+        benchmark: &Benchmark,
+        batch: &CaseBatch,
+        number: usize,
+        case: u64,
+    ) -> Expanded<BlindStages> {
         let run = benchmark.run;
         let (commands, span) = self.blind_commands(benchmark, batch, number, case)?;
         // Kinds take their turn within each size.
         let sizes = batch.shifts_m.len();
-        let robot = Robot {
+        let robot = CaseDesign {
             model: benchmark.quick.clone(),
             group: batch.group,
             number: number / sizes,
@@ -134,7 +142,7 @@ impl Stages<'_> {
     fn blind_commands(
         &mut self,
         benchmark: &Benchmark,
-        batch: &Batch,
+        batch: &CaseBatch,
         number: usize,
         case: u64,
     ) -> Expanded<CommandStages> {
@@ -149,7 +157,7 @@ impl Stages<'_> {
         let (step_s, label, model) = (self.step_s(), self.label("blind commands"), benchmark.quick.clone());
         let params = (model.clone(), explore, step_s, seed.0);
         let commands = self.graph.stage(COMMANDS, label, &params, &[], move |_| {
-            benchmark::commands(&model, &explore, step_s, seed).map_err(status)
+            benchmark::explore_commands(&model, &explore, step_s, seed).map_err(status)
         })?;
         if !judged {
             return Ok((commands, None));
@@ -158,7 +166,7 @@ impl Stages<'_> {
         let params = (model.clone(), priors.clone(), noise_m);
         let label = self.label("span of the catalogue");
         let span = self.graph.stage(SPAN, label, &params, &[commands.number()], move |given| {
-            Span::new(&model, given.get(commands)?, &priors, noise_m).map_err(status)
+            CatalogueSpan::new(&model, given.get(commands)?, &priors, noise_m).map_err(status)
         })?;
         Ok((commands, Some(span)))
     }
@@ -166,9 +174,9 @@ impl Stages<'_> {
     /// What is hidden: the sealed label.
     fn blind_truth(
         &mut self,
-        robot: &Robot,
+        robot: &CaseDesign,
         commands: Handle<Commands>,
-        span: Option<Handle<Span>>,
+        span: Option<Handle<CatalogueSpan>>,
         case: u64,
     ) -> Added<Truth> {
         let inputs: Vec<usize> = [commands.number()].into_iter().chain(span.map(Handle::number)).collect();
@@ -182,22 +190,28 @@ impl Stages<'_> {
 
     fn blind_recording(
         &mut self,
-        robot: Robot,
+        robot: CaseDesign,
         truth: Handle<Truth>,
         commands: Handle<Commands>,
         correlation: f64,
         case: u64,
-    ) -> Added<Presented> {
+    ) -> Added<PublicCase> {
         let params = (robot.clone(), correlation);
         let inputs = [truth.number(), commands.number()];
         let label = self.label(&format!("recording of case {case}"));
         self.graph.stage(RECORDING, label, &params, &inputs, move |given| {
-            benchmark::present(&robot, given.get(truth)?, given.get(commands)?, correlation).map_err(status)
+            benchmark::measure_case(&robot, given.get(truth)?, given.get(commands)?, correlation).map_err(status)
         })
     }
 
     /// The answer to a recording: of the model, the recording and the options alone.
-    fn discover(&mut self, model: &Model, options: &Options, recording: Handle<Presented>, case: u64) -> Added<Answer> {
+    fn discover(
+        &mut self,
+        model: &Model,
+        options: &Options,
+        recording: Handle<PublicCase>,
+        case: u64,
+    ) -> Added<CaseAnswer> {
         let (model, options) = (model.clone(), options.clone());
         let params = (model.clone(), options.clone());
         let label = self.label(&format!("discovery in case {case}"));
@@ -206,7 +220,7 @@ impl Stages<'_> {
             let mut options = options.clone();
             options.left_out.extend(presented.left_out.iter().cloned());
             let found = discover(&model, &presented.recording(), None, &options).map_err(status)?;
-            Ok(Answer::new(&found.findings, found.remedies.stiffness_only_m, found.remedies.gp_m))
+            Ok(CaseAnswer::new(&found.findings, found.alternatives.stiffness_only_m, found.alternatives.gp_m))
         })
     }
 }

@@ -3,7 +3,7 @@
 use super::claims::PaperClaim;
 use super::plant::PlantSpec;
 use super::slurm::SlurmOptions;
-use crate::benchmark::{Batch, OracleOptions, TruthOptions};
+use crate::benchmark::{CaseBatch, OracleOptions, TruthOptions};
 use crate::discovery::Options;
 use crate::effects::EffectSpec;
 use crate::learn::gp::GpConfig;
@@ -172,7 +172,7 @@ pub struct DiscoveryRun {
     #[serde(default)]
     pub oracle: OracleOptions,
     /// What is hidden, how strongly and how often.
-    pub batches: Vec<Batch>,
+    pub batches: Vec<CaseBatch>,
 }
 
 /// The exploration side by side.

@@ -9,7 +9,7 @@ use crate::effects::{CATALOGUE, Card, EffectSpec, Model, ModelParameter, Paramet
 
 /// An effect of the catalogue with its numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Hidden {
+pub struct InjectedEffect {
     /// Its name.
     pub name: String,
     /// Values of its parameters, in the order of its card.
@@ -21,7 +21,7 @@ pub struct Hidden {
 /// Effects that have another law of the same name.
 const OTHER_LAWS: [&str; 3] = ["friction", "hysteresis", "creep"];
 
-impl Hidden {
+impl InjectedEffect {
     /// What the catalogue says of it.
     pub fn card(&self) -> Option<&'static Card> {
         card(&self.name)
@@ -87,7 +87,7 @@ pub(crate) fn size(parameter: &Parameter) -> Option<f64> {
 
 /// An effect whose size is still open.
 #[derive(Clone, Debug)]
-pub(crate) struct Draft {
+pub(crate) struct UnscaledEffect {
     pub(crate) card: &'static Card,
     /// Its values without any size.
     null: Vec<f64>,
@@ -96,10 +96,11 @@ pub(crate) struct Draft {
     other_law: bool,
 }
 
-impl Draft {
+impl UnscaledEffect {
     /// Draws what is open about an effect but its size.
-    pub(crate) fn draw(card: &'static Card, model: &Model, other_law: bool, random: &mut Generator) -> Draft {
-        let null: Vec<f64> = card.parameters.iter().map(|parameter| drawn(parameter, model, random)).collect();
+    pub(crate) fn draw(card: &'static Card, model: &Model, other_law: bool, random: &mut Generator) -> UnscaledEffect {
+        let null: Vec<f64> =
+            card.parameters.iter().map(|parameter| draw_null_value(parameter, model, random)).collect();
         let mut along: Vec<f64> = card.parameters.iter().map(|parameter| size(parameter).unwrap_or(0.0)).collect();
         let sizes = along.iter().filter(|size| **size != 0.0).count();
         if sizes > 1 {
@@ -113,19 +114,19 @@ impl Draft {
                 along.iter_mut().for_each(|size| *size = -*size);
             }
         }
-        Draft { card, null, along, other_law: other_law && OTHER_LAWS.contains(&card.name) }
+        UnscaledEffect { card, null, along, other_law: other_law && OTHER_LAWS.contains(&card.name) }
     }
 
     /// The effect at `amount` usual sizes.
-    pub(crate) fn hidden(&self, amount: f64) -> Hidden {
+    pub(crate) fn scaled(&self, amount: f64) -> InjectedEffect {
         let values = self.null.iter().zip(&self.along).map(|(null, size)| null + amount * size).collect();
-        Hidden { name: self.card.name.to_owned(), values, other_law: self.other_law }
+        InjectedEffect { name: self.card.name.to_owned(), values, other_law: self.other_law }
     }
 }
 
 /// A value at which the effect changes nothing: shapes from the range of those that are tried, a place anywhere, any
 /// tendon, flags set or not.
-fn drawn(parameter: &Parameter, model: &Model, random: &mut Generator) -> f64 {
+fn draw_null_value(parameter: &Parameter, model: &Model, random: &mut Generator) -> f64 {
     match parameter.seek {
         Seek::Size(_) | Seek::Scanned(..) | Seek::Replaces(..) => null_value(parameter, model),
         Seek::Shape(tries) => {

@@ -12,7 +12,7 @@ use crate::math::rotation;
 
 /// A kind of disturbance.
 #[derive(Clone, Copy, Debug)]
-pub struct Unknown {
+pub struct DisturbanceKind {
     /// Its name.
     pub name: &'static str,
     /// What happens.
@@ -21,26 +21,26 @@ pub struct Unknown {
     pub size: f64,
     /// The largest number of usual sizes that still makes sense.
     pub most: f64,
-    act: Act,
+    act: DisturbanceAction,
 }
 
 /// Where a disturbance acts: on where the drives are (a trial's rows), or on one sample of the tip.
 #[derive(Clone, Copy, Debug)]
-enum Act {
-    Drives(fn(&Disturbance, &[f64], When) -> Vec<f64>),
-    Tip(fn(&Disturbance, Vector3<f64>, When) -> Vector3<f64>),
+enum DisturbanceAction {
+    Drives(fn(&Disturbance, &[f64], TrialProgress) -> Vec<f64>),
+    Tip(fn(&Disturbance, Vector3<f64>, TrialProgress) -> Vector3<f64>),
 }
 
-/// When in a trial: its share that has passed.
+/// TrialProgress in a trial: its share that has passed.
 #[derive(Clone, Copy, Debug)]
-struct When {
+struct TrialProgress {
     share: f64,
 }
 
 /// A disturbance with its numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Disturbance {
-    /// Its name in [`UNKNOWNS`].
+    /// Its name in [`DISTURBANCES`].
     pub name: String,
     /// How much of it, in the unit of the kind's size.
     pub size: f64,
@@ -53,80 +53,80 @@ pub struct Disturbance {
 }
 
 /// All kinds.
-pub const UNKNOWNS: &[Unknown] = &[
-    Unknown {
+pub const DISTURBANCES: &[DisturbanceKind] = &[
+    DisturbanceKind {
         name: "step_loss",
         what: "a motor loses steps once in every trial: from then on its tendon is let out further",
         size: 1e-3,
         most: 10.0,
-        act: Act::Drives(step_loss),
+        act: DisturbanceAction::Drives(step_loss),
     },
-    Unknown {
+    DisturbanceKind {
         name: "dead_zone",
         what: "drives do not answer to displacements near home, without any memory",
         size: 1e-3,
         most: 10.0,
-        act: Act::Drives(dead_zone),
+        act: DisturbanceAction::Drives(dead_zone),
     },
-    Unknown {
+    DisturbanceKind {
         name: "sign_gain",
         what: "a drive lets its tendon out less than it is told, and takes it in as told",
         size: 0.1,
         most: 8.0,
-        act: Act::Drives(sign_gain),
+        act: DisturbanceAction::Drives(sign_gain),
     },
-    Unknown {
+    DisturbanceKind {
         name: "screw_error",
         what: "lead screws with a periodic error of 8 mm pitch",
         size: 5e-4,
         most: 6.0,
-        act: Act::Drives(screw_error),
+        act: DisturbanceAction::Drives(screw_error),
     },
-    Unknown {
+    DisturbanceKind {
         name: "frame_drift",
         what: "the tracking frame drifts while a trial lasts",
         size: 2e-3,
         most: 20.0,
-        act: Act::Tip(frame_drift),
+        act: DisturbanceAction::Tip(frame_drift),
     },
-    Unknown {
+    DisturbanceKind {
         name: "frame_bump",
         what: "the tracking frame is pushed aside once in every trial",
         size: 2e-3,
         most: 20.0,
-        act: Act::Tip(frame_bump),
+        act: DisturbanceAction::Tip(frame_bump),
     },
-    Unknown {
+    DisturbanceKind {
         name: "frame_rotation",
         what: "the tracking frame is turned, gravity is not",
         size: 0.01,
         most: 20.0,
-        act: Act::Tip(frame_rotation),
+        act: DisturbanceAction::Tip(frame_rotation),
     },
-    Unknown {
+    DisturbanceKind {
         name: "tracker_scale",
         what: "the tracker's lengths are off by a factor",
         size: 0.01,
         most: 20.0,
-        act: Act::Tip(tracker_scale),
+        act: DisturbanceAction::Tip(tracker_scale),
     },
-    Unknown {
+    DisturbanceKind {
         name: "loose_base",
         what: "a loose base tilts with the moment of the robot's weight about it",
         size: 0.02,
         most: 20.0,
-        act: Act::Tip(loose_base),
+        act: DisturbanceAction::Tip(loose_base),
     },
-    Unknown {
+    DisturbanceKind {
         name: "soft_wall",
         what: "beyond a plane beside the robot something soft pushes the tip back",
         size: 0.1,
         most: 9.0,
-        act: Act::Tip(soft_wall),
+        act: DisturbanceAction::Tip(soft_wall),
     },
 ];
 
-fn step_loss(it: &Disturbance, pulls_m: &[f64], when: When) -> Vec<f64> {
+fn step_loss(it: &Disturbance, pulls_m: &[f64], when: TrialProgress) -> Vec<f64> {
     let mut there = pulls_m.to_vec();
     if when.share >= 0.2 + 0.5 * it.place {
         there[it.tendon] -= it.size;
@@ -134,11 +134,11 @@ fn step_loss(it: &Disturbance, pulls_m: &[f64], when: When) -> Vec<f64> {
     there
 }
 
-fn dead_zone(it: &Disturbance, pulls_m: &[f64], _: When) -> Vec<f64> {
+fn dead_zone(it: &Disturbance, pulls_m: &[f64], _: TrialProgress) -> Vec<f64> {
     pulls_m.iter().map(|pull| pull.signum() * (pull.abs() - it.size).max(0.0)).collect()
 }
 
-fn sign_gain(it: &Disturbance, pulls_m: &[f64], _: When) -> Vec<f64> {
+fn sign_gain(it: &Disturbance, pulls_m: &[f64], _: TrialProgress) -> Vec<f64> {
     let mut there = pulls_m.to_vec();
     if there[it.tendon] < 0.0 {
         there[it.tendon] *= 1.0 - it.size;
@@ -146,44 +146,44 @@ fn sign_gain(it: &Disturbance, pulls_m: &[f64], _: When) -> Vec<f64> {
     there
 }
 
-fn screw_error(it: &Disturbance, pulls_m: &[f64], _: When) -> Vec<f64> {
+fn screw_error(it: &Disturbance, pulls_m: &[f64], _: TrialProgress) -> Vec<f64> {
     const PITCH_M: f64 = 0.008;
     let phase = std::f64::consts::TAU * it.place;
     let error = |pull: f64| it.size * ((std::f64::consts::TAU * pull / PITCH_M + phase).sin() - phase.sin());
     pulls_m.iter().map(|&pull| pull + error(pull)).collect()
 }
 
-fn frame_drift(it: &Disturbance, tip_m: Vector3<f64>, when: When) -> Vector3<f64> {
+fn frame_drift(it: &Disturbance, tip_m: Vector3<f64>, when: TrialProgress) -> Vector3<f64> {
     tip_m + Vector3::from(it.direction) * (it.size * when.share)
 }
 
-fn frame_bump(it: &Disturbance, tip_m: Vector3<f64>, when: When) -> Vector3<f64> {
+fn frame_bump(it: &Disturbance, tip_m: Vector3<f64>, when: TrialProgress) -> Vector3<f64> {
     let pushed = when.share >= 0.2 + 0.6 * it.place;
     if pushed { tip_m + Vector3::from(it.direction) * it.size } else { tip_m }
 }
 
-fn frame_rotation(it: &Disturbance, tip_m: Vector3<f64>, _: When) -> Vector3<f64> {
+fn frame_rotation(it: &Disturbance, tip_m: Vector3<f64>, _: TrialProgress) -> Vector3<f64> {
     rotation::exp(&(Vector3::from(it.direction) * it.size)) * tip_m
 }
 
-fn tracker_scale(it: &Disturbance, tip_m: Vector3<f64>, _: When) -> Vector3<f64> {
+fn tracker_scale(it: &Disturbance, tip_m: Vector3<f64>, _: TrialProgress) -> Vector3<f64> {
     tip_m * (1.0 + it.size)
 }
 
-fn loose_base(it: &Disturbance, tip_m: Vector3<f64>, _: When) -> Vector3<f64> {
+fn loose_base(it: &Disturbance, tip_m: Vector3<f64>, _: TrialProgress) -> Vector3<f64> {
     // The frame has x up. The moment of the weight over what it would be if the robot stood out level.
     let moment = tip_m.cross(&-Vector3::x()) / tip_m.norm().max(1e-9);
     rotation::exp(&(moment * it.size)) * tip_m
 }
 
-fn soft_wall(it: &Disturbance, tip_m: Vector3<f64>, _: When) -> Vector3<f64> {
+fn soft_wall(it: &Disturbance, tip_m: Vector3<f64>, _: TrialProgress) -> Vector3<f64> {
     let [x, y, _] = it.direction;
     let normal = Vector3::new(x, y, 0.0) / (x * x + y * y).sqrt().max(1e-9);
     let beyond_m = normal.dot(&tip_m) - 0.03 * it.place;
     tip_m - normal * (it.size * beyond_m.max(0.0))
 }
 
-impl Unknown {
+impl DisturbanceKind {
     /// Draws what is open about it; its size is that of `amount` 1.
     pub(crate) fn draw(&self, tendons: usize, random: &mut Generator) -> Disturbance {
         let direction: [f64; 3] = std::array::from_fn(|_| StandardNormal.sample(random));
@@ -199,21 +199,23 @@ impl Unknown {
 }
 
 impl Disturbance {
-    fn act(&self) -> Option<Act> {
-        UNKNOWNS.iter().find(|unknown| unknown.name == self.name).map(|unknown| unknown.act)
+    fn act(&self) -> Option<DisturbanceAction> {
+        DISTURBANCES.iter().find(|unknown| unknown.name == self.name).map(|unknown| unknown.act)
     }
 
     /// `amount` times as much of it.
-    pub(crate) fn times(&self, amount: f64) -> Disturbance {
+    pub(crate) fn scaled(&self, amount: f64) -> Disturbance {
         Disturbance { size: self.size * amount, ..self.clone() }
     }
 
     /// Where the drives are when they are told `commands`.
     pub(crate) fn drives(&self, commands: &Commands) -> Commands {
-        let Some(Act::Drives(act)) = self.act() else { return commands.clone() };
+        let Some(DisturbanceAction::Drives(act)) = self.act() else { return commands.clone() };
         let trial = |told: &Rows| {
             let mut rows = Rows::new(told.width());
-            told.iter().enumerate().for_each(|(row, pulls)| rows.push(&act(self, pulls, When::new(row, told.len()))));
+            told.iter()
+                .enumerate()
+                .for_each(|(row, pulls)| rows.push(&act(self, pulls, TrialProgress::new(row, told.len()))));
             rows
         };
         Commands { step_s: commands.step_s, trials: commands.trials.iter().map(trial).collect() }
@@ -221,15 +223,16 @@ impl Disturbance {
 
     /// What is recorded of the tip, sample by sample.
     pub(crate) fn recorded(&self, commands: &Commands, tips_m: Vec<Point3>) -> Vec<Point3> {
-        let Some(Act::Tip(act)) = self.act() else { return tips_m };
-        let when = commands.trials.iter().flat_map(|trial| (0..trial.len()).map(|row| When::new(row, trial.len())));
-        let recorded = |(tip, when): (Point3, When)| act(self, Vector3::from(tip), when).into();
+        let Some(DisturbanceAction::Tip(act)) = self.act() else { return tips_m };
+        let when =
+            commands.trials.iter().flat_map(|trial| (0..trial.len()).map(|row| TrialProgress::new(row, trial.len())));
+        let recorded = |(tip, when): (Point3, TrialProgress)| act(self, Vector3::from(tip), when).into();
         tips_m.into_iter().zip(when).map(recorded).collect()
     }
 }
 
-impl When {
-    fn new(row: usize, rows: usize) -> When {
-        When { share: row as f64 / rows.max(1) as f64 }
+impl TrialProgress {
+    fn new(row: usize, rows: usize) -> TrialProgress {
+        TrialProgress { share: row as f64 / rows.max(1) as f64 }
     }
 }

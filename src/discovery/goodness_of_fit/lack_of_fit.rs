@@ -1,0 +1,73 @@
+//! Lack-of-fit test against pure error: is the mean residual of repeated measurements zero (Draper & Smith, Applied
+//! Regression Analysis, section 2.1)?
+
+use crate::discovery::fit::ar1_noise::{Ar1Noise, effective_axes};
+use crate::discovery::noise_floor::NoiseFloor;
+use crate::discovery::noise_floor::repeats::{groups, is_start};
+use crate::discovery::recording::samples::Samples;
+
+/// What a model leaves of things that were measured again and again, in the mean.
+pub(crate) struct LackOfFit {
+    /// Chance of as much where the model is right: the test for lack of fit against pure error (Draper & Smith, Applied
+    /// Regression Analysis, section 2.1).
+    pub(crate) p_value: f64,
+    /// Root mean square, metres.
+    pub(crate) rms_m: f64,
+}
+
+/// The bias of `residual_m` (three numbers a sample) where commands were repeated or held, beside the noise `floor`. Starts are as
+/// independent as trials, samples at dwell as much as `noise` lets them be.
+pub(crate) fn lack_of_fit_test(
+    samples: &Samples,
+    residual_m: &[f64],
+    noise: &Ar1Noise,
+    floor: &NoiseFloor,
+) -> LackOfFit {
+    let groups = groups(samples);
+    if groups.is_empty() {
+        return LackOfFit { p_value: 1.0, rms_m: 0.0 };
+    }
+    let (mut squares, mut weighed, mut weights) = (0.0, 0.0, 0.0);
+    for group in &groups {
+        let independent =
+            if is_start(samples, group) { group.len() as f64 } else { noise.independent(group.len()).max(1.0) };
+        let mean = |axis: usize| group.iter().map(|&row| residual_m[3 * row + axis]).sum::<f64>() / group.len() as f64;
+        let square: f64 = (0..3).map(|axis| mean(axis).powi(2)).sum();
+        squares += independent * square;
+        weighed += group.len() as f64 * square;
+        weights += group.len() as f64;
+    }
+    let p_value =
+        floor.p_value(squares / groups.len() as f64, effective_axes(&floor.variance_m2) * groups.len() as f64);
+    LackOfFit { p_value, rms_m: (weighed / weights).sqrt() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::discovery::recording::samples::white_noise;
+
+    const NOISE_M: f64 = 5e-4;
+
+    /// What a model leaves in eight trials of ten samples that all begin in one place: noise, and at the start a bias.
+    fn tested(bias_m: f64, seed: u64) -> LackOfFit {
+        let mut noise = white_noise(NOISE_M, seed);
+        let mut samples = Samples::alike(8, 10);
+        for sample in &mut samples.rows {
+            let bias_m = if sample.row == 0 { bias_m } else { 0.0 };
+            sample.tip_m = [bias_m + noise(), noise(), noise()];
+        }
+        let residual_m: Vec<f64> = samples.rows.iter().flat_map(|sample| sample.tip_m).collect();
+        let floor = NoiseFloor::from_repeats(&samples, 0.0);
+        lack_of_fit_test(&samples, &residual_m, &Ar1Noise { sigma_m: [NOISE_M; 3], correlation: 0.0 }, &floor)
+    }
+
+    #[test]
+    fn a_model_that_is_wrong_at_home_is_seen_and_noise_is_not() {
+        let low = (0..200).filter(|&seed| tested(0.0, seed).p_value < 0.05).count();
+        assert!((2..22).contains(&low), "{low} of 200 below 0.05");
+        let found = tested(1e-3, 1);
+        assert!(found.p_value < 1e-3, "{}", found.p_value);
+        assert!((found.rms_m / 1e-3 - 1.0).abs() < 0.4, "{}", found.rms_m);
+    }
+}

@@ -1,0 +1,87 @@
+//! Samples that repeat one measurement: first rows of trials at home, and samples during a held command.
+
+use crate::discovery::recording::samples::{Samples, TrialCommands};
+
+/// A command is at dwell once it has been held for so long, seconds.
+const SETTLED_S: f64 = 1.0;
+/// Samples that measure the same thing again: the first rows of all trials under the same weight, then each dwell.
+pub(crate) fn groups(samples: &Samples) -> Vec<Vec<usize>> {
+    let mut groups = starts(samples);
+    groups.extend(dwells(samples));
+    groups
+}
+
+pub(crate) fn is_start(samples: &Samples, group: &[usize]) -> bool {
+    group.first().is_some_and(|&row| samples.rows[row].row == 0)
+}
+
+/// The first rows of the trials, those under the same weight together, where there are several.
+pub(crate) fn starts(samples: &Samples) -> Vec<Vec<usize>> {
+    let mut found: Vec<(f64, Vec<usize>)> = Vec::new();
+    for row in (0..samples.len()).filter(|&row| samples.rows[row].row == 0) {
+        let load_kg = samples.trials[samples.rows[row].trial].known_load_kg;
+        match found.iter_mut().find(|(known_kg, _)| *known_kg == load_kg) {
+            Some((_, rows)) => rows.push(row),
+            None => found.push((load_kg, vec![row])),
+        }
+    }
+    found.into_iter().map(|(_, rows)| rows).filter(|rows| rows.len() > 1).collect()
+}
+
+/// Runs of samples under one command and load that have been there long enough.
+pub(crate) fn dwells(samples: &Samples) -> Vec<Vec<usize>> {
+    let start_of_hold: Vec<Vec<usize>> = samples.trials.iter().map(start_of_hold).collect();
+    let mut found: Vec<Vec<usize>> = Vec::new();
+    let mut held: Option<(usize, usize, f64)> = None;
+    let mut run: Vec<usize> = Vec::new();
+    for (index, row) in samples.rows.iter().enumerate().filter(|(_, row)| row.row > 0) {
+        let since = start_of_hold[row.trial][row.row - 1];
+        if held.is_none_or(|(trial, before, _)| (trial, before) != (row.trial, since)) {
+            held = Some((row.trial, since, row.time_s));
+            found.push(std::mem::take(&mut run));
+        }
+        if held.is_some_and(|(_, _, since_s)| row.time_s - since_s >= SETTLED_S) {
+            run.push(index);
+        }
+    }
+    found.push(run);
+    found.retain(|run| run.len() > 1);
+    found
+}
+
+/// For each command of a trial, the first of those before it that were the same, load and all.
+fn start_of_hold(trial: &TrialCommands) -> Vec<usize> {
+    let load = |k: usize| trial.tip_loads.as_ref().map(|loads| loads[k]);
+    let mut start_of_hold: Vec<usize> = Vec::with_capacity(trial.commands.len());
+    for k in 0..trial.commands.len() {
+        let goes_on = k > 0 && trial.commands.row(k) == trial.commands.row(k - 1) && load(k) == load(k - 1);
+        start_of_hold.push(if goes_on { start_of_hold[k - 1] } else { k });
+    }
+    start_of_hold
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Rows;
+    use crate::rod::TipLoad;
+
+    #[test]
+    fn a_load_that_changes_ends_a_rest_as_a_command_does_that_nobody_saw() {
+        let mut samples = Samples::alike(1, 30);
+        samples.trials[0].commands = Rows::new(1);
+        (1..30).for_each(|_| samples.trials[0].commands.push(&[1.0]));
+        assert_eq!(dwells(&samples).iter().map(Vec::len).collect::<Vec<_>>(), [24]);
+        let loads =
+            |k: usize| TipLoad { force_n: [f64::from(u8::from(k >= 15)), 0.0, 0.0].into(), ..TipLoad::default() };
+        let mut loaded = samples.clone();
+        loaded.trials[0].tip_loads = Some((0..29).map(loads).collect());
+        assert_eq!(dwells(&loaded).iter().map(Vec::len).collect::<Vec<_>>(), [10, 9]);
+        // Away and back again while the tracker saw nothing.
+        let mut away = samples;
+        away.trials[0].commands = Rows::new(1);
+        (1..30).for_each(|k| away.trials[0].commands.push(&[if k == 15 { 2.0 } else { 1.0 }]));
+        away.rows.retain(|row| !(14..17).contains(&row.row));
+        assert_eq!(dwells(&away).iter().map(Vec::len).collect::<Vec<_>>(), [8, 8]);
+    }
+}
