@@ -42,7 +42,7 @@ impl DoctorCommand {
         } else {
             println!("       nothing was moved; use --move to home the axes and pull each tendon by 6 mm");
         }
-        if wrong > 0 { Err(CommandError::Failed(format!("{wrong} checks failed"))) } else { Ok(()) }
+        if wrong > 0 { Err(CommandError::Failed(format!("failed checks: {wrong}"))) } else { Ok(()) }
     }
 }
 

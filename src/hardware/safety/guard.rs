@@ -1,6 +1,6 @@
 //! The state machine that holds and stops the robot (diagram in docs/hardware.md).
 //!
-//! It knows no device. [`Rig`](crate::hardware::rig::Rig) gives it [`SafetyInputs`] every 5 ms and executes the
+//! It knows no device. The rig gives it [`SafetyInputs`] every 5 ms and executes the
 //! [`SafetyAction`] that [`Guard::evaluate`] returns. Lost tracking arrives as a `hold_reason`: the robot is held at
 //! once, and stopped if it lasts for `hold_stop_s`.
 

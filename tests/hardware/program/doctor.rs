@@ -1,9 +1,9 @@
-//! What `doctor` says of a bench that is as it should be, and of one that is not.
+//! `doctor` on correct and on wrong hardware.
 
 use super::bench::{Bench, ROOT};
 
 #[test]
-fn a_bench_that_is_as_it_should_be() {
+fn correct_hardware_passes() {
     let bench = Bench::new();
     let plant = format!("{ROOT}/experiments/plants/rehearsal.yaml");
     let ended = bench.run(&format!("doctor --plant {plant} --move"));
@@ -16,7 +16,7 @@ fn a_bench_that_is_as_it_should_be() {
 }
 
 #[test]
-fn a_bench_that_is_not() {
+fn every_wrong_setting_is_reported() {
     let bench = Bench::new();
     bench.put_rehearsal("plant.yaml", "noise_m: 0.0002");
     let mut served = bench.serve("plant.yaml", "served.yaml");
@@ -27,7 +27,7 @@ fn a_bench_that_is_not() {
     };
     // A frame that is turned.
     changed("turned.yaml", "up_axis: Y", "up_axis: Z");
-    bench.run("doctor --plant turned.yaml").is(1, &["WRONG  tip: ", "from the model's home", "1 checks failed"]);
+    bench.run("doctor --plant turned.yaml").is(1, &["WRONG  tip: ", "from the model's home", "failed checks: 1"]);
     // A body of another name, a server that is not there, a port that is not there.
     changed("unnamed.yaml", "tip_body: tip", "tip_body: hand");
     bench.run("doctor --plant unnamed.yaml").is(1, &["error: ", "'hand'"]);
@@ -43,7 +43,7 @@ fn a_bench_that_is_not() {
     served.wish("set 21 0");
     bench
         .run("doctor --plant served.yaml")
-        .is(1, &["error: setting $21 (hard limits)", "found 0, expected a sum that includes 1"]);
+        .is(1, &["error: setting $21 (hard limits)", "found 0, expected a bit mask that includes 1"]);
     // Both devices are named when both are wrong.
     bench.put("both.yaml", &elsewhere);
     bench.run("doctor --plant both.yaml").is(1, &["error: setting $21 (hard limits)", "; and ", "127.0.0.9"]);
@@ -51,7 +51,7 @@ fn a_bench_that_is_not() {
 }
 
 #[test]
-fn only_a_robot_on_a_bench_has_a_doctor() {
+fn hardware_commands_refuse_other_plants() {
     let bench = Bench::new();
     bench.put("plant.yaml", "constant_curvature: {}\n");
     for command in ["doctor", "arm", "weigh --out out.csv", "align --move", "rehearse --out out.yaml"] {
