@@ -62,7 +62,7 @@ fn interrupted_by(signal: &str) {
     let collect = bench.start(COLLECT);
     in_the_second_trial(&bench, &served);
     collect.signal(signal);
-    collect.end().is(1, &["trial 1: robot stopped: somebody asked the program to end", "1 of 3 trials are kept"]);
+    collect.end().is(1, &["trial 1: robot stopped: the program was interrupted", "1 of 3 trials are kept"]);
     stands_within_the_last_tick(&was_held(&served));
     assert!(!bench.is_latched(), "an interrupt is no fault");
     goes_on(&bench);
@@ -119,7 +119,7 @@ fn a_pulled_cable_stops_until_somebody_has_looked() {
     // Plugged in again.
     let _served = bench.serve("plant.yaml", "served.yaml");
     bench.run(COLLECT).is(1, &["robot `robot` is stopped", "serial line to the controller lost"]);
-    bench.run("arm --plant served.yaml").is(0, &["armed: `robot` had been stopped"]);
+    bench.run("arm --plant served.yaml").is(0, &["armed: `robot` was stopped"]);
     bench.run("arm --plant served.yaml").is(0, &["`robot` was not stopped"]);
     goes_on(&bench);
     let log = bench.text("spinebench/robot.log");
