@@ -1,11 +1,12 @@
 //! The top of the page: the verdict in words, the gap in numbers, and the effects with their parameters.
 
 use super::format::{NONE, enumerate, millimetres, percent, times};
-use super::html::{Html, lines, list, table, tag, text, words};
+use super::html::{list, table};
 use super::page::section;
 use super::quantity::quantities;
-use super::{DiscoveryReport, EffectText};
+use super::{EffectText, DiscoveryReport};
 use crate::data::findings::{FoundEffect, Verdict};
+use maud::{Markup, html};
 
 /// The answer as a title.
 pub(super) fn title(report: &DiscoveryReport) -> String {
@@ -47,33 +48,26 @@ fn meaning(verdict: Verdict) -> &'static str {
 }
 
 /// Verdict, summary and the gap in numbers.
-pub(super) fn head(report: &DiscoveryReport) -> Html {
+pub(super) fn head(report: &DiscoveryReport) -> Markup {
     let findings = report.findings;
-    let badge = match findings.verdict {
-        Verdict::Named => "p class=\"badge named\"",
-        Verdict::Consistent => "p class=\"badge consistent\"",
-        Verdict::Ambiguous => "p class=\"badge ambiguous\"",
-        Verdict::Unexplained => "p class=\"badge unexplained\"",
-    };
-    let mut parts = vec![words(badge, format!("Verdict: {}", findings.verdict.name())), words("h1", title(report))];
-    if !findings.summary.is_empty() {
-        parts.push(words("p class=\"lead\"", &findings.summary));
+    let verdict = findings.verdict.name();
+    html! {
+        header {
+            p .badge .(verdict) { "Verdict: " (verdict) }
+            h1 { (title(report)) }
+            @if !findings.summary.is_empty() { p .lead { (findings.summary) } }
+            p { (meaning(findings.verdict)) }
+            @if !findings.summary.contains(&findings.pattern) { p { strong { "Pattern: " } (findings.pattern) } }
+            (tiles(report))
+        }
     }
-    parts.push(words("p", meaning(findings.verdict)));
-    if !findings.summary.contains(&findings.pattern) {
-        parts.push(tag("p", words("strong", "Pattern: ").and(text(&findings.pattern))));
-    }
-    parts.push(tiles(report));
-    tag("header", lines(parts))
 }
 
 /// The numbers that matter most.
-fn tiles(report: &DiscoveryReport) -> Html {
+fn tiles(report: &DiscoveryReport) -> Markup {
     let (gap, floor_m) = (&report.findings.gap, report.findings.noise_floor_m);
-    let tile = |name: &str, value: String, note: String| {
-        let inner = lines([words("dt", name), words("dd", value), words("dd class=\"note\"", note)]);
-        tag("div", inner)
-    };
+    let tile =
+        |name: &str, value: String, note: String| html! { div { dt { (name) } dd { (value) } dd .note { (note) } } };
     let over = |size_m: f64| match times(size_m, floor_m) {
         ratio if ratio == NONE => String::new(),
         ratio => format!("{ratio} the noise floor"),
@@ -103,7 +97,7 @@ fn tiles(report: &DiscoveryReport) -> Html {
         }
     };
     let metric = if gap.metric.is_empty() { String::new() } else { format!(" Error means {}.", gap.metric) };
-    lines([tag("dl class=\"tiles\"", lines(tiles)), words("p class=\"note\"", where_from + &metric)])
+    html! { dl .tiles { @for tile in tiles { (tile) } } p .note { (where_from) (metric) } }
 }
 
 /// Part of the squared error beyond noise that is gone; none where there was no more than noise.
@@ -114,59 +108,59 @@ pub(in crate::report) fn closed(before_m: f64, after_m: f64, floor_m: f64) -> Op
 }
 
 /// A card for each effect of the answer.
-pub(super) fn effects(report: &DiscoveryReport) -> Html {
+pub(super) fn effects(report: &DiscoveryReport) -> Markup {
     let found = &report.findings.effects;
     let heading = match (report.findings.verdict, found.len()) {
         (Verdict::Ambiguous, _) => "What it may be",
         (_, 1) => "What is missing",
         _ => "What is missing, together",
     };
-    section(heading, lines(found.iter().map(|effect| card(report, effect))))
+    section(heading, &html! { @for effect in found { (card(report, effect)) } })
 }
 
-fn card(report: &DiscoveryReport, effect: &FoundEffect) -> Html {
+fn card(report: &DiscoveryReport, effect: &FoundEffect) -> Markup {
     let known = report.text_of(&effect.name);
-    let name = words("code", &effect.name);
-    let title = match known.filter(|text| !text.missing.is_empty()) {
-        Some(known) => words("span", &known.missing).and(text(" ")).and(name),
-        None => name,
-    };
     let rows = quantities(effect).into_iter().map(|one| {
         let interval = if one.interval.is_empty() { NONE.to_owned() } else { one.interval };
-        vec![words("code", one.key), words("strong", one.value), text(interval)]
+        vec![html! { code { (one.key) } }, html! { strong { (one.value) } }, html! { (interval) }]
     });
-    let mut parts = vec![tag("h3", title), table(&["parameter", "value", "95 % interval"], rows.collect())];
-    parts.push(facts(effect, known));
-    tag("article", lines(parts))
+    html! {
+        article {
+            h3 {
+                @if let Some(known) = known.filter(|text| !text.missing.is_empty()) { span { (known.missing) } " " }
+                code { (effect.name) }
+            }
+            (table(&["parameter", "value", "95 % interval"], &rows.collect::<Vec<_>>()))
+            (facts(effect, known))
+        }
+    }
 }
 
 /// How sure, what else it could be, and what it means.
-fn facts(effect: &FoundEffect, known: Option<&EffectText>) -> Html {
-    let fact = |name: &str, words: Html| text(name).and(words);
+fn facts(effect: &FoundEffect, known: Option<&EffectText>) -> Markup {
     let mut facts = Vec::new();
     if effect.confidence.is_finite() {
-        facts.push(fact(
-            "Probability among the candidates that were fitted: ",
-            words("strong", percent(effect.confidence)),
-        ));
+        let share = percent(effect.confidence);
+        facts.push(html! { "Probability among the candidates that were fitted: " strong { (share) } });
     }
-    let rivals: Vec<Html> = effect.confusable_with.iter().map(|name| words("code", name)).collect();
-    let mut names = Html::default();
-    for (index, rival) in rivals.into_iter().enumerate() {
-        names = if index == 0 { rival } else { names.and(text(", ")).and(rival) };
-    }
-    if !names.is_empty() {
-        facts.push(fact("As far as these data tell it could also be ", names));
+    if !effect.confusable_with.is_empty() {
+        facts.push(html! {
+            "As far as these data tell it could also be "
+            @for (index, name) in effect.confusable_with.iter().enumerate() {
+                @if index > 0 { ", " }
+                code { (name) }
+            }
+        });
     }
     if let Some(known) = known {
         if !known.equation.is_empty() {
-            facts.push(fact("Equation: ", words("span class=\"equation\"", &known.equation)));
+            facts.push(html! { "Equation: " span .equation { (known.equation) } });
         }
         if !known.source.is_empty() {
-            facts.push(fact("Source: ", words("span", &known.source)));
+            facts.push(html! { "Source: " span { (known.source) } });
         }
     }
-    list(facts)
+    list(&facts)
 }
 
 #[cfg(test)]

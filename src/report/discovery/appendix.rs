@@ -2,9 +2,10 @@
 
 use super::DiscoveryReport;
 use super::format::{millimetres, number, times};
-use super::html::{Html, lines, list, table, tag, text, words};
+use super::html::{list, table};
 use super::model_diff::{DiffLine, compare};
 use super::page::section;
+use maud::{Markup, html};
 
 /// Candidates in the table; the others are in `candidates.csv`.
 const CANDIDATES: usize = 30;
@@ -12,22 +13,22 @@ const CANDIDATES: usize = 30;
 const CONTEXT: usize = 2;
 
 /// What else was considered, and why not.
-pub(crate) fn candidates(report: &DiscoveryReport) -> Html {
+pub(crate) fn candidates(report: &DiscoveryReport) -> Markup {
     let (candidates, floor_m) = (&report.findings.candidates, report.findings.noise_floor_m);
     let rows = candidates.iter().take(CANDIDATES).map(|one| {
-        let why = if one.why_not.is_empty() { words("strong", "the answer") } else { text(&one.why_not) };
+        let why = html! { @if one.why_not.is_empty() { strong { "the answer" } } @else { (one.why_not) } };
         // Without one of the trials the others do not pin it down.
         let hangs = one.after_m > report.findings.gap.before_m;
         let [error, over] = match hangs {
             true => ["hangs on single trials".to_owned(), String::new()],
             false => [millimetres(one.after_m), times(one.after_m, floor_m)],
         };
-        let numbers = [score(one.score), error, over].map(text);
-        std::iter::once(words("code", &one.name)).chain(numbers).chain([why]).collect::<Vec<Html>>()
+        let numbers = [score(one.score), error, over].map(|number| html! { (number) });
+        std::iter::once(html! { code { (one.name) } }).chain(numbers).chain([why]).collect()
     });
-    let rows: Vec<Vec<Html>> = rows.collect();
+    let rows: Vec<Vec<Markup>> = rows.collect();
     if rows.is_empty() {
-        return Html::default();
+        return Markup::default();
     }
     let more = candidates.len().saturating_sub(CANDIDATES);
     let beyond = if more > 0 { format!(" {more} more stand in candidates.csv.") } else { String::new() };
@@ -39,7 +40,7 @@ pub(crate) fn candidates(report: &DiscoveryReport) -> Html {
          proof, may err by more."
     );
     let header = ["candidate", "score", "error", "over the floor", "why not"];
-    section("What else was considered", lines([table(&header, rows), words("p class=\"note\"", note + &beyond)]))
+    section("What else was considered", &html! { (table(&header, &rows)) p .note { (note) (beyond) } })
 }
 
 /// A score; what is close to a threshold is shown with a decimal.
@@ -48,41 +49,40 @@ fn score(score: f64) -> String {
 }
 
 /// What to record next.
-pub(crate) fn next(report: &DiscoveryReport) -> Html {
+pub(crate) fn next(report: &DiscoveryReport) -> Markup {
     let findings = report.findings;
     let rows = findings.proposals.iter().map(|one| {
         vec![
-            text(one.name.replace('_', " ")),
-            text(&one.what),
-            text(number(one.minutes, 2)),
-            text(number(one.separation, 2)),
-            words("code", &one.file),
+            html! { (one.name.replace('_', " ")) },
+            html! { (one.what) },
+            html! { (number(one.minutes, 2)) },
+            html! { (number(one.separation, 2)) },
+            html! { code { (one.file) } },
         ]
     });
     let header = ["recording", "what to do", "minutes", "separation (σ)", "commands"];
-    let proposals = table(&header, rows.collect());
+    let proposals = table(&header, &rows.collect::<Vec<_>>());
     let note = "Separation: how far apart the two rivals that are hardest to tell would be, in standard deviations of \
                 the noise, after each has been fitted again.";
-    let note = if proposals.is_empty() { Html::default() } else { words("p class=\"note\"", note) };
-    let advice = match findings.next_measurement.as_str() {
-        "" => Html::default(),
-        advice => words("p", advice),
+    let content = html! {
+        @if !findings.next_measurement.is_empty() { p { (findings.next_measurement) } }
+        (proposals)
+        @if !proposals.0.is_empty() { p .note { (note) } }
     };
-    section("What to record next", lines([advice, proposals, note]))
+    section("What to record next", &content)
 }
 
 /// What these data could not show.
-pub(crate) fn limitations(report: &DiscoveryReport) -> Html {
-    section("Limitations", list(report.findings.limitations.iter().map(text)))
+pub(crate) fn limitations(report: &DiscoveryReport) -> Markup {
+    section("Limitations", &list(&report.findings.limitations))
 }
 
 /// The lines of the model that are new.
-pub(crate) fn model(report: &DiscoveryReport) -> Html {
+pub(crate) fn model(report: &DiscoveryReport) -> Markup {
     let lines_ = compare(report.model_before, report.model_after);
     let changed = |line: &DiffLine| !matches!(line, DiffLine::Kept(_));
     if !lines_.iter().any(changed) {
-        let words_ = "Nothing was added: model.yaml is the model as given.";
-        return section("The model", words("p", words_));
+        return section("The model", &html! { p { "Nothing was added: model.yaml is the model as given." } });
     }
     let near = |at: usize| {
         let [from, to] = [at.saturating_sub(CONTEXT), (at + CONTEXT + 1).min(lines_.len())];
@@ -96,14 +96,15 @@ pub(crate) fn model(report: &DiscoveryReport) -> Html {
             continue;
         }
         if std::mem::take(&mut left_out) {
-            shown.push(words("span class=\"kept\"", "  …"));
+            shown.push(html! { span .kept { "  …" } });
         }
         shown.push(match line {
-            DiffLine::Kept(line) => words("span class=\"kept\"", format!("  {line}")),
-            DiffLine::Added(line) => words("ins", format!("+ {line}")),
-            DiffLine::Removed(line) => words("del", format!("- {line}")),
+            DiffLine::Kept(line) => html! { span .kept { "  " (line) } },
+            DiffLine::Added(line) => html! { ins { "+ " (line) } },
+            DiffLine::Removed(line) => html! { del { "- " (line) } },
         });
     }
-    let words_ = "What was added (+) to the model; the whole of it is model.yaml, which can be simulated as it is.";
-    section("The model", lines([words("p", words_), tag("pre", lines(shown))]))
+    let note = "What was added (+) to the model; the whole of it is model.yaml, which can be simulated as it is.";
+    let diff = html! { @for (index, line) in shown.iter().enumerate() { @if index > 0 { "\n" } (line) } };
+    section("The model", &html! { p { (note) } pre { (diff) } })
 }

@@ -3,40 +3,44 @@
 use super::DiscoveryReport;
 use super::answer::closed;
 use super::format::{NONE, enumerate, millimetres, number, percent, probability, times};
-use super::html::{Html, lines, table, text, words};
+use super::html::table;
 use super::page::{captioned, section};
 use super::residuals::{AXES, after_m, before_m, held_out};
 use super::scale::SIGNIFICANT;
 use crate::data::findings::{Findings, MissingTest, ResidualRow, Verdict};
 use crate::math::summary::root_mean_square;
+use maud::{Markup, html};
 
 /// Rows of a table; the rest is in the files beside the page.
 const MOST: usize = 12;
 
 /// Where they disagree.
-pub(super) fn place(report: &DiscoveryReport, map: Html) -> Html {
+pub(super) fn place(report: &DiscoveryReport, map: &Markup) -> Markup {
     let findings = report.findings;
     let caption = "Each number is the root mean square of measured minus model at that place, along that axis, over \
                    what noise alone would give there: 1 is noise. The views show the robot’s workspace, its length \
                    (z) to the right.";
     let rows = findings.disagreement.iter().take(MOST).map(|place| {
         let p = probability(place.p_value);
-        let p = if place.p_value < SIGNIFICANT { words("strong", p) } else { text(p) };
         vec![
-            text(&place.place),
-            text(if place.axis == "all" { "distance" } else { &place.axis }),
-            text(millimetres(place.rms_m)),
-            text(times(place.rms_m, floor_m(findings, &place.axis))),
-            text(percent(place.share)),
-            p,
+            html! { (place.place) },
+            html! { @if place.axis == "all" { "distance" } @else { (place.axis) } },
+            html! { (millimetres(place.rms_m)) },
+            html! { (times(place.rms_m, floor_m(findings, &place.axis))) },
+            html! { (percent(place.share)) },
+            html! { @if place.p_value < SIGNIFICANT { strong { (p) } } @else { (p) } },
         ]
     });
     let header = ["place", "axis", "residual, rms", "over the floor", "share of all squares", "p"];
-    let places = table(&header, rows.collect());
+    let places = table(&header, &rows.collect::<Vec<_>>());
     let note = "p: the probability of as much by noise alone, corrected for the number of places looked at.";
-    let note = if places.is_empty() { Html::default() } else { words("p class=\"note\"", note) };
-    let content = lines([captioned(map, caption), places, note]);
-    section("Where they disagree", lines([content, noise(report)]))
+    let content = html! {
+        (captioned(map, caption))
+        (places)
+        @if !places.0.is_empty() { p .note { (note) } }
+        (noise(report))
+    };
+    section("Where they disagree", &content)
 }
 
 /// What noise alone makes along this axis, or of the distance.
@@ -48,43 +52,43 @@ fn floor_m(findings: &Findings, axis: &str) -> f64 {
 }
 
 /// What was taken for noise.
-fn noise(report: &DiscoveryReport) -> Html {
+fn noise(report: &DiscoveryReport) -> Markup {
     let noise = &report.findings.noise;
     let sizes: Vec<String> = noise.sigma_m.iter().map(|sigma| number(1e3 * sigma, 2)).collect();
     let from = if noise.from.is_empty() { String::new() } else { format!(", estimated from {}", noise.from) };
-    let words_ = format!(
+    let note = format!(
         "Noise: standard deviation {} mm along x, y and z, correlation {} from one sample to the next{from}.",
         enumerate(&sizes, "and"),
         number(noise.correlation, 2),
     );
-    words("p class=\"note\"", words_)
+    html! { p .note { (note) } }
 }
 
 /// Gap, residuals, the test for more, and each held-out trial.
-pub(super) fn proof(report: &DiscoveryReport, gap: Html, residuals: Html) -> Html {
+pub(super) fn proof(report: &DiscoveryReport, gap: &Markup, residuals: &Markup) -> Markup {
     let bars = "Root mean square distance of the tip from the model’s. Dashed: what noise alone makes.";
     let curves = "Measured minus model on trials that took no part in naming or fitting.";
     let heading = if report.changed() { "Proof" } else { "How large it is" };
-    let parts = [captioned(gap, bars), captioned(residuals, curves), trials(report), missing(report)];
-    section(heading, lines(parts))
+    let content = html! { (captioned(gap, bars)) (captioned(residuals, curves)) (trials(report)) (missing(report)) };
+    section(heading, &content)
 }
 
 /// A row for each held-out trial.
-fn trials(report: &DiscoveryReport) -> Html {
+fn trials(report: &DiscoveryReport) -> Markup {
     let held_out = held_out(report.residuals);
     let floor_m = report.findings.noise_floor_m;
     let changed = report.changed();
     let rows = held_out.iter().map(|(trial, rows)| {
         let (before, after) = (rms_m(rows, before_m), rms_m(rows, after_m));
-        let mut cells = vec![text(trial.to_string()), text(rows.len().to_string()), text(millimetres(before))];
+        let mut cells = vec![trial.to_string(), rows.len().to_string(), millimetres(before)];
         if changed {
             let share = closed(before, after, floor_m).map_or_else(|| NONE.to_owned(), percent);
-            cells.extend([millimetres(after), times(after, floor_m), share].map(text));
+            cells.extend([millimetres(after), times(after, floor_m), share]);
         }
-        cells
+        cells.iter().map(|cell| html! { (cell) }).collect()
     });
     let header = ["held-out trial", "samples", "before", "after", "after over the floor", "gap closed"];
-    table(&header[..if changed { 6 } else { 3 }], rows.collect())
+    table(&header[..if changed { 6 } else { 3 }], &rows.collect::<Vec<_>>())
 }
 
 /// Root mean square of the distance; samples without one are left out.
@@ -94,16 +98,16 @@ fn rms_m(rows: &[&ResidualRow], residual: fn(&ResidualRow) -> [f64; 3]) -> f64 {
 }
 
 /// Is anything missing, before and after?
-fn missing(report: &DiscoveryReport) -> Html {
+fn missing(report: &DiscoveryReport) -> Markup {
     let row = |name: &str, test: &MissingTest, more: bool| {
         let verdict = match test.p_value {
             p if !p.is_finite() => NONE,
             _ if more => "yes",
             _ => "no sign of it",
         };
-        let sizes = [millimetres(test.rms_m), millimetres(test.foretold_m), probability(test.p_value)].map(text);
-        let cells = std::iter::once(text(name)).chain(sizes).chain([words("strong", verdict)]);
-        cells.collect::<Vec<Html>>()
+        let sizes = [millimetres(test.rms_m), millimetres(test.foretold_m), probability(test.p_value)];
+        let cells = std::iter::once(name.to_owned()).chain(sizes).map(|cell| html! { (cell) });
+        cells.chain([html! { strong { (verdict) } }]).collect::<Vec<Markup>>()
     };
     // More tests than this one decide, and how much it would be: the verdict has them all.
     let verdict = report.findings.verdict;
@@ -115,9 +119,9 @@ fn missing(report: &DiscoveryReport) -> Html {
     if report.changed() {
         rows.push(row("with the effects", &report.findings.missing_after, verdict == Verdict::Unexplained));
     }
-    let words_ = "Is anything missing? If the residual were noise, other trials could predict none of it. Five more tests \
+    let question = "Is anything missing? If the residual were noise, other trials could predict none of it. Five more tests \
                   ask about scatter, trials that differ, means, many small effects together, and whether more is left where \
                   the effects do more; the last column has the verdict of all.";
     let header = ["model", "residual, rms", "predicted by other trials", "p", "more to find?"];
-    lines([words("p", words_), table(&header, rows)])
+    html! { p { (question) } (table(&header, &rows)) }
 }

@@ -1,10 +1,11 @@
 //! `report.html`: one self-contained page for somebody who has not read the code. No script, no link, nothing fetched.
 
 use super::super::style::PAGE_WIDTH;
-use super::html::{Html, lines, tag, text, words};
+use super::html::drawing;
 use super::{DRAWINGS, DiscoveryReport, answer, appendix, evidence};
 use crate::report::ReportError;
 use crate::report::drawing::paint;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 const CSS: &str = include_str!("page.css");
 /// Width of the figures on a telephone, hundredths of an inch.
@@ -15,47 +16,59 @@ const NARROW: f64 = 372.0;
 /// # Errors
 /// [`ReportError::Draw`] when a figure cannot be painted.
 pub(super) fn page(report: &DiscoveryReport) -> Result<String, ReportError> {
-    let parts = [
-        answer::head(report),
-        answer::effects(report),
-        evidence::place(report, figure(report, "map")?),
-        evidence::proof(report, figure(report, "gap")?, figure(report, "residuals")?),
-        appendix::candidates(report),
-        appendix::next(report),
-        appendix::limitations(report),
-        appendix::model(report),
-    ];
-    let title = answer::title(report);
-    let body = tag("main", lines(parts));
-    Ok(format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta name=\"color-scheme\" content=\"light dark\">\n{}\n<style>\n{CSS}</style>\n</head>\n\
-         <body>\n{}\n</body>\n</html>\n",
-        words("title", title).as_str(),
-        body.as_str()
-    ))
+    let [map, gap, residuals] = [figure(report, "map")?, figure(report, "gap")?, figure(report, "residuals")?];
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                title { (answer::title(report)) }
+                style { (PreEscaped(CSS)) }
+            }
+            body {
+                main {
+                    (answer::head(report))
+                    (answer::effects(report))
+                    (evidence::place(report, &map))
+                    (evidence::proof(report, &gap, &residuals))
+                    (appendix::candidates(report))
+                    (appendix::next(report))
+                    (appendix::limitations(report))
+                    (appendix::model(report))
+                }
+            }
+        }
+    };
+    Ok(page.into_string().replace(is_control, "\u{fffd}") + "\n")
+}
+
+/// Control characters have no place in a page.
+fn is_control(letter: char) -> bool {
+    letter.is_control() && letter != '\n' && letter != '\t'
 }
 
 /// A section; nothing where it has no content.
-pub(super) fn section(heading: &str, content: Html) -> Html {
-    if content.is_empty() { content } else { tag("section", words("h2", heading).and(content)) }
+pub(super) fn section(heading: &str, content: &Markup) -> Markup {
+    html! { @if !content.0.is_empty() { section { h2 { (heading) } (content) } } }
 }
 
 /// A figure at the widths of a page and of a telephone, of which the page shows the one that fits.
-fn figure(report: &DiscoveryReport, name: &'static str) -> Result<Html, ReportError> {
+fn figure(report: &DiscoveryReport, name: &'static str) -> Result<Markup, ReportError> {
     let failed = |error: paint::PaintError| ReportError::Draw { figure: name, reason: error.to_string() };
-    let Some((_, draw)) = DRAWINGS.iter().find(|(known, _)| *known == name) else { return Ok(Html::default()) };
-    let mut both = Html::default();
-    for (class, width) in [("wide", PAGE_WIDTH), ("narrow", NARROW)] {
-        if let Some(canvas) = draw(report, width) {
-            both = both.and(Html::drawing(&paint::svg(&canvas).map_err(failed)?, class, name));
+    let mut both = Markup::default();
+    for (_, draw) in DRAWINGS.iter().filter(|(known, _)| *known == name) {
+        for (class, width) in [("wide", PAGE_WIDTH), ("narrow", NARROW)] {
+            if let Some(canvas) = draw(report, width) {
+                both.0 += &drawing(&paint::svg(&canvas).map_err(failed)?, class, name).0;
+            }
         }
     }
     Ok(both)
 }
 
 /// A figure with its caption; nothing for no figure.
-pub(super) fn captioned(figure: Html, caption: &str) -> Html {
-    if figure.is_empty() { figure } else { tag("figure", figure.and(tag("figcaption", text(caption)))) }
+pub(super) fn captioned(figure: &Markup, caption: &str) -> Markup {
+    html! { @if !figure.0.is_empty() { figure { (figure) figcaption { (caption) } } } }
 }
