@@ -1,4 +1,4 @@
-//! The command line: arguments in, exit status out. What the commands do is in `cli`.
+//! The command line: arguments in, exit status out. The commands are in `cli`.
 
 mod cli;
 

@@ -1,5 +1,5 @@
-//! Calibration of a model from a recording (paper, section III-B: Young's modulus from weights hung on tendons and the
-//! tracked tip, Poisson's ratio held).
+//! Calibration of a model from a recording (paper, section III-B: Young's modulus from known tendon tensions and the
+//! tracked tip, with Poisson's ratio fixed).
 
 use nalgebra::DMatrix;
 
@@ -10,17 +10,17 @@ use crate::math::optimise::least_squares;
 use crate::rod::TipRate;
 use crate::tasks::{RecordingWithRates, SimulationOptions, TaskError, simulate_recording, simulate_with_rates};
 
-/// A number of a robot that can be calibrated; all are positive and fitted on a logarithmic scale.
+/// A parameter of a robot that can be calibrated; all are positive and fitted on a logarithmic scale.
 pub struct CalibrationParameter {
     /// Its name: the key in the model file.
     pub name: &'static str,
-    /// Where it stands in a model file.
+    /// Its path in a model file.
     path: &'static str,
-    /// The same in a robot.
+    /// Its field of a robot.
     field: fn(&mut Robot) -> &mut f64,
 }
 
-/// Everything that `--fit` can name.
+/// The parameters that `--fit` accepts.
 pub static CALIBRATION_PARAMETERS: &[CalibrationParameter] = &[
     CalibrationParameter {
         name: "youngs_modulus_pa",
@@ -50,14 +50,14 @@ pub static CALIBRATION_PARAMETERS: &[CalibrationParameter] = &[
     },
 ];
 
-/// A number that moves no tip by more than [`TIP_ACCURACY_M`] when it changes by this share is not seen.
+/// A parameter that moves no tip by more than [`TIP_ACCURACY_M`] when it changes by this share is not observable.
 const SEEN_SHARE: f64 = 1e-3;
-/// Accuracy of a played tip, metres: the rod's tolerance.
+/// Accuracy of a simulated tip, metres: the rod's tolerance.
 const TIP_ACCURACY_M: f64 = 1e-8;
-/// Change of a number, over its scale, for differences of whole trials.
+/// Relative change of a parameter for finite differences of whole trials.
 const TRIAL_STEP: f64 = 1e-3;
 
-/// One calibrated number.
+/// One calibrated parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibratedValue {
     /// Its name.
@@ -68,27 +68,27 @@ pub struct CalibratedValue {
     pub interval_95: [f64; 2],
 }
 
-/// What a calibration found.
+/// The result of a calibration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
     /// The model with the best values.
     pub model: Model,
-    /// What was fitted.
+    /// The fitted parameters.
     pub numbers: Vec<CalibratedValue>,
-    /// Root mean square distance of the tip from the measured one before, metres.
+    /// Root mean square distance between simulated and measured tip before the fit, metres.
     pub before_m: f64,
-    /// The same after, metres.
+    /// The same after the fit, metres.
     pub after_m: f64,
-    /// Rows that were compared.
+    /// Number of compared rows.
     pub rows: usize,
 }
 
-/// Fits the numbers called `names` so that the played commands of `measured` bring the tip where it was measured. Rows
-/// without tracking are left out. `at_rest`: each row is a pose at rest.
+/// Fits the parameters `names` so that the simulated tip of `measured` agrees with the measured one. Rows without tracking
+/// are left out. `at_rest`: each row is a pose at rest.
 ///
 /// # Errors
-/// [`TaskError`] for an unknown name, a number that is zero in the model, too few rows, or a model that cannot play
-/// the commands.
+/// [`TaskError`] for an unknown name, a parameter that is zero in the model, too few rows, or commands that the model
+/// cannot simulate.
 pub fn calibrate(
     model: &Model,
     measured: &Recording,
@@ -110,7 +110,7 @@ pub fn calibrate(
             return Err(TaskError::Repeated(field.name));
         }
     }
-    // Logarithms of what the values are multiplied by: a number that is not seen stays as it is to the last digit.
+    // Logarithms of the factors of the values: a parameter that is not observable keeps its value exactly.
     let start = vec![0.0; fields.len()];
     let with = |logs: &[f64]| {
         let mut candidate = model.clone();
@@ -122,26 +122,26 @@ pub fn calibrate(
     let options = SimulationOptions { at_rest, ..SimulationOptions::default() };
     let residuals = |logs: &[f64]| {
         let candidate = with(logs);
-        // A step may leave the range of a number, or of two together (sections longer than the backbone).
+        // A step may leave the range of a parameter, or of two together (sections longer than the backbone).
         candidate.check().ok()?;
-        let played = simulate_recording(&candidate, measured, &options).tip_m?;
+        let simulated = simulate_recording(&candidate, measured, &options).tip_m?;
         let all: Vec<f64> = rows
             .iter()
             .flat_map(|&row| (0..3).map(move |axis| (row, axis)))
-            .map(|(r, a)| played[r][a] - tips[r][a])
+            .map(|(r, a)| simulated[r][a] - tips[r][a])
             .collect();
         all.iter().all(|value| value.is_finite()).then_some(all)
     };
     let per_row = |all: &[f64]| (all.iter().map(|r| r * r).sum::<f64>() / rows.len() as f64).sqrt();
-    let unplayable = TaskError::NotFinite("the model cannot play these commands");
-    let before_m = per_row(&residuals(&start).ok_or_else(|| unplayable.clone())?);
+    let not_simulated = TaskError::NotFinite("the model cannot simulate these commands");
+    let before_m = per_row(&residuals(&start).ok_or_else(|| not_simulated.clone())?);
     let derivative = |logs: &[f64]| {
         let rates = tip_rates(&with(logs), measured, &options, &fields)?;
         let slope = |row: usize, k: usize| rates[k][rows[row / 3]][row % 3] * values[k] * logs[k].exp();
         let jacobian = DMatrix::from_fn(3 * rows.len(), fields.len(), slope);
         Some(least_squares::unseen_left_out(jacobian, SEEN_SHARE, TIP_ACCURACY_M))
     };
-    let fit = least_squares::fit(&residuals, &derivative, &start).ok_or_else(|| unplayable.clone())?;
+    let fit = least_squares::fit(&residuals, &derivative, &start).ok_or_else(|| not_simulated.clone())?;
     let numbers = (0..fields.len()).map(|k| CalibratedValue {
         name: fields[k].name,
         value: values[k] * fit.parameters[k].exp(),
@@ -150,14 +150,14 @@ pub fn calibrate(
     Ok(Calibration {
         numbers: numbers.collect(),
         before_m,
-        after_m: per_row(&residuals(&fit.parameters).ok_or(unplayable)?),
+        after_m: per_row(&residuals(&fit.parameters).ok_or(not_simulated)?),
         rows: rows.len(),
         model: with(&fit.parameters),
     })
 }
 
-/// For each number: derivative of the tip in each row, metres per unit of the number. `None` when the model cannot play
-/// the commands.
+/// For each parameter, the derivative of the tip in each row, metres per unit of the parameter. `None` when the model cannot
+/// simulate the commands.
 fn tip_rates(
     model: &Model,
     commands: &Recording,
@@ -168,16 +168,16 @@ fn tip_rates(
     let parameters: Vec<ModelParameter> = fields.iter().map(parameter).collect::<Result<_, _>>().ok()?;
     let variables: Vec<Variable> = parameters.iter().cloned().map(Variable::Parameter).collect();
     let RecordingWithRates { rates, left_out, .. } = simulate_with_rates(model, commands, options, &variables).ok()?;
-    let played = |candidate: &Model| -> Result<Vec<Point3>, VariationError> {
+    let simulated = |candidate: &Model| -> Result<Vec<Point3>, VariationError> {
         Ok(simulate_recording(candidate, commands, options).tip_m.unwrap_or_default())
     };
     let mut columns = Vec::new();
     for (k, parameter) in parameters.iter().enumerate() {
         if left_out.contains(&k) {
-            columns.push(parameter.differences(model, TRIAL_STEP, &played).ok()?);
+            columns.push(parameter.differences(model, TRIAL_STEP, &simulated).ok()?);
         } else {
             let column = k - left_out.iter().filter(|&&other| other < k).count();
-            // Rows that were not solved have no derivative; they are not compared either.
+            // Rows without a solution have no derivative and are not compared.
             let rate = |row: &Vec<TipRate>| row.get(column).map_or([f64::NAN; 3], |rate| rate.position_m.into());
             columns.push(rates.iter().map(rate).collect());
         }

@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::time::Duration;
 
-/// What results of stages are stored, how much room they take, whether they are good; takes out what is of no use.
+/// List, measure, check and prune the stored results of stages.
 #[derive(Args)]
 pub(super) struct CacheCommand {
     #[command(subcommand)]
@@ -21,22 +21,22 @@ pub(super) struct CacheCommand {
 
 #[derive(Subcommand)]
 enum CacheAction {
-    /// Every entry: kind of stage, key, size, age, whether the present code reads it, which of its kind it is.
+    /// List every entry: kind of stage, key, size, age, whether the present code reads it, label.
     List {
-        /// Only this kind of stage.
+        /// List only this kind of stage.
         #[arg(long, value_name = "STAGE")]
         stage: Option<String>,
     },
-    /// Entries and bytes by kind of stage.
+    /// Print the number and size of entries by kind of stage.
     Size,
-    /// Reads every entry and checks it; exit status 1 when one is damaged.
+    /// Read and check every entry; exit with status 1 when one is damaged.
     Verify,
-    /// Takes out what is damaged, what other code has computed and what dead processes left behind.
+    /// Remove damaged entries, entries that other code computed, and unfinished files of dead processes.
     Prune {
-        /// Takes out entries that were written longer ago than this, too.
+        /// Also remove entries older than this many days.
         #[arg(long, value_name = "DAYS")]
         older_than: Option<f64>,
-        /// Says what it would take out and takes out nothing.
+        /// Print what would be removed, and remove nothing.
         #[arg(long)]
         dry_run: bool,
     },
@@ -61,7 +61,7 @@ impl CacheCommand {
             CacheAction::Verify => verify(&store, &entries, &mut text),
             CacheAction::Prune { older_than, dry_run } => prune(&store, &entries, *older_than, *dry_run, &mut text),
         };
-        // A reader that has seen enough closes the pipe: no error.
+        // A reader may close the pipe early; that is no error.
         let _ = std::io::stdout().write_all(text.as_bytes());
         outcome
     }
@@ -108,7 +108,7 @@ fn verify(store: &Store, entries: &[StoredEntry], text: &mut String) -> CommandR
     let _ = writeln!(text, "{good} good, {} damaged", damaged.len());
     match damaged.len() {
         0 => Ok(()),
-        count => Err(CommandError::Failed(format!("{count} entries are damaged; a run computes them again"))),
+        count => Err(CommandError::Failed(format!("{count} entries are damaged; the next run recomputes them"))),
     }
 }
 
@@ -135,7 +135,7 @@ fn prune(
         left.iter().try_for_each(|(path, _)| std::fs::remove_file(path)).map_err(CommandError::failed)?;
     }
     let (entries, leftovers, megabytes) = (useless.len(), left.len(), megabytes(bytes));
-    let verb = if dry_run { "would take out" } else { "took out" };
+    let verb = if dry_run { "would remove" } else { "removed" };
     let _ = writeln!(text, "{verb} {entries} entries and {leftovers} unfinished files, {megabytes:.3} MB");
     Ok(())
 }
@@ -144,7 +144,7 @@ fn days(age: Duration) -> f64 {
     age.as_secs_f64() / 86_400.0
 }
 
-#[allow(clippy::cast_precision_loss)] // a size for a person
+#[allow(clippy::cast_precision_loss)] // a size for display
 fn megabytes(bytes: u64) -> f64 {
     bytes as f64 / 1e6
 }

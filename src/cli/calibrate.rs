@@ -9,22 +9,22 @@ use spinebench::specs::{model_text, read_model};
 use spinebench::tasks::TaskError;
 use std::path::PathBuf;
 
-/// Fits Young's modulus (and what --fit names) to a recording.
+/// Fit Young's modulus (and what --fit names) to a recording.
 #[derive(Args)]
 pub(super) struct CalibrateCommand {
     /// Model to start from.
     #[arg(long, value_name = "MODEL.yaml")]
     model: PathBuf,
-    /// Recording of the robot: weights hung on tendons (`tendon_1_n`…) or lengths (`tendon_1_m`…), and the tip.
+    /// Recording of the robot: tendon tensions (`tendon_1_n`…) or displacements (`tendon_1_m`…), and the tip.
     #[arg(long, value_name = "REC.csv")]
     measured: PathBuf,
     /// Model to write.
     #[arg(long, value_name = "MODEL2.yaml")]
     out: PathBuf,
-    /// Numbers to fit, separated by commas.
+    /// Parameters to fit (comma-separated).
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', default_value = "youngs_modulus_pa", value_parser = names())]
     fit: Vec<String>,
-    /// Every row of the recording is a pose at rest.
+    /// Treat every row of the recording as a pose at rest.
     #[arg(long = "static")]
     at_rest: bool,
 }

@@ -5,20 +5,20 @@ use clap::{Args, CommandFactory};
 use clap_complete::{Shell, generate};
 use std::io::Write as _;
 
-/// Prints a script that completes this program's commands and options in a shell.
+/// Print a shell script that completes the commands and options of this program.
 #[derive(Args)]
 pub(super) struct CompletionsCommand {
-    /// The shell.
+    /// Shell to write the script for.
     #[arg(value_enum)]
     shell: Shell,
 }
 
 impl CompletionsCommand {
-    #[allow(clippy::unnecessary_wraps)] // as every command
+    #[allow(clippy::unnecessary_wraps)] // the signature of every command
     pub(super) fn execute(self) -> CommandResult {
         let mut script = Vec::new();
         generate(self.shell, &mut Arguments::command(), "spinebench", &mut script);
-        // A reader that has seen enough closes the pipe: no error.
+        // A reader may close the pipe early; that is no error.
         let _ = std::io::stdout().write_all(&script);
         Ok(())
     }

@@ -6,10 +6,10 @@ use spinebench::effects::{CATALOGUE, Card};
 use std::fmt::Write as _;
 use std::io::Write as _;
 
-/// Prints the catalogue: each effect, its parameters with units, equation, source, what it is confused with.
+/// Print the catalogue: each effect with its parameters and units, equation, source, and the effects it is confused with.
 #[derive(Args)]
 pub(super) struct EffectsCommand {
-    /// One effect; all when left out.
+    /// Print only this effect.
     name: Option<String>,
 }
 
@@ -26,7 +26,7 @@ impl EffectsCommand {
                 describe(card, &mut text);
             }
         }
-        // A reader that has seen enough closes the pipe: no error.
+        // A reader may close the pipe early; that is no error.
         let _ = std::io::stdout().write_all(text.as_bytes());
         Ok(())
     }

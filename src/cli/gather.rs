@@ -7,14 +7,14 @@ use spinebench::runner::{self, MergeError};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// Joins repetitions of one experiment that machines without a common store have run (`--set first_seed=N`): tables,
-/// claims and figures of all of them. Of one folder alone, claims and figures are made again from its tables.
+/// Merge repetitions of one experiment that were run on machines without a common store (`--set first_seed=N`), and write
+/// tables, claims and figures of all of them. For a single folder, write its claims and figures again from its tables.
 #[derive(Args)]
 pub(super) struct GatherCommand {
-    /// The experiment's folder under `results/`, of each machine.
+    /// Folder of the experiment under `results/`, one for each machine.
     #[arg(required = true, value_name = "RESULTS/EXPERIMENT")]
     parts: Vec<PathBuf>,
-    /// Folder for `results/` and `plots/`.
+    /// Folder to write `results/` and `plots/` in.
     #[arg(long, value_name = "DIR", default_value = ".")]
     out: PathBuf,
 }

@@ -6,7 +6,7 @@ use spinebench::data::import::motive::{Body, Export};
 use spinebench::data::import::{Axes, ImportOptions, Imported, Log, TipFrame, import};
 use std::path::PathBuf;
 
-/// Joins a tracking system's own export with a log of commands to a recording.
+/// Import a tracking system's export and a log of commands as a recording.
 #[derive(Args)]
 pub(super) struct ImportCommand {
     #[command(subcommand)]
@@ -18,18 +18,18 @@ enum From {
     Motive(Motive),
 }
 
-/// OptiTrack Motive's CSV export (format versions 1.2x) with the poses of two rigid bodies, one on the robot's base and
-/// one on its tip.
+/// Import OptiTrack Motive's CSV export (format versions 1.2x) with the poses of two rigid bodies, one on the robot's base
+/// and one on its tip.
 ///
-/// The tip is given from the base body's pivot and interpolated at the times of the commands; rows without tracking have
-/// valid = 0. The log says when it was in the export: by a column export_time_s (the export's time at each row), or by
-/// --offset-s.
+/// The tip is expressed relative to the base body's pivot and interpolated at the times of the commands; rows without
+/// tracking get valid = 0. The log is placed on the export's clock by a column export_time_s (the export's time at each
+/// row) or by --offset-s.
 #[derive(Args)]
 struct Motive {
-    /// Export, with its header and rigid bodies, orientations as quaternions (or Euler angles XYZ).
+    /// Export with header and rigid bodies, orientations as quaternions or Euler angles XYZ.
     #[arg(value_name = "EXPORT.csv")]
     export: PathBuf,
-    /// Commands: a recording, whose tip columns may be missing; CSV or Parquet.
+    /// Commands: a recording, with or without tip columns; CSV or Parquet.
     #[arg(long, value_name = "LOG.csv")]
     commands: PathBuf,
     /// Recording to write; CSV or Parquet.
@@ -41,30 +41,30 @@ struct Motive {
     /// Rigid body on the tip [default: `tip`, or the only one whose name begins so].
     #[arg(long, value_name = "NAME")]
     tip: Option<String>,
-    /// Export time at which each trial began, seconds: one number a trial; or, for a log with a column wall_time_s (one
-    /// clock for all trials), that of the first row.
+    /// Export time at which each trial began, seconds, one number per trial. For a log with a column wall_time_s (one clock
+    /// for all trials): the export time of the first row.
     #[arg(long, value_name = "S[,S…]", value_delimiter = ',', allow_hyphen_values = true, value_parser = seconds)]
     offset_s: Vec<f64>,
-    /// Our axes (x up, z along the straight robot) in Motive's; the default is Motive's y up and the robot along its z.
+    /// Axes of the base frame (x up, z along the straight robot) in Motive's; by default Motive's y is up and the robot lies along its z.
     #[arg(long, default_value = Axes::Y_UP)]
     axes: Axes,
-    /// Along which axes the tip is given.
+    /// Frame in which the tip is expressed.
     #[arg(long, value_enum, default_value_t = TipFrameArg::Base)]
     frame: TipFrameArg,
-    /// Lost frames are bridged between tracked ones up to so far apart, seconds.
+    /// Interpolate over lost frames between tracked ones up to this far apart, seconds.
     #[arg(long, value_name = "S", default_value_t = 0.05, value_parser = gap)]
     max_gap_s: f64,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
 enum TipFrameArg {
-    /// Those of the base body: a turned tracking frame drops out.
+    /// Axes of the base body: a rotated tracking frame has no influence.
     Base,
-    /// Those of the tracking frame, which must be level: a tilted base shows at the tip.
+    /// Axes of the tracking frame, which must be level: a tilted base shows at the tip.
     Tracking,
 }
 
-/// Angle between base and tracking frame from which on it matters which one the tip is given in, degrees.
+/// Angle between base and tracking frame above which the choice of frame is reported, degrees.
 const TURNED_DEG: f64 = 0.5;
 
 impl ImportCommand {
@@ -82,7 +82,7 @@ impl Motive {
         if std::ptr::eq(base, tip) {
             let (file, name) = (self.export.display(), &base.name);
             return Err(CommandError::BadInput(format!(
-                "{file}: found `{name}` as base and as tip, expected two bodies"
+                "{file}: found `{name}` as base and as tip, expected two different bodies"
             )));
         }
         let log = Log::read(&self.commands, &self.offset_s).map_err(CommandError::bad_input)?;
@@ -93,16 +93,16 @@ impl Motive {
         let options = ImportOptions { axes: self.axes, frame, max_gap_s: self.max_gap_s };
         let imported = import(&export, [base, tip], &log, &options).map_err(CommandError::bad_input)?;
         imported.recording.write(&self.out).map_err(CommandError::bad_input)?;
-        self.tell(&export, &imported);
+        self.print_notes(&export, &imported);
         Ok(())
     }
 
-    /// Says what the recording does not.
-    fn tell(&self, export: &Export, imported: &Imported) {
+    /// Prints notes about missing frames, lost rows and the base's rotation.
+    fn print_notes(&self, export: &Export, imported: &Imported) {
         let frames = export.time_s.len();
         if let Some(promised) = export.promised_frames.filter(|&promised| promised > frames) {
             let file = export.file.display();
-            eprintln!("note: {file} holds {frames} frames of the {promised} that its first line promises");
+            eprintln!("note: {file} has {frames} of the {promised} frames that its header announces");
         }
         if imported.lost > 0 {
             let (lost, all, out) = (imported.lost, imported.recording.len(), self.out.display());
@@ -112,16 +112,16 @@ impl Motive {
         if turn_deg > TURNED_DEG {
             let (given, other) = match self.frame {
                 TipFrameArg::Base => ("the base's", "--frame tracking shows a tilted base"),
-                TipFrameArg::Tracking => ("the tracking frame's", "--frame base takes a turned tracking frame out"),
+                TipFrameArg::Tracking => ("the tracking frame's", "--frame base removes a rotated tracking frame"),
             };
             eprintln!(
-                "note: the base body is turned by {turn_deg:.1}° from the tracking frame; the tip is given along {given} axes ({other})"
+                "note: the base body is rotated by {turn_deg:.1}° relative to the tracking frame; the tip is expressed along {given} axes ({other})"
             );
         }
     }
 }
 
-/// The body of this name, or the one that is most likely meant.
+/// The body of this name; without one, the only body whose name begins with `usual`.
 fn body<'a>(export: &'a Export, name: Option<&str>, usual: &str) -> Result<&'a Body, CommandError> {
     let found = match name {
         Some(name) => export.body(name),

@@ -26,7 +26,7 @@ mod weigh;
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
-/// Does this learning-based continuum-robot controller really work, and where is my simulator wrong?
+/// Test learning-based controllers of continuum robots, and find what a simulator lacks.
 #[derive(Parser)]
 #[command(name = "spinebench", version, propagate_version = true)]
 struct Arguments {

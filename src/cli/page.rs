@@ -6,11 +6,11 @@ use spinebench::data::write_atomic;
 use spinebench::report::page::{picture, splice};
 use std::path::{Path, PathBuf};
 
-/// Puts published tables and figures into a Markdown page, between the lines `<!-- begin:FILE -->` and
-/// `<!-- end:FILE -->`. FILE is relative to the page: a `.md` is copied in, anything else is shown as a picture.
+/// Insert published tables and figures into a Markdown page, between the lines `<!-- begin:FILE -->` and
+/// `<!-- end:FILE -->`. FILE is relative to the page: a `.md` is copied in, any other file is shown as a picture.
 #[derive(Args)]
 pub(super) struct PageCommand {
-    /// Page to change in place.
+    /// Page to update in place.
     #[arg(value_name = "PAGE.md")]
     page: PathBuf,
 }
@@ -35,7 +35,7 @@ fn named(text: &str) -> Vec<String> {
     text.lines().filter_map(name).collect()
 }
 
-/// What stands for a file on the page.
+/// The Markdown that shows a file on the page.
 fn content(folder: &Path, file: &str) -> Result<String, String> {
     let path = folder.join(file);
     if Path::new(file).extension().is_some_and(|extension| extension == "md") {

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::Write as _;
 
-/// Prints the expanded runs, what is stored and what is left, and runs nothing.
+/// Print the expanded runs, what is stored and what is left to compute; run nothing.
 #[derive(Args)]
 pub(super) struct PlanCommand {
     #[command(flatten)]
@@ -26,9 +26,9 @@ impl PlanCommand {
             describe(entry, &needs, &mut text);
         }
         stages(&campaign, &needs, &mut text);
-        // A reader that has seen enough closes the pipe: no error.
+        // A reader may close the pipe early; that is no error.
         let _ = std::io::stdout().write_all(text.as_bytes());
-        // Taking a hundred thousand stages apart takes a tenth of the time of all this, and the process ends here.
+        // Dropping a hundred thousand stages takes a tenth of the run time, and the process ends here.
         std::mem::forget(campaign);
         Ok(())
     }
@@ -46,7 +46,7 @@ fn describe(entry: &CampaignEntry, needs: &[Need], text: &mut String) {
     }
 }
 
-/// What the runs need, by kind of stage; stages that several runs or experiments share count once.
+/// Stored and missing stages by kind; a stage that several runs share counts once.
 fn stages(campaign: &Campaign, needs: &[Need], text: &mut String) {
     let mut kinds: BTreeMap<&str, [usize; 2]> = BTreeMap::new();
     for (number, need) in needs.iter().enumerate() {

@@ -14,29 +14,29 @@ use std::sync::atomic::AtomicBool;
 use std::thread::available_parallelism;
 use std::time::Instant;
 
-/// Expands specs to stages, runs what is not stored, writes tables and figures.
+/// Expand specs to stages, run the stages that are not stored, write tables and figures.
 #[derive(Args)]
 pub(super) struct RunCommand {
     #[command(flatten)]
     specs: SpecArgs,
-    /// Folder for `results/` and `plots/`.
+    /// Folder to write `results/` and `plots/` in.
     #[arg(long, value_name = "DIR", default_value = ".")]
     out: PathBuf,
     #[command(flatten)]
     cache: CacheArgs,
     #[command(flatten)]
     progress_args: ProgressArgs,
-    /// Where stages are carried out.
+    /// Where to run stages.
     #[arg(long, value_enum, default_value_t = Executor::Local)]
     executor: Executor,
     #[command(flatten)]
     cluster: Cluster,
-    /// Exit status 1 when a claim is not reproduced or a trial failed (a stage without which trials are missing: always).
+    /// Exit with status 1 when a claim is not reproduced or a trial failed (a failed stage always does).
     #[arg(long)]
     strict: bool,
 }
 
-/// Where stages are carried out.
+/// Where stages run.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Executor {
     /// On this machine's threads.
@@ -50,7 +50,7 @@ impl RunCommand {
         let campaign = self.specs.campaign()?;
         writable(&self.out)?;
         let progress = self.progress_args.progress();
-        // Hours may go by, and commits, before it is published.
+        // The repository may change during the run.
         let revision = runner::git_revision();
         let began = Instant::now();
         let wanted = campaign.wanted();
@@ -74,13 +74,13 @@ impl RunCommand {
         if let [first, ..] = outcomes.failures.as_slice() {
             let count = outcomes.failures.len();
             let words =
-                format!("{count} stages failed, the first of them {first}; what needed them has rows that say so");
+                format!("{count} stages failed, the first is {first}; rows of dependent trials name the failure");
             return Err(CommandError::Failed(words));
         }
         self.verdict(&published)
     }
 
-    /// Makes all files of all experiments, then writes them.
+    /// Renders all files of all experiments, then writes them.
     fn publish(
         &self,
         campaign: &Campaign,
@@ -109,7 +109,7 @@ impl RunCommand {
         Ok(published)
     }
 
-    /// Threads that stages were given: of this machine, or of a task on the cluster.
+    /// Number of threads of a stage, on this machine or in a task on the cluster.
     fn threads(&self, entry: &CampaignEntry) -> usize {
         match self.executor {
             Executor::Slurm => self.cluster.cpus.unwrap_or(entry.experiment.slurm.cpus) as usize,
@@ -153,7 +153,7 @@ fn summarise(progress: &Progress, campaign: &Campaign, outcomes: &Outcomes, publ
     }
 }
 
-/// Where the time went, the longest first; kinds of which nothing was computed are left out.
+/// Run time by kind of stage, longest first, without kinds of which nothing was computed.
 fn times_by_kind<'a>(campaign: &'a Campaign, outcomes: &Outcomes) -> Vec<(&'a str, StageTimes)> {
     let times = runner::stage_times(campaign, 0..campaign.graph.len(), outcomes);
     let mut times: Vec<(&str, StageTimes)> = times.into_iter().filter(|(_, times)| times.computed > 0).collect();

@@ -5,7 +5,7 @@ use clap::{Args, ValueEnum};
 use spinebench::specs::{self, SchemaOf};
 use std::io::Write as _;
 
-/// Prints the JSON Schema of a kind of file, for editors that complete and check YAML.
+/// Print the JSON Schema of a kind of file, for editors that complete and check YAML.
 #[derive(Args)]
 pub(super) struct SchemaCommand {
     /// SchemaKind of file.
@@ -15,11 +15,11 @@ pub(super) struct SchemaCommand {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum SchemaKind {
-    /// What `run` and `plan` take.
+    /// Input of `run` and `plan`.
     Experiment,
-    /// What `--plant` takes.
+    /// File for `--plant`.
     Plant,
-    /// What `--model` takes.
+    /// File for `--model`.
     Model,
 }
 
@@ -31,7 +31,7 @@ impl SchemaCommand {
             SchemaKind::Model => SchemaOf::Model,
         });
         let text = serde_json::to_string_pretty(&schema).map_err(CommandError::failed)?;
-        // A reader that has seen enough closes the pipe: no error.
+        // A reader may close the pipe early; that is no error.
         let _ = writeln!(std::io::stdout(), "{text}");
         Ok(())
     }

@@ -7,20 +7,20 @@ use spinebench::specs::{ExperimentSet, SpecError};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Which experiments.
+/// The experiments to run.
 #[derive(Args)]
 pub(super) struct SpecArgs {
     /// Experiment files.
     #[arg(required = true, value_name = "SPEC.yaml")]
     specs: Vec<PathBuf>,
-    /// Repetitions of each experiment, data and training included; overrides the specs.
+    /// Number of repetitions of each experiment, including data and training; overrides the specs.
     #[arg(long, value_name = "N")]
     seeds: Option<u64>,
-    /// Override of a key of every spec, such as `gp.starts=21`; may be given several times.
+    /// Override a key of every spec, such as `gp.starts=21`; repeatable.
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
-    /// A field that every spec sweeps: values `gp.kernel=matern32,matern52`, or `from:to:count`, `log:from:to:count`,
-    /// `random:from:to:count`; several make a product.
+    /// Sweep a field of every spec: `gp.kernel=matern32,matern52`, or `from:to:count`, `log:from:to:count`,
+    /// `random:from:to:count`; repeatable, the sweeps form a product.
     #[arg(long, value_name = "KEY=VALUES")]
     sweep: Vec<String>,
 }
@@ -37,7 +37,7 @@ impl SpecArgs {
         for (study, file) in experiments.iter().zip(&self.specs) {
             if !names.insert(&study.experiment.name) {
                 let (name, file) = (&study.experiment.name, file.display());
-                let words = format!("{file}: name: found `{name}`, expected a name that no other spec here has");
+                let words = format!("{file}: name: found `{name}`, expected a name that no other given spec has");
                 return Err(CommandError::BadInput(words));
             }
         }
@@ -45,7 +45,7 @@ impl SpecArgs {
     }
 }
 
-/// Where results of stages are kept.
+/// Where results of stages are stored.
 #[derive(Args)]
 pub(super) struct CacheArgs {
     /// Folder of stored results [default: $SPINEBENCH_CACHE, else .spinebench/cache].
@@ -60,26 +60,26 @@ impl CacheArgs {
     }
 }
 
-/// How to tell what is going on.
+/// How to report progress, and how many threads to use.
 #[derive(Args)]
 pub(super) struct ProgressArgs {
-    /// No progress bar and no summary.
+    /// Suppress output.
     #[arg(long)]
     quiet: bool,
-    /// What stderr is for.
+    /// Format of messages on stderr.
     #[arg(long, value_enum, default_value_t = LogFormat::Human)]
     log: LogFormat,
-    /// Threads; 0 is one for each processor.
+    /// Number of threads; 0 means one for each processor.
     #[arg(long, visible_alias = "threads", value_name = "N", default_value_t = 0)]
     pub(super) jobs: usize,
 }
 
-/// For whom stderr is written.
+/// Format of stderr.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum LogFormat {
-    /// A person: a progress bar and sentences.
+    /// A progress bar and sentences, for people.
     Human,
-    /// A machine: one JSON object a line.
+    /// One JSON object per line, for machines.
     Json,
 }
 
@@ -93,14 +93,16 @@ impl ProgressArgs {
     }
 }
 
-/// Makes the folder and tries it, so that hours of work do not end before a folder that takes nothing.
+/// Creates the folder and checks that it is writable before hours of work begin.
 pub(super) fn writable(folder: &Path) -> Result<(), CommandError> {
     let tried = || -> std::io::Result<()> {
         std::fs::create_dir_all(folder)?;
         let probe = folder.join(format!(".spinebench-{}", std::process::id()));
         std::fs::File::create(&probe)?;
-        // Another process of the same number, on another machine, may have been quicker.
+        // A process with the same id on another machine may have removed the file already.
         std::fs::remove_file(&probe).or_else(|error| if probe.exists() { Err(error) } else { Ok(()) })
     };
-    tried().map_err(|error| CommandError::BadInput(format!("{}: found {error}, expected a folder", folder.display())))
+    tried().map_err(|error| {
+        CommandError::BadInput(format!("{}: found {error}, expected a writable folder", folder.display()))
+    })
 }

@@ -9,19 +9,19 @@ use spinebench::specs::read_model;
 use spinebench::tasks::{SimulationOptions, simulate_recording};
 use std::path::{Path, PathBuf};
 
-/// Drives the rod model with a recording's commands (lengths or tensions) and writes a recording.
+/// Drive the rod model with the commands of a recording (displacements or tensions) and write a recording.
 #[derive(Args)]
 pub(super) struct SimulateCommand {
     /// Model file.
     #[arg(long, value_name = "MODEL.yaml")]
     model: PathBuf,
-    /// Commands: a recording, whose tip columns may be missing; CSV or Parquet.
+    /// Commands: a recording, with or without tip columns; CSV or Parquet.
     #[arg(long, value_name = "IN.csv")]
     commands: PathBuf,
-    /// Recording to write, with tip, orientation, tensions and the solver's status, all digits; CSV or Parquet.
+    /// Recording to write, with tip, orientation, tensions and solver status in full precision; CSV or Parquet.
     #[arg(long, value_name = "OUT.csv")]
     out: PathBuf,
-    /// Every row is the equilibrium under its own command.
+    /// Compute each row as the equilibrium under its own command.
     #[arg(long = "static")]
     at_rest: bool,
 }
@@ -45,7 +45,7 @@ impl SimulateCommand {
     }
 }
 
-/// Reads commands and refuses those for another number of tendons.
+/// Reads commands and checks that their number of tendons is the model's.
 pub(super) fn read_commands(file: &Path, model: &Model) -> Result<Recording, CommandError> {
     let commands = Recording::read_commands(file).map_err(CommandError::bad_input)?;
     let expected = model.robot.tendons.angles_deg.len();
@@ -53,7 +53,7 @@ pub(super) fn read_commands(file: &Path, model: &Model) -> Result<Recording, Com
     Ok(commands)
 }
 
-/// Reads what was measured on the model's robot: as many tendons, a tip and commands within its reach.
+/// Reads a recording of the model's robot and checks its number of tendons and that tip and commands are within reach.
 pub(super) fn read_measured(file: &Path, model: &Model) -> Result<Recording, CommandError> {
     let measured = Recording::read(file).map_err(CommandError::bad_input)?;
     same_tendons(file, &measured, model.robot.tendons.angles_deg.len())?;
@@ -63,7 +63,7 @@ pub(super) fn read_measured(file: &Path, model: &Model) -> Result<Recording, Com
     Ok(measured)
 }
 
-/// Refuses a recording for another number of tendons than the robot's.
+/// Checks that a recording has the robot's number of tendons.
 pub(super) fn same_tendons(file: &Path, commands: &Recording, expected: usize) -> CommandResult {
     let found = commands.tendons();
     if found == expected {
@@ -71,13 +71,13 @@ pub(super) fn same_tendons(file: &Path, commands: &Recording, expected: usize) -
     }
     let column = commands.actuation.column(found.min(expected));
     let words = format!(
-        "{}, line 1, column `{column}`: found {found} tendons, expected {expected}, as many as the robot has",
+        "{}, line 1, column `{column}`: found {found} tendons, expected {expected}, the number of the robot's tendons",
         file.display()
     );
     Err(CommandError::BadInput(words))
 }
 
-/// Number of rows without a solution.
+/// Number of rows that the solver could not solve.
 pub(super) fn failures(played: &Recording) -> usize {
     let status = played.extra.iter().find(|(name, _)| name == "solver_status");
     match status {

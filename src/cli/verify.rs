@@ -9,17 +9,17 @@ use spinebench::runner::{self, Campaign, CampaignEntry, Files, Manifest, RunOpti
 use spinebench::specs::{ExperimentSet, PlantSpec};
 use std::path::{Path, PathBuf};
 
-/// Reruns the published experiments from nothing and compares with `results/` and `plots/`: byte for byte where the
-/// same kind of processor computed them, number by number where another did.
+/// Rerun the published experiments without stored results and compare with `results/` and `plots/`: byte for byte on the
+/// kind of processor that computed them, number by number on another.
 #[derive(Args)]
 pub(super) struct VerifyCommand {
-    /// Names of published experiments; all when none is given.
+    /// Names of published experiments [default: all].
     #[arg(value_name = "EXPERIMENT")]
     experiments: Vec<String>,
-    /// Folder that `results/` and `plots/` are in.
+    /// Folder that contains `results/` and `plots/`.
     #[arg(long, value_name = "DIR", default_value = ".")]
     out: PathBuf,
-    /// Share by which numbers may differ [default: 0 on the processor that the manifest names, else 1e-6].
+    /// Relative tolerance of numbers [default: 0 on the processor that the manifest names, else 1e-6].
     #[arg(long, value_name = "SHARE")]
     tolerance: Option<f64>,
     #[command(flatten)]
@@ -30,7 +30,7 @@ impl VerifyCommand {
     pub(super) fn execute(self) -> CommandResult {
         let bad = |words: String| CommandError::BadInput(words);
         if let Some(found) = self.tolerance.filter(|share| !(0.0..1.0).contains(share)) {
-            return Err(bad(format!("--tolerance: found {found}, expected a share of at least 0 and below 1")));
+            return Err(bad(format!("--tolerance: found {found}, expected a number of at least 0 and below 1")));
         }
         let mut specs = Vec::new();
         for name in self.names().map_err(bad)? {
@@ -45,7 +45,8 @@ impl VerifyCommand {
             return Err(bad(words));
         }
         let campaign = Campaign::expand(specs).map_err(|failure| bad(failure.to_string()))?;
-        let scratch = Scratch::new().map_err(|error| CommandError::Failed(format!("no temporary folder: {error}")))?;
+        let scratch = Scratch::new()
+            .map_err(|error| CommandError::Failed(format!("cannot create a temporary folder: {error}")))?;
         let progress = self.progress_args.progress();
         let (store, wanted) = (Store::at(&scratch.0), campaign.wanted());
         let outcomes =
@@ -65,7 +66,7 @@ impl VerifyCommand {
         if wrong.is_empty() { Ok(()) } else { Err(CommandError::Failed(wrong.join("\n"))) }
     }
 
-    /// Compares one experiment: what agrees, or what differs first.
+    /// Compares one experiment. Returns a summary, or the first difference.
     fn compare(&self, entry: &CampaignEntry, files: &Files, trail: &[StageRow]) -> Result<String, String> {
         let folder = self.folder(&entry.experiment.name);
         let standard = self.standard(&folder);
@@ -84,7 +85,7 @@ impl VerifyCommand {
         })
     }
 
-    /// Bytes where the processor is the published one and nobody asks for less.
+    /// Byte equality on the published kind of processor, unless a tolerance is given.
     fn standard(&self, folder: &Path) -> Standard {
         let published = || Manifest::read(&folder.join("manifest.yaml")).map(|manifest| manifest.processor);
         match self.tolerance {
@@ -99,7 +100,7 @@ impl VerifyCommand {
         self.out.join("results").join(experiment)
     }
 
-    /// The experiments that are asked for, or all that are published.
+    /// The requested experiments, or all published ones.
     fn names(&self) -> Result<Vec<String>, String> {
         if !self.experiments.is_empty() {
             return Ok(self.experiments.clone());

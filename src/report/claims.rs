@@ -1,4 +1,4 @@
-//! The paper's claims and what became of them: a table in Markdown and a picture of ours against the paper's.
+//! The verdicts of the paper's claims: a table in Markdown and a figure of our values over the paper's.
 
 use super::drawing::axes::{Axis, Panel, signed};
 use super::drawing::canvas::{Canvas, Text, TextAlign};
@@ -19,7 +19,7 @@ pub(super) const FIGURE: Figure =
     };
 
 const ROW: f64 = 17.0;
-/// Ratios of ours to the paper's beyond these are drawn as arrows at the edge.
+/// Range of the ratio of ours to the paper's; ratios outside are drawn as arrows at the edge.
 const REACH: [f64; 2] = [-1.0, 3.0];
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
@@ -32,8 +32,8 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     Ok(files)
 }
 
-/// The numbers of a claim as text, to one number of decimals (three significant digits of the largest of ours); metres
-/// as millimetres.
+/// The numbers of a claim as text, with a common number of decimals (three significant digits of our largest value);
+/// metres as millimetres.
 struct ClaimCells {
     paper: String,
     ours: String,
@@ -112,7 +112,7 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
     panel.line(&mut canvas, &[[1.0, 0.0], [1.0, claims.len() as f64]], INK, &[], HAIR);
     canvas.text(Text::new("paper", [panel.at(1.0, 0.0)[0], top - 8.0], SMALL, TextAlign::Centre));
     canvas.text(Text::new("nothing", [panel.at(0.0, 0.0)[0], top - 8.0], SMALL, TextAlign::Centre));
-    // Long names are set smaller, all alike, rather than into the next column.
+    // With a long name, all names are set smaller to stay in their column.
     let widest = claims.iter().map(|row| text_width(&label(row), SMALL, false)).fold(148.0, f64::max);
     let size = SMALL * 148.0 / widest;
     for (index, row) in claims.iter().enumerate() {
@@ -142,7 +142,7 @@ fn label(row: &ClaimRow) -> String {
     row.claim.replace("pi_real", &policy_label("pi_real")).replace('_', " ")
 }
 
-/// One line of the picture: ours over the paper's, with its interval.
+/// One row of the figure: ours over the paper's, with its interval.
 fn claim(canvas: &mut Canvas, panel: &Panel, row: &ClaimRow, y: f64) {
     let (colour, marker, hollow) = look(&row.verdict);
     let place = |value: f64| {

@@ -10,7 +10,7 @@ pub struct MarkdownTable {
 }
 
 impl MarkdownTable {
-    /// The table in Markdown (GitHub's), the first column to the left, the others to the right where they are numbers.
+    /// The table in GitHub's Markdown: columns of numbers are aligned right, except the first column.
     pub fn markdown(&self) -> String {
         let line = |cells: &[String]| {
             let cells: Vec<String> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
@@ -27,7 +27,7 @@ impl MarkdownTable {
     }
 }
 
-/// Numbers, with or without brackets, and what stands for a missing one.
+/// Numbers, with or without brackets, and symbols for a missing number.
 fn is_numeric(cell: &str) -> bool {
     matches!(cell, "" | "N/A" | "–") || cell.starts_with(|first: char| first.is_ascii_digit() || "−-+[".contains(first))
 }

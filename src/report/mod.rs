@@ -1,5 +1,5 @@
-//! Tables and figures: pure functions from published rows to bytes. A figure is one file and one line in [`FIGURES`];
-//! nothing here can reach what computed the rows, so every picture can be drawn again from `results/`.
+//! Tables and figures: pure functions from published rows to bytes. A figure is one file and one line in [`FIGURES`].
+//! This module cannot reach the code that computed the rows, so every figure can be redrawn from `results/`.
 
 mod benchmark;
 mod claims;
@@ -31,7 +31,7 @@ pub use published::{Published, published_rows};
 pub use summarise::{OSCILLATION_WINDOW_S, reach_summary, track_summary};
 pub use sweep_rows::{SweepTable, gp_sweep, reach_sweep, track_sweep};
 
-/// Where a file that a figure makes belongs.
+/// The folder of a rendered file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputFolder {
     /// `plots/`: PNG and SVG.
@@ -40,44 +40,44 @@ pub enum OutputFolder {
     Results,
 }
 
-/// A file that a figure makes.
+/// A rendered file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Artifact {
     /// File name.
     pub name: String,
-    /// Where it belongs.
+    /// Its folder.
     pub folder: OutputFolder,
     /// Its content.
     pub bytes: Vec<u8>,
 }
 
-/// Why a figure could not be made.
+/// Why a figure could not be rendered.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ReportError {
-    /// The rows that the figure is made of are not there.
+    /// The rows for the figure are missing.
     #[error("{figure}: no rows: found no {needs}, expected at least one")]
     NoRows {
         /// The figure.
         figure: &'static str,
-        /// What it is made of.
+        /// The rows that it needs.
         needs: &'static str,
     },
-    /// Rows that would be averaged belong to different experiments.
+    /// Rows to be averaged belong to different experiments.
     #[error("{figure}: found rows of {found}, expected one {expected}")]
     Mixed {
         /// The figure.
         figure: &'static str,
-        /// The values met.
+        /// The values found.
         found: String,
-        /// What there should be one of.
+        /// What was expected.
         expected: &'static str,
     },
-    /// The painter failed.
+    /// The drawing backend failed.
     #[error("{figure}: cannot draw: {reason}")]
     Draw {
         /// The figure.
         figure: &'static str,
-        /// What it says.
+        /// Its message.
         reason: String,
     },
     /// A table could not be written.
@@ -88,11 +88,11 @@ pub enum ReportError {
 /// One entry of the registry.
 #[derive(Clone, Copy, Debug)]
 pub struct Figure {
-    /// Name, and stem of its files.
+    /// Name, also the stem of its files.
     pub name: &'static str,
     /// What it shows.
     pub about: &'static str,
-    /// Rows to files: the same rows give the same bytes, no rows are an error.
+    /// Renders rows to files: the same rows give the same bytes; missing rows are an error.
     pub render: fn(&Published) -> Result<Vec<Artifact>, ReportError>,
 }
 
@@ -114,7 +114,7 @@ pub fn figure(name: &str) -> Option<&'static Figure> {
     FIGURES.iter().find(|figure| figure.name == name)
 }
 
-/// Writes artifacts on their shelves, each whole or not at all.
+/// Writes artifacts to their folders, each atomically.
 ///
 /// # Errors
 /// [`DataError::Write`] for the first file that cannot be written.

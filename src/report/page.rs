@@ -1,16 +1,16 @@
-//! Results inside prose: a table or figure is put between two markers of a text, so that a README shows the published
-//! numbers and nobody copies them by hand.
+//! Published results in a text: a table or figure is inserted between two markers, so that a README shows the published
+//! numbers without copying by hand.
 
-/// Why a text could not be spliced.
+/// Why a table or figure could not be inserted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PageError {
     /// A marker is missing.
     #[error("found no line `{marker}`, expected one")]
     NoMarker {
-        /// The line looked for.
+        /// The expected line.
         marker: String,
     },
-    /// The end stands before the beginning, or a marker stands twice.
+    /// The end precedes the beginning, or a marker occurs twice.
     #[error("found `{marker}` out of place, expected one `begin` and after it one `end`")]
     OutOfPlace {
         /// The line that is out of place.
@@ -18,11 +18,11 @@ pub enum PageError {
     },
 }
 
-/// `text` with what stands between the lines `<!-- begin:NAME -->` and `<!-- end:NAME -->` replaced by `content`; the
-/// markers stay, so that doing it twice changes nothing.
+/// `text` with everything between the lines `<!-- begin:NAME -->` and `<!-- end:NAME -->` replaced by `content`. The markers
+/// are kept, so a second call changes nothing.
 ///
 /// # Errors
-/// [`PageError`] when a marker is missing, double or out of order.
+/// [`PageError`] when a marker is missing, occurs twice or is out of order.
 pub fn splice(text: &str, name: &str, content: &str) -> Result<String, PageError> {
     let (begin, end) = (format!("<!-- begin:{name} -->"), format!("<!-- end:{name} -->"));
     let start = only(text, &begin)? + begin.len();
@@ -33,7 +33,7 @@ pub fn splice(text: &str, name: &str, content: &str) -> Result<String, PageError
     Ok(format!("{}\n\n{}\n\n{}", &text[..start], content.trim(), &text[stop..]))
 }
 
-/// Where the only `marker` is.
+/// Position of the only `marker`.
 fn only(text: &str, marker: &str) -> Result<usize, PageError> {
     let mut places = text.match_indices(marker);
     let (place, _) = places.next().ok_or_else(|| PageError::NoMarker { marker: marker.to_owned() })?;

@@ -1,4 +1,4 @@
-//! What the paper prints, to stand beside what this project finds. Wang & Rojas, "A Data-Efficient Model-Based Learning
+//! Values printed in the paper, for comparison with the results of this project. Wang & Rojas, "A Data-Efficient Model-Based Learning
 //! Framework for the Closed-Loop Control of Continuum Robots".
 
 /// A mean and a standard deviation, metres.

@@ -1,4 +1,4 @@
-//! Work against precision: processor time over the error of the tip, one panel a robot, one look a simulator.
+//! Work-precision diagram: processor time over the error of the tip, one panel for each robot, one style for each simulator.
 
 use super::drawing::axes::{Axis, Panel};
 use super::drawing::canvas::{Canvas, Text, TextAlign};
@@ -26,7 +26,7 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     Ok(files)
 }
 
-/// Whether a row has a place on axes of logarithms.
+/// Whether a row can be drawn on logarithmic axes.
 fn drawable(row: &PeerRow) -> bool {
     let positive = |value: f64| value.is_finite() && value > 0.0;
     positive(row.rms_error_m) && positive(row.cpu_s_per_s)
@@ -65,7 +65,7 @@ fn draw(rows: &[&PeerRow]) -> Canvas {
     canvas
 }
 
-/// One line through the time steps of each setting; our own last, so that it lies on top.
+/// One line through the time steps of each setting; ours last, on top.
 fn curves(canvas: &mut Canvas, panel: &Panel, rows: &[&PeerRow]) {
     let seen = distinct(rows.iter().map(|row| row.peer.as_str()));
     for peer in order(&seen).into_iter().rev() {

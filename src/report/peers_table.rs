@@ -1,4 +1,4 @@
-//! The comparison with other simulators in words and figures: what each reaches at which speed.
+//! The comparison with other simulators as tables: the fastest setting within each error.
 
 use std::fmt::Write;
 
@@ -6,7 +6,7 @@ use super::order::distinct;
 use super::peers_labels::{name, order, title};
 use crate::data::rows::PeerRow;
 
-/// Errors that one may ask for, mm.
+/// Error limits of the columns, mm.
 const WANTED_MM: [f64; 4] = [10.0, 1.0, 0.1, 0.01];
 
 /// Tables in Markdown: for each robot and simulator the fastest setting within each error, and the static solves.

@@ -1,4 +1,4 @@
-//! How campaigns scale: efficiency and time over the number of nodes, as replayed from recorded stage times.
+//! Scaling of campaigns: efficiency and time over the number of nodes, simulated from recorded stage times.
 
 use super::drawing::axes::{Axis, Panel};
 use super::drawing::canvas::{Canvas, Text, TextAlign};
@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 pub(super) const FIGURE: Figure =
     Figure { name: "scaling", about: "Efficiency and time over the number of nodes", render };
 
-/// Systems that are drawn, and their names in the picture.
+/// Drawn systems and their names in the figure.
 const SYSTEMS: [(&str, &str); 2] =
     [("ideal cluster", "stages alone, best order"), ("job arrays", "job arrays: waves, launches, store")];
 const PANEL_HIGH: f64 = 230.0;

@@ -15,8 +15,7 @@ pub(super) const MODES: [&str; 3] = ["open", "closed", "closed_load"];
 pub const OSCILLATION_WINDOW_S: f64 = 5.0;
 
 /// Goal-reaching trials, summarised by training, policy, mode and data sizes; in the order of Table I, sizes increasing.
-/// The paper's numbers stand beside the sizes that Table I was made with: the one of 100 points where a sweep has it,
-/// and the only size where there is one.
+/// The paper's numbers are given for the sizes of Table I (100 points where a sweep includes it), or for the only size.
 pub fn reach_summary(trials: &[TrialRow]) -> Vec<ReachSummaryRow> {
     let mut cells: BTreeMap<_, Vec<&TrialRow>> = BTreeMap::new();
     let order = trainings(trials.iter().map(|row| row.training.as_str()));
@@ -36,7 +35,7 @@ pub fn reach_summary(trials: &[TrialRow]) -> Vec<ReachSummaryRow> {
     cells.values().map(|rows| reach_cell(rows, sizes(rows[0]) == 1)).collect()
 }
 
-/// One cell; `only` says that its policy and mode come in one size.
+/// One cell; `only`: its policy and mode have a single size.
 fn reach_cell(rows: &[&TrialRow], only: bool) -> ReachSummaryRow {
     let mut errors: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
     let good: Vec<&&TrialRow> = rows.iter().filter(|row| row.status == "ok" && row.error_m.is_finite()).collect();
@@ -81,7 +80,7 @@ pub fn track_summary(tracks: &[TrackRow]) -> Vec<TrackSummaryRow> {
     runs.into_values().map(track_run).collect()
 }
 
-/// The error when the first path point is left, to which the robot comes from home.
+/// The error at the end of the first path point, which the robot reaches from home.
 fn start_error_m(rows: &[&TrackRow]) -> f64 {
     rows.iter().rev().find(|row| row.path_point == 0).map_or(f64::NAN, |row| row.error_m)
 }

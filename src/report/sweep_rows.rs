@@ -1,4 +1,4 @@
-//! The rows of a sweep: errors at one point, summarised over seeds.
+//! Rows of a sweep: errors at each point, summarised over seeds.
 
 use std::collections::BTreeMap;
 
@@ -9,19 +9,19 @@ use crate::data::rows::{GpRow, SweepRow, TrackSummaryRow, TrialRow};
 use crate::data::tables::Beside;
 use crate::math::summary::{interval_95, mean, standard_deviation};
 
-/// A summary of a sweep: its rows and, beside them, the columns of the swept fields.
+/// A summary of a sweep: its rows and the columns of the swept fields.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SweepTable {
-    /// Name and cells of each swept field, one cell a row.
+    /// Name and cells of each swept field, one cell for each row.
     pub fields: Vec<Beside>,
     /// The summary, the rows of each point together.
     pub rows: Vec<SweepRow>,
 }
 
-/// What the trials or runs of one cell have in common, in the order of the table.
+/// Key of a cell, in the order of the table.
 type CellKey<'a> = (usize, &'a str, usize, &'a str, usize, &'a str, [u64; 2]);
 
-/// One trial, run or process: its seed, and its error where it gave one, metres.
+/// The seed of a trial, run or process, and its error in metres, if any.
 type SeedError = (u64, Option<f64>);
 
 /// Goal reaching at one point.

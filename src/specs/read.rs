@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// Reads and checks a model file.
 ///
 /// # Errors
-/// [`SpecError`] for the first thing that is wrong.
+/// [`SpecError`] for the first invalid key or value.
 pub fn read_model(file: &Path) -> Result<Model, SpecError> {
     let document = Document::read(file, &[], &[])?;
     let model = document.parse::<Model>()?;
@@ -22,8 +22,8 @@ pub fn read_model(file: &Path) -> Result<Model, SpecError> {
     Ok(model)
 }
 
-/// Reads and checks a plant file: a robot as in an experiment's `plant`, whose model may be the name of a model file. The name of
-/// a recording to be replayed counts from the folder of the plant file, as that of a model does.
+/// Reads and checks a plant file: a robot as in an experiment's `plant`, whose model may be the name of a model file. Names
+/// of models and recordings are relative to the folder of the plant file.
 ///
 /// # Errors
 /// As [`read_model`].
@@ -37,14 +37,14 @@ pub fn read_plant(file: &Path) -> Result<PlantSpec, SpecError> {
     Ok(plant)
 }
 
-/// The files that a model, a plant or settings are read from: `file`, what it extends, and the models that it names. Only
-/// `file` itself where it cannot be read.
+/// The files that a model, a plant or discovery options are read from: `file`, the files that it extends, and the models
+/// that it names. Only `file` when it cannot be read.
 pub fn files_behind(file: &Path) -> Vec<PathBuf> {
     let document = Document::read(file, &[], &PlantSpec::model_paths(&KeyPath::default()));
     document.map_or_else(|_| vec![file.to_owned()], |document| document.files())
 }
 
-/// Reads and checks settings of a discovery.
+/// Reads and checks discovery options.
 ///
 /// # Errors
 /// As [`read_model`].
@@ -56,7 +56,7 @@ pub fn read_options(file: &Path) -> Result<Options, SpecError> {
     Ok(options)
 }
 
-/// The error for a field below `path` that left its range.
+/// The error for a field below `path` that is out of range.
 fn refusal(document: &Document, path: &str, error: &BadOption) -> SpecError {
     let parent = KeyPath::parse(path).unwrap_or_default();
     document.refuse(&parent.key(error.key), PathEnd::Value, error.found.clone(), error.expected)

@@ -1,5 +1,5 @@
-//! JSON Schema of specs, for editors: derived from the types that specs are read into, and what is done to a spec before
-//! that (it may extend another, name files in place of mappings, sweep fields) added.
+//! JSON Schema of specs, for editors: derived from the types of specs, extended by what is resolved before a spec is read
+//! (`extends`, names of files in place of mappings, `sweep`).
 
 use super::experiment::plant::PlantSpec;
 use super::experiment::spec::Experiment;
@@ -8,7 +8,7 @@ use crate::effects::Model;
 use schemars::{JsonSchema, generate::SchemaSettings};
 use serde_json::{Map, Value, json};
 
-/// What a schema is of.
+/// The kinds of file that have a schema.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SchemaOf {
     /// An experiment.
@@ -41,20 +41,20 @@ fn experiment() -> Value {
     merging(&mut schema);
     let extends = json!({
         "type": "string",
-        "description": "File beside this one that this one adds to: mappings are merged key by key, all else is replaced.",
+        "description": "File in the same folder that this file extends: mappings are merged key by key, everything else is replaced.",
     });
     let sweep = json!({
         "type": ["object", "null"],
-        "description": "Fields that are swept, by their dotted paths, and the values of each; see docs/sweeps.md.",
+        "description": "Swept fields by their dotted paths, and the values of each; see docs/sweeps.md.",
         "additionalProperties": { "anyOf": [
             { "type": "array", "minItems": 1, "description": "The values." },
             of_form(),
-            { "type": "null", "description": "Not swept, though what this file extends does." },
+            { "type": "null", "description": "Do not sweep this field, although the extended file does." },
         ]},
     });
     schema["properties"]["extends"] = extends;
     schema["properties"]["sweep"] = sweep;
-    // What a spec that stands alone must have; one that extends another may have it from there.
+    // Keys that a spec must have unless it extends another.
     schema["anyOf"] = json!([{ "required": ["extends"] }, { "required": required }]);
     if let Value::Object(schema) = &mut schema {
         schema.remove("required");
@@ -62,14 +62,14 @@ fn experiment() -> Value {
     schema
 }
 
-/// The forms of swept values other than a list, without their own schema's head.
+/// The forms of swept values other than a list, without the head of their schema.
 fn of_form() -> Value {
     let mut form = SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
     form.meta_schema = None;
     form.into_generator().into_root_schema_for::<SeriesForm>().to_value()
 }
 
-/// A model may be the name of a file in place of a mapping.
+/// Allows the name of a file in place of a model.
 fn with_files(mut schema: Value) -> Value {
     const MODEL: &str = "#/$defs/Model";
     fn visit(value: &mut Value) {
@@ -88,8 +88,8 @@ fn with_files(mut schema: Value) -> Value {
     schema
 }
 
-/// What is reached from the root through mappings alone is merged with what a spec extends, so that no key of it must be
-/// there; in lists, which are replaced as a whole, every item must be complete.
+/// Drops `required` in everything that the root reaches through mappings alone: it is merged with the extended spec, so no
+/// key is required. Items of lists must be complete, as lists are replaced as a whole.
 fn merging(schema: &mut Value) {
     let mut names = Vec::new();
     let mut root = schema.clone();
@@ -104,7 +104,7 @@ fn merging(schema: &mut Value) {
     *schema = root;
 }
 
-/// Drops `required` where mappings merge, and collects the definitions that are reached; an alternative keeps its name.
+/// Drops `required` where mappings merge, and collects the referenced definitions; an alternative keeps its name.
 fn loosen(schema: &mut Value, alternative: bool, names: &mut Vec<String>) {
     let Value::Object(object) = schema else { return };
     if !alternative {

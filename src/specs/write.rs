@@ -7,7 +7,7 @@ use std::path::Path;
 /// A value as YAML in the form in which specs are read.
 ///
 /// # Errors
-/// What the serialiser says, for a type that YAML cannot hold.
+/// The serialiser's message for a type that YAML cannot represent.
 pub fn to_yaml<T: Serialize>(value: &T) -> Result<String, String> {
     let mut text = Vec::new();
     let mut serializer = serde_yaml::Serializer::new(&mut text);
@@ -15,7 +15,7 @@ pub fn to_yaml<T: Serialize>(value: &T) -> Result<String, String> {
     String::from_utf8(text).map_err(|error| error.to_string())
 }
 
-/// The text of a model file, effects as `- name: {…}`.
+/// The text of a model file, with effects as `- name: {…}`.
 ///
 /// # Errors
 /// When a number cannot be written as YAML.
@@ -26,11 +26,11 @@ pub fn model_text(model: &Model) -> Result<String, serde_yaml::Error> {
     Ok(String::from_utf8_lossy(&text).into_owned())
 }
 
-/// The text of `file` with the last `added` effects of `model` written below its own, so that all that people wrote in
-/// it stays; the whole model written anew where that cannot be done.
+/// The text of `file` with the last `added` effects of `model` appended to its own, which keeps comments and layout. When
+/// that does not read back as `model`, the whole model written anew.
 ///
 /// # Errors
-/// As [`model_text`]; a file that cannot be read is written anew.
+/// As [`model_text`]. A file that cannot be read counts as empty.
 pub fn extended_text(file: &Path, model: &Model, added: usize) -> Result<String, serde_yaml::Error> {
     let written = std::fs::read_to_string(file).unwrap_or_default();
     let line = |effect: &EffectSpec| -> Result<String, serde_yaml::Error> {
@@ -49,7 +49,7 @@ pub fn extended_text(file: &Path, model: &Model, added: usize) -> Result<String,
     extended.filter(same).map_or_else(|| model_text(model), Ok)
 }
 
-/// `written` with `lines` below its last effect, where `effects` is its last key.
+/// `written` with `lines` after its last effect, if `effects` is its last key.
 fn with_effects(written: &str, lines: &str) -> Option<String> {
     let mut text = written.to_owned();
     if !text.ends_with('\n') {

@@ -1,6 +1,6 @@
-//! Four tendons as two opposite pairs: a point of the actuation plane (a, b) in metres says how far the robot is
-//! pulled towards tendon 1 (a > 0) or 3, and towards tendon 2 (b > 0) or 4. Two neighbouring tendons are actuated,
-//! "the remaining two tendon lengths" follow the shape (section IV-A).
+//! Four tendons as two opposite pairs: a point (a, b) of the actuation plane, in metres, is the pull towards tendon 1
+//! (a > 0) or 3 and towards tendon 2 (b > 0) or 4. Two neighbouring tendons are actuated, "the remaining two tendon
+//! lengths" follow the shape (section IV-A).
 
 use serde::{Deserialize, Serialize};
 
@@ -9,8 +9,8 @@ use crate::base::{BadOption, Observation, Plant, PlantError, TendonCommand};
 /// A point of the actuation plane, metres.
 pub(super) type Bend = [f64; 2];
 
-/// The commands for a point of the actuation plane: the tendon on the side of the sign is pulled, its opposite
-/// follows; at zero the first of the pair counts as pulled.
+/// The commands for a point of the actuation plane, metres: the tendon on the side of the sign is pulled, its opposite
+/// follows; at zero the first of the pair is pulled.
 pub fn bend_commands(bend_m: [f64; 2]) -> [TendonCommand; 4] {
     let mut commands = [TendonCommand::Follow; 4];
     for (axis, value_m) in bend_m.into_iter().enumerate() {
@@ -20,7 +20,7 @@ pub fn bend_commands(bend_m: [f64; 2]) -> [TendonCommand; 4] {
     commands
 }
 
-/// Refuses a plant on which two opposite pairs make no sense.
+/// Refuses a plant without two opposite pairs of tendons.
 pub(super) fn check_pairs(plant: &dyn Plant) -> Result<(), PlantError> {
     if plant.tendons() == 4 {
         return Ok(());
@@ -28,8 +28,8 @@ pub(super) fn check_pairs(plant: &dyn Plant) -> Result<(), PlantError> {
     Err(PlantError::Refused(format!("{} tendons, expected two opposite pairs (4)", plant.tendons())))
 }
 
-/// Steps from one point of the actuation plane to another, no axis changing by more than `max_step_m` in a step; the
-/// last observation, or `None` when the two are the same point.
+/// Drives from one point of the actuation plane to another, in steps of at most `max_step_m` per axis. Returns the last
+/// observation, or `None` when the two points are the same.
 pub(super) fn drive_to(
     plant: &mut dyn Plant,
     from_m: &mut Bend,
@@ -37,7 +37,7 @@ pub(super) fn drive_to(
     max_step_m: f64,
 ) -> Result<Option<Observation>, PlantError> {
     let largest_m = (to_m[0] - from_m[0]).abs().max((to_m[1] - from_m[1]).abs());
-    // The tolerance keeps a step of exactly the limit from becoming two.
+    // The tolerance keeps a step of exactly the limit a single step.
     let count = (largest_m / max_step_m - 1e-9).ceil().max(0.0);
     let start_m = *from_m;
     let mut last = None;
@@ -50,13 +50,13 @@ pub(super) fn drive_to(
     Ok(last)
 }
 
-/// A serpentine over a square of the actuation plane: `rows` values of a, in each `columns` values of b.
+/// A serpentine over a square of the actuation plane: `rows` values of a, for each of them `columns` values of b.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct GridOptions {
     /// Values of a (pull towards tendon 1 or 3).
     pub rows: usize,
-    /// Values of b (pull towards tendon 2 or 4), passed along in alternating direction.
+    /// Values of b (pull towards tendon 2 or 4), in alternating direction.
     pub columns: usize,
     /// Half the side of the square.
     pub max_pull_m: f64,
@@ -86,7 +86,7 @@ impl GridOptions {
         Ok(())
     }
 
-    /// The points in the order in which they are visited, metres.
+    /// The points in the order of the visits, metres.
     pub(super) fn points_m(&self) -> Vec<Bend> {
         let at = |index: usize, count: usize| (2.0 * index as f64 / (count - 1) as f64 - 1.0) * self.max_pull_m;
         let mut points = Vec::with_capacity(self.rows * self.columns);

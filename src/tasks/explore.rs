@@ -1,5 +1,5 @@
 //! Data for learning (section IV-A): "continuous random exploration of the actuators with a maximum travel distance
-//! of 0.003 m each step", and the same commands played on another robot (section V-A).
+//! of 0.003 m each step", and the same commands on another robot (section V-A).
 
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
@@ -9,20 +9,20 @@ use super::retry_lost_frames::RetryLostFrames;
 use super::{TaskError, Transitions};
 use crate::base::{BadOption, Plant, Seed};
 
-/// Points that a table in memory holds with ease.
+/// Most points; a table of that size fits in memory.
 const MOST_POINTS: usize = 10_000_000;
 
 /// Settings of the exploration.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ExploreOptions {
-    /// Transitions over all trajectories.
+    /// Number of transitions in all trajectories.
     pub points: usize,
     /// Independent trajectories, each from rest at home; 1 is one continuous exploration.
     pub trajectories: usize,
     /// Largest change of an actuated tendon in a step.
     pub max_step_m: f64,
-    /// Largest pull; the walk is reflected there.
+    /// Largest pull; a step beyond it is reversed.
     pub max_pull_m: f64,
 }
 
@@ -56,7 +56,7 @@ impl ExploreOptions {
         Ok(())
     }
 
-    /// First transitions of the trajectories that begin among the first `count` transitions.
+    /// Index of the first transition of each trajectory that begins within the first `count` transitions.
     pub fn starts(&self, count: usize) -> Vec<usize> {
         let begin = |next: &mut usize, index: usize| {
             let start = *next;
@@ -66,14 +66,14 @@ impl ExploreOptions {
         (0..self.trajectories).scan(0, begin).take_while(|start| *start < count).collect()
     }
 
-    /// Transitions of trajectory number `index`: an equal share, the first ones take the remainder.
+    /// Number of transitions of trajectory `index`: equal shares, the first trajectories take the remainder.
     fn share(&self, index: usize) -> usize {
         self.points / self.trajectories + usize::from(index < self.points % self.trajectories)
     }
 }
 
-/// Trajectory number `index` of an exploration, which depends on nothing but the seed and its number, so that
-/// trajectories can be recorded in parallel on plants of their own and put together by [`Transitions::concat`].
+/// Trajectory `index` of an exploration. It depends on the seed and its index alone, so trajectories can be recorded in
+/// parallel on separate plants and joined by [`Transitions::concat`].
 ///
 /// # Errors
 /// [`TaskError`] for a setting out of range, a plant without two opposite pairs of tendons, or one that fails.
@@ -115,7 +115,7 @@ pub fn explore(plant: &mut dyn Plant, options: &ExploreOptions, seed: Seed) -> R
     Ok(Transitions::concat(&parts?))
 }
 
-/// Plays the commands of trajectory number `index` of `samples` on a plant, from rest.
+/// Replays the commands of trajectory `index` of `samples` on a plant, from rest.
 ///
 /// # Errors
 /// [`TaskError::TooFew`] when there is no such trajectory, [`TaskError::Plant`] when the plant fails.
@@ -133,16 +133,16 @@ pub fn replay_trajectory(
     })?;
     let mut plant = RetryLostFrames(plant);
     let mut tip_m = plant.reset(seed.child("replay").index(index as u64))?.tip_m;
-    let mut played = Transitions::begin(plant.tendons());
+    let mut replayed = Transitions::begin(plant.tendons());
     for row in range {
         let after = plant.step(samples.pulls_m.row(row))?;
-        played.push(&tip_m, &after);
+        replayed.push(&tip_m, &after);
         tip_m = after.tip_m;
     }
-    Ok(played)
+    Ok(replayed)
 }
 
-/// Plays all trajectories of `samples` on a plant: what the "real" robot does under the same inputs.
+/// Replays all trajectories of `samples` on a plant: the response of the "real" robot to the same inputs.
 ///
 /// # Errors
 /// As [`replay_trajectory`].

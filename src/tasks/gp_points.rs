@@ -10,17 +10,17 @@ use super::retry_lost_frames::RetryLostFrames;
 use super::{TaskError, Transitions};
 use crate::base::{BadOption, Observation, Plant, Rows, Seed, TendonCommand};
 
-/// How the predefined points lie in the workspace.
+/// How the predefined points are distributed over the workspace.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum PointLayout {
-    /// A serpentine over the actuation plane, one point a grid node, visited in order.
+    /// A serpentine over the actuation plane, one point for each grid node, in order.
     Grid(GridOptions),
-    /// So many points of a random exploration of its own, every `every`-th step.
+    /// Every `every`-th step of a separate random exploration.
     Walk {
-        /// Points kept.
+        /// Number of points.
         points: usize,
-        /// Steps from one kept point to the next.
+        /// Steps from one point to the next.
         every: usize,
         /// Largest change of an actuated tendon in a step.
         max_step_m: f64,
@@ -29,7 +29,7 @@ pub enum PointLayout {
     },
 }
 
-/// What eq. (20) starts from: p_sim "could either generated from our learned dynamic neural network or directly
+/// Source of p_sim in eq. (20), which "could either generated from our learned dynamic neural network or directly
 /// from simulated mathematical model".
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -45,11 +45,11 @@ pub enum SimulatedBy {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct GpPointsOptions {
-    /// How they lie in the workspace.
+    /// Distribution over the workspace.
     pub layout: PointLayout,
     /// Further steps for which a point's command is held before it is measured (grid only).
     pub hold_steps: usize,
-    /// What p_sim comes from.
+    /// Source of p_sim.
     pub p_sim: SimulatedBy,
 }
 
@@ -86,21 +86,21 @@ impl GpPointsOptions {
 /// The recording behind the predefined points, on model and robot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GpPool {
-    /// Every step of the model, the ways between the points included.
+    /// Every step of the model, including those between the points.
     pub steps: Transitions,
-    /// Which steps end on a point.
+    /// Indices of the steps that end on a point.
     pub kept: Vec<usize>,
     /// Measured tip p_exp at each point, metres, three columns.
     pub real_m: Rows,
 }
 
 impl GpPool {
-    /// The points, p_sim from the rod model that was recorded.
+    /// The points with p_sim from the recorded rod model.
     pub fn points(&self) -> GpPoints {
         self.points_by(&self.steps)
     }
 
-    /// The points with p_sim from `simulated`, which holds the same commands played on another model.
+    /// The points with p_sim from `simulated`, the response of another model to the same commands.
     pub fn points_by(&self, simulated: &Transitions) -> GpPoints {
         let real_m = self.real_m.clone();
         let mut points = GpPoints { inputs: Rows::new(simulated.pulls_m.width() + 3), real_m, errors_m: Rows::new(3) };
@@ -114,7 +114,7 @@ impl GpPool {
     }
 }
 
-/// The same commands on model and robot: what eq. (20) is fitted to.
+/// The training data of eq. (20): the same commands on model and robot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GpPoints {
     /// Displacements (metres) and simulated tip (metres): (L_1 … L_4, p_sim), seven columns.
@@ -136,7 +136,7 @@ impl GpPoints {
     }
 }
 
-/// A model's recording of the predefined points: every step with its command, and which steps are the points.
+/// A model's recording of the predefined points: every step with its command, and the indices of the points.
 struct Visited {
     steps: Transitions,
     kept: Vec<usize>,
@@ -185,7 +185,7 @@ fn visit_grid(model: &mut dyn Plant, grid: &GridOptions, hold_steps: usize, seed
     let mut kept = Vec::with_capacity(grid.rows * grid.columns);
     for point_m in grid.points_m() {
         let moved = drive_to(&mut recorder, &mut bend_m, point_m, grid.max_step_m)?;
-        // A point on which the robot already stands is measured after a step on the spot.
+        // A point at which the robot already is gets one step in place before it is measured.
         for _ in 0..hold_steps + usize::from(moved.is_none()) {
             recorder.drive(&bend_commands(bend_m))?;
         }
@@ -194,7 +194,7 @@ fn visit_grid(model: &mut dyn Plant, grid: &GridOptions, hold_steps: usize, seed
     Ok(Visited { steps: recorder.steps, kept })
 }
 
-/// A plant that keeps what was done with it.
+/// A plant that records its steps.
 struct Recorder<'a> {
     plant: &'a mut dyn Plant,
     tip_m: crate::base::Point3,
@@ -225,11 +225,11 @@ impl Plant for Recorder<'_> {
     }
 }
 
-/// The sparse choice: `total` consecutive points are divided into `count` clusters as equal as they come (boundaries
-/// at ⌊i·total/count⌋) and one point is drawn of each, in the order of the points.
+/// The sparse choice: `total` consecutive points are divided into `count` clusters of nearly equal size (boundaries at
+/// ⌊i·total/count⌋) and one point is drawn from each, in the order of the points.
 ///
 /// # Errors
-/// [`TaskError::TooFew`] when more points are asked for than there are, [`TaskError::Option`] when none is.
+/// [`TaskError::TooFew`] when more points are requested than available, [`TaskError::Option`] for a count of zero.
 pub fn one_of_each_cluster(total: usize, count: usize, seed: Seed) -> Result<Vec<usize>, TaskError> {
     BadOption::unless_counted("count", count)?;
     if count > total {

@@ -1,4 +1,4 @@
-//! The loops: a plant explored, replayed, and driven by a policy to a target or along a path.
+//! Control loops: exploration, replay, goal reaching, path tracking, and recording of commands.
 
 mod actuation;
 mod corrected_samples;
@@ -31,10 +31,10 @@ pub use transitions::Transitions;
 
 use crate::base::{BadOption, PlantError, PolicyError};
 
-/// Why a recording could not be made. (A trial that fails is a status of its outcome instead.)
+/// Why a task failed. (A failed trial is a status of its outcome instead.)
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TaskError {
-    /// The plant refused or failed.
+    /// The plant refused a command or failed.
     #[error(transparent)]
     Plant(#[from] PlantError),
     /// A learned model failed.
@@ -43,23 +43,23 @@ pub enum TaskError {
     /// A setting is out of range.
     #[error(transparent)]
     Option(#[from] BadOption),
-    /// Nothing of this name can be calibrated.
-    #[error("nothing called `{0}` can be fitted")]
+    /// No parameter of this name can be calibrated.
+    #[error("found the unknown parameter `{0}`, expected the name of a parameter that can be fitted")]
     UnknownName(String),
-    /// A number to calibrate is named more than once.
-    #[error("`{0}` is named twice")]
+    /// A parameter to calibrate is named more than once.
+    #[error("found `{0}` twice, expected each parameter once")]
     Repeated(&'static str),
-    /// A model gave a number that is not finite.
+    /// A model returned a number that is not finite.
     #[error("not finite: {0}")]
     NotFinite(&'static str),
-    /// More was asked for than there is.
-    #[error("{what}: asked for {asked}, there are {available}")]
+    /// More was requested than is available.
+    #[error("{what}: found {available}, expected at least {asked}")]
     TooFew {
-        /// Of what.
+        /// What was requested.
         what: &'static str,
-        /// Number asked for.
+        /// Number requested.
         asked: usize,
-        /// Number there is.
+        /// Number available.
         available: usize,
     },
 }

@@ -18,13 +18,13 @@ pub struct PathOptions {
     pub radius_m: f64,
     /// How much the pull varies along it, as a share of `radius_m` (0 is a circle).
     pub petal_share: f64,
-    /// How often it varies in a turn.
+    /// Number of periods of the variation in a turn.
     pub petals: u32,
-    /// Whether the last way-point is connected with the first.
+    /// Whether the last way-point is connected to the first.
     pub closed: bool,
-    /// Largest distance of the interpolated points.
+    /// Largest distance between interpolated points.
     pub spacing_m: f64,
-    /// Largest change of either pull in a step while the curve is driven.
+    /// Largest change of either pull in a step along the curve.
     pub max_step_m: f64,
     /// Steps for which a way-point's command is held before it is measured.
     pub hold_steps: usize,
@@ -97,8 +97,8 @@ pub fn waypoints(robot: &mut dyn Plant, options: &PathOptions, seed: Seed) -> Re
     Ok(points)
 }
 
-/// Connects way-points by straight lines, each divided equally into pieces of at most `options.spacing_m`. Every
-/// way-point is on the path; a closed one ends where it began.
+/// Connects way-points by straight lines, each divided into equal pieces of at most `options.spacing_m`. Every way-point
+/// is on the path; a closed path ends at its first point.
 ///
 /// # Errors
 /// [`TaskError`] for a setting out of range.

@@ -5,30 +5,30 @@ use serde::{Deserialize, Serialize};
 use super::TaskError;
 use crate::base::{BadOption, Observation, Plant, PlantError, Point3, Policy, PolicyError, Seed, distance_m};
 
-/// Which observation the policy is shown.
+/// Which observation the policy receives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LoopMode {
-    /// The one before the first step, throughout.
+    /// Always the one before the first step.
     Open,
-    /// The newest.
+    /// The latest.
     #[default]
     Closed,
 }
 
-/// When a trial ends and what is measured then.
+/// When a trial ends and how its error is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ReachOptions {
-    /// Control steps after which the trial ends in any case.
+    /// Largest number of control steps.
     pub max_steps: usize,
-    /// The trial ends when the policy was settled and the tip at rest for so many steps in a row.
+    /// Number of consecutive steps with a settled policy and a tip at rest that end the trial.
     pub settle_steps: usize,
-    /// The tip is at rest when it was measured to move by no more than this in a step; `null`: only the policy counts.
+    /// The tip is at rest when it moves by at most this in a step; `null`: only the policy counts.
     pub rest_m: Option<f64>,
     /// Further steps for which the last command is held before the error is measured.
     pub hold_steps: usize,
-    /// The error is the mean distance from the target over so many last measurements.
+    /// Number of last measurements over which the distance from the target is averaged.
     pub averaged_samples: usize,
 }
 
@@ -51,20 +51,20 @@ impl ReachOptions {
     }
 }
 
-/// What became of a trial.
+/// The outcome of a trial.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReachOutcome {
-    /// Last measured tip, metres; not a number when nothing was measured.
+    /// Last measured tip, metres; NaN without a measurement.
     pub tip_m: Point3,
-    /// Distance from the target, metres, averaged as the options say.
+    /// Distance from the target, metres, averaged over the last measurements.
     pub error_m: f64,
-    /// Control steps taken, holding included.
+    /// Number of control steps, including holding.
     pub steps: usize,
     /// Whether the policy settled (and the tip came to rest) before the step limit.
     pub settled: bool,
-    /// Times that the command passed from one of a hybrid's controllers to the other.
+    /// Number of changes between the controllers of a hybrid policy.
     pub switches: usize,
-    /// `ok`, or what failed; a trial that failed ends with its last measurement.
+    /// `ok`, or the failure; a failed trial ends with its last measurement.
     pub status: String,
 }
 
@@ -77,7 +77,7 @@ pub(super) enum TrialError {
     Policy(#[from] PolicyError),
 }
 
-/// The status of a trial in words.
+/// The status of a trial as text.
 pub(super) fn status(result: Result<(), TrialError>) -> String {
     match result {
         Ok(()) => "ok".to_owned(),
@@ -85,8 +85,8 @@ pub(super) fn status(result: Result<(), TrialError>) -> String {
     }
 }
 
-/// Runs a trial. Open loop and load are a matter of what the policy is shown and which plant it is: no policy knows.
-/// The seed (measurement noise) belongs to the trial and is the same for every policy.
+/// Runs a trial. Open loop and load are properties of the observation and the plant, unknown to the policy. The seed
+/// (measurement noise) belongs to the trial and is the same for every policy.
 ///
 /// # Errors
 /// [`TaskError::Option`] for a setting out of range. A plant or policy that fails is a status, not an error.

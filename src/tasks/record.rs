@@ -1,15 +1,15 @@
-//! Plays commands on any plant, trial by trial, and records what its tracker sees.
+//! Executes commands on any plant, trial by trial, and records the measurements of its tracker.
 
 use std::ops::Range;
 
 use crate::base::{Observation, Plant, PlantError, Rows, Seed};
 use crate::data::Recording;
 
-/// Why commands cannot be played as they are.
+/// Why commands cannot be executed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum UnevenSteps {
-    /// A plant moves in steps of one length.
-    #[error("trial {trial}: found a step of {found_s} s, expected {expected_s} s as between the first two rows")]
+    /// Steps differ in length; a plant moves in equal steps.
+    #[error("trial {trial}: found a step of {found_s} s, expected {expected_s} s, the step between the first two rows")]
     Uneven {
         /// The trial.
         trial: u64,
@@ -19,17 +19,17 @@ pub enum UnevenSteps {
         expected_s: f64,
     },
     /// No trial has two rows.
-    #[error("found no trial with two rows, expected commands that are held for a time")]
+    #[error("found no trial with two rows, expected commands with a duration")]
     None,
 }
 
-/// Time steps may differ by this much, s: times are written with some digits.
+/// Tolerance of time steps, s: written times are rounded.
 const SAME_S: f64 = 1e-6;
 
-/// The one length of all steps of `commands`, s.
+/// The common length of all steps of `commands`, s.
 ///
 /// # Errors
-/// [`UnevenSteps`] where they differ or there are none.
+/// [`UnevenSteps`] when they differ or there is none.
 pub fn step_s(commands: &Recording) -> Result<f64, UnevenSteps> {
     let mut first_s = None;
     for (trial, rows) in commands.trials() {
@@ -44,7 +44,7 @@ pub fn step_s(commands: &Recording) -> Result<f64, UnevenSteps> {
     first_s.ok_or(UnevenSteps::None)
 }
 
-/// Plays the `rows` of one trial from rest at home: what was seen at each of them, as a recording of these rows alone.
+/// Executes the `rows` of one trial from rest at home. Returns the measurements as a recording of these rows.
 ///
 /// # Errors
 /// [`PlantError`] when the plant stops or refuses; the trial is lost.
@@ -64,7 +64,7 @@ pub fn record_trial(
 pub(super) fn written(commands: &Recording, rows: Range<usize>, seen: &[Observation]) -> Recording {
     let mut kept = Rows::new(commands.tendons());
     rows.clone().for_each(|row| kept.push(commands.commands.row(row)));
-    // A row in which the tip was not seen has no orientation; the others keep theirs.
+    // A row without tracking has no orientation; the others keep theirs.
     let turned = seen.iter().any(|seen| seen.tip_quaternion.is_some());
     let quaternion = turned.then(|| seen.iter().map(|seen| seen.tip_quaternion.unwrap_or([f64::NAN; 4])).collect());
     let valid: Vec<bool> = seen.iter().map(|seen| seen.valid).collect();

@@ -1,4 +1,4 @@
-//! Recordings for learning hold the tip in every row: where tracking loses it, the tick is repeated.
+//! Recordings for learning have a tip in every row: a step in which tracking lost the tip is repeated.
 
 use crate::base::{Observation, Plant, PlantError, Seed, TendonCommand};
 
@@ -6,9 +6,9 @@ use crate::base::{Observation, Plant, PlantError, Seed, TendonCommand};
 /// without tracking for longer is stopped by its guard.
 const MOST_REPEATS: usize = 10;
 
-/// A plant whose every observation is a measurement. Where the tip was not seen, the same command is held for another
-/// step and the tip at its end taken: the number of rows stays, each with its own command, so that recordings of the same
-/// commands on two robots can be laid side by side. (A row left out would break that, and the time series with it.)
+/// A plant whose every observation is valid. After a lost frame, the same command is held for another step, and the tip at
+/// its end is returned. The number of rows stays the same, so recordings of the same commands on two robots can be compared
+/// row by row, which leaving rows out would break.
 pub(crate) struct RetryLostFrames<'a>(pub(crate) &'a mut dyn Plant);
 
 impl RetryLostFrames<'_> {

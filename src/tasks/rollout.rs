@@ -1,15 +1,15 @@
-//! What a learned forward model (eq. 17) makes of the commands of a recording: section IV-B's "learned dynamic neural
-//! network" in the place of the rod.
+//! Rollout of a learned forward model (eq. 17) over the commands of a recording: section IV-B's "learned dynamic neural
+//! network" in place of the rod.
 
 use super::{TaskError, Transitions};
 use crate::base::{Point3, Rows};
 use crate::policies::ForwardModel;
 
-/// The commands of `samples` played on a forward model, which starts each trajectory where the recording does and is
-/// then on its own.
+/// The response of a forward model to the commands of `samples`. Each trajectory starts at the recorded tip and continues
+/// from the model's own predictions.
 ///
 /// # Errors
-/// [`TaskError::Model`] when the model gives a number that is not finite.
+/// [`TaskError::Model`] when the model returns a number that is not finite.
 pub fn rollout(samples: &Transitions, model: &mut dyn ForwardModel) -> Result<Transitions, TaskError> {
     let mut predicted = Transitions { from_m: Rows::new(3), to_m: Rows::new(3), ..samples.clone() };
     for range in samples.trajectories() {

@@ -1,4 +1,4 @@
-//! Plays the commands of a recording on the simulated robot: what the model says would have been measured.
+//! Simulates the commands of a recording: the measurements that the model predicts.
 
 use std::ops::Range;
 
@@ -11,15 +11,15 @@ use crate::effects::{EffectSpec, Model, Variable, VariationError};
 use crate::plants::{Simulated, SimulatedOptions};
 use crate::rod::{TipLoad, TipRate};
 
-/// How commands are played.
+/// How commands are simulated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SimulationOptions {
-    /// Every row is the equilibrium under its own command; else the robot moves and a row shows it as it is when the
-    /// command begins.
+    /// Each row is the equilibrium under its own command. Otherwise the robot moves, and a row is its state at the beginning
+    /// of the row's command.
     pub at_rest: bool,
     /// Standard deviation of the tracking noise per axis, metres.
     pub noise_m: f64,
-    /// Displacements beyond this are refused, metres.
+    /// Largest allowed displacement, metres.
     pub travel_m: f64,
     /// Seed of the noise.
     pub seed: Seed,
@@ -31,8 +31,8 @@ impl Default for SimulationOptions {
     }
 }
 
-/// Plays all trials of `commands`. Rows that could not be solved are marked as not valid, with the solver's status in
-/// the column `solver_status`; a robot that moves is lost for the rest of such a trial, with the same status.
+/// Simulates all trials of `commands`. Rows that the solver could not solve are not valid, with the solver's status in the
+/// column `solver_status`; without `at_rest` this holds for the rest of the trial.
 pub fn simulate_recording(model: &Model, commands: &Recording, options: &SimulationOptions) -> Recording {
     let mut columns = SimulatedColumns::new(commands.len(), commands.tendons());
     for (number, rows) in commands.trials() {
@@ -42,22 +42,22 @@ pub fn simulate_recording(model: &Model, commands: &Recording, options: &Simulat
     columns.into_recording(commands)
 }
 
-/// What [`simulate_with_rates`] gives.
+/// The result of [`simulate_with_rates`].
 #[derive(Clone, Debug)]
 pub struct RecordingWithRates {
-    /// What [`simulate_recording`] gives.
+    /// The result of [`simulate_recording`].
     pub recording: Recording,
-    /// For each row, derivative of the tip with respect to each variable that is not left out; none for a row that could
-    /// not be solved.
+    /// For each row, the derivative of the tip with respect to each variable that is not left out; empty for a row without
+    /// a solution.
     pub rates: Vec<Vec<TipRate>>,
-    /// Numbers (from 0) of the variables that have no derivative along a motion.
+    /// Indices of the variables without a derivative along a motion.
     pub left_out: Vec<usize>,
 }
 
 /// [`simulate_recording`] with the derivative of each row's tip with respect to each of `variables`.
 ///
 /// # Errors
-/// [`VariationError`] for a variable that there is not.
+/// [`VariationError`] for an unknown variable.
 pub fn simulate_with_rates(
     model: &Model,
     commands: &Recording,
@@ -83,13 +83,13 @@ impl SimulationOptions {
     }
 }
 
-/// The weight on the tip at a trial's first row.
+/// The mass on the tip in a trial's first row, as an effect.
 fn hung(commands: &Recording, first_row: usize) -> Option<EffectSpec> {
     let hung_kg = commands.known_load_kg.as_ref().map_or(0.0, |load| load[first_row]);
     (hung_kg > 0.0).then(|| EffectSpec::tip_load(hung_kg))
 }
 
-/// The columns that playing fills.
+/// The columns of a simulated recording.
 struct SimulatedColumns {
     seen: Vec<Option<(Observation, f64)>>,
     status: Vec<String>,
@@ -108,8 +108,8 @@ impl SimulatedColumns {
         }
     }
 
-    /// Names the failure in those of `rows` that have not been seen and have no other failure.
-    fn lose(&mut self, rows: Range<usize>, error: &PlantError) {
+    /// Sets the failure of those of `rows` that have neither an observation nor another failure.
+    fn set_failure(&mut self, rows: Range<usize>, error: &PlantError) {
         let name = match error {
             PlantError::Solver(name) => name.as_str(),
             PlantError::Refused(_) => "refused",
@@ -154,23 +154,23 @@ impl SimulatedColumns {
     }
 }
 
-/// One trial under way.
+/// The state of one trial.
 struct SimulatedTrial {
     plant: Simulated,
     actuation: Actuation,
-    /// The weight that hangs on the tip from its start, kg.
+    /// Mass on the tip at the start of the trial, kg.
     hung_kg: f64,
 }
 
 impl SimulatedTrial {
-    /// The robot with the weight that hangs on its tip in this trial.
+    /// The robot with the mass on its tip in this trial.
     fn new(commands: &Recording, first_row: usize, plant: impl FnOnce(&[EffectSpec]) -> Simulated) -> SimulatedTrial {
         let hung_kg = commands.known_load_kg.as_ref().map_or(0.0, |load| load[first_row]);
         let plant = plant(hung(commands, first_row).as_slice());
         SimulatedTrial { plant, actuation: commands.actuation, hung_kg }
     }
 
-    /// Plays the rows and names the failure in those that cannot be played.
+    /// Simulates the rows and sets the failure of those without a solution.
     fn fill(
         mut self,
         columns: &mut SimulatedColumns,
@@ -180,7 +180,7 @@ impl SimulatedTrial {
     ) {
         let seed = options.seed.index(number);
         if let Err(error) = self.run(commands, rows.clone(), options.at_rest, seed, columns) {
-            columns.lose(rows, &error);
+            columns.set_failure(rows, &error);
         }
     }
 
@@ -202,11 +202,11 @@ impl SimulatedTrial {
         for row in rows.clone() {
             self.load(commands, row);
             if at_rest {
-                // Each row is a pose of its own: one that has no equilibrium takes no other with it.
+                // Rows are independent: one without an equilibrium does not affect the others.
                 match self.command(commands.commands.row(row), true) {
                     Ok(pose) => seen = pose,
                     Err(error) => {
-                        columns.lose(row..row + 1, &error);
+                        columns.set_failure(row..row + 1, &error);
                         continue;
                     }
                 }
@@ -221,8 +221,8 @@ impl SimulatedTrial {
         Ok(())
     }
 
-    /// Puts the row's load on the tip: its force and moment, and the weight by which what hangs there has changed since
-    /// the trial began (the inertia of such a change is left out).
+    /// Applies the row's load to the tip: its force and moment, and the change of the hung mass since the start of the
+    /// trial (the inertia of the change is neglected).
     fn load(&mut self, commands: &Recording, row: usize) {
         let mut extra = TipLoad::default();
         if let Some(loads) = &commands.tip_load {

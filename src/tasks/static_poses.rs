@@ -1,4 +1,4 @@
-//! Poses at rest: the tendons are brought to each in even steps, the robot comes to rest, and the tracker looks for a while.
+//! Static poses: the tendons move to each pose in even steps, the robot comes to rest, and several measurements are averaged.
 
 use std::ops::Range;
 
@@ -8,15 +8,15 @@ use super::record::written;
 use crate::base::{BadOption, Observation, Plant, PlantError, Seed};
 use crate::data::{Actuation, Recording};
 
-/// How poses are visited.
+/// How static poses are recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct StaticPoseOptions {
     /// Largest change of a displacement in a step, metres.
     pub max_step_m: f64,
-    /// Steps for which the robot comes to rest.
+    /// Steps of waiting before the robot counts as at rest.
     pub rest_steps: usize,
-    /// Measurements that are averaged, one a step.
+    /// Number of measurements to average, one per step.
     pub looks: usize,
 }
 
@@ -36,19 +36,19 @@ impl StaticPoseOptions {
         BadOption::unless_counted("looks", self.looks)
     }
 
-    /// Steps from one pose to the next, the looks at the latter included.
+    /// Steps from one pose to the next, including its measurements.
     fn steps(&self, from_m: &[f64], to_m: &[f64]) -> usize {
         self.steps_on_the_way(from_m, to_m) + self.rest_steps + self.looks
     }
 
     fn steps_on_the_way(&self, from_m: &[f64], to_m: &[f64]) -> usize {
         let largest_m = from_m.iter().zip(to_m).map(|(from, to)| (to - from).abs()).fold(0.0, f64::max);
-        // The tolerance keeps a step of exactly the limit from becoming two.
+        // The tolerance keeps a step of exactly the limit a single step.
         (largest_m / self.max_step_m - 1e-9).ceil().max(0.0) as usize
     }
 }
 
-/// Home, and the robot bent in eight directions by `reach_m` and by half of it: displacements of the four tendons, metres.
+/// Home, and bends in eight directions by `reach_m` and by half of it: displacements of the four tendons, metres.
 pub fn star_m(reach_m: f64) -> Vec<Vec<f64>> {
     let mut poses = vec![vec![0.0; 4]];
     for share in [0.5, 1.0] {
@@ -61,8 +61,8 @@ pub fn star_m(reach_m: f64) -> Vec<Vec<f64>> {
     poses
 }
 
-/// The commands for `poses_m` (displacements in metres, home added as the first of all) under each of the weights, kilograms: a
-/// trial a weight, a row a pose, each at the time at which it has been looked at.
+/// The commands for `poses_m` (displacements in metres; home is added as the first pose) under each of the masses, kilograms:
+/// one trial for each mass, one row for each pose, at the time of its last measurement.
 pub fn plan_static_poses(
     poses_m: &[Vec<f64>],
     weights_kg: &[f64],
@@ -77,7 +77,7 @@ pub fn plan_static_poses(
         let mut steps = 0;
         let further = poses_m.iter().filter(|pose| pose.iter().any(|&pull_m| pull_m != 0.0));
         for (number, pose) in std::iter::once(&vec![0.0; tendons]).chain(further).enumerate() {
-            // At home the robot rests already.
+            // The robot is already at rest at home.
             steps += if number == 0 { 0 } else { options.steps(&at_m, pose) };
             at_m.clone_from(pose);
             planned.trial.push(trial);
@@ -90,7 +90,7 @@ pub fn plan_static_poses(
     planned
 }
 
-/// Visits the poses of one trial of [`plan_static_poses`]: what was seen at rest at each of them. Every row is a pose at rest under its
+/// Records the poses of one trial of [`plan_static_poses`]. Each row is the averaged measurement of a pose at rest under its
 /// own command.
 ///
 /// # Errors
@@ -122,7 +122,7 @@ pub fn record_static_poses(
     Ok(written(planned, rows, &seen))
 }
 
-/// The last of several looks with the mean of all valid ones.
+/// The last of several observations, with the mean tip of the valid ones.
 fn averaged(looks: Vec<Observation>) -> Observation {
     let valid: Vec<[f64; 3]> = looks.iter().filter(|look| look.valid).map(|look| look.tip_m).collect();
     let tip_m = std::array::from_fn(|axis| valid.iter().map(|tip| tip[axis]).sum::<f64>() / valid.len() as f64);

@@ -13,12 +13,12 @@ use crate::base::{BadOption, Plant, Point3, Seed};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TargetOptions {
-    /// Points in the pool.
+    /// Number of points in the pool.
     pub pool: usize,
-    /// Points drawn from it.
+    /// Number of points drawn from the pool.
     pub drawn: usize,
-    /// Where the candidates come from: a sweep of the real robot, finer than the pool. Its nodes are not those of
-    /// the error model's points.
+    /// Source of the candidates: a sweep of the real robot, finer than the pool. Its nodes differ from the points of the
+    /// error model.
     pub sweep: GridOptions,
 }
 
@@ -48,8 +48,8 @@ impl TargetOptions {
     }
 }
 
-/// The pool: tips of a sweep of the robot, thinned to `options.pool` equally spaced ones. Give it the real robot
-/// without measurement noise, so that every target can be reached. The seed is the robot's own.
+/// The pool: tips of a sweep of the robot, thinned to `options.pool` equally spaced ones. Use the real robot without
+/// measurement noise, so that every target can be reached. The seed is the plant's.
 ///
 /// # Errors
 /// [`TaskError`] for a setting out of range, a pool larger than the sweep, or a plant that fails.
@@ -69,11 +69,11 @@ pub fn target_pool(robot: &mut dyn Plant, options: &TargetOptions, seed: Seed) -
     spread_targets(&candidates, options.pool)
 }
 
-/// `count` of the candidates, as equally spaced as they come: each next one is the farthest from all before it
-/// (Gonzalez 1985), beginning with the first; of equals the earlier. O(count × candidates).
+/// `count` of the candidates, as equally spaced as possible: each next one is the farthest from all before it (Gonzalez
+/// 1985), starting with the first; the earlier of equals. O(count × candidates).
 ///
 /// # Errors
-/// [`TaskError::TooFew`] when there are fewer distinct candidates than asked for.
+/// [`TaskError::TooFew`] when there are fewer than `count` distinct candidates.
 pub fn spread_targets(candidates: &[Point3], count: usize) -> Result<Vec<Point3>, TaskError> {
     BadOption::unless_counted("pool", count)?;
     let mut gap_squared = vec![f64::INFINITY; candidates.len()];
@@ -99,8 +99,8 @@ pub fn spread_targets(candidates: &[Point3], count: usize) -> Result<Vec<Point3>
     Ok(chosen)
 }
 
-/// Draws `count` targets with their numbers in the pool. The seed is the experiment's, never a policy's: every policy
-/// meets the same targets in the same order, and a smaller draw is the beginning of a larger one.
+/// Draws `count` targets with their indices in the pool. The seed is the experiment's: every policy gets the same targets in
+/// the same order, and a smaller draw is the beginning of a larger one.
 ///
 /// # Errors
 /// [`TaskError::TooFew`] when the pool is smaller.

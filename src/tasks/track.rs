@@ -1,5 +1,4 @@
-//! Closed-loop path tracking (section V-D): the next point of the path becomes the target when the policy has settled
-//! at this one.
+//! Closed-loop path tracking (section V-D): the target advances to the next point of the path when the policy has settled.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,17 +6,17 @@ use super::TaskError;
 use super::reach::{TrialError, status};
 use crate::base::{BadOption, Plant, Point3, Policy, Seed, distance_m};
 
-/// When the target moves on.
+/// When the target advances along the path.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrackOptions {
-    /// Steps after which the next point becomes the target in any case.
+    /// Largest number of steps for a point.
     pub max_steps_per_point: usize,
-    /// The same for the first point, to which the robot comes from rest at home.
+    /// Largest number of steps for the first point, which the robot reaches from rest at home.
     pub max_steps_first: usize,
-    /// The target moves on when the policy was settled for so many steps in a row.
+    /// Number of consecutive steps with a settled policy after which the target advances.
     pub settle_steps: usize,
-    /// And, unless `null`, when it is measured to be no farther than this from the target.
+    /// Unless `null`, the target advances only when the measured tip is within this distance.
     pub within_m: Option<f64>,
 }
 
@@ -47,22 +46,22 @@ pub struct TrackStep {
     pub step: usize,
     /// Time at its end, seconds.
     pub time_s: f64,
-    /// Which point of the path was the target.
+    /// Index of the target on the path.
     pub path_point: usize,
-    /// That point, metres.
+    /// The target, metres.
     pub target_m: Point3,
     /// Measured tip at the end of the step, metres.
     pub tip_m: Point3,
-    /// Distance of the two, metres.
+    /// Distance of the tip from the target, metres.
     pub error_m: f64,
-    /// Which of a hybrid's controllers gave the command.
+    /// Controller of a hybrid policy that gave the command.
     pub branch: &'static str,
-    /// `ok`, or in the last step what ended the run.
+    /// `ok`, or in the last step the failure that ended the run.
     pub status: String,
 }
 
-/// Follows `path_m` from rest at home. The run ends when the last point is settled, its steps are spent, or something
-/// fails: then a last step names the failure, with the last tip that was measured.
+/// Tracks `path_m` from rest at home. The run ends when the policy has settled at the last point, when the steps for it are
+/// used up, or on a failure, which a last step names together with the last measured tip.
 ///
 /// # Errors
 /// [`TaskError::Option`] for a setting out of range.

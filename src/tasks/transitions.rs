@@ -1,15 +1,15 @@
-//! What an exploration yields: transitions in the order of time.
+//! The transitions of an exploration, in order of time.
 
 use serde::{Deserialize, Serialize};
 
 use crate::base::{Displacements, Observation, Point3, Rows};
 
-/// Transitions (x_i, u_i) → x_{i+1} of one or more trajectories, each of which starts at rest at home.
+/// Transitions (x_i, u_i) → x_{i+1} of one or more trajectories; each trajectory starts at rest at home.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Transitions {
     /// Measured tip before each step, metres, three columns.
     pub from_m: Rows,
-    /// Displacements in force during the step, metres, one column a tendon.
+    /// Displacements during the step, metres, one column for each tendon.
     pub pulls_m: Rows,
     /// Measured tip after the step, metres, three columns.
     pub to_m: Rows,
@@ -18,7 +18,7 @@ pub struct Transitions {
 }
 
 impl Transitions {
-    /// An empty trajectory of a robot with so many tendons.
+    /// An empty trajectory of a robot with this number of tendons.
     pub(super) fn begin(tendons: usize) -> Self {
         Transitions { from_m: Rows::new(3), pulls_m: Rows::new(tendons), to_m: Rows::new(3), starts: vec![0] }
     }
@@ -35,7 +35,7 @@ impl Transitions {
         self.to_m.len()
     }
 
-    /// True when there is none.
+    /// True when there is no transition.
     pub fn is_empty(&self) -> bool {
         self.to_m.is_empty()
     }
@@ -51,7 +51,7 @@ impl Transitions {
         range.map(|index| self.pulls_m.row(index).to_vec()).collect()
     }
 
-    /// Trajectories recorded apart, put one after the other.
+    /// Joins trajectories that were recorded separately.
     pub fn concat(parts: &[Transitions]) -> Transitions {
         let mut whole = Transitions::begin(parts.first().map_or(0, |part| part.pulls_m.width()));
         whole.starts.clear();
@@ -66,7 +66,7 @@ impl Transitions {
         whole
     }
 
-    /// The first `count` transitions, for learning from fewer.
+    /// The first `count` transitions.
     pub fn first(&self, count: usize) -> Transitions {
         let kept: Vec<usize> = (0..count.min(self.len())).collect();
         Transitions {

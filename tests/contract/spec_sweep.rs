@@ -190,7 +190,7 @@ const BAD_SPECS: &[(&str, &str)] = &[
     ("sweep: {control_hz.more: [1, 2]}", "spec.yaml:2:26: control_hz.more: found 5 on the way there, expected a field"),
     (
         "sweep: {policy.c.switch_threshold_m: [0.01], policies.c.error_m: [0.02]}",
-        "spec.yaml:2:46: policies.c.error_m: found a field that is swept already, expected each field once",
+        "spec.yaml:2:46: policies.c.error_m: found a field that is already swept, expected each field once",
     ),
     (
         "sweep: {plant.simulated.model: [nowhere.yaml]}",
@@ -219,7 +219,7 @@ const BAD_OPTIONS: &[(&[&str], &str)] = &[
     ),
     (
         &["--sweep", "gp.starts=1,2", "--sweep", "gp.starts=3,4"],
-        "--sweep gp.starts=3,4: gp.starts: found a field that is swept already",
+        "--sweep gp.starts=3,4: gp.starts: found a field that is already swept",
     ),
     (
         &["--set", "policy.c.switch_threshold_m=0.01", "--sweep", "policies.c.error_m=0.01,0.02"],
@@ -327,6 +327,6 @@ fn the_shipped_sweeps_are_studies_and_resolved_the_same_ones() {
         std::fs::write(&resolved, study.to_yaml().unwrap()).unwrap();
         assert_eq!(ExperimentSet::read(&resolved, &[], &[]).unwrap(), study);
         let error = spinebench::specs::Experiment::read(&file, &[]).unwrap_err().to_string();
-        assert!(error.contains("expected a spec that sweeps nothing"), "{error}");
+        assert!(error.contains("expected a spec without a sweep"), "{error}");
     }
 }

@@ -43,7 +43,7 @@ fn the_smallest_spec_runs_end_to_end_and_twice_the_same() {
     let said = String::from_utf8_lossy(&first.stderr).into_owned();
     // Nothing is so far outside: that case fails, and says so in its row.
     assert_eq!(first.status.code(), Some(1), "{said}");
-    assert!(said.contains("1 stages failed, the first of them blind_truth"), "{said}");
+    assert!(said.contains("1 stages failed, the first is blind_truth"), "{said}");
     let table = folder.path().join("one/results/blind/discovery.csv");
     let rows: Vec<CaseRow> = read_csv(&table).unwrap();
     let heads: Vec<(u64, &str, &str)> =

@@ -268,7 +268,7 @@ fn a_log_for_machines_and_the_strict_answer() {
     let lost = spinebench(folder.path(), &[&tiny[..], &["--set", heavy, "--out", "lost", "--quiet"]].concat());
     assert_eq!(lost.status.code(), Some(1));
     let said = String::from_utf8(lost.stderr).unwrap();
-    assert!(said.contains("stages failed, the first of them "), "{said}");
+    assert!(said.contains("stages failed, the first is "), "{said}");
     assert!(said.contains("note: gp_pool predefined points (seed 0) failed"), "{said}");
     let trials = std::fs::read_to_string(folder.path().join("lost/results/smoke/trials.csv")).unwrap();
     assert_eq!(trials.matches("gp_pool: rod solver").count(), 6, "{trials}");

@@ -103,7 +103,7 @@ fn kills_change_no_byte_and_lose_only_what_was_in_flight() {
 
     let pruned = spinebench(folder.path(), &["cache", "prune"]);
     let said = String::from_utf8(pruned.stdout).unwrap();
-    assert!(said.starts_with("took out 0 entries and "), "{said}");
+    assert!(said.starts_with("removed 0 entries and "), "{said}");
     assert!(store(folder.path()).leftovers().unwrap().is_empty());
 }
 

@@ -4,7 +4,7 @@ use super::format::{NONE, enumerate, millimetres, percent, times};
 use super::html::{list, table};
 use super::page::section;
 use super::quantity::quantities;
-use super::{EffectText, DiscoveryReport};
+use super::{DiscoveryReport, EffectText};
 use crate::data::findings::{FoundEffect, Verdict};
 use maud::{Markup, html};
 

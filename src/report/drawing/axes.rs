@@ -1,4 +1,4 @@
-//! Axes and panels: from data to places on the figure.
+//! Axes and panels: from data to points on the canvas.
 
 use super::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 use super::paint::text_width;
@@ -15,7 +15,7 @@ pub(crate) struct Axis {
 }
 
 impl Axis {
-    /// An axis that covers `values` (and what is not finite not at all), its ends on ticks, with about `wanted` of them.
+    /// An axis that covers the finite ones of `values`, with its ends on ticks and about `wanted` ticks.
     pub(crate) fn covering(label: &str, values: impl Iterator<Item = f64>, wanted: usize) -> Axis {
         let (low, high) = range(values);
         let step = nice_step(low, high, wanted);
@@ -31,7 +31,7 @@ impl Axis {
 
     fn between(label: &str, low: f64, high: f64, step: f64) -> Axis {
         let digits = (-step.log10().floor()).max(0.0) as usize;
-        // A step of 2.5 has one digit more than its power of ten.
+        // A step of 2.5 has one more digit than its power of ten.
         let shown = (step * 10f64.powi(digits as i32)).fract();
         let digits = if shown > 1e-6 && shown < 1.0 - 1e-6 { digits + 1 } else { digits };
         let first = (low / step - 1e-6).ceil() as i64;
@@ -43,7 +43,7 @@ impl Axis {
         Axis { label: label.to_owned(), low, high, ticks: ticks.collect() }
     }
 
-    /// An axis of named places 0, 1, 2, …
+    /// An axis with names at 0, 1, 2, …
     pub(crate) fn categories(label: &str, names: &[String]) -> Axis {
         let ticks = names.iter().enumerate().map(|(place, name)| (place as f64, name.clone())).collect();
         Axis { label: label.to_owned(), low: -0.4, high: names.len() as f64 - 0.6, ticks }
@@ -53,13 +53,13 @@ impl Axis {
     pub(crate) fn decades(label: &str, values: impl Iterator<Item = f64>) -> Axis {
         let (low, high) = range(values.map(f64::log10));
         let (low, high) = (low.floor(), high.ceil().max(low.floor() + 1.0));
-        // No more labels than have room.
+        // Skip labels that would overlap.
         let step = ((high - low) / 6.0).ceil().max(1.0) as usize;
         let ticks = (low as i64..=high as i64).step_by(step).map(|power| (power as f64, power_of_ten(power)));
         Axis { label: label.to_owned(), low, high, ticks: ticks.collect() }
     }
 
-    /// The same without tick labels and label: for a panel whose neighbour shows them.
+    /// The axis without label and tick labels, for a panel whose neighbour shows them.
     pub(crate) fn bare(&self) -> Axis {
         let ticks = self.ticks.iter().map(|(value, _)| (*value, String::new())).collect();
         Axis { label: String::new(), ticks, ..self.clone() }
@@ -70,7 +70,7 @@ impl Axis {
     }
 }
 
-/// 0.01, 0.1, 1, 10, …; beyond a hundred thousand as a power.
+/// 0.01, 0.1, 1, 10, …; large and small ones as powers.
 fn power_of_ten(power: i64) -> String {
     match power {
         0..=4 => format!("{}", 10_i64.pow(power as u32)),
@@ -84,14 +84,14 @@ fn power_of_ten(power: i64) -> String {
     }
 }
 
-/// A number with a typographer's minus, and none before zero.
+/// A number with a minus sign (U+2212), without one before zero.
 pub(crate) fn signed(value: f64, digits: usize) -> String {
     let text = format!("{value:.digits$}");
     let zero = text.chars().all(|letter| matches!(letter, '-' | '0' | '.'));
     if zero { text.replace('-', "") } else { text.replace('-', "−") }
 }
 
-/// Smallest and largest of the finite values, widened where they are one.
+/// Smallest and largest of the finite values, widened when they are equal.
 pub(crate) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let finite = values.filter(|value| value.is_finite());
     let (low, high) =
@@ -123,13 +123,13 @@ pub(crate) struct Panel {
 }
 
 impl Panel {
-    /// Where a point of the data stands.
+    /// Position of a data point.
     pub(crate) fn at(&self, x: f64, y: f64) -> CanvasPoint {
         let [left, top] = self.corner;
         [left + self.size[0] * self.x.share(x), top + self.size[1] * (1.0 - self.y.share(y))]
     }
 
-    /// Grid, axes, ticks, labels and title; data go on top.
+    /// Draws grid, axes, ticks, labels and title, below the data.
     pub(crate) fn draw(&self, canvas: &mut Canvas) {
         let [left, top] = self.corner;
         let [right, bottom] = [left + self.size[0], top + self.size[1]];
@@ -179,7 +179,7 @@ impl Panel {
         }
     }
 
-    /// An upright bar between two values, with caps.
+    /// A vertical bar between two values, with caps.
     pub(crate) fn interval(&self, canvas: &mut Canvas, x: f64, [low, high]: [f64; 2], colour: Colour) {
         let [bottom, top] = [self.at(x, low), self.at(x, high)];
         canvas.line(&[bottom, top], 1.1, colour, &[]);

@@ -1,11 +1,11 @@
-//! A figure as a list of marks, before it is painted: the same list becomes PNG and SVG.
+//! A figure as a list of primitives, from which both PNG and SVG are painted.
 
 use crate::report::style::{Colour, Dash, Marker, WHITE};
 
-/// A place on the figure: to the right and down from its upper left corner, hundredths of an inch.
+/// A point on the figure: right and down from the upper left corner, hundredths of an inch.
 pub(crate) type CanvasPoint = [f64; 2];
 
-/// Where along a text its anchor lies.
+/// Position of the anchor along a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TextAlign {
     Left,
@@ -23,11 +23,11 @@ pub(crate) struct Text {
     pub(crate) bold: bool,
     pub(crate) colour: Colour,
     pub(crate) align: TextAlign,
-    /// Written upwards.
+    /// Rotated to read upwards.
     pub(crate) upwards: bool,
 }
 
-/// One thing to paint.
+/// One primitive.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Primitive {
     Stroke { points: Vec<CanvasPoint>, width: f64, colour: Colour },
@@ -36,7 +36,7 @@ pub(crate) enum Primitive {
     Text(Text),
 }
 
-/// The marks of a figure in the order of painting.
+/// The primitives of a figure in the order of painting.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Canvas {
     pub(crate) width: f64,
@@ -49,7 +49,7 @@ impl Canvas {
         Canvas { width, height, marks: Vec::new() }
     }
 
-    /// The points that have a place; those far off the figure are brought to its edge, where painting costs no more.
+    /// The finite points; those far outside the figure are moved close to its edge, which bounds the cost of painting.
     fn drawable(&self, points: &[CanvasPoint]) -> Vec<CanvasPoint> {
         let seen = points.iter().filter(|point| !point[0].is_nan() && !point[1].is_nan());
         seen.map(|[x, y]| [x.clamp(-50.0, self.width + 50.0), y.clamp(-50.0, self.height + 50.0)]).collect()
@@ -80,7 +80,7 @@ impl Canvas {
         }
     }
 
-    /// A marker with a thin white rim, so that neighbours stay apart; hollow where `hollow`.
+    /// A marker with a thin white rim that separates neighbours; hollow where `hollow`.
     pub(crate) fn marker(&mut self, at: CanvasPoint, shape: Marker, radius: f64, colour: Colour, hollow: bool) {
         self.shape(at, shape, radius + 0.8, WHITE);
         self.shape(at, shape, radius, colour);

@@ -1,4 +1,4 @@
-//! Looking at points in space: an isometric view with a triad of axes and a scale bar.
+//! Isometric view of points in space, with a triad of axes and a scale bar.
 
 use super::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 use crate::base::Point3;
@@ -11,12 +11,12 @@ pub(crate) fn isometric([x, y, z]: Point3) -> [f64; 2] {
     [(z - y) * cos, x - (z + y) * sin]
 }
 
-/// A window on the isometric plane: what of it is seen and where on the figure.
+/// A view of the isometric plane: the visible part and its frame on the figure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct View {
     corner: CanvasPoint,
     size: [f64; 2],
-    /// Middle of what is seen.
+    /// Centre of the visible part.
     centre: [f64; 2],
     /// Hundredths of an inch to a metre.
     scale: f64,
@@ -35,20 +35,20 @@ impl View {
         View { corner, size, centre, scale }
     }
 
-    /// The same window of the plane elsewhere on the figure, shrunk to fit there.
+    /// The same part of the plane in another frame, scaled to fit.
     pub(crate) fn moved(&self, corner: CanvasPoint, size: [f64; 2]) -> View {
         let shrink = (size[0] / self.size[0]).min(size[1] / self.size[1]);
         View { corner, size, centre: self.centre, scale: self.scale * shrink }
     }
 
-    /// Where a point of space stands on the figure.
+    /// Position of a point of space on the figure.
     pub(crate) fn at(&self, point: Point3) -> CanvasPoint {
         let [u, v] = isometric(point);
         let middle = [self.corner[0] + self.size[0] / 2.0, self.corner[1] + self.size[1] / 2.0];
         [middle[0] + self.scale * (u - self.centre[0]), middle[1] - self.scale * (v - self.centre[1])]
     }
 
-    /// The three axes as arrows of `length` from a place on the figure.
+    /// Draws the three axes as arrows of `length` from a point on the figure.
     pub(crate) fn triad(&self, canvas: &mut Canvas, at: CanvasPoint, length: f64) {
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
             let mut point = [0.0; 3];
@@ -65,8 +65,8 @@ impl View {
         }
     }
 
-    /// A bar of `length_m` with its length in words, its left end at a place on the figure. Lengths along an axis are
-    /// true to it.
+    /// Draws a scale bar of `length_m` with its label, with its left end at a point on the figure. It holds for lengths along
+    /// the axes.
     pub(crate) fn scale_bar(&self, canvas: &mut Canvas, at: CanvasPoint, length_m: f64) {
         let end = [at[0] + self.scale * length_m, at[1]];
         canvas.line(&[at, end], 1.6, INK, &[]);

@@ -1,10 +1,10 @@
-//! Keys above the panels, so that they cover no data.
+//! Legends above the panels, where they cover no data.
 
 use super::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 use super::paint::text_width;
 use crate::report::style::{BAND, Colour, Dash, LINE, Look, MARKER, Marker, SMALL, TEXT};
 
-/// What stands before a name in a legend.
+/// The symbol before a name in a legend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum LegendEntry {
     /// Line and marker over a band.
@@ -22,8 +22,7 @@ pub(crate) enum LegendEntry {
 const KEY_WIDTH: f64 = 22.0;
 const GAP: f64 = 16.0;
 
-/// Draws keys in a row whose text has its baseline at `at` (left end), and wraps before `right`. Returns the last
-/// baseline.
+/// Draws entries in a row whose baseline starts at `at`, and wraps before `right`. Returns the last baseline.
 pub(crate) fn legend(canvas: &mut Canvas, at: CanvasPoint, right: f64, keys: &[(LegendEntry, &str)]) -> f64 {
     let [mut x, mut y] = at;
     for (key, name) in keys {

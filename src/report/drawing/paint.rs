@@ -1,5 +1,5 @@
-//! Marks to bytes: PNG with two pixels to a hundredth of an inch, and SVG. The font travels with the program, so the
-//! same marks give the same bytes on every machine.
+//! Primitives to bytes: PNG with two pixels per hundredth of an inch, and SVG. The font is embedded in the program, so the
+//! same primitives give the same bytes on every machine.
 
 use std::sync::OnceLock;
 
@@ -12,21 +12,21 @@ use plotters::style::{
 use super::canvas::{Canvas, CanvasPoint, Primitive, Text, TextAlign};
 use crate::report::style::Colour;
 
-/// The embedded font's name, followed in SVG by fonts of like widths.
+/// The embedded font's name, followed in SVG by fonts of similar widths.
 const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
-/// Pixels of the PNG to a hundredth of an inch.
+/// Pixels of the PNG per hundredth of an inch.
 const PIXELS: usize = 2;
-/// Each pixel is the mean of this many squared: smooth edges without the painter's help.
+/// Each pixel is the mean of this many samples squared, for smooth edges.
 const SAMPLES: usize = 3;
-/// Units of the SVG's grid to a hundredth of an inch (its coordinates are whole numbers).
+/// Units of the SVG's grid per hundredth of an inch (its coordinates are integers).
 const SVG_UNITS: f64 = 10.0;
 /// Ascent plus descent of the font, in ems.
 const FONT_HEIGHT: f64 = 1.164;
-/// What the SVG painter divides a size by to get the em.
+/// The SVG backend divides a size by this to get the em.
 const SVG_FONT: f64 = 1.24;
-/// How far below its anchor the bitmap painter puts a baseline, in font heights.
+/// Distance of the baseline below the anchor in the bitmap backend, in font heights.
 const BITMAP_BASELINE: f64 = 0.5;
-/// How far below its anchor the SVG painter puts a baseline, in ems.
+/// Distance of the baseline below the anchor in the SVG backend, in ems.
 const SVG_BASELINE: f64 = 0.76;
 
 /// Why a figure could not be painted.
@@ -67,7 +67,7 @@ pub(crate) fn svg(canvas: &Canvas) -> Result<Vec<u8>, PaintError> {
         canvas.marks.iter().try_for_each(|mark| painter.paint(mark))?;
         backend.present().map_err(failed)?;
     }
-    // The grid is fine, the picture is not large: its size is in hundredths of an inch, as the PNG's.
+    // The size is in hundredths of an inch, as the PNG's, not in units of the grid.
     let grid = format!("width=\"{wide}\" height=\"{high}\"");
     let size = format!("width=\"{}\" height=\"{}\"", canvas.width, canvas.height);
     Ok(text.replacen(&grid, &size, 1).into_bytes())
@@ -84,22 +84,22 @@ pub(crate) fn text_width(text: &str, size: f64, bold: bool) -> f64 {
         .map_or(0.0, |((left, _), (right, _))| f64::from(right - left) / FINE)
 }
 
-/// Makes the embedded fonts known, once.
+/// Registers the embedded fonts, once.
 fn register() -> Result<(), PaintError> {
     static DONE: OnceLock<bool> = OnceLock::new();
     let done = DONE.get_or_init(|| {
         register_font(FAMILY, FontStyle::Normal, dejavu::sans::regular()).is_ok()
             && register_font(FAMILY, FontStyle::Bold, dejavu::sans::bold()).is_ok()
     });
-    if *done { Ok(()) } else { Err(PaintError("the embedded font is not a font".to_owned())) }
+    if *done { Ok(()) } else { Err(PaintError("the embedded font cannot be read".to_owned())) }
 }
 
-/// The embedded font; its weight is chosen here, because a loaded font keeps the weight it was loaded with.
+/// The embedded font in a weight; a loaded font keeps the weight with which it was loaded.
 fn font(size: f64, bold: bool) -> FontDesc<'static> {
     FontDesc::new(FontFamily::Name(FAMILY), size, if bold { FontStyle::Bold } else { FontStyle::Normal })
 }
 
-/// Puts marks on one of the two grounds.
+/// Paints primitives on one of the two backends.
 struct Painter<'a, B> {
     backend: &'a mut B,
     scale: f64,
@@ -120,8 +120,8 @@ impl<B: DrawingBackend> Painter<'_, B> {
         ((x * self.scale).round() as i32, (y * self.scale).round() as i32)
     }
 
-    /// On the bitmap each segment is a quadrilateral and each joint a disc: the painter's own thick lines tear at
-    /// sharp turns.
+    /// On the bitmap each segment is a quadrilateral and each joint a disc, as the backend's thick lines have gaps at sharp
+    /// turns.
     fn stroke(&mut self, points: &[CanvasPoint], width: f64, colour: Colour) -> Result<(), PaintError> {
         if !self.bitmap {
             let style = style(colour, 1.0).stroke_width((width * self.scale).round() as u32);
@@ -215,7 +215,7 @@ fn encode(pixels: &[u8], wide: usize, high: usize) -> Result<Vec<u8>, PaintError
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::Default);
     encoder.set_adaptive_filter(png::AdaptiveFilterType::Adaptive);
-    // Two pixels to a hundredth of an inch: 200 dpi, 7874 to the metre.
+    // Two pixels per hundredth of an inch: 200 dpi, 7874 per metre.
     encoder.set_pixel_dims(Some(png::PixelDimensions { xppu: 7874, yppu: 7874, unit: png::Unit::Meter }));
     let mut writer = encoder.write_header().map_err(failed)?;
     writer.write_image_data(pixels).map_err(failed)?;

@@ -1,16 +1,16 @@
-//! A swept field as an axis: even or logarithmic for numbers, equal distances for names.
+//! A swept field as an axis: linear or logarithmic for numbers, equidistant for names.
 
 use crate::report::drawing::axes::{Axis, signed};
 use crate::report::drawing::paint::text_width;
 use crate::report::style::{SMALL, TEXT};
 use std::collections::{HashMap, HashSet};
 
-/// Largest over smallest value from which on an axis is logarithmic.
+/// Ratio of largest to smallest value from which an axis is logarithmic.
 const WIDE: f64 = 20.0;
-/// At most so many values are ticks themselves.
+/// Up to this number, the values are the ticks.
 const OWN_TICKS: usize = 9;
 
-/// Ends of names that say a unit.
+/// Suffixes of names and their units.
 const UNITS: [(&str, &str); 12] = [
     ("_m_per_n", "m/N"),
     ("_kg_m3", "kg/m³"),
@@ -26,10 +26,10 @@ const UNITS: [(&str, &str); 12] = [
     ("_n", "N"),
 ];
 
-/// How its values are axis_scale along an axis.
+/// The scale of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum AxisScale {
-    Even,
+    Linear,
     Log,
     Names,
 }
@@ -38,7 +38,7 @@ enum AxisScale {
 pub(super) struct SweptAxis {
     name: String,
     axis_scale: AxisScale,
-    /// Its values, numbers increasing, names in order of appearance.
+    /// Its values: numbers ascending, names in order of appearance.
     pub(super) values: Vec<String>,
     numbers: HashMap<String, usize>,
 }
@@ -57,27 +57,27 @@ impl SweptAxis {
         SweptAxis { name: name.to_owned(), axis_scale, values, numbers }
     }
 
-    /// Whether neighbours of a value are its neighbours in fact, so that a line may join them.
+    /// Whether the values are numbers, so that a line may join neighbours.
     pub(super) fn is_number(&self) -> bool {
         self.axis_scale != AxisScale::Names
     }
 
-    /// The number of a value among the field's.
+    /// Index of a value.
     pub(super) fn index(&self, value: Option<&&str>) -> Option<usize> {
         self.numbers.get(*value?).copied()
     }
 
-    /// Where a value stands along the axis.
+    /// Position of a value along the axis.
     pub(super) fn place(&self, value: &str) -> f64 {
         let index = || self.index(Some(&value)).unwrap_or(0) as f64;
         match self.axis_scale {
-            AxisScale::Even => number(value).unwrap_or(f64::NAN),
+            AxisScale::Linear => number(value).unwrap_or(f64::NAN),
             AxisScale::Log => number(value).unwrap_or(f64::NAN).log10(),
             AxisScale::Names => index(),
         }
     }
 
-    /// The field's name with its unit, as much of its end as has room.
+    /// The field's name with its unit, shortened from the front to fit.
     pub(super) fn label(&self, room: f64) -> String {
         let (stem, unit) = UNITS
             .iter()
@@ -116,24 +116,24 @@ fn number(cell: &str) -> Option<f64> {
     cell.parse().ok().filter(|value: &f64| value.is_finite())
 }
 
-/// Numbers in order; a constant ratio says logarithm as well as a wide span does.
+/// The scale for ascending numbers: logarithmic for a constant ratio or a wide range.
 fn axis_scale(numbers: &[f64]) -> AxisScale {
-    let (Some(first), Some(last)) = (numbers.first(), numbers.last()) else { return AxisScale::Even };
+    let (Some(first), Some(last)) = (numbers.first(), numbers.last()) else { return AxisScale::Linear };
     if *first <= 0.0 || numbers.len() < 3 {
-        return AxisScale::Even;
+        return AxisScale::Linear;
     }
     let ratio = numbers[1] / first;
     let constant = numbers.windows(2).all(|pair| (pair[1] / pair[0] / ratio - 1.0).abs() < 1e-3);
-    if constant || last / first >= WIDE { AxisScale::Log } else { AxisScale::Even }
+    if constant || last / first >= WIDE { AxisScale::Log } else { AxisScale::Linear }
 }
 
-/// Whether labels at these places, at so many hundredths of an inch a unit, leave each other room.
+/// Whether labels at these positions do not overlap; `scale` in hundredths of an inch per unit.
 fn apart(ticks: &[(f64, String)], scale: f64) -> bool {
     let half = |label: &str| 0.5 * text_width(label, SMALL, false) + 3.0;
     ticks.windows(2).all(|pair| scale * (pair[1].0 - pair[0].0) > half(&pair[0].1) + half(&pair[1].1))
 }
 
-/// Ticks at powers of ten, and at twice and five times them where these are few.
+/// Ticks at powers of ten; where these are few, also at twice and five times each.
 fn decades(low: f64, high: f64) -> Vec<(f64, String)> {
     let few = high - low < 2.0;
     let factors: &[f64] = if few { &[1.0, 2.0, 5.0] } else { &[1.0] };
@@ -145,7 +145,7 @@ fn decades(low: f64, high: f64) -> Vec<(f64, String)> {
     inside.map(|value| (value.log10(), written(&format!("{value:e}")))).collect()
 }
 
-/// A number as people write it, with a typographer's minus.
+/// A number in plain notation, with a minus sign (U+2212).
 fn written(value: &str) -> String {
     let Some(number) = number(value) else { return value.to_owned() };
     let plain = signed(number, 6);
@@ -158,7 +158,7 @@ fn written(value: &str) -> String {
     }
 }
 
-/// A value where it has so much room: a number as it is written, of a long name (a file's) its end.
+/// A value as text within `room`: a number in plain notation, a long name (of a file) shortened.
 pub(super) fn shown(value: &str, room: f64) -> String {
     let text = if number(value).is_some() { written(value) } else { value.trim_end_matches(".yaml").to_owned() };
     if text_width(&text, SMALL, false) <= room {
@@ -188,11 +188,11 @@ mod tests {
     #[test]
     fn numbers_are_even_or_logarithmic_and_names_keep_their_order() {
         assert_eq!(field("a.b", &["0.03", "0.01", "0.02"]).values, ["0.01", "0.02", "0.03"]);
-        assert_eq!(field("a.b", &["0.01", "0.02", "0.03"]).axis_scale, AxisScale::Even);
+        assert_eq!(field("a.b", &["0.01", "0.02", "0.03"]).axis_scale, AxisScale::Linear);
         assert_eq!(field("a.b", &["1e-3", "0.01", "0.1"]).axis_scale, AxisScale::Log);
         assert_eq!(field("a.b", &["20", "40", "80"]).axis_scale, AxisScale::Log);
         assert_eq!(field("a.b", &["50", "100", "200", "1500"]).axis_scale, AxisScale::Log);
-        assert_eq!(field("a.b", &["-1", "10", "100"]).axis_scale, AxisScale::Even);
+        assert_eq!(field("a.b", &["-1", "10", "100"]).axis_scale, AxisScale::Linear);
         let names = field("gp.kernel", &["se_ard", "matern52", "se_ard"]);
         assert_eq!((names.axis_scale, names.values.len()), (AxisScale::Names, 2));
         assert_eq!(names.place("matern52"), 1.0);

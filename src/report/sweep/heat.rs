@@ -1,4 +1,4 @@
-//! Two swept fields: a heat map for each kind of training, mode and policy, all to one scale of colours.
+//! Two swept fields: a heat map for each kind of training, mode and policy, with a common colour scale.
 
 use super::field::{SweptAxis, shown};
 use super::{SweepEntry, mode_label, series_label, sized, training_heading};
@@ -7,18 +7,18 @@ use crate::report::drawing::paint::text_width;
 use crate::report::order::{distinct, trainings};
 use crate::report::style::{Colour, GREY, HAIR, INK, PAGE_WIDTH, SMALL, TEXT, WHITE, heading};
 
-/// Light to dark, so that a grey print keeps their order; ColorBrewer's YlOrBr, told apart with every common vision.
+/// Light to dark, so that a grey print keeps the order; ColorBrewer's YlOrBr, safe for colour-blind readers.
 const SHADES: [Colour; 6] =
     [[255, 250, 232], [254, 227, 145], [254, 175, 67], [224, 106, 19], [153, 52, 4], [84, 20, 0]];
-/// Width of a cell that has room for a number.
+/// Smallest width of a cell that holds a number.
 const LEAST_WIDE: f64 = 36.0;
 const CELL_HIGH: f64 = 22.0;
-/// Height of all cells of a map at most.
+/// Largest height of a map.
 const MOST_HIGH: f64 = 300.0;
-/// Room for the name of a row.
+/// Width for the name of a row.
 const NAME: f64 = 90.0;
 
-/// One map: its heading, and the rows that it shows.
+/// One map: its title and rows.
 struct HeatMap<'a> {
     title: String,
     entries: Vec<&'a SweepEntry<'a>>,
@@ -26,10 +26,10 @@ struct HeatMap<'a> {
 
 /// Sizes of a map.
 struct HeatMapLayout {
-    /// Room for the names of the rows.
+    /// Width for the names of the rows.
     names: f64,
     cell: [f64; 2],
-    /// Maps side by side, and from one to the next.
+    /// Number of maps side by side, and the distance between maps.
     columns: usize,
     pitch: [f64; 2],
 }
@@ -39,7 +39,7 @@ pub(super) fn draw(entries: &[&SweepEntry], [down, across]: [&SweptAxis; 2], mea
     let values_mm = || entries.iter().map(|entry| 1e3 * entry.row.mean_m).filter(|value| value.is_finite());
     let scale = (values_mm().fold(f64::INFINITY, f64::min), values_mm().fold(f64::NEG_INFINITY, f64::max));
     let mut canvas = Canvas::new(PAGE_WIDTH, super::TALL);
-    let mut top = key(&mut canvas, scale, measure) + 8.0;
+    let mut top = colour_scale(&mut canvas, scale, measure) + 8.0;
     for training in trainings(entries.iter().map(|entry| entry.row.training.as_str())) {
         if !training_heading(training).is_empty() {
             top += 18.0;
@@ -99,7 +99,7 @@ fn paint(
             canvas.text(Text::new(words, middle, SMALL, TextAlign::Centre).colour(ink));
         }
     }
-    // Names of rows and columns, no denser than they can be read.
+    // Names of rows and columns, skipping those that would overlap.
     let every = ((SMALL + 2.0) / high).ceil().max(1.0) as usize;
     for (row, value) in down.values.iter().enumerate().step_by(every) {
         let y = corner[1] + high * (row as f64 + 0.5) + 0.36 * SMALL;
@@ -121,8 +121,8 @@ fn paint(
     canvas.text(Text::new(down.label(height + 20.0), beside, TEXT, TextAlign::Centre).upwards());
 }
 
-/// The scale of colours with its two ends; returns where it ends.
-fn key(canvas: &mut Canvas, scale: (f64, f64), measure: &str) -> f64 {
+/// Draws the colour scale with its two ends; returns its baseline.
+fn colour_scale(canvas: &mut Canvas, scale: (f64, f64), measure: &str) -> f64 {
     let y = 18.0;
     canvas.text(Text::new(measure, [12.0, y], SMALL, TextAlign::Left));
     let mut x = 12.0 + text_width(measure, SMALL, false) + 14.0;
@@ -141,14 +141,14 @@ fn key(canvas: &mut Canvas, scale: (f64, f64), measure: &str) -> f64 {
     y
 }
 
-/// As many digits as tell the ends of the scale apart, three of the larger.
+/// A number with three significant digits of the scale's larger end.
 fn digits(value: f64, (low, high): (f64, f64)) -> String {
     let largest = low.abs().max(high.abs()).max(1e-12);
     let places = (2.0 - largest.log10().floor()).clamp(0.0, 4.0) as usize;
     if value.is_finite() { format!("{value:.places$}") } else { "–".to_owned() }
 }
 
-/// Colour of a cell and of the number on it.
+/// Colour of a cell and of its number.
 fn shade(value: f64, (low, high): (f64, f64)) -> (Colour, Colour) {
     if !value.is_finite() {
         return (WHITE, GREY);
@@ -165,7 +165,7 @@ fn shade(value: f64, (low, high): (f64, f64)) -> (Colour, Colour) {
     (ground, if contrast(ground, WHITE) > contrast(ground, INK) { WHITE } else { INK })
 }
 
-/// Contrast of two colours as the Web Content Accessibility Guidelines 2.1 define it, from 1.
+/// Contrast ratio of two colours by the Web Content Accessibility Guidelines 2.1, at least 1.
 fn contrast(one: Colour, other: Colour) -> f64 {
     let light = |colour: Colour| {
         let part = |index: usize| {

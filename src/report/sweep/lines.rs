@@ -10,10 +10,10 @@ use crate::report::style::{GREY, LOOKS, Look, PAGE_WIDTH, SMALL, TEXT, heading, 
 
 const LEFT: f64 = 58.0;
 const GAP: f64 = 24.0;
-/// Height of a panel, and from one line of panels to the next.
+/// Height of a panel, and distance from one row of panels to the next.
 const HIGH: f64 = 165.0;
 const PITCH: f64 = 226.0;
-/// More points than this in a line are drawn without markers and bars, which would only cover each other.
+/// Lines with more points have no markers and bars, which would cover each other.
 const MARKED: usize = 60;
 
 pub(super) fn draw(entries: &[&SweepEntry], field: &SweptAxis, measure: &str) -> Canvas {
@@ -23,7 +23,7 @@ pub(super) fn draw(entries: &[&SweepEntry], field: &SweptAxis, measure: &str) ->
     let label = |entry: &SweepEntry| series_label(entry.row, sized);
     let series = distinct(entries.iter().map(|entry| label(entry)));
     let looks: Vec<Look> = series.iter().enumerate().map(|(index, name)| look(entries, sized, index, name)).collect();
-    // Bands of more than two lines would only darken each other: bars beside each other instead.
+    // Bands of more than two lines would overlap: bars side by side instead.
     let banded = series.len() <= 2 && field.is_number();
     let key = |look| if banded { LegendEntry::Series(look) } else { LegendEntry::Plain(look) };
     let mut canvas = Canvas::new(PAGE_WIDTH, super::TALL);
@@ -68,7 +68,7 @@ pub(super) fn draw(entries: &[&SweepEntry], field: &SweptAxis, measure: &str) ->
     canvas
 }
 
-/// A policy looks as it does in every figure; sizes of one take the looks in turn.
+/// The style of a policy, as in every figure; several sizes of a policy take the styles in turn.
 fn look(entries: &[&SweepEntry], sized: bool, index: usize, name: &str) -> Look {
     let policy = entries.iter().find(|entry| series_label(entry.row, sized) == name).map(|entry| &entry.row.policy);
     match policy {
@@ -77,7 +77,7 @@ fn look(entries: &[&SweepEntry], sized: bool, index: usize, name: &str) -> Look 
     }
 }
 
-/// The axis of errors, millimetres, with room for the axis_scale.
+/// The axis of errors, millimetres, including one standard deviation.
 fn errors<'a>(entries: impl Iterator<Item = &'a &'a SweepEntry<'a>>, measure: &str) -> Axis {
     let ends = entries.flat_map(|entry| {
         let spread_m = if entry.row.sd_over_seeds_m.is_finite() { entry.row.sd_over_seeds_m } else { 0.0 };
@@ -86,7 +86,7 @@ fn errors<'a>(entries: impl Iterator<Item = &'a &'a SweepEntry<'a>>, measure: &s
     Axis::covering(measure, ends, 5)
 }
 
-/// Place, mean and standard deviation of the points of one line, in the order of the axis.
+/// Position, mean and standard deviation of the points of one line, in the order of the axis.
 fn points(own: &[&&SweepEntry], field: &SweptAxis, aside: f64, ours: impl Fn(&SweepEntry) -> bool) -> Vec<[f64; 3]> {
     let ours = own.iter().filter(|entry| ours(entry) && entry.row.mean_m.is_finite());
     let point = |entry: &&&SweepEntry| {
@@ -98,7 +98,7 @@ fn points(own: &[&&SweepEntry], field: &SweptAxis, aside: f64, ours: impl Fn(&Sw
     points
 }
 
-/// Bands first, then bars, then lines, so that none covers the next. Between names there is no line.
+/// Draws bands, then bars, then lines on top. Names are not joined by lines.
 fn curves(canvas: &mut Canvas, panel: &Panel, lines: &[(Vec<[f64; 3]>, Look)], banded: bool, joined: bool) {
     for (points, look) in lines {
         if banded {

@@ -1,5 +1,4 @@
-//! The default figure of a sweep: of one field, errors against its values as lines; of two, heat maps. One picture for
-//! each task that the sweep has rows of.
+//! The default figure of a sweep: lines of errors for one field, heat maps for two. One figure for each task with rows.
 
 mod field;
 mod heat;
@@ -16,14 +15,14 @@ use std::collections::HashMap;
 pub(super) const FIGURE: Figure =
     Figure { name: "sweep", about: "Error against one swept field, or two, for every policy and mode", render };
 
-/// Tasks in the order of their pictures, and what their errors are called.
+/// Tasks in the order of their figures, and the names of their errors.
 const TASKS: [(&str, &str); 3] = [
     ("reach", "goal-reaching error (mm)"),
     ("track", "path tracking error (mm)"),
     ("gp", "cross-validation error (mm)"),
 ];
 
-/// Height of a canvas whose own is known when everything is on it.
+/// Initial height of a canvas; the final one is set after drawing.
 const TALL: f64 = 1e6;
 
 /// One row with the values of the swept fields.
@@ -82,8 +81,7 @@ fn training_heading(training: &str) -> String {
     if training == "any" { String::new() } else { training_label(training) }
 }
 
-/// What tells a line or a map from the others of its training and mode: the policy, and its real points where it comes
-/// with several.
+/// Label of a line or a map within its training and mode: the policy, and its real points if it has several sizes.
 fn series_label(row: &SweepRow, sized: bool) -> String {
     let points = row.gp_points.max(row.real_points);
     match (row.policy.as_str(), sized) {
@@ -94,7 +92,7 @@ fn series_label(row: &SweepRow, sized: bool) -> String {
     }
 }
 
-/// Whether any policy comes with several sizes at one point.
+/// Whether a policy has several sizes at one point.
 fn sized(entries: &[&SweepEntry]) -> bool {
     let mut first = HashMap::new();
     entries.iter().any(|entry| {

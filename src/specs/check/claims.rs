@@ -1,4 +1,4 @@
-//! Claims must be about what the experiment runs.
+//! Checks of claims: each must be about something that the experiment runs.
 
 use crate::specs::document::error::SpecError;
 use crate::specs::document::merged::Document;
@@ -8,7 +8,7 @@ use crate::specs::experiment::cells::{gp_sizes, reach_cells};
 use crate::specs::experiment::claims::{ClaimMetric, ReachCell, Relation};
 use crate::specs::experiment::spec::Experiment;
 
-/// Looks for the first claim that the experiment's rows cannot decide.
+/// Refuses the first claim that the experiment's rows cannot decide.
 pub(in crate::specs) fn check(experiment: &Experiment, document: &Document) -> Result<(), SpecError> {
     let mut names: Vec<&str> = Vec::new();
     for (index, claim) in experiment.claims.iter().enumerate() {
@@ -26,7 +26,7 @@ pub(in crate::specs) fn check(experiment: &Experiment, document: &Document) -> R
     Ok(())
 }
 
-/// The metrics of a relation and where each is written.
+/// The metrics of a relation, each with its path.
 fn places(relation: &Relation, path: &KeyPath) -> Vec<(KeyPath, ClaimMetric)> {
     let keys = match relation {
         Relation::Less { .. } => vec![path.key("less").key("left"), path.key("less").key("right")],
@@ -48,7 +48,7 @@ fn places(relation: &Relation, path: &KeyPath) -> Vec<(KeyPath, ClaimMetric)> {
     keys.into_iter().zip(relation.metrics()).collect()
 }
 
-/// Ranges and lengths.
+/// Checks ranges and lengths.
 fn numbers(relation: &Relation, document: &Document, path: &KeyPath) -> Result<(), SpecError> {
     let unless = |holds: bool, path: KeyPath, expected: &str| {
         if holds { Ok(()) } else { Err(document.wrong(&path, expected)) }
@@ -79,7 +79,7 @@ fn numbers(relation: &Relation, document: &Document, path: &KeyPath) -> Result<(
     }
 }
 
-/// Whether the experiment yields this metric; the error says what it yields instead.
+/// Checks that the experiment yields this metric; the error is what was expected.
 fn known(metric: &ClaimMetric, experiment: &Experiment) -> Result<(), String> {
     let runs = &experiment.runs;
     match metric {

@@ -1,4 +1,4 @@
-//! Settings of a discovery that name effects and parameters, and what stands beside these names.
+//! Checks of discovery options that name effects and parameters.
 
 use crate::base::BadOption;
 use crate::discovery::Options;
@@ -8,8 +8,8 @@ use crate::specs::document::merged::Document;
 use crate::specs::document::mismatch::one_of;
 use crate::specs::document::path::KeyPath;
 
-/// Refuses names that are not in the catalogue, and deviations that are none; `path` is where the settings stand in the
-/// document.
+/// Refuses names that are not in the catalogue and deviations that are not positive; `path` is the path of the options in
+/// the document.
 pub(in crate::specs) fn check_entries(document: &Document, options: &Options, path: &KeyPath) -> Result<(), SpecError> {
     let unless = |holds: bool, path: &KeyPath, expected: &[&str]| {
         if holds { Ok(()) } else { Err(document.wrong(path, one_of(expected))) }

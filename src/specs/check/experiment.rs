@@ -1,4 +1,4 @@
-//! What the types cannot say: ranges, names and sizes that must fit each other.
+//! Checks of an experiment: ranges, and names and sizes that must agree.
 
 use super::discovery::check_entries;
 use crate::base::BadOption;
@@ -16,10 +16,10 @@ use crate::specs::experiment::plant::PlantSpec;
 use crate::specs::experiment::spec::{DiscoveryRun, Experiment, TrackRun};
 use crate::tasks::PointLayout;
 
-/// Looks for the first thing that is wrong with `experiment`, which was read from `document`.
+/// Checks `experiment`, which was read from `document`.
 ///
 /// # Errors
-/// [`SpecError::Key`] with the place of what is wrong.
+/// [`SpecError::Key`] with the location of the first invalid value.
 pub(in crate::specs) fn check(experiment: &Experiment, document: &Document) -> Result<(), SpecError> {
     let checker = Checker { experiment, document };
     checker.header()?;
@@ -28,9 +28,9 @@ pub(in crate::specs) fn check(experiment: &Experiment, document: &Document) -> R
     super::claims::check(experiment, document)
 }
 
-/// Repetitions of an experiment: more would fill the memory with plans before anything runs.
+/// Most repetitions of an experiment; the plan of more would not fit in memory.
 const MOST_SEEDS: u64 = 1000;
-/// Tracking noise beyond this is a wrong unit, metres.
+/// Tracking noise above this indicates a wrong unit, metres.
 const MOST_NOISE_M: f64 = 0.05;
 
 struct Checker<'a> {
@@ -81,7 +81,7 @@ impl Checker<'_> {
         Ok(())
     }
 
-    /// The rooms' own checks.
+    /// The checks of each module's options.
     fn options(&self) -> Result<(), SpecError> {
         let spec = self.experiment;
         let option = |name: &str, found: Result<(), BadOption>| {
@@ -132,7 +132,7 @@ impl Checker<'_> {
         Ok(())
     }
 
-    /// Explorations, points, targets and paths stay within the travel of the robot that carries them out.
+    /// Explorations and points stay within the travel of the robot that executes them.
     fn pulls(&self, robot: &str, travel_m: f64) -> Result<(), SpecError> {
         let (root, spec) = (KeyPath::default(), self.experiment);
         let layout = root.key("gp_points").key("layout");
@@ -157,7 +157,7 @@ impl Checker<'_> {
         })
     }
 
-    /// A room names the key without the keys above it: it is the first one below `name` with that value.
+    /// Option checks name a key without the keys above it: it is the first one below `name` with that value.
     fn option(&self, name: &str, key: &str, found: &str, expected: &str) -> SpecError {
         let below = KeyPath::parse(name).unwrap_or_default();
         let path = self.document.find(&below, key, found).unwrap_or_else(|| below.key(key));
@@ -204,7 +204,7 @@ impl Checker<'_> {
 
     fn discovery(&self, discovery: &DiscoveryRun, path: &KeyPath) -> Result<(), SpecError> {
         let rod = matches!(self.experiment.model, PlantSpec::Simulated(_));
-        self.unless(rod, &KeyPath::default().key("model"), "a simulated rod, which is what `discovery` is about")?;
+        self.unless(rod, &KeyPath::default().key("model"), "a simulated rod, as `runs.discovery` needs")?;
         let option = |path: &KeyPath, found: Result<(), BadOption>| {
             found.map_err(|bad| self.option(&path.to_string(), bad.key, &bad.found, bad.expected))
         };
@@ -255,7 +255,7 @@ impl Checker<'_> {
         match (sizes, names.iter().find(|name| uses(name))) {
             (None, Some(name)) => Err(self.wrong(path, format!("sizes for policy `{name}`"))),
             (None, None) => Ok(()),
-            (Some(_), None) => Err(self.wrong(path, "no such key, as none of these policies uses it")),
+            (Some(_), None) => Err(self.wrong(path, "no such key: none of these policies uses it")),
             (Some(sizes), Some(_)) => {
                 self.not_empty(sizes, path)?;
                 if part == Part::Error { self.gp_sizes(sizes, path) } else { self.real_sizes(sizes, path) }
@@ -279,7 +279,7 @@ impl Checker<'_> {
         Ok(())
     }
 
-    /// A network needs a window of rows to train on and a row to validate on.
+    /// A network needs a window of rows for training and a row for validation.
     fn enough(&self, enough: Result<(), LearnError>, path: &KeyPath) -> Result<(), SpecError> {
         enough.map_err(|error| {
             let expected = match error {
@@ -292,7 +292,7 @@ impl Checker<'_> {
 
     fn fits(&self, sizes: &[usize], path: &KeyPath, least: usize, most: usize, of: &str) -> Result<(), SpecError> {
         for (index, size) in sizes.iter().enumerate() {
-            // A single size stands under its key, several in a list.
+            // A single size is the value of its key, several are a list.
             let item = path.item(index);
             let path = if self.document.has(&item) { &item } else { path };
             self.unless((least..=most).contains(size), path, &format!("{least} to {most}, the number of {of}"))?;

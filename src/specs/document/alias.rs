@@ -2,14 +2,14 @@
 
 use super::path::{KeyPath, Step};
 
-/// What may be written, and the field that is meant; the first that fits is taken, then the next.
+/// Aliases and the fields that they stand for, applied in order.
 pub(in crate::specs) const ALIASES: [(&str, &str); 2] = [
     ("policy", "policies"),
-    // What policy C compares with before it changes controllers: the paper's e_c (section IV-F).
+    // The error at which policy C changes controllers: the paper's e_c (section IV-F).
     ("policies.c.switch_threshold_m", "policies.c.error_m"),
 ];
 
-/// The path of the field that `path` means.
+/// `path` with every alias replaced by the field that it stands for.
 pub(in crate::specs) fn canonical(mut path: KeyPath) -> KeyPath {
     for (alias, name) in ALIASES {
         let keys = |text: &str| -> Vec<Step> { text.split('.').map(|key| Step::Key(key.to_owned())).collect() };

@@ -1,14 +1,14 @@
-//! What is wrong with a spec, and where.
+//! Errors in a spec, with their location.
 
 use super::path::KeyPath;
 use std::fmt;
 
-/// Where in the user's input something stands.
+/// A location in the user's input.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SourceLocation {
-    /// A position in a file, both counted from 1.
+    /// A position in a file; line and column are counted from 1.
     File {
-        /// The file as the user named it.
+        /// The file, as the user named it.
         file: String,
         /// Line.
         line: usize,
@@ -28,17 +28,17 @@ impl fmt::Display for SourceLocation {
     }
 }
 
-/// Why a spec is refused: always one error, with its place, its key, what was found and what was expected.
+/// Why a spec is refused: one error with location, key, what was found and what was expected.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SpecError {
     /// A file on the command line is missing or unreadable.
     #[error("{file}: found {found}, expected {expected}")]
     File {
-        /// The file as the user named it.
+        /// The file, as the user named it.
         file: String,
-        /// What is there instead.
+        /// What was found.
         found: String,
-        /// What should be there.
+        /// What was expected.
         expected: &'static str,
     },
     /// The text is not YAML.
@@ -46,19 +46,19 @@ pub enum SpecError {
     Syntax {
         /// Where the parser gave up.
         place: SourceLocation,
-        /// The parser's words.
+        /// The parser's message.
         found: String,
     },
     /// A key is unknown or missing, or its value is of the wrong type, unit or range.
     #[error("{place}: {key}: found {found}, expected {expected}")]
     Key {
-        /// Where it stands.
+        /// Location of the key or its value.
         place: SourceLocation,
-        /// Its path.
+        /// Path of the key.
         key: KeyPath,
-        /// What stands there.
+        /// What was found.
         found: String,
-        /// What should stand there.
+        /// What was expected.
         expected: String,
     },
 }

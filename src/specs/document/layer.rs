@@ -19,18 +19,18 @@ pub(super) struct Layer {
     pub(super) value: Value,
     /// Folder that file names in it are relative to.
     pub(super) folder: PathBuf,
-    /// The path that its text is the value of: the root, or for an option and an included file that of the key.
+    /// The path whose value is the text: the root, or the key of an option or an included file.
     pub(super) root: KeyPath,
-    /// What stood at `root` gives way to this layer instead of merging with it.
+    /// Whether this layer replaces the value at `root` instead of merging with it.
     pub(super) replaces: bool,
 }
 
-/// How the names of sources on the command line begin.
+/// Prefixes of the names of command-line sources.
 pub(super) const SET: &str = "--set ";
 const SWEEP: &str = "--sweep ";
 
 impl Layer {
-    /// A file as the layer below `include` (a path and where its name stands), or as the root.
+    /// A file, as the layer below `include` (a path, and the location of the file's name), or as the root.
     pub(super) fn file(path: &Path, include: Option<(&KeyPath, SourceLocation)>) -> Result<Layer, SpecError> {
         let name = path.display().to_string();
         let text = std::fs::read_to_string(path).map_err(|error| {
@@ -67,7 +67,7 @@ impl Layer {
         let (path, text) = set.split_once('=').ok_or_else(|| refuse(format!("`{set}`")))?;
         let root = unaliased(KeyPath::parse(path.trim()).map_err(refuse)?);
         if root.0.iter().any(|step| matches!(step, Step::Item(_))) {
-            return Err(refuse(format!("`{path}`, which names one item of a list")));
+            return Err(refuse(format!("`{path}`, which names an item of a list")));
         }
         let value = yaml(text, &name)?;
         Layer { name, text: text.to_owned(), value, folder: PathBuf::new(), root, replaces: false }.plain()
@@ -81,7 +81,7 @@ impl Layer {
         }
     }
 
-    /// What the command line sweeps, as the entry of `sweep:` that it stands for.
+    /// A `--sweep` option, as the equivalent entry of `sweep:`.
     pub(super) fn sweep(option: &str) -> Result<Layer, SpecError> {
         let name = format!("{SWEEP}{option}");
         let (path, values) = sweep_option::parse(option).map_err(|found| SpecError::Key {

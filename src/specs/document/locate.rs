@@ -1,13 +1,13 @@
 //! Line and column of a key path in a YAML text.
 //!
-//! A deserialiser that walks down the path and fails on purpose when it arrives: the parser adds the position to the
-//! error. So the position is the parser's own, whatever style the file is written in.
+//! A deserialiser walks down the path and fails on purpose at its end; the parser adds the position to the error. The
+//! position is therefore right in every style of YAML.
 
 use super::path::{KeyPath, Step};
 use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use std::fmt;
 
-/// What of a path's end is looked for.
+/// The part of a path's last step to locate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PathEnd {
     /// The key itself.
@@ -103,7 +103,7 @@ impl<'de> Visitor<'de> for PathSeeker<'_> {
     }
 }
 
-/// Says whether a key is the wanted one, and fails on it when the search ends there.
+/// Compares a key with the wanted one, and fails on purpose when the path ends there.
 struct KeySeeker<'a> {
     step: &'a Step,
     stop: bool,

@@ -21,12 +21,12 @@ pub struct Document {
     pub(super) merged: Value,
     /// The file as the user named it.
     pub file: String,
-    /// Where swept values came from, while they stand in the tree.
+    /// Sources of the swept values in the tree.
     pub(super) origins: Vec<Origin>,
 }
 
 impl Document {
-    /// Reads `file`, what it `extends`, the overrides `path.to.key=value` in `sets`, and the files that are named at
+    /// Reads `file`, the files that it `extends`, the overrides `path.to.key=value` in `sets`, and the files named at
     /// the paths `includes`.
     ///
     /// # Errors
@@ -35,7 +35,7 @@ impl Document {
         Document::read_swept(file, sets, &[], includes)
     }
 
-    /// The same with what the command line sweeps.
+    /// As [`Document::read`], with the `--sweep` options.
     pub(in crate::specs) fn read_swept(
         file: &Path,
         sets: &[String],
@@ -80,7 +80,7 @@ impl Document {
             .map_err(|wrong: Mismatch| self.refuse(&wrong.key, wrong.end, wrong.found, wrong.expected))
     }
 
-    /// The error for the value at `path`, found as it stands.
+    /// The error for the value at `path`.
     pub fn wrong(&self, path: &KeyPath, expected: impl Into<String>) -> SpecError {
         let found = get(&self.merged, path).map_or_else(|| "nothing".to_owned(), describe);
         self.refuse(path, PathEnd::Value, found, expected)
@@ -119,17 +119,17 @@ impl Document {
         }
     }
 
-    /// The error for `path`, in the given words.
+    /// The error for `path`, with the given texts.
     pub fn refuse(&self, path: &KeyPath, end: PathEnd, found: String, expected: impl Into<String>) -> SpecError {
         SpecError::Key { place: self.place(path, end), key: path.clone(), found, expected: expected.into() }
     }
 
-    /// Where `path`, or what of it exists, was written.
+    /// Location of `path`, or of its nearest existing parent.
     pub fn place(&self, path: &KeyPath, end: PathEnd) -> SourceLocation {
         if let Some(place) = self.origins.iter().rev().find_map(|origin| origin.place(self, path, end)) {
             return place;
         }
-        // What is only in a layer that another one overrides is not there.
+        // A value in an overridden layer is not part of the document.
         match self.owner(path).filter(|_| self.has(path)) {
             Some(layer) => layer.place(path, end),
             None if path.0.is_empty() => SourceLocation::File { file: self.file.clone(), line: 1, column: 1 },
@@ -143,7 +143,7 @@ impl Document {
         self.layers.iter().find(|layer| !above_option(layer) && get(&layer.rooted(), path).is_some())
     }
 
-    /// Where `below` the values of a swept field stands, or what of it was written.
+    /// Location of `below` in the values of a swept field, or of its nearest existing parent.
     pub(in crate::specs) fn place_swept(&self, written: &SweptEntry, below: &[Step], end: PathEnd) -> SourceLocation {
         let layer = &self.layers[written.layer];
         let full = KeyPath([written.at.0.as_slice(), below].concat());
@@ -153,34 +153,34 @@ impl Document {
     }
 }
 
-/// A field of `sweep:` as some source has it, before anybody asks what its values are.
+/// An entry of `sweep:` in one source, with its values not yet expanded.
 #[derive(Clone, Debug)]
 pub(in crate::specs) struct SweptEntry {
-    /// The field that it means.
+    /// The swept field.
     pub(in crate::specs) field: KeyPath,
-    /// Where its values stand.
+    /// Path of its values.
     pub(in crate::specs) at: KeyPath,
-    /// Number of its source, the strongest first.
+    /// Index of its source, the strongest first.
     pub(super) layer: usize,
     /// Folder that file names in it are relative to.
     pub(in crate::specs) folder: PathBuf,
-    /// Its values.
+    /// Its values, as written.
     pub(in crate::specs) value: Value,
 }
 
-/// Where a swept value came from.
+/// Source of a swept value.
 #[derive(Clone, Debug)]
 pub(in crate::specs) struct Origin {
-    /// The field, and where its values are written.
+    /// The entry of `sweep:`.
     pub(in crate::specs) written: Arc<SweptEntry>,
-    /// Where among them this value is; nowhere for one that was computed.
+    /// Position of this value in the entry; none for a computed value.
     pub(in crate::specs) below: Option<Step>,
-    /// Files that the value names: where below the field each name stood, the file and its text.
+    /// Files that the value names: path of the name below the field, the file, its text.
     pub(in crate::specs) files: Arc<Vec<(KeyPath, String, String)>>,
 }
 
 impl Origin {
-    /// The place of `path`, if it is in the swept field.
+    /// Location of `path`, if it is in the swept field.
     pub(super) fn place(&self, document: &Document, path: &KeyPath, end: PathEnd) -> Option<SourceLocation> {
         let rest = path.0.strip_prefix(self.written.field.0.as_slice())?;
         let files = self.files.iter().map(|(below, file, text)| (rest.strip_prefix(below.0.as_slice()), file, text));

@@ -1,4 +1,4 @@
-//! What a document sweeps: the fields with their values as written, and putting one value after another into the tree.
+//! The sweep of a document: its entries as written, and setting values of swept fields in the tree.
 
 use super::alias::canonical as unaliased;
 use super::error::{SourceLocation, SpecError};
@@ -11,11 +11,11 @@ use super::tree::{get, put, remove};
 use serde_yaml::Value;
 
 impl Document {
-    /// Takes `sweep:` out of the tree: its fields in the order in which they were written, weaker sources first. A
-    /// stronger source's values take the place of a weaker one's; nothing as values takes the field out.
+    /// Removes `sweep:` from the tree and returns its entries in the order in which they were written, weaker sources
+    /// first. A stronger source's values replace a weaker one's; `null` removes the field.
     ///
     /// # Errors
-    /// A `sweep` that is no mapping, a field that one source, or the command line, sweeps twice.
+    /// A `sweep` that is not a mapping; a field that one source, or the command line, sweeps twice.
     pub(in crate::specs) fn take_sweep(&mut self) -> Result<Vec<SweptEntry>, SpecError> {
         let sweep = KeyPath::default().key("sweep");
         let mut fields: Vec<SweptEntry> = Vec::new();
@@ -41,7 +41,7 @@ impl Document {
                 let known = same.map(|index| &self.layers[fields[index].layer]);
                 if known.is_some_and(|known| known.name == layer.name || (known.is_option() && layer.is_option())) {
                     let place = layer.place(&written.at, PathEnd::Key);
-                    let (found, expected) = ("a field that is swept already".into(), "each field once".into());
+                    let (found, expected) = ("a field that is already swept".into(), "each field once".into());
                     return Err(SpecError::Key { place, key: written.field, found, expected });
                 }
                 match (same, written.value.is_null()) {
@@ -58,7 +58,7 @@ impl Document {
         Ok(fields)
     }
 
-    /// Where the `--set` stands that says something of `field` or of a part of it.
+    /// Location of the `--set` that sets `field` or a part of it.
     pub(in crate::specs) fn set_by(&self, field: &KeyPath) -> Option<SourceLocation> {
         let says = |layer: &&Layer| {
             layer.name.starts_with(SET) && (layer.root.0.starts_with(&field.0) || get(&layer.rooted(), field).is_some())
@@ -66,7 +66,7 @@ impl Document {
         self.layers.iter().find(says).map(|layer| layer.place(field, PathEnd::Value))
     }
 
-    /// The error for a place in the values of a swept field.
+    /// The error for a value of a swept field.
     pub(in crate::specs) fn refuse_swept(
         &self,
         written: &SweptEntry,
@@ -78,10 +78,10 @@ impl Document {
         SpecError::Key { place, key: written.field.clone(), found, expected: expected.to_owned() }
     }
 
-    /// Puts a swept value where its field stands, in place of what was there.
+    /// Sets the value of a field.
     ///
     /// # Errors
-    /// What stands on the way that holds no fields.
+    /// The value on the path that cannot hold fields.
     pub(in crate::specs) fn put(&mut self, field: &KeyPath, value: Value) -> Result<(), String> {
         put(&mut self.merged, &field.0, value)
     }
@@ -91,18 +91,17 @@ impl Document {
         get(&self.merged, path)
     }
 
-    /// Takes a key of the root out.
+    /// Removes a key of the root.
     pub(in crate::specs) fn drop_key(&mut self, key: &str) {
         remove(&mut self.merged, &KeyPath::default().key(key));
     }
 
-    /// Notes where the swept values that stand in the tree came from, so that errors point there.
+    /// Records the sources of the swept values in the tree, so that errors point there.
     pub(in crate::specs) fn note(&mut self, origins: Vec<Origin>) {
         self.origins = origins;
     }
 
-    /// Reads the file that a swept value names at `below` its field: its content, its name as the user would write it,
-    /// and its text.
+    /// Reads the file that a swept value names at `below` its field: its content, its name and its text.
     pub(in crate::specs) fn read_swept_file(
         &self,
         written: &SweptEntry,

@@ -1,15 +1,15 @@
-//! A sweep as it stands on the command line: `gp.kernel=a,b`, `gp.starts=1:9:3`, `log:…`, `random:…`.
+//! The `--sweep` option: `gp.kernel=a,b`, `gp.starts=1:9:3`, `log:…`, `random:…`.
 
 use super::path::KeyPath;
 use serde_yaml::{Mapping, Value};
 
-/// What may stand behind `=`.
+/// What is expected after `=`.
 pub(in crate::specs) const EXPECTED: &str = "values `a,b,c`, or `from:to:count`, `log:from:to:count`, `random:from:to:count`, each with `:whole` for whole numbers";
 
-/// The path and the values of `--sweep`, the values in the form in which YAML has them.
+/// The path and the values of `--sweep`, the values as in YAML.
 ///
 /// # Errors
-/// What is malformed.
+/// The malformed part.
 pub(in crate::specs) fn parse(text: &str) -> Result<(KeyPath, Value), String> {
     let (path, values) = text.split_once('=').ok_or_else(|| format!("`{text}`"))?;
     let path = KeyPath::parse(path.trim())?;

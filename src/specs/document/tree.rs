@@ -22,7 +22,7 @@ pub(super) fn merge(under: &mut Value, over: Value) {
 }
 
 /// Keys whose value is one alternative with its settings, such as `plant: {simulated: {…}}`: another alternative
-/// replaces the first instead of joining it.
+/// replaces the first instead of merging with it.
 pub(super) const CHOICES: [&str; 3] = ["model", "plant", "layout"];
 
 fn other_choice(key: &Value, under: &Value, over: &Value) -> bool {
@@ -51,7 +51,7 @@ pub(in crate::specs) fn get<'a>(value: &'a Value, path: &KeyPath) -> Option<&'a 
     })
 }
 
-/// Puts `value` into `tree` at `steps`, making the mappings on the way that are not there.
+/// Sets the value of `tree` at `steps`, creating missing mappings.
 pub(in crate::specs) fn put(tree: &mut Value, steps: &[Step], value: Value) -> Result<(), String> {
     let Some((step, below)) = steps.split_first() else {
         *tree = value;
@@ -62,7 +62,7 @@ pub(in crate::specs) fn put(tree: &mut Value, steps: &[Step], value: Value) -> R
     }
     let next = match (tree, step) {
         (Value::Mapping(mapping), Step::Key(key)) => {
-            // Another alternative takes the place of the one that stands there, as it does in a file.
+            // Another alternative replaces the present one, as it does in a file.
             let choice = CHOICES.contains(&key.as_str());
             let holder = mapping.entry(Value::from(key.as_str())).or_insert(Value::Null);
             if let (true, Some(Step::Key(name)), Value::Mapping(chosen)) = (choice, below.first(), &mut *holder)

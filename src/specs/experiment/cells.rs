@@ -1,14 +1,14 @@
-//! The cells of an experiment: the product of its sweeps, each once, in a fixed order.
+//! The cells of an experiment: the product of policies, modes and sizes, each once, in a fixed order.
 
 use super::spec::{Experiment, TrialMode};
 use crate::policies::{self, Part};
 
-/// Trials of one policy under one condition: a row of targets for each seed and training.
+/// Trials of one policy in one mode: a set of targets for each seed and training.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct TrialCell {
     /// Policy.
     pub policy: String,
-    /// TrialMode.
+    /// Mode.
     pub mode: String,
     /// Real points of the Gaussian process; 0 for policies without one.
     pub gp_points: usize,
@@ -37,7 +37,7 @@ pub fn reach_cells(experiment: &Experiment) -> Vec<TrialCell> {
     cells
 }
 
-/// Path tracking has one cell a policy.
+/// The path-tracking cells, one for each policy.
 pub fn track_cells(experiment: &Experiment) -> Vec<TrialCell> {
     let Some(track) = &experiment.runs.track else { return Vec::new() };
     let cell = |policy: &String| {
@@ -53,7 +53,7 @@ pub fn track_cells(experiment: &Experiment) -> Vec<TrialCell> {
     track.policies.iter().filter_map(cell).collect()
 }
 
-/// Sizes of all Gaussian processes that the experiment fits, increasing.
+/// Sizes of all Gaussian processes that the experiment fits, ascending.
 pub fn gp_sizes(experiment: &Experiment) -> Vec<usize> {
     let cells = reach_cells(experiment).into_iter().chain(track_cells(experiment));
     let used = cells.map(|cell| cell.gp_points).filter(|&points| points > 0);
@@ -63,12 +63,12 @@ pub fn gp_sizes(experiment: &Experiment) -> Vec<usize> {
     sizes
 }
 
-/// The sizes that count for a policy: those given, or a single 0 when it has no such part.
+/// The sizes that apply to a policy: the given ones, or a single 0 when it has no such part.
 fn sizes(entry: &policies::PolicyEntry, part: Part, given: Option<&[usize]>) -> Vec<usize> {
     if uses(entry, part) { given.unwrap_or_default().to_vec() } else { vec![0] }
 }
 
-/// Whether a policy is built from `part`, be it through another part: generated data come from the error model.
+/// Whether a policy is built from `part`, directly or through another part (generated data come from the error model).
 pub(in crate::specs) fn uses(entry: &policies::PolicyEntry, part: Part) -> bool {
     entry.needs.iter().any(|need| *need == part || (part == Part::Error && *need == Part::GeneratedInverse))
 }

@@ -1,25 +1,25 @@
-//! What the paper claims, as relations between measured quantities: a small closed vocabulary, no expressions.
+//! The paper's claims as relations between measured quantities: a closed set of relations, no expressions.
 //!
-//! Each relation turns into one number per seed and a range in which the claim holds; see `runner::claims`.
+//! Each relation yields one number per seed and a range in which the claim holds; see `runner::claims`.
 
 use serde::{Deserialize, Serialize};
 
-/// One claim.
+/// A claim of the paper.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PaperClaim {
     /// Short name.
     pub claim: String,
-    /// The paper's words, or its table's cell.
+    /// The paper's statement, or the cell of its table.
     pub statement: String,
-    /// What the paper reports for the compared number, in the claim's unit, where it reports one.
+    /// Value that the paper reports for the compared number, in the claim's unit, if any.
     #[serde(default)]
     pub paper: Option<f64>,
-    /// What must hold.
+    /// The relation that must hold.
     pub relation: Relation,
 }
 
-/// What must hold.
+/// A relation between metrics.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Relation {
@@ -29,7 +29,7 @@ pub enum Relation {
         left: ClaimMetric,
         /// The larger one.
         right: ClaimMetric,
-        /// Factor of the larger one, 1 unless said.
+        /// Factor of the larger one, by default 1.
         #[serde(default = "one")]
         times: f64,
     },
@@ -42,7 +42,7 @@ pub enum Relation {
         /// Upper end, in the metric's unit.
         high: f64,
     },
-    /// The metric is the paper's figure up to a tolerance; the number is the metric.
+    /// The metric equals the paper's figure within a tolerance; the number is the metric.
     Near {
         /// What is measured.
         metric: ClaimMetric,
@@ -51,34 +51,34 @@ pub enum Relation {
         /// Largest difference, in the metric's unit.
         tolerance: f64,
     },
-    /// The metric falls with the data; the number is its slope in units per tenfold data, by least squares.
+    /// The metric falls with the amount of data; the number is its slope in units per decade of data, by least squares.
     Falls {
-        /// Goal-reaching metric; its own sizes are left out.
+        /// Goal-reaching metric, without sizes.
         metric: ClaimMetric,
-        /// What grows.
+        /// The size that grows.
         over: Size,
         /// Its values, at least two.
         values: Vec<u64>,
     },
-    /// More data does not help by more than a margin; the number is the mean at the larger sizes minus the value at
-    /// `from`, and the claim holds above −margin.
+    /// More data improves the metric by less than a margin; the number is the mean at the larger sizes minus the value
+    /// at `from`, and the claim holds above −margin.
     NoGain {
-        /// Goal-reaching metric; its own sizes are left out.
+        /// Goal-reaching metric, without sizes.
         metric: ClaimMetric,
-        /// What grows.
+        /// The size that grows.
         over: Size,
-        /// Where it is said to be enough.
+        /// The size that the paper calls sufficient.
         from: u64,
         /// Larger sizes.
         beyond: Vec<u64>,
-        /// What would count as help, in the metric's unit.
+        /// Smallest improvement that counts, in the metric's unit.
         margin: f64,
     },
     /// The largest is less than `times` the smallest; the number is largest − times · smallest.
     Alike {
-        /// What is compared, at least two.
+        /// The compared metrics, at least two.
         metrics: Vec<ClaimMetric>,
-        /// How much apart counts as alike.
+        /// Largest ratio that counts as alike.
         times: f64,
     },
 }
@@ -109,7 +109,7 @@ pub enum ClaimMetric {
     NetworkMae {
         /// `forward`, `inverse`, `inverse_b` or `pi_real`.
         network: String,
-        /// Points behind it, where there are several such networks.
+        /// Its data points, where there are several such networks.
         #[serde(default)]
         points: Option<u64>,
     },
@@ -123,7 +123,7 @@ pub enum ClaimMetric {
         /// Policy.
         policy: String,
     },
-    /// Time until the path is done, seconds.
+    /// Time until the path is completed, seconds.
     TrackTime {
         /// Policy.
         policy: String,
@@ -133,19 +133,19 @@ pub enum ClaimMetric {
         /// Policy.
         policy: String,
     },
-    /// Error when the first path point is left, metres.
+    /// Error at the end of the first path point, metres.
     TrackStart {
         /// Policy.
         policy: String,
     },
     /// Root mean square difference between simulated and real tips along an axis, metres.
     GapRms {
-        /// FrameAxis.
+        /// Axis of the base frame.
         axis: FrameAxis,
     },
 }
 
-/// Which trials of goal reaching.
+/// The goal-reaching trials of one cell.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ReachCell {
@@ -184,7 +184,7 @@ impl ClaimMetric {
         !matches!(self, ClaimMetric::GpError { .. } | ClaimMetric::GapRms { .. })
     }
 
-    /// The same metric at another data size; `None` where it has no such size.
+    /// The metric at another data size; `None` for a metric without that size.
     pub fn at(&self, over: Size, points: u64) -> Option<ClaimMetric> {
         let mut metric = self.clone();
         let (ClaimMetric::ReachMean(cell) | ClaimMetric::ReachSd(cell)) = &mut metric else { return None };
@@ -197,7 +197,7 @@ impl ClaimMetric {
 }
 
 impl Relation {
-    /// The metrics that it compares, sizes filled in.
+    /// The metrics that it compares, with their sizes.
     pub fn metrics(&self) -> Vec<ClaimMetric> {
         let swept = |metric: &ClaimMetric, over: &Size, values: &mut dyn Iterator<Item = u64>| {
             values.filter_map(|points| metric.at(*over, points)).collect()

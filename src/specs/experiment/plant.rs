@@ -1,4 +1,4 @@
-//! Which robot a spec names.
+//! The robot of a spec.
 
 use crate::base::{BadOption, Plant, Seed};
 use crate::effects::{EffectSpec, Model};
@@ -9,7 +9,7 @@ use crate::plants::{
 use crate::specs::document::path::KeyPath;
 use serde::{Deserialize, Serialize};
 
-/// A robot: the model, or what stands for the real one.
+/// A robot: the model, or the robot that stands for the real one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum PlantSpec {
@@ -19,7 +19,7 @@ pub enum PlantSpec {
     ConstantCurvature(ConstantCurvatureOptions),
     /// A real robot, or a rehearsal of one.
     Hardware(Box<HardwareOptions>),
-    /// What a recording says a robot did.
+    /// The motion of a robot in a recording.
     Replay(ReplayOptions),
 }
 
@@ -27,7 +27,7 @@ pub enum PlantSpec {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SimulatedSpec {
-    /// What it is made of; in a spec, the name of a model file.
+    /// The model of the robot; in a spec, the name of a model file.
     pub model: Model,
     /// Standard deviation of the tracking noise per axis, metres.
     #[serde(default)]
@@ -48,13 +48,13 @@ impl SimulatedSpec {
 }
 
 impl PlantSpec {
-    /// Where below a plant's own place the names of model files may stand.
+    /// Paths below `plant` at which the names of model files are allowed.
     pub(in crate::specs) fn model_paths(plant: &KeyPath) -> Vec<KeyPath> {
         let hardware = plant.key("hardware");
         vec![plant.key("simulated").key("model"), hardware.key("model"), hardware.key("rehearsal").key("model")]
     }
 
-    /// Name of the kind of robot, as in specs.
+    /// Name of the kind of robot in specs.
     pub fn kind(&self) -> &'static str {
         match self {
             PlantSpec::Simulated(_) => "simulated",
@@ -67,7 +67,7 @@ impl PlantSpec {
     /// Checks every range.
     ///
     /// # Errors
-    /// The path below which the key stands, and the first field out of range.
+    /// Path of the mapping with the first field out of range, and the field.
     pub fn check(&self) -> Result<(), (String, BadOption)> {
         match self {
             PlantSpec::ConstantCurvature(options) => {
@@ -94,7 +94,7 @@ impl PlantSpec {
         }
     }
 
-    /// True for robots to which effects can be added.
+    /// Whether effects can be added to the robot.
     pub fn takes_effects(&self) -> bool {
         matches!(self, PlantSpec::Simulated(_) | PlantSpec::Hardware(_))
     }
@@ -102,7 +102,7 @@ impl PlantSpec {
     /// The robot, moving in steps of `step_s` seconds. A real robot is waited for until no other stage uses it.
     ///
     /// # Errors
-    /// What is out of range or not as it should be, in words.
+    /// A message for a setting out of range or a device that is not as expected.
     pub fn build(&self, step_s: f64) -> Result<Box<dyn Plant>, String> {
         match self {
             PlantSpec::ConstantCurvature(options) => {
@@ -117,21 +117,21 @@ impl PlantSpec {
         }
     }
 
-    /// The same robot, measured without noise.
+    /// The same robot without measurement noise.
     #[must_use]
     pub fn without_noise(&self) -> PlantSpec {
         let mut plant = self.clone();
         match &mut plant {
             PlantSpec::ConstantCurvature(options) => options.noise_m = 0.0,
             PlantSpec::Simulated(spec) => spec.noise_m = 0.0,
-            // A rehearsal can be asked for less noise; a tracker cannot.
+            // Only a rehearsal can be measured without noise.
             PlantSpec::Hardware(options) => options.rehearsal.iter_mut().for_each(|rehearsal| rehearsal.noise_m = 0.0),
             PlantSpec::Replay(_) => {}
         }
         plant
     }
 
-    /// The same robot with further effects, where it takes any.
+    /// The same robot with further effects, if effects can be added to it.
     #[must_use]
     pub fn with_effects(&self, effects: &[EffectSpec]) -> PlantSpec {
         let mut plant = self.clone();

@@ -1,4 +1,4 @@
-//! What an experiment is: everything that its results depend on.
+//! The keys of an experiment: everything that its results depend on.
 
 use super::claims::PaperClaim;
 use super::plant::PlantSpec;
@@ -13,13 +13,13 @@ use crate::tasks::{ExploreOptions, GpPointsOptions, LoopMode, PathOptions, Reach
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// An experiment. Keys that a spec leaves out take the defaults of their rooms, each argued in `docs/decisions.md`.
+/// An experiment. Omitted keys take the defaults of their modules, which `docs/decisions.md` explains.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Experiment {
     /// Name of its folder under `results/`.
     pub name: String,
-    /// The model that the simulated data come from.
+    /// The model that generates the simulated data.
     pub model: PlantSpec,
     /// The robot that stands for the real one.
     pub plant: PlantSpec,
@@ -28,16 +28,16 @@ pub struct Experiment {
     /// Root of all seeds.
     #[serde(default)]
     pub seed: u64,
-    /// Repetitions of the whole experiment, data and training included.
+    /// Number of repetitions of the whole experiment, including data and training.
     #[serde(default = "one")]
     pub seeds: u64,
-    /// Number of the first repetition: those before it are left to another machine or night.
+    /// Number of the first repetition; earlier ones can run elsewhere.
     #[serde(default, skip_serializing_if = "is_default")]
     pub first_seed: u64,
     /// Random exploration on the model, replayed on the robot.
     #[serde(default)]
     pub explore: ExploreOptions,
-    /// Predefined points of the Gaussian process.
+    /// Predefined training points of the Gaussian process.
     #[serde(default)]
     pub gp_points: GpPointsOptions,
     /// The Gaussian process.
@@ -46,7 +46,7 @@ pub struct Experiment {
     /// The networks.
     #[serde(default)]
     pub network: ElmanConfig,
-    /// What policy B's network starts from.
+    /// Initial weights of policy B's network.
     #[serde(default)]
     pub generated_start: GeneratedStart,
     /// Kinds of training by name.
@@ -57,27 +57,27 @@ pub struct Experiment {
     /// Targets of goal reaching.
     #[serde(default)]
     pub targets: TargetOptions,
-    /// When a trial of goal reaching ends.
+    /// When a goal-reaching trial ends.
     #[serde(default)]
     pub reach: ReachOptions,
-    /// The path that is tracked.
+    /// The path to track.
     #[serde(default)]
     pub path: PathOptions,
-    /// When tracking moves on.
+    /// When tracking advances to the next point.
     #[serde(default)]
     pub track: TrackOptions,
-    /// Conditions of a trial by name.
+    /// Modes of a trial by name.
     #[serde(default)]
     pub modes: BTreeMap<String, TrialMode>,
-    /// What is run.
+    /// The runs.
     pub runs: Runs,
-    /// Tables and figures that are made of the results, by name.
+    /// Tables and figures to render, by name.
     #[serde(default)]
     pub figures: Vec<String>,
-    /// What the paper claims of it.
+    /// The paper's claims about it.
     #[serde(default)]
     pub claims: Vec<PaperClaim>,
-    /// What a Slurm cluster is asked for.
+    /// Resources requested from a Slurm cluster.
     #[serde(default, skip_serializing_if = "is_default")]
     pub slurm: SlurmOptions,
 }
@@ -97,7 +97,7 @@ fn one() -> u64 {
     1
 }
 
-/// What the network of policy B starts from when it is trained on generated data.
+/// Initial weights of policy B's network when it is trained on generated data.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum GeneratedStart {
@@ -108,11 +108,11 @@ pub enum GeneratedStart {
     Random,
 }
 
-/// A kind of training: where it may end before its validation error stops falling.
+/// A kind of training: the validation errors at which networks stop training early.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Training {
-    /// Validation mean absolute error at which the forward model is taken, metres; `null`: trained to convergence.
+    /// Validation mean absolute error at which the forward model stops, metres; `null`: train to convergence.
     pub forward_mae_m: Option<f64>,
     /// The same for the inverse mapping of simulated data.
     pub inverse_mae_m: Option<f64>,
@@ -122,39 +122,39 @@ pub struct Training {
     pub pi_real_mae_m: Option<f64>,
 }
 
-/// A condition of a trial.
+/// The mode of a trial: feedback and added effects.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TrialMode {
-    /// Whether the policy sees the tip after the first step.
+    /// Whether the policy observes the tip after the first step.
     pub feedback: LoopMode,
-    /// Effects that the robot has on top of its own.
+    /// Effects added to the robot.
     #[serde(default)]
     pub effects: Vec<EffectSpec>,
 }
 
 impl TrialMode {
-    /// True when the policy sees nothing after the first step.
+    /// True when the policy observes nothing after the first step.
     pub fn is_open(&self) -> bool {
         self.feedback == LoopMode::Open
     }
 }
 
-/// What is run. Each part is one table of results.
+/// The runs of an experiment. Each part is one table of results.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Runs {
-    /// The exploration on model and robot side by side (Fig. 5).
+    /// The exploration on model and robot, sample by sample (Fig. 5).
     pub gap: Option<GapRun>,
     /// The forward model of eq. (17), which no policy uses.
     pub forward: bool,
-    /// Gaussian processes of these sizes, beyond those that policies use.
+    /// Sizes of further Gaussian processes, beside those that policies use.
     pub gp_points: Vec<usize>,
     /// Goal reaching: products of policies, modes and sizes.
     pub reach: Vec<ReachSweep>,
     /// Path tracking.
     pub track: Option<TrackRun>,
-    /// Blind cases of discovery, about the model.
+    /// Blind cases of discovery, for the model.
     pub discovery: Option<DiscoveryRun>,
 }
 
@@ -162,34 +162,34 @@ pub struct Runs {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DiscoveryRun {
-    /// How each recording is looked into.
+    /// Options of the discovery.
     #[serde(default)]
     pub options: Options,
-    /// How finely the truth is computed.
+    /// Resolution of the simulated truth.
     #[serde(default)]
     pub truth: TruthOptions,
-    /// When something is outside the span of the catalogue.
+    /// When a disturbance counts as outside the span of the catalogue.
     #[serde(default)]
     pub oracle: OracleOptions,
     /// What is hidden, how strongly and how often.
     pub batches: Vec<CaseBatch>,
 }
 
-/// The exploration side by side.
+/// The comparison of the exploration on model and robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GapRun {
-    /// Samples that are published for each seed, evenly spread over the exploration.
+    /// Number of published samples for each seed, evenly spread over the exploration.
     pub rows: usize,
 }
 
-/// A product of policies, modes and data sizes. A size counts for the policies that use it.
+/// A product of policies, modes and data sizes. A size applies to the policies that use it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ReachSweep {
     /// Policies.
     pub policies: Vec<String>,
-    /// Modes; a policy that only works in closed loop leaves out the others ("N/A").
+    /// Modes; open-loop modes do not apply to a policy for closed loop only ("N/A").
     pub modes: Vec<String>,
     /// Real points of the Gaussian process.
     #[serde(default)]
@@ -199,13 +199,13 @@ pub struct ReachSweep {
     pub real_points: Option<Vec<usize>>,
 }
 
-/// Tracking of the path by some policies.
+/// Path tracking.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TrackRun {
     /// Policies.
     pub policies: Vec<String>,
-    /// TrialMode.
+    /// Mode.
     pub mode: String,
     /// Real points of the Gaussian process, for the policies that use one.
     #[serde(default)]

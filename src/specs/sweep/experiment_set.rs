@@ -1,4 +1,4 @@
-//! A spec with what it sweeps: one checked experiment for each point of the product.
+//! A spec with its sweep: one checked experiment for each point of the product.
 
 use super::series::{SweepValue, expand};
 use crate::base::Seed;
@@ -14,38 +14,38 @@ use serde_yaml::{Mapping, Value};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Points of one sweep: more are a mistyped count, and would fill the memory before anything runs.
+/// Most points of one sweep; more indicate a mistyped count and would not fit in memory.
 const MOST_POINTS: usize = 100_000;
 
-/// Fields that name or repeat an experiment, or say what is shown of it, and change no trial.
+/// Fields that cannot be swept, as they change no trial.
 const NOT_SWEPT: [&str; 8] = ["name", "extends", "sweep", "seeds", "first_seed", "figures", "claims", "slurm"];
 
-/// An experiment, or one for each point of what its spec sweeps.
+/// An experiment, or one for each point of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExperimentSet {
-    /// The experiment; of a sweep, its first point, with the claims, which its other points leave out.
+    /// The experiment; of a sweep, its first point, which alone has the claims.
     pub experiment: Experiment,
-    /// The swept fields, the last of which changes first from point to point; none without a sweep.
+    /// The swept fields; the last one varies fastest. Empty without a sweep.
     pub sweep: Vec<SweptField>,
-    /// All points in their fixed order; none without a sweep.
+    /// All points in a fixed order. Empty without a sweep.
     pub points: Vec<SweepPoint>,
-    /// The fields with their values as they were written, files read in.
+    /// The entries of `sweep:` as written, with the content of files in place of their names.
     written: Mapping,
 }
 
 /// A swept field.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SweptField {
-    /// Name of its column: its path; one at the root, `spec.` and its key.
+    /// Name of its column: its path; for a key of the root, `spec.` and the key.
     pub name: String,
-    /// Its values as tables have them, in their order.
+    /// Its values as in tables, in order.
     pub values: Vec<String>,
 }
 
-/// SweepValue point of a sweep.
+/// One point of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepPoint {
-    /// Which of its values each field has.
+    /// Index of the value of each field.
     pub values: Vec<usize>,
     /// The experiment there.
     pub experiment: Arc<Experiment>,
@@ -62,7 +62,7 @@ impl ExperimentSet {
     /// written with the aliases of `docs/sweeps.md`.
     ///
     /// # Errors
-    /// [`SpecError`] for the first thing that is wrong, at whichever point.
+    /// [`SpecError`] for the first invalid key or value, at any point.
     pub fn read(file: &Path, sets: &[String], sweeps: &[String]) -> Result<ExperimentSet, SpecError> {
         let includes: Vec<KeyPath> =
             ["model", "plant"].iter().flat_map(|key| PlantSpec::model_paths(&KeyPath::default().key(key))).collect();
@@ -89,15 +89,15 @@ impl ExperimentSet {
         Ok(set)
     }
 
-    /// The experiments at all points, the first one again among them.
+    /// The experiment, and the experiments at all points (the first of which it repeats).
     pub fn experiments(&self) -> impl Iterator<Item = &Experiment> {
         std::iter::once(&self.experiment).chain(self.points.iter().map(|point| point.experiment.as_ref()))
     }
 
-    /// The spec with everything filled in, which reads as this set wherever it lies.
+    /// The spec with all defaults filled in and no references to other files.
     ///
     /// # Errors
-    /// What the serialiser says.
+    /// The serialiser's message.
     pub fn to_yaml(&self) -> Result<String, String> {
         let body = to_yaml(&self.experiment)?;
         if self.sweep.is_empty() {
@@ -109,23 +109,23 @@ impl ExperimentSet {
 }
 
 impl Experiment {
-    /// Reads and checks a spec with overrides `path.to.key=value`; one that sweeps is a [`ExperimentSet`].
+    /// Reads and checks a spec without a sweep, with overrides `path.to.key=value`.
     ///
     /// # Errors
-    /// [`SpecError`] for the first thing that is wrong.
+    /// [`SpecError`] for the first invalid key or value, or for a sweep.
     pub fn read(file: &Path, sets: &[String]) -> Result<Experiment, SpecError> {
         let experiment_set = ExperimentSet::read(file, sets, &[])?;
         let swept = experiment_set.sweep.first().map(|field| SpecError::File {
             file: file.display().to_string(),
             found: format!("a sweep of `{}`", field.name),
-            expected: "a spec that sweeps nothing",
+            expected: "a spec without a sweep",
         });
         swept.map_or(Ok(experiment_set.experiment), Err)
     }
 }
 
 impl SweepPoint {
-    /// Its values in words, `field=value` for each field.
+    /// Its values as text, `field=value` for each field.
     pub fn label(&self, sweep: &[SweptField]) -> String {
         label(sweep.iter().zip(&self.values).map(|(field, &value)| (field.name.as_str(), field.values[value].as_str())))
     }
@@ -141,7 +141,7 @@ struct ResolvedField {
     values: Vec<(SweepValue, IncludedFiles)>,
 }
 
-/// The files that a value names: where below the field each name stood, the file and its text.
+/// The files that a value names: path of the name below the field, the file, its text.
 type IncludedFiles = Arc<Vec<(KeyPath, String, String)>>;
 
 impl ResolvedField {
@@ -181,7 +181,7 @@ impl ResolvedField {
         if self.written.field.0.len() == 1 { format!("spec.{path}") } else { path }
     }
 
-    /// The field's entry in a spec that lies elsewhere and may have another seed.
+    /// The field's entry without references to files, and with its seed.
     fn resolved(&self, seed: u64) -> (Value, Value) {
         let mut value = self.written.value.clone();
         if let Some(Value::Mapping(random)) = value.get_mut("random") {
@@ -196,7 +196,7 @@ impl ResolvedField {
     }
 }
 
-/// Reads the files that `one` names where a name may stand for a file, and puts their content there.
+/// Replaces names of files in `one` by the content of the files.
 fn read_files(
     document: &Document,
     written: &SweptEntry,
@@ -231,7 +231,7 @@ fn count(document: &Document, fields: &[ResolvedField]) -> Result<usize, SpecErr
     }
 }
 
-/// Which value of each field point `number` has: the last field's changes first.
+/// Index of the value of each field at point `number`; the last field varies fastest.
 fn digits(fields: &[ResolvedField], number: usize) -> Vec<usize> {
     let mut rest = number;
     let mut digits: Vec<usize> = fields
@@ -247,7 +247,7 @@ fn digits(fields: &[ResolvedField], number: usize) -> Vec<usize> {
     digits
 }
 
-/// Puts the values of point `number` into the document and reads the experiment there.
+/// Sets the values of point `number` in the document and reads the experiment.
 fn at_point(
     document: &mut Document,
     fields: &[ResolvedField],
@@ -259,7 +259,7 @@ fn at_point(
         .zip(&digits)
         .map(|(field, &digit)| (field, &field.values[digit].0, &field.values[digit].1))
         .collect();
-    // A field inside another swept one (a number of a model, and the model's file) is put there after it.
+    // A field inside another swept field (a number of a swept model) is set after it.
     put.sort_by_key(|(field, _, _)| field.written.field.0.len());
     let origin = |&(field, one, files): &(&ResolvedField, &SweepValue, &IncludedFiles)| Origin {
         written: field.written.clone(),

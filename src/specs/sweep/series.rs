@@ -11,38 +11,38 @@ use serde::de::DeserializeOwned;
 use serde_yaml::{Number, Value};
 use std::collections::BTreeMap;
 
-/// Values of one field beyond this are a mistyped count.
+/// Most values of one field; more indicate a mistyped count.
 pub(in crate::specs) const MOST_VALUES: usize = 100_000;
 
-/// What the values of a field may be.
+/// The forms of values.
 pub(in crate::specs) const FORMS: &str = "a list, or one of `range`, `log_range`, `random`, `named`";
 
-/// SweepValue value of a swept field.
+/// One value of a swept field.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::specs) struct SweepValue {
-    /// What tables and figures call it.
+    /// Its name in tables and figures.
     pub(in crate::specs) name: String,
-    /// As it goes into the spec.
+    /// The value in the spec.
     pub(in crate::specs) value: Value,
-    /// Where below the field's entry it is written; nowhere when it was computed.
+    /// Its position in the field's entry; none when it was computed.
     pub(in crate::specs) below: Option<Step>,
 }
 
-/// What is wrong with the values of a field: the path below them, what was found, what was expected.
+/// An error in the values of a field: the path below them, what was found, what was expected.
 pub(in crate::specs) type Wrong = (KeyPath, String, String);
 
-/// The forms of values other than a list, as a schema knows them.
+/// The forms of values other than a list, for the schema.
 #[derive(JsonSchema)]
 #[schemars(rename_all = "snake_case")]
-#[allow(dead_code)] // read by its schema alone
+#[allow(dead_code)] // only its schema is used
 pub(in crate::specs) enum SeriesForm {
     /// Evenly spaced values, both ends included.
     Range(EvenRange),
-    /// Values with one ratio between neighbours, both ends included.
+    /// Logarithmically spaced values, both ends included.
     LogRange(LogRange),
-    /// Values drawn at random, the same ones every time.
+    /// Random values, reproducible.
     Random(RandomDraw),
-    /// Values by the names that tables and figures have for them.
+    /// Values with names for tables and figures.
     Named(BTreeMap<String, serde_json::Value>),
 }
 
@@ -54,16 +54,16 @@ pub(in crate::specs) struct EvenRange {
     from: f64,
     /// Last value.
     to: f64,
-    /// How many values, at least 2; or `step`.
+    /// Number of values, at least 2; or `step`.
     count: Option<usize>,
-    /// Distance between two values; or `count`.
+    /// Distance between neighbouring values; or `count`.
     step: Option<f64>,
-    /// Rounded to whole numbers.
+    /// Round to whole numbers.
     #[serde(default)]
     whole: bool,
 }
 
-/// Values with one ratio between neighbours, both ends included.
+/// Logarithmically spaced values, both ends included.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::specs) struct LogRange {
@@ -71,14 +71,14 @@ pub(in crate::specs) struct LogRange {
     from: f64,
     /// Last value.
     to: f64,
-    /// How many values, at least 2.
+    /// Number of values, at least 2.
     count: usize,
-    /// Rounded to whole numbers.
+    /// Round to whole numbers.
     #[serde(default)]
     whole: bool,
 }
 
-/// Values drawn uniformly, or uniformly in the logarithm.
+/// Values drawn from a uniform or a log-uniform distribution.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::specs) struct RandomDraw {
@@ -86,23 +86,23 @@ pub(in crate::specs) struct RandomDraw {
     from: f64,
     /// Largest value.
     to: f64,
-    /// How many values, at least 2.
+    /// Number of values, at least 2.
     count: usize,
-    /// Uniform in the logarithm.
+    /// Draw log-uniformly.
     #[serde(default)]
     log: bool,
-    /// Rounded to whole numbers.
+    /// Round to whole numbers.
     #[serde(default)]
     whole: bool,
-    /// Root of the draw; the spec's seed when there is none.
+    /// Root of the draw; by default the spec's seed.
     seed: Option<u64>,
 }
 
-/// The values that `written` stands for. RandomDraw ones come from the child `sweep`, `field` of `seed`, one generator a
-/// sample, so that more samples leave the first ones as they are.
+/// Expands `written` to values. Random values come from the child `sweep`, `field` of `seed`, with one generator per
+/// sample, so that a larger count keeps the first samples.
 ///
 /// # Errors
-/// The first thing that is wrong.
+/// The first invalid value.
 pub(in crate::specs) fn expand(written: &Value, field: &KeyPath, seed: Seed) -> Result<Vec<SweepValue>, Wrong> {
     let values = match written {
         Value::Sequence(items) => listed(items)?,
@@ -173,7 +173,7 @@ fn even(range: &EvenRange) -> Result<Vec<SweepValue>, Wrong> {
         (None, None) => return Err(wrong("range", "neither `count` nor `step`", "one of them")),
     };
     let value = |index: usize| range.from + step * index as f64;
-    // The last one is the end itself where the steps lead there.
+    // The last value is exactly the end if the steps reach it.
     let last = |index: usize| index == steps && (value(index) - range.to).abs() <= 1e-9 * span;
     let values = (0..=steps).map(|index| if last(index) { range.to } else { value(index) });
     Ok(numbers(values, range.whole, [range.from, range.to]))
@@ -226,7 +226,7 @@ fn positive(form: &str, from: f64, to: f64) -> Result<(), Wrong> {
     if from > 0.0 {
         return ordered(form, from, to);
     }
-    Err(wrong(&format!("{form}.from"), from.to_string(), "a number above 0, as it has a logarithm"))
+    Err(wrong(&format!("{form}.from"), from.to_string(), "a number above 0"))
 }
 
 fn counted(form: &str, count: usize) -> Result<usize, Wrong> {
@@ -252,8 +252,8 @@ fn each_once(values: &[SweepValue]) -> Result<(), Wrong> {
     }
 }
 
-/// Computed numbers, rounded to the digits that tables have, so that what is published is what was run; `exact` ones
-/// stay as they were written. A whole number is one also where it came from a division.
+/// Computed numbers, rounded to the digits of tables, so that the published values are the ones that were run; `exact`
+/// ones are not rounded. Whole results become integers.
 fn numbers(values: impl Iterator<Item = f64>, whole: bool, exact: [f64; 2]) -> Vec<SweepValue> {
     let rounded = |value: f64| match whole {
         true => value.round(),
@@ -261,7 +261,7 @@ fn numbers(values: impl Iterator<Item = f64>, whole: bool, exact: [f64; 2]) -> V
         false => round_significant(value, SIGNIFICANT_DIGITS),
     };
     let one = |value: f64| {
-        // Fields that count take no `3.0`.
+        // Integer fields do not accept `3.0`.
         let number =
             if value.fract() == 0.0 && value.abs() < 1e15 { Number::from(value as i64) } else { Number::from(value) };
         let value = Value::Number(number);
@@ -282,7 +282,7 @@ fn name(value: &Value) -> String {
     }
 }
 
-/// A number as published tables have it.
+/// A number as in published tables.
 fn number_name(value: f64) -> String {
     let value = round_significant(value, SIGNIFICANT_DIGITS);
     if value != 0.0 && !(1e-4..1e15).contains(&value.abs()) { format!("{value:e}") } else { value.to_string() }
