@@ -8,7 +8,7 @@ use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use spinebench::base::{Plant, Seed};
 use spinebench::effects::Model;
 use spinebench::plants::{Simulated, SimulatedOptions};
-use spinebench::rod::{Drive, Rod, Status};
+use spinebench::rod::{Drive, Rod, SolveStatus};
 use spinebench::tasks::{ExploreOptions, explore, explore_trajectory};
 
 fn model(text: &str) -> Model {
@@ -24,7 +24,7 @@ fn rod(criterion: &mut Criterion) {
     criterion.bench_function("static length control, from straight", |bench| {
         // The rod is given back, so that taking it down is not part of the time.
         let solve = |mut rod: Rod| {
-            assert_eq!(rod.settle(&pulls(0.015, 0.01)), Status::Converged);
+            assert_eq!(rod.settle(&pulls(0.015, 0.01)), SolveStatus::Converged);
             rod
         };
         bench.iter_batched(|| fresh.clone(), solve, BatchSize::SmallInput);
@@ -34,7 +34,7 @@ fn rod(criterion: &mut Criterion) {
         let mut further = false;
         bench.iter(|| {
             further = !further;
-            assert_eq!(rod.settle(&pulls(if further { 0.016 } else { 0.015 }, 0.01)), Status::Converged);
+            assert_eq!(rod.settle(&pulls(if further { 0.016 } else { 0.015 }, 0.01)), SolveStatus::Converged);
         });
     });
     for (name, model) in [("nominal", &nominal), ("real", &real)] {
@@ -84,15 +84,15 @@ fn scaling(criterion: &mut Criterion) {
         let pulls =
             |x: f64| -> Vec<Drive> { (0..tendons).map(|i| Drive::Pull(if i % 4 == 0 { x } else { 0.0 })).collect() };
         let mut rod = Rod::new(robot.rod(&[]));
-        assert_eq!(rod.settle(&pulls(0.01)), Status::Converged);
+        assert_eq!(rod.settle(&pulls(0.01)), SolveStatus::Converged);
         let mut x = 0.01;
         criterion.bench_function(&name, |bench| {
             bench.iter(|| {
                 let (from, to) = (x, if x > 0.01 { 0.01 } else { 0.011 });
                 x = to;
                 let ramp = |t: f64| pulls(from + (to - from) * t / 0.02);
-                assert_eq!(rod.advance_with(&ramp, 0.02), Status::Converged);
-                assert_eq!(rod.advance(&pulls(to), 0.18), Status::Converged);
+                assert_eq!(rod.advance_with(&ramp, 0.02), SolveStatus::Converged);
+                assert_eq!(rod.advance(&pulls(to), 0.18), SolveStatus::Converged);
             });
         });
     };

@@ -1,7 +1,7 @@
 //! The rod of this project.
 
 use nalgebra::Vector3;
-use spinebench::rod::{Resolution, Rod, RodParams, Status};
+use spinebench::rod::{Resolution, Rod, RodParams, SolveStatus};
 
 use crate::clock;
 use crate::drive::Case;
@@ -16,8 +16,8 @@ pub struct Setting {
 /// Tips at the samples, and the mean length of the time steps, s.
 pub fn tips(params: &RodParams, case: &Case) -> Result<(Vec<Vector3<f64>>, f64), String> {
     let mut rod = Rod::new(params.clone());
-    let converged = |status: Status, t: f64| {
-        if status == Status::Converged { Ok(()) } else { Err(format!("{status} at {t:.3} s")) }
+    let converged = |status: SolveStatus, t: f64| {
+        if status == SolveStatus::Converged { Ok(()) } else { Err(format!("{status} at {t:.3} s")) }
     };
     converged(rod.settle(&case.series.drives(0.0)), 0.0)?;
     let mut tips = vec![rod.tip_m()];

@@ -1,7 +1,7 @@
 //! One equilibrium under given tendon lengths: time per solve, cold from straight and warm from a millimetre away.
 
 use nalgebra::Vector3;
-use spinebench::rod::{Drive, Rod, RodParams, Status};
+use spinebench::rod::{Drive, Rod, RodParams, SolveStatus};
 
 use crate::clock;
 use crate::drive::{self, Case};
@@ -33,7 +33,7 @@ impl Statics for Rod {
 
     fn warm(&mut self, further: bool) -> Result<Vector3<f64>, String> {
         match self.settle(&drives(further)) {
-            Status::Converged => Ok(self.tip_m()),
+            SolveStatus::Converged => Ok(self.tip_m()),
             failure => Err(failure.to_string()),
         }
     }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
-use crate::rod::{HistoryMoment, MemoryState, MomentLaw, RodParams};
+use crate::rod::{HistoryMoment, HistoryState, MomentLaw, RodParams};
 
 /// Part of the bending stiffness relaxes: a standard linear solid.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -40,18 +40,18 @@ impl Effect for Creep {
     }
 
     fn alter(&self, rod: &mut RodParams) {
-        rod.memory.push(Arc::new(*self));
+        rod.moment_laws.push(Arc::new(*self));
     }
 }
 
 impl MomentLaw for Creep {
-    fn moment(&self, state: &MemoryState, _curvature_rad_m: [f64; 2], bending_n_m2: f64) -> HistoryMoment {
+    fn moment(&self, state: &HistoryState, _curvature_rad_m: [f64; 2], bending_n_m2: f64) -> HistoryMoment {
         // The crept curvature hardly moves within a time step, so it is held during the solve.
         let relaxed = self.share * bending_n_m2;
         HistoryMoment { moment_nm: [-relaxed * state[0], -relaxed * state[1]], tangent_n_m2: [[0.0; 2]; 2] }
     }
 
-    fn settled(&self, _state: &MemoryState, curvature_rad_m: [f64; 2], bending_n_m2: f64) -> HistoryMoment {
+    fn settled(&self, _state: &HistoryState, curvature_rad_m: [f64; 2], bending_n_m2: f64) -> HistoryMoment {
         let relaxed = self.share * bending_n_m2;
         HistoryMoment {
             moment_nm: curvature_rad_m.map(|u| -relaxed * u),
@@ -59,7 +59,7 @@ impl MomentLaw for Creep {
         }
     }
 
-    fn commit(&self, state: &mut MemoryState, curvature_rad_m: [f64; 2], _bending_n_m2: f64, dt_s: f64) {
+    fn commit(&self, state: &mut HistoryState, curvature_rad_m: [f64; 2], _bending_n_m2: f64, dt_s: f64) {
         let approach = 1.0 - (-dt_s / self.time_s).exp();
         for axis in 0..2 {
             state[axis] += approach * (curvature_rad_m[axis] - state[axis]);

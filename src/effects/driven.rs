@@ -10,7 +10,7 @@ use super::stand::{Path, Stand, affected, drives};
 use super::{Effect, EffectSpec, Model};
 use crate::base::{Observation, PlantError, TendonCommand};
 use crate::math::rotation;
-use crate::rod::{Drive, Nearby, NotNearby, Rod, RodParams, Status, TipLoad, TipRate};
+use crate::rod::{Drive, NotPerturbable, PerturbedRods, Rod, RodParams, SolveStatus, TipLoad, TipRate};
 
 /// Change of a number, over its scale, by which derivatives are taken: as much of their digits is lost to the
 /// curvature of the dependence as to rounding.
@@ -25,7 +25,7 @@ pub enum VariationError {
     /// Number of the variable (from 0) whose smallest change makes another discretisation, such as a tendon's end that
     /// leaves the tip: only differences of whole motions can tell.
     #[error("variable {0} (from 0) does not change the rod by a little in numbers alone")]
-    NotNearby(usize),
+    NotPerturbable(usize),
     /// A tendon or an axis that there is not.
     #[error("variable {0} (from 0) names a tendon or an axis that this robot does not have")]
     Missing(usize),
@@ -37,7 +37,7 @@ pub enum VariationError {
 /// A rod with the effects of a model.
 #[derive(Debug)]
 pub struct Driven {
-    rods: Nearby,
+    rods: PerturbedRods,
     /// Those of the model, then those of each variation.
     effects: Vec<Vec<Box<dyn Effect>>>,
     /// Those of each rod.
@@ -67,7 +67,7 @@ struct Varied {
 impl Driven {
     /// A checked model with `extra` effects on top.
     pub fn new(model: &Model, extra: &[EffectSpec]) -> Driven {
-        let rods = Nearby::alone(model.rod(extra));
+        let rods = PerturbedRods::alone(model.rod(extra));
         let stand = Stand::new(model.robot.drive_time_s, rods.leader().params().tendons.len());
         Driven { rods, effects: vec![model.effects(extra)], stands: vec![stand], variations: Vec::new(), next: None }
     }
@@ -86,8 +86,8 @@ impl Driven {
             driven.variations.push(varied.variation);
             params.push(varied.params);
         }
-        driven.rods =
-            Nearby::new(model.rod(extra), params).map_err(|NotNearby(number)| VariationError::NotNearby(number - 1))?;
+        driven.rods = PerturbedRods::new(model.rod(extra), params)
+            .map_err(|NotPerturbable(number)| VariationError::NotPerturbable(number - 1))?;
         Ok(driven)
     }
 
@@ -106,7 +106,7 @@ impl Driven {
         loop {
             let near: Vec<Variable> = kept.iter().map(|&index| variables[index].clone()).collect();
             match Driven::varied(model, extra, &near) {
-                Err(VariationError::NotNearby(index)) => left_out.push(kept.remove(index)),
+                Err(VariationError::NotPerturbable(index)) => left_out.push(kept.remove(index)),
                 driven => {
                     left_out.sort_unstable();
                     return driven.map(|driven| (driven, left_out));
@@ -352,14 +352,14 @@ fn vary(model: &Model, extra: &[EffectSpec], variable: &Variable, index: usize) 
                 let (there, step) = (value + step, (value + step) - value);
                 let candidate = parameter.with_value(model, there)?;
                 let changed = candidate.rod(extra);
-                if candidate.check().is_ok() && Nearby::possible(&params, &changed) {
+                if candidate.check().is_ok() && PerturbedRods::possible(&params, &changed) {
                     let effects = candidate.effects(extra);
                     let drive_time_s = candidate.robot.drive_time_s;
                     let variation = Variation { step, command: None };
                     return Ok(Varied { variation, drive_time_s, params: changed, effects });
                 }
             }
-            Err(VariationError::NotNearby(index))
+            Err(VariationError::NotPerturbable(index))
         }
         Variable::Command { tendon, commands } => {
             if *tendon >= params.tendons.len() {
@@ -383,6 +383,6 @@ const COMMAND_SCALE: f64 = 0.01;
 const FORCE_SCALE_N: f64 = 0.1;
 const MOMENT_SCALE_NM: f64 = 0.01;
 
-fn solved(status: Status) -> Result<(), PlantError> {
-    if status == Status::Converged { Ok(()) } else { Err(PlantError::Solver(status.name().into())) }
+fn solved(status: SolveStatus) -> Result<(), PlantError> {
+    if status == SolveStatus::Converged { Ok(()) } else { Err(PlantError::Solver(status.name().into())) }
 }

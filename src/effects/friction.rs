@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
-use crate::rod::{HistoryMoment, MemoryState, MomentLaw, RodParams};
+use crate::rod::{HistoryMoment, HistoryState, MomentLaw, RodParams};
 
 /// An elastoplastic moment in every cross-section.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -48,7 +48,7 @@ impl Effect for Friction {
 
     fn alter(&self, rod: &mut RodParams) {
         let stiffness_n_m2 = self.moment_nm / self.yield_rad_m;
-        rod.memory.push(Arc::new(Prandtl { moment_nm: self.moment_nm, stiffness_n_m2, coupled: self.coupled }));
+        rod.moment_laws.push(Arc::new(Prandtl { moment_nm: self.moment_nm, stiffness_n_m2, coupled: self.coupled }));
     }
 }
 
@@ -62,7 +62,7 @@ pub(super) struct Prandtl {
 
 impl Prandtl {
     /// Spring moments if the slider stayed.
-    fn trial(&self, state: &MemoryState, curvature_rad_m: [f64; 2]) -> [f64; 2] {
+    fn trial(&self, state: &HistoryState, curvature_rad_m: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|axis| self.stiffness_n_m2 * (curvature_rad_m[axis] - state[axis]))
     }
 
@@ -94,12 +94,12 @@ impl Prandtl {
 }
 
 impl MomentLaw for Prandtl {
-    fn moment(&self, state: &MemoryState, curvature_rad_m: [f64; 2], _bending_n_m2: f64) -> HistoryMoment {
+    fn moment(&self, state: &HistoryState, curvature_rad_m: [f64; 2], _bending_n_m2: f64) -> HistoryMoment {
         let trial = self.trial(state, curvature_rad_m);
         HistoryMoment { moment_nm: self.borne(trial), tangent_n_m2: self.tangent(trial) }
     }
 
-    fn commit(&self, state: &mut MemoryState, curvature_rad_m: [f64; 2], _bending_n_m2: f64, _dt_s: f64) {
+    fn commit(&self, state: &mut HistoryState, curvature_rad_m: [f64; 2], _bending_n_m2: f64, _dt_s: f64) {
         let trial = self.trial(state, curvature_rad_m);
         let borne = self.borne(trial);
         for axis in 0..2 {

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::friction::Prandtl;
 use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
-use crate::rod::{HistoryMoment, MemoryState, MomentLaw, RodParams};
+use crate::rod::{HistoryMoment, HistoryState, MomentLaw, RodParams};
 
 /// Elastoplastic elements of equal stiffness that yield one after the other: a Prandtl–Ishlinskii stress model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -43,7 +43,7 @@ impl Effect for Hysteresis {
     fn alter(&self, rod: &mut RodParams) {
         for element in 1..=ELEMENTS {
             let yields_at_rad_m = self.range_rad_m * element as f64 / ELEMENTS as f64;
-            rod.memory.push(Arc::new(Element { share: self.share, yields_at_rad_m }));
+            rod.moment_laws.push(Arc::new(Element { share: self.share, yields_at_rad_m }));
         }
     }
 }
@@ -64,11 +64,11 @@ impl Element {
 }
 
 impl MomentLaw for Element {
-    fn moment(&self, state: &MemoryState, curvature_rad_m: [f64; 2], bending_n_m2: f64) -> HistoryMoment {
+    fn moment(&self, state: &HistoryState, curvature_rad_m: [f64; 2], bending_n_m2: f64) -> HistoryMoment {
         self.at(bending_n_m2).moment(state, curvature_rad_m, bending_n_m2)
     }
 
-    fn commit(&self, state: &mut MemoryState, curvature_rad_m: [f64; 2], bending_n_m2: f64, dt_s: f64) {
+    fn commit(&self, state: &mut HistoryState, curvature_rad_m: [f64; 2], bending_n_m2: f64, dt_s: f64) {
         self.at(bending_n_m2).commit(state, curvature_rad_m, bending_n_m2, dt_s);
     }
 }

@@ -72,7 +72,7 @@ pub fn replay(
     let mut replayed = trial.play(&mut driven)?;
     for index in far {
         let Variable::Parameter(parameter) = &variables[index] else {
-            return Err(VariationError::NotNearby(index).into());
+            return Err(VariationError::NotPerturbable(index).into());
         };
         let tips = |candidate: &Model| trial.play(&mut Driven::new(candidate, extra)).map(|played| played.tips_m);
         let rates = parameter.differences(model, TRIAL_STEP, &tips)?;

@@ -190,7 +190,7 @@ impl Robot {
             tip_load: TipLoad::default(),
             point_loads: Vec::new(),
             line_loads: Vec::new(),
-            memory: Vec::new(),
+            moment_laws: Vec::new(),
             resolution: self.resolution,
         };
         self.add_disks(&mut rod);

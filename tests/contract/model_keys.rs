@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use spinebench::effects::Model;
-use spinebench::rod::{Drive, Rod, RodParams, Status};
+use spinebench::rod::{Drive, Rod, RodParams, SolveStatus};
 use spinebench::specs::{model_text, read_model};
 
 /// A model without tendons' and backbone's details: `{backbone}`, `{tendons}` and `{more}` are filled in.
@@ -25,7 +25,7 @@ fn model(backbone: &str, tendons: &str, more: &str) -> Model {
 
 fn tip(params: RodParams) -> Vector3<f64> {
     let mut rod = Rod::new(params);
-    assert_eq!(rod.settle(&[Drive::Tension(3.0), Drive::Pull(0.002), Drive::Tension(0.5)]), Status::Converged);
+    assert_eq!(rod.settle(&[Drive::Tension(3.0), Drive::Pull(0.002), Drive::Tension(0.5)]), SolveStatus::Converged);
     rod.tip_m()
 }
 
@@ -130,7 +130,7 @@ fn tendons_are_fitted_to_the_curved_backbone_but_not_to_an_unwanted_precurvature
                   pieces: [{end_m: 0.2, rest_curvature_rad_m: [0, 4, 0]}]}";
     let rest = |model: Model| {
         let mut rod = Rod::new(model.rod(&[]));
-        assert_eq!(rod.settle(&[Drive::Pull(0.0); 3]), Status::Converged);
+        assert_eq!(rod.settle(&[Drive::Pull(0.0); 3]), SolveStatus::Converged);
         (rod.tip_m(), rod.tensions_n().iter().sum::<f64>())
     };
     let (tip_m, tension_n) = rest(model(curved, TENDONS, "  gravity_m_s2: [0, 0, 0]\n"));
@@ -270,7 +270,7 @@ fn every_shipped_model_reads_settles_and_survives_a_round_trip() {
         assert_eq!(read_model(&again).unwrap(), model, "{}", file.display());
         let mut rod = Rod::new(model.rod(&[]));
         let drives = vec![Drive::Pull(0.0); model.robot.tendons.angles_deg.len()];
-        assert_eq!(rod.settle(&drives), Status::Converged, "{}", file.display());
+        assert_eq!(rod.settle(&drives), SolveStatus::Converged, "{}", file.display());
         count += 1;
     }
     assert!(count >= 7, "{count}");

@@ -8,7 +8,7 @@ use crate::support::rods::random_robot::{Case, bending_n_m2, case, drives, log};
 use rand::RngExt;
 use rayon::prelude::*;
 use spinebench::base::Seed;
-use spinebench::rod::{Drive, Rod, RodParams, Status};
+use spinebench::rod::{Drive, Rod, RodParams, SolveStatus};
 
 /// An answer that is off by more than this share of what is allowed is judged again, more finely.
 const CLEARLY: f64 = 0.3;
@@ -16,13 +16,13 @@ const CLEARLY: f64 = 0.3;
 /// What becomes of one draw.
 #[derive(Clone, Debug)]
 struct Outcome {
-    rest: Status,
+    rest: SolveStatus,
     /// Distance from the oracle's answer, metres; none if it was not asked or did not find one.
     off_m: Option<f64>,
     allowed_m: f64,
     refinements: u32,
     /// How a few steps of motion after it ended.
-    motion: Option<Status>,
+    motion: Option<SolveStatus>,
     strength: &'static str,
 }
 
@@ -42,7 +42,7 @@ fn play(k: u64, seed: Seed, judged: bool, moved: bool) -> Outcome {
         motion: None,
         strength: strength(&case),
     };
-    if rest != Status::Converged {
+    if rest != SolveStatus::Converged {
         return outcome;
     }
     if judged {
@@ -62,7 +62,7 @@ fn play(k: u64, seed: Seed, judged: bool, moved: bool) -> Outcome {
 }
 
 /// A few steps to other commands, each about a third of the robot's first period.
-fn wander(k: u64, seed: Seed, case: &Case, rod: &mut Rod) -> Status {
+fn wander(k: u64, seed: Seed, case: &Case, rod: &mut Rod) -> SolveStatus {
     let mut random = seed.child("motion").index(k).rng();
     let mass: f64 = case.params.spans[0].mass_kg_m * case.params.length_m()
         + case.params.masses.iter().map(|mass| mass.mass_kg).sum::<f64>();
@@ -72,11 +72,11 @@ fn wander(k: u64, seed: Seed, case: &Case, rod: &mut Rod) -> Status {
         let next = drives(&mut random, &case.params, angle_rad);
         let status = rod.advance(&next, 0.3 * period_s);
         check(k, rod);
-        if status != Status::Converged {
+        if status != SolveStatus::Converged {
             return status;
         }
     }
-    Status::Converged
+    SolveStatus::Converged
 }
 
 /// Whatever the status, the rod is left in a state of finite numbers.
@@ -88,7 +88,7 @@ fn check(k: u64, rod: &Rod) {
 
 /// Rods whose material remembers are held to a hundred times the tolerance (docs/robustness.md).
 fn tolerance_m(params: &RodParams) -> f64 {
-    let share = if params.memory.is_empty() { 1.0 } else { 100.0 };
+    let share = if params.moment_laws.is_empty() { 1.0 } else { 100.0 };
     share * params.resolution.static_tolerance_m
 }
 
@@ -114,7 +114,7 @@ fn converged_statics_agree_with_an_independent_solver() {
     println!("{}", table(&outcomes));
     assert_eq!(wrong(&outcomes), [], "draws and how far they are off, metres");
     assert!(judged > 20, "only {judged} judged");
-    let solved = outcomes.iter().filter(|outcome| outcome.rest == Status::Converged).count();
+    let solved = outcomes.iter().filter(|outcome| outcome.rest == SolveStatus::Converged).count();
     assert!(solved > 55, "only {solved} solved");
 }
 
@@ -153,7 +153,7 @@ fn the_papers_robot_answers_any_command() {
             check(k as u64, &rod);
             *counts.entry(status.name()).or_default() += 1;
             // 2 mm leave room for any combination: those must be solved.
-            assert!(reach > 0.002 || status == Status::Converged, "{name} {status} at {pulls:?}");
+            assert!(reach > 0.002 || status == SolveStatus::Converged, "{name} {status} at {pulls:?}");
         }
         println!("{name}: {counts:?}");
     }
@@ -185,7 +185,7 @@ fn told(k: u64) -> Outcome {
     let Outcome { rest, off_m, allowed_m, .. } = outcome;
     match off_m {
         Some(off_m) if off_m > allowed_m => println!("draw {k} is off by {off_m:.2e} m of {allowed_m:.0e} allowed"),
-        None if rest == Status::Converged => println!("draw {k} could not be judged"),
+        None if rest == SolveStatus::Converged => println!("draw {k} could not be judged"),
         _ => (),
     }
     if k.is_multiple_of(1000) {

@@ -2,7 +2,7 @@
 
 use crate::support::rods::{reference, round_rod, shipped};
 use nalgebra::Vector3;
-use spinebench::rod::{Drive, Rod, RodParams, Scheme, Status};
+use spinebench::rod::{Drive, Rod, RodParams, Scheme, SolveStatus};
 
 /// Till et al.'s dynamic tendon example: one tendon, pulled and let go (reference README).
 fn till_example(time_step_s: f64, scheme: Scheme) -> RodParams {
@@ -25,7 +25,7 @@ fn till_pull_m(t: f64) -> f64 {
 fn till_error_m(params: RodParams) -> f64 {
     let rows = reference("till_dynamic_example_limit.csv");
     let mut rod = Rod::new(params);
-    assert_eq!(rod.settle(&[Drive::Pull(0.0)]), Status::Converged);
+    assert_eq!(rod.settle(&[Drive::Pull(0.0)]), SolveStatus::Converged);
     let (mut sum, mut now) = (0.0, 0.0);
     for row in &rows {
         let t = row["t"];
@@ -35,7 +35,7 @@ fn till_error_m(params: RodParams) -> f64 {
             for end in RAMP_ENDS_S.into_iter().filter(|end| window.contains(end)).chain([t]) {
                 let start = now;
                 let status = rod.advance_with(&|dt| vec![Drive::Pull(till_pull_m(start + dt))], end - now);
-                assert_eq!(status, Status::Converged, "at {t} s");
+                assert_eq!(status, SolveStatus::Converged, "at {t} s");
                 now = end;
             }
         }
@@ -78,8 +78,8 @@ fn after_smooth_pull(scheme: Scheme, time_step_s: f64) -> Vector3<f64> {
     let mut rod = Rod::new(params);
     let pull = |t: f64| 0.01 * (0.5 - 0.5 * (std::f64::consts::PI * t / 0.5).cos());
     let drives = |t: f64| vec![Drive::Pull(pull(t)), Drive::Follow, Drive::Follow, Drive::Follow];
-    assert_eq!(rod.settle(&drives(0.0)), Status::Converged);
-    assert_eq!(rod.advance_with(&drives, 0.5), Status::Converged);
+    assert_eq!(rod.settle(&drives(0.0)), SolveStatus::Converged);
+    assert_eq!(rod.advance_with(&drives, 0.5), SolveStatus::Converged);
     rod.tip_m()
 }
 
@@ -104,7 +104,7 @@ fn space_converges_at_fourth_order_in_cells_and_spectrally_in_polynomials() {
         params.resolution.static_tolerance_m = f64::INFINITY;
         params.tip_load.force_n = Vector3::new(0.3, 0.8, -0.2);
         let mut rod = Rod::new(params);
-        assert_eq!(rod.settle(&[]), Status::Converged);
+        assert_eq!(rod.settle(&[]), SolveStatus::Converged);
         rod.tip_m()
     };
     let cells = [0.044, 0.022, 0.011].map(|cell| tip(cell, 10));
@@ -122,14 +122,14 @@ fn energy_decays_when_the_robot_is_let_go() {
     params.damping_time_s = 0.01;
     let mut rod = Rod::new(params);
     let hold = [Drive::Tension(4.0), Drive::Tension(3.0), Drive::Tension(0.0), Drive::Tension(0.0)];
-    assert_eq!(rod.settle(&hold), Status::Converged);
+    assert_eq!(rod.settle(&hold), SolveStatus::Converged);
     let total = |rod: &Rod| {
         let e = rod.energy();
         e.kinetic_j + e.elastic_j + e.gravitational_j
     };
     let (start, mut before) = (total(&rod), total(&rod));
     for step in 0..200 {
-        assert_eq!(rod.advance(&[Drive::Tension(0.0); 4], 0.005), Status::Converged);
+        assert_eq!(rod.advance(&[Drive::Tension(0.0); 4], 0.005), SolveStatus::Converged);
         let now = total(&rod);
         assert!(now <= before + 1e-9, "step {step}: from {before} J to {now} J");
         before = now;
@@ -138,10 +138,10 @@ fn energy_decays_when_the_robot_is_let_go() {
 }
 
 /// Moves the drives at constant speed within 20 ms, and then holds them for 0.4 s.
-fn moved(rod: &mut Rod, from: &[f64; 4], to: &[f64; 4]) -> Status {
+fn moved(rod: &mut Rod, from: &[f64; 4], to: &[f64; 4]) -> SolveStatus {
     let drives = |t: f64| (0..4).map(|i| Drive::Pull(from[i] + (to[i] - from[i]) * t / 0.02)).collect();
     match rod.advance_with(&drives, 0.02) {
-        Status::Converged => rod.advance(&to.map(Drive::Pull), 0.4),
+        SolveStatus::Converged => rod.advance(&to.map(Drive::Pull), 0.4),
         failure => failure,
     }
 }
@@ -156,8 +156,8 @@ fn a_quarter_turn_of_gravity_and_commands_turns_the_answer() {
             drives.rotate_right(1);
         }
         let mut rod = Rod::new(params);
-        assert_eq!(rod.settle(&[Drive::Pull(0.0); 4]), Status::Converged);
-        assert_eq!(moved(&mut rod, &[0.0; 4], &drives), Status::Converged);
+        assert_eq!(rod.settle(&[Drive::Pull(0.0); 4]), SolveStatus::Converged);
+        assert_eq!(moved(&mut rod, &[0.0; 4], &drives), SolveStatus::Converged);
         rod.tip_m()
     };
     let (plain, turned) = (run(false), run(true));
@@ -169,10 +169,10 @@ fn a_quarter_turn_of_gravity_and_commands_turns_the_answer() {
 fn rest_stays_at_rest() {
     let mut rod = Rod::new(nominal());
     let drives = [0.01, 0.005, -0.012, -0.006].map(Drive::Pull);
-    assert_eq!(rod.settle(&drives), Status::Converged);
+    assert_eq!(rod.settle(&drives), SolveStatus::Converged);
     let tip = rod.tip_m();
     for _ in 0..20 {
-        assert_eq!(rod.advance(&drives, 0.2), Status::Converged);
+        assert_eq!(rod.advance(&drives, 0.2), SolveStatus::Converged);
     }
     assert!((rod.tip_m() - tip).norm() < 1e-8, "moved by {} m", (rod.tip_m() - tip).norm());
     assert!(rod.energy().kinetic_j < 1e-12);
@@ -181,10 +181,10 @@ fn rest_stays_at_rest() {
 #[test]
 fn tendons_pull_and_never_push() {
     let mut rod = Rod::new(nominal());
-    assert_eq!(rod.settle(&[Drive::Pull(0.0); 4]), Status::Converged);
+    assert_eq!(rod.settle(&[Drive::Pull(0.0); 4]), SolveStatus::Converged);
     let mut before = [0.0; 4];
     for drives in [[-0.01; 4], [0.02, -0.03, -0.02, 0.01], [0.004; 4], [-0.02, 0.0, 0.03, 0.0]] {
-        assert_eq!(moved(&mut rod, &before, &drives), Status::Converged);
+        assert_eq!(moved(&mut rod, &before, &drives), SolveStatus::Converged);
         before = drives;
         assert!(rod.tensions_n().iter().all(|&tension| tension >= 0.0), "{:?}", rod.tensions_n());
         let slack = rod.tensions_n().iter().zip(rod.following_pulls_m()).zip(drives);
@@ -202,9 +202,9 @@ fn tendons_pull_and_never_push() {
 fn commands_that_are_not_finite_are_refused() {
     let mut rod = Rod::new(nominal());
     let bad = [Drive::Pull(f64::NAN), Drive::Follow, Drive::Follow, Drive::Follow];
-    assert_eq!(rod.settle(&bad), Status::BadCommand);
-    assert_eq!(rod.advance(&[Drive::Tension(-1.0); 4], 0.2), Status::BadCommand);
-    assert_eq!(rod.settle(&[Drive::Follow; 3]), Status::BadCommand);
+    assert_eq!(rod.settle(&bad), SolveStatus::BadCommand);
+    assert_eq!(rod.advance(&[Drive::Tension(-1.0); 4], 0.2), SolveStatus::BadCommand);
+    assert_eq!(rod.settle(&[Drive::Follow; 3]), SolveStatus::BadCommand);
 }
 
 #[test]
@@ -215,7 +215,7 @@ fn the_spine_shortens_by_its_compliance_and_stops_at_saturation() {
         params.gravity_m_s2 = Vector3::zeros();
         let axial_n = params.spans[0].axial_n;
         let mut rod = Rod::new(params);
-        assert_eq!(rod.settle(&[Drive::Tension(each_n); 4]), Status::Converged);
+        assert_eq!(rod.settle(&[Drive::Tension(each_n); 4]), SolveStatus::Converged);
         let expected = 0.22 - 11.0 * per_section_m - 0.22 * 4.0 * each_n / axial_n;
         assert!((rod.tip_m().z - expected).abs() < 1e-8, "{} m against {expected} m", rod.tip_m().z);
     }

@@ -3,7 +3,7 @@
 use crate::support::rods::random_robot::{bending_n_m2, log, robot};
 use rand::RngExt;
 use spinebench::base::Seed;
-use spinebench::rod::{Drive, MemoryState, MomentLaw, Rod, RodParams, Scheme, Status};
+use spinebench::rod::{Drive, HistoryState, MomentLaw, Rod, RodParams, Scheme, SolveStatus};
 use std::sync::Arc;
 
 /// Mechanical energy with that of the drives that hold a tension, J.
@@ -29,7 +29,7 @@ fn period_s(params: &RodParams) -> f64 {
 fn largest_rise(seed: Seed, damped: bool, scheme: Scheme, steps_a_period: f64) -> Option<f64> {
     let mut random = seed.rng();
     let mut params = robot(&mut random);
-    params.memory.clear();
+    params.moment_laws.clear();
     params.damping_time_s = if damped { log(&mut random, 0.003, 0.1) * period_s(&params) } else { 0.0 };
     let h = period_s(&params) / steps_a_period;
     params.resolution.scheme = scheme;
@@ -43,16 +43,16 @@ fn largest_rise(seed: Seed, damped: bool, scheme: Scheme, steps_a_period: f64) -
     let mut rod = Rod::new(params);
     let mut drives = vec![Drive::Tension(0.0); count];
     drives[0] = Drive::Tension(pull_n);
-    if rod.settle(&drives) != Status::Converged {
+    if rod.settle(&drives) != SolveStatus::Converged {
         return None;
     }
     drives = vec![if by_length { Drive::Pull(0.0) } else { Drive::Tension(0.0) }; count];
-    if rod.advance(&drives, h) != Status::Converged {
+    if rod.advance(&drives, h) != SolveStatus::Converged {
         return None;
     }
     let mut levels = vec![energy_j(&rod, &drives)];
     for _ in 0..(2.0 * steps_a_period) as usize {
-        if rod.advance(&drives, h) != Status::Converged {
+        if rod.advance(&drives, h) != SolveStatus::Converged {
             return None;
         }
         levels.push(energy_j(&rod, &drives));
@@ -100,7 +100,7 @@ fn laws() -> Vec<(&'static str, Arc<dyn MomentLaw>)> {
         let specs = crate::support::rods::effects(text);
         let mut rod = crate::support::rods::round_rod(0.22, 2e-3, 2.33e9, 0.84e9, 0.05);
         specs[0].build().alter(&mut rod);
-        laws.extend(rod.memory.into_iter().map(|law| (name, law)));
+        laws.extend(rod.moment_laws.into_iter().map(|law| (name, law)));
     }
     laws
 }
@@ -113,7 +113,7 @@ fn histories_give_back_less_than_they_take() {
         for k in 0..50 {
             let mut random = Seed(22).index(k).rng();
             let stride = log(&mut random, 1e-3, 2.0);
-            let (mut state, mut u, mut work): (MemoryState, _, f64) = ([0.0; 4], [0.0, 0.0], 0.0);
+            let (mut state, mut u, mut work): (HistoryState, _, f64) = ([0.0; 4], [0.0, 0.0], 0.0);
             let mut move_to = |to: [f64; 2], dt_s: f64, work: &mut f64, u: &mut [f64; 2]| {
                 let history = law.moment(&state, to, BENDING_N_M2).moment_nm;
                 for axis in 0..2 {
@@ -152,7 +152,7 @@ fn unaccounted(steps: usize) -> f64 {
         let share = 0.5 - 0.5 * (std::f64::consts::PI * t / duration_s).cos();
         [0.012, 0.004, -0.012, -0.004].map(|pull| Drive::Pull(share * pull))
     };
-    assert_eq!(rod.settle(&pulls(0.0)), Status::Converged);
+    assert_eq!(rod.settle(&pulls(0.0)), SolveStatus::Converged);
     let total = |rod: &Rod| {
         let energy = rod.energy();
         energy.kinetic_j + energy.elastic_j + energy.gravitational_j
@@ -161,7 +161,7 @@ fn unaccounted(steps: usize) -> f64 {
     for k in 0..steps {
         let now = k as f64 * h;
         let before = rod.tensions_n().to_vec();
-        assert_eq!(rod.advance_with(&|t| pulls(now + t).to_vec(), h), Status::Converged);
+        assert_eq!(rod.advance_with(&|t| pulls(now + t).to_vec(), h), SolveStatus::Converged);
         for (i, (from, to)) in pulls(now).iter().zip(pulls(now + h)).enumerate() {
             if let (Drive::Pull(from), Drive::Pull(to)) = (from, to) {
                 work += 0.5 * (before[i] + rod.tensions_n()[i]) * (to - from);
@@ -185,9 +185,9 @@ fn the_work_of_the_drives_is_found_again_as_energy() {
 fn rest_gains_nothing() {
     let mut rod = Rod::new(crate::support::rods::shipped("real"));
     let drives = [0.01, -0.004, -0.01, 0.004].map(Drive::Pull);
-    assert_eq!(rod.settle(&drives), Status::Converged);
+    assert_eq!(rod.settle(&drives), SolveStatus::Converged);
     for _ in 0..20 {
-        assert_eq!(rod.advance(&drives, 0.1), Status::Converged);
+        assert_eq!(rod.advance(&drives, 0.1), SolveStatus::Converged);
         assert!(rod.energy().kinetic_j < 1e-12, "{} J", rod.energy().kinetic_j);
     }
 }

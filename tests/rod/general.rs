@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use spinebench::effects::Model;
 use spinebench::math::rotation;
-use spinebench::rod::{Drive, Rod, RodParams, Status};
+use spinebench::rod::{Drive, Rod, RodParams, SolveStatus};
 use spinebench::specs::read_model;
 
 /// Two segments of a tapered, curved, anisotropic tube with a sheathed, a helical, a kinked and a short tendon.
@@ -42,7 +42,7 @@ fn settled(params: RodParams, pulls_m: &[f64]) -> Rod {
 
 fn driven(params: RodParams, drives: &[Drive]) -> Rod {
     let mut rod = Rod::new(params);
-    assert_eq!(rod.settle(drives), Status::Converged);
+    assert_eq!(rod.settle(drives), SolveStatus::Converged);
     rod
 }
 
@@ -67,8 +67,8 @@ fn a_robot_moved_and_turned_with_its_world_is_the_same_robot() {
         let off = (turn * here.tip_m() + shift - there.tip_m()).norm();
         println!("step {step}: {off:.2e} m apart, tip at {:?}", here.tip_m());
         assert!(off < 1e-7, "step {step}: {off:e} m");
-        assert_eq!(here.advance(&drives, 0.05), Status::Converged);
-        assert_eq!(there.advance(&drives, 0.05), Status::Converged);
+        assert_eq!(here.advance(&drives, 0.05), SolveStatus::Converged);
+        assert_eq!(there.advance(&drives, 0.05), SolveStatus::Converged);
     }
 }
 
@@ -80,7 +80,7 @@ fn motion_ends_where_statics_say() {
     let target = settled(params, &PULLS);
     let drives: Vec<Drive> = PULLS.iter().map(|&pull| Drive::Pull(pull)).collect();
     let start = (rod.tip_m() - target.tip_m()).norm();
-    assert_eq!(rod.advance(&drives, 8.0), Status::Converged);
+    assert_eq!(rod.advance(&drives, 8.0), SolveStatus::Converged);
     let off = (rod.tip_m() - target.tip_m()).norm();
     println!("{start:.3} m apart before, {off:.2e} m after");
     assert!(start > 0.01 && off < 1e-6, "{off:e} m");

@@ -3,7 +3,7 @@
 use spinebench::base::{Plant, PlantError, Seed};
 use spinebench::effects::Model;
 use spinebench::plants::{Simulated, SimulatedOptions};
-use spinebench::rod::Status;
+use spinebench::rod::SolveStatus;
 use std::time::{Duration, Instant};
 
 fn nominal() -> Model {
@@ -35,7 +35,7 @@ fn torture(name: &str, model: &Model) -> (usize, usize) {
             true
         }
         Err(PlantError::Solver(status)) => {
-            assert!(Status::ALL.iter().any(|known| known.name() == status), "{name}: {status}");
+            assert!(SolveStatus::ALL.iter().any(|known| known.name() == status), "{name}: {status}");
             failed += 1;
             false
         }

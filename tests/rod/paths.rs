@@ -4,7 +4,7 @@
 use crate::support::shooting::{Cord, Pose, Shooting, Stiffness};
 use nalgebra::{Matrix3, Vector3, Vector6};
 use spinebench::rod::{
-    Drive, LineLoad, PathPoint, PointLoad, Rod, RodParams, Span, Status, Taper, Tendon, TendonPath, TipLoad,
+    Drive, LineLoad, PathPoint, PointLoad, Rod, RodParams, SolveStatus, Span, Taper, Tendon, TendonPath, TipLoad,
 };
 use std::f64::consts::PI;
 
@@ -85,7 +85,7 @@ fn settled(mut params: RodParams, tensions_n: &[f64]) -> Rod {
     params.resolution.cell_m = 0.005;
     let mut rod = Rod::new(params);
     let drives: Vec<Drive> = tensions_n.iter().map(|&tension| Drive::Tension(tension)).collect();
-    assert_eq!(rod.settle(&drives), Status::Converged);
+    assert_eq!(rod.settle(&drives), SolveStatus::Converged);
     rod
 }
 
@@ -197,7 +197,7 @@ fn a_follower_load_turns_with_its_cross_section() {
     // A derivative that did not see the load turn would not contract.
     let before = rod.effort();
     rod.set_tip_load(TipLoad { force_n: Vector3::new(1e-3, 1e-3, 0.0), moment_nm: Vector3::zeros() });
-    assert_eq!(rod.settle(&[]), Status::Converged);
+    assert_eq!(rod.settle(&[]), SolveStatus::Converged);
     let after = rod.effort();
     let (iterations, derivatives) = (after.iterations - before.iterations, after.derivatives - before.derivatives);
     println!("a little more load: {iterations} iterations, {derivatives} derivatives");
@@ -218,7 +218,7 @@ fn the_work_of_the_tendons_is_the_energy_stored() {
         let share = f64::from(k) / f64::from(steps);
         let tensions = [5.0 * share, 3.0 * share * share];
         let drives = tensions.map(Drive::Tension);
-        assert_eq!(rod.settle(&drives), Status::Converged);
+        assert_eq!(rod.settle(&drives), SolveStatus::Converged);
         let pulls = rod.following_pulls_m();
         let share_before = f64::from(k - 1) / f64::from(steps);
         let tensions_before = [5.0 * share_before, 3.0 * share_before * share_before];

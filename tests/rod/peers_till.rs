@@ -6,7 +6,7 @@ mod till;
 
 use crate::support::rods::{reference, shipped, vector};
 use nalgebra::Vector3;
-use spinebench::rod::{Drive, Rod, Status};
+use spinebench::rod::{Drive, Rod, SolveStatus};
 use till::{Settings, Solver, Space, Till};
 
 /// Through the first ramp of the example and the swing after it.
@@ -79,7 +79,7 @@ fn the_papers_robot_rests_where_ours_does() {
     {
         let drives = pulls.map(Drive::Pull);
         shooting.settle(&drives).unwrap();
-        assert_eq!(ours.settle(&drives), Status::Converged);
+        assert_eq!(ours.settle(&drives), SolveStatus::Converged);
         let off = (shooting.tip_m() - ours.tip_m()).norm();
         assert!(off < 1e-6, "{off} m apart at {pulls:?}");
         let tensions = shooting.tensions_n();
@@ -105,13 +105,13 @@ fn the_papers_robot_moves_as_ours_does() {
     let mut shooting = Till::<4>::new(&params, settings).unwrap();
     let mut ours = Rod::new(params);
     shooting.settle(&drives(0.0)).unwrap();
-    assert_eq!(ours.settle(&drives(0.0)), Status::Converged);
+    assert_eq!(ours.settle(&drives(0.0)), SolveStatus::Converged);
     for k in 0..10 {
         let start = 0.05 * f64::from(k);
         for step in 1..=20 {
             shooting.step(&drives(start + 0.0025 * f64::from(step))).unwrap();
         }
-        assert_eq!(ours.advance_with(&|t| drives(start + t), 0.05), Status::Converged);
+        assert_eq!(ours.advance_with(&|t| drives(start + t), 0.05), SolveStatus::Converged);
         let off = (shooting.tip_m() - ours.tip_m()).norm();
         assert!(off < 1e-4, "{off} m apart after {start} s and 50 ms");
     }

@@ -5,7 +5,7 @@ use rand::RngExt;
 use spinebench::base::{Plant, PlantError, Seed};
 use spinebench::effects::Model;
 use spinebench::plants::{Simulated, SimulatedOptions};
-use spinebench::rod::{Drive, Rod, Status, TipLoad};
+use spinebench::rod::{Drive, Rod, SolveStatus, TipLoad};
 
 /// Plays random steps of up to 3 mm (all four tendons on their own, so also slack and against each other) and counts
 /// the failures by name.
@@ -92,7 +92,7 @@ fn a_column_too_heavy_to_stand_falls_to_one_side() {
         params.spans[0].mass_kg_m = weight * stiffness / (9.81 * 0.3_f64.powi(3));
         params.gravity_m_s2 = Vector3::new(0.0, 0.0, -9.81);
         let mut rod = Rod::new(params);
-        assert_eq!(rod.settle(&[]), Status::Converged);
+        assert_eq!(rod.settle(&[]), SolveStatus::Converged);
         rod.tip_m()
     };
     let (light, heavy) = (upright(7.0), upright(9.0));
@@ -107,8 +107,8 @@ fn a_rod_bent_tighter_than_its_tendons_run_is_crushed() {
     params.tendons = crate::support::rods::four_tendons(0.02, 0.22, 0.0);
     let mut rod = Rod::new(params);
     let pull = |each: f64| [each, 0.0, -2.0 * each, 0.0].map(Drive::Pull);
-    assert_eq!(rod.settle(&pull(0.05)), Status::Converged);
-    assert_eq!(rod.settle(&pull(0.30)), Status::Crushed);
+    assert_eq!(rod.settle(&pull(0.05)), SolveStatus::Converged);
+    assert_eq!(rod.settle(&pull(0.30)), SolveStatus::Crushed);
 }
 
 /// Tendons askew over a jump of stiffness: the coarse grid is off by more than the tolerance, and the rod notices.
@@ -126,7 +126,7 @@ fn statics_refine_themselves_where_the_grid_is_too_coarse() {
         params.resolution.static_tolerance_m = tolerance_m;
         let mut rod = Rod::new(params);
         rod.set_tip_load(load);
-        assert_eq!(rod.settle(&[6.0, 1.0, 0.0, 0.0].map(Drive::Tension)), Status::Converged);
+        assert_eq!(rod.settle(&[6.0, 1.0, 0.0, 0.0].map(Drive::Tension)), SolveStatus::Converged);
         rod
     };
     let (coarse, fine, finest) = (settle(f64::INFINITY), settle(1e-6), settle(1e-9));
@@ -149,10 +149,10 @@ fn a_rod_that_remembers_moves_on_its_own_grid() {
     let yaml = "- friction: {moment_nm: 0.0128, yield_rad_m: 0.1}\n- tip_load: {mass_kg: 0.0065}";
     let mut rod = Rod::new(crate::support::rods::model("nominal").rod(&crate::support::rods::effects(yaml)));
     let drives = [0.01, 0.0, -0.01, 0.0].map(Drive::Pull);
-    assert_eq!(rod.settle(&drives), Status::Converged);
+    assert_eq!(rod.settle(&drives), SolveStatus::Converged);
     let tip_m = rod.tip_m();
     assert!(rod.refinements() > 0, "friction leaves kinks at rest that its own grid does not resolve");
-    assert_eq!(rod.advance(&drives, 0.2), Status::Converged);
+    assert_eq!(rod.advance(&drives, 0.2), SolveStatus::Converged);
     assert_eq!(rod.refinements(), 0);
     assert!((rod.tip_m() - tip_m).norm() < 1e-3, "its histories came along: {} m", (rod.tip_m() - tip_m).norm());
 }
@@ -166,10 +166,10 @@ fn friction_that_hardly_yields_takes_few_more_iterations_than_one_that_does() {
         params.resolution.motion_tolerance_m = 3e-4;
         let mut rod = Rod::new(params);
         let mut random = Seed(5).rng();
-        assert_eq!(rod.settle(&[Drive::Pull(0.0); 4]), Status::Converged);
+        assert_eq!(rod.settle(&[Drive::Pull(0.0); 4]), SolveStatus::Converged);
         for _ in 0..40 {
             let [x, y] = std::array::from_fn(|_| random.random_range(-0.012..0.012));
-            assert_eq!(rod.advance(&[x, y, -x, -y].map(Drive::Pull), 0.2), Status::Converged, "{yaml}");
+            assert_eq!(rod.advance(&[x, y, -x, -y].map(Drive::Pull), 0.2), SolveStatus::Converged, "{yaml}");
         }
         rod.effort().iterations
     };
@@ -184,7 +184,7 @@ fn friction_settles_however_little_it_yields() {
         for moment in [0.002, 0.006, 0.0123, 0.03] {
             let yaml = format!("- friction: {{moment_nm: {moment}, yield_rad_m: {yields}}}");
             let mut rod = Rod::new(crate::support::rods::model("nominal").rod(&crate::support::rods::effects(&yaml)));
-            assert_eq!(rod.settle(&[Drive::Pull(0.0); 4]), Status::Converged, "{yaml}");
+            assert_eq!(rod.settle(&[Drive::Pull(0.0); 4]), SolveStatus::Converged, "{yaml}");
             assert!(rod.space_error_m() < 1e-4, "{yaml}: {:e} m", rod.space_error_m());
         }
     }

@@ -4,7 +4,7 @@ use crate::support::rods::{four_tendons, reference, rotation, round_rod, shipped
 use nalgebra::Vector3;
 use rand::RngExt;
 use spinebench::base::Seed;
-use spinebench::rod::{Drive, Rod, Status, TipLoad};
+use spinebench::rod::{Drive, Rod, SolveStatus, TipLoad};
 
 /// Position in metres and rotation (Frobenius norm) that a static solution may be off by.
 const POSITION_M: f64 = 1e-6;
@@ -21,7 +21,7 @@ fn tension_control_matches_till() {
             moment_nm: vector(&row, ["lx", "ly", "lz"]),
         });
         let drives: Vec<Drive> = (1..=4).map(|i| Drive::Tension(row[&format!("tau{i}")])).collect();
-        assert_eq!(rod.settle(&drives), Status::Converged, "case {}", row["id"]);
+        assert_eq!(rod.settle(&drives), SolveStatus::Converged, "case {}", row["id"]);
         let position = (rod.tip_m() - vector(&row, ["px", "py", "pz"])).norm();
         let turn = (rod.tip_rotation() - rotation(&row, "")).norm();
         println!("case {}: {:.2e} m {:.2e}", row["id"], position, turn);
@@ -62,7 +62,7 @@ fn length_control_matches_the_independent_solver_from_a_cold_start() {
             turn,
             rod.effort()
         );
-        assert_eq!(status, Status::Converged, "case {}", row["id"]);
+        assert_eq!(status, SolveStatus::Converged, "case {}", row["id"]);
         assert!(position < POSITION_M && turn < ROTATION, "case {}: {position:e} m, {turn:e}", row["id"]);
         for (i, tension) in rod.tensions_n().iter().enumerate() {
             let expected = row[&format!("tau{}", i + 1)];
@@ -85,7 +85,7 @@ fn two_segments_match_the_consistent_border_rule() {
         let position = (rod.tip_m() - vector(&row, ["ref_px", "ref_py", "ref_pz"])).norm();
         let turn = (rod.tip_rotation() - rotation(&row, "ref_")).norm();
         println!("case {}: {status} {position:.2e} m {turn:.2e} {:?}", row["id"], rod.effort());
-        assert_eq!(status, Status::Converged, "case {}", row["id"]);
+        assert_eq!(status, SolveStatus::Converged, "case {}", row["id"]);
         assert!(position < POSITION_M && turn < ROTATION, "case {}: {position:e} m, {turn:e}", row["id"]);
     }
 }
@@ -99,7 +99,7 @@ fn heavy_cantilever_deflects_as_beam_theory_says() {
     params.gravity_m_s2 = Vector3::new(-9.81, 0.0, 0.0);
     let bending = params.spans[0].bending_n_m2[0];
     let mut rod = Rod::new(params);
-    assert_eq!(rod.settle(&[]), Status::Converged);
+    assert_eq!(rod.settle(&[]), SolveStatus::Converged);
     let weight_n_m = 2700.0 * area * 9.81;
     let expected = weight_n_m * length.powi(4) / (8.0 * bending) + weight_n_m * length.powi(2) / (2.0 * g * area);
     assert!((rod.tip_m().x + expected).abs() < 1e-6 * length, "{} against {expected}", rod.tip_m().x);
@@ -112,7 +112,7 @@ fn a_tip_moment_bends_the_rod_into_an_exact_arc() {
     let moment = 2.0 * params.spans[0].bending_n_m2[0] / 0.22;
     let mut rod = Rod::new(params);
     rod.set_tip_load(TipLoad { force_n: Vector3::zeros(), moment_nm: Vector3::new(0.0, moment, 0.0) });
-    assert_eq!(rod.settle(&[]), Status::Converged);
+    assert_eq!(rod.settle(&[]), SolveStatus::Converged);
     let arc_radius = 0.22 / 2.0;
     let expected = Vector3::new(arc_radius * (1.0 - 2.0_f64.cos()), 0.0, arc_radius * 2.0_f64.sin());
     let off = (rod.tip_m() - expected).norm();

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 use spinebench::effects::Model;
 use spinebench::math::optimise::least_squares::fit;
-use spinebench::rod::{Drive, Rod, Status};
+use spinebench::rod::{Drive, Rod, SolveStatus};
 
 /// Levels of both motors in the order of the file; a tension is the level over 0.0325 m.
 const LEVELS: [[f64; 2]; 22] = [
@@ -65,7 +65,7 @@ fn errors_m(model: &Model, shapes: &[&Shape]) -> Option<Vec<[Vector3<f64>; 4]>> 
     let mut errors = Vec::new();
     for shape in shapes {
         rod.restart();
-        if rod.settle(&shape.tensions_n.map(Drive::Tension)) != Status::Converged {
+        if rod.settle(&shape.tensions_n.map(Drive::Tension)) != SolveStatus::Converged {
             return None;
         }
         let mut error = shape.markers_m;

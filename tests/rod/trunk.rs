@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 use spinebench::effects::{EffectSpec, Model};
 use spinebench::math::optimise::least_squares::fit;
-use spinebench::rod::{Drive, Rod, Status};
+use spinebench::rod::{Drive, Rod, SolveStatus};
 
 /// Rows of the excerpt that the model was fitted to.
 const FITTED: usize = 63;
@@ -62,7 +62,7 @@ impl Trunk {
         for pose in poses {
             let pull = |i: usize| pose.angles_rad[i / 2] * self.gains[i / 2] * [1.0, -1.0][i % 2];
             let drives: Vec<Drive> = (0..12).map(|i| Drive::Pull(pull(i))).collect();
-            if rod.settle(&drives) != Status::Converged {
+            if rod.settle(&drives) != SolveStatus::Converged {
                 return None;
             }
             predicted.push([0, 1, 2].map(|d| {

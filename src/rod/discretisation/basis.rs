@@ -8,7 +8,7 @@ use super::cell::{COMPONENTS, Node};
 /// Values of the polynomials at the Gauss points.
 #[derive(Clone, Debug)]
 pub(crate) struct Basis {
-    elements: Vec<Element>,
+    elements: Vec<PolynomialElement>,
     modes: [usize; COMPONENTS],
     /// Number of Gauss points.
     pub(crate) points: usize,
@@ -18,7 +18,7 @@ pub(crate) struct Basis {
 
 /// A stretch of the rod with polynomials of its own.
 #[derive(Clone, Debug)]
-struct Element {
+struct PolynomialElement {
     /// Its Gauss points.
     points: Range<usize>,
     /// Its first coefficient of each component.
@@ -30,12 +30,12 @@ impl Basis {
         let points = nodes.len();
         let most = modes.iter().copied().max().unwrap_or(0);
         let mut rows = vec![0.0; most * points];
-        let mut elements: Vec<Element> = Vec::new();
+        let mut elements: Vec<PolynomialElement> = Vec::new();
         for (g, node) in nodes.iter().enumerate() {
             (0..most).for_each(|j| rows[j * points + g] = node.basis[j]);
             match elements.last_mut().filter(|element| element.offset == node.offset) {
                 Some(element) => element.points.end = g + 1,
-                None => elements.push(Element { points: g..g + 1, offset: node.offset }),
+                None => elements.push(PolynomialElement { points: g..g + 1, offset: node.offset }),
             }
         }
         Basis { elements, modes, points, rows }

@@ -3,7 +3,7 @@
 use super::cell::COMPONENTS;
 use super::grid::Grid;
 use crate::math::polynomial::legendre;
-use crate::rod::params::hysteresis_law::MemoryState;
+use crate::rod::params::hysteresis_law::HistoryState;
 
 impl Grid {
     /// Coefficients and tensions of the grid `from` on this one: the polynomials projected on those of each element.
@@ -29,7 +29,7 @@ impl Grid {
     }
 
     /// Histories at the Gauss points of `from` on those of this grid, linear within each cell.
-    pub(crate) fn spread(&self, from: &Grid, states: &[MemoryState]) -> Vec<MemoryState> {
+    pub(crate) fn interpolate_histories(&self, from: &Grid, states: &[HistoryState]) -> Vec<HistoryState> {
         let state = |position_m: f64| {
             let cell = from.boundaries_m.partition_point(|&end| end <= position_m).clamp(1, from.cells.len()) - 1;
             let [a, b] = [2 * cell, 2 * cell + 1];
@@ -42,14 +42,14 @@ impl Grid {
 }
 
 /// An element, and where in it (−1 to 1) a place lies.
-struct Place {
+struct ElementPosition {
     index: usize,
     length_m: f64,
     place: f64,
 }
 
-fn element_of(ends_m: &[f64], position_m: f64) -> Place {
+fn element_of(ends_m: &[f64], position_m: f64) -> ElementPosition {
     let index = ends_m.partition_point(|&end| end <= position_m).clamp(1, ends_m.len() - 1) - 1;
     let length_m = ends_m[index + 1] - ends_m[index];
-    Place { index, length_m, place: 2.0 * (position_m - ends_m[index]) / length_m - 1.0 }
+    ElementPosition { index, length_m, place: 2.0 * (position_m - ends_m[index]) / length_m - 1.0 }
 }

@@ -1,8 +1,8 @@
 //! Moving the rod in time: steps of a diagonally implicit Runge–Kutta scheme, as long as their error allows.
 
-use crate::rod::solver::status::Status;
+use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rod::{Drive, Rod};
-use crate::rod::state::rod_state::State;
+use crate::rod::state::rod_state::RodState;
 
 /// A stage is solved until the tip is known to this share of the error that a step may have …
 const STAGE_SHARE: f64 = 1e-2;
@@ -22,51 +22,51 @@ const LARGEST_GROWTH: f64 = 2.0;
 
 impl Rod {
     /// Moves the rod for `duration_s` with `drives` held.
-    pub fn advance(&mut self, drives: &[Drive], duration_s: f64) -> Status {
+    pub fn advance(&mut self, drives: &[Drive], duration_s: f64) -> SolveStatus {
         self.advance_with(&|_| drives.to_vec(), duration_s)
     }
 
     /// Moves the rod for `duration_s`; `drives` gives the drives at a time since now, seconds. A drive whose speed
     /// jumps should do so at the beginning or the end.
-    pub fn advance_with(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, duration_s: f64) -> Status {
+    pub fn advance_with(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, duration_s: f64) -> SolveStatus {
         // A rest is known to a micrometre on a finer grid; a motion has the grid that was asked for.
         self.coarsen();
         let resolution = self.system.params.resolution;
         let mut now = 0.0;
         let mut left = duration_s;
         while left > 1e-9 * duration_s {
-            let wanted = self.pace.next_s.min(resolution.time_step_s);
+            let wanted = self.step_size.next_s.min(resolution.time_step_s);
             let count = (left / wanted - 1e-9).ceil().max(1.0);
             let h = if count <= 2.0 { left / count } else { wanted };
             let (mut status, taken) = self.step(&|t| drives(now + t), h);
-            if status == Status::Converged {
-                status = self.examine_motion();
+            if status == SolveStatus::Converged {
+                status = self.verify_motion();
             }
-            if status != Status::Converged {
+            if status != SolveStatus::Converged {
                 return status;
             }
             now += taken;
             left -= taken;
         }
-        Status::Converged
+        SolveStatus::Converged
     }
 
     /// One time step of at most `h` seconds, shorter when it fails or its error is too large; also how long it was.
-    fn step(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, mut h: f64) -> (Status, f64) {
+    fn step(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, mut h: f64) -> (SolveStatus, f64) {
         let resolution = self.system.params.resolution;
         let share = if resolution.motion_tolerance_m.is_finite() { SHORTEST_STEP } else { 0.5_f64.powi(MOST_HALVINGS) };
         let floor = share * resolution.time_step_s;
         let shortest = 0.999 * floor.min(h);
-        let mut before = std::mem::replace(&mut self.before, State::empty());
+        let mut before = std::mem::replace(&mut self.before, RodState::empty());
         before.copy_from(&self.state);
         let status = loop {
             let status = self.try_step(drives, h, &before);
-            let fit = if status == Status::Converged { self.fit(&before, h) } else { 0.0 };
+            let fit = if status == SolveStatus::Converged { self.fit(&before, h) } else { 0.0 };
             let again = h * fit.clamp(0.5, REPEAT_BELOW);
-            if status == Status::BadCommand || fit >= REPEAT_BELOW || again < shortest {
-                if status == Status::Converged {
+            if status == SolveStatus::BadCommand || fit >= REPEAT_BELOW || again < shortest {
+                if status == SolveStatus::Converged {
                     let factor = if (1.0..KEEP_UP_TO).contains(&fit) { 1.0 } else { fit.clamp(0.3, LARGEST_GROWTH) };
-                    self.pace.next_s = (h * factor).max(floor);
+                    self.step_size.next_s = (h * factor).max(floor);
                     self.finish_step(h);
                 } else {
                     self.state.copy_from(&before);
@@ -75,7 +75,7 @@ impl Rod {
             }
             self.state.copy_from(&before);
             h = again;
-            self.pace.next_s = h;
+            self.step_size.next_s = h;
         };
         self.before = before;
         (status, h)
@@ -83,14 +83,14 @@ impl Rod {
 
     /// Takes the last stage as the new state.
     fn finish_step(&mut self, h: f64) {
-        self.pace.taken += 1;
+        self.step_size.taken += 1;
         self.state.rates.copy_from(&self.stages[self.stages.len() - 1]);
-        self.commit_memory(h);
-        self.trace.iter_mut().for_each(|trace| trace.accept(h));
+        self.commit_histories(h);
+        self.log.iter_mut().for_each(|log| log.accept(h));
     }
 
     /// The length of step that the error of the one just taken allows, as a share of it.
-    fn fit(&self, start: &State, h: f64) -> f64 {
+    fn fit(&self, start: &RodState, h: f64) -> f64 {
         let tolerance_m = self.system.params.resolution.motion_tolerance_m;
         if tolerance_m.is_infinite() {
             return f64::INFINITY;
@@ -105,7 +105,7 @@ impl Rod {
     /// the velocities of the first and the last stage lie, which does not see that the velocity before the step may
     /// have jumped because a drive's did. Their weights make the error of the tip of the paper's robot under random
     /// commands about the tolerance (`docs/rod.md`).
-    fn step_error_m(&self, start: &State, h: f64) -> f64 {
+    fn step_error_m(&self, start: &RodState, h: f64) -> f64 {
         const TRAPEZOID: f64 = 0.1;
         const SPREAD: f64 = 0.02;
         let (first, last) = (&self.stages[0].node_v, &self.stages[self.stages.len() - 1].node_v);
@@ -119,24 +119,26 @@ impl Rod {
         f64::min(TRAPEZOID * missed.sqrt(), SPREAD * h * spread.sqrt())
     }
 
-    fn try_step(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, h: f64, start: &State) -> Status {
+    fn try_step(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, h: f64, start: &RodState) -> SolveStatus {
         let load = self.tip_load;
         let gravity = self.system.params.gravity_m_s2;
         let allowed_m = self.system.params.resolution.motion_tolerance_m;
         let tolerance_m = if allowed_m.is_finite() { STAGE_SHARE * allowed_m } else { STAGE_TOLERANCE_M };
-        self.rest = None;
-        self.trace.iter_mut().for_each(|trace| trace.stages.clear());
+        self.settled_under = None;
+        self.log.iter_mut().for_each(|log| log.stages.clear());
         for i in 0..self.tableau.rows.len() {
-            let Some(holds) = self.holds(&drives(self.pace.stage_times[i] * h)) else { return Status::BadCommand };
+            let Some(holds) = self.holds(&drives(self.step_size.stage_times[i] * h)) else {
+                return SolveStatus::BadCommand;
+            };
             self.seed_tensions(&holds);
             self.motion.prepare(start, &self.system.masses, &self.tableau.rows[i], &self.stages, h);
             let status = self.solve(&holds, (&load, 1.0), gravity, false, tolerance_m);
-            if status != Status::Converged {
+            if status != SolveStatus::Converged {
                 return status;
             }
             self.stages[i].read(&self.motion, &self.system.masses, &self.state.shape);
-            self.trace_stage();
+            self.log_stage();
         }
-        Status::Converged
+        SolveStatus::Converged
     }
 }

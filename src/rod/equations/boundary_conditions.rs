@@ -3,12 +3,12 @@
 use nalgebra::Vector3;
 
 use super::motion::Motion;
-use crate::rod::params::hysteresis_law::MemoryState;
+use crate::rod::params::hysteresis_law::HistoryState;
 use crate::rod::params::loads::TipLoad;
 
 /// What a tendon is held to during a solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Hold {
+pub(crate) enum TendonConstraint {
     /// Taken in by this much from the straight rod, metres; pulls or goes slack.
     Length(f64),
     /// Held at this tension, N.
@@ -16,8 +16,8 @@ pub(crate) enum Hold {
 }
 
 /// What stays fixed during a solve.
-pub(crate) struct Conditions<'a> {
-    pub(crate) holds: &'a [Hold],
+pub(crate) struct SolveConditions<'a> {
+    pub(crate) holds: &'a [TendonConstraint],
     /// For tendons held by length: whether it is taut.
     pub(crate) taut: &'a [bool],
     pub(crate) tip_load: &'a TipLoad,
@@ -27,7 +27,7 @@ pub(crate) struct Conditions<'a> {
     pub(crate) gravity_m_s2: Vector3<f64>,
     pub(crate) motion: &'a Motion,
     /// One a law and Gauss point.
-    pub(crate) memory: &'a [Vec<MemoryState>],
+    pub(crate) histories: &'a [Vec<HistoryState>],
     /// Whether slow history laws have come to rest.
     pub(crate) settled: bool,
 }

@@ -7,10 +7,10 @@ use crate::rod::params::rod_params::RodParams;
 /// The laws at the Gauss points of the cells between `boundaries_m`. Both together have the compliance and the mass of the
 /// cell and their first moments, so that what is linear along a cell is integrated exactly.
 pub(crate) fn sections(params: &RodParams, boundaries_m: &[f64]) -> Vec<Section> {
-    boundaries_m.windows(2).flat_map(|cell| in_cell(params, cell[0], cell[1])).collect()
+    boundaries_m.windows(2).flat_map(|cell| sections_of_cell(params, cell[0], cell[1])).collect()
 }
 
-fn in_cell(params: &RodParams, start_m: f64, end_m: f64) -> [Section; 2] {
+fn sections_of_cell(params: &RodParams, start_m: f64, end_m: f64) -> [Section; 2] {
     let (length_m, middle_m) = (end_m - start_m, 0.5 * (start_m + end_m));
     let mut ends = vec![start_m];
     let jumps = params.spans.iter().map(|span| span.end_m);
@@ -27,7 +27,7 @@ fn in_cell(params: &RodParams, start_m: f64, end_m: f64) -> [Section; 2] {
             points.push(Point { section: Section::new(params, position_m), share: half_m / length_m, place });
         }
     }
-    [-1.0, 1.0].map(|side| standing_for(params, &points, side))
+    [-1.0, 1.0].map(|side| equivalent_section(params, &points, side))
 }
 
 /// A Gauss point of an even piece of a cell.
@@ -43,17 +43,18 @@ struct Point {
 const LEAST: f64 = 0.05;
 
 /// What stands for the points of a cell at its Gauss point on one `side`.
-fn standing_for(params: &RodParams, points: &[Point], side: f64) -> Section {
+fn equivalent_section(params: &RodParams, points: &[Point], side: f64) -> Section {
     let mean = |of: &dyn Fn(&Section) -> f64| -> f64 { points.iter().map(|p| p.share * of(&p.section)).sum() };
-    let apart = |of: &dyn Fn(&Section) -> f64| -> f64 {
+    let first_moment = |of: &dyn Fn(&Section) -> f64| -> f64 {
         points.iter().map(|p| p.share * p.place / GAUSS * of(&p.section)).sum()
     };
     // Most of what there is may sit farther out than the Gauss point, which then has as much of it as it can.
-    let most = |of: &dyn Fn(&Section) -> f64| ((1.0 - LEAST) * mean(of) / apart(of).abs()).min(1.0);
-    let positive =
-        |of: &dyn Fn(&Section) -> f64| if mean(of) == 0.0 { 0.0 } else { mean(of) + side * most(of) * apart(of) };
+    let most = |of: &dyn Fn(&Section) -> f64| ((1.0 - LEAST) * mean(of) / first_moment(of).abs()).min(1.0);
+    let positive = |of: &dyn Fn(&Section) -> f64| {
+        if mean(of) == 0.0 { 0.0 } else { mean(of) + side * most(of) * first_moment(of) }
+    };
     let signed = |of: &dyn Fn(&Section) -> [f64; 3], share: f64| -> [f64; 3] {
-        std::array::from_fn(|k| mean(&|s| of(s)[k]) + side * share * apart(&|s| of(s)[k]))
+        std::array::from_fn(|k| mean(&|s| of(s)[k]) + side * share * first_moment(&|s| of(s)[k]))
     };
     let share = most(&|s| s.bend[0]).min(most(&|s| s.bend[2]));
     // Where principal axes turn within a cell the whole of it may leave nothing that could be a compliance.

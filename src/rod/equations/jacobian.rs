@@ -7,11 +7,11 @@
 
 use nalgebra::{DMatrix, Vector3};
 
-use super::boundary_conditions::{Conditions, Hold};
+use super::boundary_conditions::{SolveConditions, TendonConstraint};
 use super::rates::RateMatrices;
-use super::system::{System, Work};
-use super::variation::Variation;
-use super::world_vectors::{Triple, padded};
+use super::system::{RodEquations, Workspace};
+use super::variation::ShapeVariation;
+use super::world_vectors::{VectorDerivative, padded};
 use crate::math::{rotation, three, vectorised};
 use crate::rod::discretisation::cell::COMPONENTS;
 use crate::rod::discretisation::grid::Grid;
@@ -19,16 +19,16 @@ use crate::rod::discretisation::grid::Grid;
 /// Room for the derivative of one rod's equations.
 #[derive(Clone, Debug)]
 pub(crate) struct Derivative {
-    pub(crate) variation: Variation,
+    pub(crate) variation: ShapeVariation,
     /// Row-major K with the borders d balance / d tension and d length / d unknown.
     stiffness: Vec<f64>,
     /// D and M.
     rates: RateMatrices,
     /// Σ δp × f of the loads beyond a place, and the same with what is in the cell beyond a Gauss point.
-    beyond: Triple,
-    moment: Triple,
+    beyond: VectorDerivative,
+    moment: VectorDerivative,
     /// Σ δf and Σ p × δf + δm of the follower loads beyond a place; empty without any.
-    follower: Option<[Triple; 2]>,
+    follower: Option<[VectorDerivative; 2]>,
     wrench_rows: [Vec<f64>; COMPONENTS],
     border: Vec<f64>,
     /// Room for a field over the Gauss points.
@@ -36,12 +36,12 @@ pub(crate) struct Derivative {
 }
 
 impl Derivative {
-    pub(crate) fn new(system: &System) -> Derivative {
+    pub(crate) fn new(system: &RodEquations) -> Derivative {
         let n = system.grid.unknowns;
-        let zero = Triple::zeros(n);
+        let zero = VectorDerivative::zeros(n);
         let follows = system.constant.points.iter().any(|(_, load)| load.follows);
         Derivative {
-            variation: Variation::new(&system.grid),
+            variation: ShapeVariation::new(&system.grid),
             stiffness: vec![0.0; system.size() * system.size()],
             rates: RateMatrices::new(system),
             follower: follows.then(|| [zero.clone(), zero.clone()]),
@@ -53,40 +53,52 @@ impl Derivative {
         }
     }
 
-    /// Derivative of the residual that [`System::evaluate`] has just left in `work`. Viscosity and inertia are left out
+    /// Derivative of the residual that [`RodEquations::evaluate`] has just left in `workspace`. Viscosity and inertia are left out
     /// for a rod at rest.
-    pub(crate) fn update(&mut self, system: &System, unknowns: &[f64], conditions: &Conditions, work: &Work) {
+    pub(crate) fn update(
+        &mut self,
+        system: &RodEquations,
+        unknowns: &[f64],
+        conditions: &SolveConditions,
+        workspace: &Workspace,
+    ) {
         vectorised(
             #[inline(always)]
-            || self.update_all(system, unknowns, conditions, work),
+            || self.update_all(system, unknowns, conditions, workspace),
         );
     }
 
     #[inline(always)]
-    fn update_all(&mut self, system: &System, unknowns: &[f64], conditions: &Conditions, work: &Work) {
-        self.variation.update(&system.grid, &work.shape);
+    fn update_all(
+        &mut self,
+        system: &RodEquations,
+        unknowns: &[f64],
+        conditions: &SolveConditions,
+        workspace: &Workspace,
+    ) {
+        self.variation.update(&system.grid, &workspace.shape);
         self.stiffness.fill(0.0);
         self.beyond.fill_zero();
-        self.follower.iter_mut().flatten().for_each(Triple::fill_zero);
+        self.follower.iter_mut().flatten().for_each(VectorDerivative::fill_zero);
         for c in (0..system.grid.cells.len()).rev() {
-            self.add_end_loads(system, c + 1, conditions, work);
+            self.add_end_loads(system, c + 1, conditions, workspace);
             for row in 0..2 {
-                self.node_moment(system, c, row, work);
-                self.node_rows(system, 2 * c + row, unknowns, work);
+                self.node_moment(system, c, row, workspace);
+                self.node_rows(system, 2 * c + row, unknowns, workspace);
             }
             let half = 0.5 * system.grid.cells[c].length_m;
             for g in [2 * c, 2 * c + 1] {
-                self.beyond.add_cross(&self.variation.node_move[g], &work.loads.node_f[g], half);
+                self.beyond.add_cross(&self.variation.node_move[g], &workspace.loads.node_f[g], half);
             }
         }
-        self.tendon_border(system, conditions, work);
+        self.tendon_border(system, conditions, workspace);
         if conditions.motion.rate > 0.0 {
-            self.rates.update(system, conditions, work, &self.variation);
+            self.rates.update(system, conditions, workspace, &self.variation);
         }
     }
 
     /// K + rate·D + rate²·M with the tendon rows that belong to the taut set of `conditions`.
-    pub(crate) fn matrix(&self, system: &System, conditions: &Conditions) -> DMatrix<f64> {
+    pub(crate) fn matrix(&self, system: &RodEquations, conditions: &SolveConditions) -> DMatrix<f64> {
         let (n, size) = (system.grid.unknowns, system.size());
         // Filled by columns; K is stored by rows, so this is its transpose until the end.
         let mut matrix = DMatrix::from_column_slice(size, size, &self.stiffness);
@@ -98,7 +110,7 @@ impl Derivative {
             }
         }
         for (i, hold) in conditions.holds.iter().enumerate() {
-            if !matches!(hold, Hold::Length(_)) || !conditions.taut[i] {
+            if !matches!(hold, TendonConstraint::Length(_)) || !conditions.taut[i] {
                 matrix.column_mut(n + i).fill(0.0);
                 matrix[(n + i, n + i)] = 1.0;
             }
@@ -113,50 +125,56 @@ impl Derivative {
     }
 
     /// First-order change of the path length of tendon `i` when the coefficients change by `step`, metres.
-    pub(crate) fn length_change_m(&self, system: &System, i: usize, step: &[f64]) -> f64 {
+    pub(crate) fn length_change_m(&self, system: &RodEquations, i: usize, step: &[f64]) -> f64 {
         let row = (system.grid.unknowns + i) * system.size();
         self.stiffness[row..row + step.len()].iter().zip(step).map(|(a, b)| a * b).sum()
     }
 
     /// Takes in the forces on cell end `end`.
     #[inline(always)]
-    fn add_end_loads(&mut self, system: &System, end: usize, conditions: &Conditions, work: &Work) {
-        let force = &work.loads.end_f[end];
+    fn add_end_loads(
+        &mut self,
+        system: &RodEquations,
+        end: usize,
+        conditions: &SolveConditions,
+        workspace: &Workspace,
+    ) {
+        let force = &workspace.loads.end_f[end];
         if *force != Vector3::zeros() {
             self.beyond.add_cross(&self.variation.end_move[end], force, 1.0);
         }
         let Some([force, moment]) = &mut self.follower else { return };
         for (_, load) in system.constant.points.iter().filter(|(own, load)| *own == end && load.follows) {
-            let (f, m) = load.in_world(&work.shape.end_r[end], conditions.load_share);
+            let (f, m) = load.in_world(&workspace.shape.end_r[end], conditions.load_share);
             let turn = &self.variation.end_turn[end];
             force.add_cross(turn, &f, 1.0);
             moment.add_cross(turn, &m, 1.0);
-            moment.add_arm_cross(&work.shape.end_p[end], turn, &f);
+            moment.add_arm_cross(&workspace.shape.end_p[end], turn, &f);
         }
     }
 
     /// Σ δp × f of all that lies beyond Gauss point `row` of cell `c`.
     #[inline(always)]
-    fn node_moment(&mut self, system: &System, c: usize, row: usize, work: &Work) {
+    fn node_moment(&mut self, system: &RodEquations, c: usize, row: usize, workspace: &Workspace) {
         let h = system.grid.cells[c].length_m;
         let partial = Grid::partial_weights(h);
         self.moment.copy_from(&self.beyond);
         for other in 0..2 {
             let k = 2 * c + other;
             let weight = 0.5 * h - partial[row][other];
-            self.moment.add_cross(&self.variation.node_move[k], &work.loads.node_f[k], weight);
+            self.moment.add_cross(&self.variation.node_move[k], &workspace.loads.node_f[k], weight);
         }
     }
 
     /// Adds the rows of K that Gauss point `g` contributes to.
     #[inline(always)]
-    fn node_rows(&mut self, system: &System, g: usize, unknowns: &[f64], work: &Work) {
+    fn node_rows(&mut self, system: &RodEquations, g: usize, unknowns: &[f64], workspace: &Workspace) {
         let (turn, moved) = (&self.variation.node_turn[g], &self.variation.node_move[g]);
-        self.moment.add_cross(moved, &work.loads.force[g], -1.0);
-        self.moment.add_cross(turn, &work.loads.moment[g], -1.0);
-        let back = work.shape.node_r[g].transpose();
+        self.moment.add_cross(moved, &workspace.loads.force[g], -1.0);
+        self.moment.add_cross(turn, &workspace.loads.moment[g], -1.0);
+        let back = workspace.shape.node_r[g].transpose();
         // − Rᵀ (−δθ × F): the force turns in the body frame and nothing else.
-        let turned = three::product(&back, &rotation::skew(&work.loads.force[g]));
+        let turned = three::product(&back, &rotation::skew(&workspace.loads.force[g]));
         let (moments, forces) = self.wrench_rows.split_at_mut(3);
         for axis in 0..3 {
             let r = [back[(axis, 0)], back[(axis, 1)], back[(axis, 2)]];
@@ -167,20 +185,20 @@ impl Derivative {
                 [turned[(axis, 0)], turned[(axis, 1)], turned[(axis, 2)]].map(|x| -x),
             );
         }
-        self.add_followers(g, work);
-        self.add_material(system, g, unknowns, work);
-        self.project_rows(system, g, work);
+        self.add_followers(g, workspace);
+        self.add_material(system, g, unknowns, workspace);
+        self.project_rows(system, g, workspace);
     }
 
     /// Adds the turning of follower loads beyond Gauss point `g`.
-    fn add_followers(&mut self, g: usize, work: &Work) {
+    fn add_followers(&mut self, g: usize, workspace: &Workspace) {
         let Some([force, moment]) = &self.follower else { return };
         let mut about = moment.clone();
-        about.add_fixed_cross(&-work.shape.node_p[g], force);
-        let back = work.shape.node_r[g].transpose();
+        about.add_fixed_cross(&-workspace.shape.node_p[g], force);
+        let back = workspace.shape.node_r[g].transpose();
         for axis in 0..3 {
             for k in 0..self.wrench_rows[0].len() {
-                let of = |t: &Triple| (0..3).map(|b| back[(axis, b)] * t.row(b)[k]).sum::<f64>();
+                let of = |t: &VectorDerivative| (0..3).map(|b| back[(axis, b)] * t.row(b)[k]).sum::<f64>();
                 self.wrench_rows[axis][k] -= of(&about);
                 self.wrench_rows[axis + 3][k] -= of(force);
             }
@@ -189,11 +207,11 @@ impl Derivative {
 
     /// Adds the derivative of elastic, history and tendon wrenches: local, through the strain alone.
     #[inline(always)]
-    fn add_material(&mut self, system: &System, g: usize, unknowns: &[f64], work: &Work) {
+    fn add_material(&mut self, system: &RodEquations, g: usize, unknowns: &[f64], workspace: &Workspace) {
         let node = &system.grid.nodes[g];
-        let stiffness = system.tendon_stiffness(g, &unknowns[system.grid.unknowns..], work);
+        let stiffness = system.tendon_stiffness(g, &unknowns[system.grid.unknowns..], workspace);
         for component in 0..COMPONENTS {
-            let strain = work.shape.compliance[g].column(component);
+            let strain = workspace.shape.compliance[g].column(component);
             let mut change = [0.0; COMPONENTS];
             change[component] = 1.0;
             for row in 0..COMPONENTS {
@@ -203,7 +221,7 @@ impl Derivative {
             }
             for row in 0..2 {
                 for col in 0..2 {
-                    change[row] += work.history_tangent[g][row][col] * strain[col];
+                    change[row] += workspace.history_tangent[g][row][col] * strain[col];
                 }
             }
             let columns = node.offset[component]..node.offset[component] + system.grid.modes[component];
@@ -217,10 +235,10 @@ impl Derivative {
 
     /// Multiplies with the compliance and the test polynomials and adds to the rows of this element.
     #[inline(always)]
-    fn project_rows(&mut self, system: &System, g: usize, work: &Work) {
+    fn project_rows(&mut self, system: &RodEquations, g: usize, workspace: &Workspace) {
         let node = &system.grid.nodes[g];
         let (n, size) = (system.grid.unknowns, system.size());
-        let [a, b, d] = work.shape.compliance[g].bend;
+        let [a, b, d] = workspace.shape.compliance[g].bend;
         let (first, rest) = self.wrench_rows.split_at_mut(1);
         for (x, y) in first[0].iter_mut().zip(rest[0].iter_mut()) {
             (*x, *y) = (a * *x + b * *y, b * *x + d * *y);
@@ -228,8 +246,8 @@ impl Derivative {
         for component in 0..COMPONENTS {
             let diagonal = match component {
                 0 | 1 => 1.0,
-                5 => work.axial_weight[g],
-                _ => work.shape.compliance[g].diagonal[component - 2],
+                5 => workspace.axial_weight[g],
+                _ => workspace.shape.compliance[g].diagonal[component - 2],
             };
             for j in 0..system.grid.modes[component] {
                 let weight = node.weight_m * node.basis[j] * diagonal;
@@ -244,19 +262,19 @@ impl Derivative {
 
     /// d balance / d tension and, being the same numbers but for weights that are held, d length / d unknown.
     #[inline(always)]
-    fn tendon_border(&mut self, system: &System, conditions: &Conditions, work: &Work) {
+    fn tendon_border(&mut self, system: &RodEquations, conditions: &SolveConditions, workspace: &Workspace) {
         let (n, size, points) = (system.grid.unknowns, system.size(), system.grid.all.points);
         for (i, hold) in conditions.holds.iter().enumerate() {
             for (g, node) in system.grid.nodes.iter().enumerate() {
-                let strain = work.shape.compliance[g].apply(&system.tendon_wrench(g, i, work));
+                let strain = workspace.shape.compliance[g].apply(&system.tendon_wrench(g, i, workspace));
                 (0..COMPONENTS).for_each(|c| self.field[c * points + g] = node.weight_m * strain[c]);
             }
             self.border.fill(0.0);
             system.grid.all.test(&self.field, &mut self.border);
             self.stiffness[(n + i) * size..][..n].copy_from_slice(&self.border);
-            if work.weights_held {
+            if workspace.weights_held {
                 for (g, node) in system.grid.nodes.iter().enumerate() {
-                    let strain = work.weigh(g, &system.tendon_wrench(g, i, work));
+                    let strain = workspace.weighted_strain(g, &system.tendon_wrench(g, i, workspace));
                     (0..COMPONENTS).for_each(|c| self.field[c * points + g] = node.weight_m * strain[c]);
                 }
                 self.border.fill(0.0);
@@ -265,7 +283,7 @@ impl Derivative {
             for (k, value) in self.border.iter().enumerate() {
                 self.stiffness[k * size + n + i] = *value;
             }
-            let pull = if let Hold::Length(pull) = *hold { pull } else { 0.0 };
+            let pull = if let TendonConstraint::Length(pull) = *hold { pull } else { 0.0 };
             self.stiffness[(n + i) * size + n + i] = -system.params.tendons[i].compliance_at(pull);
         }
     }

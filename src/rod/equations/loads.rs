@@ -3,7 +3,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::boundary_conditions::Conditions;
+use super::boundary_conditions::SolveConditions;
 use super::material::Section;
 use super::motion::EndMass;
 use super::shape::Shape;
@@ -41,7 +41,7 @@ impl Loads {
 
     /// Sums the loads on `shape` under the given conditions.
     #[inline(always)]
-    pub(crate) fn update(&mut self, rod: &LoadedRod, shape: &Shape, conditions: &Conditions) {
+    pub(crate) fn update(&mut self, rod: &LoadedRod, shape: &Shape, conditions: &SolveConditions) {
         let (gravity, motion) = (conditions.gravity_m_s2, conditions.motion);
         for (g, section) in rod.sections.iter().enumerate() {
             let mut f = section.mass_kg_m * (gravity - motion.node_acceleration(g, &shape.node_p[g]));
@@ -65,7 +65,7 @@ impl Loads {
 
     /// Forces and moments at the cell ends: lumped masses, point loads, and the load at the tip.
     #[inline(always)]
-    fn lump(&mut self, rod: &LoadedRod, shape: &Shape, conditions: &Conditions) {
+    fn lump(&mut self, rod: &LoadedRod, shape: &Shape, conditions: &SolveConditions) {
         let motion = conditions.motion;
         self.end_f.fill(Vector3::zeros());
         self.end_m.fill(Vector3::zeros());
@@ -125,26 +125,26 @@ pub(crate) struct LoadedRod<'a> {
     pub(crate) grid: &'a Grid,
     pub(crate) sections: &'a [Section],
     pub(crate) masses: &'a [EndMass],
-    pub(crate) constant: &'a Constant,
+    pub(crate) constant: &'a ConstantLoads,
 }
 
 /// Constant loads besides weight and the tip load, on the grid.
 #[derive(Clone, Debug)]
-pub(crate) struct Constant {
+pub(crate) struct ConstantLoads {
     /// Point loads with the cell end that carries each.
     pub(crate) points: Vec<(usize, PointLoad)>,
     /// Force per length at the Gauss points, N/m; empty when there is none.
     line: Vec<Vector3<f64>>,
 }
 
-impl Constant {
-    pub(crate) fn new(params: &RodParams, grid: &Grid) -> Constant {
+impl ConstantLoads {
+    pub(crate) fn new(params: &RodParams, grid: &Grid) -> ConstantLoads {
         let points = params.point_loads.iter().map(|load| (grid.nearest_end(load.position_m), *load)).collect();
         let mut line = Vec::new();
         if !params.line_loads.is_empty() {
             line = grid.nodes.iter().map(|node| line_force(params, node.position_m)).collect();
         }
-        Constant { points, line }
+        ConstantLoads { points, line }
     }
 }
 

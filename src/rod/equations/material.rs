@@ -4,7 +4,7 @@ use crate::rod::discretisation::cell::GAUSS;
 use crate::rod::params::rod_params::RodParams;
 
 /// Strains in the body frame: curvature and twist u (rad/m), then v (shear, shear, stretch).
-pub(crate) type Six = [f64; 6];
+pub(crate) type Components = [f64; 6];
 
 /// Compliances of the cross-section at one Gauss point.
 #[derive(Clone, Debug)]
@@ -26,7 +26,7 @@ pub(crate) struct Section {
     /// Compressive force at which the section is fully shortened, N.
     pub(crate) saturation_n: f64,
     /// Viscous stiffness of each strain, N m² s and N s.
-    pub(crate) viscosity: Six,
+    pub(crate) viscosity: Components,
     /// Mean bending stiffness, N m².
     pub(crate) bending_n_m2: f64,
     /// Mass per length, kg/m.
@@ -43,7 +43,7 @@ pub(crate) struct Compliance {
 impl Compliance {
     /// Compliance times a wrench; the matrix is symmetric.
     #[inline(always)]
-    pub(crate) fn apply(&self, w: &Six) -> Six {
+    pub(crate) fn apply(&self, w: &Components) -> Components {
         let [a, b, c] = self.bend;
         let [t, s1, s2, z] = self.diagonal;
         [a * w[0] + b * w[1], b * w[0] + c * w[1], t * w[2], s1 * w[3], s2 * w[4], z * w[5]]
@@ -51,7 +51,7 @@ impl Compliance {
 
     /// Column `component` of the matrix.
     #[inline(always)]
-    pub(crate) fn column(&self, component: usize) -> Six {
+    pub(crate) fn column(&self, component: usize) -> Components {
         let mut unit = [0.0; 6];
         unit[component] = 1.0;
         self.apply(&unit)
@@ -98,7 +98,7 @@ impl Section {
     /// Strains under the elastic wrench `w` and their derivative. The spine shortens with the axial force that
     /// compresses it (paper, eq. 14) and no further once that exceeds the saturation force.
     #[inline(always)]
-    pub(crate) fn strain(&self, w: &Six) -> (Six, Compliance) {
+    pub(crate) fn strain(&self, w: &Components) -> (Components, Compliance) {
         let [a, b, c] = self.bend;
         let saturated = w[5] < -self.saturation_n;
         let stretch = if self.spine == 0.0 { 0.0 } else { self.spine * w[5].max(-self.saturation_n) };
@@ -115,7 +115,7 @@ impl Section {
     }
 
     /// Elastic energy per length under the wrench `w`, J/m (bending, twist, shear, stretch).
-    pub(crate) fn energy_j_m(&self, w: &Six) -> f64 {
+    pub(crate) fn energy_j_m(&self, w: &Components) -> f64 {
         let [a, b, c] = self.bend;
         let bend = a * w[0] * w[0] + 2.0 * b * w[0] * w[1] + c * w[1] * w[1];
         let others = self.twist * w[2] * w[2] + self.shear * (w[3] * w[3] + w[4] * w[4]) + self.axial * w[5] * w[5];
@@ -149,12 +149,12 @@ impl Section {
     }
 
     /// Change of curvature from the unloaded shape about the two body axes.
-    pub(crate) fn bending(&self, strain: &Six) -> [f64; 2] {
+    pub(crate) fn bending(&self, strain: &Components) -> [f64; 2] {
         [strain[0] - self.rest[0], strain[1] - self.rest[1]]
     }
 
     /// Compliances that turn a change of each wrench component into a strain, for scaling.
-    pub(crate) fn scales(&self) -> Six {
+    pub(crate) fn scales(&self) -> Components {
         let bend = 0.5 * (self.bend[0] + self.bend[2]);
         [bend, bend, self.twist, self.shear, self.shear, self.axial + self.spine]
     }

@@ -3,7 +3,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::material::Six;
+use super::material::Components;
 use crate::math::rotation;
 use crate::rod::discretisation::grid::Grid;
 
@@ -28,7 +28,7 @@ pub(crate) struct Motion {
     pub(crate) mass_v: Vec<Vector3<f64>>,
     pub(crate) mass_a: Vec<Vector3<f64>>,
     /// Strain rate = rate·strain + this.
-    pub(crate) strain_v: Vec<Six>,
+    pub(crate) strain_v: Vec<Components>,
     /// Orientation of the masses at the start of the step.
     pub(crate) from_r: Vec<Matrix3<f64>>,
     /// Angular velocity (body) = rate·log(from_rᵀ r) + this; zero for masses without rotary inertia.

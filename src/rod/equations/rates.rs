@@ -2,10 +2,10 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::boundary_conditions::Conditions;
-use super::system::{System, Work};
-use super::variation::Variation;
-use super::world_vectors::{Triple, padded};
+use super::boundary_conditions::SolveConditions;
+use super::system::{RodEquations, Workspace};
+use super::variation::ShapeVariation;
+use super::world_vectors::{VectorDerivative, padded};
 use crate::rod::discretisation::basis::dot;
 
 /// D and M over the polynomial coefficients, row-major.
@@ -19,7 +19,7 @@ pub(crate) struct RateMatrices {
 }
 
 impl RateMatrices {
-    pub(crate) fn new(system: &System) -> RateMatrices {
+    pub(crate) fn new(system: &RodEquations) -> RateMatrices {
         let (n, points) = (system.grid.unknowns, system.grid.nodes.len());
         RateMatrices {
             viscosity: vec![0.0; n * n],
@@ -29,12 +29,18 @@ impl RateMatrices {
         }
     }
 
-    /// Computes both for the shape in `work`, whose displacements are in `variation`.
+    /// Computes both for the shape in `workspace`, whose displacements are in `variation`.
     #[inline(always)]
-    pub(crate) fn update(&mut self, system: &System, conditions: &Conditions, work: &Work, variation: &Variation) {
-        self.add_viscosity(system, work);
-        self.add_drag(system, conditions, work, variation);
-        self.add_inertia(system, work, variation);
+    pub(crate) fn update(
+        &mut self,
+        system: &RodEquations,
+        conditions: &SolveConditions,
+        workspace: &Workspace,
+        variation: &ShapeVariation,
+    ) {
+        self.add_viscosity(system, workspace);
+        self.add_drag(system, conditions, workspace, variation);
+        self.add_inertia(system, workspace, variation);
     }
 
     /// Row `row` of D and M together.
@@ -45,14 +51,14 @@ impl RateMatrices {
 
     /// D: viscous wrenches are local and diagonal in the strains; only bending about the two axes is coupled.
     #[inline(always)]
-    fn add_viscosity(&mut self, system: &System, work: &Work) {
+    fn add_viscosity(&mut self, system: &RodEquations, workspace: &Workspace) {
         self.viscosity.fill(0.0);
         const PAIRS: [(usize, usize); 8] = [(0, 0), (0, 1), (1, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5)];
         for (row, column) in PAIRS {
             for (g, node) in system.grid.nodes.iter().enumerate() {
-                let strain = work.shape.compliance[g].column(column);
+                let strain = workspace.shape.compliance[g].column(column);
                 let viscous = std::array::from_fn(|c| system.sections[g].viscosity[c] * strain[c]);
-                self.field[g] = node.weight_m * work.weigh(g, &viscous)[row];
+                self.field[g] = node.weight_m * workspace.weighted_strain(g, &viscous)[row];
             }
             let weights = &self.field[..];
             if weights.iter().all(|weight| *weight == 0.0) {
@@ -63,14 +69,20 @@ impl RateMatrices {
     }
 
     /// Adds the derivative of the drag to D: −c |q|∘q along the body axes has the damping 2 c |q|.
-    fn add_drag(&mut self, system: &System, conditions: &Conditions, work: &Work, variation: &Variation) {
+    fn add_drag(
+        &mut self,
+        system: &RodEquations,
+        conditions: &SolveConditions,
+        workspace: &Workspace,
+        variation: &ShapeVariation,
+    ) {
         let drag = system.params.drag_n_s2_m3;
         if drag == 0.0 {
             return;
         }
         for (g, node) in system.grid.nodes.iter().enumerate() {
-            let r = &work.shape.node_r[g];
-            let velocity = r.tr_mul(&conditions.motion.node_velocity(g, &work.shape.node_p[g]));
+            let r = &workspace.shape.node_r[g];
+            let velocity = r.tr_mul(&conditions.motion.node_velocity(g, &workspace.shape.node_p[g]));
             let damping = Matrix3::from_diagonal(&(velocity.abs() * (2.0 * drag * node.weight_m)));
             add_gram(&mut self.viscosity, &variation.node_move[g], &(r * damping * r.transpose()));
         }
@@ -79,7 +91,7 @@ impl RateMatrices {
     /// M: the Gram matrix of all displacements, weighted with the masses. The displacements are gathered by unknown,
     /// all points after one another, so that each entry is one sum of products.
     #[inline(always)]
-    fn add_inertia(&mut self, system: &System, work: &Work, variation: &Variation) {
+    fn add_inertia(&mut self, system: &RodEquations, workspace: &Workspace, variation: &ShapeVariation) {
         let n = system.grid.unknowns;
         let length = self.gathered.len() / n.max(1);
         let mut next = 0;
@@ -99,7 +111,7 @@ impl RateMatrices {
             }
         }
         for mass in system.masses.iter().filter(|mass| mass.turns()) {
-            let r = &work.shape.end_r[mass.end];
+            let r = &workspace.shape.end_r[mass.end];
             let inertia = r * Matrix3::from_diagonal(&mass.inertia_kg_m2) * r.transpose();
             add_gram(&mut self.inertia, &variation.end_turn[mass.end], &inertia);
         }
@@ -108,7 +120,7 @@ impl RateMatrices {
 
 /// Writes `factor` times a displacement to places `next`, `next + 1`, `next + 2` of every unknown's row.
 #[inline(always)]
-fn gather(rows: &mut [f64], length: usize, next: &mut usize, from: &Triple, factor: f64) {
+fn gather(rows: &mut [f64], length: usize, next: &mut usize, from: &VectorDerivative, factor: f64) {
     for values in from.rows() {
         let unknowns = rows.len() / length.max(1);
         for (k, value) in values[..unknowns].iter().enumerate() {
@@ -119,7 +131,7 @@ fn gather(rows: &mut [f64], length: usize, next: &mut usize, from: &Triple, fact
 }
 
 /// Adds `directionᵀ weight direction` to a square matrix.
-fn add_gram(out: &mut [f64], direction: &Triple, weight: &Matrix3<f64>) {
+fn add_gram(out: &mut [f64], direction: &VectorDerivative, weight: &Matrix3<f64>) {
     let n = out.len().isqrt();
     let [x, y, z] = direction.rows().map(|row| &row[..n]);
     for i in 0..n {

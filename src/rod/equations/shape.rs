@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::material::{Compliance, Section, Six};
+use super::material::{Compliance, Components, Section};
 use crate::math::rotation::{self, Turns};
 use crate::math::three;
 use crate::rod::discretisation::cell::GAUSS;
@@ -12,9 +12,9 @@ use crate::rod::discretisation::grid::Grid;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Shape {
     /// Elastic internal wrench at the Gauss points.
-    pub(crate) wrench: Vec<Six>,
+    pub(crate) wrench: Vec<Components>,
     /// Strains there.
-    pub(crate) strain: Vec<Six>,
+    pub(crate) strain: Vec<Components>,
     /// d strain / d wrench there.
     pub(crate) compliance: Vec<Compliance>,
     /// Orientation at the Gauss points, columns are the body axes.
@@ -64,7 +64,7 @@ impl Shape {
         grid.all.expand(coefficients, &mut self.field);
         let points = grid.all.points;
         for g in 0..points {
-            let wrench: Six = std::array::from_fn(|c| self.field[c * points + g]);
+            let wrench: Components = std::array::from_fn(|c| self.field[c * points + g]);
             (self.strain[g], self.compliance[g]) = sections[g].strain(&wrench);
             self.wrench[g] = wrench;
         }
@@ -74,7 +74,7 @@ impl Shape {
     /// Computes strains and poses from the wrench at each Gauss point, whatever it is; the compliances stay. Cells in which
     /// the spine begins to saturate get the length that the law gives them.
     #[inline(always)]
-    pub(crate) fn update_from(&mut self, grid: &Grid, sections: &[Section], wrench: &[Six]) {
+    pub(crate) fn update_from(&mut self, grid: &Grid, sections: &[Section], wrench: &[Components]) {
         for (g, own) in wrench.iter().enumerate() {
             self.strain[g] = sections[g].strain(own).0;
             self.wrench[g] = *own;

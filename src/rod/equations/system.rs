@@ -3,31 +3,31 @@
 
 use nalgebra::{DVector, Vector3};
 
-use super::boundary_conditions::{Conditions, Hold};
+use super::boundary_conditions::{SolveConditions, TendonConstraint};
 use super::homogenised_cells;
-use super::loads::{Constant, LoadedRod, Loads};
-use super::material::{Section, Six};
+use super::loads::{ConstantLoads, LoadedRod, Loads};
+use super::material::{Components, Section};
 use super::motion::EndMass;
 use super::shape::Shape;
-use super::tendon_guide::Guide;
+use super::tendon_guide::TendonGuide;
 use crate::math::{rotation, three, vectorised};
 use crate::rod::discretisation::cell::{COMPONENTS, Node};
 use crate::rod::discretisation::grid::Grid;
-use crate::rod::params::hysteresis_law::MemoryState;
+use crate::rod::params::hysteresis_law::HistoryState;
 use crate::rod::params::rod_params::RodParams;
 use crate::rod::params::tendon::Tendon;
 
 /// A rod with its discretisation; constant during a simulation.
 #[derive(Clone, Debug)]
-pub(crate) struct System {
+pub(crate) struct RodEquations {
     pub(crate) params: RodParams,
     pub(crate) grid: Grid,
     pub(crate) sections: Vec<Section>,
     pub(crate) masses: Vec<EndMass>,
     /// Constant loads.
-    pub(crate) constant: Constant,
+    pub(crate) constant: ConstantLoads,
     /// For each Gauss point and tendon: where the tendon passes.
-    pub(crate) guides: Vec<Guide>,
+    pub(crate) guides: Vec<TendonGuide>,
     /// Path length of each tendon at home, metres.
     pub(crate) home_lengths_m: Vec<f64>,
     /// Strain that a unit of each unknown produces, as a displacement of the tip, m per unit; for step sizes.
@@ -38,7 +38,7 @@ pub(crate) struct System {
 
 /// Everything computed on the way to a residual.
 #[derive(Clone, Debug)]
-pub(crate) struct Work {
+pub(crate) struct Workspace {
     pub(crate) shape: Shape,
     pub(crate) loads: Loads,
     /// For each Gauss point and tendon: unit tangent (0 past the tendon's end).
@@ -53,7 +53,7 @@ pub(crate) struct Work {
     /// Room for a field over the Gauss points.
     field: Vec<f64>,
     /// Internal minus external wrench at the Gauss points, body frame.
-    pub(crate) imbalance: Vec<Six>,
+    pub(crate) imbalance: Vec<Components>,
     /// Axial compliance that weights the balance at each Gauss point, 1/N.
     pub(crate) axial_weight: Vec<f64>,
     /// Whether these weights stay as they are. They jump where the spine saturates; a wrench that is no polynomial
@@ -63,22 +63,22 @@ pub(crate) struct Work {
     pub(crate) residual: Vec<f64>,
 }
 
-impl Work {
+impl Workspace {
     /// The strain by which the balance at Gauss point `g` weights a wrench.
-    pub(crate) fn weigh(&self, g: usize, wrench: &Six) -> Six {
+    pub(crate) fn weighted_strain(&self, g: usize, wrench: &Components) -> Components {
         let mut strain = self.shape.compliance[g].apply(wrench);
         strain[5] = self.axial_weight[g] * wrench[5];
         strain
     }
 }
 
-impl System {
-    pub(crate) fn new(params: RodParams) -> System {
-        System::on(Grid::new(&params), params)
+impl RodEquations {
+    pub(crate) fn new(params: RodParams) -> RodEquations {
+        RodEquations::on(Grid::new(&params), params)
     }
 
     /// A rod on a grid that was made for it.
-    pub(crate) fn on(grid: Grid, params: RodParams) -> System {
+    pub(crate) fn on(grid: Grid, params: RodParams) -> RodEquations {
         let sections = if params.resolution.blended {
             homogenised_cells::sections(&params, &grid.boundaries_m)
         } else {
@@ -104,12 +104,12 @@ impl System {
             }
         }
         let at = |node: &Node| params.tendons.iter().map(|tendon| tendon.guide(node.position_m)).collect::<Vec<_>>();
-        let guides: Vec<Guide> = grid.nodes.iter().flat_map(at).collect();
+        let guides: Vec<TendonGuide> = grid.nodes.iter().flat_map(at).collect();
         let home_lengths_m =
             (0..params.tendons.len()).map(|i| home_length_m(&params.tendons, (&grid, &sections), &guides, i)).collect();
         let reach_m_per_n = (0..params.tendons.len()).map(|i| reach_m_per_n(&params, &sections, &guides, i)).collect();
-        let constant = Constant::new(&params, &grid);
-        System { params, grid, sections, masses, constant, guides, home_lengths_m, scales, reach_m_per_n }
+        let constant = ConstantLoads::new(&params, &grid);
+        RodEquations { params, grid, sections, masses, constant, guides, home_lengths_m, scales, reach_m_per_n }
     }
 
     /// Number of equations: polynomial coefficients, then tensions.
@@ -117,10 +117,10 @@ impl System {
         self.grid.unknowns + self.params.tendons.len()
     }
 
-    pub(crate) fn work(&self) -> Work {
+    pub(crate) fn workspace(&self) -> Workspace {
         let base = rotation::exp(&self.params.base_rotation_rad);
         let (nodes, tendons) = (self.grid.nodes.len(), self.params.tendons.len());
-        Work {
+        Workspace {
             shape: Shape::new(&self.grid, base, self.params.base_m),
             loads: Loads::new(&self.grid),
             tangents: vec![Vector3::zeros(); nodes * tendons],
@@ -137,33 +137,33 @@ impl System {
     }
 
     /// Virgin histories.
-    pub(crate) fn fresh_memory(&self) -> Vec<Vec<MemoryState>> {
-        self.params.memory.iter().map(|_| vec![MemoryState::default(); self.grid.nodes.len()]).collect()
+    pub(crate) fn virgin_histories(&self) -> Vec<Vec<HistoryState>> {
+        self.params.moment_laws.iter().map(|_| vec![HistoryState::default(); self.grid.nodes.len()]).collect()
     }
 
     /// Evaluates the equations at `unknowns`.
-    pub(crate) fn evaluate(&self, unknowns: &[f64], conditions: &Conditions, work: &mut Work) {
+    pub(crate) fn evaluate(&self, unknowns: &[f64], conditions: &SolveConditions, workspace: &mut Workspace) {
         vectorised(
             #[inline(always)]
-            || self.evaluate_all(unknowns, conditions, work),
+            || self.evaluate_all(unknowns, conditions, workspace),
         );
     }
 
     #[inline(always)]
-    fn evaluate_all(&self, unknowns: &[f64], conditions: &Conditions, work: &mut Work) {
-        work.shape.update(&self.grid, &self.sections, &unknowns[..self.grid.unknowns]);
-        if !work.weights_held {
-            let axial = work.shape.compliance.iter().map(|compliance| compliance.diagonal[3]);
-            work.axial_weight.iter_mut().zip(axial).for_each(|(weight, own)| *weight = own);
+    fn evaluate_all(&self, unknowns: &[f64], conditions: &SolveConditions, workspace: &mut Workspace) {
+        workspace.shape.update(&self.grid, &self.sections, &unknowns[..self.grid.unknowns]);
+        if !workspace.weights_held {
+            let axial = workspace.shape.compliance.iter().map(|compliance| compliance.diagonal[3]);
+            workspace.axial_weight.iter_mut().zip(axial).for_each(|(weight, own)| *weight = own);
         }
-        self.balance(unknowns, conditions, work);
+        self.balance(unknowns, conditions, workspace);
     }
 
-    /// Evaluates the equations for the shape and the weights in `work`.
+    /// Evaluates the equations for the shape and the weights in `workspace`.
     #[inline(always)]
-    pub(crate) fn balance(&self, unknowns: &[f64], conditions: &Conditions, work: &mut Work) {
+    pub(crate) fn balance(&self, unknowns: &[f64], conditions: &SolveConditions, workspace: &mut Workspace) {
         let tensions = &unknowns[self.grid.unknowns..];
-        self.update_tendons(work);
+        self.update_tendons(workspace);
         let rod = LoadedRod {
             params: &self.params,
             grid: &self.grid,
@@ -171,46 +171,60 @@ impl System {
             masses: &self.masses,
             constant: &self.constant,
         };
-        work.loads.update(&rod, &work.shape, conditions);
-        work.residual.fill(0.0);
+        workspace.loads.update(&rod, &workspace.shape, conditions);
+        workspace.residual.fill(0.0);
         let points = self.grid.all.points;
         for (g, node) in self.grid.nodes.iter().enumerate() {
-            let imbalance = self.imbalance(g, tensions, conditions, work);
-            let strain = work.weigh(g, &imbalance);
-            (0..COMPONENTS).for_each(|c| work.field[c * points + g] = node.weight_m * strain[c]);
-            work.imbalance[g] = imbalance;
+            let imbalance = self.imbalance(g, tensions, conditions, workspace);
+            let strain = workspace.weighted_strain(g, &imbalance);
+            (0..COMPONENTS).for_each(|c| workspace.field[c * points + g] = node.weight_m * strain[c]);
+            workspace.imbalance[g] = imbalance;
         }
-        self.grid.all.test(&work.field, &mut work.residual);
+        self.grid.all.test(&workspace.field, &mut workspace.residual);
         for (i, hold) in conditions.holds.iter().enumerate() {
-            work.residual[self.grid.unknowns + i] = match *hold {
-                Hold::Length(_) if conditions.taut[i] => self.overstretch_m(i, hold, tensions[i], work),
-                Hold::Length(_) => tensions[i],
-                Hold::Tension(wanted) => tensions[i] - wanted,
+            workspace.residual[self.grid.unknowns + i] = match *hold {
+                TendonConstraint::Length(_) if conditions.taut[i] => {
+                    self.overstretch_m(i, hold, tensions[i], workspace)
+                }
+                TendonConstraint::Length(_) => tensions[i],
+                TendonConstraint::Tension(wanted) => tensions[i] - wanted,
             };
         }
     }
 
     /// By how much tendon `i` is longer than its drive and its own stretch allow, metres: negative is slack.
-    pub(crate) fn overstretch_m(&self, i: usize, hold: &Hold, tension_n: f64, work: &Work) -> f64 {
+    pub(crate) fn overstretch_m(
+        &self,
+        i: usize,
+        hold: &TendonConstraint,
+        tension_n: f64,
+        workspace: &Workspace,
+    ) -> f64 {
         let tendon = &self.params.tendons[i];
-        let pull = if let Hold::Length(pull) = *hold { pull } else { 0.0 };
-        work.lengths_m[i] + pull - self.home_lengths_m[i] - tendon.compliance_at(pull) * tension_n
+        let pull = if let TendonConstraint::Length(pull) = *hold { pull } else { 0.0 };
+        workspace.lengths_m[i] + pull - self.home_lengths_m[i] - tendon.compliance_at(pull) * tension_n
     }
 
     /// Internal minus external wrench at Gauss point `g`, body frame.
     #[inline(always)]
-    fn imbalance(&self, g: usize, tensions: &[f64], conditions: &Conditions, work: &mut Work) -> Six {
+    fn imbalance(
+        &self,
+        g: usize,
+        tensions: &[f64],
+        conditions: &SolveConditions,
+        workspace: &mut Workspace,
+    ) -> Components {
         let section = &self.sections[g];
-        let strain = work.shape.strain[g];
-        let mut total = work.shape.wrench[g];
+        let strain = workspace.shape.strain[g];
+        let mut total = workspace.shape.wrench[g];
         let motion = conditions.motion;
         if motion.rate > 0.0 {
             for c in 0..COMPONENTS {
                 total[c] += section.viscosity[c] * (strain[c] * motion.rate + motion.strain_v[g][c]);
             }
         }
-        work.history_tangent[g] = [[0.0; 2]; 2];
-        for (law, states) in self.params.memory.iter().zip(conditions.memory) {
+        workspace.history_tangent[g] = [[0.0; 2]; 2];
+        for (law, states) in self.params.moment_laws.iter().zip(conditions.histories) {
             let bend = section.bending(&strain);
             let history = if conditions.settled {
                 law.settled(&states[g], bend, section.bending_n_m2)
@@ -220,21 +234,21 @@ impl System {
             for a in 0..2 {
                 total[a] += history.moment_nm[a];
                 for b in 0..2 {
-                    work.history_tangent[g][a][b] += history.tangent_n_m2[a][b];
+                    workspace.history_tangent[g][a][b] += history.tangent_n_m2[a][b];
                 }
             }
         }
         for (i, &tension) in tensions.iter().enumerate() {
             if tension != 0.0 {
-                let pull = self.tendon_wrench(g, i, work);
+                let pull = self.tendon_wrench(g, i, workspace);
                 for c in 0..COMPONENTS {
                     total[c] += tension * pull[c];
                 }
             }
         }
-        let r = &work.shape.node_r[g];
-        let moment = three::turned_back(r, &work.loads.moment[g]);
-        let force = three::turned_back(r, &work.loads.force[g]);
+        let r = &workspace.shape.node_r[g];
+        let moment = three::turned_back(r, &workspace.loads.moment[g]);
+        let force = three::turned_back(r, &workspace.loads.force[g]);
         for a in 0..3 {
             total[a] -= moment[a];
             total[a + 3] -= force[a];
@@ -245,21 +259,26 @@ impl System {
     /// Wrench of a unit tension of tendon `i` on the cross-section at `g`: (r × t, t), zero past the tendon's end.
     /// It is also d length / d strain (Rucker & Webster 2011, in variational form).
     #[inline(always)]
-    pub(crate) fn tendon_wrench(&self, g: usize, i: usize, work: &Work) -> Six {
-        let t = &work.tangents[g * self.params.tendons.len() + i];
+    pub(crate) fn tendon_wrench(&self, g: usize, i: usize, workspace: &Workspace) -> Components {
+        let t = &workspace.tangents[g * self.params.tendons.len() + i];
         let [x, y] = self.guides[g * self.params.tendons.len() + i].offset_m;
         [y * t.z, -x * t.z, x * t.y - y * t.x, t.x, t.y, t.z]
     }
 
     /// The stiffness at Gauss point `g` that taut tendons add: Σ tension · ∂²length/∂strain².
     #[inline(always)]
-    pub(crate) fn tendon_stiffness(&self, g: usize, tensions: &[f64], work: &Work) -> [Six; COMPONENTS] {
+    pub(crate) fn tendon_stiffness(
+        &self,
+        g: usize,
+        tensions: &[f64],
+        workspace: &Workspace,
+    ) -> [Components; COMPONENTS] {
         let mut total = [[0.0; COMPONENTS]; COMPONENTS];
         for (i, &tension) in tensions.iter().enumerate() {
             let k = g * tensions.len() + i;
-            let stretch = work.stretches[k];
+            let stretch = workspace.stretches[k];
             if tension != 0.0 && stretch != 0.0 {
-                self.guides[k].add_stiffness(&work.tangents[k], stretch, tension, &mut total);
+                self.guides[k].add_stiffness(&workspace.tangents[k], stretch, tension, &mut total);
             }
         }
         total
@@ -267,13 +286,13 @@ impl System {
 
     /// Path tangents and lengths of all tendons: a = v + u × r + r′ a length of backbone.
     #[inline(always)]
-    fn update_tendons(&self, work: &mut Work) {
+    fn update_tendons(&self, workspace: &mut Workspace) {
         let count = self.params.tendons.len();
         if count == 0 {
             return;
         }
-        let points = self.guides.chunks_exact(count).zip(&work.shape.strain);
-        let each = work.tangents.chunks_exact_mut(count).zip(work.stretches.chunks_exact_mut(count));
+        let points = self.guides.chunks_exact(count).zip(&workspace.shape.strain);
+        let each = workspace.tangents.chunks_exact_mut(count).zip(workspace.stretches.chunks_exact_mut(count));
         for ((guides, strain), (paths, squares)) in points.zip(each) {
             for ((guide, path), square) in guides.iter().zip(paths).zip(squares) {
                 *path = if guide.present { guide.path(strain) } else { Vector3::zeros() };
@@ -281,19 +300,23 @@ impl System {
             }
         }
         // Roots and quotients of all at once, in vector instructions.
-        for (stretch, shrink) in work.stretches.iter_mut().zip(&mut work.shrinks) {
+        for (stretch, shrink) in workspace.stretches.iter_mut().zip(&mut workspace.shrinks) {
             *stretch = stretch.sqrt();
             *shrink = if *stretch > 0.0 { 1.0 / *stretch } else { 0.0 };
         }
-        work.tangents.iter_mut().zip(&work.shrinks).for_each(|(tangent, &shrink)| *tangent *= shrink);
-        work.lengths_m.fill(0.0);
-        for (node, stretches) in self.grid.nodes.iter().zip(work.stretches.chunks_exact(count)) {
-            work.lengths_m.iter_mut().zip(stretches).for_each(|(length, stretch)| *length += node.weight_m * stretch);
+        workspace.tangents.iter_mut().zip(&workspace.shrinks).for_each(|(tangent, &shrink)| *tangent *= shrink);
+        workspace.lengths_m.fill(0.0);
+        for (node, stretches) in self.grid.nodes.iter().zip(workspace.stretches.chunks_exact(count)) {
+            workspace
+                .lengths_m
+                .iter_mut()
+                .zip(stretches)
+                .for_each(|(length, stretch)| *length += node.weight_m * stretch);
         }
     }
 
     /// Adds the weak form of a strain-like vector at Gauss point `g` to the balance equations.
-    pub(crate) fn project(&self, g: usize, value: &Six, out: &mut [f64]) {
+    pub(crate) fn project(&self, g: usize, value: &Components, out: &mut [f64]) {
         let node = &self.grid.nodes[g];
         for c in 0..COMPONENTS {
             let scaled = node.weight_m * value[c];
@@ -306,9 +329,9 @@ impl System {
 
     /// Size of a change of the unknowns as a displacement of the tip, metres. Once every section of the spine is
     /// saturated, axial forces move it no more than they would without sections.
-    pub(crate) fn size_of_step_m(&self, step: &[f64], work: &Work) -> f64 {
+    pub(crate) fn size_of_step_m(&self, step: &[f64], workspace: &Workspace) -> f64 {
         let length = self.params.length_m();
-        let axial = length * work.axial_weight.iter().copied().fold(0.0, f64::max);
+        let axial = length * workspace.axial_weight.iter().copied().fold(0.0, f64::max);
         let (per_element, axial_modes) = (self.grid.modes.iter().sum::<usize>(), self.grid.modes[5]);
         let mut largest = 0.0_f64;
         for (own, scales) in step.chunks(per_element).zip(self.scales.chunks(per_element)) {
@@ -341,10 +364,10 @@ impl System {
 }
 
 /// About how far a unit tension of tendon `i` moves the tip, m/N: by what it bends the rod and by what it shortens it.
-fn reach_m_per_n(params: &RodParams, sections: &[Section], guides: &[Guide], i: usize) -> f64 {
+fn reach_m_per_n(params: &RodParams, sections: &[Section], guides: &[TendonGuide], i: usize) -> f64 {
     let length = params.length_m();
     let passing = sections.iter().zip(guides.iter().skip(i).step_by(params.tendons.len()));
-    let of = |(section, guide): (&Section, &Guide)| {
+    let of = |(section, guide): (&Section, &TendonGuide)| {
         let ([x, y], scales) = (guide.offset_m, section.scales());
         0.5 * section.softest_turn() * x.hypot(y) * length * length + scales[5] * length
     };
@@ -352,13 +375,13 @@ fn reach_m_per_n(params: &RodParams, sections: &[Section], guides: &[Guide], i: 
 }
 
 /// Path length of tendon `i` on the rod at home, metres.
-fn home_length_m(tendons: &[Tendon], (grid, sections): (&Grid, &[Section]), guides: &[Guide], i: usize) -> f64 {
+fn home_length_m(tendons: &[Tendon], (grid, sections): (&Grid, &[Section]), guides: &[TendonGuide], i: usize) -> f64 {
     let along = grid.nodes.iter().zip(sections).zip(guides.iter().skip(i).step_by(tendons.len()));
     let passing = along.filter(|(_, guide)| guide.present);
     if passing.clone().all(|((_, section), guide)| guide.slope == [0.0; 2] && section.home == [0.0; 3]) {
         return tendons[i].end_m - tendons[i].start_m;
     }
-    let stretch = |((node, section), guide): ((&Node, &Section), &Guide)| {
+    let stretch = |((node, section), guide): ((&Node, &Section), &TendonGuide)| {
         let [x, y, z] = section.home;
         node.weight_m * guide.path(&[x, y, z, 0.0, 0.0, 1.0]).norm()
     };

@@ -2,29 +2,29 @@
 //! the quadrature that the shape itself is computed with.
 
 use super::shape::Shape;
-use super::world_vectors::Triple;
+use super::world_vectors::VectorDerivative;
 use crate::math::three;
 use crate::rod::discretisation::cell::COMPONENTS;
 use crate::rod::discretisation::grid::Grid;
 
 /// Derivatives of orientation (as a world rotation vector) and position along the rod.
 #[derive(Clone, Debug)]
-pub(crate) struct Variation {
+pub(crate) struct ShapeVariation {
     /// At the Gauss points.
-    pub(crate) node_turn: Vec<Triple>,
-    pub(crate) node_move: Vec<Triple>,
+    pub(crate) node_turn: Vec<VectorDerivative>,
+    pub(crate) node_move: Vec<VectorDerivative>,
     /// At the cell ends.
-    pub(crate) end_turn: Vec<Triple>,
-    pub(crate) end_move: Vec<Triple>,
+    pub(crate) end_turn: Vec<VectorDerivative>,
+    pub(crate) end_move: Vec<VectorDerivative>,
     /// World strain rates R A φ at the two Gauss points of a cell: curvature and stretch.
-    turn_rate: [Triple; 2],
-    move_rate: [Triple; 2],
+    turn_rate: [VectorDerivative; 2],
+    move_rate: [VectorDerivative; 2],
 }
 
-impl Variation {
-    pub(crate) fn new(grid: &Grid) -> Variation {
-        let zero = Triple::zeros(grid.unknowns);
-        Variation {
+impl ShapeVariation {
+    pub(crate) fn new(grid: &Grid) -> ShapeVariation {
+        let zero = VectorDerivative::zeros(grid.unknowns);
+        ShapeVariation {
             node_turn: vec![zero.clone(); grid.nodes.len()],
             node_move: vec![zero.clone(); grid.nodes.len()],
             end_turn: vec![zero.clone(); grid.boundaries_m.len()],
@@ -67,7 +67,7 @@ impl Variation {
 
 /// World-frame strain variations at Gauss point `g`: R A φ for curvature (turn) and stretch (move).
 #[inline(always)]
-fn strain_rates(grid: &Grid, shape: &Shape, g: usize, turn: &mut Triple, moved: &mut Triple) {
+fn strain_rates(grid: &Grid, shape: &Shape, g: usize, turn: &mut VectorDerivative, moved: &mut VectorDerivative) {
     turn.fill_zero();
     moved.fill_zero();
     let node = &grid.nodes[g];

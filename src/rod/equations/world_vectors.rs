@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 ///
 /// Rows are filled up with zeros to a whole number of the longest strips that loops are unrolled to.
 #[derive(Clone, Debug)]
-pub(crate) struct Triple {
+pub(crate) struct VectorDerivative {
     values: Vec<f64>,
 }
 
@@ -19,9 +19,9 @@ pub(crate) fn padded(unknowns: usize) -> usize {
     unknowns.next_multiple_of(STRIP)
 }
 
-impl Triple {
-    pub(crate) fn zeros(unknowns: usize) -> Triple {
-        Triple { values: vec![0.0; 3 * padded(unknowns)] }
+impl VectorDerivative {
+    pub(crate) fn zeros(unknowns: usize) -> VectorDerivative {
+        VectorDerivative { values: vec![0.0; 3 * padded(unknowns)] }
     }
 
     /// The derivative of one component.
@@ -59,13 +59,18 @@ impl Triple {
     }
 
     #[inline(always)]
-    pub(crate) fn copy_from(&mut self, other: &Triple) {
+    pub(crate) fn copy_from(&mut self, other: &VectorDerivative) {
         self.values.copy_from_slice(&other.values);
     }
 
     /// Becomes `start + a·first + b·second`.
     #[inline(always)]
-    pub(crate) fn set_sum(&mut self, start: &Triple, first: (&Triple, f64), second: (&Triple, f64)) {
+    pub(crate) fn set_sum(
+        &mut self,
+        start: &VectorDerivative,
+        first: (&VectorDerivative, f64),
+        second: (&VectorDerivative, f64),
+    ) {
         let terms = start.values.iter().zip(&first.0.values).zip(&second.0.values);
         for (out, ((s, x), y)) in self.values.iter_mut().zip(terms) {
             *out = s + first.1 * x + second.1 * y;
@@ -74,7 +79,7 @@ impl Triple {
 
     /// Adds `scale · (other × fixed)`.
     #[inline(always)]
-    pub(crate) fn add_cross(&mut self, other: &Triple, fixed: &Vector3<f64>, scale: f64) {
+    pub(crate) fn add_cross(&mut self, other: &VectorDerivative, fixed: &Vector3<f64>, scale: f64) {
         let f = fixed * scale;
         let [x, y, z] = self.rows_mut();
         let [p, q, r] = other.rows();
@@ -88,7 +93,7 @@ impl Triple {
     }
 
     /// Adds `arm × (other × fixed)`, the moment about the origin of a force that turns.
-    pub(crate) fn add_arm_cross(&mut self, arm: &Vector3<f64>, other: &Triple, fixed: &Vector3<f64>) {
+    pub(crate) fn add_arm_cross(&mut self, arm: &Vector3<f64>, other: &VectorDerivative, fixed: &Vector3<f64>) {
         let n = self.values.len() / 3;
         for k in 0..n {
             let turned = Vector3::new(other.row(0)[k], other.row(1)[k], other.row(2)[k]).cross(fixed);
@@ -100,7 +105,7 @@ impl Triple {
     }
 
     /// Adds `fixed × other`.
-    pub(crate) fn add_fixed_cross(&mut self, fixed: &Vector3<f64>, other: &Triple) {
+    pub(crate) fn add_fixed_cross(&mut self, fixed: &Vector3<f64>, other: &VectorDerivative) {
         self.add_cross(other, fixed, -1.0);
     }
 }

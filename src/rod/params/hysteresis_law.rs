@@ -3,7 +3,7 @@
 use std::fmt::Debug;
 
 /// State of one law at one Gauss point; its meaning belongs to the law. All zeros is the virgin state.
-pub type MemoryState = [f64; 4];
+pub type HistoryState = [f64; 4];
 
 /// A bending moment about the two body axes and its derivative with respect to the curvature.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -18,13 +18,13 @@ pub struct HistoryMoment {
 pub trait MomentLaw: Send + Sync + Debug {
     /// Moment at curvature `curvature_rad_m` (change from the unloaded shape, body axes x and y) when the history up
     /// to the start of the step is `state`. `bending_n_m2` is the mean bending stiffness there.
-    fn moment(&self, state: &MemoryState, curvature_rad_m: [f64; 2], bending_n_m2: f64) -> HistoryMoment;
+    fn moment(&self, state: &HistoryState, curvature_rad_m: [f64; 2], bending_n_m2: f64) -> HistoryMoment;
 
     /// The same once everything slow has come to rest.
-    fn settled(&self, state: &MemoryState, curvature_rad_m: [f64; 2], bending_n_m2: f64) -> HistoryMoment {
+    fn settled(&self, state: &HistoryState, curvature_rad_m: [f64; 2], bending_n_m2: f64) -> HistoryMoment {
         self.moment(state, curvature_rad_m, bending_n_m2)
     }
 
     /// Moves the history on by a step that ended at `curvature_rad_m`; infinite `dt_s` is complete rest.
-    fn commit(&self, state: &mut MemoryState, curvature_rad_m: [f64; 2], bending_n_m2: f64, dt_s: f64);
+    fn commit(&self, state: &mut HistoryState, curvature_rad_m: [f64; 2], bending_n_m2: f64, dt_s: f64);
 }

@@ -39,7 +39,7 @@ pub struct RodParams {
     /// Constant loads over part of the rod.
     pub line_loads: Vec<LineLoad>,
     /// Moments with a memory.
-    pub memory: Vec<Arc<dyn MomentLaw>>,
+    pub moment_laws: Vec<Arc<dyn MomentLaw>>,
     /// Numerical resolution.
     pub resolution: Resolution,
 }

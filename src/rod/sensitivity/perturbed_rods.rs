@@ -9,33 +9,33 @@
 use nalgebra::{DVector, Dyn, LU};
 
 use crate::rod::discretisation::grid::Grid;
-use crate::rod::equations::boundary_conditions::{Conditions, Hold};
+use crate::rod::equations::boundary_conditions::{SolveConditions, TendonConstraint};
 use crate::rod::equations::motion::Motion;
-use crate::rod::equations::system::System;
+use crate::rod::equations::system::RodEquations;
 use crate::rod::params::loads::TipLoad;
 use crate::rod::params::rod_params::RodParams;
-use crate::rod::solver::status::Status;
+use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rates::Rates;
 use crate::rod::state::rod::{Drive, Rod};
-use crate::rod::state::solve_log::{Solved, Trace};
+use crate::rod::state::solve_log::{SolveLog, SolvedStep};
 
 /// A rod cannot follow the first one: other parts, or parts that no longer share a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("rod {0} does not differ from the first one by a little in numbers alone")]
-pub struct NotNearby(pub usize);
+pub struct NotPerturbable(pub usize);
 
 /// A rod and others that follow it. Number 0 is the rod itself, the others count from 1.
 #[derive(Clone, Debug)]
-pub struct Nearby {
+pub struct PerturbedRods {
     leader: Rod,
     /// Where the leader was in the solve that the others are at.
     followed: Rod,
     others: Vec<Rod>,
-    kept: Option<Kept>,
+    kept: Option<LeaderDerivative>,
 }
 
 /// The leader's equations at one of its solutions.
-struct Solution<'a> {
+struct LeaderSolution<'a> {
     unknowns: &'a [f64],
     taut: &'a [bool],
     residual: DVector<f64>,
@@ -46,7 +46,7 @@ struct Solution<'a> {
 
 /// The derivative of the leader's equations at this or an earlier solution.
 #[derive(Clone, Debug)]
-struct Kept {
+struct LeaderDerivative {
     factors: LU<f64, Dyn, Dyn>,
     rate: f64,
     taut: Vec<bool>,
@@ -54,25 +54,25 @@ struct Kept {
     corrections: usize,
 }
 
-impl Nearby {
+impl PerturbedRods {
     /// The rod of `params` and, from 1 on, those of `others`.
     ///
     /// # Errors
-    /// [`NotNearby`] names the first one that cannot follow.
-    pub fn new(params: RodParams, others: Vec<RodParams>) -> Result<Nearby, NotNearby> {
-        let Nearby { leader, .. } = Nearby::alone(params);
+    /// [`NotPerturbable`] names the first one that cannot follow.
+    pub fn new(params: RodParams, others: Vec<RodParams>) -> Result<PerturbedRods, NotPerturbable> {
+        let PerturbedRods { leader, .. } = PerturbedRods::alone(params);
         let other = |(index, changed): (usize, RodParams)| {
-            let grid = Grid::moved(&leader.system.params, &changed).ok_or(NotNearby(index + 1))?;
-            Ok(Rod::on(System::on(grid, changed)))
+            let grid = Grid::moved(&leader.system.params, &changed).ok_or(NotPerturbable(index + 1))?;
+            Ok(Rod::on(RodEquations::on(grid, changed)))
         };
         let others = others.into_iter().enumerate().map(other).collect::<Result<_, _>>()?;
-        Ok(Nearby { followed: leader.clone(), leader, others, kept: None })
+        Ok(PerturbedRods { followed: leader.clone(), leader, others, kept: None })
     }
 
     /// A rod that nothing follows.
-    pub fn alone(params: RodParams) -> Nearby {
+    pub fn alone(params: RodParams) -> PerturbedRods {
         let leader = Rod::new(params);
-        Nearby { followed: leader.clone(), leader, others: Vec::new(), kept: None }
+        PerturbedRods { followed: leader.clone(), leader, others: Vec::new(), kept: None }
     }
 
     /// Whether a rod of `changed` could follow one of `params`.
@@ -94,7 +94,7 @@ impl Nearby {
     pub fn restart(&mut self) {
         self.leader.restart();
         // Where they began they can go back to.
-        let _ = self.regrid();
+        let _ = self.match_leader_grid();
         self.all().for_each(Rod::restart);
         self.kept = None;
     }
@@ -105,7 +105,7 @@ impl Nearby {
     }
 
     /// [`Rod::settle`]; `drives` gives those of a rod by its number.
-    pub fn settle(&mut self, drives: &dyn Fn(usize) -> Vec<Drive>) -> Status {
+    pub fn settle(&mut self, drives: &dyn Fn(usize) -> Vec<Drive>) -> SolveStatus {
         self.lead(&|number, _| drives(number), &|_| 1.0, |leader| leader.settle(&drives(0)))
     }
 
@@ -115,24 +115,24 @@ impl Nearby {
         &mut self,
         drives: &dyn Fn(usize, f64) -> Vec<Drive>,
         duration_s: &dyn Fn(usize) -> f64,
-    ) -> Status {
+    ) -> SolveStatus {
         let own_s = duration_s(0);
         self.lead(drives, &|number| duration_s(number) / own_s, |leader| leader.advance_with(&|t| drives(0, t), own_s))
     }
 
     /// Brings the others to the grid that the leader has come to; `None` when one of them has none like it.
-    fn regrid(&mut self) -> Option<()> {
-        let Nearby { leader, followed, others, kept } = self;
-        let level = leader.space.level;
-        if followed.space.level == level {
+    fn match_leader_grid(&mut self) -> Option<()> {
+        let PerturbedRods { leader, followed, others, kept } = self;
+        let level = leader.grid_level.level;
+        if followed.grid_level.level == level {
             return Some(());
         }
         *kept = None;
         *followed = followed.on_grid(level);
         for other in others {
-            let params = other.system.params.refined(&leader.space.base, level);
+            let params = other.system.params.refined(&leader.grid_level.base, level);
             let grid = Grid::moved(&leader.system.params, &params)?;
-            *other = other.carried(Rod::on(System::on(grid, params)), level);
+            *other = other.with_state_on(Rod::on(RodEquations::on(grid, params)), level);
         }
         Some(())
     }
@@ -146,21 +146,21 @@ impl Nearby {
         &mut self,
         drives: &dyn Fn(usize, f64) -> Vec<Drive>,
         scale: &dyn Fn(usize) -> f64,
-        movement: impl FnOnce(&mut Rod) -> Status,
-    ) -> Status {
+        movement: impl FnOnce(&mut Rod) -> SolveStatus,
+    ) -> SolveStatus {
         if self.others.is_empty() {
             return movement(&mut self.leader);
         }
-        self.leader.trace = Some(Trace::default());
+        self.leader.log = Some(SolveLog::default());
         let status = movement(&mut self.leader);
         let mut start_s = 0.0;
-        for solved in self.leader.trace.take().unwrap_or_default().solved {
+        for solved in self.leader.log.take().unwrap_or_default().solved {
             let drives_then = |number: usize, t: f64| drives(number, start_s * scale(number) + t);
-            if self.regrid().is_none() {
-                return Status::UnderResolved;
+            if self.match_leader_grid().is_none() {
+                return SolveStatus::UnderResolved;
             }
             if self.follow(&solved, &drives_then, scale).is_none() {
-                return if status == Status::Converged { Status::NotConverged } else { status };
+                return if status == SolveStatus::Converged { SolveStatus::NotConverged } else { status };
             }
             start_s += solved.duration_s;
         }
@@ -171,11 +171,11 @@ impl Nearby {
     /// Time runs `scale` times as fast for a rod as for the leader.
     fn follow(
         &mut self,
-        solved: &Solved,
+        solved: &SolvedStep,
         drives: &dyn Fn(usize, f64) -> Vec<Drive>,
         scale: &dyn Fn(usize) -> f64,
     ) -> Option<()> {
-        let Nearby { followed, others, kept, .. } = self;
+        let PerturbedRods { followed, others, kept, .. } = self;
         let still = solved.duration_s.is_infinite();
         for Rod { state, before, .. } in std::iter::once(&mut *followed).chain(&mut *others) {
             before.copy_from(state);
@@ -195,7 +195,7 @@ impl Nearby {
             let holds = prepare(followed, 0)?;
             let mut solution = followed.at_solution(unknowns, taut, &holds, still);
             followed.take(unknowns, taut, i, still);
-            let each: Vec<Vec<Hold>> =
+            let each: Vec<Vec<TendonConstraint>> =
                 others.iter_mut().enumerate().map(|(index, rod)| prepare(rod, index + 1)).collect::<Option<_>>()?;
             let old = kept.take().filter(|kept| kept.serves(followed.motion.rate, taut, others.len()));
             let corrected = old.and_then(|mut old| {
@@ -221,7 +221,7 @@ impl Nearby {
             } else {
                 rod.state.rates.clone_from(&rod.stages[solved.stages.len() - 1]);
             }
-            rod.commit_memory(solved.duration_s * scale(number));
+            rod.commit_histories(solved.duration_s * scale(number));
         }
         Some(())
     }
@@ -237,7 +237,7 @@ const MOST_CORRECTIONS: usize = 8;
 /// A new derivative costs about as much as so many corrections of one rod.
 const DERIVATIVE_COST: usize = 8;
 
-impl Kept {
+impl LeaderDerivative {
     /// Whether it is cheaper to go on with it for so many rods than to make a new one.
     fn serves(&self, rate: f64, taut: &[bool], rods: usize) -> bool {
         self.rate == rate && self.taut == taut && (self.corrections - 1) * rods < DERIVATIVE_COST
@@ -247,8 +247,8 @@ impl Kept {
     fn correct(
         &mut self,
         rods: &mut [Rod],
-        holds: &[Vec<Hold>],
-        solution: &mut Solution,
+        holds: &[Vec<TendonConstraint>],
+        solution: &mut LeaderSolution,
         left: f64,
     ) -> Option<Vec<Vec<f64>>> {
         self.corrections = 1;
@@ -267,26 +267,28 @@ impl Rod {
         &mut self,
         unknowns: &'a [f64],
         taut: &'a [bool],
-        holds: &[Hold],
+        holds: &[TendonConstraint],
         settled: bool,
-    ) -> Solution<'a> {
+    ) -> LeaderSolution<'a> {
         let Rod { system, solver, state, motion, tip_load, .. } = self;
-        let (gravity_m_s2, memory) = (system.params.gravity_m_s2, &state.memory);
-        let conditions = Conditions { holds, taut, tip_load, load_share: 1.0, gravity_m_s2, motion, memory, settled };
-        system.evaluate(unknowns, &conditions, &mut solver.work);
-        let residual = DVector::from_column_slice(&solver.work.residual);
-        Solution { unknowns, taut, residual, settled, contraction: None }
+        let (gravity_m_s2, histories) = (system.params.gravity_m_s2, &state.histories);
+        let conditions =
+            SolveConditions { holds, taut, tip_load, load_share: 1.0, gravity_m_s2, motion, histories, settled };
+        system.evaluate(unknowns, &conditions, &mut solver.workspace);
+        let residual = DVector::from_column_slice(&solver.workspace.residual);
+        LeaderSolution { unknowns, taut, residual, settled, contraction: None }
     }
 
     /// The factorised derivative at `solution`, whose residual has just been evaluated.
-    fn linearise(&mut self, solution: &Solution, holds: &[Hold]) -> Kept {
+    fn linearise(&mut self, solution: &LeaderSolution, holds: &[TendonConstraint]) -> LeaderDerivative {
         let Rod { system, solver, state, motion, tip_load, .. } = self;
-        let &Solution { unknowns, taut, settled, .. } = solution;
-        let (gravity_m_s2, memory) = (system.params.gravity_m_s2, &state.memory);
-        let conditions = Conditions { holds, taut, tip_load, load_share: 1.0, gravity_m_s2, motion, memory, settled };
-        solver.derivative.update(system, unknowns, &conditions, &solver.work);
+        let &LeaderSolution { unknowns, taut, settled, .. } = solution;
+        let (gravity_m_s2, histories) = (system.params.gravity_m_s2, &state.histories);
+        let conditions =
+            SolveConditions { holds, taut, tip_load, load_share: 1.0, gravity_m_s2, motion, histories, settled };
+        solver.derivative.update(system, unknowns, &conditions, &solver.workspace);
         let factors = solver.derivative.matrix(system, &conditions).lu();
-        Kept { factors, rate: motion.rate, taut: taut.to_vec(), corrections: 1 }
+        LeaderDerivative { factors, rate: motion.rate, taut: taut.to_vec(), corrections: 1 }
     }
 
     /// This rod's unknowns where the leader is at `solution`, and the corrections that this took: until no more than
@@ -295,23 +297,24 @@ impl Rod {
     fn corrected(
         &mut self,
         (factors, left): (&LU<f64, Dyn, Dyn>, f64),
-        solution: &mut Solution,
-        holds: &[Hold],
+        solution: &mut LeaderSolution,
+        holds: &[TendonConstraint],
     ) -> Option<(Vec<f64>, usize)> {
         let mut unknowns = solution.unknowns.to_vec();
         let Rod { system, solver, state, motion, tip_load, .. } = self;
-        let &mut Solution { taut, settled, .. } = solution;
-        let (gravity_m_s2, memory) = (system.params.gravity_m_s2, &state.memory);
-        let conditions = Conditions { holds, taut, tip_load, load_share: 1.0, gravity_m_s2, motion, memory, settled };
+        let &mut LeaderSolution { taut, settled, .. } = solution;
+        let (gravity_m_s2, histories) = (system.params.gravity_m_s2, &state.histories);
+        let conditions =
+            SolveConditions { holds, taut, tip_load, load_share: 1.0, gravity_m_s2, motion, histories, settled };
         let (mut first_m, mut last_m) = (0.0, f64::NAN);
         for done in 1..=MOST_CORRECTIONS {
-            system.evaluate(&unknowns, &conditions, &mut solver.work);
-            let mut step = DVector::from_column_slice(&solver.work.residual) - &solution.residual;
+            system.evaluate(&unknowns, &conditions, &mut solver.workspace);
+            let mut step = DVector::from_column_slice(&solver.workspace.residual) - &solution.residual;
             if !factors.solve_mut(&mut step) {
                 return None;
             }
             unknowns.iter_mut().zip(step.iter()).for_each(|(x, dx)| *x -= dx);
-            let size_m = system.size_of_step_m(&step.as_slice()[..system.grid.unknowns], &solver.work);
+            let size_m = system.size_of_step_m(&step.as_slice()[..system.grid.unknowns], &solver.workspace);
             let rounding = size_m > 0.3 * last_m && size_m < ROUNDING * system.params.length_m();
             if size_m == 0.0 || rounding {
                 return Some((unknowns, done));

@@ -6,10 +6,10 @@
 use nalgebra::{DVector, Dyn, LU, Matrix3, Vector3};
 
 use crate::math::rotation;
-use crate::rod::equations::boundary_conditions::{Conditions, Hold};
+use crate::rod::equations::boundary_conditions::{SolveConditions, TendonConstraint};
 use crate::rod::equations::jacobian::Derivative;
 use crate::rod::equations::motion::Motion;
-use crate::rod::equations::system::Work;
+use crate::rod::equations::system::Workspace;
 use crate::rod::state::rod::Rod;
 
 /// What the tip is differentiated with respect to. Tendons and axes count from 0.
@@ -39,7 +39,7 @@ const PROBE: f64 = 1e-5;
 
 /// The equations at a solution.
 struct Linearised<'a> {
-    conditions: &'a Conditions<'a>,
+    conditions: &'a SolveConditions<'a>,
     derivative: &'a Derivative,
     factors: &'a LU<f64, Dyn, Dyn>,
 }
@@ -48,26 +48,26 @@ impl Rod {
     /// Derivative of the tip with respect to each of `directions`, for the pose in which [`Rod::settle`] left the rod.
     /// `None` when it has not come to rest or has moved since, or when the pose is unstable to first order.
     pub fn tip_jacobian(&mut self, directions: &[Direction]) -> Option<Vec<TipRate>> {
-        let rest = self.rest.as_ref()?;
+        let rest = self.settled_under.as_ref()?;
         let motion = Motion::rest(&self.system.grid, &self.system.masses);
-        let conditions = Conditions {
+        let conditions = SolveConditions {
             holds: &rest.holds,
             taut: &self.state.taut,
             tip_load: &self.tip_load,
             load_share: 1.0,
             gravity_m_s2: self.system.params.gravity_m_s2,
             motion: &motion,
-            memory: &rest.memory,
+            histories: &rest.histories,
             settled: true,
         };
-        let mut work = self.solver.work.clone();
+        let mut workspace = self.solver.workspace.clone();
         let mut derivative = Derivative::new(&self.system);
-        self.system.evaluate(&self.state.unknowns, &conditions, &mut work);
-        derivative.update(&self.system, &self.state.unknowns, &conditions, &work);
+        self.system.evaluate(&self.state.unknowns, &conditions, &mut workspace);
+        derivative.update(&self.system, &self.state.unknowns, &conditions, &workspace);
         let factors = derivative.matrix(&self.system, &conditions).lu();
-        let mut shifted = work.clone();
+        let mut shifted = workspace.clone();
         let rate = |&direction: &Direction| {
-            let explicit = self.residual_rate(direction, &conditions, &work);
+            let explicit = self.residual_rate(direction, &conditions, &workspace);
             let solution = Linearised { conditions: &conditions, derivative: &derivative, factors: &factors };
             self.tip_rate(&explicit, &solution, &mut shifted)
         };
@@ -76,7 +76,7 @@ impl Rod {
 
     /// Derivative of the tip where ∂F/∂direction is `explicit`: dx = −J⁻¹ ∂F/∂direction, once refined with a central
     /// difference of F along dx, as J leaves out how strain rates of a cell turn each other.
-    fn tip_rate(&self, explicit: &DVector<f64>, solution: &Linearised, shifted: &mut Work) -> Option<TipRate> {
+    fn tip_rate(&self, explicit: &DVector<f64>, solution: &Linearised, shifted: &mut Workspace) -> Option<TipRate> {
         let &Linearised { conditions, derivative, factors } = solution;
         let n = self.system.grid.unknowns;
         let mut change = -explicit;
@@ -109,38 +109,38 @@ impl Rod {
     }
 
     /// ∂F/∂direction at fixed unknowns.
-    fn residual_rate(&self, direction: Direction, conditions: &Conditions, work: &Work) -> DVector<f64> {
+    fn residual_rate(&self, direction: Direction, conditions: &SolveConditions, workspace: &Workspace) -> DVector<f64> {
         let n = self.system.grid.unknowns;
         let mut rate = DVector::zeros(self.system.size());
         match direction {
             Direction::Pull(i) => {
-                if matches!(conditions.holds.get(i), Some(Hold::Length(_))) && conditions.taut[i] {
+                if matches!(conditions.holds.get(i), Some(TendonConstraint::Length(_))) && conditions.taut[i] {
                     let tendon = &self.system.params.tendons[i];
                     rate[n + i] =
                         1.0 + tendon.compliance_m_per_n / tendon.elastic_length_m * self.state.unknowns[n + i];
                 }
             }
             Direction::Tension(i) => {
-                if matches!(conditions.holds.get(i), Some(Hold::Tension(_))) {
+                if matches!(conditions.holds.get(i), Some(TendonConstraint::Tension(_))) {
                     rate[n + i] = -1.0;
                 }
             }
-            Direction::Force(axis) => self.add_load(unit(axis), Vector3::zeros(), work, &mut rate),
-            Direction::Moment(axis) => self.add_load(Vector3::zeros(), unit(axis), work, &mut rate),
+            Direction::Force(axis) => self.add_load(unit(axis), Vector3::zeros(), workspace, &mut rate),
+            Direction::Moment(axis) => self.add_load(Vector3::zeros(), unit(axis), workspace, &mut rate),
         }
         rate
     }
 
     /// Adds what a force and a moment on the tip do to the balance equations.
-    fn add_load(&self, force_n: Vector3<f64>, moment_nm: Vector3<f64>, work: &Work, rate: &mut DVector<f64>) {
-        let shape = &work.shape;
+    fn add_load(&self, force_n: Vector3<f64>, moment_nm: Vector3<f64>, workspace: &Workspace, rate: &mut DVector<f64>) {
+        let shape = &workspace.shape;
         let tip = shape.tip_m();
         for g in 0..self.system.grid.nodes.len() {
             let back: Matrix3<f64> = shape.node_r[g].transpose();
             let moment = back * (moment_nm + (tip - shape.node_p[g]).cross(&force_n));
             let force = back * force_n;
             let wrench = [-moment.x, -moment.y, -moment.z, -force.x, -force.y, -force.z];
-            self.system.project(g, &work.shape.compliance[g].apply(&wrench), rate.as_mut_slice());
+            self.system.project(g, &workspace.shape.compliance[g].apply(&wrench), rate.as_mut_slice());
         }
     }
 }

@@ -2,18 +2,18 @@
 
 use nalgebra::DVector;
 
-use super::newton_state::{Factors, Solver};
-use crate::rod::equations::boundary_conditions::Conditions;
-use crate::rod::equations::system::System;
+use super::newton_state::{LuFactors, NewtonSolver};
+use crate::rod::equations::boundary_conditions::SolveConditions;
+use crate::rod::equations::system::RodEquations;
 
 /// Factors kept for one derivative: a few step lengths and taut sets come back again and again.
 const MOST_FACTORS: usize = 8;
 /// A correction that is to undo more than this share of the one before is taken as it is.
 const MOST_ACCELERATION: f64 = 0.5;
 
-impl Solver {
+impl NewtonSolver {
     /// Brings the factors of the derivative for the rate and the taut set of `conditions` to the end of the list.
-    pub(super) fn factor(&mut self, system: &System, conditions: &Conditions) {
+    pub(super) fn factor(&mut self, system: &RodEquations, conditions: &SolveConditions) {
         let rate = conditions.motion.rate;
         let known = self.factors.iter().position(|f| f.rate == rate && f.taut == conditions.taut);
         let newest = match known {
@@ -24,7 +24,7 @@ impl Solver {
                     self.factors.remove(0);
                 }
                 let lu = self.derivative.matrix(system, conditions).lu();
-                Factors { rate, taut: conditions.taut.to_vec(), lu }
+                LuFactors { rate, taut: conditions.taut.to_vec(), lu }
             }
         };
         self.factors.push(newest);
@@ -32,8 +32,8 @@ impl Solver {
 
     /// The next correction, with Broyden's update of the factors by the corrections so far (Kelley, Solving Nonlinear
     /// Equations with Newton's Method, 2003, section 4.1), in the norm that counts a change by what it moves the tip.
-    pub(super) fn step(&self, system: &System) -> Option<DVector<f64>> {
-        let mut step = DVector::from_column_slice(&self.work.residual);
+    pub(super) fn step(&self, system: &RodEquations) -> Option<DVector<f64>> {
+        let mut step = DVector::from_column_slice(&self.workspace.residual);
         if !self.factors.last()?.lu.solve_mut(&mut step) {
             return None;
         }

@@ -4,7 +4,7 @@
 
 use nalgebra::DVector;
 
-use crate::rod::equations::system::System;
+use crate::rod::equations::system::RodEquations;
 
 /// A correction undoes the one before if the cosine between them is below this …
 const BACK: f64 = -0.5;
@@ -21,7 +21,7 @@ const LEAST_SHARE: f64 = 0.05;
 
 /// How much of a correction is taken, from what those before it did.
 #[derive(Clone, Debug)]
-pub(crate) struct Damping {
+pub(crate) struct NewtonDamping {
     /// The last correction, whole, with its size in metres.
     last: Option<(DVector<f64>, f64)>,
     share: f64,
@@ -29,15 +29,15 @@ pub(crate) struct Damping {
     turns: i32,
 }
 
-impl Damping {
+impl NewtonDamping {
     /// All of the first correction.
-    pub(crate) fn new() -> Damping {
-        Damping { last: None, share: 1.0, turns: 0 }
+    pub(crate) fn new() -> NewtonDamping {
+        NewtonDamping { last: None, share: 1.0, turns: 0 }
     }
 
     /// What of the correction `step` of `size` metres is to be taken: half the share of the one before if it leads to
     /// another branch, more than that if not.
-    pub(crate) fn share(&mut self, system: &System, step: &DVector<f64>, size: f64) -> f64 {
+    pub(crate) fn share(&mut self, system: &RodEquations, step: &DVector<f64>, size: f64) -> f64 {
         let turns = self.last.as_ref().is_some_and(|(last, last_size)| {
             let norms = (system.product_m2(last, last) * system.product_m2(step, step)).sqrt();
             let back = system.product_m2(last, step) < BACK * norms && size > AS_LARGE * last_size;

@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-/// Outcome of a solve. Anything but [`Status::Converged`] means that the shape must not be used.
+/// Outcome of a solve. Anything but [`SolveStatus::Converged`] means that the shape must not be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Status {
+pub enum SolveStatus {
     /// The equations hold within the tolerance.
     Converged,
     /// The iteration limit was reached, also with smaller load or time steps.
@@ -25,35 +25,35 @@ pub enum Status {
     BadCommand,
 }
 
-impl Status {
+impl SolveStatus {
     /// Every status.
-    pub const ALL: [Status; 8] = [
-        Status::Converged,
-        Status::NotConverged,
-        Status::TendonSetUnsettled,
-        Status::NotFinite,
-        Status::UnderResolved,
-        Status::Crushed,
-        Status::Unstable,
-        Status::BadCommand,
+    pub const ALL: [SolveStatus; 8] = [
+        SolveStatus::Converged,
+        SolveStatus::NotConverged,
+        SolveStatus::TendonSetUnsettled,
+        SolveStatus::NotFinite,
+        SolveStatus::UnderResolved,
+        SolveStatus::Crushed,
+        SolveStatus::Unstable,
+        SolveStatus::BadCommand,
     ];
 
     /// Name used in recordings and tables.
     pub fn name(self) -> &'static str {
         match self {
-            Status::Converged => "converged",
-            Status::NotConverged => "not_converged",
-            Status::TendonSetUnsettled => "tendon_set_unsettled",
-            Status::NotFinite => "not_finite",
-            Status::UnderResolved => "under_resolved",
-            Status::Crushed => "crushed",
-            Status::Unstable => "unstable",
-            Status::BadCommand => "bad_command",
+            SolveStatus::Converged => "converged",
+            SolveStatus::NotConverged => "not_converged",
+            SolveStatus::TendonSetUnsettled => "tendon_set_unsettled",
+            SolveStatus::NotFinite => "not_finite",
+            SolveStatus::UnderResolved => "under_resolved",
+            SolveStatus::Crushed => "crushed",
+            SolveStatus::Unstable => "unstable",
+            SolveStatus::BadCommand => "bad_command",
         }
     }
 }
 
-impl fmt::Display for Status {
+impl fmt::Display for SolveStatus {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
     }

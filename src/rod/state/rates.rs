@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::rod::discretisation::grid::Grid;
-use crate::rod::equations::material::Six;
+use crate::rod::equations::material::Components;
 use crate::rod::equations::motion::{EndMass, Motion};
 use crate::rod::equations::shape::Shape;
 
@@ -15,7 +15,7 @@ pub(crate) struct Rates {
     /// Of the lumped masses.
     pub(crate) mass_v: Vec<Vector3<f64>>,
     pub(crate) mass_a: Vec<Vector3<f64>>,
-    pub(crate) strain_v: Vec<Six>,
+    pub(crate) strain_v: Vec<Components>,
     /// Body angular velocity and acceleration of the masses with rotary inertia; zero for the others.
     pub(crate) spin: Vec<Vector3<f64>>,
     pub(crate) spin_a: Vec<Vector3<f64>>,

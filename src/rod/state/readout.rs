@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::rod::Rod;
-use crate::rod::solver::newton_state::Solver;
+use crate::rod::solver::newton_state::NewtonSolver;
 
 /// What solving has taken so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -54,7 +54,7 @@ impl Rod {
 
     /// Work done so far.
     pub fn effort(&self) -> Effort {
-        let Solver { iterations, derivatives, factorisations, .. } = self.solver;
-        Effort { steps: self.pace.taken, iterations, derivatives, factorisations }
+        let NewtonSolver { iterations, derivatives, factorisations, .. } = self.solver;
+        Effort { steps: self.step_size.taken, iterations, derivatives, factorisations }
     }
 }

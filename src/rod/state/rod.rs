@@ -2,21 +2,21 @@
 
 use nalgebra::Vector3;
 
-use super::grid_level::Space;
+use super::grid_level::GridLevel;
 use super::rates::Rates;
-use super::rest::Rest;
-use super::rod_state::State;
-use super::solve_log::Trace;
-use super::step_size::Pace;
+use super::rest::SettledConditions;
+use super::rod_state::RodState;
+use super::solve_log::SolveLog;
+use super::step_size::StepSize;
 use crate::math::vectorised;
-use crate::rod::equations::boundary_conditions::{Conditions, Hold};
+use crate::rod::equations::boundary_conditions::{SolveConditions, TendonConstraint};
 use crate::rod::equations::motion::Motion;
-use crate::rod::equations::system::System;
+use crate::rod::equations::system::RodEquations;
 use crate::rod::params::loads::TipLoad;
 use crate::rod::params::rod_params::RodParams;
 use crate::rod::params::scheme::{Scheme, Tableau};
-use crate::rod::solver::newton_state::Solver;
-use crate::rod::solver::status::Status;
+use crate::rod::solver::newton_state::NewtonSolver;
+use crate::rod::solver::status::SolveStatus;
 
 /// What a tendon is told.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,52 +32,52 @@ pub enum Drive {
 /// A tendon-driven rod.
 #[derive(Clone, Debug)]
 pub struct Rod {
-    pub(crate) system: System,
-    pub(crate) solver: Solver,
-    pub(crate) state: State,
+    pub(crate) system: RodEquations,
+    pub(crate) solver: NewtonSolver,
+    pub(crate) state: RodState,
     /// The state before the step under way, to go back to.
-    pub(crate) before: State,
+    pub(crate) before: RodState,
     pub(crate) motion: Motion,
     pub(crate) stages: Vec<Rates>,
     pub(crate) tableau: Tableau,
-    pub(crate) pace: Pace,
+    pub(crate) step_size: StepSize,
     pub(crate) tip_load: TipLoad,
-    pub(crate) space: Space,
+    pub(crate) grid_level: GridLevel,
     /// Under what the rod came to rest; nothing once it has moved.
-    pub(crate) rest: Option<Rest>,
+    pub(crate) settled_under: Option<SettledConditions>,
     /// What has been solved, for those who follow; nothing is kept when absent.
-    pub(crate) trace: Option<Trace>,
+    pub(crate) log: Option<SolveLog>,
 }
 
 impl Rod {
     /// A rod at rest, straight and unloaded; call [`Rod::settle`] before anything else.
     pub fn new(params: RodParams) -> Rod {
-        Rod::on(System::new(params))
+        Rod::on(RodEquations::new(params))
     }
 
-    pub(crate) fn on(system: System) -> Rod {
+    pub(crate) fn on(system: RodEquations) -> Rod {
         let tip_load = system.params.tip_load;
         let scheme: Scheme = system.params.resolution.scheme;
         let tableau = scheme.tableau();
-        let state = State {
+        let state = RodState {
             unknowns: vec![0.0; system.size()],
             taut: vec![false; system.params.tendons.len()],
-            shape: system.work().shape,
+            shape: system.workspace().shape,
             rates: Rates::zero(&system.grid, &system.masses),
-            memory: system.fresh_memory(),
+            histories: system.virgin_histories(),
         };
         let mut rod = Rod {
-            solver: Solver::new(&system),
+            solver: NewtonSolver::new(&system),
             before: state.clone(),
             state,
             motion: Motion::rest(&system.grid, &system.masses),
             stages: tableau.rows.iter().map(|_| Rates::zero(&system.grid, &system.masses)).collect(),
-            pace: Pace::new(&tableau),
+            step_size: StepSize::new(&tableau),
             tableau,
             tip_load,
-            rest: None,
-            trace: None,
-            space: Space::new(&system),
+            settled_under: None,
+            log: None,
+            grid_level: GridLevel::new(&system),
             system,
         };
         rod.restart();
@@ -87,17 +87,17 @@ impl Rod {
     /// Straight, unloaded, at rest, without history.
     pub fn restart(&mut self) {
         self.coarsen();
-        self.space.forget();
+        self.grid_level.forget();
         self.state.unknowns.fill(0.0);
         self.state.taut.fill(false);
-        self.state.memory = self.system.fresh_memory();
+        self.state.histories = self.system.virgin_histories();
         self.state.rates = Rates::zero(&self.system.grid, &self.system.masses);
         let (system, state) = (&self.system, &mut self.state);
         state.shape.update(&system.grid, &system.sections, &state.unknowns[..system.grid.unknowns]);
-        self.solver = Solver::new(system);
-        self.pace = Pace::new(&self.tableau);
+        self.solver = NewtonSolver::new(system);
+        self.step_size = StepSize::new(&self.tableau);
         self.tip_load = system.params.tip_load;
-        self.rest = None;
+        self.settled_under = None;
     }
 
     /// What the rod is made of.
@@ -112,26 +112,26 @@ impl Rod {
 
     pub(crate) fn solve(
         &mut self,
-        holds: &[Hold],
+        holds: &[TendonConstraint],
         (tip_load, load_share): (&TipLoad, f64),
         gravity_m_s2: Vector3<f64>,
         settled: bool,
         tolerance_m: f64,
-    ) -> Status {
-        let State { unknowns, taut, memory, .. } = &mut self.state;
+    ) -> SolveStatus {
+        let RodState { unknowns, taut, histories, .. } = &mut self.state;
         let guess = taut.clone();
-        let conditions = Conditions {
+        let conditions = SolveConditions {
             holds,
             taut: &guess,
             tip_load,
             load_share,
             gravity_m_s2,
             motion: &self.motion,
-            memory,
+            histories,
             settled,
         };
         let status = self.solver.solve(&self.system, unknowns, taut, &conditions, tolerance_m);
-        if status == Status::Converged {
+        if status == SolveStatus::Converged {
             let n = self.system.grid.unknowns;
             // What the tolerance leaves of a push is no tension.
             self.state.unknowns[n..].iter_mut().for_each(|tension| *tension = tension.max(0.0));
@@ -144,9 +144,9 @@ impl Rod {
         status
     }
 
-    pub(crate) fn commit_memory(&mut self, dt_s: f64) {
+    pub(crate) fn commit_histories(&mut self, dt_s: f64) {
         let shape = &self.state.shape;
-        for (law, states) in self.system.params.memory.iter().zip(&mut self.state.memory) {
+        for (law, states) in self.system.params.moment_laws.iter().zip(&mut self.state.histories) {
             for (g, state) in states.iter_mut().enumerate() {
                 let section = &self.system.sections[g];
                 law.commit(state, section.bending(&shape.strain[g]), section.bending_n_m2, dt_s);
@@ -155,25 +155,27 @@ impl Rod {
     }
 
     /// Checks the drives and adds the pretension.
-    pub(crate) fn holds(&self, drives: &[Drive]) -> Option<Vec<Hold>> {
+    pub(crate) fn holds(&self, drives: &[Drive]) -> Option<Vec<TendonConstraint>> {
         let tendons = &self.system.params.tendons;
         if drives.len() != tendons.len() {
             return None;
         }
         let hold = |(drive, tendon): (&Drive, &crate::rod::params::tendon::Tendon)| match *drive {
-            Drive::Pull(pull) if pull.is_finite() => Some(Hold::Length(pull + tendon.pretension_m)),
-            Drive::Tension(tension) if tension.is_finite() && tension >= 0.0 => Some(Hold::Tension(tension)),
-            Drive::Follow => Some(Hold::Tension(0.0)),
+            Drive::Pull(pull) if pull.is_finite() => Some(TendonConstraint::Length(pull + tendon.pretension_m)),
+            Drive::Tension(tension) if tension.is_finite() && tension >= 0.0 => {
+                Some(TendonConstraint::Tension(tension))
+            }
+            Drive::Follow => Some(TendonConstraint::Tension(0.0)),
             _ => None,
         };
         drives.iter().zip(tendons).map(hold).collect()
     }
 
     /// Known tensions are put in place before the first iteration.
-    pub(crate) fn seed_tensions(&mut self, holds: &[Hold]) {
+    pub(crate) fn seed_tensions(&mut self, holds: &[TendonConstraint]) {
         let n = self.system.grid.unknowns;
         for (i, hold) in holds.iter().enumerate() {
-            if let Hold::Tension(tension) = *hold {
+            if let TendonConstraint::Tension(tension) = *hold {
                 self.state.unknowns[n + i] = tension;
                 self.state.taut[i] = false;
             }
@@ -181,8 +183,8 @@ impl Rod {
     }
 
     /// Keeps what has just been solved for those who follow.
-    pub(crate) fn trace_stage(&mut self) {
-        let State { unknowns, taut, .. } = &self.state;
-        self.trace.iter_mut().for_each(|trace| trace.stages.push((unknowns.clone(), taut.clone())));
+    pub(crate) fn log_stage(&mut self) {
+        let RodState { unknowns, taut, .. } = &self.state;
+        self.log.iter_mut().for_each(|log| log.stages.push((unknowns.clone(), taut.clone())));
     }
 }

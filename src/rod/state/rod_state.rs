@@ -2,37 +2,37 @@
 
 use super::rates::Rates;
 use crate::rod::equations::shape::Shape;
-use crate::rod::params::hysteresis_law::MemoryState;
+use crate::rod::params::hysteresis_law::HistoryState;
 
 /// Position, velocity and history of a rod at one instant.
 #[derive(Clone, Debug)]
-pub(crate) struct State {
+pub(crate) struct RodState {
     /// Polynomial coefficients, then tensions.
     pub(crate) unknowns: Vec<f64>,
     pub(crate) taut: Vec<bool>,
     pub(crate) shape: Shape,
     pub(crate) rates: Rates,
-    pub(crate) memory: Vec<Vec<MemoryState>>,
+    pub(crate) histories: Vec<Vec<HistoryState>>,
 }
 
-impl State {
+impl RodState {
     /// A state of nothing, to hold a place.
-    pub(crate) fn empty() -> State {
-        State {
+    pub(crate) fn empty() -> RodState {
+        RodState {
             unknowns: Vec::new(),
             taut: Vec::new(),
             shape: Shape::default(),
             rates: Rates::default(),
-            memory: Vec::new(),
+            histories: Vec::new(),
         }
     }
 
     /// Becomes a copy of `other` without allocating.
-    pub(crate) fn copy_from(&mut self, other: &State) {
+    pub(crate) fn copy_from(&mut self, other: &RodState) {
         self.unknowns.clone_from(&other.unknowns);
         self.taut.clone_from(&other.taut);
         self.shape.copy_from(&other.shape);
         self.rates.copy_from(&other.rates);
-        self.memory.clone_from(&other.memory);
+        self.histories.clone_from(&other.histories);
     }
 }

@@ -2,23 +2,23 @@
 
 /// What has been solved.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Trace {
+pub(crate) struct SolveLog {
     /// Unknowns and taut set of each stage of the step under way.
     pub(crate) stages: Vec<(Vec<f64>, Vec<bool>)>,
     /// Equilibria (of infinite duration) and steps that were accepted.
-    pub(crate) solved: Vec<Solved>,
+    pub(crate) solved: Vec<SolvedStep>,
 }
 
 /// A time step or an equilibrium.
 #[derive(Clone, Debug)]
-pub(crate) struct Solved {
+pub(crate) struct SolvedStep {
     pub(crate) duration_s: f64,
     pub(crate) stages: Vec<(Vec<f64>, Vec<bool>)>,
 }
 
-impl Trace {
+impl SolveLog {
     /// The stages so far were those of a step of `duration_s`.
     pub(crate) fn accept(&mut self, duration_s: f64) {
-        self.solved.push(Solved { duration_s, stages: std::mem::take(&mut self.stages) });
+        self.solved.push(SolvedStep { duration_s, stages: std::mem::take(&mut self.stages) });
     }
 }

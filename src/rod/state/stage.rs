@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::rates::Rates;
-use super::rod_state::State;
+use super::rod_state::RodState;
 use crate::rod::equations::motion::{EndMass, Motion};
 
 /// Rates that a stage of a step starts from: with step h, v = (p − p₀ − h Σ aᵢⱼ vⱼ)/(hγ) and
@@ -36,7 +36,7 @@ impl History<'_> {
 impl Motion {
     /// Prepares a stage of a step of `h` seconds. `row` holds the coefficients of the earlier stages, whose rates are
     /// in `stages`, and then γ.
-    pub(crate) fn prepare(&mut self, start: &State, masses: &[EndMass], row: &[f64], stages: &[Rates], h: f64) {
+    pub(crate) fn prepare(&mut self, start: &RodState, masses: &[EndMass], row: &[f64], stages: &[Rates], h: f64) {
         let gamma = row[row.len() - 1];
         let rate = 1.0 / (h * gamma);
         self.rate = rate;

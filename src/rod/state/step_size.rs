@@ -4,7 +4,7 @@ use crate::rod::params::scheme::Tableau;
 
 /// The length of the time steps.
 #[derive(Clone, Debug)]
-pub(crate) struct Pace {
+pub(crate) struct StepSize {
     /// What the error of the last step suggests for the next one, s; infinite before the first.
     pub(crate) next_s: f64,
     /// Steps since the rod was made or restarted.
@@ -13,9 +13,9 @@ pub(crate) struct Pace {
     pub(crate) stage_times: Vec<f64>,
 }
 
-impl Pace {
-    pub(crate) fn new(tableau: &Tableau) -> Pace {
+impl StepSize {
+    pub(crate) fn new(tableau: &Tableau) -> StepSize {
         let stage_times: Vec<f64> = tableau.rows.iter().map(|row| row.iter().sum()).collect();
-        Pace { next_s: f64::INFINITY, taken: 0, stage_times }
+        StepSize { next_s: f64::INFINITY, taken: 0, stage_times }
     }
 }

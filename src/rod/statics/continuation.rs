@@ -1,32 +1,32 @@
 //! Continuation in the loads: static solves from no load to the full one.
 
-use crate::rod::equations::boundary_conditions::Hold;
-use crate::rod::solver::status::Status;
+use crate::rod::equations::boundary_conditions::TendonConstraint;
+use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rod::Rod;
 
 /// Smallest share of the loads that continuation raises before the rod is let go instead.
 const SMALLEST_SHARE: f64 = 0.02;
 /// Iterations after which continuation tries a smaller share.
-const CONTINUATION_PATIENCE: usize = 50;
+const CONTINUATION_ITERATIONS: usize = 50;
 
 impl Rod {
     /// Raises all loads from nothing in steps that shrink on failure and grow on success.
-    pub(crate) fn continue_load(&mut self, holds: &[Hold]) -> Status {
+    pub(crate) fn continue_in_load(&mut self, holds: &[TendonConstraint]) -> SolveStatus {
         self.state.unknowns.fill(0.0);
         self.state.taut.fill(false);
-        let patience = std::mem::replace(&mut self.solver.patience, CONTINUATION_PATIENCE);
+        let max_iterations = std::mem::replace(&mut self.solver.max_iterations, CONTINUATION_ITERATIONS);
         let status = self.raise_load(holds);
-        self.solver.patience = patience;
+        self.solver.max_iterations = max_iterations;
         status
     }
 
-    fn raise_load(&mut self, holds: &[Hold]) -> Status {
+    fn raise_load(&mut self, holds: &[TendonConstraint]) -> SolveStatus {
         let (mut reached, mut step) = (0.0, 0.25);
         while reached < 1.0 {
             let target = f64::min(reached + step, 1.0);
             let saved = self.state.clone();
             match self.solve_static(holds, target) {
-                Status::Converged => {
+                SolveStatus::Converged => {
                     reached = target;
                     step *= 1.5;
                 }
@@ -39,6 +39,6 @@ impl Rod {
                 }
             }
         }
-        Status::Converged
+        SolveStatus::Converged
     }
 }

@@ -4,20 +4,20 @@
 //! distance from where it was (a proximal point method): each step lowers the energy, passes limit points by snapping,
 //! and can only come to rest where the equilibrium is stable. Loads are raised together during the first steps.
 
-use crate::rod::equations::boundary_conditions::Hold;
+use crate::rod::equations::boundary_conditions::TendonConstraint;
 use crate::rod::equations::motion::Motion;
-use crate::rod::solver::status::Status;
+use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rod::Rod;
 
 /// Damping over stiffness of the honey, s: so much that inertia plays no part.
-const HONEY_S: f64 = 1e4;
+const OVERDAMPED_TIME_S: f64 = 1e4;
 /// Solves and Newton iterations before giving up.
 const MOST_SOLVES: usize = 120;
 const MOST_ITERATIONS: u64 = 1000;
 /// Iterations times cells before giving up.
 const MOST_WORK: u64 = 40_000;
 /// Newton iterations that a step may take before a shorter one is tried.
-const PATIENCE: usize = 25;
+const MAX_ITERATIONS: usize = 25;
 /// Steps in damping times: the first, the shortest, and the one after which the rod counts as being at rest.
 const FIRST_STEP: f64 = 0.5;
 const SHORTEST_STEP: f64 = 1e-4;
@@ -31,31 +31,34 @@ const NEARLY_CRUSHED: f64 = 0.05;
 impl Rod {
     /// Follows the overdamped rod under `holds` from where the unknowns stand, with loads that rise from `share` to
     /// their value, to a rest that Newton's method then sharpens.
-    pub(crate) fn relax(&mut self, holds: &[Hold], mut share: f64) -> Status {
-        let mut honey = self.in_honey();
+    pub(crate) fn relax_dynamically(&mut self, holds: &[TendonConstraint], mut share: f64) -> SolveStatus {
+        let mut overdamped = self.overdamped();
         // Long rods with many cells take longer over each iteration.
-        let patience = (MOST_WORK / honey.system.grid.cells.len().max(1) as u64).clamp(200, MOST_ITERATIONS);
+        let max_iterations = (MOST_WORK / overdamped.system.grid.cells.len().max(1) as u64).clamp(200, MOST_ITERATIONS);
         // A rod under its full load starts next to an unstable equilibrium, which longer steps would find again.
         let falling = share == 1.0;
         let (mut step, mut rise) = (if falling { FALLING_STEP } else { FIRST_STEP }, FIRST_SHARE);
-        let mut status = Status::NotConverged;
+        let mut status = SolveStatus::NotConverged;
         let mut last_move = if falling { 0.0 } else { f64::INFINITY };
         for _ in 0..MOST_SOLVES {
             let target = f64::min(share + rise, 1.0);
-            let start = honey.state.clone();
-            honey.motion.prepare(&start, &honey.system.masses, &[1.0], &[], step * HONEY_S);
-            status = honey.solve_static(holds, target);
-            if status != Status::Converged {
-                honey.state = start;
+            let start = overdamped.state.clone();
+            overdamped.motion.prepare(&start, &overdamped.system.masses, &[1.0], &[], step * OVERDAMPED_TIME_S);
+            status = overdamped.solve_static(holds, target);
+            if status != SolveStatus::Converged {
+                overdamped.state = start;
                 (step, rise) = (0.25 * step, 0.3 * rise);
-                if step < SHORTEST_STEP || honey.crushed() || honey.solver.iterations > patience {
+                if step < SHORTEST_STEP || overdamped.nearly_crushed() || overdamped.solver.iterations > max_iterations
+                {
                     break;
                 }
                 continue;
             }
             let arrived = share == 1.0 && step >= LONGEST_STEP;
-            let change: Vec<f64> = honey.state.unknowns.iter().zip(&start.unknowns).map(|(a, b)| a - b).collect();
-            let moved = honey.system.size_of_step_m(&change[..honey.system.grid.unknowns], &honey.solver.work);
+            let change: Vec<f64> = overdamped.state.unknowns.iter().zip(&start.unknowns).map(|(a, b)| a - b).collect();
+            let moved = overdamped
+                .system
+                .size_of_step_m(&change[..overdamped.system.grid.unknowns], &overdamped.solver.workspace);
             if share < 1.0 {
                 step = f64::min(1.5 * step, 2.0);
             } else if moved < last_move {
@@ -71,35 +74,35 @@ impl Rod {
                 break;
             }
         }
-        self.solver.iterations += honey.solver.iterations;
-        self.solver.derivatives += honey.solver.derivatives;
-        self.solver.factorisations += honey.solver.factorisations;
-        if status != Status::Converged || share < 1.0 {
-            return if honey.crushed() { Status::Crushed } else { Status::NotConverged };
+        self.solver.iterations += overdamped.solver.iterations;
+        self.solver.derivatives += overdamped.solver.derivatives;
+        self.solver.factorisations += overdamped.solver.factorisations;
+        if status != SolveStatus::Converged || share < 1.0 {
+            return if overdamped.nearly_crushed() { SolveStatus::Crushed } else { SolveStatus::NotConverged };
         }
-        self.state.unknowns.clone_from(&honey.state.unknowns);
-        self.state.taut.clone_from(&honey.state.taut);
+        self.state.unknowns.clone_from(&overdamped.state.unknowns);
+        self.state.taut.clone_from(&overdamped.state.taut);
         self.motion = Motion::rest(&self.system.grid, &self.system.masses);
         self.solve_static(holds, 1.0)
     }
 
-    fn crushed(&self) -> bool {
+    fn nearly_crushed(&self) -> bool {
         self.least_stretch() < NEARLY_CRUSHED
     }
 
     /// The same rod in the same shape, slow.
-    fn in_honey(&self) -> Rod {
+    fn overdamped(&self) -> Rod {
         let mut params = self.system.params.clone();
-        params.damping_time_s = HONEY_S;
+        params.damping_time_s = OVERDAMPED_TIME_S;
         params.drag_n_s2_m3 = 0.0;
-        let mut honey = Rod::new(params);
-        honey.tip_load = self.tip_load;
-        honey.state.unknowns.clone_from(&self.state.unknowns);
-        honey.state.taut.clone_from(&self.state.taut);
-        honey.state.memory.clone_from(&self.state.memory);
-        let (system, state) = (&honey.system, &mut honey.state);
+        let mut overdamped = Rod::new(params);
+        overdamped.tip_load = self.tip_load;
+        overdamped.state.unknowns.clone_from(&self.state.unknowns);
+        overdamped.state.taut.clone_from(&self.state.taut);
+        overdamped.state.histories.clone_from(&self.state.histories);
+        let (system, state) = (&overdamped.system, &mut overdamped.state);
         state.shape.update(&system.grid, &system.sections, &state.unknowns[..system.grid.unknowns]);
-        honey.solver.patience = PATIENCE;
-        honey
+        overdamped.solver.max_iterations = MAX_ITERATIONS;
+        overdamped
     }
 }

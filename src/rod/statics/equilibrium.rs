@@ -1,42 +1,43 @@
 //! Equilibria: a rod is brought to rest under what its tendons are told and what loads it.
 
-use crate::rod::equations::boundary_conditions::Hold;
+use crate::rod::equations::boundary_conditions::TendonConstraint;
 use crate::rod::equations::motion::Motion;
-use crate::rod::solver::status::Status;
+use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rates::Rates;
-use crate::rod::state::rest::Rest;
+use crate::rod::state::rest::SettledConditions;
 use crate::rod::state::rod::{Drive, Rod};
 
 impl Rod {
     /// Brings the rod to rest under `drives` (one a tendon). Histories come to rest as well.
-    pub fn settle(&mut self, drives: &[Drive]) -> Status {
-        let Some(holds) = self.holds(drives) else { return Status::BadCommand };
+    pub fn settle(&mut self, drives: &[Drive]) -> SolveStatus {
+        let Some(holds) = self.holds(drives) else { return SolveStatus::BadCommand };
         // From rest to rest, histories stay as fine as they are known.
-        if self.system.params.memory.is_empty() {
+        if self.system.params.moment_laws.is_empty() {
             self.coarsen();
         }
         self.motion = Motion::rest(&self.system.grid, &self.system.masses);
         let before = self.state.clone();
-        self.foretell(&holds);
+        self.predict_residual(&holds);
         let mut status = self.solve_static(&holds, 1.0);
-        if status != Status::Converged {
+        if status != SolveStatus::Converged {
             self.state = before.clone();
-            status = self.continue_load(&holds);
+            status = self.continue_in_load(&holds);
         }
-        if status != Status::Converged {
+        if status != SolveStatus::Converged {
             self.state.unknowns.fill(0.0);
             self.state.taut.fill(false);
-            status = self.relax(&holds, 0.0);
+            status = self.relax_dynamically(&holds, 0.0);
         }
-        if status == Status::Converged {
-            status = self.examine_rest(&holds);
+        if status == SolveStatus::Converged {
+            status = self.verify_equilibrium(&holds);
         }
-        if status == Status::Converged {
+        if status == SolveStatus::Converged {
             self.state.rates = Rates::zero(&self.system.grid, &self.system.masses);
-            self.rest = Some(Rest { holds, tip_load: self.tip_load, memory: self.state.memory.clone() });
-            self.commit_memory(f64::INFINITY);
-            self.trace_stage();
-            self.trace.iter_mut().for_each(|trace| trace.accept(f64::INFINITY));
+            self.settled_under =
+                Some(SettledConditions { holds, tip_load: self.tip_load, histories: self.state.histories.clone() });
+            self.commit_histories(f64::INFINITY);
+            self.log_stage();
+            self.log.iter_mut().for_each(|log| log.accept(f64::INFINITY));
         } else {
             self.state = before;
         }
@@ -45,10 +46,11 @@ impl Rod {
 
     /// From rest to rest under the same loads the first residual is known: what the tendons are taken in by. This saves
     /// one evaluation of the equations in four.
-    fn foretell(&mut self, holds: &[Hold]) {
-        let unchanged = |rest: &&Rest| rest.tip_load == self.tip_load && self.system.params.memory.is_empty();
-        if let Some(rest) = self.rest.as_ref().filter(unchanged) {
-            self.solver.foretell(&self.system, (&self.state.unknowns, &self.state.taut), (&rest.holds, holds));
+    fn predict_residual(&mut self, holds: &[TendonConstraint]) {
+        let unchanged =
+            |rest: &&SettledConditions| rest.tip_load == self.tip_load && self.system.params.moment_laws.is_empty();
+        if let Some(rest) = self.settled_under.as_ref().filter(unchanged) {
+            self.solver.predict_residual(&self.system, (&self.state.unknowns, &self.state.taut), (&rest.holds, holds));
         }
     }
 }

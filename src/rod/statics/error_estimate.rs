@@ -3,9 +3,9 @@
 use nalgebra::Vector3;
 
 use crate::rod::discretisation::cell::Cell;
-use crate::rod::equations::material::Six;
+use crate::rod::equations::material::Components;
 use crate::rod::equations::shape::Shape;
-use crate::rod::equations::system::{System, Work};
+use crate::rod::equations::system::{RodEquations, Workspace};
 use crate::rod::state::rod::Rod;
 
 /// A tendon closer to the axis than this share of the length shortens the rod rather than bend it.
@@ -18,12 +18,12 @@ const CELL_ERROR: f64 = 3.0 / 4320.0;
 const MAGNUS_ERROR: f64 = 1.0 / 30.0;
 
 /// What the cells' quadrature and the missing polynomials put the tip off by, metres, as far as one grid knows.
-pub(crate) struct Estimate {
+pub(crate) struct ErrorEstimate {
     pub(crate) cells_m: f64,
     pub(crate) balance_m: f64,
 }
 
-impl Estimate {
+impl ErrorEstimate {
     pub(crate) fn plain_m(&self) -> f64 {
         self.cells_m + self.balance_m
     }
@@ -35,7 +35,7 @@ impl Estimate {
     }
 }
 
-impl System {
+impl RodEquations {
     /// What the cells' quadrature puts the tip off by, metres: the angle that each turns, how far from plane it bends,
     /// and where the spine begins to saturate inside.
     fn cell_error_m(&self, shape: &Shape, taut: &[bool]) -> f64 {
@@ -75,13 +75,13 @@ impl System {
 
     /// The strain at Gauss point `g` that the imbalance there amounts to, without its polynomial part: that is what the
     /// last iteration has not solved for yet and then did.
-    fn lacking(&self, g: usize, work: &Work) -> Six {
+    fn missing_strain(&self, g: usize, workspace: &Workspace) -> Components {
         let node = &self.grid.nodes[g];
-        let mut strain = work.weigh(g, &work.imbalance[g]);
+        let mut strain = workspace.weighted_strain(g, &workspace.imbalance[g]);
         let element = node.offset[0] / self.grid.modes.iter().sum::<usize>();
         let per_length = 1.0 / (self.grid.elements_m[element + 1] - self.grid.elements_m[element]);
         for (c, value) in strain.iter_mut().enumerate() {
-            let own = &work.residual[node.offset[c]..node.offset[c] + self.grid.modes[c]];
+            let own = &workspace.residual[node.offset[c]..node.offset[c] + self.grid.modes[c]];
             let mut odd = per_length;
             for (residual, basis) in own.iter().zip(&node.basis) {
                 *value -= odd * residual * basis;
@@ -95,43 +95,44 @@ impl System {
     /// points is weighed to nothing by the polynomials that are there; as a strain that the rod lacks, it moves the tip
     /// by its product with a lever that is no polynomial (one Picard iteration of the exact balance).
     /// Where it changes the length of a taut tendon, the tendon bends the rod back by that length over its offset.
-    pub(crate) fn balance_error_m(&self, work: &Work, taut: &[bool]) -> f64 {
-        let tip = work.shape.tip_m();
-        let lacking: Vec<Six> = (0..self.grid.nodes.len()).map(|g| self.lacking(g, work)).collect();
+    pub(crate) fn balance_error_m(&self, workspace: &Workspace, taut: &[bool]) -> f64 {
+        let tip = workspace.shape.tip_m();
+        let missing_strain: Vec<Components> =
+            (0..self.grid.nodes.len()).map(|g| self.missing_strain(g, workspace)).collect();
         let (mut moved, mut turned) = (Vector3::zeros(), Vector3::zeros());
         let mut bent_rad = 0.0;
         for i in (0..taut.len()).filter(|&i| taut[i]) {
             let (mut longer, mut offset) = (0.0, 0.0_f64);
             for (g, node) in self.grid.nodes.iter().enumerate() {
-                let pull = self.tendon_wrench(g, i, work);
-                longer += node.weight_m * pull.iter().zip(&lacking[g]).map(|(a, b)| a * b).sum::<f64>();
+                let pull = self.tendon_wrench(g, i, workspace);
+                longer += node.weight_m * pull.iter().zip(&missing_strain[g]).map(|(a, b)| a * b).sum::<f64>();
                 let [x, y] = self.guides[g * taut.len() + i].offset_m;
                 offset = offset.max(x * x + y * y);
             }
             bent_rad += longer.abs() / offset.sqrt().max(LEAST_OFFSET * self.params.length_m());
         }
         for (g, node) in self.grid.nodes.iter().enumerate() {
-            let lacking = &lacking[g];
-            let r = &work.shape.node_r[g];
-            let turn = r * Vector3::new(lacking[0], lacking[1], lacking[2]) * node.weight_m;
-            let stretch = r * Vector3::new(lacking[3], lacking[4], lacking[5]) * node.weight_m;
-            moved += stretch + turn.cross(&(tip - work.shape.node_p[g]));
+            let missing_strain = &missing_strain[g];
+            let r = &workspace.shape.node_r[g];
+            let turn = r * Vector3::new(missing_strain[0], missing_strain[1], missing_strain[2]) * node.weight_m;
+            let stretch = r * Vector3::new(missing_strain[3], missing_strain[4], missing_strain[5]) * node.weight_m;
+            moved += stretch + turn.cross(&(tip - workspace.shape.node_p[g]));
             turned += turn;
         }
         moved.norm().max(turned.norm() * self.params.length_m()) + bent_rad * self.params.length_m()
     }
 }
 
-fn square(strain: &Six) -> f64 {
+fn square(strain: &Components) -> f64 {
     strain[0] * strain[0] + strain[1] * strain[1] + strain[2] * strain[2]
 }
 
 impl Rod {
     /// The estimate on this grid alone, from what the last iteration has left in the solver.
-    pub(crate) fn estimate(&self) -> Estimate {
-        Estimate {
+    pub(crate) fn estimate(&self) -> ErrorEstimate {
+        ErrorEstimate {
             cells_m: self.system.cell_error_m(&self.state.shape, &self.state.taut),
-            balance_m: self.system.balance_error_m(&self.solver.work, &self.state.taut),
+            balance_m: self.system.balance_error_m(&self.solver.workspace, &self.state.taut),
         }
     }
 }

@@ -1,12 +1,12 @@
 //! Cross-sections must not pass through each other.
 
-use crate::rod::solver::status::Status;
+use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rod::Rod;
 
 impl Rod {
     /// Whether the material keeps its order: no cross-section passes through the next, on the axis or at a tendon.
-    pub(crate) fn possible(&self) -> Status {
-        if self.least_stretch() > 0.0 { Status::Converged } else { Status::Crushed }
+    pub(crate) fn check_interpenetration(&self) -> SolveStatus {
+        if self.least_stretch() > 0.0 { SolveStatus::Converged } else { SolveStatus::Crushed }
     }
 
     /// Least length of the backbone, or of the axial part of a tendon's path, per relaxed length.

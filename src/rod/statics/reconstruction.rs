@@ -9,12 +9,12 @@ use nalgebra::{DVector, Matrix6, Vector6};
 
 use crate::math::vectorised;
 use crate::rod::discretisation::cell::COMPONENTS;
-use crate::rod::equations::boundary_conditions::{Conditions, Hold};
-use crate::rod::equations::material::Six;
+use crate::rod::equations::boundary_conditions::{SolveConditions, TendonConstraint};
+use crate::rod::equations::material::Components;
 use crate::rod::equations::motion::Motion;
 use crate::rod::equations::shape::distance_m;
-use crate::rod::equations::system::{System, Work};
-use crate::rod::state::grid_level::Confirmed;
+use crate::rod::equations::system::{RodEquations, Workspace};
+use crate::rod::state::grid_level::ConfirmedShape;
 use crate::rod::state::rod::Rod;
 
 /// The reconstruction is right but for terms of higher order; in 600 random robots it was never less than three
@@ -28,52 +28,56 @@ const NEAR_CAUTION: f64 = 5.0;
 impl Rod {
     /// Raises an error below the tolerance to what the reconstruction says, which knows what the rod makes of it. Next to
     /// a shape for which that has been told the estimate `raw_m` is scaled instead.
-    pub(crate) fn confirm(&mut self, holds: &[Hold], tolerance_m: f64, raw_m: f64) {
-        if self.space.error_m > tolerance_m || tolerance_m.is_infinite() {
+    pub(crate) fn confirm_by_reconstruction(&mut self, holds: &[TendonConstraint], tolerance_m: f64, raw_m: f64) {
+        if self.grid_level.error_m > tolerance_m || tolerance_m.is_infinite() {
             return;
         }
         let tip_m = self.tip_m();
-        if let Some(Confirmed { tip_m: there_m, taut, ratio }) = &self.space.confirmed {
+        if let Some(ConfirmedShape { tip_m: there_m, taut, ratio }) = &self.grid_level.confirmed {
             let near = (tip_m - there_m).norm() < NEAR * self.system.params.length_m() && *taut == self.state.taut;
-            if near && NEAR_CAUTION * ratio * raw_m <= tolerance_m && self.certainly_stable() {
+            if near && NEAR_CAUTION * ratio * raw_m <= tolerance_m && self.is_stable_by_bound() {
                 return;
             }
         }
         let apart_m = self.reconstruction_m(holds);
-        self.space.error_m = self.space.error_m.max(RECONSTRUCTION_CAUTION * apart_m);
+        self.grid_level.error_m = self.grid_level.error_m.max(RECONSTRUCTION_CAUTION * apart_m);
         let ratio = (apart_m / raw_m.max(f64::MIN_POSITIVE)).max(1.0);
-        self.space.confirmed = Some(Confirmed { tip_m, taut: self.state.taut.clone(), ratio });
+        self.grid_level.confirmed = Some(ConfirmedShape { tip_m, taut: self.state.taut.clone(), ratio });
     }
 
     /// How far the tip of the reconstructed solution lies from the tip of this one, metres, after a static solve under
     /// `holds`; a turn counts as what it moves at the rod's length. Infinite where it cannot be told.
-    pub(crate) fn reconstruction_m(&mut self, holds: &[Hold]) -> f64 {
-        let fine = self.space.halved(&self.system);
-        let memory: Vec<_> =
-            self.state.memory.iter().map(|states| fine.grid.spread(&self.system.grid, states)).collect();
+    pub(crate) fn reconstruction_m(&mut self, holds: &[TendonConstraint]) -> f64 {
+        let fine = self.grid_level.halved(&self.system);
+        let histories: Vec<_> = self
+            .state
+            .histories
+            .iter()
+            .map(|states| fine.grid.interpolate_histories(&self.system.grid, states))
+            .collect();
         let motion = Motion::rest(&fine.grid, &fine.masses);
-        let conditions = Conditions {
+        let conditions = SolveConditions {
             holds,
             taut: &self.state.taut,
             tip_load: &self.tip_load,
             load_share: 1.0,
             gravity_m_s2: self.system.params.gravity_m_s2,
             motion: &motion,
-            memory: &memory,
+            histories: &histories,
             settled: true,
         };
-        let mut work = fine.work();
+        let mut workspace = fine.workspace();
         let unknowns = &self.state.unknowns;
-        fine.evaluate(unknowns, &conditions, &mut work);
-        let Some(mut wrench) = fine.local_balance(unknowns, &work) else { return f64::INFINITY };
+        fine.evaluate(unknowns, &conditions, &mut workspace);
+        let Some(mut wrench) = fine.local_balance(unknowns, &workspace) else { return f64::INFINITY };
         vectorised(
             #[inline(always)]
             || {
-                work.shape.update_from(&fine.grid, &fine.sections, &wrench);
-                fine.balance(unknowns, &conditions, &mut work);
+                workspace.shape.update_from(&fine.grid, &fine.sections, &wrench);
+                fine.balance(unknowns, &conditions, &mut workspace);
             },
         );
-        let mut step = DVector::from_column_slice(&work.residual);
+        let mut step = DVector::from_column_slice(&workspace.residual);
         if !self.solver.divide(&mut step) {
             return f64::INFINITY;
         }
@@ -84,31 +88,31 @@ impl Rod {
         }
         vectorised(
             #[inline(always)]
-            || work.shape.update_from(&fine.grid, &fine.sections, &wrench),
+            || workspace.shape.update_from(&fine.grid, &fine.sections, &wrench),
         );
-        distance_m(&self.state.shape, &work.shape, self.system.params.length_m())
+        distance_m(&self.state.shape, &workspace.shape, self.system.params.length_m())
     }
 }
 
-impl System {
-    /// The wrench at each Gauss point that balances the external one in `work` there: one Newton iteration from the
-    /// wrench in `work`, whose error is of higher order and left to the balance in the mean.
-    fn local_balance(&self, unknowns: &[f64], work: &Work) -> Option<Vec<Six>> {
+impl RodEquations {
+    /// The wrench at each Gauss point that balances the external one in `workspace` there: one Newton iteration from the
+    /// wrench in `workspace`, whose error is of higher order and left to the balance in the mean.
+    fn local_balance(&self, unknowns: &[f64], workspace: &Workspace) -> Option<Vec<Components>> {
         let tensions = &unknowns[self.grid.unknowns..];
         let own = |g: usize| {
-            let stiffness = self.tendon_stiffness(g, tensions, work);
+            let stiffness = self.tendon_stiffness(g, tensions, workspace);
             let mut tangent = Matrix6::from_fn(|row, column| stiffness[row][column]);
             for row in 0..2 {
                 for column in 0..2 {
-                    tangent[(row, column)] += work.history_tangent[g][row][column];
+                    tangent[(row, column)] += workspace.history_tangent[g][row][column];
                 }
             }
-            let compliance = &work.shape.compliance[g];
-            let columns: [Six; COMPONENTS] = std::array::from_fn(|c| compliance.column(c));
+            let compliance = &workspace.shape.compliance[g];
+            let columns: [Components; COMPONENTS] = std::array::from_fn(|c| compliance.column(c));
             let compliance = Matrix6::from_fn(|row, column| columns[column][row]);
             let matrix = Matrix6::identity() + tangent * compliance;
-            let change = matrix.lu().solve(&Vector6::from_column_slice(&work.imbalance[g]))?;
-            Some(std::array::from_fn(|c| work.shape.wrench[g][c] - change[c]))
+            let change = matrix.lu().solve(&Vector6::from_column_slice(&workspace.imbalance[g]))?;
+            Some(std::array::from_fn(|c| workspace.shape.wrench[g][c] - change[c]))
         };
         (0..self.grid.nodes.len()).map(own).collect()
     }

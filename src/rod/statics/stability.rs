@@ -7,8 +7,8 @@
 use nalgebra::linalg::Schur;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-use crate::rod::equations::boundary_conditions::Hold;
-use crate::rod::solver::status::Status;
+use crate::rod::equations::boundary_conditions::TendonConstraint;
+use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rod::Rod;
 
 /// A bound below this share of the elastic stiffness proves stability; the rest is for shear and stretch.
@@ -23,36 +23,36 @@ const SCHUR_PRECISIONS: [f64; 2] = [f64::EPSILON, 1e-11];
 
 impl Rod {
     /// Leaves an equilibrium that is unstable for a stable one.
-    pub(crate) fn leave_if_unstable(&mut self, holds: &[Hold]) -> Status {
-        if self.certainly_stable() {
-            return Status::Converged;
+    pub(crate) fn leave_if_unstable(&mut self, holds: &[TendonConstraint]) -> SolveStatus {
+        if self.is_stable_by_bound() {
+            return SolveStatus::Converged;
         }
         for attempt in 0..2 {
-            let Some(direction) = self.unstable_direction(holds) else { return Status::Converged };
+            let Some(direction) = self.unstable_direction(holds) else { return SolveStatus::Converged };
             if attempt == 1 {
                 break;
             }
-            let size = self.system.size_of_step_m(&direction, &self.solver.work);
+            let size = self.system.size_of_step_m(&direction, &self.solver.workspace);
             let push = PUSH * self.system.params.length_m() / size;
             self.state.unknowns.iter_mut().zip(&direction).for_each(|(x, d)| *x += push * d);
-            if self.relax(holds, 1.0) != Status::Converged {
+            if self.relax_dynamically(holds, 1.0) != SolveStatus::Converged {
                 break;
             }
         }
-        Status::Unstable
+        SolveStatus::Unstable
     }
 
     /// Whether the loads are too small to buckle the rod. A force N(s) that a cross-section carries takes at most
     /// |N| |δθ|² + |∫N| |δθ| |δθ′| from the second variation of the energy, a moment M at most |M| |δθ| |δθ′|; with
     /// |δθ(s)|² ≤ s ∫|δθ′|² both are bounded by integrals that are compared with the least turning stiffness.
-    pub(crate) fn certainly_stable(&self) -> bool {
+    pub(crate) fn is_stable_by_bound(&self) -> bool {
         let params = &self.system.params;
-        let free = params.point_loads.is_empty() && params.memory.is_empty();
+        let free = params.point_loads.is_empty() && params.moment_laws.is_empty();
         if !free {
             return false;
         }
         let (mut first, mut second, mut beyond) = (0.0, 0.0, 0.0);
-        for (node, force) in self.system.grid.nodes.iter().zip(&self.solver.work.loads.force).rev() {
+        for (node, force) in self.system.grid.nodes.iter().zip(&self.solver.workspace.loads.force).rev() {
             let (s, weight, n) = (node.position_m, node.weight_m, force.norm());
             beyond += 0.5 * weight * n;
             first += weight * n * s;
@@ -61,13 +61,13 @@ impl Rod {
         }
         let length = params.length_m();
         let bound = first + second.sqrt() + self.tip_load.moment_nm.norm() * length * std::f64::consts::FRAC_1_SQRT_2;
-        bound * self.space.softest < SAFE_SHARE
+        bound * self.grid_level.softest < SAFE_SHARE
     }
 
     /// A motion that lowers the energy, as changes of the polynomial coefficients; none if the equilibrium is stable.
-    pub(crate) fn unstable_direction(&mut self, holds: &[Hold]) -> Option<Vec<f64>> {
+    pub(crate) fn unstable_direction(&mut self, holds: &[TendonConstraint]) -> Option<Vec<f64>> {
         self.solver.forget();
-        if self.solve_static(holds, 1.0) != Status::Converged {
+        if self.solve_static(holds, 1.0) != SolveStatus::Converged {
             return None;
         }
         let (n, size) = (self.system.grid.unknowns, self.system.size());
@@ -77,7 +77,7 @@ impl Rod {
         let entry = |a: usize, b: usize| bordered[a * size + b] * scale[a] * scale[b];
         let mut matrix = DMatrix::from_fn(n, n, entry);
         for (i, hold) in holds.iter().enumerate() {
-            if matches!(hold, Hold::Length(_)) && self.state.taut[i] {
+            if matches!(hold, TendonConstraint::Length(_)) && self.state.taut[i] {
                 let row = &bordered[(n + i) * size..(n + i) * size + n];
                 let pull = DVector::from_iterator(n, row.iter().zip(&scale).map(|(x, s)| x * s));
                 let compliance = -bordered[(n + i) * size + n + i];

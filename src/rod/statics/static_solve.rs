@@ -1,8 +1,8 @@
 //! One static solve at a share of the loads.
 
-use crate::rod::equations::boundary_conditions::Hold;
+use crate::rod::equations::boundary_conditions::TendonConstraint;
 use crate::rod::params::loads::TipLoad;
-use crate::rod::solver::status::Status;
+use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rod::Rod;
 
 /// Displacement of the tip that a converged static solve may be off by (its last step, squared for Newton), metres.
@@ -10,12 +10,12 @@ const STATIC_TOLERANCE_M: f64 = 1e-8;
 
 impl Rod {
     /// Static solve with all loads and pulls at `share` of their value.
-    pub(crate) fn solve_static(&mut self, holds: &[Hold], share: f64) -> Status {
-        let scaled: Vec<Hold> = holds
+    pub(crate) fn solve_static(&mut self, holds: &[TendonConstraint], share: f64) -> SolveStatus {
+        let scaled: Vec<TendonConstraint> = holds
             .iter()
             .map(|hold| match *hold {
-                Hold::Length(pull) => Hold::Length(share * pull),
-                Hold::Tension(tension) => Hold::Tension(share * tension),
+                TendonConstraint::Length(pull) => TendonConstraint::Length(share * pull),
+                TendonConstraint::Tension(tension) => TendonConstraint::Tension(share * tension),
             })
             .collect();
         let load = TipLoad { force_n: self.tip_load.force_n * share, moment_nm: self.tip_load.moment_nm * share };

@@ -3,7 +3,7 @@
 use super::support::{RELATIVE, shipped};
 use nalgebra::{Matrix3xX, Vector3};
 use spinebench::math::rotation;
-use spinebench::rod::{Direction, Drive, Rod, RodParams, Status, TipLoad, TipRate};
+use spinebench::rod::{Direction, Drive, Rod, RodParams, SolveStatus, TipLoad, TipRate};
 
 /// Drives and load with one of them moved; what is below tension 0 stays there.
 fn shifted(direction: Direction, by: f64, (mut drives, mut load): ([Drive; 4], TipLoad)) -> ([Drive; 4], TipLoad) {
@@ -31,7 +31,7 @@ fn compare_at_rest(params: &RodParams, drives: [Drive; 4], load: TipLoad, direct
         let (drives, load) = shifted(direction, by, (drives, load));
         let mut rod = Rod::new(params.clone());
         rod.set_tip_load(load);
-        assert_eq!([rod.settle(&drives), rod.settle(&drives)], [Status::Converged; 2]);
+        assert_eq!([rod.settle(&drives), rod.settle(&drives)], [SolveStatus::Converged; 2]);
         (rod.tip_m(), rod.tip_rotation())
     };
     let step = match direction {
@@ -76,7 +76,7 @@ fn jacobian_at_rest() {
         let mut rod = Rod::new(params.clone());
         rod.set_tip_load(load);
         assert_eq!(rod.tip_jacobian(&directions), None, "nothing is at rest yet");
-        assert_eq!(rod.settle(&drives), Status::Converged);
+        assert_eq!(rod.settle(&drives), SolveStatus::Converged);
         let held = drives.iter().zip(rod.tensions_n()).filter(|(d, t)| matches!(d, Pull(_)) && **t > 0.0).count();
         assert_eq!(held, taut, "{drives:?}: {:?}", rod.tensions_n());
         for (direction, rate) in directions.iter().zip(rod.tip_jacobian(&directions).unwrap()) {
@@ -93,7 +93,7 @@ fn newton_on_pulls_converges_quadratically() {
     let mut rod = Rod::new(shipped("nominal").rod(&[]));
     let settle = |rod: &mut Rod, pulls: &[f64]| {
         let drives: Vec<Drive> = pulls.iter().map(|&pull| Drive::Pull(pull)).collect();
-        assert_eq!(rod.settle(&drives), Status::Converged);
+        assert_eq!(rod.settle(&drives), SolveStatus::Converged);
         rod.tip_m()
     };
     let target = settle(&mut rod, &[0.006, 0.004, 0.005, -0.02]);

@@ -4,7 +4,7 @@ use super::support::{ABSOLUTE, Commands, RELATIVE, SIZE_M, adaptive, minus, rms,
 use spinebench::base::{Point3, Rows};
 use spinebench::effects::{EffectSpec, Model, ModelParameter, Trial, Variable, replay};
 use spinebench::math::rotation;
-use spinebench::rod::{Drive, Nearby, Rod, RodParams, Status};
+use spinebench::rod::{Drive, PerturbedRods, Rod, RodParams, SolveStatus};
 
 /// Steps that follow from their error: differences of whole runs jump with them, derivatives along the motion do not. They
 /// agree with those of small steps of one length as well as the motions themselves do.
@@ -109,16 +109,17 @@ fn positions_and_turns_of_rods_that_follow() {
         |tension: f64| [Drive::Tension(4.0 + tension), Drive::Tension(2.0), Drive::Follow, Drive::Tension(0.5)];
     let run = |params: RodParams, tension: f64| {
         let mut rod = Rod::new(params);
-        assert_eq!(rod.settle(&[Drive::Tension(1.0); 4]), Status::Converged);
-        assert_eq!(rod.advance(&drives(tension), 0.3), Status::Converged);
+        assert_eq!(rod.settle(&[Drive::Tension(1.0); 4]), SolveStatus::Converged);
+        assert_eq!(rod.advance(&drives(tension), 0.3), SolveStatus::Converged);
         (rod.tip_m(), rod.tip_rotation())
     };
     let small = 1e-7;
     let mut rods =
-        Nearby::new(params.clone(), vec![pushed(0.01 * small, 0.0), pushed(0.0, 0.1 * small), params.clone()]).unwrap();
-    assert_eq!(rods.settle(&|_| vec![Drive::Tension(1.0); 4]), Status::Converged);
+        PerturbedRods::new(params.clone(), vec![pushed(0.01 * small, 0.0), pushed(0.0, 0.1 * small), params.clone()])
+            .unwrap();
+    assert_eq!(rods.settle(&|_| vec![Drive::Tension(1.0); 4]), SolveStatus::Converged);
     let tension = |number: usize| drives(if number == 3 { small } else { 0.0 }).to_vec();
-    assert_eq!(rods.advance_with(&|number, _| tension(number), &|_| 0.3), Status::Converged);
+    assert_eq!(rods.advance_with(&|number, _| tension(number), &|_| 0.3), SolveStatus::Converged);
     let (tip, turn) = run(params.clone(), 0.0);
     assert_eq!((tip, turn), (rods.leader().tip_m(), rods.leader().tip_rotation()));
     let step = 1e-4;

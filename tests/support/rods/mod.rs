@@ -43,7 +43,7 @@ pub fn round_rod(length_m: f64, radius_m: f64, e_pa: f64, g_pa: f64, mass_kg_m: 
         tip_load: TipLoad::default(),
         point_loads: vec![],
         line_loads: vec![],
-        memory: vec![],
+        moment_laws: vec![],
         resolution: Resolution::default(),
     }
 }

@@ -313,7 +313,7 @@ impl Shooting<'_> {
             wrench[5] = if saturated { stiff * beyond - section.saturation_n } else { (strain[5] - 1.0) / soft };
             tangent[(5, 5)] = if saturated { stiff } else { 1.0 / soft };
         }
-        for law in &p.memory {
+        for law in &p.moment_laws {
             let history = law.settled(&[0.0; 4], [strain[0] - rest.x, strain[1] - rest.y], 0.5 * (k1 + k2));
             for a in 0..2 {
                 wrench[a] += history.moment_nm[a];
