@@ -1,6 +1,7 @@
 //! The two sides of a control loop: a plant that moves and a policy that decides.
 
-use super::{Displacements, Observation, Point3, Seed};
+use super::observation::{Displacements, Observation, Point3};
+use super::seed::Seed;
 
 /// What one tendon is told to do.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,88 +6,88 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use super::DataError;
-use super::file::{create, neighbour_of};
+use super::file::{create, temporary_path};
 
 /// Writes whole files that belong together: all of them are on the disk before the first takes its name, so that a full
 /// disk leaves the old ones all as they were. What a writer of the same files left behind that was killed goes.
 ///
 /// # Errors
 /// [`DataError::Write`] for the first file that cannot be written.
-pub fn write_together<'a>(files: impl Iterator<Item = (PathBuf, &'a [u8])>) -> Result<(), DataError> {
-    let mut waiting = Waiting::default();
+pub fn write_atomic_batch<'a>(files: impl Iterator<Item = (PathBuf, &'a [u8])>) -> Result<(), DataError> {
+    let mut staged = StagedFiles::default();
     for (path, bytes) in files {
-        waiting.add(path, bytes)?;
+        staged.add(path, bytes)?;
     }
-    waiting.take_names()
+    staged.commit()
 }
 
 /// Files that are on the disk beside their places; those that never take their names go when this is dropped.
 #[derive(Default)]
-struct Waiting {
-    files: Vec<Neighbour>,
+struct StagedFiles {
+    files: Vec<StagedFile>,
 }
 
-struct Neighbour {
+struct StagedFile {
     path: PathBuf,
-    neighbour: PathBuf,
+    temporary: PathBuf,
     /// Locked while its writer lives.
     _file: File,
 }
 
-impl Waiting {
+impl StagedFiles {
     fn add(&mut self, path: PathBuf, bytes: &[u8]) -> Result<(), DataError> {
-        let neighbour = neighbour_of(&path);
+        let temporary = temporary_path(&path);
         let written = (|| {
-            let mut file = create(&neighbour)?;
+            let mut file = create(&temporary)?;
             // A file system without locks: what is left behind there stays.
             let _ = file.try_lock();
             file.write_all(bytes)?;
             file.sync_all().map(|()| file)
         })();
         match written {
-            Ok(file) => self.files.push(Neighbour { path, neighbour, _file: file }),
+            Ok(file) => self.files.push(StagedFile { path, temporary, _file: file }),
             Err(error) => {
-                let _ = fs::remove_file(&neighbour); // it may not exist; what matters is the first error
+                let _ = fs::remove_file(&temporary); // it may not exist; what matters is the first error
                 return Err(refused(&path, &error));
             }
         }
         Ok(())
     }
 
-    fn take_names(self) -> Result<(), DataError> {
+    fn commit(self) -> Result<(), DataError> {
         for file in &self.files {
-            fs::rename(&file.neighbour, &file.path).map_err(|error| refused(&file.path, &error))?;
+            fs::rename(&file.temporary, &file.path).map_err(|error| refused(&file.path, &error))?;
         }
         let folders: BTreeSet<&Path> = self.files.iter().filter_map(|file| file.path.parent()).collect();
         let names: BTreeSet<&Path> = self.files.iter().map(|file| file.path.as_path()).collect();
-        folders.into_iter().for_each(|folder| clear(folder, &names));
+        folders.into_iter().for_each(|folder| remove_stale(folder, &names));
         Ok(())
     }
 }
 
-impl Drop for Waiting {
+impl Drop for StagedFiles {
     fn drop(&mut self) {
         // Those that have taken their names are not there any more.
-        self.files.iter().for_each(|file| drop(fs::remove_file(&file.neighbour)));
+        self.files.iter().for_each(|file| drop(fs::remove_file(&file.temporary)));
     }
 }
 
 /// Removes neighbours of these files whose writers are dead.
-fn clear(folder: &Path, names: &BTreeSet<&Path>) {
+fn remove_stale(folder: &Path, names: &BTreeSet<&Path>) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let neighbour = entry.path();
-        let of_ours = owner(&neighbour).is_some_and(|path| names.contains(path.as_path()));
-        if of_ours && File::open(&neighbour).is_ok_and(|file| file.try_lock().is_ok()) {
-            let _ = fs::remove_file(&neighbour); // somebody else may have been quicker
+        let temporary = entry.path();
+        let of_ours = target_of(&temporary).is_some_and(|path| names.contains(path.as_path()));
+        if of_ours && File::open(&temporary).is_ok_and(|file| file.try_lock().is_ok()) {
+            let _ = fs::remove_file(&temporary); // somebody else may have been quicker
         }
     }
 }
 
-/// The file that a neighbour stands in for: `.NAME.PROCESS.tmp`.
-fn owner(neighbour: &Path) -> Option<PathBuf> {
-    let name = neighbour.file_name()?.to_str()?;
+/// The target of a temporary file: `.NAME.PROCESS.tmp`.
+fn target_of(temporary: &Path) -> Option<PathBuf> {
+    let name = temporary.file_name()?.to_str()?;
     let (name, process) = name.strip_prefix('.')?.strip_suffix(".tmp")?.rsplit_once('.')?;
-    process.bytes().all(|byte| byte.is_ascii_digit()).then(|| neighbour.with_file_name(name))
+    process.bytes().all(|byte| byte.is_ascii_digit()).then(|| temporary.with_file_name(name))
 }
 
 fn refused(path: &Path, error: &io::Error) -> DataError {
@@ -102,11 +102,11 @@ mod tests {
     fn all_are_new_or_none() {
         let folder = tempfile::tempdir().unwrap();
         let (one, two) = (folder.path().join("one"), folder.path().join("two"));
-        write_together([(one.clone(), &b"1"[..]), (two.clone(), b"2")].into_iter()).unwrap();
+        write_atomic_batch([(one.clone(), &b"1"[..]), (two.clone(), b"2")].into_iter()).unwrap();
         // The second's folder cannot be made: a file stands in its place.
         let bad = folder.path().join("one/three");
         let files = [(two.clone(), &b"9"[..]), (bad.clone(), b"3")];
-        let Err(DataError::Write { file, .. }) = write_together(files.into_iter()) else { panic!("written") };
+        let Err(DataError::Write { file, .. }) = write_atomic_batch(files.into_iter()) else { panic!("written") };
         assert_eq!((file, fs::read(&one).unwrap(), fs::read(&two).unwrap()), (bad, b"1".to_vec(), b"2".to_vec()));
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
     }
@@ -119,7 +119,7 @@ mod tests {
         [&dead, &other].iter().for_each(|file| fs::write(file, "half").unwrap());
         let held = File::create(&living).unwrap();
         held.lock().unwrap();
-        write_together([(path.clone(), &b"1"[..])].into_iter()).unwrap();
+        write_atomic_batch([(path.clone(), &b"1"[..])].into_iter()).unwrap();
         assert_eq!([&path, &dead, &living, &other].map(|file| file.exists()), [true, false, true, true]);
     }
 }

@@ -3,13 +3,13 @@
 
 use std::path::Path;
 
-use super::table::{Sheet, parse_csv};
-use super::{DataError, table};
+use super::DataError;
+use super::table::{Table, parse_csv};
 
 const HEADER: &str = "a header line and at least one row";
 
 /// Checks the text line by line, then parses it.
-pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Sheet, DataError> {
+pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Table, DataError> {
     let text = decode(path, bytes)?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(text).trim_end_matches(['\n', '\r']);
     let mut lines = text.lines();
@@ -26,7 +26,7 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Sheet, DataError> {
     if rows == 0 {
         return Err(DataError::Empty { file: path.to_owned(), found: "a header and no rows", expected: HEADER });
     }
-    let parsed: table::Sheet = parse_csv(path, text)?;
+    let parsed: Table = parse_csv(path, text)?;
     if parsed.rows != rows || parsed.columns.len() != width {
         let reason = format!("{rows} lines of {width} cells came out as {} of {}", parsed.rows, parsed.columns.len());
         return Err(DataError::Read { file: path.to_owned(), reason });

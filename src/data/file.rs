@@ -11,26 +11,26 @@ pub(super) fn read(path: &Path) -> Result<Vec<u8>, DataError> {
     fs::read(path).map_err(|error| DataError::Read { file: path.to_owned(), reason: error.to_string() })
 }
 
-/// Writes a whole file or nothing: the bytes go to a neighbour that then takes the name, so that a reader never
+/// Writes a whole file or nothing: the bytes go to a temporary file that then takes the name, so that a reader never
 /// meets half a file and a failure leaves the old one. Missing folders are made.
 ///
 /// # Errors
 /// [`DataError::Write`] when the folder cannot be made or the file not written.
 pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), DataError> {
-    let neighbour = neighbour_of(path);
-    write_and_rename(path, &neighbour, bytes).map_err(|error| {
-        // The neighbour may not exist; what matters is the first error.
-        let _ = fs::remove_file(&neighbour);
+    let temporary = temporary_path(path);
+    write_and_rename(path, &temporary, bytes).map_err(|error| {
+        // The temporary file may not exist; what matters is the first error.
+        let _ = fs::remove_file(&temporary);
         DataError::Write { file: path.to_owned(), reason: error.to_string() }
     })
 }
 
-fn write_and_rename(path: &Path, neighbour: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let mut file = create(neighbour)?;
+fn write_and_rename(path: &Path, temporary: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let mut file = create(temporary)?;
     file.write_all(bytes)?;
     file.sync_all()?;
     drop(file);
-    fs::rename(neighbour, path)
+    fs::rename(temporary, path)
 }
 
 /// A new file, its folders made.
@@ -42,7 +42,7 @@ pub(super) fn create(path: &Path) -> std::io::Result<fs::File> {
 }
 
 /// A hidden name in the same folder (renaming across file systems is not atomic), distinct for each process.
-pub(super) fn neighbour_of(path: &Path) -> PathBuf {
+pub(super) fn temporary_path(path: &Path) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!(".{name}.{}.tmp", std::process::id()))
 }

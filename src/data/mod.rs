@@ -10,9 +10,10 @@ pub mod recording;
 mod row_serde;
 pub mod rows;
 mod table;
+mod table_file;
 pub mod tables;
 
-pub use atomic_batch::write_together;
+pub use atomic_batch::write_atomic_batch;
 pub use error::DataError;
 pub use file::write_atomic;
 pub use recording::{Actuation, Recording};

@@ -7,7 +7,7 @@ use serde::{Deserializer, Serialize, Serializer, forward_to_deserialize_any};
 
 /// One value of one field.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Cell {
+pub(crate) enum FieldValue {
     Integer(i64),
     Unsigned(u64),
     Number(f64),
@@ -18,7 +18,7 @@ pub(crate) enum Cell {
 
 /// Why a struct is not a row, or a cell not a value of its field.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub(crate) enum CellError {
+pub(crate) enum RowError {
     #[error("a row has fields of numbers, text and flags only: {0}")]
     NotFlat(String),
     #[error("no column `{0}`")]
@@ -29,29 +29,29 @@ pub(crate) enum CellError {
     Value { column: String, expected: String },
 }
 
-impl ser::Error for CellError {
+impl ser::Error for RowError {
     fn custom<T: std::fmt::Display>(message: T) -> Self {
-        CellError::NotFlat(message.to_string())
+        RowError::NotFlat(message.to_string())
     }
 }
 
-impl de::Error for CellError {
+impl de::Error for RowError {
     fn custom<T: std::fmt::Display>(message: T) -> Self {
-        CellError::Value { column: String::new(), expected: message.to_string() }
+        RowError::Value { column: String::new(), expected: message.to_string() }
     }
 
     fn missing_field(field: &'static str) -> Self {
-        CellError::MissingColumn(field.to_owned())
+        RowError::MissingColumn(field.to_owned())
     }
 }
 
 /// The fields of a row, name and value, in declaration order.
-pub(crate) fn fields_of<R: Serialize>(row: &R) -> Result<Vec<(&'static str, Cell)>, CellError> {
+pub(crate) fn fields_of<R: Serialize>(row: &R) -> Result<Vec<(&'static str, FieldValue)>, RowError> {
     row.serialize(RowSerializer)
 }
 
-fn not_flat<T>(what: &str) -> Result<T, CellError> {
-    Err(CellError::NotFlat(what.to_owned()))
+fn not_flat<T>(what: &str) -> Result<T, RowError> {
+    Err(RowError::NotFlat(what.to_owned()))
 }
 
 /// Takes structs apart.
@@ -59,18 +59,18 @@ struct RowSerializer;
 
 /// The fields met so far.
 #[derive(Default)]
-struct Fields(Vec<(&'static str, Cell)>);
+struct Fields(Vec<(&'static str, FieldValue)>);
 
 impl ser::SerializeStruct for Fields {
-    type Ok = Vec<(&'static str, Cell)>;
-    type Error = CellError;
+    type Ok = Vec<(&'static str, FieldValue)>;
+    type Error = RowError;
 
-    fn serialize_field<T: Serialize + ?Sized>(&mut self, key: &'static str, value: &T) -> Result<(), CellError> {
+    fn serialize_field<T: Serialize + ?Sized>(&mut self, key: &'static str, value: &T) -> Result<(), RowError> {
         self.0.push((key, value.serialize(CellSerializer)?));
         Ok(())
     }
 
-    fn end(self) -> Result<Self::Ok, CellError> {
+    fn end(self) -> Result<Self::Ok, RowError> {
         Ok(self.0)
     }
 }
@@ -80,26 +80,26 @@ struct CellSerializer;
 
 macro_rules! refuse {
     ($ok:ty; $($name:ident($($kind:ty),*)),* $(,)?) => {
-        $(fn $name(self, $(_: $kind),*) -> Result<$ok, CellError> { not_flat(stringify!($name)) })*
+        $(fn $name(self, $(_: $kind),*) -> Result<$ok, RowError> { not_flat(stringify!($name)) })*
     };
 }
 
 macro_rules! refuse_compound {
     ($ok:ty) => {
-        type SerializeSeq = Impossible<$ok, CellError>;
-        type SerializeTuple = Impossible<$ok, CellError>;
-        type SerializeTupleStruct = Impossible<$ok, CellError>;
-        type SerializeTupleVariant = Impossible<$ok, CellError>;
-        type SerializeMap = Impossible<$ok, CellError>;
-        type SerializeStructVariant = Impossible<$ok, CellError>;
+        type SerializeSeq = Impossible<$ok, RowError>;
+        type SerializeTuple = Impossible<$ok, RowError>;
+        type SerializeTupleStruct = Impossible<$ok, RowError>;
+        type SerializeTupleVariant = Impossible<$ok, RowError>;
+        type SerializeMap = Impossible<$ok, RowError>;
+        type SerializeStructVariant = Impossible<$ok, RowError>;
 
-        fn serialize_seq(self, _: Option<usize>) -> Result<Self::SerializeSeq, CellError> {
+        fn serialize_seq(self, _: Option<usize>) -> Result<Self::SerializeSeq, RowError> {
             not_flat("a sequence")
         }
-        fn serialize_tuple(self, _: usize) -> Result<Self::SerializeTuple, CellError> {
+        fn serialize_tuple(self, _: usize) -> Result<Self::SerializeTuple, RowError> {
             not_flat("a tuple")
         }
-        fn serialize_tuple_struct(self, name: &'static str, _: usize) -> Result<Self::SerializeTupleStruct, CellError> {
+        fn serialize_tuple_struct(self, name: &'static str, _: usize) -> Result<Self::SerializeTupleStruct, RowError> {
             not_flat(name)
         }
         fn serialize_tuple_variant(
@@ -108,10 +108,10 @@ macro_rules! refuse_compound {
             _: u32,
             _: &'static str,
             _: usize,
-        ) -> Result<Self::SerializeTupleVariant, CellError> {
+        ) -> Result<Self::SerializeTupleVariant, RowError> {
             not_flat(name)
         }
-        fn serialize_map(self, _: Option<usize>) -> Result<Self::SerializeMap, CellError> {
+        fn serialize_map(self, _: Option<usize>) -> Result<Self::SerializeMap, RowError> {
             not_flat("a map")
         }
         fn serialize_struct_variant(
@@ -120,7 +120,7 @@ macro_rules! refuse_compound {
             _: u32,
             _: &'static str,
             _: usize,
-        ) -> Result<Self::SerializeStructVariant, CellError> {
+        ) -> Result<Self::SerializeStructVariant, RowError> {
             not_flat(name)
         }
         fn serialize_newtype_variant<T: Serialize + ?Sized>(
@@ -129,18 +129,18 @@ macro_rules! refuse_compound {
             _: u32,
             _: &'static str,
             _: &T,
-        ) -> Result<$ok, CellError> {
+        ) -> Result<$ok, RowError> {
             not_flat(name)
         }
-        fn serialize_newtype_struct<T: Serialize + ?Sized>(self, _: &'static str, value: &T) -> Result<$ok, CellError> {
+        fn serialize_newtype_struct<T: Serialize + ?Sized>(self, _: &'static str, value: &T) -> Result<$ok, RowError> {
             value.serialize(self)
         }
     };
 }
 
 impl Serializer for RowSerializer {
-    type Ok = Vec<(&'static str, Cell)>;
-    type Error = CellError;
+    type Ok = Vec<(&'static str, FieldValue)>;
+    type Error = RowError;
     type SerializeStruct = Fields;
 
     refuse_compound!(Self::Ok);
@@ -150,47 +150,47 @@ impl Serializer for RowSerializer {
         serialize_unit(), serialize_unit_struct(&'static str),
         serialize_unit_variant(&'static str, u32, &'static str));
 
-    fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> Result<Self::Ok, CellError> {
+    fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> Result<Self::Ok, RowError> {
         value.serialize(self)
     }
 
-    fn serialize_struct(self, _: &'static str, _: usize) -> Result<Fields, CellError> {
+    fn serialize_struct(self, _: &'static str, _: usize) -> Result<Fields, RowError> {
         Ok(Fields::default())
     }
 }
 
 macro_rules! cell_numbers {
     ($($name:ident: $kind:ty => $cell:ident),* $(,)?) => {
-        $(fn $name(self, value: $kind) -> Result<Cell, CellError> { Ok(Cell::$cell(value.into())) })*
+        $(fn $name(self, value: $kind) -> Result<FieldValue, RowError> { Ok(FieldValue::$cell(value.into())) })*
     };
 }
 
 impl Serializer for CellSerializer {
-    type Ok = Cell;
-    type Error = CellError;
-    type SerializeStruct = Impossible<Cell, CellError>;
+    type Ok = FieldValue;
+    type Error = RowError;
+    type SerializeStruct = Impossible<FieldValue, RowError>;
 
-    refuse_compound!(Cell);
-    refuse!(Cell; serialize_bytes(&[u8]), serialize_unit_struct(&'static str));
+    refuse_compound!(FieldValue);
+    refuse!(FieldValue; serialize_bytes(&[u8]), serialize_unit_struct(&'static str));
     cell_numbers!(serialize_bool: bool => Flag, serialize_i8: i8 => Integer, serialize_i16: i16 => Integer,
         serialize_i32: i32 => Integer, serialize_i64: i64 => Integer, serialize_u8: u8 => Unsigned,
         serialize_u16: u16 => Unsigned, serialize_u32: u32 => Unsigned, serialize_u64: u64 => Unsigned,
         serialize_f32: f32 => Number, serialize_f64: f64 => Number, serialize_char: char => Text,
         serialize_str: &str => Text);
 
-    fn serialize_none(self) -> Result<Cell, CellError> {
-        Ok(Cell::Missing)
+    fn serialize_none(self) -> Result<FieldValue, RowError> {
+        Ok(FieldValue::Missing)
     }
-    fn serialize_unit(self) -> Result<Cell, CellError> {
-        Ok(Cell::Missing)
+    fn serialize_unit(self) -> Result<FieldValue, RowError> {
+        Ok(FieldValue::Missing)
     }
-    fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> Result<Cell, CellError> {
+    fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> Result<FieldValue, RowError> {
         value.serialize(self)
     }
-    fn serialize_unit_variant(self, _: &'static str, _: u32, variant: &'static str) -> Result<Cell, CellError> {
-        Ok(Cell::Text(variant.to_owned()))
+    fn serialize_unit_variant(self, _: &'static str, _: u32, variant: &'static str) -> Result<FieldValue, RowError> {
+        Ok(FieldValue::Text(variant.to_owned()))
     }
-    fn serialize_struct(self, name: &'static str, _: usize) -> Result<Self::SerializeStruct, CellError> {
+    fn serialize_struct(self, name: &'static str, _: usize) -> Result<Self::SerializeStruct, RowError> {
         not_flat(name)
     }
 }
@@ -204,9 +204,9 @@ pub(crate) struct TextRow<'a> {
 }
 
 impl<'de> Deserializer<'de> for TextRow<'_> {
-    type Error = CellError;
+    type Error = RowError;
 
-    fn deserialize_any<V: de::Visitor<'de>>(self, _: V) -> Result<V::Value, CellError> {
+    fn deserialize_any<V: de::Visitor<'de>>(self, _: V) -> Result<V::Value, RowError> {
         not_flat("a row is read into a struct")
     }
 
@@ -215,12 +215,12 @@ impl<'de> Deserializer<'de> for TextRow<'_> {
         _: &'static str,
         fields: &'static [&'static str],
         visitor: V,
-    ) -> Result<V::Value, CellError> {
+    ) -> Result<V::Value, RowError> {
         let cells = self.names.iter().zip(self.cells);
         let row =
             visitor.visit_map(MapDeserializer::new(cells.map(|(&name, &text)| (name, TextCell { name, text }))))?;
         match self.names.iter().find(|name| !fields.contains(name)) {
-            Some(name) => Err(CellError::UnknownColumn((*name).to_owned())),
+            Some(name) => Err(RowError::UnknownColumn((*name).to_owned())),
             None => Ok(row),
         }
     }
@@ -239,13 +239,13 @@ struct TextCell<'a> {
 }
 
 impl TextCell<'_> {
-    fn parse<T: std::str::FromStr>(&self, expected: &str) -> Result<T, CellError> {
-        let wrong = |_| CellError::Value { column: self.name.to_owned(), expected: expected.to_owned() };
+    fn parse<T: std::str::FromStr>(&self, expected: &str) -> Result<T, RowError> {
+        let wrong = |_| RowError::Value { column: self.name.to_owned(), expected: expected.to_owned() };
         self.text.parse().map_err(wrong)
     }
 }
 
-impl<'a> IntoDeserializer<'_, CellError> for TextCell<'a> {
+impl<'a> IntoDeserializer<'_, RowError> for TextCell<'a> {
     type Deserializer = Self;
     fn into_deserializer(self) -> Self {
         self
@@ -254,14 +254,14 @@ impl<'a> IntoDeserializer<'_, CellError> for TextCell<'a> {
 
 macro_rules! parse_cells {
     ($($name:ident, $visit:ident, $expected:literal);* $(;)?) => {
-        $(fn $name<V: de::Visitor<'de>>(self, visitor: V) -> Result<V::Value, CellError> {
+        $(fn $name<V: de::Visitor<'de>>(self, visitor: V) -> Result<V::Value, RowError> {
             visitor.$visit(self.parse($expected)?)
         })*
     };
 }
 
 impl<'de> Deserializer<'de> for TextCell<'_> {
-    type Error = CellError;
+    type Error = RowError;
 
     parse_cells! {
         deserialize_bool, visit_bool, "true or false";
@@ -272,20 +272,20 @@ impl<'de> Deserializer<'de> for TextCell<'_> {
         deserialize_char, visit_char, "one character";
     }
 
-    fn deserialize_any<V: de::Visitor<'de>>(self, visitor: V) -> Result<V::Value, CellError> {
+    fn deserialize_any<V: de::Visitor<'de>>(self, visitor: V) -> Result<V::Value, RowError> {
         visitor.visit_str(self.text)
     }
 
-    fn deserialize_f32<V: de::Visitor<'de>>(self, visitor: V) -> Result<V::Value, CellError> {
+    fn deserialize_f32<V: de::Visitor<'de>>(self, visitor: V) -> Result<V::Value, RowError> {
         self.deserialize_f64(visitor)
     }
 
-    fn deserialize_f64<V: de::Visitor<'de>>(self, visitor: V) -> Result<V::Value, CellError> {
+    fn deserialize_f64<V: de::Visitor<'de>>(self, visitor: V) -> Result<V::Value, RowError> {
         // An empty cell is how a number that is not there is published.
         if self.text.is_empty() { visitor.visit_f64(f64::NAN) } else { visitor.visit_f64(self.parse("a number")?) }
     }
 
-    fn deserialize_option<V: de::Visitor<'de>>(self, visitor: V) -> Result<V::Value, CellError> {
+    fn deserialize_option<V: de::Visitor<'de>>(self, visitor: V) -> Result<V::Value, RowError> {
         if self.text.is_empty() { visitor.visit_none() } else { visitor.visit_some(self) }
     }
 
@@ -294,7 +294,7 @@ impl<'de> Deserializer<'de> for TextCell<'_> {
         _: &'static str,
         _: &'static [&'static str],
         visitor: V,
-    ) -> Result<V::Value, CellError> {
+    ) -> Result<V::Value, RowError> {
         visitor.visit_enum(self.text.into_deserializer())
     }
 
@@ -302,7 +302,7 @@ impl<'de> Deserializer<'de> for TextCell<'_> {
         self,
         _: &'static str,
         visitor: V,
-    ) -> Result<V::Value, CellError> {
+    ) -> Result<V::Value, RowError> {
         visitor.visit_newtype_struct(self)
     }
 

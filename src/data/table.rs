@@ -9,8 +9,8 @@ use polars::prelude::{
     SerReader, SerWriter,
 };
 
+use super::DataError;
 use super::error::shown;
-use super::{DataError, file};
 
 /// The cells of one column. Text is what a CSV holds; numbers come from Parquet and go out to both.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,7 +56,7 @@ impl Cells {
 }
 
 /// What a Parquet file begins with; anything else is taken for a CSV, whatever its name.
-const PARQUET: &[u8] = b"PAR1";
+pub(super) const PARQUET: &[u8] = b"PAR1";
 
 /// Whether the rows of the file at `path` have line numbers, for messages about what was read from it before.
 pub(crate) fn has_lines(path: &Path) -> bool {
@@ -78,7 +78,7 @@ pub(crate) fn header_place(lines: bool) -> &'static str {
 
 /// The columns of a file, all of the same length.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Sheet {
+pub(crate) struct Table {
     pub(crate) file: PathBuf,
     /// Whether a row has a line number (CSV) or only a row number (Parquet).
     pub(crate) lines: bool,
@@ -86,13 +86,7 @@ pub(crate) struct Sheet {
     pub(crate) columns: Vec<(String, Cells)>,
 }
 
-impl Sheet {
-    /// Reads a file, CSV or Parquet by its first bytes.
-    pub(crate) fn read(path: &Path) -> Result<Sheet, DataError> {
-        let bytes = file::read(path)?;
-        if bytes.starts_with(PARQUET) { read_parquet(path, bytes) } else { super::csv::read(path, &bytes) }
-    }
-
+impl Table {
     /// The cells of the column `name`.
     pub(crate) fn column(&self, name: &str) -> Option<&Cells> {
         self.columns.iter().find(|(known, _)| known == name).map(|(_, cells)| cells)
@@ -149,24 +143,24 @@ fn frame(columns: Vec<(String, Cells)>) -> Result<DataFrame, String> {
 }
 
 /// Parses checked CSV text (see [`super::csv`]) with every column as text: what a cell must hold is for the reader to say.
-pub(crate) fn parse_csv(path: &Path, text: &str) -> Result<Sheet, DataError> {
+pub(crate) fn parse_csv(path: &Path, text: &str) -> Result<Table, DataError> {
     let options = CsvReadOptions::default().with_infer_schema_length(Some(0)).with_n_threads(Some(1));
     let frame = options.into_reader_with_file_handle(Cursor::new(text.as_bytes())).finish();
-    sheet(path, true, &frame.map_err(|error| unreadable(path, &error))?)
+    table(path, true, &frame.map_err(|error| unreadable(path, &error))?)
 }
 
-fn read_parquet(path: &Path, bytes: Vec<u8>) -> Result<Sheet, DataError> {
+pub(super) fn read_parquet(path: &Path, bytes: Vec<u8>) -> Result<Table, DataError> {
     let frame = ParquetReader::new(Cursor::new(bytes)).finish().map_err(|error| unreadable(path, &error))?;
-    sheet(path, false, &frame)
+    table(path, false, &frame)
 }
 
-fn sheet(path: &Path, lines: bool, frame: &DataFrame) -> Result<Sheet, DataError> {
+fn table(path: &Path, lines: bool, frame: &DataFrame) -> Result<Table, DataError> {
     let columns = frame.columns().iter().map(|series| {
         let cells = cells(series).map_err(|error| unreadable(path, &error))?;
         Ok((series.name().to_string(), cells))
     });
     let columns = columns.collect::<Result<_, DataError>>()?;
-    Ok(Sheet { file: path.to_owned(), lines, rows: frame.height(), columns })
+    Ok(Table { file: path.to_owned(), lines, rows: frame.height(), columns })
 }
 
 fn cells(series: &Series) -> Result<Cells, PolarsError> {

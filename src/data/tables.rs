@@ -8,8 +8,8 @@ use std::path::Path;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::row_serde::{Cell, CellError, TextRow, fields_of};
-use super::table::{Cells, Sheet, csv_bytes};
+use super::row_serde::{FieldValue, RowError, TextRow, fields_of};
+use super::table::{Cells, Table, csv_bytes};
 use super::{DataError, write_atomic};
 
 /// Significant digits of a published number: a nanometre in a metre.
@@ -75,7 +75,7 @@ pub fn as_published<R: Serialize + DeserializeOwned>(name: &Path, rows: &[R]) ->
         let cells: Vec<&str> = cells.iter().map(String::as_str).collect();
         R::deserialize(TextRow { names: &names, cells: &cells })
     };
-    let rows: Result<Vec<R>, CellError> = rows.iter().map(again).collect();
+    let rows: Result<Vec<R>, RowError> = rows.iter().map(again).collect();
     rows.map_err(|error| DataError::Write { file: name.to_owned(), reason: error.to_string() })
 }
 
@@ -95,69 +95,69 @@ pub fn read_csv_beside<R: DeserializeOwned>(
     path: &Path,
     apart: impl Fn(&str) -> bool,
 ) -> Result<(Vec<Beside>, Vec<R>), DataError> {
-    let sheet = Sheet::read(path)?;
-    let names: Vec<&str> = sheet.columns.iter().map(|(name, _)| name.as_str()).collect();
+    let table = Table::read(path)?;
+    let names: Vec<&str> = table.columns.iter().map(|(name, _)| name.as_str()).collect();
     let text = |cells: &Cells| match cells {
         Cells::Text(cells) => cells.clone(),
-        _ => (0..sheet.rows).map(|row| cells.show(row)).collect(),
+        _ => (0..table.rows).map(|row| cells.show(row)).collect(),
     };
-    let columns: Vec<Vec<String>> = sheet.columns.iter().map(|(_, cells)| text(cells)).collect();
+    let columns: Vec<Vec<String>> = table.columns.iter().map(|(_, cells)| text(cells)).collect();
     let (beside, own): (Vec<_>, Vec<_>) = names.into_iter().zip(columns).partition(|(name, _)| apart(name));
     let (names, columns): (Vec<&str>, Vec<Vec<String>>) = own.into_iter().unzip();
-    let rows = (0..sheet.rows).map(|row| {
+    let rows = (0..table.rows).map(|row| {
         let cells: Vec<&str> = columns.iter().map(|column| column[row].as_str()).collect();
-        R::deserialize(TextRow { names: &names, cells: &cells }).map_err(|error| place(&sheet, row, error))
+        R::deserialize(TextRow { names: &names, cells: &cells }).map_err(|error| place(&table, row, error))
     });
     let rows = rows.collect::<Result<_, DataError>>()?;
     Ok((beside.into_iter().map(|(name, cells)| (name.to_owned(), cells)).collect(), rows))
 }
 
 /// Puts a reading error where it belongs.
-fn place(sheet: &Sheet, row: usize, error: CellError) -> DataError {
+fn place(table: &Table, row: usize, error: RowError) -> DataError {
     let header = |column: String, found: String, expected: &str| DataError::Column {
-        file: sheet.file.clone(),
-        place: sheet.header_place(),
+        file: table.file.clone(),
+        place: table.header_place(),
         column,
         found,
         expected: expected.to_owned(),
     };
     match error {
-        CellError::Value { column, expected } => sheet.cell_error(row, &column, expected),
-        CellError::MissingColumn(column) => header(column, format!("only {}", sheet.header()), "this column"),
-        CellError::UnknownColumn(column) => header(column, "it".to_owned(), "no such column"),
-        CellError::NotFlat(reason) => DataError::Read { file: sheet.file.clone(), reason },
+        RowError::Value { column, expected } => table.cell_error(row, &column, expected),
+        RowError::MissingColumn(column) => header(column, format!("only {}", table.header()), "this column"),
+        RowError::UnknownColumn(column) => header(column, "it".to_owned(), "no such column"),
+        RowError::NotFlat(reason) => DataError::Read { file: table.file.clone(), reason },
     }
 }
 
 /// One field of all rows as a column; none when the kinds differ.
-fn column<'a>(cells: impl Iterator<Item = &'a Cell> + Clone) -> Option<Cells> {
-    let present = cells.clone().filter(|cell| **cell != Cell::Missing);
+fn column<'a>(cells: impl Iterator<Item = &'a FieldValue> + Clone) -> Option<Cells> {
+    let present = cells.clone().filter(|cell| **cell != FieldValue::Missing);
     let mut kinds = present.map(std::mem::discriminant);
     let kind = kinds.next();
     if !kinds.all(|other| Some(other) == kind) {
         return None;
     }
-    let numeric = kind.is_none() || kind == Some(std::mem::discriminant(&Cell::Number(0.0)));
+    let numeric = kind.is_none() || kind == Some(std::mem::discriminant(&FieldValue::Number(0.0)));
     Some(if numeric { Cells::Numbers(cells.map(number).collect()) } else { Cells::Text(cells.map(text).collect()) })
 }
 
 /// A published number; none where the cell has none.
-fn number(cell: &Cell) -> f64 {
+fn number(cell: &FieldValue) -> f64 {
     match cell {
-        Cell::Number(value) => round_significant(*value, SIGNIFICANT_DIGITS),
+        FieldValue::Number(value) => round_significant(*value, SIGNIFICANT_DIGITS),
         _ => f64::NAN,
     }
 }
 
 /// A cell as it is published.
-fn text(cell: &Cell) -> String {
+fn text(cell: &FieldValue) -> String {
     match cell {
-        Cell::Number(value) if value.is_nan() => String::new(),
-        Cell::Number(_) => number(cell).to_string(),
-        Cell::Integer(value) => value.to_string(),
-        Cell::Unsigned(value) => value.to_string(),
-        Cell::Flag(value) => value.to_string(),
-        Cell::Text(value) => value.clone(),
-        Cell::Missing => String::new(),
+        FieldValue::Number(value) if value.is_nan() => String::new(),
+        FieldValue::Number(_) => number(cell).to_string(),
+        FieldValue::Integer(value) => value.to_string(),
+        FieldValue::Unsigned(value) => value.to_string(),
+        FieldValue::Flag(value) => value.to_string(),
+        FieldValue::Text(value) => value.clone(),
+        FieldValue::Missing => String::new(),
     }
 }

@@ -33,7 +33,7 @@ impl Effect for ActuatorGain {
         BadOption::unless_positive("scale", self.scale)
     }
 
-    fn command(&mut self, pulls_m: &mut [f64], _dt_s: f64) {
+    fn modify_command(&mut self, pulls_m: &mut [f64], _dt_s: f64) {
         if let Some(pull) = pulls_m.get_mut(self.tendon - 1) {
             *pull *= self.scale;
         }

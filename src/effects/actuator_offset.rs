@@ -34,7 +34,7 @@ impl Effect for ActuatorOffset {
         super::finite("offset_m", self.offset_m)
     }
 
-    fn alter(&self, rod: &mut RodParams) {
+    fn modify_rod(&self, rod: &mut RodParams) {
         if let Some(tendon) = rod.tendons.get_mut(self.tendon - 1) {
             tendon.pretension_m += self.offset_m;
         }

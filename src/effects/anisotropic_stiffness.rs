@@ -37,7 +37,7 @@ impl Effect for AnisotropicStiffness {
         Err(BadOption { key: "ratio", found: self.ratio.to_string(), expected: "a number between -1 and 1" })
     }
 
-    fn alter(&self, rod: &mut RodParams) {
+    fn modify_rod(&self, rod: &mut RodParams) {
         for span in &mut rod.spans {
             let [k1, k2] = span.bending_n_m2;
             let mean = 0.5 * (k1 + k2);

@@ -34,7 +34,7 @@ impl Effect for Backlash {
         self.held_m.clear();
     }
 
-    fn command(&mut self, pulls_m: &mut [f64], _dt_s: f64) {
+    fn modify_command(&mut self, pulls_m: &mut [f64], _dt_s: f64) {
         self.held_m.resize(pulls_m.len(), 0.0);
         for (pull, held) in pulls_m.iter_mut().zip(&mut self.held_m) {
             *held = held.clamp(*pull - 0.5 * self.width_m, *pull + 0.5 * self.width_m);

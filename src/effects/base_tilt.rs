@@ -35,7 +35,7 @@ impl Effect for BaseTilt {
         super::finite("tilt_y_rad", self.tilt_y_rad)
     }
 
-    fn alter(&self, rod: &mut RodParams) {
+    fn modify_rod(&self, rod: &mut RodParams) {
         let tilt_rad = Vector3::new(self.tilt_x_rad, self.tilt_y_rad, 0.0);
         // An upright base is turned to the last bit by what the tilt says.
         rod.base_rotation_rad = if rod.base_rotation_rad == Vector3::zeros() {

@@ -28,7 +28,7 @@ impl Effect for BendingStiffness {
         BadOption::unless_positive("scale", self.scale)
     }
 
-    fn alter(&self, rod: &mut RodParams) {
+    fn modify_rod(&self, rod: &mut RodParams) {
         for span in &mut rod.spans {
             span.bending_n_m2 = span.bending_n_m2.map(|stiffness| stiffness * self.scale);
         }

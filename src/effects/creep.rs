@@ -39,7 +39,7 @@ impl Effect for Creep {
         Err(BadOption { key: "share", found: self.share.to_string(), expected: "a number from 0 to below 1" })
     }
 
-    fn alter(&self, rod: &mut RodParams) {
+    fn modify_rod(&self, rod: &mut RodParams) {
         rod.moment_laws.push(Arc::new(*self));
     }
 }

@@ -33,7 +33,7 @@ impl Effect for Damping {
         super::non_negative("time_s", self.time_s)
     }
 
-    fn alter(&self, rod: &mut RodParams) {
+    fn modify_rod(&self, rod: &mut RodParams) {
         rod.damping_time_s = self.time_s;
     }
 }

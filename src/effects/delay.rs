@@ -43,12 +43,12 @@ impl Effect for Delay {
         self.past.clear();
     }
 
-    fn acts_late(&self) -> bool {
+    fn has_lag(&self) -> bool {
         self.time_s > 0.0
     }
 
     /// Where the command stood a delay ago, on the straight lines between the instants it was asked for.
-    fn command(&mut self, pulls_m: &mut [f64], dt_s: f64) {
+    fn modify_command(&mut self, pulls_m: &mut [f64], dt_s: f64) {
         if self.time_s <= 0.0 {
             return;
         }
@@ -80,7 +80,7 @@ mod tests {
         let mut delay = Delay { time_s, past: VecDeque::new() };
         let play = |command: &f64| {
             let mut pulls = [*command];
-            delay.command(&mut pulls, 0.2);
+            delay.modify_command(&mut pulls, 0.2);
             pulls[0]
         };
         [1.0, 2.0, 3.0, 4.0].iter().map(play).collect()

@@ -28,7 +28,7 @@ impl Effect for DistributedMass {
         BadOption::unless_positive("scale", self.scale)
     }
 
-    fn alter(&self, rod: &mut RodParams) {
+    fn modify_rod(&self, rod: &mut RodParams) {
         for span in &mut rod.spans {
             span.mass_kg_m *= self.scale;
             span.spread_mass_kg_m *= self.scale;

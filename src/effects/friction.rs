@@ -46,7 +46,7 @@ impl Effect for Friction {
         BadOption::unless_positive("yield_rad_m", self.yield_rad_m)
     }
 
-    fn alter(&self, rod: &mut RodParams) {
+    fn modify_rod(&self, rod: &mut RodParams) {
         let stiffness_n_m2 = self.moment_nm / self.yield_rad_m;
         rod.moment_laws.push(Arc::new(Prandtl { moment_nm: self.moment_nm, stiffness_n_m2, coupled: self.coupled }));
     }

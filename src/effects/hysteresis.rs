@@ -40,7 +40,7 @@ impl Effect for Hysteresis {
         BadOption::unless_positive("range_rad_m", self.range_rad_m)
     }
 
-    fn alter(&self, rod: &mut RodParams) {
+    fn modify_rod(&self, rod: &mut RodParams) {
         for element in 1..=ELEMENTS {
             let yields_at_rad_m = self.range_rad_m * element as f64 / ELEMENTS as f64;
             rod.moment_laws.push(Arc::new(Element { share: self.share, yields_at_rad_m }));

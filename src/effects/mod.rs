@@ -12,18 +12,18 @@ mod creep;
 mod damping;
 mod delay;
 mod distributed_mass;
-mod driven;
+mod drive_path;
+mod driven_model;
 mod frame_shift;
 mod friction;
 mod hysteresis;
 mod model;
+mod model_parameter;
 mod precurvature;
 mod replay;
 mod robot;
-mod sensitivity;
 mod soft_section;
 mod spine_compressibility;
-mod stand;
 mod tendon_angle;
 mod tendon_radius;
 mod tendon_stretch;
@@ -38,20 +38,20 @@ use serde_json::{Map, Number, Value};
 use crate::base::{BadOption, Observation};
 use crate::rod::RodParams;
 
-pub use driven::{Driven, VariationError};
+pub use driven_model::{DrivenModel, VariationError};
 pub use model::{Model, check_effects};
+pub use model_parameter::{ModelParameter, ParameterError, Variable};
 pub use replay::{ReplayError, Replayed, Trial, replay};
 pub use robot::{
     Backbone, Disks, Frame, Load, OffsetPoint, OnePlace, Piece, RadiusPoint, Robot, Sections, Spread, Tendons,
 };
-pub use sensitivity::{ModelParameter, ParameterError, Variable};
 
 /// A physical effect. Every hook does nothing unless an effect fills it in.
 ///
 /// ```text
 /// impl Effect for TipLoad {
 ///     fn check(&self) -> Result<(), BadOption> { … }
-///     fn alter(&self, rod: &mut RodParams) { rod.masses.push(…) }
+///     fn modify_rod(&self, rod: &mut RodParams) { rod.masses.push(…) }
 /// }
 /// ```
 pub trait Effect: Send + Sync + Debug {
@@ -61,17 +61,17 @@ pub trait Effect: Send + Sync + Debug {
     /// [`BadOption`] names the first parameter out of range.
     fn check(&self) -> Result<(), BadOption>;
     /// Changes what the rod is made of.
-    fn alter(&self, _rod: &mut RodParams) {}
+    fn modify_rod(&self, _rod: &mut RodParams) {}
     /// Whether it hangs something on the robot, of which effects on the robot's own numbers know nothing: such effects are
     /// applied last, so that the order in a list means nothing.
-    fn hangs_on(&self) -> bool {
+    fn is_payload(&self) -> bool {
         false
     }
     /// Changes where the drives stand after `dt_s` seconds in which they have moved to these displacements, in metres,
     /// at constant speed; infinite `dt_s` is rest.
-    fn command(&mut self, _pulls_m: &mut [f64], _dt_s: f64) {}
+    fn modify_command(&mut self, _pulls_m: &mut [f64], _dt_s: f64) {}
     /// Whether what the drives do changes while a command is held.
-    fn acts_late(&self) -> bool {
+    fn has_lag(&self) -> bool {
         false
     }
     /// Changes what is measured.

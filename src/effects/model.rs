@@ -34,8 +34,8 @@ impl Model {
     /// The rod with every effect that changes it, and `extra` ones after them; what hangs on the robot comes last.
     pub fn rod(&self, extra: &[EffectSpec]) -> RodParams {
         let mut rod = self.robot.rod();
-        let (hung, own): (Vec<_>, Vec<_>) = self.effects(extra).into_iter().partition(|effect| effect.hangs_on());
-        own.iter().chain(&hung).for_each(|effect| effect.alter(&mut rod));
+        let (hung, own): (Vec<_>, Vec<_>) = self.effects(extra).into_iter().partition(|effect| effect.is_payload());
+        own.iter().chain(&hung).for_each(|effect| effect.modify_rod(&mut rod));
         rod
     }
 

@@ -34,7 +34,7 @@ impl Effect for Precurvature {
         super::finite("kappa_y_rad_m", self.kappa_y_rad_m)
     }
 
-    fn alter(&self, rod: &mut RodParams) {
+    fn modify_rod(&self, rod: &mut RodParams) {
         let added = nalgebra::Vector3::new(self.kappa_x_rad_m, self.kappa_y_rad_m, 0.0);
         rod.spans.iter_mut().for_each(|span| span.rest_curvature_rad_m += added);
     }

@@ -1,10 +1,10 @@
 //! Trials played again on a model, with the derivative of every tip.
 
-use super::driven::{Driven, VariationError};
-use super::sensitivity::Variable;
+use super::driven_model::{DrivenModel, VariationError};
+use super::model_parameter::Variable;
 use super::{EffectSpec, Model};
 use crate::base::{PlantError, Point3, Rows, TendonCommand};
-use crate::rod::TipLoad;
+use crate::rod::TipWrench;
 
 /// Change of a number, over its scale, for differences of whole trials: rounding and what solves leave are then about
 /// as large as the curvature of the dependence.
@@ -22,7 +22,7 @@ pub struct Trial<'a> {
     /// Every command is held until the robot is at rest.
     pub at_rest: bool,
     /// Load on the tip during each command, besides the model's.
-    pub tip_loads: Option<&'a [TipLoad]>,
+    pub tip_loads: Option<&'a [TipWrench]>,
 }
 
 /// Where the tip was at the end of each command, and how that depends on numbers of the model.
@@ -68,13 +68,13 @@ pub fn replay(
     variables: &[Variable],
 ) -> Result<Replayed, ReplayError> {
     trial.check()?;
-    let (mut driven, far) = Driven::varied_where_possible(model, extra, variables)?;
+    let (mut driven, far) = DrivenModel::varied_where_possible(model, extra, variables)?;
     let mut replayed = trial.play(&mut driven)?;
     for index in far {
         let Variable::Parameter(parameter) = &variables[index] else {
             return Err(VariationError::NotPerturbable(index).into());
         };
-        let tips = |candidate: &Model| trial.play(&mut Driven::new(candidate, extra)).map(|played| played.tips_m);
+        let tips = |candidate: &Model| trial.play(&mut DrivenModel::new(candidate, extra)).map(|played| played.tips_m);
         let rates = parameter.differences(model, TRIAL_STEP, &tips)?;
         for (row, rate) in replayed.rates.iter_mut().zip(rates) {
             row.insert(index, rate);
@@ -89,11 +89,11 @@ impl Trial<'_> {
         let counted = |what, found: usize| {
             if found == expected { Ok(()) } else { Err(ReplayError::Count { what, found, expected }) }
         };
-        counted("tip loads", self.tip_loads.map_or(expected, <[TipLoad]>::len))?;
+        counted("tip loads", self.tip_loads.map_or(expected, <[TipWrench]>::len))?;
         counted("durations", if self.at_rest { expected } else { self.durations_s.len() })
     }
 
-    fn play(&self, driven: &mut Driven) -> Result<Replayed, ReplayError> {
+    fn play(&self, driven: &mut DrivenModel) -> Result<Replayed, ReplayError> {
         let mut replayed = Replayed { tips_m: Vec::new(), rates: Vec::new() };
         if self.tensions {
             driven.slack()?
@@ -119,7 +119,7 @@ impl Trial<'_> {
 }
 
 impl Replayed {
-    fn add(&mut self, driven: &Driven) {
+    fn add(&mut self, driven: &DrivenModel) {
         self.tips_m.push(driven.observation(&[], 0.0).tip_m);
         self.rates.push(driven.tip_rates().iter().map(|rate| rate.position_m.into()).collect());
     }

@@ -15,7 +15,7 @@ pub use tendons::{OffsetPoint, RadiusPoint, Tendons};
 
 use super::{finite, non_negative};
 use crate::base::BadOption;
-use crate::rod::{Resolution, RodParams, TipLoad};
+use crate::rod::{Resolution, RodParams, TipWrench};
 
 /// Most sections, disks and cells: far beyond any robot, and within any memory.
 const MOST_PARTS: usize = 10_000;
@@ -187,7 +187,7 @@ impl Robot {
             base_rotation_rad: Vector3::from(self.base_rotation_rad),
             damping_time_s: self.damping_time_s,
             drag_n_s2_m3: self.drag_n_s2_m3,
-            tip_load: TipLoad::default(),
+            tip_load: TipWrench::default(),
             point_loads: Vec::new(),
             line_loads: Vec::new(),
             moment_laws: Vec::new(),

@@ -34,7 +34,7 @@ impl Effect for SoftSection {
         BadOption::unless_positive("scale", self.scale)
     }
 
-    fn alter(&self, rod: &mut RodParams) {
+    fn modify_rod(&self, rod: &mut RodParams) {
         let (start_m, end_m) = section_around(rod, self.position_m);
         for span in rod.spans_between(start_m, end_m) {
             span.bending_n_m2 = span.bending_n_m2.map(|stiffness| stiffness * self.scale);

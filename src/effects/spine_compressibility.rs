@@ -28,7 +28,7 @@ impl Effect for SpineCompressibility {
         super::non_negative("scale", self.scale)
     }
 
-    fn alter(&self, rod: &mut RodParams) {
+    fn modify_rod(&self, rod: &mut RodParams) {
         rod.sections.iter_mut().for_each(|section| section.compliance_m_per_n *= self.scale);
     }
 }

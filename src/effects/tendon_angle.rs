@@ -28,7 +28,7 @@ impl Effect for TendonAngle {
         super::finite("angle_rad", self.angle_rad)
     }
 
-    fn alter(&self, rod: &mut RodParams) {
+    fn modify_rod(&self, rod: &mut RodParams) {
         rod.tendons.iter_mut().for_each(|tendon| tendon.path.turn(self.angle_rad));
     }
 }

@@ -28,7 +28,7 @@ impl Effect for TendonRadius {
         BadOption::unless_positive("scale", self.scale)
     }
 
-    fn alter(&self, rod: &mut RodParams) {
+    fn modify_rod(&self, rod: &mut RodParams) {
         rod.tendons.iter_mut().for_each(|tendon| tendon.path.scale(self.scale));
     }
 }

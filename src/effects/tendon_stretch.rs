@@ -28,7 +28,7 @@ impl Effect for TendonStretch {
         super::non_negative("compliance_m_per_n", self.compliance_m_per_n)
     }
 
-    fn alter(&self, rod: &mut RodParams) {
+    fn modify_rod(&self, rod: &mut RodParams) {
         rod.tendons.iter_mut().for_each(|tendon| tendon.compliance_m_per_n += self.compliance_m_per_n);
     }
 }

@@ -32,7 +32,7 @@ impl Effect for TipForce {
         self.force_n.iter().try_for_each(|&force| super::finite("force_n", force))
     }
 
-    fn alter(&self, rod: &mut RodParams) {
+    fn modify_rod(&self, rod: &mut RodParams) {
         rod.tip_load.force_n += nalgebra::Vector3::from(self.force_n);
     }
 }

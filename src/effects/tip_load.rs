@@ -29,12 +29,12 @@ impl Effect for TipLoad {
         super::non_negative("mass_kg", self.mass_kg)
     }
 
-    fn alter(&self, rod: &mut RodParams) {
+    fn modify_rod(&self, rod: &mut RodParams) {
         let position_m = rod.length_m();
         rod.masses.push(PointMass { position_m, mass_kg: self.mass_kg, inertia_kg_m2: Vector3::zeros() });
     }
 
-    fn hangs_on(&self) -> bool {
+    fn is_payload(&self) -> bool {
         true
     }
 }

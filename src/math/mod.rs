@@ -1,11 +1,11 @@
 //! Numerics: small linear algebra, rotations, statistics.
 
 pub mod distribution;
+pub mod matrix3;
 pub mod optimise;
 pub mod polynomial;
 pub mod rotation;
+mod simd_dispatch;
 pub mod summary;
-pub mod three;
-mod vector_units;
 
-pub use vector_units::vectorised;
+pub use simd_dispatch::vectorised;

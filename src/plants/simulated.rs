@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::PlantEntry;
 use crate::base::{BadOption, Generator, Observation, Plant, PlantError, Seed, TendonCommand};
-use crate::effects::{Driven, EffectSpec, Model, Variable, VariationError};
-use crate::rod::{Rod, RodParams, TipLoad, TipRate};
+use crate::effects::{DrivenModel, EffectSpec, Model, Variable, VariationError};
+use crate::rod::{Rod, RodParams, TipRate, TipWrench};
 
 /// Settings of a simulated robot besides its model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -44,7 +44,7 @@ impl SimulatedOptions {
 
 /// A Cosserat rod as a [`Plant`].
 pub struct Simulated {
-    driven: Driven,
+    driven: DrivenModel,
     options: SimulatedOptions,
     time_s: f64,
     noise: Generator,
@@ -58,7 +58,7 @@ pub(super) const ENTRY: PlantEntry = PlantEntry {
 impl Simulated {
     /// A robot that follows a checked model, with `extra` effects (such as a load for some trials) on top.
     pub fn new(model: &Model, extra: &[EffectSpec], options: SimulatedOptions) -> Simulated {
-        Simulated::of(Driven::new(model, extra), options)
+        Simulated::of(DrivenModel::new(model, extra), options)
     }
 
     /// The same, with derivatives of the tip with respect to those of `variables` that have them, and the numbers (from
@@ -72,11 +72,11 @@ impl Simulated {
         options: SimulatedOptions,
         variables: &[Variable],
     ) -> Result<(Simulated, Vec<usize>), VariationError> {
-        let (driven, left_out) = Driven::varied_where_possible(model, extra, variables)?;
+        let (driven, left_out) = DrivenModel::varied_where_possible(model, extra, variables)?;
         Ok((Simulated::of(driven, options), left_out))
     }
 
-    fn of(driven: Driven, options: SimulatedOptions) -> Simulated {
+    fn of(driven: DrivenModel, options: SimulatedOptions) -> Simulated {
         Simulated { driven, options, time_s: 0.0, noise: Seed(0).rng() }
     }
 
@@ -91,12 +91,12 @@ impl Simulated {
     }
 
     /// Adds a load at the tip to that of the model, from now on.
-    pub fn set_extra_tip_load(&mut self, extra: TipLoad) {
+    pub fn set_extra_tip_load(&mut self, extra: TipWrench) {
         self.driven.set_extra_tip_load(&|_| extra);
     }
 
     /// The same with a load that depends on the rod, such as on its gravity.
-    pub fn set_extra_tip_load_of(&mut self, load: &dyn Fn(&RodParams) -> TipLoad) {
+    pub fn set_extra_tip_load_of(&mut self, load: &dyn Fn(&RodParams) -> TipWrench) {
         self.driven.set_extra_tip_load(load);
     }
 

@@ -13,7 +13,7 @@ mod state;
 mod statics;
 
 pub use params::hysteresis_law::{HistoryMoment, HistoryState, MomentLaw};
-pub use params::loads::{LineLoad, PointLoad, TipLoad};
+pub use params::loads::{LineLoad, PointLoad, TipWrench};
 pub use params::resolution::Resolution;
 pub use params::rod_params::RodParams;
 pub use params::scheme::Scheme;

@@ -5,7 +5,7 @@ use super::claims::evaluate;
 use super::metrics::Tables;
 use super::outcomes::Outcomes;
 use crate::data::rows::ClaimRow;
-use crate::data::{DataError, tables, write_together};
+use crate::data::{DataError, tables, write_atomic_batch};
 use crate::report::{self, OutputFolder, Published, ReportError};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -191,5 +191,5 @@ pub fn all_claims(out: &Path, fresh: &BTreeMap<String, Vec<ClaimRow>>) -> Result
 /// # Errors
 /// [`DataError::Write`] for the first file that cannot be written.
 pub fn write_files(out: &Path, files: &Files) -> Result<(), DataError> {
-    write_together(files.iter().map(|(path, bytes)| (out.join(path), bytes.as_slice())))
+    write_atomic_batch(files.iter().map(|(path, bytes)| (out.join(path), bytes.as_slice())))
 }

@@ -9,7 +9,7 @@ use crate::data::recording::Extra;
 use crate::data::{Actuation, Recording};
 use crate::effects::{EffectSpec, Model, Variable, VariationError};
 use crate::plants::{Simulated, SimulatedOptions};
-use crate::rod::{TipLoad, TipRate};
+use crate::rod::{TipRate, TipWrench};
 
 /// How commands are simulated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -224,13 +224,13 @@ impl SimulatedTrial {
     /// Applies the row's load to the tip: its force and moment, and the change of the hung mass since the start of the
     /// trial (the inertia of the change is neglected).
     fn load(&mut self, commands: &Recording, row: usize) {
-        let mut extra = TipLoad::default();
+        let mut extra = TipWrench::default();
         if let Some(loads) = &commands.tip_load {
             extra.force_n = Vector3::from(loads[row].force_n);
             extra.moment_nm = Vector3::from(loads[row].moment_nm);
         }
         let added_kg = commands.known_load_kg.as_ref().map_or(0.0, |hung| hung[row] - self.hung_kg);
-        self.plant.set_extra_tip_load_of(&|rod| TipLoad {
+        self.plant.set_extra_tip_load_of(&|rod| TipWrench {
             force_n: extra.force_n + added_kg * rod.gravity_m_s2,
             moment_nm: extra.moment_nm,
         });

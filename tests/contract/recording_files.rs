@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
 use spinebench::base::Rows;
-use spinebench::data::recording::{Extra, Pose, TipLoad};
+use spinebench::data::recording::{Extra, Pose, RecordedWrench};
 use spinebench::data::{Actuation, DataError, Recording};
 
 const GOOD: &str = "\
@@ -40,7 +40,7 @@ fn full(rows: usize) -> Recording {
     recording.base = Some(each(3).map(pose).collect());
     recording.known_load_kg = Some(each(4).map(f64::abs).collect());
     recording.valid = Some((0..rows).map(|row| row % 3 != 1).collect());
-    let load = |x: f64| TipLoad { force_n: [x, 0.0, 0.0], moment_nm: [0.0, x, 0.0] };
+    let load = |x: f64| RecordedWrench { force_n: [x, 0.0, 0.0], moment_nm: [0.0, x, 0.0] };
     recording.tip_load = Some(each(5).map(load).collect());
     let words = (0..rows).map(|row| format!("said \"{row}\", then left")).collect();
     recording.extra = vec![("note".to_owned(), Extra::Text(words))];

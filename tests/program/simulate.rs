@@ -5,7 +5,7 @@ use spinebench::data::Recording;
 use spinebench::data::recording::Extra;
 use spinebench::effects::{CATALOGUE, Model};
 use spinebench::plants::{Simulated, SimulatedOptions};
-use spinebench::rod::TipLoad;
+use spinebench::rod::TipWrench;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -135,7 +135,7 @@ fn static_rows_carry_their_own_loads() {
     ];
     for (row, (command, force, moment)) in rows.into_iter().enumerate() {
         let mut plant = plant();
-        plant.set_extra_tip_load(TipLoad { force_n: force.into(), moment_nm: moment.into() });
+        plant.set_extra_tip_load(TipWrench { force_n: force.into(), moment_nm: moment.into() });
         let seen = plant.settle(&pulls(command)).unwrap();
         assert!(apart_m(seen.tip_m, tips(&out)[row]) < 1e-8, "row {row}: {:?} {:?}", seen.tip_m, tips(&out)[row]);
     }

@@ -99,7 +99,7 @@ fn laws() -> Vec<(&'static str, Arc<dyn MomentLaw>)> {
     for (name, text) in texts {
         let specs = crate::support::rods::effects(text);
         let mut rod = crate::support::rods::round_rod(0.22, 2e-3, 2.33e9, 0.84e9, 0.05);
-        specs[0].build().alter(&mut rod);
+        specs[0].build().modify_rod(&mut rod);
         laws.extend(rod.moment_laws.into_iter().map(|law| (name, law)));
     }
     laws

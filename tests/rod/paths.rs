@@ -4,7 +4,7 @@
 use crate::support::shooting::{Cord, Pose, Shooting, Stiffness};
 use nalgebra::{Matrix3, Vector3, Vector6};
 use spinebench::rod::{
-    Drive, LineLoad, PathPoint, PointLoad, Rod, RodParams, SolveStatus, Span, Taper, Tendon, TendonPath, TipLoad,
+    Drive, LineLoad, PathPoint, PointLoad, Rod, RodParams, SolveStatus, Span, Taper, Tendon, TendonPath, TipWrench,
 };
 use std::f64::consts::PI;
 
@@ -196,7 +196,7 @@ fn a_follower_load_turns_with_its_cross_section() {
     compare("follower", &rod, &shot.solve());
     // A derivative that did not see the load turn would not contract.
     let before = rod.effort();
-    rod.set_tip_load(TipLoad { force_n: Vector3::new(1e-3, 1e-3, 0.0), moment_nm: Vector3::zeros() });
+    rod.set_tip_load(TipWrench { force_n: Vector3::new(1e-3, 1e-3, 0.0), moment_nm: Vector3::zeros() });
     assert_eq!(rod.settle(&[]), SolveStatus::Converged);
     let after = rod.effort();
     let (iterations, derivatives) = (after.iterations - before.iterations, after.derivatives - before.derivatives);

@@ -5,7 +5,7 @@ use rand::RngExt;
 use spinebench::base::{Plant, PlantError, Seed};
 use spinebench::effects::Model;
 use spinebench::plants::{Simulated, SimulatedOptions};
-use spinebench::rod::{Drive, Rod, SolveStatus, TipLoad};
+use spinebench::rod::{Drive, Rod, SolveStatus, TipWrench};
 
 /// Plays random steps of up to 3 mm (all four tendons on their own, so also slack and against each other) and counts
 /// the failures by name.
@@ -120,7 +120,7 @@ fn statics_refine_themselves_where_the_grid_is_too_coarse() {
     params.spans[1].torsion_n_m2 *= 0.4;
     params.gravity_m_s2 = Vector3::new(-9.81, 0.0, 0.0);
     params.tendons = crate::support::rods::four_tendons(0.02, 0.3, 0.0);
-    let load = TipLoad { force_n: Vector3::new(0.0, 0.15, 0.1), moment_nm: Vector3::new(0.0, 0.0, 0.01) };
+    let load = TipWrench { force_n: Vector3::new(0.0, 0.15, 0.1), moment_nm: Vector3::new(0.0, 0.0, 0.01) };
     let settle = |tolerance_m: f64| {
         let mut params = params.clone();
         params.resolution.static_tolerance_m = tolerance_m;

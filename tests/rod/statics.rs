@@ -4,7 +4,7 @@ use crate::support::rods::{four_tendons, reference, rotation, round_rod, shipped
 use nalgebra::Vector3;
 use rand::RngExt;
 use spinebench::base::Seed;
-use spinebench::rod::{Drive, Rod, SolveStatus, TipLoad};
+use spinebench::rod::{Drive, Rod, SolveStatus, TipWrench};
 
 /// Position in metres and rotation (Frobenius norm) that a static solution may be off by.
 const POSITION_M: f64 = 1e-6;
@@ -16,7 +16,7 @@ fn tension_control_matches_till() {
         let mut params = shipped("till");
         params.gravity_m_s2 = vector(&row, ["gx", "gy", "gz"]);
         let mut rod = Rod::new(params);
-        rod.set_tip_load(TipLoad {
+        rod.set_tip_load(TipWrench {
             force_n: vector(&row, ["fx", "fy", "fz"]),
             moment_nm: vector(&row, ["lx", "ly", "lz"]),
         });
@@ -49,7 +49,7 @@ fn length_control_matches_the_independent_solver_from_a_cold_start() {
             params.gravity_m_s2 = Vector3::new(9.81, 0.0, 0.0);
         }
         let mut rod = Rod::new(params);
-        rod.set_tip_load(TipLoad { force_n: vector(&row, ["fx", "fy", "fz"]), moment_nm: Vector3::zeros() });
+        rod.set_tip_load(TipWrench { force_n: vector(&row, ["fx", "fy", "fz"]), moment_nm: Vector3::zeros() });
         let drives: Vec<Drive> = (1..=4).map(|i| Drive::Pull(row[&format!("q{i}")])).collect();
         let status = rod.settle(&drives);
         let position = (rod.tip_m() - vector(&row, ["px", "py", "pz"])).norm();
@@ -76,7 +76,7 @@ fn two_segments_match_the_consistent_border_rule() {
     for row in reference("tdcr_two_segment_statics.csv") {
         let params = shipped("tdcr_two_segments");
         let mut rod = Rod::new(params);
-        rod.set_tip_load(TipLoad {
+        rod.set_tip_load(TipWrench {
             force_n: vector(&row, ["fx", "fy", "fz"]),
             moment_nm: vector(&row, ["lx", "ly", "lz"]),
         });
@@ -111,7 +111,7 @@ fn a_tip_moment_bends_the_rod_into_an_exact_arc() {
     params.spans[0].axial_n = 1e12;
     let moment = 2.0 * params.spans[0].bending_n_m2[0] / 0.22;
     let mut rod = Rod::new(params);
-    rod.set_tip_load(TipLoad { force_n: Vector3::zeros(), moment_nm: Vector3::new(0.0, moment, 0.0) });
+    rod.set_tip_load(TipWrench { force_n: Vector3::zeros(), moment_nm: Vector3::new(0.0, moment, 0.0) });
     assert_eq!(rod.settle(&[]), SolveStatus::Converged);
     let arc_radius = 0.22 / 2.0;
     let expected = Vector3::new(arc_radius * (1.0 - 2.0_f64.cos()), 0.0, arc_radius * 2.0_f64.sin());
@@ -136,7 +136,7 @@ fn answers_do_not_depend_on_where_the_rod_came_from() {
             }
         });
         let force_n = Vector3::new(if k % 7 == 0 { -0.3 } else { 0.0 }, 0.0, 0.0);
-        let load = TipLoad { force_n, moment_nm: Vector3::zeros() };
+        let load = TipWrench { force_n, moment_nm: Vector3::zeros() };
         let mut fresh = Rod::new(shipped("nominal"));
         rod.set_tip_load(load);
         fresh.set_tip_load(load);

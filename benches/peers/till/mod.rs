@@ -97,7 +97,7 @@ impl<const T: usize> Till<T> {
         if params.tendons.len() != T || params.tendons.iter().any(|tendon| tendon.end_m < params.length_m()) {
             return Err(format!("expected {T} tendons that end at the tip"));
         }
-        if !params.masses.is_empty() || !params.memory.is_empty() || params.base_rotation_rad != Vector3::zeros() {
+        if !params.masses.is_empty() || !params.moment_laws.is_empty() || params.base_rotation_rad != Vector3::zeros() {
             return Err("lumped masses, moments with a memory and a turned base are not covered".into());
         }
         let pieces = material::pieces(params, &settings);

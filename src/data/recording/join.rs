@@ -46,7 +46,7 @@ impl Recording {
         all.base = filled(parts, |part| part.base.clone(), UNSEEN);
         all.valid = filled(parts, |part| part.valid.clone(), true);
         all.known_load_kg = filled(parts, |part| part.known_load_kg.clone(), 0.0);
-        all.tip_load = filled(parts, |part| part.tip_load.clone(), super::TipLoad::default());
+        all.tip_load = filled(parts, |part| part.tip_load.clone(), super::RecordedWrench::default());
         Ok(all)
     }
 

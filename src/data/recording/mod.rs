@@ -50,7 +50,7 @@ pub struct Pose {
 
 /// A load at the tip in the world frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct TipLoad {
+pub struct RecordedWrench {
     /// Force, newtons (`tip_force_x_n…`).
     pub force_n: [f64; 3],
     /// Moment, newton metres (`tip_moment_x_nm…`).
@@ -106,7 +106,7 @@ pub struct Recording {
     /// False where tracking was lost (`valid` is 0); such rows keep their command.
     pub valid: Option<Vec<bool>>,
     /// Load that is to act at the tip from the row's time on.
-    pub tip_load: Option<Vec<TipLoad>>,
+    pub tip_load: Option<Vec<RecordedWrench>>,
     /// Columns beyond the format, in the order of the file.
     pub extra: Vec<(String, Extra)>,
 }

@@ -1,14 +1,14 @@
 //! The columns that a recording may have: groups that come whole or not at all, flags and masses.
 
 use crate::data::DataError;
-use crate::data::table::{Cells, Sheet};
+use crate::data::table::{Cells, Table};
 
 /// How far a quaternion's length may be from 1: four decimals in a file are enough.
 const UNIT_TOLERANCE: f64 = 1e-2;
 
 /// Columns that belong together.
-pub(super) struct Group<'a> {
-    pub(super) sheet: &'a Sheet,
+pub(super) struct ColumnGroup<'a> {
+    pub(super) table: &'a Table,
     pub(super) names: Vec<&'static str>,
     /// Whether the group must be there; a group that is there in part must be there whole.
     pub(super) need: bool,
@@ -16,34 +16,34 @@ pub(super) struct Group<'a> {
     pub(super) lost: Option<&'a [bool]>,
 }
 
-impl Group<'_> {
+impl ColumnGroup<'_> {
     /// The numbers, `N` a row; not a number where tracking was lost and the cell empty.
     pub(super) fn read<const N: usize>(&self) -> Result<Option<Vec<[f64; N]>>, DataError> {
-        let columns: Vec<Option<&Cells>> = self.names.iter().map(|name| self.sheet.column(name)).collect();
+        let columns: Vec<Option<&Cells>> = self.names.iter().map(|name| self.table.column(name)).collect();
         if !self.need && columns.iter().all(Option::is_none) {
             return Ok(None);
         }
-        let mut rows = vec![[f64::NAN; N]; self.sheet.rows];
+        let mut rows = vec![[f64::NAN; N]; self.table.rows];
         for ((part, name), cells) in self.names.iter().enumerate().zip(&columns) {
-            let cells = cells.ok_or_else(|| missing(self.sheet, name))?;
+            let cells = cells.ok_or_else(|| missing(self.table, name))?;
             for (row, values) in rows.iter_mut().enumerate() {
                 match finite(cells, row) {
                     Some(value) => values[part] = value,
                     None if self.is_lost(row) && is_blank(cells, row) => {}
-                    None => return Err(self.sheet.cell_error(row, name, self.expected())),
+                    None => return Err(self.table.cell_error(row, name, self.expected())),
                 }
             }
         }
         Ok(Some(rows))
     }
 
-    /// As [`Group::read`], and each row of unit length.
+    /// As [`ColumnGroup::read`], and each row of unit length.
     pub(super) fn quaternions(&self) -> Result<Option<Vec<[f64; 4]>>, DataError> {
         let quaternions = self.read::<4>()?;
         for (row, quaternion) in quaternions.iter().flatten().enumerate() {
             if let Err(length) = unit_length(quaternion) {
                 let expected = format!("a unit quaternion (this row's has length {length:.4})");
-                return Err(self.sheet.cell_error(row, self.names[0], expected));
+                return Err(self.table.cell_error(row, self.names[0], expected));
             }
         }
         Ok(quaternions)
@@ -92,36 +92,36 @@ fn is_blank(cells: &Cells, row: usize) -> bool {
 }
 
 /// A column of 0 and 1.
-pub(super) fn flags(sheet: &Sheet, name: &str) -> Result<Option<Vec<bool>>, DataError> {
-    let Some(cells) = sheet.column(name) else { return Ok(None) };
+pub(super) fn flags(table: &Table, name: &str) -> Result<Option<Vec<bool>>, DataError> {
+    let Some(cells) = table.column(name) else { return Ok(None) };
     let flag = |row| match cells {
         Cells::Flags(cells) => Ok(cells[row]),
         _ => match finite(cells, row) {
             Some(0.0) => Ok(false),
             Some(1.0) => Ok(true),
-            _ => Err(sheet.cell_error(row, name, "1, or 0 where tracking was lost")),
+            _ => Err(table.cell_error(row, name, "1, or 0 where tracking was lost")),
         },
     };
-    (0..sheet.rows).map(flag).collect::<Result<_, _>>().map(Some)
+    (0..table.rows).map(flag).collect::<Result<_, _>>().map(Some)
 }
 
 /// A column of masses, kilograms.
-pub(super) fn masses(sheet: &Sheet, name: &str) -> Result<Option<Vec<f64>>, DataError> {
-    let Some(cells) = sheet.column(name) else { return Ok(None) };
+pub(super) fn masses(table: &Table, name: &str) -> Result<Option<Vec<f64>>, DataError> {
+    let Some(cells) = table.column(name) else { return Ok(None) };
     let mass = |row| {
         let mass = finite(cells, row).filter(|&mass_kg| mass_kg >= 0.0);
-        mass.ok_or_else(|| sheet.cell_error(row, name, "kilograms, 0 or more"))
+        mass.ok_or_else(|| table.cell_error(row, name, "kilograms, 0 or more"))
     };
-    (0..sheet.rows).map(mass).collect::<Result<_, _>>().map(Some)
+    (0..table.rows).map(mass).collect::<Result<_, _>>().map(Some)
 }
 
 /// The error for a column that should be there.
-pub(super) fn missing(sheet: &Sheet, name: &str) -> DataError {
+pub(super) fn missing(table: &Table, name: &str) -> DataError {
     DataError::Column {
-        file: sheet.file.clone(),
-        place: sheet.header_place(),
+        file: table.file.clone(),
+        place: table.header_place(),
         column: name.to_owned(),
-        found: format!("only {}", sheet.header()),
+        found: format!("only {}", table.header()),
         expected: format!("a column `{name}`"),
     }
 }

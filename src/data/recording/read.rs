@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use super::optional::{self, Group};
-use super::{Actuation, Extra, Pose, Recording, TipLoad};
+use super::optional::{self, ColumnGroup};
+use super::{Actuation, Extra, Pose, RecordedWrench, Recording};
 use crate::base::Rows;
 use crate::data::DataError;
-use crate::data::table::{Cells, Sheet};
+use crate::data::table::{Cells, Table};
 
 pub(super) const TIP: [&str; 3] = ["tip_x_m", "tip_y_m", "tip_z_m"];
 pub(super) const TIP_Q: [&str; 4] = ["tip_qw", "tip_qx", "tip_qy", "tip_qz"];
@@ -20,23 +20,27 @@ const START_TOLERANCE_S: f64 = 1e-9;
 
 /// Reads and checks a file; without `need_tip` the tip columns may be missing.
 pub(super) fn recording(path: &Path, need_tip: bool) -> Result<Recording, DataError> {
-    let sheet = Sheet::read(path)?;
-    if sheet.rows == 0 {
+    let table = Table::read(path)?;
+    if table.rows == 0 {
         let (found, expected) = ("no rows", "at least one row");
         return Err(DataError::Empty { file: path.to_owned(), found, expected });
     }
-    let trial = trials(&sheet)?;
-    let time_s = times(&sheet, &trial)?;
-    let (actuation, commands) = commands(&sheet)?;
-    let valid = optional::flags(&sheet, "valid")?;
+    let trial = trials(&table)?;
+    let time_s = times(&table, &trial)?;
+    let (actuation, commands) = commands(&table)?;
+    let valid = optional::flags(&table, "valid")?;
     // Where tracking was lost, measured cells may be empty.
-    let measured =
-        |names: &[&'static str], need| Group { sheet: &sheet, names: names.to_vec(), need, lost: valid.as_deref() };
-    let given = |names: &[&'static str]| Group { sheet: &sheet, names: names.to_vec(), need: false, lost: None };
+    let measured = |names: &[&'static str], need| ColumnGroup {
+        table: &table,
+        names: names.to_vec(),
+        need,
+        lost: valid.as_deref(),
+    };
+    let given = |names: &[&'static str]| ColumnGroup { table: &table, names: names.to_vec(), need: false, lost: None };
 
     let tip_m = measured(&TIP, need_tip).read::<3>()?;
     let tip_quaternion = measured(&TIP_Q, false).quaternions()?;
-    let base_q = measured(&BASE_Q, sheet.column(BASE[0]).is_some()).quaternions()?;
+    let base_q = measured(&BASE_Q, table.column(BASE[0]).is_some()).quaternions()?;
     let base_m = measured(&BASE, base_q.is_some()).read::<3>()?;
     let base = base_m.zip(base_q).map(|(positions, turns)| {
         let poses = positions.into_iter().zip(turns);
@@ -44,8 +48,8 @@ pub(super) fn recording(path: &Path, need_tip: bool) -> Result<Recording, DataEr
     });
     let load: Vec<&'static str> = FORCE.into_iter().chain(MOMENT).collect();
     let tip_load = given(&load).read::<6>()?.map(|rows| rows.into_iter().map(tip_load).collect());
-    let known_load_kg = optional::masses(&sheet, "known_load_kg")?;
-    let extra = extra(&sheet, actuation, commands.width());
+    let known_load_kg = optional::masses(&table, "known_load_kg")?;
+    let extra = extra(&table, actuation, commands.width());
     let file = Recording {
         actuation,
         trial,
@@ -62,25 +66,25 @@ pub(super) fn recording(path: &Path, need_tip: bool) -> Result<Recording, DataEr
     Ok(file)
 }
 
-fn tip_load([fx, fy, fz, mx, my, mz]: [f64; 6]) -> TipLoad {
-    TipLoad { force_n: [fx, fy, fz], moment_nm: [mx, my, mz] }
+fn tip_load([fx, fy, fz, mx, my, mz]: [f64; 6]) -> RecordedWrench {
+    RecordedWrench { force_n: [fx, fy, fz], moment_nm: [mx, my, mz] }
 }
 
 /// A column that must be there.
-fn needed<'a>(sheet: &'a Sheet, name: &str) -> Result<&'a Cells, DataError> {
-    sheet.column(name).ok_or_else(|| optional::missing(sheet, name))
+fn needed<'a>(table: &'a Table, name: &str) -> Result<&'a Cells, DataError> {
+    table.column(name).ok_or_else(|| optional::missing(table, name))
 }
 
 /// Trial numbers; the rows of a trial must stand together, or its time would be told in pieces.
-fn trials(sheet: &Sheet) -> Result<Vec<u64>, DataError> {
-    let cells = needed(sheet, "trial")?;
-    let mut trials: Vec<u64> = Vec::with_capacity(sheet.rows);
+fn trials(table: &Table) -> Result<Vec<u64>, DataError> {
+    let cells = needed(table, "trial")?;
+    let mut trials: Vec<u64> = Vec::with_capacity(table.rows);
     let mut seen = std::collections::BTreeSet::new();
-    for row in 0..sheet.rows {
+    for row in 0..table.rows {
         let number = whole_number(cells, row);
-        let number = number.ok_or_else(|| sheet.cell_error(row, "trial", "a trial number: 0, 1, 2, …"))?;
+        let number = number.ok_or_else(|| table.cell_error(row, "trial", "a trial number: 0, 1, 2, …"))?;
         if trials.last() != Some(&number) && !seen.insert(number) {
-            return Err(sheet.cell_error(row, "trial", "a new trial: the rows of a trial stand together"));
+            return Err(table.cell_error(row, "trial", "a new trial: the rows of a trial stand together"));
         }
         trials.push(number);
     }
@@ -101,19 +105,19 @@ fn whole_number(cells: &Cells, row: usize) -> Option<u64> {
 }
 
 /// Times: finite, 0 at the start of each trial, increasing within it.
-fn times(sheet: &Sheet, trial: &[u64]) -> Result<Vec<f64>, DataError> {
+fn times(table: &Table, trial: &[u64]) -> Result<Vec<f64>, DataError> {
     const NAME: &str = "time_s";
-    let cells = needed(sheet, NAME)?;
-    let mut times: Vec<f64> = Vec::with_capacity(sheet.rows);
-    for row in 0..sheet.rows {
-        let time_s = optional::finite(cells, row).ok_or_else(|| sheet.cell_error(row, NAME, "seconds, a number"))?;
+    let cells = needed(table, NAME)?;
+    let mut times: Vec<f64> = Vec::with_capacity(table.rows);
+    for row in 0..table.rows {
+        let time_s = optional::finite(cells, row).ok_or_else(|| table.cell_error(row, NAME, "seconds, a number"))?;
         let first = row == 0 || trial[row] != trial[row - 1];
         if first && time_s.abs() > START_TOLERANCE_S {
-            return Err(sheet.cell_error(row, NAME, format!("0 at the start of trial {}", trial[row])));
+            return Err(table.cell_error(row, NAME, format!("0 at the start of trial {}", trial[row])));
         }
         if !first && time_s <= times[row - 1] {
             let before = format!("more than {} as in the row before: time increases in a trial", times[row - 1]);
-            return Err(sheet.cell_error(row, NAME, before));
+            return Err(table.cell_error(row, NAME, before));
         }
         times.push(time_s);
     }
@@ -121,17 +125,17 @@ fn times(sheet: &Sheet, trial: &[u64]) -> Result<Vec<f64>, DataError> {
 }
 
 /// The commands: `tendon_1_m`… or `tendon_1_n`…, without a gap in the numbers.
-fn commands(sheet: &Sheet) -> Result<(Actuation, Rows), DataError> {
-    let lengths = highest_tendon(sheet, Actuation::Lengths);
-    let tensions = highest_tendon(sheet, Actuation::Tensions);
+fn commands(table: &Table) -> Result<(Actuation, Rows), DataError> {
+    let lengths = highest_tendon(table, Actuation::Lengths);
+    let tensions = highest_tendon(table, Actuation::Tensions);
     let (actuation, tendons) = match (lengths, tensions) {
-        (0, 0) => return Err(optional::missing(sheet, "tendon_1_m")),
+        (0, 0) => return Err(optional::missing(table, "tendon_1_m")),
         (tendons, 0) => (Actuation::Lengths, tendons),
         (0, tendons) => (Actuation::Tensions, tendons),
         _ => {
             return Err(DataError::Column {
-                file: sheet.file.clone(),
-                place: sheet.header_place(),
+                file: table.file.clone(),
+                place: table.header_place(),
                 column: Actuation::Tensions.column(tensions - 1),
                 found: "commands as lengths and as tensions".to_owned(),
                 expected: "one of the two (measured tensions are named tension_1_n…)".to_owned(),
@@ -142,7 +146,7 @@ fn commands(sheet: &Sheet) -> Result<(Actuation, Rows), DataError> {
     let (mut names, mut columns) = (Vec::new(), Vec::new());
     for tendon in 0..tendons {
         names.push(actuation.column(tendon));
-        columns.push(needed(sheet, &actuation.column(tendon))?);
+        columns.push(needed(table, &actuation.column(tendon))?);
     }
     let expected = match actuation {
         Actuation::Lengths => "metres, a number",
@@ -150,10 +154,10 @@ fn commands(sheet: &Sheet) -> Result<(Actuation, Rows), DataError> {
     };
     let mut rows = Rows::new(tendons);
     let mut values = vec![0.0; tendons];
-    for row in 0..sheet.rows {
+    for row in 0..table.rows {
         for (tendon, cells) in columns.iter().enumerate() {
             let value = optional::finite(cells, row);
-            values[tendon] = value.ok_or_else(|| sheet.cell_error(row, &names[tendon], expected))?;
+            values[tendon] = value.ok_or_else(|| table.cell_error(row, &names[tendon], expected))?;
         }
         rows.push(&values);
     }
@@ -161,8 +165,8 @@ fn commands(sheet: &Sheet) -> Result<(Actuation, Rows), DataError> {
 }
 
 /// The highest tendon number among the columns of this kind of command; 0 when there is none.
-fn highest_tendon(sheet: &Sheet, actuation: Actuation) -> usize {
-    sheet.columns.iter().filter_map(|(name, _)| tendon_number(name, actuation)).max().unwrap_or(0)
+fn highest_tendon(table: &Table, actuation: Actuation) -> usize {
+    table.columns.iter().filter_map(|(name, _)| tendon_number(name, actuation)).max().unwrap_or(0)
 }
 
 fn tendon_number(name: &str, actuation: Actuation) -> Option<usize> {
@@ -172,7 +176,7 @@ fn tendon_number(name: &str, actuation: Actuation) -> Option<usize> {
 }
 
 /// Whatever is not a column of the format.
-fn extra(sheet: &Sheet, actuation: Actuation, tendons: usize) -> Vec<(String, Extra)> {
+fn extra(table: &Table, actuation: Actuation, tendons: usize) -> Vec<(String, Extra)> {
     let single = ["trial", "time_s", "known_load_kg", "valid"];
     let groups: [&[&str]; 6] = [&TIP, &TIP_Q, &BASE, &BASE_Q, &FORCE, &MOMENT];
     let known = |name: &str| {
@@ -180,7 +184,7 @@ fn extra(sheet: &Sheet, actuation: Actuation, tendons: usize) -> Vec<(String, Ex
             || groups.iter().any(|group| group.contains(&name))
             || tendon_number(name, actuation).is_some_and(|number| number <= tendons)
     };
-    let unknown = sheet.columns.iter().filter(|(name, _)| !known(name));
+    let unknown = table.columns.iter().filter(|(name, _)| !known(name));
     unknown.map(|(name, cells)| (name.clone(), carried(cells))).collect()
 }
 

@@ -64,7 +64,7 @@ fn start_of_hold(trial: &TrialCommands) -> Vec<usize> {
 mod tests {
     use super::*;
     use crate::base::Rows;
-    use crate::rod::TipLoad;
+    use crate::rod::TipWrench;
 
     #[test]
     fn a_load_that_changes_ends_a_rest_as_a_command_does_that_nobody_saw() {
@@ -73,7 +73,7 @@ mod tests {
         (1..30).for_each(|_| samples.trials[0].commands.push(&[1.0]));
         assert_eq!(dwells(&samples).iter().map(Vec::len).collect::<Vec<_>>(), [24]);
         let loads =
-            |k: usize| TipLoad { force_n: [f64::from(u8::from(k >= 15)), 0.0, 0.0].into(), ..TipLoad::default() };
+            |k: usize| TipWrench { force_n: [f64::from(u8::from(k >= 15)), 0.0, 0.0].into(), ..TipWrench::default() };
         let mut loaded = samples.clone();
         loaded.trials[0].tip_loads = Some((0..29).map(loads).collect());
         assert_eq!(dwells(&loaded).iter().map(Vec::len).collect::<Vec<_>>(), [10, 9]);

@@ -2,7 +2,7 @@
 
 use crate::base::{Point3, Rows};
 use crate::data::{Actuation, Recording, recording};
-use crate::rod::TipLoad;
+use crate::rod::TipWrench;
 
 /// One trial's commands, to be simulated_m on models.
 #[derive(Clone, Debug)]
@@ -18,7 +18,7 @@ pub(crate) struct TrialCommands {
     /// A weight that hangs on the tip on purpose from the start, kilograms.
     pub(crate) known_load_kg: f64,
     /// Load on the tip during each command besides that, where there is any.
-    pub(crate) tip_loads: Option<Vec<TipLoad>>,
+    pub(crate) tip_loads: Option<Vec<TipWrench>>,
 }
 
 /// A row in which the tip was tracked.
@@ -190,8 +190,8 @@ fn middle(steps_s: &mut [f64]) -> Option<f64> {
     steps_s.get(steps_s.len() / 2).copied()
 }
 
-fn tip_load(load: &recording::TipLoad) -> TipLoad {
-    TipLoad { force_n: load.force_n.into(), moment_nm: load.moment_nm.into() }
+fn tip_load(load: &recording::RecordedWrench) -> TipWrench {
+    TipWrench { force_n: load.force_n.into(), moment_nm: load.moment_nm.into() }
 }
 
 /// Root mean square length of the three-vectors in `residual`.

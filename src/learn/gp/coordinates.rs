@@ -4,7 +4,7 @@
 //! is nearly linear there. So the search moves in `u = −½ ln(λ + ε)`: `ln l` for short length-scales, linear in λ for long
 //! ones, and the end of the range (an input without influence) is an ordinary bound.
 
-use super::covariance::Layout;
+use super::covariance::HyperparameterLayout;
 use super::likelihood::Likelihood;
 use crate::math::optimise::Objective;
 
@@ -15,37 +15,37 @@ const BEND: f64 = 0.01;
 const RIDGE: f64 = 0.3;
 
 /// The search's coordinates from logarithmic hyper-parameters.
-pub(super) fn bend(layout: Layout, theta: &[f64]) -> Vec<f64> {
+pub(super) fn to_search_coordinates(layout: HyperparameterLayout, theta: &[f64]) -> Vec<f64> {
     map_lengths(layout, theta, |ln_length| -0.5 * ((-2.0 * ln_length).exp() + BEND).ln())
 }
 
 /// Logarithmic hyper-parameters from the search's coordinates.
-pub(super) fn unbend(layout: Layout, u: &[f64]) -> Vec<f64> {
+pub(super) fn from_search_coordinates(layout: HyperparameterLayout, u: &[f64]) -> Vec<f64> {
     map_lengths(layout, u, |u| -0.5 * ((-2.0 * u).exp() - BEND).ln())
 }
 
-fn map_lengths(layout: Layout, values: &[f64], map: impl Fn(f64) -> f64) -> Vec<f64> {
+fn map_lengths(layout: HyperparameterLayout, values: &[f64], map: impl Fn(f64) -> f64) -> Vec<f64> {
     let is_length = |k: usize| (1..=layout.lengths).contains(&k);
     values.iter().enumerate().map(|(k, &v)| if is_length(k) { map(v) } else { v }).collect()
 }
 
 /// A likelihood as a function of the search's coordinates.
-pub(super) struct Bent<'a> {
+pub(super) struct SearchObjective<'a> {
     likelihood: Likelihood<'a>,
-    layout: Layout,
+    layout: HyperparameterLayout,
     /// `dθ/du` of each hyper-parameter at the latest value.
     stretch: Vec<f64>,
 }
 
-impl<'a> Bent<'a> {
+impl<'a> SearchObjective<'a> {
     pub(super) fn new(likelihood: Likelihood<'a>) -> Self {
-        Bent { layout: likelihood.layout(), likelihood, stretch: Vec::new() }
+        SearchObjective { layout: likelihood.layout(), likelihood, stretch: Vec::new() }
     }
 }
 
-impl Objective for Bent<'_> {
+impl Objective for SearchObjective<'_> {
     fn value(&mut self, u: &[f64]) -> f64 {
-        let theta = unbend(self.layout, u);
+        let theta = from_search_coordinates(self.layout, u);
         self.stretch = vec![1.0; theta.len()];
         let lengths = 1..=self.layout.lengths;
         for (stretch, ln_length) in self.stretch[lengths.clone()].iter_mut().zip(&theta[lengths]) {
@@ -76,10 +76,13 @@ mod tests {
 
     #[test]
     fn coordinates_come_back_and_agree_where_lengths_are_short() {
-        let layout = Layout { inputs: 3, lengths: 3, shapes: 1 };
+        let layout = HyperparameterLayout { inputs: 3, lengths: 3, shapes: 1 };
         let theta = [0.3, -2.0, 1.0, 1000.0_f64.ln(), 0.7, -3.0];
-        let u = bend(layout, &theta);
-        unbend(layout, &u).iter().zip(theta).for_each(|(a, b)| assert!((a - b).abs() < 1e-9, "{a} {b}"));
+        let u = to_search_coordinates(layout, &theta);
+        from_search_coordinates(layout, &u)
+            .iter()
+            .zip(theta)
+            .for_each(|(a, b)| assert!((a - b).abs() < 1e-9, "{a} {b}"));
         assert!((u[1] + 2.0).abs() < 1e-3 && u[3] < 2.4);
         assert_eq!((u[0], u[4], u[5]), (0.3, 0.7, -3.0));
     }

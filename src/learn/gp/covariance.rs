@@ -10,19 +10,19 @@ use crate::math::vectorised;
 /// Hyper-parameters of one output, in standardised units, as logarithms in one list:
 /// `ln σ_s², ln l (one or one per input), ln shape…, ln σ_n²`.
 #[derive(Clone, Copy)]
-pub(super) struct Layout {
+pub(super) struct HyperparameterLayout {
     pub(super) inputs: usize,
     pub(super) lengths: usize,
     pub(super) shapes: usize,
 }
 
-impl Layout {
+impl HyperparameterLayout {
     pub(super) fn of(kernel: &dyn Kernel, inputs: usize) -> Self {
         let lengths = match kernel.lengths() {
             Lengths::PerInput => inputs,
             Lengths::Shared => 1,
         };
-        Layout { inputs, lengths, shapes: kernel.shapes().len() }
+        HyperparameterLayout { inputs, lengths, shapes: kernel.shapes().len() }
     }
 
     pub(super) fn len(&self) -> usize {
@@ -49,32 +49,32 @@ impl Layout {
 
 /// Points with each input in a run of its own, so that one instruction serves several points.
 #[derive(Clone, Debug)]
-pub(super) struct Points {
+pub(super) struct TrainingPoints {
     pub(super) n: usize,
     pub(super) inputs: usize,
     values: Vec<f64>,
 }
 
-impl Points {
+impl TrainingPoints {
     /// The rows in standardised units.
     pub(super) fn standardised(rows: &Rows, standardiser: &Standardiser) -> Self {
         let mut values = Vec::with_capacity(rows.len() * rows.width());
         for d in 0..rows.width() {
             values.extend(rows.iter().map(|row| standardiser.apply(d, row[d])));
         }
-        Points { n: rows.len(), inputs: rows.width(), values }
+        TrainingPoints { n: rows.len(), inputs: rows.width(), values }
     }
 
     /// The points numbered `which`.
     pub(super) fn select(&self, which: &[usize]) -> Self {
         let values = (0..self.inputs).flat_map(|d| which.iter().map(move |&i| self.input(d)[i])).collect();
-        Points { n: which.len(), inputs: self.inputs, values }
+        TrainingPoints { n: which.len(), inputs: self.inputs, values }
     }
 
     /// Each input divided by its length-scale.
     pub(super) fn scaled(&self, length_scales: &[f64]) -> Self {
         let values = (0..self.inputs).flat_map(|d| self.input(d).iter().map(move |x| x / length_scales[d])).collect();
-        Points { n: self.n, inputs: self.inputs, values }
+        TrainingPoints { n: self.n, inputs: self.inputs, values }
     }
 
     /// Input `d` of every point.

@@ -4,9 +4,9 @@
 //! N³/3 multiplications and additions (Cholesky), its gradient 2N³/3 more (the inverse) and nothing else of that
 //! order: distances, correlations and their slopes are made again row by row, which is quicker than reading them back.
 
-use super::covariance::{Layout, Points};
+use super::covariance::{HyperparameterLayout, TrainingPoints};
 use super::kernels::Kernel;
-use super::linear::{Lower, Memory};
+use super::linear::{FactorBuffers, Lower};
 use crate::learn::simd::dot;
 use crate::math::optimise::Objective;
 use crate::math::vectorised;
@@ -14,23 +14,23 @@ use crate::math::vectorised;
 /// Minus the log marginal likelihood of one standardised output as a function of the logarithmic hyper-parameters.
 pub(super) struct Likelihood<'a> {
     kernel: &'static dyn Kernel,
-    layout: Layout,
-    points: &'a Points,
+    layout: HyperparameterLayout,
+    points: &'a TrainingPoints,
     y: &'a [f64],
     theta: Vec<f64>,
-    scaled: Points,
+    scaled: TrainingPoints,
     alpha: Vec<f64>,
     factor: Lower,
     inverse: Lower,
-    memory: Memory,
+    memory: FactorBuffers,
 }
 
 impl<'a> Likelihood<'a> {
-    pub(super) fn new(kernel: &'static dyn Kernel, points: &'a Points, y: &'a [f64]) -> Self {
+    pub(super) fn new(kernel: &'static dyn Kernel, points: &'a TrainingPoints, y: &'a [f64]) -> Self {
         let n = points.n;
         Likelihood {
             kernel,
-            layout: Layout::of(kernel, points.inputs),
+            layout: HyperparameterLayout::of(kernel, points.inputs),
             points,
             y,
             theta: Vec::new(),
@@ -38,7 +38,7 @@ impl<'a> Likelihood<'a> {
             alpha: y.to_vec(),
             factor: Lower::zeros(n),
             inverse: Lower::zeros(n),
-            memory: Memory::new(n),
+            memory: FactorBuffers::new(n),
         }
     }
 
@@ -53,7 +53,7 @@ impl<'a> Likelihood<'a> {
     }
 
     /// Inputs over length-scales at the latest value.
-    pub(super) fn scaled(&self) -> &Points {
+    pub(super) fn scaled(&self) -> &TrainingPoints {
         &self.scaled
     }
 
@@ -61,11 +61,11 @@ impl<'a> Likelihood<'a> {
         self.kernel
     }
 
-    pub(super) fn layout(&self) -> Layout {
+    pub(super) fn layout(&self) -> HyperparameterLayout {
         self.layout
     }
 
-    pub(super) fn points(&self) -> &Points {
+    pub(super) fn points(&self) -> &TrainingPoints {
         self.points
     }
 
@@ -110,7 +110,7 @@ impl Objective for Likelihood<'_> {
 
     fn gradient(&mut self, out: &mut [f64]) {
         let n = self.points.n;
-        let Layout { inputs, lengths, shapes } = self.layout;
+        let HyperparameterLayout { inputs, lengths, shapes } = self.layout;
         let shape = self.layout.shape(&self.theta);
         let signal = self.layout.signal_variance(&self.theta);
         self.factor.inverse(&mut self.inverse, &mut self.memory);
@@ -164,19 +164,19 @@ mod tests {
     use super::*;
     use crate::base::Rows;
     use crate::learn::Standardiser;
-    use crate::learn::gp::coordinates::{Bent, bend};
+    use crate::learn::gp::coordinates::{SearchObjective, to_search_coordinates};
     use crate::learn::gp::kernels::KERNELS;
 
-    fn samples(n: usize) -> (Points, Vec<f64>) {
+    fn samples(n: usize) -> (TrainingPoints, Vec<f64>) {
         let mut rows = Rows::new(3);
         (0..n).map(|i| i as f64).for_each(|i| rows.push(&[(1.7 * i).sin(), (0.9 * i).cos(), (0.31 * i * i).sin()]));
         let all: Vec<usize> = (0..n).collect();
         let y = rows.iter().enumerate().map(|(i, x)| x[0] + (2.0 * x[1]).sin() + 0.2 * (77.0 * i as f64).sin());
         let y = y.collect();
-        (Points::standardised(&rows, &Standardiser::fit(&rows, &all)), y)
+        (TrainingPoints::standardised(&rows, &Standardiser::fit(&rows, &all)), y)
     }
 
-    fn somewhere(layout: Layout) -> Vec<f64> {
+    fn somewhere(layout: HyperparameterLayout) -> Vec<f64> {
         let mut theta: Vec<f64> = (0..layout.len()).map(|k| 0.4 + 0.3 * (k as f64).sin()).collect();
         theta[layout.len() - 1] = -2.0;
         theta
@@ -201,13 +201,13 @@ mod tests {
     fn gradients_are_finite_differences_for_every_kernel() {
         let (points, y) = samples(45);
         for kernel in KERNELS {
-            let layout = Layout::of(*kernel, 3);
+            let layout = HyperparameterLayout::of(*kernel, 3);
             let theta = somewhere(layout);
             check_gradient(&mut Likelihood::new(*kernel, &points, &y), &theta, kernel.name());
             let mut far = theta.clone();
             far[1] = 3.5;
-            let mut bent = Bent::new(Likelihood::new(*kernel, &points, &y));
-            check_gradient(&mut bent, &bend(layout, &far), kernel.name());
+            let mut bent = SearchObjective::new(Likelihood::new(*kernel, &points, &y));
+            check_gradient(&mut bent, &to_search_coordinates(layout, &far), kernel.name());
         }
     }
 
@@ -215,14 +215,14 @@ mod tests {
     fn the_estimated_information_is_near_the_exact_one() {
         let (points, y) = samples(60);
         for kernel in KERNELS {
-            let layout = Layout::of(*kernel, 3);
+            let layout = HyperparameterLayout::of(*kernel, 3);
             let theta = somewhere(layout);
             let mut likelihood = Likelihood::new(*kernel, &points, &y);
             likelihood.value(&theta);
             let estimated = likelihood.information();
             // The noise entry is ½ σ_n⁴ tr(K⁻²), which the inverse gives exactly.
             let mut inverse = Lower::zeros(60);
-            likelihood.factor.inverse(&mut inverse, &mut Memory::new(60));
+            likelihood.factor.inverse(&mut inverse, &mut FactorBuffers::new(60));
             let squares = (0..60).map(|j| {
                 let column = inverse.column(j);
                 column[0] * column[0] + 2.0 * column[1..].iter().map(|v| v * v).sum::<f64>()

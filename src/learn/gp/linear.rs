@@ -48,14 +48,14 @@ impl Lower {
     }
 
     /// Replaces a symmetric matrix by its Cholesky factor L; false when it is not positive definite.
-    pub(super) fn factor(&mut self, memory: &mut Memory) -> bool {
+    pub(super) fn factor(&mut self, memory: &mut FactorBuffers) -> bool {
         let stack = MemStack::new(&mut memory.0);
         let done = factor::cholesky_in_place(self.view_mut(), Default::default(), Par::Seq, stack, Default::default());
         done.is_ok() && (0..self.n).all(|j| self.column(j)[0] > 0.0)
     }
 
     /// Of a Cholesky factor: `x ← (L Lᵀ)⁻¹ x`.
-    pub(super) fn solve(&self, x: &mut [f64], memory: &mut Memory) {
+    pub(super) fn solve(&self, x: &mut [f64], memory: &mut FactorBuffers) {
         let right = MatMut::from_column_major_slice_mut(x, self.n, 1);
         solve::solve_in_place(self.view(), right, Par::Seq, MemStack::new(&mut memory.0));
     }
@@ -75,7 +75,7 @@ impl Lower {
     }
 
     /// Of a Cholesky factor: `out ← (L Lᵀ)⁻¹`.
-    pub(super) fn inverse(&self, out: &mut Lower, memory: &mut Memory) {
+    pub(super) fn inverse(&self, out: &mut Lower, memory: &mut FactorBuffers) {
         inverse::inverse(out.view_mut(), self.view(), Par::Seq, MemStack::new(&mut memory.0));
     }
 
@@ -93,13 +93,13 @@ impl Lower {
 }
 
 /// Working memory for matrices of one size.
-pub(super) struct Memory(MemBuffer);
+pub(super) struct FactorBuffers(MemBuffer);
 
-impl Memory {
+impl FactorBuffers {
     pub(super) fn new(n: usize) -> Self {
         let need = factor::cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default())
             .or(solve::solve_in_place_scratch::<f64>(n, 1, Par::Seq))
             .or(inverse::inverse_scratch::<f64>(n, Par::Seq));
-        Memory(MemBuffer::new(need))
+        FactorBuffers(MemBuffer::new(need))
     }
 }

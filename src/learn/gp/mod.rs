@@ -21,13 +21,13 @@ use serde::{Deserialize, Serialize};
 use super::standardise::{check_finite, check_samples};
 use super::{LearnError, Standardiser};
 use crate::base::Rows;
-use covariance::{Layout, Points};
+use covariance::{HyperparameterLayout, TrainingPoints};
 use posterior::{BLOCK, Posterior};
 
 /// A fitted Gaussian process. Written by serde as its data and hyper-parameters; what is read back predicts the same
 /// bits.
 #[derive(Clone, Serialize, Deserialize)]
-#[serde(try_from = "stored::Stored", into = "stored::Stored")]
+#[serde(try_from = "stored::StoredGp", into = "stored::StoredGp")]
 pub struct Gp {
     config: GpConfig,
     inputs: Rows,
@@ -93,7 +93,7 @@ impl Gp {
         check_samples(inputs, outputs)?;
         let kernel = config.kernel.0;
         let (points, columns) = Self::prepare(inputs, outputs);
-        let expected = Layout::of(kernel, inputs.width()).len();
+        let expected = HyperparameterLayout::of(kernel, inputs.width()).len();
         if theta.len() != columns.len() {
             let what = "outputs with hyper-parameters";
             return Err(LearnError::Shape { what, found: theta.len(), expected: columns.len() });
@@ -120,9 +120,9 @@ impl Gp {
     }
 
     /// Standardised inputs and output columns.
-    fn prepare(inputs: &Rows, outputs: &Rows) -> (Points, Vec<Vec<f64>>) {
+    fn prepare(inputs: &Rows, outputs: &Rows) -> (TrainingPoints, Vec<Vec<f64>>) {
         let all: Vec<usize> = (0..inputs.len()).collect();
-        let points = Points::standardised(inputs, &Standardiser::fit(inputs, &all));
+        let points = TrainingPoints::standardised(inputs, &Standardiser::fit(inputs, &all));
         let scale = Standardiser::fit(outputs, &all);
         let column = |c: usize| outputs.iter().map(|row| scale.apply(c, row[c])).collect();
         (points, (0..outputs.width()).map(column).collect())
@@ -160,7 +160,7 @@ impl Gp {
 
     /// Noise standard deviation σ_n of each output, in its unit.
     pub fn noise_std(&self) -> Vec<f64> {
-        let layout = Layout::of(self.config.kernel.0, self.inputs.width());
+        let layout = HyperparameterLayout::of(self.config.kernel.0, self.inputs.width());
         let noise =
             |(c, theta): (usize, &Vec<f64>)| layout.noise_variance(theta).sqrt() * self.output_standardiser.scale(c);
         self.theta.iter().enumerate().map(noise).collect()
@@ -168,7 +168,7 @@ impl Gp {
 
     /// Signal standard deviation σ_s of each output, in its unit.
     pub fn signal_std(&self) -> Vec<f64> {
-        let layout = Layout::of(self.config.kernel.0, self.inputs.width());
+        let layout = HyperparameterLayout::of(self.config.kernel.0, self.inputs.width());
         let signal =
             |(c, theta): (usize, &Vec<f64>)| layout.signal_variance(theta).sqrt() * self.output_standardiser.scale(c);
         self.theta.iter().enumerate().map(signal).collect()
@@ -177,7 +177,7 @@ impl Gp {
     /// `l` of each output (row) and input (column) as the configured reading of eq. 18 has it: in the inputs' units
     /// ([`Lambda::InverseSquares`]) or their inverses ([`Lambda::AsPrinted`]).
     pub fn length_scales(&self) -> Rows {
-        let layout = Layout::of(self.config.kernel.0, self.inputs.width());
+        let layout = HyperparameterLayout::of(self.config.kernel.0, self.inputs.width());
         let mut out = Rows::new(self.inputs.width());
         for theta in &self.theta {
             let row: Vec<f64> = layout

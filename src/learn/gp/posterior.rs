@@ -3,7 +3,7 @@
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::{Accum, MatMut, Par};
 
-use super::covariance::{Layout, Points};
+use super::covariance::{HyperparameterLayout, TrainingPoints};
 use super::kernels::Kernel;
 use super::likelihood::Likelihood;
 use super::linear::Lower;
@@ -21,7 +21,7 @@ pub(super) struct Posterior {
     shape: Vec<f64>,
     signal: f64,
     length_scales: Vec<f64>,
-    scaled: Points,
+    scaled: TrainingPoints,
     alpha: Vec<f64>,
     inverse_factor: Lower,
     pub(super) log_marginal_likelihood: f64,
@@ -29,8 +29,8 @@ pub(super) struct Posterior {
 
 impl Posterior {
     /// Conditions on the points; `None` when the covariance matrix is not positive definite.
-    pub(super) fn new(kernel: &'static dyn Kernel, points: &Points, y: &[f64], theta: &[f64]) -> Option<Self> {
-        let layout = Layout::of(kernel, points.inputs);
+    pub(super) fn new(kernel: &'static dyn Kernel, points: &TrainingPoints, y: &[f64], theta: &[f64]) -> Option<Self> {
+        let layout = HyperparameterLayout::of(kernel, points.inputs);
         let mut likelihood = Likelihood::new(kernel, points, y);
         let value = likelihood.value(theta);
         value.is_finite().then(|| Posterior {
@@ -133,7 +133,7 @@ impl Posterior {
                 );
             }
         }
-        let mut memory = super::linear::Memory::new(fold.len());
+        let mut memory = super::linear::FactorBuffers::new(fold.len());
         let mut errors: Vec<f64> = fold.iter().map(|&i| self.alpha[i]).collect();
         if block.factor(&mut memory) {
             block.solve(&mut errors, &mut memory);

@@ -1,14 +1,14 @@
 //! The search for hyper-parameters: many starts on a few rows, the winner carried to all rows.
 
 use super::config::GpConfig;
-use super::coordinates::{Bent, bend, unbend};
-use super::covariance::{Layout, Points};
+use super::coordinates::{SearchObjective, from_search_coordinates, to_search_coordinates};
+use super::covariance::{HyperparameterLayout, TrainingPoints};
 use super::kernels::Kernel;
 use super::likelihood::Likelihood;
 use crate::math::optimise::{Bfgs, Minimum, minimise};
 
 /// What a search found for one output.
-pub(super) struct Found {
+pub(super) struct FittedHyperparameters {
     pub(super) theta: Vec<f64>,
     pub(super) evaluations: usize,
 }
@@ -20,21 +20,21 @@ const COARSE: f64 = 0.1;
 /// Candidates that go on from one stage to the next, the last stage taking one.
 const KEPT: usize = 3;
 /// Maximises the log marginal likelihood of the standardised output `y`; `None` when no start is usable.
-pub(super) fn search(config: &GpConfig, points: &Points, y: &[f64]) -> Option<Found> {
+pub(super) fn search(config: &GpConfig, points: &TrainingPoints, y: &[f64]) -> Option<FittedHyperparameters> {
     let kernel = config.kernel.0;
-    let layout = Layout::of(kernel, points.inputs);
+    let layout = HyperparameterLayout::of(kernel, points.inputs);
     let mut sizes = vec![points.n];
     while sizes[0] > config.start_rows {
         sizes.insert(0, sizes[0].div_ceil(GROWTH).max(config.start_rows));
     }
     let mut evaluations = 0;
     let starts = starts(config, kernel, points.inputs);
-    let mut candidates: Vec<Vec<f64>> = starts.iter().map(|theta| bend(layout, theta)).collect();
+    let mut candidates: Vec<Vec<f64>> = starts.iter().map(|theta| to_search_coordinates(layout, theta)).collect();
     for (stage, &rows) in sizes.iter().enumerate() {
         let last = stage + 1 == sizes.len();
         let which: Vec<usize> = (0..rows).map(|i| i * points.n / rows).collect();
-        let (few, y): (Points, Vec<f64>) = (points.select(&which), which.iter().map(|&i| y[i]).collect());
-        let mut likelihood = Bent::new(Likelihood::new(kernel, &few, &y));
+        let (few, y): (TrainingPoints, Vec<f64>) = (points.select(&which), which.iter().map(|&i| y[i]).collect());
+        let mut likelihood = SearchObjective::new(Likelihood::new(kernel, &few, &y));
         let mut climb = |start: &[f64], tolerance: f64| {
             let found = minimise(&mut likelihood, start, &limits(config, kernel, points.inputs, tolerance));
             evaluations += found.evaluations;
@@ -53,7 +53,7 @@ pub(super) fn search(config: &GpConfig, points: &Points, y: &[f64]) -> Option<Fo
         }
         candidates = distinct(found);
     }
-    candidates.first().map(|u| Found { theta: unbend(layout, u), evaluations })
+    candidates.first().map(|u| FittedHyperparameters { theta: from_search_coordinates(layout, u), evaluations })
 }
 
 /// The best few points that are not the same optimum.
@@ -69,21 +69,21 @@ fn distinct(found: Vec<Minimum>) -> Vec<Vec<f64>> {
 }
 
 fn limits(config: &GpConfig, kernel: &dyn Kernel, inputs: usize, tolerance: f64) -> Bfgs {
-    let layout = Layout::of(kernel, inputs);
+    let layout = HyperparameterLayout::of(kernel, inputs);
     let mut bounds = vec![(1e-3, 1e3)];
     bounds.extend(vec![(1e-2, 1e3); layout.lengths]);
     bounds.extend(kernel.shapes().iter().map(|shape| shape.bounds));
     bounds.push((config.noise_floor * config.noise_floor, 10.0));
     let (low, high): (Vec<f64>, Vec<f64>) =
         bounds.into_iter().map(|(low, high): (f64, f64)| (low.ln(), high.ln())).unzip();
-    let bounds = bend(layout, &low).into_iter().zip(bend(layout, &high)).collect();
+    let bounds = to_search_coordinates(layout, &low).into_iter().zip(to_search_coordinates(layout, &high)).collect();
     Bfgs { bounds, tolerance, max_evaluations: 300, max_step: 2.0 }
 }
 
 /// The conventional start, then points that fill the plausible box evenly: the additive recurrence whose steps are
 /// powers of the root of `x^(d+1) = x + 1`, which needs no seed.
 fn starts(config: &GpConfig, kernel: &dyn Kernel, inputs: usize) -> Vec<Vec<f64>> {
-    let layout = Layout::of(kernel, inputs);
+    let layout = HyperparameterLayout::of(kernel, inputs);
     let mut box_ = vec![(0.3, 10.0)];
     box_.extend(vec![(0.3, 30.0); layout.lengths]);
     box_.extend(kernel.shapes().iter().map(|shape| (shape.start / 4.0, shape.start * 4.0)));

@@ -8,25 +8,25 @@ use crate::learn::{LearnError, exact};
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Stored {
+pub(super) struct StoredGp {
     config: GpConfig,
-    inputs: Table,
-    outputs: Table,
-    hyperparameters: Table,
+    inputs: StoredRows,
+    outputs: StoredRows,
+    hyperparameters: StoredRows,
     evaluations: usize,
 }
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Table {
+struct StoredRows {
     width: usize,
     #[serde(with = "exact::f64s")]
     values: Vec<f64>,
 }
 
-impl Table {
+impl StoredRows {
     fn of(rows: &Rows) -> Self {
-        Table { width: rows.width(), values: rows.values().to_vec() }
+        StoredRows { width: rows.width(), values: rows.values().to_vec() }
     }
 
     fn rows(&self) -> Result<Rows, LearnError> {
@@ -40,23 +40,23 @@ impl Table {
     }
 }
 
-impl From<Gp> for Stored {
+impl From<Gp> for StoredGp {
     fn from(gp: Gp) -> Self {
         let width = gp.theta.first().map_or(0, Vec::len);
-        Stored {
-            inputs: Table::of(&gp.inputs),
-            outputs: Table::of(&gp.outputs),
-            hyperparameters: Table { width, values: gp.theta.concat() },
+        StoredGp {
+            inputs: StoredRows::of(&gp.inputs),
+            outputs: StoredRows::of(&gp.outputs),
+            hyperparameters: StoredRows { width, values: gp.theta.concat() },
             evaluations: gp.evaluations,
             config: gp.config,
         }
     }
 }
 
-impl TryFrom<Stored> for Gp {
+impl TryFrom<StoredGp> for Gp {
     type Error = LearnError;
 
-    fn try_from(stored: Stored) -> Result<Gp, LearnError> {
+    fn try_from(stored: StoredGp) -> Result<Gp, LearnError> {
         let theta = stored.hyperparameters.rows()?.iter().map(<[f64]>::to_vec).collect();
         Gp::condition(&stored.inputs.rows()?, &stored.outputs.rows()?, &stored.config, theta, stored.evaluations)
     }

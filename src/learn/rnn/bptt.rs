@@ -2,7 +2,7 @@
 //! Goodfellow, Bengio & Courville 2016, section 10.2.2.
 
 use super::config::Loss;
-use super::tiles::{Chunk, LANES, Table, accumulate, each, fma, outer, total};
+use super::tiles::{Chunk, ChunkTable, LANES, accumulate, each, fma, outer, total};
 use super::weights::{Sizes, TILE, Weights};
 use crate::learn::simd::Real;
 use crate::math::vectorised;
@@ -12,39 +12,39 @@ const U: usize = 4;
 
 /// A batch of equally long windows and the room to work on it. Chunk `t · groups + g` of a row holds sixteen windows
 /// at time `t`.
-pub(super) struct Batch<T> {
+pub(super) struct SequenceBatch<T> {
     sizes: Sizes,
     window: usize,
     groups: usize,
     loss: Loss,
-    inputs: Table<T>,
-    targets: Table<T>,
+    inputs: ChunkTable<T>,
+    targets: ChunkTable<T>,
     /// Activations; time `t` stands at `t + 1` and the zero state before the window at 0.
-    hidden: Table<T>,
+    hidden: ChunkTable<T>,
     /// ∂loss/∂output.
-    errors: Table<T>,
+    errors: ChunkTable<T>,
     /// ∂loss/∂(argument of tanh).
-    deltas: Table<T>,
+    deltas: ChunkTable<T>,
     /// Recurrent and output weights with rows and columns exchanged.
     recurrent_t: Vec<T>,
     output_t: Vec<T>,
     filled: usize,
 }
 
-impl<T: Real> Batch<T> {
+impl<T: Real> SequenceBatch<T> {
     pub(super) fn new(sizes: Sizes, window: usize, batch: usize, loss: Loss) -> Self {
         let groups = batch.div_ceil(LANES);
         let width = window * groups;
-        Batch {
+        SequenceBatch {
             sizes,
             window,
             groups,
             loss,
-            inputs: Table::zeros(sizes.inputs, width),
-            targets: Table::zeros(sizes.ports(), width),
-            hidden: Table::zeros(sizes.units(), width + groups),
-            errors: Table::zeros(sizes.ports(), width),
-            deltas: Table::zeros(sizes.units(), width),
+            inputs: ChunkTable::zeros(sizes.inputs, width),
+            targets: ChunkTable::zeros(sizes.ports(), width),
+            hidden: ChunkTable::zeros(sizes.units(), width + groups),
+            errors: ChunkTable::zeros(sizes.ports(), width),
+            deltas: ChunkTable::zeros(sizes.units(), width),
             recurrent_t: vec![T::default(); sizes.hidden * sizes.units()],
             output_t: vec![T::default(); sizes.outputs * sizes.units()],
             filled: 0,
@@ -205,7 +205,7 @@ fn transpose<T: Real>(from: &[T], stride: usize, rows: usize, columns: usize, ou
 }
 
 #[inline(always)]
-fn sum_rows<T: Real>(table: &Table<T>, out: &mut [T]) {
+fn sum_rows<T: Real>(table: &ChunkTable<T>, out: &mut [T]) {
     for (r, out) in out.iter_mut().enumerate() {
         let mut acc = [T::default(); LANES];
         for chunk in table.row(r) {
@@ -266,7 +266,7 @@ mod tests {
         let starts: Vec<u32> = (0..windows as u32).collect();
         let mut weights = Weights::<f64>::random(sizes, Seed(3));
         let mut gradient = Weights::zeros(sizes);
-        let mut batch = Batch::new(sizes, window, windows + 5, loss);
+        let mut batch = SequenceBatch::new(sizes, window, windows + 5, loss);
         batch.load(&x, &y, &starts);
         let value = batch.loss_and_gradient(&weights, &mut gradient);
         assert!((value - loss_by_definition(&weights, &x, &y, &starts, window, loss)).abs() < 1e-14);

@@ -12,7 +12,7 @@ use crate::math::vectorised;
 /// An Elman network (one hidden layer of tanh units that see their own previous values) with a linear output layer:
 /// paper IV-A, eqs 17 and 21. Inputs and outputs are in their own units; standardising is inside.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Stored", into = "Stored")]
+#[serde(try_from = "StoredNetwork", into = "StoredNetwork")]
 pub struct Elman {
     pub(super) weights: Weights<f32>,
     pub(super) inputs: Standardiser,
@@ -148,7 +148,7 @@ fn add_scaled(out: &mut [f32], row: &[f32], scale: f32) {
 /// The form in which a network is kept.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Stored {
+struct StoredNetwork {
     inputs: Standardiser,
     hidden: usize,
     outputs: Standardiser,
@@ -157,9 +157,9 @@ struct Stored {
     weights: Vec<f32>,
 }
 
-impl From<Elman> for Stored {
+impl From<Elman> for StoredNetwork {
     fn from(network: Elman) -> Self {
-        Stored {
+        StoredNetwork {
             hidden: network.weights.sizes.hidden,
             inputs: network.inputs,
             outputs: network.outputs,
@@ -169,10 +169,10 @@ impl From<Elman> for Stored {
     }
 }
 
-impl TryFrom<Stored> for Elman {
+impl TryFrom<StoredNetwork> for Elman {
     type Error = LearnError;
 
-    fn try_from(stored: Stored) -> Result<Elman, LearnError> {
+    fn try_from(stored: StoredNetwork) -> Result<Elman, LearnError> {
         let (inputs, outputs) = (stored.inputs.width(), stored.outputs.width());
         let sizes = Sizes { inputs, hidden: stored.hidden, outputs };
         if stored.weights.len() != sizes.len() {

@@ -10,14 +10,14 @@ pub(super) type Chunk<T> = [T; LANES];
 
 /// A table of chunks: row `r` (a unit or an input) holds `width` chunks (times and groups of samples).
 #[derive(Clone, Debug)]
-pub(super) struct Table<T> {
+pub(super) struct ChunkTable<T> {
     pub(super) width: usize,
     pub(super) chunks: Vec<Chunk<T>>,
 }
 
-impl<T: Real> Table<T> {
+impl<T: Real> ChunkTable<T> {
     pub(super) fn zeros(rows: usize, width: usize) -> Self {
-        Table { width, chunks: vec![[T::default(); LANES]; rows * width] }
+        ChunkTable { width, chunks: vec![[T::default(); LANES]; rows * width] }
     }
 
     #[inline(always)]
@@ -33,7 +33,7 @@ pub(super) fn accumulate<T: Real, const U: usize>(
     weights: &[T],
     stride: usize,
     first: usize,
-    table: &Table<T>,
+    table: &ChunkTable<T>,
     at: usize,
     rows: usize,
 ) {
@@ -55,8 +55,8 @@ pub(super) fn accumulate<T: Real, const U: usize>(
 pub(super) fn outer<T: Real>(
     out: &mut [T],
     stride: usize,
-    (a, a_from, rows): (&Table<T>, usize, usize),
-    (b, b_from, columns): (&Table<T>, usize, usize),
+    (a, a_from, rows): (&ChunkTable<T>, usize, usize),
+    (b, b_from, columns): (&ChunkTable<T>, usize, usize),
     len: usize,
 ) {
     let mut r = 0;
@@ -74,8 +74,8 @@ pub(super) fn outer<T: Real>(
 fn outer_rows<T: Real, const R: usize>(
     out: &mut [T],
     stride: usize,
-    (a, a_from, row): (&Table<T>, usize, usize),
-    (b, b_from, columns): (&Table<T>, usize, usize),
+    (a, a_from, row): (&ChunkTable<T>, usize, usize),
+    (b, b_from, columns): (&ChunkTable<T>, usize, usize),
     len: usize,
 ) {
     let lines: [&[Chunk<T>]; R] = std::array::from_fn(|r| &a.row(row + r)[a_from..a_from + len]);

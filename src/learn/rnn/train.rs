@@ -4,7 +4,7 @@ use rand::seq::SliceRandom;
 use serde::{Deserialize, Serialize};
 
 use super::adam::Adam;
-use super::bptt::Batch;
+use super::bptt::SequenceBatch;
 use super::weights::{Sizes, Weights};
 use super::windows::Split;
 use super::{Elman, ElmanConfig};
@@ -129,7 +129,7 @@ struct Session<'a> {
     targets: Vec<f32>,
     /// Validation rows, one table per run.
     held_out: Vec<(Rows, Rows)>,
-    batch: Batch<f32>,
+    batch: SequenceBatch<f32>,
     gradient: Weights<f32>,
     adam: Adam<f32>,
     best: Weights<f32>,
@@ -151,7 +151,7 @@ impl<'a> Session<'a> {
             targets: table(outputs, &start.outputs),
             held_out: split.validate.iter().map(|run| (pick(inputs, run), pick(outputs, run))).collect(),
             split,
-            batch: Batch::new(start.weights.sizes, config.window, config.batch, config.loss),
+            batch: SequenceBatch::new(start.weights.sizes, config.window, config.batch, config.loss),
             gradient: Weights::zeros(start.weights.sizes),
             adam: Adam::new(start.weights.values.len()),
             best: start.weights.clone(),

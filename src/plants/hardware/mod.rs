@@ -20,7 +20,7 @@ pub use served_simulator::ServedSimulator;
 pub use timing::{Lateness, LoopTiming};
 
 use crate::base::Point3;
-use crate::effects::{Driven, Model};
+use crate::effects::{DrivenModel, Model};
 use crate::hardware::rig::{Event, Rig};
 use crate::hardware::safety::SafetyLimits;
 
@@ -33,7 +33,7 @@ pub struct Hardware {
     /// Model of the robot without a weight.
     unloaded_model: Model,
     /// Model with the present weight: predicts the motion of following tendons and the tip.
-    model: Driven,
+    model: DrivenModel,
     step_s: f64,
     settle_s: f64,
     safety: SafetyLimits,

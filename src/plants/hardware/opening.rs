@@ -6,7 +6,7 @@ use super::operator::RobotLock;
 use super::supervised_rig::SupervisedRig;
 use super::{Hardware, HardwareOptions, LoopTiming, Rehearsal};
 use crate::base::Seed;
-use crate::effects::Driven;
+use crate::effects::DrivenModel;
 use crate::hardware::clock::{Clock, WallClock};
 use crate::hardware::grbl::Controller;
 use crate::hardware::interrupt::Interrupt;
@@ -91,7 +91,7 @@ impl Hardware {
         Ok(Hardware {
             supervised: SupervisedRig::new(Rig::new(parts), clock),
             unloaded_model: options.model.clone(),
-            model: Driven::new(&options.model, &[]),
+            model: DrivenModel::new(&options.model, &[]),
             step_s,
             settle_s: options.settle_s,
             safety: options.safety,

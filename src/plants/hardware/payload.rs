@@ -2,7 +2,7 @@
 
 use super::{Hardware, operator};
 use crate::base::PlantError;
-use crate::effects::{Driven, EffectSpec};
+use crate::effects::{DrivenModel, EffectSpec};
 use crate::hardware::safety::GuardState;
 
 /// Longest wait until both bodies are tracked again, s.
@@ -28,7 +28,7 @@ impl Hardware {
             seen.ok_or("base and tip are not tracked; make both bodies visible")?;
         }
         let hung: Vec<EffectSpec> = (load_kg > 0.0).then(|| EffectSpec::tip_load(load_kg)).into_iter().collect();
-        self.model = Driven::new(&self.unloaded_model, &hung);
+        self.model = DrivenModel::new(&self.unloaded_model, &hung);
         self.supervised.rig().set_expected_tip(None);
         Ok(())
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::base::{Seed, TendonCommand};
-use crate::effects::{Driven, EffectSpec, Model};
+use crate::effects::{DrivenModel, EffectSpec, Model};
 use crate::hardware::axes::AXES;
 use crate::hardware::clock::Clock;
 use crate::hardware::interrupt::Interrupt;
@@ -107,7 +107,7 @@ pub(super) fn build_simulator(
 struct RehearsalRobot {
     model: Model,
     attached: Vec<EffectSpec>,
-    driven: Driven,
+    driven: DrivenModel,
     /// Time since the robot was last advanced, s.
     waiting_s: f64,
     tip: RigidPose,
@@ -126,7 +126,7 @@ impl RehearsalRobot {
         let mut robot = RehearsalRobot {
             model: model.clone(),
             attached: attached.to_vec(),
-            driven: Driven::new(model, attached),
+            driven: DrivenModel::new(model, attached),
             waiting_s: 0.0,
             tip: RigidPose::default(),
             pulls_m: [0.0; AXES],
@@ -175,7 +175,7 @@ impl SimulatedRobot for RehearsalRobot {
     fn hang_weight(&mut self, load_kg: f64) {
         let hung = (load_kg > 0.0).then(|| EffectSpec::tip_load(load_kg));
         let all: Vec<EffectSpec> = self.attached.iter().cloned().chain(hung).collect();
-        self.driven = Driven::new(&self.model, &all);
+        self.driven = DrivenModel::new(&self.model, &all);
         let rests = self.driven.home().and_then(|()| self.driven.settle(&self.commands()));
         if rests.is_ok() {
             self.update_tip();

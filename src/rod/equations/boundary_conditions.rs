@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::motion::Motion;
 use crate::rod::params::hysteresis_law::HistoryState;
-use crate::rod::params::loads::TipLoad;
+use crate::rod::params::loads::TipWrench;
 
 /// What a tendon is held to during a solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,7 +20,7 @@ pub(crate) struct SolveConditions<'a> {
     pub(crate) holds: &'a [TendonConstraint],
     /// For tendons held by length: whether it is taut.
     pub(crate) taut: &'a [bool],
-    pub(crate) tip_load: &'a TipLoad,
+    pub(crate) tip_load: &'a TipWrench,
     /// Share of the rod's constant loads, 1 but during continuation.
     pub(crate) load_share: f64,
     /// Acceleration of gravity, m/s² (the robot's, or a share of it during continuation).

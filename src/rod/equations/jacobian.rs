@@ -12,7 +12,7 @@ use super::rates::RateMatrices;
 use super::system::{RodEquations, Workspace};
 use super::variation::ShapeVariation;
 use super::world_vectors::{VectorDerivative, padded};
-use crate::math::{rotation, three, vectorised};
+use crate::math::{matrix3, rotation, vectorised};
 use crate::rod::discretisation::cell::COMPONENTS;
 use crate::rod::discretisation::grid::Grid;
 
@@ -174,7 +174,7 @@ impl Derivative {
         self.moment.add_cross(turn, &workspace.loads.moment[g], -1.0);
         let back = workspace.shape.node_r[g].transpose();
         // − Rᵀ (−δθ × F): the force turns in the body frame and nothing else.
-        let turned = three::product(&back, &rotation::skew(&workspace.loads.force[g]));
+        let turned = matrix3::product(&back, &rotation::skew(&workspace.loads.force[g]));
         let (moments, forces) = self.wrench_rows.split_at_mut(3);
         for axis in 0..3 {
             let r = [back[(axis, 0)], back[(axis, 1)], back[(axis, 2)]];

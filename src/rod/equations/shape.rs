@@ -3,8 +3,8 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::material::{Compliance, Components, Section};
+use crate::math::matrix3;
 use crate::math::rotation::{self, Turns};
-use crate::math::three;
 use crate::rod::discretisation::cell::GAUSS;
 use crate::rod::discretisation::grid::Grid;
 
@@ -121,11 +121,11 @@ impl Shape {
         let (first, second) = (2 * c, 2 * c + 1);
         let weights = Grid::partial_weights(h);
         let start = self.end_r[c];
-        self.node_r[first] = three::product(&start, &self.turns.matrix(3 * c));
-        self.node_r[second] = three::product(&start, &self.turns.matrix(3 * c + 1));
-        self.end_r[c + 1] = three::product(&start, &self.turns.matrix(3 * c + 2));
-        let d1 = three::turned(&self.node_r[first], &self.strain[first][3..]);
-        let d2 = three::turned(&self.node_r[second], &self.strain[second][3..]);
+        self.node_r[first] = matrix3::product(&start, &self.turns.matrix(3 * c));
+        self.node_r[second] = matrix3::product(&start, &self.turns.matrix(3 * c + 1));
+        self.end_r[c + 1] = matrix3::product(&start, &self.turns.matrix(3 * c + 2));
+        let d1 = matrix3::times(&self.node_r[first], &self.strain[first][3..]);
+        let d2 = matrix3::times(&self.node_r[second], &self.strain[second][3..]);
         let p = self.end_p[c];
         self.node_p[first] = p + d1 * weights[0][0] + d2 * weights[0][1];
         self.node_p[second] = p + d1 * weights[1][0] + d2 * weights[1][1];

@@ -10,7 +10,7 @@ use super::material::{Components, Section};
 use super::motion::EndMass;
 use super::shape::Shape;
 use super::tendon_guide::TendonGuide;
-use crate::math::{rotation, three, vectorised};
+use crate::math::{matrix3, rotation, vectorised};
 use crate::rod::discretisation::cell::{COMPONENTS, Node};
 use crate::rod::discretisation::grid::Grid;
 use crate::rod::params::hysteresis_law::HistoryState;
@@ -247,8 +247,8 @@ impl RodEquations {
             }
         }
         let r = &workspace.shape.node_r[g];
-        let moment = three::turned_back(r, &workspace.loads.moment[g]);
-        let force = three::turned_back(r, &workspace.loads.force[g]);
+        let moment = matrix3::transpose_times(r, &workspace.loads.moment[g]);
+        let force = matrix3::transpose_times(r, &workspace.loads.force[g]);
         for a in 0..3 {
             total[a] -= moment[a];
             total[a + 3] -= force[a];

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::material::Components;
-use crate::math::{rotation, three};
+use crate::math::{matrix3, rotation};
 use crate::rod::discretisation::cell::COMPONENTS;
 use crate::rod::params::tendon::Tendon;
 
@@ -40,8 +40,8 @@ impl TendonGuide {
         // What lies across the path, (τ/ℓ)(1 − t tᵀ), seen by the strains: the path is v + u × r.
         let across = Matrix3::from_fn(|i, j| (f64::from(i == j) - t[i] * t[j]) * (tension / stretch));
         let arm = rotation::skew(&Vector3::new(x, y, 0.0));
-        let mixed = three::product(&arm, &across);
-        let turning = three::product(&mixed, &arm.transpose());
+        let mixed = matrix3::product(&arm, &across);
+        let turning = matrix3::product(&mixed, &arm.transpose());
         for row in 0..3 {
             for column in 0..3 {
                 total[row][column] += turning[(row, column)];

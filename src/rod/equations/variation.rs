@@ -3,7 +3,7 @@
 
 use super::shape::Shape;
 use super::world_vectors::VectorDerivative;
-use crate::math::three;
+use crate::math::matrix3;
 use crate::rod::discretisation::cell::COMPONENTS;
 use crate::rod::discretisation::grid::Grid;
 
@@ -49,7 +49,7 @@ impl ShapeVariation {
                 let weights = partial[row];
                 let rates = [(&self.turn_rate[0], weights[0]), (&self.turn_rate[1], weights[1])];
                 self.node_turn[g].set_sum(&self.end_turn[c], rates[0], rates[1]);
-                let tangent = three::turned(&shape.node_r[g], &shape.strain[g][3..]);
+                let tangent = matrix3::times(&shape.node_r[g], &shape.strain[g][3..]);
                 self.move_rate[row].add_cross(&self.node_turn[g], &tangent, 1.0);
             }
             for row in 0..2 {
@@ -75,7 +75,7 @@ fn strain_rates(grid: &Grid, shape: &Shape, g: usize, turn: &mut VectorDerivativ
         let strain = shape.compliance[g].column(component);
         let columns = node.offset[component]..node.offset[component] + grid.modes[component];
         let (target, part) = if component < 3 { (&mut *turn, &strain[..3]) } else { (&mut *moved, &strain[3..]) };
-        let world = three::turned(&shape.node_r[g], part);
+        let world = matrix3::times(&shape.node_r[g], part);
         for (row, factor) in target.rows_mut().into_iter().zip(world.iter()) {
             for (slot, basis) in row[columns.clone()].iter_mut().zip(&node.basis) {
                 *slot = factor * basis;

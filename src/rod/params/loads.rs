@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 /// A load at the tip that keeps its direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct TipLoad {
+pub struct TipWrench {
     /// Force at the tip in the world frame, N.
     pub force_n: Vector3<f64>,
     /// Moment at the tip in the world frame, N m.

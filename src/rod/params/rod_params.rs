@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use super::hysteresis_law::MomentLaw;
-use super::loads::{LineLoad, PointLoad, TipLoad};
+use super::loads::{LineLoad, PointLoad, TipWrench};
 use super::resolution::Resolution;
 use super::span::{Span, Taper};
 use super::spine::{CompressibleSection, PointMass};
@@ -33,7 +33,7 @@ pub struct RodParams {
     /// Quadratic drag per length on each body axis, N s²/m³ (Till et al. 2019, eq. 5).
     pub drag_n_s2_m3: f64,
     /// Load at the tip.
-    pub tip_load: TipLoad,
+    pub tip_load: TipWrench,
     /// Constant loads at other places.
     pub point_loads: Vec<PointLoad>,
     /// Constant loads over part of the rod.

@@ -12,7 +12,7 @@ use crate::rod::discretisation::grid::Grid;
 use crate::rod::equations::boundary_conditions::{SolveConditions, TendonConstraint};
 use crate::rod::equations::motion::Motion;
 use crate::rod::equations::system::RodEquations;
-use crate::rod::params::loads::TipLoad;
+use crate::rod::params::loads::TipWrench;
 use crate::rod::params::rod_params::RodParams;
 use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rates::Rates;
@@ -100,7 +100,7 @@ impl PerturbedRods {
     }
 
     /// Replaces the load at the tips from now on; `load` gives a rod's own.
-    pub fn set_tip_load(&mut self, load: &dyn Fn(&RodParams) -> TipLoad) {
+    pub fn set_tip_load(&mut self, load: &dyn Fn(&RodParams) -> TipWrench) {
         self.all().for_each(|rod| rod.set_tip_load(load(rod.params())));
     }
 

@@ -12,7 +12,7 @@ use crate::math::vectorised;
 use crate::rod::equations::boundary_conditions::{SolveConditions, TendonConstraint};
 use crate::rod::equations::motion::Motion;
 use crate::rod::equations::system::RodEquations;
-use crate::rod::params::loads::TipLoad;
+use crate::rod::params::loads::TipWrench;
 use crate::rod::params::rod_params::RodParams;
 use crate::rod::params::scheme::{Scheme, Tableau};
 use crate::rod::solver::newton_state::NewtonSolver;
@@ -41,7 +41,7 @@ pub struct Rod {
     pub(crate) stages: Vec<Rates>,
     pub(crate) tableau: Tableau,
     pub(crate) step_size: StepSize,
-    pub(crate) tip_load: TipLoad,
+    pub(crate) tip_load: TipWrench,
     pub(crate) grid_level: GridLevel,
     /// Under what the rod came to rest; nothing once it has moved.
     pub(crate) settled_under: Option<SettledConditions>,
@@ -106,14 +106,14 @@ impl Rod {
     }
 
     /// Replaces the load at the tip from now on (it is added to nothing: pass the sum).
-    pub fn set_tip_load(&mut self, load: TipLoad) {
+    pub fn set_tip_load(&mut self, load: TipWrench) {
         self.tip_load = load;
     }
 
     pub(crate) fn solve(
         &mut self,
         holds: &[TendonConstraint],
-        (tip_load, load_share): (&TipLoad, f64),
+        (tip_load, load_share): (&TipWrench, f64),
         gravity_m_s2: Vector3<f64>,
         settled: bool,
         tolerance_m: f64,

@@ -1,7 +1,7 @@
 //! One static solve at a share of the loads.
 
 use crate::rod::equations::boundary_conditions::TendonConstraint;
-use crate::rod::params::loads::TipLoad;
+use crate::rod::params::loads::TipWrench;
 use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rod::Rod;
 
@@ -18,7 +18,7 @@ impl Rod {
                 TendonConstraint::Tension(tension) => TendonConstraint::Tension(share * tension),
             })
             .collect();
-        let load = TipLoad { force_n: self.tip_load.force_n * share, moment_nm: self.tip_load.moment_nm * share };
+        let load = TipWrench { force_n: self.tip_load.force_n * share, moment_nm: self.tip_load.moment_nm * share };
         self.seed_tensions(&scaled);
         let gravity = self.system.params.gravity_m_s2 * share;
         self.solve(&scaled, (&load, share), gravity, true, STATIC_TOLERANCE_M)

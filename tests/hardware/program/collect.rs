@@ -80,7 +80,7 @@ fn a_recording_is_named_from_the_plant_file_and_has_the_steps_of_the_commands() 
         1,
         &["robots/rec.csv, all rows, column `time_s`: found steps of 0.200000 s, expected 0.1 s, as the commands have"],
     );
-    // Driven by tensions.
+    // DrivenModel by tensions.
     bench.put(
         "robots/rec.csv",
         &recorded.replace("1_m,", "1_n,").replace("2_m,", "2_n,").replace("3_m,", "3_n,").replace("4_m,", "4_n,"),

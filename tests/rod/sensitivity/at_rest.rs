@@ -3,10 +3,10 @@
 use super::support::{RELATIVE, shipped};
 use nalgebra::{Matrix3xX, Vector3};
 use spinebench::math::rotation;
-use spinebench::rod::{Direction, Drive, Rod, RodParams, SolveStatus, TipLoad, TipRate};
+use spinebench::rod::{Direction, Drive, Rod, RodParams, SolveStatus, TipRate, TipWrench};
 
 /// Drives and load with one of them moved; what is below tension 0 stays there.
-fn shifted(direction: Direction, by: f64, (mut drives, mut load): ([Drive; 4], TipLoad)) -> ([Drive; 4], TipLoad) {
+fn shifted(direction: Direction, by: f64, (mut drives, mut load): ([Drive; 4], TipWrench)) -> ([Drive; 4], TipWrench) {
     match (direction, drives) {
         (Direction::Pull(i), now) if matches!(now[i], Drive::Pull(_)) => {
             let Drive::Pull(pull) = now[i] else { unreachable!() };
@@ -26,7 +26,7 @@ fn shifted(direction: Direction, by: f64, (mut drives, mut load): ([Drive; 4], T
 
 /// A derivative at rest against the difference of rods that settle from straight, so that what solves leave is the same
 /// to both sides; the second solve leaves less.
-fn compare_at_rest(params: &RodParams, drives: [Drive; 4], load: TipLoad, direction: Direction, rate: &TipRate) {
+fn compare_at_rest(params: &RodParams, drives: [Drive; 4], load: TipWrench, direction: Direction, rate: &TipRate) {
     let moved = |by: f64| {
         let (drives, load) = shifted(direction, by, (drives, load));
         let mut rod = Rod::new(params.clone());
@@ -56,9 +56,9 @@ fn compare_at_rest(params: &RodParams, drives: [Drive; 4], load: TipLoad, direct
 #[test]
 fn jacobian_at_rest() {
     use Drive::{Follow, Pull, Tension};
-    let load = TipLoad { force_n: Vector3::new(0.1, -0.2, 0.15), moment_nm: Vector3::new(0.005, 0.01, -0.004) };
+    let load = TipWrench { force_n: Vector3::new(0.1, -0.2, 0.15), moment_nm: Vector3::new(0.005, 0.01, -0.004) };
     // Four tendons at equal angles can all be taut only where they stretch.
-    let mut params = RodParams { memory: vec![], ..shipped("real").rod(&[]) };
+    let mut params = RodParams { moment_laws: vec![], ..shipped("real").rod(&[]) };
     params.tendons.iter_mut().for_each(|tendon| tendon.compliance_m_per_n = 2e-4);
     let poses: [([Drive; 4], usize); 7] = [
         ([Pull(-0.01); 4], 0),

@@ -2,7 +2,7 @@
 
 use super::support::{ABSOLUTE, ABSOLUTE_FIXED, Commands, RELATIVE, ROUGH, SIZE_M, minus, rms, rows, shipped, yaml};
 use spinebench::base::Point3;
-use spinebench::effects::{CATALOGUE, Card, Driven, EffectSpec, Model, ModelParameter, Variable, replay};
+use spinebench::effects::{CATALOGUE, Card, DrivenModel, EffectSpec, Model, ModelParameter, Variable, replay};
 
 /// The nominal robot with one effect of the catalogue.
 fn with_effect(card: &Card, value: &dyn Fn(&str, f64) -> f64) -> Model {
@@ -60,7 +60,7 @@ fn nearby(model: &Model) -> Vec<ModelParameter> {
     let mut all = ModelParameter::all(model);
     all.retain(|parameter| parameter.path() != "robot.drive_time_s");
     let variables: Vec<Variable> = all.iter().cloned().map(Variable::Parameter).collect();
-    let (_, left_out) = Driven::varied_where_possible(model, &[], &variables).unwrap();
+    let (_, left_out) = DrivenModel::varied_where_possible(model, &[], &variables).unwrap();
     left_out.iter().rev().for_each(|&index| drop(all.remove(index)));
     all
 }
@@ -136,7 +136,7 @@ fn numbers_that_change_the_discretisation() {
     let named = |path: &str| Variable::Parameter(ModelParameter::named(&model, path).unwrap());
     let variables = ["robot.disks.mass_kg", "robot.tendons.ends_m[2]", "robot.backbone.youngs_modulus_pa"];
     let variables = variables.map(named);
-    let (_, left_out) = Driven::varied_where_possible(&model, &[], &variables).unwrap();
+    let (_, left_out) = DrivenModel::varied_where_possible(&model, &[], &variables).unwrap();
     assert_eq!(left_out, [1]);
     let commands = Commands::loops(&model, SIZE_M, true);
     let replayed = replay(&model, &[], &commands.trial(), &variables).unwrap();

@@ -6,7 +6,7 @@ pub mod random_robot;
 
 use nalgebra::{Matrix3, Vector3};
 use spinebench::effects::{EffectSpec, Model};
-use spinebench::rod::{Resolution, RodParams, Span, Tendon, TipLoad};
+use spinebench::rod::{Resolution, RodParams, Span, Tendon, TipWrench};
 use std::collections::HashMap;
 
 /// Rows of a reference file by column name.
@@ -40,7 +40,7 @@ pub fn round_rod(length_m: f64, radius_m: f64, e_pa: f64, g_pa: f64, mass_kg_m: 
         base_rotation_rad: Vector3::zeros(),
         damping_time_s: 0.0,
         drag_n_s2_m3: 0.0,
-        tip_load: TipLoad::default(),
+        tip_load: TipWrench::default(),
         point_loads: vec![],
         line_loads: vec![],
         moment_laws: vec![],

@@ -4,13 +4,13 @@
 use nalgebra::Vector3;
 use rand::{Rng, RngExt};
 use spinebench::base::Seed;
-use spinebench::rod::{CompressibleSection, Drive, PointMass, RodParams, Tendon, TipLoad};
+use spinebench::rod::{CompressibleSection, Drive, PointMass, RodParams, Tendon, TipWrench};
 
 /// A robot and one command.
 #[derive(Clone, Debug)]
 pub struct Case {
     pub params: RodParams,
-    pub load: TipLoad,
+    pub load: TipWrench,
     pub drives: Vec<Drive>,
     /// Angle to which the command would bend a rod without other loads, rad.
     pub angle_rad: f64,
@@ -161,12 +161,12 @@ fn add_memory(random: &mut impl Rng, params: &mut RodParams) {
         2 => format!("creep: {{share: {:e}, time_s: {:e}}}", log(random, 0.01, 0.8), log(random, 0.1, 100.0)),
         _ => return,
     };
-    super::effects(&format!("- {yaml}"))[0].build().alter(params);
+    super::effects(&format!("- {yaml}"))[0].build().modify_rod(params);
 }
 
-pub fn tip_load(random: &mut impl Rng, params: &RodParams) -> TipLoad {
+pub fn tip_load(random: &mut impl Rng, params: &RodParams) -> TipWrench {
     let (stiffness, length) = (bending_n_m2(params), params.length_m());
-    let mut load = TipLoad::default();
+    let mut load = TipWrench::default();
     if chance(random, 0.3) {
         load.force_n = log(random, 0.01, 10.0) * stiffness / (length * length) * direction(random);
     }

@@ -3,24 +3,24 @@
 use std::path::Path;
 
 use super::meta::Rotation;
-use super::{Line, wrong_line};
+use super::{ExportLine, wrong_line};
 use crate::data::DataError;
 
 /// Where the numbers stand.
 #[derive(Debug)]
-pub(crate) struct Layout {
+pub(crate) struct ExportLayout {
     /// Number of cells in a row.
     pub(crate) width: usize,
     /// Column of the time.
     pub(crate) time: usize,
-    pub(crate) bodies: Vec<Places>,
+    pub(crate) bodies: Vec<BodyColumns>,
     /// Line of the names.
     pub(crate) names_line: usize,
 }
 
 /// Columns of a rigid body.
 #[derive(Debug)]
-pub(crate) struct Places {
+pub(crate) struct BodyColumns {
     pub(crate) name: String,
     /// x, y, z.
     pub(crate) position: Vec<usize>,
@@ -29,30 +29,35 @@ pub(crate) struct Places {
 }
 
 /// The rows that tell what a column is.
-struct Told<'a> {
-    kinds: &'a Line<'a>,
-    names: &'a Line<'a>,
-    ids: Option<&'a Line<'a>>,
-    quantities: &'a Line<'a>,
-    parts: &'a Line<'a>,
+struct HeaderRows<'a> {
+    kinds: &'a ExportLine<'a>,
+    names: &'a ExportLine<'a>,
+    ids: Option<&'a ExportLine<'a>>,
+    quantities: &'a ExportLine<'a>,
+    parts: &'a ExportLine<'a>,
 }
 
 /// Whether this is the last row of the header: `Frame,Time (Seconds),…`. A body may be called `Frame` too.
-pub(crate) fn is_last(line: &Line) -> bool {
+pub(crate) fn is_last(line: &ExportLine) -> bool {
     let mut cells = (0..line.cells.len()).map(|index| line.cell(index).to_ascii_lowercase());
     cells.clone().any(|cell| cell == "frame") && cells.any(|cell| cell.starts_with("time"))
 }
 
 /// Reads the rows of the header, `rows` without empty ones, of which `parts` is the last.
-pub(crate) fn layout(path: &Path, rows: &[Line], parts: &Line, rotation: Rotation) -> Result<Layout, DataError> {
+pub(crate) fn layout(
+    path: &Path,
+    rows: &[ExportLine],
+    parts: &ExportLine,
+    rotation: Rotation,
+) -> Result<ExportLayout, DataError> {
     let time = (0..parts.cells.len()).find(|&index| is_time(parts.cell(index)));
     let time = time.ok_or_else(|| {
         wrong_line(path, parts.number, "no column `Time (Seconds)`", "`Frame,Time (Seconds),X,Y,Z,…`")
     })?;
-    let told = told(path, rows, parts)?;
-    let bodies = bodies(path, &told, rotation)?;
+    let header_rows = header_rows(path, rows, parts)?;
+    let bodies = bodies(path, &header_rows, rotation)?;
     let width = rows.iter().chain([parts]).map(|line| line.cells.len()).max().unwrap_or(0);
-    Ok(Layout { width, time, bodies, names_line: told.names.number })
+    Ok(ExportLayout { width, time, bodies, names_line: header_rows.names.number })
 }
 
 fn is_time(cell: &str) -> bool {
@@ -60,7 +65,11 @@ fn is_time(cell: &str) -> bool {
 }
 
 /// Some versions label the rows in a cell before the first column of numbers, others rely on their order.
-fn told<'a>(path: &Path, rows: &'a [Line<'a>], parts: &'a Line<'a>) -> Result<Told<'a>, DataError> {
+fn header_rows<'a>(
+    path: &Path,
+    rows: &'a [ExportLine<'a>],
+    parts: &'a ExportLine<'a>,
+) -> Result<HeaderRows<'a>, DataError> {
     let leading: Vec<usize> = (0..parts.cells.len())
         .filter(|&index| {
             let cell = parts.cell(index).to_ascii_lowercase();
@@ -75,33 +84,33 @@ fn told<'a>(path: &Path, rows: &'a [Line<'a>], parts: &'a Line<'a>) -> Result<To
     };
     let any_label = ["Type", "Name", "ID"].iter().any(|label| labelled(label).is_some());
     if !any_label {
-        return Ok(Told { kinds: first, names: second, ids: middle.first(), quantities, parts });
+        return Ok(HeaderRows { kinds: first, names: second, ids: middle.first(), quantities, parts });
     }
     let needed = |label: &str| {
         labelled(label)
             .ok_or_else(|| wrong_line(path, first.number, format!("no row `{label}`"), "rows `Type`, `Name`"))
     };
-    Ok(Told { kinds: needed("Type")?, names: needed("Name")?, ids: labelled("ID"), quantities, parts })
+    Ok(HeaderRows { kinds: needed("Type")?, names: needed("Name")?, ids: labelled("ID"), quantities, parts })
 }
 
-fn bodies(path: &Path, told: &Told, rotation: Rotation) -> Result<Vec<Places>, DataError> {
+fn bodies(path: &Path, header_rows: &HeaderRows, rotation: Rotation) -> Result<Vec<BodyColumns>, DataError> {
     // Two bodies may have one name; what tells them apart is the ID.
     let mut columns: Vec<((&str, &str), Vec<usize>)> = Vec::new();
-    let is_body = |index: usize| told.kinds.cell(index).eq_ignore_ascii_case("Rigid Body");
-    for index in (0..told.kinds.cells.len()).filter(|&index| is_body(index)) {
-        let key = (told.names.cell(index), told.ids.map_or("", |ids| ids.cell(index)));
+    let is_body = |index: usize| header_rows.kinds.cell(index).eq_ignore_ascii_case("Rigid Body");
+    for index in (0..header_rows.kinds.cells.len()).filter(|&index| is_body(index)) {
+        let key = (header_rows.names.cell(index), header_rows.ids.map_or("", |ids| ids.cell(index)));
         match columns.iter_mut().find(|(known, _)| *known == key) {
             Some((_, known)) => known.push(index),
             None => columns.push((key, vec![index])),
         }
     }
     if columns.is_empty() {
-        let found = format!("no column of a `Rigid Body`, only {}", kinds(told.kinds));
-        return Err(wrong_line(path, told.kinds.number, found, "rigid bodies: export with them switched on"));
+        let found = format!("no column of a `Rigid Body`, only {}", kinds(header_rows.kinds));
+        return Err(wrong_line(path, header_rows.kinds.number, found, "rigid bodies: export with them switched on"));
     }
     let places = |((name, _), columns): &((&str, &str), Vec<usize>)| {
-        let find = |quantity, part| place(path, told, name, columns, (quantity, part));
-        Ok(Places {
+        let find = |quantity, part| place(path, header_rows, name, columns, (quantity, part));
+        Ok(BodyColumns {
             name: (*name).to_owned(),
             position: ["X", "Y", "Z"].iter().map(|part| find("Position", part)).collect::<Result<_, _>>()?,
             rotation: rotation.parts().iter().map(|part| find("Rotation", part)).collect::<Result<_, _>>()?,
@@ -113,14 +122,14 @@ fn bodies(path: &Path, told: &Told, rotation: Rotation) -> Result<Vec<Places>, D
 /// The one column of a body that holds this part of this quantity.
 fn place(
     path: &Path,
-    told: &Told,
+    header_rows: &HeaderRows,
     name: &str,
     columns: &[usize],
     (quantity, part): (&str, &str),
 ) -> Result<usize, DataError> {
     let fits = |index: &&usize| {
-        told.quantities.cell(**index).eq_ignore_ascii_case(quantity)
-            && told.parts.cell(**index).eq_ignore_ascii_case(part)
+        header_rows.quantities.cell(**index).eq_ignore_ascii_case(quantity)
+            && header_rows.parts.cell(**index).eq_ignore_ascii_case(part)
     };
     let found: Vec<&usize> = columns.iter().filter(fits).collect();
     if let [index] = found[..] {
@@ -128,7 +137,7 @@ fn place(
     }
     Err(DataError::Cell {
         file: path.to_owned(),
-        place: format!("line {}", told.parts.number),
+        place: format!("line {}", header_rows.parts.number),
         column: format!("{name} {quantity} {part}"),
         found: if found.is_empty() { "no such column".to_owned() } else { format!("{} such columns", found.len()) },
         expected: "one for every rigid body".to_owned(),
@@ -136,7 +145,7 @@ fn place(
 }
 
 /// The kinds of columns that there are, for a message.
-fn kinds(line: &Line) -> String {
+fn kinds(line: &ExportLine) -> String {
     let mut kinds: Vec<String> = Vec::new();
     for index in 0..line.cells.len() {
         let kind = format!("`{}`", line.cell(index));

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Line, wrong_line};
+use super::{ExportLine, wrong_line};
 use crate::data::DataError;
 use crate::data::error::shown;
 
@@ -41,7 +41,7 @@ const UNITS: [(&str, f64); 5] =
 const FIRST: &str = "`Format Version,1.2…`: an export by Motive with its header";
 
 /// Reads the first line.
-pub(crate) fn meta(path: &Path, line: &Line) -> Result<Meta, DataError> {
+pub(crate) fn meta(path: &Path, line: &ExportLine) -> Result<Meta, DataError> {
     let first = line.cell(0);
     if first.starts_with("Format Version;") {
         let found = "cells between semicolons (saved again by a spreadsheet?)";
@@ -68,7 +68,7 @@ pub(crate) fn meta(path: &Path, line: &Line) -> Result<Meta, DataError> {
     Ok(Meta { unit_m: unit(path, line)?, rotation: rotation(path, line)?, frames })
 }
 
-fn unit(path: &Path, line: &Line) -> Result<f64, DataError> {
+fn unit(path: &Path, line: &ExportLine) -> Result<f64, DataError> {
     const KEY: &str = "Length Units";
     let name = value(line, KEY).unwrap_or_default();
     let unit = UNITS.iter().find(|(known, _)| name.eq_ignore_ascii_case(known));
@@ -76,7 +76,7 @@ fn unit(path: &Path, line: &Line) -> Result<f64, DataError> {
     unit.map(|(_, unit_m)| *unit_m).ok_or_else(|| bad_value(path, KEY, name, expected()))
 }
 
-fn rotation(path: &Path, line: &Line) -> Result<Rotation, DataError> {
+fn rotation(path: &Path, line: &ExportLine) -> Result<Rotation, DataError> {
     const KEY: &str = "Rotation Type";
     match value(line, KEY).unwrap_or_default() {
         name if name.eq_ignore_ascii_case("Quaternion") => Ok(Rotation::Quaternion),
@@ -86,7 +86,7 @@ fn rotation(path: &Path, line: &Line) -> Result<Rotation, DataError> {
 }
 
 /// The cell behind a key. Keys are looked for one by one, not in pairs: a name with a bare comma in it shifts the pairs.
-fn value<'a>(line: &'a Line, key: &str) -> Option<&'a str> {
+fn value<'a>(line: &'a ExportLine, key: &str) -> Option<&'a str> {
     let place = (0..line.cells.len()).find(|&index| line.cell(index).eq_ignore_ascii_case(key))?;
     Some(line.cell(place + 1))
 }

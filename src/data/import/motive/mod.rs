@@ -91,12 +91,12 @@ impl Export {
 }
 
 /// A line with its number in the file, from 1.
-struct Line<'a> {
+struct ExportLine<'a> {
     number: usize,
     cells: Vec<std::borrow::Cow<'a, str>>,
 }
 
-impl Line<'_> {
+impl ExportLine<'_> {
     /// The cell, without spaces around it; empty beyond the end.
     fn cell(&self, index: usize) -> &str {
         self.cells.get(index).map_or("", |cell| cell.trim())

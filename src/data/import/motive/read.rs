@@ -4,10 +4,10 @@ use std::borrow::Cow;
 use std::path::Path;
 
 use super::header;
-use super::header::{Layout, Places};
+use super::header::{BodyColumns, ExportLayout};
 use super::meta;
 use super::meta::{Meta, Rotation};
-use super::{Body, Export, Line, wrong_line};
+use super::{Body, Export, ExportLine, wrong_line};
 use crate::data::error::shown;
 use crate::data::recording::{Pose, unit_length};
 use crate::data::{DataError, csv};
@@ -41,9 +41,9 @@ pub(crate) fn export(path: &Path, bytes: &[u8]) -> Result<Export, DataError> {
 }
 
 /// The cells of a line, without the quotation marks around them.
-fn split<'a>(path: &Path, number: usize, line: &'a str) -> Result<Line<'a>, DataError> {
+fn split<'a>(path: &Path, number: usize, line: &'a str) -> Result<ExportLine<'a>, DataError> {
     let cells = csv::split(line).ok_or_else(|| csv::unclosed(path, number))?;
-    Ok(Line { number, cells: cells.into_iter().map(unquoted).collect() })
+    Ok(ExportLine { number, cells: cells.into_iter().map(unquoted).collect() })
 }
 
 fn unquoted(cell: &str) -> Cow<'_, str> {
@@ -57,11 +57,11 @@ fn unquoted(cell: &str) -> Cow<'_, str> {
 /// Takes the rows of the header off the lines.
 fn layout<'a>(
     path: &Path,
-    lines: &mut impl Iterator<Item = Result<Line<'a>, DataError>>,
+    lines: &mut impl Iterator<Item = Result<ExportLine<'a>, DataError>>,
     meta: &Meta,
-) -> Result<Layout, DataError> {
+) -> Result<ExportLayout, DataError> {
     const LAST: &str = "the row `Frame,Time (Seconds),X,Y,Z,…` before the frames";
-    let mut rows: Vec<Line> = Vec::new();
+    let mut rows: Vec<ExportLine> = Vec::new();
     let mut last = 1;
     for line in lines {
         let line = line?;
@@ -83,14 +83,14 @@ fn layout<'a>(
 struct Frames<'a> {
     path: &'a Path,
     meta: Meta,
-    layout: Layout,
+    layout: ExportLayout,
     time_s: Vec<f64>,
     /// All bodies of the first frame, then of the second, …
     poses: Vec<Option<Pose>>,
 }
 
 impl Frames<'_> {
-    fn push(&mut self, line: &Line) -> Result<(), DataError> {
+    fn push(&mut self, line: &ExportLine) -> Result<(), DataError> {
         if line.filled() > self.layout.width {
             let found = format!("{} cells", line.filled());
             let expected = format!("{} as in the header (decimal commas split numbers in two)", self.layout.width);
@@ -104,7 +104,7 @@ impl Frames<'_> {
         Ok(())
     }
 
-    fn time(&self, line: &Line) -> Result<f64, DataError> {
+    fn time(&self, line: &ExportLine) -> Result<f64, DataError> {
         const NAME: &str = "Time (Seconds)";
         let cell = line.cell(self.layout.time);
         let Some(time_s) = number(cell).flatten() else {
@@ -118,7 +118,7 @@ impl Frames<'_> {
     }
 
     /// A body in a frame. Motive leaves the cells of a body empty where it was not tracked, or sets all of them to 0.
-    fn pose(&self, line: &Line, places: &Places) -> Result<Option<Pose>, DataError> {
+    fn pose(&self, line: &ExportLine, places: &BodyColumns) -> Result<Option<Pose>, DataError> {
         let mut position_m = [0.0; 3];
         let mut turn = [0.0; 4];
         let mut tracked = true;
@@ -147,7 +147,13 @@ impl Frames<'_> {
         Ok(Some(Pose { position_m, quaternion }))
     }
 
-    fn number(&self, line: &Line, places: &Places, index: usize, what: &str) -> Result<Option<f64>, DataError> {
+    fn number(
+        &self,
+        line: &ExportLine,
+        places: &BodyColumns,
+        index: usize,
+        what: &str,
+    ) -> Result<Option<f64>, DataError> {
         let cell = line.cell(index);
         number(cell).ok_or_else(|| {
             let column = format!("{} {what}", places.name);
@@ -155,7 +161,7 @@ impl Frames<'_> {
         })
     }
 
-    fn unit(&self, line: &Line, places: &Places, turn: [f64; 4]) -> Result<[f64; 4], DataError> {
+    fn unit(&self, line: &ExportLine, places: &BodyColumns, turn: [f64; 4]) -> Result<[f64; 4], DataError> {
         let length = unit_length(&turn).map_err(|length| {
             let expected = "a unit quaternion".to_owned();
             let found = format!("{} of length {length:.4}", shown(line.cell(places.rotation[0])));
@@ -166,7 +172,7 @@ impl Frames<'_> {
         Ok(turn.map(|part| part / length))
     }
 
-    fn bad(&self, line: &Line, column: String, cell: &str, expected: String) -> DataError {
+    fn bad(&self, line: &ExportLine, column: String, cell: &str, expected: String) -> DataError {
         let place = format!("line {}", line.number);
         DataError::Cell { file: self.path.to_owned(), place, column, found: shown(cell), expected }
     }
@@ -177,7 +183,7 @@ impl Frames<'_> {
             return Err(DataError::Empty { file: self.path.to_owned(), found, expected });
         }
         let count = self.layout.bodies.len();
-        let body = |(index, places): (usize, Places)| {
+        let body = |(index, places): (usize, BodyColumns)| {
             let poses = self.poses.iter().skip(index).step_by(count).copied().collect();
             Body { name: places.name, poses }
         };

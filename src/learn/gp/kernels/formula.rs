@@ -13,7 +13,7 @@ pub enum Lengths {
 
 /// A positive parameter that a kernel has besides signal variance and length-scales.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shape {
+pub struct ShapeParameter {
     /// Standard symbol or name.
     pub name: &'static str,
     /// Where the search starts.
@@ -34,7 +34,7 @@ pub struct At {
 /// A kernel's formula: all that its file states.
 ///
 /// ```
-/// use spinebench::learn::gp::kernels::{At, Formula, Kernel, Lengths, Shape};
+/// use spinebench::learn::gp::kernels::{At, Formula, Kernel, Lengths, ShapeParameter};
 /// struct Cauchy;
 /// impl Formula for Cauchy {
 ///     const NAME: &'static str = "cauchy";
@@ -55,7 +55,7 @@ pub trait Formula: Send + Sync {
     /// Length-scales per input or shared.
     const LENGTHS: Lengths;
     /// Further parameters.
-    const SHAPES: &'static [Shape] = &[];
+    const SHAPES: &'static [ShapeParameter] = &[];
 
     /// Correlation and slope at the scaled squared distance `s`. Mark it `#[inline(always)]`.
     fn at(s: f64, shape: &[f64]) -> At;
@@ -73,7 +73,7 @@ pub trait Kernel: Send + Sync {
     /// Length-scales per input or shared.
     fn lengths(&self) -> Lengths;
     /// Parameters besides signal variance and length-scales.
-    fn shapes(&self) -> &'static [Shape];
+    fn shapes(&self) -> &'static [ShapeParameter];
     /// Replaces scaled squared distances by correlations.
     fn correlations(&self, shape: &[f64], s: &mut [f64]);
     /// Replaces scaled squared distances by correlations and writes `dc/ds` beside them.
@@ -91,7 +91,7 @@ impl<F: Formula> Kernel for F {
         F::LENGTHS
     }
 
-    fn shapes(&self) -> &'static [Shape] {
+    fn shapes(&self) -> &'static [ShapeParameter] {
         F::SHAPES
     }
 

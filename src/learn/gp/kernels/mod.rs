@@ -11,7 +11,7 @@ mod rational_quadratic;
 mod se_ard;
 mod se_iso;
 
-pub use formula::{At, Formula, Kernel, Lengths, Shape};
+pub use formula::{At, Formula, Kernel, Lengths, ShapeParameter};
 pub use matern32_ard::Matern32Ard;
 pub use matern52_ard::Matern52Ard;
 pub use rational_quadratic::RationalQuadratic;

@@ -6,53 +6,53 @@ use crate::rod::Drive;
 
 /// A rod's drives.
 #[derive(Clone, Debug)]
-pub(super) struct Stand {
+pub(super) struct DriveState {
     /// Time in which they carry out a command, s.
     pub(super) drive_time_s: f64,
     /// Displacements that they were last told to reach, metres, …
-    pub(super) told_m: Vec<f64>,
+    pub(super) commanded_m: Vec<f64>,
     /// … and those that they stand at with the effects on them.
-    pub(super) at_m: Vec<f64>,
+    pub(super) actual_m: Vec<f64>,
 }
 
-impl Stand {
+impl DriveState {
     /// Drives of so many tendons, at home.
-    pub(super) fn new(drive_time_s: f64, tendons: usize) -> Stand {
+    pub(super) fn new(drive_time_s: f64, tendons: usize) -> DriveState {
         let home = vec![0.0; tendons];
-        Stand { drive_time_s, told_m: home.clone(), at_m: home }
+        DriveState { drive_time_s, commanded_m: home.clone(), actual_m: home }
     }
 
     /// The way to `target_m` and then the wait, in all `duration_s`: in parts within which the drives move at constant
     /// speed, with the effects on them.
-    pub(super) fn go(&mut self, effects: &mut [Box<dyn Effect>], target_m: Vec<f64>, duration_s: f64) -> Path {
+    pub(super) fn go(&mut self, effects: &mut [Box<dyn Effect>], target_m: Vec<f64>, duration_s: f64) -> DrivePath {
         let ramp_s = self.drive_time_s.min(duration_s);
-        let late = effects.iter().any(|effect| effect.acts_late());
+        let late = effects.iter().any(|effect| effect.has_lag());
         let count = if late { (duration_s / ramp_s - 1e-9).ceil() } else { 1.0 };
         let parts = if late { vec![duration_s / count; count as usize] } else { vec![ramp_s, duration_s - ramp_s] };
-        let from_m = std::mem::replace(&mut self.told_m, target_m);
-        let mut path = Path { ends_s: Vec::new(), places_m: vec![self.at_m.clone()] };
+        let from_m = std::mem::replace(&mut self.commanded_m, target_m);
+        let mut path = DrivePath { ends_s: Vec::new(), places_m: vec![self.actual_m.clone()] };
         let mut now_s = 0.0;
         for part_s in parts {
             now_s += part_s;
             path.ends_s.push(now_s);
             if part_s > 1e-9 * duration_s {
-                let asked = between(&from_m, &self.told_m, (now_s / ramp_s).min(1.0));
-                self.at_m = affected(effects, asked, part_s);
+                let asked = between(&from_m, &self.commanded_m, (now_s / ramp_s).min(1.0));
+                self.actual_m = apply_effects(effects, asked, part_s);
             }
-            path.places_m.push(self.at_m.clone());
+            path.places_m.push(self.actual_m.clone());
         }
         path
     }
 }
 
 /// Where drives stand while a command is held: straight lines between instants.
-pub(super) struct Path {
+pub(super) struct DrivePath {
     pub(super) ends_s: Vec<f64>,
     /// At the start, and at each of these.
     places_m: Vec<Vec<f64>>,
 }
 
-impl Path {
+impl DrivePath {
     /// What the drives do so long after the command was given.
     pub(super) fn drives(&self, commands: &[TendonCommand], time_s: f64) -> Vec<Drive> {
         let last = self.ends_s.len() - 1;
@@ -66,8 +66,8 @@ impl Path {
 
 /// Where drives stand, with the effects on them, `dt_s` seconds after they were last looked at, having moved to `pulls_m`
 /// in the meantime; infinite: once all is at rest.
-pub(super) fn affected(effects: &mut [Box<dyn Effect>], mut pulls_m: Vec<f64>, dt_s: f64) -> Vec<f64> {
-    effects.iter_mut().for_each(|effect| effect.command(&mut pulls_m, dt_s));
+pub(super) fn apply_effects(effects: &mut [Box<dyn Effect>], mut pulls_m: Vec<f64>, dt_s: f64) -> Vec<f64> {
+    effects.iter_mut().for_each(|effect| effect.modify_command(&mut pulls_m, dt_s));
     pulls_m
 }
 

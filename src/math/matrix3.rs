@@ -21,14 +21,14 @@ pub fn product(a: &Matrix3<f64>, b: &Matrix3<f64>) -> Matrix3<f64> {
 
 /// a x.
 #[inline(always)]
-pub fn turned(a: &Matrix3<f64>, x: &[f64]) -> Vector3<f64> {
+pub fn times(a: &Matrix3<f64>, x: &[f64]) -> Vector3<f64> {
     let entry = |i: usize| a[(i, 0)] * x[0] + a[(i, 1)] * x[1] + a[(i, 2)] * x[2];
     Vector3::new(entry(0), entry(1), entry(2))
 }
 
 /// aᵀ x.
 #[inline(always)]
-pub fn turned_back(a: &Matrix3<f64>, x: &Vector3<f64>) -> Vector3<f64> {
+pub fn transpose_times(a: &Matrix3<f64>, x: &Vector3<f64>) -> Vector3<f64> {
     let entry = |j: usize| a[(0, j)] * x.x + a[(1, j)] * x.y + a[(2, j)] * x.z;
     Vector3::new(entry(0), entry(1), entry(2))
 }

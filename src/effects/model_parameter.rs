@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use serde_json::{Number, Value};
 
-use super::driven::VariationError;
+use super::driven_model::VariationError;
 use super::{Model, Robot};
 use crate::base::Point3;
 use crate::rod::Resolution;

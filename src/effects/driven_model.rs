@@ -5,12 +5,12 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use super::sensitivity::{ParameterError, Variable};
-use super::stand::{Path, Stand, affected, drives};
+use super::drive_path::{DrivePath, DriveState, apply_effects, drives};
+use super::model_parameter::{ParameterError, Variable};
 use super::{Effect, EffectSpec, Model};
 use crate::base::{Observation, PlantError, TendonCommand};
 use crate::math::rotation;
-use crate::rod::{Drive, NotPerturbable, PerturbedRods, Rod, RodParams, SolveStatus, TipLoad, TipRate};
+use crate::rod::{Drive, NotPerturbable, PerturbedRods, Rod, RodParams, SolveStatus, TipRate, TipWrench};
 
 /// Change of a number, over its scale, by which derivatives are taken: as much of their digits is lost to the
 /// curvature of the dependence as to rounding.
@@ -36,54 +36,60 @@ pub enum VariationError {
 
 /// A rod with the effects of a model.
 #[derive(Debug)]
-pub struct Driven {
+pub struct DrivenModel {
     rods: PerturbedRods,
-    /// Those of the model, then those of each variation.
+    /// Those of the model, then those of each perturbation.
     effects: Vec<Vec<Box<dyn Effect>>>,
     /// Those of each rod.
-    stands: Vec<Stand>,
-    variations: Vec<Variation>,
+    drive_states: Vec<DriveState>,
+    perturbations: Vec<Perturbation>,
     /// Number of the next command; the first one after a restart brings the rod home and has none.
     next: Option<usize>,
 }
 
 /// How a rod other than the model's own differs.
 #[derive(Clone, Debug)]
-struct Variation {
+struct Perturbation {
     /// Change of the variable, in its unit.
     step: f64,
     /// For a variable of the commands.
     command: Option<(usize, Range<usize>)>,
 }
 
-/// What a variation is built from.
-struct Varied {
-    variation: Variation,
+/// What a perturbation is built from.
+struct PerturbedModel {
+    perturbation: Perturbation,
     drive_time_s: f64,
     params: RodParams,
     effects: Vec<Box<dyn Effect>>,
 }
 
-impl Driven {
+impl DrivenModel {
     /// A checked model with `extra` effects on top.
-    pub fn new(model: &Model, extra: &[EffectSpec]) -> Driven {
+    pub fn new(model: &Model, extra: &[EffectSpec]) -> DrivenModel {
         let rods = PerturbedRods::alone(model.rod(extra));
-        let stand = Stand::new(model.robot.drive_time_s, rods.leader().params().tendons.len());
-        Driven { rods, effects: vec![model.effects(extra)], stands: vec![stand], variations: Vec::new(), next: None }
+        let drive_state = DriveState::new(model.robot.drive_time_s, rods.leader().params().tendons.len());
+        DrivenModel {
+            rods,
+            effects: vec![model.effects(extra)],
+            drive_states: vec![drive_state],
+            perturbations: Vec::new(),
+            next: None,
+        }
     }
 
     /// The same, with derivatives of all that it does with respect to `variables`.
     ///
     /// # Errors
     /// [`VariationError`] for the first variable without one.
-    pub fn varied(model: &Model, extra: &[EffectSpec], variables: &[Variable]) -> Result<Driven, VariationError> {
-        let mut driven = Driven::new(model, extra);
+    pub fn varied(model: &Model, extra: &[EffectSpec], variables: &[Variable]) -> Result<DrivenModel, VariationError> {
+        let mut driven = DrivenModel::new(model, extra);
         let mut params = Vec::new();
         for (index, variable) in variables.iter().enumerate() {
-            let varied = vary(model, extra, variable, index)?;
+            let varied = perturb(model, extra, variable, index)?;
             driven.effects.push(varied.effects);
-            driven.stands.push(Stand::new(varied.drive_time_s, driven.rod().params().tendons.len()));
-            driven.variations.push(varied.variation);
+            driven.drive_states.push(DriveState::new(varied.drive_time_s, driven.rod().params().tendons.len()));
+            driven.perturbations.push(varied.perturbation);
             params.push(varied.params);
         }
         driven.rods = PerturbedRods::new(model.rod(extra), params)
@@ -100,12 +106,12 @@ impl Driven {
         model: &Model,
         extra: &[EffectSpec],
         variables: &[Variable],
-    ) -> Result<(Driven, Vec<usize>), VariationError> {
+    ) -> Result<(DrivenModel, Vec<usize>), VariationError> {
         let mut kept: Vec<usize> = (0..variables.len()).collect();
         let mut left_out = Vec::new();
         loop {
             let near: Vec<Variable> = kept.iter().map(|&index| variables[index].clone()).collect();
-            match Driven::varied(model, extra, &near) {
+            match DrivenModel::varied(model, extra, &near) {
                 Err(VariationError::NotPerturbable(index)) => left_out.push(kept.remove(index)),
                 driven => {
                     left_out.sort_unstable();
@@ -124,9 +130,9 @@ impl Driven {
     pub fn restart(&mut self) {
         self.rods.restart();
         self.effects.iter_mut().flatten().for_each(|effect| effect.reset());
-        for stand in &mut self.stands {
-            stand.told_m.fill(0.0);
-            stand.at_m.fill(0.0);
+        for drive_state in &mut self.drive_states {
+            drive_state.commanded_m.fill(0.0);
+            drive_state.actual_m.fill(0.0);
         }
         self.next = None;
     }
@@ -134,7 +140,7 @@ impl Driven {
     /// At rest at home, without history; the next command is number 0.
     ///
     /// # Errors
-    /// As [`Driven::settle`].
+    /// As [`DrivenModel::settle`].
     pub fn home(&mut self) -> Result<(), PlantError> {
         self.restart();
         let tendons = self.rod().params().tendons.len();
@@ -144,7 +150,7 @@ impl Driven {
     /// At rest without tension, without history; the next command is number 0.
     ///
     /// # Errors
-    /// As [`Driven::settle`].
+    /// As [`DrivenModel::settle`].
     pub fn slack(&mut self) -> Result<(), PlantError> {
         self.restart();
         let tendons = self.rod().params().tendons.len();
@@ -152,10 +158,10 @@ impl Driven {
     }
 
     /// Replaces the load at the tip that comes on top of the model's; `load` may depend on the rod (on its gravity).
-    pub fn set_extra_tip_load(&mut self, load: &dyn Fn(&RodParams) -> TipLoad) {
+    pub fn set_extra_tip_load(&mut self, load: &dyn Fn(&RodParams) -> TipWrench) {
         self.rods.set_tip_load(&|params| {
             let (own, extra) = (params.tip_load, load(params));
-            TipLoad { force_n: own.force_n + extra.force_n, moment_nm: own.moment_nm + extra.moment_nm }
+            TipWrench { force_n: own.force_n + extra.force_n, moment_nm: own.moment_nm + extra.moment_nm }
         });
     }
 
@@ -165,13 +171,17 @@ impl Driven {
     /// [`PlantError`] when the commands are none of this robot's or the rod finds no equilibrium.
     pub fn settle(&mut self, commands: &[TendonCommand]) -> Result<(), PlantError> {
         let targets = self.asked_m(commands)?;
-        for ((stand, effects), target) in self.stands.iter_mut().zip(&mut self.effects).zip(targets) {
-            stand.told_m.clone_from(&target);
-            stand.at_m = affected(effects, target, f64::INFINITY);
+        for ((drive_state, effects), target) in self.drive_states.iter_mut().zip(&mut self.effects).zip(targets) {
+            drive_state.commanded_m.clone_from(&target);
+            drive_state.actual_m = apply_effects(effects, target, f64::INFINITY);
         }
         self.count();
-        let Driven { rods, stands, .. } = self;
-        solved(rods.settle(&|number| drives(commands, &stands[number].at_m, &stands[number].at_m, 1.0)))?;
+        let DrivenModel { rods, drive_states, .. } = self;
+        solved(
+            rods.settle(&|number| {
+                drives(commands, &drive_states[number].actual_m, &drive_states[number].actual_m, 1.0)
+            }),
+        )?;
         self.follow(commands);
         Ok(())
     }
@@ -180,12 +190,13 @@ impl Driven {
     /// passed.
     ///
     /// # Errors
-    /// As [`Driven::settle`].
+    /// As [`DrivenModel::settle`].
     pub fn advance(&mut self, commands: &[TendonCommand], duration_s: f64) -> Result<(), PlantError> {
         let targets = self.asked_m(commands)?;
         self.count();
-        let each = self.stands.iter_mut().zip(&mut self.effects).zip(targets);
-        let paths: Vec<Path> = each.map(|((stand, effects), target)| stand.go(effects, target, duration_s)).collect();
+        let each = self.drive_states.iter_mut().zip(&mut self.effects).zip(targets);
+        let paths: Vec<DrivePath> =
+            each.map(|((drive_state, effects), target)| drive_state.go(effects, target, duration_s)).collect();
         let parts = |number: usize| {
             // The rods that follow take the parts of the first one, as long as their own are.
             let own = if paths[number].ends_s.len() == paths[0].ends_s.len() { number } else { 0 };
@@ -206,7 +217,7 @@ impl Driven {
     /// Comes to rest under tensions in newtons.
     ///
     /// # Errors
-    /// As [`Driven::settle`].
+    /// As [`DrivenModel::settle`].
     pub fn settle_under(&mut self, tensions_n: &[f64]) -> Result<(), PlantError> {
         let drives = self.tensions(tensions_n);
         self.count();
@@ -216,7 +227,7 @@ impl Driven {
     /// Moves for `duration_s` under tensions in newtons.
     ///
     /// # Errors
-    /// As [`Driven::settle`].
+    /// As [`DrivenModel::settle`].
     pub fn advance_under(&mut self, tensions_n: &[f64], duration_s: f64) -> Result<(), PlantError> {
         let drives = self.tensions(tensions_n);
         self.count();
@@ -238,7 +249,7 @@ impl Driven {
 
     /// Derivative of the measured tip with respect to each variable, per unit of it.
     pub fn tip_rates(&self) -> Vec<TipRate> {
-        if self.variations.is_empty() {
+        if self.perturbations.is_empty() {
             return Vec::new();
         }
         let measured = |rod: &Rod, effects: &[Box<dyn Effect>]| {
@@ -248,11 +259,11 @@ impl Driven {
         };
         let (tip, turn) = (measured(self.rod(), &self.effects[0]), self.rod().tip_rotation().transpose());
         let rods = self.rods.others().iter().zip(&self.effects[1..]);
-        let rate = |variation: &Variation, (rod, effects): (&Rod, &Vec<Box<dyn Effect>>)| TipRate {
-            position_m: (measured(rod, effects) - tip) / variation.step,
-            rotation_rad: rotation::log(&(rod.tip_rotation() * turn)) / variation.step,
+        let rate = |perturbation: &Perturbation, (rod, effects): (&Rod, &Vec<Box<dyn Effect>>)| TipRate {
+            position_m: (measured(rod, effects) - tip) / perturbation.step,
+            rotation_rad: rotation::log(&(rod.tip_rotation() * turn)) / perturbation.step,
         };
-        self.variations.iter().zip(rods).map(|(variation, rod)| rate(variation, rod)).collect()
+        self.perturbations.iter().zip(rods).map(|(perturbation, rod)| rate(perturbation, rod)).collect()
     }
 
     /// One more command has been given.
@@ -282,7 +293,8 @@ impl Driven {
             };
             commands.iter().zip(following).enumerate().map(pull).collect()
         };
-        let shifts = std::iter::once(None).chain(self.variations.iter().map(|variation| variation.shift(self.next)));
+        let shifts =
+            std::iter::once(None).chain(self.perturbations.iter().map(|perturbation| perturbation.shift(self.next)));
         Ok(self.each_rod().zip(shifts).map(asked).collect())
     }
 
@@ -292,16 +304,17 @@ impl Driven {
             return;
         }
         let following: Vec<Vec<f64>> = self.each_rod().map(Rod::following_pulls_m).collect();
-        for (stand, following) in self.stands.iter_mut().zip(following) {
+        for (drive_state, following) in self.drive_states.iter_mut().zip(following) {
             for (i, _) in commands.iter().enumerate().filter(|(_, command)| **command == TendonCommand::Follow) {
-                (stand.told_m[i], stand.at_m[i]) = (following[i], following[i]);
+                (drive_state.commanded_m[i], drive_state.actual_m[i]) = (following[i], following[i]);
             }
         }
     }
 
     /// For each rod, the tensions as drives.
     fn tensions(&self, tensions_n: &[f64]) -> Vec<Vec<Drive>> {
-        let shifts = std::iter::once(None).chain(self.variations.iter().map(|variation| variation.shift(self.next)));
+        let shifts =
+            std::iter::once(None).chain(self.perturbations.iter().map(|perturbation| perturbation.shift(self.next)));
         let each = shifts.map(|shift| {
             let own = |(tendon, &tension): (usize, &f64)| match shift {
                 Some((shifted, step)) if shifted == tendon => Drive::Tension(tension + step),
@@ -313,7 +326,7 @@ impl Driven {
     }
 }
 
-impl Variation {
+impl Perturbation {
     /// The tendon whose command number `number` changes, and by how much.
     fn shift(&self, number: Option<usize>) -> Option<(usize, f64)> {
         let (tendon, commands) = self.command.as_ref()?;
@@ -334,10 +347,15 @@ fn posture(rod: &Rod) -> Observation {
 }
 
 /// The rod and the effects with one variable changed by a little.
-fn vary(model: &Model, extra: &[EffectSpec], variable: &Variable, index: usize) -> Result<Varied, VariationError> {
+fn perturb(
+    model: &Model,
+    extra: &[EffectSpec],
+    variable: &Variable,
+    index: usize,
+) -> Result<PerturbedModel, VariationError> {
     let params = model.rod(extra);
-    let plain = |step: f64, command: Option<(usize, Range<usize>)>, params: RodParams| Varied {
-        variation: Variation { step, command },
+    let plain = |step: f64, command: Option<(usize, Range<usize>)>, params: RodParams| PerturbedModel {
+        perturbation: Perturbation { step, command },
         drive_time_s: model.robot.drive_time_s,
         params,
         effects: model.effects(extra),
@@ -355,8 +373,8 @@ fn vary(model: &Model, extra: &[EffectSpec], variable: &Variable, index: usize) 
                 if candidate.check().is_ok() && PerturbedRods::possible(&params, &changed) {
                     let effects = candidate.effects(extra);
                     let drive_time_s = candidate.robot.drive_time_s;
-                    let variation = Variation { step, command: None };
-                    return Ok(Varied { variation, drive_time_s, params: changed, effects });
+                    let perturbation = Perturbation { step, command: None };
+                    return Ok(PerturbedModel { perturbation, drive_time_s, params: changed, effects });
                 }
             }
             Err(VariationError::NotPerturbable(index))
