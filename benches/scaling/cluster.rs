@@ -1,183 +1,359 @@
-//! A cluster on paper: recorded stage times on the graph of a campaign, carried out as the Slurm executor would.
+//! A cluster on paper: the workers of the Slurm executor, event by event, on recorded stage times.
 
 use crate::recorded::Recorded;
-use spinebench::data::rows::ScalingRow;
-use spinebench::runner::slurm::waves;
-use spinebench::runner::{Campaign, Graph, Need};
+use spinebench::runner::slurm::workers_per_task;
+use spinebench::runner::{
+    Campaign, EXCHANGE, Graph, HELD_RESULTS, LONGEST_PAUSE, Need, RESUMED, SHORTEST_PAUSE, StageQueue,
+    UNWRITTEN_RESULTS, WorkPlan,
+};
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::{BinaryHeap, HashSet, VecDeque};
 
 /// What is assumed of the cluster.
 pub struct Assumed {
     /// From the moment that a node is free to the first stage: launch, start of the program, expansion of the specs, s.
     pub begin_s: f64,
-    /// Tasks that the scheduler launches in a second.
+    /// From the start of an array task to that of all its workers, s.
+    pub step_s: f64,
+    /// Array tasks that the scheduler starts in a second.
     pub launches_per_s: f64,
     /// What the shared store delivers to all nodes together, bytes a second.
     pub store_bytes_s: f64,
-    /// Time to open or to file one entry, s.
-    pub store_latency_s: f64,
-    /// Length of a task that short stages are put together to, ms.
-    pub task_ms: u64,
+    /// Time of one operation of the store: look up, lock, unlock, open or file an entry, s.
+    pub store_operation_s: f64,
 }
 
 impl Default for Assumed {
     /// A scheduler as measured on the emulated one of `tests/program/slurm.rs`, a store behind one 10-gigabit line.
     fn default() -> Self {
-        Assumed { begin_s: 1.0, launches_per_s: 50.0, store_bytes_s: 1.0e9, store_latency_s: 0.005, task_ms: 60_000 }
+        Assumed { begin_s: 1.0, step_s: 0.5, launches_per_s: 50.0, store_bytes_s: 1.0e9, store_operation_s: 0.005 }
     }
 }
 
-/// The campaign on `nodes` nodes of one processor each: without and with a cluster's costs.
-pub fn replay(campaign: &Campaign, recorded: &Recorded, assumed: &Assumed, nodes: usize) -> [ScalingRow; 2] {
-    let graph = &campaign.graph;
-    let work = Work::new(graph, recorded);
-    let ideal_s = work.ideal_s(graph, nodes);
-    let arrays = work.arrays(graph, assumed, nodes);
-    let all_s: f64 = work.stage_s.iter().sum();
-    let row = |system: &str, wall_s: f64, bytes: f64, bound: &str| ScalingRow {
-        system: system.to_owned(),
-        workers: nodes as u64,
-        stages: graph.len() as u64,
-        wall_s,
-        efficiency: all_s / (nodes as f64 * wall_s),
-        store_gb: bytes / 1e9,
-        store_mb_s: bytes / 1e6 / wall_s,
-        bound: bound.to_owned(),
-    };
-    let chain_s = work.chain_s(graph);
-    let bound = if chain_s > 0.9 * ideal_s { "longest chain" } else { "work" };
-    [
-        row("ideal cluster", ideal_s, work.bytes(graph), bound),
-        row("job arrays", arrays.wall_s, arrays.bytes, arrays.bound),
-    ]
-}
-
 /// What each stage takes and how large its result is.
-struct Work {
-    stage_s: Vec<f64>,
-    bytes: Vec<f64>,
+pub struct Costs {
+    pub stage_s: Vec<f64>,
+    pub bytes: Vec<f64>,
 }
 
-/// A campaign carried out as job arrays.
-struct Arrays {
-    wall_s: f64,
-    bytes: f64,
-    bound: &'static str,
-}
-
-impl Work {
-    fn new(graph: &Graph, recorded: &Recorded) -> Work {
+impl Costs {
+    pub fn new(graph: &Graph, recorded: &Recorded) -> Costs {
         let kind = |stage: usize| graph.describe(stage).0;
-        Work {
+        Costs {
             stage_s: (0..graph.len()).map(|stage| recorded.wall_s(kind(stage), stage)).collect(),
             bytes: (0..graph.len()).map(|stage| recorded.bytes(kind(stage))).collect(),
         }
     }
+}
 
-    /// Each result is written once and read by everyone who asks for it.
-    fn bytes(&self, graph: &Graph) -> f64 {
-        let read = |stage: usize| graph.inputs(stage).iter().map(|&input| self.bytes[input]).sum::<f64>();
-        (0..graph.len()).map(|stage| self.bytes[stage] + read(stage)).sum()
+/// How a replayed campaign went.
+#[derive(Default)]
+pub struct Replayed {
+    pub wall_s: f64,
+    pub bytes: f64,
+    pub operations: u64,
+    pub locks_lost: u64,
+    pub polls: u64,
+    /// Time of all workers before their first stage, in the store, and without work, s.
+    pub starting_s: f64,
+    pub store_s: f64,
+    pub idle_s: f64,
+}
+
+/// Replays a campaign on `nodes` nodes of one processor, a worker on each.
+pub fn replay(campaign: &Campaign, costs: &Costs, assumed: &Assumed, nodes: usize) -> Replayed {
+    let graph = &campaign.graph;
+    let plan = WorkPlan::new(graph, &vec![Need::Compute; graph.len()], nodes);
+    let mut cluster = Cluster {
+        graph,
+        costs,
+        assumed,
+        stored: vec![false; graph.len()],
+        locked: vec![false; graph.len()],
+        line_free_us: 0,
+        finished: Vec::new(),
+        left: graph.len(),
+        workers: (0..nodes).map(|worker| Worker::new(StageQueue::new(&plan, worker))).collect(),
+        events: BinaryHeap::new(),
+        replayed: Replayed::default(),
+    };
+    cluster.run();
+    cluster.replayed
+}
+
+/// What a worker does next. Each step ends with an operation of the store or a stage.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Step {
+    Start,
+    Take,
+    /// A thread without work asks again.
+    Resume,
+    /// It knows whether the stage of another share is stored.
+    LookedUp(usize),
+    /// It knows whether this input of the stage is stored.
+    LookedUpInput(usize, usize),
+    /// It knows which shares are finished.
+    Exchanged,
+    /// Its attempt at the lock ends.
+    Lock(usize),
+    /// It has the lock, and knows whether the stage is stored meanwhile or has read an input.
+    Locked(usize),
+    Computed(usize),
+    /// The lock of a stage that somebody else has stored is given back.
+    Skipped(usize),
+    /// In the background: the oldest result is about to be written, is stored, and its lock is given back.
+    Write,
+    Written,
+    Unlocked,
+}
+
+/// One worker, and the results that it has in memory.
+struct Worker<'a> {
+    queue: StageQueue<'a>,
+    pause_us: u64,
+    held: HashSet<usize>,
+    oldest: VecDeque<usize>,
+    /// Results that are being written, the oldest first.
+    unwritten: VecDeque<usize>,
+    /// Waits until fewer results are unwritten.
+    blocked: bool,
+    exchanged_us: u64,
+    recorded: bool,
+}
+
+impl<'a> Worker<'a> {
+    fn new(queue: StageQueue<'a>) -> Worker<'a> {
+        Worker {
+            queue,
+            pause_us: micros(SHORTEST_PAUSE.as_secs_f64()),
+            held: HashSet::new(),
+            oldest: VecDeque::new(),
+            unwritten: VecDeque::new(),
+            blocked: false,
+            exchanged_us: 0,
+            recorded: false,
+        }
     }
 
-    /// Length of the longest chain, s.
-    fn chain_s(&self, graph: &Graph) -> f64 {
-        let mut ends = vec![0.0_f64; graph.len()];
-        for stage in 0..graph.len() {
-            let before = graph.inputs(stage).iter().map(|&input| ends[input]).fold(0.0, f64::max);
-            ends[stage] = before + self.stage_s[stage];
-        }
-        ends.into_iter().fold(0.0, f64::max)
+    fn computed(&mut self, stage: usize) {
+        self.queue.computed(stage);
+        self.pause_us = micros(SHORTEST_PAUSE.as_secs_f64());
     }
 
-    /// Every stage as soon as its inputs are there and a node is free, the longest chain behind it first (Graham's list
-    /// scheduling); nothing costs anything but the stages.
-    fn ideal_s(&self, graph: &Graph, nodes: usize) -> f64 {
-        let count = graph.len();
-        let (mut rank, mut waits, mut next) = (vec![0.0_f64; count], vec![0; count], vec![Vec::new(); count]);
-        for stage in (0..count).rev() {
-            rank[stage] += self.stage_s[stage];
-            waits[stage] = graph.inputs(stage).len();
-            for &input in graph.inputs(stage) {
-                next[input].push(stage);
-                rank[input] = rank[input].max(rank[stage]);
-            }
+    fn found(&mut self, stage: usize) {
+        self.queue.found(stage);
+        self.pause_us = micros(SHORTEST_PAUSE.as_secs_f64());
+    }
+
+    fn hold(&mut self, stage: usize) {
+        if self.held.insert(stage) {
+            self.oldest.push_back(stage);
         }
-        let order = |stage: usize| ((rank[stage] * 1e6) as u64, Reverse(stage));
-        let mut ready: BinaryHeap<_> = (0..count).filter(|&stage| waits[stage] == 0).map(order).collect();
-        let mut running: BinaryHeap<Reverse<(u64, usize)>> = BinaryHeap::new();
-        let (mut now_us, mut free) = (0, nodes);
-        loop {
-            while free > 0
-                && let Some((_, Reverse(stage))) = ready.pop()
-            {
-                running.push(Reverse((now_us + (self.stage_s[stage] * 1e6) as u64, stage)));
-                free -= 1;
+        if self.oldest.len() > HELD_RESULTS
+            && let Some(oldest) = self.oldest.pop_front()
+        {
+            self.held.remove(&oldest);
+        }
+    }
+}
+
+struct Cluster<'a> {
+    graph: &'a Graph,
+    costs: &'a Costs,
+    assumed: &'a Assumed,
+    stored: Vec<bool>,
+    locked: Vec<bool>,
+    /// When the store's line is free, microseconds.
+    line_free_us: u64,
+    /// Shares that their workers have recorded as finished.
+    finished: Vec<usize>,
+    left: usize,
+    workers: Vec<Worker<'a>>,
+    events: BinaryHeap<Reverse<(u64, usize, Step)>>,
+    replayed: Replayed,
+}
+
+fn micros(seconds: f64) -> u64 {
+    (seconds * 1e6) as u64
+}
+
+impl Cluster<'_> {
+    fn run(&mut self) {
+        let each = workers_per_task(self.workers.len());
+        for worker in 0..self.workers.len() {
+            let launched_s = (worker / each) as f64 / self.assumed.launches_per_s;
+            let started_s = launched_s + self.assumed.begin_s + self.assumed.step_s;
+            self.events.push(Reverse((micros(started_s), worker, Step::Start)));
+        }
+        while self.left > 0
+            && let Some(Reverse((now_us, worker, step))) = self.events.pop()
+        {
+            self.replayed.wall_s = now_us as f64 * 1e-6;
+            self.step(now_us, worker, step);
+        }
+    }
+
+    fn step(&mut self, now_us: u64, number: usize, step: Step) {
+        let worker = &mut self.workers[number];
+        match step {
+            Step::Start => {
+                // The list of missing stages, some six bytes each.
+                let end_us = self.read(now_us, 6.0 * self.graph.len() as f64);
+                self.replayed.starting_s += end_us as f64 * 1e-6;
+                self.then(end_us, number, Step::Take);
             }
-            let Some(Reverse((end_us, stage))) = running.pop() else { return now_us as f64 * 1e-6 };
-            (now_us, free) = (end_us, free + 1);
-            for &follower in &next[stage] {
-                waits[follower] -= 1;
-                if waits[follower] == 0 {
-                    ready.push(order(follower));
+            Step::Resume => {
+                self.replayed.polls += u64::from(worker.queue.resume(RESUMED) > 0);
+                self.take(now_us, number);
+            }
+            Step::Take => self.take(now_us, number),
+            Step::LookedUp(stage) if self.stored[stage] => {
+                worker.found(stage);
+                self.take(now_us, number);
+            }
+            Step::LookedUp(stage) => self.look_up_inputs(now_us, number, stage),
+            Step::LookedUpInput(stage, input) if self.stored[input] => {
+                worker.queue.found(input);
+                self.look_up_inputs(now_us, number, stage);
+            }
+            Step::LookedUpInput(_, input) => {
+                worker.queue.wait_for(input);
+                self.take(now_us, number);
+            }
+            Step::Exchanged => {
+                self.finished.iter().for_each(|&share| worker.queue.found_share(share));
+                self.take_next(now_us, number);
+            }
+            Step::Lock(stage) if self.locked[stage] => {
+                self.replayed.locks_lost += 1;
+                worker.queue.postpone(stage);
+                self.take(now_us, number);
+            }
+            Step::Lock(stage) => {
+                self.locked[stage] = true;
+                self.operate(now_us, number, Step::Locked(stage));
+            }
+            Step::Locked(stage) if self.stored[stage] => self.operate(now_us, number, Step::Skipped(stage)),
+            Step::Locked(stage) => self.compute(now_us, number, stage),
+            Step::Computed(stage) => {
+                worker.hold(stage);
+                worker.unwritten.push_back(stage);
+                worker.computed(stage);
+                worker.blocked = worker.unwritten.len() > UNWRITTEN_RESULTS;
+                let (blocked, alone) = (worker.blocked, worker.unwritten.len() == 1);
+                if alone {
+                    self.background(now_us, number, 1, Step::Write);
+                }
+                if !blocked {
+                    self.take(now_us, number);
+                }
+            }
+            Step::Skipped(stage) => {
+                self.locked[stage] = false;
+                worker.found(stage);
+                self.take(now_us, number);
+            }
+            Step::Write => {
+                let bytes = self.costs.bytes[worker.unwritten[0]];
+                let moved_us = self.line(now_us, bytes);
+                self.background(moved_us, number, 1, Step::Written);
+            }
+            Step::Written => {
+                self.stored[worker.unwritten[0]] = true;
+                self.left -= 1;
+                // The note and the lock.
+                self.background(now_us, number, 2, Step::Unlocked);
+            }
+            Step::Unlocked => {
+                let stage = worker.unwritten.pop_front().expect("one is being written");
+                self.locked[stage] = false;
+                let (blocked, more) = (std::mem::take(&mut worker.blocked), !worker.unwritten.is_empty());
+                if more {
+                    self.background(now_us, number, 1, Step::Write);
+                }
+                if blocked {
+                    self.take(now_us, number);
                 }
             }
         }
     }
 
-    /// Waves of tasks, each wave after the last task of the one before; tasks in their order, each on the first free node.
-    fn arrays(&self, graph: &Graph, assumed: &Assumed, nodes: usize) -> Arrays {
-        let waves = waves(graph, &vec![Need::Compute; graph.len()], assumed.task_ms);
-        let mut done = vec![false; graph.len()];
-        let (mut now_s, mut bytes, mut tasks, mut waited_s) = (0.0_f64, 0.0, 0, 0.0);
-        for wave in &waves {
-            let before = done.clone();
-            let mut free: BinaryHeap<Reverse<u64>> = (0..nodes).map(|_| Reverse(0)).collect();
-            let (mut wave_s, mut wave_bytes, mut busy_s) = (0.0_f64, 0.0, 0.0);
-            for (number, task) in wave.iter().enumerate() {
-                let Reverse(free_us) = free.pop().unwrap_or(Reverse(0));
-                let launched_s = (free_us as f64 * 1e-6).max(number as f64 / assumed.launches_per_s);
-                let (task_s, moved, entries) = self.task(graph, task, &before, &mut done);
-                let store_s = moved / assumed.store_bytes_s + entries as f64 * assumed.store_latency_s;
-                let end_s = launched_s + assumed.begin_s + task_s + store_s;
-                free.push(Reverse((end_s * 1e6) as u64));
-                wave_s = wave_s.max(end_s);
-                wave_bytes += moved;
-                busy_s += end_s - launched_s;
+    /// As the executor's threads do: a word with the others before stealing, then what the queue says.
+    fn take(&mut self, now_us: u64, number: usize) {
+        let worker = &mut self.workers[number];
+        if worker.queue.is_idle() && worker.exchanged_us + micros(EXCHANGE.as_secs_f64()) <= now_us {
+            worker.exchanged_us = now_us;
+            if worker.queue.own_share_finished() && !std::mem::replace(&mut worker.recorded, true) {
+                self.finished.push(number);
+                self.replayed.operations += 1;
             }
-            tasks += wave.len();
-            // The store serves everyone through one line.
-            let wave_s = wave_s.max(wave_bytes / assumed.store_bytes_s);
-            waited_s += wave_s - busy_s / nodes as f64;
-            (now_s, bytes) = (now_s + wave_s, bytes + wave_bytes);
+            return self.operate(now_us, number, Step::Exchanged);
         }
-        let bounds = [
-            (self.stage_s.iter().sum::<f64>() / nodes as f64, "work"),
-            (waited_s, "waiting for the last task of a wave"),
-            (tasks as f64 / assumed.launches_per_s, "launching tasks"),
-            (bytes / assumed.store_bytes_s, "store"),
-        ];
-        let bound = bounds.iter().max_by(|one, other| one.0.total_cmp(&other.0)).map_or("", |bound| bound.1);
-        Arrays { wall_s: now_s, bytes, bound }
+        self.take_next(now_us, number);
     }
 
-    /// What a task computes, moves and opens: whatever its stages need that no earlier wave has done.
-    fn task(&self, graph: &Graph, task: &[usize], before: &[bool], done: &mut [bool]) -> (f64, f64, usize) {
-        let (mut task_s, mut bytes, mut entries) = (0.0, 0.0, 0);
-        let mut left: Vec<usize> = task.to_vec();
-        let mut seen = std::collections::BTreeSet::new();
-        while let Some(stage) = left.pop() {
-            if !seen.insert(stage) {
-                continue;
+    /// A pause where the queue has nothing, the end where others suffice.
+    fn take_next(&mut self, now_us: u64, number: usize) {
+        let worker = &mut self.workers[number];
+        let Some(stage) = worker.queue.take() else {
+            if worker.queue.left() > number {
+                let end_us = now_us + worker.pause_us;
+                self.replayed.idle_s += worker.pause_us as f64 * 1e-6;
+                worker.pause_us = (2 * worker.pause_us).min(micros(LONGEST_PAUSE.as_secs_f64()));
+                self.then(end_us, number, Step::Resume);
             }
-            (bytes, entries) = (bytes + self.bytes[stage], entries + 1);
-            if !before[stage] {
-                task_s += self.stage_s[stage];
-                done[stage] = true;
-                left.extend(graph.inputs(stage));
-            }
+            return;
+        };
+        let next = if worker.queue.owns(stage) { Step::Lock(stage) } else { Step::LookedUp(stage) };
+        self.operate(now_us, number, next);
+    }
+
+    fn look_up_inputs(&mut self, now_us: u64, number: usize, stage: usize) {
+        let unknown = self.workers[number].queue.unknown_inputs(stage);
+        let next = unknown.first().map_or(Step::Lock(stage), |&input| Step::LookedUpInput(stage, input));
+        self.operate(now_us, number, next);
+    }
+
+    /// Reads an input that is not in memory, or computes.
+    fn compute(&mut self, now_us: u64, number: usize, stage: usize) {
+        let held = &self.workers[number].held;
+        let absent = self.graph.inputs(stage).iter().find(|input| !held.contains(input));
+        if let Some(&input) = absent {
+            let read_us = self.read(now_us, self.costs.bytes[input]);
+            self.workers[number].hold(input);
+            return self.then(read_us, number, Step::Locked(stage));
         }
-        (task_s, bytes, entries)
+        self.then(now_us + micros(self.costs.stage_s[stage]), number, Step::Computed(stage));
+    }
+
+    /// The end of a transfer: everyone shares one line.
+    fn line(&mut self, now_us: u64, bytes: f64) -> u64 {
+        self.line_free_us = self.line_free_us.max(now_us) + micros(bytes / self.assumed.store_bytes_s);
+        self.replayed.bytes += bytes;
+        self.line_free_us
+    }
+
+    /// Reads an entry; when the worker has it.
+    fn read(&mut self, now_us: u64, bytes: f64) -> u64 {
+        let end_us = self.line(now_us, bytes) + micros(self.assumed.store_operation_s);
+        self.replayed.operations += 1;
+        self.replayed.store_s += (end_us - now_us) as f64 * 1e-6;
+        end_us
+    }
+
+    /// One operation of the store that the worker waits for.
+    fn operate(&mut self, now_us: u64, number: usize, next: Step) {
+        self.replayed.store_s += self.assumed.store_operation_s;
+        self.background(now_us, number, 1, next);
+    }
+
+    /// Operations of the store that it does not wait for.
+    fn background(&mut self, now_us: u64, number: usize, count: u64, next: Step) {
+        self.replayed.operations += count;
+        self.then(now_us + count * micros(self.assumed.store_operation_s), number, next);
+    }
+
+    fn then(&mut self, at_us: u64, number: usize, step: Step) {
+        self.events.push(Reverse((at_us, number, step)));
     }
 }

@@ -3,17 +3,18 @@
 #![allow(missing_docs, unreachable_pub)]
 
 mod cluster;
+mod ideal;
 mod measure;
 mod recorded;
 
-use cluster::Assumed;
+use cluster::{Assumed, Costs};
 use measure::Scratch;
 use recorded::Recorded;
 use spinebench::data::rows::ScalingRow;
 use spinebench::report::{self, Published};
 use spinebench::runner::{Campaign, Store};
 use spinebench::specs::Experiment;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Seeds of the campaign that is replayed: the most that a spec may have.
@@ -30,20 +31,55 @@ fn main() -> ExitCode {
     }
 }
 
+/// `cargo bench --bench scaling -- DIR` takes stage times from the store DIR and measures nothing.
 fn run() -> Result<(), String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let spec = root.join("experiments/table1.yaml");
     let scratch = Scratch::new()?;
-    let mut rows = measure::threads(&scratch, &spec)?;
-    let recorded = Recorded::of(&Store::at(scratch.cache("threads1")))?;
+    let given = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
+    let (mut rows, store) = match given {
+        Some(store) => (Vec::new(), PathBuf::from(store)),
+        None => (measure::threads(&scratch, &spec)?, scratch.cache("threads1")),
+    };
+    let recorded = Recorded::of(&Store::at(store))?;
     let sets = [format!("seeds={SEEDS}")];
     let experiment = Experiment::read(&spec, &sets).map_err(|error| error.to_string())?;
     let campaign = Campaign::expand(vec![experiment]).map_err(|error| error.to_string())?;
-    let assumed = Assumed::default();
+    let costs = Costs::new(&campaign.graph, &recorded);
     for nodes in NODES {
-        rows.extend(cluster::replay(&campaign, &recorded, &assumed, nodes));
+        rows.extend(replayed(&campaign, &costs, nodes));
     }
     publish(root, rows)
+}
+
+/// The campaign on `nodes` nodes of one processor each: without and with the costs of a cluster.
+fn replayed(campaign: &Campaign, costs: &Costs, nodes: usize) -> [ScalingRow; 2] {
+    let graph = &campaign.graph;
+    let row = |system: &str, wall_s: f64, bytes: f64, bound: &str| ScalingRow {
+        system: system.to_owned(),
+        workers: nodes as u64,
+        stages: graph.len() as u64,
+        wall_s,
+        efficiency: costs.all_s() / (nodes as f64 * wall_s),
+        store_gb: bytes / 1e9,
+        store_mb_s: bytes / 1e6 / wall_s,
+        bound: bound.to_owned(),
+        store_operations: 0,
+        locks_lost: 0,
+        polls: 0,
+    };
+    let ideal_s = costs.ideal_s(graph, nodes);
+    let chain = if costs.chain_s(graph) > 0.9 * ideal_s { "longest chain" } else { "" };
+    let done = cluster::replay(campaign, costs, &Assumed::default(), nodes);
+    let losses = [(done.starting_s, "starting workers"), (done.store_s, "store"), (done.idle_s, "waiting for stages")];
+    let loss = losses.iter().max_by(|one, other| one.0.total_cmp(&other.0)).map_or("", |loss| loss.1);
+    let workers = ScalingRow {
+        store_operations: done.operations,
+        locks_lost: done.locks_lost,
+        polls: done.polls,
+        ..row("workers", done.wall_s, done.bytes, loss)
+    };
+    [row("ideal cluster", ideal_s, costs.all_bytes(graph), chain), workers]
 }
 
 fn publish(root: &Path, scaling: Vec<ScalingRow>) -> Result<(), String> {

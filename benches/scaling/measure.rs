@@ -57,6 +57,9 @@ pub fn threads(scratch: &Scratch, spec: &Path) -> Result<Vec<ScalingRow>, String
         store_gb: f64::NAN,
         store_mb_s: f64::NAN,
         bound: bound.to_owned(),
+        store_operations: 0,
+        locks_lost: 0,
+        polls: 0,
     };
     Ok(vec![
         row("threads", 1, one_s, 1.0, ""),

@@ -1,62 +1,65 @@
-//! Runs on a Slurm cluster: `run --executor slurm`, `status`, `cancel`, and what the tasks themselves call.
+//! Runs on a Slurm cluster: `run --executor slurm`, `status`, `cancel`, and `work`, which the cluster starts.
 
 use super::shared::{CacheArgs, ProgressArgs};
 use super::{CommandError, CommandResult};
 use clap::Args;
-use spinebench::runner::slurm::{self, Folder, Place, Watch, Worked};
-use spinebench::runner::{Campaign, Failure, Key, Progress, Store};
+use spinebench::runner::slurm::{self, CampaignEnd, CampaignFolder, CampaignMonitor};
+use spinebench::runner::{Campaign, Progress, Store};
 use spinebench::specs::SlurmOptions;
-use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;
 
-/// What is asked of the cluster; overrides the specs' `slurm:`.
+/// What is asked of the cluster; overrides `slurm:` of the specs.
 #[derive(Args)]
 #[command(next_help_heading = "Slurm")]
-pub(super) struct Cluster {
+pub(super) struct SlurmArgs {
     /// Partition.
     #[arg(long, value_name = "NAME")]
     partition: Option<String>,
     /// Account that is charged.
     #[arg(long, value_name = "NAME")]
     account: Option<String>,
-    /// Longest that a task may take, minutes.
+    /// Time limit of a worker, minutes.
     #[arg(long, value_name = "MINUTES")]
     time_min: Option<u32>,
-    /// Memory of a task, megabytes.
+    /// Memory of a worker, megabytes.
     #[arg(long, value_name = "MEGABYTES")]
     memory_mb: Option<u32>,
-    /// Processors of a task.
+    /// Processors of a worker.
     #[arg(long, value_name = "N")]
     pub(super) cpus: Option<u32>,
-    /// Length of a task that short stages are put together to, seconds.
-    #[arg(long, value_name = "SECONDS")]
-    task_s: Option<f64>,
-    /// Submit and leave; the same command again comes back to it.
+    /// Submit and return; run the same command again to wait and publish.
     #[arg(long)]
     detach: bool,
 }
 
-impl Cluster {
-    /// Has the cluster fill the store; the stages that failed there, or nothing when somebody left before the end.
+impl SlurmArgs {
+    /// Computes what is missing on the cluster; the campaign's folder, or nothing when the jobs continue unattended.
     pub(super) fn fill(
         &self,
         campaign: &Campaign,
         store: &Store,
-        at_a_time: usize,
+        workers: usize,
         progress: &Progress,
-    ) -> Result<Option<HashMap<Key, Failure>>, CommandError> {
+    ) -> Result<Option<CampaignFolder>, CommandError> {
         let options = self.options(campaign)?;
+        if options.task_s.is_some() {
+            progress.notice("slurm.task_s has no effect: workers take single stages; remove it from the spec");
+        }
         let root = std::path::absolute(store.root()).map_err(CommandError::failed)?;
         let store = Store::at(root);
-        let watch = Watch { campaign, store: &store, options: &options, at_a_time, detach: self.detach, progress };
-        match watch.run().map_err(CommandError::Failed)? {
-            slurm::Ended::Done(failures) => Ok(Some(failures)),
-            slurm::Ended::Cancelled => Err(CommandError::Failed(format!("campaign {} was cancelled", watch.id()))),
-            slurm::Ended::Detached => {
-                let id = watch.id();
-                progress.say(&format!("the jobs go on; `spinebench status`, `spinebench cancel {id}`, or the same command again to come back and publish"));
+        let monitor =
+            CampaignMonitor { campaign, store: &store, options: &options, workers, detach: self.detach, progress };
+        match monitor.run().map_err(CommandError::Failed)? {
+            CampaignEnd::Complete(folder) => Ok(Some(folder)),
+            CampaignEnd::Cancelled => Err(CommandError::Failed(format!("campaign {} was cancelled", monitor.id()))),
+            CampaignEnd::Detached => {
+                let id = monitor.id();
+                progress.say(&format!(
+                    "the jobs continue; use `spinebench status` or `spinebench cancel {id}`, or run the same command again to \
+                     wait and publish"
+                ));
                 Ok(None)
             }
         }
@@ -78,7 +81,6 @@ impl Cluster {
             time_min: self.time_min.or(given.time_min),
             memory_mb: self.memory_mb.or(given.memory_mb),
             cpus: self.cpus.unwrap_or(given.cpus),
-            task_s: self.task_s.unwrap_or(given.task_s),
             ..given
         };
         let refuse = |bad: spinebench::base::BadOption| {
@@ -90,7 +92,7 @@ impl Cluster {
     }
 }
 
-/// How the campaigns of a store stand that were submitted to a cluster.
+/// Show the state of the campaigns that were submitted to a cluster.
 #[derive(Args)]
 pub(super) struct StatusCommand {
     #[command(flatten)]
@@ -100,11 +102,11 @@ pub(super) struct StatusCommand {
 impl StatusCommand {
     pub(super) fn execute(self) -> CommandResult {
         let mut text = String::new();
-        for one in slurm::standing(&self.cache.store()) {
+        for one in slurm::campaigns(&self.cache.store()) {
             let (id, names, done, all) = (&one.id, one.experiments.join(" "), one.done, one.stages);
             let failed = if one.failed > 0 { format!(", {} failed", one.failed) } else { String::new() };
-            let off = if one.cancelled { ", cancelled" } else { "" };
-            let _ = writeln!(text, "{id}  {names}: {done} of {all} stages{failed}{off}; {}", one.queue);
+            let cancelled = if one.cancelled { ", cancelled" } else { "" };
+            let _ = writeln!(text, "{id}  {names}: {done} of {all} stages{failed}{cancelled}; {}", one.queue);
         }
         if text.is_empty() {
             text = "no campaigns\n".to_owned();
@@ -115,10 +117,10 @@ impl StatusCommand {
     }
 }
 
-/// Calls a campaign on a cluster off; what is stored stays.
+/// Cancel a campaign's jobs; cached results are kept.
 #[derive(Args)]
 pub(super) struct CancelCommand {
-    /// Its name, as `status` tells it.
+    /// Name of the campaign, as `status` prints it.
     #[arg(value_name = "CAMPAIGN")]
     id: String,
     #[command(flatten)]
@@ -131,38 +133,35 @@ impl CancelCommand {
     }
 }
 
-/// One task of a campaign, as the cluster begins it.
+/// Work on a campaign, as the cluster starts it.
 #[derive(Args)]
 pub(super) struct WorkCommand {
     /// Folder of the campaign.
     folder: PathBuf,
-    /// Number of the attempt.
+    /// Number of workers.
     #[arg(long)]
-    attempt: usize,
-    /// Number of the wave.
-    #[arg(long)]
-    wave: usize,
-    /// Number of the wave's task that is the array's first.
-    #[arg(long)]
-    first: usize,
+    workers: usize,
     #[command(flatten)]
-    telling: ProgressArgs,
+    progress_args: ProgressArgs,
 }
 
 impl WorkCommand {
     pub(super) fn execute(self) -> CommandResult {
-        let number = |name: &str| std::env::var(name).ok()?.parse::<usize>().ok();
-        let Some(task) = number("SLURM_ARRAY_TASK_ID") else {
-            let words = "SLURM_ARRAY_TASK_ID: found no number, expected a task of a job array of Slurm's";
-            return Err(CommandError::BadInput(words.to_owned()));
+        let number = |name: &str| {
+            let number = std::env::var(name).ok().and_then(|text| text.parse::<usize>().ok());
+            let expected = "expected a task of a Slurm job array";
+            number.ok_or_else(|| CommandError::BadInput(format!("{name}: found no number, {expected}")))
         };
-        let threads =
-            if self.telling.jobs > 0 { self.telling.jobs } else { number("SLURM_CPUS_PER_TASK").unwrap_or(1) };
-        let place = Place { attempt: self.attempt, wave: self.wave, task: self.first + task };
-        let progress = self.telling.progress();
-        match slurm::work(&Folder::at(&self.folder), place, threads, &progress).map_err(CommandError::Failed)? {
-            Worked::Done => Ok(()),
-            Worked::Requeued => Err(CommandError::Failed("told to end before everything was done".to_owned())),
+        let worker = number("SLURM_ARRAY_TASK_ID")? * number("SLURM_NTASKS")? + number("SLURM_PROCID")?;
+        let threads = match self.progress_args.jobs {
+            0 => number("SLURM_CPUS_PER_TASK").unwrap_or(1),
+            threads => threads,
+        };
+        let (folder, progress) = (CampaignFolder::at(&self.folder), self.progress_args.progress());
+        let summary = slurm::work(&folder, (worker, self.workers), threads, &progress).map_err(CommandError::Failed)?;
+        if summary.stopped {
+            std::process::exit(i32::from(slurm::LEFT_STATUS));
         }
+        Ok(())
     }
 }

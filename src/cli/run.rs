@@ -1,6 +1,6 @@
 //! `spinebench run`.
 
-use super::cluster::Cluster;
+use super::cluster::SlurmArgs;
 use super::shared::{CacheArgs, ProgressArgs, SpecArgs, writable};
 use super::{CommandError, CommandResult};
 use clap::{Args, ValueEnum};
@@ -8,9 +8,8 @@ use spinebench::data::rows::ClaimRow;
 use spinebench::runner::{
     self, Campaign, CampaignEntry, Files, Manifest, Outcomes, Progress, Publication, RunOptions, StageTimes, Store,
 };
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 use std::thread::available_parallelism;
 use std::time::Instant;
 
@@ -30,7 +29,7 @@ pub(super) struct RunCommand {
     #[arg(long, value_enum, default_value_t = Executor::Local)]
     executor: Executor,
     #[command(flatten)]
-    cluster: Cluster,
+    cluster: SlurmArgs,
     /// Exit with status 1 when a claim is not reproduced or a trial failed (a failed stage always does).
     #[arg(long)]
     strict: bool,
@@ -41,7 +40,7 @@ pub(super) struct RunCommand {
 enum Executor {
     /// On this machine's threads.
     Local,
-    /// As job arrays on a Slurm cluster that shares this folder; `--jobs` tasks at a time.
+    /// On a Slurm cluster that shares this folder, with `--jobs` workers.
     Slurm,
 }
 
@@ -55,22 +54,25 @@ impl RunCommand {
         let began = Instant::now();
         let wanted = campaign.wanted();
         let store = self.cache.store();
-        let mut known = HashMap::new();
-        let mut threads = self.progress_args.jobs;
+        let jobs = self.progress_args.jobs;
+        let mut folder = None;
         if self.executor == Executor::Slurm {
-            match self.cluster.fill(&campaign, &store, self.progress_args.jobs, &progress)? {
-                Some(failures) => known = failures,
-                None => return Ok(()),
+            folder = self.cluster.fill(&campaign, &store, jobs, &progress)?;
+            if folder.is_none() {
+                return Ok(());
             }
-            threads = 1;
         }
-        let options = RunOptions { threads, progress: &progress, stop: &AtomicBool::new(false), known: &known };
+        let options = match &folder {
+            Some(folder) => RunOptions { record: folder, ..RunOptions::new(1, &progress) },
+            None => RunOptions::new(jobs, &progress),
+        };
         let outcomes = runner::execute(&campaign.graph, &store, &wanted, &options)
             .map_err(|failure| CommandError::Failed(failure.to_string()))?;
         let wall_s = began.elapsed().as_secs_f64();
         let published =
             self.publish(&campaign, &outcomes, &store, (&revision, wall_s)).map_err(CommandError::Failed)?;
         summarise(&progress, &campaign, &outcomes, &published, wall_s);
+        folder.iter().for_each(|folder| progress.say(&folder.describe_workers()));
         if let [first, ..] = outcomes.failures.as_slice() {
             let count = outcomes.failures.len();
             let words =

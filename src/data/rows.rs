@@ -365,7 +365,7 @@ pub struct StageRow {
 /// How long a campaign takes on so many workers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ScalingRow {
-    /// `threads`, `two processes apart` and `everything stored` (measured), `ideal cluster` and `job arrays` (replayed).
+    /// `threads`, `two processes apart` and `everything stored` (measured), `ideal cluster` and `workers` (replayed).
     pub system: String,
     /// Threads, or nodes of one processor each.
     pub workers: u64,
@@ -379,6 +379,12 @@ pub struct ScalingRow {
     pub store_gb: f64,
     /// The same over the time, megabytes a second.
     pub store_mb_s: f64,
-    /// What the time is mostly made of.
+    /// What most of the lost time goes into.
     pub bound: String,
+    /// Operations of the store: entries looked up, locked, unlocked, opened and filed; 0 where they are not counted.
+    pub store_operations: u64,
+    /// Stages whose lock another worker held.
+    pub locks_lost: u64,
+    /// Times that workers without work asked again for stages that others computed.
+    pub polls: u64,
 }

@@ -14,7 +14,7 @@ pub(super) const FIGURE: Figure =
 
 /// Drawn systems and their names in the figure.
 const SYSTEMS: [(&str, &str); 2] =
-    [("ideal cluster", "stages alone, best order"), ("job arrays", "job arrays: waves, launches, store")];
+    [("ideal cluster", "stages alone, best order"), ("workers", "workers: launches, locks, store")];
 const PANEL_HIGH: f64 = 230.0;
 const LEFT: f64 = 58.0;
 
@@ -73,7 +73,8 @@ fn draw(rows: &[&ScalingRow]) -> Canvas {
 
 fn markdown(rows: &[ScalingRow]) -> String {
     let mut page = String::from(
-        "| system | workers | time | efficiency | through the store | mostly |\n| --- | ---: | ---: | ---: | ---: | --- |\n",
+        "| system | workers | time | efficiency | through the store | largest loss | locks lost, polls |\n\
+         | --- | ---: | ---: | ---: | ---: | --- | ---: |\n",
     );
     for row in rows {
         let time =
@@ -81,12 +82,18 @@ fn markdown(rows: &[ScalingRow]) -> String {
         let share =
             if row.efficiency.is_finite() { format!("{:.1} %", 100.0 * row.efficiency) } else { "–".to_owned() };
         let store = if row.store_gb.is_finite() {
-            format!("{:.1} GB, {:.1} MB/s", row.store_gb, row.store_mb_s)
+            let operations = match row.store_operations {
+                0 => String::new(),
+                operations => format!(", {operations} operations"),
+            };
+            format!("{:.1} GB, {:.1} MB/s{operations}", row.store_gb, row.store_mb_s)
         } else {
             "–".to_owned()
         };
         let bound = if row.bound.is_empty() { "–" } else { &row.bound };
-        let _ = writeln!(page, "| {} | {} | {time} | {share} | {store} | {bound} |", row.system, row.workers);
+        let idle =
+            if row.store_operations > 0 { format!("{}, {}", row.locks_lost, row.polls) } else { "–".to_owned() };
+        let _ = writeln!(page, "| {} | {} | {time} | {share} | {store} | {bound} | {idle} |", row.system, row.workers);
     }
     page
 }

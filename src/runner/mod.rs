@@ -18,6 +18,7 @@ mod provenance;
 mod results;
 pub mod slurm;
 mod source_digest;
+mod stage_queue;
 pub mod stages;
 mod store;
 mod sweep;
@@ -28,16 +29,20 @@ pub use campaign::{Campaign, CampaignEntry, PlannedRun};
 pub use claims::{SEEDS_NEEDED, evaluate};
 pub use compare::{Difference, Standard, compare};
 pub use digest::Digest;
-pub use executor::{RunOptions, execute};
+pub use executor::{
+    EXCHANGE, HELD_RESULTS, LONGEST_PAUSE, RESUMED, RunOptions, RunRecord, SHORTEST_PAUSE, UNWRITTEN_RESULTS,
+    WorkerShare, execute, execute_share,
+};
 pub use graph::{Failure, Graph, Handle, Inputs, StageKind, StageResult};
 pub use key::Key;
 pub use manifest::{Manifest, StageTimes, git_revision, processor, stage_times};
 pub use merge::{MergeError, merge};
 pub use metrics::Tables;
-pub use outcomes::Outcomes;
+pub use outcomes::{Outcomes, SharingCost};
 pub use plan::{Need, plan};
 pub use progress::{Progress, Style};
 pub use provenance::{first_difference, provenance};
 pub use results::{Files, Publication, PublishError, all_claims, put, write_files};
-pub use store::{EntryLock, EntryState, LockAttempt, Lookup, Note, Store, StoredEntry};
+pub use stage_queue::{StageQueue, WorkPlan};
+pub use store::{EntryLock, EntryState, Lookup, Note, Store, StoreTraffic, StoredEntry};
 pub use timing::Timing;

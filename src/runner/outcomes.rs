@@ -2,8 +2,28 @@
 
 use super::graph::{AnyResult, Failure, Handle, StageResult};
 use super::timing::Timing;
+use serde::{Deserialize, Serialize};
 
 pub(super) type Outcome = Result<AnyResult, Failure>;
+
+/// What it cost a process that others worked at the same run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SharingCost {
+    /// Stages that another process had stored when this one came to them.
+    pub found: usize,
+    /// Stages whose lock another process held.
+    pub locks_lost: usize,
+    /// Stages that another process stored while this one computed them.
+    pub duplicates: usize,
+    /// Time that this process spent on those, seconds.
+    pub duplicate_s: f64,
+    /// Times that a thread without work asked again for stages that other processes computed.
+    pub polls: usize,
+    /// Time that threads were without work, seconds.
+    pub idle_s: f64,
+    /// Stages that this process does not know to be done.
+    pub left: usize,
+}
 
 /// What became of the stages that were wanted, and of those computed for them.
 pub struct Outcomes {
@@ -18,6 +38,8 @@ pub struct Outcomes {
     pub failures: Vec<Failure>,
     /// True when the run was told to stop before everything was done.
     pub stopped: bool,
+    /// What it cost that others worked at the same run.
+    pub sharing: SharingCost,
 }
 
 impl Outcomes {
@@ -44,12 +66,13 @@ impl Outcomes {
         timings: Vec<Option<Timing>>,
         cached: usize,
         stopped: bool,
+        sharing: SharingCost,
     ) -> Self {
         let mut failures: Vec<Failure> = Vec::new();
         for failure in values.iter().filter_map(|value| value.as_ref()?.as_ref().err()) {
             failures.extend((!failures.contains(failure)).then(|| failure.clone()));
         }
         let computed = timings.iter().flatten().count();
-        Outcomes { values, timings, computed, cached, failures, stopped }
+        Outcomes { values, timings, computed, cached, failures, stopped, sharing }
     }
 }

@@ -12,6 +12,8 @@ use spinebench::runner::Store;
 
 const SMOKE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/experiments/smoke.yaml");
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/program/cluster.sh");
+/// Repetitions: so many that workers are busy for some seconds.
+const SEEDS: &str = "8";
 /// Longer than anything here takes on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(600);
 
@@ -23,7 +25,7 @@ struct Cluster {
 
 impl Cluster {
     fn script(arguments: &[&str]) -> Output {
-        // Arrays of ten tasks at most, so that a wave takes several.
+        // Arrays of ten tasks at most, so that a task starts several workers.
         Command::new("bash").arg(SCRIPT).args(arguments).env("MAX_ARRAY_SIZE", "11").output().unwrap()
     }
 
@@ -122,9 +124,10 @@ fn runs_on_a_real_cluster_are_those_of_this_machine() {
         room
     };
     let here = room("here");
-    let output = cluster.spinebench(&here, &["run", SMOKE, "--seeds", "2"]).output().unwrap();
+    let output = cluster.spinebench(&here, &["run", SMOKE, "--seeds", SEEDS]).output().unwrap();
     assert!(output.status.success(), "{}", said(&output));
     let (expected, stages) = (published(&here), entries(&here));
+    assert!(stages > 300, "{stages} stages");
     a_node_loses_power(&cluster, &room("power"), &expected, stages);
     the_limit_is_near(&cluster, &room("limit"), &expected);
     leaving_and_coming_back(&cluster, &room("leave"), &expected);
@@ -134,7 +137,7 @@ fn runs_on_a_real_cluster_are_those_of_this_machine() {
 }
 
 fn a_node_loses_power(cluster: &Cluster, folder: &Path, expected: &BTreeMap<PathBuf, Vec<u8>>, stages: usize) {
-    let arguments = ["run", SMOKE, "--seeds", "2", "--executor", "slurm", "--task-s", "1", "--jobs", "3"];
+    let arguments = ["run", SMOKE, "--seeds", SEEDS, "--executor", "slurm", "--jobs", "3", "--set", "slurm.task_s=1"];
     let child = cluster.spinebench(folder, &arguments).stderr(Stdio::piped()).spawn().unwrap();
     let on_n2 = || cluster.squeue("%T %N").lines().any(|line| line.trim() == "RUNNING n2");
     until("a task on the node", || entries(folder) > stages / 10 && on_n2());
@@ -146,17 +149,22 @@ fn a_node_loses_power(cluster: &Cluster, folder: &Path, expected: &BTreeMap<Path
     let output = end(child);
     let words = said(&output);
     assert!(output.status.success(), "{words}");
-    assert!(words.contains("submitted ") && words.contains(" waves"), "{words}");
+    assert!(words.contains("submitted 3 workers in 3 array tasks for "), "{words}");
+    assert!(words.contains("slurm.task_s has no effect"), "{words}");
     let line = words.lines().find(|line| line.contains("stages computed")).unwrap();
     let computed: usize = line.split(' ').find_map(|word| word.parse().ok()).unwrap();
     assert!(computed < stages / 4, "{computed} of {stages} stages were left to this machine");
     assert_same(&published(folder), expected, "not as on this machine");
     cluster.tell("start-node", "n2");
+    // Two workers never computed the same entry; what sharing cost them is shown.
+    let shared = words.lines().find(|line| line.contains(" worker runs of ")).unwrap();
+    assert!(shared.contains(" 0 stages computed twice (0.0 s)"), "{shared}");
+    let _ = writeln!(std::io::stderr(), "a node lost power: {shared}");
 }
 
 /// The signal that comes before a task's limit: it ends what it has begun, goes back into the queue and goes on later.
 fn the_limit_is_near(cluster: &Cluster, folder: &Path, expected: &BTreeMap<PathBuf, Vec<u8>>) {
-    let arguments = ["run", SMOKE, "--seeds", "2", "--executor", "slurm", "--task-s", "1000", "--time-min", "30"];
+    let arguments = ["run", SMOKE, "--seeds", SEEDS, "--executor", "slurm", "--jobs", "2", "--time-min", "30"];
     let child = cluster.spinebench(folder, &arguments).stderr(Stdio::piped()).spawn().unwrap();
     // One that is about to end does not come back, and one that has just begun does not listen yet: all are told, often.
     let mut told = BTreeSet::new();
@@ -168,7 +176,7 @@ fn the_limit_is_near(cluster: &Cluster, folder: &Path, expected: &BTreeMap<PathB
     });
     let output = end(child);
     assert!(output.status.success(), "{}", said(&output));
-    assert!(!said(&output).contains("got lost"), "{}", said(&output));
+    assert!(!said(&output).contains("submitting them again"), "{}", said(&output));
     assert_same(&published(folder), expected, "not as on this machine");
 }
 
@@ -177,7 +185,7 @@ fn tell_of_the_limit(cluster: &Cluster) -> Vec<String> {
     let tasks = cluster.squeue("%F_%K %T");
     let running = tasks.lines().filter_map(|line| line.trim().strip_suffix(" RUNNING").map(str::to_owned));
     let tell = |task: &String| {
-        let output = cluster.command("scancel").args(["--batch", "--signal=USR2", task]).output().unwrap();
+        let output = cluster.command("scancel").args(["--signal=USR2", task]).output().unwrap();
         // One that has ended since cannot be told.
         output.status.success()
     };
@@ -190,10 +198,14 @@ fn is_back(cluster: &Cluster, task: &str) -> bool {
 }
 
 fn leaving_and_coming_back(cluster: &Cluster, folder: &Path, expected: &BTreeMap<PathBuf, Vec<u8>>) {
-    let arguments = ["run", SMOKE, "--seeds", "2", "--executor", "slurm", "--task-s", "2", "--partition", "slow"];
+    let arguments = ["run", SMOKE, "--seeds", SEEDS, "--executor", "slurm", "--jobs", "12", "--partition", "slow"];
     let output = cluster.spinebench(folder, &[&arguments[..], &["--detach"]].concat()).output().unwrap();
     assert!(output.status.success(), "{}", said(&output));
-    assert!(said(&output).contains("the jobs go on"), "{}", said(&output));
+    assert!(
+        said(&output).contains("submitted 12 workers in 6 array tasks") && said(&output).contains("the jobs continue"),
+        "{}",
+        said(&output)
+    );
     assert!(published(folder).is_empty(), "nothing is published before everything is there");
     let partitions = cluster.squeue("%P");
     assert!(!partitions.is_empty() && partitions.lines().all(|line| line.trim() == "slow"), "{partitions}");
@@ -218,7 +230,7 @@ fn leaving_and_coming_back(cluster: &Cluster, folder: &Path, expected: &BTreeMap
 }
 
 fn calling_off(cluster: &Cluster, folder: &Path) {
-    let arguments = ["run", SMOKE, "--seeds", "2", "--executor", "slurm", "--task-s", "1"];
+    let arguments = ["run", SMOKE, "--seeds", SEEDS, "--executor", "slurm", "--jobs", "6"];
     let child = cluster.spinebench(folder, &arguments).stderr(Stdio::piped()).spawn().unwrap();
     let standing = || {
         let output = cluster.spinebench(folder, &["status"]).output().unwrap();

@@ -96,8 +96,8 @@ fn a_stopped_run_starts_no_further_stage_and_continues_later() {
     let store = Store::at(folder.path());
     let count = Arc::new(AtomicUsize::new(0));
     let (graph, handles) = ladder(count.clone());
-    let (stop, known, progress) = (AtomicBool::new(false), HashMap::new(), Progress::new(Style::Quiet));
-    let options = RunOptions { threads: 1, progress: &progress, stop: &stop, known: &known };
+    let (stop, progress) = (AtomicBool::new(false), Progress::new(Style::Quiet));
+    let options = RunOptions { stop: &stop, ..RunOptions::new(1, &progress) };
     let stopped = std::thread::scope(|scope| {
         scope.spawn(|| {
             while count.load(Ordering::Relaxed) < 5 {
@@ -114,6 +114,20 @@ fn a_stopped_run_starts_no_further_stage_and_continues_later() {
     assert_eq!(count.load(Ordering::Relaxed), 20, "finished stages do not run again");
 }
 
+/// One stage that is known to fail.
+struct Known(Key, Failure);
+
+impl RunRecord for Known {
+    fn find_failure(&self, key: &Key) -> Option<Failure> {
+        (*key == self.0).then(|| self.1.clone())
+    }
+    fn record_failure(&self, _: &Key, _: &Failure) {}
+    fn finished_shares(&self) -> Vec<usize> {
+        Vec::new()
+    }
+    fn record_share(&self, _: usize) {}
+}
+
 #[test]
 fn known_failures_are_not_tried_again_and_a_panic_keeps_its_message() {
     let folder = tempfile::tempdir().unwrap();
@@ -124,9 +138,40 @@ fn known_failures_are_not_tried_again_and_a_panic_keeps_its_message() {
     assert_eq!(done.get(bad).unwrap_err().status, "panicked: seven is not eight");
 
     let failure = Failure { stage: "add".into(), status: "lost".into() };
-    let known = HashMap::from([(graph.describe(0).2, failure.clone())]);
-    let (stop, progress) = (AtomicBool::new(false), Progress::new(Style::Quiet));
-    let options = RunOptions { threads: 1, progress: &progress, stop: &stop, known: &known };
+    let known = Known(graph.describe(0).2, failure.clone());
+    let progress = Progress::new(Style::Quiet);
+    let options = RunOptions { record: &known, ..RunOptions::new(1, &progress) };
     let done = execute(&graph, &store, &[0], &options).unwrap();
     assert_eq!((done.get(bad).unwrap_err(), done.failure(0)), (failure.clone(), Some(&failure)));
+}
+
+#[test]
+fn workers_share_what_is_missing_and_a_damaged_input_is_computed_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let count = Arc::new(AtomicUsize::new(0));
+    let store = Store::at(folder.path());
+    let (graph, _) = ladder(count.clone());
+    run(&graph, &store, 9, 1);
+    let (name, _, key) = graph.describe(9);
+    std::fs::write(store.path(name, &key), "rubbish").unwrap();
+    let missing: Vec<usize> = (10..20).collect();
+    let done: Vec<Outcomes> = std::thread::scope(|scope| {
+        let work = |worker: usize| {
+            let (missing, count, store) = (&missing, count.clone(), Store::at(folder.path()));
+            scope.spawn(move || {
+                let graph = ladder(count).0;
+                let share = WorkerShare { worker, workers: 3, missing };
+                execute_share(&graph, &store, share, &RunOptions::new(1, &Progress::new(Style::Quiet))).unwrap()
+            })
+        };
+        let workers: Vec<_> = (0..3).map(work).collect();
+        workers.into_iter().map(|worker| worker.join().unwrap()).collect()
+    });
+    assert_eq!(done.iter().map(|done| done.computed).sum::<usize>(), 10);
+    // The damaged one again, by whoever read it first, at most by all three at once.
+    let again = count.load(Ordering::Relaxed) - 20;
+    assert!((1..=3).contains(&again), "{again} of the stored stages computed again");
+    assert!(done.iter().all(|done| !done.stopped && done.sharing.duplicates == 0));
+    assert!(done.iter().any(|done| done.sharing.left == 0), "the last one sees that all is done");
+    assert!(matches!(store.read("add", &graph.describe(19).2), Lookup::Found(_)));
 }

@@ -1,23 +1,71 @@
-//! Stages on a Slurm cluster: job arrays of tasks that fill a shared store. What is done is what lies in the store;
-//! the queue only tells whether somebody is still at it.
+//! Campaigns on a Slurm cluster: an array of identical workers that fill a shared store. What is done is what lies in the
+//! store; the queue only tells whether somebody is still at work.
 
-use super::digest::Digest;
-
-mod folder;
-mod plan;
+mod campaign_folder;
+mod monitor;
 mod queue;
-mod state;
-mod watch;
-mod work;
+mod worker;
 
-pub use folder::Folder;
-pub use plan::{Task, waves};
-pub use state::{Standing, cancel, standing};
-pub use watch::{Ended, Watch};
-pub use work::{Place, Worked, work};
+pub use campaign_folder::CampaignFolder;
+pub use monitor::{CampaignEnd, CampaignMonitor};
+pub use queue::{LEFT_STATUS, workers_per_task};
+pub use worker::{WorkerSummary, work};
 
-/// The name that all jobs of a campaign have: another store's campaign for the same results has another.
-fn job_name(folder: &Folder) -> String {
-    let root = std::fs::canonicalize(folder.path()).unwrap_or_else(|_| folder.path().to_owned());
-    format!("spinebench-{}", Digest::of(root.as_os_str().as_encoded_bytes()).short())
+use super::store::Store;
+
+/// The state of a campaign.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CampaignStatus {
+    /// Its name.
+    pub id: String,
+    /// Its experiments.
+    pub experiments: Vec<String>,
+    /// Stages that were missing at its beginning.
+    pub stages: usize,
+    /// Those of them that are stored.
+    pub done: usize,
+    /// Stages that have failed.
+    pub failed: usize,
+    /// Whether it was cancelled.
+    pub cancelled: bool,
+    /// Its jobs by state, or the error of `squeue`.
+    pub queue: String,
+}
+
+/// The campaigns of a store, by name.
+pub fn campaigns(store: &Store) -> Vec<CampaignStatus> {
+    CampaignFolder::ids(store).into_iter().filter_map(|id| status(store, id)).collect()
+}
+
+fn status(store: &Store, id: String) -> Option<CampaignStatus> {
+    let folder = CampaignFolder::of(store, &id);
+    let contents = folder.contents()?;
+    Some(CampaignStatus {
+        id,
+        experiments: contents.experiments,
+        stages: contents.stages.len(),
+        done: contents.stages.iter().filter(|(kind, key)| store.contains(kind, key)).count(),
+        failed: folder.failed().len(),
+        cancelled: folder.marked(campaign_folder::CANCELLED).is_some(),
+        queue: match queue::jobs(&folder.job_name()) {
+            Ok(states) if states.is_empty() => "no jobs".to_owned(),
+            Ok(states) => queue::describe(&states),
+            Err(error) => error,
+        },
+    })
+}
+
+/// Cancels the jobs of a campaign and ends the process that waits for it; results stay in the store.
+///
+/// # Errors
+/// That there is no such campaign, or what the cluster says.
+pub fn cancel(store: &Store, id: &str) -> Result<(), String> {
+    let folder = CampaignFolder::of(store, id);
+    if folder.contents().is_none() {
+        let known = CampaignFolder::ids(store).join(", ");
+        let known = if known.is_empty() { "a campaign; this store has none".into() } else { format!("one of {known}") };
+        return Err(format!("found campaign `{id}`, expected {known}"));
+    }
+    folder.mark(campaign_folder::CANCELLED, "")?;
+    queue::cancel(&folder.job_name(), false)
 }

@@ -1,46 +1,62 @@
-//! The cluster's commands: submitting, asking what is in the queue, cancelling.
+//! The commands of Slurm: submit workers, list jobs, cancel.
 
-use super::folder::Folder;
+use super::campaign_folder::CampaignFolder;
 use crate::specs::SlurmOptions;
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-/// Reasons to wait that nobody needs to hear of.
+/// Usual reasons to wait.
 const USUAL: [&str; 7] = ["", "None", "Resources", "Priority", "Dependency", "BeginTime", "JobArrayTaskLimit"];
-/// Seconds before a task's limit at which it is told to end what it has begun.
+/// Seconds before the limit at which workers are told to end.
 const NOTICE_S: u32 = 90;
 
-/// A job array that is to be submitted.
-pub(super) struct Array<'a> {
-    /// Name that all jobs of the campaign have.
-    pub(super) name: &'a str,
-    /// Number of its attempt, from 1.
-    pub(super) attempt: usize,
-    /// Number of its wave, from 0.
-    pub(super) wave: usize,
-    /// Number of the wave's task that is the array's first.
-    pub(super) first: usize,
-    /// Tasks.
-    pub(super) tasks: usize,
-    /// Tasks that may run at a time; 0: any number.
-    pub(super) at_a_time: usize,
-    /// Jobs that must have ended before.
-    pub(super) after: &'a [String],
+/// Most array tasks: a controller starts some fifty a second, the step of a task all its workers at once.
+const MOST_TASKS: usize = 100;
+/// Exit status of a worker that was told to end while stages were left.
+pub const LEFT_STATUS: u8 = 75;
+
+/// Workers that an array task starts, unless the options say.
+pub fn workers_per_task(workers: usize) -> usize {
+    workers.div_ceil(MOST_TASKS)
 }
 
-/// Submits an array; its job's number.
+/// An array of tasks that each start the same number of workers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct WorkerArray {
+    tasks: usize,
+    /// Workers that a task starts.
+    each: usize,
+}
+
+impl WorkerArray {
+    /// An array of at least `workers` workers.
+    pub(super) fn of(workers: usize, options: &SlurmOptions) -> WorkerArray {
+        WorkerArray::within(workers, options.workers_per_task.map(|each| each as usize), largest_array())
+    }
+
+    fn within(workers: usize, each: Option<usize>, largest: usize) -> WorkerArray {
+        let each = each.unwrap_or_else(|| workers_per_task(workers)).max(workers.div_ceil(largest)).max(1);
+        WorkerArray { tasks: workers.div_ceil(each), each }
+    }
+
+    /// Its size, in words.
+    pub(super) fn describe(self) -> String {
+        format!("{} workers in {} array tasks", self.tasks * self.each, self.tasks)
+    }
+}
+
+/// Submits an array of workers.
 ///
 /// # Errors
 /// What `sbatch` says, or that there is none.
-pub(super) fn submit(folder: &Folder, array: &Array, options: &SlurmOptions) -> Result<String, String> {
-    let program = std::env::current_exe().map_err(|error| format!("this program's own file: {error}"))?;
+pub(super) fn submit(folder: &CampaignFolder, array: WorkerArray, options: &SlurmOptions) -> Result<(), String> {
+    let program = std::env::current_exe().map_err(|error| format!("the file of this program: {error}"))?;
     if !program.is_file() {
         let found = program.display();
         return Err(format!(
-            "{found}: found it replaced since it began, expected the same build; run the command again"
+            "{found}: found it replaced since it started, expected the same build; run the command again"
         ));
     }
     let mut command = Command::new("sbatch");
@@ -48,52 +64,48 @@ pub(super) fn submit(folder: &Folder, array: &Array, options: &SlurmOptions) -> 
     let mut child = command.spawn().map_err(|error| absent("sbatch", &error))?;
     if let Some(mut input) = child.stdin.take() {
         // A refusal says more than the pipe that it closes.
-        let _ = input.write_all(script(&program, folder, array).as_bytes());
+        let _ = input.write_all(script(&program, folder, array, options).as_bytes());
     }
     let output = child.wait_with_output().map_err(|error| absent("sbatch", &error))?;
-    let said = succeeded("sbatch", &output)?;
-    let job = said.trim().split(';').next().unwrap_or_default();
-    if job.is_empty() || !job.bytes().all(|byte| byte.is_ascii_digit()) {
-        return Err(format!("sbatch: found `{}`, expected the number of a job", said.trim()));
-    }
-    Ok(job.to_owned())
+    succeeded("sbatch", &output).map(drop)
 }
 
-fn arguments(folder: &Folder, array: &Array, options: &SlurmOptions) -> Vec<String> {
-    let mut range = format!("0-{}", array.tasks.saturating_sub(1));
-    if array.at_a_time > 0 {
-        let _ = write!(range, "%{}", array.at_a_time);
-    }
+fn arguments(folder: &CampaignFolder, array: WorkerArray, options: &SlurmOptions) -> Vec<String> {
     let mut arguments = vec![
         "--parsable".to_owned(),
         "--requeue".to_owned(),
         "--open-mode=append".to_owned(),
-        format!("--job-name={}", array.name),
-        format!("--array={range}"),
+        format!("--job-name={}", folder.job_name()),
+        format!("--array=0-{}", array.tasks - 1),
+        format!("--ntasks={}", array.each),
         format!("--cpus-per-task={}", options.cpus),
-        format!("--signal=B:USR2@{NOTICE_S}"),
+        format!("--signal=USR2@{NOTICE_S}"),
         format!("--output={}", folder.logs().join("%A_%a.log").display()),
     ];
-    if !array.after.is_empty() {
-        arguments.push(format!("--dependency=afterany:{}", array.after.join(":")));
-    }
     let mut optional =
         |name: &str, value: Option<String>| arguments.extend(value.map(|value| format!("--{name}={value}")));
     optional("partition", options.partition.clone());
     optional("account", options.account.clone());
     optional("time", options.time_min.map(|minutes| minutes.to_string()));
-    optional("mem", options.memory_mb.map(|megabytes| format!("{megabytes}M")));
+    optional("mem-per-cpu", options.memory_mb.map(|megabytes| format!("{}M", megabytes.div_ceil(options.cpus))));
     arguments.extend(options.arguments.iter().cloned());
     arguments
 }
 
-/// The program takes the shell's place, so that the notice before the limit reaches it; one that comes before it listens
-/// does not end it.
-fn script(program: &Path, folder: &Folder, array: &Array) -> String {
+/// The script of a task: one step that starts its workers. The notice before the limit goes to the workers; one that comes
+/// before they listen does not end them. A task whose workers ended early goes back into the queue.
+fn script(program: &Path, folder: &CampaignFolder, array: WorkerArray, options: &SlurmOptions) -> String {
     let (program, folder) = (quoted(program), quoted(folder.path()));
-    let (attempt, wave, first) = (array.attempt, array.wave, array.first);
+    let (workers, cpus) = (array.tasks * array.each, options.cpus);
     format!(
-        "#!/bin/bash\ntrap '' USR2\nexec {program} work {folder} --attempt {attempt} --wave {wave} --first {first}\n"
+        "#!/bin/bash\n\
+         srun --kill-on-bad-exit=0 --wait=0 --cpus-per-task={cpus} bash -c 'trap \"\" USR2; exec \"$@\"' worker \\\n  \
+         {program} work {folder} --workers {workers}\n\
+         status=$?\n\
+         if [ $status = {LEFT_STATUS} ]; then\n  \
+         scontrol requeue \"${{SLURM_ARRAY_JOB_ID}}_${{SLURM_ARRAY_TASK_ID}}\" && sleep 60\n\
+         fi\n\
+         exit $status\n"
     )
 }
 
@@ -102,11 +114,11 @@ fn quoted(path: &Path) -> String {
     format!("'{}'", path.display().to_string().replace('\'', r"'\''"))
 }
 
-/// Tasks in the queue by state and, in brackets, reason: those of all jobs with a name.
+/// Jobs with this name by state, with the reason for waiting in brackets where a person should know it.
 ///
 /// # Errors
-/// What `squeue` says: the cluster does not answer.
-pub(super) fn queued(name: &str) -> Result<BTreeMap<String, usize>, String> {
+/// What `squeue` says.
+pub(super) fn jobs(name: &str) -> Result<BTreeMap<String, usize>, String> {
     let arguments = ["--noheader", "--array", "--format=%T %r", "--name", name];
     let output = Command::new("squeue").args(arguments).output().map_err(|error| absent("squeue", &error))?;
     Ok(counted(&succeeded("squeue", &output)?))
@@ -117,19 +129,19 @@ fn counted(said: &str) -> BTreeMap<String, usize> {
     for line in said.lines().map(str::trim).filter(|line| !line.is_empty()) {
         let (state, reason) = line.split_once(' ').unwrap_or((line, ""));
         let state = state.to_lowercase();
-        let telling = state == "pending" && !USUAL.contains(&reason);
-        *states.entry(if telling { format!("{state} ({reason})") } else { state }).or_default() += 1;
+        let unusual = state == "pending" && !USUAL.contains(&reason);
+        *states.entry(if unusual { format!("{state} ({reason})") } else { state }).or_default() += 1;
     }
     states
 }
 
-/// Tasks by state, in words.
-pub(super) fn words(states: &BTreeMap<String, usize>) -> String {
+/// Jobs by state, in words.
+pub(super) fn describe(states: &BTreeMap<String, usize>) -> String {
     states.iter().map(|(state, count)| format!("{count} {state}")).collect::<Vec<_>>().join(", ")
 }
 
 /// Largest number of tasks that one array may have.
-pub(super) fn largest_array() -> usize {
+fn largest_array() -> usize {
     let output = Command::new("scontrol").args(["show", "config"]).output();
     let said = output.map(|output| String::from_utf8_lossy(&output.stdout).into_owned()).unwrap_or_default();
     let size = said.lines().find_map(|line| line.strip_prefix("MaxArraySize")?.split('=').nth(1)?.trim().parse().ok());
@@ -137,26 +149,14 @@ pub(super) fn largest_array() -> usize {
     size.unwrap_or(1001_usize).saturating_sub(1).max(1)
 }
 
-/// Cancels all jobs with a name.
+/// Cancels the jobs with a name, or those of them that wait.
 ///
 /// # Errors
 /// What `scancel` says.
-pub(super) fn cancel(name: &str) -> Result<(), String> {
-    let output = Command::new("scancel").args(["--name", name]).output().map_err(|error| absent("scancel", &error))?;
-    succeeded("scancel", &output).map(drop)
-}
-
-/// Puts the task that this process is back into the queue, which ends it. It is named as a task: the number of its job may
-/// be that of the whole array.
-///
-/// # Errors
-/// What `scontrol` says, or that this is no task.
-pub(super) fn requeue_self() -> Result<(), String> {
-    let variable = |name: &str| std::env::var(name).map_err(|_| format!("no {name}: this is no task of Slurm's"));
-    let task = format!("{}_{}", variable("SLURM_ARRAY_JOB_ID")?, variable("SLURM_ARRAY_TASK_ID")?);
-    let output =
-        Command::new("scontrol").args(["requeue", &task]).output().map_err(|error| absent("scontrol", &error))?;
-    succeeded("scontrol", &output).map(drop)
+pub(super) fn cancel(name: &str, waiting: bool) -> Result<(), String> {
+    let mut command = Command::new("scancel");
+    command.args(["--name", name]).args(waiting.then_some("--state=PENDING"));
+    succeeded("scancel", &command.output().map_err(|error| absent("scancel", &error))?).map(drop)
 }
 
 fn absent(command: &str, error: &std::io::Error) -> String {
@@ -176,28 +176,40 @@ mod tests {
     use super::*;
 
     #[test]
-    fn options_and_dependencies_become_arguments() {
-        let folder = Folder::at(Path::new("/shared/store/slurm/abc"));
-        let after = ["7".to_owned(), "8".to_owned()];
-        let array = Array { name: "n", attempt: 1, wave: 2, first: 1000, tasks: 5, at_a_time: 3, after: &after };
+    fn a_large_array_starts_several_workers_a_task() {
+        let within = |workers, each, largest| {
+            let array = WorkerArray::within(workers, each, largest);
+            (array.tasks, array.each)
+        };
+        assert_eq!([within(1, None, 1000), within(100, None, 1000)], [(1, 1), (100, 1)]);
+        assert_eq!([within(1000, None, 1000), within(150, None, 1000)], [(100, 10), (75, 2)]);
+        assert_eq!([within(12, None, 10), within(12, Some(1), 1000)], [(6, 2), (12, 1)]);
+        assert_eq!(within(12, Some(1), 10), (6, 2), "the cluster's largest array limits the option");
+    }
+
+    #[test]
+    fn options_become_arguments_and_paths_are_quoted() {
+        let folder = CampaignFolder::at(Path::new("/shared/store/slurm/abc"));
         let options = SlurmOptions {
             partition: Some("long".into()),
             time_min: Some(30),
             memory_mb: Some(500),
+            cpus: 2,
             ..SlurmOptions::default()
         };
-        let said = arguments(&folder, &array, &options).join(" ");
-        for part in ["--array=0-4%3", "--dependency=afterany:7:8", "--partition=long", "--time=30", "--mem=500M"] {
+        let array = WorkerArray { tasks: 5, each: 3 };
+        let said = arguments(&folder, array, &options).join(" ");
+        for part in ["--array=0-4", "--ntasks=3", "--partition=long", "--time=30", "--mem-per-cpu=250M"] {
             assert!(said.contains(part), "{said}");
         }
-        let script = script(Path::new("/opt/it's/spinebench"), &folder, &array);
-        let work = r"exec '/opt/it'\''s/spinebench' work '/shared/store/slurm/abc' --attempt 1 --wave 2 --first 1000";
-        assert_eq!(script.lines().skip(1).collect::<Vec<_>>(), ["trap '' USR2", work]);
+        let script = script(Path::new("/opt/it's/spinebench"), &folder, array, &options);
+        let work = r"  '/opt/it'\''s/spinebench' work '/shared/store/slurm/abc' --workers 15";
+        assert_eq!(script.lines().nth(2), Some(work), "{script}");
     }
 
     #[test]
     fn the_queue_is_counted_by_state_and_telling_reasons() {
-        let said = "RUNNING None\nPENDING Resources\nPENDING JobHeldAdmin\nPENDING Dependency\nCOMPLETING None\n";
+        let said = "RUNNING None\nPENDING Resources\nPENDING JobHeldAdmin\nPENDING BeginTime\nCOMPLETING None\n";
         let expected = [("completing", 1), ("pending", 2), ("pending (JobHeldAdmin)", 1), ("running", 1)];
         let expected: BTreeMap<String, usize> = expected.map(|(state, count)| (state.to_owned(), count)).into();
         assert_eq!(counted(said), expected);

@@ -1,6 +1,6 @@
 //! Keeping the store: what lies in it, whether it is good, and taking out what is of no use.
 
-use super::{LockAttempt, Lookup, Note, Store};
+use super::{Lookup, Note, Store};
 use crate::runner::digest::Digest;
 use crate::runner::key::Key;
 use std::collections::BTreeMap;
@@ -86,7 +86,7 @@ impl Store {
         fs::remove_file(path)
     }
 
-    /// Temporary files of writers that died, with their sizes: those of whose entry nobody holds a claim.
+    /// Temporary files of writers that died, with their sizes: those of whose entry nobody holds the lock.
     ///
     /// # Errors
     /// What the file system says of a folder.
@@ -95,7 +95,7 @@ impl Store {
         self.visit(|stage, path, name| {
             let key = name.strip_prefix('.').and_then(|name| Digest::parse(name.split('.').next()?));
             if let Some(key) = key.filter(|_| name.ends_with(".tmp"))
-                && matches!(self.try_lock(stage, &key), LockAttempt::Acquired(_))
+                && self.lock(stage, &key).is_some()
             {
                 found.push((path.to_owned(), fs::metadata(path).map_or(0, |about| about.len())));
             }
@@ -155,7 +155,7 @@ mod tests {
 
         let left = store.path("stage", &old).with_file_name(format!(".{old}.77.0.tmp"));
         fs::write(&left, "half").unwrap();
-        let held = store.try_lock("stage", &old);
+        let held = store.lock("stage", &old);
         assert!(store.leftovers().unwrap().is_empty(), "somebody is writing it");
         drop(held);
         assert_eq!(store.leftovers().unwrap(), [(left, 4)]);

@@ -2,22 +2,25 @@
 //!
 //! An entry is written to a temporary file, flushed to the disk and renamed, so that it is either whole or absent
 //! whenever the process dies. It carries the digest of its bytes and a seal over key and digest, both checked on every
-//! read. Whoever computes an entry holds a claim on it, so that processes that share a store share the work as well.
+//! read. Whoever computes an entry holds its lock, so that processes that share a store share the work as well.
 
-mod claim;
+mod entry_lock;
 mod gc;
 
-pub use claim::{EntryLock, LockAttempt};
+pub use entry_lock::EntryLock;
 pub use gc::{EntryState, StoredEntry};
 
 use super::digest::Digest;
 use super::key::Key;
 use super::timing::Timing;
 use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
 use std::fs::{self, File};
 use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant, SystemTime};
 
 const MAGIC: &[u8; 16] = b"spinebench-rec-2";
 const HEADER: usize = 16 + 32 + 32;
@@ -44,17 +47,54 @@ pub struct Note {
     pub timing: Timing,
 }
 
+/// What one process has asked of its store.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StoreTraffic {
+    /// Questions whether an entry is there.
+    pub lookups: u64,
+    /// Attempts to lock an entry.
+    pub locks: u64,
+    /// Entries read.
+    pub reads: u64,
+    /// Their size, bytes.
+    pub read_bytes: u64,
+    /// Entries written.
+    pub writes: u64,
+    /// Their size, bytes.
+    pub written_bytes: u64,
+}
+
 /// A folder of entries.
 #[derive(Debug)]
 pub struct Store {
     root: PathBuf,
     temporary: AtomicU64,
+    traffic: Mutex<StoreTraffic>,
+    /// Lock files that other processes hold: when they were last touched, and when this process saw that.
+    held_elsewhere: Mutex<HashMap<PathBuf, (SystemTime, Instant)>>,
+    /// Age at which a lock that nobody touches is taken over.
+    expiry: Duration,
 }
 
 impl Store {
     /// The store in the folder `root`, which is made when the first entry is written.
     pub fn at(root: impl Into<PathBuf>) -> Store {
-        Store { root: root.into(), temporary: AtomicU64::new(0) }
+        Store {
+            root: root.into(),
+            temporary: AtomicU64::new(0),
+            traffic: Mutex::default(),
+            held_elsewhere: Mutex::default(),
+            expiry: entry_lock::EXPIRY,
+        }
+    }
+
+    /// What this process has asked of the store so far.
+    pub fn traffic(&self) -> StoreTraffic {
+        *self.traffic.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn count(&self, add: impl FnOnce(&mut StoreTraffic)) {
+        add(&mut self.traffic.lock().unwrap_or_else(PoisonError::into_inner));
     }
 
     /// The folder.
@@ -70,6 +110,7 @@ impl Store {
 
     /// True when there is an entry; [`Store::read`] tells whether it is good.
     pub fn contains(&self, stage: &str, key: &Key) -> bool {
+        self.count(|traffic| traffic.lookups += 1);
         self.path(stage, key).is_file()
     }
 
@@ -80,6 +121,9 @@ impl Store {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Lookup::Absent,
             Err(error) => return Lookup::Damaged(error.to_string()),
         };
+        self.count(|traffic| {
+            (traffic.reads, traffic.read_bytes) = (traffic.reads + 1, traffic.read_bytes + bytes.len() as u64)
+        });
         let Some((header, payload)) = bytes.split_at_checked(HEADER) else {
             return Lookup::Damaged("it is truncated".into());
         };
@@ -125,7 +169,16 @@ impl Store {
         if written.is_err() {
             let _ = fs::remove_file(&temporary); // already failing: the first error is the one to report
         }
+        let bytes = (HEADER + payload.len()) as u64;
+        self.count(|traffic| {
+            (traffic.writes, traffic.written_bytes) = (traffic.writes + 1, traffic.written_bytes + bytes)
+        });
         written
+    }
+
+    /// Removes a damaged entry, so that nobody takes it for a stored one.
+    pub fn discard(&self, stage: &str, key: &Key) {
+        let _ = fs::remove_file(self.path(stage, key)); // what replaces it will report why this failed
     }
 
     /// Notes something beside an entry. A lost note costs a line of a manifest.

@@ -3,10 +3,10 @@
 use crate::base::BadOption;
 use serde::{Deserialize, Serialize};
 
-/// Shortest limit of a task, minutes: it is told 90 s before, and clusters round that up by as much as a minute.
+/// Shortest limit, minutes: the notice comes 90 s before, and clusters round that up by as much as a minute.
 const LEAST_MIN: u32 = 4;
 
-/// Resources of each task and where it runs. What is left out is for the cluster to decide.
+/// Resources of a worker and where it runs. The cluster decides what is left out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SlurmOptions {
@@ -14,19 +14,21 @@ pub struct SlurmOptions {
     pub partition: Option<String>,
     /// Account that is charged.
     pub account: Option<String>,
-    /// Longest that a task may take, minutes. Ninety seconds before, it is told to end what it has begun.
+    /// Time limit of a worker, minutes. Ninety seconds before, it completes the stages that it has begun and ends.
     pub time_min: Option<u32>,
-    /// Memory of a task, megabytes.
+    /// Memory of a worker, megabytes.
     pub memory_mb: Option<u32>,
-    /// Processors of a task; its threads.
+    /// Processors, and threads, of a worker.
     pub cpus: u32,
-    /// Stages are put together into tasks of about this length, seconds: short tasks cost the cluster more than they do.
-    pub task_s: f64,
-    /// Times that what got lost (a node that died, a limit that was reached) is submitted again without anything new
-    /// having come of it.
+    /// Workers that each task of the job array starts at once; by default as many as keep the array at a hundred tasks.
+    pub workers_per_task: Option<u32>,
+    /// Times that workers are submitted again without anything new having come of it.
     pub attempts: u32,
     /// Further arguments of `sbatch`.
     pub arguments: Vec<String>,
+    /// No effect: workers take single stages. Still read, so that older specs are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub task_s: Option<f64>,
 }
 
 impl Default for SlurmOptions {
@@ -37,9 +39,10 @@ impl Default for SlurmOptions {
             time_min: None,
             memory_mb: None,
             cpus: 1,
-            task_s: 60.0,
+            workers_per_task: None,
             attempts: 3,
             arguments: Vec::new(),
+            task_s: None,
         }
     }
 }
@@ -50,12 +53,12 @@ impl SlurmOptions {
     /// # Errors
     /// [`BadOption`] names the first one.
     pub fn check(&self) -> Result<(), BadOption> {
-        BadOption::unless_positive("task_s", self.task_s)?;
         if let Some(minutes) = self.time_min.filter(|&minutes| minutes < LEAST_MIN) {
             let expected = "at least 4: the notice comes up to two and a half minutes before the end";
             return Err(BadOption { key: "time_min", found: minutes.to_string(), expected });
         }
         BadOption::unless_counted("cpus", self.cpus as usize)?;
+        BadOption::unless_counted("workers_per_task", self.workers_per_task.unwrap_or(1) as usize)?;
         BadOption::unless_counted("attempts", self.attempts as usize)
     }
 }

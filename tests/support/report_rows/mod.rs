@@ -272,9 +272,12 @@ pub(crate) fn scaling() -> Vec<ScalingRow> {
         efficiency: share,
         store_gb: 3.0,
         store_mb_s: 0.03 * workers as f64,
-        bound: "stages".to_owned(),
+        bound: "store".to_owned(),
+        store_operations: 200_000,
+        locks_lost: 5,
+        polls: 7,
     };
-    let systems = [("ideal cluster", 0.98), ("job arrays", 0.9)];
+    let systems = [("ideal cluster", 0.98), ("workers", 0.9)];
     systems.into_iter().flat_map(|system| [1, 10, 100, 1000].map(|workers| row(system, workers))).collect()
 }
 
