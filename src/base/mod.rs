@@ -4,6 +4,7 @@ mod observation;
 mod option;
 mod rows;
 mod seed;
+pub mod series;
 mod traits;
 
 pub use observation::{Displacements, Observation, Point3, distance_m};

@@ -19,7 +19,7 @@ pub(super) struct PlanCommand {
 
 impl PlanCommand {
     pub(super) fn execute(self) -> CommandResult {
-        let campaign = self.specs.campaign()?;
+        let campaign = self.specs.campaign(|note| eprintln!("note: {note}"))?;
         let needs = plan(&campaign.graph, &self.cache.store(), &campaign.wanted());
         let mut text = String::new();
         for entry in &campaign.entries {

@@ -46,9 +46,9 @@ enum Executor {
 
 impl RunCommand {
     pub(super) fn execute(self) -> CommandResult {
-        let campaign = self.specs.campaign()?;
-        writable(&self.out)?;
         let progress = self.progress_args.progress();
+        let campaign = self.specs.campaign(|note| progress.notice(note))?;
+        writable(&self.out)?;
         // The repository may change during the run.
         let revision = runner::git_revision();
         let began = Instant::now();

@@ -26,13 +26,14 @@ pub(super) struct SpecArgs {
 }
 
 impl SpecArgs {
-    /// Reads and expands the experiments.
-    pub(super) fn campaign(&self) -> Result<Campaign, CommandError> {
+    /// Reads and expands the experiments; `note` tells what the user should know of their specs.
+    pub(super) fn campaign(&self, note: impl Fn(&str)) -> Result<Campaign, CommandError> {
         let mut sets = self.set.clone();
         sets.extend(self.seeds.map(|seeds| format!("seeds={seeds}")));
         let read = |file: &PathBuf| ExperimentSet::read(file, &sets, &self.sweep);
         let experiments: Result<Vec<ExperimentSet>, SpecError> = self.specs.iter().map(read).collect();
         let experiments = experiments.map_err(|error| CommandError::BadInput(error.to_string()))?;
+        experiments.iter().flat_map(|set| &set.notes).for_each(|text| note(text));
         let mut names = BTreeSet::new();
         for (study, file) in experiments.iter().zip(&self.specs) {
             if !names.insert(&study.experiment.name) {

@@ -8,20 +8,24 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::alone::{Alone, Controller, Wanted};
-use super::network::Network;
-use super::sight::Glance;
+use super::network::RecurrentInverse;
+use super::single_controller::{Controller, Demand, SingleController};
+use super::tip_tracker::TipReading;
 use super::{ErrorModel, InverseModel, NetworkOptions, Part, PolicyEntry, PolicyOptions, need};
+use crate::base::series::SeriesLabel;
 use crate::base::{BadOption, Displacements, Point3, PolicyError, distance_m};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "a",
+    label: SeriesLabel::text("A"),
+    look: None,
+    footnote: "",
     needs: &[Part::SimulatedInverse, Part::Error],
     closed_loop_only: false,
     make: |parts, options| {
         let model = need("a", Part::SimulatedInverse, parts.simulated)?;
         let error = need("a", Part::Error, parts.error)?;
-        Ok(Box::new(Alone::new(AlgorithmTwo::new(model, error, options), "a", options)))
+        Ok(Box::new(SingleController::new(AlgorithmTwo::new(model, error, options), "a", options)))
     },
 };
 
@@ -66,7 +70,7 @@ impl AOptions {
 
 /// Algorithm 2 with its state between ticks.
 pub(super) struct AlgorithmTwo {
-    network: Network,
+    network: RecurrentInverse,
     error: Arc<dyn ErrorModel>,
     options: AOptions,
     network_options: NetworkOptions,
@@ -87,7 +91,7 @@ pub(super) struct AlgorithmTwo {
 impl AlgorithmTwo {
     pub(super) fn new(model: Box<dyn InverseModel>, error: Arc<dyn ErrorModel>, options: &PolicyOptions) -> Self {
         AlgorithmTwo {
-            network: Network::new(model, options.network.memory),
+            network: RecurrentInverse::new(model, options.network.memory),
             error,
             options: options.a,
             network_options: options.network,
@@ -101,7 +105,7 @@ impl AlgorithmTwo {
     }
 
     /// One iteration: L(i), e_gp(i), x_s-target(i).
-    fn iterate(&mut self, fresh: bool, target_m: &Point3) -> Result<Wanted, PolicyError> {
+    fn iterate(&mut self, fresh: bool, target_m: &Point3) -> Result<Demand, PolicyError> {
         let aim_m = self.network_options.aim_m(&self.position_m, &self.simulated_target_m, fresh);
         let pulls_m = self.network.pulls(&self.position_m, &aim_m)?;
         self.error_m = self.error.error_m(&pulls_m, &aim_m);
@@ -113,7 +117,7 @@ impl AlgorithmTwo {
         let settled = self.iterations >= self.options.min_iterations
             && distance_m(&self.simulated_target_m, &next_m) <= self.options.tolerance_m;
         self.simulated_target_m = next_m;
-        Ok(Wanted { pulls_m, settled })
+        Ok(Demand { pulls_m, settled })
     }
 }
 
@@ -125,7 +129,7 @@ impl Controller for AlgorithmTwo {
         self.held_m = None;
     }
 
-    fn decide(&mut self, glance: Glance, target_m: &Point3) -> Result<Wanted, PolicyError> {
+    fn decide(&mut self, reading: TipReading, target_m: &Point3) -> Result<Demand, PolicyError> {
         if self.target_m != Some(*target_m) {
             self.target_m = Some(*target_m);
             self.iterations = 0;
@@ -133,26 +137,26 @@ impl Controller for AlgorithmTwo {
             self.held_m = None;
         }
         // Without a new measurement (open loop) "the initial position does not change".
-        if glance.fresh {
-            self.position_m = sum(&glance.tip_m, &self.error_m);
+        if reading.fresh {
+            self.position_m = sum(&reading.tip_m, &self.error_m);
         }
-        self.network.begin(glance.fresh);
+        self.network.begin(reading.fresh);
         if self.options.hold_when_settled
             && let Some(held_m) = &self.held_m
         {
-            return Ok(Wanted { pulls_m: held_m.clone(), settled: true });
+            return Ok(Demand { pulls_m: held_m.clone(), settled: true });
         }
-        let mut wanted = self.iterate(glance.fresh, target_m)?;
+        let mut demand = self.iterate(reading.fresh, target_m)?;
         for _ in 1..self.options.iterations_per_tick {
-            if wanted.settled {
+            if demand.settled {
                 break;
             }
-            wanted = self.iterate(glance.fresh, target_m)?;
+            demand = self.iterate(reading.fresh, target_m)?;
         }
-        if wanted.settled {
-            self.held_m = Some(wanted.pulls_m.clone());
+        if demand.settled {
+            self.held_m = Some(demand.pulls_m.clone());
         }
-        Ok(wanted)
+        Ok(demand)
     }
 }
 

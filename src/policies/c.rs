@@ -2,37 +2,41 @@
 //!
 //! Both controllers watch every tick, so that the memories of both networks know what the robot did; one of them
 //! gives the command. A stretch under one controller is a leg. A leg ends when its controller has settled and, if
-//! the error is above e_c, the tip has come to rest (or the leg's budget is spent); then [`C::judge`] decides.
+//! the error is above e_c, the tip has come to rest (or the leg's budget is spent); then [`SwitchingController::judge`] decides.
 //! It cannot go on for ever: each target allows a bounded number of changes, and a change that would not alter the
 //! command (L_A ≈ L_B) is not made.
 
 use serde::{Deserialize, Serialize};
 
 use super::a::AlgorithmTwo;
-use super::alone::{Controller, Wanted};
-use super::direct::Direct;
-use super::limits::{Limits, largest_change_m};
-use super::sight::Sight;
+use super::actuator_limits::{ActuatorLimits, largest_change_m};
+use super::inverse_network::InverseNetworkController;
+use super::single_controller::{Controller, Demand};
+use super::tip_tracker::TipTracker;
 use super::{Part, PolicyEntry, need};
+use crate::base::series::SeriesLabel;
 use crate::base::{Action, BadOption, Observation, Point3, Policy, PolicyError, distance_m};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "c",
+    label: SeriesLabel::text("C"),
+    look: None,
+    footnote: "",
     needs: &[Part::SimulatedInverse, Part::Error, Part::GeneratedInverse],
     closed_loop_only: true,
     make: |parts, options| {
         let model = need("c", Part::SimulatedInverse, parts.simulated)?;
         let error = need("c", Part::Error, parts.error)?;
         let generated = need("c", Part::GeneratedInverse, parts.generated)?;
-        Ok(Box::new(C {
+        Ok(Box::new(SwitchingController {
             options: options.c,
             a: AlgorithmTwo::new(model, error, options),
-            b: Direct::new(generated, options),
-            sight: Sight::default(),
-            limits: Limits::new(options.limits),
+            b: InverseNetworkController::new(generated, options),
+            tip_tracker: TipTracker::default(),
+            limits: ActuatorLimits::new(options.limits),
             last_tip_m: None,
             branch: Branch::A,
-            leg: Leg::default(),
+            leg: ControllerLeg::default(),
         }))
     },
 };
@@ -40,7 +44,7 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
 /// When C compares the error with e_c.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Check {
+pub enum SwitchCheck {
     /// At the end of a leg ("the final position tracking error").
     #[default]
     Final,
@@ -51,7 +55,7 @@ pub enum Check {
 /// Which controller a new target starts with.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Start {
+pub enum StartBranch {
     /// A ("mainly relies on control policy A").
     #[default]
     A,
@@ -77,7 +81,7 @@ pub enum AfterBoth {
 #[serde(default, deny_unknown_fields)]
 pub struct COptions {
     /// e_c: above this error the other controller gets its turn; the paper's 0.015 m.
-    pub error_m: f64,
+    pub switch_threshold_m: f64,
     /// The check on L_A and L_B: no change when they differ by no more than this in any tendon.
     pub same_command_m: f64,
     /// The tip is at rest when it was measured to move by no more than this in one tick.
@@ -87,9 +91,9 @@ pub struct COptions {
     /// Changes of controller allowed at one target.
     pub max_switches: usize,
     /// When the error is compared with e_c.
-    pub check: Check,
+    pub check: SwitchCheck,
     /// Which controller a new target starts with.
-    pub start: Start,
+    pub start: StartBranch,
     /// What happens when neither came within e_c.
     pub after_both: AfterBoth,
 }
@@ -97,13 +101,13 @@ pub struct COptions {
 impl Default for COptions {
     fn default() -> Self {
         COptions {
-            error_m: 0.015,
+            switch_threshold_m: 0.015,
             same_command_m: 0.0002,
             rest_m: 0.002,
             leg_ticks: 40,
             max_switches: 2,
-            check: Check::Final,
-            start: Start::A,
+            check: SwitchCheck::Final,
+            start: StartBranch::A,
             after_both: AfterBoth::Better,
         }
     }
@@ -111,7 +115,7 @@ impl Default for COptions {
 
 impl COptions {
     pub(super) fn check(&self) -> Result<(), BadOption> {
-        BadOption::unless_positive("error_m", self.error_m)?;
+        BadOption::unless_positive("switch_threshold_m", self.switch_threshold_m)?;
         BadOption::unless_positive("same_command_m", self.same_command_m)?;
         BadOption::unless_positive("rest_m", self.rest_m)?;
         BadOption::unless_counted("leg_ticks", self.leg_ticks)
@@ -142,7 +146,7 @@ impl Branch {
 
 /// What has happened at the present target.
 #[derive(Default)]
-struct Leg {
+struct ControllerLeg {
     target_m: Option<Point3>,
     ticks: usize,
     switches: usize,
@@ -152,24 +156,24 @@ struct Leg {
     finished: bool,
 }
 
-struct C {
+struct SwitchingController {
     options: COptions,
     a: AlgorithmTwo,
-    b: Direct,
-    sight: Sight,
-    limits: Limits,
+    b: InverseNetworkController,
+    tip_tracker: TipTracker,
+    limits: ActuatorLimits,
     last_tip_m: Option<Point3>,
     branch: Branch,
-    leg: Leg,
+    leg: ControllerLeg,
 }
 
-impl C {
+impl SwitchingController {
     fn begin_target(&mut self, target_m: &Point3) {
         if self.leg.target_m == Some(*target_m) {
             return;
         }
-        self.leg = Leg { target_m: Some(*target_m), ..Leg::default() };
-        if self.options.start == Start::A {
+        self.leg = ControllerLeg { target_m: Some(*target_m), ..ControllerLeg::default() };
+        if self.options.start == StartBranch::A {
             self.branch = Branch::A;
         }
     }
@@ -183,7 +187,7 @@ impl C {
     /// The rule at the end of a leg: stay (and be done with this target) or change.
     fn judge(&mut self, error_m: f64, same_command: bool) {
         self.leg.ended_m[self.branch as usize] = Some(error_m);
-        let change = error_m > self.options.error_m
+        let change = error_m > self.options.switch_threshold_m
             && !same_command
             && self.leg.switches < self.options.max_switches
             && match (self.leg.ended_m[self.branch.other() as usize], self.options.after_both) {
@@ -197,14 +201,14 @@ impl C {
     /// Decides who gives this tick's command. `settled` is of the controller in charge, `same_command` of both.
     fn choose(&mut self, error_m: f64, at_rest: bool, settled: bool, same_command: bool) {
         match self.options.check {
-            Check::Final => {
-                let near = error_m <= self.options.error_m;
+            SwitchCheck::Final => {
+                let near = error_m <= self.options.switch_threshold_m;
                 if (settled && (near || at_rest)) || self.leg.ticks >= self.options.leg_ticks {
                     self.judge(error_m, same_command);
                 }
             }
-            Check::EveryTick => {
-                let due = if error_m > self.options.error_m { Branch::B } else { Branch::A };
+            SwitchCheck::EveryTick => {
+                let due = if error_m > self.options.switch_threshold_m { Branch::B } else { Branch::A };
                 if due != self.branch && !same_command && self.leg.switches < self.options.max_switches {
                     self.switch();
                 } else if settled && at_rest {
@@ -215,35 +219,35 @@ impl C {
     }
 }
 
-impl Policy for C {
+impl Policy for SwitchingController {
     fn reset(&mut self) {
         self.a.reset();
         self.b.reset();
-        self.sight.reset();
+        self.tip_tracker.reset();
         self.limits.reset();
         self.last_tip_m = None;
         self.branch = Branch::A;
-        self.leg = Leg::default();
+        self.leg = ControllerLeg::default();
     }
 
     fn act(&mut self, seen: &Observation, target_m: &Point3) -> Result<Action, PolicyError> {
-        let glance = self.sight.look(seen, target_m)?;
+        let reading = self.tip_tracker.read(seen, target_m)?;
         self.begin_target(target_m);
-        let wanted = [self.a.decide(glance, target_m)?, self.b.decide(glance, target_m)?];
+        let demand = [self.a.decide(reading, target_m)?, self.b.decide(reading, target_m)?];
         // Nothing new was measured: neither the error nor the rest can be judged.
-        if glance.fresh {
-            let moved_m = self.last_tip_m.map_or(f64::INFINITY, |last_m| distance_m(&last_m, &glance.tip_m));
-            self.last_tip_m = Some(glance.tip_m);
-            let [of_a, of_b] = &wanted;
+        if reading.fresh {
+            let moved_m = self.last_tip_m.map_or(f64::INFINITY, |last_m| distance_m(&last_m, &reading.tip_m));
+            self.last_tip_m = Some(reading.tip_m);
+            let [of_a, of_b] = &demand;
             let same_command = largest_change_m(&of_a.pulls_m, &of_b.pulls_m) <= self.options.same_command_m;
-            let Wanted { pulls_m, settled } = &wanted[self.branch as usize];
+            let Demand { pulls_m, settled } = &demand[self.branch as usize];
             let settled = *settled && self.limits.limit(pulls_m, &seen.pulls_m)?.arrived;
-            let error_m = distance_m(&glance.tip_m, target_m);
+            let error_m = distance_m(&reading.tip_m, target_m);
             self.leg.finished = false;
             self.choose(error_m, moved_m <= self.options.rest_m, settled, same_command);
         }
         self.leg.ticks += 1;
-        let chosen = &wanted[self.branch as usize];
+        let chosen = &demand[self.branch as usize];
         let limited = self.limits.apply(&chosen.pulls_m, &seen.pulls_m)?;
         let settled = self.leg.finished && limited.arrived;
         Ok(Action { pulls_m: limited.pulls_m, settled, branch: self.branch.name() })

@@ -12,9 +12,9 @@ use crate::learn::rnn::{Elman, ElmanState};
 /// the memory is its own.
 pub struct ElmanInverse {
     network: Arc<Elman>,
-    /// Memory as of the last tick.
+    /// MemoryUpdate as of the last tick.
     memory: ElmanState,
-    /// Memory after the last question.
+    /// MemoryUpdate after the last question.
     next: ElmanState,
 }
 

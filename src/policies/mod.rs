@@ -1,31 +1,69 @@
 //! Controllers: from what is seen and a target to tendon displacements. They see observations only.
 //!
-//! A policy is one file and one line of [`REGISTRY`]. What it is built from is named by [`Part`], so that whoever
-//! builds it knows which networks to train first.
+//! A policy is one file and one line of `policies!`: its module and, where it has options, the section of a spec's
+//! `policies` that holds them and their type. Everything else that others need to know of it is its [`PolicyEntry`].
 
-mod a;
-mod alone;
-mod b;
-mod c;
-mod direct;
+mod actuator_limits;
+mod inverse_network;
 mod learned;
-mod limits;
 mod network;
-mod options;
-mod pi_real;
-mod sight;
+mod single_controller;
+mod tip_tracker;
 
 pub use a::AOptions;
-pub use c::{AfterBoth, COptions, Check, Start};
-pub use direct::DirectOptions;
+pub use actuator_limits::LimitOptions;
+pub use c::{AfterBoth, COptions, StartBranch, SwitchCheck};
+pub use inverse_network::DirectOptions;
 pub use learned::{ElmanForward, ElmanInverse, GpError};
-pub use limits::LimitOptions;
-pub use network::{Memory, NetworkOptions};
-pub use options::PolicyOptions;
+pub use network::{MemoryUpdate, NetworkOptions};
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
+use crate::base::series::{Look, SeriesLabel};
 use crate::base::{BadOption, Displacements, Point3, Policy, PolicyError};
+
+macro_rules! policies {
+    ($($module:ident $({ $section:ident: $options:ty })?),* $(,)?) => {
+        $(mod $module;)*
+
+        /// Options of all policies; each default and its alternatives are argued in `docs/decisions.md`.
+        #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+        #[serde(default, deny_unknown_fields)]
+        pub struct PolicyOptions {
+            /// What the drive can do; the same for every policy.
+            pub limits: LimitOptions,
+            /// How the networks are asked; the same for every policy.
+            pub network: NetworkOptions,
+            $($(#[doc = concat!("Options of `", stringify!($module), "`.")] pub $section: $options,)?)*
+        }
+
+        impl PolicyOptions {
+            /// Checks every range.
+            ///
+            /// # Errors
+            /// [`BadOption`] names the first field out of range.
+            pub fn check(&self) -> Result<(), BadOption> {
+                self.limits.check()?;
+                self.network.check()?;
+                $($(self.$section.check()?;)?)*
+                Ok(())
+            }
+        }
+
+        /// Every policy, in the order of the paper's Table I.
+        pub static REGISTRY: &[PolicyEntry] = &[$($module::ENTRY),*];
+    };
+}
+
+policies! {
+    a { a: a::AOptions },
+    // Shared with `pi_real`, which is the same controller with another network.
+    b { direct: inverse_network::DirectOptions },
+    c { c: c::COptions },
+    pi_real,
+}
 
 /// A learned inverse mapping (x_i, x_target) → u_i, eq. (22): a recurrent network with a memory.
 ///
@@ -118,10 +156,16 @@ pub enum BuildError {
 /// Takes its parts and makes the policy.
 type Make = fn(PolicyParts, &PolicyOptions) -> Result<Box<dyn Policy>, BuildError>;
 
-/// One line of the registry.
+/// What a policy states about itself.
 pub struct PolicyEntry {
     /// Name in specs and result rows.
     pub name: &'static str,
+    /// Name in tables and figures.
+    pub label: SeriesLabel,
+    /// How it is drawn; `None`: as its position in the registry says.
+    pub look: Option<Look>,
+    /// What a table says of it below its rows, in LaTeX; empty for nothing.
+    pub footnote: &'static str,
     /// What it is built from.
     pub needs: &'static [Part],
     /// True when it decides by the measured error, so that open loop means nothing to it.
@@ -129,9 +173,6 @@ pub struct PolicyEntry {
     /// Call [`build`] instead, which checks the options first.
     make: Make,
 }
-
-/// Every policy, in the order of the paper's Table I.
-pub static REGISTRY: &[PolicyEntry] = &[a::ENTRY, b::ENTRY, c::ENTRY, pi_real::ENTRY];
 
 /// The policy called `name`.
 pub fn find(name: &str) -> Option<&'static PolicyEntry> {

@@ -8,7 +8,7 @@ use crate::base::{BadOption, Displacements, Point3, PolicyError, distance_m};
 /// When the memory of a recurrent network moves on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Memory {
+pub enum MemoryUpdate {
     /// At each control tick, new measurement or not: open and closed loop differ in the measured input alone.
     #[default]
     EveryTick,
@@ -23,7 +23,7 @@ pub enum Memory {
 #[serde(default, deny_unknown_fields)]
 pub struct NetworkOptions {
     /// When the memory moves on.
-    pub memory: Memory,
+    pub memory: MemoryUpdate,
     /// The network is asked for a point at most this far from the current one, on the line to the target; `null` asks
     /// for the target itself, as eq. (22) does. Applies only to new measurements: open loop asks for the target.
     pub lookahead_m: Option<f64>,
@@ -43,15 +43,15 @@ impl NetworkOptions {
 }
 
 /// A network and when its memory moves.
-pub(super) struct Network {
+pub(super) struct RecurrentInverse {
     model: Box<dyn InverseModel>,
-    memory: Memory,
+    memory: MemoryUpdate,
     asked: bool,
 }
 
-impl Network {
-    pub(super) fn new(model: Box<dyn InverseModel>, memory: Memory) -> Self {
-        let mut network = Network { model, memory, asked: false };
+impl RecurrentInverse {
+    pub(super) fn new(model: Box<dyn InverseModel>, memory: MemoryUpdate) -> Self {
+        let mut network = RecurrentInverse { model, memory, asked: false };
         network.reset();
         network
     }
@@ -64,9 +64,9 @@ impl Network {
     /// Begins a control tick.
     pub(super) fn begin(&mut self, fresh: bool) {
         let moves_on = match self.memory {
-            Memory::Measured => fresh,
-            Memory::EveryTick => true,
-            Memory::Rest => false,
+            MemoryUpdate::Measured => fresh,
+            MemoryUpdate::EveryTick => true,
+            MemoryUpdate::Rest => false,
         };
         if self.asked && moves_on {
             self.model.tick();

@@ -139,7 +139,7 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
 
 /// A claim's name as text.
 fn label(row: &ClaimRow) -> String {
-    row.claim.replace("pi_real", &policy_label("pi_real")).replace('_', " ")
+    row.claim.replace("pi_real", policy_label("pi_real")).replace('_', " ")
 }
 
 /// One row of the figure: ours over the paper's, with its interval.

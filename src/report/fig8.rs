@@ -5,9 +5,9 @@ use super::drawing::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 use super::drawing::isometric::View;
 use super::drawing::legend::{LegendEntry, legend};
 use super::markup::MarkdownTable;
-use super::order::{rank, trainings};
+use super::order::trainings;
 use super::style::{
-    CLOUD, DASHED, GREY, HAIR, INK, Marker, PAGE_WIDTH, POLICIES, SMALL, SOLID, TEXT, heading, policy_label,
+    CLOUD, DASHED, GREY, HAIR, INK, Marker, PAGE_WIDTH, SMALL, SOLID, TEXT, heading, policies_in_order, policy_label,
     policy_look, policy_markdown, training_short,
 };
 use super::summarise::track_summary;
@@ -24,6 +24,8 @@ pub(super) const FIGURE: Figure =
 const CLOUD_DOTS: usize = 2000;
 const LEFT: f64 = 56.0;
 const STRIP: f64 = 58.0;
+/// From one small picture of a tracked path to the next, across and down.
+const PITCH: [f64; 2] = [184.0, 168.0];
 
 /// One policy's run.
 struct Run<'a> {
@@ -49,9 +51,7 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
 fn runs<'a>(tracks: &'a [TrackRow], training: &str) -> Vec<Run<'a>> {
     let trained = tracks.iter().filter(|row| row.training == training);
     let Some(seed) = trained.clone().map(|row| row.seed).min() else { return Vec::new() };
-    let mut policies: Vec<&str> = trained.clone().map(|row| row.policy.as_str()).collect();
-    policies.sort_by_key(|policy| (rank(&POLICIES, policy), *policy));
-    policies.dedup();
+    let policies = policies_in_order(trained.clone().map(|row| row.policy.as_str()));
     let run = |policy| {
         let mut rows: Vec<&TrackRow> =
             trained.clone().filter(|row| row.seed == seed && row.policy == policy && row.error_m.is_finite()).collect();
@@ -90,7 +90,7 @@ fn markdown(summary: &[TrackSummaryRow]) -> String {
         let error = format!("{:.5}({:.5})", mean(&of(|row| row.mean_error_m)), mean(&of(|row| row.sd_error_m)));
         grid.rows.push(vec![
             training_short(&group[0].training).to_owned(),
-            policy_markdown(&group[0].policy),
+            policy_markdown(&group[0].policy).to_owned(),
             error,
             with(of(|row| row.start_error_m), 5),
             with(of(|row| 1e3 * row.oscillation_m), 2),
@@ -107,12 +107,12 @@ fn markdown(summary: &[TrackSummaryRow]) -> String {
 
 fn draw(published: &Published, summary: &[TrackSummaryRow], training: &str) -> Canvas {
     let runs = runs(&published.tracks, training);
-    let series_top = 410.0;
+    let series_top = 74.0 + PITCH[1] * runs.len().div_ceil(2).max(2) as f64;
     let high = series_top + (STRIP + 12.0) * runs.len() as f64 + 40.0;
     let mut canvas = Canvas::new(PAGE_WIDTH, high.round());
     canvas.text(Text::new(heading(training), [PAGE_WIDTH - 12.0, 18.0], SMALL, TextAlign::Right).colour(GREY));
     target_path(&mut canvas, published, &runs);
-    tracked(&mut canvas, &runs);
+    tracked(&mut canvas, &runs, series_top);
     series(&mut canvas, &runs, summary, series_top);
     canvas
 }
@@ -166,14 +166,14 @@ fn target_path(canvas: &mut Canvas, published: &Published, runs: &[Run]) {
 }
 
 /// (b): one small picture a policy, seen as in (a) and closer.
-fn tracked(canvas: &mut Canvas, runs: &[Run]) {
+fn tracked(canvas: &mut Canvas, runs: &[Run], series_top: f64) {
     let left = 346.0;
     canvas.text(Text::new("(b) tracked paths", [left, 20.0], TEXT, TextAlign::Left).bold());
     let near = runs.iter().flat_map(|run| run.rows.iter().flat_map(|row| [target(row), tip(row)]));
-    let (size, pitch) = ([180.0, 150.0], [184.0, 168.0]);
+    let size = [180.0, 150.0];
     let close = View::of(near, [0.0, 0.0], size, 6.0);
     for (index, run) in runs.iter().enumerate() {
-        let corner = [left + pitch[0] * (index % 2) as f64, 52.0 + pitch[1] * (index / 2) as f64];
+        let corner = [left + PITCH[0] * (index % 2) as f64, 52.0 + PITCH[1] * (index / 2) as f64];
         let view = close.moved(corner, size);
         let places =
             |points: fn(&TrackRow) -> Point3| run.rows.iter().map(|row| view.at(points(row))).collect::<Vec<_>>();
@@ -188,7 +188,7 @@ fn tracked(canvas: &mut Canvas, runs: &[Run]) {
     }
     let keys = [(LegendEntry::Line(CLOUD, SOLID), "target"), (LegendEntry::Line(INK, SOLID), "tip (marker: start)")];
     legend(canvas, [left, 38.0], PAGE_WIDTH, &keys);
-    close.moved([left, 52.0], size).scale_bar(canvas, [PAGE_WIDTH - 80.0, 384.0], 0.05);
+    close.moved([left, 52.0], size).scale_bar(canvas, [PAGE_WIDTH - 80.0, series_top - 26.0], 0.05);
 }
 
 /// (c): error against time, one strip a policy, all to one scale.

@@ -4,21 +4,22 @@
 //! and a dash of its own, so that a grey print can be read. Lengths are in hundredths of an inch: a figure of
 //! [`PAGE_WIDTH`] fills the two columns of a paper, and text of [`TEXT`] is 8 pt there.
 
-/// A colour, red, green and blue.
-pub type Colour = [u8; 3];
+use crate::base::series::PALETTE;
+pub use crate::base::series::{Colour, DASH_DOT, DASHED, DOTTED, Dash, Look, Marker, SOLID};
+use crate::policies;
 
 /// Okabe & Ito's blue.
-pub const BLUE: Colour = [0, 114, 178];
+pub const BLUE: Colour = PALETTE[0];
 /// Okabe & Ito's vermilion.
-pub const VERMILION: Colour = [213, 94, 0];
+pub const VERMILION: Colour = PALETTE[1];
 /// Okabe & Ito's bluish green.
-pub const GREEN: Colour = [0, 158, 115];
+pub const GREEN: Colour = PALETTE[2];
 /// Okabe & Ito's reddish purple.
-pub const PURPLE: Colour = [204, 121, 167];
+pub const PURPLE: Colour = PALETTE[3];
 /// Okabe & Ito's orange.
-pub const ORANGE: Colour = [230, 159, 0];
+pub const ORANGE: Colour = PALETTE[4];
 /// Okabe & Ito's sky blue.
-pub const SKY: Colour = [86, 180, 233];
+pub const SKY: Colour = PALETTE[5];
 /// Text and axes.
 pub const INK: Colour = [38, 38, 38];
 /// What stands back: target paths, reference lines.
@@ -45,73 +46,42 @@ pub const MARKER: f64 = 3.4;
 /// Opacity of a band of one standard deviation.
 pub const BAND: f64 = 0.18;
 
-/// The shape of a marker.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Marker {
-    /// A filled circle.
-    Circle,
-    /// A filled square.
-    Square,
-    /// A filled diamond.
-    Diamond,
-    /// A filled triangle, point up.
-    Triangle,
-}
-
-/// How a line is broken: lengths of stroke and gap in turn; empty for an unbroken line.
-pub type Dash = &'static [f64];
-
-/// An unbroken line.
-pub const SOLID: Dash = &[];
-/// Long strokes.
-pub const DASHED: Dash = &[6.0, 3.0];
-/// Dots.
-pub const DOTTED: Dash = &[1.6, 2.4];
-/// A stroke and a dot.
-pub const DASH_DOT: Dash = &[6.0, 2.4, 1.6, 2.4];
-
-/// How a series looks.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Look {
-    /// Colour of line, marker and band.
-    pub colour: Colour,
-    /// Marker.
-    pub marker: Marker,
-    /// Dash of the line.
-    pub dash: Dash,
-}
-
 /// Looks in the order in which series take them.
-pub const LOOKS: [Look; 6] = [
-    Look { colour: BLUE, marker: Marker::Circle, dash: SOLID },
-    Look { colour: VERMILION, marker: Marker::Square, dash: DASHED },
-    Look { colour: GREEN, marker: Marker::Diamond, dash: DASH_DOT },
-    Look { colour: PURPLE, marker: Marker::Triangle, dash: DOTTED },
-    Look { colour: ORANGE, marker: Marker::Circle, dash: DASHED },
-    Look { colour: SKY, marker: Marker::Square, dash: SOLID },
-];
+pub const LOOKS: [Look; 6] =
+    [Look::assigned(0), Look::assigned(1), Look::assigned(2), Look::assigned(3), Look::assigned(4), Look::assigned(5)];
 
-/// Policies of the paper in its order, as rows name them.
-pub const POLICIES: [&str; 4] = ["a", "b", "c", "pi_real"];
+/// Position of a policy in tables and figures; policies that are not in the registry follow the last.
+pub fn policy_rank(policy: &str) -> usize {
+    policies::REGISTRY.iter().position(|entry| entry.name == policy).unwrap_or(policies::REGISTRY.len())
+}
 
-/// How a policy looks in every figure.
+/// The policies among these, each once, in the order of the registry; others follow by name.
+pub fn policies_in_order<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut policies: Vec<&str> = names.collect();
+    policies.sort_by_key(|policy| (policy_rank(policy), *policy));
+    policies.dedup();
+    policies
+}
+
+/// How a policy looks in every figure: as its registry entry states, else by its position.
 pub fn policy_look(policy: &str) -> Look {
-    let place = POLICIES.iter().position(|known| *known == policy);
-    LOOKS[place.unwrap_or(POLICIES.len()).min(LOOKS.len() - 1)]
+    let stated = policies::find(policy).and_then(|entry| entry.look);
+    stated.unwrap_or_else(|| Look::assigned(policy_rank(policy)))
 }
 
-/// The name of a policy as the paper prints it.
-pub fn policy_label(policy: &str) -> String {
-    match policy {
-        "a" | "b" | "c" => policy.to_uppercase(),
-        "pi_real" => "πᵣₑₐₗ".to_owned(),
-        other => other.to_owned(),
-    }
+/// The name of a policy in figures.
+pub fn policy_label(policy: &str) -> &str {
+    policies::find(policy).map_or(policy, |entry| entry.label.plain)
 }
 
-/// The same in Markdown.
-pub fn policy_markdown(policy: &str) -> String {
-    if policy == "pi_real" { "π<sub>real</sub>".to_owned() } else { policy_label(policy) }
+/// The name of a policy in Markdown.
+pub fn policy_markdown(policy: &str) -> &str {
+    policies::find(policy).map_or(policy, |entry| entry.label.markdown)
+}
+
+/// The name of a policy in LaTeX.
+pub fn policy_latex(policy: &str) -> String {
+    policies::find(policy).map_or_else(|| super::markup::latex(policy), |entry| entry.label.latex.to_owned())
 }
 
 /// A way of training in two words.

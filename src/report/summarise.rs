@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::order::{rank, trainings};
 use super::paper;
-use super::style::POLICIES;
+use super::style::policy_rank;
 use crate::data::rows::{ReachSummaryRow, TrackRow, TrackSummaryRow, TrialRow};
 use crate::math::summary::{interval_95, mean, oscillation, root_mean_square, standard_deviation};
 
@@ -22,7 +22,7 @@ pub fn reach_summary(trials: &[TrialRow]) -> Vec<ReachSummaryRow> {
     for row in trials {
         let key = (
             rank(&order, &row.training),
-            (rank(&POLICIES, &row.policy), row.policy.as_str()),
+            (policy_rank(&row.policy), row.policy.as_str()),
             (rank(&MODES, &row.mode), row.mode.as_str()),
             (row.gp_points, row.real_points),
         );
@@ -74,7 +74,7 @@ pub fn track_summary(tracks: &[TrackRow]) -> Vec<TrackSummaryRow> {
     let mut runs: BTreeMap<_, Vec<&TrackRow>> = BTreeMap::new();
     let order = trainings(tracks.iter().map(|row| row.training.as_str()));
     for row in tracks {
-        let policy = (rank(&POLICIES, &row.policy), row.policy.as_str());
+        let policy = (policy_rank(&row.policy), row.policy.as_str());
         runs.entry((rank(&order, &row.training), policy, row.seed)).or_default().push(row);
     }
     runs.into_values().map(track_run).collect()

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::order::{rank, trainings};
-use super::style::POLICIES;
+use super::style::policy_rank;
 use super::summarise::MODES;
 use crate::data::rows::{GpRow, SweepRow, TrackSummaryRow, TrialRow};
 use crate::data::tables::Beside;
@@ -61,7 +61,7 @@ pub fn gp_sweep(gps: &[GpRow]) -> Vec<SweepRow> {
 }
 
 fn cell<'a>(kinds: &[&str], [training, policy, mode]: [&'a str; 3], sizes: [u64; 2]) -> CellKey<'a> {
-    (rank(kinds, training), training, rank(&POLICIES, policy), policy, rank(&MODES, mode), mode, sizes)
+    (rank(kinds, training), training, policy_rank(policy), policy, rank(&MODES, mode), mode, sizes)
 }
 
 fn rows(task: &str, cells: BTreeMap<CellKey, Vec<SeedError>>) -> Vec<SweepRow> {

@@ -1,4 +1,4 @@
-//! Table I: goal-reaching error of A, B, C and π_real in open loop, in closed loop and with a load, beside the paper's
+//! Table I: goal-reaching error of every policy in open loop, in closed loop and with a load, beside the paper's
 //! numbers; as Markdown, LaTeX, CSV and a picture.
 
 use super::drawing::axes::{Axis, Panel};
@@ -7,12 +7,13 @@ use super::drawing::legend::{LegendEntry, legend};
 use super::markup::{MarkdownTable, latex};
 use super::order::trainings;
 use super::style::{
-    BLUE, Colour, GREEN, HAIR, INK, MARKER, Marker, ORANGE, PAGE_WIDTH, POLICIES, SMALL, policy_label, policy_markdown,
-    training_label,
+    BLUE, Colour, GREEN, HAIR, INK, MARKER, Marker, ORANGE, PAGE_WIDTH, SMALL, policies_in_order, policy_label,
+    policy_latex, policy_markdown, training_label,
 };
 use super::summarise::{MODES, reach_summary};
 use super::{Artifact, Figure, Published, ReportError, csv, paper, pictures, text};
 use crate::data::rows::ReachSummaryRow;
+use crate::policies;
 
 /// Registry entry.
 pub(super) const FIGURE: Figure =
@@ -45,12 +46,13 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     one_size(&summary)?;
     let names = trainings(trials.iter().map(|row| row.training.as_str()));
     let sources = sources(&names);
+    let shown = policies_in_order(summary.iter().map(|row| row.policy.as_str()));
     let mut files = vec![
         csv("summary.csv", &summary)?,
-        text("table1.md", markdown(&summary, &sources)),
-        text("table1.tex", tex(&summary, &sources)),
+        text("table1.md", markdown(&summary, &sources, &shown)),
+        text("table1.tex", tex(&summary, &sources, &shown)),
     ];
-    files.extend(pictures(FIGURE.name, FIGURE.name, &draw(&summary, &sources))?);
+    files.extend(pictures(FIGURE.name, FIGURE.name, &draw(&summary, &sources, &shown))?);
     Ok(files)
 }
 
@@ -89,7 +91,9 @@ fn entry(summary: &[ReachSummaryRow], source: &Source, policy: &str, mode: &str)
 fn printed(entry: Option<&Entry>, policy: &str, mode: &str) -> String {
     match entry {
         Some(entry) => format!("{}({})", decimals(entry.mean_m), decimals(entry.sd_m)),
-        None if policy == "c" && mode == "open" => "N/A".to_owned(),
+        None if mode == "open" && policies::find(policy).is_some_and(|entry| entry.closed_loop_only) => {
+            "N/A".to_owned()
+        }
         None => "–".to_owned(),
     }
 }
@@ -115,11 +119,11 @@ fn caption(summary: &[ReachSummaryRow]) -> String {
     )
 }
 
-fn markdown(summary: &[ReachSummaryRow], sources: &[Source]) -> String {
+fn markdown(summary: &[ReachSummaryRow], sources: &[Source], shown: &[&str]) -> String {
     let mut grid = MarkdownTable::default();
     grid.header.extend(["Controller".to_owned(), String::new()]);
     grid.header.extend(HEADINGS.map(|heading| format!("{heading} (m)")));
-    for policy in POLICIES {
+    for &policy in shown {
         for (line, source) in sources.iter().enumerate() {
             let name = if line == 0 { format!("**{}**", policy_markdown(policy)) } else { String::new() };
             let cells = MODES.map(|mode| printed(entry(summary, source, policy, mode).as_ref(), policy, mode));
@@ -129,7 +133,7 @@ fn markdown(summary: &[ReachSummaryRow], sources: &[Source]) -> String {
     format!("{}\n{}\n", grid.markdown(), caption(summary))
 }
 
-fn tex(summary: &[ReachSummaryRow], sources: &[Source]) -> String {
+fn tex(summary: &[ReachSummaryRow], sources: &[Source], shown: &[&str]) -> String {
     let mut out = String::from(
         "% needs booktabs\n\\begin{table}\n\\caption{Performance comparison for goal reaching for different policies}\n\
          \\begin{tabular*}{\\columnwidth}{@{\\extracolsep{\\fill}} l ccc}\n\\toprule\n\
@@ -138,21 +142,25 @@ fn tex(summary: &[ReachSummaryRow], sources: &[Source]) -> String {
     out.push_str(&format!(" & {} \\\\\n", HEADINGS.join(" & ")));
     for source in sources {
         out.push_str(&format!("\\midrule\n\\multicolumn{{4}}{{l}}{{\\emph{{{}}}}} \\\\\n", latex(&source.label)));
-        for policy in POLICIES {
-            let name = if policy == "pi_real" { "$\\pi_{real}$".to_owned() } else { policy_label(policy) };
+        for &policy in shown {
+            let name = policy_latex(policy);
             let cells = MODES.map(|mode| printed(entry(summary, source, policy, mode).as_ref(), policy, mode));
             out.push_str(&format!("{name} & {} \\\\\n", cells.join(" & ").replace('–', "--")));
         }
     }
     out.push_str("\\bottomrule\n\\end{tabular*}\n\n\\smallskip\\scriptsize\n");
-    out.push_str(&format!("{} $\\pi_{{real}}$: trained directly from real data.\n", latex(&caption(summary))));
+    out.push_str(&latex(&caption(summary)));
+    for entry in shown.iter().filter_map(|policy| policies::find(policy)).filter(|entry| !entry.footnote.is_empty()) {
+        out.push_str(&format!(" {}: {}", entry.label.latex, entry.footnote));
+    }
+    out.push('\n');
     out.push_str("\\end{table}\n");
     out
 }
 
-fn draw(summary: &[ReachSummaryRow], sources: &[Source]) -> Canvas {
+fn draw(summary: &[ReachSummaryRow], sources: &[Source], shown: &[&str]) -> Canvas {
     let row = 16.0 * sources.len() as f64 + 10.0;
-    let high = row * POLICIES.len() as f64;
+    let high = row * shown.len() as f64;
     let mut canvas = Canvas::new(PAGE_WIDTH, (high + 112.0).round());
     let keys: Vec<(LegendEntry, &str)> = sources
         .iter()
@@ -163,7 +171,7 @@ fn draw(summary: &[ReachSummaryRow], sources: &[Source]) -> Canvas {
     legend(&mut canvas, [52.0, 18.0], PAGE_WIDTH - 10.0, &keys);
     let entries: Vec<Entry> = MODES
         .iter()
-        .flat_map(|mode| POLICIES.map(|policy| (policy, *mode)))
+        .flat_map(|mode| shown.iter().map(|policy| (*policy, *mode)))
         .flat_map(|(policy, mode)| sources.iter().filter_map(move |source| entry(summary, source, policy, mode)))
         .collect();
     let ends = entries.iter().flat_map(|entry| {
@@ -171,8 +179,8 @@ fn draw(summary: &[ReachSummaryRow], sources: &[Source]) -> Canvas {
     });
     let x = Axis::covering("goal-reaching error (mm)", ends.chain([0.0]), 4);
     for (place, (mode, heading)) in MODES.iter().zip(HEADINGS).enumerate() {
-        let names: Vec<String> = POLICIES.iter().rev().map(|policy| policy_label(policy)).collect();
-        let named = Axis { low: -0.5, high: POLICIES.len() as f64 - 0.5, ..Axis::categories("", &names) };
+        let names: Vec<String> = shown.iter().rev().map(|policy| policy_label(policy).to_owned()).collect();
+        let named = Axis { low: -0.5, high: shown.len() as f64 - 0.5, ..Axis::categories("", &names) };
         let panel = Panel {
             corner: [52.0 + 228.0 * place as f64, 54.0],
             size: [198.0, high],
@@ -181,7 +189,7 @@ fn draw(summary: &[ReachSummaryRow], sources: &[Source]) -> Canvas {
             title: heading.to_owned(),
         };
         panel.draw(&mut canvas);
-        facet(&mut canvas, &panel, summary, sources, mode);
+        facet(&mut canvas, &panel, summary, sources, shown, mode);
     }
     let note = "thin: ± 1 standard deviation over targets; thick: 95 % interval of the mean over repetitions";
     canvas.text(Text::new(note, [PAGE_WIDTH - 10.0, high + 106.0], SMALL, TextAlign::Right).colour(super::style::GREY));
@@ -189,10 +197,17 @@ fn draw(summary: &[ReachSummaryRow], sources: &[Source]) -> Canvas {
 }
 
 /// The dots and intervals of one mode.
-fn facet(canvas: &mut Canvas, panel: &Panel, summary: &[ReachSummaryRow], sources: &[Source], mode: &str) {
-    let slot = panel.size[1] / POLICIES.len() as f64;
-    for (row, policy) in POLICIES.iter().enumerate() {
-        let middle = panel.at(panel.x.low, (POLICIES.len() - 1 - row) as f64)[1];
+fn facet(
+    canvas: &mut Canvas,
+    panel: &Panel,
+    summary: &[ReachSummaryRow],
+    sources: &[Source],
+    shown: &[&str],
+    mode: &str,
+) {
+    let slot = panel.size[1] / shown.len() as f64;
+    for (row, policy) in shown.iter().enumerate() {
+        let middle = panel.at(panel.x.low, (shown.len() - 1 - row) as f64)[1];
         if row > 0 {
             let edge = middle - slot / 2.0;
             let [left, right] = [panel.corner[0], panel.corner[0] + panel.size[0]];

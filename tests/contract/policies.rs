@@ -3,7 +3,7 @@
 use crate::support::policies::{AnalyticInverse, BrokenInverse, ConstantError, exact_parts, policy, seen};
 use proptest::prelude::*;
 use spinebench::base::{Action, Point3, Policy, PolicyError};
-use spinebench::policies::{BuildError, InverseModel, LimitOptions, PolicyOptions, PolicyParts, REGISTRY, build};
+use spinebench::policies::{BuildError, InverseModel, LimitOptions, Part, PolicyOptions, PolicyParts, REGISTRY, build};
 use std::sync::Arc;
 
 /// Parts whose memory shows in the command.
@@ -32,7 +32,7 @@ fn names_are_unique() {
 
 #[test]
 fn a_missing_part_is_named() {
-    for entry in REGISTRY {
+    for entry in REGISTRY.iter().filter(|entry| !entry.needs.is_empty()) {
         let Err(BuildError::Missing { policy, part }) = build(entry, PolicyParts::default(), &PolicyOptions::default())
         else {
             panic!("{} was built from nothing", entry.name)
@@ -74,9 +74,10 @@ fn a_network_that_goes_wrong_is_an_error() {
             real: Some(Box::new(BrokenInverse)),
             error: Some(Arc::new(ConstantError([0.0; 3]))),
         };
+        let networks = entry.needs.iter().any(|part| *part != Part::Error);
         let mut policy = policy(entry.name, parts, &PolicyOptions::default());
         let result = policy.act(&seen(0, [0.0, 0.0, 0.22]), &[0.05, 0.0, 0.2]);
-        assert!(matches!(result, Err(PolicyError::NotFinite(_))), "{}: {result:?}", entry.name);
+        assert!(!networks || matches!(result, Err(PolicyError::NotFinite(_))), "{}: {result:?}", entry.name);
     }
 }
 
@@ -100,7 +101,8 @@ fn reset_forgets() {
         let mut policy = policy(entry.name, remembering_parts(), &PolicyOptions::default());
         policy.reset();
         let first = play(policy.as_mut(), &tips_m, &[0.06, 0.03, 0.2]);
-        assert_ne!(first, play(policy.as_mut(), &tips_m, &[0.06, 0.03, 0.2]), "{}: nothing to forget", entry.name);
+        let again = play(policy.as_mut(), &tips_m, &[0.06, 0.03, 0.2]);
+        assert!(entry.needs.is_empty() || first != again, "{}: nothing to forget", entry.name);
         play(policy.as_mut(), &tips_m, &[-0.02, 0.05, 0.2]);
         policy.reset();
         assert_eq!(first, play(policy.as_mut(), &tips_m, &[0.06, 0.03, 0.2]), "{}", entry.name);

@@ -6,7 +6,7 @@ use crate::support::policies::{
     AnalyticInverse, ConstantError, GrowingError, exact_parts, policy, reachable, robot, seen,
 };
 use spinebench::base::{Plant, Point3, Seed, distance_m};
-use spinebench::policies::{Memory, PolicyOptions, PolicyParts};
+use spinebench::policies::{MemoryUpdate, PolicyOptions, PolicyParts};
 use spinebench::tasks::{LoopMode, PathOptions, ReachOptions, TrackOptions, interpolate, reach, track, waypoints};
 
 const SHIFT_M: Point3 = [-0.012, 0.004, 0.0];
@@ -168,10 +168,10 @@ fn memory_moves_when_it_is_told_to() {
             .collect();
         (pull_m[2] / drift_m).round()
     };
-    assert_eq!(ticks_after_three(Memory::Measured, false), 2.0);
-    assert_eq!(ticks_after_three(Memory::Measured, true), 0.0);
-    assert_eq!(ticks_after_three(Memory::EveryTick, true), 2.0);
-    assert_eq!(ticks_after_three(Memory::Rest, false), 0.0);
+    assert_eq!(ticks_after_three(MemoryUpdate::Measured, false), 2.0);
+    assert_eq!(ticks_after_three(MemoryUpdate::Measured, true), 0.0);
+    assert_eq!(ticks_after_three(MemoryUpdate::EveryTick, true), 2.0);
+    assert_eq!(ticks_after_three(MemoryUpdate::Rest, false), 0.0);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::support::policies::{AnalyticInverse, ConstantError, exact_parts, negative, policy, reachable, robot, seen};
 use spinebench::base::{Point3, Seed};
-use spinebench::policies::{AfterBoth, Check, PolicyOptions, PolicyParts, Start};
+use spinebench::policies::{AfterBoth, PolicyOptions, PolicyParts, StartBranch, SwitchCheck};
 use spinebench::tasks::{LoopMode, ReachOptions, ReachOutcome, reach};
 
 const SHIFT_M: Point3 = [-0.012, 0.004, 0.0];
@@ -60,7 +60,7 @@ fn the_threshold_decides() {
     assert!(error_m > 0.015, "{error_m} m");
     for (factor, switches) in [(1.02, 0), (0.98, 1)] {
         let mut options = PolicyOptions::default();
-        options.c.error_m = factor * error_m;
+        options.c.switch_threshold_m = factor * error_m;
         assert_eq!(run(parts(0.03, 0.0), &options).switches, switches);
     }
 }
@@ -137,7 +137,7 @@ fn a_moving_tip_is_not_a_final_error() {
 
 #[test]
 fn a_new_target_starts_as_told() {
-    for (start, branch) in [(Start::A, "a"), (Start::Last, "b")] {
+    for (start, branch) in [(StartBranch::A, "a"), (StartBranch::Last, "b")] {
         let mut options = PolicyOptions::default();
         options.c.start = start;
         options.limits.max_step_m = None;
@@ -158,7 +158,7 @@ fn a_new_target_starts_as_told() {
 #[test]
 fn checking_at_every_tick_follows_the_error() {
     let mut options = PolicyOptions::default();
-    options.c.check = Check::EveryTick;
+    options.c.check = SwitchCheck::EveryTick;
     options.c.max_switches = 10;
     let mut c = policy("c", parts(0.0, 0.03), &options);
     let target_m = [0.05, 0.0, 0.21];

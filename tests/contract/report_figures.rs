@@ -108,7 +108,7 @@ fn sweeps_of_two_fields_are_heat_maps_and_of_three_are_left_to_the_table() {
         let rows = Published { sweep: sweep(fields, 3), ..Published::default() };
         (figure("sweep").unwrap().render)(&rows)
     };
-    let thresholds = ("policies.c.error_m", ["0.005", "0.01", "0.02"].as_slice());
+    let thresholds = ("policies.c.switch_threshold_m", ["0.005", "0.01", "0.02"].as_slice());
     let kernels = ("gp.kernel", ["se_ard", "matern32", "matern52"].as_slice());
     let models = ("plant.simulated.model", ["../models/nominal.yaml", "../models/real.yaml"].as_slice());
     let files = render(&[kernels, thresholds]).unwrap();

@@ -42,25 +42,55 @@ fn spinebench(folder: &Path, text: &str, arguments: &[&str]) -> Output {
 }
 
 #[test]
+fn a_former_name_is_read_with_a_note_that_tells_the_present_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("old.yaml");
+    let smoke_file = Path::new(env!("CARGO_MANIFEST_DIR")).join("experiments/smoke.yaml");
+    let text = format!("extends: {}\npolicies:\n  c: {{error_m: 0.011}}\n", smoke_file.display());
+    std::fs::write(&file, text).unwrap();
+    let read = |sets: &[&str], sweeps: &[&str]| {
+        let owned = |texts: &[&str]| texts.iter().map(|text| (*text).to_owned()).collect::<Vec<_>>();
+        ExperimentSet::read(&file, &owned(sets), &owned(sweeps))
+    };
+    let note = "`policies.c.error_m` is now called `policies.c.switch_threshold_m`";
+    let set = read(&[], &[]).unwrap();
+    assert_eq!(set.experiment.policies.c.switch_threshold_m, 0.011);
+    assert_eq!(set.notes, [format!("{}:3:7: {note}", file.display())]);
+    assert!(set.to_yaml().unwrap().contains("switch_threshold_m: 0.011"));
+    let set = read(&["policies.c.error_m=0.012"], &[]).unwrap();
+    assert_eq!(set.experiment.policies.c.switch_threshold_m, 0.012);
+    assert_eq!(set.notes[1], format!("--set policies.c.error_m=0.012: {note}"));
+    let set = read(&[], &["policies.c.error_m=0.01,0.02"]).unwrap();
+    assert_eq!(set.points[1].experiment.policies.c.switch_threshold_m, 0.02);
+    assert_eq!(set.notes[1], format!("--sweep policies.c.error_m=0.01,0.02: {note}"));
+    let wrong = read(&["policies.c.error_m=-1"], &[]).unwrap_err().to_string();
+    assert!(wrong.starts_with("--set policies.c.error_m=-1: policies.c.switch_threshold_m: found -1"), "{wrong}");
+    let other = file.with_file_name("wrong.yaml");
+    std::fs::write(&other, std::fs::read_to_string(&file).unwrap().replace("0.011", "-0.011")).unwrap();
+    let wrong = ExperimentSet::read(&other, &[], &[]).unwrap_err().to_string();
+    assert!(wrong.contains("wrong.yaml:3:16: policies.c.switch_threshold_m: found -0.011"), "{wrong}");
+}
+
+#[test]
 fn points_are_the_product_in_a_fixed_order_the_last_field_first() {
     let study = smoke(&[], &["gp.kernel=matern32,matern52", "policy.c.switch_threshold_m=0.005:0.03:6"]).unwrap();
     let names: Vec<&str> = study.sweep.iter().map(|field| field.name.as_str()).collect();
-    assert_eq!(names, ["gp.kernel", "policies.c.error_m"]);
+    assert_eq!(names, ["gp.kernel", "policies.c.switch_threshold_m"]);
     assert_eq!(study.points.len(), 12);
-    assert_eq!(study.points[1].label(&study.sweep), "gp.kernel=matern32 policies.c.error_m=0.01");
-    assert_eq!(study.points[7].label(&study.sweep), "gp.kernel=matern52 policies.c.error_m=0.01");
+    assert_eq!(study.points[1].label(&study.sweep), "gp.kernel=matern32 policies.c.switch_threshold_m=0.01");
+    assert_eq!(study.points[7].label(&study.sweep), "gp.kernel=matern52 policies.c.switch_threshold_m=0.01");
     for point in &study.points {
         let experiment = &point.experiment;
         let [kernel, threshold] = [0, 1].map(|field| study.sweep[field].values[point.values[field]].as_str());
         assert_eq!(format!("{kernel}_ard"), experiment.gp.kernel.0.name());
-        assert_eq!(experiment.policies.c.error_m, threshold.parse::<f64>().unwrap());
+        assert_eq!(experiment.policies.c.switch_threshold_m, threshold.parse::<f64>().unwrap());
     }
 }
 
 #[test]
 fn a_point_of_a_sweep_is_the_experiment_that_is_set_so() {
     let swept = smoke(&["gp.kernel=matern52"], &["policy.c.switch_threshold_m=0.005:0.03:6"]).unwrap();
-    let set = smoke(&["gp.kernel=matern52", "policies.c.error_m=0.015", "claims=[]"], &[]).unwrap();
+    let set = smoke(&["gp.kernel=matern52", "policies.c.switch_threshold_m=0.015", "claims=[]"], &[]).unwrap();
     assert_eq!(*swept.points[2].experiment, set.experiment);
     let both = stages(vec![swept.clone(), set]);
     assert_eq!(both, stages(vec![swept]), "and shares all its stages");
@@ -71,7 +101,7 @@ fn only_what_depends_on_the_swept_field_is_there_once_a_point() {
     let alone = stages(vec![smoke(&[], &[]).unwrap()]);
     let trials = 22 + 8; // reaching and tracking
     let swept = |sweep: &str| stages(vec![smoke(&[], &[sweep]).unwrap()]);
-    assert_eq!(swept("policies.c.error_m=0.005:0.03:6"), alone + 5 * trials);
+    assert_eq!(swept("policies.c.switch_threshold_m=0.005:0.03:6"), alone + 5 * trials);
     // Beyond the trials that A, B and C do: two sizes with their scores, and B's two networks.
     let pi_real = 3 * 2 + 2;
     assert_eq!(swept("gp.kernel=se_ard,matern32,matern52"), alone + 2 * (trials - pi_real + 2 * 2 + 2));
@@ -164,8 +194,8 @@ const BAD_SPECS: &[(&str, &str)] = &[
         "spec.yaml:2:29: gp.kernel: found the unknown kernel `se_adr`, expected one of",
     ),
     (
-        "sweep:\n  policies.c.error_m: [0.01, -0.01]",
-        "spec.yaml:3:30: policies.c.error_m: found -0.01, expected a finite number above 0 (point 2 of 2: policies.c.error_m=-0.01)",
+        "sweep:\n  policies.c.switch_threshold_m: [0.01, -0.01]",
+        "spec.yaml:3:41: policies.c.switch_threshold_m: found -0.01, expected a finite number above 0 (point 2 of 2: policies.c.switch_threshold_m=-0.01)",
     ),
     (
         "sweep:\n  gp.starts: [1, 2]\n  targets.drawn: {range: {from: 10, to: 30, count: 3}}",
@@ -190,7 +220,7 @@ const BAD_SPECS: &[(&str, &str)] = &[
     ("sweep: {control_hz.more: [1, 2]}", "spec.yaml:2:26: control_hz.more: found 5 on the way there, expected a field"),
     (
         "sweep: {policy.c.switch_threshold_m: [0.01], policies.c.error_m: [0.02]}",
-        "spec.yaml:2:46: policies.c.error_m: found a field that is already swept, expected each field once",
+        "spec.yaml:2:46: policies.c.switch_threshold_m: found a field that is already swept, expected each field once",
     ),
     (
         "sweep: {plant.simulated.model: [nowhere.yaml]}",
@@ -214,8 +244,8 @@ const BAD_OPTIONS: &[(&[&str], &str)] = &[
         "--sweep gp.starts=1:2: (whole document): found `1:2`, expected path.to.key= and values",
     ),
     (
-        &["--sweep", "policies.c.error_m=log:-1:1:5"],
-        "--sweep policies.c.error_m=log:-1:1:5: policies.c.error_m: found -1",
+        &["--sweep", "policies.c.switch_threshold_m=log:-1:1:5"],
+        "--sweep policies.c.switch_threshold_m=log:-1:1:5: policies.c.switch_threshold_m: found -1",
     ),
     (
         &["--sweep", "gp.starts=1,2", "--sweep", "gp.starts=3,4"],
@@ -223,7 +253,7 @@ const BAD_OPTIONS: &[(&[&str], &str)] = &[
     ),
     (
         &["--set", "policy.c.switch_threshold_m=0.01", "--sweep", "policies.c.error_m=0.01,0.02"],
-        "--set policy.c.switch_threshold_m=0.01: policies.c.error_m: found a field that is swept, expected",
+        "--set policy.c.switch_threshold_m=0.01: policies.c.switch_threshold_m: found a field that is swept, expected",
     ),
     (
         &["--set", "gp={kernel: se_ard}", "--sweep", "gp.kernel=se_ard,se_iso"],
@@ -309,8 +339,8 @@ fn a_plan_tells_the_points() {
 /// What a hundred thousand runs share is in the graph once.
 #[test]
 fn a_hundred_thousand_runs_share_what_they_do_not_sweep() {
-    let few = smoke(&["runs.track=null"], &["policies.c.error_m=0.001:0.1:10"]).unwrap();
-    let many = smoke(&["runs.track=null"], &["policies.c.error_m=0.001:0.1:4600"]).unwrap();
+    let few = smoke(&["runs.track=null"], &["policies.c.switch_threshold_m=0.001:0.1:10"]).unwrap();
+    let many = smoke(&["runs.track=null"], &["policies.c.switch_threshold_m=0.001:0.1:4600"]).unwrap();
     let campaign = Campaign::expand([many]).unwrap();
     assert_eq!(campaign.entries[0].cells().len(), 4600 * 22);
     assert_eq!(campaign.graph.len(), stages(vec![few]) + 4590 * 22);

@@ -145,7 +145,8 @@ fn the_same_seed_gives_the_same_trial_for_every_policy() {
         };
         assert_eq!(run(Seed(1)), run(Seed(1)), "{}", entry.name);
         assert_ne!(run(Seed(1)).tip_m, run(Seed(2)).tip_m, "{}", entry.name);
-        assert!(run(Seed(1)).error_m < 0.003, "{}: exact models reach the target", entry.name);
+        let exact = !entry.needs.is_empty();
+        assert!(!exact || run(Seed(1)).error_m < 0.003, "{}: exact models reach the target", entry.name);
     }
 }
 
@@ -169,7 +170,7 @@ fn a_policy_that_was_used_before_gives_the_same_trial() {
 fn exact_models_track_the_whole_path() {
     let options = PathOptions::default();
     let path = interpolate(&waypoints(&mut robot(SHIFT_M), &options, Seed(1)).unwrap(), &options).unwrap();
-    for entry in REGISTRY {
+    for entry in REGISTRY.iter().filter(|entry| !entry.needs.is_empty()) {
         let mut policy = policy(entry.name, exact_parts(SHIFT_M), &PolicyOptions::default());
         let steps = track(&mut robot(SHIFT_M), policy.as_mut(), &path, &TrackOptions::default(), Seed(1)).unwrap();
         assert!(steps.iter().all(|step| step.status == "ok"));

@@ -107,7 +107,7 @@ fn nothing_is_computed_twice_and_damage_is_noticed() {
     assert!(files(folder.path()) == before, "what was damaged did not come back as it was");
 
     // A changed setting leaves alone what does not depend on it.
-    let (changed, _) = run(folder.path(), &[SMOKE, "--seeds", "1", "--set", "policies.c.error_m=0.01"]);
+    let (changed, _) = run(folder.path(), &[SMOKE, "--seeds", "1", "--set", "policies.c.switch_threshold_m=0.01"]);
     assert_eq!(changed, 22 + 8, "reaching and tracking depend on the policies' settings, and nothing else");
     let (more, _) = run(folder.path(), &[SMOKE, "--seeds", "2"]);
     assert!(more < computed, "the first seed is not computed again");

@@ -88,7 +88,7 @@ fn series_label(row: &SweepRow, sized: bool) -> String {
         ("", true) => format!("{points} points"),
         ("", false) => "Gaussian process".to_owned(),
         (policy, true) => format!("{}, {points} points", policy_label(policy)),
-        (policy, false) => policy_label(policy),
+        (policy, false) => policy_label(policy).to_owned(),
     }
 }
 

@@ -63,7 +63,7 @@ impl SharedParts {
             model: robot(spec.model.clone(), before.map(|before| &before.model))?,
             plant: robot(spec.plant.clone(), before.map(|before| &before.plant))?,
             quiet: robot(spec.plant.without_noise(), before.map(|before| &before.quiet))?,
-            policies: SharedPart::new(spec.policies)?,
+            policies: SharedPart::new(spec.policies.clone())?,
         })
     }
 }

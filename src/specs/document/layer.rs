@@ -1,6 +1,6 @@
 //! One source of a spec: a file, or an option of the command line.
 
-use super::alias::canonical as unaliased;
+use super::alias::{RenamedKey, canonical as unaliased, rename_keys};
 use super::error::{SourceLocation, SpecError};
 use super::locate::{PathEnd, locate};
 use super::mismatch::describe;
@@ -23,6 +23,8 @@ pub(super) struct Layer {
     pub(super) root: KeyPath,
     /// Whether this layer replaces the value at `root` instead of merging with it.
     pub(super) replaces: bool,
+    /// Keys that stand in its text under former names.
+    pub(super) renamed: Vec<RenamedKey>,
 }
 
 /// Prefixes of the names of command-line sources.
@@ -49,11 +51,11 @@ impl Layer {
         let value = if value.is_null() { Value::Mapping(Mapping::new()) } else { value };
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
         let root = include.as_ref().map_or_else(KeyPath::default, |(key, _)| (*key).clone());
-        let layer = Layer { name, text, value, folder, root, replaces: include.is_some() };
+        let layer = Layer { name, text, value, folder, root, replaces: include.is_some(), renamed: Vec::new() };
         if !layer.value.is_mapping() {
             return Err(layer.refuse(&layer.root, describe(&layer.value), "a mapping of keys to values"));
         }
-        layer.plain()
+        layer.plain()?.with_present_names()
     }
 
     pub(super) fn option(set: &str) -> Result<Layer, SpecError> {
@@ -65,12 +67,32 @@ impl Layer {
             expected: "path.to.key=value".to_owned(),
         };
         let (path, text) = set.split_once('=').ok_or_else(|| refuse(format!("`{set}`")))?;
-        let root = unaliased(KeyPath::parse(path.trim()).map_err(refuse)?);
+        let (root, renamed) = unaliased(KeyPath::parse(path.trim()).map_err(refuse)?);
         if root.0.iter().any(|step| matches!(step, Step::Item(_))) {
             return Err(refuse(format!("`{path}`, which names an item of a list")));
         }
         let value = yaml(text, &name)?;
-        Layer { name, text: text.to_owned(), value, folder: PathBuf::new(), root, replaces: false }.plain()
+        let (text, folder, renamed) = (text.to_owned(), PathBuf::new(), renamed.into_iter().collect());
+        Layer { name, text, value, folder, root, replaces: false, renamed }.plain()?.with_present_names()
+    }
+
+    /// Gives keys that were written under former names their present names.
+    fn with_present_names(mut self) -> Result<Layer, SpecError> {
+        match rename_keys(&mut self.value, &self.root) {
+            Ok(renamed) => self.renamed.extend(renamed),
+            Err(former) => {
+                return Err(self.refuse(&former, "a former name beside the present one".to_owned(), "one of both"));
+            }
+        }
+        Ok(self)
+    }
+
+    /// For each key under a former name a note that tells the present one.
+    pub(super) fn notes(&self) -> impl Iterator<Item = String> {
+        self.renamed.iter().map(|renamed| {
+            let place = self.place(&renamed.present, PathEnd::Key);
+            format!("{place}: `{}` is now called `{}`", renamed.former, renamed.present)
+        })
     }
 
     /// Refuses keys that are not text, and tags.
@@ -92,7 +114,15 @@ impl Layer {
         })?;
         let value = Value::Mapping(Mapping::from_iter([(Value::from(path.to_string()), values)]));
         let root = KeyPath::default().key("sweep");
-        Ok(Layer { name, text: option.to_owned(), value, folder: PathBuf::new(), root, replaces: false })
+        Ok(Layer {
+            name,
+            text: option.to_owned(),
+            value,
+            folder: PathBuf::new(),
+            root,
+            replaces: false,
+            renamed: Vec::new(),
+        })
     }
 
     pub(super) fn is_option(&self) -> bool {
@@ -148,6 +178,12 @@ impl Layer {
         if self.is_option() {
             return SourceLocation::Option(self.name.clone());
         }
+        // The text has the key under its former name.
+        let written = self.renamed.iter().find_map(|renamed| {
+            let below = path.0.strip_prefix(renamed.present.0.as_slice())?;
+            Some(KeyPath([renamed.former.0.as_slice(), below].concat()))
+        });
+        let path = written.as_ref().unwrap_or(path);
         let below = path.0.strip_prefix(self.root.0.as_slice()).unwrap_or_default();
         let (line, column) = locate(&self.text, &KeyPath(below.to_vec()), end).unwrap_or((1, 1));
         SourceLocation::File { file: self.name.clone(), line, column }

@@ -23,6 +23,8 @@ pub struct Document {
     pub file: String,
     /// Sources of the swept values in the tree.
     pub(super) origins: Vec<Origin>,
+    /// What the user should know of it: keys under former names.
+    pub(in crate::specs) notes: Vec<String>,
 }
 
 impl Document {
@@ -63,7 +65,8 @@ impl Document {
             }
             merge(&mut merged, layer.rooted());
         }
-        Ok(Document { layers, merged, file: file.display().to_string(), origins: Vec::new() })
+        let notes = layers.iter().rev().flat_map(Layer::notes).collect();
+        Ok(Document { layers, merged, file: file.display().to_string(), origins: Vec::new(), notes })
     }
 
     /// Every file that was read for it.

@@ -34,7 +34,11 @@ impl Document {
             for (key, value) in mapping {
                 let refuse = |found: String| layer.refuse(&sweep, found, "paths of fields, such as `gp.kernel`");
                 let key = key.as_str().ok_or_else(|| refuse(format!("the key `{}`", describe(&key))))?.to_owned();
-                let field = unaliased(KeyPath::parse(&key).map_err(refuse)?);
+                let (field, renamed) = unaliased(KeyPath::parse(&key).map_err(refuse)?);
+                self.notes.extend(renamed.map(|renamed| {
+                    let place = layer.place(&sweep.key(&key), PathEnd::Key);
+                    format!("{place}: `{}` is now called `{}`", renamed.former, renamed.present)
+                }));
                 let written =
                     SweptEntry { at: sweep.key(&key), field, layer: number, folder: layer.folder.clone(), value };
                 let same = fields.iter().position(|known| known.field == written.field);

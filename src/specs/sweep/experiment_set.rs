@@ -29,6 +29,8 @@ pub struct ExperimentSet {
     pub sweep: Vec<SweptField>,
     /// All points in a fixed order. Empty without a sweep.
     pub points: Vec<SweepPoint>,
+    /// What the user should know of the spec: keys under former names.
+    pub notes: Vec<String>,
     /// The entries of `sweep:` as written, with the content of files in place of their names.
     written: Mapping,
 }
@@ -53,7 +55,7 @@ pub struct SweepPoint {
 
 impl From<Experiment> for ExperimentSet {
     fn from(experiment: Experiment) -> ExperimentSet {
-        ExperimentSet { experiment, sweep: Vec::new(), points: Vec::new(), written: Mapping::new() }
+        ExperimentSet { experiment, sweep: Vec::new(), points: Vec::new(), notes: Vec::new(), written: Mapping::new() }
     }
 }
 
@@ -69,7 +71,8 @@ impl ExperimentSet {
         let mut document = Document::read_swept(file, sets, sweeps, &includes)?;
         let written = document.take_sweep()?;
         if written.is_empty() {
-            return checked(&document).map(ExperimentSet::from);
+            let notes = std::mem::take(&mut document.notes);
+            return checked(&document).map(|experiment| ExperimentSet { notes, ..ExperimentSet::from(experiment) });
         }
         let seed = document.value(&KeyPath::default().key("seed")).and_then(Value::as_u64).unwrap_or_default();
         let fields = written.into_iter().map(|written| ResolvedField::read(&document, written, &includes, Seed(seed)));
@@ -79,6 +82,7 @@ impl ExperimentSet {
             experiment: at_point(&mut document, &fields, [0, count])?,
             sweep: fields.iter().map(ResolvedField::swept).collect(),
             points: Vec::with_capacity(count),
+            notes: std::mem::take(&mut document.notes),
             written: fields.iter().map(|field| field.resolved(seed)).collect(),
         };
         document.drop_key("claims");

@@ -259,7 +259,7 @@ pub(crate) fn sweep(fields: &[(&str, &[&str])], seeds: u64) -> SweepTable {
 
 /// Six switching thresholds.
 pub(crate) fn thresholds(seeds: u64) -> SweepTable {
-    sweep(&[("policies.c.error_m", &["0.005", "0.01", "0.015", "0.02", "0.025", "0.03"])], seeds)
+    sweep(&[("policies.c.switch_threshold_m", &["0.005", "0.01", "0.015", "0.02", "0.025", "0.03"])], seeds)
 }
 
 /// A campaign on clusters of growing size.

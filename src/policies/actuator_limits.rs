@@ -4,14 +4,14 @@ use serde::{Deserialize, Serialize};
 
 use crate::base::{BadOption, Displacements, PolicyError};
 
-/// Limits of the drive, the same for every policy.
+/// ActuatorLimits of the drive, the same for every policy.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct LimitOptions {
     /// Largest displacement of a tendon either way.
     pub travel_m: f64,
     /// Largest change of a displacement in one tick; `null` for none. The change of all tendons is scaled together, so
-    /// that the robot moves straight towards what the policy wanted.
+    /// that the robot moves straight towards what the policy demands.
     pub max_step_m: Option<f64>,
 }
 
@@ -32,45 +32,45 @@ impl LimitOptions {
 const ARRIVED_M: f64 = 1e-12;
 
 /// The limits and the command in force.
-pub(super) struct Limits {
+pub(super) struct ActuatorLimits {
     options: LimitOptions,
     last_m: Option<Displacements>,
 }
 
 /// A command that the drive can carry out.
-pub(super) struct Limited {
+pub(super) struct LimitedCommand {
     pub(super) pulls_m: Displacements,
-    /// False while the step limit keeps the command from what was wanted.
+    /// False while the step limit keeps the command from what is demanded.
     pub(super) arrived: bool,
 }
 
-impl Limits {
+impl ActuatorLimits {
     pub(super) fn new(options: LimitOptions) -> Self {
-        Limits { options, last_m: None }
+        ActuatorLimits { options, last_m: None }
     }
 
     pub(super) fn reset(&mut self) {
         self.last_m = None;
     }
 
-    /// What of `wanted_m` can be had in this tick, and makes it the command in force. Until there is one,
+    /// What of `demand_m` can be had in this tick, and makes it the command in force. Until there is one,
     /// `in_force_m` are the displacements observed at the trial's start.
-    pub(super) fn apply(&mut self, wanted_m: &[f64], in_force_m: &[f64]) -> Result<Limited, PolicyError> {
-        let limited = self.limit(wanted_m, in_force_m)?;
+    pub(super) fn apply(&mut self, demand_m: &[f64], in_force_m: &[f64]) -> Result<LimitedCommand, PolicyError> {
+        let limited = self.limit(demand_m, in_force_m)?;
         self.last_m = Some(limited.pulls_m.clone());
         Ok(limited)
     }
 
-    /// [`Limits::apply`] without making it so.
-    pub(super) fn limit(&self, wanted_m: &[f64], in_force_m: &[f64]) -> Result<Limited, PolicyError> {
-        if wanted_m.len() != in_force_m.len() {
-            return Err(PolicyError::Tendons { found: wanted_m.len(), expected: in_force_m.len() });
+    /// [`ActuatorLimits::apply`] without making it so.
+    pub(super) fn limit(&self, demand_m: &[f64], in_force_m: &[f64]) -> Result<LimitedCommand, PolicyError> {
+        if demand_m.len() != in_force_m.len() {
+            return Err(PolicyError::Tendons { found: demand_m.len(), expected: in_force_m.len() });
         }
-        if wanted_m.iter().chain(in_force_m).any(|pull| !pull.is_finite()) {
+        if demand_m.iter().chain(in_force_m).any(|pull| !pull.is_finite()) {
             return Err(PolicyError::NotFinite("tendon displacement"));
         }
         let travel_m = self.options.travel_m;
-        let goal: Displacements = wanted_m.iter().map(|pull| pull.clamp(-travel_m, travel_m)).collect();
+        let goal: Displacements = demand_m.iter().map(|pull| pull.clamp(-travel_m, travel_m)).collect();
         let last = self.last_m.as_deref().unwrap_or(in_force_m);
         let largest = largest_change_m(last, &goal);
         let share = self.options.max_step_m.map_or(1.0, |step_m| (step_m / largest).min(1.0));
@@ -79,7 +79,7 @@ impl Limits {
         } else {
             last.iter().zip(&goal).map(|(from, to)| (from + share * (to - from)).clamp(-travel_m, travel_m)).collect()
         };
-        Ok(Limited { pulls_m, arrived: (1.0 - share) * largest <= ARRIVED_M })
+        Ok(LimitedCommand { pulls_m, arrived: (1.0 - share) * largest <= ARRIVED_M })
     }
 }
 
@@ -94,23 +94,23 @@ mod tests {
 
     #[test]
     fn a_far_command_is_reached_in_steps_along_a_straight_line() {
-        let mut limits = Limits::new(LimitOptions { travel_m: 0.03, max_step_m: Some(0.003) });
+        let mut limits = ActuatorLimits::new(LimitOptions { travel_m: 0.03, max_step_m: Some(0.003) });
         let home = [0.0; 4];
-        let wanted = [0.009, 0.003, -0.009, -0.003];
-        let first = limits.apply(&wanted, &home).unwrap();
+        let demand = [0.009, 0.003, -0.009, -0.003];
+        let first = limits.apply(&demand, &home).unwrap();
         for (found, expected) in first.pulls_m.iter().zip([0.003, 0.001, -0.003, -0.001]) {
             assert!((found - expected).abs() < 1e-15);
         }
         assert!(!first.arrived);
-        limits.apply(&wanted, &home).unwrap();
-        let third = limits.apply(&wanted, &home).unwrap();
+        limits.apply(&demand, &home).unwrap();
+        let third = limits.apply(&demand, &home).unwrap();
         assert!(third.arrived);
-        assert!(largest_change_m(&third.pulls_m, &wanted) < 1e-15);
+        assert!(largest_change_m(&third.pulls_m, &demand) < 1e-15);
     }
 
     #[test]
     fn travel_binds_and_still_counts_as_arrived() {
-        let mut limits = Limits::new(LimitOptions { travel_m: 0.03, max_step_m: None });
+        let mut limits = ActuatorLimits::new(LimitOptions { travel_m: 0.03, max_step_m: None });
         let limited = limits.apply(&[1.0, 0.0], &[0.0, 0.0]).unwrap();
         assert_eq!(limited.pulls_m, vec![0.03, 0.0]);
         assert!(limited.arrived);

@@ -4,38 +4,38 @@ use crate::base::{Observation, Point3, PolicyError};
 
 /// The newest valid measurement.
 #[derive(Default)]
-pub(super) struct Sight {
+pub(super) struct TipTracker {
     last: Option<(f64, Point3)>,
 }
 
 /// One look at the robot.
 #[derive(Clone, Copy)]
-pub(super) struct Glance {
+pub(super) struct TipReading {
     pub(super) tip_m: Point3,
     /// True when this is a measurement that was not there at the last tick. In open loop, and where tracking is
     /// lost, the picture stays as it was.
     pub(super) fresh: bool,
 }
 
-impl Sight {
+impl TipTracker {
     pub(super) fn reset(&mut self) {
         self.last = None;
     }
 
     /// Checks the inputs of a tick and says what is new in them.
-    pub(super) fn look(&mut self, seen: &Observation, target_m: &Point3) -> Result<Glance, PolicyError> {
+    pub(super) fn read(&mut self, seen: &Observation, target_m: &Point3) -> Result<TipReading, PolicyError> {
         if target_m.iter().any(|value| !value.is_finite()) {
             return Err(PolicyError::NotFinite("target"));
         }
         if !seen.valid {
             let (_, tip_m) = self.last.ok_or(PolicyError::NoMeasurement)?;
-            return Ok(Glance { tip_m, fresh: false });
+            return Ok(TipReading { tip_m, fresh: false });
         }
         if seen.tip_m.iter().chain([&seen.time_s]).any(|value| !value.is_finite()) {
             return Err(PolicyError::NotFinite("measured tip"));
         }
         let fresh = self.last.is_none_or(|(time_s, _)| time_s != seen.time_s);
         self.last = Some((seen.time_s, seen.tip_m));
-        Ok(Glance { tip_m: seen.tip_m, fresh })
+        Ok(TipReading { tip_m: seen.tip_m, fresh })
     }
 }

@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::alone::{Controller, Wanted};
-use super::limits::largest_change_m;
-use super::network::Network;
-use super::sight::Glance;
+use super::actuator_limits::largest_change_m;
+use super::network::RecurrentInverse;
+use super::single_controller::{Controller, Demand};
+use super::tip_tracker::TipReading;
 use super::{InverseModel, NetworkOptions, PolicyOptions};
 use crate::base::{BadOption, Displacements, Point3, PolicyError};
 
@@ -13,7 +13,7 @@ use crate::base::{BadOption, Displacements, Point3, PolicyError};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct DirectOptions {
-    /// Settled when no tendon's wanted displacement changed by more than this since the last tick.
+    /// Settled when no tendon's demanded displacement changed by more than this since the last tick.
     pub settle_pull_m: f64,
 }
 
@@ -30,18 +30,18 @@ impl DirectOptions {
     }
 }
 
-/// The network with what it wanted last.
-pub(super) struct Direct {
-    network: Network,
+/// The network with its last demand.
+pub(super) struct InverseNetworkController {
+    network: RecurrentInverse,
     network_options: NetworkOptions,
     options: DirectOptions,
     last: Option<(Point3, Displacements)>,
 }
 
-impl Direct {
+impl InverseNetworkController {
     pub(super) fn new(model: Box<dyn InverseModel>, options: &PolicyOptions) -> Self {
-        Direct {
-            network: Network::new(model, options.network.memory),
+        InverseNetworkController {
+            network: RecurrentInverse::new(model, options.network.memory),
             network_options: options.network,
             options: options.direct,
             last: None,
@@ -49,21 +49,21 @@ impl Direct {
     }
 }
 
-impl Controller for Direct {
+impl Controller for InverseNetworkController {
     fn reset(&mut self) {
         self.network.reset();
         self.last = None;
     }
 
     /// (x_i, x_target) → u_i.
-    fn decide(&mut self, glance: Glance, target_m: &Point3) -> Result<Wanted, PolicyError> {
-        self.network.begin(glance.fresh);
-        let aim_m = self.network_options.aim_m(&glance.tip_m, target_m, glance.fresh);
-        let pulls_m = self.network.pulls(&glance.tip_m, &aim_m)?;
+    fn decide(&mut self, reading: TipReading, target_m: &Point3) -> Result<Demand, PolicyError> {
+        self.network.begin(reading.fresh);
+        let aim_m = self.network_options.aim_m(&reading.tip_m, target_m, reading.fresh);
+        let pulls_m = self.network.pulls(&reading.tip_m, &aim_m)?;
         let settled = self.last.as_ref().is_some_and(|(last_target_m, last_m)| {
             last_target_m == target_m && largest_change_m(last_m, &pulls_m) <= self.options.settle_pull_m
         });
         self.last = Some((*target_m, pulls_m.clone()));
-        Ok(Wanted { pulls_m, settled })
+        Ok(Demand { pulls_m, settled })
     }
 }
