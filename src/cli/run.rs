@@ -101,7 +101,7 @@ impl RunCommand {
             let folder = Path::new("results").join(&name);
             files.insert(folder.join("manifest.yaml"), manifest.to_yaml()?);
             let trail = runner::provenance(campaign, entry, outcomes, store);
-            runner::put(&mut files, &folder.join("stages.csv"), &trail).map_err(|error| words(&error))?;
+            runner::put(&mut files, &folder, &trail).map_err(|error| words(&error))?;
             files.extend(publication.files.clone());
             claims.insert(name, publication.claims.clone());
             published.push(publication);

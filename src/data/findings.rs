@@ -6,6 +6,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::table_row::table_rows;
 use super::{DataError, write_atomic};
 
 /// The answer in a word.
@@ -233,71 +234,73 @@ pub struct PlaceRow {
 /// Between sets of effects in one cell.
 pub const OR: &str = " or ";
 
-/// One blind case and the answer to it (`discovery.csv` of the benchmark).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct CaseRow {
-    /// Number of the case.
-    pub case: u64,
-    /// `nothing`, `single`, `pair`, `outside` (unknown, outside the span of the catalogue) or `inside`.
-    pub group: String,
-    /// Hidden effects joined by ` + `; empty for nothing.
-    pub truth: String,
-    /// How far the hidden effects move the tip, root mean square, metres.
-    pub shift_m: f64,
-    /// Standard deviation of the noise an axis, metres.
-    pub noise_m: f64,
-    /// Its correlation from one sample to the next.
-    pub correlation: f64,
-    /// Samples in the recording.
-    pub samples: u64,
-    /// The verdict, or `failed: …`.
-    pub verdict: String,
-    /// Effects named, or for `ambiguous` the group, joined by ` + `.
-    pub answer: String,
-    /// Named exactly right (for nothing: consistent; for outside: unexplained; for inside: ambiguous or unexplained).
-    pub right: bool,
-    /// The true effects are in the answer or in its group of rivals.
-    pub in_group: bool,
-    /// Inside the span: the smallest sets of others that imitate it equally well, joined by ` or `; empty of other groups.
-    #[serde(default)]
-    pub imitations: String,
-    /// Relative error of the main parameter, the median over effects; empty where the name is wrong or there is none.
-    pub strength_error: f64,
-    /// Parameters with an interval.
-    pub intervals: u64,
-    /// Intervals that hold the true value.
-    pub covered: u64,
-    /// Held-out rms tip error of the model as given, metres.
-    pub before_m: f64,
-    /// With the effects, metres.
-    pub after_m: f64,
-    /// With a refit of stiffness alone, metres.
-    pub stiffness_only_m: f64,
-    /// With the paper's Gaussian process on the residual, metres.
-    pub gp_m: f64,
-    /// Noise floor that was estimated, metres.
-    pub floor_m: f64,
-}
+table_rows! {
+    "discovery.csv", key [case]:
+    /// One blind case and the answer to it (`discovery.csv` of the benchmark).
+    pub struct CaseRow {
+        /// Number of the case.
+        pub case: u64,
+        /// `nothing`, `single`, `pair`, `outside` (unknown, outside the span of the catalogue) or `inside`.
+        pub group: String,
+        /// Hidden effects joined by ` + `; empty for nothing.
+        pub truth: String,
+        /// How far the hidden effects move the tip, root mean square, metres.
+        pub shift_m: f64,
+        /// Standard deviation of the noise an axis, metres.
+        pub noise_m: f64,
+        /// Its correlation from one sample to the next.
+        pub correlation: f64,
+        /// Samples in the recording.
+        pub samples: u64,
+        /// The verdict, or `failed: …`.
+        pub verdict: String,
+        /// Effects named, or for `ambiguous` the group, joined by ` + `.
+        pub answer: String,
+        /// Named exactly right (for nothing: consistent; for outside: unexplained; for inside: ambiguous or unexplained).
+        pub right: bool,
+        /// The true effects are in the answer or in its group of rivals.
+        pub in_group: bool,
+        /// Inside the span: the smallest sets of others that imitate it equally well, joined by ` or `; empty of other groups.
+        #[serde(default)]
+        pub imitations: String,
+        /// Relative error of the main parameter, the median over effects; empty where the name is wrong or there is none.
+        pub strength_error: f64,
+        /// Parameters with an interval.
+        pub intervals: u64,
+        /// Intervals that hold the true value.
+        pub covered: u64,
+        /// Held-out rms tip error of the model as given, metres.
+        pub before_m: f64,
+        /// With the effects, metres.
+        pub after_m: f64,
+        /// With a refit of stiffness alone, metres.
+        pub stiffness_only_m: f64,
+        /// With the paper's Gaussian process on the residual, metres.
+        pub gp_m: f64,
+        /// Noise floor that was estimated, metres.
+        pub floor_m: f64,
+    }
 
-/// A 95 % interval of a rightly named effect beside the truth (`intervals.csv` of the benchmark).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct IntervalRow {
-    /// Number of the case.
-    pub case: u64,
-    /// Samples in the recording.
-    pub samples: u64,
-    /// The effect.
-    pub effect: String,
-    /// Its parameter, in whose unit the numbers are; a component of a vector as `name[k]`.
-    pub parameter: String,
-    /// The true value.
-    pub truth: f64,
-    /// The answer.
-    pub value: f64,
-    /// Lower end of the interval.
-    pub low: f64,
-    /// Upper end.
-    pub high: f64,
-    /// Whether it holds the truth.
-    pub covered: bool,
+    "intervals.csv", key [case, effect, parameter]:
+    /// A 95 % interval of a rightly named effect beside the truth (`intervals.csv` of the benchmark).
+    pub struct IntervalRow {
+        /// Number of the case.
+        pub case: u64,
+        /// Samples in the recording.
+        pub samples: u64,
+        /// The effect.
+        pub effect: String,
+        /// Its parameter, in whose unit the numbers are; a component of a vector as `name[k]`.
+        pub parameter: String,
+        /// The true value.
+        pub truth: f64,
+        /// The answer.
+        pub value: f64,
+        /// Lower end of the interval.
+        pub low: f64,
+        /// Upper end.
+        pub high: f64,
+        /// Whether it holds the truth.
+        pub covered: bool,
+    }
 }

@@ -11,9 +11,11 @@ mod row_serde;
 pub mod rows;
 mod table;
 mod table_file;
+mod table_row;
 pub mod tables;
 
 pub use atomic_batch::write_atomic_batch;
 pub use error::DataError;
 pub use file::write_atomic;
 pub use recording::{Actuation, Recording};
+pub use table_row::{TableColumn, TableDescription, TableRow};

@@ -1,390 +1,392 @@
 //! The rows that experiments publish; each becomes a line of a CSV under `results/`, with these field names as columns.
 
-use serde::{Deserialize, Serialize};
+use super::table_row::table_rows;
 
-/// One goal-reaching trial (Table I, Fig. 6).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct TrialRow {
-    /// Repetition of the whole experiment, data and training included.
-    pub seed: u64,
-    /// `paper` (networks stopped at the paper's validation errors) or `converged`.
-    pub training: String,
-    /// `a`, `b`, `c` or `pi_real`.
-    pub policy: String,
-    /// `open`, `closed` or `closed_load`.
-    pub mode: String,
-    /// Real points that the Gaussian process was fitted to (0 for `pi_real`).
-    pub gp_points: u64,
-    /// Real points that the network was trained on (0 for `a`, `b`, `c`).
-    pub real_points: u64,
-    /// Number of the target in its draw.
-    pub target: u64,
-    /// Target, metres.
-    pub target_x_m: f64,
-    /// Target, metres.
-    pub target_y_m: f64,
-    /// Target, metres.
-    pub target_z_m: f64,
-    /// Tip as it was last measured, tracking noise included, metres; not a number when it never was.
-    pub tip_x_m: f64,
-    /// Tip, metres.
-    pub tip_y_m: f64,
-    /// Tip, metres.
-    pub tip_z_m: f64,
-    /// Mean distance from the target over the last measurements, as many as the spec says (usually one), metres.
-    pub error_m: f64,
-    /// Control steps taken.
-    pub steps: u64,
-    /// Whether the policy settled before the step limit.
-    pub settled: bool,
-    /// Times that policy C changed between A and B (0 for others).
-    pub switches: u64,
-    /// `ok` or the named failure.
-    pub status: String,
-}
+table_rows! {
+    "trials.csv", key [seed, training, policy, mode, gp_points, real_points, target]:
+    /// One goal-reaching trial (Table I, Fig. 6).
+    pub struct TrialRow {
+        /// Repetition of the whole experiment, data and training included.
+        pub seed: u64,
+        /// `paper` (networks stopped at the paper's validation errors) or `converged`.
+        pub training: String,
+        /// Name of the policy: `a`, `b`, `c`, `pi_real` …
+        pub policy: String,
+        /// `open`, `closed` or `closed_load`.
+        pub mode: String,
+        /// Real points that the Gaussian process was fitted to (0 for `pi_real`).
+        pub gp_points: u64,
+        /// Real points that the network was trained on (0 for `a`, `b`, `c`).
+        pub real_points: u64,
+        /// Number of the target in its draw.
+        pub target: u64,
+        /// Target, metres.
+        pub target_x_m: f64,
+        /// Target, metres.
+        pub target_y_m: f64,
+        /// Target, metres.
+        pub target_z_m: f64,
+        /// Tip as it was last measured, tracking noise included, metres; not a number when it never was.
+        pub tip_x_m: f64,
+        /// Tip, metres.
+        pub tip_y_m: f64,
+        /// Tip, metres.
+        pub tip_z_m: f64,
+        /// Mean distance from the target over the last measurements, as many as the spec says (usually one), metres.
+        pub error_m: f64,
+        /// Control steps taken.
+        pub steps: u64,
+        /// Whether the policy settled before the step limit.
+        pub settled: bool,
+        /// Times that the command's source changed between A and B (0 for policies of one controller).
+        pub switches: u64,
+        /// `ok` or the named failure.
+        pub status: String,
+    }
 
-/// One control step of path tracking (Fig. 8).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct TrackRow {
-    /// Repetition of the whole experiment.
-    pub seed: u64,
-    /// `paper` or `converged`.
-    pub training: String,
-    /// `a`, `b`, `c` or `pi_real`.
-    pub policy: String,
-    /// Control step.
-    pub step: u64,
-    /// Time since the start, seconds.
-    pub time_s: f64,
-    /// Number of the interpolated path point that is the target.
-    pub path_point: u64,
-    /// Target, metres.
-    pub target_x_m: f64,
-    /// Target, metres.
-    pub target_y_m: f64,
-    /// Target, metres.
-    pub target_z_m: f64,
-    /// Tip, metres.
-    pub tip_x_m: f64,
-    /// Tip, metres.
-    pub tip_y_m: f64,
-    /// Tip, metres.
-    pub tip_z_m: f64,
-    /// Distance to the target, metres.
-    pub error_m: f64,
-    /// Which of A and B gave the command (`a`, `b`, or empty for `pi_real`).
-    pub branch: String,
-    /// `ok` or the named failure.
-    pub status: String,
-}
+    "tracks.csv", key [seed, training, policy, step]:
+    /// One control step of path tracking (Fig. 8).
+    pub struct TrackRow {
+        /// Repetition of the whole experiment.
+        pub seed: u64,
+        /// `paper` or `converged`.
+        pub training: String,
+        /// Name of the policy: `a`, `b`, `c`, `pi_real` …
+        pub policy: String,
+        /// Control step.
+        pub step: u64,
+        /// Time since the start, seconds.
+        pub time_s: f64,
+        /// Number of the interpolated path point that is the target.
+        pub path_point: u64,
+        /// Target, metres.
+        pub target_x_m: f64,
+        /// Target, metres.
+        pub target_y_m: f64,
+        /// Target, metres.
+        pub target_z_m: f64,
+        /// Tip, metres.
+        pub tip_x_m: f64,
+        /// Tip, metres.
+        pub tip_y_m: f64,
+        /// Tip, metres.
+        pub tip_z_m: f64,
+        /// Distance to the target, metres.
+        pub error_m: f64,
+        /// Which of A and B gave the command (`a`, `b`; empty for policies of one controller).
+        pub branch: String,
+        /// `ok` or the named failure.
+        pub status: String,
+    }
 
-/// The same command on the model and on the robot (Fig. 5).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct GapRow {
-    /// Repetition of the whole experiment.
-    pub seed: u64,
-    /// Sample number.
-    pub sample: u64,
-    /// Displacements of the four tendons of the paper's robot, metres.
-    pub tendon_1_m: f64,
-    /// Displacement, metres.
-    pub tendon_2_m: f64,
-    /// Displacement, metres.
-    pub tendon_3_m: f64,
-    /// Displacement, metres.
-    pub tendon_4_m: f64,
-    /// Simulated tip, metres.
-    pub sim_x_m: f64,
-    /// Simulated tip, metres.
-    pub sim_y_m: f64,
-    /// Simulated tip, metres.
-    pub sim_z_m: f64,
-    /// Measured tip, metres.
-    pub real_x_m: f64,
-    /// Measured tip, metres.
-    pub real_y_m: f64,
-    /// Measured tip, metres.
-    pub real_z_m: f64,
-}
+    "gap.csv", key [seed, sample]:
+    /// The same command on the model and on the robot (Fig. 5).
+    pub struct GapRow {
+        /// Repetition of the whole experiment.
+        pub seed: u64,
+        /// Sample number.
+        pub sample: u64,
+        /// Displacements of the four tendons of the paper's robot, metres.
+        pub tendon_1_m: f64,
+        /// Displacement, metres.
+        pub tendon_2_m: f64,
+        /// Displacement, metres.
+        pub tendon_3_m: f64,
+        /// Displacement, metres.
+        pub tendon_4_m: f64,
+        /// Simulated tip, metres.
+        pub sim_x_m: f64,
+        /// Simulated tip, metres.
+        pub sim_y_m: f64,
+        /// Simulated tip, metres.
+        pub sim_z_m: f64,
+        /// Measured tip, metres.
+        pub real_x_m: f64,
+        /// Measured tip, metres.
+        pub real_y_m: f64,
+        /// Measured tip, metres.
+        pub real_z_m: f64,
+    }
 
-/// One trained network.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct NetworkRow {
-    /// Repetition of the whole experiment.
-    pub seed: u64,
-    /// `paper` or `converged`.
-    pub training: String,
-    /// `forward`, `inverse`, `inverse_b` or `pi_real`.
-    pub network: String,
-    /// Points behind it: real points for `pi_real`, points of the Gaussian process for `inverse_b`, else simulated.
-    pub points: u64,
-    /// Epochs until it stopped.
-    pub epochs: u64,
-    /// Validation mean absolute error, metres.
-    pub validation_mae_m: f64,
-    /// The paper's figure, metres; not a number where it gives none.
-    pub paper_mae_m: f64,
-}
+    "networks.csv", key [seed, training, network, points]:
+    /// One trained network.
+    pub struct NetworkRow {
+        /// Repetition of the whole experiment.
+        pub seed: u64,
+        /// `paper` or `converged`.
+        pub training: String,
+        /// `forward`, `inverse`, `inverse_b` or `pi_real`.
+        pub network: String,
+        /// Points behind it: real points for `pi_real`, points of the Gaussian process for `inverse_b`, else simulated.
+        pub points: u64,
+        /// Epochs until it stopped.
+        pub epochs: u64,
+        /// Validation mean absolute error, metres.
+        pub validation_mae_m: f64,
+        /// The paper's figure, metres; not a number where it gives none.
+        pub paper_mae_m: f64,
+    }
 
-/// One fitted Gaussian process.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct GpRow {
-    /// Repetition of the whole experiment.
-    pub seed: u64,
-    /// Kind of training of the forward network that p_sim comes from; `any` when it comes from the rod.
-    pub training: String,
-    /// Training points.
-    pub points: u64,
-    /// Kernel by its registry name.
-    pub kernel: String,
-    /// Cross-validated mean absolute error over axes, metres.
-    pub cross_validation_mae_m: f64,
-    /// Log marginal likelihood, summed over the three outputs.
-    pub log_marginal_likelihood: f64,
-    /// Fitted noise standard deviation per axis, metres.
-    pub noise_x_m: f64,
-    /// Fitted noise, metres.
-    pub noise_y_m: f64,
-    /// Fitted noise, metres.
-    pub noise_z_m: f64,
-}
+    "gp.csv", key [seed, training, points]:
+    /// One fitted Gaussian process.
+    pub struct GpRow {
+        /// Repetition of the whole experiment.
+        pub seed: u64,
+        /// Kind of training of the forward network that p_sim comes from; `any` when it comes from the rod.
+        pub training: String,
+        /// Training points.
+        pub points: u64,
+        /// Kernel by its registry name.
+        pub kernel: String,
+        /// Cross-validated mean absolute error over axes, metres.
+        pub cross_validation_mae_m: f64,
+        /// Log marginal likelihood, summed over the three outputs.
+        pub log_marginal_likelihood: f64,
+        /// Fitted noise standard deviation per axis, metres.
+        pub noise_x_m: f64,
+        /// Fitted noise, metres.
+        pub noise_y_m: f64,
+        /// Fitted noise, metres.
+        pub noise_z_m: f64,
+    }
 
-/// One of the paper's claims and what became of it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ClaimRow {
-    /// Short name.
-    pub claim: String,
-    /// The claim in words.
-    pub statement: String,
-    /// `paper` or `converged`.
-    pub training: String,
-    /// What the paper reports, in the claim's unit.
-    pub paper: f64,
-    /// What this reproduction finds, in the same unit.
-    pub ours: f64,
-    /// 95 % interval over seeds.
-    pub low_95: f64,
-    /// 95 % interval over seeds.
-    pub high_95: f64,
-    /// Unit of the three numbers.
-    pub unit: String,
-    /// Seeds behind the interval.
-    pub seeds: u64,
-    /// `reproduced`, `not reproduced` or `undecided`.
-    pub verdict: String,
-}
+    "claims.csv", key [claim, training]:
+    /// One of the paper's claims and what became of it.
+    pub struct ClaimRow {
+        /// Short name.
+        pub claim: String,
+        /// The claim in words.
+        pub statement: String,
+        /// `paper` or `converged`.
+        pub training: String,
+        /// What the paper reports, in the claim's unit.
+        pub paper: f64,
+        /// What this reproduction finds, in the same unit.
+        pub ours: f64,
+        /// 95 % interval over seeds.
+        pub low_95: f64,
+        /// 95 % interval over seeds.
+        pub high_95: f64,
+        /// Unit of the three numbers.
+        pub unit: String,
+        /// Seeds behind the interval.
+        pub seeds: u64,
+        /// `reproduced`, `not reproduced` or `undecided`.
+        pub verdict: String,
+    }
 
-/// One of the points that the tracked path runs through (Fig. 8a).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct WaypointRow {
-    /// Repetition of the whole experiment.
-    pub seed: u64,
-    /// Number along the path.
-    pub waypoint: u64,
-    /// Position, metres.
-    pub x_m: f64,
-    /// Position, metres.
-    pub y_m: f64,
-    /// Position, metres.
-    pub z_m: f64,
-}
+    "waypoints.csv", key [seed, waypoint]:
+    /// One of the points that the tracked path runs through (Fig. 8a).
+    pub struct WaypointRow {
+        /// Repetition of the whole experiment.
+        pub seed: u64,
+        /// Number along the path.
+        pub waypoint: u64,
+        /// Position, metres.
+        pub x_m: f64,
+        /// Position, metres.
+        pub y_m: f64,
+        /// Position, metres.
+        pub z_m: f64,
+    }
 
-/// A point of the real workspace, drawn behind a path (Fig. 8a).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct WorkspaceRow {
-    /// Repetition of the whole experiment.
-    pub seed: u64,
-    /// Position, metres.
-    pub x_m: f64,
-    /// Position, metres.
-    pub y_m: f64,
-    /// Position, metres.
-    pub z_m: f64,
-}
+    "workspace.csv", key [seed, x_m, y_m, z_m]:
+    /// A point of the real workspace, drawn behind a path (Fig. 8a).
+    pub struct WorkspaceRow {
+        /// Repetition of the whole experiment.
+        pub seed: u64,
+        /// Position, metres.
+        pub x_m: f64,
+        /// Position, metres.
+        pub y_m: f64,
+        /// Position, metres.
+        pub z_m: f64,
+    }
 
-/// An error at one point of a sweep, over seeds; the swept fields stand in columns before these (`sweep.csv`).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SweepRow {
-    /// What the error is of: `reach` (distance to the target at the end of a trial), `track` (mean distance to the target
-    /// over a run) or `gp` (cross-validated error of the Gaussian process).
-    pub task: String,
-    /// `paper`, `converged`, or `any` where no network takes part.
-    pub training: String,
-    /// `a`, `b`, `c` or `pi_real`; empty for `gp`.
-    pub policy: String,
-    /// `open`, `closed`, …; empty for `gp`.
-    pub mode: String,
-    /// Real points behind the Gaussian process.
-    pub gp_points: u64,
-    /// Real points behind the network.
-    pub real_points: u64,
-    /// Mean over seeds of the error's mean within a seed, metres.
-    pub mean_m: f64,
-    /// Standard deviation over seeds of that mean, metres; none for one seed.
-    pub sd_over_seeds_m: f64,
-    /// 95 % interval of the mean over seeds (Student's t), metres; none for one seed.
-    pub low_95_m: f64,
-    /// 95 % interval, metres.
-    pub high_95_m: f64,
-    /// Repetitions that gave an error.
-    pub seeds: u64,
-    /// Trials, runs or processes behind them.
-    pub count: u64,
-    /// Those that gave none (status other than `ok`).
-    pub failed: u64,
-}
+    "sweep.csv", key [task, training, policy, mode, gp_points, real_points]:
+    /// An error at one point of a sweep, over seeds; the swept fields stand in columns before these (`sweep.csv`).
+    pub struct SweepRow {
+        /// What the error is of: `reach` (distance to the target at the end of a trial), `track` (mean distance to the target
+        /// over a run) or `gp` (cross-validated error of the Gaussian process).
+        pub task: String,
+        /// `paper`, `converged`, or `any` where no network takes part.
+        pub training: String,
+        /// Name of the policy; empty for `gp`.
+        pub policy: String,
+        /// `open`, `closed`, …; empty for `gp`.
+        pub mode: String,
+        /// Real points behind the Gaussian process.
+        pub gp_points: u64,
+        /// Real points behind the network.
+        pub real_points: u64,
+        /// Mean over seeds of the error's mean within a seed, metres.
+        pub mean_m: f64,
+        /// Standard deviation over seeds of that mean, metres; none for one seed.
+        pub sd_over_seeds_m: f64,
+        /// 95 % interval of the mean over seeds (Student's t), metres; none for one seed.
+        pub low_95_m: f64,
+        /// 95 % interval, metres.
+        pub high_95_m: f64,
+        /// Repetitions that gave an error.
+        pub seeds: u64,
+        /// Trials, runs or processes behind them.
+        pub count: u64,
+        /// Those that gave none (status other than `ok`).
+        pub failed: u64,
+    }
 
-/// Goal-reaching error over the trials of one policy, mode and data size: a cell of Table I or a point of Fig. 6.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ReachSummaryRow {
-    /// `paper` or `converged`.
-    pub training: String,
-    /// `a`, `b`, `c` or `pi_real`.
-    pub policy: String,
-    /// `open`, `closed` or `closed_load`.
-    pub mode: String,
-    /// Real points behind the Gaussian process.
-    pub gp_points: u64,
-    /// Real points behind the network.
-    pub real_points: u64,
-    /// Mean over seeds of the mean error over targets, metres.
-    pub mean_m: f64,
-    /// Standard deviation over the targets of one experiment (root mean square over seeds), metres: what the paper
-    /// prints in brackets.
-    pub sd_m: f64,
-    /// 95 % interval for the mean over seeds (Student's t over per-seed means), metres; none for one seed.
-    pub low_95_m: f64,
-    /// 95 % interval, metres.
-    pub high_95_m: f64,
-    /// Repetitions of the whole experiment.
-    pub seeds: u64,
-    /// Trials that gave an error.
-    pub trials: u64,
-    /// Trials that gave none (status other than `ok`).
-    pub failed: u64,
-    /// Share of the trials in which the policy settled before the step limit.
-    pub settled_share: f64,
-    /// Mean number of control steps.
-    pub mean_steps: f64,
-    /// The paper's mean, metres; none where it gives none.
-    pub paper_mean_m: f64,
-    /// The paper's standard deviation, metres.
-    pub paper_sd_m: f64,
-}
+    "summary.csv", key [training, policy, mode, gp_points, real_points]:
+    /// Goal-reaching error over the trials of one policy, mode and data size: a cell of Table I or a point of Fig. 6.
+    pub struct ReachSummaryRow {
+        /// `paper` or `converged`.
+        pub training: String,
+        /// Name of the policy: `a`, `b`, `c`, `pi_real` …
+        pub policy: String,
+        /// `open`, `closed` or `closed_load`.
+        pub mode: String,
+        /// Real points behind the Gaussian process.
+        pub gp_points: u64,
+        /// Real points behind the network.
+        pub real_points: u64,
+        /// Mean over seeds of the mean error over targets, metres.
+        pub mean_m: f64,
+        /// Standard deviation over the targets of one experiment (root mean square over seeds), metres: what the paper
+        /// prints in brackets.
+        pub sd_m: f64,
+        /// 95 % interval for the mean over seeds (Student's t over per-seed means), metres; none for one seed.
+        pub low_95_m: f64,
+        /// 95 % interval, metres.
+        pub high_95_m: f64,
+        /// Repetitions of the whole experiment.
+        pub seeds: u64,
+        /// Trials that gave an error.
+        pub trials: u64,
+        /// Trials that gave none (status other than `ok`).
+        pub failed: u64,
+        /// Share of the trials in which the policy settled before the step limit.
+        pub settled_share: f64,
+        /// Mean number of control steps.
+        pub mean_steps: f64,
+        /// The paper's mean, metres; none where it gives none.
+        pub paper_mean_m: f64,
+        /// The paper's standard deviation, metres.
+        pub paper_sd_m: f64,
+    }
 
-/// Path tracking of one policy in one experiment (Fig. 8).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct TrackSummaryRow {
-    /// Repetition of the whole experiment.
-    pub seed: u64,
-    /// `paper` or `converged`.
-    pub training: String,
-    /// `a`, `b`, `c` or `pi_real`.
-    pub policy: String,
-    /// Mean distance to the target over the run, metres.
-    pub mean_error_m: f64,
-    /// Standard deviation of that distance, metres.
-    pub sd_error_m: f64,
-    /// Distance to the target when the first path point is left, to which the robot comes from home, metres.
-    pub start_error_m: f64,
-    /// Time of the last row, seconds.
-    pub completion_time_s: f64,
-    /// Oscillation: median peak-to-peak of the error about its moving mean, windows of 5 s, metres.
-    pub oscillation_m: f64,
-    /// Times that the command's source changed between A and B.
-    pub switches: u64,
-    /// Control steps.
-    pub steps: u64,
-    /// `ok`, or the first status that is not.
-    pub status: String,
-}
+    "summary.csv", key [seed, training, policy]:
+    /// Path tracking of one policy in one experiment (Fig. 8).
+    pub struct TrackSummaryRow {
+        /// Repetition of the whole experiment.
+        pub seed: u64,
+        /// `paper` or `converged`.
+        pub training: String,
+        /// Name of the policy: `a`, `b`, `c`, `pi_real` …
+        pub policy: String,
+        /// Mean distance to the target over the run, metres.
+        pub mean_error_m: f64,
+        /// Standard deviation of that distance, metres.
+        pub sd_error_m: f64,
+        /// Distance to the target when the first path point is left, to which the robot comes from home, metres.
+        pub start_error_m: f64,
+        /// Time of the last row, seconds.
+        pub completion_time_s: f64,
+        /// Oscillation: median peak-to-peak of the error about its moving mean, windows of 5 s, metres.
+        pub oscillation_m: f64,
+        /// Times that the command's source changed between A and B.
+        pub switches: u64,
+        /// Control steps.
+        pub steps: u64,
+        /// `ok`, or the first status that is not.
+        pub status: String,
+    }
 
-/// Difference between simulated and measured tip along one axis (Fig. 5).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct GapSummaryRow {
-    /// `x`, `y`, `z`, or `distance` for the length of the difference.
-    pub axis: String,
-    /// Mean of simulated minus measured, metres.
-    pub mean_m: f64,
-    /// Root mean square, metres.
-    pub rms_m: f64,
-    /// 95th percentile of the magnitude, metres.
-    pub p95_m: f64,
-    /// Largest magnitude, metres.
-    pub max_m: f64,
-    /// Samples.
-    pub samples: u64,
-    /// Repetitions of the whole experiment.
-    pub seeds: u64,
-}
+    "summary.csv", key [axis]:
+    /// Difference between simulated and measured tip along one axis (Fig. 5).
+    pub struct GapSummaryRow {
+        /// `x`, `y`, `z`, or `distance` for the length of the difference.
+        pub axis: String,
+        /// Mean of simulated minus measured, metres.
+        pub mean_m: f64,
+        /// Root mean square, metres.
+        pub rms_m: f64,
+        /// 95th percentile of the magnitude, metres.
+        pub p95_m: f64,
+        /// Largest magnitude, metres.
+        pub max_m: f64,
+        /// Samples.
+        pub samples: u64,
+        /// Repetitions of the whole experiment.
+        pub seeds: u64,
+    }
 
-/// One setting of one simulator on one robot: work against precision (`docs/peers.md`).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PeerRow {
-    /// Robot and drive: `till`, `paper` or `paper_tension`.
-    pub robot: String,
-    /// Simulator.
-    pub peer: String,
-    /// What else was set, in words.
-    pub setting: String,
-    /// Segments, cells or nodes along the robot.
-    pub segments_or_nodes: f64,
-    /// Time step, s.
-    pub dt_s: f64,
-    /// Processor time per simulated second; of a static solve: per solve.
-    pub cpu_s_per_s: f64,
-    /// Simulated time per processor time; not a number for a static solve.
-    pub real_time_factor: f64,
-    /// Root mean square distance of the tip from the limit, metres.
-    pub rms_error_m: f64,
-    /// Largest such distance, metres.
-    pub max_error_m: f64,
-    /// Distance at rest, before anything moves, metres.
-    pub static_error_m: f64,
-    /// `ok` or the named failure.
-    pub status: String,
-}
+    "work_precision.csv", key [robot, peer, setting, segments_or_nodes, dt_s]:
+    /// One setting of one simulator on one robot: work against precision (`docs/peers.md`).
+    pub struct PeerRow {
+        /// Robot and drive: `till`, `paper` or `paper_tension`.
+        pub robot: String,
+        /// Simulator.
+        pub peer: String,
+        /// What else was set, in words.
+        pub setting: String,
+        /// Segments, cells or nodes along the robot.
+        pub segments_or_nodes: f64,
+        /// Time step, s.
+        pub dt_s: f64,
+        /// Processor time per simulated second; of a static solve: per solve.
+        pub cpu_s_per_s: f64,
+        /// Simulated time per processor time; not a number for a static solve.
+        pub real_time_factor: f64,
+        /// Root mean square distance of the tip from the limit, metres.
+        pub rms_error_m: f64,
+        /// Largest such distance, metres.
+        pub max_error_m: f64,
+        /// Distance at rest, before anything moves, metres.
+        pub static_error_m: f64,
+        /// `ok` or the named failure.
+        pub status: String,
+    }
 
-/// One stage behind an experiment's results: what it was filed under, what came out and what it took.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct StageRow {
-    /// Kind of stage.
-    pub stage: String,
-    /// Which of its kind.
-    pub label: String,
-    /// Digest of everything that it depends on, its code included; shortened.
-    pub key: String,
-    /// Digest of its result; empty where it has failed or could not be kept.
-    pub result: String,
-    /// Seconds on the clock, when it was computed.
-    pub wall_s: f64,
-    /// Seconds on a processor of the thread that carried it out, when it was computed.
-    pub cpu_s: f64,
-}
+    "stages.csv", key [stage, label, key]:
+    /// One stage behind an experiment's results: what it was filed under, what came out and what it took.
+    pub struct StageRow {
+        /// Kind of stage.
+        pub stage: String,
+        /// Which of its kind.
+        pub label: String,
+        /// Digest of everything that it depends on, its code included; shortened.
+        pub key: String,
+        /// Digest of its result; empty where it has failed or could not be kept.
+        pub result: String,
+        /// Seconds on the clock, when it was computed.
+        pub wall_s: f64,
+        /// Seconds on a processor of the thread that carried it out, when it was computed.
+        pub cpu_s: f64,
+    }
 
-/// How long a campaign takes on so many workers.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ScalingRow {
-    /// `threads`, `two processes apart` and `everything stored` (measured), `ideal cluster` and `workers` (replayed).
-    pub system: String,
-    /// Threads, or nodes of one processor each.
-    pub workers: u64,
-    /// Stages of the campaign; 0 where it was measured as a whole.
-    pub stages: u64,
-    /// Time from begin to end, s.
-    pub wall_s: f64,
-    /// Share of the workers' time that goes into stages.
-    pub efficiency: f64,
-    /// What goes through the store, gigabytes.
-    pub store_gb: f64,
-    /// The same over the time, megabytes a second.
-    pub store_mb_s: f64,
-    /// What most of the lost time goes into.
-    pub bound: String,
-    /// Operations of the store: entries looked up, locked, unlocked, opened and filed; 0 where they are not counted.
-    pub store_operations: u64,
-    /// Stages whose lock another worker held.
-    pub locks_lost: u64,
-    /// Times that workers without work asked again for stages that others computed.
-    pub polls: u64,
+    "scaling.csv", key [system, workers]:
+    /// How long a campaign takes on so many workers.
+    pub struct ScalingRow {
+        /// `threads`, `two processes apart` and `everything stored` (measured), `ideal cluster` and `workers` (replayed).
+        pub system: String,
+        /// Threads, or nodes of one processor each.
+        pub workers: u64,
+        /// Stages of the campaign; 0 where it was measured as a whole.
+        pub stages: u64,
+        /// Time from begin to end, s.
+        pub wall_s: f64,
+        /// Share of the workers' time that goes into stages.
+        pub efficiency: f64,
+        /// What goes through the store, gigabytes.
+        pub store_gb: f64,
+        /// The same over the time, megabytes a second.
+        pub store_mb_s: f64,
+        /// What most of the lost time goes into.
+        pub bound: String,
+        /// Operations of the store: entries looked up, locked, unlocked, opened and filed; 0 where they are not counted.
+        pub store_operations: u64,
+        /// Stages whose lock another worker held.
+        pub locks_lost: u64,
+        /// Times that workers without work asked again for stages that others computed.
+        pub polls: u64,
+    }
 }

@@ -4,17 +4,12 @@
 use rand_distr::{Distribution, Normal};
 use serde::{Deserialize, Serialize};
 
-use super::PlantEntry;
+use super::PlantOptions;
 use crate::base::{BadOption, Generator, Observation, Plant, PlantError, Point3, Seed, TendonCommand};
 
 const TENDONS: usize = 4;
 /// Below this bending angle (rad) the series of (1 − cos θ)/θ² and sin θ/θ is exact to rounding.
 const SMALL_ANGLE_RAD: f64 = 1e-4;
-
-pub(super) const ENTRY: PlantEntry = PlantEntry {
-    name: "constant_curvature",
-    example: || Box::new(ConstantCurvature::from_valid(ConstantCurvatureOptions::default())),
-};
 
 /// Settings of [`ConstantCurvature`]; the defaults are the paper's robot with the contract's assumed routing radius.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -47,6 +42,29 @@ impl Default for ConstantCurvatureOptions {
             noise_m: 0.0,
             travel_m: 0.05,
         }
+    }
+}
+
+impl PlantOptions for ConstantCurvatureOptions {
+    fn check(&self) -> Result<(), (String, BadOption)> {
+        ConstantCurvature::new(*self).map(|_| ()).map_err(|error| (String::new(), error))
+    }
+
+    fn tendons(&self) -> usize {
+        TENDONS
+    }
+
+    fn build(&self, step_s: f64) -> Result<Box<dyn Plant>, String> {
+        let options = ConstantCurvatureOptions { step_s, ..*self };
+        Ok(Box::new(ConstantCurvature::new(options).map_err(|error| error.to_string())?))
+    }
+
+    fn remove_noise(&mut self) {
+        self.noise_m = 0.0;
+    }
+
+    fn example() -> Option<Self> {
+        Some(ConstantCurvatureOptions::default())
     }
 }
 

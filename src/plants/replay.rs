@@ -1,10 +1,11 @@
 //! A recording as a plant: what a robot did when it was told the same, for trying out everything that reads a plant.
 
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::PlantOptions;
 use crate::base::{BadOption, Observation, Plant, PlantError, Seed, TendonCommand};
 use crate::data::{Actuation, DataError, Recording};
 use crate::math::summary::quantile;
@@ -32,14 +33,28 @@ fn tendons() -> usize {
     4
 }
 
-impl ReplayOptions {
-    /// Refuses settings out of range.
-    ///
-    /// # Errors
-    /// [`BadOption`] names the first one.
-    pub fn check(&self) -> Result<(), BadOption> {
-        BadOption::unless_positive("tolerance_m", self.tolerance_m)?;
-        BadOption::unless_counted("tendons", self.tendons)
+impl PlantOptions for ReplayOptions {
+    fn check(&self) -> Result<(), (String, BadOption)> {
+        let at = |error| (String::new(), error);
+        BadOption::unless_positive("tolerance_m", self.tolerance_m).map_err(at)?;
+        BadOption::unless_counted("tendons", self.tendons).map_err(at)
+    }
+
+    fn tendons(&self) -> usize {
+        self.tendons
+    }
+
+    fn build(&self, step_s: f64) -> Result<Box<dyn Plant>, String> {
+        Ok(Box::new(Replay::open(self, step_s).map_err(|error| error.to_string())?))
+    }
+
+    /// The content of the recording, wherever it lies. One that cannot be read fails the stages that ask for it.
+    fn identity(&self) -> Vec<u8> {
+        std::fs::read(&self.recording).unwrap_or_default()
+    }
+
+    fn resolve_files(&mut self, folder: &Path) {
+        self.recording = folder.join(&self.recording);
     }
 }
 

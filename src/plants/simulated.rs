@@ -3,7 +3,7 @@
 use rand_distr::{Distribution, Normal};
 use serde::{Deserialize, Serialize};
 
-use super::PlantEntry;
+use super::PlantOptions;
 use crate::base::{BadOption, Generator, Observation, Plant, PlantError, Seed, TendonCommand};
 use crate::effects::{DrivenModel, EffectSpec, Model, Variable, VariationError};
 use crate::rod::{Rod, RodParams, TipRate, TipWrench};
@@ -42,6 +42,68 @@ impl SimulatedOptions {
     }
 }
 
+/// A simulated robot as a spec gives it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SimulatedSpec {
+    /// What it is made of; in a spec, the name of a model file.
+    pub model: Model,
+    /// Standard deviation of the tracking noise per axis, metres.
+    #[serde(default)]
+    pub noise_m: f64,
+    /// Commands beyond this displacement are refused, metres.
+    #[serde(default = "travel_m")]
+    pub travel_m: f64,
+}
+
+fn travel_m() -> f64 {
+    SimulatedOptions::default().travel_m
+}
+
+impl SimulatedSpec {
+    fn options(&self, step_s: f64) -> SimulatedOptions {
+        SimulatedOptions { step_s, noise_m: self.noise_m, travel_m: self.travel_m }
+    }
+}
+
+impl PlantOptions for SimulatedSpec {
+    const MODEL_KEYS: &'static [&'static str] = &["model"];
+    const TAKES_EFFECTS: bool = true;
+
+    fn check(&self) -> Result<(), (String, BadOption)> {
+        self.options(1.0).check().map_err(|error| (String::new(), error))?;
+        self.model.check().map_err(|(path, error)| (format!("model.{path}"), error))
+    }
+
+    fn tendons(&self) -> usize {
+        self.model.robot.tendons.angles_deg.len()
+    }
+
+    fn build(&self, step_s: f64) -> Result<Box<dyn Plant>, String> {
+        Ok(Box::new(Simulated::new(&self.model, &[], self.options(step_s))))
+    }
+
+    fn remove_noise(&mut self) {
+        self.noise_m = 0.0;
+    }
+
+    fn add_effects(&mut self, effects: &[EffectSpec]) {
+        self.model.effects.extend_from_slice(effects);
+    }
+
+    fn noise_m(&self) -> Option<f64> {
+        Some(self.noise_m)
+    }
+
+    fn travel_m(&self) -> Option<f64> {
+        Some(self.travel_m)
+    }
+
+    fn example() -> Option<Self> {
+        Some(SimulatedSpec { model: Model::default(), noise_m: 0.0, travel_m: travel_m() })
+    }
+}
+
 /// A Cosserat rod as a [`Plant`].
 pub struct Simulated {
     driven: DrivenModel,
@@ -49,11 +111,6 @@ pub struct Simulated {
     time_s: f64,
     noise: Generator,
 }
-
-pub(super) const ENTRY: PlantEntry = PlantEntry {
-    name: "simulated",
-    example: || Box::new(Simulated::new(&Model::default(), &[], SimulatedOptions::default())),
-};
 
 impl Simulated {
     /// A robot that follows a checked model, with `extra` effects (such as a load for some trials) on top.

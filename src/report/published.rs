@@ -2,39 +2,90 @@
 
 use std::path::Path;
 
-use serde::Serialize;
-use serde::de::DeserializeOwned;
-
 use super::sweep_rows::SweepTable;
 use crate::data::findings::{CaseRow, IntervalRow};
-use crate::data::rows::{ClaimRow, GapRow, PeerRow, ScalingRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow};
-use crate::data::{DataError, tables, write_atomic};
+use crate::data::rows::{
+    ClaimRow, GapRow, GpRow, NetworkRow, PeerRow, ScalingRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow,
+};
+use crate::data::tables::{Beside, as_published, to_csv_beside};
+use crate::data::{DataError, TableRow, tables, write_atomic};
 
-/// The rows that a figure may ask for; an experiment fills in those it has.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Published {
-    /// Goal-reaching trials (`trials.csv`).
-    pub trials: Vec<TrialRow>,
-    /// Path tracking steps (`tracks.csv`).
-    pub tracks: Vec<TrackRow>,
-    /// Points that the path runs through (`waypoints.csv`).
-    pub waypoints: Vec<WaypointRow>,
-    /// Points of the real workspace behind the path (`workspace.csv`).
-    pub workspace: Vec<WorkspaceRow>,
-    /// Simulated and measured tips (`gap.csv`).
-    pub gaps: Vec<GapRow>,
-    /// Claims (`claims.csv`).
-    pub claims: Vec<ClaimRow>,
-    /// Points of a sweep (`sweep.csv`).
-    pub sweep: SweepTable,
-    /// Simulators beside each other (`work_precision.csv`).
-    pub peers: Vec<PeerRow>,
-    /// Blind cases of discovery (`discovery.csv`).
-    pub cases: Vec<CaseRow>,
-    /// Their intervals (`intervals.csv`).
-    pub intervals: Vec<IntervalRow>,
-    /// Campaigns on more and more workers (`scaling.csv`).
-    pub scaling: Vec<ScalingRow>,
+macro_rules! published {
+    ($($(#[doc = $about:literal])+ $field:ident: $row:ty,)*) => {
+        /// The rows that a figure may ask for; an experiment fills in those it has.
+        #[derive(Clone, Debug, Default, PartialEq)]
+        pub struct Published {
+            $($(#[doc = $about])+ pub $field: Vec<$row>,)*
+            /// Points of a sweep (`sweep.csv`).
+            pub sweep: SweepTable,
+        }
+
+        impl Published {
+            fn read_tables(folder: &Path) -> Result<Published, DataError> {
+                Ok(Published { $($field: published_rows(folder)?,)* sweep: SweepTable::default() })
+            }
+
+            /// These rows as [`Published::read`] gives them back once they are published.
+            ///
+            /// # Errors
+            /// [`DataError::Write`] for rows that make no table.
+            pub fn rounded(&self, folder: &Path) -> Result<Published, DataError> {
+                Ok(Published {
+                    $($field: as_published(&folder.join(<$row>::TABLE.file), &self.$field)?,)*
+                    sweep: self.sweep.clone(),
+                })
+            }
+
+            /// Adds the rows of further repetitions.
+            pub fn append(&mut self, other: Published) {
+                $(self.$field.extend(other.$field);)*
+            }
+
+            /// The bytes of every table that has rows, by file name: the rows of `parts` one below the other, and beside
+            /// them the columns that `beside` gives for so many rows of each part.
+            ///
+            /// # Errors
+            /// [`DataError::Write`] for rows that make no table.
+            pub fn csv_files(
+                parts: &[&Published],
+                beside: impl Fn(&[usize]) -> Vec<Beside>,
+            ) -> Result<Vec<(&'static str, Vec<u8>)>, DataError> {
+                let mut files = Vec::new();
+                $(
+                    let rows: Vec<&Vec<$row>> = parts.iter().map(|part| &part.$field).collect();
+                    files.extend(csv_file(&rows, &beside)?);
+                )*
+                Ok(files)
+            }
+        }
+    };
+}
+
+published! {
+    /// Goal-reaching trials.
+    trials: TrialRow,
+    /// Path tracking steps.
+    tracks: TrackRow,
+    /// Points that the path runs through.
+    waypoints: WaypointRow,
+    /// Points of the real workspace behind the path.
+    workspace: WorkspaceRow,
+    /// Simulated and measured tips.
+    gaps: GapRow,
+    /// Trained networks.
+    networks: NetworkRow,
+    /// Gaussian processes.
+    gps: GpRow,
+    /// Claims.
+    claims: ClaimRow,
+    /// Simulators beside each other.
+    peers: PeerRow,
+    /// Blind cases of discovery.
+    cases: CaseRow,
+    /// Their intervals.
+    intervals: IntervalRow,
+    /// Campaigns on more and more workers.
+    scaling: ScalingRow,
 }
 
 impl Published {
@@ -48,19 +99,7 @@ impl Published {
             // The other tables are those of all its points: no figure is made of them together.
             return Ok(Published { sweep, ..Published::default() });
         }
-        Ok(Published {
-            trials: published_rows(folder, "trials.csv")?,
-            tracks: published_rows(folder, "tracks.csv")?,
-            waypoints: published_rows(folder, "waypoints.csv")?,
-            workspace: published_rows(folder, "workspace.csv")?,
-            gaps: published_rows(folder, "gap.csv")?,
-            claims: published_rows(folder, "claims.csv")?,
-            sweep,
-            peers: published_rows(folder, "work_precision.csv")?,
-            cases: published_rows(folder, "discovery.csv")?,
-            intervals: published_rows(folder, "intervals.csv")?,
-            scaling: published_rows(folder, "scaling.csv")?,
-        })
+        Published::read_tables(folder)
     }
 
     /// Writes every kind that has rows into a folder of results and gives the rows back as they stand there, rounded:
@@ -69,43 +108,46 @@ impl Published {
     /// # Errors
     /// [`DataError`] for the first file that cannot be written.
     pub fn write(&self, folder: &Path) -> Result<Published, DataError> {
-        write(folder, "trials.csv", &self.trials)?;
-        write(folder, "tracks.csv", &self.tracks)?;
-        write(folder, "waypoints.csv", &self.waypoints)?;
-        write(folder, "workspace.csv", &self.workspace)?;
-        write(folder, "gap.csv", &self.gaps)?;
-        write(folder, "claims.csv", &self.claims)?;
-        if !self.sweep.rows.is_empty() {
-            let path = folder.join("sweep.csv");
-            write_atomic(&path, &tables::to_csv_beside(&path, &self.sweep.fields, &self.sweep.rows)?)?;
+        for (name, bytes) in Published::csv_files(&[self], |_| Vec::new())? {
+            write_atomic(&folder.join(name), &bytes)?;
         }
-        write(folder, "work_precision.csv", &self.peers)?;
-        write(folder, "discovery.csv", &self.cases)?;
-        write(folder, "intervals.csv", &self.intervals)?;
-        write(folder, "scaling.csv", &self.scaling)?;
+        if !self.sweep.rows.is_empty() {
+            let path = folder.join(SweepRow::TABLE.file);
+            write_atomic(&path, &to_csv_beside(&path, &self.sweep.fields, &self.sweep.rows)?)?;
+        }
         Published::read(folder)
     }
+}
+
+/// The CSV of the rows of all parts, unless there are none.
+fn csv_file<R: TableRow>(
+    parts: &[&Vec<R>],
+    beside: &impl Fn(&[usize]) -> Vec<Beside>,
+) -> Result<Option<(&'static str, Vec<u8>)>, DataError> {
+    let counts: Vec<usize> = parts.iter().map(|rows| rows.len()).collect();
+    let rows: Vec<R> = parts.iter().copied().flatten().cloned().collect();
+    if rows.is_empty() {
+        return Ok(None);
+    }
+    let file = R::TABLE.file;
+    Ok(Some((file, to_csv_beside(Path::new(file), &beside(&counts), &rows)?)))
 }
 
 /// The rows of one table of a folder of results; none where it is not there.
 ///
 /// # Errors
 /// [`DataError`] for a file that is there and cannot be read.
-pub fn published_rows<R: DeserializeOwned>(folder: &Path, name: &str) -> Result<Vec<R>, DataError> {
-    let path = folder.join(name);
+pub fn published_rows<R: TableRow>(folder: &Path) -> Result<Vec<R>, DataError> {
+    let path = folder.join(R::TABLE.file);
     if path.exists() { tables::read_csv(&path) } else { Ok(Vec::new()) }
 }
 
 /// The summary of a sweep: what is swept stands in the columns with a dot in their names.
 fn swept(folder: &Path) -> Result<SweepTable, DataError> {
-    let path = folder.join("sweep.csv");
+    let path = folder.join(SweepRow::TABLE.file);
     if !path.exists() {
         return Ok(SweepTable::default());
     }
     let (fields, rows) = tables::read_csv_beside(&path, |name| name.contains('.'))?;
     Ok(SweepTable { fields, rows })
-}
-
-fn write<R: Serialize>(folder: &Path, name: &str, rows: &[R]) -> Result<(), DataError> {
-    if rows.is_empty() { Ok(()) } else { tables::write_csv(&folder.join(name), rows) }
 }

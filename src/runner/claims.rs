@@ -29,7 +29,7 @@ pub fn evaluate(claims: &[PaperClaim], tables: &Tables, seeds: &[u64], trainings
 
 /// Gaussian processes depend on the training when p_sim comes from the forward network.
 fn of_training(metric: &ClaimMetric, tables: &Tables) -> bool {
-    matches!(metric, ClaimMetric::GpError { .. }) && tables.gps.iter().any(|row| row.training != ANY_TRAINING)
+    matches!(metric, ClaimMetric::GpError { .. }) && tables.published.gps.iter().any(|row| row.training != ANY_TRAINING)
 }
 
 fn judge(claim: &PaperClaim, tables: &Tables, seeds: &[u64], training: &str) -> ClaimRow {
@@ -110,6 +110,7 @@ fn unit(relation: &Relation) -> String {
 mod tests {
     use super::*;
     use crate::data::rows::GpRow;
+    use crate::report::Published;
 
     fn gps(errors: &[f64]) -> Tables {
         let row = |(seed, &error): (usize, &f64)| GpRow {
@@ -123,7 +124,7 @@ mod tests {
             noise_y_m: 0.0,
             noise_z_m: 0.0,
         };
-        Tables { gps: errors.iter().enumerate().map(row).collect(), ..Tables::default() }
+        Tables::from(Published { gps: errors.iter().enumerate().map(row).collect(), ..Published::default() })
     }
 
     fn near(figure: f64, errors: &[f64]) -> ClaimRow {

@@ -76,7 +76,7 @@ pub fn merge(folders: &[PathBuf]) -> Result<(String, Publication), MergeError> {
     let folder = Path::new("results").join(&name);
     let manifest = manifest.to_yaml().map_err(|words| Box::new(PublishError::Spec(words)))?;
     publication.files.insert(folder.join("manifest.yaml"), manifest);
-    put(&mut publication.files, &folder.join("stages.csv"), &trail)?;
+    put(&mut publication.files, &folder, &trail)?;
     Ok((name, publication))
 }
 

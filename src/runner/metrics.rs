@@ -2,9 +2,8 @@
 
 use crate::data::DataError;
 use crate::data::rows::{GapRow, GpRow, NetworkRow, TrackSummaryRow, TrialRow};
-use crate::data::tables::as_published;
 use crate::math::summary::{mean, standard_deviation};
-use crate::report::{Published, published_rows, track_summary};
+use crate::report::{Published, track_summary};
 use crate::specs::{ClaimMetric, FrameAxis, ReachCell};
 use std::path::Path;
 
@@ -14,14 +13,16 @@ pub(super) const ANY_TRAINING: &str = "any";
 /// All rows of one experiment.
 #[derive(Clone, Debug, Default)]
 pub struct Tables {
-    /// What figures are made of.
+    /// What is published.
     pub published: Published,
-    /// Networks.
-    pub networks: Vec<NetworkRow>,
-    /// Gaussian processes.
-    pub gps: Vec<GpRow>,
     /// Tracking runs, summarised.
     pub runs: Vec<TrackSummaryRow>,
+}
+
+impl From<Published> for Tables {
+    fn from(published: Published) -> Tables {
+        Tables { runs: track_summary(&published.tracks), published }
+    }
 }
 
 impl Tables {
@@ -30,48 +31,22 @@ impl Tables {
     /// # Errors
     /// [`DataError`] for the first file that is there and cannot be read.
     pub(super) fn read(folder: &Path) -> Result<Tables, DataError> {
-        let published = Published::read(folder)?;
-        Ok(Tables {
-            networks: published_rows(folder, "networks.csv")?,
-            gps: published_rows(folder, "gp.csv")?,
-            runs: track_summary(&published.tracks),
-            published,
-        })
+        Published::read(folder).map(Tables::from)
     }
 
-    /// These rows as [`Tables::read`] gives them back once they are published: what is made of them can be made again.
+    /// These rows as [`Tables::read`] gives them back once they are published, but for their claims, which are made of
+    /// them: what is made of them can be made again.
     ///
     /// # Errors
     /// [`DataError::Write`] for rows that make no table.
     pub(super) fn as_published(&self, folder: &Path) -> Result<Tables, DataError> {
-        let published = Published {
-            trials: as_published(&folder.join("trials.csv"), &self.published.trials)?,
-            tracks: as_published(&folder.join("tracks.csv"), &self.published.tracks)?,
-            waypoints: as_published(&folder.join("waypoints.csv"), &self.published.waypoints)?,
-            gaps: as_published(&folder.join("gap.csv"), &self.published.gaps)?,
-            cases: as_published(&folder.join("discovery.csv"), &self.published.cases)?,
-            intervals: as_published(&folder.join("intervals.csv"), &self.published.intervals)?,
-            ..Published::default()
-        };
-        Ok(Tables {
-            networks: as_published(&folder.join("networks.csv"), &self.networks)?,
-            gps: as_published(&folder.join("gp.csv"), &self.gps)?,
-            runs: track_summary(&published.tracks),
-            published,
-        })
+        let claims = Vec::new();
+        Ok(Tables::from(Published { claims, ..self.published.rounded(folder)? }))
     }
 
     /// Adds the rows of further repetitions, but for their claims, which are of all repetitions together.
     pub(super) fn append(&mut self, other: Tables) {
-        let Published { trials, tracks, waypoints, gaps, cases, intervals, .. } = other.published;
-        self.published.trials.extend(trials);
-        self.published.tracks.extend(tracks);
-        self.published.waypoints.extend(waypoints);
-        self.published.gaps.extend(gaps);
-        self.published.cases.extend(cases);
-        self.published.intervals.extend(intervals);
-        self.networks.extend(other.networks);
-        self.gps.extend(other.gps);
+        self.published.append(Published { claims: Vec::new(), ..other.published });
         self.runs.extend(other.runs);
     }
 }
@@ -83,14 +58,18 @@ pub(super) fn value(tables: &Tables, metric: &ClaimMetric, seed: u64, training: 
         ClaimMetric::ReachSd(cell) => standard_deviation(&reach_errors_m(tables, cell, seed, training)),
         ClaimMetric::NetworkMae { network, points } => {
             let ours = |row: &&NetworkRow| row.seed == seed && row.training == training && row.network == *network;
-            let row =
-                tables.networks.iter().filter(ours).find(|row| points.is_none_or(|points| points == row.points))?;
+            let row = tables
+                .published
+                .networks
+                .iter()
+                .filter(ours)
+                .find(|row| points.is_none_or(|points| points == row.points))?;
             row.validation_mae_m
         }
         ClaimMetric::GpError { points } => {
             let ours = |row: &&GpRow| row.training == training || row.training == ANY_TRAINING;
             let found = |row: &&GpRow| row.seed == seed && row.points == *points && ours(row);
-            tables.gps.iter().find(found)?.cross_validation_mae_m
+            tables.published.gps.iter().find(found)?.cross_validation_mae_m
         }
         ClaimMetric::TrackMean { policy } => run(tables, policy, seed, training)?.mean_error_m,
         ClaimMetric::TrackOscillation { policy } => run(tables, policy, seed, training)?.oscillation_m,

@@ -5,9 +5,8 @@ use super::claims::evaluate;
 use super::metrics::Tables;
 use super::outcomes::Outcomes;
 use crate::data::rows::ClaimRow;
-use crate::data::{DataError, tables, write_atomic_batch};
+use crate::data::{DataError, TableRow, tables, write_atomic_batch};
 use crate::report::{self, OutputFolder, Published, ReportError};
-use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -65,7 +64,9 @@ impl CampaignEntry {
         tables.published.claims.clone_from(&claims);
         let mut files = Files::new();
         files.insert(folder.join("spec.yaml"), self.spec_yaml()?);
-        self.tables_to(&tables, &folder, &mut files)?;
+        for (name, bytes) in Published::csv_files(&[&tables.published], |_| Vec::new())? {
+            files.insert(folder.join(name), bytes);
+        }
         let notices = self.figures_to(&tables, &folder, &mut files);
         let failed = failed(&tables);
         Ok(Publication { files, claims, failed, notices })
@@ -85,19 +86,6 @@ impl CampaignEntry {
     pub fn spec_yaml(&self) -> Result<Vec<u8>, PublishError> {
         let head = "# The spec as it was run, with everything filled in.\n";
         Ok((head.to_owned() + &self.spec_yaml).into_bytes())
-    }
-
-    fn tables_to(&self, tables: &Tables, folder: &Path, files: &mut Files) -> Result<(), DataError> {
-        let published = &tables.published;
-        put(files, &folder.join("gap.csv"), &published.gaps)?;
-        put(files, &folder.join("gp.csv"), &tables.gps)?;
-        put(files, &folder.join("networks.csv"), &tables.networks)?;
-        put(files, &folder.join("trials.csv"), &published.trials)?;
-        put(files, &folder.join("waypoints.csv"), &published.waypoints)?;
-        put(files, &folder.join("tracks.csv"), &published.tracks)?;
-        put(files, &folder.join("discovery.csv"), &published.cases)?;
-        put(files, &folder.join("intervals.csv"), &published.intervals)?;
-        put(files, &folder.join("claims.csv"), &published.claims)
     }
 
     /// Figures that carry the experiment's name lie in `plots/`, others in a folder of the experiment there.
@@ -144,13 +132,15 @@ pub(super) fn failed(tables: &Tables) -> usize {
         + tables.published.cases.iter().filter(|row| row.verdict.starts_with("failed")).count()
 }
 
-/// Adds a table to `files`, unless it has no rows.
+/// Adds the table of these rows to the files of `folder`, unless there are none.
 ///
 /// # Errors
 /// [`DataError::Write`] for rows that make no table.
-pub fn put<R: Serialize>(files: &mut Files, path: &Path, rows: &[R]) -> Result<(), DataError> {
+pub fn put<R: TableRow>(files: &mut Files, folder: &Path, rows: &[R]) -> Result<(), DataError> {
     if !rows.is_empty() {
-        files.insert(path.to_owned(), tables::to_csv(path, rows)?);
+        let path = folder.join(R::TABLE.file);
+        let bytes = tables::to_csv(&path, rows)?;
+        files.insert(path, bytes);
     }
     Ok(())
 }
@@ -164,7 +154,8 @@ pub fn all_claims(out: &Path, fresh: &BTreeMap<String, Vec<ClaimRow>>) -> Result
     let results = Path::new("results");
     let mut by_experiment = fresh.clone();
     for folder in std::fs::read_dir(out.join(results)).into_iter().flatten().flatten() {
-        let (name, path) = (folder.file_name().to_string_lossy().into_owned(), folder.path().join("claims.csv"));
+        let (name, path) =
+            (folder.file_name().to_string_lossy().into_owned(), folder.path().join(ClaimRow::TABLE.file));
         if !by_experiment.contains_key(&name) && path.is_file() {
             let (swept, claims) = tables::read_csv_beside(&path, |column| column.contains('.'))?;
             // The claims of a sweep are about its points, not about the paper's settings.
@@ -175,7 +166,7 @@ pub fn all_claims(out: &Path, fresh: &BTreeMap<String, Vec<ClaimRow>>) -> Result
     }
     let claims: Vec<ClaimRow> = by_experiment.into_values().flatten().collect();
     let mut files = Files::new();
-    put(&mut files, &results.join("claims.csv"), &claims)?;
+    put(&mut files, results, &claims)?;
     if let (Some(figure), false) = (report::figure("claims"), claims.is_empty()) {
         let published = Published { claims, ..Published::default() };
         for artifact in (figure.render)(&published)? {

@@ -5,11 +5,10 @@ use super::campaign::{CampaignEntry, PointStages};
 use super::metrics::Tables;
 use super::outcomes::Outcomes;
 use super::results::{Files, Publication, PublishError, failed};
-use crate::data::DataError;
+use crate::data::TableRow;
 use crate::data::rows::SweepRow;
 use crate::data::tables::{Beside, to_csv_beside};
 use crate::report::{Published, SweepTable, gp_sweep, reach_sweep, track_sweep};
-use serde::Serialize;
 use std::path::Path;
 
 /// The figure that every sweep has.
@@ -29,43 +28,24 @@ impl CampaignEntry {
         let folder = Path::new("results").join(&self.experiment.name);
         let mut files = Files::new();
         files.insert(folder.join("spec.yaml"), self.spec_yaml()?);
-        self.put(&mut files, &folder.join("sweep.csv"), summary.iter())?;
-        self.put(&mut files, &folder.join("gap.csv"), all.iter().map(|one| &one.published.gaps))?;
-        self.put(&mut files, &folder.join("gp.csv"), all.iter().map(|one| &one.gps))?;
-        self.put(&mut files, &folder.join("networks.csv"), all.iter().map(|one| &one.networks))?;
-        self.put(&mut files, &folder.join("trials.csv"), all.iter().map(|one| &one.published.trials))?;
-        self.put(&mut files, &folder.join("waypoints.csv"), all.iter().map(|one| &one.published.waypoints))?;
-        self.put(&mut files, &folder.join("tracks.csv"), all.iter().map(|one| &one.published.tracks))?;
-        self.put(&mut files, &folder.join("discovery.csv"), all.iter().map(|one| &one.published.cases))?;
-        self.put(&mut files, &folder.join("intervals.csv"), all.iter().map(|one| &one.published.intervals))?;
-        self.put(&mut files, &folder.join("claims.csv"), all.iter().map(|one| &one.published.claims))?;
+        let parts: Vec<&Published> = all.iter().map(|one| &one.published).collect();
+        for (name, bytes) in Published::csv_files(&parts, |counts| self.beside(counts))? {
+            files.insert(folder.join(name), bytes);
+        }
         let counts: Vec<usize> = summary.iter().map(Vec::len).collect();
         let swept = SweepTable { fields: self.beside(&counts), rows: summary.into_iter().flatten().collect() };
         let published = Published { sweep: swept, ..Published::default() };
         let mut notices = Vec::new();
         if !published.sweep.rows.is_empty() {
+            let path = folder.join(SweepRow::TABLE.file);
+            let bytes = to_csv_beside(&path, &published.sweep.fields, &published.sweep.rows)?;
+            files.insert(path, bytes);
             notices = self.draw(&[FIGURE.to_owned()], &published, &folder, &mut files);
         }
         let name = &self.experiment.name;
         let others = self.experiment.figures.iter().filter(|figure| *figure != FIGURE);
         notices.extend(others.map(|figure| format!("{name}: {figure} is of one setting and not made of a sweep")));
         Ok(Publication { files, claims: Vec::new(), failed: all.iter().map(failed).sum(), notices })
-    }
-
-    /// Adds the rows of all points as one table, unless there are none.
-    fn put<'a, R: Serialize + Clone + 'a>(
-        &self,
-        files: &mut Files,
-        path: &Path,
-        points: impl Iterator<Item = &'a Vec<R>>,
-    ) -> Result<(), DataError> {
-        let points: Vec<&Vec<R>> = points.collect();
-        let counts: Vec<usize> = points.iter().map(|rows| rows.len()).collect();
-        let rows: Vec<R> = points.into_iter().flatten().cloned().collect();
-        if !rows.is_empty() {
-            files.insert(path.to_owned(), to_csv_beside(path, &self.beside(&counts), &rows)?);
-        }
-        Ok(())
     }
 
     /// The columns of the swept fields beside tables with so many rows at each point.
@@ -91,6 +71,6 @@ fn rows(point: &PointStages, tables: &Tables) -> Vec<SweepRow> {
         };
         rows.extend(track_sweep(&tables.runs, &track.mode, sizes));
     }
-    rows.extend(gp_sweep(&tables.gps));
+    rows.extend(gp_sweep(&tables.published.gps));
     rows
 }

@@ -31,7 +31,11 @@ pub(super) fn assemble(point: &PointStages, outcomes: &Outcomes) -> Tables {
             tables.published.waypoints.extend(points.iter().enumerate().map(row));
         }
         let gps = one.gps.iter().filter_map(|(training, stage)| Some((training, outcomes.get(*stage).ok()?)));
-        tables.gps.extend(gps.map(|(training, row)| GpRow { seed, training: training.clone(), ..row.clone() }));
+        tables.published.gps.extend(gps.map(|(training, row)| GpRow {
+            seed,
+            training: training.clone(),
+            ..row.clone()
+        }));
         for ScoredCase { row, intervals } in one.blind.iter().map(|case| case.scored(outcomes)) {
             tables.published.cases.push(row);
             tables.published.intervals.extend(intervals);
@@ -49,7 +53,7 @@ fn trained(tables: &mut Tables, experiment: &Experiment, seed: u64, cells: &Trai
     let training = &cells.training;
     for (network, stage) in &cells.networks {
         if let Ok(trained) = outcomes.get(*stage) {
-            tables.networks.push(network_row(seed, training, *network, trained, experiment));
+            tables.published.networks.push(network_row(seed, training, *network, trained, experiment));
         }
     }
     for (cell, stage) in &cells.reach {

@@ -8,13 +8,13 @@ mod schema;
 mod sweep;
 mod write;
 
+pub use crate::plants::{PlantSpec, SimulatedSpec};
 pub use document::error::{SourceLocation, SpecError};
 pub use document::locate::{PathEnd, locate};
 pub use document::merged::Document;
 pub use document::path::{KeyPath, Step};
 pub use experiment::cells::{TrialCell, gp_sizes, reach_cells, track_cells};
 pub use experiment::claims::{ClaimMetric, FrameAxis, PaperClaim, ReachCell, Relation, Size};
-pub use experiment::plant::{PlantSpec, SimulatedSpec};
 pub use experiment::slurm::SlurmOptions;
 pub use experiment::spec::{
     DiscoveryRun, Experiment, GapRun, GeneratedStart, ReachSweep, Runs, TrackRun, Training, TrialMode,

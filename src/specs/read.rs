@@ -5,10 +5,10 @@ use super::document::error::SpecError;
 use super::document::locate::PathEnd;
 use super::document::merged::Document;
 use super::document::path::KeyPath;
-use super::experiment::plant::PlantSpec;
 use crate::base::BadOption;
 use crate::discovery::Options;
 use crate::effects::Model;
+use crate::plants::PlantSpec;
 use std::path::{Path, PathBuf};
 
 /// Reads and checks a model file.
@@ -28,11 +28,11 @@ pub fn read_model(file: &Path) -> Result<Model, SpecError> {
 /// # Errors
 /// As [`read_model`].
 pub fn read_plant(file: &Path) -> Result<PlantSpec, SpecError> {
-    let document = Document::read(file, &[], &PlantSpec::model_paths(&KeyPath::default()))?;
+    let document = Document::read(file, &[], &model_paths(&KeyPath::default()))?;
     let mut plant = document.parse::<PlantSpec>()?;
     plant.check().map_err(|(path, error)| refusal(&document, &path, &error))?;
-    if let (PlantSpec::Replay(options), Some(folder)) = (&mut plant, file.parent()) {
-        options.recording = folder.join(&options.recording);
+    if let Some(folder) = file.parent() {
+        plant.resolve_files(folder);
     }
     Ok(plant)
 }
@@ -40,8 +40,14 @@ pub fn read_plant(file: &Path) -> Result<PlantSpec, SpecError> {
 /// The files that a model, a plant or discovery options are read from: `file`, the files that it extends, and the models
 /// that it names. Only `file` when it cannot be read.
 pub fn files_behind(file: &Path) -> Vec<PathBuf> {
-    let document = Document::read(file, &[], &PlantSpec::model_paths(&KeyPath::default()));
+    let document = Document::read(file, &[], &model_paths(&KeyPath::default()));
     document.map_or_else(|_| vec![file.to_owned()], |document| document.files())
+}
+
+/// Where below the place of a plant the names of model files may stand.
+pub(super) fn model_paths(plant: &KeyPath) -> Vec<KeyPath> {
+    let below = |keys: String| keys.split('.').fold(plant.clone(), |path, key| path.key(key));
+    PlantSpec::model_keys().into_iter().map(below).collect()
 }
 
 /// Reads and checks discovery options.

@@ -1,10 +1,10 @@
 //! JSON Schema of specs, for editors: derived from the types of specs, extended by what is resolved before a spec is read
 //! (`extends`, names of files in place of mappings, `sweep`).
 
-use super::experiment::plant::PlantSpec;
 use super::experiment::spec::Experiment;
 use super::sweep::series::SeriesForm;
 use crate::effects::Model;
+use crate::plants::PlantSpec;
 use schemars::{JsonSchema, generate::SchemaSettings};
 use serde_json::{Map, Value, json};
 

@@ -2,12 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::base::BadOption;
+use super::Hardware;
+use crate::base::{BadOption, Plant, Seed};
 use crate::effects::{EffectSpec, Model};
-use crate::hardware::axes::AxesOptions;
+use crate::hardware::axes::{AXES, AxesOptions};
 use crate::hardware::grbl::MotionSettings;
 use crate::hardware::safety::SafetyLimits;
 use crate::hardware::tracking::{RigidPose, TrackingSettings};
+use crate::plants::PlantOptions;
 
 /// Four lead screws, a tracker, and a model of the robot between them (docs/hardware.md).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -79,11 +81,14 @@ impl HardwareOptions {
         }
     }
 
-    /// Refuses settings out of range.
-    ///
-    /// # Errors
-    /// The path of the section, and the first field out of range.
-    pub fn check(&self) -> Result<(), (String, BadOption)> {
+}
+
+impl PlantOptions for HardwareOptions {
+    const MODEL_KEYS: &'static [&'static str] = &["model", "rehearsal.model"];
+    const DRIVES_HARDWARE: bool = true;
+    const TAKES_EFFECTS: bool = true;
+
+    fn check(&self) -> Result<(), (String, BadOption)> {
         let at = |path: &'static str| move |error: BadOption| (path.to_owned(), error);
         let named = |letter: char| letter.is_ascii_alphanumeric() || "_-".contains(letter);
         if self.name.is_empty() || !self.name.chars().all(named) {
@@ -97,6 +102,27 @@ impl HardwareOptions {
         BadOption::unless_positive("settle_s", self.settle_s).map_err(at(""))?;
         self.model.check().map_err(|(path, error)| (format!("model.{path}"), error))?;
         self.rehearsal.as_ref().map_or(Ok(()), RehearsalOptions::check)
+    }
+
+    fn tendons(&self) -> usize {
+        AXES
+    }
+
+    fn build(&self, step_s: f64) -> Result<Box<dyn Plant>, String> {
+        Ok(Box::new(Hardware::open(self, step_s, Seed(0))?))
+    }
+
+    /// A rehearsal can be asked for less noise; a tracker cannot.
+    fn remove_noise(&mut self) {
+        self.rehearsal.iter_mut().for_each(|rehearsal| rehearsal.noise_m = 0.0);
+    }
+
+    fn add_effects(&mut self, effects: &[EffectSpec]) {
+        self.attached.extend_from_slice(effects);
+    }
+
+    fn travel_m(&self) -> Option<f64> {
+        Some(self.safety.travel_m)
     }
 }
 

@@ -26,11 +26,8 @@ impl Identified {
     pub(super) fn new(spec: PlantSpec) -> Result<Identified, Failure> {
         let failed = |error: serde_json::Error| Failure { stage: "plant".into(), status: error.to_string() };
         let mut bytes = serde_json::to_vec(&spec).map_err(failed)?;
-        if let PlantSpec::Replay(options) = &spec {
-            // A recording that cannot be read fails the stages that ask for it.
-            bytes.extend(std::fs::read(&options.recording).unwrap_or_default());
-        }
-        if let PlantSpec::Hardware(_) = &spec {
+        bytes.extend(spec.identity());
+        if spec.drives_hardware() {
             bytes.extend(source_digest::digest(BENCH).bytes());
         }
         Ok(Identified { digest: Digest::of(&bytes), spec: Arc::new(spec) })
@@ -68,7 +65,7 @@ mod tests {
         let digest = |text: &str| {
             std::fs::write(&recording, text).unwrap();
             let options = ReplayOptions { recording: recording.clone(), tolerance_m: 1e-6, tendons: 4 };
-            Identified::new(PlantSpec::Replay(options)).unwrap().digest
+            Identified::new(PlantSpec::Replay(Box::new(options))).unwrap().digest
         };
         assert_eq!(digest("a"), digest("a"));
         assert_ne!(digest("a"), digest("b"));

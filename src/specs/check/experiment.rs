@@ -4,6 +4,7 @@ use super::discovery::check_entries;
 use crate::base::BadOption;
 use crate::effects::check_effects;
 use crate::learn::LearnError;
+use crate::plants::PlantSpec;
 use crate::policies::{self, Part};
 use crate::report::FIGURES;
 use crate::specs::document::error::SpecError;
@@ -12,7 +13,6 @@ use crate::specs::document::merged::Document;
 use crate::specs::document::mismatch::one_of;
 use crate::specs::document::path::KeyPath;
 use crate::specs::experiment::cells::uses;
-use crate::specs::experiment::plant::PlantSpec;
 use crate::specs::experiment::spec::{DiscoveryRun, Experiment, TrackRun};
 use crate::tasks::PointLayout;
 
@@ -109,16 +109,12 @@ impl Checker<'_> {
                 .check()
                 .map_err(|(path, bad)| self.option(&format!("{name}.{path}"), bad.key, &bad.found, bad.expected))?;
             self.unless(plant.tendons() == 4, &root.key(name), "a robot with four tendons")?;
-            if let PlantSpec::Simulated(robot) = plant {
-                let path = root.key(name).key("simulated");
-                let noise = (0.0..=MOST_NOISE_M).contains(&robot.noise_m);
-                self.unless(noise, &path.key("noise_m"), "0 to 0.05 m of tracking noise")?;
-                self.pulls(name, robot.travel_m)?;
-            }
-            if let PlantSpec::Hardware(robot) = plant {
-                self.unless(name == "plant", &root.key(name), "a model, not a `hardware` plant")?;
-                self.pulls(name, robot.safety.travel_m)?;
-            }
+            let path = root.key(name).key(plant.kind());
+            let noise = plant.noise_m().is_none_or(|noise_m| (0.0..=MOST_NOISE_M).contains(&noise_m));
+            self.unless(noise, &path.key("noise_m"), "0 to 0.05 m of tracking noise")?;
+            let stands = name == "plant" || !plant.drives_hardware();
+            self.unless(stands, &root.key(name), &format!("a model, not a `{}` plant", plant.kind()))?;
+            plant.travel_m().map_or(Ok(()), |travel_m| self.pulls(name, travel_m))?;
         }
         for (name, mode) in &spec.modes {
             let path = root.key("modes").key(name).key("effects");

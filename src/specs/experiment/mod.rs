@@ -2,6 +2,5 @@
 
 pub(super) mod cells;
 pub(super) mod claims;
-pub(super) mod plant;
 pub(super) mod slurm;
 pub(super) mod spec;

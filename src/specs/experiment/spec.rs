@@ -1,13 +1,13 @@
 //! The keys of an experiment: everything that its results depend on.
 
 use super::claims::PaperClaim;
-use super::plant::PlantSpec;
 use super::slurm::SlurmOptions;
 use crate::benchmark::{CaseBatch, OracleOptions, TruthOptions};
 use crate::discovery::Options;
 use crate::effects::EffectSpec;
 use crate::learn::gp::GpConfig;
 use crate::learn::rnn::ElmanConfig;
+use crate::plants::PlantSpec;
 use crate::policies::PolicyOptions;
 use crate::tasks::{ExploreOptions, GpPointsOptions, LoopMode, PathOptions, ReachOptions, TargetOptions, TrackOptions};
 use serde::{Deserialize, Serialize};

@@ -7,8 +7,8 @@ use crate::specs::document::error::SpecError;
 use crate::specs::document::merged::{Document, Origin, SweptEntry};
 use crate::specs::document::path::{KeyPath, Step};
 use crate::specs::document::tree::{get, put};
-use crate::specs::experiment::plant::PlantSpec;
 use crate::specs::experiment::spec::Experiment;
+use crate::specs::read::model_paths;
 use crate::specs::write::to_yaml;
 use serde_yaml::{Mapping, Value};
 use std::path::Path;
@@ -67,7 +67,7 @@ impl ExperimentSet {
     /// [`SpecError`] for the first invalid key or value, at any point.
     pub fn read(file: &Path, sets: &[String], sweeps: &[String]) -> Result<ExperimentSet, SpecError> {
         let includes: Vec<KeyPath> =
-            ["model", "plant"].iter().flat_map(|key| PlantSpec::model_paths(&KeyPath::default().key(key))).collect();
+            ["model", "plant"].iter().flat_map(|key| model_paths(&KeyPath::default().key(key))).collect();
         let mut document = Document::read_swept(file, sets, sweeps, &includes)?;
         let written = document.take_sweep()?;
         if written.is_empty() {
