@@ -16,7 +16,7 @@ pub(crate) struct Basis {
     rows: Vec<f64>,
 }
 
-/// A stretch of the rod with polynomials of its own.
+/// A part of the rod with its own polynomials.
 #[derive(Clone, Debug)]
 struct PolynomialElement {
     /// Its Gauss points.
@@ -57,7 +57,7 @@ impl Basis {
         }
     }
 
-    /// Adds the sums over the Gauss points of a field times each polynomial: the field is tested with them.
+    /// Adds the Galerkin projection of a field: its sum over the Gauss points times each polynomial.
     #[inline(always)]
     pub(crate) fn test(&self, field: &[f64], out: &mut [f64]) {
         for element in &self.elements {
@@ -88,7 +88,7 @@ impl Basis {
     }
 }
 
-/// Sum of products in eight strands, whatever the vector width.
+/// Dot product in eight partial sums: the result does not depend on the vector width.
 #[inline(always)]
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut strands = [0.0; 8];
@@ -103,7 +103,7 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     ((s0 + s4) + (s1 + s5)) + ((s2 + s6) + (s3 + s7)) + rest
 }
 
-/// Sum of products of three in four strands.
+/// Sum of triple products in four partial sums.
 #[inline(always)]
 fn triple_dot(a: &[f64], b: &[f64], c: &[f64]) -> f64 {
     let mut strands = [0.0; 4];

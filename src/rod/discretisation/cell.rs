@@ -6,7 +6,8 @@ pub(crate) const GAUSS: f64 = 0.288_675_134_594_812_9;
 /// Internal wrench components in the body frame: moments about x, y, z, then forces along x, y, z.
 pub(crate) const COMPONENTS: usize = 6;
 
-/// A piece of the rod without a jump inside, unless cells go across jumps (see [`Resolution::blended`]).
+/// An integration cell. No property jumps inside it unless [`Resolution::blended`](crate::rod::Resolution::blended) is
+/// set.
 #[derive(Clone, Debug)]
 pub(crate) struct Cell {
     /// Length, metres.

@@ -1,4 +1,4 @@
-//! Where along the rod things are computed: cells with two Gauss–Legendre points each, and the polynomials on them.
+//! The grid along the rod: cells with two Gauss–Legendre points each, and the polynomials on them.
 
 use super::basis::Basis;
 use super::cell::{COMPONENTS, Cell, GAUSS, Node};
@@ -8,11 +8,11 @@ use crate::rod::params::rod_params::RodParams;
 use crate::rod::params::span::Span;
 use crate::rod::params::tendon::Tendon;
 
-/// Ends of polynomials that are closer are one, metres: what jumps in so short a piece is as good as smooth.
+/// Element ends closer than this are merged, metres: a jump within so short a piece is treated as smooth …
 const SAME_END_M: f64 = 1e-6;
-/// … if that is no more than this share of the rod.
+/// … but at most this share of the length.
 const SAME_END_SHARE: f64 = 1e-4;
-/// Ends of cells that are closer are one, metres. A tendon that ends elsewhere has another length, so that this is rounding.
+/// Cell ends closer than this are merged, metres: they differ by rounding only.
 const SAME_PLACE_M: f64 = 1e-10;
 
 /// The discretisation of one rod.
@@ -34,18 +34,18 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// Cuts the rod at masses and, unless cells go across them, at jumps of its properties, and then to the wanted resolution. The internal
-    /// wrench is one polynomial a component between the places where it may jump: tendon ends, kinks of their paths
-    /// and loads.
+    /// Divides the rod at masses and, unless cells are blended, at jumps of its properties, then to the requested
+    /// resolution. The internal wrench is one polynomial per component between the points where it may jump: tendon
+    /// ends, kinks of tendon paths and loads.
     pub(crate) fn new(params: &RodParams) -> Grid {
         let (elements, cuts) = (element_ends(params), cell_ends(params));
         let boundaries_m = subdivided(params, &elements, &cuts, &cuts);
         Grid::on(&params.resolution, boundaries_m, &elements)
     }
 
-    /// The discretisation of a rod that differs a little from `params`, the one that this grid is made for: the same
-    /// cells and polynomials, moved along. `None` where there is none: parts came or went, or what had one place no
-    /// longer has.
+    /// The grid of a slightly different rod `changed`, where this is the grid of `params`: the same cells and
+    /// polynomials, shifted. `None` when the two are not topologically equal, that is when parts were added or removed
+    /// or coincident points separated.
     pub(crate) fn moved(params: &RodParams, changed: &RodParams) -> Option<Grid> {
         let (elements, cuts) = (element_ends(params), cell_ends(params));
         let moved = moved_along(&cuts, &cell_cuts(params), &cell_cuts(changed), SAME_PLACE_M)?;
@@ -121,8 +121,8 @@ impl Grid {
     }
 }
 
-/// Base, tip, ends and kinks of tendons, loads, in a fixed order; the jumps of the material as well if the resolution says
-/// so.
+/// Base, tip, ends and kinks of tendons, and loads, in a fixed order; also the jumps of the material when the
+/// resolution splits elements there.
 fn element_cuts(params: &RodParams) -> Vec<f64> {
     let mut cuts = vec![0.0, params.length_m()];
     cuts.extend(params.tendons.iter().flat_map(Tendon::borders_m));
@@ -134,12 +134,12 @@ fn element_cuts(params: &RodParams) -> Vec<f64> {
     cuts
 }
 
-/// Ends of polynomials that are closer are one, metres.
+/// Distance below which element ends are merged, metres.
 fn same_end_m(params: &RodParams) -> f64 {
     SAME_END_M.min(SAME_END_SHARE * params.length_m())
 }
 
-/// Base, tip and where the internal wrench may jump.
+/// Ends of the elements, metres: base, tip and the points where the internal wrench may jump.
 pub(crate) fn element_ends(params: &RodParams) -> Vec<f64> {
     sorted_unique(element_cuts(params), params.length_m(), same_end_m(params))
 }
@@ -156,7 +156,7 @@ fn material_jumps(params: &RodParams) -> Vec<f64> {
     places
 }
 
-/// Wherever a property jumps, unless cells go across that, or a mass sits, in a fixed order.
+/// Element ends, masses and, unless cells are blended, all jumps of properties, in a fixed order.
 fn cell_cuts(params: &RodParams) -> Vec<f64> {
     let mut cuts = element_cuts(params);
     if !params.resolution.blended {
@@ -169,13 +169,13 @@ fn cell_cuts(params: &RodParams) -> Vec<f64> {
     cuts
 }
 
-/// Where cells have to end.
+/// Required cell ends, metres.
 fn cell_ends(params: &RodParams) -> Vec<f64> {
     sorted_unique(cell_cuts(params), params.length_m(), SAME_PLACE_M)
 }
 
-/// Ends of all cells: `places`, and between two of them as many as the resolution asks for between the same two of
-/// `cuts`.
+/// Ends of all cells: `places`, and between two of them as many cells as the resolution asks for between the same two
+/// of `cuts`.
 fn subdivided(params: &RodParams, elements: &[f64], cuts: &[f64], places: &[f64]) -> Vec<f64> {
     let resolution = &params.resolution;
     let mut ends = vec![0.0];
@@ -183,7 +183,7 @@ fn subdivided(params: &RodParams, elements: &[f64], cuts: &[f64], places: &[f64]
         let length = window[1] - window[0];
         let element = elements.windows(2).find(|element| window[0] < element[1] - 0.5 * SAME_PLACE_M);
         let share = element.map_or(1.0, |element| length / (element[1] - element[0]));
-        // Too few Gauss points could not tell the polynomials of an element apart.
+        // With too few Gauss points the polynomials of an element would be linearly dependent.
         let least = (share * resolution.least_cells() as f64 - 1e-9).ceil();
         let count = (length / resolution.cell_m - 1e-9).ceil().max(least).max(1.0) as usize;
         ends.extend((1..=count).map(|k| place[0] + (place[1] - place[0]) * k as f64 / count as f64));
@@ -191,8 +191,8 @@ fn subdivided(params: &RodParams, elements: &[f64], cuts: &[f64], places: &[f64]
     ends
 }
 
-/// Where each of `places` goes when the cuts that stand there (within `same_m`) go from `from` to `to`; `None` when
-/// they part, or when there are not as many.
+/// The shifted `places` when the cuts at each of them (within `same_m`) move from `from` to `to`. `None` when
+/// coincident cuts separate or the counts differ.
 fn moved_along(places: &[f64], from: &[f64], to: &[f64], same_m: f64) -> Option<Vec<f64>> {
     if from.len() != to.len() {
         return None;
@@ -208,7 +208,7 @@ fn moved_along(places: &[f64], from: &[f64], to: &[f64], same_m: f64) -> Option<
     moved.is_sorted_by(|a, b| a < b).then_some(moved)
 }
 
-/// Sorts, drops what lies outside [0, length] and merges what lies closer than `same_m`.
+/// Sorts the values, removes those outside [0, length] and merges those closer than `same_m`.
 fn sorted_unique(mut values: Vec<f64>, length_m: f64, same_m: f64) -> Vec<f64> {
     values.retain(|&value| (0.0..=length_m + same_m).contains(&value));
     values.sort_by(f64::total_cmp);

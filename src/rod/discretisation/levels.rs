@@ -4,18 +4,18 @@ use super::grid::element_ends;
 use crate::rod::params::resolution::Resolution;
 use crate::rod::params::rod_params::RodParams;
 
-/// How often the grid may be refined: cells to a sixteenth, and polynomials that end at every jump of the material.
+/// Most refinement levels: cells down to a sixteenth, elements that end at every jump of the material.
 pub(crate) const MOST_REFINEMENTS: u32 = 4;
-/// Polynomials added by the first refinement; each further one adds two more than the one before.
+/// Polynomials that the first level adds; each further level adds two more than the one before.
 const MORE_MODES: usize = 4;
-/// About as many polynomial coefficients may the levels from the second on have.
+/// Approximate bound on the number of polynomial coefficients from level 2 on.
 const MOST_UNKNOWNS: [usize; MOST_REFINEMENTS as usize - 1] = [250, 400, 600];
-/// Refinement stops at cells of this share of the length.
+/// Most cells along the length.
 const MOST_CELLS: f64 = 300.0;
 
 impl RodParams {
-    /// The same rod with `base` refined `level` times: cells are halved and polynomials added each time. From the second
-    /// time on polynomials end at every jump of the material; many elements get fewer polynomials each.
+    /// The same rod at refinement level `level` of `base`: each level halves the cells and adds polynomials. From level
+    /// 2 on, elements end at every jump of the material, and many elements get fewer polynomials each.
     pub(crate) fn refined(&self, base: &Resolution, level: u32) -> RodParams {
         let mut params = RodParams { resolution: *base, ..self.clone() };
         if level == 0 {
@@ -27,7 +27,7 @@ impl RodParams {
         if level > 1 {
             params.resolution.split_elements = true;
             let own = MOST_UNKNOWNS[k - 1] / (element_ends(&params).len() - 1);
-            // Half as many again for two bending moments as for each of the four other components.
+            // 1.5 times as many polynomials for the two bending moments as for the four other components.
             others = (own / 7).max(1 + k);
             bending = others + others / 2;
         }

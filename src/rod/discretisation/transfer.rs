@@ -1,4 +1,4 @@
-//! From one grid to another: polynomials, tensions and histories of the same rod.
+//! Transfer between grids of the same rod: polynomials, tensions and histories.
 
 use super::cell::COMPONENTS;
 use super::grid::Grid;
@@ -6,7 +6,7 @@ use crate::math::polynomial::legendre;
 use crate::rod::params::hysteresis_law::HistoryState;
 
 impl Grid {
-    /// Coefficients and tensions of the grid `from` on this one: the polynomials projected on those of each element.
+    /// Projects the coefficients of the grid `from` onto the polynomials of this one; copies the tensions.
     pub(crate) fn transfer(&self, from: &Grid, source: &[f64], target: &mut [f64]) {
         target[..self.unknowns].fill(0.0);
         let mut basis = vec![0.0; from.modes.into_iter().max().unwrap_or(0)];
@@ -28,7 +28,7 @@ impl Grid {
         target[self.unknowns..].copy_from_slice(&source[from.unknowns..]);
     }
 
-    /// Histories at the Gauss points of `from` on those of this grid, linear within each cell.
+    /// Interpolates histories from the Gauss points of `from` to those of this grid, linearly within each cell.
     pub(crate) fn interpolate_histories(&self, from: &Grid, states: &[HistoryState]) -> Vec<HistoryState> {
         let state = |position_m: f64| {
             let cell = from.boundaries_m.partition_point(|&end| end <= position_m).clamp(1, from.cells.len()) - 1;
@@ -41,7 +41,7 @@ impl Grid {
     }
 }
 
-/// An element, and where in it (−1 to 1) a place lies.
+/// An element and a local coordinate (−1 to 1) in it.
 struct ElementPosition {
     index: usize,
     length_m: f64,

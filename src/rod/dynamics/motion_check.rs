@@ -1,14 +1,14 @@
-//! Is the grid fine enough for the shape of a moving rod?
+//! Check of the discretisation error of a moving rod.
 
 use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rod::Rod;
 
-/// Share of the length that the estimate may say a moving rod's tip is off by before its answer is refused.
+/// Estimated tip error, as a share of the length, beyond which a moving rod is under-resolved.
 const MOTION_BOUND: f64 = 0.05;
 
 impl Rod {
-    /// Judges the shape of a moving rod, whose grid stays as it is. What is missing in the balance meets the viscous
-    /// stiffness as well.
+    /// Verifies the shape of a moving rod; its grid does not change. The viscous stiffness reduces the effect of an
+    /// imbalance.
     pub(crate) fn verify_motion(&mut self) -> SolveStatus {
         let stiffer = 1.0 + self.motion.rate * self.system.params.damping_time_s;
         let estimate = self.estimate();

@@ -1,22 +1,22 @@
-//! Moving the rod in time: steps of a diagonally implicit Runge–Kutta scheme, as long as their error allows.
+//! Time stepping: a diagonally implicit Runge–Kutta scheme with error control.
 
 use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rod::{Drive, Rod};
 use crate::rod::state::rod_state::RodState;
 
-/// A stage is solved until the tip is known to this share of the error that a step may have …
+/// Tolerance of a stage as a share of the step's allowed error …
 const STAGE_SHARE: f64 = 1e-2;
-/// … and in steps of one length to this, metres.
+/// … and for constant steps, metres.
 const STAGE_TOLERANCE_M: f64 = 1e-8;
-/// Steps are never shorter than this share of the longest one; those chosen by their error are taken as they are then, …
+/// Shortest step as a share of the longest. A step of this length is accepted whatever its error …
 const SHORTEST_STEP: f64 = 1.0 / 1024.0;
-/// … and steps of one length are halved so often when they fail.
+/// … and the number of halvings of a failing constant step.
 const MOST_HALVINGS: i32 = 6;
-/// The next step is this share of what the error of the last one would allow.
+/// Safety factor on the step length that the error would allow.
 const SAFETY: f64 = 0.9;
-/// A step is repeated when it should have been shorter than this share of itself, …
+/// A step is repeated when its allowed length is below this share of its length …
 const REPEAT_BELOW: f64 = 0.7;
-/// … and keeps its length up to this factor: factors of the derivative belong to one length.
+/// … and the length is kept up to this growth factor, since LU factors belong to one length.
 const KEEP_UP_TO: f64 = 1.3;
 const LARGEST_GROWTH: f64 = 2.0;
 
@@ -26,10 +26,10 @@ impl Rod {
         self.advance_with(&|_| drives.to_vec(), duration_s)
     }
 
-    /// Moves the rod for `duration_s`; `drives` gives the drives at a time since now, seconds. A drive whose speed
-    /// jumps should do so at the beginning or the end.
+    /// Moves the rod for `duration_s`. `drives` gives the drives at a time from now, seconds. Jumps of drive speed
+    /// should lie at the beginning or the end.
     pub fn advance_with(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, duration_s: f64) -> SolveStatus {
-        // A rest is known to a micrometre on a finer grid; a motion has the grid that was asked for.
+        // Motions use the requested grid, not the refined grid of an equilibrium.
         self.coarsen();
         let resolution = self.system.params.resolution;
         let mut now = 0.0;
@@ -51,7 +51,7 @@ impl Rod {
         SolveStatus::Converged
     }
 
-    /// One time step of at most `h` seconds, shorter when it fails or its error is too large; also how long it was.
+    /// One time step of at most `h` seconds, shortened on failure or excessive error; returns its length as well.
     fn step(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, mut h: f64) -> (SolveStatus, f64) {
         let resolution = self.system.params.resolution;
         let share = if resolution.motion_tolerance_m.is_finite() { SHORTEST_STEP } else { 0.5_f64.powi(MOST_HALVINGS) };
@@ -89,7 +89,7 @@ impl Rod {
         self.log.iter_mut().for_each(|log| log.accept(h));
     }
 
-    /// The length of step that the error of the one just taken allows, as a share of it.
+    /// Allowed step length as a share of the last one, from its error.
     fn fit(&self, start: &RodState, h: f64) -> f64 {
         let tolerance_m = self.system.params.resolution.motion_tolerance_m;
         if tolerance_m.is_infinite() {
@@ -100,11 +100,10 @@ impl Rod {
 
     /// Estimate of the error that the step of `h` seconds just taken added to the position of the rod, metres.
     ///
-    /// Two estimates, neither of which is ever much too small, and the smaller one counts: by how much the step misses
-    /// the trapezoidal rule, which is h³/12 times the third derivative where the motion is smooth; and how far apart
-    /// the velocities of the first and the last stage lie, which does not see that the velocity before the step may
-    /// have jumped because a drive's did. Their weights make the error of the tip of the paper's robot under random
-    /// commands about the tolerance (`docs/rod.md`).
+    /// The smaller of two estimates, neither of which is ever much too small: the deviation from the trapezoidal rule,
+    /// which is h³/12 times the third derivative for smooth motion; and the velocity difference between the first and
+    /// the last stage, which is insensitive to a jump of drive speed at the start of the step. The weights make the tip
+    /// error of the paper's robot under random commands about equal to the tolerance (`docs/rod.md`).
     fn step_error_m(&self, start: &RodState, h: f64) -> f64 {
         const TRAPEZOID: f64 = 0.1;
         const SPREAD: f64 = 0.02;

@@ -1,4 +1,4 @@
-//! Cells that go across jumps of the material: what their two Gauss points stand for.
+//! Homogenised material of cells that span jumps of the properties.
 
 use crate::rod::discretisation::cell::GAUSS;
 use crate::rod::equations::material::Section;
@@ -39,16 +39,16 @@ struct Point {
     place: f64,
 }
 
-/// Of a cell's compliance or mass neither Gauss point has less than this share of the mean.
+/// Least share of the mean compliance or mass at either Gauss point.
 const LEAST: f64 = 0.05;
 
-/// What stands for the points of a cell at its Gauss point on one `side`.
+/// The equivalent section at the Gauss point on one `side` of a cell.
 fn equivalent_section(params: &RodParams, points: &[Point], side: f64) -> Section {
     let mean = |of: &dyn Fn(&Section) -> f64| -> f64 { points.iter().map(|p| p.share * of(&p.section)).sum() };
     let first_moment = |of: &dyn Fn(&Section) -> f64| -> f64 {
         points.iter().map(|p| p.share * p.place / GAUSS * of(&p.section)).sum()
     };
-    // Most of what there is may sit farther out than the Gauss point, which then has as much of it as it can.
+    // If most of a property lies beyond the Gauss point, that point takes the largest admissible share.
     let most = |of: &dyn Fn(&Section) -> f64| ((1.0 - LEAST) * mean(of) / first_moment(of).abs()).min(1.0);
     let positive = |of: &dyn Fn(&Section) -> f64| {
         if mean(of) == 0.0 { 0.0 } else { mean(of) + side * most(of) * first_moment(of) }
@@ -57,7 +57,7 @@ fn equivalent_section(params: &RodParams, points: &[Point], side: f64) -> Sectio
         std::array::from_fn(|k| mean(&|s| of(s)[k]) + side * share * first_moment(&|s| of(s)[k]))
     };
     let share = most(&|s| s.bend[0]).min(most(&|s| s.bend[2]));
-    // Where principal axes turn within a cell the whole of it may leave nothing that could be a compliance.
+    // Where principal axes rotate within a cell, the full first moment may leave no positive definite compliance.
     let bends = [share, 0.5 * share, 0.0].map(|share| signed(&|s| s.bend, share));
     let [_, _, even] = bends;
     let bend = bends.into_iter().find(|[a, b, c]| a * c > b * b).unwrap_or(even);

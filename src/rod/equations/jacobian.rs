@@ -1,5 +1,5 @@
-//! Analytic derivative of the discrete equations, as K + rate·D + rate²·M: whatever the length of a time step, only the
-//! sum and its factors are computed anew.
+//! Analytic derivative of the discrete equations, K + rate·D + rate²·M. When the time step changes, only the sum and
+//! its factorisation are recomputed.
 //!
 //! The wrench that a cross-section carries varies with the positions of the loads beyond it, δM = Σ (δp_k − δp) × f_k,
 //! and its components in the body with the orientation, δ(Rᵀ M) = Rᵀ (δM − δθ × M). Inertia is the Gram matrix of the
@@ -16,7 +16,7 @@ use crate::math::{matrix3, rotation, vectorised};
 use crate::rod::discretisation::cell::COMPONENTS;
 use crate::rod::discretisation::grid::Grid;
 
-/// Room for the derivative of one rod's equations.
+/// Buffers for the derivative of one rod's equations.
 #[derive(Clone, Debug)]
 pub(crate) struct Derivative {
     pub(crate) variation: ShapeVariation,
@@ -24,10 +24,10 @@ pub(crate) struct Derivative {
     stiffness: Vec<f64>,
     /// D and M.
     rates: RateMatrices,
-    /// Σ δp × f of the loads beyond a place, and the same with what is in the cell beyond a Gauss point.
+    /// Σ δp × f of all loads distal to a cell end, and the same including the rest of the cell distal to a Gauss point.
     beyond: VectorDerivative,
     moment: VectorDerivative,
-    /// Σ δf and Σ p × δf + δm of the follower loads beyond a place; empty without any.
+    /// Σ δf and Σ p × δf + δm of the distal follower loads; `None` without any.
     follower: Option<[VectorDerivative; 2]>,
     wrench_rows: [Vec<f64>; COMPONENTS],
     border: Vec<f64>,
@@ -53,8 +53,8 @@ impl Derivative {
         }
     }
 
-    /// Derivative of the residual that [`RodEquations::evaluate`] has just left in `workspace`. Viscosity and inertia are left out
-    /// for a rod at rest.
+    /// Derivative of the residual that [`RodEquations::evaluate`] has left in `workspace`. Viscosity and inertia are
+    /// omitted for a rod at rest.
     pub(crate) fn update(
         &mut self,
         system: &RodEquations,
@@ -130,7 +130,7 @@ impl Derivative {
         self.stiffness[row..row + step.len()].iter().zip(step).map(|(a, b)| a * b).sum()
     }
 
-    /// Takes in the forces on cell end `end`.
+    /// Adds the forces on cell end `end`.
     #[inline(always)]
     fn add_end_loads(
         &mut self,
@@ -153,7 +153,7 @@ impl Derivative {
         }
     }
 
-    /// Σ δp × f of all that lies beyond Gauss point `row` of cell `c`.
+    /// Σ δp × f of all loads distal to Gauss point `row` of cell `c`.
     #[inline(always)]
     fn node_moment(&mut self, system: &RodEquations, c: usize, row: usize, workspace: &Workspace) {
         let h = system.grid.cells[c].length_m;
@@ -173,7 +173,7 @@ impl Derivative {
         self.moment.add_cross(moved, &workspace.loads.force[g], -1.0);
         self.moment.add_cross(turn, &workspace.loads.moment[g], -1.0);
         let back = workspace.shape.node_r[g].transpose();
-        // − Rᵀ (−δθ × F): the force turns in the body frame and nothing else.
+        // − Rᵀ (−δθ × F): only the rotation of the force in the body frame.
         let turned = matrix3::product(&back, &rotation::skew(&workspace.loads.force[g]));
         let (moments, forces) = self.wrench_rows.split_at_mut(3);
         for axis in 0..3 {
@@ -190,7 +190,7 @@ impl Derivative {
         self.project_rows(system, g, workspace);
     }
 
-    /// Adds the turning of follower loads beyond Gauss point `g`.
+    /// Adds the rotation of follower loads distal to Gauss point `g`.
     fn add_followers(&mut self, g: usize, workspace: &Workspace) {
         let Some([force, moment]) = &self.follower else { return };
         let mut about = moment.clone();
@@ -260,7 +260,7 @@ impl Derivative {
         }
     }
 
-    /// d balance / d tension and, being the same numbers but for weights that are held, d length / d unknown.
+    /// d balance / d tension, and its transpose d length / d unknown (the two differ only where weights are held).
     #[inline(always)]
     fn tendon_border(&mut self, system: &RodEquations, conditions: &SolveConditions, workspace: &Workspace) {
         let (n, size, points) = (system.grid.unknowns, system.size(), system.grid.all.points);

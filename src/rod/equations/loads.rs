@@ -1,5 +1,5 @@
-//! External loads: weight, inertia, drag and the tip load, summed from the tip inwards to the wrench that every
-//! cross-section has to carry.
+//! External loads: weight, inertia, drag and tip load, summed from the tip towards the base to the wrench that each
+//! cross-section carries.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -11,7 +11,7 @@ use crate::rod::discretisation::grid::Grid;
 use crate::rod::params::loads::PointLoad;
 use crate::rod::params::rod_params::RodParams;
 
-/// Forces in the world frame and the wrench that they add up to.
+/// Forces in the world frame and the resulting internal wrench.
 #[derive(Clone, Debug)]
 pub(crate) struct Loads {
     /// Force per length at the Gauss points, N/m.
@@ -84,7 +84,7 @@ impl Loads {
         self.end_m[tip] += conditions.tip_load.moment_nm;
     }
 
-    /// Carries the wrench at the end of cell `c` (moment about that end) to its Gauss points and its start.
+    /// Transfers the wrench at the end of cell `c` (moment about that end) to its Gauss points and its start.
     #[inline(always)]
     fn through_cell(
         &mut self,

@@ -1,9 +1,10 @@
-//! The constitutive law at a Gauss point: from the elastic internal wrench to the strains.
+//! Constitutive law at a Gauss point: strains from the elastic internal wrench.
 
 use crate::rod::discretisation::cell::GAUSS;
 use crate::rod::params::rod_params::RodParams;
 
-/// Strains in the body frame: curvature and twist u (rad/m), then v (shear, shear, stretch).
+/// Components in the body frame. Strains: curvature and twist u (rad/m), then v (shear, shear, stretch). Wrenches:
+/// moments, then forces.
 pub(crate) type Components = [f64; 6];
 
 /// Compliances of the cross-section at one Gauss point.
@@ -95,8 +96,8 @@ impl Section {
         }
     }
 
-    /// Strains under the elastic wrench `w` and their derivative. The spine shortens with the axial force that
-    /// compresses it (paper, eq. 14) and no further once that exceeds the saturation force.
+    /// Strains under the elastic wrench `w` and their derivative. The spine shortens in proportion to the axial
+    /// compression (paper, eq. 14) up to the saturation force.
     #[inline(always)]
     pub(crate) fn strain(&self, w: &Components) -> (Components, Compliance) {
         let [a, b, c] = self.bend;
@@ -135,8 +136,8 @@ impl Section {
         (0.5 * (a + c) + (0.5 * (a - c)).hypot(b)).max(self.twist)
     }
 
-    /// What the two Gauss points of a cell of length `h` with the axial forces `a` and `b` miss of the place between
-    /// saturated and not, metres of stretch: the exact integral of the law under a linear force minus the rule's.
+    /// Quadrature error of a cell of length `h` in which the spine begins to saturate, metres of stretch: the exact
+    /// integral of the law under an axial force linear between `a` and `b`, minus the two-point rule.
     pub(crate) fn kink_m(&self, a: f64, b: f64, h: f64) -> f64 {
         let half = 0.5 / (2.0 * GAUSS) * (b - a).abs();
         let (low, high) = (0.5 * (a + b) - half + self.saturation_n, 0.5 * (a + b) + half + self.saturation_n);
@@ -153,7 +154,7 @@ impl Section {
         [strain[0] - self.rest[0], strain[1] - self.rest[1]]
     }
 
-    /// Compliances that turn a change of each wrench component into a strain, for scaling.
+    /// Compliance of each wrench component, for scaling.
     pub(crate) fn scales(&self) -> Components {
         let bend = 0.5 * (self.bend[0] + self.bend[2]);
         [bend, bend, self.twist, self.shear, self.shear, self.axial + self.spine]

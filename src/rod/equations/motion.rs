@@ -16,7 +16,7 @@ pub(crate) struct EndMass {
     pub(crate) inertia_kg_m2: Vector3<f64>,
 }
 
-/// How velocity follows from position in the current stage: v = rate·p + `*_v`, a = rate²·p + `*_a`.
+/// Velocity and acceleration in the current stage: v = rate·p + `*_v`, a = rate²·p + `*_a`.
 #[derive(Clone, Debug)]
 pub(crate) struct Motion {
     /// 1/(h γ), 1/s; zero at rest.
@@ -89,7 +89,7 @@ impl Motion {
 }
 
 impl EndMass {
-    /// Whether it resists turning.
+    /// Whether it has rotary inertia.
     pub(crate) fn turns(&self) -> bool {
         self.inertia_kg_m2 != Vector3::zeros()
     }

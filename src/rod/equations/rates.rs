@@ -1,4 +1,4 @@
-//! What the derivative of the equations has of motion: viscosity D and inertia M, to be added as rate·D + rate²·M.
+//! Rate-dependent part of the derivative: viscosity D and inertia M, added as rate·D + rate²·M.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -88,8 +88,8 @@ impl RateMatrices {
         }
     }
 
-    /// M: the Gram matrix of all displacements, weighted with the masses. The displacements are gathered by unknown,
-    /// all points after one another, so that each entry is one sum of products.
+    /// M: the Gram matrix of all displacements, weighted by mass. Displacements are gathered by unknown, so that each
+    /// entry is one dot product.
     #[inline(always)]
     fn add_inertia(&mut self, system: &RodEquations, workspace: &Workspace, variation: &ShapeVariation) {
         let n = system.grid.unknowns;

@@ -1,4 +1,5 @@
-//! From the internal wrench to the shape: strains at the Gauss points, then poses by a fourth-order Magnus step a cell.
+//! Forward kinematics: strains at the Gauss points from the internal wrench, then poses by one fourth-order Magnus step
+//! per cell.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -47,7 +48,7 @@ impl Shape {
         }
     }
 
-    /// Becomes a copy of `other` without allocating.
+    /// Copies `other` without allocating.
     pub(crate) fn copy_from(&mut self, other: &Shape) {
         self.wrench.clone_from(&other.wrench);
         self.strain.clone_from(&other.strain);
@@ -71,8 +72,8 @@ impl Shape {
         self.integrate(grid);
     }
 
-    /// Computes strains and poses from the wrench at each Gauss point, whatever it is; the compliances stay. Cells in which
-    /// the spine begins to saturate get the length that the law gives them.
+    /// Computes strains and poses from an arbitrary wrench at each Gauss point; the compliances stay. Cells in which
+    /// the spine begins to saturate get the exact length.
     #[inline(always)]
     pub(crate) fn update_from(&mut self, grid: &Grid, sections: &[Section], wrench: &[Components]) {
         for (g, own) in wrench.iter().enumerate() {
@@ -160,10 +161,10 @@ impl Shape {
     }
 }
 
-/// How far the tips of two shapes lie apart, metres; a turn counts as what it moves at the length of the rod.
+/// Distance between the tips of two shapes, metres. A rotation counts as angle times the length of the rod.
 pub(crate) fn distance_m(a: &Shape, b: &Shape, length_m: f64) -> f64 {
     let moved = (a.tip_m() - b.tip_m()).norm();
     let turned = (a.tip_rotation() - b.tip_rotation()).norm() * length_m;
-    // A comparison with what is not a number must not pass for agreement.
+    // NaN must not count as agreement.
     if moved.is_finite() && turned.is_finite() { moved.max(turned) } else { f64::INFINITY }
 }

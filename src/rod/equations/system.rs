@@ -1,5 +1,5 @@
-//! The discrete equations of a rod: balance of internal and external wrench, weighted with the strain that each
-//! polynomial of the internal wrench produces (Galerkin), and one equation a tendon.
+//! The discrete equations of a rod: balance of internal and external wrench, weighted with the strain of each
+//! polynomial (Galerkin), and one equation per tendon.
 
 use nalgebra::{DVector, Vector3};
 
@@ -17,7 +17,7 @@ use crate::rod::params::hysteresis_law::HistoryState;
 use crate::rod::params::rod_params::RodParams;
 use crate::rod::params::tendon::Tendon;
 
-/// A rod with its discretisation; constant during a simulation.
+/// The equations of a rod on one grid; constant during a simulation.
 #[derive(Clone, Debug)]
 pub(crate) struct RodEquations {
     pub(crate) params: RodParams,
@@ -30,13 +30,13 @@ pub(crate) struct RodEquations {
     pub(crate) guides: Vec<TendonGuide>,
     /// Path length of each tendon at home, metres.
     pub(crate) home_lengths_m: Vec<f64>,
-    /// Strain that a unit of each unknown produces, as a displacement of the tip, m per unit; for step sizes.
+    /// Tip displacement per unit of each unknown, m per unit; scales step sizes.
     pub(crate) scales: Vec<f64>,
-    /// About how far a unit tension of each tendon moves the tip, m/N.
+    /// Approximate tip displacement per unit tension of each tendon, m/N.
     pub(crate) reach_m_per_n: Vec<f64>,
 }
 
-/// Everything computed on the way to a residual.
+/// Intermediate results of one evaluation of the residual.
 #[derive(Clone, Debug)]
 pub(crate) struct Workspace {
     pub(crate) shape: Shape,
@@ -56,8 +56,8 @@ pub(crate) struct Workspace {
     pub(crate) imbalance: Vec<Components>,
     /// Axial compliance that weights the balance at each Gauss point, 1/N.
     pub(crate) axial_weight: Vec<f64>,
-    /// Whether these weights stay as they are. They jump where the spine saturates; a wrench that is no polynomial
-    /// leaves an imbalance there, and the equations with it would jump to and fro without a solution.
+    /// Whether these weights are frozen. They jump where the spine saturates; with a wrench that is not a polynomial,
+    /// the equations could otherwise alternate without a solution.
     pub(crate) weights_held: bool,
     /// Equations of balance, then one a tendon.
     pub(crate) residual: Vec<f64>,
@@ -192,7 +192,7 @@ impl RodEquations {
         }
     }
 
-    /// By how much tendon `i` is longer than its drive and its own stretch allow, metres: negative is slack.
+    /// Excess length of tendon `i` over what its drive and its own stretch allow, metres; negative when slack.
     pub(crate) fn overstretch_m(
         &self,
         i: usize,
@@ -299,7 +299,7 @@ impl RodEquations {
                 *square = path.norm_squared();
             }
         }
-        // Roots and quotients of all at once, in vector instructions.
+        // Square roots and quotients in one pass, for vector instructions.
         for (stretch, shrink) in workspace.stretches.iter_mut().zip(&mut workspace.shrinks) {
             *stretch = stretch.sqrt();
             *shrink = if *stretch > 0.0 { 1.0 / *stretch } else { 0.0 };
@@ -327,8 +327,8 @@ impl RodEquations {
         }
     }
 
-    /// Size of a change of the unknowns as a displacement of the tip, metres. Once every section of the spine is
-    /// saturated, axial forces move it no more than they would without sections.
+    /// Size of a step of the unknowns as a tip displacement, metres. Once every section of the spine is saturated,
+    /// axial forces move the tip no more than without sections.
     pub(crate) fn size_of_step_m(&self, step: &[f64], workspace: &Workspace) -> f64 {
         let length = self.params.length_m();
         let axial = length * workspace.axial_weight.iter().copied().fold(0.0, f64::max);
@@ -339,11 +339,11 @@ impl RodEquations {
             largest = others.iter().zip(scales).map(|(x, scale)| (x * scale).abs()).fold(largest, f64::max);
             largest = forces.iter().map(|x| (x * axial).abs()).fold(largest, f64::max);
         }
-        // The largest of numbers of which one is none must not look small.
+        // `f64::max` ignores NaN, which must not look small.
         if step.iter().all(|x| x.is_finite()) { largest } else { f64::NAN }
     }
 
-    /// Product of two changes of the unknowns, in the norm that counts a change by what it moves the tip, m².
+    /// Inner product of two steps of the unknowns in the norm of tip displacements, m².
     pub(crate) fn product_m2(&self, a: &DVector<f64>, b: &DVector<f64>) -> f64 {
         a.iter().zip(b.iter()).zip(&self.scales).map(|((x, y), scale)| x * y * scale * scale).sum()
     }
@@ -363,7 +363,7 @@ impl RodEquations {
     }
 }
 
-/// About how far a unit tension of tendon `i` moves the tip, m/N: by what it bends the rod and by what it shortens it.
+/// Approximate tip displacement per unit tension of tendon `i`, m/N: from bending and from axial shortening.
 fn reach_m_per_n(params: &RodParams, sections: &[Section], guides: &[TendonGuide], i: usize) -> f64 {
     let length = params.length_m();
     let passing = sections.iter().zip(guides.iter().skip(i).step_by(params.tendons.len()));

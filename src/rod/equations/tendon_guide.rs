@@ -37,7 +37,7 @@ impl TendonGuide {
         total: &mut [Components; COMPONENTS],
     ) {
         let [x, y] = self.offset_m;
-        // What lies across the path, (τ/ℓ)(1 − t tᵀ), seen by the strains: the path is v + u × r.
+        // Stiffness transverse to the path, (τ/ℓ)(1 − t tᵀ), mapped to the strains: the path is v + u × r.
         let across = Matrix3::from_fn(|i, j| (f64::from(i == j) - t[i] * t[j]) * (tension / stretch));
         let arm = rotation::skew(&Vector3::new(x, y, 0.0));
         let mixed = matrix3::product(&arm, &across);

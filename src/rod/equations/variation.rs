@@ -1,5 +1,5 @@
-//! How the shape changes with the unknowns: world-frame variations δθ(s) = ∫ R δu and δp(s) = ∫ R δv + δθ × R v, with
-//! the quadrature that the shape itself is computed with.
+//! Variation of the shape with the unknowns: δθ(s) = ∫ R δu and δp(s) = ∫ R δv + δθ × R v in the world frame, with the
+//! quadrature of the shape itself.
 
 use super::shape::Shape;
 use super::world_vectors::VectorDerivative;

@@ -1,20 +1,19 @@
-//! World-frame vectors that depend linearly on all unknowns: three rows of numbers, worked on a row at a time so that
-//! inner loops run over contiguous memory.
+//! World-frame vectors linear in all unknowns, stored as three rows, so that inner loops run over contiguous memory.
 
 use nalgebra::Vector3;
 
 /// Derivative of a vector: rows x, y, z over the unknowns, one after the other.
 ///
-/// Rows are filled up with zeros to a whole number of the longest strips that loops are unrolled to.
+/// Rows are zero-padded to a multiple of the loop unrolling.
 #[derive(Clone, Debug)]
 pub(crate) struct VectorDerivative {
     values: Vec<f64>,
 }
 
-/// Numbers to a strip.
+/// Loop unrolling.
 const STRIP: usize = 16;
 
-/// Length of a row for so many unknowns.
+/// Padded length of a row.
 pub(crate) fn padded(unknowns: usize) -> usize {
     unknowns.next_multiple_of(STRIP)
 }
@@ -31,7 +30,7 @@ impl VectorDerivative {
         &self.values[axis * n..(axis + 1) * n]
     }
 
-    /// Change that a change of the unknowns makes.
+    /// Change of the vector for a change of the unknowns.
     pub(crate) fn times(&self, change: &[f64]) -> Vector3<f64> {
         Vector3::from(self.rows().map(|row| row.iter().zip(change).map(|(a, b)| a * b).sum()))
     }
@@ -92,7 +91,7 @@ impl VectorDerivative {
         }
     }
 
-    /// Adds `arm × (other × fixed)`, the moment about the origin of a force that turns.
+    /// Adds `arm × (other × fixed)`: the moment about the origin of a rotating force.
     pub(crate) fn add_arm_cross(&mut self, arm: &Vector3<f64>, other: &VectorDerivative, fixed: &Vector3<f64>) {
         let n = self.values.len() / 3;
         for k in 0..n {

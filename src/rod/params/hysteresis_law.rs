@@ -20,11 +20,11 @@ pub trait MomentLaw: Send + Sync + Debug {
     /// to the start of the step is `state`. `bending_n_m2` is the mean bending stiffness there.
     fn moment(&self, state: &HistoryState, curvature_rad_m: [f64; 2], bending_n_m2: f64) -> HistoryMoment;
 
-    /// The same once everything slow has come to rest.
+    /// The moment after all rate-dependent parts have relaxed.
     fn settled(&self, state: &HistoryState, curvature_rad_m: [f64; 2], bending_n_m2: f64) -> HistoryMoment {
         self.moment(state, curvature_rad_m, bending_n_m2)
     }
 
-    /// Moves the history on by a step that ended at `curvature_rad_m`; infinite `dt_s` is complete rest.
+    /// Updates the history after a step that ended at `curvature_rad_m`. An infinite `dt_s` means complete relaxation.
     fn commit(&self, state: &mut HistoryState, curvature_rad_m: [f64; 2], bending_n_m2: f64, dt_s: f64);
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-/// A load at the tip that keeps its direction.
+/// A constant force and moment at the tip, fixed in the world frame (a dead load).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TipWrench {
     /// Force at the tip in the world frame, N.
@@ -11,7 +11,7 @@ pub struct TipWrench {
     pub moment_nm: Vector3<f64>,
 }
 
-/// A force and a moment at one place of the rod.
+/// A force and a moment at one cross-section.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointLoad {
     /// Distance from the base along the relaxed rod, metres.
@@ -20,11 +20,12 @@ pub struct PointLoad {
     pub force_n: Vector3<f64>,
     /// Moment, N m.
     pub moment_nm: Vector3<f64>,
-    /// Given in the body axes of the cross-section, and turning with it (a follower load), instead of the world's.
+    /// True: force and moment are given in the body axes and turn with the cross-section (a follower load). False:
+    /// world frame.
     pub follows: bool,
 }
 
-/// A force spread evenly over part of the rod, in the world frame.
+/// A uniformly distributed force over part of the rod, world frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineLoad {
     /// Where it begins, metres from the base along the relaxed rod.

@@ -16,21 +16,21 @@ pub struct Resolution {
     pub shear_modes: usize,
     /// Legendre polynomials for the axial force.
     pub axial_modes: usize,
-    /// Whether polynomials also end where stiffness, rest shape, spine or lumped mass jump. The wrench is nearly smooth
-    /// there, so that it pays only for the last micrometres.
+    /// Whether polynomials also end at jumps of stiffness, rest shape, spine and lumped mass. The wrench is nearly
+    /// smooth there: this affects only the last micrometres.
     pub split_elements: bool,
-    /// Whether cells go across jumps of stiffness, rest shape and spine: each Gauss point then stands for its share of what its
-    /// cell holds. Fewer cells for a robot of many parts; wants an infinite `static_tolerance_m`, since refinement ends cells at
-    /// jumps again.
+    /// Whether cells span jumps of stiffness, rest shape and spine, with homogenised properties at their Gauss points.
+    /// This needs fewer cells for a robot of many parts. It requires an infinite `static_tolerance_m`, since refined
+    /// grids end cells at jumps.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub blended: bool,
-    /// Displacement of the tip by which the discretisation in space may change a static solution, metres: beyond it the
-    /// rod refines cells and polynomials by itself. Infinite: never.
+    /// Allowed tip error of a static solution due to the spatial discretisation, metres. The rod refines its grid when
+    /// the estimate exceeds it. Infinite: no refinement.
     pub static_tolerance_m: f64,
     /// Largest time step, s.
     pub time_step_s: f64,
-    /// Error that a time step may add to the position of any part of the rod, metres: steps are shortened to keep it.
-    /// Infinite: all steps are of one length.
+    /// Allowed error per time step in the position of any part of the rod, metres. Steps are shortened to keep it.
+    /// Infinite: constant step length.
     pub motion_tolerance_m: f64,
     /// Time integration scheme.
     pub scheme: Scheme,
@@ -55,7 +55,7 @@ impl Default for Resolution {
 }
 
 impl Resolution {
-    /// Cells that an element needs at least: a Gauss point for each polynomial.
+    /// Least number of cells per element: one Gauss point for each polynomial.
     pub(crate) fn least_cells(&self) -> usize {
         let bend_or_twist = self.bending_modes.max(self.torsion_modes);
         bend_or_twist.max(self.shear_modes).max(self.axial_modes).div_ceil(2)

@@ -11,7 +11,7 @@ use super::span::{Span, Taper};
 use super::spine::{CompressibleSection, PointMass};
 use super::tendon::Tendon;
 
-/// Everything the solver needs to know about one robot.
+/// Parameters of one robot for the solver.
 #[derive(Clone, Debug)]
 pub struct RodParams {
     /// Cross-sections from base to tip; the last one ends at the tip.
@@ -38,7 +38,7 @@ pub struct RodParams {
     pub point_loads: Vec<PointLoad>,
     /// Constant loads over part of the rod.
     pub line_loads: Vec<LineLoad>,
-    /// Moments with a memory.
+    /// History-dependent moment laws.
     pub moment_laws: Vec<Arc<dyn MomentLaw>>,
     /// Numerical resolution.
     pub resolution: Resolution,

@@ -1,4 +1,4 @@
-//! Cross-sections of the backbone: what they are made of between two places, and how they taper in between.
+//! Cross-sections of the backbone, constant or tapered along a span.
 
 use nalgebra::Vector3;
 
@@ -20,19 +20,18 @@ pub struct Span {
     pub axial_n: f64,
     /// Curvature and twist when unloaded, rad/m (body axes).
     pub rest_curvature_rad_m: Vector3<f64>,
-    /// Curvature and twist of the shape on which the tendons' lengths were set to zero, rad/m: the rest curvature of
-    /// the robot as it was meant to be.
+    /// Curvature and twist of the shape at which the tendon lengths are zero, rad/m: the rest curvature as designed.
     pub home_curvature_rad_m: Vector3<f64>,
     /// Mass of the backbone per length, kg/m.
     pub mass_kg_m: f64,
-    /// Mass spread evenly over the span besides, kg/m.
+    /// Additional uniformly distributed mass, kg/m.
     pub spread_mass_kg_m: f64,
     /// How the cross-section widens or narrows along the span.
     pub taper: Taper,
 }
 
-/// Outer and inner radius at both ends of a span, linear in between; only their ratios count. Axial and shear stiffness
-/// and mass follow the area, bending and torsional stiffness the second moment of area.
+/// Outer and inner radius at both ends of a span, linear in between. Only ratios matter. Axial and shear stiffness and
+/// mass scale with the area, bending and torsional stiffness with the second moment of area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Taper {
     /// Outer radius at the start and the end of the span.
@@ -76,7 +75,7 @@ impl Span {
         }
     }
 
-    /// What is left of a span that began at `start_m` from `position_m` on: same end, values at its new start.
+    /// The remainder of a span that began at `start_m`, from `position_m` on: same end, properties at the new start.
     pub(super) fn from(&self, start_m: f64, position_m: f64) -> Span {
         if self.taper == Taper::NONE {
             return self.clone();

@@ -11,7 +11,7 @@ pub struct CompressibleSection {
     pub length_m: f64,
     /// Shortening per compressive force, m/N.
     pub compliance_m_per_n: f64,
-    /// Compressive force beyond which it shortens no more, N.
+    /// Compressive force beyond which it shortens no further, N.
     pub saturation_n: f64,
 }
 

@@ -1,26 +1,26 @@
-//! Tendons: where they run inside the rod, and what holds them.
+//! Tendons: path, ends and compliance.
 
-/// A tendon that runs through guide holes from the base, or from a point further on, to where it is anchored. It slides
-/// without friction and pulls only.
+/// A frictionless tendon through guide holes, from the base or a more distal point to its anchor. It transmits tension
+/// only.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tendon {
-    /// Where it runs in the cross-sections.
+    /// Path through the cross-sections.
     pub path: TendonPath,
-    /// Where it leaves its sheath, metres from the base; closer to the base it puts nothing on the rod.
+    /// Where it leaves its sheath, metres from the base. It exerts no load on the rod proximal to this point.
     pub start_m: f64,
     /// Where it is anchored, metres from the base.
     pub end_m: f64,
-    /// Displacement at home, metres: how much it is tightened before the first command.
+    /// Displacement at home, metres, before the first command.
     pub pretension_m: f64,
-    /// Stretch of the whole tendon per tension at home, m/N.
+    /// Compliance of the whole tendon at home, m/N.
     pub compliance_m_per_n: f64,
-    /// Length over which it stretches at home, metres: what is pulled in no longer does. Infinite: the drive moves
-    /// the whole tendon along, and its compliance stays.
+    /// Elastic length at home, metres; the part that is pulled in no longer stretches. Infinite: the compliance does
+    /// not depend on the displacement.
     pub elastic_length_m: f64,
 }
 
-/// Offset of a tendon from the backbone as a function of the distance s from the base: straight lines between `points`,
-/// constant before the first and after the last, the whole turned by `twist_rad_m`·s about the backbone (a helix).
+/// Offset from the backbone as a function of arc length s: linear between `points`, constant outside them, and rotated
+/// by `twist_rad_m`·s about the backbone (a helix).
 #[derive(Clone, Debug, PartialEq)]
 pub struct TendonPath {
     /// At least one, in order of s.
@@ -51,12 +51,13 @@ impl Tendon {
         }
     }
 
-    /// Stretch per tension once `pull_m` has been pulled in, m/N.
+    /// Compliance after `pull_m` has been pulled in, m/N.
     pub(crate) fn compliance_at(&self, pull_m: f64) -> f64 {
         self.compliance_m_per_n * (1.0 - pull_m / self.elastic_length_m)
     }
 
-    /// Where the rod's own wrench may jump because of this tendon: its ends and the kinks of its path.
+    /// Arc lengths at which the rod's internal wrench may jump due to this tendon: its ends and the kinks of its path,
+    /// metres.
     pub(crate) fn borders_m(&self) -> Vec<f64> {
         let mut borders = vec![self.start_m, self.end_m];
         let inside = |s: f64| s > self.start_m && s < self.end_m;
@@ -66,7 +67,7 @@ impl Tendon {
 }
 
 impl TendonPath {
-    /// One offset all along.
+    /// A path of constant offset.
     pub fn parallel(offset_m: [f64; 2]) -> TendonPath {
         TendonPath { points: vec![PathPoint { s_m: 0.0, offset_m }], twist_rad_m: 0.0 }
     }

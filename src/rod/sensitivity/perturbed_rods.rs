@@ -1,10 +1,9 @@
-//! Rods that differ a little from a first one and follow it: what derivatives of a whole motion are made of
-//! (`docs/sensitivities.md`).
+//! Slightly perturbed rods that follow a leading one: derivatives of a whole motion (`docs/sensitivities.md`).
 //!
-//! The first rod is solved. Each of the others takes the same time steps with the same tendons taut, and at each solve
-//! corrects the first one's unknowns by −J⁻¹ (F′ − F): its own residual there and the derivative of the first rod's
-//! equations at the solution. For a change of relative size ε that leaves an error of order ε², so that (other − first)/ε
-//! is the derivative of the discrete motion up to ε (internal differentiation, Bock 1981).
+//! The leader is solved. Each follower takes the same time steps with the same taut tendons, and at each solve corrects
+//! the leader's unknowns by −J⁻¹ (F′ − F): its own residual there and the leader's derivative. For a perturbation of
+//! relative size ε the error is of order ε², so that (follower − leader)/ε is the derivative of the discrete motion up
+//! to ε (internal differentiation, Bock 1981).
 
 use nalgebra::{DVector, Dyn, LU};
 
@@ -19,16 +18,16 @@ use crate::rod::state::rates::Rates;
 use crate::rod::state::rod::{Drive, Rod};
 use crate::rod::state::solve_log::{SolveLog, SolvedStep};
 
-/// A rod cannot follow the first one: other parts, or parts that no longer share a place.
+/// A rod cannot follow the leader: it has other parts, or coincident parts have separated. Holds its number, from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("rod {0} does not differ from the first one by a little in numbers alone")]
 pub struct NotPerturbable(pub usize);
 
-/// A rod and others that follow it. Number 0 is the rod itself, the others count from 1.
+/// A leading rod (number 0) and its followers (from 1).
 #[derive(Clone, Debug)]
 pub struct PerturbedRods {
     leader: Rod,
-    /// Where the leader was in the solve that the others are at.
+    /// A copy of the leader at the solve that the followers are at.
     followed: Rod,
     others: Vec<Rod>,
     kept: Option<LeaderDerivative>,
@@ -40,7 +39,7 @@ struct LeaderSolution<'a> {
     taut: &'a [bool],
     residual: DVector<f64>,
     settled: bool,
-    /// What a correction leaves of the one before, once known.
+    /// Contraction of the corrections, once measured.
     contraction: Option<f64>,
 }
 
@@ -50,7 +49,7 @@ struct LeaderDerivative {
     factors: LU<f64, Dyn, Dyn>,
     rate: f64,
     taut: Vec<bool>,
-    /// Corrections that the last solve took a rod.
+    /// Most corrections per rod in the last solve.
     corrections: usize,
 }
 
@@ -69,7 +68,7 @@ impl PerturbedRods {
         Ok(PerturbedRods { followed: leader.clone(), leader, others, kept: None })
     }
 
-    /// A rod that nothing follows.
+    /// A rod without followers.
     pub fn alone(params: RodParams) -> PerturbedRods {
         let leader = Rod::new(params);
         PerturbedRods { followed: leader.clone(), leader, others: Vec::new(), kept: None }
@@ -80,12 +79,12 @@ impl PerturbedRods {
         Grid::moved(params, changed).is_some()
     }
 
-    /// The rod itself.
+    /// The leader.
     pub fn leader(&self) -> &Rod {
         &self.leader
     }
 
-    /// Those that follow it.
+    /// The followers.
     pub fn others(&self) -> &[Rod] {
         &self.others
     }
@@ -93,7 +92,7 @@ impl PerturbedRods {
     /// All straight, unloaded, at rest, without history.
     pub fn restart(&mut self) {
         self.leader.restart();
-        // Where they began they can go back to.
+        // Every follower has a grid at the initial level.
         let _ = self.match_leader_grid();
         self.all().for_each(Rod::restart);
         self.kept = None;
@@ -104,13 +103,13 @@ impl PerturbedRods {
         self.all().for_each(|rod| rod.set_tip_load(load(rod.params())));
     }
 
-    /// [`Rod::settle`]; `drives` gives those of a rod by its number.
+    /// [`Rod::settle`] for all rods; `drives` gives the drives by rod number.
     pub fn settle(&mut self, drives: &dyn Fn(usize) -> Vec<Drive>) -> SolveStatus {
         self.lead(&|number, _| drives(number), &|_| 1.0, |leader| leader.settle(&drives(0)))
     }
 
-    /// [`Rod::advance_with`] for `duration_s(0)`; `drives` gives those of a rod by its number and the time since now,
-    /// seconds. The others take as many steps in the `duration_s` of their number, which differs a little.
+    /// [`Rod::advance_with`] for `duration_s(0)`. `drives` gives the drives by rod number and time from now, seconds.
+    /// Followers take the same number of steps in their own, slightly different `duration_s`.
     pub fn advance_with(
         &mut self,
         drives: &dyn Fn(usize, f64) -> Vec<Drive>,
@@ -120,7 +119,7 @@ impl PerturbedRods {
         self.lead(drives, &|number| duration_s(number) / own_s, |leader| leader.advance_with(&|t| drives(0, t), own_s))
     }
 
-    /// Brings the others to the grid that the leader has come to; `None` when one of them has none like it.
+    /// Brings the followers to the leader's grid; `None` when one of them has no such grid.
     fn match_leader_grid(&mut self) -> Option<()> {
         let PerturbedRods { leader, followed, others, kept } = self;
         let level = leader.grid_level.level;
@@ -141,7 +140,7 @@ impl PerturbedRods {
         [&mut self.leader, &mut self.followed].into_iter().chain(&mut self.others)
     }
 
-    /// Lets the leader move and the others follow what it has solved.
+    /// Moves the leader; the followers then take the solves in its log.
     fn lead(
         &mut self,
         drives: &dyn Fn(usize, f64) -> Vec<Drive>,
@@ -167,8 +166,8 @@ impl PerturbedRods {
         status
     }
 
-    /// Takes the others through one step or equilibrium of the leader.
-    /// Time runs `scale` times as fast for a rod as for the leader.
+    /// Takes the followers through one step or equilibrium of the leader. Time runs `scale` times as fast for a
+    /// follower.
     fn follow(
         &mut self,
         solved: &SolvedStep,
@@ -227,23 +226,23 @@ impl PerturbedRods {
     }
 }
 
-/// Share of the first correction that may be left with a derivative of this solution: what it leaves is much the same
-/// from solve to solve and small. With an older one it is not.
+/// Allowed remainder as a share of the first correction: with a derivative at this solution, whose contraction hardly
+/// changes between solves, and with an older one.
 const LEFT_FRESH: f64 = 1e-5;
 const LEFT_OLD: f64 = 1e-7;
-/// Corrections that fall no more and are smaller than this, in lengths of the rod, are rounding.
+/// Non-decreasing corrections below this, in lengths of the rod, are rounding.
 const ROUNDING: f64 = 1e-13;
 const MOST_CORRECTIONS: usize = 8;
-/// A new derivative costs about as much as so many corrections of one rod.
+/// Cost of a new derivative in corrections of one rod.
 const DERIVATIVE_COST: usize = 8;
 
 impl LeaderDerivative {
-    /// Whether it is cheaper to go on with it for so many rods than to make a new one.
+    /// Whether reusing the derivative for this many rods is cheaper than a new one.
     fn serves(&self, rate: f64, taut: &[bool], rods: usize) -> bool {
         self.rate == rate && self.taut == taut && (self.corrections - 1) * rods < DERIVATIVE_COST
     }
 
-    /// The unknowns of all rods where the leader is at `solution`; `None` when the derivative does not serve.
+    /// The unknowns of all followers at the leader's `solution`; `None` when the derivative does not converge.
     fn correct(
         &mut self,
         rods: &mut [Rod],
@@ -291,9 +290,9 @@ impl Rod {
         LeaderDerivative { factors, rate: motion.rate, taut: taut.to_vec(), corrections: 1 }
     }
 
-    /// This rod's unknowns where the leader is at `solution`, and the corrections that this took: until no more than
-    /// `left` of the first is left. How much one leaves of another is known from the first rod that there is something
-    /// to correct for: next to nothing at the derivative's own place, but for drag and rotary inertia, which it leaves out.
+    /// This follower's unknowns at the leader's `solution` and the number of corrections, until at most `left` of the
+    /// first correction remains. The contraction is measured on the first follower with a nonzero correction; it is
+    /// nearly zero at the derivative's own solution, except for drag and rotary inertia, which the derivative omits.
     fn corrected(
         &mut self,
         (factors, left): (&LU<f64, Dyn, Dyn>, f64),
@@ -333,7 +332,7 @@ impl Rod {
         None
     }
 
-    /// Stands where `unknowns` put it.
+    /// Adopts `unknowns` as the new state.
     fn take(&mut self, unknowns: &[f64], taut: &[bool], stage: usize, still: bool) {
         let n = self.system.grid.unknowns;
         self.state.unknowns.copy_from_slice(unknowns);

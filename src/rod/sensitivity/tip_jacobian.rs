@@ -12,12 +12,12 @@ use crate::rod::equations::motion::Motion;
 use crate::rod::equations::system::Workspace;
 use crate::rod::state::rod::Rod;
 
-/// What the tip is differentiated with respect to. Tendons and axes count from 0.
+/// The variable of a tip derivative. Tendons and axes count from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
-    /// Displacement of a tendon's drive, per metre; nothing where the tendon is slack or not held by its length.
+    /// Displacement of a tendon's drive, per metre; zero where the tendon is slack or not length-controlled.
     Pull(usize),
-    /// Tension of a tendon that is held by its tension or follows (without any), per newton; nothing where it is not.
+    /// Prescribed tension of a tendon (zero for a following one), per newton; zero where the tension is not prescribed.
     Tension(usize),
     /// Force on the tip along an axis of the world, per newton.
     Force(usize),
@@ -25,7 +25,7 @@ pub enum Direction {
     Moment(usize),
 }
 
-/// How fast the tip moves and turns with something, per unit of it, world frame.
+/// Derivative of the tip pose, per unit of the variable, world frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TipRate {
     /// Of the position, metres.
@@ -34,7 +34,7 @@ pub struct TipRate {
     pub rotation_rad: Vector3<f64>,
 }
 
-/// Size of the difference that refines a derivative, in lengths of the rod.
+/// Step of the central difference that refines a derivative, in lengths of the rod.
 const PROBE: f64 = 1e-5;
 
 /// The equations at a solution.
@@ -45,8 +45,8 @@ struct Linearised<'a> {
 }
 
 impl Rod {
-    /// Derivative of the tip with respect to each of `directions`, for the pose in which [`Rod::settle`] left the rod.
-    /// `None` when it has not come to rest or has moved since, or when the pose is unstable to first order.
+    /// Derivative of the tip with respect to each of `directions`, at the pose in which [`Rod::settle`] left the rod.
+    /// `None` when the rod is not at rest, has moved since, or the tangent is singular.
     pub fn tip_jacobian(&mut self, directions: &[Direction]) -> Option<Vec<TipRate>> {
         let rest = self.settled_under.as_ref()?;
         let motion = Motion::rest(&self.system.grid, &self.system.masses);
@@ -74,8 +74,8 @@ impl Rod {
         directions.iter().map(rate).collect()
     }
 
-    /// Derivative of the tip where ∂F/∂direction is `explicit`: dx = −J⁻¹ ∂F/∂direction, once refined with a central
-    /// difference of F along dx, as J leaves out how strain rates of a cell turn each other.
+    /// Derivative of the tip where ∂F/∂direction is `explicit`: dx = −J⁻¹ ∂F/∂direction, refined once by a central
+    /// difference of F along dx, since J neglects the coupling of strain rates within a cell.
     fn tip_rate(&self, explicit: &DVector<f64>, solution: &Linearised, shifted: &mut Workspace) -> Option<TipRate> {
         let &Linearised { conditions, derivative, factors } = solution;
         let n = self.system.grid.unknowns;
@@ -131,7 +131,7 @@ impl Rod {
         rate
     }
 
-    /// Adds what a force and a moment on the tip do to the balance equations.
+    /// Adds the effect of a tip force and moment to the balance equations.
     fn add_load(&self, force_n: Vector3<f64>, moment_nm: Vector3<f64>, workspace: &Workspace, rate: &mut DVector<f64>) {
         let shape = &workspace.shape;
         let tip = shape.tip_m();

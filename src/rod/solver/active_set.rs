@@ -6,13 +6,13 @@ use super::newton_state::{DerivativeUse, LuFactors, NewtonSolver};
 use crate::rod::equations::boundary_conditions::TendonConstraint;
 use crate::rod::equations::system::RodEquations;
 
-/// A tendon may be overstretched by this share of the solve's tolerance before it counts as taut, and its push may move
-/// the tip by as much before it counts as slack.
+/// Violations below this share of the solve's tolerance are ignored: the excess length of a slack tendon, and the tip
+/// displacement due to a negative tension of a taut one.
 const SET_TOLERANCE: f64 = 0.1;
 
 impl NewtonSolver {
-    /// Moves the tendon that offends most between taut and slack, as the step just taken says; true if one moved.
-    /// One at a time: more taut tendons than the shape has freedom for would contradict each other.
+    /// Switches the tendon with the largest violation after the last step between taut and slack; true if one switched.
+    /// One tendon at a time: more taut tendons than degrees of freedom of the shape would be contradictory.
     pub(super) fn change_set(
         &self,
         system: &RodEquations,
@@ -44,8 +44,8 @@ impl NewtonSolver {
         worst.is_some()
     }
 
-    /// Tells the next solve its first residual, which is nothing but what tendons `was` held to and `will` be, if the
-    /// `unknowns` and the `taut` set are a solution that the derivative at hand has led to.
+    /// Predicts the first residual of the next solve: the change of the tendon constraints from `was` to `will`. Valid
+    /// when `unknowns` and `taut` are the solution that the current derivative has led to.
     pub(crate) fn predict_residual(
         &mut self,
         system: &RodEquations,

@@ -1,4 +1,4 @@
-//! The derivative and its factors, kept between iterations and solves.
+//! LU factors of the derivative, kept between iterations and solves.
 
 use nalgebra::DVector;
 
@@ -6,13 +6,13 @@ use super::newton_state::{LuFactors, NewtonSolver};
 use crate::rod::equations::boundary_conditions::SolveConditions;
 use crate::rod::equations::system::RodEquations;
 
-/// Factors kept for one derivative: a few step lengths and taut sets come back again and again.
+/// Factorisations kept per derivative: a few step lengths and taut sets recur.
 const MOST_FACTORS: usize = 8;
-/// A correction that is to undo more than this share of the one before is taken as it is.
+/// Broyden updates that would cancel more than this share of the previous step are not applied.
 const MOST_ACCELERATION: f64 = 0.5;
 
 impl NewtonSolver {
-    /// Brings the factors of the derivative for the rate and the taut set of `conditions` to the end of the list.
+    /// Moves the factors for the rate and the taut set of `conditions` to the end of the list; factorises if needed.
     pub(super) fn factor(&mut self, system: &RodEquations, conditions: &SolveConditions) {
         let rate = conditions.motion.rate;
         let known = self.factors.iter().position(|f| f.rate == rate && f.taut == conditions.taut);
@@ -30,8 +30,8 @@ impl NewtonSolver {
         self.factors.push(newest);
     }
 
-    /// The next correction, with Broyden's update of the factors by the corrections so far (Kelley, Solving Nonlinear
-    /// Equations with Newton's Method, 2003, section 4.1), in the norm that counts a change by what it moves the tip.
+    /// The next Newton step, with Broyden's update from the steps so far (Kelley, Solving Nonlinear Equations with
+    /// Newton's Method, 2003, section 4.1), in the norm of tip displacements.
     pub(super) fn step(&self, system: &RodEquations) -> Option<DVector<f64>> {
         let mut step = DVector::from_column_slice(&self.workspace.residual);
         if !self.factors.last()?.lu.solve_mut(&mut step) {
@@ -49,7 +49,7 @@ impl NewtonSolver {
         Some(step)
     }
 
-    /// Divides by the derivative that the last solve ended with; false when it is singular.
+    /// Solves with the factors that the last solve ended with; false when they are singular.
     pub(crate) fn divide(&self, residual: &mut DVector<f64>) -> bool {
         self.factors.last().is_some_and(|factors| factors.lu.solve_mut(residual))
     }

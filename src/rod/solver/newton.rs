@@ -1,8 +1,8 @@
 //! Newton's method on the discrete equations with an active set for taut and slack tendons.
 //!
-//! Taut tendons hold their length with a tension ≥ 0, slack ones have none and are shorter than their drive allows:
-//! the set is changed wherever a taut tendon would push or a slack one would be overstretched (a primal–dual active
-//! set, which is a semismooth Newton method). The derivative is kept as long as it contracts well.
+//! Taut tendons keep their length and have a tension ≥ 0; slack tendons have none and are shorter than their drive
+//! allows. The set changes where a taut tendon would push or a slack one would be overstretched (a primal–dual active
+//! set, equivalent to a semismooth Newton method). The derivative is reused as long as it contracts well.
 
 use nalgebra::DVector;
 
@@ -12,40 +12,41 @@ use super::status::SolveStatus;
 use crate::rod::equations::boundary_conditions::SolveConditions;
 use crate::rod::equations::system::RodEquations;
 
-/// Iterations with one taut set after which a motion is given up, for shorter steps: those that converge take a few, seldom
-/// twenty.
+/// Iterations per taut set before a time step fails and is shortened. Converging steps take a few, rarely twenty.
 const MOST_WITH_ONE_SET: usize = 30;
-/// Changes of the taut set at any iterate; after so many, each set is solved for first.
+/// Changes of the taut set during the iteration; after this many, each set is solved for first.
 const QUICK_SET_CHANGES: usize = 10;
-/// Iterations after which the weights of the balance no longer follow the saturation of the spine.
+/// Iterations after which the axial weights of the balance are frozen.
 const HOLD_WEIGHTS_AFTER: usize = 12;
 const MOST_SET_CHANGES: usize = 30;
-/// A step that turns the tip by more than about this many lengths is shortened.
+/// Largest step, in lengths of the rod; longer ones are shortened.
 const LARGEST_STEP: f64 = 0.5;
-/// The derivative is renewed when an iteration leaves more than this share of the step before.
+/// Contraction above which the derivative is recomputed.
 const POOR_CONTRACTION: f64 = 0.1;
 
-/// What an old derivative is trusted with before it has shown its contraction.
+/// Assumed contraction of a reused derivative before the first measurement.
 const UNPROVEN_CONTRACTION: f64 = 0.1;
 
-/// What tensions may stiffen a rod by; a step that is smaller yet than the imbalance says is not believed …
+/// Largest credible stiffening of the rod by tensions: a step smaller than the imbalance over this factor is suspicious
+/// …
 const MOST_STIFFENING: f64 = 1e4;
 /// … unless both are rounding, in lengths of the rod.
 const ROUNDING: f64 = 1e-8;
-/// A derivative that was taken where the balance was open by more than this angle is not one of any rod to be kept.
+/// Imbalance (an angle) beyond which a derivative is not reused.
 const UNRELIABLE_IMBALANCE: f64 = 1e8;
 
-/// What was taken off the unknowns.
+/// The correction that was subtracted from the unknowns.
 struct Correction {
     step: DVector<f64>,
-    /// Size of the whole of it as a displacement of the tip, metres.
+    /// Size before shortening, as a tip displacement, metres.
     size: f64,
-    /// Whether only a part of it was taken.
+    /// Whether it was shortened.
     shortened: bool,
 }
 
 impl NewtonSolver {
-    /// Solves for `unknowns` from where they stand. `taut` is the guess of the set and then the answer.
+    /// Solves for `unknowns`, starting from their current values. `taut` is the initial guess of the set and then the
+    /// result.
     pub(crate) fn solve(
         &mut self,
         system: &RodEquations,
@@ -77,7 +78,7 @@ impl NewtonSolver {
                 Err(failure) => return self.fail(failure),
             };
             stale = shortened || self.unreliable;
-            // Once sets alternate, each is solved for before the next one is tried.
+            // Once the sets alternate, each is solved for before the next one is tried.
             let ripe = set_changes <= QUICK_SET_CHANGES || (!shortened && size < 1e-3 * length_m);
             if ripe && self.change_set(system, unknowns, (taut, conditions.holds), &step, tolerance_m) {
                 set_changes += 1;
@@ -91,7 +92,7 @@ impl NewtonSolver {
                 continue;
             }
             let contraction = if last_step.is_finite() { size / last_step } else { UNPROVEN_CONTRACTION };
-            // With a fresh derivative the next error is of the order of the square; with an old one linear.
+            // The next error is quadratic in the step with a fresh derivative, linear with a reused one.
             let left = if fresh { size * (size / length_m).min(1.0) } else { size * contraction.min(1.0) };
             if shortened {
                 self.steps.clear();
@@ -108,21 +109,21 @@ impl NewtonSolver {
         self.fail(SolveStatus::NotConverged)
     }
 
-    /// Whether a step of `size` metres at rest is suspiciously small for the balance that it is to restore: then the
-    /// derivative is that of another shape, under tensions beyond measure.
+    /// Whether a step of `size` metres at rest is too small for the present imbalance: then the derivative belongs to
+    /// another shape, under extreme tensions.
     fn step_is_suspicious(&self, system: &RodEquations, size: f64, need: DerivativeUse) -> bool {
         let length_m = system.params.length_m();
         need == DerivativeUse::Rest
             && self.largest_imbalance(system) * length_m > MOST_STIFFENING * size + ROUNDING * length_m
     }
 
-    /// The largest residual of the balance: about the angle that the rod lacks, or the share of its length.
+    /// The largest residual of the balance: approximately the missing angle, or the missing share of the length.
     fn largest_imbalance(&self, system: &RodEquations) -> f64 {
         self.workspace.residual[..system.grid.unknowns].iter().fold(0.0, |largest, r| f64::max(largest, r.abs()))
     }
 
-    /// Evaluates the equations at `unknowns`, their derivative as well when it is `stale`, and takes the correction off
-    /// the unknowns. A correction that is too large is shortened, and one that goes back and forth.
+    /// Evaluates the equations at `unknowns`, and their derivative when `stale`; subtracts the correction. Corrections
+    /// that are too large or that alternate are shortened.
     fn correct(
         &mut self,
         system: &RodEquations,
@@ -166,7 +167,7 @@ impl NewtonSolver {
         Ok(Correction { step, size, shortened })
     }
 
-    /// A failed solve leaves no derivative worth keeping.
+    /// Discards the derivative of a failed solve.
     fn fail(&mut self, status: SolveStatus) -> SolveStatus {
         self.kept = DerivativeUse::Nothing;
         status

@@ -1,42 +1,42 @@
-//! Shorter corrections where Newton's method goes back and forth: the laws of dry friction have kinks, and each branch may
-//! send the iteration to the other one for ever (semismooth Newton methods need such a damping to converge from afar;
-//! Facchinei & Pang, Finite-Dimensional Variational Inequalities and Complementarity Problems, 2003, section 8.3).
+//! Damping of alternating Newton corrections. Dry friction laws have kinks, and each branch may send the iteration to
+//! the other one indefinitely (semismooth Newton methods need damping for global convergence; Facchinei & Pang,
+//! Finite-Dimensional Variational Inequalities and Complementarity Problems, 2003, section 8.3).
 
 use nalgebra::DVector;
 
 use crate::rod::equations::system::RodEquations;
 
-/// A correction undoes the one before if the cosine between them is below this …
+/// A correction reverses the previous one if the cosine between them is below this …
 const BACK: f64 = -0.5;
-/// … and it is at least this share of it.
+/// … and its size is at least this share of the previous one.
 const AS_LARGE: f64 = 0.3;
-/// One that is so many times as large as the one before leads to another branch as well.
+/// A correction larger than the previous one by this factor has changed branch as well.
 const GROWN: f64 = 1.5;
-/// After so many of either, shares are doubled no more but grow …
+/// After this many changes of branch the share no longer doubles but grows …
 const FEW: i32 = 6;
-/// … by ever less, by this factor each time, so that no cycle lasts.
+/// … by a factor that decays geometrically with this ratio, so that no cycle persists.
 const CALMER: f64 = 0.8;
-/// Of a correction no less than this is taken.
+/// Smallest share of a correction.
 const LEAST_SHARE: f64 = 0.05;
 
-/// How much of a correction is taken, from what those before it did.
+/// The share of a correction that is applied, from the history of corrections.
 #[derive(Clone, Debug)]
 pub(crate) struct NewtonDamping {
     /// The last correction, whole, with its size in metres.
     last: Option<(DVector<f64>, f64)>,
     share: f64,
-    /// How often corrections have led from one branch to another.
+    /// Changes of branch so far.
     turns: i32,
 }
 
 impl NewtonDamping {
-    /// All of the first correction.
+    /// Starts with full corrections.
     pub(crate) fn new() -> NewtonDamping {
         NewtonDamping { last: None, share: 1.0, turns: 0 }
     }
 
-    /// What of the correction `step` of `size` metres is to be taken: half the share of the one before if it leads to
-    /// another branch, more than that if not.
+    /// The share of the correction `step` of `size` metres to apply: half the previous share after a change of branch,
+    /// otherwise a larger one.
     pub(crate) fn share(&mut self, system: &RodEquations, step: &DVector<f64>, size: f64) -> f64 {
         let turns = self.last.as_ref().is_some_and(|(last, last_size)| {
             let norms = (system.product_m2(last, last) * system.product_m2(step, step)).sqrt();

@@ -1,4 +1,4 @@
-//! What Newton's method keeps between solves.
+//! State of Newton's method between solves.
 
 use nalgebra::{DVector, Dyn, LU};
 
@@ -8,26 +8,26 @@ use crate::rod::equations::system::{RodEquations, Workspace};
 
 const MOST_ITERATIONS: usize = 150;
 
-/// Newton iteration with everything it keeps between solves.
+/// The Newton solver with its buffers and factors.
 #[derive(Clone, Debug)]
 pub(crate) struct NewtonSolver {
     pub(crate) workspace: Workspace,
     pub(crate) derivative: Derivative,
-    /// Factors of the derivative for the rates and taut sets it was last used with; the newest last.
+    /// LU factors by rate and taut set; the most recent last.
     pub(super) factors: Vec<LuFactors>,
-    /// What the derivative is good for.
+    /// Problem type that the derivative was computed for.
     pub(super) kept: DerivativeUse,
-    /// Whether the derivative is that of a shape beyond measure.
+    /// Whether the derivative was taken at an extreme imbalance and must not be reused.
     pub(super) unreliable: bool,
     /// Whether the residual in `workspace` is that of the next solve's first iteration.
     pub(super) residual_predicted: bool,
     /// Steps of the present solve since the derivative or the taut set changed.
     pub(super) steps: Vec<DVector<f64>>,
-    /// What of a correction is taken of a rod that remembers.
+    /// Damping for rods with history-dependent moments.
     pub(super) damping: NewtonDamping,
-    /// Size of the last step, metres: what the residual is worth at the tip.
+    /// Estimated tip error of the last solve, metres.
     pub(crate) residual_m: f64,
-    /// Iterations after which a solve is given up.
+    /// Iteration limit of one solve.
     pub(crate) max_iterations: usize,
     /// Iterations since construction.
     pub(crate) iterations: u64,
@@ -37,7 +37,7 @@ pub(crate) struct NewtonSolver {
     pub(crate) factorisations: u64,
 }
 
-/// What a derivative is good for.
+/// Problem type of a derivative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum DerivativeUse {
     Nothing,
@@ -72,7 +72,7 @@ impl NewtonSolver {
         }
     }
 
-    /// Makes the next solve begin with a new derivative.
+    /// Forces the next solve to recompute the derivative.
     pub(crate) fn forget(&mut self) {
         self.kept = DerivativeUse::Nothing;
     }

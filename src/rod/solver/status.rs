@@ -1,4 +1,4 @@
-//! How a solve ended.
+//! Outcome of a solve.
 
 use std::fmt;
 
@@ -9,24 +9,24 @@ pub enum SolveStatus {
     Converged,
     /// The iteration limit was reached, also with smaller load or time steps.
     NotConverged,
-    /// The taut and slack tendons could not be settled.
+    /// The set of taut tendons did not converge.
     TendonSetUnsettled,
-    /// Numbers overflowed: the loads are far beyond what the rod can carry.
+    /// Floating-point overflow: the loads far exceed what the rod can carry.
     NotFinite,
-    /// The equations hold, but the finest grid allowed does not settle the tip to the tolerance (at rest), or the grid
-    /// of the motion is too coarse for this shape (moving).
+    /// The equations hold, but the discretisation error exceeds the tolerance: on the finest grid allowed (at rest), or
+    /// on the grid of the motion (moving).
     UnderResolved,
-    /// The equations hold for a shape in which cross-sections pass through each other: the backbone, or the path of a
-    /// tendon, is shortened to nothing or beyond.
+    /// The equations hold for a shape in which cross-sections interpenetrate: the backbone or the path of a tendon has
+    /// a length ≤ 0.
     Crushed,
-    /// The equilibrium found is one that the rod would leave at the slightest push, and no stable one was found nearby.
+    /// The equilibrium is unstable, and no stable one was found nearby.
     Unstable,
     /// The command itself is not finite.
     BadCommand,
 }
 
 impl SolveStatus {
-    /// Every status.
+    /// All values.
     pub const ALL: [SolveStatus; 8] = [
         SolveStatus::Converged,
         SolveStatus::NotConverged,

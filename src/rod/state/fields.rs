@@ -1,11 +1,11 @@
-//! What a rod carries along its length, and its energy.
+//! Fields along the rod, and its energy.
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::rod::Rod;
 use crate::rod::discretisation::grid::Grid;
 
-/// What a cross-section of the rod does and carries: the fields of the paper's section III.
+/// Kinematics and internal wrench of one cross-section: the fields of the paper's section III.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CrossSection {
     /// Distance from the base along the relaxed rod, metres.

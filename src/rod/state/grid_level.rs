@@ -1,4 +1,4 @@
-//! What a rod knows of its discretisation: its refinement level and the error that it was judged to have.
+//! Refinement level of a rod and the estimated error of its grid.
 
 use std::sync::{Arc, OnceLock};
 
@@ -8,18 +8,18 @@ use crate::rod::equations::material::Section;
 use crate::rod::equations::system::RodEquations;
 use crate::rod::params::resolution::Resolution;
 
-/// What a rod knows of its discretisation.
+/// Refinement level and estimated discretisation error.
 #[derive(Clone, Debug)]
 pub(crate) struct GridLevel {
-    /// Resolution that was asked for.
+    /// Requested resolution.
     pub(crate) base: Resolution,
-    /// How often it has been refined.
+    /// Number of refinements.
     pub(crate) level: u32,
-    /// What the grid may put the tip off by, metres.
+    /// Estimated tip error due to the grid, metres.
     pub(crate) error_m: f64,
-    /// Largest compliance against turning anywhere, 1/(N m²).
+    /// Largest rotational compliance along the rod, 1/(N m²).
     pub(crate) softest: f64,
-    /// The same polynomials on twice as many cells, once they have been asked for.
+    /// The same polynomials on twice as many cells, built on first use.
     halved: Arc<OnceLock<RodEquations>>,
     /// The last shape that was reconstructed.
     pub(crate) confirmed: Option<ConfirmedShape>,
@@ -44,13 +44,13 @@ impl GridLevel {
             .get_or_init(|| RodEquations::on(system.grid.halved(&system.params.resolution), system.params.clone()))
     }
 
-    /// A rod that starts anew does not know its earlier shapes.
+    /// Forgets earlier shapes, for a restart.
     pub(crate) fn forget(&mut self) {
         self.confirmed = None;
     }
 }
 
-/// A shape whose error has been told by its reconstruction, and by how much that exceeded what was estimated.
+/// A shape whose error was confirmed by reconstruction, and the ratio of that error to its estimate.
 #[derive(Clone, Debug)]
 pub(crate) struct ConfirmedShape {
     pub(crate) tip_m: Vector3<f64>,

@@ -1,4 +1,4 @@
-//! The rod with all that it keeps between solves.
+//! The [`Rod`](rod::Rod) and its state between solves.
 
 pub(crate) mod fields;
 pub(crate) mod grid_level;

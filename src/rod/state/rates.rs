@@ -7,7 +7,7 @@ use crate::rod::equations::material::Components;
 use crate::rod::equations::motion::{EndMass, Motion};
 use crate::rod::equations::shape::Shape;
 
-/// Velocities and accelerations of all that has them.
+/// Velocities and accelerations at the Gauss points and the lumped masses.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Rates {
     pub(crate) node_v: Vec<Vector3<f64>>,
@@ -36,7 +36,7 @@ impl Rates {
         }
     }
 
-    /// Becomes a copy of `other` without allocating.
+    /// Copies `other` without allocating.
     pub(crate) fn copy_from(&mut self, other: &Rates) {
         self.node_v.clone_from(&other.node_v);
         self.node_a.clone_from(&other.node_a);

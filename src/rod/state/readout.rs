@@ -1,20 +1,20 @@
-//! What a rod shows of itself: its tip, its tendons and the work of the solver.
+//! Quantities read from a rod: tip, tendons, solver statistics.
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::rod::Rod;
 use crate::rod::solver::newton_state::NewtonSolver;
 
-/// What solving has taken so far.
+/// Solver statistics since construction or restart.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effort {
-    /// Time steps, those that had to be repeated not counted.
+    /// Accepted time steps.
     pub steps: u64,
-    /// Evaluations of the equations, one an iteration.
+    /// Evaluations of the residual, one per iteration.
     pub iterations: u64,
-    /// Evaluations of their derivative.
+    /// Evaluations of the derivative.
     pub derivatives: u64,
-    /// Factorisations of it.
+    /// Factorisations of the derivative.
     pub factorisations: u64,
 }
 
@@ -29,8 +29,8 @@ impl Rod {
         self.state.shape.tip_rotation()
     }
 
-    /// Position (metres) and orientation of the cross-section `position_m` from the base along the relaxed rod, world
-    /// frame; the nearest end where the rod has no such place.
+    /// Position (metres) and orientation of the cross-section at arc length `position_m`, world frame; clamped to the
+    /// ends of the rod.
     pub fn pose_at(&self, position_m: f64) -> (Vector3<f64>, Matrix3<f64>) {
         self.state.shape.pose_at(&self.system.grid, position_m)
     }
@@ -40,19 +40,19 @@ impl Rod {
         &self.state.unknowns[self.system.grid.unknowns..]
     }
 
-    /// Displacement at which each tendon would be neither slack nor under tension, metres.
+    /// Displacement at which each tendon is just taut without tension, metres.
     pub fn following_pulls_m(&self) -> Vec<f64> {
         let lengths_m = self.system.lengths_m(&self.state.shape);
         let homes = lengths_m.iter().zip(&self.system.home_lengths_m);
         homes.zip(&self.system.params.tendons).map(|((now, home), t)| home - now - t.pretension_m).collect()
     }
 
-    /// What the last solve may be off by at the tip, metres.
+    /// Estimated tip error of the last solve, metres.
     pub fn residual_m(&self) -> f64 {
         self.solver.residual_m
     }
 
-    /// Work done so far.
+    /// Solver statistics so far.
     pub fn effort(&self) -> Effort {
         let NewtonSolver { iterations, derivatives, factorisations, .. } = self.solver;
         Effort { steps: self.step_size.taken, iterations, derivatives, factorisations }

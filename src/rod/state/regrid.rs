@@ -3,18 +3,18 @@
 use super::rod::Rod;
 
 impl Rod {
-    /// What the discretisation in space may put the tip off by, metres: after a static solve the larger one of an estimate
-    /// and of what a reconstruction says; in motion an estimate.
+    /// Estimated tip error due to the spatial discretisation, metres. After a static solve: the larger of the estimate
+    /// and the error found by reconstruction. In motion: the estimate.
     pub fn space_error_m(&self) -> f64 {
         self.grid_level.error_m
     }
 
-    /// How often the grid has been refined beyond the resolution that was asked for.
+    /// Refinements beyond the requested resolution.
     pub fn refinements(&self) -> u32 {
         self.grid_level.level
     }
 
-    /// Goes back to the resolution that was asked for; histories along the rod are taken along.
+    /// Returns to the requested resolution and transfers the state, histories included.
     pub(crate) fn coarsen(&mut self) {
         if self.grid_level.level > 0 {
             *self = self.on_grid(0);

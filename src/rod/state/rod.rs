@@ -1,4 +1,4 @@
-//! A rod that can be settled and moved: the interface of this room.
+//! The tendon-driven rod: parameters, equations, solver and state.
 
 use nalgebra::Vector3;
 
@@ -18,14 +18,14 @@ use crate::rod::params::scheme::{Scheme, Tableau};
 use crate::rod::solver::newton_state::NewtonSolver;
 use crate::rod::solver::status::SolveStatus;
 
-/// What a tendon is told.
+/// Command to one tendon.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Drive {
     /// Displacement at the drive in metres, 0 at home, positive pulls; the tendon never pushes.
     Pull(f64),
     /// Tension in newtons, ≥ 0.
     Tension(f64),
-    /// No tension and no slack: the drive follows the shape.
+    /// Zero tension without slack: the drive follows the shape.
     Follow,
 }
 
@@ -35,7 +35,7 @@ pub struct Rod {
     pub(crate) system: RodEquations,
     pub(crate) solver: NewtonSolver,
     pub(crate) state: RodState,
-    /// The state before the step under way, to go back to.
+    /// The state before the current step.
     pub(crate) before: RodState,
     pub(crate) motion: Motion,
     pub(crate) stages: Vec<Rates>,
@@ -43,9 +43,9 @@ pub struct Rod {
     pub(crate) step_size: StepSize,
     pub(crate) tip_load: TipWrench,
     pub(crate) grid_level: GridLevel,
-    /// Under what the rod came to rest; nothing once it has moved.
+    /// Commands and loads of the present equilibrium; `None` once the rod has moved.
     pub(crate) settled_under: Option<SettledConditions>,
-    /// What has been solved, for those who follow; nothing is kept when absent.
+    /// Log of solves for rods that follow this one; `None` when nothing follows.
     pub(crate) log: Option<SolveLog>,
 }
 
@@ -105,7 +105,7 @@ impl Rod {
         &self.system.params
     }
 
-    /// Replaces the load at the tip from now on (it is added to nothing: pass the sum).
+    /// Replaces the load at the tip. The load is not added to an earlier one: pass the sum.
     pub fn set_tip_load(&mut self, load: TipWrench) {
         self.tip_load = load;
     }
@@ -133,7 +133,7 @@ impl Rod {
         let status = self.solver.solve(&self.system, unknowns, taut, &conditions, tolerance_m);
         if status == SolveStatus::Converged {
             let n = self.system.grid.unknowns;
-            // What the tolerance leaves of a push is no tension.
+            // A tension that is negative within the tolerance is zero.
             self.state.unknowns[n..].iter_mut().for_each(|tension| *tension = tension.max(0.0));
             let (system, state) = (&self.system, &mut self.state);
             vectorised(
@@ -171,7 +171,7 @@ impl Rod {
         drives.iter().zip(tendons).map(hold).collect()
     }
 
-    /// Known tensions are put in place before the first iteration.
+    /// Sets prescribed tensions before the first iteration.
     pub(crate) fn seed_tensions(&mut self, holds: &[TendonConstraint]) {
         let n = self.system.grid.unknowns;
         for (i, hold) in holds.iter().enumerate() {
@@ -182,7 +182,7 @@ impl Rod {
         }
     }
 
-    /// Keeps what has just been solved for those who follow.
+    /// Logs the stage that has just been solved.
     pub(crate) fn log_stage(&mut self) {
         let RodState { unknowns, taut, .. } = &self.state;
         self.log.iter_mut().for_each(|log| log.stages.push((unknowns.clone(), taut.clone())));

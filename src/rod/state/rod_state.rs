@@ -1,4 +1,4 @@
-//! The state of a moving rod, and what one stage of a time step needs of it.
+//! The state of a rod at one instant.
 
 use super::rates::Rates;
 use crate::rod::equations::shape::Shape;
@@ -16,7 +16,7 @@ pub(crate) struct RodState {
 }
 
 impl RodState {
-    /// A state of nothing, to hold a place.
+    /// An empty placeholder.
     pub(crate) fn empty() -> RodState {
         RodState {
             unknowns: Vec::new(),
@@ -27,7 +27,7 @@ impl RodState {
         }
     }
 
-    /// Becomes a copy of `other` without allocating.
+    /// Copies `other` without allocating.
     pub(crate) fn copy_from(&mut self, other: &RodState) {
         self.unknowns.clone_from(&other.unknowns);
         self.taut.clone_from(&other.taut);

@@ -1,6 +1,6 @@
-//! What has been solved, kept for the rods that follow another one.
+//! Log of solves, for the rods that follow another one.
 
-/// What has been solved.
+/// Solved stages and steps.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SolveLog {
     /// Unknowns and taut set of each stage of the step under way.
@@ -17,7 +17,7 @@ pub(crate) struct SolvedStep {
 }
 
 impl SolveLog {
-    /// The stages so far were those of a step of `duration_s`.
+    /// Closes a step of `duration_s` with the stages logged so far.
     pub(crate) fn accept(&mut self, duration_s: f64) {
         self.solved.push(SolvedStep { duration_s, stages: std::mem::take(&mut self.stages) });
     }

@@ -5,7 +5,7 @@ use crate::rod::params::scheme::Tableau;
 /// The length of the time steps.
 #[derive(Clone, Debug)]
 pub(crate) struct StepSize {
-    /// What the error of the last step suggests for the next one, s; infinite before the first.
+    /// Suggested length of the next step from the error of the last one, s; infinite before the first.
     pub(crate) next_s: f64,
     /// Steps since the rod was made or restarted.
     pub(crate) taken: u64,

@@ -4,13 +4,13 @@ use crate::rod::equations::boundary_conditions::TendonConstraint;
 use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rod::Rod;
 
-/// Smallest share of the loads that continuation raises before the rod is let go instead.
+/// Smallest load increment before dynamic relaxation takes over.
 const SMALLEST_SHARE: f64 = 0.02;
 /// Iterations after which continuation tries a smaller share.
 const CONTINUATION_ITERATIONS: usize = 50;
 
 impl Rod {
-    /// Raises all loads from nothing in steps that shrink on failure and grow on success.
+    /// Raises all loads from zero, in increments that shrink on failure and grow on success.
     pub(crate) fn continue_in_load(&mut self, holds: &[TendonConstraint]) -> SolveStatus {
         self.state.unknowns.fill(0.0);
         self.state.taut.fill(false);

@@ -1,36 +1,36 @@
-//! Equilibria that Newton's method misses: the rod is let go as if in honey and followed until it is at rest.
+//! Dynamic relaxation, for equilibria that the Newton iteration does not reach: an overdamped rod is followed to rest.
 //!
-//! An inertia-free, heavily damped rod that takes implicit Euler steps minimises its energy plus the square of the
-//! distance from where it was (a proximal point method): each step lowers the energy, passes limit points by snapping,
-//! and can only come to rest where the equilibrium is stable. Loads are raised together during the first steps.
+//! Implicit Euler steps of an inertia-free, heavily damped rod minimise its energy plus the squared distance from the
+//! previous shape (a proximal point method). Each step lowers the energy, passes limit points by snapping through, and
+//! can only come to rest at a stable equilibrium. All loads are raised together during the first steps.
 
 use crate::rod::equations::boundary_conditions::TendonConstraint;
 use crate::rod::equations::motion::Motion;
 use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rod::Rod;
 
-/// Damping over stiffness of the honey, s: so much that inertia plays no part.
+/// Damping over stiffness of the overdamped rod, s: large enough that inertia is negligible.
 const OVERDAMPED_TIME_S: f64 = 1e4;
-/// Solves and Newton iterations before giving up.
+/// Limits on solves and Newton iterations.
 const MOST_SOLVES: usize = 120;
 const MOST_ITERATIONS: u64 = 1000;
-/// Iterations times cells before giving up.
+/// Limit on iterations times cells.
 const MOST_WORK: u64 = 40_000;
-/// Newton iterations that a step may take before a shorter one is tried.
+/// Newton iterations per step before a shorter one is tried.
 const MAX_ITERATIONS: usize = 25;
-/// Steps in damping times: the first, the shortest, and the one after which the rod counts as being at rest.
+/// Steps in damping times: first, shortest, longest (after which the rod counts as at rest), and first under full load.
 const FIRST_STEP: f64 = 0.5;
 const SHORTEST_STEP: f64 = 1e-4;
 const LONGEST_STEP: f64 = 1e3;
 const FALLING_STEP: f64 = 0.02;
 /// Share of the loads that the first step raises.
 const FIRST_SHARE: f64 = 0.1;
-/// A rod that cannot be followed beyond this length of backbone, or of a tendon's path, per relaxed length is crushed.
+/// A rod that fails below this length of backbone, or of tendon path, per relaxed length is reported as crushed.
 const NEARLY_CRUSHED: f64 = 0.05;
 
 impl Rod {
-    /// Follows the overdamped rod under `holds` from where the unknowns stand, with loads that rise from `share` to
-    /// their value, to a rest that Newton's method then sharpens.
+    /// Follows the overdamped rod under `holds` from the present unknowns to rest while the loads rise from `share` to
+    /// 1. A Newton solve then refines the result.
     pub(crate) fn relax_dynamically(&mut self, holds: &[TendonConstraint], mut share: f64) -> SolveStatus {
         let mut overdamped = self.overdamped();
         // Long rods with many cells take longer over each iteration.
@@ -90,7 +90,7 @@ impl Rod {
         self.least_stretch() < NEARLY_CRUSHED
     }
 
-    /// The same rod in the same shape, slow.
+    /// The same rod in the same shape, overdamped.
     fn overdamped(&self) -> Rod {
         let mut params = self.system.params.clone();
         params.damping_time_s = OVERDAMPED_TIME_S;

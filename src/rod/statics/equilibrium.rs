@@ -1,4 +1,4 @@
-//! Equilibria: a rod is brought to rest under what its tendons are told and what loads it.
+//! Static equilibrium under given tendon commands and loads.
 
 use crate::rod::equations::boundary_conditions::TendonConstraint;
 use crate::rod::equations::motion::Motion;
@@ -8,10 +8,10 @@ use crate::rod::state::rest::SettledConditions;
 use crate::rod::state::rod::{Drive, Rod};
 
 impl Rod {
-    /// Brings the rod to rest under `drives` (one a tendon). Histories come to rest as well.
+    /// Brings the rod to rest under `drives`, one per tendon. Histories relax completely.
     pub fn settle(&mut self, drives: &[Drive]) -> SolveStatus {
         let Some(holds) = self.holds(drives) else { return SolveStatus::BadCommand };
-        // From rest to rest, histories stay as fine as they are known.
+        // With histories the refined grid is kept between equilibria, so that they keep their resolution.
         if self.system.params.moment_laws.is_empty() {
             self.coarsen();
         }
@@ -44,8 +44,8 @@ impl Rod {
         status
     }
 
-    /// From rest to rest under the same loads the first residual is known: what the tendons are taken in by. This saves
-    /// one evaluation of the equations in four.
+    /// Between equilibria under the same loads the first residual is known: the change of the tendon constraints. This
+    /// saves one evaluation of the equations in four.
     fn predict_residual(&mut self, holds: &[TendonConstraint]) {
         let unchanged =
             |rest: &&SettledConditions| rest.tip_load == self.tip_load && self.system.params.moment_laws.is_empty();

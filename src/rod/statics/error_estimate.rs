@@ -1,4 +1,4 @@
-//! An a-posteriori estimate of what the discretisation in space puts the tip off by (docs/robustness.md).
+//! A-posteriori estimate of the tip error due to the spatial discretisation (docs/robustness.md).
 
 use nalgebra::Vector3;
 
@@ -8,16 +8,16 @@ use crate::rod::equations::shape::Shape;
 use crate::rod::equations::system::{RodEquations, Workspace};
 use crate::rod::state::rod::Rod;
 
-/// A tendon closer to the axis than this share of the length shortens the rod rather than bend it.
+/// Least tendon offset as a share of the length: closer tendons shorten the rod rather than bend it.
 const LEAST_OFFSET: f64 = 0.01;
-/// One Picard iteration is the first term of a series; it counts this many times.
+/// Safety factor on the one Picard iteration, which is the first term of a series.
 const CAUTION: f64 = 15.0;
-/// The two-point Gauss rule leaves h⁵ f⁗ / 4320; three times as much covers the fields that enter each other.
+/// The error of the two-point Gauss rule is h⁵ f⁗ / 4320; a factor of three covers products of fields.
 const CELL_ERROR: f64 = 3.0 / 4320.0;
-/// The fourth-order Magnus step leaves about this share of its commutator times the squared angle of the cell.
+/// Error of the fourth-order Magnus step over its commutator times the squared angle of the cell.
 const MAGNUS_ERROR: f64 = 1.0 / 30.0;
 
-/// What the cells' quadrature and the missing polynomials put the tip off by, metres, as far as one grid knows.
+/// Tip errors from quadrature and from truncated polynomials, metres, as estimated on one grid.
 pub(crate) struct ErrorEstimate {
     pub(crate) cells_m: f64,
     pub(crate) balance_m: f64,
@@ -30,14 +30,14 @@ impl ErrorEstimate {
 
     pub(crate) fn cautious_m(&self) -> f64 {
         let estimate_m = self.cells_m + CAUTION * self.balance_m;
-        // What is not a number must not pass for small.
+        // NaN must not count as small.
         if estimate_m.is_finite() { estimate_m } else { f64::INFINITY }
     }
 }
 
 impl RodEquations {
-    /// What the cells' quadrature puts the tip off by, metres: the angle that each turns, how far from plane it bends,
-    /// and where the spine begins to saturate inside.
+    /// Tip error due to quadrature, metres: from the bending angle of each cell, out-of-plane bending, and the onset of
+    /// spine saturation inside a cell.
     fn cell_error_m(&self, shape: &Shape, taut: &[bool]) -> f64 {
         let strain = &shape.strain;
         let mut total = 0.0;
@@ -52,8 +52,8 @@ impl RodEquations {
         total + self.kink_error_m(shape, taut)
     }
 
-    /// The part of it from where the spine begins to saturate. How much a cell with a kink errs depends on where in it the
-    /// kink lies, so that two grids may agree by chance.
+    /// Contribution of the onset of saturation. It depends on where in its cell the kink lies, so that two grids may
+    /// agree by chance.
     fn kink_error_m(&self, shape: &Shape, taut: &[bool]) -> f64 {
         let force = |g: usize| shape.wrench[g][5];
         let kink = |(c, cell): (usize, &Cell)| {
@@ -63,7 +63,7 @@ impl RodEquations {
         if kinks == 0.0 {
             return 0.0;
         }
-        // A taut tendon bends the rod by what the spine is too long or too short.
+        // A taut tendon converts an axial length error into bending.
         let offset = |i: usize| {
             let along = self.guides.iter().skip(i).step_by(taut.len());
             along.map(|guide| guide.offset_m[0].hypot(guide.offset_m[1])).fold(0.0, f64::max)
@@ -73,8 +73,8 @@ impl RodEquations {
         kinks * (1.0 + length_m / nearest.max(LEAST_OFFSET * length_m))
     }
 
-    /// The strain at Gauss point `g` that the imbalance there amounts to, without its polynomial part: that is what the
-    /// last iteration has not solved for yet and then did.
+    /// The strain equivalent to the imbalance at Gauss point `g`, without its polynomial part (which the last iteration
+    /// has corrected since).
     fn missing_strain(&self, g: usize, workspace: &Workspace) -> Components {
         let node = &self.grid.nodes[g];
         let mut strain = workspace.weighted_strain(g, &workspace.imbalance[g]);
@@ -91,10 +91,10 @@ impl RodEquations {
         strain
     }
 
-    /// What the polynomials that are missing put the tip off by, metres. The imbalance that they leave at the Gauss
-    /// points is weighed to nothing by the polynomials that are there; as a strain that the rod lacks, it moves the tip
-    /// by its product with a lever that is no polynomial (one Picard iteration of the exact balance).
-    /// Where it changes the length of a taut tendon, the tendon bends the rod back by that length over its offset.
+    /// Tip error due to truncated polynomials, metres. The imbalance at the Gauss points is orthogonal to the
+    /// polynomials in use. As a missing strain it moves the tip by its product with a lever arm that is not a
+    /// polynomial (one Picard iteration of the exact balance). Where it changes the length of a taut tendon, the tendon
+    /// bends the rod by that length over its offset.
     pub(crate) fn balance_error_m(&self, workspace: &Workspace, taut: &[bool]) -> f64 {
         let tip = workspace.shape.tip_m();
         let missing_strain: Vec<Components> =
@@ -128,7 +128,7 @@ fn square(strain: &Components) -> f64 {
 }
 
 impl Rod {
-    /// The estimate on this grid alone, from what the last iteration has left in the solver.
+    /// The estimate on this grid, from the last iteration of the solver.
     pub(crate) fn estimate(&self) -> ErrorEstimate {
         ErrorEstimate {
             cells_m: self.system.cell_error_m(&self.state.shape, &self.state.taut),

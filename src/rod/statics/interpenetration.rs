@@ -4,12 +4,12 @@ use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rod::Rod;
 
 impl Rod {
-    /// Whether the material keeps its order: no cross-section passes through the next, on the axis or at a tendon.
+    /// [`SolveStatus::Crushed`] if cross-sections interpenetrate, on the axis or at a tendon.
     pub(crate) fn check_interpenetration(&self) -> SolveStatus {
         if self.least_stretch() > 0.0 { SolveStatus::Converged } else { SolveStatus::Crushed }
     }
 
-    /// Least length of the backbone, or of the axial part of a tendon's path, per relaxed length.
+    /// Least local length of the backbone, or of the axial part of a tendon path, per relaxed length.
     pub(crate) fn least_stretch(&self) -> f64 {
         let count = self.system.params.tendons.len();
         let mut least = f64::INFINITY;

@@ -1,9 +1,9 @@
-//! A better answer than the grid's own, only to see how far the two lie apart.
+//! Error estimation by a reconstructed, more accurate solution.
 //!
-//! The strains of a solution come from a wrench that is a polynomial, and the balance holds in the mean over each
-//! polynomial. Here the balance is solved at each Gauss point by itself for the strain there, at twice as many points,
-//! under the loads of the solved shape. What the shape of these strains then leaves open in the mean is taken off with
-//! the solver's own derivative, so that what a slender rod or a rod near buckling makes of a small error is in it.
+//! The wrench of a solution is polynomial, and the balance holds in the weighted mean. The reconstruction solves the
+//! balance pointwise at twice as many Gauss points, under the loads of the solved shape. The remaining mean imbalance
+//! is removed with the solver's derivative. The estimate thus includes the amplification of small errors in slender or
+//! nearly buckled rods.
 
 use nalgebra::{DVector, Matrix6, Vector6};
 
@@ -17,17 +17,17 @@ use crate::rod::equations::system::{RodEquations, Workspace};
 use crate::rod::state::grid_level::ConfirmedShape;
 use crate::rod::state::rod::Rod;
 
-/// The reconstruction is right but for terms of higher order; in 600 random robots it was never less than three
-/// quarters of the error.
+/// Safety factor: the reconstruction is accurate to higher order; for 600 random robots it was at least three quarters
+/// of the error.
 const RECONSTRUCTION_CAUTION: f64 = 2.0;
-/// Shapes whose tips lie apart by less than this share of the length are near each other; there the raw estimate counts,
-/// scaled, this many times.
+/// Tip distance, as a share of the length, within which a confirmed shape applies; there the estimate is scaled, with
+/// this safety factor.
 const NEAR: f64 = 0.05;
 const NEAR_CAUTION: f64 = 5.0;
 
 impl Rod {
-    /// Raises an error below the tolerance to what the reconstruction says, which knows what the rod makes of it. Next to
-    /// a shape for which that has been told the estimate `raw_m` is scaled instead.
+    /// Raises an estimated error below the tolerance to the error found by reconstruction. Close to a confirmed shape,
+    /// scales the estimate `raw_m` instead.
     pub(crate) fn confirm_by_reconstruction(&mut self, holds: &[TendonConstraint], tolerance_m: f64, raw_m: f64) {
         if self.grid_level.error_m > tolerance_m || tolerance_m.is_infinite() {
             return;
@@ -45,8 +45,8 @@ impl Rod {
         self.grid_level.confirmed = Some(ConfirmedShape { tip_m, taut: self.state.taut.clone(), ratio });
     }
 
-    /// How far the tip of the reconstructed solution lies from the tip of this one, metres, after a static solve under
-    /// `holds`; a turn counts as what it moves at the rod's length. Infinite where it cannot be told.
+    /// Distance between the tips of the reconstructed and the present solution, metres, after a static solve under
+    /// `holds`. A rotation counts as angle times length. Infinite on failure.
     pub(crate) fn reconstruction_m(&mut self, holds: &[TendonConstraint]) -> f64 {
         let fine = self.grid_level.halved(&self.system);
         let histories: Vec<_> = self
@@ -95,8 +95,8 @@ impl Rod {
 }
 
 impl RodEquations {
-    /// The wrench at each Gauss point that balances the external one in `workspace` there: one Newton iteration from the
-    /// wrench in `workspace`, whose error is of higher order and left to the balance in the mean.
+    /// The wrench that balances the external one in `workspace` at each Gauss point, by one Newton iteration; its error
+    /// is of higher order.
     fn local_balance(&self, unknowns: &[f64], workspace: &Workspace) -> Option<Vec<Components>> {
         let tensions = &unknowns[self.grid.unknowns..];
         let own = |g: usize| {

@@ -1,5 +1,5 @@
-//! Is the grid fine enough? Static solves that refine cells and polynomials until the estimate of what the
-//! discretisation in space puts the tip off by is small enough (docs/robustness.md).
+//! Adaptive refinement of static solves: cells and polynomials are added until the estimated tip error is below the
+//! tolerance (docs/robustness.md).
 
 use crate::rod::discretisation::levels::MOST_REFINEMENTS;
 use crate::rod::equations::boundary_conditions::TendonConstraint;
@@ -7,17 +7,16 @@ use crate::rod::equations::shape::distance_m;
 use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rod::Rod;
 
-/// Newton iterations from one grid to the next.
+/// Newton iterations after a change of grid.
 const MAX_ITERATIONS: usize = 40;
-/// Shapes on two grids that lie further apart than this share of the length may be two equilibria.
+/// Tip distance between two grids, as a share of the length, beyond which the equilibria may differ.
 const ANOTHER: f64 = 1e-3;
-/// A rod whose material remembers has fronts where it yields, kinks that no polynomial resolves: such rods are held to
-/// this many times the tolerance.
+/// Tolerance factor for rods with history-dependent moments: their yield fronts are kinks that no polynomial resolves.
 const MEMORY_TOLERANCE: f64 = 100.0;
 
 impl Rod {
-    /// Judges a shape at rest that solves the equations under `holds`: is it possible, does a finer grid agree?
-    /// Refines until the grid is fine enough; a rod whose shape is refused goes back to the grid that it had.
+    /// Verifies an equilibrium under `holds`: stability, interpenetration and discretisation error. Refines the grid as
+    /// needed. On failure the rod returns to its previous grid.
     pub(crate) fn verify_equilibrium(&mut self, holds: &[TendonConstraint]) -> SolveStatus {
         let status = self.leave_if_unstable(holds);
         if status != SolveStatus::Converged {
@@ -27,7 +26,7 @@ impl Rod {
         let tolerance_m = share * self.grid_level.base.static_tolerance_m;
         let mut estimate = self.estimate();
         if estimate.cautious_m() > tolerance_m && self.solve_static(holds, 1.0) == SolveStatus::Converged {
-            // The last iteration left an imbalance of its own; one more does not.
+            // One more iteration removes the imbalance that the last one left.
             estimate = self.estimate();
         }
         self.grid_level.error_m = estimate.cautious_m();
@@ -42,7 +41,7 @@ impl Rod {
             let max_iterations = std::mem::replace(&mut finer.solver.max_iterations, MAX_ITERATIONS);
             status = finer.solve_static(holds, 1.0);
             finer.solver.max_iterations = max_iterations;
-            // Of what polynomials that end at every jump leave, the reconstruction misses nothing.
+            // With elements that end at every jump the reconstruction captures the whole error.
             let estimate = finer.estimate();
             finer.grid_level.error_m = if finer.grid_level.level > 1 { 0.0 } else { estimate.cautious_m() };
             finer.confirm_by_reconstruction(holds, tolerance_m, estimate.plain_m());
@@ -50,7 +49,7 @@ impl Rod {
             let coarser = std::mem::replace(self, finer);
             fallback.get_or_insert(coarser);
             if status != SolveStatus::Converged || hopeless {
-                // The coarse answer stands unconfirmed.
+                // The coarse solution remains unconfirmed.
                 status = SolveStatus::UnderResolved;
                 break;
             }
@@ -66,7 +65,7 @@ impl Rod {
         status
     }
 
-    /// A finer grid may have led to another equilibrium than that of `coarse`, which was a stable one.
+    /// Checks that refinement has not led from the stable equilibrium of `coarse` to an unstable one.
     fn verify_stability(&mut self, holds: &[TendonConstraint], coarse: Option<&Rod>) -> SolveStatus {
         let length_m = self.system.params.length_m();
         let elsewhere = coarse

@@ -1,8 +1,8 @@
-//! Is an equilibrium one that the rod would stay in? (docs/robustness.md)
+//! Stability of equilibria (docs/robustness.md).
 //!
-//! Strains, elastic energy and tendon lengths are convex in each other, so that loads alone can make an equilibrium
-//! unstable. A bound on what they can do settles most cases at once; the others are told by the tangent matrix, which is
-//! the second derivative of the energy and has to be positive on all motions that the taut tendons allow.
+//! Elastic energy and tendon lengths are convex in the strains, so that only loads can make an equilibrium unstable. A
+//! bound on their effect settles most cases. The others are decided by the tangent matrix, the second derivative of the
+//! energy, which must be positive on all motions that the taut tendons allow.
 
 use nalgebra::linalg::Schur;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
@@ -11,13 +11,13 @@ use crate::rod::equations::boundary_conditions::TendonConstraint;
 use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rod::Rod;
 
-/// A bound below this share of the elastic stiffness proves stability; the rest is for shear and stretch.
+/// A bound below this share of the elastic stiffness proves stability; the margin covers shear and stretch.
 const SAFE_SHARE: f64 = 0.8;
-/// Compliance of a tendon that does not stretch, as a share of what the rod gives along it.
+/// Compliance assigned to an inextensible tendon, as a share of the compliance of the rod along it.
 const STIFF: f64 = 1e-6;
-/// By how much of its length the tip is pushed off an unstable equilibrium.
+/// Perturbation of the tip away from an unstable equilibrium, as a share of the length.
 const PUSH: f64 = 0.02;
-/// Iterations a row in which eigenvalues are looked for, at one precision and then at the next.
+/// Schur iterations per row, at one precision and then at the next.
 const SCHUR_ITERATIONS: usize = 40;
 const SCHUR_PRECISIONS: [f64; 2] = [f64::EPSILON, 1e-11];
 
@@ -42,9 +42,9 @@ impl Rod {
         SolveStatus::Unstable
     }
 
-    /// Whether the loads are too small to buckle the rod. A force N(s) that a cross-section carries takes at most
-    /// |N| |δθ|² + |∫N| |δθ| |δθ′| from the second variation of the energy, a moment M at most |M| |δθ| |δθ′|; with
-    /// |δθ(s)|² ≤ s ∫|δθ′|² both are bounded by integrals that are compared with the least turning stiffness.
+    /// Whether the loads are too small for buckling. A force N(s) contributes at most |N| |δθ|² + |∫N| |δθ| |δθ′| to
+    /// the second variation of the energy, a moment M at most |M| |δθ| |δθ′|. With |δθ(s)|² ≤ s ∫|δθ′|² both are
+    /// bounded by integrals that are compared with the least rotational stiffness.
     pub(crate) fn is_stable_by_bound(&self) -> bool {
         let params = &self.system.params;
         let free = params.point_loads.is_empty() && params.moment_laws.is_empty();
@@ -64,7 +64,7 @@ impl Rod {
         bound * self.grid_level.softest < SAFE_SHARE
     }
 
-    /// A motion that lowers the energy, as changes of the polynomial coefficients; none if the equilibrium is stable.
+    /// A direction of decreasing energy, as changes of the polynomial coefficients; `None` at a stable equilibrium.
     pub(crate) fn unstable_direction(&mut self, holds: &[TendonConstraint]) -> Option<Vec<f64>> {
         self.solver.forget();
         if self.solve_static(holds, 1.0) != SolveStatus::Converged {
@@ -89,7 +89,7 @@ impl Rod {
         if symmetric.clone().cholesky().is_some() {
             return None;
         }
-        // A moment that keeps its direction in space has no energy: then it is growth in time that tells.
+        // A moment with a fixed direction in space is not conservative: growth in time decides.
         if grows_nowhere(matrix) {
             return None;
         }
@@ -99,10 +99,10 @@ impl Rod {
     }
 }
 
-/// Whether all eigenvalues have positive real parts; false as well where they are not found.
+/// Whether all eigenvalues have positive real parts; false when the iteration fails.
 fn grows_nowhere(matrix: DMatrix<f64>) -> bool {
     let most = SCHUR_ITERATIONS * matrix.nrows();
-    // Double eigenvalues, as symmetric rods have them, keep the iteration from ever ending at the last digit.
+    // Double eigenvalues of symmetric rods may prevent convergence to the last digit.
     let schur = SCHUR_PRECISIONS.iter().find_map(|&precision| Schur::try_new(matrix.clone(), precision, most));
     schur.is_some_and(|schur| schur.complex_eigenvalues().iter().all(|value| value.re > 0.0))
 }

@@ -5,7 +5,7 @@ use crate::rod::params::loads::TipWrench;
 use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rod::Rod;
 
-/// Displacement of the tip that a converged static solve may be off by (its last step, squared for Newton), metres.
+/// Tip error allowed by the convergence criterion of a static solve (last step, squared for Newton), metres.
 const STATIC_TOLERANCE_M: f64 = 1e-8;
 
 impl Rod {
