@@ -1,4 +1,4 @@
-//! Value types that every room speaks, and the tree of seeds.
+//! Value types shared by all rooms, the plant and policy traits, and the seed tree.
 
 mod observation;
 mod option;

@@ -1,4 +1,4 @@
-//! What a robot is told and what is seen of it.
+//! Commands to a robot and observations of it.
 
 /// Displacement of each tendon at the drive, in metres: 0 at home, positive pulls (takes tendon out of the robot).
 pub type Displacements = Vec<f64>;
@@ -6,7 +6,7 @@ pub type Displacements = Vec<f64>;
 /// A position in the base frame, in metres: x up (against gravity), z along the straight robot.
 pub type Point3 = [f64; 3];
 
-/// What is known of a robot at one instant.
+/// Observation of a robot at one instant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Observation {
     /// Time since the trial began, seconds.

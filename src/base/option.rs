@@ -1,6 +1,6 @@
-//! Checks of the numbers that a user sets.
+//! Range checks of settings.
 
-/// A setting outside its range: what the specs turn into an error with file and line.
+/// A setting out of range; the specs add file and line.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{key}: found {found}, expected {expected}")]
 pub struct BadOption {
@@ -8,7 +8,7 @@ pub struct BadOption {
     pub key: &'static str,
     /// Its value.
     pub found: String,
-    /// What it may be.
+    /// The expected range.
     pub expected: &'static str,
 }
 

@@ -1,4 +1,4 @@
-//! A plain row-major table of numbers: the form in which samples travel between the rooms.
+//! A row-major table of numbers, used for samples throughout the crate.
 
 use serde::{Deserialize, Serialize};
 

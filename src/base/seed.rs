@@ -1,10 +1,10 @@
-//! Seeds as a tree: each part of an experiment draws from its own stream, named by its path, so that adding a
-//! part or a thread changes no other part's numbers.
+//! The seed tree: each part of an experiment draws from its own stream, named by its path. Adding a part or a thread
+//! changes no other part.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-/// The one generator of random numbers.
+/// The random number generator of the crate.
 pub type Generator = ChaCha8Rng;
 
 /// A node of the seed tree. ChaCha8 streams are documented as portable across machines and versions.

@@ -1,9 +1,9 @@
-//! The two sides of a control loop: a plant that moves and a policy that decides.
+//! The interfaces of a control loop: plant and policy.
 
 use super::observation::{Displacements, Observation, Point3};
 use super::seed::Seed;
 
-/// What one tendon is told to do.
+/// Command to one tendon.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TendonCommand {
     /// Pull to this displacement, metres (positive pulls).
@@ -12,10 +12,10 @@ pub enum TendonCommand {
     Follow,
 }
 
-/// Why a plant could not carry out a step.
+/// Why a plant could not execute a step.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PlantError {
-    /// The command is not one that this plant takes (not finite, wrong number of tendons, out of range).
+    /// The plant does not accept the command (not finite, wrong number of tendons, out of range).
     #[error("command refused: {0}")]
     Refused(String),
     /// The simulated mechanics found no equilibrium; holds the solver's named status.
@@ -24,18 +24,18 @@ pub enum PlantError {
     /// A real robot was stopped: why, and how to continue.
     #[error("robot stopped: {0}")]
     Stopped(String),
-    /// Tracking saw nothing, however often the command was held once more.
+    /// The tip was not tracked, also when the command was repeated.
     #[error("tracking lost: the tip was not seen in {steps} further steps with the same command")]
     Unseen {
-        /// Number of times.
+        /// Number of repetitions.
         steps: usize,
     },
-    /// A recording has no such command to replay.
+    /// The recording does not contain this command.
     #[error("not in the recording: {0}")]
     NotRecorded(String),
 }
 
-/// Something that moves: a simulated robot, a replayed recording, hardware.
+/// A robot under control: simulated, replayed from a recording, or hardware.
 pub trait Plant: Send {
     /// Number of tendons.
     fn tendons(&self) -> usize;
@@ -52,14 +52,14 @@ pub trait Plant: Send {
     }
 }
 
-/// What a policy decides.
+/// Decision of a policy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Action {
     /// Displacement of each tendon, metres.
     pub pulls_m: Displacements,
-    /// True once the policy would not change its command any more for this target.
+    /// True when the policy will not change its command for this target any more.
     pub settled: bool,
-    /// Which of several controllers gave the command (`a` or `b`); empty where there is only one.
+    /// Controller that gave the command (`a` or `b`); empty for a single controller.
     pub branch: &'static str,
 }
 
@@ -72,7 +72,7 @@ pub enum PolicyError {
     /// Tracking was lost before anything had been measured.
     #[error("no valid measurement yet")]
     NoMeasurement,
-    /// A model gave another number of tendons than the robot has.
+    /// The model has a different number of tendons than the robot.
     #[error("wrong number of tendons: found {found}, expected {expected}")]
     Tendons {
         /// Number given.
@@ -82,9 +82,9 @@ pub enum PolicyError {
     },
 }
 
-/// A controller: from what is seen and a target to tendon displacements. It cannot reach a plant.
+/// A controller: maps observation and target to tendon displacements. It has no access to a plant.
 pub trait Policy: Send {
-    /// Forgets everything since the last reset (a new trial begins).
+    /// Clears all state (a new trial begins).
     fn reset(&mut self);
     /// Decides the command for the next step, given the tip's target in metres.
     fn act(&mut self, seen: &Observation, target_m: &Point3) -> Result<Action, PolicyError>;

@@ -1,4 +1,4 @@
-//! Files that belong together: all of them new, or none.
+//! Atomic replacement of a set of files.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use super::DataError;
 use super::file::{create, temporary_path};
 
-/// Writes whole files that belong together: all of them are on the disk before the first takes its name, so that a full
-/// disk leaves the old ones all as they were. What a writer of the same files left behind that was killed goes.
+/// Writes a set of files atomically: all are on disk under temporary names before the first is renamed, so that a full
+/// disk leaves the old files unchanged. Temporary files of writers that were killed are removed.
 ///
 /// # Errors
 /// [`DataError::Write`] for the first file that cannot be written.
@@ -21,7 +21,7 @@ pub fn write_atomic_batch<'a>(files: impl Iterator<Item = (PathBuf, &'a [u8])>) 
     staged.commit()
 }
 
-/// Files that are on the disk beside their places; those that never take their names go when this is dropped.
+/// Temporary files beside their targets; those that were not renamed are removed on drop.
 #[derive(Default)]
 struct StagedFiles {
     files: Vec<StagedFile>,
@@ -39,7 +39,7 @@ impl StagedFiles {
         let temporary = temporary_path(&path);
         let written = (|| {
             let mut file = create(&temporary)?;
-            // A file system without locks: what is left behind there stays.
+            // On a file system without locks, stale files stay.
             let _ = file.try_lock();
             file.write_all(bytes)?;
             file.sync_all().map(|()| file)
@@ -67,12 +67,12 @@ impl StagedFiles {
 
 impl Drop for StagedFiles {
     fn drop(&mut self) {
-        // Those that have taken their names are not there any more.
+        // Renamed files no longer exist under this name.
         self.files.iter().for_each(|file| drop(fs::remove_file(&file.temporary)));
     }
 }
 
-/// Removes neighbours of these files whose writers are dead.
+/// Removes temporary files of these targets whose writers have ended.
 fn remove_stale(folder: &Path, names: &BTreeSet<&Path>) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let temporary = entry.path();

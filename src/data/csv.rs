@@ -1,5 +1,5 @@
-//! What must hold of a CSV before it is parsed: UTF-8, one header line, the same number of cells in every line. A
-//! parser that repairs such faults in silence hides a broken recording, so they are looked for first, by line.
+//! Checks of a CSV before parsing: UTF-8, one header line, the same number of cells in every line. A parser that
+//! repairs such faults silently would hide a damaged recording.
 
 use std::path::Path;
 

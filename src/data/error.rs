@@ -1,4 +1,4 @@
-//! What can be wrong with a file, said once: file, place, column, what was found, what was expected.
+//! Errors of files: file, place, column, what was found, what was expected.
 
 use std::path::PathBuf;
 
@@ -18,7 +18,7 @@ pub enum DataError {
         /// What the system says.
         reason: String,
     },
-    /// The operating system refused, or the rows cannot stand in a table.
+    /// The operating system refused, or the rows do not form a table.
     #[error("{}: cannot write: {reason}", file.display())]
     Write {
         /// The file.
@@ -26,7 +26,7 @@ pub enum DataError {
         /// What the system says.
         reason: String,
     },
-    /// There is nothing in it.
+    /// The file is empty.
     #[error("{}: empty: found {found}, expected {expected}", file.display())]
     Empty {
         /// The file.
@@ -62,7 +62,7 @@ pub enum DataError {
         /// What it should hold.
         expected: String,
     },
-    /// A cell does not hold what its column promises.
+    /// A cell has a value that its column does not allow.
     #[error("{}, {place}, column `{column}`: found {found}, expected {expected}", file.display())]
     Cell {
         /// The file.

@@ -1,4 +1,4 @@
-//! Whole files in and out.
+//! Reading and atomic writing of whole files.
 
 use std::fs;
 use std::io::Write as _;
@@ -11,8 +11,8 @@ pub(super) fn read(path: &Path) -> Result<Vec<u8>, DataError> {
     fs::read(path).map_err(|error| DataError::Read { file: path.to_owned(), reason: error.to_string() })
 }
 
-/// Writes a whole file or nothing: the bytes go to a temporary file that then takes the name, so that a reader never
-/// meets half a file and a failure leaves the old one. Missing folders are made.
+/// Writes a file atomically: the bytes go to a temporary file that is then renamed. A failure leaves the old file.
+/// Missing folders are created.
 ///
 /// # Errors
 /// [`DataError::Write`] when the folder cannot be made or the file not written.
@@ -33,7 +33,7 @@ fn write_and_rename(path: &Path, temporary: &Path, bytes: &[u8]) -> std::io::Res
     fs::rename(temporary, path)
 }
 
-/// A new file, its folders made.
+/// Creates a file and its folders.
 pub(super) fn create(path: &Path) -> std::io::Result<fs::File> {
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder)?;

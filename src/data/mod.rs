@@ -1,4 +1,4 @@
-//! All that is on disk.
+//! Files: recordings, result tables, findings, imports.
 
 mod atomic_batch;
 mod csv;

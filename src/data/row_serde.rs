@@ -1,11 +1,11 @@
-//! Rows of plain structs to columns and back, through serde: field names are column names, in declaration order.
+//! Conversion between plain structs and table rows through serde: field names are column names, in declaration order.
 
 use serde::de::value::MapDeserializer;
 use serde::de::{self, IntoDeserializer};
 use serde::ser::{self, Impossible};
 use serde::{Deserializer, Serialize, Serializer, forward_to_deserialize_any};
 
-/// One value of one field.
+/// Value of one field.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum FieldValue {
     Integer(i64),
@@ -16,7 +16,7 @@ pub(crate) enum FieldValue {
     Missing,
 }
 
-/// Why a struct is not a row, or a cell not a value of its field.
+/// Why a struct is not a row, or a cell does not fit its field.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(crate) enum RowError {
     #[error("a row has fields of numbers, text and flags only: {0}")]
@@ -54,7 +54,7 @@ fn not_flat<T>(what: &str) -> Result<T, RowError> {
     Err(RowError::NotFlat(what.to_owned()))
 }
 
-/// Takes structs apart.
+/// Serialises a struct to its fields.
 struct RowSerializer;
 
 /// The fields met so far.
@@ -75,7 +75,7 @@ impl ser::SerializeStruct for Fields {
     }
 }
 
-/// Takes one field's value.
+/// Serialises one field.
 struct CellSerializer;
 
 macro_rules! refuse {
@@ -281,7 +281,7 @@ impl<'de> Deserializer<'de> for TextCell<'_> {
     }
 
     fn deserialize_f64<V: de::Visitor<'de>>(self, visitor: V) -> Result<V::Value, RowError> {
-        // An empty cell is how a number that is not there is published.
+        // A missing number is published as an empty cell.
         if self.text.is_empty() { visitor.visit_f64(f64::NAN) } else { visitor.visit_f64(self.parse("a number")?) }
     }
 

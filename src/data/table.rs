@@ -1,4 +1,4 @@
-//! A table file as named columns, before anybody asks what the columns mean. CSV and Parquet meet here.
+//! A table as named columns, independent of their meaning; read from CSV and Parquet.
 
 use std::fs::File;
 use std::io::{Cursor, Read as _};
@@ -12,7 +12,7 @@ use polars::prelude::{
 use super::DataError;
 use super::error::shown;
 
-/// The cells of one column. Text is what a CSV holds; numbers come from Parquet and go out to both.
+/// The cells of one column. CSV files yield text, Parquet files also numbers; both are written.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Cells {
     Integers(Vec<i64>),
@@ -55,13 +55,13 @@ impl Cells {
     }
 }
 
-/// What a Parquet file begins with; anything else is taken for a CSV, whatever its name.
+/// Magic bytes of a Parquet file; all other files are read as CSV.
 pub(super) const PARQUET: &[u8] = b"PAR1";
 
-/// Whether the rows of the file at `path` have line numbers, for messages about what was read from it before.
+/// Whether rows of the file at `path` have line numbers (CSV), for messages.
 pub(crate) fn has_lines(path: &Path) -> bool {
     let mut first = Vec::new();
-    // A file that has gone since is best told about as the text that most are.
+    // A file that was removed since is treated as text.
     let _ = File::open(path).and_then(|file| file.take(PARQUET.len() as u64).read_to_end(&mut first));
     first != PARQUET
 }
@@ -121,7 +121,7 @@ impl Table {
     }
 }
 
-/// Columns to the bytes of a CSV: shortest digits that read back as the same numbers, empty where not a number.
+/// Encodes columns as CSV with the shortest digits that read back unchanged; NaN becomes an empty cell.
 pub(crate) fn csv_bytes(columns: Vec<(String, Cells)>) -> Result<Vec<u8>, String> {
     let mut frame = frame(columns)?;
     let mut bytes = Vec::new();
@@ -129,7 +129,7 @@ pub(crate) fn csv_bytes(columns: Vec<(String, Cells)>) -> Result<Vec<u8>, String
     Ok(bytes)
 }
 
-/// Columns to the bytes of a Parquet file.
+/// Encodes columns as Parquet.
 pub(crate) fn parquet_bytes(columns: Vec<(String, Cells)>) -> Result<Vec<u8>, String> {
     let mut frame = frame(columns)?;
     let mut bytes = Vec::new();
@@ -142,7 +142,7 @@ fn frame(columns: Vec<(String, Cells)>) -> Result<DataFrame, String> {
     DataFrame::new_infer_height(series).map_err(|error| error.to_string())
 }
 
-/// Parses checked CSV text (see [`super::csv`]) with every column as text: what a cell must hold is for the reader to say.
+/// Parses checked CSV text (see [`super::csv`]), every column as text; the reader of a format checks the cells.
 pub(crate) fn parse_csv(path: &Path, text: &str) -> Result<Table, DataError> {
     let options = CsvReadOptions::default().with_infer_schema_length(Some(0)).with_n_threads(Some(1));
     let frame = options.into_reader_with_file_handle(Cursor::new(text.as_bytes())).finish();

@@ -1,11 +1,11 @@
-//! One lead screw's scale is off.
+//! Scale error of one lead screw.
 
 use serde::{Deserialize, Serialize};
 
 use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 
-/// What one drive moves is a multiple of what it is told.
+/// One drive moves a multiple of its command.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ActuatorGain {

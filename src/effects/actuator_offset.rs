@@ -1,4 +1,4 @@
-//! One tendon's zero is off.
+//! Zero error of one tendon.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,7 +6,7 @@ use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 use crate::rod::RodParams;
 
-/// One drive is displaced by a constant.
+/// A constant offset of one drive.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ActuatorOffset {

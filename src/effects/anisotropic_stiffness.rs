@@ -6,7 +6,8 @@ use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 use crate::rod::RodParams;
 
-/// Bending stiffnesses k₁, k₂ about two principal axes with the mean kept; on a rod that is anisotropic already, added to that.
+/// Bending stiffnesses k₁, k₂ about two principal axes, with the mean unchanged. On a rod that is already anisotropic,
+/// the two anisotropies add.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AnisotropicStiffness {
@@ -52,8 +53,8 @@ impl Effect for AnisotropicStiffness {
     }
 }
 
-/// Two anisotropies (ratio and angle) of one rod as one: stiffness tensors add, and the part that is not the same in all
-/// directions turns twice as fast as the axes.
+/// Sum of two anisotropies (ratio and angle): stiffness tensors add, and their deviatoric part rotates with twice the
+/// angle of the axes.
 fn together(one: (f64, f64), other: (f64, f64)) -> (f64, f64) {
     let part = |(ratio, angle_rad): (f64, f64)| {
         nalgebra::Vector2::new((2.0 * angle_rad).cos(), (2.0 * angle_rad).sin()) * ratio

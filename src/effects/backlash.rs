@@ -11,7 +11,7 @@ use crate::base::BadOption;
 pub struct Backlash {
     /// Width of the dead zone, metres.
     pub width_m: f64,
-    /// Where each tendon's end stands.
+    /// Position of the driven end of each tendon, metres.
     #[serde(skip)]
     held_m: Vec<f64>,
 }

@@ -1,4 +1,4 @@
-//! The base is turned from where gravity was assumed.
+//! The base is tilted with respect to the assumed direction of gravity.
 
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
@@ -7,7 +7,7 @@ use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 use crate::rod::RodParams;
 
-/// The base is tilted about x and y; what is measured is in the frame that was assumed.
+/// The base is tilted about x and y; measurements are in the frame of the untilted base.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BaseTilt {
@@ -37,7 +37,7 @@ impl Effect for BaseTilt {
 
     fn modify_rod(&self, rod: &mut RodParams) {
         let tilt_rad = Vector3::new(self.tilt_x_rad, self.tilt_y_rad, 0.0);
-        // An upright base is turned to the last bit by what the tilt says.
+        // For an upright base the rotation equals the tilt to the last bit.
         rod.base_rotation_rad = if rod.base_rotation_rad == Vector3::zeros() {
             tilt_rad
         } else {

@@ -1,4 +1,4 @@
-//! Bending stiffness off by a factor.
+//! Error of the bending stiffness.
 
 use serde::{Deserialize, Serialize};
 

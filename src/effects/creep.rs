@@ -46,7 +46,7 @@ impl Effect for Creep {
 
 impl MomentLaw for Creep {
     fn moment(&self, state: &HistoryState, _curvature_rad_m: [f64; 2], bending_n_m2: f64) -> HistoryMoment {
-        // The crept curvature hardly moves within a time step, so it is held during the solve.
+        // The relaxed curvature changes little within a time step; the solve keeps it constant.
         let relaxed = self.share * bending_n_m2;
         HistoryMoment { moment_nm: [-relaxed * state[0], -relaxed * state[1]], tangent_n_m2: [[0.0; 2]; 2] }
     }

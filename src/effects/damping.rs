@@ -1,4 +1,4 @@
-//! Settles slower or faster.
+//! Error of the damping.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! The command acts late.
+//! Transport delay of the commands.
 
 use std::collections::VecDeque;
 
@@ -13,13 +13,13 @@ use crate::base::BadOption;
 pub struct Delay {
     /// Delay, s.
     pub time_s: f64,
-    /// Commands under way with their age, oldest first.
+    /// Pending commands with their age, oldest first.
     #[serde(skip)]
     past: VecDeque<(f64, Vec<f64>)>,
 }
 
-/// Two ticks at 5 Hz in steps of a drive's time: whether a command acts before or after the tracker looks is decided
-/// within one.
+/// Two ticks at 5 Hz in steps of the drive time: whether a command acts before or after the tracker samples is resolved
+/// within one step.
 const LOOKED_AT_S: [f64; 20] = [
     0.02, 0.04, 0.06, 0.08, 0.10, 0.12, 0.14, 0.16, 0.18, 0.20, 0.22, 0.24, 0.26, 0.28, 0.30, 0.32, 0.34, 0.36, 0.38,
     0.40,
@@ -47,7 +47,7 @@ impl Effect for Delay {
         self.time_s > 0.0
     }
 
-    /// Where the command stood a delay ago, on the straight lines between the instants it was asked for.
+    /// The command one delay ago, linearly interpolated between instants.
     fn modify_command(&mut self, pulls_m: &mut [f64], dt_s: f64) {
         if self.time_s <= 0.0 {
             return;

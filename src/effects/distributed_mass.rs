@@ -1,4 +1,4 @@
-//! The whole body heavier or lighter.
+//! Error of the mass along the body.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,11 +6,11 @@ use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 use crate::rod::RodParams;
 
-/// Mass along the body, disks included, times `scale`; not that of what hangs on it.
+/// Mass along the body, disks included, times `scale`; payloads are not scaled.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DistributedMass {
-    /// Factor on every mass of the robot's own, 1 changes nothing.
+    /// Factor on every mass of the robot itself, 1 changes nothing.
     pub scale: f64,
 }
 

@@ -1,29 +1,29 @@
-//! Where drives stand while they carry out commands, with the effects on them.
+//! Positions of the drives during a command, with the effects on them.
 
 use super::Effect;
 use crate::base::TendonCommand;
 use crate::rod::Drive;
 
-/// A rod's drives.
+/// State of the drives of one rod.
 #[derive(Clone, Debug)]
 pub(super) struct DriveState {
-    /// Time in which they carry out a command, s.
+    /// Duration of the motion to a new command, s.
     pub(super) drive_time_s: f64,
-    /// Displacements that they were last told to reach, metres, …
+    /// Commanded displacements, metres, …
     pub(super) commanded_m: Vec<f64>,
-    /// … and those that they stand at with the effects on them.
+    /// … and actual ones, with the effects applied.
     pub(super) actual_m: Vec<f64>,
 }
 
 impl DriveState {
-    /// Drives of so many tendons, at home.
+    /// Drives of `tendons` tendons, at home.
     pub(super) fn new(drive_time_s: f64, tendons: usize) -> DriveState {
         let home = vec![0.0; tendons];
         DriveState { drive_time_s, commanded_m: home.clone(), actual_m: home }
     }
 
-    /// The way to `target_m` and then the wait, in all `duration_s`: in parts within which the drives move at constant
-    /// speed, with the effects on them.
+    /// The motion to `target_m` and the hold after it, `duration_s` in all, as parts of constant drive speed with the
+    /// effects applied.
     pub(super) fn go(&mut self, effects: &mut [Box<dyn Effect>], target_m: Vec<f64>, duration_s: f64) -> DrivePath {
         let ramp_s = self.drive_time_s.min(duration_s);
         let late = effects.iter().any(|effect| effect.has_lag());
@@ -45,15 +45,15 @@ impl DriveState {
     }
 }
 
-/// Where drives stand while a command is held: straight lines between instants.
+/// Drive positions during one command, piecewise linear in time.
 pub(super) struct DrivePath {
     pub(super) ends_s: Vec<f64>,
-    /// At the start, and at each of these.
+    /// Positions at the start and at each of these times, metres.
     places_m: Vec<Vec<f64>>,
 }
 
 impl DrivePath {
-    /// What the drives do so long after the command was given.
+    /// The drives at `time_s` after the command.
     pub(super) fn drives(&self, commands: &[TendonCommand], time_s: f64) -> Vec<Drive> {
         let last = self.ends_s.len() - 1;
         let part = self.ends_s.iter().position(|end| time_s < end * (1.0 - 1e-12)).unwrap_or(last);
@@ -64,8 +64,7 @@ impl DrivePath {
     }
 }
 
-/// Where drives stand, with the effects on them, `dt_s` seconds after they were last looked at, having moved to `pulls_m`
-/// in the meantime; infinite: once all is at rest.
+/// Actual drive positions, metres, after a motion to `pulls_m` that took `dt_s` seconds. An infinite `dt_s` means rest.
 pub(super) fn apply_effects(effects: &mut [Box<dyn Effect>], mut pulls_m: Vec<f64>, dt_s: f64) -> Vec<f64> {
     effects.iter_mut().for_each(|effect| effect.modify_command(&mut pulls_m, dt_s));
     pulls_m
@@ -75,7 +74,7 @@ fn between(from_m: &[f64], to_m: &[f64], share: f64) -> Vec<f64> {
     from_m.iter().zip(to_m).map(|(from, to)| from + share * (to - from)).collect()
 }
 
-/// Drives that are `share` of the way between two displacements, or follow.
+/// Drives at `share` of the way between two displacements, or following.
 pub(super) fn drives(commands: &[TendonCommand], from_m: &[f64], to_m: &[f64], share: f64) -> Vec<Drive> {
     let drive = |(command, pull): (&TendonCommand, f64)| match command {
         TendonCommand::Pull(_) => Drive::Pull(pull),

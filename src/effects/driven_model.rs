@@ -1,5 +1,5 @@
-//! A model that is driven: its rod with the effects on what the drives do and on what is measured, and how all of that
-//! changes with numbers of the model, commands and loads. Without noise: a simulated plant adds it.
+//! A driven model: its rod, the effects on drives and measurements, and derivatives with respect to model parameters,
+//! commands and loads. Measurement noise is added by the simulated plant.
 
 use std::ops::Range;
 
@@ -12,24 +12,23 @@ use crate::base::{Observation, PlantError, TendonCommand};
 use crate::math::rotation;
 use crate::rod::{Drive, NotPerturbable, PerturbedRods, Rod, RodParams, SolveStatus, TipRate, TipWrench};
 
-/// Change of a number, over its scale, by which derivatives are taken: as much of their digits is lost to the
-/// curvature of the dependence as to rounding.
+/// Relative perturbation for derivatives: balances truncation against rounding.
 const RELATIVE_STEP: f64 = 1e-7;
 
-/// Why a derivative cannot be had along a motion.
+/// Why a derivative along a motion does not exist.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum VariationError {
-    /// The model has no such number.
+    /// The model has no such parameter.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// Number of the variable (from 0) whose smallest change makes another discretisation, such as a tendon's end that
-    /// leaves the tip: only differences of whole motions can tell.
+    /// Index of a variable (from 0) whose smallest perturbation changes the discretisation, such as the end of a tendon
+    /// at the tip. Only finite differences of whole motions apply.
     #[error("variable {0} (from 0) does not change the rod by a little in numbers alone")]
     NotPerturbable(usize),
-    /// A tendon or an axis that there is not.
+    /// A tendon or an axis that does not exist.
     #[error("variable {0} (from 0) names a tendon or an axis that this robot does not have")]
     Missing(usize),
-    /// A number that cannot be changed to either side.
+    /// A parameter that cannot be perturbed in either direction.
     #[error("{0}: neither a smaller nor a larger value is in its range")]
     OutOfRange(String),
 }
@@ -38,25 +37,25 @@ pub enum VariationError {
 #[derive(Debug)]
 pub struct DrivenModel {
     rods: PerturbedRods,
-    /// Those of the model, then those of each perturbation.
+    /// Effects of the model, then of each perturbed model.
     effects: Vec<Vec<Box<dyn Effect>>>,
-    /// Those of each rod.
+    /// Drives of each rod.
     drive_states: Vec<DriveState>,
     perturbations: Vec<Perturbation>,
-    /// Number of the next command; the first one after a restart brings the rod home and has none.
+    /// Index of the next command; `None` before the command that brings the rod home after a restart.
     next: Option<usize>,
 }
 
-/// How a rod other than the model's own differs.
+/// Perturbation of one follower.
 #[derive(Clone, Debug)]
 struct Perturbation {
     /// Change of the variable, in its unit.
     step: f64,
-    /// For a variable of the commands.
+    /// Tendon and commands, when the variable is a command.
     command: Option<(usize, Range<usize>)>,
 }
 
-/// What a perturbation is built from.
+/// A perturbed model.
 struct PerturbedModel {
     perturbation: Perturbation,
     drive_time_s: f64,
@@ -78,7 +77,7 @@ impl DrivenModel {
         }
     }
 
-    /// The same, with derivatives of all that it does with respect to `variables`.
+    /// The same, with derivatives of every observation with respect to `variables`.
     ///
     /// # Errors
     /// [`VariationError`] for the first variable without one.
@@ -97,11 +96,11 @@ impl DrivenModel {
         Ok(driven)
     }
 
-    /// The same with those of `variables` that have such a derivative, and the numbers (from 0) of the others, whose
-    /// smallest change makes another discretisation.
+    /// The same with derivatives for those of `variables` that have one; also returns the indices (from 0) of the
+    /// others.
     ///
     /// # Errors
-    /// [`VariationError`] for a variable that there is not.
+    /// [`VariationError`] for a variable that does not exist.
     pub fn varied_where_possible(
         model: &Model,
         extra: &[EffectSpec],
@@ -121,12 +120,12 @@ impl DrivenModel {
         }
     }
 
-    /// The rod itself.
+    /// The rod of the model.
     pub fn rod(&self) -> &Rod {
         self.rods.leader()
     }
 
-    /// Straight, without history, tendons slack. The first command brings the rod home, the one after it is number 0.
+    /// Restarts: straight, no history, slack tendons. The first command brings the rod home; the next one has index 0.
     pub fn restart(&mut self) {
         self.rods.restart();
         self.effects.iter_mut().flatten().for_each(|effect| effect.reset());
@@ -137,7 +136,7 @@ impl DrivenModel {
         self.next = None;
     }
 
-    /// At rest at home, without history; the next command is number 0.
+    /// Restarts and settles at home; the next command has index 0.
     ///
     /// # Errors
     /// As [`DrivenModel::settle`].
@@ -147,7 +146,7 @@ impl DrivenModel {
         self.settle(&vec![TendonCommand::Pull(0.0); tendons])
     }
 
-    /// At rest without tension, without history; the next command is number 0.
+    /// Restarts and settles without tensions; the next command has index 0.
     ///
     /// # Errors
     /// As [`DrivenModel::settle`].
@@ -157,7 +156,7 @@ impl DrivenModel {
         self.settle_under(&vec![0.0; tendons])
     }
 
-    /// Replaces the load at the tip that comes on top of the model's; `load` may depend on the rod (on its gravity).
+    /// Replaces the tip load in addition to the model's; `load` may depend on the rod (for example on its gravity).
     pub fn set_extra_tip_load(&mut self, load: &dyn Fn(&RodParams) -> TipWrench) {
         self.rods.set_tip_load(&|params| {
             let (own, extra) = (params.tip_load, load(params));
@@ -165,10 +164,10 @@ impl DrivenModel {
         });
     }
 
-    /// Comes to rest under `commands`, one a tendon.
+    /// Settles under `commands`, one per tendon.
     ///
     /// # Errors
-    /// [`PlantError`] when the commands are none of this robot's or the rod finds no equilibrium.
+    /// [`PlantError`] when the commands do not fit this robot or no equilibrium is found.
     pub fn settle(&mut self, commands: &[TendonCommand]) -> Result<(), PlantError> {
         let targets = self.asked_m(commands)?;
         for ((drive_state, effects), target) in self.drive_states.iter_mut().zip(&mut self.effects).zip(targets) {
@@ -186,8 +185,7 @@ impl DrivenModel {
         Ok(())
     }
 
-    /// Moves the drives from where they stand to what `commands` ask for, and then holds them until `duration_s` have
-    /// passed.
+    /// Moves the drives to `commands` and holds them, `duration_s` in all.
     ///
     /// # Errors
     /// As [`DrivenModel::settle`].
@@ -198,7 +196,7 @@ impl DrivenModel {
         let paths: Vec<DrivePath> =
             each.map(|((drive_state, effects), target)| drive_state.go(effects, target, duration_s)).collect();
         let parts = |number: usize| {
-            // The rods that follow take the parts of the first one, as long as their own are.
+            // Followers use the leader's parts unless they have as many of their own.
             let own = if paths[number].ends_s.len() == paths[0].ends_s.len() { number } else { 0 };
             &paths[own].ends_s
         };
@@ -214,7 +212,7 @@ impl DrivenModel {
         Ok(())
     }
 
-    /// Comes to rest under tensions in newtons.
+    /// Settles under tensions in newtons.
     ///
     /// # Errors
     /// As [`DrivenModel::settle`].
@@ -234,7 +232,7 @@ impl DrivenModel {
         solved(self.rods.advance_with(&|number, _| drives[number].clone(), &|_| duration_s))
     }
 
-    /// What is seen at `time_s`, without noise; of a tendon that follows, where its drive stands.
+    /// The observation at `time_s`, without noise; for a following tendon it reports the drive position.
     pub fn observation(&self, commands: &[TendonCommand], time_s: f64) -> Observation {
         let following = self.rod().following_pulls_m();
         let pull = |(command, following): (&TendonCommand, f64)| match *command {
@@ -266,17 +264,17 @@ impl DrivenModel {
         self.perturbations.iter().zip(rods).map(|(perturbation, rod)| rate(perturbation, rod)).collect()
     }
 
-    /// One more command has been given.
+    /// Counts a command.
     fn count(&mut self) {
         self.next = Some(self.next.map_or(0, |number| number + 1));
     }
 
-    /// The model's own rod and those that follow it.
+    /// The rod of the model and its followers.
     fn each_rod(&self) -> impl Iterator<Item = &Rod> {
         std::iter::once(self.rods.leader()).chain(self.rods.others())
     }
 
-    /// For each rod, the displacements that `commands` ask for; a drive that follows stands where the shape has taken it.
+    /// Requested displacements of each rod, metres; a following drive stays where the shape has moved it.
     fn asked_m(&self, commands: &[TendonCommand]) -> Result<Vec<Vec<f64>>, PlantError> {
         let tendons = self.rod().params().tendons.len();
         if commands.len() != tendons {
@@ -298,7 +296,7 @@ impl DrivenModel {
         Ok(self.each_rod().zip(shifts).map(asked).collect())
     }
 
-    /// Takes note of where the shapes have taken the drives that follow them.
+    /// Updates the positions of following drives from the shapes.
     fn follow(&mut self, commands: &[TendonCommand]) {
         if !commands.contains(&TendonCommand::Follow) {
             return;
@@ -327,14 +325,14 @@ impl DrivenModel {
 }
 
 impl Perturbation {
-    /// The tendon whose command number `number` changes, and by how much.
+    /// The tendon and shift of the command with index `number`, if this perturbation changes it.
     fn shift(&self, number: Option<usize>) -> Option<(usize, f64)> {
         let (tendon, commands) = self.command.as_ref()?;
         commands.contains(&number?).then_some((*tendon, self.step))
     }
 }
 
-/// What a rod shows of itself.
+/// The observation of a rod, without effects.
 fn posture(rod: &Rod) -> Observation {
     Observation {
         time_s: 0.0,
@@ -346,7 +344,7 @@ fn posture(rod: &Rod) -> Observation {
     }
 }
 
-/// The rod and the effects with one variable changed by a little.
+/// The model with one variable perturbed.
 fn perturb(
     model: &Model,
     extra: &[EffectSpec],
@@ -366,7 +364,7 @@ fn perturb(
         Variable::Parameter(parameter) => {
             let (value, scale) = (parameter.value(model)?, parameter.scale(model)?);
             for step in [RELATIVE_STEP * scale, -RELATIVE_STEP * scale] {
-                // What the sum of floating-point numbers makes of the step.
+                // The perturbation after rounding of the sum.
                 let (there, step) = (value + step, (value + step) - value);
                 let candidate = parameter.with_value(model, there)?;
                 let changed = candidate.rod(extra);
@@ -396,7 +394,7 @@ fn perturb(
     }
 }
 
-/// Changes that matter: 10 mm or N of a command, of a force, of a moment on the tip.
+/// Scales: 10 mm or N of a command, of a force, and of a moment at the tip.
 const COMMAND_SCALE: f64 = 0.01;
 const FORCE_SCALE_N: f64 = 0.1;
 const MOMENT_SCALE_NM: f64 = 0.01;

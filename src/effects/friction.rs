@@ -14,11 +14,11 @@ use crate::rod::{HistoryMoment, HistoryState, MomentLaw, RodParams};
 pub struct Friction {
     /// Moment at which a cross-section slips, N m.
     pub moment_nm: f64,
-    /// Change of curvature that builds this moment up, rad/m.
+    /// Change of curvature up to slip, rad/m.
     #[serde(default = "yield_default")]
     pub yield_rad_m: f64,
-    /// Whether slip about one bending axis uses up the friction about the other, as in an isotropic material; else each
-    /// axis slips on its own, as pairs of hinges do.
+    /// Whether slip about one bending axis reduces the friction about the other, as in an isotropic material. Otherwise
+    /// the axes slip independently, as pairs of hinges do.
     #[serde(default)]
     pub coupled: bool,
 }
@@ -52,7 +52,7 @@ impl Effect for Friction {
     }
 }
 
-/// A spring of stiffness k behind a slider; the state is the slider's place (u_p) on both axes.
+/// A spring of stiffness k in series with a slider; the state is the slider position u_p on both axes.
 #[derive(Debug)]
 pub(super) struct Prandtl {
     pub(super) moment_nm: f64,
@@ -61,12 +61,12 @@ pub(super) struct Prandtl {
 }
 
 impl Prandtl {
-    /// Spring moments if the slider stayed.
+    /// Trial moments with the slider fixed.
     fn trial(&self, state: &HistoryState, curvature_rad_m: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|axis| self.stiffness_n_m2 * (curvature_rad_m[axis] - state[axis]))
     }
 
-    /// What of the trial moments the slider bears.
+    /// The trial moments limited by the slip moment (return mapping).
     fn borne(&self, trial: [f64; 2]) -> [f64; 2] {
         if !self.coupled {
             return trial.map(|moment| moment.clamp(-self.moment_nm, self.moment_nm));

@@ -1,4 +1,4 @@
-//! Rate-independent memory of the material.
+//! Rate-independent hysteresis of the material.
 
 use std::sync::Arc;
 
@@ -9,11 +9,11 @@ use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 use crate::rod::{HistoryMoment, HistoryState, MomentLaw, RodParams};
 
-/// Elastoplastic elements of equal stiffness that yield one after the other: a Prandtl–Ishlinskii stress model.
+/// Elastoplastic elements of equal stiffness that yield in sequence: a Prandtl–Ishlinskii stress model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Hysteresis {
-    /// Stiffness that all elements add together, as a share of the bending stiffness.
+    /// Total stiffness of all elements as a share of the bending stiffness.
     pub share: f64,
     /// Curvature at which the last element yields, rad/m; the others yield at equal steps before it.
     pub range_rad_m: f64,
@@ -48,10 +48,10 @@ impl Effect for Hysteresis {
     }
 }
 
-/// One of the elements, as stiff as the rod is where it is.
+/// One element; its stiffness scales with the local bending stiffness.
 #[derive(Debug)]
 struct Element {
-    /// That of all elements together.
+    /// Share of all elements together.
     share: f64,
     yields_at_rad_m: f64,
 }

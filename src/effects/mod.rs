@@ -60,25 +60,25 @@ pub trait Effect: Send + Sync + Debug {
     /// # Errors
     /// [`BadOption`] names the first parameter out of range.
     fn check(&self) -> Result<(), BadOption>;
-    /// Changes what the rod is made of.
+    /// Changes the parameters of the rod.
     fn modify_rod(&self, _rod: &mut RodParams) {}
-    /// Whether it hangs something on the robot, of which effects on the robot's own numbers know nothing: such effects are
-    /// applied last, so that the order in a list means nothing.
+    /// Whether it adds a payload, which effects on the robot's own parameters must not change. Payloads are applied
+    /// last, so that the order of a list does not matter.
     fn is_payload(&self) -> bool {
         false
     }
-    /// Changes where the drives stand after `dt_s` seconds in which they have moved to these displacements, in metres,
-    /// at constant speed; infinite `dt_s` is rest.
+    /// Changes the drive positions after a motion to `pulls_m` (metres) at constant speed that took `dt_s` seconds. An
+    /// infinite `dt_s` means rest.
     fn modify_command(&mut self, _pulls_m: &mut [f64], _dt_s: f64) {}
-    /// Whether what the drives do changes while a command is held.
+    /// Whether drive positions change while a command is held.
     fn has_lag(&self) -> bool {
         false
     }
-    /// Changes what is measured.
+    /// Changes the measurement.
     fn observe(&self, _seen: &mut Observation) {}
-    /// Forgets the history: a new trial begins.
+    /// Clears the history at the start of a trial.
     fn reset(&mut self) {}
-    /// The tendon that it is about, from 1, where it is about one.
+    /// The tendon (from 1) of an effect on one tendon.
     fn tendon(&self) -> Option<usize> {
         None
     }
@@ -93,7 +93,7 @@ pub struct Parameter {
     pub unit: &'static str,
     /// The value at which the effect changes nothing (or the default of a secondary parameter).
     pub null: f64,
-    /// How it is looked for in measured data.
+    /// Its role when the effect is fitted to data.
     pub seek: Seek,
 }
 
@@ -104,26 +104,26 @@ impl Parameter {
     }
 }
 
-/// How a parameter is looked for in measured data.
+/// Role of a parameter when its effect is fitted to data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Seek {
-    /// It is the effect's size: fitted from its null value, first by about this much.
+    /// Amplitude of the effect: fitted from its null value, with this first step.
     Size(f64),
-    /// The same, but the tip's answer rises and falls with it: begun from the best of these values.
+    /// The same for a non-monotonic response: starts from the best of these values.
     Scanned(f64, &'static [f64]),
-    /// It is the effect's size and takes the place of this number of the robot, which is its null value.
+    /// Amplitude that replaces this number of the robot, which is its null value.
     Replaces(&'static str, f64),
-    /// It gives the effect its shape: tried at each of these values, then fitted.
+    /// Shape parameter: started at each of these values, then fitted.
     Shape(&'static [f64]),
-    /// A place along the robot, metres.
+    /// Arc length along the robot, metres.
     Place,
     /// Which tendon, from 1.
     Tendon,
-    /// Whether or not: 1 or 0.
+    /// A flag: 1 or 0.
     Flag,
 }
 
-/// What the catalogue says of an effect.
+/// Catalogue entry of an effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Card {
     /// Its name in YAML and findings.
@@ -136,7 +136,7 @@ pub struct Card {
     pub source: &'static str,
     /// Its parameters.
     pub parameters: &'static [Parameter],
-    /// Effects that look alike at the tip.
+    /// Effects with a similar response at the tip.
     pub confused_with: &'static [&'static str],
 }
 
@@ -150,12 +150,12 @@ macro_rules! catalogue {
         }
 
         impl EffectSpec {
-            /// The effect behind the name.
+            /// Builds the effect.
             pub fn build(&self) -> Box<dyn Effect> {
                 match self { $(EffectSpec::$effect(effect) => Box::new(effect.clone())),* }
             }
 
-            /// What the catalogue says of it.
+            /// Its catalogue entry.
             pub fn card(&self) -> &'static Card {
                 match self { $(EffectSpec::$effect(_) => &$module::CARD),* }
             }
@@ -191,8 +191,8 @@ catalogue! {
 }
 
 impl EffectSpec {
-    /// The effect of `card` with these values, one a parameter in the order of the card; none when a value is one that
-    /// no such effect takes. What the card does not list has its default.
+    /// The effect of `card` with these values, one per parameter in the order of the card; `None` when a value is out
+    /// of range. Fields that the card does not list take their defaults.
     pub fn from_card(card: &Card, values: &[f64]) -> Option<EffectSpec> {
         let mut fields = Map::new();
         for (parameter, &value) in card.parameters.iter().zip(values) {

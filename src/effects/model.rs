@@ -1,4 +1,4 @@
-//! A model file: what is believed about a robot, and the effects that have been added to it.
+//! A model: a robot and the effects added to it.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,7 +12,7 @@ use crate::rod::RodParams;
 pub struct Model {
     /// The robot as built.
     pub robot: Robot,
-    /// What has been added, in the order in which it acts.
+    /// Effects, in the order in which they act.
     #[serde(default)]
     pub effects: Vec<EffectSpec>,
 }
@@ -21,7 +21,7 @@ impl Model {
     /// Refuses numbers out of range.
     ///
     /// # Errors
-    /// The path of the key (such as `robot.backbone` or `effects[0].tip_load`) and the range that its field left.
+    /// The path of the key (such as `robot.backbone` or `effects[0].tip_load`) and the expected range.
     pub fn check(&self) -> Result<(), (String, BadOption)> {
         self.robot.check().map_err(|(path, error)| {
             let dot = if path.is_empty() { "" } else { "." };
@@ -31,7 +31,7 @@ impl Model {
             .map_err(|(index, name, error)| (format!("effects[{index}].{name}"), error))
     }
 
-    /// The rod with every effect that changes it, and `extra` ones after them; what hangs on the robot comes last.
+    /// The rod with all effects, then `extra` ones; payloads are applied last.
     pub fn rod(&self, extra: &[EffectSpec]) -> RodParams {
         let mut rod = self.robot.rod();
         let (hung, own): (Vec<_>, Vec<_>) = self.effects(extra).into_iter().partition(|effect| effect.is_payload());
@@ -45,10 +45,10 @@ impl Model {
     }
 }
 
-/// Refuses parameters out of range, or a tendon that a robot with so many tendons does not have.
+/// Refuses parameters out of range and tendon numbers above `tendons`.
 ///
 /// # Errors
-/// Index and name of the first bad effect, and the range that its field left.
+/// Index and name of the first bad effect, and the expected range.
 pub fn check_effects(effects: &[EffectSpec], tendons: usize) -> Result<(), (usize, &'static str, BadOption)> {
     for (index, spec) in effects.iter().enumerate() {
         let effect = spec.build();

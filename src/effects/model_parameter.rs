@@ -1,4 +1,4 @@
-//! Numbers of a model by name: what derivatives are taken with respect to, and what a calibration or a discovery moves.
+//! Parameters of a model by path: the variables of derivatives, of calibration and of discovery.
 
 use std::fmt;
 use std::ops::Range;
@@ -10,34 +10,34 @@ use super::{Model, Robot};
 use crate::base::Point3;
 use crate::rod::Resolution;
 
-/// A number of a model file: one of the robot's, or a parameter of one of its effects. Whole numbers (counts, which
-/// tendon) and the numerical resolution are none.
+/// A real-valued parameter of a model file, of the robot or of one of its effects. Integers (counts, tendon numbers)
+/// and the numerical resolution are excluded.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct ModelParameter {
-    /// Its place, such as `robot.backbone.youngs_modulus_pa`, `robot.gravity_m_s2[0]` or `effects[0].mass_kg`.
+    /// Its path, such as `robot.backbone.youngs_modulus_pa`, `robot.gravity_m_s2[0]` or `effects[0].mass_kg`.
     path: String,
     /// Its unit; `1` for a plain ratio.
     unit: &'static str,
 }
 
-/// A number cannot be read or written.
+/// Why a parameter cannot be read or written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ParameterError {
-    /// The model has no number there.
+    /// The model has no parameter at this path.
     #[error("the model has no number at `{0}`")]
     Unknown(String),
-    /// Not a number that a model can hold.
+    /// A value that is not finite.
     #[error("{0}: {1} is not a finite number")]
     NotFinite(String, f64),
 }
 
-/// What a derivative is taken with respect to.
+/// The variable of a derivative.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Variable {
-    /// A number of the model.
+    /// A parameter of the model.
     Parameter(ModelParameter),
-    /// What a tendon (from 0) is told, its displacement in metres or its tension in newtons, in these commands since
-    /// the start of the trial (from 0).
+    /// The commands to a tendon (from 0), displacements in metres or tensions in newtons, with these indices in the
+    /// trial (from 0).
     Command {
         /// The tendon.
         tendon: usize,
@@ -50,7 +50,7 @@ pub enum Variable {
     Moment(usize),
 }
 
-/// Units by the ends of names, and a size at which such a number matters where the model has zero.
+/// Units by suffix, and a typical magnitude for parameters that are zero.
 const UNITS: &[(&str, &str, f64)] = &[
     ("_n_s2_m3", "N s²/m³", 0.1),
     ("_kg_m3", "kg/m³", 1e3),
@@ -72,7 +72,7 @@ const UNITS: &[(&str, &str, f64)] = &[
 ];
 
 impl ModelParameter {
-    /// Every number of `model`, in the order of its file.
+    /// All parameters of `model`, in the order of its file.
     pub fn all(model: &Model) -> Vec<ModelParameter> {
         let mut found = Vec::new();
         if let Ok(Value::Object(robot)) = serde_json::to_value(&model.robot) {
@@ -89,7 +89,7 @@ impl ModelParameter {
         found
     }
 
-    /// The number of `model` at `path`.
+    /// The parameter of `model` at `path`.
     ///
     /// # Errors
     /// [`ParameterError::Unknown`] when there is none.
@@ -98,7 +98,7 @@ impl ModelParameter {
         ModelParameter::all(model).into_iter().find(|parameter| parameter.path == path).ok_or_else(unknown)
     }
 
-    /// Its place in the model file; within an effect the effect's name is left out.
+    /// Its path in the model file, without the effect's name.
     pub fn path(&self) -> &str {
         &self.path
     }
@@ -117,7 +117,7 @@ impl ModelParameter {
         root.pointer(&pointer).and_then(Value::as_f64).ok_or_else(|| self.unknown())
     }
 
-    /// `model` with another value here; whether that leaves its range is for [`Model::check`] to say.
+    /// `model` with this value changed; [`Model::check`] checks the range.
     ///
     /// # Errors
     /// [`ParameterError`] when the model has no such number or `value` is not finite.
@@ -130,7 +130,7 @@ impl ModelParameter {
         Ok(changed)
     }
 
-    /// A change of it that matters: its value, or what is usual for its unit where it has next to none.
+    /// Its scale: its magnitude, or the typical magnitude for its unit where it is nearly zero.
     ///
     /// # Errors
     /// As [`ModelParameter::value`].
@@ -140,8 +140,8 @@ impl ModelParameter {
         Ok(if size > 0.1 * usual { size } else { usual })
     }
 
-    /// Derivative of points by differences of `points` of whole models, `step` times the number's scale to either side,
-    /// or twice to the one side where the other leaves its range: for what has no other.
+    /// Finite-difference derivative of `points` of whole models: central with a step of `step` times the scale, or
+    /// one-sided of second order where the other side is out of range.
     ///
     /// # Errors
     /// Those of `points`, and [`ParameterError`] when the model has no such number.
@@ -174,9 +174,9 @@ impl ModelParameter {
         rates.ok_or_else(|| VariationError::OutOfRange(self.path.clone()).into())
     }
 
-    /// The model as a tree and where in it the number stands.
+    /// The model as a JSON tree and the JSON pointer of the parameter.
     fn place(&self, model: &Model) -> Result<(Value, String), ParameterError> {
-        // Numerical settings may be infinite, which a tree cannot hold.
+        // JSON cannot hold the infinite values of the numerical resolution.
         let plain = Robot { resolution: Resolution::default(), ..model.robot.clone() };
         let model = Model { robot: plain, effects: model.effects.clone() };
         let root = serde_json::to_value(&model).map_err(|_| self.unknown())?;
@@ -200,7 +200,7 @@ impl fmt::Display for ModelParameter {
     }
 }
 
-/// Adds the numbers at and below `value`.
+/// Adds the parameters at and below `value`.
 fn collect(value: &Value, path: &str, found: &mut Vec<ModelParameter>) {
     match value {
         Value::Number(number) if number.is_f64() => {
@@ -223,7 +223,7 @@ mod tests {
     use super::super::CATALOGUE;
     use super::*;
 
-    /// The units of the catalogue's cards are those that the names say.
+    /// The suffix of a name gives the unit of its card.
     #[test]
     fn names_say_the_units_of_the_cards() {
         for parameter in

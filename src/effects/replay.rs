@@ -1,4 +1,4 @@
-//! Trials played again on a model, with the derivative of every tip.
+//! Replay of trials on a model, with the derivative of every tip position.
 
 use super::driven_model::{DrivenModel, VariationError};
 use super::model_parameter::Variable;
@@ -6,26 +6,25 @@ use super::{EffectSpec, Model};
 use crate::base::{PlantError, Point3, Rows, TendonCommand};
 use crate::rod::TipWrench;
 
-/// Change of a number, over its scale, for differences of whole trials: rounding and what solves leave are then about
-/// as large as the curvature of the dependence.
+/// Relative step for finite differences of whole trials: balances truncation against solver tolerance.
 const TRIAL_STEP: f64 = 1e-4;
 
-/// What the tendons are told in one trial.
+/// Commands of one trial.
 #[derive(Clone, Copy, Debug)]
 pub struct Trial<'a> {
-    /// One row a command, one number a tendon: displacements in metres, or tensions in newtons.
+    /// One row per command, one number per tendon: displacements in metres, or tensions in newtons.
     pub commands: &'a Rows,
-    /// How long each command is held, s; of no account at rest.
+    /// Duration of each command, s; ignored for `at_rest`.
     pub durations_s: &'a [f64],
     /// Whether the commands are tensions.
     pub tensions: bool,
     /// Every command is held until the robot is at rest.
     pub at_rest: bool,
-    /// Load on the tip during each command, besides the model's.
+    /// Tip load during each command, in addition to the model's.
     pub tip_loads: Option<&'a [TipWrench]>,
 }
 
-/// Where the tip was at the end of each command, and how that depends on numbers of the model.
+/// Tip positions of a replay and their derivatives.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Replayed {
     /// Measured position before the first command, then at the end of each, metres.
@@ -34,19 +33,19 @@ pub struct Replayed {
     pub rates: Vec<Vec<Point3>>,
 }
 
-/// A trial cannot be played again.
+/// Why a trial cannot be replayed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ReplayError {
     /// The model cannot follow the commands.
     #[error(transparent)]
     Plant(#[from] PlantError),
-    /// There is no such derivative.
+    /// A derivative does not exist.
     #[error(transparent)]
     Variation(#[from] VariationError),
-    /// Another number of durations or loads than of commands.
+    /// The number of durations or loads differs from the number of commands.
     #[error("{what}: found {found}, expected one a command, {expected}")]
     Count {
-        /// Of what.
+        /// What was counted.
         what: &'static str,
         /// Number given.
         found: usize,
@@ -55,9 +54,9 @@ pub enum ReplayError {
     },
 }
 
-/// Plays `trial` from rest at home (under tensions: from rest without any) on a checked model with `extra` effects.
-/// Variables whose smallest change makes another discretisation are differentiated by playing the trial once more on
-/// each side.
+/// Replays `trial` from rest at home (tension commands: from rest without tension) on a checked model with `extra`
+/// effects. Variables whose perturbation changes the discretisation are differentiated by finite differences of the
+/// whole trial.
 ///
 /// # Errors
 /// [`ReplayError`].

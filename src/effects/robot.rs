@@ -1,4 +1,4 @@
-//! The robot of a model file: plain numbers as a lab would measure them, and the rod that they make.
+//! The robot of a model file: measurable quantities, and the rod built from them.
 
 mod backbone;
 mod disks;
@@ -17,12 +17,12 @@ use super::{finite, non_negative};
 use crate::base::BadOption;
 use crate::rod::{Resolution, RodParams, TipWrench};
 
-/// Most sections, disks and cells: far beyond any robot, and within any memory.
+/// Upper bound on sections, disks and cells.
 const MOST_PARTS: usize = 10_000;
-/// Most polynomials a component.
+/// Upper bound on polynomials per component.
 const MOST_MODES: usize = 50;
 
-/// What a check finds: the path of the key below `robot`, and the range that it left.
+/// Result of a check: the path of the key below `robot`, and the expected range.
 type Checked = Result<(), (String, BadOption)>;
 
 /// A tendon-driven robot; as a whole it defaults to the nominal robot of `models/nominal.yaml`.
@@ -74,8 +74,8 @@ fn damping() -> f64 {
     0.03
 }
 
-/// Fast enough to make no difference to the tip a tick later (`docs/rod.md`), slow enough to be a motion: a rod whose
-/// tendons jump has no limit as the time step goes to nothing.
+/// Fast enough not to affect the tip one tick later (`docs/rod.md`). It must not be zero: with jumping tendons the time
+/// discretisation has no limit.
 fn drive_time() -> f64 {
     0.02
 }
@@ -199,7 +199,7 @@ impl Robot {
     }
 }
 
-/// Names the place below `robot` of what is wrong.
+/// Adds the path below `robot` to an error.
 fn at(path: &str, result: Result<(), BadOption>) -> Checked {
     result.map_err(|error| (path.to_owned(), error))
 }

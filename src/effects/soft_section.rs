@@ -1,4 +1,4 @@
-//! One section weaker than the others, as after damage.
+//! One section of reduced bending stiffness, as after damage.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,7 +6,7 @@ use super::{Card, Effect, Parameter, Seek};
 use crate::base::BadOption;
 use crate::rod::{CompressibleSection, RodParams};
 
-/// The compressible section nearest to a place bends more easily.
+/// Reduced bending stiffness of the compressible section nearest to a position.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SoftSection {
@@ -42,7 +42,7 @@ impl Effect for SoftSection {
     }
 }
 
-/// The compressible section whose middle is nearest to a place, or 10 mm around the place where there are none.
+/// The compressible section whose middle is nearest, or 10 mm around the position where there are none.
 fn section_around(rod: &RodParams, position_m: f64) -> (f64, f64) {
     let distance = |section: &CompressibleSection| (section.start_m + 0.5 * section.length_m - position_m).abs();
     let nearest = rod.sections.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));

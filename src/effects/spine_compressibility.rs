@@ -1,4 +1,4 @@
-//! The sections compress more or less.
+//! Error of the compliance of the sections.
 
 use serde::{Deserialize, Serialize};
 

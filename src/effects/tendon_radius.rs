@@ -1,4 +1,4 @@
-//! Guide holes nearer or farther.
+//! Error of the radius of the guide holes.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! Why something could not be learnt.
+//! Errors of fits, training and prediction.
 
 /// Why a fit, a training or a prediction was refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -25,7 +25,7 @@ pub enum LearnError {
         /// What needs them.
         why: &'static str,
     },
-    /// Inputs and outputs do not belong together, or a query has another width than the training rows.
+    /// Inputs and outputs differ in length, or a query has another width than the training rows.
     #[error("{what}: found {found}, expected {expected}")]
     Shape {
         /// What was counted.

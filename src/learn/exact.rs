@@ -1,5 +1,5 @@
-//! Numbers written as the hexadecimal digits of their bits, so that what is read back is what was written: text
-//! readers may round the last digit of a decimal, and a long list of decimals is larger.
+//! Exact text form of numbers: the hexadecimal digits of their bits. Decimal readers may round the last digit, and long
+//! lists of decimals are larger.
 
 /// One number as a text of `DIGITS` hexadecimal digits.
 trait Bits: Sized {

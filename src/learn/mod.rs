@@ -1,5 +1,4 @@
-//! Learning: Gaussian processes ([`gp`]), recurrent networks ([`rnn`]) and the optimiser behind the first
-//! ([`optimise`]). Decisions and figures: `docs/learning.md`.
+//! Learning: Gaussian processes ([`gp`]) and recurrent networks ([`rnn`]). Decisions and figures: `docs/learning.md`.
 
 mod error;
 mod exact;

@@ -1,6 +1,6 @@
-//! Numbers and functions that the processor's vector instructions work on well.
+//! Number traits and functions written for vector instructions.
 //!
-//! Everything here is written per lane with fused multiply-adds, so the same numbers come out whatever the width.
+//! Every function works per lane with fused multiply-adds: results do not depend on the vector width.
 
 /// A floating-point number that networks are made of.
 pub(crate) trait Real:

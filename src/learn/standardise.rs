@@ -1,4 +1,4 @@
-//! Columns to zero mean and unit standard deviation, and back.
+//! Standardisation of columns to zero mean and unit standard deviation, and its inverse.
 
 use serde::{Deserialize, Serialize};
 
@@ -57,7 +57,7 @@ impl Standardiser {
     }
 }
 
-/// Checks that inputs and outputs belong together and hold only finite numbers.
+/// Checks that inputs and outputs have equal length and hold only finite numbers.
 pub(crate) fn check_samples(inputs: &Rows, outputs: &Rows) -> Result<(), LearnError> {
     if inputs.len() != outputs.len() {
         return Err(LearnError::Shape { what: "rows of outputs", found: outputs.len(), expected: inputs.len() });

@@ -17,12 +17,12 @@ pub fn normal_above(value: f64) -> f64 {
     Normal::standard().sf(value)
 }
 
-/// Half-width of a 95 % interval in standard deviations, by Student's t of `freedom` degrees.
+/// Half-width of a 95 % interval in standard deviations, Student's t with `freedom` degrees of freedom.
 pub fn student_95(freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |law| law.inverse_cdf(0.975))
 }
 
-/// Wilson's 95 % interval of a share of which `hits` of `all` were seen (Wilson, J. Am. Stat. Assoc. 22, 1927).
+/// Wilson's 95 % interval of a proportion, `hits` of `all` (Wilson, J. Am. Stat. Assoc. 22, 1927).
 pub fn wilson_95(hits: u64, all: u64) -> [f64; 2] {
     if all == 0 {
         return [0.0, 1.0];
@@ -35,7 +35,7 @@ pub fn wilson_95(hits: u64, all: u64) -> [f64; 2] {
     [((middle - half) / scale).max(0.0), ((middle + half) / scale).min(1.0)]
 }
 
-/// p-values corrected for how many there are, so that the chance of any false one is kept (Holm, Scand. J. Stat. 6, 1979).
+/// p-values corrected for multiple tests, controlling the family-wise error rate (Holm, Scand. J. Stat. 6, 1979).
 pub fn holm(p_values: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..p_values.len()).collect();
     order.sort_by(|&a, &b| p_values[a].total_cmp(&p_values[b]));

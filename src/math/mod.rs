@@ -1,4 +1,4 @@
-//! Numerics: small linear algebra, rotations, statistics.
+//! Numerics: small linear algebra, rotations, statistics, minimisation.
 
 pub mod distribution;
 pub mod matrix3;

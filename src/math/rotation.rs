@@ -55,7 +55,7 @@ const SINE: [f64; 7] =
 const COSINE: [f64; 7] =
     [1.0 / 87_178_291_200.0, -1.0 / 479_001_600.0, 1.0 / 3_628_800.0, -1.0 / 40_320.0, 1.0 / 720.0, -1.0 / 24.0, 0.5];
 
-/// Many rotations at once, as rows of numbers that vector instructions work on.
+/// A batch of rotations in structure-of-arrays form, for vector instructions.
 #[derive(Clone, Debug, Default)]
 pub struct Turns {
     count: usize,
@@ -86,13 +86,13 @@ impl Turns {
         let (xs, rest) = self.vectors.split_at(n);
         let (ys, zs) = rest.split_at(n);
         let mut entries = self.matrices.chunks_exact_mut(n.max(1));
-        // Every row of the same length n: without its bounds checks the loop runs in vector instructions.
+        // All rows have length n: without bounds checks the loop is vectorised.
         let mut next = || &mut entries.next().unwrap_or_default()[..n];
         let [m11, m12, m13] = [next(), next(), next()];
         let [m21, m22, m23] = [next(), next(), next()];
         let [m31, m32, m33] = [next(), next(), next()];
         let zs = &zs[..n];
-        // Counted rather than compared with the largest so far, which would order the loop.
+        // A count rather than a running maximum, which would serialise the loop.
         let mut large = 0_u64;
         for k in 0..n {
             let (x, y, z) = (xs[k], ys[k], zs[k]);
@@ -108,7 +108,7 @@ impl Turns {
         }
     }
 
-    /// The series hold up to half a radian; beyond, trigonometric functions do.
+    /// Recomputes rotations beyond half a radian with trigonometric functions.
     fn redo_large(&mut self) {
         for k in 0..self.count {
             let turn = Vector3::from_fn(|axis, _| self.vectors[axis * self.count + k]);
@@ -131,8 +131,8 @@ impl Turns {
     }
 }
 
-/// Rotation vector in radians of a rotation matrix. The angle is atan2(sin θ, cos θ), which keeps all digits of small
-/// rotations; only near half a turn, where the axis drops out of the antisymmetric part, the library's way is taken.
+/// Rotation vector in radians of a rotation matrix. The angle is atan2(sin θ, cos θ), which is accurate for small
+/// rotations. Near half a turn, where the antisymmetric part vanishes, nalgebra is used.
 pub fn log(rotation: &Matrix3<f64>) -> Vector3<f64> {
     let r = rotation;
     let axis = Vector3::new(r.m32 - r.m23, r.m13 - r.m31, r.m21 - r.m12) * 0.5;
@@ -154,14 +154,14 @@ pub fn to_quaternion(rotation: &Matrix3<f64>) -> [f64; 4] {
     parts(&UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation)))
 }
 
-/// The parts (w, x, y, z) of a quaternion. Of the two that stand for the same turn it is the one with w ≥ 0.
+/// The components (w, x, y, z) of a quaternion, with the sign for which w ≥ 0.
 pub fn parts(turn: &UnitQuaternion<f64>) -> [f64; 4] {
     let sign = if turn.w < 0.0 { -1.0 } else { 1.0 };
     [turn.w, turn.i, turn.j, turn.k].map(|part| sign * part)
 }
 
-/// The turn at `share` of the way from one to another, at constant rate about one axis and the short way round. (The
-/// library's slerp takes the angle from a cosine, which loses half of the digits of small turns.)
+/// Interpolates between two rotations at constant rate along the shorter path. (The slerp of nalgebra takes the angle
+/// from a cosine, which loses half of the digits of small rotations.)
 pub fn between(from: &UnitQuaternion<f64>, to: &UnitQuaternion<f64>, share: f64) -> UnitQuaternion<f64> {
     UnitQuaternion::from_scaled_axis((to * from.inverse()).scaled_axis() * share) * from
 }

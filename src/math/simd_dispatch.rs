@@ -1,8 +1,8 @@
-//! The processor's widest vector instructions, chosen at run time.
+//! Run-time dispatch to the widest vector instructions of the processor.
 
-/// Runs `work` compiled for the widest vector instructions that this processor has. Mark the closure and what it calls
-/// `#[inline(always)]`: compiled on their own they would not know of them. Multiplications and additions are not
-/// fused unless the code says so, so the same numbers come out whatever the width.
+/// Runs `work` compiled for the widest vector instructions available. Mark the closure and its callees
+/// `#[inline(always)]`, so that they are compiled with them. Multiplications and additions are fused only where the
+/// code does so explicitly: results do not depend on the width.
 #[inline]
 pub fn vectorised<R>(work: impl FnOnce() -> R) -> R {
     pulp::Arch::new().dispatch(work)

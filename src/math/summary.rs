@@ -1,4 +1,4 @@
-//! Small statistics of samples: mean, standard deviation, quantile, and an interval for a mean.
+//! Sample statistics: mean, standard deviation, quantile, interval of a mean, oscillation.
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -31,7 +31,7 @@ pub fn quantile(values: &[f64], share: f64) -> f64 {
     sorted[low] + (place - low as f64) * (sorted[high] - sorted[low])
 }
 
-/// 95 % interval for the mean that independent `values` are drawn around, by Student's t; none for fewer than two.
+/// 95 % interval of the mean of independent `values`, Student's t; `None` for fewer than two.
 pub fn interval_95(values: &[f64]) -> Option<[f64; 2]> {
     let freedom = values.len().checked_sub(1).filter(|&freedom| freedom > 0)? as f64;
     let t = StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(0.975);
@@ -40,10 +40,10 @@ pub fn interval_95(values: &[f64]) -> Option<[f64; 2]> {
     half.is_finite().then_some([centre - half, centre + half])
 }
 
-/// Oscillation of a series: what is left once a centred moving mean over `window` values is taken out, as the median of
-/// its peak-to-peak over all (half overlapping) windows. A slow drift counts nothing, a single jump touches few windows,
-/// and a swing of amplitude ±a counts 2a when the window holds whole periods of it (within 22 % when it holds at least
-/// one and a half: the moving mean's own response, sin(πk)/πk for k periods). 0 for a series shorter than two windows.
+/// Oscillation of a series: the median peak-to-peak over all half-overlapping windows, after subtracting a centred
+/// moving mean over `window` values. A slow drift does not count, a single jump affects few windows. A sine of
+/// amplitude a counts 2a when the window holds whole periods (within 22 % when it holds at least one and a half: the
+/// response of the moving mean, sin(πk)/πk for k periods). 0 for a series shorter than two windows.
 pub fn oscillation(values: &[f64], window: usize) -> f64 {
     let half = window.max(3) / 2;
     let window = 2 * half + 1;

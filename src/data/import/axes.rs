@@ -1,4 +1,4 @@
-//! Which way the tracker's axes point, said in words such as `x=+y,y=-x,z=+z`.
+//! Axes of the tracker, written as `x=+y,y=-x,z=+z`.
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::str::FromStr;
@@ -9,7 +9,7 @@ pub struct Axes {
     turn: Matrix3<f64>,
 }
 
-/// Words that are no axes.
+/// Text that does not describe axes.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("found {found}, expected each axis once, right-handed, such as {example}", example = Axes::Y_UP)]
 pub struct BadAxes {
@@ -17,15 +17,15 @@ pub struct BadAxes {
 }
 
 impl Axes {
-    /// The tracker's y up, as Motive has it, and the robot along its z.
+    /// y up in the tracker (Motive's default), the robot along its z.
     pub const Y_UP: &'static str = "x=+y,y=-x,z=+z";
 
-    /// A vector of the tracker in the project's axes.
+    /// Transforms a vector from the tracker's to the project's axes.
     pub(crate) fn vector(&self, tracked: &Vector3<f64>) -> Vector3<f64> {
         self.turn * tracked
     }
 
-    /// A turn in the tracker's axes, in the project's.
+    /// Transforms a rotation from the tracker's to the project's axes.
     pub(crate) fn rotation(&self, tracked: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
         let axis = self.turn * tracked.imag();
         UnitQuaternion::new_unchecked(nalgebra::Quaternion::from_parts(tracked.w, axis))

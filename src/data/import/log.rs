@@ -1,4 +1,4 @@
-//! The log of commands, and when each of its rows was commanded in the tracker's time.
+//! The command log, with the time of each row on the tracker's clock.
 
 use std::path::{Path, PathBuf};
 
@@ -7,10 +7,10 @@ use crate::data::{DataError, Recording};
 
 /// Time of a row in the export, seconds.
 pub(crate) const EXPORT_TIME: &str = "export_time_s";
-/// Time of a row by one clock for all trials, seconds since whenever.
+/// Time of a row on one clock for all trials, seconds, arbitrary origin.
 const WALL_TIME: &str = "wall_time_s";
 
-/// How far the two clocks may be apart in a trial, seconds, …
+/// Allowed difference of the two clocks within a trial, seconds, …
 const JITTER_S: f64 = 0.1;
 /// … and as a share of the time since its start.
 const PACE: f64 = 0.01;
@@ -22,16 +22,16 @@ pub struct Log {
     pub file: PathBuf,
     /// The commands.
     pub commands: Recording,
-    /// When each row was commanded, in the time of the export, seconds.
+    /// Time of each command on the export's clock, seconds.
     pub at_s: Vec<f64>,
 }
 
 impl Log {
-    /// Reads a log. A column `export_time_s` places each row; without it, `offsets_s` do: the time in the export of the
-    /// first row, when a column `wall_time_s` tells the rest, or of the first row of each trial.
+    /// Reads a log. Rows are placed in time by the column `export_time_s`, or else by `offsets_s`: the export time of
+    /// the first row, with a column `wall_time_s` for the others, or of the first row of each trial.
     ///
     /// # Errors
-    /// [`DataError`] when the file is no recording's, or does not say when it was in the export.
+    /// [`DataError`] when the file is not a recording or its time in the export is unknown.
     pub fn read(path: &Path, offsets_s: &[f64]) -> Result<Log, DataError> {
         let commands = Recording::read_commands(path)?;
         let at_s = export_times(path, &commands, offsets_s)?;
@@ -40,8 +40,8 @@ impl Log {
     }
 }
 
-/// Refuses times that do not follow one another, or that pass at another pace than the trials' own: milliseconds, or
-/// `time_s` as it was planned rather than as it was.
+/// Refuses times that do not increase or that run at another rate than the trial's `time_s`: milliseconds, or planned
+/// instead of actual times.
 fn check_pace(path: &Path, commands: &Recording, at_s: &[f64]) -> Result<(), DataError> {
     let column = [EXPORT_TIME, WALL_TIME].into_iter().find(|name| has(commands, name)).unwrap_or("time_s");
     let wrong = |row, found, expected| Err(cell_error(path, row, column, found, expected));

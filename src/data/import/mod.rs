@@ -1,4 +1,4 @@
-//! A tracker's export and a log of commands become one recording: the tip from the base, at the times of the commands.
+//! Import: joins a tracker's export and a command log to a recording of the tip relative to the base.
 
 mod axes;
 mod log;
@@ -16,27 +16,27 @@ use crate::math::rotation;
 use motive::{Body, Export};
 use resample::at;
 
-/// Along which axes the tip is given; its origin is the base body's pivot in both cases.
+/// Axes of the tip position; its origin is the base body's pivot in both cases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TipFrame {
-    /// Those of the base body, row by row: a turned tracking frame and a moved stand drop out.
+    /// Axes of the base body, row by row: rotation of the tracking frame and motion of the stand cancel.
     Base,
-    /// Those of the tracker, whose up is then taken for the direction against gravity: a tilted base shows at the tip.
+    /// Axes of the tracker, whose up direction opposes gravity: a tilted base is visible at the tip.
     Tracking,
 }
 
-/// How to import.
+/// Options of an import.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImportOptions {
     /// The project's axes in the tracker's.
     pub axes: Axes,
-    /// Along which axes the tip is given.
+    /// Axes of the tip position.
     pub frame: TipFrame,
-    /// Tracked frames further apart than this are not interpolated between, seconds.
+    /// Longest gap between tracked frames that is interpolated, seconds.
     pub max_gap_s: f64,
 }
 
-/// What came out.
+/// Result of an import.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Imported {
     /// The log with the tip, its orientation, the base's pose and `valid`.
@@ -91,7 +91,7 @@ pub fn import(
     Ok(Imported { recording, lost, base_turn_rad })
 }
 
-/// The tip from the base's pivot, along the axes asked for (still the tracker's names for them).
+/// The tip relative to the base's pivot, in the requested axes (before renaming to the project's).
 fn from_base(base: &Isometry3<f64>, tip: &Isometry3<f64>, frame: TipFrame) -> Isometry3<f64> {
     match frame {
         TipFrame::Base => base.inv_mul(tip),

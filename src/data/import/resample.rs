@@ -1,11 +1,11 @@
-//! A body's pose between the frames.
+//! Interpolation of a body's pose between frames.
 
 use nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3};
 
 use crate::data::recording::Pose;
 use crate::math::rotation;
 
-/// Exports round their times to this, seconds.
+/// Rounding of times in exports, seconds.
 const ROUNDING_S: f64 = 1e-6;
 
 /// From the body's axes to those of the export.
@@ -15,14 +15,14 @@ fn motion(pose: &Pose) -> Isometry3<f64> {
     Isometry3::from_parts(Vector3::from(pose.position_m).into(), turn)
 }
 
-/// On the straight line between two, turning evenly.
+/// Linear interpolation of position, constant-rate interpolation of orientation.
 fn between(from: &Isometry3<f64>, to: &Isometry3<f64>, share: f64) -> Isometry3<f64> {
     let place_m = from.translation.vector.lerp(&to.translation.vector, share);
     Isometry3::from_parts(place_m.into(), rotation::between(&from.rotation, &to.rotation, share))
 }
 
-/// The pose at a time, from the frames next to it in which the body was tracked; none when these are more than
-/// `max_gap_s` apart, or the time lies outside the export.
+/// The pose at a time, interpolated between the nearest tracked frames; `None` when these are more than `max_gap_s`
+/// apart or the time lies outside the export.
 pub(crate) fn at(frames_s: &[f64], poses: &[Option<Pose>], time_s: f64, max_gap_s: f64) -> Option<Isometry3<f64>> {
     let (first_s, last_s) = (*frames_s.first()?, *frames_s.last()?);
     if time_s < first_s - ROUNDING_S || time_s > last_s + ROUNDING_S {

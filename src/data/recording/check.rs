@@ -1,4 +1,4 @@
-//! Recordings that no robot makes: wrong units, a weight that comes and goes.
+//! Plausibility checks of recordings: units, durations, payloads.
 
 use std::path::Path;
 
@@ -6,15 +6,15 @@ use super::extra::cell_error;
 use super::{Actuation, Recording, read};
 use crate::data::DataError;
 
-/// A recording lasts no longer, seconds: six hours.
+/// Longest total duration of the trials, seconds: six hours.
 const LONGEST_S: f64 = 6.0 * 3600.0;
-/// Nobody watches a robot in steps that are longer in the middle, seconds.
+/// Longest plausible median step, seconds.
 const LONGEST_STEP_S: f64 = 60.0;
 
-/// `path` is always the file that the recording came from.
+/// `path` is the file that the recording was read from.
 impl Recording {
-    /// Refuses a tip that no robot of this length with its base at `base_m` could reach (twice its length from there): most
-    /// often millimetres taken for metres.
+    /// Refuses tips farther from the base at `base_m` than twice the length of the robot: usually millimetres instead
+    /// of metres.
     ///
     /// # Errors
     /// [`DataError::Cell`] for the first such row.
@@ -28,8 +28,8 @@ impl Recording {
         Ok(())
     }
 
-    /// Refuses commands of more than twice a robot's length: most often millimetres taken for metres. Tensions have no
-    /// such bound.
+    /// Refuses displacements beyond twice the length of the robot: usually millimetres instead of metres. Tensions are
+    /// not bounded.
     ///
     /// # Errors
     /// [`DataError::Cell`] for the first such row.
@@ -46,11 +46,11 @@ impl Recording {
         Ok(())
     }
 
-    /// Refuses trials that last longer, all together, than anybody records, and steps that are longer: most often milliseconds
-    /// taken for seconds.
+    /// Refuses recordings that are too long in total, or whose steps are: usually milliseconds instead of seconds.
     ///
     /// # Errors
-    /// [`DataError::Cell`] for the last row of the trial that is one too many, or after the first step that is too long.
+    /// [`DataError::Cell`] for the last row of the trial that exceeds the limit, or after the first step that is too
+    /// long.
     pub fn check_duration(&self, path: &Path) -> Result<(), DataError> {
         let mut all_s = 0.0;
         for (_, range) in self.trials() {
@@ -73,10 +73,10 @@ impl Recording {
         }
     }
 
-    /// Refuses a weight that comes or goes within a trial, which every trial starts at rest under.
+    /// Refuses a payload that changes within a trial, since every trial starts at rest under it.
     ///
     /// # Errors
-    /// [`DataError::Cell`] for the first row with another weight than the trial's first.
+    /// [`DataError::Cell`] for the first row whose payload differs from the trial's first.
     pub fn check_loads(&self, path: &Path) -> Result<(), DataError> {
         let Some(hung) = &self.known_load_kg else { return Ok(()) };
         for (_, range) in self.trials() {

@@ -1,4 +1,4 @@
-//! Columns beyond the format, for those who know what they hold.
+//! Access to columns beyond the format.
 
 use std::path::Path;
 
@@ -7,11 +7,11 @@ use crate::data::error::shown;
 use crate::data::{DataError, table};
 
 impl Recording {
-    /// The numbers of a column beyond the format, if there is such a column. `path` is the file that the recording came
-    /// from.
+    /// The numbers of a column beyond the format; `None` when there is no such column. `path` is the file that the
+    /// recording was read from.
     ///
     /// # Errors
-    /// [`DataError::Cell`] for the first cell without a finite number; `expected` says what should stand there.
+    /// [`DataError::Cell`] for the first cell without a finite number; `expected` describes the valid values.
     pub fn extra_numbers(&self, path: &Path, name: &str, expected: &str) -> Result<Option<Vec<f64>>, DataError> {
         let Some((_, cells)) = self.extra.iter().find(|(known, _)| known == name) else { return Ok(None) };
         let number = |row: usize| {
@@ -34,7 +34,7 @@ pub(crate) fn cell_error(path: &Path, row: usize, column: &str, found: String, e
     DataError::Cell { file: path.to_owned(), place, column: column.to_owned(), found, expected }
 }
 
-/// Where the names of a recording's columns stand in the file that it came from.
+/// Location of the header in the recording's file.
 pub(crate) fn header_place(path: &Path) -> &'static str {
     table::header_place(table::has_lines(path))
 }

@@ -1,4 +1,4 @@
-//! Several recordings of one robot as one.
+//! Concatenation of several recordings of one robot.
 
 use std::collections::HashSet;
 use std::ops::Range;
@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::{Actuation, Pose, Recording};
 use crate::base::Rows;
 
-/// Recordings that cannot be taken together.
+/// Recordings that cannot be concatenated.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("found {found}, expected {expected}, as in the recordings before it")]
 pub struct Unlike {
@@ -17,12 +17,12 @@ pub struct Unlike {
 }
 
 impl Recording {
-    /// The trials of all `parts`, one after the other; trials are numbered anew, from 0, where two have the same number.
-    /// Columns that only some have are filled with what their absence means (tracked, no load, a base that nobody looked at),
-    /// or left out (orientation, unknown columns).
+    /// Concatenates the trials of all `parts`; trials are renumbered from 0 where numbers repeat. Columns that only
+    /// some recordings have are filled with their default (tracked, no load, base unseen) or omitted (orientation,
+    /// unknown columns).
     ///
     /// # Errors
-    /// [`Unlike`] when one has other tendons or is driven otherwise.
+    /// [`Unlike`] when tendons or kind of command differ.
     pub fn joined(parts: &[Recording]) -> Result<Recording, Unlike> {
         let kind = |part: &Recording| {
             let unit = if part.actuation == Actuation::Lengths { "lengths" } else { "tensions" };
@@ -50,21 +50,21 @@ impl Recording {
         Ok(all)
     }
 
-    /// Whether every trial of `part` is one of this recording's: the same commands at the same times with the same tips. A
-    /// tip that was lost is the same as another one.
+    /// Whether this recording contains every trial of `part`: equal commands, times and tips. Lost tips compare as
+    /// equal.
     pub fn holds(&self, part: &Recording) -> bool {
         let own: HashSet<Vec<u64>> = self.trials().into_iter().map(|(_, range)| self.bits(range)).collect();
         !part.is_empty() && part.trials().into_iter().all(|(_, range)| own.contains(&part.bits(range)))
     }
 
-    /// Numbers of the trials that repeat an earlier one to the last digit, which no robot does.
+    /// Numbers of trials that repeat an earlier one to the last digit (impossible on a real robot).
     pub fn copies(&self) -> Vec<u64> {
         let mut seen = HashSet::new();
         let again = self.trials().into_iter().filter(|(_, range)| !seen.insert(self.bits(range.clone())));
         again.map(|(number, _)| number).collect()
     }
 
-    /// Times, commands and tips of some rows, to be compared; a tip that was lost is the same as another one.
+    /// Bit patterns of times, commands and tips of some rows, for comparison; lost tips compare as equal.
     fn bits(&self, rows: Range<usize>) -> Vec<u64> {
         let row = |row: usize| -> Vec<u64> {
             let tip = self.tip_m.iter().flat_map(|tip| tip[row]);
@@ -75,7 +75,7 @@ impl Recording {
     }
 }
 
-/// Markers that nobody looked at.
+/// Pose of markers that were not tracked.
 const UNSEEN: Pose = Pose { position_m: [f64::NAN; 3], quaternion: [f64::NAN; 4] };
 
 /// Trial numbers of all rows: those of the recordings, or new ones where two trials have the same.

@@ -1,6 +1,5 @@
-//! The recording: what a robot was told and where its tip was, trial by trial. The format is a CSV (or Parquet) table,
-//! one row a control tick: `trial,time_s,tendon_1_m…,tip_x_m,tip_y_m,tip_z_m` and optional columns; see
-//! `docs/outputs.md`.
+//! The recording format: commands and measured tips, trial by trial. A CSV or Parquet table with one row per control
+//! tick: `trial,time_s,tendon_1_m…,tip_x_m,tip_y_m,tip_z_m` and optional columns; see `docs/outputs.md`.
 
 mod check;
 mod extra;
@@ -19,7 +18,7 @@ pub(crate) use extra::{cell_error, header_place};
 pub use join::Unlike;
 pub(super) use optional::unit_length;
 
-/// What a recording's commands are.
+/// Kind of the commands of a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Actuation {
     /// Displacement of each tendon at the drive, metres, 0 at home, positive pulls (`tendon_1_m`…).
@@ -39,16 +38,16 @@ impl Actuation {
     }
 }
 
-/// Where a tracked body is and how it is turned.
+/// Pose of a tracked body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     /// Position, metres.
     pub position_m: Point3,
-    /// Unit quaternion w, x, y, z: from the body's axes to those of the frame that it is seen in.
+    /// Unit quaternion w, x, y, z: rotation from the body's axes to the observing frame.
     pub quaternion: [f64; 4],
 }
 
-/// A load at the tip in the world frame.
+/// A recorded load at the tip, world frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RecordedWrench {
     /// Force, newtons (`tip_force_x_n…`).
@@ -57,7 +56,7 @@ pub struct RecordedWrench {
     pub moment_nm: [f64; 3],
 }
 
-/// The cells of a column that this format does not know: carried from file to file as they are.
+/// The cells of an unknown column, carried from file to file unchanged.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Extra {
     /// Whole numbers.
@@ -101,18 +100,18 @@ pub struct Recording {
     pub tip_quaternion: Option<Vec<[f64; 4]>>,
     /// Pose of the base markers (`base_x_m,base_y_m,base_z_m,base_qw…`).
     pub base: Option<Vec<Pose>>,
-    /// A weight that the experimenter hung on the tip on purpose, kilograms.
+    /// Known payload at the tip, kilograms.
     pub known_load_kg: Option<Vec<f64>>,
     /// False where tracking was lost (`valid` is 0); such rows keep their command.
     pub valid: Option<Vec<bool>>,
-    /// Load that is to act at the tip from the row's time on.
+    /// Load at the tip, applied from the row's time on.
     pub tip_load: Option<Vec<RecordedWrench>>,
     /// Columns beyond the format, in the order of the file.
     pub extra: Vec<(String, Extra)>,
 }
 
 impl Recording {
-    /// A recording of nothing but commands for `trial` numbers and times that the caller fills in.
+    /// A recording of commands without rows; the caller fills in `trial`, times and commands.
     pub fn new(actuation: Actuation, tendons: usize) -> Self {
         Recording {
             actuation,
@@ -145,8 +144,8 @@ impl Recording {
         read::recording(path, false)
     }
 
-    /// Writes a recording, Parquet when the name ends in `.parquet`, else CSV, with as many digits as it takes to read
-    /// the same numbers back. Whole file or nothing.
+    /// Writes a recording atomically, as Parquet when the name ends in `.parquet`, otherwise as CSV, with enough digits
+    /// to read back the same numbers.
     ///
     /// # Errors
     /// [`DataError::Write`] when columns differ in length or the file cannot be written.

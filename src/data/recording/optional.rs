@@ -1,23 +1,23 @@
-//! The columns that a recording may have: groups that come whole or not at all, flags and masses.
+//! Optional columns of a recording: groups that are complete or absent, flags and masses.
 
 use crate::data::DataError;
 use crate::data::table::{Cells, Table};
 
-/// How far a quaternion's length may be from 1: four decimals in a file are enough.
+/// Tolerance on a quaternion's length: allows for four decimals in a file.
 const UNIT_TOLERANCE: f64 = 1e-2;
 
-/// Columns that belong together.
+/// A group of columns.
 pub(super) struct ColumnGroup<'a> {
     pub(super) table: &'a Table,
     pub(super) names: Vec<&'static str>,
-    /// Whether the group must be there; a group that is there in part must be there whole.
+    /// Whether the group is required. A group is complete or absent.
     pub(super) need: bool,
-    /// For measured columns the tracking flags: where false, a cell may be empty or not a number.
+    /// Tracking flags of measured columns: where false, a cell may be empty or NaN.
     pub(super) lost: Option<&'a [bool]>,
 }
 
 impl ColumnGroup<'_> {
-    /// The numbers, `N` a row; not a number where tracking was lost and the cell empty.
+    /// The numbers, `N` per row; NaN where tracking was lost and the cell is empty.
     pub(super) fn read<const N: usize>(&self) -> Result<Option<Vec<[f64; N]>>, DataError> {
         let columns: Vec<Option<&Cells>> = self.names.iter().map(|name| self.table.column(name)).collect();
         if !self.need && columns.iter().all(Option::is_none) {
@@ -61,10 +61,10 @@ impl ColumnGroup<'_> {
     }
 }
 
-/// Length of a quaternion when it stands for a turn, or has no numbers because tracking was lost.
+/// Length of a quaternion that is a rotation, or is NaN because tracking was lost.
 ///
 /// # Errors
-/// The length, when it is another than 1.
+/// The length, when it differs from 1.
 pub(in crate::data) fn unit_length(quaternion: &[f64; 4]) -> Result<f64, f64> {
     let length = quaternion.iter().map(|part| part * part).sum::<f64>().sqrt();
     if (length - 1.0).abs() > UNIT_TOLERANCE { Err(length) } else { Ok(length) }
@@ -115,7 +115,7 @@ pub(super) fn masses(table: &Table, name: &str) -> Result<Option<Vec<f64>>, Data
     (0..table.rows).map(mass).collect::<Result<_, _>>().map(Some)
 }
 
-/// The error for a column that should be there.
+/// The error for a missing column.
 pub(super) fn missing(table: &Table, name: &str) -> DataError {
     DataError::Column {
         file: table.file.clone(),

@@ -1,4 +1,4 @@
-//! From a table file to a checked recording.
+//! Reading and checking a recording.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ pub(super) const BASE_Q: [&str; 4] = ["base_qw", "base_qx", "base_qy", "base_qz"
 pub(super) const FORCE: [&str; 3] = ["tip_force_x_n", "tip_force_y_n", "tip_force_z_n"];
 pub(super) const MOMENT: [&str; 3] = ["tip_moment_x_nm", "tip_moment_y_nm", "tip_moment_z_nm"];
 
-/// Time may miss zero by rounding only, seconds.
+/// Tolerance on the start time, for rounding, seconds.
 const START_TOLERANCE_S: f64 = 1e-9;
 
 /// Reads and checks a file; without `need_tip` the tip columns may be missing.
@@ -75,7 +75,7 @@ fn needed<'a>(table: &'a Table, name: &str) -> Result<&'a Cells, DataError> {
     table.column(name).ok_or_else(|| optional::missing(table, name))
 }
 
-/// Trial numbers; the rows of a trial must stand together, or its time would be told in pieces.
+/// Trial numbers; the rows of a trial must be contiguous.
 fn trials(table: &Table) -> Result<Vec<u64>, DataError> {
     let cells = needed(table, "trial")?;
     let mut trials: Vec<u64> = Vec::with_capacity(table.rows);
@@ -142,7 +142,7 @@ fn commands(table: &Table) -> Result<(Actuation, Rows), DataError> {
             });
         }
     };
-    // Stops at the first gap: a column may claim to be that of tendon number 10¹².
+    // Stops at the first gap: the file may claim a tendon number of 10¹².
     let (mut names, mut columns) = (Vec::new(), Vec::new());
     for tendon in 0..tendons {
         names.push(actuation.column(tendon));
@@ -175,7 +175,7 @@ fn tendon_number(name: &str, actuation: Actuation) -> Option<usize> {
     (number > 0 && actuation.column(number - 1) == name).then_some(number)
 }
 
-/// Whatever is not a column of the format.
+/// Columns beyond the format.
 fn extra(table: &Table, actuation: Actuation, tendons: usize) -> Vec<(String, Extra)> {
     let single = ["trial", "time_s", "known_load_kg", "valid"];
     let groups: [&[&str]; 6] = [&TIP, &TIP_Q, &BASE, &BASE_Q, &FORCE, &MOMENT];

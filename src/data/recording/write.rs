@@ -1,4 +1,4 @@
-//! From a recording to a table file.
+//! Writing a recording.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use super::{Extra, Recording};
 use crate::data::table::{Cells, csv_bytes, parquet_bytes};
 use crate::data::{DataError, write_atomic};
 
-/// Writes the file whole or not at all.
+/// Writes the file atomically.
 pub(super) fn recording(recording: &Recording, path: &Path) -> Result<(), DataError> {
     let refused = |reason| DataError::Write { file: path.to_owned(), reason };
     let parquet = path.extension().is_some_and(|extension| extension == "parquet");

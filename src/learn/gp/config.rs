@@ -1,4 +1,4 @@
-//! The settings of a Gaussian process, as they stand in a spec.
+//! Settings of a Gaussian process.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 

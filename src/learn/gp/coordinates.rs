@@ -1,4 +1,4 @@
-//! The coordinates in which the search moves.
+//! Coordinates of the hyper-parameter search.
 //!
 //! Along `ln l` the likelihood of an input that does not matter slopes ever less and the search crawls; along `λ = l⁻²` it
 //! is nearly linear there. So the search moves in `u = −½ ln(λ + ε)`: `ln l` for short length-scales, linear in λ for long

@@ -1,4 +1,4 @@
-//! The error on rows that are held out.
+//! Cross-validated error.
 
 use super::{FoldOrder, Gp};
 

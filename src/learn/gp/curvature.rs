@@ -1,4 +1,4 @@
-//! An estimate of the likelihood's curvature, so that the search's first steps are Newton steps.
+//! Estimate of the likelihood's curvature, for Newton-like first steps of the search.
 //!
 //! The expected Hessian of `−ln p` is the Fisher information `F_ij = ½ tr(K⁻¹ ∂K/∂θ_i K⁻¹ ∂K/∂θ_j)` (Rasmussen & Williams
 //! 2006, section 5.4.1's Hessian in expectation). It is `½ E[(∂K/∂θ_i w)ᵀ K⁻¹ (∂K/∂θ_j w)]` for `w` with covariance K⁻¹

@@ -1,4 +1,4 @@
-//! The search for hyper-parameters: many starts on a few rows, the winner carried to all rows.
+//! Hyper-parameter search: many starts on few rows; the best is refined on all rows.
 
 use super::config::GpConfig;
 use super::coordinates::{SearchObjective, from_search_coordinates, to_search_coordinates};
@@ -7,17 +7,17 @@ use super::kernels::Kernel;
 use super::likelihood::Likelihood;
 use crate::math::optimise::{Bfgs, Minimum, minimise};
 
-/// What a search found for one output.
+/// Result of the search for one output.
 pub(super) struct FittedHyperparameters {
     pub(super) theta: Vec<f64>,
     pub(super) evaluations: usize,
 }
 
-/// Rows grow by this factor from one stage of the search to the next.
+/// Growth of the number of rows from one stage of the search to the next.
 const GROWTH: usize = 3;
-/// Nats by which candidates are told apart; only the last is finished.
+/// Tolerance in nats while candidates compete; only the last stage uses the final tolerance.
 const COARSE: f64 = 0.1;
-/// Candidates that go on from one stage to the next, the last stage taking one.
+/// Candidates kept from one stage to the next; the last stage takes one.
 const KEPT: usize = 3;
 /// Maximises the log marginal likelihood of the standardised output `y`; `None` when no start is usable.
 pub(super) fn search(config: &GpConfig, points: &TrainingPoints, y: &[f64]) -> Option<FittedHyperparameters> {
@@ -56,7 +56,7 @@ pub(super) fn search(config: &GpConfig, points: &TrainingPoints, y: &[f64]) -> O
     candidates.first().map(|u| FittedHyperparameters { theta: from_search_coordinates(layout, u), evaluations })
 }
 
-/// The best few points that are not the same optimum.
+/// The best few distinct optima.
 fn distinct(found: Vec<Minimum>) -> Vec<Vec<f64>> {
     let mut out: Vec<Minimum> = Vec::new();
     for minimum in found {
@@ -80,8 +80,8 @@ fn limits(config: &GpConfig, kernel: &dyn Kernel, inputs: usize, tolerance: f64)
     Bfgs { bounds, tolerance, max_evaluations: 300, max_step: 2.0 }
 }
 
-/// The conventional start, then points that fill the plausible box evenly: the additive recurrence whose steps are
-/// powers of the root of `x^(d+1) = x + 1`, which needs no seed.
+/// The conventional start, then a low-discrepancy sequence in the plausible box: the additive recurrence with powers of
+/// the root of `x^(d+1) = x + 1`, which needs no seed.
 fn starts(config: &GpConfig, kernel: &dyn Kernel, inputs: usize) -> Vec<Vec<f64>> {
     let layout = HyperparameterLayout::of(kernel, inputs);
     let mut box_ = vec![(0.3, 10.0)];

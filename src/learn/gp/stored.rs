@@ -1,4 +1,4 @@
-//! The form in which a fitted process is kept: samples and hyper-parameters; the factors are made again on reading.
+//! Stored form of a fitted process: samples and hyper-parameters. The factors are recomputed on reading.
 
 use serde::{Deserialize, Serialize};
 

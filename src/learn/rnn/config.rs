@@ -1,4 +1,4 @@
-//! The settings of a training, as they stand in a spec.
+//! Settings of a training.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,10 +8,10 @@ use crate::learn::LearnError;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Loss {
-    /// Every row: the network is taught to answer from its first step after a reset on, as it is used.
+    /// Every row: the network is trained to answer from its first step after a reset, as in use.
     #[default]
     EveryRow,
-    /// Only the last row: what comes before is run-in.
+    /// Only the last row: the rows before it are run-in.
     LastRow,
 }
 
@@ -46,7 +46,7 @@ pub struct ElmanConfig {
     pub max_epochs: usize,
     /// Stop as soon as the validation error (mean absolute, in the outputs' unit) is this small: `training: paper`.
     pub stop_at_validation_mae_m: Option<f64>,
-    /// Steps of the optimiser between two looks at the validation error when `stop_at_validation_mae_m` is set.
+    /// Optimiser steps between evaluations of the validation error when `stop_at_validation_mae_m` is set.
     pub stop_check_updates: usize,
 }
 
@@ -72,7 +72,7 @@ impl Default for ElmanConfig {
 }
 
 impl ElmanConfig {
-    /// Checks that so many rows, with recordings that begin at `sequences`, are enough to train and to validate on.
+    /// Checks that `rows` rows, with recordings that begin at `sequences`, suffice for training and validation.
     ///
     /// # Errors
     /// [`LearnError::TooFewRows`], or [`LearnError::Sequences`] for starts that do not increase.

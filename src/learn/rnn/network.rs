@@ -1,4 +1,4 @@
-//! A trained network and its use.
+//! The trained Elman network.
 
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +17,7 @@ pub struct Elman {
     pub(super) weights: Weights<f32>,
     pub(super) inputs: Standardiser,
     pub(super) outputs: Standardiser,
-    /// False for a network trained on single rows: its recurrent weights mean nothing and are not used.
+    /// False for a network trained on single rows: its recurrent weights are not used.
     pub(super) recurrent: bool,
 }
 
@@ -29,14 +29,14 @@ pub struct ElmanState {
 }
 
 impl ElmanState {
-    /// Forgets everything.
+    /// Resets to the zero state.
     pub fn reset(&mut self) {
         self.hidden.fill(0.0);
     }
 }
 
 impl Elman {
-    /// A state that remembers nothing.
+    /// The zero state.
     pub fn state(&self) -> ElmanState {
         let units = self.weights.sizes.units();
         ElmanState { hidden: vec![0.0; units], next: vec![0.0; units] }
@@ -145,7 +145,7 @@ fn add_scaled(out: &mut [f32], row: &[f32], scale: f32) {
     }
 }
 
-/// The form in which a network is kept.
+/// Stored form of a network.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct StoredNetwork {

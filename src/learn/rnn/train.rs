@@ -40,7 +40,7 @@ pub struct Epoch {
     pub learning_rate: f64,
 }
 
-/// A trained network and how it came about.
+/// A trained network with its training history.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Trained {
     /// The network with the weights of the best validation error.
@@ -118,7 +118,7 @@ impl Elman {
     }
 }
 
-/// A training under way.
+/// State of a running training.
 struct Session<'a> {
     network: Elman,
     config: &'a ElmanConfig,

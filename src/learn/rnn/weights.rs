@@ -1,4 +1,4 @@
-//! The numbers that a network learns, and how they lie in memory.
+//! Weights of a network and their memory layout.
 
 use rand::RngExt;
 

@@ -1,4 +1,4 @@
-//! Which rows train, which validate, and the windows of consecutive rows in them.
+//! Split of the rows into training and validation, and the windows in them.
 
 use super::config::ElmanConfig;
 use crate::learn::LearnError;

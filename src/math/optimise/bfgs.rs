@@ -1,7 +1,8 @@
-//! BFGS in a box for a handful of unknowns whose function costs far more than the algebra.
+//! Box-constrained BFGS for few unknowns and an expensive function.
 //!
 //! Nocedal & Wright, Numerical Optimization, 2006: Hessian approximation B by damped BFGS (procedure 18.2), each step
-//! the minimum of the quadratic model within the box (section 16.5), shortened until it decreases enough (Armijo). The gradient is asked for only where a step was accepted. B starts from
+//! the minimum of the quadratic model within the box (section 16.5), shortened until it decreases enough (Armijo).
+//! The gradient is evaluated only at accepted steps. B starts from
 //! the function's own estimate of its curvature where it has one.
 
 use super::quadratic::minimise_quadratic;
@@ -12,7 +13,7 @@ pub trait Objective {
     fn value(&mut self, x: &[f64]) -> f64;
     /// Gradient at the point of the latest [`Objective::value`].
     fn gradient(&mut self, out: &mut [f64]);
-    /// A positive definite estimate of the Hessian there (row-major), where one is cheap to have.
+    /// A positive definite estimate of the Hessian there (row-major), where a cheap one exists.
     fn curvature(&mut self) -> Option<Vec<f64>> {
         None
     }
@@ -23,7 +24,7 @@ pub trait Objective {
 pub struct Bfgs {
     /// Lower and upper bound of each unknown.
     pub bounds: Vec<(f64, f64)>,
-    /// The search ends when the quadratic model promises a smaller decrease than this.
+    /// The search ends when the quadratic model predicts a smaller decrease than this.
     pub tolerance: f64,
     /// Most evaluations of the function.
     pub max_evaluations: usize,
@@ -34,17 +35,17 @@ pub struct Bfgs {
 /// Why a search ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stop {
-    /// The model promises less than the tolerance.
+    /// The predicted decrease is below the tolerance.
     Converged,
-    /// No shorter step decreased the function: as good as the arithmetic allows.
+    /// No shorter step decreased the function: converged to rounding.
     NoDecrease,
-    /// The budget of evaluations is spent.
+    /// The evaluation limit is reached.
     Evaluations,
     /// The function is not defined at the start.
     BadStart,
 }
 
-/// Where a search ended.
+/// Result of a search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Minimum {
     /// The point.

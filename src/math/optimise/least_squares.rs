@@ -1,4 +1,4 @@
-//! Nonlinear least squares by Levenberg–Marquardt, and what the data say of the parameters.
+//! Nonlinear least squares by Levenberg–Marquardt, with intervals of the parameters.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -6,32 +6,33 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 /// Relative change of the sum of squares below which a fit has converged.
 const CONVERGED: f64 = 1e-10;
 const MOST_ITERATIONS: usize = 60;
-/// Directions whose singular value is below this share of the largest one, columns scaled to unit length, are not seen.
+/// Directions whose singular value is below this share of the largest (columns scaled to unit length) are not
+/// identifiable.
 const UNSEEN_DIRECTION: f64 = 1e-7;
-/// A parameter with more than this share in an unseen direction has no interval.
+/// A parameter with more than this share in an unidentifiable direction has no interval.
 const UNSEEN_SHARE: f64 = 1e-4;
 
 /// A fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
-    /// Best parameters; one that moves no residual by more than their accuracy stays at its start.
+    /// Best parameters; a parameter without influence beyond rounding keeps its start value.
     pub parameters: Vec<f64>,
-    /// 95 % intervals (Student's t, linearised at the optimum); infinite where the data say nothing.
+    /// 95 % intervals (Student's t, linearised at the optimum); infinite for unidentifiable parameters.
     pub interval_95: Vec<[f64; 2]>,
     /// Root mean square of the residuals.
     pub rms: f64,
-    /// Whether the sum of squares stopped falling before the iteration limit.
+    /// Whether the sum of squares converged before the iteration limit.
     pub converged: bool,
 }
 
-/// Residuals at some parameters; `None` where the model has no answer.
+/// Residuals at some parameters; `None` where the model fails.
 pub type Residuals<'a> = dyn Fn(&[f64]) -> Option<Vec<f64>> + 'a;
-/// Their derivative there: a row a residual, a column a parameter, zero for a parameter that is not seen.
+/// Their derivative there: one row per residual, one column per parameter, zero for a parameter without influence.
 pub type Derivative<'a> = dyn Fn(&[f64]) -> Option<DMatrix<f64>> + 'a;
 
-/// Minimises the sum of squares of `residuals(parameters)` from `start`. Where they have no answer, a step is shortened.
-/// Levenberg–Marquardt with Marquardt's scaling (Nocedal & Wright, Numerical Optimization, section 10.3). `None` when
-/// there is no answer, or no derivative, at the start or at a step that was taken.
+/// Minimises the sum of squares of `residuals(parameters)` from `start` by Levenberg–Marquardt with Marquardt's scaling
+/// (Nocedal & Wright, Numerical Optimization, section 10.3). Where the residuals fail, a step is shortened. `None` when
+/// residuals or derivative fail at the start or at an accepted step.
 pub fn fit(residuals: &Residuals, derivative: &Derivative, start: &[f64]) -> Option<Fit> {
     let mut at = start.to_vec();
     let mut current = DVector::from_vec(residuals(&at)?);
@@ -40,7 +41,7 @@ pub fn fit(residuals: &Residuals, derivative: &Derivative, start: &[f64]) -> Opt
     for _ in 0..MOST_ITERATIONS {
         let before = current.norm_squared();
         let improved = improve(residuals, (&mut at, &mut current), &jacobian, &mut damping);
-        // Where no step of any length helps, this is the minimum to rounding.
+        // If no step length helps, this is the minimum to rounding.
         converged = !improved || 1.0 - current.norm_squared() / before.max(f64::MIN_POSITIVE) < CONVERGED;
         if improved {
             jacobian = derivative(&at)?;
@@ -54,8 +55,8 @@ pub fn fit(residuals: &Residuals, derivative: &Derivative, start: &[f64]) -> Opt
     Some(Fit { parameters: at, interval_95, rms, converged })
 }
 
-/// `jacobian` with zero for the parameters that the data do not see: those whose change by `step` changes the residuals
-/// by less than the `accuracy` to which they are computed, in the root mean square. What such a one seems to do is rounding.
+/// `jacobian` with zero columns for parameters without influence: those whose change by `step` changes the residuals by
+/// less than their `accuracy`, in the root mean square.
 pub fn unseen_left_out(mut jacobian: DMatrix<f64>, step: f64, accuracy: f64) -> DMatrix<f64> {
     let least = accuracy * (jacobian.nrows() as f64).sqrt() / step;
     for mut column in jacobian.column_iter_mut().filter(|column| column.norm() <= least) {
@@ -64,7 +65,7 @@ pub fn unseen_left_out(mut jacobian: DMatrix<f64>, step: f64, accuracy: f64) -> 
     jacobian
 }
 
-/// One step that does not raise the sum of squares, damped until there is one; false when there is none.
+/// One damped step that does not raise the sum of squares; false when there is none.
 fn improve(
     residuals: &Residuals,
     (at, current): (&mut Vec<f64>, &mut DVector<f64>),
@@ -76,7 +77,7 @@ fn improve(
     while *damping < 1e10 {
         let mut damped = normal.clone();
         for k in 0..at.len() {
-            // A parameter that is not seen has a gradient of zero and stays.
+            // A parameter without influence has a zero gradient and does not move.
             damped[(k, k)] += if normal[(k, k)] > 0.0 { *damping * normal[(k, k)] } else { 1.0 };
         }
         let step = Cholesky::new(damped).map(|factor| factor.solve(&gradient));
@@ -94,7 +95,7 @@ fn improve(
     false
 }
 
-/// Intervals from the covariance s² (JᵀJ)⁺; infinite for whatever has a share in a direction that the data do not see.
+/// Intervals from the covariance s² (JᵀJ)⁺; infinite for parameters with a share in an unidentifiable direction.
 fn intervals(jacobian: &DMatrix<f64>, residual: &DVector<f64>, at: &[f64]) -> Vec<[f64; 2]> {
     let nothing = [f64::NEG_INFINITY, f64::INFINITY];
     let seen: Vec<usize> = (0..at.len()).filter(|&k| jacobian.column(k).norm() > 0.0).collect();

@@ -1,8 +1,8 @@
-//! Convex quadratic functions of a dozen unknowns in a box.
+//! Box-constrained convex quadratic programs of few unknowns.
 
 /// The `d` within `room` that minimises `gᵀd + ½ dᵀBd`, for symmetric `b` (row-major); `None` when B is not positive
-/// definite. Active set (Nocedal & Wright, section 16.5): unknowns that would leave the box are put on its wall, those
-/// that the model pulls off the wall are let go.
+/// definite. Active-set method (Nocedal & Wright, section 16.5): unknowns that would leave the box are fixed at its
+/// bound; those with a negative multiplier are released.
 pub(crate) fn minimise_quadratic(b: &[f64], g: &[f64], room: &[(f64, f64)]) -> Option<Vec<f64>> {
     let n = g.len();
     let mut wall: Vec<Option<f64>> = vec![None; n];

@@ -27,8 +27,7 @@ const POOR_CONTRACTION: f64 = 0.1;
 /// Assumed contraction of a reused derivative before the first measurement.
 const UNPROVEN_CONTRACTION: f64 = 0.1;
 
-/// Largest credible stiffening of the rod by tensions: a step smaller than the imbalance over this factor is suspicious
-/// …
+/// A step at rest that is smaller than the imbalance over this stiffening factor is suspicious …
 const MOST_STIFFENING: f64 = 1e4;
 /// … unless both are rounding, in lengths of the rod.
 const ROUNDING: f64 = 1e-8;

@@ -30,7 +30,7 @@ const NEARLY_CRUSHED: f64 = 0.05;
 
 impl Rod {
     /// Follows the overdamped rod under `holds` from the present unknowns to rest while the loads rise from `share` to
-    /// 1. A Newton solve then refines the result.
+    /// their full value. A Newton solve then refines the result.
     pub(crate) fn relax_dynamically(&mut self, holds: &[TendonConstraint], mut share: f64) -> SolveStatus {
         let mut overdamped = self.overdamped();
         // Long rods with many cells take longer over each iteration.

@@ -1,4 +1,4 @@
-//! The rows between the first line and the frames: which column holds which number of which body.
+//! The header rows of an export: the columns of each body.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use super::meta::Rotation;
 use super::{ExportLine, wrong_line};
 use crate::data::DataError;
 
-/// Where the numbers stand.
+/// Layout of the columns.
 #[derive(Debug)]
 pub(crate) struct ExportLayout {
     /// Number of cells in a row.
@@ -28,7 +28,7 @@ pub(crate) struct BodyColumns {
     pub(crate) rotation: Vec<usize>,
 }
 
-/// The rows that tell what a column is.
+/// Header rows that describe the columns.
 struct HeaderRows<'a> {
     kinds: &'a ExportLine<'a>,
     names: &'a ExportLine<'a>,
@@ -64,7 +64,7 @@ fn is_time(cell: &str) -> bool {
     cell.eq_ignore_ascii_case("Time (Seconds)") || cell.eq_ignore_ascii_case("Time")
 }
 
-/// Some versions label the rows in a cell before the first column of numbers, others rely on their order.
+/// Some versions label the rows in a cell before the first number; others rely on their order.
 fn header_rows<'a>(
     path: &Path,
     rows: &'a [ExportLine<'a>],
@@ -94,7 +94,7 @@ fn header_rows<'a>(
 }
 
 fn bodies(path: &Path, header_rows: &HeaderRows, rotation: Rotation) -> Result<Vec<BodyColumns>, DataError> {
-    // Two bodies may have one name; what tells them apart is the ID.
+    // Bodies of the same name are distinguished by their ID.
     let mut columns: Vec<((&str, &str), Vec<usize>)> = Vec::new();
     let is_body = |index: usize| header_rows.kinds.cell(index).eq_ignore_ascii_case("Rigid Body");
     for index in (0..header_rows.kinds.cells.len()).filter(|&index| is_body(index)) {

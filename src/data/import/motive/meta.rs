@@ -1,4 +1,4 @@
-//! The first line: keys and values in turn.
+//! The first line of an export: alternating keys and values.
 
 use std::path::Path;
 
@@ -6,17 +6,17 @@ use super::{ExportLine, wrong_line};
 use crate::data::DataError;
 use crate::data::error::shown;
 
-/// How orientations are written.
+/// Representation of orientations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Rotation {
     /// Unit quaternions.
     Quaternion,
-    /// Degrees about x, then about the new y, then about the new z: the order and sense that Motive calls XYZ.
+    /// Intrinsic Euler angles about x, y and z in degrees, called XYZ by Motive.
     Xyz,
 }
 
 impl Rotation {
-    /// Names of the columns that it takes, in the order in which this project keeps the numbers.
+    /// Column names, in the order of the numbers in this project.
     pub(crate) fn parts(self) -> &'static [&'static str] {
         match self {
             Rotation::Quaternion => &["W", "X", "Y", "Z"],
@@ -25,7 +25,7 @@ impl Rotation {
     }
 }
 
-/// What the first line says.
+/// Contents of the first line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Meta {
     /// Metres in the export's unit of length.
@@ -85,7 +85,7 @@ fn rotation(path: &Path, line: &ExportLine) -> Result<Rotation, DataError> {
     }
 }
 
-/// The cell behind a key. Keys are looked for one by one, not in pairs: a name with a bare comma in it shifts the pairs.
+/// The cell after a key. Keys are searched one by one, not in pairs: a name with an unquoted comma shifts the pairs.
 fn value<'a>(line: &'a ExportLine, key: &str) -> Option<&'a str> {
     let place = (0..line.cells.len()).find(|&index| line.cell(index).eq_ignore_ascii_case(key))?;
     Some(line.cell(place + 1))
@@ -101,7 +101,7 @@ fn bad_value(path: &Path, key: &str, found: &str, expected: String) -> DataError
     }
 }
 
-/// The start of a text: the file may be anything, and its first line long.
+/// A text shortened for messages.
 fn clipped(text: &str) -> String {
     const LONGEST: usize = 40;
     if text.chars().count() <= LONGEST { text.to_owned() } else { text.chars().take(LONGEST).chain(['…']).collect() }

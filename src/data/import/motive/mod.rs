@@ -1,5 +1,5 @@
-//! The CSV export of OptiTrack's Motive (format versions 1.2x): rigid bodies over time. Columns are found by what the
-//! header says of them, never by position; what is not a rigid body (markers, bones) is passed over.
+//! The CSV export of OptiTrack's Motive (format versions 1.2x): rigid bodies over time. Columns are found by their
+//! header, not by position; other assets (markers, bones) are skipped.
 
 mod header;
 mod meta;
@@ -15,7 +15,7 @@ use crate::data::{DataError, file};
 pub struct Body {
     /// Its name in Motive.
     pub name: String,
-    /// A pose of its pivot a frame, in the frame of the export; none where the body was not tracked.
+    /// Pose of its pivot for each frame, in the export's frame; `None` where the body was not tracked.
     pub poses: Vec<Option<Pose>>,
 }
 
@@ -28,7 +28,7 @@ pub struct Export {
     pub time_s: Vec<f64>,
     /// In the order of the file.
     pub bodies: Vec<Body>,
-    /// Number of frames that the header promises.
+    /// Number of frames according to the header.
     pub promised_frames: Option<usize>,
     /// Line of the names.
     names_line: usize,
@@ -51,10 +51,10 @@ impl Export {
         read::export(path, bytes)
     }
 
-    /// The body of this very name.
+    /// The body with exactly this name.
     ///
     /// # Errors
-    /// [`DataError::Line`] lists the bodies that there are when none or several have it.
+    /// [`DataError::Line`] lists all bodies when none or several have it.
     pub fn body(&self, name: &str) -> Result<&Body, DataError> {
         let named: Vec<&Body> = self.bodies.iter().filter(|body| body.name == name).collect();
         match named[..] {
@@ -63,7 +63,7 @@ impl Export {
         }
     }
 
-    /// The body called `word` or, when there is none, the only one whose name begins so in capitals or small letters.
+    /// The body called `word`, or else the only one whose name begins so, ignoring case.
     ///
     /// # Errors
     /// As [`Export::body`].

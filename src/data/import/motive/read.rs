@@ -1,4 +1,4 @@
-//! From the text to the bodies.
+//! Parsing of an export.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -32,7 +32,7 @@ pub(crate) fn export(path: &Path, bytes: &[u8]) -> Result<Export, DataError> {
         short = (line.cells.len() < frames.layout.width).then_some((line.number, line.cells.len()));
         frames.push(&line)?;
     }
-    // Spreadsheets drop empty cells at the end of a line; a last line without its end is one that was cut off.
+    // Spreadsheets drop trailing empty cells; a last line without a line end was cut off.
     if let Some((number, cells)) = short.filter(|_| !whole) {
         let expected = format!("{} as in the header: the file was cut off", frames.layout.width);
         return Err(wrong_line(path, number, format!("{cells} cells"), expected));
@@ -54,7 +54,7 @@ fn unquoted(cell: &str) -> Cow<'_, str> {
     }
 }
 
-/// Takes the rows of the header off the lines.
+/// Consumes the header rows.
 fn layout<'a>(
     path: &Path,
     lines: &mut impl Iterator<Item = Result<ExportLine<'a>, DataError>>,
@@ -85,7 +85,7 @@ struct Frames<'a> {
     meta: Meta,
     layout: ExportLayout,
     time_s: Vec<f64>,
-    /// All bodies of the first frame, then of the second, …
+    /// Poses frame by frame, all bodies of a frame in sequence.
     poses: Vec<Option<Pose>>,
 }
 
@@ -117,7 +117,7 @@ impl Frames<'_> {
         Ok(time_s)
     }
 
-    /// A body in a frame. Motive leaves the cells of a body empty where it was not tracked, or sets all of them to 0.
+    /// The pose of a body in a frame. Motive leaves the cells of an untracked body empty or sets all of them to 0.
     fn pose(&self, line: &ExportLine, places: &BodyColumns) -> Result<Option<Pose>, DataError> {
         let mut position_m = [0.0; 3];
         let mut turn = [0.0; 4];
@@ -197,7 +197,7 @@ impl Frames<'_> {
     }
 }
 
-/// The number in a cell; none in an empty one, and nothing at all where something else stands.
+/// The number in a cell: `Some(None)` for an empty cell, `None` for other text.
 fn number(cell: &str) -> Option<Option<f64>> {
     if cell.is_empty() || cell.eq_ignore_ascii_case("nan") {
         return Some(None);
@@ -205,7 +205,7 @@ fn number(cell: &str) -> Option<Option<f64>> {
     cell.parse().ok().filter(|number: &f64| number.is_finite()).map(Some)
 }
 
-/// Quaternion w, x, y, z of a turn by `angles_deg` about x, the new y and the newest z.
+/// Quaternion w, x, y, z of intrinsic Euler angles about x, y and z.
 fn from_xyz(angles_deg: [f64; 3]) -> [f64; 4] {
     let [(sx, cx), (sy, cy), (sz, cz)] = angles_deg.map(|angle_deg| (0.5 * angle_deg.to_radians()).sin_cos());
     [cx * cy * cz - sx * sy * sz, sx * cy * cz + cx * sy * sz, cx * sy * cz - sx * cy * sz, cx * cy * sz + sx * sy * cz]

@@ -1,4 +1,4 @@
-//! What a kernel's file states, and what every kernel gets from it.
+//! The interface of a kernel file, and what follows from it for every kernel.
 
 use crate::math::vectorised;
 
@@ -31,7 +31,7 @@ pub struct At {
     pub slope: f64,
 }
 
-/// A kernel's formula: all that its file states.
+/// A kernel's formula: the whole content of its file.
 ///
 /// ```
 /// use spinebench::learn::gp::kernels::{At, Formula, Kernel, Lengths, ShapeParameter};

@@ -1,5 +1,5 @@
-//! Covariance functions. A kernel is its formula (one file) and its line in [`KERNELS`]; Gram matrices, gradients and
-//! the checks in `tests/learn_kernels.rs` are written once for all.
+//! Covariance functions. A kernel is its formula (one file) and its line in [`KERNELS`]. Gram matrices, gradients and
+//! the contract tests apply to all kernels.
 //!
 //! Every kernel here is stationary: `k(x, y) = σ_s² c(s)` with the scaled squared distance
 //! `s = Σ_d (x_d − y_d)² / l_d²` and `c(0) = 1`.
@@ -21,7 +21,7 @@ pub use se_iso::SeIso;
 /// The registry.
 pub const KERNELS: &[&dyn Kernel] = &[&SeArd, &SeIso, &Matern32Ard, &Matern52Ard, &RationalQuadratic];
 
-/// The kernel registered under `name`; `matern52` is short for `matern52_ard`, and so for its like.
+/// The kernel registered under `name`; the suffix `_ard` may be omitted.
 pub fn find(name: &str) -> Option<&'static dyn Kernel> {
     let named = |kernel: &&dyn Kernel| kernel.name() == name || kernel.name().strip_suffix("_ard") == Some(name);
     KERNELS.iter().copied().find(named)
