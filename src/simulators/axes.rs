@@ -102,8 +102,8 @@ impl SimulatedAxes {
             return;
         }
         let direction = way.map(|part| part / length_mm);
-        let along = |limits: [f64; 4]| {
-            let shares = limits.into_iter().zip(direction).filter(|(_, part)| part.abs() > 1e-9);
+        let along = |per_axis: [f64; 4]| {
+            let shares = per_axis.into_iter().zip(direction).filter(|(_, part)| part.abs() > 1e-9);
             shares.map(|(limit, part)| limit / part.abs()).fold(f64::INFINITY, f64::min)
         };
         let speed_mm_s = limits.feed_mm_min.min(along(limits.max_speed_mm_min)) / 60.0;

@@ -109,8 +109,8 @@ impl Simulator {
         }
         let pulls_m = self.axes.pulls_m(&screws_mm);
         let tip = self.robot.advance(&pulls_m, now_s - self.now_s);
-        let view = (self.view)(&self.base, &tip);
-        self.tracker.step(now_s, &view, &self.base);
+        let tip_body = (self.view)(&self.base, &tip);
+        self.tracker.step(now_s, &tip_body, &self.base);
         self.now_s = now_s;
     }
 }

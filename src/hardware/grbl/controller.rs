@@ -24,7 +24,7 @@ const MAX_QUEUED: usize = 2;
 pub struct Controller {
     pub(super) port: Port,
     pub(super) settings: MotionSettings,
-    pub(super) machine: ControllerInfo,
+    pub(super) info: ControllerInfo,
     pub(super) state: ControllerState,
     pub(super) fault: Option<MotionFault>,
     pub(super) pending: Option<PendingLine>,
@@ -62,12 +62,12 @@ impl Controller {
     ) -> Result<Controller, MotionFault> {
         settings.check()?;
         let mut port = Port::new(serial);
-        let (machine, status) = handshake::identify_controller(&mut port, settings, clock)?;
+        let (info, status) = handshake::identify_controller(&mut port, settings, clock)?;
         let now_s = clock.now_s();
         let mut controller = Controller {
             port,
             settings: settings.clone(),
-            machine,
+            info,
             state: ControllerState { last_reply_s: now_s, ..ControllerState::default() },
             fault: None,
             pending: None,
@@ -87,7 +87,7 @@ impl Controller {
         };
         // At rest all blocks are free: this is the true queue length, whatever the controller reported.
         if let (Mode::Idle, Some(free)) = (status.mode, status.free_blocks) {
-            controller.machine.blocks = free;
+            controller.info.blocks = free;
         }
         controller.apply_status(&status, now_s);
         controller.fault.clone().map_or(Ok(controller), Err)
@@ -152,8 +152,8 @@ impl Controller {
     }
 
     /// What the controller said about itself when it was opened.
-    pub fn machine(&self) -> &ControllerInfo {
-        &self.machine
+    pub fn info(&self) -> &ControllerInfo {
+        &self.info
     }
 
     /// The fault that blocks motion.

@@ -11,15 +11,15 @@ use super::state::Mode;
 use crate::hardware::clock::Clock;
 
 /// Longest start-up time of a controller after its port is opened, s.
-const WAKE_S: f64 = 5.0;
+const START_UP_S: f64 = 5.0;
 /// Interval at which the line is read, s.
-const LOOK_S: f64 = 0.005;
+const READ_INTERVAL_S: f64 = 0.005;
 /// Longest duration of moves left over by another program, s, and the interval of queries during that time.
-const LEFT_S: f64 = 2.0;
-/// See [`LEFT_S`].
-const ASK_S: f64 = 0.05;
+const LEFTOVER_MOVES_S: f64 = 2.0;
+/// See [`LEFTOVER_MOVES_S`].
+const QUERY_INTERVAL_S: f64 = 0.05;
 /// Longest silence that is waited for before the first query, s.
-const QUIET_S: f64 = 1.0;
+const SILENCE_S: f64 = 1.0;
 /// Unreadable lines after which no answer is expected any more.
 const MAX_GARBLED: usize = 3;
 
@@ -72,18 +72,16 @@ impl Handshake<'_> {
         if !matches!(first.mode, Mode::Idle | Mode::Alarm(_)) {
             return Err(MotionFault::UnexpectedMode { mode: first.mode });
         }
-        let mut machine = parse_identity(&self.query("$I")?, first.free_blocks)?;
-        machine.settings = settings_table(&self.query("$$")?);
-        check::check(&machine.settings, settings)?;
+        let mut info = parse_identity(&self.query("$I")?, first.free_blocks)?;
+        info.settings = settings_table(&self.query("$$")?);
+        check::check(&info.settings, settings)?;
         check_offsets(&self.query("$#")?)?;
-        let numbers =
-            |first: u16| [0, 1, 2, 3].map(|axis| check::number(&machine.settings, first + axis).unwrap_or(0.0));
-        (machine.max_speed_mm_min, machine.acceleration_mm_s2, machine.travel_mm) =
-            (numbers(110), numbers(120), numbers(130));
+        let numbers = |first: u16| [0, 1, 2, 3].map(|axis| check::number(&info.settings, first + axis).unwrap_or(0.0));
+        (info.max_speed_mm_min, info.acceleration_mm_s2, info.travel_mm) = (numbers(110), numbers(120), numbers(130));
         // Reports leave out values that have been reported before.
         let mut last = self.status()?;
         last.homed = last.homed.or(first.homed);
-        Ok((machine, last))
+        Ok((info, last))
     }
 
     /// Waits until nothing moves. A program that was killed leaves at most two moves, which end by themselves. One that
@@ -96,8 +94,8 @@ impl Handshake<'_> {
             let stood = std::mem::replace(&mut before_mm, status.position_mm) == status.position_mm;
             let mode = if status.bare_hold && stood { Mode::Hold { complete: true } } else { status.mode };
             match mode {
-                Mode::Run | Mode::Hold { complete: false } if self.clock.now_s() - began_s < LEFT_S => {
-                    self.clock.sleep_until(self.clock.now_s() + ASK_S);
+                Mode::Run | Mode::Hold { complete: false } if self.clock.now_s() - began_s < LEFTOVER_MOVES_S => {
+                    self.clock.sleep_until(self.clock.now_s() + QUERY_INTERVAL_S);
                 }
                 Mode::Hold { complete: true } => {
                     self.port.send_byte(RESET).map_err(|error| MotionFault::unplugged(&error))?;
@@ -118,7 +116,7 @@ impl Handshake<'_> {
                 return self.drain();
             }
             let waited_s = self.clock.now_s() - began_s;
-            if waited_s <= WAKE_S {
+            if waited_s <= START_UP_S {
                 continue;
             }
             return Err(match garbled.last() {
@@ -145,8 +143,8 @@ impl Handshake<'_> {
 
     fn drain(&mut self) -> Result<(), MotionFault> {
         let mut quiet_s = self.clock.now_s();
-        let end_s = quiet_s + WAKE_S;
-        while self.clock.now_s().min(end_s) < (quiet_s + self.timeout_s.min(QUIET_S)).min(end_s) {
+        let end_s = quiet_s + START_UP_S;
+        while self.clock.now_s().min(end_s) < (quiet_s + self.timeout_s.min(SILENCE_S)).min(end_s) {
             if !self.read_lines()?.is_empty() {
                 quiet_s = self.clock.now_s();
             }
@@ -186,7 +184,7 @@ impl Handshake<'_> {
     ) -> Result<T, MotionFault> {
         let began_s = self.clock.now_s();
         let (mut last_s, mut garbled) = (began_s, Vec::new());
-        while self.clock.now_s() - last_s <= self.timeout_s && self.clock.now_s() - began_s <= WAKE_S {
+        while self.clock.now_s() - last_s <= self.timeout_s && self.clock.now_s() - began_s <= START_UP_S {
             for received in self.read_lines()? {
                 last_s = self.clock.now_s();
                 match parse_received(received) {
@@ -213,7 +211,7 @@ impl Handshake<'_> {
 
     /// Waits briefly and returns the lines that have arrived.
     fn read_lines(&mut self) -> Result<Vec<ReceivedLine>, MotionFault> {
-        self.clock.sleep_until(self.clock.now_s() + LOOK_S);
+        self.clock.sleep_until(self.clock.now_s() + READ_INTERVAL_S);
         let (received_lines, gone) = self.port.read();
         gone.map_err(|error| MotionFault::unplugged(&error))?;
         Ok(received_lines)
@@ -234,24 +232,24 @@ fn parse_received(received: ReceivedLine) -> Result<Reply, String> {
 
 /// Refuses anything but GRBL 1.1 with axes X, Y, Z and A. `free_blocks` blocks of its queue were free at rest.
 fn parse_identity(answers: &[Reply], free_blocks: Option<usize>) -> Result<ControllerInfo, MotionFault> {
-    let info = |wanted: &str| {
+    let field = |wanted: &str| {
         answers.iter().find_map(|reply| match reply {
             Reply::Info { name, text } if name == wanted => Some(text.clone()),
             _ => None,
         })
     };
-    let version = info("VER").unwrap_or_default();
+    let version = field("VER").unwrap_or_default();
     if !version.starts_with("1.1") {
         return Err(MotionFault::WrongFirmware { what: "version", found: version, expected: "GRBL 1.1 or grblHAL" });
     }
     // Firmware that does not name its axes has reported four positions.
-    if let Some(axes) = info("AXS").filter(|axes| axes != "4:XYZA") {
+    if let Some(axes) = field("AXS").filter(|axes| axes != "4:XYZA") {
         return Err(MotionFault::WrongFirmware { what: "axes", found: axes, expected: "4:XYZA" });
     }
-    let reported = info("OPT").and_then(|options| options.split(',').nth(1)?.trim().parse().ok());
+    let reported = field("OPT").and_then(|options| options.split(',').nth(1)?.trim().parse().ok());
     // Without either, moves count as done when the controller reports `Idle`.
     let blocks = reported.or(free_blocks).unwrap_or(0);
-    Ok(ControllerInfo { version, firmware: info("FIRMWARE").unwrap_or_default(), blocks, ..ControllerInfo::default() })
+    Ok(ControllerInfo { version, firmware: field("FIRMWARE").unwrap_or_default(), blocks, ..ControllerInfo::default() })
 }
 
 fn settings_table(answers: &[Reply]) -> SettingsTable {

@@ -178,7 +178,7 @@ impl LineReader {
             if std::mem::take(&mut self.overlong) {
                 return None;
             }
-            return received(&bytes);
+            return received_line(&bytes);
         }
         self.bytes.push(byte);
         if self.bytes.len() <= LONGEST_LINE {
@@ -196,7 +196,7 @@ impl LineReader {
 }
 
 /// A complete line; none if it is empty.
-fn received(bytes: &[u8]) -> Option<ReceivedLine> {
+fn received_line(bytes: &[u8]) -> Option<ReceivedLine> {
     match std::str::from_utf8(bytes) {
         Ok(text) => {
             let text = text.trim_end_matches('\r');

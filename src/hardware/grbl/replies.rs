@@ -167,7 +167,7 @@ impl Controller {
 
     fn count_blocks(&mut self, status: &StatusReport, before: Mode) {
         if let Some(free) = status.free_blocks {
-            self.state.queued = self.machine.blocks.saturating_sub(free);
+            self.state.queued = self.info.blocks.saturating_sub(free);
         } else if (before, status.mode) == (Mode::Idle, Mode::Idle) {
             self.state.queued = 0;
         }

@@ -127,8 +127,8 @@ impl Rig {
     /// Starts homing, or activates a robot that is homed.
     pub fn start(&mut self, now_s: f64) -> Result<(), MoveError> {
         let homed = self.parts.controller.homed();
-        let may = if homed { self.guard.activate() } else { self.guard.begin_homing() };
-        if !may {
+        let permitted = if homed { self.guard.activate() } else { self.guard.begin_homing() };
+        if !permitted {
             return Err(MoveError::NotActive(self.state().name()));
         }
         if !homed {
@@ -159,7 +159,7 @@ impl Rig {
         let motion = self.parts.controller.poll(now_s);
         self.parts.tracking.poll(now_s);
         let was_homing = *self.state() == GuardState::Homing;
-        let facts = SafetyInputs {
+        let inputs = SafetyInputs {
             motion_fault: motion.err().map(|fault| controller_fault(&fault)),
             hold_reason: self.hold_reason(now_s),
             interrupted: self.parts.interrupt.raised().then(interrupted),
@@ -167,7 +167,7 @@ impl Rig {
             standing: self.parts.controller.stands(),
         };
         let before = self.state().name();
-        let action = self.guard.evaluate(&facts, now_s);
+        let action = self.guard.evaluate(&inputs, now_s);
         self.apply_action(action, now_s);
         if was_homing && *self.state() == GuardState::Active {
             self.commanded_m = self.parts.pulls_m();
@@ -201,8 +201,8 @@ impl Rig {
 
     /// Axes that were reset before they stood may have lost steps: the next program has to know.
     fn require_homing(&mut self, now_s: f64) {
-        let tracking_lost = self.parts.controller.homing_required();
-        let latch = self.parts.latch.as_ref().filter(|latch| tracking_lost && latch.homing_required().is_none());
+        let position_lost = self.parts.controller.homing_required();
+        let latch = self.parts.latch.as_ref().filter(|latch| position_lost && latch.homing_required().is_none());
         if let Some(Err(error)) = latch.map(|latch| latch.require_homing("reset before the axes stood")) {
             self.log_event(now_s, "", format!("could not store that homing is required: {error}"));
         }

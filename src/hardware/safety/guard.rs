@@ -117,29 +117,29 @@ impl Guard {
 
     /// Starts homing, if the state permits it.
     pub fn begin_homing(&mut self) -> bool {
-        let may = matches!(self.state, GuardState::Idle | GuardState::Active);
-        if may {
+        let permitted = matches!(self.state, GuardState::Idle | GuardState::Active);
+        if permitted {
             self.state = GuardState::Homing;
         }
-        may
+        permitted
     }
 
     /// Activates a robot that is homed.
     pub fn activate(&mut self) -> bool {
-        let may = matches!(self.state, GuardState::Idle);
-        if may {
+        let permitted = matches!(self.state, GuardState::Idle);
+        if permitted {
             self.state = GuardState::Active;
         }
-        may
+        permitted
     }
 
     /// Parks a robot at rest, for example while a person works on it: tracking is ignored until it is active again.
     pub fn park(&mut self) -> bool {
-        let may = matches!(self.state, GuardState::Active);
-        if may {
+        let permitted = matches!(self.state, GuardState::Active);
+        if permitted {
             self.state = GuardState::Idle;
         }
-        may
+        permitted
     }
 
     /// Stops a robot that is active, held or homing, because the program ends or gives up.
@@ -156,16 +156,16 @@ impl Guard {
     }
 
     /// Decides on the inputs at `now_s`: the next state and the action of the rig.
-    pub fn evaluate(&mut self, facts: &SafetyInputs, now_s: f64) -> SafetyAction {
+    pub fn evaluate(&mut self, inputs: &SafetyInputs, now_s: f64) -> SafetyAction {
         if let GuardState::Stopped { .. } = self.state {
-            return self.finish_stop(facts, now_s);
+            return self.finish_stop(inputs, now_s);
         }
         // A fault is remembered after the program ends, a request to end is not.
-        if let Some(reason) = facts.motion_fault.as_ref().or(facts.interrupted.as_ref()) {
+        if let Some(reason) = inputs.motion_fault.as_ref().or(inputs.interrupted.as_ref()) {
             return self.stop(reason.clone(), now_s);
         }
-        match (&self.state, &facts.hold_reason) {
-            (GuardState::Homing, _) if facts.homed => self.enter(GuardState::Active, SafetyAction::Nothing),
+        match (&self.state, &inputs.hold_reason) {
+            (GuardState::Homing, _) if inputs.homed => self.enter(GuardState::Active, SafetyAction::Nothing),
             (GuardState::Active, Some(reason)) => self.hold(reason.clone(), now_s),
             (GuardState::Held { .. }, None) => self.enter(GuardState::Active, SafetyAction::Resume),
             (GuardState::Held { since_s, .. }, Some(reason)) if now_s - since_s >= self.limits.hold_stop_s => {
@@ -205,10 +205,10 @@ impl Guard {
     }
 
     /// Discards the queue once the axes stand, or should have for long, so that nothing starts again by itself.
-    fn finish_stop(&mut self, facts: &SafetyInputs, now_s: f64) -> SafetyAction {
-        let patience_s = if facts.motion_fault.is_some() { STAND_ANYWAY_S } else { STAND_S };
+    fn finish_stop(&mut self, inputs: &SafetyInputs, now_s: f64) -> SafetyAction {
+        let patience_s = if inputs.motion_fault.is_some() { STAND_ANYWAY_S } else { STAND_S };
         match self.stopping_s {
-            Some(since_s) if facts.standing || now_s - since_s >= patience_s => {
+            Some(since_s) if inputs.standing || now_s - since_s >= patience_s => {
                 self.stopping_s = None;
                 SafetyAction::Flush
             }

@@ -26,7 +26,7 @@ const MAX_PER_POLL: usize = 4096;
 /// A connection to a motion capture server.
 pub struct TrackerClient {
     settings: TrackingSettings,
-    link: TrackerSockets,
+    sockets: TrackerSockets,
     stream: FrameStream,
     server: ServerInfo,
     keepalive_s: f64,
@@ -41,14 +41,14 @@ impl TrackerClient {
     /// [`TrackingFault`] says what was found, what was expected and how to continue.
     pub fn open(settings: TrackingSettings, clock: &dyn Clock) -> Result<TrackerClient, TrackingFault> {
         settings.check()?;
-        let mut link = TrackerSockets::open(&settings)?;
-        let server = handshake::connect(&mut link, &settings, clock)?;
+        let mut sockets = TrackerSockets::open(&settings)?;
+        let server = handshake::connect(&mut sockets, &settings, clock)?;
         let version = handshake::version(&settings, &server)?;
         handshake::transport(&settings, &server)?;
         if settings.transport == Transport::Multicast {
-            link.join(&settings)?;
+            sockets.join(&settings)?;
         }
-        let model = match handshake::model(&mut link, &settings, version, clock) {
+        let model = match handshake::model(&mut sockets, &settings, version, clock) {
             // Bodies given by their streaming ids need no model.
             Err(TrackingFault::NoModel { .. }) if settings.names_no_body() => None,
             other => Some(other?),
@@ -57,7 +57,7 @@ impl TrackerClient {
         let now_s = clock.now_s();
         Ok(TrackerClient {
             settings,
-            link,
+            sockets,
             stream,
             server,
             keepalive_s: now_s,
@@ -70,7 +70,7 @@ impl TrackerClient {
     /// fails: [`TrackerClient::status`] counts what goes wrong.
     pub fn poll(&mut self, now_s: f64) {
         for _ in 0..MAX_PER_POLL {
-            match self.link.receive() {
+            match self.sockets.receive() {
                 Ok(Some((datagram, from))) => {
                     let received = self.stream.process(datagram, from, now_s);
                     self.handle(received, now_s);
@@ -125,7 +125,7 @@ impl TrackerClient {
     }
 
     fn send(&mut self, datagram: &[u8]) {
-        if let Err(error) = self.link.send(datagram) {
+        if let Err(error) = self.sockets.send(datagram) {
             self.stream.status_mut().count_socket_error(&error);
         }
     }

@@ -29,13 +29,13 @@ pub(super) fn connect_request(settings: &TrackingSettings) -> Result<Request, Co
 
 /// Requests the server's identity.
 pub(super) fn connect(
-    link: &mut TrackerSockets,
+    sockets: &mut TrackerSockets,
     settings: &TrackingSettings,
     clock: &dyn Clock,
 ) -> Result<ServerInfo, TrackingFault> {
     let read = |datagram: &[u8]| ServerInfo::parse_with_policy(datagram, ParsePolicy::Compatible).ok();
-    ask(link, settings, clock, connect_request(settings), read)?.map_err(|unreadable| TrackingFault::NoServer {
-        server: link.server(),
+    ask(sockets, settings, clock, connect_request(settings), read)?.map_err(|unreadable| TrackingFault::NoServer {
+        server: sockets.server(),
         waited_s: settings.connect_s,
         unreadable,
     })
@@ -43,14 +43,14 @@ pub(super) fn connect(
 
 /// Requests the list of bodies.
 pub(super) fn model(
-    link: &mut TrackerSockets,
+    sockets: &mut TrackerSockets,
     settings: &TrackingSettings,
     version: Version,
     clock: &dyn Clock,
 ) -> Result<ModelDef, TrackingFault> {
     let read = |datagram: &[u8]| ModelDef::parse_with_policy(datagram, version, ParsePolicy::Compatible).ok();
-    ask(link, settings, clock, command::request_modeldef(), read)?.map_err(|unreadable| TrackingFault::NoModel {
-        server: link.server(),
+    ask(sockets, settings, clock, command::request_modeldef(), read)?.map_err(|unreadable| TrackingFault::NoModel {
+        server: sockets.server(),
         waited_s: settings.connect_s,
         unreadable,
     })
@@ -58,7 +58,7 @@ pub(super) fn model(
 
 /// Repeats a request until a valid answer arrives or the time is over; then returns the number of unreadable datagrams.
 fn ask<T>(
-    link: &mut TrackerSockets,
+    sockets: &mut TrackerSockets,
     settings: &TrackingSettings,
     clock: &dyn Clock,
     request: Result<Request, CommandError>,
@@ -70,13 +70,13 @@ fn ask<T>(
     let (mut ask_s, mut unreadable) = (start_s, 0);
     while clock.now_s() - start_s <= settings.connect_s {
         if clock.now_s() >= ask_s {
-            link.send(request.as_bytes()).map_err(fault)?;
+            sockets.send(request.as_bytes()).map_err(fault)?;
             ask_s += ASK_AGAIN_S;
         }
         clock.sleep_until(clock.now_s() + LOOK_S);
-        let server = SocketAddr::V4(link.server());
+        let server = SocketAddr::V4(sockets.server());
         for _ in 0..MAX_AT_ONCE {
-            let Some((datagram, from)) = link.receive().map_err(fault)? else { break };
+            let Some((datagram, from)) = sockets.receive().map_err(fault)? else { break };
             if let Some(answer) = read(datagram).filter(|_| from == server) {
                 return Ok(Ok(answer));
             }

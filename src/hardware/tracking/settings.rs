@@ -140,8 +140,8 @@ impl Default for TrackingSettings {
 impl TrackingSettings {
     /// True if both bodies are given by their streaming ids.
     pub fn names_no_body(&self) -> bool {
-        let is_named_port = |body: &BodyName| matches!(body, BodyName::Name(_));
-        !is_named_port(&self.tip_body) && !self.base_body.as_ref().is_some_and(is_named_port)
+        let is_name = |body: &BodyName| matches!(body, BodyName::Name(_));
+        !is_name(&self.tip_body) && !self.base_body.as_ref().is_some_and(is_name)
     }
 
     /// Refuses settings out of range.

@@ -38,7 +38,7 @@ impl Hardware {
         let now_s = self.supervised.clock.now_s();
         let rig = self.supervised.rig();
         Diagnostics {
-            controller: format!("{} {}", rig.controller().machine().firmware, rig.controller().machine().version),
+            controller: format!("{} {}", rig.controller().info().firmware, rig.controller().info().version),
             homed: rig.controller().homed(),
             position_mm: rig.controller().state().position_mm,
             server: rig.tracking().server(),

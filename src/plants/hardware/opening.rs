@@ -120,7 +120,7 @@ struct OpenedDevices {
 /// Refuses axes that are too slow for the largest step in a tick.
 fn fast_enough(controller: &Controller, safety: &SafetyLimits, step_s: f64) -> Result<(), String> {
     let needed_mm_min = slowest_axis_mm_min(safety, step_s);
-    let speeds = controller.machine().max_speed_mm_min;
+    let speeds = controller.info().max_speed_mm_min;
     match speeds.iter().position(|&speed| speed < needed_mm_min) {
         None => Ok(()),
         Some(axis) => Err(format!(

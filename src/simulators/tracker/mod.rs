@@ -216,13 +216,13 @@ impl SimulatedTracker {
         if self.has(TrackerFault::SwappedBodies) {
             std::mem::swap(&mut base, &mut tip);
         }
-        let view = |robot, id, pose: &RigidPose| PlannedBody {
-            tracking_valid: !self.has(TrackerFault::Occluded(robot)),
+        let planned_body = |body, id, pose: &RigidPose| PlannedBody {
+            tracking_valid: !self.has(TrackerFault::Occluded(body)),
             ..planned(id, pose)
         };
-        let mut bodies = vec![view(TrackedBody::Base, self.options.base.1, &base)];
+        let mut bodies = vec![planned_body(TrackedBody::Base, self.options.base.1, &base)];
         if !self.has(TrackerFault::BodyGone) {
-            bodies.push(view(TrackedBody::Tip, self.options.tip.1, &tip));
+            bodies.push(planned_body(TrackedBody::Tip, self.options.tip.1, &tip));
         }
         bodies.extend(self.options.others.iter().map(|(_, id)| planned(*id, &RigidPose::default())));
         bodies
@@ -260,9 +260,9 @@ impl SimulatedTracker {
         if self.has(TrackerFault::SecondServer) {
             let mut other = frame.clone();
             other.frame_number = other.frame_number.wrapping_add(SECOND_SERVER_FRAMES);
-            other.rigid_bodies.iter_mut().for_each(|robot| {
-                if robot.id == self.options.tip.1 {
-                    robot.position[0] += SECOND_SERVER_M as f32;
+            other.rigid_bodies.iter_mut().for_each(|body| {
+                if body.id == self.options.tip.1 {
+                    body.position[0] += SECOND_SERVER_M as f32;
                 }
             });
             self.server.send(&other, true, &mut |_| {});

@@ -20,10 +20,10 @@ fn opening_looks_and_touches_nothing() {
     assert_eq!(bench.sent_lines(), ["$I", "$$", "$#"]);
     assert_eq!(bench.position_mm(), before_mm);
     assert_eq!((controller.state().mode, controller.homed()), (Mode::Alarm(Some(11)), false));
-    let machine = controller.machine();
-    assert_eq!((machine.firmware.as_str(), machine.blocks), ("grblHAL", 100));
-    assert_eq!((machine.max_speed_mm_min, machine.acceleration_mm_s2), ([600.0; 4], [50.0; 4]));
-    assert_eq!(machine.travel_mm, [60.0; 4]);
+    let info = controller.info();
+    assert_eq!((info.firmware.as_str(), info.blocks), ("grblHAL", 100));
+    assert_eq!((info.max_speed_mm_min, info.acceleration_mm_s2), ([600.0; 4], [50.0; 4]));
+    assert_eq!(info.travel_mm, [60.0; 4]);
 }
 
 #[test]

@@ -23,7 +23,7 @@ fn another_controller_homes_moves_and_holds() {
     for report in ["3", "1"] {
         let bench = Bench::new(plain(report));
         let mut controller = bench.open();
-        assert_eq!((controller.machine().version.as_str(), controller.homed()), ("1.1h.20190830:another", false));
+        assert_eq!((controller.info().version.as_str(), controller.homed()), ("1.1h.20190830:another", false));
         bench.home(&mut controller).unwrap();
         assert!(controller.homed());
         bench.run(&mut controller, 0.5).unwrap();

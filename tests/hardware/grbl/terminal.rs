@@ -52,7 +52,7 @@ fn a_serial_line_is_opened_and_noticed_when_it_goes() {
     let mut served = serve(other);
     let clock = WallClock::new();
     let mut controller = Controller::open(Box::new(serial), &settings(), &clock).unwrap();
-    assert_eq!(controller.machine().firmware, "grblHAL");
+    assert_eq!(controller.info().firmware, "grblHAL");
     controller.poll(clock.now_s()).unwrap();
     served.unplug();
     let found = std::iter::repeat_with(|| controller.poll(clock.now_s())).find_map(Result::err).unwrap();
