@@ -23,6 +23,9 @@ reproduce: build ## Table I, Figs 5, 6 and 8 and the claims, into results/ and p
 	$(SPINEBENCH) page README.md
 	$(SPINEBENCH) page docs/error_budget.md
 
+# `cargo fmt` does not follow the modules that registries declare.
+SOURCES := $(shell find src -name '*.rs')
+
 # Tests run side by side under `cargo nextest` where it is installed, program by program under `cargo test` where not.
 # Incremental compilation keeps a rebuild after an edit short.
 check test campaign: export CARGO_INCREMENTAL = 1
@@ -30,6 +33,7 @@ NEXTEST := $(shell cargo nextest --version 2>/dev/null | head -1)
 
 check: ## while you work (3 minutes): format, lints, unit and contract tests, one `discover` per verdict
 	cargo fmt --check
+	rustfmt --check --edition 2024 $(SOURCES)
 	cargo clippy --release --all-targets -- -D warnings
 ifdef NEXTEST
 	cargo nextest run --release --lib --test contract --test discovery -E 'not binary(discovery) or test(/^per_verdict::/)'
@@ -40,6 +44,7 @@ endif
 
 test: ## everything that guards a promise (12 minutes): format, lints, all tests, documentation
 	cargo fmt --check
+	rustfmt --check --edition 2024 $(SOURCES)
 	cargo clippy --release --all-targets -- -D warnings
 ifdef NEXTEST
 	cargo nextest run --release

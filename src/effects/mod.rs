@@ -1,34 +1,13 @@
 //! The catalogue of physical effects that a model may lack. The same effect opens a gap in a simulated "real" robot
 //! and closes it in a model. Names and parameters are those of the outside interface; each effect is one file here
-//! and one line in `catalogue!`.
+//! and one line in `catalogue!`, which declares its module.
 
-mod actuator_gain;
-mod actuator_offset;
-mod anisotropic_stiffness;
-mod backlash;
-mod base_tilt;
-mod bending_stiffness;
-mod creep;
-mod damping;
-mod delay;
-mod distributed_mass;
 mod drive_path;
 mod driven_model;
-mod frame_shift;
-mod friction;
-mod hysteresis;
 mod model;
 mod model_parameter;
-mod precurvature;
 mod replay;
 mod robot;
-mod soft_section;
-mod spine_compressibility;
-mod tendon_angle;
-mod tendon_radius;
-mod tendon_stretch;
-mod tip_force;
-mod tip_load;
 
 use std::fmt::Debug;
 
@@ -142,6 +121,8 @@ pub struct Card {
 
 macro_rules! catalogue {
     ($($module:ident :: $effect:ident),* $(,)?) => {
+        $(mod $module;)*
+
         /// An effect as it stands in YAML: its name and its parameters.
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
         #[serde(rename_all = "snake_case")]

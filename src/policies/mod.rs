@@ -25,7 +25,7 @@ use crate::base::series::{Look, SeriesLabel};
 use crate::base::{BadOption, Displacements, Point3, Policy, PolicyError};
 
 macro_rules! policies {
-    ($($module:ident $({ $section:ident: $options:ty })?),* $(,)?) => {
+    ($($module:ident::ENTRY $({ $section:ident: $options:ty })?),* $(,)?) => {
         $(mod $module;)*
 
         /// Options of all policies; each default and its alternatives are argued in `docs/decisions.md`.
@@ -58,11 +58,11 @@ macro_rules! policies {
 }
 
 policies! {
-    a { a: a::AOptions },
+    a::ENTRY { a: a::AOptions },
     // Shared with `pi_real`, which is the same controller with another network.
-    b { direct: inverse_network::DirectOptions },
-    c { c: c::COptions },
-    pi_real,
+    b::ENTRY { direct: inverse_network::DirectOptions },
+    c::ENTRY { c: c::COptions },
+    pi_real::ENTRY,
 }
 
 /// A learned inverse mapping (x_i, x_target) → u_i, eq. (22): a recurrent network with a memory.

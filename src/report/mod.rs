@@ -1,27 +1,18 @@
-//! Tables and figures: pure functions from published rows to bytes. A figure is one file and one line in [`FIGURES`].
+//! Tables and figures: pure functions from published rows to bytes. A figure is one file and one line in `figures!`.
 //! This module cannot reach the code that computed the rows, so every figure can be redrawn from `results/`.
 
 mod benchmark;
-mod claims;
-pub mod discovery;
 mod drawing;
-mod fig5;
-mod fig6;
-mod fig8;
 pub mod markup;
 mod order;
 pub mod page;
 pub mod paper;
-mod peers;
 mod peers_labels;
 mod peers_table;
 mod published;
-mod scaling;
 pub mod style;
 mod summarise;
-mod sweep;
 mod sweep_rows;
-mod table1;
 
 use std::path::Path;
 
@@ -96,8 +87,16 @@ pub struct Figure {
     pub render: fn(&Published) -> Result<Vec<Artifact>, ReportError>,
 }
 
-/// Every figure and table, in the order of the paper.
-pub const FIGURES: &[Figure] = &[
+macro_rules! figures {
+    ($($visibility:vis $module:ident::FIGURE),* $(,)?) => {
+        $($visibility mod $module;)*
+
+        /// Every figure and table, in the order of the paper.
+        pub const FIGURES: &[Figure] = &[$($module::FIGURE),*];
+    };
+}
+
+figures! {
     table1::FIGURE,
     fig5::FIGURE,
     fig6::FIGURE,
@@ -105,9 +104,9 @@ pub const FIGURES: &[Figure] = &[
     claims::FIGURE,
     sweep::FIGURE,
     peers::FIGURE,
-    benchmark::FIGURE,
+    pub discovery::FIGURE,
     scaling::FIGURE,
-];
+}
 
 /// The figure called `name`.
 pub fn figure(name: &str) -> Option<&'static Figure> {

@@ -6,6 +6,7 @@ mod support;
 mod benchmark;
 mod discover;
 mod editors;
+mod extending;
 mod page;
 mod run;
 mod simulate;

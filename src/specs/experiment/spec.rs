@@ -8,7 +8,8 @@ use crate::effects::EffectSpec;
 use crate::learn::gp::GpConfig;
 use crate::learn::rnn::ElmanConfig;
 use crate::plants::PlantSpec;
-use crate::policies::PolicyOptions;
+use crate::policies::{self, PolicyOptions};
+use crate::report::FIGURES;
 use crate::tasks::{ExploreOptions, GpPointsOptions, LoopMode, PathOptions, ReachOptions, TargetOptions, TrackOptions};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -73,6 +74,7 @@ pub struct Experiment {
     pub runs: Runs,
     /// Tables and figures to render, by name.
     #[serde(default)]
+    #[schemars(schema_with = "figure_names")]
     pub figures: Vec<String>,
     /// The paper's claims about it.
     #[serde(default)]
@@ -95,6 +97,16 @@ impl Experiment {
 
 fn one() -> u64 {
     1
+}
+
+fn policy_names(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+    let names: Vec<&str> = policies::REGISTRY.iter().map(|entry| entry.name).collect();
+    schemars::json_schema!({ "type": "array", "items": { "type": "string", "enum": names } })
+}
+
+fn figure_names(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+    let names: Vec<&str> = FIGURES.iter().map(|figure| figure.name).collect();
+    schemars::json_schema!({ "type": "array", "items": { "type": "string", "enum": names } })
 }
 
 /// Initial weights of policy B's network when it is trained on generated data.
@@ -188,6 +200,7 @@ pub struct GapRun {
 #[serde(deny_unknown_fields)]
 pub struct ReachSweep {
     /// Policies.
+    #[schemars(schema_with = "policy_names")]
     pub policies: Vec<String>,
     /// Modes; open-loop modes do not apply to a policy for closed loop only ("N/A").
     pub modes: Vec<String>,
@@ -204,6 +217,7 @@ pub struct ReachSweep {
 #[serde(deny_unknown_fields)]
 pub struct TrackRun {
     /// Policies.
+    #[schemars(schema_with = "policy_names")]
     pub policies: Vec<String>,
     /// Mode.
     pub mode: String,

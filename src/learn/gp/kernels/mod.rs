@@ -1,25 +1,29 @@
-//! Covariance functions. A kernel is its formula (one file) and its line in [`KERNELS`]. Gram matrices, gradients and
+//! Covariance functions. A kernel is its formula (one file) and its line in `kernels!`. Gram matrices, gradients and
 //! the contract tests apply to all kernels.
 //!
 //! Every kernel here is stationary: `k(x, y) = σ_s² c(s)` with the scaled squared distance
 //! `s = Σ_d (x_d − y_d)² / l_d²` and `c(0) = 1`.
 
 mod formula;
-mod matern32_ard;
-mod matern52_ard;
-mod rational_quadratic;
-mod se_ard;
-mod se_iso;
 
 pub use formula::{At, Formula, Kernel, Lengths, ShapeParameter};
-pub use matern32_ard::Matern32Ard;
-pub use matern52_ard::Matern52Ard;
-pub use rational_quadratic::RationalQuadratic;
-pub use se_ard::SeArd;
-pub use se_iso::SeIso;
 
-/// The registry.
-pub const KERNELS: &[&dyn Kernel] = &[&SeArd, &SeIso, &Matern32Ard, &Matern52Ard, &RationalQuadratic];
+macro_rules! kernels {
+    ($($module:ident::$kernel:ident),* $(,)?) => {
+        $(mod $module; pub use $module::$kernel;)*
+
+        /// The registry.
+        pub const KERNELS: &[&dyn Kernel] = &[$(&$kernel),*];
+    };
+}
+
+kernels! {
+    se_ard::SeArd,
+    se_iso::SeIso,
+    matern32_ard::Matern32Ard,
+    matern52_ard::Matern52Ard,
+    rational_quadratic::RationalQuadratic,
+}
 
 /// The kernel registered under `name`; the suffix `_ard` may be omitted.
 pub fn find(name: &str) -> Option<&'static dyn Kernel> {
