@@ -2,12 +2,13 @@
 
 use super::{CommandError, CommandResult};
 use clap::Args;
-use spinebench::data::write_atomic;
+use spinebench::data::{TableDescription, table_descriptions, write_atomic};
 use spinebench::report::page::{picture, splice};
 use std::path::{Path, PathBuf};
 
 /// Insert published tables and figures into a Markdown page, between the lines `<!-- begin:FILE -->` and
-/// `<!-- end:FILE -->`. FILE is relative to the page: a `.md` is copied in, any other file is shown as a picture.
+/// `<!-- end:FILE -->`. FILE is relative to the page: a `.md` is copied in, any other file is shown as a picture;
+/// `columns:ROW` is the table of the columns that rows of the type ROW have.
 #[derive(Args)]
 pub(super) struct PageCommand {
     /// Page to update in place.
@@ -37,6 +38,10 @@ fn named(text: &str) -> Vec<String> {
 
 /// The Markdown that shows a file on the page.
 fn content(folder: &Path, file: &str) -> Result<String, String> {
+    if let Some(row) = file.strip_prefix("columns:") {
+        let table = table_descriptions().find(|table| table.name == row);
+        return table.map(TableDescription::markdown).ok_or_else(|| format!("found no table of `{row}`"));
+    }
     let path = folder.join(file);
     if Path::new(file).extension().is_some_and(|extension| extension == "md") {
         return std::fs::read_to_string(&path).map_err(|error| format!("{file}: {error}"));

@@ -240,7 +240,8 @@ table_rows! {
     pub struct CaseRow {
         /// Number of the case.
         pub case: u64,
-        /// `nothing`, `single`, `pair`, `outside` (unknown, outside the span of the catalogue) or `inside`.
+        /// What was hidden: `nothing`, `single`, `pair`, `outside` (unknown, outside the span of the catalogue) or
+        /// `inside` it.
         pub group: String,
         /// Hidden effects joined by ` + `; empty for nothing.
         pub truth: String,
@@ -258,12 +259,15 @@ table_rows! {
         pub answer: String,
         /// Named exactly right (for nothing: consistent; for outside: unexplained; for inside: ambiguous or unexplained).
         pub right: bool,
-        /// The true effects are in the answer or in its group of rivals.
+        /// The truth is the answer, or the answer is a group that holds it (inside: a group, as the truth is not on
+        /// offer).
         pub in_group: bool,
-        /// Inside the span: the smallest sets of others that imitate it equally well, joined by ` or `; empty of other groups.
+        /// Inside the span: the smallest sets of others that imitate what is hidden equally well, by the oracle,
+        /// joined by ` or `; empty in older tables.
         #[serde(default)]
         pub imitations: String,
-        /// Relative error of the main parameter, the median over effects; empty where the name is wrong or there is none.
+        /// Of right answers: length of the difference over length of the size, of the size parameters; the median
+        /// over a pair.
         pub strength_error: f64,
         /// Parameters with an interval.
         pub intervals: u64,

@@ -19,3 +19,8 @@ pub use error::DataError;
 pub use file::write_atomic;
 pub use recording::{Actuation, Recording};
 pub use table_row::{TableColumn, TableDescription, TableRow};
+
+/// Every table of results.
+pub fn table_descriptions() -> impl Iterator<Item = &'static TableDescription> {
+    rows::TABLES.iter().chain(findings::TABLES)
+}

@@ -8,17 +8,17 @@ table_rows! {
     pub struct TrialRow {
         /// Repetition of the whole experiment, data and training included.
         pub seed: u64,
-        /// `paper` (networks stopped at the paper's validation errors) or `converged`.
+        /// `paper`: networks stopped at the paper's validation errors; `converged`: trained to convergence.
         pub training: String,
         /// Name of the policy: `a`, `b`, `c`, `pi_real` …
         pub policy: String,
-        /// `open`, `closed` or `closed_load`.
+        /// `open`, `closed` or `closed_load` (a load at the tip).
         pub mode: String,
         /// Real points that the Gaussian process was fitted to (0 for `pi_real`).
         pub gp_points: u64,
         /// Real points that the network was trained on (0 for `a`, `b`, `c`).
         pub real_points: u64,
-        /// Number of the target in its draw.
+        /// Number of the target in its draw; the same for every policy of a seed.
         pub target: u64,
         /// Target, metres.
         pub target_x_m: f64,
@@ -32,7 +32,8 @@ table_rows! {
         pub tip_y_m: f64,
         /// Tip, metres.
         pub tip_z_m: f64,
-        /// Mean distance from the target over the last measurements, as many as the spec says (usually one), metres.
+        /// Its distance from the target; with `reach.averaged_samples` above 1 the mean distance over so many last
+        /// measurements, metres.
         pub error_m: f64,
         /// Control steps taken.
         pub steps: u64,
@@ -40,7 +41,7 @@ table_rows! {
         pub settled: bool,
         /// Times that the command's source changed between A and B (0 for policies of one controller).
         pub switches: u64,
-        /// `ok` or the named failure.
+        /// `ok` or the named failure; a failed trial is counted and left out of the means.
         pub status: String,
     }
 
@@ -115,15 +116,17 @@ table_rows! {
         pub seed: u64,
         /// `paper` or `converged`.
         pub training: String,
-        /// `forward`, `inverse`, `inverse_b` or `pi_real`.
+        /// `forward` (command to tip), `inverse` (tip to command, for `a`), `inverse_b` (the same from generated
+        /// data, for `b`) or `pi_real` (from real data).
         pub network: String,
-        /// Points behind it: real points for `pi_real`, points of the Gaussian process for `inverse_b`, else simulated.
+        /// Points behind it: real ones for `pi_real`, those of the Gaussian process for `inverse_b`, else simulated
+        /// ones.
         pub points: u64,
         /// Epochs until it stopped.
         pub epochs: u64,
-        /// Validation mean absolute error, metres.
+        /// Mean absolute error on the validation rows, metres.
         pub validation_mae_m: f64,
-        /// The paper's figure, metres; not a number where it gives none.
+        /// The paper's figure for it; empty where the paper gives none, metres.
         pub paper_mae_m: f64,
     }
 
@@ -132,13 +135,14 @@ table_rows! {
     pub struct GpRow {
         /// Repetition of the whole experiment.
         pub seed: u64,
-        /// Kind of training of the forward network that p_sim comes from; `any` when it comes from the rod.
+        /// Kind of training of the forward network that the simulated tip comes from; `any` when it comes from the
+        /// rod.
         pub training: String,
-        /// Training points.
+        /// Real points that it was fitted to.
         pub points: u64,
         /// Kernel by its registry name.
         pub kernel: String,
-        /// Cross-validated mean absolute error over axes, metres.
+        /// Cross-validated mean absolute error of the foretold gap, mean over x, y and z, metres.
         pub cross_validation_mae_m: f64,
         /// Log marginal likelihood, summed over the three outputs.
         pub log_marginal_likelihood: f64,
@@ -221,7 +225,7 @@ table_rows! {
         pub real_points: u64,
         /// Mean over seeds of the error's mean within a seed, metres.
         pub mean_m: f64,
-        /// Standard deviation over seeds of that mean, metres; none for one seed.
+        /// Standard deviation over seeds of that mean; empty for one seed, metres.
         pub sd_over_seeds_m: f64,
         /// 95 % interval of the mean over seeds (Student's t), metres; none for one seed.
         pub low_95_m: f64,
@@ -290,7 +294,8 @@ table_rows! {
         pub start_error_m: f64,
         /// Time of the last row, seconds.
         pub completion_time_s: f64,
-        /// Oscillation: median peak-to-peak of the error about its moving mean, windows of 5 s, metres.
+        /// The error less its centred moving mean over 5 s; median of its peak-to-peak over windows of 5 s. Drift
+        /// counts nothing, ±a counts 2a, metres.
         pub oscillation_m: f64,
         /// Times that the command's source changed between A and B.
         pub switches: u64,
@@ -319,20 +324,20 @@ table_rows! {
         pub seeds: u64,
     }
 
-    "work_precision.csv", key [robot, peer, setting, segments_or_nodes, dt_s]:
+    "work_precision.csv", key [robot, peer, setting, segments_or_nodes, dt_s, rms_error_m]:
     /// One setting of one simulator on one robot: work against precision (`docs/peers.md`).
     pub struct PeerRow {
-        /// Robot and drive: `till`, `paper` or `paper_tension`.
+        /// Robot and drive: `till`, `paper`, `paper_tension`; `paper_statics` for single equilibria.
         pub robot: String,
         /// Simulator.
         pub peer: String,
         /// What else was set, in words.
         pub setting: String,
-        /// Segments, cells or nodes along the robot.
+        /// Cells, nodes, segments or elements along the robot.
         pub segments_or_nodes: f64,
-        /// Time step, s.
+        /// Largest time step; empty for equilibria.
         pub dt_s: f64,
-        /// Processor time per simulated second; of a static solve: per solve.
+        /// Processor time per simulated second; for equilibria per solve, in seconds.
         pub cpu_s_per_s: f64,
         /// Simulated time per processor time; not a number for a static solve.
         pub real_time_factor: f64,
@@ -342,7 +347,7 @@ table_rows! {
         pub max_error_m: f64,
         /// Distance at rest, before anything moves, metres.
         pub static_error_m: f64,
-        /// `ok` or the named failure.
+        /// `ok` or the named failure; a failed run has no other numbers.
         pub status: String,
     }
 
@@ -353,9 +358,9 @@ table_rows! {
         pub stage: String,
         /// Which of its kind.
         pub label: String,
-        /// Digest of everything that it depends on, its code included; shortened.
+        /// Digest of all that it depends on, its code included; the first 12 digits, as `cache list` shows them.
         pub key: String,
-        /// Digest of its result; empty where it has failed or could not be kept.
+        /// Digest of its result, the first 12 digits; empty where it failed or could not be kept.
         pub result: String,
         /// Seconds on the clock, when it was computed.
         pub wall_s: f64,

@@ -27,6 +27,8 @@ impl TableColumn {
 /// A table of results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TableDescription {
+    /// Name of the row type.
+    pub name: &'static str,
     /// Name of its file.
     pub file: &'static str,
     /// What one row is.
@@ -74,6 +76,7 @@ macro_rules! table_rows {
 
             impl $crate::data::TableRow for $row {
                 const TABLE: $crate::data::TableDescription = $crate::data::TableDescription {
+                    name: stringify!($row),
                     file: $file,
                     row: concat!($($about),+),
                     key: &[$(stringify!($key)),*],

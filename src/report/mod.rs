@@ -1,7 +1,7 @@
 //! Tables and figures: pure functions from published rows to bytes. A figure is one file and one line in `figures!`.
 //! This module cannot reach the code that computed the rows, so every figure can be redrawn from `results/`.
 
-mod benchmark;
+pub mod discovery;
 mod drawing;
 pub mod markup;
 mod order;
@@ -88,8 +88,8 @@ pub struct Figure {
 }
 
 macro_rules! figures {
-    ($($visibility:vis $module:ident::FIGURE),* $(,)?) => {
-        $($visibility mod $module;)*
+    ($($module:ident::FIGURE),* $(,)?) => {
+        $(mod $module;)*
 
         /// Every figure and table, in the order of the paper.
         pub const FIGURES: &[Figure] = &[$($module::FIGURE),*];
@@ -104,7 +104,7 @@ figures! {
     claims::FIGURE,
     sweep::FIGURE,
     peers::FIGURE,
-    pub discovery::FIGURE,
+    benchmark::FIGURE,
     scaling::FIGURE,
 }
 

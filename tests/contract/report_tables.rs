@@ -5,7 +5,8 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use spinebench::data::rows::{ClaimRow, GapRow, NetworkRow};
-use spinebench::data::{DataError, tables};
+use spinebench::data::{DataError, table_descriptions, tables};
+use spinebench::report::page::splice;
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Row {
@@ -111,6 +112,54 @@ fn published_rows_are_flat() {
     };
     let text = String::from_utf8(tables::to_csv(Path::new("c.csv"), &[claim]).unwrap()).unwrap();
     assert_eq!(text.lines().nth(1).unwrap(), "c,words,paper,1.0,2.0,,,m,1,undecided");
+}
+
+/// `spinebench page docs/outputs.md` writes them there.
+#[test]
+fn columns_are_documented_as_their_fields_are() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let page = fs::read_to_string(root.join("docs/outputs.md")).unwrap();
+    for table in table_descriptions() {
+        assert!(table.columns.iter().all(|column| !column.documentation.trim().is_empty()), "{}", table.name);
+        assert!(table.key.iter().all(|key| table.columns.iter().any(|column| column.name == *key)), "{}", table.name);
+        assert!(page.contains(table.file), "{} is not in docs/outputs.md", table.file);
+        let marker = format!("columns:{}", table.name);
+        if page.contains(&format!("begin:{marker}")) {
+            assert_eq!(
+                splice(&page, &marker, &table.markdown()).unwrap(),
+                page,
+                "run `spinebench page docs/outputs.md`"
+            );
+        }
+    }
+}
+
+#[test]
+fn published_tables_have_these_columns_and_their_keys_tell_rows_apart() {
+    let results = Path::new(env!("CARGO_MANIFEST_DIR")).join("results");
+    let mut seen = 0;
+    for folder in fs::read_dir(results).unwrap().flatten().filter(|folder| folder.path().is_dir()) {
+        for table in table_descriptions().filter(|table| table.file != "summary.csv") {
+            let Ok(text) = fs::read_to_string(folder.path().join(table.file)) else { continue };
+            let header: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+            let columns: Vec<&str> = table.columns.iter().map(|column| column.name).collect();
+            // Older files lack columns that have a default by now.
+            assert!(header.iter().all(|name| columns.contains(name)), "{:?}: {header:?}", folder.path());
+            let key: Vec<usize> =
+                table.key.iter().filter_map(|key| header.iter().position(|name| name == key)).collect();
+            assert_eq!(key.len(), table.key.len(), "{:?}: {header:?}", folder.path());
+            // Of plain tables: where a cell is quoted its row is passed over.
+            let rows = text.lines().skip(1).filter(|line| !line.contains('"'));
+            let keys: Vec<Vec<&str>> = rows
+                .map(|line| line.split(',').collect())
+                .map(|cells: Vec<&str>| key.iter().map(|&index| cells[index]).collect())
+                .collect();
+            let distinct: std::collections::HashSet<&Vec<&str>> = keys.iter().collect();
+            assert_eq!(distinct.len(), keys.len(), "{:?}: {}", folder.path(), table.file);
+            seen += 1;
+        }
+    }
+    assert!(seen > 10);
 }
 
 #[test]

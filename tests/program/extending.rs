@@ -8,7 +8,7 @@ const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 const SOURCES: [&str; 9] =
     ["Cargo.toml", "Cargo.lock", "build.rs", "src", "tests", "benches", "models", "experiments", "docs"];
 /// Rebuilds this crate alone, and fast: the compiled dependencies are shared.
-const OPTIMISATION: &str = "profile.release.package.spinebench.opt-level=1";
+const OPTIMISATION: &str = "profile.release.package.spinebench.opt-level=0";
 
 /// A block of the guide: a complete file, or a line that goes after another one.
 struct Example {
@@ -182,7 +182,9 @@ fn command_line_and_schema(extended: &Extended) {
 fn effect(extended: &Extended) {
     let nominal = std::fs::read_to_string(Path::new(ROOT).join("models/nominal.yaml")).unwrap();
     extended.write("nominal.yaml", &nominal);
-    extended.write("scaled.yaml", &format!("{nominal}\neffects:\n  - tracker_scale: {{scale: 1.5}}\n"));
+    let scaled = nominal.replace("effects: []", "effects: [{tracker_scale: {scale: 1.5}}]");
+    assert_ne!(scaled, nominal);
+    extended.write("scaled.yaml", &scaled);
     extended.write(
         "commands.csv",
         "trial,time_s,tendon_1_m,tendon_2_m,tendon_3_m,tendon_4_m\n0,0,0.005,0,-0.005,0\n0,0.2,0.005,0,-0.005,0\n",

@@ -80,7 +80,6 @@ impl HardwareOptions {
             attached: Vec::new(),
         }
     }
-
 }
 
 impl PlantOptions for HardwareOptions {
