@@ -10,7 +10,7 @@ struct Outer {
     #[serde(default)]
     inner: Option<Inner>,
     #[serde(default)]
-    plant: Option<Robot>,
+    plant: Option<TestPlant>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -21,7 +21,7 @@ struct Inner {
 
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-enum Robot {
+enum TestPlant {
     Grid {
         rows: u64,
     },
@@ -55,7 +55,7 @@ fn a_child_overrides_its_parent_and_an_option_both() {
     ];
     let read = parse(&files, &["inner.sizes=[7, 8]"]).unwrap();
     assert_eq!((read.points, read.duration_s, read.inner.unwrap().sizes), (2, 5.0, vec![7, 8]));
-    assert!(matches!(read.plant, Some(Robot::Grid { rows: 4 })));
+    assert!(matches!(read.plant, Some(TestPlant::Grid { rows: 4 })));
 }
 
 #[test]

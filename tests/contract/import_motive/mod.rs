@@ -20,7 +20,7 @@ fn every_dialect_gives_the_motion_that_was_written() {
         let bench = Bench::new(&export(&dialect, &lost));
         let (recording, said) = bench.imported(&[]);
         assert!(
-            said.contains("1 of 6 rows were not tracked") && said.contains("34.5° from the tracking frame"),
+            said.contains("1 of 6 rows were not tracked") && said.contains("34.5° relative to the tracking frame"),
             "{said}"
         );
         let valid: Vec<bool> = (0..6).map(|row| recording.is_valid(row)).collect();
