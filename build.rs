@@ -1,71 +1,70 @@
-//! Hands the sources to the program: a stored result is believed only by the code that computed it (`src/runner/code.rs`).
+//! Hands digests of sources and packages to the program: a stored result is believed only by the code that computed it
+//! (`src/runner/source_digest.rs`).
 
-use std::collections::BTreeMap;
+#[path = "build/dependencies.rs"]
+mod dependencies;
+#[path = "build/import_graph.rs"]
+mod import_graph;
+
+use cargo_lock::{Lockfile, Package};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
-/// Packages whose versions may change numbers.
-const NUMERIC: [&str; 16] = [
-    "chacha20",
-    "dyn-stack",
-    "faer",
-    "gemm",
-    "libm",
-    "matrixmultiply",
-    "nalgebra",
-    "nano-gemm",
-    "num-complex",
-    "private-gemm",
-    "pulp",
-    "rand",
-    "rayon",
-    "reborrow",
-    "simba",
-    "statrs",
-];
-
 fn main() {
-    println!("cargo:rerun-if-changed=src");
-    println!("cargo:rerun-if-changed=Cargo.lock");
-    let mut sources = BTreeMap::new();
-    read(Path::new("src"), &mut sources);
-    sources.insert("packages".to_owned(), packages(&fs::read_to_string("Cargo.lock").unwrap_or_default()));
-    let lines = sources.iter().map(|(name, text)| format!("    ({name:?}, {:?}),\n", digest(text)));
-    let text = format!("const SOURCES: &[(&str, [u64; 2])] = &[\n{}];\n", lines.collect::<String>());
+    for path in ["src", "build", "Cargo.lock", "Cargo.toml"] {
+        println!("cargo:rerun-if-changed={path}");
+    }
+    let files = dependencies::read_sources(Path::new("src")).expect("the sources can be read");
+    let manifest = fs::read_to_string("Cargo.toml").expect("the manifest can be read");
+    let direct = dependencies::direct_dependencies(&manifest);
+    let graph = import_graph::ImportGraph::new("spinebench", &files, direct.keys().map(String::as_str));
+    let graph = graph.unwrap_or_else(|error| panic!("{error}"));
+    // Without its lock file, as a dependency of another crate, the program's packages are not known.
+    let lock = Lockfile::load("Cargo.lock").ok();
+    let mut text = "const SOURCES: &[(&str, [u64; 2])] = &[\n".to_owned();
+    let mut places: BTreeMap<&str, usize> = BTreeMap::new();
+    for (place, (name, source)) in files.iter().enumerate() {
+        let code =
+            if name.ends_with(".rs") { import_graph::code(source).expect("a parsed source") } else { source.clone() };
+        let _ = writeln!(text, "    ({name:?}, {:?}),", digest(&code));
+        places.insert(name, place);
+    }
+    text += "];\nconst MODULES: &[CodeOfModule] = &[\n";
+    for (module, sources) in dependencies::sources_of_modules(&graph, &files) {
+        let crates: BTreeSet<&str> =
+            sources.iter().flat_map(|source| graph.crates(source)).map(String::as_str).collect();
+        let named = crates.into_iter().filter_map(|name| direct.get(name));
+        let packages: Vec<String> = lock.iter().flat_map(|lock| packages(lock, named.clone())).collect();
+        let sources: Vec<usize> = sources.iter().filter_map(|source| places.get(source.as_str()).copied()).collect();
+        let _ = writeln!(
+            text,
+            "    CodeOfModule {{ module: {module:?}, sources: &{sources:?}, packages: &{packages:?} }},"
+        );
+    }
+    text += "];\n";
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo names the folder"));
     fs::write(out.join("sources.rs"), text).expect("cargo's folder can be written");
 }
 
-/// The code of every source below `folder`, by its path below `src/`.
-fn read(folder: &Path, sources: &mut BTreeMap<String, String>) {
-    for entry in fs::read_dir(folder).expect("the sources can be listed").flatten() {
-        let path = entry.path();
-        if path.is_dir() {
-            read(&path, sources);
-        } else if path.extension().is_some_and(|end| end == "rs") {
-            let name = path.strip_prefix("src").unwrap_or(&path).to_string_lossy().replace('\\', "/");
-            sources.insert(name, code(&fs::read_to_string(&path).expect("a source can be read")));
-        }
-    }
-}
-
-/// What of a source counts: neither tests at its end nor lines of comment, nor how it is laid out.
-fn code(text: &str) -> String {
-    let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
-    let lines = text.lines().filter(|line| !line.trim_start().starts_with("//"));
-    lines.flat_map(str::chars).filter(|letter| !letter.is_whitespace()).collect()
-}
-
-/// Names and versions of the packages that numbers may depend on.
-fn packages(lock: &str) -> String {
-    let numeric = |name: &str| NUMERIC.iter().any(|known| name == *known || name.starts_with(&format!("{known}-")));
-    let mut found = String::new();
-    for package in lock.split("[[package]]") {
-        let field = |key: &str| package.lines().find_map(|line| line.strip_prefix(key)?.strip_prefix(" = "));
-        if let (Some(name), Some(version)) = (field("name"), field("version"))
-            && numeric(name.trim_matches('"'))
-        {
-            found += &format!("{name} {version}\n");
+/// The named dependencies of the crate and all that they depend on, with version and checksum.
+fn packages<'a>(lock: &Lockfile, named: impl Iterator<Item = &'a String>) -> BTreeSet<String> {
+    let own = lock.packages.iter().find(|package| package.name.as_str() == env!("CARGO_PKG_NAME"));
+    let of = |package: &Package, name: Option<&str>| -> Vec<&Package> {
+        let wanted = package.dependencies.iter().filter(|one| name.is_none_or(|name| one.name.as_str() == name));
+        let matches = |one: &cargo_lock::Dependency| {
+            lock.packages.iter().find(|package| package.name == one.name && package.version == one.version)
+        };
+        wanted.filter_map(matches).collect()
+    };
+    let mut next: Vec<&Package> =
+        named.flat_map(|name| own.map(|own| of(own, Some(name))).unwrap_or_default()).collect();
+    let mut found = BTreeSet::new();
+    while let Some(package) = next.pop() {
+        let checksum = package.checksum.as_ref().map(ToString::to_string).unwrap_or_default();
+        if found.insert(format!("{} {} {checksum}", package.name, package.version)) {
+            next.extend(of(package, None));
         }
     }
     found

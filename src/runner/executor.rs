@@ -1,11 +1,12 @@
 //! Executes a graph: computes what is wanted and not stored, each stage as soon as its inputs are there. Processes that share
 //! a store share the work: whoever computes a stage holds the lock of its entry, and the others take other stages meanwhile.
 
-use super::graph::{AnyResult, Failure, Graph, Inputs, StageNode};
+use super::graph::{Failure, Graph, StageNode};
 use super::key::Key;
 use super::outcomes::{Outcome, Outcomes, SharingCost};
 use super::plan::{Need, plan_with};
 use super::progress::{Progress, StageEvent};
+use super::stage::{AnyResult, InputResults};
 use super::stage_queue::{StageQueue, WorkPlan};
 use super::store::{EntryLock, Lookup, Note, Store};
 use super::timing::{Stopwatch, Timing};
@@ -431,9 +432,9 @@ impl<'a> Execution<'a> {
     }
 
     /// The results that a stage reads, or the first failure among them.
-    fn inputs(&self, node: &StageNode) -> Result<Inputs, Failure> {
+    fn inputs(&self, node: &StageNode) -> Result<InputResults, Failure> {
         let value = |&input: &usize| Ok((input, self.value(input)?));
-        Ok(Inputs { values: node.inputs.iter().map(value).collect::<Result<_, _>>()? })
+        Ok(InputResults { results: node.inputs.iter().map(value).collect::<Result<_, _>>()? })
     }
 
     /// The result of a stage: from memory, from the store, or computed again where the stored one is damaged.
@@ -468,7 +469,7 @@ impl<'a> Execution<'a> {
 }
 
 /// Runs the stage; its result and the result's bytes. A panic in a stage is a defect, but it ends that stage only.
-fn compute(node: &StageNode, inputs: &Inputs) -> Result<(AnyResult, Vec<u8>), Failure> {
+fn compute(node: &StageNode, inputs: &InputResults) -> Result<(AnyResult, Vec<u8>), Failure> {
     let failed = |status: String| Failure { stage: node.kind.name.into(), status };
     let value = catch_unwind(AssertUnwindSafe(|| (node.job)(inputs)))
         .unwrap_or_else(|panic| Err(format!("panicked: {}", message(panic.as_ref()))))

@@ -6,7 +6,9 @@ pub mod codec;
 mod compare;
 mod digest;
 mod executor;
+mod failure;
 mod graph;
+mod jobs;
 mod key;
 mod manifest;
 mod merge;
@@ -18,6 +20,7 @@ mod provenance;
 mod results;
 pub mod slurm;
 mod source_digest;
+mod stage;
 mod stage_queue;
 pub mod stages;
 mod store;
@@ -33,7 +36,8 @@ pub use executor::{
     EXCHANGE, HELD_RESULTS, LONGEST_PAUSE, RESUMED, RunOptions, RunRecord, SHORTEST_PAUSE, UNWRITTEN_RESULTS,
     WorkerShare, execute, execute_share,
 };
-pub use graph::{Failure, Graph, Handle, Inputs, StageKind, StageResult};
+pub use failure::Failure;
+pub use graph::Graph;
 pub use key::Key;
 pub use manifest::{Manifest, StageTimes, git_revision, processor, stage_times};
 pub use merge::{MergeError, merge};
@@ -43,6 +47,7 @@ pub use plan::{Need, plan};
 pub use progress::{Progress, Style};
 pub use provenance::{first_difference, provenance};
 pub use results::{Files, Publication, PublishError, all_claims, put, write_files};
+pub use stage::{Handle, InputResults, Job, Stage, StageInputs, StageKind, StageResult};
 pub use stage_queue::{StageQueue, WorkPlan};
 pub use store::{EntryLock, EntryState, Lookup, Note, Store, StoreTraffic, StoredEntry};
 pub use timing::Timing;

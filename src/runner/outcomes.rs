@@ -1,6 +1,7 @@
 //! What became of the stages of a run.
 
-use super::graph::{AnyResult, Failure, Handle, StageResult};
+use super::graph::{Failure, Handle};
+use super::stage::{AnyResult, StageResult};
 use super::timing::Timing;
 use serde::{Deserialize, Serialize};
 

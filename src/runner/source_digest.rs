@@ -1,100 +1,49 @@
-//! What the code of a stage is: a digest of the sources and packages that its numbers come from. It is part of the
-//! stage's key, so that a result of other code is never taken for one of this code.
+//! The digest of the code of a stage: of the sources that its job imports, directly or through others, and of the
+//! packages that these name. It is part of the stage's key, so that a result of other code is never taken for one of this
+//! code. The build script derives the imports (`build/import_graph.rs`).
 
 use super::digest::Digest;
 
 include!(concat!(env!("OUT_DIR"), "/sources.rs"));
 
-/// Sources of a kind of stage: what the path of a source below `src/` begins with. A trailing `!` leaves out.
-pub(super) type Sources = &'static [&'static str];
+/// The code behind the jobs of one module.
+struct CodeOfModule {
+    module: &'static str,
+    /// Places in [`SOURCES`].
+    sources: &'static [usize],
+    /// Packages with version and checksum.
+    packages: &'static [&'static str],
+}
 
-/// How a robot is made of its spec.
-const SPEC: &str = "specs/experiment/plant.rs";
-/// How results are laid out in the store.
-const CODEC: &str = "runner/codec/";
-const STAGES: &str = "runner/stages/";
+/// What the code of a robot on a bench is: part of the digest of such a robot, not of all stages.
+const BENCH: &str = "bench";
 
-/// Whatever moves: the rod, its effects, simulated robots, the loops.
-pub(super) const ROBOT: Sources = &[
-    "base/",
-    "math/",
-    "data/",
-    "rod/",
-    "effects/",
-    "plants/",
-    "plants/hardware/!",
-    "tasks/",
-    "benchmark/",
-    SPEC,
-    CODEC,
-    STAGES,
-];
-/// Whatever learns.
-pub(super) const LEARN: Sources = &["base/", "math/", "learn/", "policies/", "tasks/", "runner/stages/"];
-/// Policies on robots.
-pub(super) const TRIAL: Sources = &[
-    "base/",
-    "math/",
-    "data/",
-    "rod/",
-    "effects/",
-    "plants/",
-    "plants/hardware/!",
-    "learn/",
-    "policies/",
-    "tasks/",
-    SPEC,
-    CODEC,
-    STAGES,
-];
-/// Whatever looks for what a model lacks.
-pub(super) const DISCOVERY: Sources = &[
-    "base/",
-    "math/",
-    "data/",
-    "rod/",
-    "effects/",
-    "learn/",
-    "discovery/",
-    "tasks/",
-    "benchmark/",
-    SPEC,
-    CODEC,
-    STAGES,
-];
-/// Robots on a bench and rehearsals of them; part of the digest of such a robot, not of all stages.
-pub(super) const BENCH: Sources = &["plants/hardware/", "hardware/", "simulators/"];
-
-/// The digest of the code that `sources` name, and of the packages.
-pub(super) fn digest(sources: Sources) -> Digest {
-    let (out, within): (Vec<&str>, Vec<&str>) = sources.iter().partition(|source| source.ends_with('!'));
-    let counts = |name: &str| {
-        let below = |folder: &&str| name.starts_with(folder.trim_end_matches('!'));
-        name == "packages" || (within.iter().any(below) && !out.iter().any(below))
-    };
+/// The digest of the code behind the jobs of `module`, named as by `module_path!()`.
+pub(super) fn of_module(module: &str) -> Digest {
+    let code = MODULES.iter().find(|code| code.module == module);
+    let code =
+        code.unwrap_or_else(|| panic!("{module}: found a stage outside of src/runner/jobs, expected one within"));
     let mut hasher = blake3::Hasher::new();
-    for (name, code) in SOURCES.iter().filter(|(name, _)| counts(name)) {
+    for &source in code.sources {
+        let (name, text) = SOURCES[source];
         hasher.update(name.as_bytes());
-        for half in code {
+        for half in text {
             hasher.update(&half.to_le_bytes());
         }
+    }
+    for package in code.packages {
+        hasher.update(package.as_bytes());
     }
     Digest::from(hasher.finalize())
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// The digest of the code that drives a robot on a bench, or a rehearsal of one.
+pub(super) fn of_bench() -> Digest {
+    of_module(BENCH)
+}
 
-    #[test]
-    fn every_name_is_a_folder_of_sources_and_the_digests_differ() {
-        let all = [ROBOT, LEARN, TRIAL, DISCOVERY, BENCH];
-        for folder in all.iter().flat_map(|sources| sources.iter()) {
-            let folder = folder.trim_end_matches('!');
-            assert!(SOURCES.iter().any(|(name, _)| name.starts_with(folder)), "{folder}");
-        }
-        let digests: std::collections::BTreeSet<Digest> = all.iter().map(|sources| digest(sources)).collect();
-        assert_eq!(digests.len(), all.len());
-        assert_eq!(digest(&[]), digest(&["no such folder"]), "packages always count");
-    }
+/// The sources below `src/` and the packages behind the jobs of `module`.
+pub fn dependencies(module: &str) -> Option<(Vec<&'static str>, &'static [&'static str])> {
+    let code = MODULES.iter().find(|code| code.module == module)?;
+    Some((code.sources.iter().map(|&source| SOURCES[source].0).collect(), code.packages))
 }

@@ -270,14 +270,16 @@ fn scrambled(worker: usize, number: usize) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::runner::graph::{Handle, StageKind};
+    use crate::runner::stage::{Handle, Stage, StageKind};
 
     /// A graph of stages with these costs and inputs.
     fn graph(stages: &[(u64, &[usize])]) -> Graph {
         let mut graph = Graph::default();
         for (number, (cost_ms, inputs)) in stages.iter().enumerate() {
-            let kind = StageKind { name: "test", sources: &[], cost_ms: *cost_ms };
-            let _: Handle<u64> = graph.stage(kind, "", &number, inputs, |_| Ok(1)).unwrap();
+            let kind = StageKind { name: "test", module: "spinebench::runner::jobs::path", cost_ms: *cost_ms };
+            let inputs: Vec<Handle<u64>> = inputs.iter().map(|&input| Handle::new(input)).collect();
+            let stage: Stage<usize, Vec<Handle<u64>>, u64> = Stage { kind, job: |_, _| Ok(1) };
+            graph.stage(&stage, "", number, inputs).unwrap();
         }
         graph
     }

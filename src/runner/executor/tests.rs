@@ -1,26 +1,48 @@
-use super::super::graph::{Handle, StageKind};
 use super::super::plan::plan;
 use super::super::progress::Style;
+use super::super::stage::{Handle, Stage, StageInputs, StageKind};
 use super::*;
 use std::sync::Arc;
 
-const KIND: StageKind = StageKind { name: "add", sources: &[], cost_ms: 1 };
+const KIND: StageKind = StageKind { name: "add", module: "spinebench::runner::jobs::path", cost_ms: 1 };
+
+/// A number with a count of how often its stage ran.
+#[derive(serde::Serialize)]
+struct Counted {
+    number: usize,
+    #[serde(skip)]
+    count: Arc<AtomicUsize>,
+}
+
+const ADD: Stage<Counted, Vec<Handle<u64>>, u64> = Stage {
+    kind: KIND,
+    job: |params, inputs| {
+        params.count.fetch_add(1, Ordering::Relaxed);
+        std::thread::sleep(Duration::from_micros(200));
+        Ok(inputs.into_iter().sum::<u64>().max(1))
+    },
+};
 
 /// A ladder of stages: number n adds the two before it; counts how often any ran.
 fn ladder(count: Arc<AtomicUsize>) -> (Graph, Vec<Handle<u64>>) {
     let mut graph = Graph::default();
     let mut handles: Vec<Handle<u64>> = Vec::new();
     for number in 0..20_usize {
-        let (inputs, count) = (handles[number.saturating_sub(2)..].to_vec(), count.clone());
-        let numbers: Vec<usize> = inputs.iter().map(|handle| handle.node).collect();
-        let stage = graph.stage(KIND, format!("{number}"), &number, &numbers, move |given| {
-            count.fetch_add(1, Ordering::Relaxed);
-            std::thread::sleep(Duration::from_micros(200));
-            inputs.iter().try_fold(0_u64, |sum, input| Ok(sum + given.get(*input)?)).map(|sum| sum.max(1))
-        });
-        handles.push(stage.unwrap());
+        let inputs = handles[number.saturating_sub(2)..].to_vec();
+        let params = Counted { number, count: count.clone() };
+        handles.push(graph.stage(&ADD, format!("{number}"), params, inputs).unwrap());
     }
     (graph, handles)
+}
+
+/// Adds a stage of this name with this job.
+fn add<I: StageInputs>(
+    graph: &mut Graph,
+    name: &'static str,
+    inputs: I,
+    job: fn(&&'static str, I::Results<'_>) -> Result<u64, String>,
+) -> Handle<u64> {
+    graph.stage(&Stage { kind: KIND, job }, name, name, inputs).unwrap()
 }
 
 fn run(graph: &Graph, store: &Store, wanted: usize, threads: usize) -> Outcomes {
@@ -55,9 +77,9 @@ fn a_failure_reaches_only_the_stages_that_need_it() {
     let folder = tempfile::tempdir().unwrap();
     let store = Store::at(folder.path());
     let mut graph = Graph::default();
-    let bad: Handle<u64> = graph.stage(KIND, "bad", &"bad", &[], |_| Err("diverged".into())).unwrap();
-    let after: Handle<u64> = graph.stage(KIND, "after", &"after", &[0], move |given| given.get(bad).copied()).unwrap();
-    let good: Handle<u64> = graph.stage(KIND, "good", &"good", &[], |_| Ok(3)).unwrap();
+    let bad = add(&mut graph, "bad", (), |_, ()| Err("diverged".into()));
+    let after = add(&mut graph, "after", bad, |_, bad| Ok(*bad));
+    let good = add(&mut graph, "good", (), |_, ()| Ok(3));
     let done = execute(&graph, &store, &[1, 2], &RunOptions::new(2, &Progress::new(Style::Quiet))).unwrap();
     assert_eq!(done.get(after).unwrap_err(), Failure { stage: "add".into(), status: "diverged".into() });
     assert_eq!(*done.get(good).unwrap(), 3);
@@ -133,7 +155,7 @@ fn known_failures_are_not_tried_again_and_a_panic_keeps_its_message() {
     let folder = tempfile::tempdir().unwrap();
     let store = Store::at(folder.path());
     let mut graph = Graph::default();
-    let bad: Handle<u64> = graph.stage(KIND, "bad", &"bad", &[], |_| panic!("seven is not eight")).unwrap();
+    let bad = add(&mut graph, "bad", (), |_, ()| panic!("seven is not eight"));
     let done = execute(&graph, &store, &[0], &RunOptions::new(1, &Progress::new(Style::Quiet))).unwrap();
     assert_eq!(done.get(bad).unwrap_err().status, "panicked: seven is not eight");
 

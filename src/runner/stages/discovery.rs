@@ -1,27 +1,17 @@
 //! Blind cases of discovery. The truth is drawn and sealed in a stage of its own: beside the recording, which is made
 //! from it, only the score reads it. What looks into the recording has the recording alone.
 
-use super::{Added, Stages, status};
-use crate::benchmark;
-use crate::benchmark::{
-    CaseAnswer, CaseBatch, CaseDesign, CatalogueSpan, Commands, Prior, PublicCase, ScoredCase, Truth,
-};
-use crate::discovery::{Options, discover};
+use super::{Added, Stages};
+use crate::benchmark::{self, CaseAnswer, CaseBatch, Commands, PublicCase, Prior, CaseDesign, ScoredCase, CatalogueSpan, Truth};
+use crate::discovery::Options;
 use crate::effects::Model;
-use crate::runner::graph::{Handle, StageKind};
+use crate::runner::jobs::blind::{COMMANDS, CommandParams, RECORDING, SPAN, SpanParams, TRUTH};
+use crate::runner::jobs::blind_score::{SCORE, ScoreParams};
+use crate::runner::jobs::discover::DISCOVER;
 use crate::runner::outcomes::Outcomes;
-use crate::runner::source_digest::{DISCOVERY, ROBOT};
+use crate::runner::stage::Handle;
 use crate::specs::{DiscoveryRun, PlantSpec};
 use crate::tasks::ExploreOptions;
-
-const COMMANDS: StageKind = StageKind { name: "blind_commands", sources: ROBOT, cost_ms: 300 };
-const SPAN: StageKind = StageKind { name: "blind_span", sources: ROBOT, cost_ms: 15_000 };
-const TRUTH: StageKind = StageKind { name: "blind_truth", sources: ROBOT, cost_ms: 3_000 };
-const RECORDING: StageKind = StageKind { name: "blind_recording", sources: ROBOT, cost_ms: 500 };
-const DISCOVER: StageKind = StageKind { name: "discover", sources: DISCOVERY, cost_ms: 15_000 };
-const SCORE: StageKind = StageKind { name: "blind_score", sources: DISCOVERY, cost_ms: 1 };
-/// All of this file.
-pub(super) const KINDS: [StageKind; 6] = [COMMANDS, SPAN, TRUTH, RECORDING, DISCOVER, SCORE];
 
 /// The stages of one case.
 pub(crate) struct BlindStages {
@@ -128,13 +118,9 @@ impl Stages<'_> {
         let truth = self.blind_truth(&robot, commands, span, case)?;
         let recording = self.blind_recording(robot, truth, commands, correlation, case)?;
         let answer = self.discover(benchmark.model, &run.options, recording, case)?;
-        let (model, own) = (benchmark.model.clone(), batch.clone());
-        let params = (case, own.clone(), correlation, model.clone());
-        let inputs = [truth.number(), answer.number()];
         let label = self.label(&format!("score of case {case}"));
-        let score = self.graph.stage(SCORE, label, &params, &inputs, move |given| {
-            Ok(benchmark::score(case, &own, correlation, &model, given.get(truth)?, given.get(answer)?))
-        })?;
+        let params = ScoreParams { case, batch: batch.clone(), correlation, model: benchmark.model.clone() };
+        let score = self.graph.stage(&SCORE, label, params, (truth, answer))?;
         Ok(BlindStages { case, batch: batch.clone(), correlation, truth, score })
     }
 
@@ -154,20 +140,14 @@ impl Stages<'_> {
         } else {
             self.seed.child("blind").index(case).child("commands")
         };
-        let (step_s, label, model) = (self.step_s(), self.label("blind commands"), benchmark.quick.clone());
-        let params = (model.clone(), explore, step_s, seed.0);
-        let commands = self.graph.stage(COMMANDS, label, &params, &[], move |_| {
-            benchmark::explore_commands(&model, &explore, step_s, seed).map_err(status)
-        })?;
+        let params = CommandParams { model: benchmark.quick.clone(), explore, step_s: self.step_s(), seed: seed.0 };
+        let commands = self.graph.stage(&COMMANDS, self.label("blind commands"), params, ())?;
         if !judged {
             return Ok((commands, None));
         }
         let (model, priors, noise_m) = (benchmark.quick.clone(), benchmark.priors.clone(), batch.noise_m);
-        let params = (model.clone(), priors.clone(), noise_m);
-        let label = self.label("span of the catalogue");
-        let span = self.graph.stage(SPAN, label, &params, &[commands.number()], move |given| {
-            CatalogueSpan::new(&model, given.get(commands)?, &priors, noise_m).map_err(status)
-        })?;
+        let params = SpanParams { model, priors, noise_m };
+        let span = self.graph.stage(&SPAN, self.label("span of the catalogue"), params, commands)?;
         Ok((commands, Some(span)))
     }
 
@@ -179,13 +159,8 @@ impl Stages<'_> {
         span: Option<Handle<CatalogueSpan>>,
         case: u64,
     ) -> Added<Truth> {
-        let inputs: Vec<usize> = [commands.number()].into_iter().chain(span.map(Handle::number)).collect();
-        let (params, robot) = (robot.clone(), robot.clone());
         let label = self.label(&format!("truth of case {case}"));
-        self.graph.stage(TRUTH, label, &params, &inputs, move |given| {
-            let span = span.map(|span| given.get(span)).transpose()?;
-            benchmark::draw(&robot, given.get(commands)?, span).map_err(status)
-        })
+        self.graph.stage(&TRUTH, label, robot.clone(), (commands, span))
     }
 
     fn blind_recording(
@@ -196,32 +171,14 @@ impl Stages<'_> {
         correlation: f64,
         case: u64,
     ) -> Added<PublicCase> {
-        let params = (robot.clone(), correlation);
-        let inputs = [truth.number(), commands.number()];
         let label = self.label(&format!("recording of case {case}"));
-        self.graph.stage(RECORDING, label, &params, &inputs, move |given| {
-            benchmark::measure_case(&robot, given.get(truth)?, given.get(commands)?, correlation).map_err(status)
-        })
+        self.graph.stage(&RECORDING, label, (robot, correlation), (truth, commands))
     }
 
     /// The answer to a recording: of the model, the recording and the options alone.
-    fn discover(
-        &mut self,
-        model: &Model,
-        options: &Options,
-        recording: Handle<PublicCase>,
-        case: u64,
-    ) -> Added<CaseAnswer> {
-        let (model, options) = (model.clone(), options.clone());
-        let params = (model.clone(), options.clone());
+    fn discover(&mut self, model: &Model, options: &Options, recording: Handle<PublicCase>, case: u64) -> Added<CaseAnswer> {
         let label = self.label(&format!("discovery in case {case}"));
-        self.graph.stage(DISCOVER, label, &params, &[recording.number()], move |given| {
-            let presented = given.get(recording)?;
-            let mut options = options.clone();
-            options.left_out.extend(presented.left_out.iter().cloned());
-            let found = discover(&model, &presented.recording(), None, &options).map_err(status)?;
-            Ok(CaseAnswer::new(&found.findings, found.alternatives.stiffness_only_m, found.alternatives.gp_m))
-        })
+        self.graph.stage(&DISCOVER, label, (model.clone(), options.clone()), recording)
     }
 }
 

@@ -1,10 +1,8 @@
-//! The stages of an experiment: what each computes and which parts of the spec and earlier results it reads.
-//!
-//! A stage's parameters are everything of the spec that its job touches, and nothing else: they are its key.
+//! The stages of an experiment: which parts of the spec and which earlier results each of them reads. What they compute is
+//! in `jobs`.
 
 mod data;
 mod discovery;
-mod identified;
 mod learning;
 mod shared;
 mod trials;
@@ -13,8 +11,11 @@ pub(super) use discovery::BlindStages;
 pub(super) use shared::SharedParts;
 
 use super::digest::Digest;
-use super::graph::{Failure, Graph, Handle};
+use super::failure::Failure;
+use super::graph::Graph;
+use super::jobs;
 use super::source_digest;
+use super::stage::Handle;
 use crate::base::Seed;
 use crate::specs::{Experiment, Training};
 use std::any::Any;
@@ -22,8 +23,7 @@ use std::collections::{BTreeMap, HashMap};
 
 /// The digest of the present code of each kind of stage, by its name.
 pub fn codes() -> BTreeMap<&'static str, Digest> {
-    let kinds = [&data::KINDS[..], &learning::KINDS, &trials::KINDS, &discovery::KINDS];
-    kinds.into_iter().flatten().map(|kind| (kind.name, source_digest::digest(kind.sources))).collect()
+    jobs::kinds().into_iter().map(|kind| (kind.name, source_digest::of_module(kind.module))).collect()
 }
 
 /// Adds the stages of one repetition of an experiment to a graph.
@@ -80,8 +80,3 @@ fn stops(training: &Training) -> Option<[Option<u64>; 4]> {
 
 /// What adding a stage yields.
 type Added<T> = Result<Handle<T>, Failure>;
-
-/// An error of a lower room as the status of a stage.
-fn status(error: impl std::fmt::Display) -> String {
-    error.to_string()
-}

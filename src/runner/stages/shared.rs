@@ -1,44 +1,10 @@
-//! The parts of a spec that many stages read: shared by their jobs, and in the stages' keys as one digest each, so that
-//! a sweep of many points neither copies nor writes out a robot for every stage.
+//! The parts of an experiment that many of its stages read.
 
-use super::identified::Identified;
 use crate::policies::PolicyOptions;
-use crate::runner::digest::Digest;
-use crate::runner::graph::Failure;
+use crate::runner::failure::Failure;
+use crate::runner::jobs::identified::Identified;
+use crate::runner::jobs::shared_part::SharedPart;
 use crate::specs::{Experiment, PlantSpec};
-use serde::{Serialize, Serializer};
-use std::ops::Deref;
-use std::sync::Arc;
-
-/// A part of a spec with the digest of its JSON, which is how it serialises.
-pub(super) struct SharedPart<T>(Arc<(T, Digest)>);
-
-impl<T: Serialize> SharedPart<T> {
-    fn new(value: T) -> Result<SharedPart<T>, Failure> {
-        let failed = |error: serde_json::Error| Failure { stage: "spec".into(), status: error.to_string() };
-        let json = serde_json::to_vec(&value).map_err(failed)?;
-        Ok(SharedPart(Arc::new((value, Digest::of(&json)))))
-    }
-}
-
-impl<T> Clone for SharedPart<T> {
-    fn clone(&self) -> Self {
-        SharedPart(self.0.clone())
-    }
-}
-
-impl<T> Deref for SharedPart<T> {
-    type Target = T;
-    fn deref(&self) -> &T {
-        &self.0.0
-    }
-}
-
-impl<T> Serialize for SharedPart<T> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.0.1.serialize(serializer)
-    }
-}
 
 /// The shared parts of one experiment.
 pub(in crate::runner) struct SharedParts {

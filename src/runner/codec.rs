@@ -1,21 +1,13 @@
-//! The bytes of stored results: serde to a compact little-endian form that keeps every bit of a number.
+//! The bytes of stored results: `postcard`, which keeps every bit of a number.
 //!
 //! Text formats were not taken because what is read back must equal what was computed to the last bit, NaN included.
 //! The form says nothing about itself: the code that a stage is filed under tells which types wrote it.
-//!
-//! Whole numbers, lengths and alternatives take 8 bytes, numbers their IEEE bits, options one byte and the value.
-
-mod read;
-mod write;
 
 use serde::{Serialize, de::DeserializeOwned};
 
 /// Why bytes could not be written or read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CodecError {
-    /// The bytes end before the value does.
-    #[error("the stored bytes end early")]
-    Truncated,
     /// Bytes are left over after the value.
     #[error("the stored bytes hold more than the value")]
     Surplus,
@@ -27,26 +19,12 @@ pub enum CodecError {
     Unsupported(String),
 }
 
-impl serde::ser::Error for CodecError {
-    fn custom<T: std::fmt::Display>(message: T) -> Self {
-        CodecError::Unsupported(message.to_string())
-    }
-}
-
-impl serde::de::Error for CodecError {
-    fn custom<T: std::fmt::Display>(message: T) -> Self {
-        CodecError::Malformed(message.to_string())
-    }
-}
-
 /// The bytes of `value`.
 ///
 /// # Errors
 /// [`CodecError::Unsupported`] for a sequence of unknown length.
 pub fn encode<T: Serialize + ?Sized>(value: &T) -> Result<Vec<u8>, CodecError> {
-    let mut writer = write::Writer::default();
-    value.serialize(&mut writer)?;
-    Ok(writer.bytes)
+    postcard::to_stdvec(value).map_err(|error| CodecError::Unsupported(error.to_string()))
 }
 
 /// The value that `bytes` hold.
@@ -54,9 +32,8 @@ pub fn encode<T: Serialize + ?Sized>(value: &T) -> Result<Vec<u8>, CodecError> {
 /// # Errors
 /// When the bytes are not exactly one value of this type.
 pub fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, CodecError> {
-    let mut reader = read::Reader { bytes };
-    let value = T::deserialize(&mut reader)?;
-    if reader.bytes.is_empty() { Ok(value) } else { Err(CodecError::Surplus) }
+    let (value, rest) = postcard::take_from_bytes(bytes).map_err(|error| CodecError::Malformed(error.to_string()))?;
+    if rest.is_empty() { Ok(value) } else { Err(CodecError::Surplus) }
 }
 
 #[cfg(test)]

@@ -4,15 +4,15 @@
 use crate::base::Plant;
 use crate::effects::EffectSpec;
 use crate::runner::digest::Digest;
-use crate::runner::graph::Failure;
-use crate::runner::source_digest::{self, BENCH};
+use crate::runner::failure::Failure;
+use crate::runner::source_digest;
 use crate::specs::PlantSpec;
 use serde::{Serialize, Serializer};
 use std::sync::Arc;
 
 /// A robot and its digest. Written by serde as the digest.
 #[derive(Clone)]
-pub(super) struct Identified {
+pub(in crate::runner) struct Identified {
     spec: Arc<PlantSpec>,
     digest: Digest,
 }
@@ -23,18 +23,18 @@ impl Identified {
     ///
     /// # Errors
     /// [`Failure`] for a robot that cannot be written as JSON.
-    pub(super) fn new(spec: PlantSpec) -> Result<Identified, Failure> {
+    pub(in crate::runner) fn new(spec: PlantSpec) -> Result<Identified, Failure> {
         let failed = |error: serde_json::Error| Failure { stage: "plant".into(), status: error.to_string() };
         let mut bytes = serde_json::to_vec(&spec).map_err(failed)?;
         bytes.extend(spec.identity());
         if spec.drives_hardware() {
-            bytes.extend(source_digest::digest(BENCH).bytes());
+            bytes.extend(source_digest::of_bench().bytes());
         }
         Ok(Identified { digest: Digest::of(&bytes), spec: Arc::new(spec) })
     }
 
     /// True for a robot with the same settings.
-    pub(super) fn is(&self, spec: &PlantSpec) -> bool {
+    pub(in crate::runner) fn is(&self, spec: &PlantSpec) -> bool {
         *self.spec == *spec
     }
 
@@ -42,7 +42,7 @@ impl Identified {
     ///
     /// # Errors
     /// What is out of range or not as it should be, in words.
-    pub(super) fn build(&self, effects: &[EffectSpec], step_s: f64) -> Result<Box<dyn Plant>, String> {
+    pub(in crate::runner) fn build(&self, effects: &[EffectSpec], step_s: f64) -> Result<Box<dyn Plant>, String> {
         if effects.is_empty() { self.spec.build(step_s) } else { self.spec.with_effects(effects).build(step_s) }
     }
 }

@@ -1,0 +1,35 @@
+//! Model and robot side by side.
+
+use crate::data::rows::GapRow;
+use crate::runner::stage::{Handle, Stage, StageKind};
+use crate::tasks::Transitions;
+
+/// A number of samples spread over the exploration; the rows' seed is filled in by whoever publishes them.
+pub(in crate::runner) const GAP: Stage<usize, (Handle<Transitions>, Handle<Transitions>), Vec<GapRow>> = Stage {
+    kind: StageKind { name: "gap", module: module_path!(), cost_ms: 20 },
+    job: |&rows, (model, robot)| {
+        if model.pulls_m.width() != 4 {
+            return Err(format!("{} tendons, the table has 4", model.pulls_m.width()));
+        }
+        let rows = rows.min(model.len());
+        Ok((0..rows).map(|row| gap_row(model, robot, row * model.len() / rows)).collect())
+    },
+};
+
+fn gap_row(model: &Transitions, robot: &Transitions, sample: usize) -> GapRow {
+    let (pulls, sim, real) = (model.pulls_m.row(sample), model.to_m.row(sample), robot.to_m.row(sample));
+    GapRow {
+        seed: 0,
+        sample: sample as u64,
+        tendon_1_m: pulls[0],
+        tendon_2_m: pulls[1],
+        tendon_3_m: pulls[2],
+        tendon_4_m: pulls[3],
+        sim_x_m: sim[0],
+        sim_y_m: sim[1],
+        sim_z_m: sim[2],
+        real_x_m: real[0],
+        real_y_m: real[1],
+        real_z_m: real[2],
+    }
+}

@@ -1,0 +1,54 @@
+//! The Gaussian process of the gap between model and robot.
+
+use super::samples::simulated;
+use crate::base::Seed;
+use crate::data::rows::GpRow;
+use crate::learn::gp::{Gp, GpConfig};
+use crate::learn::rnn::Trained;
+use crate::runner::stage::{Handle, Stage, StageKind};
+use crate::tasks::{self, GpPool, Transitions};
+
+/// Handles of the predefined points and, where p_sim comes from it, of the forward network.
+pub(in crate::runner) type GpInputs = (Handle<GpPool>, Option<Handle<Trained>>);
+
+/// The process of eq. (20) on one point of each of `points` clusters.
+pub(in crate::runner) const GP: Stage<GpParams, GpInputs, Gp> = Stage {
+    kind: StageKind { name: "gp_fit", module: module_path!(), cost_ms: 100 },
+    job: |params, (pool, network)| {
+        let points_by = |steps: &Transitions| pool.points_by(steps);
+        let all = network.map(|network| simulated(network, &pool.steps)).transpose()?;
+        let all = all.as_ref().map_or_else(|| pool.points(), points_by);
+        let chosen = tasks::one_of_each_cluster(all.inputs.len(), params.points, Seed(params.seed));
+        let chosen = all.select(&chosen.map_err(|error| error.to_string())?);
+        Gp::fit(&chosen.inputs, &chosen.errors_m, &params.config).map_err(|error| error.to_string())
+    },
+};
+
+/// How good the process is; the row's seed and training are filled in by whoever publishes it. A stage of its own, so
+/// that publishing holds no process in memory.
+pub(in crate::runner) const GP_SCORE: Stage<(), Handle<Gp>, GpRow> =
+    Stage { kind: StageKind { name: "gp_score", module: module_path!(), cost_ms: 50 }, job: |(), gp| Ok(gp_row(gp)) };
+
+/// Parameters of [`GP`].
+#[derive(serde::Serialize)]
+pub(in crate::runner) struct GpParams {
+    pub(in crate::runner) config: GpConfig,
+    pub(in crate::runner) points: usize,
+    pub(in crate::runner) seed: u64,
+}
+
+fn gp_row(gp: &Gp) -> GpRow {
+    let noise = gp.noise_std();
+    let noise_m = |axis: usize| noise.get(axis).copied().unwrap_or(f64::NAN);
+    GpRow {
+        seed: 0,
+        training: String::new(),
+        points: gp.points() as u64,
+        kernel: gp.config().kernel.0.name().to_owned(),
+        cross_validation_mae_m: crate::math::summary::mean(&gp.cross_validation_mae()),
+        log_marginal_likelihood: gp.log_marginal_likelihood().iter().sum(),
+        noise_x_m: noise_m(0),
+        noise_y_m: noise_m(1),
+        noise_z_m: noise_m(2),
+    }
+}

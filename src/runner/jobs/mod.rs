@@ -1,0 +1,35 @@
+//! What stages compute. A job sees its parameters and the results of its inputs, nothing else.
+//!
+//! The key of a stage holds a digest of the sources that its file here imports, through any number of files
+//! (`build/import_graph.rs`). So stages that depend on different code stand in different files, and a file here imports
+//! narrow types: an experiment as a whole would bring all of `specs`.
+
+pub(super) mod blind;
+pub(super) mod blind_score;
+pub(super) mod discover;
+pub(super) mod exploration;
+pub(super) mod gap;
+pub(super) mod gaussian_process;
+pub(super) mod generated_network;
+pub(super) mod gp_pool;
+pub(super) mod identified;
+pub(super) mod networks;
+pub(super) mod path;
+mod samples;
+pub(super) mod shared_part;
+pub(super) mod targets;
+pub(super) mod trials;
+
+use super::stage::StageKind;
+
+/// Every kind of stage.
+pub(super) fn kinds() -> Vec<StageKind> {
+    let mut kinds = vec![exploration::EXPLORE.kind, exploration::REPLAY.kind, gap::GAP.kind, gp_pool::GP_POOL.kind];
+    kinds.extend([targets::TARGET_POOL.kind, targets::TARGETS.kind, path::WAYPOINTS.kind, path::PATH.kind]);
+    kinds.extend([networks::FORWARD.kind, networks::INVERSE.kind, networks::REAL.kind]);
+    kinds.extend([generated_network::GENERATED.kind, gaussian_process::GP.kind, gaussian_process::GP_SCORE.kind]);
+    kinds.extend([trials::REACH.kind, trials::TRACK.kind]);
+    kinds.extend([blind::COMMANDS.kind, blind::SPAN.kind, blind::TRUTH.kind, blind::RECORDING.kind]);
+    kinds.extend([discover::DISCOVER.kind, blind_score::SCORE.kind]);
+    kinds
+}

@@ -1,0 +1,153 @@
+//! Trials: goal reaching and path tracking of one policy under one condition.
+
+use super::identified::Identified;
+use super::shared_part::SharedPart;
+use super::targets::Targets;
+use crate::base::{Plant, Point3, Policy, Seed};
+use crate::data::rows::{TrackRow, TrialRow};
+use crate::effects::EffectSpec;
+use crate::learn::gp::Gp;
+use crate::learn::rnn::Trained;
+use crate::policies::{self, ElmanInverse, GpError, InverseModel, PolicyOptions, PolicyParts};
+use crate::runner::stage::{Handle, Stage, StageInputs, StageKind};
+use crate::tasks::{self, LoopMode, ReachOptions, ReachOutcome, TrackOptions, TrackStep};
+use std::sync::Arc;
+
+/// Handles of a policy's parts: the networks trained on simulated, generated and real data, and the error model.
+pub(in crate::runner) type PartHandles =
+    (Option<Handle<Trained>>, Option<Handle<Trained>>, Option<Handle<Trained>>, Option<Handle<Gp>>);
+
+/// Goal reaching; seed and training of the rows are filled in by whoever publishes them.
+pub(in crate::runner) const REACH: Stage<ReachParams, (PartHandles, Handle<Targets>), Vec<TrialRow>> = Stage {
+    kind: StageKind { name: "reach", module: module_path!(), cost_ms: 1000 },
+    job: |params, (parts, targets)| {
+        let condition = &params.condition;
+        let (mut policy, mut plant) = (condition.policy(parts)?, condition.plant()?);
+        let mut rows = Vec::with_capacity(targets.len());
+        // The seed of a trial depends on its target's number, never on the policy.
+        for (draw, (_, target_m)) in targets.iter().enumerate() {
+            let seed = Seed(condition.seed).index(draw as u64);
+            let (feedback, options) = (condition.feedback, &params.options);
+            let outcome = tasks::reach(plant.as_mut(), policy.as_mut(), target_m, feedback, options, seed);
+            rows.push(trial_row(params, draw, target_m, &outcome.map_err(|error| error.to_string())?));
+        }
+        Ok(rows)
+    },
+};
+
+/// Path tracking; seed and training of the rows are filled in by whoever publishes them.
+pub(in crate::runner) const TRACK: Stage<TrackParams, (PartHandles, Handle<Vec<Point3>>), Vec<TrackRow>> = Stage {
+    kind: StageKind { name: "track", module: module_path!(), cost_ms: 1000 },
+    job: |params, (parts, path)| {
+        let condition = &params.condition;
+        let (mut policy, mut plant) = (condition.policy(parts)?, condition.plant()?);
+        let steps = tasks::track(plant.as_mut(), policy.as_mut(), path, &params.options, Seed(condition.seed));
+        let steps = steps.map_err(|error| error.to_string())?;
+        Ok(steps.iter().map(|step| track_row(&condition.policy, step)).collect())
+    },
+};
+
+/// Parameters of [`REACH`].
+#[derive(serde::Serialize)]
+pub(in crate::runner) struct ReachParams {
+    pub(in crate::runner) condition: Condition,
+    pub(in crate::runner) options: ReachOptions,
+    /// Name of the mode, for the rows.
+    pub(in crate::runner) mode: String,
+    /// Points of the Gaussian process, for the rows.
+    pub(in crate::runner) gp_points: usize,
+    /// Real points of the network, for the rows.
+    pub(in crate::runner) real_points: usize,
+}
+
+/// Parameters of [`TRACK`].
+#[derive(serde::Serialize)]
+pub(in crate::runner) struct TrackParams {
+    pub(in crate::runner) condition: Condition,
+    pub(in crate::runner) options: TrackOptions,
+}
+
+/// All that a trial depends on besides its task and its inputs.
+#[derive(serde::Serialize)]
+pub(in crate::runner) struct Condition {
+    /// Name of the policy.
+    pub(in crate::runner) policy: String,
+    pub(in crate::runner) options: SharedPart<PolicyOptions>,
+    pub(in crate::runner) plant: Identified,
+    /// What the mode adds to the robot's own effects.
+    pub(in crate::runner) effects: Vec<EffectSpec>,
+    pub(in crate::runner) feedback: LoopMode,
+    pub(in crate::runner) step_s: f64,
+    pub(in crate::runner) seed: u64,
+}
+
+impl Condition {
+    fn plant(&self) -> Result<Box<dyn Plant>, String> {
+        self.plant.build(&self.effects, self.step_s)
+    }
+
+    fn policy(
+        &self,
+        (simulated, generated, real, error): <PartHandles as StageInputs>::Results<'_>,
+    ) -> Result<Box<dyn Policy>, String> {
+        let entry = policies::find(&self.policy).ok_or_else(|| format!("unknown policy {}", self.policy))?;
+        let network = |trained: &Trained| -> Result<Box<dyn InverseModel>, String> {
+            let network = ElmanInverse::new(Arc::new(trained.network.clone()));
+            Ok(Box::new(network.map_err(|error| error.to_string())?))
+        };
+        let mut parts = PolicyParts {
+            simulated: simulated.map(network).transpose()?,
+            generated: generated.map(network).transpose()?,
+            real: real.map(network).transpose()?,
+            error: None,
+        };
+        if let Some(gp) = error {
+            let tendons = gp.inputs().saturating_sub(3);
+            parts.error = Some(Arc::new(GpError::new(gp.clone(), tendons).map_err(|error| error.to_string())?));
+        }
+        policies::build(entry, parts, &self.options).map_err(|error| error.to_string())
+    }
+}
+
+fn trial_row(cell: &ReachParams, draw: usize, target_m: &Point3, outcome: &ReachOutcome) -> TrialRow {
+    TrialRow {
+        seed: 0,
+        training: String::new(),
+        policy: cell.condition.policy.clone(),
+        mode: cell.mode.clone(),
+        gp_points: cell.gp_points as u64,
+        real_points: cell.real_points as u64,
+        target: draw as u64,
+        target_x_m: target_m[0],
+        target_y_m: target_m[1],
+        target_z_m: target_m[2],
+        tip_x_m: outcome.tip_m[0],
+        tip_y_m: outcome.tip_m[1],
+        tip_z_m: outcome.tip_m[2],
+        error_m: outcome.error_m,
+        steps: outcome.steps as u64,
+        settled: outcome.settled,
+        switches: outcome.switches as u64,
+        status: outcome.status.clone(),
+    }
+}
+
+fn track_row(policy: &str, step: &TrackStep) -> TrackRow {
+    TrackRow {
+        seed: 0,
+        training: String::new(),
+        policy: policy.to_owned(),
+        step: step.step as u64,
+        time_s: step.time_s,
+        path_point: step.path_point as u64,
+        target_x_m: step.target_m[0],
+        target_y_m: step.target_m[1],
+        target_z_m: step.target_m[2],
+        tip_x_m: step.tip_m[0],
+        tip_y_m: step.tip_m[1],
+        tip_z_m: step.tip_m[2],
+        error_m: step.error_m,
+        branch: step.branch.to_owned(),
+        status: step.status.clone(),
+    }
+}
