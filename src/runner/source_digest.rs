@@ -16,7 +16,7 @@ struct CodeOfModule {
 }
 
 /// What the code of a robot on a bench is: part of the digest of such a robot, not of all stages.
-const BENCH: &str = "bench";
+pub(super) const BENCH: &str = "bench";
 
 /// The digest of the code behind the jobs of `module`, named as by `module_path!()`.
 pub(super) fn of_module(module: &str) -> Digest {
@@ -42,8 +42,9 @@ pub(super) fn of_bench() -> Digest {
     of_module(BENCH)
 }
 
-/// The sources below `src/` and the packages behind the jobs of `module`.
-pub fn dependencies(module: &str) -> Option<(Vec<&'static str>, &'static [&'static str])> {
-    let code = MODULES.iter().find(|code| code.module == module)?;
-    Some((code.sources.iter().map(|&source| SOURCES[source].0).collect(), code.packages))
+/// The sources below `src/` and the packages behind the jobs of `module`; nothing for a module without jobs.
+pub(super) fn dependencies(module: &str) -> (Vec<&'static str>, &'static [&'static str]) {
+    let code = MODULES.iter().find(|code| code.module == module);
+    let sources = code.map(|code| code.sources.iter().map(|&source| SOURCES[source].0).collect());
+    (sources.unwrap_or_default(), code.map_or(&[], |code| code.packages))
 }

@@ -30,51 +30,17 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// The rooms that a source names, in `use` or in place, outside comments: `crate::room` and `crate::{room, room}`.
-fn named(text: &str) -> BTreeSet<String> {
-    let code: String = text.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n");
-    let identifier = |text: &str| text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
-    let mut rooms = BTreeSet::new();
-    for (place, _) in code.match_indices("crate::") {
-        let rest = &code[place + "crate::".len()..];
-        if let Some(group) = rest.strip_prefix('{') {
-            let mut depth = 0;
-            let mut item = String::new();
-            for letter in group.chars() {
-                match letter {
-                    '{' => depth += 1,
-                    '}' if depth == 0 => break,
-                    '}' => depth -= 1,
-                    ',' if depth == 0 => {
-                        rooms.insert(identifier(item.trim()));
-                        item.clear();
-                        continue;
-                    }
-                    _ => {}
-                }
-                item.push(letter);
-            }
-            rooms.insert(identifier(item.trim()));
-        } else {
-            rooms.insert(identifier(rest));
-        }
-    }
-    rooms
-}
-
-/// What each room imports, with the file that does.
+/// What each room imports, with the file that does: by the import graph, tests included only where they are files of their own.
 fn imports() -> Vec<(String, String, PathBuf)> {
-    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut files = Vec::new();
-    sources(&src, &mut files);
+    let files = crate::store_keys::sources();
+    let graph = crate::store_keys::graph(&files);
+    let room = |file: &str| file.split_once('/').map(|(room, _)| room.to_owned());
     let mut imports = Vec::new();
-    for file in files {
-        let path = file.strip_prefix(&src).unwrap().to_owned();
-        let mut parts = path.components();
-        let room = parts.next().unwrap().as_os_str().to_string_lossy().into_owned();
-        if parts.next().is_some() {
-            let text = std::fs::read_to_string(&file).unwrap();
-            imports.extend(named(&text).into_iter().map(|named| (room.clone(), named, path.clone())));
+    for file in files.keys() {
+        for import in graph.imports(file) {
+            if let (Some(from), Some(to)) = (room(file), room(import)) {
+                imports.push((from, to, PathBuf::from(file)));
+            }
         }
     }
     imports
@@ -162,11 +128,4 @@ fn a_package_is_opened_by_one_room() {
             }
         }
     }
-}
-
-#[test]
-fn imports_are_found_in_every_spelling() {
-    let text = "use crate::{base::{Seed, Rows}, math, data::rows};\n// crate::rod\nfn f() { crate::plants::x() }\n";
-    let found: Vec<String> = named(text).into_iter().collect();
-    assert_eq!(found, ["base", "data", "math", "plants"]);
 }

@@ -1,5 +1,9 @@
 //! What every part must hold: registries, files, specs, learning, tasks, tables and figures.
 
+#[path = "../../build/dependencies.rs"]
+mod dependencies;
+#[path = "../../build/import_graph.rs"]
+mod import_graph;
 #[path = "../support/mod.rs"]
 mod support;
 
@@ -24,5 +28,6 @@ mod report_tables;
 mod spec_bad_input;
 mod spec_shipped;
 mod spec_sweep;
+mod store_keys;
 mod task_data;
 mod task_trials;

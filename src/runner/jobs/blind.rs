@@ -1,7 +1,7 @@
 //! Blind cases of discovery: what is hidden, and the recording that is made from it.
 
 use crate::base::Seed;
-use crate::benchmark::{self, Commands, PublicCase, Prior, CaseDesign, CatalogueSpan, Truth};
+use crate::benchmark::{self, CaseDesign, CatalogueSpan, Commands, Prior, PublicCase, Truth};
 use crate::effects::Model;
 use crate::runner::stage::{Handle, Stage, StageKind};
 use crate::tasks::ExploreOptions;
@@ -24,18 +24,20 @@ pub(in crate::runner) const SPAN: Stage<SpanParams, Handle<Commands>, CatalogueS
 };
 
 /// What is hidden: the sealed label.
-pub(in crate::runner) const TRUTH: Stage<CaseDesign, (Handle<Commands>, Option<Handle<CatalogueSpan>>), Truth> = Stage {
-    kind: StageKind { name: "blind_truth", module: module_path!(), cost_ms: 3_000 },
-    job: |robot, (commands, span)| benchmark::draw(robot, commands, span).map_err(|error| error.to_string()),
-};
+pub(in crate::runner) const TRUTH: Stage<CaseDesign, (Handle<Commands>, Option<Handle<CatalogueSpan>>), Truth> =
+    Stage {
+        kind: StageKind { name: "blind_truth", module: module_path!(), cost_ms: 3_000 },
+        job: |robot, (commands, span)| benchmark::draw(robot, commands, span).map_err(|error| error.to_string()),
+    };
 
 /// The recording: of the robot and of the correlation of its noise.
-pub(in crate::runner) const RECORDING: Stage<(CaseDesign, f64), (Handle<Truth>, Handle<Commands>), PublicCase> = Stage {
-    kind: StageKind { name: "blind_recording", module: module_path!(), cost_ms: 500 },
-    job: |(robot, correlation), (truth, commands)| {
-        benchmark::measure_case(robot, truth, commands, *correlation).map_err(|error| error.to_string())
-    },
-};
+pub(in crate::runner) const RECORDING: Stage<(CaseDesign, f64), (Handle<Truth>, Handle<Commands>), PublicCase> =
+    Stage {
+        kind: StageKind { name: "blind_recording", module: module_path!(), cost_ms: 500 },
+        job: |(robot, correlation), (truth, commands)| {
+            benchmark::measure_case(robot, truth, commands, *correlation).map_err(|error| error.to_string())
+        },
+    };
 
 /// Parameters of [`COMMANDS`].
 #[derive(serde::Serialize)]

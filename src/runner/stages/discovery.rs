@@ -2,7 +2,9 @@
 //! from it, only the score reads it. What looks into the recording has the recording alone.
 
 use super::{Added, Stages};
-use crate::benchmark::{self, CaseAnswer, CaseBatch, Commands, PublicCase, Prior, CaseDesign, ScoredCase, CatalogueSpan, Truth};
+use crate::benchmark::{
+    self, CaseAnswer, CaseBatch, CaseDesign, CatalogueSpan, Commands, Prior, PublicCase, ScoredCase, Truth,
+};
 use crate::discovery::Options;
 use crate::effects::Model;
 use crate::runner::jobs::blind::{COMMANDS, CommandParams, RECORDING, SPAN, SpanParams, TRUTH};
@@ -176,7 +178,13 @@ impl Stages<'_> {
     }
 
     /// The answer to a recording: of the model, the recording and the options alone.
-    fn discover(&mut self, model: &Model, options: &Options, recording: Handle<PublicCase>, case: u64) -> Added<CaseAnswer> {
+    fn discover(
+        &mut self,
+        model: &Model,
+        options: &Options,
+        recording: Handle<PublicCase>,
+        case: u64,
+    ) -> Added<CaseAnswer> {
         let label = self.label(&format!("discovery in case {case}"));
         self.graph.stage(&DISCOVER, label, (model.clone(), options.clone()), recording)
     }

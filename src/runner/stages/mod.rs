@@ -26,6 +26,29 @@ pub fn codes() -> BTreeMap<&'static str, Digest> {
     jobs::kinds().into_iter().map(|kind| (kind.name, source_digest::of_module(kind.module))).collect()
 }
 
+/// What the results of a kind of stage depend on besides its parameters and inputs.
+pub struct StageDependencies {
+    /// Name of the kind; `bench` for what a robot on a bench adds to its own digest.
+    pub name: &'static str,
+    /// The module of its job.
+    pub module: &'static str,
+    /// Sources, by their paths below `src/`.
+    pub sources: Vec<&'static str>,
+    /// Packages, each with version and checksum.
+    pub packages: &'static [&'static str],
+}
+
+/// The dependencies of every kind of stage and of robots on a bench.
+pub fn stage_dependencies() -> Vec<StageDependencies> {
+    let kinds = jobs::kinds().into_iter().map(|kind| (kind.name, kind.module));
+    let all = kinds.chain([(source_digest::BENCH, source_digest::BENCH)]);
+    all.map(|(name, module)| {
+        let (sources, packages) = source_digest::dependencies(module);
+        StageDependencies { name, module, sources, packages }
+    })
+    .collect()
+}
+
 /// Adds the stages of one repetition of an experiment to a graph.
 pub(super) struct Stages<'a> {
     graph: &'a mut Graph,
