@@ -36,7 +36,8 @@ fn main() {
         let crates: BTreeSet<&str> =
             sources.iter().flat_map(|source| graph.crates(source)).map(String::as_str).collect();
         let named = crates.into_iter().filter_map(|name| direct.get(name));
-        let packages: Vec<String> = lock.as_ref().map(|lock| packages(lock, named).into_iter().collect()).unwrap_or_default();
+        let packages: Vec<String> =
+            lock.as_ref().map(|lock| packages(lock, named).into_iter().collect()).unwrap_or_default();
         let sources: Vec<usize> = sources.iter().filter_map(|source| places.get(source.as_str()).copied()).collect();
         let _ = writeln!(
             text,

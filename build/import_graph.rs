@@ -368,7 +368,17 @@ impl Visitor<'_> {
         let names: Vec<String> = text.split("::").map(|name| name.split('<').next().unwrap_or("").to_owned()).collect();
         let is_name = |name: &String| !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || c == '_');
         if names.iter().all(is_name) {
-            self.name(&names);
+            // serde's `with` names a module: its functions are meant.
+            for target in self.graph.resolve(self.library, &self.module, &names) {
+                match target {
+                    Target::Module(module) => {
+                        self.files.extend(self.graph.scopes.get(&module).map(|scope| scope.file.clone()));
+                    }
+                    other => {
+                        self.targets.insert(other);
+                    }
+                }
+            }
         }
     }
 

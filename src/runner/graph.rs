@@ -4,11 +4,11 @@
 
 use super::codec::{CodecError, decode, encode};
 use super::digest::Digest;
-pub use super::failure::Failure;
+pub(super) use super::failure::Failure;
 use super::key::{Key, key};
 use super::source_digest;
 use super::stage::{AnyResult, InputResults, Stage, StageInputs, StageResult};
-pub use super::stage::{Handle, StageKind};
+pub(super) use super::stage::{Handle, StageKind};
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
