@@ -23,21 +23,24 @@ pub(in crate::runner) const SPAN: Stage<SpanParams, Handle<Commands>, CatalogueS
     },
 };
 
+/// Handles of the commands and, where the oracle judges the case, of what the catalogue can imitate.
+type TruthInputs = (Handle<Commands>, Option<Handle<CatalogueSpan>>);
+/// Handles of what is hidden and of the commands.
+type RecordingInputs = (Handle<Truth>, Handle<Commands>);
+
 /// What is hidden: the sealed label.
-pub(in crate::runner) const TRUTH: Stage<CaseDesign, (Handle<Commands>, Option<Handle<CatalogueSpan>>), Truth> =
-    Stage {
-        kind: StageKind { name: "blind_truth", module: module_path!(), cost_ms: 3_000 },
-        job: |robot, (commands, span)| benchmark::draw(robot, commands, span).map_err(|error| error.to_string()),
-    };
+pub(in crate::runner) const TRUTH: Stage<CaseDesign, TruthInputs, Truth> = Stage {
+    kind: StageKind { name: "blind_truth", module: module_path!(), cost_ms: 3_000 },
+    job: |robot, (commands, span)| benchmark::draw(robot, commands, span).map_err(|error| error.to_string()),
+};
 
 /// The recording: of the robot and of the correlation of its noise.
-pub(in crate::runner) const RECORDING: Stage<(CaseDesign, f64), (Handle<Truth>, Handle<Commands>), PublicCase> =
-    Stage {
-        kind: StageKind { name: "blind_recording", module: module_path!(), cost_ms: 500 },
-        job: |(robot, correlation), (truth, commands)| {
-            benchmark::measure_case(robot, truth, commands, *correlation).map_err(|error| error.to_string())
-        },
-    };
+pub(in crate::runner) const RECORDING: Stage<(CaseDesign, f64), RecordingInputs, PublicCase> = Stage {
+    kind: StageKind { name: "blind_recording", module: module_path!(), cost_ms: 500 },
+    job: |(robot, correlation), (truth, commands)| {
+        benchmark::measure_case(robot, truth, commands, *correlation).map_err(|error| error.to_string())
+    },
+};
 
 /// Parameters of [`COMMANDS`].
 #[derive(serde::Serialize)]
