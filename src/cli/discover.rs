@@ -16,34 +16,35 @@ use spinebench::specs::{
 use spinebench::tasks::{SimulationOptions, simulate_recording};
 use std::path::{Path, PathBuf};
 
-/// Finds where a model and measured data disagree, names the missing effect, adds it and shows the gap shrink.
+/// Find the effect that a model lacks: compare it with measured data, name the effect, fit it and add it to the model.
 #[derive(Args)]
 pub(super) struct DiscoverCommand {
-    /// What is believed about the robot.
+    /// Model of the robot.
     #[arg(long, value_name = "MODEL.yaml")]
     model: PathBuf,
-    /// Recordings of the robot in question; CSV or Parquet.
+    /// Recordings to explain (CSV or Parquet).
     #[arg(long, value_name = "REC.csv", num_args = 1.., required = true)]
     measured: Vec<PathBuf>,
-    /// A recording of the robot as built: the model is calibrated on it, and what both have in common is no discovery.
+    /// Recording of the robot as built. Calibrate the model on it and ignore errors that both recordings
+    /// share.
     #[arg(long, value_name = "REC.csv")]
     baseline: Option<PathBuf>,
-    /// Folder for findings.json, model.yaml, report.html, figures and tables.
+    /// Write findings.json, model.yaml, report.html, figures and tables to this folder.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Settings of the search, such as `most_effects: 2`; see docs/discovery.md.
+    /// Read settings of the search, such as `most_effects: 2`, from this file; see docs/discovery.md.
     #[arg(long, value_name = "OPTIONS.yaml")]
     options: Option<PathBuf>,
-    /// Effects that are not to be thought of, separated by commas.
+    /// Exclude these effects from the search (comma-separated).
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = names())]
     leave_out: Vec<String>,
-    /// A simulated plant on which to record what would tell rivals apart, until it is told.
+    /// While the verdict is `ambiguous`, record the proposed next measurement on this simulated plant.
     #[arg(long, value_name = "PLANT.yaml")]
     plant: Option<PathBuf>,
-    /// Recordings on the plant at most.
+    /// Maximum number of recordings on the plant.
     #[arg(long, default_value_t = 3, requires = "plant")]
     rounds: u64,
-    /// Say nothing.
+    /// Suppress output.
     #[arg(long)]
     quiet: bool,
 }
@@ -89,14 +90,14 @@ impl DiscoverCommand {
         Ok(())
     }
 
-    /// Refuses a folder that is a file, or where what is written would take the place of what is given.
+    /// Refuses an output path that is a file, and a folder in which an output would overwrite an input.
     fn check_out(&self) -> CommandResult {
         let refuse = |found: String, expected: &str| {
             Err(CommandError::BadInput(format!("{}: found {found}, expected {expected}", self.out.display())))
         };
         if let Some(there) = self.out.ancestors().find(|place| place.exists()).filter(|place| !place.is_dir()) {
             let what = if there == self.out { "a file".to_owned() } else { format!("the file {}", there.display()) };
-            return refuse(what, "a folder or nothing");
+            return refuse(what, "a folder, or a path that does not exist");
         }
         let Ok(out) = self.out.canonicalize() else { return Ok(()) };
         let specs = [Some(&self.model), self.options.as_ref(), self.plant.as_ref()];
@@ -105,30 +106,30 @@ impl DiscoverCommand {
             let Ok(place) = file.canonicalize() else { continue };
             let name = place.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
             if place.parent() == Some(&*out) && is_written(&name) {
-                return refuse(format!("{name} in it, which is read"), "a folder where nothing is overwritten");
+                return refuse(format!("input file {name} in it"), "a folder without input files");
             }
         }
         Ok(())
     }
 
-    /// Refuses what is given twice: its copy would be its proof.
+    /// Refuses a recording that is given twice: its copy would appear in the held-out trials.
     fn refuse_twins(&self, parts: &[Recording]) -> CommandResult {
         for (k, part) in parts.iter().enumerate() {
             if let Some(first) = parts[..k].iter().position(|earlier| earlier.holds(part) || part.holds(earlier)) {
                 let [again, first] = [k, first].map(|index| self.measured[index].display());
                 return Err(CommandError::BadInput(format!(
-                    "{again}: found the recording {first} again, expected another one"
+                    "{again}: found the trials of {first} again, expected another recording"
                 )));
             }
         }
         Ok(())
     }
 
-    /// Refuses the recording as its own baseline: what both have in common is all of it.
+    /// Refuses a baseline that contains the whole recording.
     fn refuse_own_baseline(&self, measured: &Recording, baseline: Option<&Recording>) -> CommandResult {
         match (&self.baseline, baseline) {
             (Some(file), Some(baseline)) if baseline.holds(measured) => Err(CommandError::BadInput(format!(
-                "{}: found all of the recording that is asked about, expected another one, of the robot as built",
+                "{}: found all trials of the measured recording, expected another recording, of the robot as built",
                 file.display()
             ))),
             _ => Ok(()),
@@ -149,7 +150,7 @@ impl DiscoverCommand {
         for round in 1.. {
             let found = discover(given, &measured, baseline, options)
                 .map_err(|error| self.refusal(&error, &measured, &trials))?;
-            // A plant file says how its base stands: turning it is not for us.
+            // The plant file defines the base pose, so the base cannot be remounted.
             let next = found.next_experiments.iter().find(|next| next.proposal.name != "base_remounted");
             let next = next.filter(|_| found.findings.verdict == Verdict::Ambiguous && round <= self.rounds);
             let (Some(plant), Some(next)) = (plant, next) else {
@@ -163,7 +164,7 @@ impl DiscoverCommand {
                 at_rest: false,
                 noise_m: plant.noise_m,
                 travel_m: plant.travel_m,
-                // Other noise than that of recordings which an earlier call has made.
+                // The seed differs from that of recordings made by an earlier call.
                 seed: Seed(options.seed).child("plant").index(measured.trials().len() as u64),
             };
             let mut recorded = simulate_recording(&plant.model, &next.commands, &play_options);
@@ -174,7 +175,7 @@ impl DiscoverCommand {
             measured = Recording::joined(&[recorded.clone(), measured]).map_err(CommandError::failed)?;
             made.push((file, recorded));
         }
-        unreachable!("the rounds are counted")
+        unreachable!("the loop ends after the last round")
     }
 
     /// Data that allow no answer, with the file that they are in and the number of a trial there; with all files where it is
@@ -197,7 +198,7 @@ impl DiscoverCommand {
         }
     }
 
-    /// Everything is made before anything is written; `findings.json` comes last.
+    /// Writes all outputs after all of them are computed; `findings.json` last.
     fn write(&self, given: &Model, found: &Discovery, recorded: &[(PathBuf, Recording)]) -> CommandResult {
         let added = found.model.effects.len() - given.effects.len();
         let model = if added == 0 {
@@ -245,7 +246,7 @@ impl DiscoverCommand {
         found.findings.write(&self.out.join("findings.json")).map_err(CommandError::failed)
     }
 
-    /// Files of commands that an earlier answer in this folder proposed: they are not this one's.
+    /// Command files that an earlier run in this folder proposed.
     fn old_commands(&self) -> Vec<String> {
         let text = std::fs::read_to_string(self.out.join("findings.json")).unwrap_or_default();
         let earlier: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
@@ -255,9 +256,9 @@ impl DiscoverCommand {
     }
 }
 
-/// Said where nothing is proved.
-const OWN_BASELINE: &str = "The baseline holds trials of the recording itself: what both have in common is no discovery, and \
-                            trials that the calibration has seen prove nothing.";
+/// Limitation if the baseline shares trials with the recording.
+const OWN_BASELINE: &str = "The baseline contains trials of the measured recording: errors that both share are not attributed to \
+         an effect, and trials used for calibration are no independent test.";
 
 /// The answer with a word on which trial is whose, where recordings were joined under new numbers or `made` on a plant.
 /// `trials`: file and number there of those of `measured`.
@@ -267,26 +268,26 @@ fn numbered(mut found: Discovery, measured: &Recording, trials: &[(PathBuf, u64)
         let numbers: Vec<(&Path, u64)> = trials.iter().zip(now).map(|((file, _), now)| (file.as_path(), now)).collect();
         let each = numbers.chunk_by(|(a, _), (b, _)| a == b).map(|of| {
             let name = of[0].0.file_name().unwrap_or(of[0].0.as_os_str()).to_string_lossy();
-            format!("{} to {} are those of {name}", of[0].1, of[of.len() - 1].1)
+            format!("{} to {} are from {name}", of[0].1, of[of.len() - 1].1)
         });
         let each: Vec<String> = each.collect();
-        found.findings.limitations.push(format!("Trials have numbers of their own here: {}.", each.join(", ")));
+        found.findings.limitations.push(format!("Trials were renumbered: {}.", each.join(", ")));
     }
     found
 }
 
-/// Whether a file of this name is one of proposed commands.
+/// Whether a file of this name holds proposed commands.
 fn is_commands(name: &str) -> bool {
     name.starts_with("next_") && name.ends_with(".csv") && !name.contains(['/', '\\'])
 }
 
-/// Whether a file of this name is written.
+/// Whether `discover` writes a file of this name.
 fn is_written(name: &str) -> bool {
     let always = ["findings.json", "model.yaml", "residuals.csv", "disagreement.csv", "candidates.csv"];
     always.contains(&name) || is_commands(name) || name.starts_with("recorded_") && name.ends_with(".csv")
 }
 
-/// A recording of this robot, in motion.
+/// Reads a recording of this robot and checks durations and loads.
 fn read(file: &Path, model: &Model) -> Result<Recording, CommandError> {
     let recording = read_measured(file, model)?;
     recording.check_duration(file).map_err(CommandError::bad_input)?;
@@ -294,7 +295,7 @@ fn read(file: &Path, model: &Model) -> Result<Recording, CommandError> {
     Ok(recording)
 }
 
-/// A plant that commands can be played on.
+/// Reads a simulated plant with as many tendons as the model.
 fn simulated(file: &Path, model: &Model) -> Result<SimulatedSpec, CommandError> {
     let refuse = |found: String, expected: String| {
         CommandError::BadInput(format!("{}: found {found}, expected {expected}", file.display()))
@@ -306,8 +307,8 @@ fn simulated(file: &Path, model: &Model) -> Result<SimulatedSpec, CommandError> 
             if found == expected {
                 return Ok(plant);
             }
-            Err(refuse(format!("{found} tendons"), format!("{expected}, as many as the model has")))
+            Err(refuse(format!("{found} tendons"), format!("{expected}, the number of tendons of the model")))
         }
-        other => Err(refuse(other.kind().to_owned(), "a plant that records by itself: simulated".to_owned())),
+        other => Err(refuse(other.kind().to_owned(), "a simulated plant".to_owned())),
     }
 }

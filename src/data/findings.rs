@@ -19,7 +19,7 @@ pub enum Verdict {
     Consistent,
     /// Several candidates fit equally well.
     Ambiguous,
-    /// There is a gap, and nothing in the catalogue closes it.
+    /// The model error exceeds the noise, and nothing in the catalogue closes it.
     Unexplained,
 }
 

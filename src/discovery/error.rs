@@ -28,7 +28,10 @@ pub enum DiscoveryError {
         expected: &'static str,
     },
     /// The model cannot follow the commands.
-    #[error("the model cannot follow the commands of trial {0}: expected commands within the robot's reach")]
+    #[error(
+        "the model cannot be simulated with the commands of trial {0}: expected commands within the robot's \
+         reach"
+    )]
     CannotFollow(u64),
     /// The same, for the baseline.
     #[error(transparent)]

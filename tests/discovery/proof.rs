@@ -55,11 +55,7 @@ fn held_out_trials_can_refute_an_answer() {
     let second = found(&measured, &Options::default());
     assert_eq!(second.findings.verdict, Verdict::Unexplained, "{}", second.findings.summary);
     assert_eq!(first.findings.candidates[0].name, second.findings.candidates[0].name);
-    assert!(
-        second.findings.summary.contains("tip_load, and yet held-out trials scatter"),
-        "{}",
-        second.findings.summary
-    );
+    assert!(second.findings.summary.contains("tip_load, but its residual is"), "{}", second.findings.summary);
     assert!(second.model.effects.is_empty());
 }
 
@@ -72,7 +68,7 @@ fn what_the_model_has_too_much_of_is_no_other_effect() {
     let found = discover(&loaded, &recorded("[]", 8, 3, 0.0), None, &Options::default()).unwrap();
     assert_eq!(found.findings.verdict, Verdict::Unexplained, "{}", found.findings.summary);
     assert_eq!(found.model.effects.len(), 1);
-    let said = "`tip_load` is in the model already; less of it than there was no candidate.";
+    let said = "The model already contains `tip_load`; the search cannot reduce it.";
     assert!(found.findings.limitations.iter().any(|told| told == said), "{:?}", found.findings.limitations);
 }
 
@@ -84,7 +80,7 @@ fn copies_are_told() {
     let twice = Recording::joined(&[once.clone(), again.clone()]).unwrap();
     assert_eq!((once.copies(), twice.copies()), (Vec::new(), again.trials().into_iter().map(|(n, _)| n).collect()));
     let told = found(&twice, &Options::default()).findings.limitations;
-    assert!(told.iter().any(|told| told.starts_with("Copies of other trials")), "{told:?}");
+    assert!(told.iter().any(|told| told.starts_with("Exact copies of other trials")), "{told:?}");
 }
 
 /// Silence is an answer, too: where only held-out trials show a gap, it is not said that there is none.
@@ -98,7 +94,7 @@ fn held_out_trials_can_refute_silence() {
     let second = found(&measured, &Options::default());
     assert_eq!(second.findings.verdict, Verdict::Unexplained, "{}", second.findings.summary);
     assert!(second.findings.gap.before_m > 2e-3 && second.model.effects.is_empty());
-    let said = "No candidate does enough to be named, and yet held-out trials scatter";
+    let said = "No candidate improves the fit enough to be named, but its residual is";
     assert!(second.findings.summary.contains(said), "{}", second.findings.summary);
 }
 
@@ -111,5 +107,8 @@ fn held_out_trials_do_not_refute_a_name_whose_size_is_open() {
     let (offset_m, [low, high]) = told(&found, "offset_m");
     assert!(low < -0.008 && offset_m <= high && high < -0.001, "{offset_m}: {low} to {high}");
     let told = &found.findings.limitations;
-    assert!(told.iter().any(|told| told.contains("with other numbers within the intervals they do not")), "{told:?}");
+    assert!(
+        told.iter().any(|told| told.contains("other values within the 95 % intervals remove this difference")),
+        "{told:?}"
+    );
 }

@@ -72,7 +72,7 @@ fn the_page_says_what_was_found_and_stands_alone() {
         "next_known_weight.csv",
         "<ins>+ - tip_load:</ins>\n<ins>+     mass_kg: 0.01968</ins>",
         "<del>- effects: []</del>",
-        "<strong>no sign of it</strong>",
+        "<strong>no evidence</strong>",
     ] {
         assert!(page.contains(words), "{words}");
     }
@@ -202,7 +202,7 @@ fn empty_lists_leave_their_parts_out() {
     assert_well_formed(&left);
     assert!(left.contains("<h1>The model lacks: tip load</h1>"), "the name, where the catalogue says nothing");
     assert!(left.contains("No trial was held out"));
-    for part in ["What else was considered", "What to record next", "Limitations", "<figcaption>Each number"] {
+    for part in ["Other candidates", "What to record next", "Limitations", "<figcaption>Each number"] {
         assert!(!left.contains(part), "{part}");
     }
     made.findings.effects.clear();
@@ -265,11 +265,11 @@ fn twenty_one_effects_find_their_room() {
     let left = page(&made);
     assert_well_formed(&left);
     assert_eq!(left.matches("<article>").count(), 21);
-    assert!(left.contains("force_n[2]") && left.contains("270 more stand in candidates.csv"));
+    assert!(left.contains("force_n[2]") && left.contains("270 more are in candidates.csv"));
     overlap::assert_apart("gap.svg", &file(&made, "gap.svg"));
 }
 
-/// A candidate that hangs on single trials does not decide the picture's scale, and the answer stands beside its rivals.
+/// A candidate that depends on single trials does not decide the picture's scale, and the answer stands beside its rivals.
 #[test]
 fn candidates_are_drawn_on_the_scale_of_the_gap() {
     let mut made = named();
@@ -279,5 +279,5 @@ fn candidates_are_drawn_on_the_scale_of_the_gap() {
     let drawn = String::from_utf8(file(&made, "gap.svg")).unwrap();
     assert!(drawn.contains("the answer") && !drawn.contains("far_off"), "{drawn}");
     let page = page(&made);
-    assert!(page.contains("far_off") && page.contains("hangs on single trials"));
+    assert!(page.contains("far_off") && page.contains("depends on single trials"));
 }

@@ -41,5 +41,5 @@ fn a_law_that_is_nearly_the_robots_is_named_and_what_it_leaves_is_said() {
     assert_eq!(names(&friction), ["friction"], "{}", friction.findings.summary);
     let softening = told("r18.csv");
     let said = &softening.findings.limitations;
-    assert!(said.iter().any(|said| said.contains("not all noise")), "{}: {said:?}", softening.findings.summary);
+    assert!(said.iter().any(|said| said.contains("not only noise")), "{}: {said:?}", softening.findings.summary);
 }

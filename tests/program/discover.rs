@@ -134,7 +134,7 @@ fn a_plant_is_recorded_on_until_rivals_are_told_apart() {
     assert!(said.contains("The model lacks tip_load."), "{said}");
     assert_eq!(verdict("told"), "named");
     let findings = bench.read("told/findings.json");
-    assert!(findings.contains("those of recorded_1_far_poses.csv") && findings.contains("those of loaded.csv"));
+    assert!(findings.contains("from recorded_1_far_poses.csv") && findings.contains("from loaded.csv"));
     // What was recorded stays, and is the same for hands: the answer follows from the files.
     let rounds = said.lines().filter(|line| line.starts_with("round ")).count();
     let recorded = std::fs::read_dir(bench.path("told")).unwrap().map(|file| file.unwrap().file_name());
@@ -208,7 +208,7 @@ fn of_several_recordings_the_bad_one_is_named() {
     assert!(twice.contains("first.csv again"), "{twice}");
     bench.twin("part.csv", 50, &|_, cells| cells);
     let within = bench.refused("discover --model NOMINAL --measured first.csv part.csv --out out");
-    assert!(within.contains("part.csv: found the recording") && within.contains("first.csv again"), "{within}");
+    assert!(within.contains("part.csv: found the trials of") && within.contains("first.csv again"), "{within}");
     // Where the tracker lost the tip it did so in the copy, too.
     let lost = |(row, line): (usize, &str)| match row {
         0 => format!("{line},valid\n"),
@@ -227,9 +227,9 @@ fn of_several_recordings_the_bad_one_is_named() {
     let few = bench.refused("discover --model NOMINAL --measured short_1.csv short_2.csv --out out");
     assert!(few.contains("short_1.csv") && few.contains("short_2.csv: tracked rows: found 4"), "{few}");
     let own = bench.refused("discover --model NOMINAL --measured part.csv --baseline first.csv --out own");
-    assert!(own.contains("first.csv: found all of the recording"), "{own}");
+    assert!(own.contains("first.csv: found all trials of the measured recording"), "{own}");
     bench.ok("discover --model NOMINAL --measured first.csv --baseline part.csv --out own");
-    assert!(bench.read("own/findings.json").contains("trials that the calibration has seen prove nothing"));
+    assert!(bench.read("own/findings.json").contains("trials used for calibration are no independent test"));
 }
 
 /// Nothing that is read is overwritten or removed.
@@ -249,7 +249,7 @@ fn what_is_given_stays() {
     std::fs::copy(format!("{ROOT}/models/nominal.yaml"), bench.path("folder/model.yaml")).unwrap();
     bench.put("plant.yaml", "simulated: {model: folder/model.yaml, noise_m: 0.0005}\n");
     let behind = bench.refused("discover --model NOMINAL --measured TWIN/nothing --plant plant.yaml --out folder");
-    assert!(behind.contains("model.yaml in it, which is read"), "{behind}");
+    assert!(behind.contains("input file model.yaml in it"), "{behind}");
 }
 
 #[test]

@@ -135,8 +135,8 @@ impl Problem<'_> {
     /// What to know of `model`, which is simulated_m at its own resolution from now on, if it cannot be.
     fn cannot_follow(&self, model: &Model) -> Option<String> {
         problem::simulate_model(model, &self.all).err().map(|_| {
-            "`model.yaml` cannot be simulated_m through these commands at its own resolution, which is not that of the fit: \
-             `simulate` needs a coarser `robot.resolution`."
+            "`model.yaml` cannot be simulated with these commands at its own resolution, which differs from that \
+         of the fit: use a coarser `robot.resolution` in `simulate`."
                 .to_owned()
         })
     }
@@ -155,7 +155,7 @@ impl Problem<'_> {
         // simulated_m.
         let tips = |model: &Model| simulate::tips(model, &added, &self.held_out);
         let simulated_m = tips(&self.model).or_else(|| tips(&self.coarse));
-        let cannot_follow = || "the model with it cannot be simulated_m through the held-out trials".to_owned();
+        let cannot_follow = || "the model with it cannot be simulated on the held-out trials".to_owned();
         let bear_out_or_refute = simulated_m.ok_or_else(cannot_follow).and_then(|simulated_m| {
             gap.after_m = rms_m(&self.held_out.residual(&simulated_m));
             self.bear_out_or_refute(fit_problem, best, &answer, (&simulated_m, &gap))

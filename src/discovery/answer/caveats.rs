@@ -15,16 +15,17 @@ const LARGE_FACTOR: f64 = 1.3;
 
 /// What a calibration did, in words.
 fn calibration_caveat(factors: &baseline::CalibrationFactors, named: bool) -> String {
-    let written = if named { "has them, too" } else { "does not have them, as nothing is added to it" };
+    let written =
+        if named { "contains these values" } else { "does not contain these values, because no effect was added" };
     let is_large = |factor: f64| factor.max(1.0 / factor) > LARGE_FACTOR;
     let doubt = if is_large(factors.bending_stiffness) || is_large(factors.compliance) {
-        " So much is hardly a calibration: the baseline may have an effect of its own that the model lacks."
+        " Such factors are large for a calibration: the baseline may contain an effect that the model lacks."
     } else {
         ""
     };
     format!(
-        "Calibrated on the baseline: bending stiffness times {:.4}, section compliance times {:.4}. The gap before is that \
-         of the model with these numbers; `model.yaml` {written}.{doubt}",
+        "The model was calibrated on the baseline: bending stiffness times {:.4}, section compliance times \
+         {:.4}. `before_m` is the error of the calibrated model; `model.yaml` {written}.{doubt}",
         factors.bending_stiffness, factors.compliance
     )
 }
@@ -39,18 +40,18 @@ impl Problem<'_> {
         let calibrated = self.base.as_ref().map(|base| match base.factors {
             Some(factors) => calibration_caveat(&factors, matches!(verdict, Verdict::Named | Verdict::Ambiguous)),
             None => {
-                "Calibrated on the baseline, the model is no likelier there: it is taken as it was given.".to_owned()
+                "Calibration does not increase the likelihood of the baseline: the model is used as given.".to_owned()
             }
         });
-        let stands = self
-            .base_matches_model
-            .then(|| "Markers on the base show it standing as in the model: `base_tilt` was no candidate.".to_owned());
+        let stands = self.base_matches_model.then(|| {
+            "Markers on the base show the base pose of the model: `base_tilt` was excluded from the search.".to_owned()
+        });
         let fixed: BTreeSet<&str> =
             self.candidates.iter().filter(|one| self.is_fixed(one)).map(|one| one.card.name).collect();
         let fixed = fixed
             .into_iter()
             .filter(|_| verdict != Verdict::Consistent)
-            .map(|name| format!("`{name}` is in the model already; less of it than there was no candidate."));
+            .map(|name| format!("The model already contains `{name}`; the search cannot reduce it."));
         let starts = self.base.as_ref().and_then(|base| base.starts.as_ref()).map(trial_starts::baseline_starts_caveat);
         calibrated.into_iter().chain(starts).chain(self.baseline_caveat()).chain(stands).chain(fixed).collect()
     }
@@ -68,8 +69,8 @@ impl Problem<'_> {
         let floor_m = NoiseFloor::from_repeats(&base.samples, 0.0).rms_m();
         (residual_m > LARGE_FORM_M.max(LARGE_FORM * floor_m)).then(|| {
             format!(
-                "Calibrated on the baseline, the model is still {:.1} mm off in it: it may be of another robot, or the \
-                 model lacks something that both recordings have.",
+                "After calibration the error on the baseline is still {:.1} mm: the baseline may be from another \
+         robot, or both recordings contain an effect that the model lacks.",
                 1e3 * residual_m
             )
         })

@@ -32,32 +32,40 @@ pub(crate) fn summary(findings: &Findings, beside: &SummaryContext) -> String {
     let names = findings.effects.iter().map(|effect| effect.name.as_str()).collect::<Vec<_>>();
     let shared = beside.shared.as_ref().map_or_else(String::new, |BaselineShare { shared_m, apart_m }| {
         format!(
-            " Of what is left, {:.2} mm are in the baseline, too, and no discovery; without that it is {:.2} mm.",
+            "{:.2} mm of the remaining error also appears in the baseline and is not attributed to a missing \
+         effect; the rest is {:.2} mm.",
             1e3 * shared_m,
             1e3 * apart_m
         )
     });
     let held_out = format!(
-        "On trials that took no part in this, the tip error goes from {before_mm:.2} mm to {after_mm:.2} mm; noise alone is {floor_mm:.2} mm.{shared}"
+        "On held-out trials the rms tip error falls from {before_mm:.2} mm to {after_mm:.2} mm; the noise \
+         floor is {floor_mm:.2} mm.{shared}"
     );
     match findings.verdict {
         Verdict::Consistent => format!(
-            "The data show no more than noise and what is not known exactly of any robot: {before_mm:.2} mm on held-out trials, noise alone {floor_mm:.2} mm."
+            "The data are consistent with the model, measurement noise and calibration uncertainty: rms tip error \
+         {before_mm:.2} mm on held-out trials, noise floor {floor_mm:.2} mm."
         ),
         Verdict::Named => format!("The model lacks {}. {held_out}", names.join(" and ")),
         Verdict::Ambiguous => format!(
-            "Something is missing, and these data cannot tell whether it is {}. The first is the likeliest, and in the model. {held_out}",
+            "An effect is missing, and these data cannot tell whether it is {}. `model.yaml` contains the most \
+         likely one, the first. {held_out}",
             sets.join(" or ")
         ),
         Verdict::Unexplained => {
-            let gap =
-                if before_mm > floor_mm { "There is a gap" } else { "More than noise is left, if not everywhere" };
+            let gap = if before_mm > floor_mm {
+                "The model error exceeds the noise"
+            } else {
+                "The residual is not noise, although its mean size is"
+            };
             let best = refused.as_ref().map_or_else(
-                || "No candidate does enough to be named".to_owned(),
+                || "No candidate improves the fit enough to be named".to_owned(),
                 |refused| format!("The best candidate is {refused}"),
             );
             format!(
-                "{gap} ({before_mm:.2} mm on held-out trials, noise alone {floor_mm:.2} mm), and nothing in the catalogue explains it. {} {best}, and yet {objection}.",
+                "{gap} ({before_mm:.2} mm on held-out trials, noise floor {floor_mm:.2} mm), and no effect of the \
+         catalogue explains it. {} {best}, but {objection}.",
                 findings.pattern
             )
         }
@@ -72,32 +80,40 @@ pub(crate) fn objection(sign: &TestResult) -> String {
     let (more_mm, beyond_mm) = (1e3 * sign.more_m, 1e3 * sign.beyond_m);
     let all_mm = more_mm.hypot(beyond_mm);
     let chance = match sign.p_value {
-        p_value if p_value < LEAST_CHANCE => format!("chance below {LEAST_CHANCE:e}"),
-        p_value => format!("chance {p_value:.1e}"),
+        p_value if p_value < LEAST_CHANCE => format!("p < {LEAST_CHANCE:e}"),
+        p_value => format!("p = {p_value:.1e}"),
     };
     match sign.test {
-        FitTest::CrossTrial => format!("other trials foretell {more_mm:.2} mm of what it leaves ({chance})"),
+        FitTest::CrossTrial => format!("{more_mm:.2} mm of its residual can be predicted from other trials ({chance})"),
         FitTest::Variance => {
-            format!("the tip scatters about it by {all_mm:.2} mm, where noise alone is {beyond_mm:.2} mm ({chance})")
+            format!("its residual is {all_mm:.2} mm, where the noise floor is {beyond_mm:.2} mm ({chance})")
         }
         FitTest::SlowVariance => format!(
-            "what it leaves hardly changes from one sample to the next, as no tracker's noise does, and is {all_mm:.2} mm, where noise alone is {beyond_mm:.2} mm ({chance})"
+            "its residual changes too slowly from sample to sample for tracker noise and is {all_mm:.2} mm, where \
+         the noise floor is {beyond_mm:.2} mm ({chance})"
         ),
         FitTest::Levene => {
-            format!("it leaves {all_mm:.2} mm in its worst trial, {beyond_mm:.2} mm in the middle one ({chance})")
+            format!(
+                "its residual is {all_mm:.2} mm in the worst trial and {beyond_mm:.2} mm in the median trial \
+         ({chance})"
+            )
         }
         FitTest::LackOfFit => {
-            format!("it is {more_mm:.2} mm off in the mean where the same was measured again ({chance})")
+            format!("its mean error over repeated measurements is {more_mm:.2} mm ({chance})")
         }
         FitTest::Score => {
-            format!("a little of every effect together explains {more_mm:.2} mm of what it leaves ({chance})")
+            format!("small amounts of all effects together explain {more_mm:.2} mm of its residual ({chance})")
         }
         FitTest::Spearman => {
-            format!("it leaves {all_mm:.2} mm where it moves the tip most, {beyond_mm:.2} mm where least ({chance})")
+            format!(
+                "its residual is {all_mm:.2} mm where it moves the tip most and {beyond_mm:.2} mm where it moves the \
+         tip least ({chance})"
+            )
         }
         FitTest::HeldOut => {
             format!(
-                "held-out trials scatter about it by {all_mm:.2} mm, those of its fit by {beyond_mm:.2} mm ({chance})"
+                "its residual is {all_mm:.2} mm on held-out trials and {beyond_mm:.2} mm on the fitted trials \
+         ({chance})"
             )
         }
     }
@@ -107,7 +123,7 @@ pub(crate) fn objection(sign: &TestResult) -> String {
 pub(crate) fn worse_on_held_out(gap: &Gap) -> String {
     let [before_mm, after_mm] = [gap.before_m, gap.after_m].map(|error_m| 1e3 * error_m);
     let digits = if after_mm - before_mm < 0.01 { 4 } else { 2 };
-    format!("it makes held-out trials worse: {after_mm:.digits$} mm instead of {before_mm:.digits$} mm")
+    format!("it increases the error on held-out trials from {before_mm:.digits$} mm to {after_mm:.digits$} mm")
 }
 
 /// What is said where held-out trials scatter more than those of the fit, whose numbers are known too little for that to
@@ -115,18 +131,18 @@ pub(crate) fn worse_on_held_out(gap: &Gap) -> String {
 pub(crate) fn held_out_caveat(sign: &TestResult) -> String {
     let [all_mm, fit_mm] = [sign.more_m.hypot(sign.beyond_m), sign.beyond_m].map(|size_m| 1e3 * size_m);
     format!(
-        "Held-out trials scatter by {all_mm:.2} mm about the answer with these numbers, those that it was fitted to by \
-         {fit_mm:.2} mm; with other numbers within the intervals they do not. What is missing is known better than how \
-         much of it: trials that move the robot otherwise, in the part that is fitted, would tell."
+        "With the fitted values the residual is {all_mm:.2} mm on held-out trials and {fit_mm:.2} mm on the \
+         fitted trials; other values within the 95 % intervals remove this difference. The effect is better \
+         determined than its size: fitted trials with other motions would determine the size."
     )
 }
 
 /// What is said of so much that is certainly left beside an answer, metres, and no more than laws may be off by.
 pub(crate) fn tolerated_caveat(residual_m: f64) -> String {
     format!(
-        "What is left is not all noise: a little of every effect together would explain at least {:.2} mm more. It is \
-         little beside what is named, so the robot may follow a law that is not quite the catalogue's, but something \
-         small may be missing, too.",
+        "The residual is not only noise: small amounts of all effects together would explain at least {:.2} mm \
+         more. This is small compared with the named effects. The robot may follow a law that differs slightly \
+         from the catalogue's, or a small further effect may be missing.",
         1e3 * residual_m
     )
 }
@@ -142,10 +158,14 @@ pub(crate) fn pattern(foretold: &[(ResidualPattern, f64)], places: &[PlaceRow]) 
                 format!("{:.0} % by {}", 100.0 * share, pattern_name(*pattern))
             };
             let each: Vec<String> = foretold.iter().map(told).collect();
-            format!("{} Other trials predict, of its squares, {}.", describe_pattern(*pattern), each.join(", "))
+            format!(
+                "{} Share of its squares that other trials predict: {}.",
+                describe_pattern(*pattern),
+                each.join(", ")
+            )
         }
-        _ => "It differs from trial to trial: none of them predicts another, as from a contact, from something that \
-              moves or slips, or from a tracker noisier than its repeats."
+        _ => "The residual differs from trial to trial and no trial predicts another. Possible causes: contact, a \
+         part that moves or slips, or a tracker noisier than its repeated samples."
             .to_owned(),
     };
     let single = places.iter().filter(|row| row.by != "all" && row.axis != "all");
@@ -155,7 +175,7 @@ pub(crate) fn pattern(foretold: &[(ResidualPattern, f64)], places: &[PlaceRow]) 
         |row| {
             let times = row.rms_before_m / row.floor_m;
             format!(
-                "{depends} It is largest along {} for {}, {}: {times:.1} times the noise.",
+                "{depends} It is largest along {} for {}, {}: {times:.1} times the noise floor.",
                 row.axis, row.by, row.place
             )
         },
@@ -164,10 +184,12 @@ pub(crate) fn pattern(foretold: &[(ResidualPattern, f64)], places: &[PlaceRow]) 
 
 fn describe_pattern(pattern: ResidualPattern) -> &'static str {
     match pattern {
-        ResidualPattern::Constant => "The gap is much the same everywhere, as from a shift of the frame.",
-        ResidualPattern::Pose => "The gap depends on where the robot is, as from a load, a stiffness or a geometry.",
-        ResidualPattern::History => "The gap depends on how the robot got there, as from friction, play or a delay.",
-        ResidualPattern::Time => "The gap depends on how long a trial has lasted, as from drift, creep or slipping.",
+        ResidualPattern::Constant => "The residual is nearly constant, as from a shift of the tracking frame.",
+        ResidualPattern::Pose => "The residual depends on the pose, as from a load, a stiffness or a geometry error.",
+        ResidualPattern::History => {
+            "The residual depends on the motion history, as from friction, backlash or a delay."
+        }
+        ResidualPattern::Time => "The residual depends on the time in the trial, as from drift, creep or slip.",
     }
 }
 
@@ -189,7 +211,7 @@ pub(crate) fn next_measurement(findings: &Findings) -> String {
     if let Some(first) = findings.proposals.first() {
         let little = if first.separation < CLEAR {
             format!(
-                "; it moves them apart by {:.1} standard deviations only, so more of it may be needed",
+                "; the predictions differ by only {:.1} standard deviations, so it may have to be repeated",
                 first.separation
             )
         } else {
@@ -198,13 +220,14 @@ pub(crate) fn next_measurement(findings: &Findings) -> String {
         return format!("{} (about {:.0} min; commands in {}{little}).", first.what, first.minutes, first.file);
     }
     match findings.verdict {
-        Verdict::Consistent => "Nothing is needed: these data are nuisance_fit.".to_owned(),
-        Verdict::Named => "Nothing is needed to tell candidates apart.".to_owned(),
+        Verdict::Consistent => "No further recording is needed: the model explains these data.".to_owned(),
+        Verdict::Named => "No further recording is needed to tell candidates apart.".to_owned(),
         Verdict::Ambiguous => {
-            "The same commands again with a known weight on the tip in half of the trials.".to_owned()
+            "Record the same commands again with a known weight on the tip in half of the trials.".to_owned()
         }
         Verdict::Unexplained => {
-            "Repeats of one trial, a slow and a fast one, and one with a known weight, to see what the rest depends on."
+            "Record repeats of one trial, a slow and a fast one, and one with a known weight, to see what the \
+         residual depends on."
                 .to_owned()
         }
     }
@@ -218,27 +241,27 @@ mod tests {
     fn what_speaks_against_an_answer_is_told_in_sizes_that_can_be_compared() {
         let told = |test, p_value| objection(&TestResult { test, p_value, more_m: 4e-4, beyond_m: 3e-4 });
         for (test, said) in [
-            (FitTest::CrossTrial, "foretell 0.40 mm"),
-            (FitTest::Variance, "by 0.50 mm, where noise alone is 0.30 mm"),
-            (FitTest::SlowVariance, "is 0.50 mm, where noise alone is 0.30 mm"),
-            (FitTest::Levene, "0.50 mm in its worst trial, 0.30 mm in the middle one"),
-            (FitTest::LackOfFit, "0.40 mm off in the mean"),
-            (FitTest::Score, "explains 0.40 mm"),
-            (FitTest::Spearman, "0.50 mm where it moves the tip most, 0.30 mm where least"),
-            (FitTest::HeldOut, "by 0.50 mm, those of its fit by 0.30 mm"),
+            (FitTest::CrossTrial, "0.40 mm of its residual can be predicted"),
+            (FitTest::Variance, "its residual is 0.50 mm, where the noise floor is 0.30 mm"),
+            (FitTest::SlowVariance, "and is 0.50 mm, where the noise floor is 0.30 mm"),
+            (FitTest::Levene, "0.50 mm in the worst trial and 0.30 mm in the median trial"),
+            (FitTest::LackOfFit, "mean error over repeated measurements is 0.40 mm"),
+            (FitTest::Score, "explain 0.40 mm"),
+            (FitTest::Spearman, "0.50 mm where it moves the tip most and 0.30 mm where it moves the tip least"),
+            (FitTest::HeldOut, "0.50 mm on held-out trials and 0.30 mm on the fitted trials"),
         ] {
             let told = told(test, 4.8e-5);
-            assert!(told.contains(said) && told.ends_with("(chance 4.8e-5)"), "{told}");
+            assert!(told.contains(said) && told.ends_with("(p = 4.8e-5)"), "{told}");
         }
-        assert!(told(FitTest::LackOfFit, 0.0).ends_with("(chance below 1e-9)"));
+        assert!(told(FitTest::LackOfFit, 0.0).ends_with("(p < 1e-9)"));
     }
 
     #[test]
     fn a_pattern_is_the_best_of_those_that_foretell_enough() {
         let told = pattern(&[(ResidualPattern::Time, 0.92), (ResidualPattern::Pose, 0.4)], &[]);
-        assert!(told.starts_with("The gap depends on how long"), "{told}");
-        assert!(told.ends_with("of its squares, 92 % by time, 40 % by pose."), "{told}");
+        assert!(told.starts_with("The residual depends on the time"), "{told}");
+        assert!(told.ends_with("predict: 92 % by time, 40 % by pose."), "{told}");
         let none = pattern(&[(ResidualPattern::Pose, 0.05), (ResidualPattern::Time, 0.0)], &[]);
-        assert!(none.starts_with("It differs from trial to trial"), "{none}");
+        assert!(none.starts_with("The residual differs from trial to trial"), "{none}");
     }
 }

@@ -193,7 +193,7 @@ impl FitProblem<'_> {
                 let left = (-prediction.gain / (6.0 * self.samples.len() as f64)).exp();
                 let after_m =
                     left * crate::discovery::recording::samples::rms_m(&found.null.fitted.nuisance_fit.residual_m);
-                let why_not = "not followed up: a first look, linear, predictions no more than this".to_owned();
+                let why_not = "not fitted: the linear screening predicts no more than this".to_owned();
                 listed.push(Candidate { name, score: *score, after_m, why_not });
             }
         }
@@ -208,21 +208,21 @@ impl FitProblem<'_> {
         }
         let behind = best.score - scored.score;
         if answer.verdict == Verdict::Unexplained && scored.fitted.members == best.fitted.members {
-            let rank = if own.is_empty() { "no candidate is better" } else { "the best of the catalogue" };
-            return format!("{rank}, and yet {}", answer.objection);
+            let rank = if own.is_empty() { "no candidate is better" } else { "the best candidate" };
+            return format!("{rank}, but {}", answer.objection);
         }
         if scored.fitted.members.len() > best.fitted.members.len() {
             let why = if behind < 0.0 {
-                "fits better, but adds too little to be worth a name"
+                "improves the fit by too little to be named"
             } else {
-                "does not pay for its parameters"
+                "does not justify its parameters"
             };
-            return format!("one effect more {why}");
+            return format!("the additional effect {why}");
         }
         if behind < rival_score {
-            return "fits equally well: these data cannot tell".to_owned();
+            return "fits equally well: these data cannot tell the two apart".to_owned();
         }
-        format!("fits worse: its score is {behind:.0} lower")
+        format!("fits worse: score lower by {behind:.0}")
     }
 }
 

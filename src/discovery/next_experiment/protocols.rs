@@ -52,23 +52,23 @@ pub(crate) fn protocols(range: &CommandRange, gravity_m_s2: [f64; 3]) -> Vec<Pro
         let corners: Vec<Vec<f64>> = range.corners(k / 2).into_iter().take(2).collect();
         range.path(&corners, if k.is_multiple_of(2) { range.step } else { range.step / 3.0 })
     };
-    let stay = format!("Go to four far poses and stay there, {:.0} s in all each", LENGTH as f64 * range.step_s);
+    let stay = format!("Go to four far poses and hold each for {:.0} s in total", LENGTH as f64 * range.step_s);
     vec![
-        protocol("known_weight", "Play four trials, the second and fourth with 20 g on the tip", 2.0, weighed),
+        protocol("known_weight", "Run four trials, the second and fourth with 20 g on the tip", 2.0, weighed),
         Protocol {
             gravity_m_s2: Some(gravity_m_s2),
-            ..protocol("base_remounted", &format!("{mounted} and play four trials"), 5.0, four(&path))
+            ..protocol("base_remounted", &format!("{mounted} and run four trials"), 5.0, four(&path))
         },
         protocol("dwell", &stay, 0.5, four(&|k| range.dwell(k))),
-        protocol("repeated_loop", "Play one loop three times over, in four trials", 0.5, four(&looped)),
-        protocol("slow_and_fast", "Play two paths, each fast and at a third of the speed", 0.5, four(&paced)),
+        protocol("repeated_loop", "Run one loop three times in each of four trials", 0.5, four(&looped)),
+        protocol("slow_and_fast", "Run two paths, each at full speed and at a third of the speed", 0.5, four(&paced)),
         protocol(
             "reversals",
             "Bend out and back three times with growing amplitude, in four directions",
             0.5,
             four(&|k| range.reversals(k)),
         ),
-        protocol("far_poses", "Go through the farthest poses one after the other, in four trials", 0.5, four(&path)),
+        protocol("far_poses", "Go through the farthest poses in four trials", 0.5, four(&path)),
     ]
 }
 
@@ -77,7 +77,7 @@ fn remounted([x, y, z]: [f64; 3]) -> (&'static str, [f64; 3]) {
     if x.hypot(y) < z.abs() {
         return ("Lay the base on its side, so that gravity pulls along −x,", [-z.abs(), y, x]);
     }
-    ("Turn the base a quarter about its axis", [-y, x, z])
+    ("Rotate the base by 90° about its axis", [-y, x, z])
 }
 
 impl CommandRange {

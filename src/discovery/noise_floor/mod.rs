@@ -41,10 +41,10 @@ impl NoiseFloor {
         }
     }
 
-    /// From what changes from one sample to the next.
+    /// From differences of consecutive samples.
     fn from_neighbours(samples: &Samples, nuisance_fit: &NuisanceFit, simulated_m: &[f64]) -> Option<NoiseFloor> {
         let nugget = estimate_nugget(samples, nuisance_fit, simulated_m)?;
-        let from = vec!["what changes from one sample to the next".to_owned()];
+        let from = vec!["differences of consecutive samples".to_owned()];
         Some(NoiseFloor { variance_m2: nugget.variance_m2, freedom: nugget.freedom, from })
     }
 
@@ -53,7 +53,7 @@ impl NoiseFloor {
         NoiseFloor {
             variance_m2: nuisance_fit.noise.sigma_m.map(|sigma| sigma * sigma),
             freedom: nuisance_fit.noise.independent(samples.len()),
-            from: vec!["what the model leaves".to_owned()],
+            from: vec!["the residual of the model".to_owned()],
         }
     }
 
@@ -87,7 +87,7 @@ impl NoiseFloor {
         let [firsts, dwells] = [starts, dwells].map(|groups| groups.iter().map(|group| group.len()).sum::<usize>());
         let mut from = Vec::new();
         from.extend((firsts > 1).then(|| format!("{firsts} starts at home")));
-        from.extend((dwells > 1).then(|| format!("{dwells} samples at dwell")));
+        from.extend((dwells > 1).then(|| format!("{dwells} samples at rest")));
         NoiseFloor { variance_m2, freedom, from }
     }
 

@@ -26,9 +26,9 @@ pub(crate) fn without_starts(samples: &Samples) -> Samples {
 /// What to know where beginnings of trials were left out, whose first tips scatter as `starts` do.
 pub(crate) fn starts_caveat(starts: &NoiseFloor) -> String {
     format!(
-        "The first tips of the trials scatter by {:.1} mm, far more than what is left of later ones: either not every trial \
-         starts settled at home, as the model does, or the tracker was not ready. The first second of each trial was left \
-         out, and home is no repeat that tells of noise.",
+        "The first tip positions of the trials scatter by {:.1} mm, far more than the residual of later \
+         samples: not every trial starts settled at home, as the model does, or the tracker was not ready. The \
+         first second of each trial was excluded, and the starts were not used to estimate the noise.",
         1e3 * starts.rms_m()
     )
 }
@@ -36,7 +36,8 @@ pub(crate) fn starts_caveat(starts: &NoiseFloor) -> String {
 /// The same of a baseline.
 pub(crate) fn baseline_starts_caveat(starts: &NoiseFloor) -> String {
     format!(
-        "The first tips of the baseline's trials scatter by {:.1} mm; the first second of each was left out.",
+        "The first tip positions of the baseline's trials scatter by {:.1} mm; the first second of each trial \
+         was excluded.",
         1e3 * starts.rms_m()
     )
 }

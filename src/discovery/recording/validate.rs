@@ -37,7 +37,7 @@ pub(crate) fn check(measured: &Recording, samples: &Samples) -> Result<(), Disco
 pub(crate) fn check_trials(samples: &Samples) -> Result<(), DiscoveryError> {
     let trials = samples.trials.len();
     if trials < FEWEST_TRIALS {
-        let why = ": one is kept back as held_out";
+        let why = ": one is held out for the test";
         return Err(DiscoveryError::TooFew { what: "tracked trials", found: trials, least: FEWEST_TRIALS, why });
     }
     Ok(())
@@ -47,11 +47,11 @@ pub(crate) fn check_trials(samples: &Samples) -> Result<(), DiscoveryError> {
 pub(crate) fn check_parts(fit: &Samples, held_out: &Samples) -> Result<(), DiscoveryError> {
     let [to_fit, to_prove] = [fit, held_out].map(Samples::len);
     if to_fit < FEWEST_TO_FIT {
-        let why = ": the rest is kept back as held_out";
+        let why = ": the other trials are held out for the test";
         return Err(DiscoveryError::TooFew { what: "tracked rows to fit", found: to_fit, least: FEWEST_TO_FIT, why });
     }
     if to_prove < FEWEST_TO_PROVE {
-        let what = "tracked rows in the trials that are kept back as held_out";
+        let what = "tracked rows in held-out trials";
         return Err(DiscoveryError::TooFew { what, found: to_prove, least: FEWEST_TO_PROVE, why: "" });
     }
     Ok(())
@@ -62,19 +62,18 @@ pub(crate) fn limitations(measured: &Recording, asked: &Samples) -> Vec<String> 
     let mut found = Vec::new();
     let (rows, tracked) = (measured.len(), Samples::new(measured).len());
     if tracked < rows {
-        found.push(format!("Tracking was lost in {} of {rows} rows; they were left out.", rows - tracked));
+        found.push(format!("Tracking was lost in {} of {rows} rows; these rows were excluded.", rows - tracked));
     }
     if asked.len() < FEW_SAMPLES {
-        found.push(format!("{} samples: only strong effects can be told apart with so few.", asked.len()));
+        found.push(format!("Only {} samples: only strong effects can be told apart.", asked.len()));
     }
     if asked.trials.len() == FEWEST_TRIALS {
         found.push(
-            "Two trials, of which one is held out: whether anything is missing could not be asked of other trials."
-                .to_owned(),
+            "Two trials, of which one is held out: the cross-trial test needs at least two fitted trials.".to_owned(),
         );
     } else if asked.trials.len() < FEW_TRIALS {
         found.push(format!(
-            "{} trials: what happens in one of them only cannot be told from chance.",
+            "Only {} trials: an effect that appears in one of them cannot be told from chance.",
             asked.trials.len()
         ));
     }
@@ -82,12 +81,15 @@ pub(crate) fn limitations(measured: &Recording, asked: &Samples) -> Vec<String> 
     if !copies.is_empty() {
         let numbers = copies.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
         found.push(format!(
-            "Copies of other trials, to the last digit, prove nothing and make noise look small: {numbers}."
+            "Exact copies of other trials are no independent evidence and make the noise floor too small: trials \
+         {numbers}."
         ));
     }
     if measured.base.is_none() {
         found.push(
-            "The base was not tracked: a tilted base and a turned tracking frame look alike at the tip.".to_owned(),
+            "The base was not tracked: at the tip, a tilted base and a rotated tracking frame cannot be told \
+         apart."
+                .to_owned(),
         );
     }
     found
