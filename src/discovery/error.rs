@@ -1,23 +1,23 @@
-//! Why a discovery cannot be made.
+//! Errors of a discovery.
 
 use crate::base::BadOption;
 
-/// Data that allow no answer. The messages name the column, what was found and what was expected.
+/// Data that allow no answer. Messages name the column, what was found and what was expected.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DiscoveryError {
-    /// Less than the smallest recording that can be rescored.
+    /// Fewer items than the minimum.
     #[error("{what}: found {found}, expected at least {least}{why}")]
     TooFew {
-        /// Of what.
+        /// What is counted.
         what: &'static str,
-        /// How many there are.
+        /// Number found.
         found: usize,
-        /// How many there must be.
+        /// Required minimum.
         least: usize,
-        /// What they are for.
+        /// Reason for the minimum.
         why: &'static str,
     },
-    /// A column that never changes.
+    /// A column is constant.
     #[error("{column}: found the same value in all {rows} rows, expected {expected}")]
     Constant {
         /// The columns.
@@ -27,16 +27,16 @@ pub enum DiscoveryError {
         /// What was expected.
         expected: &'static str,
     },
-    /// The model cannot follow the commands.
+    /// The model cannot be simulated with the commands of this trial.
     #[error(
         "the model cannot be simulated with the commands of trial {0}: expected commands within the robot's \
          reach"
     )]
     CannotFollow(u64),
-    /// The same, for the baseline.
+    /// The same for the baseline.
     #[error(transparent)]
     Baseline(Box<DiscoveryError>),
-    /// A setting.
+    /// An option is out of range.
     #[error(transparent)]
     Option(#[from] BadOption),
 }

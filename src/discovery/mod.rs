@@ -1,8 +1,12 @@
-//! Discovery: where a model and a measurement disagree, which effect of the catalogue is missing, how much of it, and
-//! whether that is all (docs/discovery.md).
+//! Discovery: find the effect of the catalogue that a model lacks, fit it, and test whether anything else is missing
+//! (docs/discovery.md).
 //!
-//! The physics is fitted anew for every candidate; numbers that a lab would recalibrate are free in all of them alike;
-//! candidates pay for their parameters; trials that take no part in any of it are the held_out.
+//! Stages, each a sub-folder that imports only those above it: `recording` (samples and held-out trials), `fit` (one
+//! candidate set), `noise_floor`, `problem`, `search` (over candidate sets), `goodness_of_fit` (are the residuals
+//! noise), `next_experiment`, `answer` (verdict and text).
+//!
+//! Every candidate is fitted with the full physics. Parameters that a laboratory would recalibrate are nuisance
+//! parameters of every candidate. Candidates pay for their parameters. Held-out trials are used in none of this.
 
 mod answer;
 mod error;
@@ -30,13 +34,13 @@ pub use error::DiscoveryError;
 pub use next_experiment::t_optimality::NextExperiment;
 pub use options::{Options, Uncertainty};
 
-/// Finds what `model` lacks to explain `measured`. With a `baseline`, a recording of the robot as built, the model is
-/// first calibrated on it, and what the two have in common is no discovery. Every trial starts at rest under its first
-/// row's weight ([`Recording::check_loads`]); where first tips scatter too much for that, the
-/// beginnings of trials are left out.
+/// Finds the effect that `model` lacks to explain `measured`. With a `baseline`, a recording of the robot as built,
+/// the model is first calibrated on it, and errors that both recordings share are not attributed to an effect. Every
+/// trial starts at rest under the weight of its first row ([`Recording::check_loads`]); if the first tip positions
+/// scatter too much for that, the first second of each trial is excluded.
 ///
 /// # Errors
-/// [`DiscoveryError`] for data that allow no answer.
+/// [`DiscoveryError`] if the data allow no answer.
 pub fn discover(
     model: &Model,
     measured: &Recording,
@@ -54,7 +58,7 @@ pub fn discover(
     };
     let all = Samples::new(measured);
     let problem = new_problem(all.clone())?;
-    // Without them first, where that can be asked: a few tips that are far off lead every fit astray.
+    // Try without trial starts first: a few wrong tip positions bias every fit.
     if let Some(starts) = noise_floor::trial_starts::scattered_starts(&problem.training, model)
         && let Ok(rest) = new_problem(noise_floor::trial_starts::without_starts(&all))
         && let Ok((final_fit, found)) = search_best(&rest)
@@ -68,7 +72,7 @@ pub fn discover(
     Ok(problem.discovery(model, measured, &final_fit, &found))
 }
 
-/// The best set of effects with all final_fit it, and what else was found.
+/// Searches for the best set, tests it, and returns its final fit with the search outcome.
 fn search_best(problem: &Problem) -> Result<(FinalFit, SearchOutcome), DiscoveryError> {
     let fit_problem = problem.fit_problem();
     let cannot_follow = || DiscoveryError::CannotFollow(problem.training.trials[0].number);
@@ -83,7 +87,7 @@ fn search_best(problem: &Problem) -> Result<(FinalFit, SearchOutcome), Discovery
         if best.fitted.members != before {
             final_fit = problem.final_fit(&best.fitted);
         }
-        // Before anything is called unexplained, the search has known that something is left.
+        // `unexplained` requires that the exhaustive search has run.
         searched = certainly || !final_fit.goodness.is_rejected();
     }
     let (best, final_fit) = problem.rescore(&mut search, best, final_fit);

@@ -1,61 +1,62 @@
-//! How a discovery is carried out.
+//! Options of a discovery.
 
 use serde::{Deserialize, Serialize};
 
 use crate::base::{BadOption, Seed};
 use crate::effects::Model;
 
-/// A number of the robot that its file knows only so well.
+/// A parameter of the robot with a known uncertainty.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Uncertainty {
-    /// The effect whose parameter it is.
+    /// Effect that has the parameter.
     pub effect: String,
     /// The parameter; all components of a vector, all tendons.
     pub parameter: String,
-    /// Standard deviation about the value at which the effect changes nothing.
+    /// Standard deviation about the value at which the effect has no influence.
     pub deviation: f64,
 }
 
-/// How a discovery is carried out.
+/// Options of a discovery.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Options {
-    /// Share of the trials that take no part in naming or fitting; which ones is chosen by their commands.
+    /// Share of trials that are held out. Their commands alone decide which trials these are.
     pub held_out_share: f64,
-    /// Effects that are named together at most.
+    /// Maximum number of effects named together.
     pub most_effects: usize,
-    /// What an effect must add to the score (penalised, in units of 2 ln) to be taken.
+    /// Minimum gain in score (2 ln likelihood minus penalty) of an added effect.
     pub least_score: f64,
-    /// How far an effect must move the tip, over the noise floor, to be worth a name.
+    /// Minimum tip displacement of an effect, as a multiple of the noise floor.
     pub least_size: f64,
-    /// How far one effect more must move the tip, over what those found before it do: their laws are right to no more.
+    /// Minimum tip displacement of an additional effect, as a share of that of the effects found before: their laws
+    /// are not more accurate than this.
     pub least_share: f64,
-    /// Answers whose scores differ by less cannot be told apart.
+    /// Sets whose scores differ by less are rivals.
     pub rival_score: f64,
-    /// Chance that noise alone is taken for something missing.
+    /// Significance level of the goodness-of-fit tests.
     pub false_alarm: f64,
-    /// What is foretold of the residual, over the noise floor, is not worth mentioning below this.
+    /// Minimum size of a predictable residual, as a multiple of the noise floor, to be reported.
     pub least_foretold: f64,
-    /// Effects that are left out of the catalogue.
+    /// Effects that are excluded from the search.
     pub left_out: Vec<String>,
-    /// What is not known exactly of any robot, and free in every candidate alike.
+    /// Uncertain parameters: free within their uncertainty in every candidate.
     pub uncertain: Vec<Uncertainty>,
-    /// Precision in time with which the model is simulated_m, metres. An error of a tenth of the noise in every sample would
-    /// tell candidates apart that the data do not.
+    /// Time-stepping tolerance of simulations, metres. Larger errors would separate candidates that the data cannot
+    /// separate.
     pub motion_tolerance_m: f64,
-    /// Length of a cell of the grid on which it is simulated_m, metres; the model's own where that is longer. Cells go across
-    /// jumps of the material.
+    /// Largest grid cell of simulations, metres; the model's own value if that is larger. Cells may span material
+    /// jumps.
     pub cell_m: f64,
-    /// What moves the tip by less than this share of the backbone's length is neither named nor missed, whatever the noise:
-    /// no model of a robot is right to that, and a recording that was simulated may not be either.
+    /// Tip displacements below this share of the backbone's length are neither named nor reported as missing, whatever
+    /// the noise: no model is more accurate.
     pub least_of_length: f64,
     /// Seed of the permutation test.
     pub seed: u64,
 }
 
-/// What a calibration on 400 samples leaves unknown: two to three times what each number alone would keep, 0.5 mm over
-/// the tip's answer to it and √400, because they are found together (docs/discovery.md).
+/// Uncertainty that a calibration on 400 samples leaves: two to three times the value for each parameter alone (0.5 mm
+/// over the tip's sensitivity and √400), because the parameters are fitted together (docs/discovery.md).
 const UNCERTAIN: &[(&str, &str, f64)] = &[
     ("bending_stiffness", "scale", 0.003),
     ("spine_compressibility", "scale", 0.005),
@@ -131,7 +132,7 @@ impl Options {
         self.uncertain.iter().try_for_each(|one| BadOption::unless_positive("deviation", one.deviation))
     }
 
-    /// What moves the tip of this robot by less is neither named nor missed, metres.
+    /// Smallest tip displacement that is relevant for this robot, metres.
     pub(super) fn least_m(&self, model: &Model) -> f64 {
         self.least_of_length * model.robot.backbone.length_m
     }
@@ -158,27 +159,27 @@ impl Options {
     }
 }
 
-/// How far the search goes.
+/// Limits of the search.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SearchLimits {
-    /// Effects at most.
+    /// Maximum number of effects.
     pub(super) most_effects: usize,
-    /// Score that an effect must add to be taken.
+    /// Minimum gain in score of an added effect.
     pub(super) least_score: f64,
-    /// Distance that an effect must move the tip, over the noise floor.
+    /// Minimum tip displacement of an effect, as a multiple of the noise floor.
     pub(super) least_size: f64,
-    /// The same for one effect more, over what those found before it do together.
+    /// Minimum tip displacement of an additional effect, as a share of that of the effects before it.
     pub(super) least_share: f64,
-    /// The same in metres, whatever the noise.
+    /// Minimum tip displacement, metres, whatever the noise.
     pub(super) least_m: f64,
-    /// Sets whose scores are nearer are rivals.
+    /// Sets whose scores differ by less are rivals.
     pub(super) rival_score: f64,
-    /// Beside sets of fewer effects every candidate is fitted, whatever it predictions at a first look.
+    /// Sets with fewer effects than this are extended by every candidate, whatever the screening predicts.
     pub(super) exhaustive_below: usize,
 }
 
 impl SearchLimits {
-    /// How far an effect must move the tip beside a set that leaves this noise, metres.
+    /// Minimum tip displacement, metres, of an effect added to a set whose residual noise has this rms.
     pub(super) fn least_m(&self, noise_rms_m: f64) -> f64 {
         self.least_m.max(self.least_size * noise_rms_m)
     }

@@ -1,4 +1,4 @@
-//! A problem: the model, its samples, and what has been found out about them before anything is named.
+//! The discovery problem: the model, its samples, its candidates and its nuisance parameters.
 
 use super::error::DiscoveryError;
 use super::fit::candidate::{CandidateEffect, SetMember, catalogue_candidates};
@@ -14,16 +14,16 @@ use super::recording::{holdout, validate};
 use crate::data::Recording;
 use crate::effects::Model;
 
-/// What an answer is sought for, and what has been found out on the way.
+/// The problem that a discovery solves.
 pub(crate) struct Problem<'a> {
     pub(crate) options: &'a Options,
-    /// The model, calibrated on the baseline where there is one, simulated_m with the precision of the options.
+    /// The model, calibrated on the baseline if there is one, with the resolution of the options.
     pub(crate) model: Model,
-    /// The same, simulated_m coarsely.
+    /// The same model at a coarse resolution.
     pub(crate) coarse: Model,
     pub(crate) base: Option<Baseline>,
     pub(crate) candidates: Vec<CandidateEffect>,
-    /// All samples that are asked about, those of the fit, and the held_out.
+    /// All samples, the training samples and the held-out samples.
     pub(crate) all: Samples,
     pub(crate) training: Samples,
     pub(crate) held_out: Samples,
@@ -31,7 +31,7 @@ pub(crate) struct Problem<'a> {
     pub(crate) held_out_simulated_m: Vec<f64>,
     pub(crate) sensitivities: Vec<sensitivities::Sensitivity>,
     pub(crate) nuisances: Nuisances,
-    /// Whether markers on the base show it standing as in the model.
+    /// Whether markers on the base show the base pose of the model.
     pub(crate) base_matches_model: bool,
 }
 
@@ -45,7 +45,7 @@ impl<'a> Problem<'a> {
         let mut model = model.clone();
         let resolution = &mut model.robot.resolution;
         resolution.motion_tolerance_m = options.motion_tolerance_m;
-        // Trials begin at rest, and go on from there on the grid that was asked for.
+        // Trials start at rest on the requested grid.
         resolution.static_tolerance_m = f64::INFINITY;
         resolution.cell_m = resolution.cell_m.max(options.cell_m);
         resolution.blended = true;
@@ -99,57 +99,57 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// What may differ a little from the model with the `members`, in `samples` where it has the tip at `simulated_m` without
-    /// them: with much of an effect the tip answers to the rest otherwise than without.
+    /// Nuisance parameters in `samples` given the `members`; `simulated_m` is the tip without them. A strong effect
+    /// changes the sensitivities of the others.
     pub(crate) fn nuisances_with(&self, members: &[SetMember], samples: &Samples, simulated_m: &[f64]) -> Nuisances {
         let columns = self.uncertain(members).columns(&self.model, members, samples);
         nuisances(self.base.as_ref(), samples, simulated_m, &columns)
     }
 
-    /// The numbers that are uncertain beside the `members`.
+    /// The uncertain parameters given the `members`.
     pub(crate) fn uncertain(&self, members: &[SetMember]) -> UncertainParameters<'_> {
         uncertain(self.options, &self.candidates, members, self.base.as_ref())
     }
 
-    /// Whether what a baseline has in common with the recording is no discovery.
+    /// Whether there is a baseline recording.
     pub(crate) fn has_baseline(&self) -> bool {
         self.base.is_some()
     }
 
-    /// Whether the model that everything is asked of was changed by the baseline.
+    /// Whether calibration on the baseline changed the model.
     pub(crate) fn is_calibrated(&self) -> bool {
         self.base.as_ref().is_some_and(|base| base.factors.is_some())
     }
 
-    /// What is left beside noise of this size, metres, matters beyond so much.
+    /// Smallest relevant residual, metres, given a noise floor of `floor_m`.
     pub(crate) fn least_relevant_m(&self, floor_m: f64) -> f64 {
         self.options.least_m(&self.model).max(self.options.least_foretold * floor_m)
     }
 
-    /// What the laws of the effects that bring the tip to `simulated_m` are off by, at their best, metres.
+    /// Model error that is expected of the laws of the effects that move the tip to `simulated_m`, metres.
     pub(crate) fn law_error_m(&self, simulated_m: &[f64]) -> f64 {
         self.options.least_share * rms_m(&self.displacement_m(simulated_m))
     }
 
-    /// By how much effects that bring the tip to `simulated_m` move it, three numbers a sample, metres.
+    /// Tip displacement by effects that move the tip to `simulated_m`, three values a sample, metres.
     pub(crate) fn displacement_m(&self, simulated_m: &[f64]) -> Vec<f64> {
         simulated_m.iter().zip(&self.simulated_m).map(|(with, without)| with - without).collect()
     }
 }
 
-/// A baseline, once the model is calibrated on it.
+/// The baseline, after the model was calibrated on it.
 pub(crate) struct Baseline {
     pub(crate) samples: Samples,
-    /// How its first tips scatter, where beginnings of its trials were left out for that.
+    /// Scatter of its first tip positions, if trial starts were excluded because of it.
     pub(crate) starts: Option<NoiseFloor>,
     pub(crate) simulated_m: Vec<f64>,
-    /// What is uncertain, far wider than after a calibration.
+    /// Uncertain parameters, with the uncertainty before calibration.
     columns: Vec<NuisanceColumn>,
-    /// What the calibration multiplied, where it made the baseline likelier.
+    /// Calibration factors, if calibration increased the likelihood of the baseline.
     pub(crate) factors: Option<baseline::CalibrationFactors>,
 }
 
-/// Before a calibration a number is known this many times worse than after it.
+/// Uncertainty before calibration over that after it.
 const BEFORE_CALIBRATION: f64 = 10.0;
 
 impl Baseline {
@@ -189,7 +189,8 @@ impl Baseline {
     }
 }
 
-/// What is uncertain beside the `members`; with a baseline as wide as it was before that, which tells how wide it is.
+/// Uncertain parameters given the `members`. With a baseline they have the uncertainty before calibration, which the
+/// baseline then reduces.
 fn uncertain<'a>(
     options: &Options,
     candidates: &'a [CandidateEffect],
@@ -199,7 +200,7 @@ fn uncertain<'a>(
     UncertainParameters::new(options, candidates, members, if base.is_some() { BEFORE_CALIBRATION } else { 1.0 })
 }
 
-/// What may differ a little between the model and the robot in `samples`, where the model has the tip at `simulated_m`.
+/// Nuisance parameters in `samples`; `simulated_m` is the simulated tip.
 fn nuisances(
     base: Option<&Baseline>,
     samples: &Samples,
@@ -215,7 +216,7 @@ fn nuisances(
     }
 }
 
-/// Where `model` has the tip in `samples`, three numbers a sample, metres.
+/// Simulated tip of `model` in `samples`, three values a sample, metres.
 pub(crate) fn simulate_model(model: &Model, samples: &Samples) -> Result<Vec<f64>, DiscoveryError> {
     simulate::tips(model, &[], samples).ok_or_else(|| {
         let alone = |k: usize| simulate::tips(model, &[], &samples.of_trials(&[k])).is_none();

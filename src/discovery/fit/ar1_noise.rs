@@ -1,47 +1,46 @@
-//! Measurement noise: its size an axis and its correlation from one sample to the next, and residuals made white by it.
+//! AR(1) measurement noise: standard deviation by axis, correlation of consecutive samples, and whitening.
 
 use nalgebra::DMatrix;
 
 use crate::discovery::recording::samples::Samples;
 
-/// A first-order autoregression, Gaussian, stationary, starting anew in every trial.
+/// Stationary Gaussian first-order autoregression, independent by trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ar1Noise {
     /// Standard deviation along x, y and z, metres.
     pub(crate) sigma_m: [f64; 3],
-    /// Correlation over one usual step of the tracker.
+    /// Correlation over one median step of the tracker.
     pub(crate) correlation: f64,
 }
 
-/// Correlations beyond this are not told from drift.
+/// Correlations above this cannot be told from drift.
 const MOST_CORRELATION: f64 = 0.98;
-/// Ar1Noise is never taken to be smaller than this, metres: a tracker's last digit.
+/// Lower bound of the standard deviation, metres: the last digit of a tracker.
 pub(crate) const LEAST_SIGMA_M: f64 = 1e-6;
 
 impl Ar1Noise {
-    /// Root mean square distance that it makes, metres.
+    /// Root mean square distance, metres.
     pub(crate) fn rms_m(&self) -> f64 {
         self.sigma_m.iter().map(|sigma| sigma * sigma).sum::<f64>().sqrt()
     }
 
-    /// Independent samples that tell as much about a constant as `samples` correlated ones.
+    /// Effective number of independent samples for a mean.
     pub(crate) fn independent(&self, samples: usize) -> f64 {
         samples as f64 * (1.0 - self.correlation) / (1.0 + self.correlation)
     }
 
-    /// Degrees of freedom behind the mean square of so many samples, all axes together: three a sample where the axes are
-    /// alike, fewer where one is noisier than the others (Satterthwaite, Biometrics Bulletin 2, 1946).
+    /// Degrees of freedom of the mean square over all axes: three a sample for equal axes, fewer if one axis is
+    /// noisier (Satterthwaite, Biometrics Bulletin 2, 1946).
     pub(crate) fn freedom(&self, samples: usize) -> f64 {
         effective_axes(&self.sigma_m.map(|sigma| sigma * sigma)) * self.independent(samples)
     }
 
-    /// The part of a sample's noise that was in the sample before. Within a usual step it is that of the step: trackers do
-    /// not say how their noise comes about.
+    /// Correlation with the previous sample. Steps below the median count as one step.
     fn kept(&self, samples: &Samples, row: usize) -> f64 {
         samples.steps_since_last(row).map_or(0.0, |steps| self.correlation.powf(steps.max(1.0)))
     }
 
-    /// The columns of a matrix (three rows a sample) as independent numbers of variance one.
+    /// Whitened columns of a matrix with three rows a sample.
     pub(crate) fn whitened(&self, samples: &Samples, columns: &DMatrix<f64>) -> DMatrix<f64> {
         let mut white = columns.clone();
         for mut column in white.column_iter_mut() {
@@ -51,7 +50,7 @@ impl Ar1Noise {
         white
     }
 
-    /// `values` (three numbers a sample) as independent numbers of variance one.
+    /// Whitened `values` (three a sample): independent, unit variance.
     pub(crate) fn whiten(&self, samples: &Samples, values: &[f64]) -> Vec<f64> {
         let mut white = Vec::with_capacity(values.len());
         for row in 0..samples.len() {
@@ -66,7 +65,7 @@ impl Ar1Noise {
         white
     }
 
-    /// Logarithm of the determinant of the covariance of all samples.
+    /// Log-determinant of the covariance of all samples.
     pub(crate) fn log_determinant(&self, samples: &Samples) -> f64 {
         let axes: f64 = self.sigma_m.iter().map(|sigma| (sigma * sigma).ln()).sum();
         let row = |row: usize| {
@@ -76,9 +75,9 @@ impl Ar1Noise {
         (0..samples.len()).map(row).sum()
     }
 
-    /// The most likely noise behind `residual`, of which a fit has used up `freedom` numbers.
+    /// Maximum-likelihood noise of `residual`; a fit has used `freedom` degrees of freedom.
     pub(crate) fn estimate(samples: &Samples, residual: &[f64], freedom: f64) -> Ar1Noise {
-        // A negative correlation is no tracker's: it is chance.
+        // Negative correlations are attributed to chance.
         let correlation = correlation(samples, residual).clamp(0.0, MOST_CORRELATION);
         let unit = Ar1Noise { sigma_m: [1.0; 3], correlation };
         let white = unit.whiten(samples, residual);
@@ -91,15 +90,14 @@ impl Ar1Noise {
     }
 }
 
-/// How many axes a sum of squares over three of them is worth, whose `variances` these are.
+/// Effective number of axes of a sum of squares with these `variances`.
 pub(crate) fn effective_axes(variances: &[f64; 3]) -> f64 {
     let sum: f64 = variances.iter().sum();
     let squares: f64 = variances.iter().map(|variance| variance * variance).sum();
     if squares > 0.0 { sum * sum / squares } else { 3.0 }
 }
 
-/// Correlation of neighbours within trials, the mean over axes in which anything is seen. Samples that are farther apart
-/// than usual say less and are left out.
+/// Correlation of consecutive samples, mean over axes with a signal. Pairs farther apart than usual are excluded.
 fn correlation(samples: &Samples, residual: &[f64]) -> f64 {
     let neighbours = samples.consecutive_rows();
     let least_m2 = neighbours.len() as f64 * LEAST_SIGMA_M.powi(2);
@@ -128,7 +126,7 @@ mod tests {
         assert!((noise([1e-3, 1e-3, 3e-3]).freedom(1) - 121.0 / 83.0).abs() < 1e-9);
     }
 
-    /// Ar1Noise that remembers does so by the tracker's clock, be the drives' twice as fast, and a planar tracker has no third axis.
+    /// Noise has the tracker's time base even if the drives are twice as fast, and a planar tracker has no third axis.
     #[test]
     fn a_tracker_has_its_own_clock_and_axes() {
         let every_other = |samples: &Samples| {
@@ -149,7 +147,7 @@ mod tests {
         assert!((found.correlation - 0.8).abs() < 0.03, "{found:?}");
     }
 
-    /// A row that is logged late has the next one close behind it: white noise stays white, and no larger than it is.
+    /// A row logged late is close to the next one: white noise stays white, with the same size.
     #[test]
     fn uneven_steps_make_no_noise() {
         let mut samples = Samples::alike(8, 50);

@@ -1,31 +1,30 @@
-//! What samples of one thing, one close after the other, say of noise that remembers: a first-order autoregression about
-//! a mean of its own, a usual step from one sample to the next.
+//! AR(1) noise from dwells: consecutive samples of a robot at rest, each dwell with its own mean.
 
 use crate::discovery::recording::samples::Samples;
 
-/// Samples beyond two a dwell that tell a correlation well enough.
+/// Number of samples, beyond two a dwell, that determine a correlation.
 const ENOUGH: usize = 50;
-/// Standard deviations, of one axis, beyond which dwells contradict a correlation.
+/// Dwells contradict a correlation that differs by more than this many standard deviations.
 const CONTRADICTS: f64 = 6.0;
-/// Correlations beyond this are not told from drift.
+/// Correlations above this cannot be told from drift.
 const MOST: f64 = 0.98;
-/// A change of a correlation that derivatives are taken by.
+/// Step of the numerical derivative with respect to the correlation.
 const SLIGHTLY: f64 = 1e-4;
-/// Halvings that find a correlation.
+/// Bisection steps for the correlation.
 const HALVINGS: usize = 30;
 
-/// What a sum of squares about the means of some groups is moments_of_all, over the variance of the noise.
+/// Moments of a sum of squares about group means, in units of the noise variance.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SquareSumMoments {
-    /// Its mean.
+    /// Expected value.
     pub(crate) mean: f64,
-    /// Half its variance.
+    /// Half the variance.
     half_variance: f64,
 }
 
 impl SquareSumMoments {
-    /// That of groups of so many samples, of which neighbours are correlated; that this correlation is itself known from no
-    /// more than these samples is part of the variance (to first order).
+    /// Moments for groups of these sizes with correlated neighbours, including the uncertainty of the correlation
+    /// itself (to first order).
     pub(crate) fn of(counts: impl Iterator<Item = usize> + Clone, correlation: f64) -> SquareSumMoments {
         let sums = |correlation: f64| {
             let each = counts.clone().map(|count| moments(count, correlation));
@@ -37,27 +36,29 @@ impl SquareSumMoments {
         }
         let slope = (sums(correlation)[0] - sums(correlation - SLIGHTLY)[0]) / SLIGHTLY;
         let samples = counts.map(beyond_two).sum::<usize>().max(1) as f64;
-        // Quenouille's variance of a correlation, one axis; Journal of the Royal Statistical Society 110, 1947.
+        // Variance of an estimated correlation on one axis: Quenouille, Journal of the Royal Statistical Society 110,
+        // 1947.
         let unknown = slope * slope * (1.0 - correlation * correlation) / samples;
         SquareSumMoments { mean, half_variance: half_variance + 0.5 * unknown }
     }
 
-    /// Of both together.
+    /// Moments of the sum of both.
     pub(crate) fn combined_with(self, other: SquareSumMoments) -> SquareSumMoments {
         SquareSumMoments { mean: self.mean + other.mean, half_variance: self.half_variance + other.half_variance }
     }
 
-    /// Degrees of freedom of a χ² with this mean and variance, scaled (Box, Annals of Mathematical Statistics 25, 1954).
+    /// Degrees of freedom of a scaled χ² with this mean and variance (Box, Annals of Mathematical Statistics 25,
+    /// 1954).
     pub(crate) fn freedom(&self) -> f64 {
         if self.half_variance > 0.0 { self.mean * self.mean / self.half_variance } else { 0.0 }
     }
 }
 
-/// Mean and half the variance of the squares about the mean of `count` samples of noise of variance one.
+/// Mean and half the variance of the sum of squares about the mean of `count` samples of unit variance.
 fn moments(count: usize, correlation: f64) -> [f64; 2] {
     let n = count as f64;
     let powers: Vec<f64> = (0..count).map(|lag| correlation.powf(lag as f64)).collect();
-    // Sums of the powers from none to each.
+    // Cumulative sums of the powers.
     let mut sums = powers.clone();
     (1..count).for_each(|k| sums[k] += sums[k - 1]);
     let rows: Vec<f64> = (0..count).map(|k| sums[k] + sums[count - 1 - k] - 1.0).collect();
@@ -81,9 +82,9 @@ pub(crate) fn squares_m2(samples: &Samples, group: &[usize]) -> [f64; 3] {
     })
 }
 
-/// The correlation from one sample to the next: the one that is `believed`, from more than dwells, or where `dwells` contradict
-/// it the one that they show, by how much less neighbours differ than all of them (von Neumann, Annals of Mathematical
-/// Statistics 12, 1941). What a model lacks is correlated, too.
+/// Correlation of consecutive samples: `believed`, unless the `dwells` contradict it by the ratio of successive
+/// differences to the variance (von Neumann, Annals of Mathematical Statistics 12, 1941). Model errors are correlated,
+/// too.
 pub(crate) fn correlation(samples: &Samples, dwells: &[&[usize]], believed: f64) -> f64 {
     let count: usize = dwells.iter().map(|dwell| beyond_two(dwell.len())).sum();
     if count < ENOUGH {
@@ -131,7 +132,7 @@ mod tests {
                 "{count}: {own} {half_variance}"
             );
         }
-        // Two of them differ by what the first does not have of the second.
+        // Two correlated samples differ by the uncorrelated part only.
         let [own, half_variance] = moments(2, 0.6);
         assert!((own - 0.4).abs() < 1e-12 && (half_variance - 0.16).abs() < 1e-12);
     }

@@ -1,6 +1,5 @@
-//! The noise floor from the data themselves: every trial starts at dwell at home, so its first rows are repeats of one
-//! measurement; commands that are held show the tip at dwell; and noise changes from one sample to the next, which what a
-//! model lacks hardly does.
+//! Noise floor from the data: repeated starts at home, dwells at rest, and differences of consecutive samples, in
+//! which model errors hardly appear.
 
 pub(crate) mod dwell_ar1;
 pub(crate) mod nugget;
@@ -14,24 +13,24 @@ use crate::math::distribution::f_above;
 use nugget::estimate_nugget;
 use repeats::{groups, is_start, starts};
 
-/// An estimate of noise.
+/// An estimate of the measurement noise.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct NoiseFloor {
     /// Variance along x, y and z, m².
     pub(crate) variance_m2: [f64; 3],
-    /// Degrees of freedom behind each of them.
+    /// Degrees of freedom of each variance.
     pub(crate) freedom: f64,
-    /// What it was estimated from, in words.
+    /// Sources of the estimate, as text.
     pub(crate) from: Vec<String>,
 }
 
-/// Chance below which repeats and neighbours contradict each other. Neighbours are many, and may all hold what changes faster
-/// than they follow each other; few repeats scatter by little or much once in a thousand recordings.
+/// Significance level at which two estimates contradict each other. It is low because consecutive differences can miss
+/// noise with memory and because few repeats scatter widely.
 const CONTRADICTS: f64 = 1e-5;
 
 impl NoiseFloor {
-    /// From all that the `samples` tell of noise beside a model that has the tip at `simulated_m`: repeats, dwells, and neighbours,
-    /// where what `nuisance_fit` leaves has no memory and repeats do not contradict it.
+    /// Pooled estimate from repeats, dwells and consecutive differences. The differences are used only if the residual
+    /// in `nuisance_fit` is uncorrelated and repeats do not contradict them. `simulated_m`: simulated tip.
     pub(crate) fn estimate(samples: &Samples, nuisance_fit: &NuisanceFit, simulated_m: &[f64]) -> NoiseFloor {
         let repeats = NoiseFloor::from_repeats(samples, nuisance_fit.noise.correlation);
         let neighbours = NoiseFloor::from_neighbours(samples, nuisance_fit, simulated_m);
@@ -48,7 +47,7 @@ impl NoiseFloor {
         Some(NoiseFloor { variance_m2: nugget.variance_m2, freedom: nugget.freedom, from })
     }
 
-    /// What a fit leaves, as if all of it were noise.
+    /// The residual of a fit, taken as noise.
     pub(crate) fn of_residual(nuisance_fit: &NuisanceFit, samples: &Samples) -> NoiseFloor {
         NoiseFloor {
             variance_m2: nuisance_fit.noise.sigma_m.map(|sigma| sigma * sigma),
@@ -57,8 +56,8 @@ impl NoiseFloor {
         }
     }
 
-    /// From repeats of the first row and from dwells; no degrees of freedom where there are neither. `correlation`: that of
-    /// what is taken for noise, which stands unless dwells contradict it.
+    /// From repeated starts and dwells; zero degrees of freedom without either. `correlation`: that of the residual,
+    /// used unless dwells contradict it.
     pub(crate) fn from_repeats(samples: &Samples, correlation: f64) -> NoiseFloor {
         NoiseFloor::from_groups(samples, &groups(samples), correlation)
     }
@@ -68,7 +67,7 @@ impl NoiseFloor {
         NoiseFloor::from_groups(samples, &starts(samples), 0.0)
     }
 
-    /// From groups of samples, each of one thing.
+    /// From groups of samples, each of one pose.
     fn from_groups(samples: &Samples, groups: &[Vec<usize>], correlation: f64) -> NoiseFloor {
         let at_rest: Vec<&[usize]> = groups.iter().filter(|g| !is_start(samples, g)).map(Vec::as_slice).collect();
         let correlation = dwell_ar1::correlation(samples, &at_rest, correlation);
@@ -96,7 +95,7 @@ impl NoiseFloor {
         self.variance_m2.iter().sum::<f64>().sqrt()
     }
 
-    /// Probability that noise of this floor leaves a residual of as much variance (all axes together).
+    /// Probability that noise of this floor has this variance or more (all axes together).
     pub(crate) fn p_value(&self, variance_m2: f64, freedom: f64) -> f64 {
         let own: f64 = self.variance_m2.iter().sum();
         if self.freedom < 2.0 || own <= 0.0 {
@@ -105,12 +104,12 @@ impl NoiseFloor {
         f_above(variance_m2 / own, freedom, effective_axes(&self.variance_m2) * self.freedom)
     }
 
-    /// Probability that noise of this floor shows itself as `other`, or as more.
+    /// Probability that noise of this floor yields `other` or more.
     pub(crate) fn p_value_of(&self, other: &NoiseFloor) -> f64 {
         self.p_value(other.variance_m2.iter().sum(), effective_axes(&other.variance_m2) * other.freedom)
     }
 
-    /// Whether `other` is more, beyond any chance.
+    /// Whether `other` is significantly larger.
     pub(crate) fn is_exceeded_by(&self, other: &NoiseFloor) -> bool {
         self.p_value_of(other) < CONTRADICTS
     }
@@ -119,7 +118,7 @@ impl NoiseFloor {
         self.freedom > 0.0 && (self.is_exceeded_by(other) || other.is_exceeded_by(self))
     }
 
-    /// This floor and another one, taken together.
+    /// Pooled estimate of both.
     pub(crate) fn combined_with(self, other: NoiseFloor) -> NoiseFloor {
         if self.freedom <= 0.0 {
             return other;
@@ -156,7 +155,8 @@ mod tests {
         assert!((floor.variance_m2[0] - 0.5e-8).abs() < 1e-15, "{:?}", floor.variance_m2);
     }
 
-    /// Few repeats scatter by little now and then, and neighbours know better; not where that is no chance.
+    /// Consecutive differences help where few repeats scatter little by chance, and are not used where repeats
+    /// contradict them.
     #[test]
     fn neighbours_help_where_repeats_do_not_contradict_them() {
         for (starts, all) in [(1.0, 1.0), (0.4, 1.0), (0.05, 0.05)] {
@@ -176,7 +176,7 @@ mod tests {
         }
     }
 
-    /// Six trials that stay where they are, under noise that remembers.
+    /// Six trials at rest under correlated noise.
     #[test]
     fn rests_in_noise_that_remembers_say_how_large_it_is() {
         for correlation in [0.0_f64, 0.5, 0.8, 0.9] {
@@ -184,7 +184,7 @@ mod tests {
             for seed in 0..200 {
                 let mut samples = Samples::alike(6, 50);
                 for trial in &mut samples.trials {
-                    // Four poses, each held for two seconds and a half.
+                    // Four poses, each held for 2.5 s.
                     trial.commands = Rows::new(1);
                     (1..50).for_each(|k| trial.commands.push(&[f64::from(k / 13)]));
                 }

@@ -1,7 +1,6 @@
-//! Ar1Noise from what is left in samples that follow each other: what changes there although the robot has hardly moved. In half
-//! the squares of these differences noise is all of what remains where nothing moves, the nugget of a variogram (Matheron,
-//! Economic Geology 58, 1963; from differences in time, Rice, Annals of Statistics 12, 1984), while what a model lacks
-//! changes with where the tip is and how it moves.
+//! Noise variance from consecutive samples: the nugget, the variogram's limit for zero displacement (Matheron,
+//! Economic Geology 58, 1963; from differences in time, Rice, Annals of Statistics 12, 1984). Model errors change with
+//! the position and motion of the tip and vanish in this limit.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -9,15 +8,16 @@ use crate::discovery::fit::nuisance::NuisanceFit;
 use crate::discovery::recording::covariates::{Covariates, sample_covariates};
 use crate::discovery::recording::samples::Samples;
 
-/// Pairs of neighbours that are enough to tell what remains where nothing moves.
+/// Minimum number of consecutive pairs.
 const ENOUGH: usize = 20;
-/// Correlations beyond so many deviations are a memory, of the noise or of what the model lacks: differences do not tell.
+/// Correlations beyond this many standard deviations rule the estimate out: noise with memory and model errors cannot
+/// be told apart.
 const MEMORY: f64 = 3.0;
-/// Variance of the mean of half the squares of n neighbours' differences over that of n independent ones: two of them share a
+/// Variance of the mean of n half squared consecutive differences over that of n independent ones: neighbours share a
 /// sample.
 const SHARED: f64 = 1.5;
 
-/// Ar1Noise by neighbours.
+/// Noise from consecutive differences.
 pub(crate) struct Nugget {
     /// Variance along x, y and z, m².
     pub(crate) variance_m2: [f64; 3],
@@ -25,8 +25,8 @@ pub(crate) struct Nugget {
     pub(crate) freedom: f64,
 }
 
-/// The nugget of what `nuisance_fit` leaves, where the model has the tip at `simulated_m`. None where what is left has a memory, too
-/// few samples follow each other, or they are nowhere alike.
+/// The nugget of the residual of `nuisance_fit`; `simulated_m` is the simulated tip. None if the residual is
+/// correlated, too few samples are consecutive, or none are close to each other.
 pub(crate) fn estimate_nugget(samples: &Samples, nuisance_fit: &NuisanceFit, simulated_m: &[f64]) -> Option<Nugget> {
     let pairs = samples.consecutive_rows();
     let deviation = 1.0 / (3.0 * pairs.len() as f64).sqrt();
@@ -44,7 +44,7 @@ pub(crate) fn estimate_nugget(samples: &Samples, nuisance_fit: &NuisanceFit, sim
     };
     let lines: [(f64, f64); 3] = std::array::from_fn(line);
     let variance_m2 = lines.map(|(nothing_moves, _)| nothing_moves);
-    // FinalFit the line noise alone scatters by twice its variance squared; what a model lacks does by more.
+    // About the regression line, noise alone scatters by twice its variance squared; model errors add to this.
     let squares: f64 = variance_m2.iter().map(|variance| 2.0 * variance * variance).sum();
     let scatter: f64 = lines.iter().map(|(_, scatter)| scatter).sum();
     let freedom = (squares / scatter).min(1.0) / (SHARED * inverse[(0, 0)]);
@@ -52,8 +52,8 @@ pub(crate) fn estimate_nugget(samples: &Samples, nuisance_fit: &NuisanceFit, sim
     sound.then_some(Nugget { variance_m2, freedom })
 }
 
-/// What half the squares are fitted by, a row a pair: one, how far the tip has moved, and by how much its motion has changed,
-/// squared and over their means.
+/// Regressors, one row a pair: one, squared displacement, and squared change of displacement, the latter two over
+/// their means.
 fn moved(covariates: &[Covariates], pairs: &[usize]) -> DMatrix<f64> {
     let square = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>();
     let way = |row: usize| square(covariates[row].moved_m);
@@ -78,7 +78,7 @@ mod tests {
 
     const NOISE_M: f64 = 5e-4;
 
-    /// Six trials of fifty samples of a tip that wanders by some centimetres; where it is, and by how far it moves.
+    /// Six trials of fifty samples of a tip that wanders by some centimetres: samples, positions and displacements.
     fn wandering(seed: u64) -> (Samples, Vec<f64>, Vec<f64>) {
         let samples = Samples::alike(6, 50);
         let mut step = white_noise(5e-3, seed);
@@ -92,7 +92,8 @@ mod tests {
         (samples, simulated_m, moved)
     }
 
-    /// The nugget of noise of this correlation beside an error of `lag` times the motion and `scale` times the place.
+    /// The nugget for noise of this correlation and a model error of `lag` times the displacement plus `scale` times
+    /// the position.
     fn told(correlation: f64, [lag, scale]: [f64; 2], seed: u64) -> Option<Nugget> {
         let (samples, simulated_m, moved) = wandering(seed);
         let noise = samples.noise(NOISE_M, correlation, 1000 + seed);

@@ -2,9 +2,9 @@
 
 use crate::discovery::recording::samples::{Samples, TrialCommands};
 
-/// A command is at dwell once it has been held for so long, seconds.
+/// Time after which a held command counts as at rest, seconds.
 const SETTLED_S: f64 = 1.0;
-/// Samples that measure the same thing again: the first rows of all trials under the same weight, then each dwell.
+/// Groups of repeated samples: first rows of all trials under the same weight, then each dwell.
 pub(crate) fn groups(samples: &Samples) -> Vec<Vec<usize>> {
     let mut groups = starts(samples);
     groups.extend(dwells(samples));
@@ -15,7 +15,7 @@ pub(crate) fn is_start(samples: &Samples, group: &[usize]) -> bool {
     group.first().is_some_and(|&row| samples.rows[row].row == 0)
 }
 
-/// The first rows of the trials, those under the same weight together, where there are several.
+/// First rows of trials under the same weight, if there are several.
 pub(crate) fn starts(samples: &Samples) -> Vec<Vec<usize>> {
     let mut found: Vec<(f64, Vec<usize>)> = Vec::new();
     for row in (0..samples.len()).filter(|&row| samples.rows[row].row == 0) {
@@ -28,7 +28,7 @@ pub(crate) fn starts(samples: &Samples) -> Vec<Vec<usize>> {
     found.into_iter().map(|(_, rows)| rows).filter(|rows| rows.len() > 1).collect()
 }
 
-/// Runs of samples under one command and load that have been there long enough.
+/// Runs of samples under one command and load after [`SETTLED_S`].
 pub(crate) fn dwells(samples: &Samples) -> Vec<Vec<usize>> {
     let start_of_hold: Vec<Vec<usize>> = samples.trials.iter().map(start_of_hold).collect();
     let mut found: Vec<Vec<usize>> = Vec::new();
@@ -49,7 +49,7 @@ pub(crate) fn dwells(samples: &Samples) -> Vec<Vec<usize>> {
     found
 }
 
-/// For each command of a trial, the first of those before it that were the same, load and all.
+/// For each command of a trial, the index at which the same command and load began.
 fn start_of_hold(trial: &TrialCommands) -> Vec<usize> {
     let load = |k: usize| trial.tip_loads.as_ref().map(|loads| loads[k]);
     let mut start_of_hold: Vec<usize> = Vec::with_capacity(trial.commands.len());
@@ -77,7 +77,7 @@ mod tests {
         let mut loaded = samples.clone();
         loaded.trials[0].tip_loads = Some((0..29).map(loads).collect());
         assert_eq!(dwells(&loaded).iter().map(Vec::len).collect::<Vec<_>>(), [10, 9]);
-        // Away and back again while the tracker saw nothing.
+        // The command leaves and returns while the tracker sees nothing.
         let mut away = samples;
         away.trials[0].commands = Rows::new(1);
         (1..30).for_each(|k| away.trials[0].commands.push(&[if k == 15 { 2.0 } else { 1.0 }]));

@@ -1,21 +1,22 @@
-//! Trials that may not begin settled at home, as a model does: cut out of a longer log, or seen by a tracker that was not ready.
+//! Trial starts that may not be settled at home as the model assumes: trials cut from a longer log, or a tracker that
+//! was not ready.
 
 use super::NoiseFloor;
 use crate::discovery::recording::samples::{Sample, Samples};
 use crate::effects::Model;
 
-/// First tips that scatter by more than this share of the backbone's length may not be those of a robot at home.
+/// First tip positions that scatter by more than this share of the backbone's length are doubtful.
 const DOUBTFUL: f64 = 0.01;
-/// How a trial began is taken to be forgotten after so long, seconds.
+/// Time after which the start of a trial has no influence, seconds.
 const FORGOTTEN_S: f64 = 1.0;
 
-/// How first tips scatter, where they may not be at home.
+/// Scatter of first tip positions, if it is doubtful.
 pub(crate) fn scattered_starts(samples: &Samples, model: &Model) -> Option<NoiseFloor> {
     let starts = NoiseFloor::from_starts(samples);
     (starts.rms_m() > DOUBTFUL * model.robot.backbone.length_m).then_some(starts)
 }
 
-/// The samples but for those at the beginning of a trial.
+/// Samples without the starts of trials.
 pub(crate) fn without_starts(samples: &Samples) -> Samples {
     let rows: Vec<Sample> = samples.rows.iter().filter(|row| row.time_s > FORGOTTEN_S).copied().collect();
     let later = Samples { trials: samples.trials.clone(), rows, ..*samples };
@@ -23,7 +24,7 @@ pub(crate) fn without_starts(samples: &Samples) -> Samples {
     later.of_trials(&seen.map(|(trial, _)| trial).collect::<Vec<usize>>())
 }
 
-/// What to know where beginnings of trials were left out, whose first tips scatter as `starts` do.
+/// Limitation if trial starts were excluded; `starts`: their scatter.
 pub(crate) fn starts_caveat(starts: &NoiseFloor) -> String {
     format!(
         "The first tip positions of the trials scatter by {:.1} mm, far more than the residual of later \
@@ -33,7 +34,7 @@ pub(crate) fn starts_caveat(starts: &NoiseFloor) -> String {
     )
 }
 
-/// The same of a baseline.
+/// The same for the baseline.
 pub(crate) fn baseline_starts_caveat(starts: &NoiseFloor) -> String {
     format!(
         "The first tip positions of the baseline's trials scatter by {:.1} mm; the first second of each trial \

@@ -1,4 +1,4 @@
-//! What markers on the base say: whether the base is tilted or the tracking frame turned, which look alike at the tip.
+//! Base markers: they tell a tilted base from a rotated tracking frame, which look alike at the tip.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
@@ -6,13 +6,13 @@ use crate::data::Recording;
 use crate::effects::Model;
 use crate::math::summary::{mean, standard_deviation};
 
-/// Markers on a base show how it stands to no better than this, radians.
+/// Accuracy of base markers, radians.
 const MOUNTED_RAD: f64 = 2e-3;
-/// Standard deviations beyond which a tilt may be there.
+/// Tilts beyond this many standard deviations are considered possible.
 const SEEN: f64 = 1.5;
 
-/// Whether markers on the base, where there are any in these `trials`, show it standing as in the `model`, but for turns about
-/// its own axis: then nothing at the tip is its tilt.
+/// Whether base markers in these `trials` show the base pose of the `model`, apart from rotation about its own axis.
+/// If they do, no tip error is a base tilt. False without markers.
 pub(crate) fn base_matches_model(measured: &Recording, trials: &[u64], model: &Model) -> bool {
     let Some(base) = &measured.base else { return false };
     let modelled = UnitQuaternion::from_scaled_axis(model.rod(&[]).base_rotation_rad);
@@ -38,7 +38,7 @@ mod tests {
     use crate::data::Actuation;
     use crate::data::recording::Pose;
 
-    /// A recording in which the base is turned by so much, as its markers have it.
+    /// A recording whose base markers show this rotation.
     fn turned(turn_rad: [f64; 3]) -> Recording {
         let turn = UnitQuaternion::from_scaled_axis(Vector3::from(turn_rad));
         let pose = Pose { position_m: [0.0; 3], quaternion: [turn.w, turn.i, turn.j, turn.k] };
@@ -60,7 +60,7 @@ mod tests {
         assert!(!stands(&turned([0.0; 3]), &model), "the tilt is the model's alone");
     }
 
-    /// A robot that lies along x: about z it is tilted, about x it is not.
+    /// A robot that lies along x is tilted by a rotation about z, not by one about x.
     #[test]
     fn a_lying_base_is_tilted_about_its_own_axes() {
         let mut model = Model::default();

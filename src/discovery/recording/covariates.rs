@@ -1,31 +1,30 @@
-//! What is known of the robot at every sample before anything is measured: where a model has its tip, what its tendons
-//! are told and were told. What residuals are compared with.
+//! Covariates of each sample: quantities known from model and commands alone, which residuals are compared with.
 
 use super::samples::Samples;
 use crate::base::Rows;
 
-/// The circumstances of one sample.
+/// Covariates of one sample.
 #[derive(Clone, Debug)]
 pub(crate) struct Covariates {
-    /// Time since the trial began, seconds.
+    /// Time in the trial, seconds.
     pub(crate) time_s: f64,
-    /// Where the model has the tip, metres.
+    /// Simulated tip, metres.
     pub(crate) tip_m: [f64; 3],
-    /// How it has moved since the sample before, metres.
+    /// Displacement since the previous sample, metres.
     pub(crate) moved_m: [f64; 3],
-    /// The mean velocity since then, metres a second.
+    /// Mean velocity since the previous sample, m/s.
     pub(crate) velocity_m_s: [f64; 3],
-    /// The command in force up to this sample.
+    /// Command in force up to this sample.
     pub(crate) command: Vec<f64>,
-    /// Its change from the command before.
+    /// Change from the command before.
     pub(crate) change: Vec<f64>,
-    /// The change before that.
+    /// Change of the command before that.
     pub(crate) change_before: Vec<f64>,
-    /// The largest command of each tendon in this trial so far.
+    /// Largest command of each tendon in this trial so far.
     pub(crate) largest: Vec<f64>,
 }
 
-/// The circumstances of all samples; `simulated_m` is where the model has the tip.
+/// Covariates of all samples; `simulated_m` is the simulated tip.
 pub(crate) fn sample_covariates(samples: &Samples, simulated_m: &[f64]) -> Vec<Covariates> {
     let tip = |row: usize| -> [f64; 3] { std::array::from_fn(|axis| simulated_m[3 * row + axis]) };
     let largest: Vec<Vec<Vec<f64>>> = samples.trials.iter().map(|trial| running_maxima(&trial.commands)).collect();
@@ -36,7 +35,7 @@ pub(crate) fn sample_covariates(samples: &Samples, simulated_m: &[f64]) -> Vec<C
         .map(|(index, sample)| {
             let commands = &samples.trials[sample.trial].commands;
             let width = commands.width();
-            // The command of a row acts from that row on.
+            // The command of a row applies from that row on.
             let before = |steps: usize| -> Vec<f64> {
                 sample.row.checked_sub(steps).map_or_else(|| vec![0.0; width], |row| commands.row(row).to_vec())
             };
@@ -59,7 +58,7 @@ pub(crate) fn sample_covariates(samples: &Samples, simulated_m: &[f64]) -> Vec<C
         .collect()
 }
 
-/// The largest command of each tendon before the first row, the second, and so on to after the last one.
+/// Running maximum of each tendon's command: before the first row, before the second, … after the last.
 fn running_maxima(commands: &Rows) -> Vec<Vec<f64>> {
     let mut found = vec![vec![0.0; commands.width()]];
     for row in commands.iter() {

@@ -1,16 +1,16 @@
-//! Which trials are kept back as held_out: whole trials, chosen by their commands alone, so that the held_out and the rest both
-//! exercise every tendon. What was measured has no say.
+//! Choice of held-out trials: whole trials, chosen by their commands alone so that both parts exercise every tendon.
+//! Measured values have no influence.
 
 use super::samples::Samples;
 
-/// Where there are more ways to choose than this, one is improved trial by trial instead of comparing all.
+/// With more possible choices than this, one choice is improved by exchanges instead of comparing all.
 const MOST_CHOICES: usize = 20_000;
-/// A choice that leaves both parts this share of the tracked rows that they should have is no better for more.
+/// Row shares above this bring no further benefit.
 const ENOUGH_ROWS: f64 = 0.75;
-/// The held_out does with fewer rows than the fit.
+/// The held-out part may have fewer rows than the training part, by this factor.
 const SHORT_PROOF: f64 = 2.0;
 
-/// The trials of the fit and those of the held_out, by their index.
+/// Indices of training trials and of held-out trials.
 pub(crate) fn split(samples: &Samples, share: f64) -> (Vec<usize>, Vec<usize>) {
     let trials = TrialStatistics::new(samples, share);
     let held_out = if count_choices(trials.count(), trials.held) <= MOST_CHOICES as f64 {
@@ -21,25 +21,25 @@ pub(crate) fn split(samples: &Samples, share: f64) -> (Vec<usize>, Vec<usize>) {
     ((0..trials.count()).filter(|trial| !held_out.contains(trial)).collect(), held_out)
 }
 
-/// How many ways there are to choose so many.
+/// Number of ways to choose `held` of `count`.
 fn count_choices(count: usize, held: usize) -> f64 {
     (0..held).map(|k| (count - k) as f64 / (k + 1) as f64).product()
 }
 
-/// What speaks for one choice or another.
+/// Statistics of the trials that a choice depends on.
 struct TrialStatistics {
-    /// Sum of squares of each tendon's commands in each trial.
+    /// Sum of squared commands by trial and tendon.
     spreads: Vec<Vec<f64>>,
-    /// Tracked rows of each trial.
+    /// Tracked rows by trial.
     rows: Vec<f64>,
-    /// The mean over all trials of both.
+    /// Means over all trials.
     usual: Vec<f64>,
     usual_rows: f64,
-    /// TrialStatistics that are kept back.
+    /// Number of held-out trials.
     held: usize,
 }
 
-/// What a choice is quality: first the rows that it leaves both parts, then the exercise of tendons.
+/// Quality of a choice: first the share of rows in both parts, then the share of tendon use.
 type SplitQuality = (f64, f64);
 
 impl TrialStatistics {
@@ -57,7 +57,7 @@ impl TrialStatistics {
         self.spreads.len()
     }
 
-    /// The best of all choices; among equals the last trials.
+    /// Best choice by comparison of all; of equal ones the last trials.
     fn best_of_all(&self) -> Vec<usize> {
         let mut choice: Vec<usize> = (self.count() - self.held..self.count()).collect();
         let mut best = (self.quality(&choice), choice.clone());
@@ -70,7 +70,7 @@ impl TrialStatistics {
         best.1
     }
 
-    /// TrialStatistics at equal distances, each exchanged for the best other one as long as that helps.
+    /// Evenly spaced trials, improved by exchanging single trials as long as that helps.
     fn improved_by_exchange(&self) -> Vec<usize> {
         let mut choice: Vec<usize> = (0..self.held).map(|k| (2 * k + 1) * self.count() / (2 * self.held)).collect();
         let mut quality = self.quality(&choice);
@@ -100,7 +100,7 @@ impl TrialStatistics {
 
     fn quality(&self, held_out: &[usize]) -> SplitQuality {
         let rest = self.count() - self.held;
-        // Over the mean of all trials: that of the held_out, and that of the rest.
+        // Share of both parts over the mean of all trials.
         let shares = |own: f64, usual: f64| {
             let own = own / (self.held as f64 * usual);
             [own, (self.count() as f64 - self.held as f64 * own) / rest as f64]
@@ -118,7 +118,7 @@ fn is_better(there: SplitQuality, here: SplitQuality) -> bool {
     there.0 > here.0 + EQUAL || (there.0 > here.0 - EQUAL && there.1 > here.1 + EQUAL)
 }
 
-/// Sum of squares of each tendon's commands in a trial.
+/// Sum of squared commands of each tendon in a trial.
 fn spread(samples: &Samples, trial: usize) -> Vec<f64> {
     let commands = &samples.trials[trial].commands;
     let mut sums = vec![0.0; commands.width()];
@@ -128,10 +128,10 @@ fn spread(samples: &Samples, trial: usize) -> Vec<f64> {
     sums
 }
 
-/// The choice before this one in lexicographic order; false when it was the first.
+/// Steps to the previous choice in lexicographic order; false at the first.
 fn previous_choice(choice: &mut [usize], count: usize) -> bool {
     let held = choice.len();
-    // The last element that can go down, with those after it as high as can be.
+    // Lower the last element that can be lowered; set those after it as high as possible.
     for k in (0..held).rev() {
         let low = if k == 0 { 0 } else { choice[k - 1] + 1 };
         if choice[k] > low {
@@ -164,7 +164,7 @@ mod tests {
         assert_eq!(met[0], [0, 1]);
     }
 
-    /// TrialStatistics of so many rows, each of which pulls two of four tendons.
+    /// Trials of these row counts, each of which pulls two of four tendons.
     fn pulled(trials: &[(usize, [usize; 2])]) -> Samples {
         let mut samples = Samples::alike(trials.len(), 1);
         samples.rows.clear();

@@ -1,4 +1,4 @@
-//! The recording as samples: what is fitted, what is held out, and what is known of each sample beforehand.
+//! The recording as samples: training part, held-out part, and covariates of each sample.
 
 pub(crate) mod base_markers;
 pub(crate) mod covariates;

@@ -1,52 +1,52 @@
-//! A recording as samples to be nuisance_fit: the commands of every trial and the rows in which the tip was tracked.
+//! Samples of a recording: the commands of every trial and the rows with a tracked tip.
 
 use crate::base::{Point3, Rows};
 use crate::data::{Actuation, Recording, recording};
 use crate::rod::TipWrench;
 
-/// One trial's commands, to be simulated_m on models.
+/// Commands of one trial, to be simulated.
 #[derive(Clone, Debug)]
 pub(crate) struct TrialCommands {
-    /// Its number in the recording.
+    /// Number of the trial in the recording.
     pub(crate) number: u64,
-    /// A row a command, all but the last one of the recording, which nothing is seen of.
+    /// One row a command, without the last command of the trial, whose result is not recorded.
     pub(crate) commands: Rows,
-    /// How long each is held, seconds.
+    /// Duration of each command, seconds.
     pub(crate) durations_s: Vec<f64>,
-    /// Whether the commands are tensions.
+    /// Whether commands are tensions.
     pub(crate) tensions: bool,
-    /// A weight that hangs on the tip on purpose from the start, kilograms.
+    /// Known weight on the tip, kilograms.
     pub(crate) known_load_kg: f64,
-    /// Load on the tip during each command besides that, where there is any.
+    /// Other load on the tip during each command.
     pub(crate) tip_loads: Option<Vec<TipWrench>>,
 }
 
-/// A row in which the tip was tracked.
+/// A row with a tracked tip.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample {
-    /// Number of its trial, from 0, in [`Samples::trials`].
+    /// Index of its trial in [`Samples::trials`].
     pub(crate) trial: usize,
-    /// Number of the row in its trial, from 0.
+    /// Index of the row in its trial.
     pub(crate) row: usize,
-    /// Time since the trial began, seconds.
+    /// Time in the trial, seconds.
     pub(crate) time_s: f64,
-    /// Where the tip was, metres.
+    /// Measured tip, metres.
     pub(crate) tip_m: Point3,
 }
 
-/// All samples of a recording, trial by trial. Vectors of residuals have three numbers a sample: x, y, z.
+/// All samples of a recording, trial by trial. Residual vectors have three values a sample: x, y, z.
 #[derive(Clone, Debug)]
 pub(crate) struct Samples {
     pub(crate) trials: Vec<TrialCommands>,
     pub(crate) rows: Vec<Sample>,
-    /// Usual time from one row to the next, seconds.
+    /// Median time between rows, seconds.
     pub(crate) step_s: f64,
-    /// Usual time from one tracked row to the next, seconds: longer where the tracker is slower than the drives.
+    /// Median time between tracked rows, seconds: longer if the tracker is slower than the drives.
     pub(crate) tracked_step_s: f64,
 }
 
 impl Samples {
-    /// The samples of a checked recording. Trials in which the tip was never tracked tell nothing and are left out.
+    /// Samples of a checked recording. Trials without any tracked tip are excluded.
     pub(crate) fn new(measured: &Recording) -> Samples {
         let mut trials = Vec::new();
         let mut rows = Vec::new();
@@ -89,7 +89,7 @@ impl Samples {
         Samples { trials, rows, step_s, tracked_step_s }
     }
 
-    /// Those of the trials with these indices, in that order.
+    /// Samples of the trials with these indices, in that order.
     pub(crate) fn of_trials(&self, kept: &[usize]) -> Samples {
         let ranges = self.ranges();
         let of = |(trial, &index): (usize, &usize)| {
@@ -104,13 +104,13 @@ impl Samples {
         self.rows.len()
     }
 
-    /// The samples of each trial, as ranges of rows.
+    /// Rows of each trial as index ranges.
     pub(crate) fn ranges(&self) -> Vec<std::ops::Range<usize>> {
         let start = |trial: usize| self.rows.partition_point(|row| row.trial < trial);
         (0..self.trials.len()).map(|trial| start(trial)..start(trial + 1)).collect()
     }
 
-    /// Measured tip minus `simulated_m`, three numbers a sample, metres.
+    /// Measured tip minus `simulated_m`, three values a sample, metres.
     pub(crate) fn residual(&self, simulated_m: &[f64]) -> Vec<f64> {
         self.rows
             .iter()
@@ -120,23 +120,23 @@ impl Samples {
             .collect()
     }
 
-    /// Time between a sample and the one before it in the same trial, in usual steps of the tracker; none for the first one.
+    /// Time since the previous sample of the same trial, in median tracker steps; none for the first.
     pub(crate) fn steps_since_last(&self, row: usize) -> Option<f64> {
         let before = self.rows[..row].last().filter(|before| before.trial == self.rows[row].trial)?;
         Some((self.rows[row].time_s - before.time_s) / self.tracked_step_s)
     }
 
-    /// The rows that have the one before them in the same trial and no farther off than usual.
+    /// Rows whose previous sample is in the same trial and at most [`MOST_STEPS`] before.
     pub(crate) fn consecutive_rows(&self) -> Vec<usize> {
         let is_close = |&row: &usize| self.steps_since_last(row).is_some_and(|steps| steps < MOST_STEPS);
         (0..self.len()).filter(is_close).collect()
     }
 }
 
-/// Samples farther apart than so many usual steps are no neighbours.
+/// Samples farther apart than this many median steps are not consecutive.
 const MOST_STEPS: f64 = 1.5;
 
-/// Independent normal numbers of this size.
+/// Independent normal numbers of this standard deviation.
 #[cfg(test)]
 pub(crate) fn white_noise(size_m: f64, seed: u64) -> impl FnMut() -> f64 {
     let mut random = crate::base::Seed(seed).rng();
@@ -148,7 +148,7 @@ pub(crate) fn white_noise(size_m: f64, seed: u64) -> impl FnMut() -> f64 {
 
 #[cfg(test)]
 impl Samples {
-    /// So many trials of so many samples each, 0.2 s apart: one tendon that is pulled ever further, a tip at the origin.
+    /// Trials of equal length, 0.2 s a sample: one tendon that is pulled further in each row, tip at the origin.
     pub(crate) fn alike(trials: usize, samples: usize) -> Samples {
         let mut commands = Rows::new(1);
         (1..samples).for_each(|k| commands.push(&[k as f64]));
@@ -172,7 +172,7 @@ impl Samples {
         }
     }
 
-    /// Normal noise of this size and correlation from one sample to the next, each trial anew, three numbers a sample.
+    /// AR(1) noise of this standard deviation and correlation, independent by trial, three values a sample.
     pub(crate) fn noise(&self, size_m: f64, correlation: f64, seed: u64) -> Vec<f64> {
         let (mut noise, mut last) = (white_noise(size_m, seed), [0.0; 3]);
         let mut next = |sample: &Sample| {
@@ -184,7 +184,7 @@ impl Samples {
     }
 }
 
-/// The middle one, the upper of two.
+/// The median, the upper one of two.
 fn middle(steps_s: &mut [f64]) -> Option<f64> {
     steps_s.sort_by(f64::total_cmp);
     steps_s.get(steps_s.len() / 2).copied()
@@ -194,7 +194,7 @@ fn tip_load(load: &recording::RecordedWrench) -> TipWrench {
     TipWrench { force_n: load.force_n.into(), moment_nm: load.moment_nm.into() }
 }
 
-/// Root mean square length of the three-vectors in `residual`.
+/// Root mean square length of the vectors in `residual`.
 pub(crate) fn rms_m(residual: &[f64]) -> f64 {
     (residual.iter().map(|r| r * r).sum::<f64>() / (residual.len() as f64 / 3.0).max(1.0)).sqrt()
 }

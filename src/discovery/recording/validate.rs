@@ -1,21 +1,21 @@
-//! What a recording must hold to be rescored.
+//! Minimum requirements on a recording, and its limitations.
 
 use super::samples::Samples;
 use crate::data::Recording;
 use crate::discovery::error::DiscoveryError;
 
-/// Fewer tracked rows than this leave nothing to fit and to prove with.
+/// Minimum number of tracked rows.
 const FEWEST_SAMPLES: usize = 30;
-/// And so many of them in the trials of the fit and of the held_out.
+/// Minimum number of tracked rows in the training part and in the held-out part.
 const FEWEST_TO_FIT: usize = 15;
 const FEWEST_TO_PROVE: usize = 5;
-/// One to fit, one to prove.
+/// One trial to fit and one to hold out.
 const FEWEST_TRIALS: usize = 2;
-/// Below this many the answer is weak, and says so.
+/// Below these numbers the answer carries a limitation.
 const FEW_SAMPLES: usize = 100;
 const FEW_TRIALS: usize = 4;
 
-/// Refuses a recording that tells nothing of a robot.
+/// Refuses a recording that contains no information about the robot.
 pub(crate) fn check(measured: &Recording, samples: &Samples) -> Result<(), DiscoveryError> {
     let tracked = samples.len();
     if tracked < FEWEST_SAMPLES {
@@ -33,7 +33,7 @@ pub(crate) fn check(measured: &Recording, samples: &Samples) -> Result<(), Disco
     Ok(())
 }
 
-/// Refuses a recording of which nothing can be kept back.
+/// Refuses a recording with too few trials to hold one out.
 pub(crate) fn check_trials(samples: &Samples) -> Result<(), DiscoveryError> {
     let trials = samples.trials.len();
     if trials < FEWEST_TRIALS {
@@ -43,7 +43,7 @@ pub(crate) fn check_trials(samples: &Samples) -> Result<(), DiscoveryError> {
     Ok(())
 }
 
-/// Refuses trials of which one of the two parts holds too little.
+/// Refuses a split whose parts are too small.
 pub(crate) fn check_parts(fit: &Samples, held_out: &Samples) -> Result<(), DiscoveryError> {
     let [to_fit, to_prove] = [fit, held_out].map(Samples::len);
     if to_fit < FEWEST_TO_FIT {
@@ -57,7 +57,7 @@ pub(crate) fn check_parts(fit: &Samples, held_out: &Samples) -> Result<(), Disco
     Ok(())
 }
 
-/// What these data could not show whatever the method. `asked`: the samples that were asked about.
+/// Limitations of the data. `asked`: the samples that were used.
 pub(crate) fn limitations(measured: &Recording, asked: &Samples) -> Vec<String> {
     let mut found = Vec::new();
     let (rows, tracked) = (measured.len(), Samples::new(measured).len());

@@ -31,18 +31,20 @@ fn missing(report: &DiscoveryReport, effect: &FoundEffect) -> String {
 fn meaning(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Named => {
-            "The effects below explain the disagreement between model and measurement, and no other candidate does as well."
+            "The effects below explain the difference between model and measurement. No other candidate explains \
+         it equally well."
         }
         Verdict::Consistent => {
-            "Model and measurement differ by no more than noise and the model’s own uncertainty. The model is left as it was."
+            "Model and measurement differ by no more than noise and the uncertainty of the model. The model was \
+         not changed."
         }
         Verdict::Ambiguous => {
-            "Several answers explain the disagreement equally well, and each effect below belongs to one or more of them. \
-             Another recording can tell them apart."
+            "Several sets of effects explain the difference equally well. Each effect below belongs to at least \
+         one of them. Another recording can tell them apart."
         }
         Verdict::Unexplained => {
-            "Model and measurement disagree by more than noise, and no effect in the catalogue closes the gap. \
-             Where they disagree, and in what pattern, is shown below."
+            "Model and measurement differ by more than noise, and no effect of the catalogue explains it. The \
+         tables and figures below show where they differ and in what pattern."
         }
     }
 }
@@ -77,23 +79,23 @@ fn tiles(report: &DiscoveryReport) -> Markup {
     if report.changed() {
         tiles.push(tile("Error with the effects", millimetres(gap.after_m), over(gap.after_m)));
     }
-    tiles.push(tile("Noise floor", millimetres(floor_m), "what no model can beat".to_owned()));
+    tiles.push(tile("Noise floor", millimetres(floor_m), "lower bound for every model".to_owned()));
     if report.changed() {
         let share = closed(gap.before_m, gap.after_m, floor_m);
         tiles.push(tile(
             "Gap closed",
             share.map_or_else(|| NONE.to_owned(), percent),
-            "beyond noise, in squares".to_owned(),
+            "share of squared error beyond noise".to_owned(),
         ));
     }
     let where_from = match gap.held_out_trials.as_slice() {
-        [] => "No trial was held out: these numbers are of the data that the model was fitted to.".to_owned(),
+        [] => "No trial was held out: these numbers are for the data that the model was fitted to.".to_owned(),
         trials => {
             let numbers: Vec<String> = trials.iter().take(12).map(u64::to_string).collect();
             let more = if trials.len() > 12 { format!(" and {} more", trials.len() - 12) } else { String::new() };
-            let (word, them) = if trials.len() == 1 { ("trial", "it") } else { ("trials", "them") };
+            let (word, them) = if trials.len() == 1 { ("trial", "it was") } else { ("trials", "they were") };
             let names = if more.is_empty() { enumerate(&numbers, "and") } else { numbers.join(", ") };
-            format!("Measured on {word} {names}{more}, held out: neither naming nor fitting has seen {them}.")
+            format!("Measured on {word} {names}{more}, held out: {them} not used for naming or fitting.")
         }
     };
     let metric = if gap.metric.is_empty() { String::new() } else { format!(" Error means {}.", gap.metric) };
@@ -111,9 +113,9 @@ pub(in crate::report) fn closed(before_m: f64, after_m: f64, floor_m: f64) -> Op
 pub(super) fn effects(report: &DiscoveryReport) -> Markup {
     let found = &report.findings.effects;
     let heading = match (report.findings.verdict, found.len()) {
-        (Verdict::Ambiguous, _) => "What it may be",
-        (_, 1) => "What is missing",
-        _ => "What is missing, together",
+        (Verdict::Ambiguous, _) => "Possible effects",
+        (_, 1) => "Missing effect",
+        _ => "Missing effects",
     };
     section(heading, &html! { @for effect in found { (card(report, effect)) } })
 }
@@ -145,7 +147,7 @@ fn facts(effect: &FoundEffect, known: Option<&EffectText>) -> Markup {
     }
     if !effect.confusable_with.is_empty() {
         facts.push(html! {
-            "As far as these data tell it could also be "
+            "These data do not rule out "
             @for (index, name) in effect.confusable_with.iter().enumerate() {
                 @if index > 0 { ", " }
                 code { (name) }

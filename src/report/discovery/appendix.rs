@@ -20,7 +20,7 @@ pub(crate) fn candidates(report: &DiscoveryReport) -> Markup {
         // Without one of the trials the others do not pin it down.
         let hangs = one.after_m > report.findings.gap.before_m;
         let [error, over] = match hangs {
-            true => ["hangs on single trials".to_owned(), String::new()],
+            true => ["depends on single trials".to_owned(), String::new()],
             false => [millimetres(one.after_m), times(one.after_m, floor_m)],
         };
         let numbers = [score(one.score), error, over].map(|number| html! { (number) });
@@ -31,16 +31,16 @@ pub(crate) fn candidates(report: &DiscoveryReport) -> Markup {
         return Markup::default();
     }
     let more = candidates.len().saturating_sub(CANDIDATES);
-    let beyond = if more > 0 { format!(" {more} more stand in candidates.csv.") } else { String::new() };
+    let beyond = if more > 0 { format!(" {more} more are in candidates.csv.") } else { String::new() };
     let before = report.before();
     let note = format!(
-        "Score: how much better the data are explained than by the {before} (2 ln of the likelihood), less a penalty for \
-         parameters and for the number of candidates; more is better. Errors are on trials that the candidate’s fit has \
-         not seen, without what is uncertain of any robot or in common with the baseline: the model alone, as in the \
-         proof, may err by more."
+        "Score: gain in 2 ln likelihood over the {before}, minus a penalty for parameters and for the number \
+         of candidates; larger is better. Error: leave-one-trial-out error after removal of uncertain \
+         parameters and of errors shared with the baseline; the error of the model alone, as in the held-out \
+         test, can be larger."
     );
     let header = ["candidate", "score", "error", "over the floor", "why not"];
-    section("What else was considered", &html! { (table(&header, &rows)) p .note { (note) (beyond) } })
+    section("Other candidates", &html! { (table(&header, &rows)) p .note { (note) (beyond) } })
 }
 
 /// A score; what is close to a threshold is shown with a decimal.
@@ -62,8 +62,8 @@ pub(crate) fn next(report: &DiscoveryReport) -> Markup {
     });
     let header = ["recording", "what to do", "minutes", "separation (σ)", "commands"];
     let proposals = table(&header, &rows.collect::<Vec<_>>());
-    let note = "Separation: how far apart the two rivals that are hardest to tell would be, in standard deviations of \
-                the noise, after each has been fitted again.";
+    let note = "Separation: smallest distance between the predictions of two rivals after refitting, in standard \
+         deviations of the noise.";
     let content = html! {
         @if !findings.next_measurement.is_empty() { p { (findings.next_measurement) } }
         (proposals)
@@ -82,7 +82,7 @@ pub(crate) fn model(report: &DiscoveryReport) -> Markup {
     let lines_ = compare(report.model_before, report.model_after);
     let changed = |line: &DiffLine| !matches!(line, DiffLine::Kept(_));
     if !lines_.iter().any(changed) {
-        return section("The model", &html! { p { "Nothing was added: model.yaml is the model as given." } });
+        return section("The model", &html! { p { "Nothing was added: model.yaml equals the given model." } });
     }
     let near = |at: usize| {
         let [from, to] = [at.saturating_sub(CONTEXT), (at + CONTEXT + 1).min(lines_.len())];
@@ -104,7 +104,7 @@ pub(crate) fn model(report: &DiscoveryReport) -> Markup {
             DiffLine::Removed(line) => html! { del { "- " (line) } },
         });
     }
-    let note = "What was added (+) to the model; the whole of it is model.yaml, which can be simulated as it is.";
+    let note = "Lines added (+) to the model. The complete model is model.yaml.";
     let diff = html! { @for (index, line) in shown.iter().enumerate() { @if index > 0 { "\n" } (line) } };
     section("The model", &html! { p { (note) } pre { (diff) } })
 }

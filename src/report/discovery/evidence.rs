@@ -17,9 +17,8 @@ const MOST: usize = 12;
 /// Where they disagree.
 pub(super) fn place(report: &DiscoveryReport, map: &Markup) -> Markup {
     let findings = report.findings;
-    let caption = "Each number is the root mean square of measured minus model at that place, along that axis, over \
-                   what noise alone would give there: 1 is noise. The views show the robot’s workspace, its length \
-                   (z) to the right.";
+    let caption = "Each number is the rms of measured minus model at that place along that axis, divided by the noise \
+         floor: 1 is noise. The views show the workspace of the robot, with z to the right.";
     let rows = findings.disagreement.iter().take(MOST).map(|place| {
         let p = probability(place.p_value);
         vec![
@@ -33,14 +32,14 @@ pub(super) fn place(report: &DiscoveryReport, map: &Markup) -> Markup {
     });
     let header = ["place", "axis", "residual, rms", "over the floor", "share of all squares", "p"];
     let places = table(&header, &rows.collect::<Vec<_>>());
-    let note = "p: the probability of as much by noise alone, corrected for the number of places looked at.";
+    let note = "p: probability of a residual of this size from noise alone, corrected for the number of places.";
     let content = html! {
         (captioned(map, caption))
         (places)
         @if !places.0.is_empty() { p .note { (note) } }
         (noise(report))
     };
-    section("Where they disagree", &content)
+    section("Where model and measurement differ", &content)
 }
 
 /// What noise alone makes along this axis, or of the distance.
@@ -66,9 +65,9 @@ fn noise(report: &DiscoveryReport) -> Markup {
 
 /// Gap, residuals, the test for more, and each held-out trial.
 pub(super) fn proof(report: &DiscoveryReport, gap: &Markup, residuals: &Markup) -> Markup {
-    let bars = "Root mean square distance of the tip from the model’s. Dashed: what noise alone makes.";
-    let curves = "Measured minus model on trials that took no part in naming or fitting.";
-    let heading = if report.changed() { "Proof" } else { "How large it is" };
+    let bars = "Rms distance between measured and simulated tip. Dashed: noise floor.";
+    let curves = "Measured minus model on held-out trials.";
+    let heading = if report.changed() { "Held-out test" } else { "Size of the error" };
     let content = html! { (captioned(gap, bars)) (captioned(residuals, curves)) (trials(report)) (missing(report)) };
     section(heading, &content)
 }
@@ -103,7 +102,7 @@ fn missing(report: &DiscoveryReport) -> Markup {
         let verdict = match test.p_value {
             p if !p.is_finite() => NONE,
             _ if more => "yes",
-            _ => "no sign of it",
+            _ => "no evidence",
         };
         let sizes = [millimetres(test.rms_m), millimetres(test.foretold_m), probability(test.p_value)];
         let cells = std::iter::once(name.to_owned()).chain(sizes).map(|cell| html! { (cell) });
@@ -119,9 +118,10 @@ fn missing(report: &DiscoveryReport) -> Markup {
     if report.changed() {
         rows.push(row("with the effects", &report.findings.missing_after, verdict == Verdict::Unexplained));
     }
-    let question = "Is anything missing? If the residual were noise, other trials could predict none of it. Five more tests \
-                  ask about scatter, trials that differ, means, many small effects together, and whether more is left where \
-                  the effects do more; the last column has the verdict of all.";
-    let header = ["model", "residual, rms", "predicted by other trials", "p", "more to find?"];
+    let question = "Is the residual noise? The table shows the cross-trial test: noise cannot be predicted from other \
+         trials. Five further tests check the variance, differences between trials, means of repeated \
+         measurements, small amounts of all effects together, and growth with the effects’ displacement. The \
+         last column is the verdict of all tests.";
+    let header = ["model", "residual, rms", "predicted by other trials", "p", "effect missing?"];
     html! { p { (question) } (table(&header, &rows)) }
 }
