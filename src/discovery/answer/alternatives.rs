@@ -1,5 +1,4 @@
-//! What a lab would try instead of naming the effect: stiffness fitted anew, and the paper's Gaussian process on what is
-//! left.
+//! Alternatives to naming the effect: refit the stiffness alone, or the paper's Gaussian process on the residual.
 
 use crate::base::Rows;
 use crate::discovery::fit::candidate::{CandidateEffect, SetMember, effect_specs};
@@ -10,20 +9,19 @@ use crate::discovery::recording::covariates::sample_covariates;
 use crate::discovery::recording::samples::{Samples, rms_m};
 use crate::learn::gp::{Gp, GpConfig};
 
-/// BinnedSamples that the paper's process learns from.
+/// Training points of the Gaussian process.
 const GP_POINTS: usize = 100;
 
-/// Error of two other alternatives on held-out trials, root mean square, metres; none where a remedy has no answer.
+/// Rms error of both alternatives on held-out trials, metres; none if a fit fails.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Alternatives {
-    /// Young's modulus fitted, nothing else.
+    /// Young's modulus refitted.
     pub stiffness_only_m: Option<f64>,
     /// The paper's Gaussian process: residual over four commands and the simulated tip, 100 points.
     pub gp_m: Option<f64>,
 }
 
-/// The alternatives on the same trials: `fit_problem` has those of the fit, `held_out` those held out; `null` and `held_out_simulated_m` are
-/// without effects.
+/// Both alternatives: `fit_problem` has the training samples; `null` and `held_out_simulated_m` are without effects.
 pub(crate) fn fit_alternatives(
     fit_problem: &FitProblem,
     sensitivities: &[Sensitivity],
@@ -65,7 +63,7 @@ fn process(samples: &Samples, simulated_m: &[f64], held_out: &Samples, held_out_
     Some(rms_m(&left))
 }
 
-/// Commands in force and the simulated tip, a row a sample.
+/// Commands in force and simulated tip, one row a sample.
 fn inputs(samples: &Samples, simulated_m: &[f64]) -> Rows {
     let covariates = sample_covariates(samples, simulated_m);
     let mut rows = Rows::new(covariates.first().map_or(0, |at| at.command.len() + 3));

@@ -1,4 +1,4 @@
-//! From the search to everything that is told: the answer, its held_out, the map, what to record next.
+//! Assembles the result of a discovery: decision, held-out test, residual map, next experiments.
 
 use super::Discovery;
 use super::final_fit::FinalFit;
@@ -21,32 +21,32 @@ use crate::discovery::recording::validate;
 use crate::discovery::search::{ScoredSet, SearchOutcome};
 use crate::effects::{EffectSpec, Model};
 
-/// Chance below which what a model leaves is taken to be more than the noise that everything else tells of.
+/// Significance level at which a residual exceeds the noise from all other sources.
 const MORE_THAN_NOISE: f64 = 1e-3;
 
-/// An answer with its held_out.
+/// A decision with its held-out test.
 struct CheckedDecision {
     answer: Decision,
-    /// What it adds to the model.
+    /// Effects that are added to the model.
     added: Vec<EffectSpec>,
     gap: Gap,
-    /// Where the model with it has the tip in the held-out trials.
+    /// Simulated tip on held-out trials.
     simulated_m: Vec<f64>,
-    /// What they leave beside it.
+    /// Residual on held-out trials.
     unseen: HeldOutResidual,
 }
 
-/// What held-out trials leave that bear an answer out.
+/// Held-out residual of an answer that passed.
 #[derive(Default)]
 struct HeldOutResidual {
-    /// But for what is uncertain or in common with a baseline.
+    /// Without uncertain parameters and errors shared with the baseline.
     left: Option<NuisanceFit>,
-    /// That they scatter more than the trials of the fit, and its numbers are known too little for that to refute them.
+    /// Failed variance test that other values within the intervals would pass.
     tolerated_on_held_out: Option<TestResult>,
 }
 
 impl Problem<'_> {
-    /// Everything that is told of what the search found.
+    /// Assembles the result of a search.
     pub(crate) fn discovery(
         &self,
         given: &Model,
@@ -132,7 +132,7 @@ impl Problem<'_> {
         }
     }
 
-    /// What to know of `model`, which is simulated_m at its own resolution from now on, if it cannot be.
+    /// Limitation if `model` cannot be simulated at its own resolution.
     fn cannot_follow(&self, model: &Model) -> Option<String> {
         problem::simulate_model(model, &self.all).err().map(|_| {
             "`model.yaml` cannot be simulated with these commands at its own resolution, which differs from that \
@@ -141,8 +141,8 @@ impl Problem<'_> {
         })
     }
 
-    /// The answer on held-out trials, that nothing is missing among others; refuted where it makes the model worse there, or
-    /// they scatter about it more than the trials that it was fitted to.
+    /// Tests the answer on held-out trials. It is refuted if it increases the error there or if held-out trials
+    /// scatter significantly more than the training trials.
     fn check_on_held_out(&self, fit_problem: &FitProblem, best: &FittedSet, answer: Decision) -> CheckedDecision {
         let added = effect_specs(&self.candidates, &answer.members).unwrap_or_default();
         let mut gap = Gap {
@@ -151,8 +151,7 @@ impl Problem<'_> {
             before_m: rms_m(&self.held_out.residual(&self.held_out_simulated_m)),
             after_m: f64::NAN,
         };
-        // At the edge of what a robot can bear (a section that is all but a hinge) steps in time and cells decide what can be
-        // simulated_m.
+        // At the limits of what can be simulated the resolution decides.
         let tips = |model: &Model| simulate::tips(model, &added, &self.held_out);
         let simulated_m = tips(&self.model).or_else(|| tips(&self.coarse));
         let cannot_follow = || "the model with it cannot be simulated on the held-out trials".to_owned();
@@ -177,8 +176,7 @@ impl Problem<'_> {
         }
     }
 
-    /// What held-out trials, where the model with the answer has the tip at `simulated_m`, leave where they bear it out; if they do
-    /// not, what they say objection it.
+    /// Residual on held-out trials if they support the answer, else the objection.
     fn bear_out_or_refute(
         &self,
         fit_problem: &FitProblem,
@@ -198,22 +196,22 @@ impl Problem<'_> {
         let Some(refuted) = left.as_ref().and_then(sign) else {
             return Ok(HeldOutResidual { left, tolerated_on_held_out: None });
         };
-        // A recording in which a tendon is always slack does not tell how slack, and another one may.
+        // If a tendon is always slack its zero is undetermined, and another value may pass.
         if fit_problem.equally_good_fits(best).iter().any(|other| self.is_borne_out_by_held_out(fit_problem, other)) {
             return Ok(HeldOutResidual { left, tolerated_on_held_out: Some(refuted) });
         }
         Err(summary_text::objection(&refuted))
     }
 
-    /// What the held-out trials leave in common with the baseline, and what but for that, where it is worth a word.
+    /// Part of the held-out residual shared with the baseline and the rest, if relevant.
     fn shared(&self, checked: &CheckedDecision, noise: &Ar1Noise) -> Option<summary_text::BaselineShare> {
         let apart_m = rms_m(&checked.unseen.left.as_ref().filter(|_| self.has_baseline())?.residual_m);
         let shared_m = (checked.gap.after_m.powi(2) - apart_m.powi(2)).max(0.0).sqrt();
         (shared_m > self.least_relevant_m(noise.rms_m())).then_some(summary_text::BaselineShare { shared_m, apart_m })
     }
 
-    /// The noise, from what `tells` of it beside the best set and, where all is `nuisance_fit`, from what is left; in words
-    /// where from. `best`: what the best set explains.
+    /// Noise from the floor and, if all is `nuisance_fit`, from the residual; with its sources as text. `best`: fit of
+    /// the best set.
     fn combined_floor(
         &self,
         tells: &NoiseFloor,

@@ -1,4 +1,4 @@
-//! What is to be known of an answer beside it: what a baseline has changed, what could not be a candidate.
+//! Caveats of an answer: what calibration changed, and which candidates were excluded.
 
 use std::collections::BTreeSet;
 
@@ -10,10 +10,10 @@ use crate::discovery::noise_floor::trial_starts;
 use crate::discovery::problem::Problem;
 use crate::discovery::recording::samples::rms_m;
 
-/// A robot's file is hardly wrong by such a factor.
+/// Calibration factors above this are suspicious.
 const LARGE_FACTOR: f64 = 1.3;
 
-/// What a calibration did, in words.
+/// Text on the calibration.
 fn calibration_caveat(factors: &baseline::CalibrationFactors, named: bool) -> String {
     let written =
         if named { "contains these values" } else { "does not contain these values, because no effect was added" };
@@ -30,12 +30,12 @@ fn calibration_caveat(factors: &baseline::CalibrationFactors, named: bool) -> St
     )
 }
 
-/// What a calibrated model leaves in a baseline is doubtful beyond so much, metres, and so many times the noise.
+/// A baseline residual above this size, metres, and above this multiple of the noise is suspicious.
 const LARGE_FORM_M: f64 = 2e-3;
 const LARGE_FORM: f64 = 3.0;
 
 impl Problem<'_> {
-    /// What is to be known of an answer besides: what was calibrated, what could not be a candidate.
+    /// Caveats of an answer.
     pub(crate) fn caveats(&self, verdict: Verdict) -> Vec<String> {
         let calibrated = self.base.as_ref().map(|base| match base.factors {
             Some(factors) => calibration_caveat(&factors, matches!(verdict, Verdict::Named | Verdict::Ambiguous)),
@@ -56,13 +56,13 @@ impl Problem<'_> {
         calibrated.into_iter().chain(starts).chain(self.baseline_caveat()).chain(stands).chain(fixed).collect()
     }
 
-    /// Whether the model has the effect, and no candidate takes any of it away.
+    /// Whether the model has the effect and no candidate reduces it.
     fn is_fixed(&self, candidate: &CandidateEffect) -> bool {
         let has = self.model.effects.iter().any(|effect| effect.card().name == candidate.card.name);
         has && candidate.variants().first().is_some_and(|nothing| candidate.is_at_range_end(nothing))
     }
 
-    /// What the baseline shows the calibrated model to be off by, where that is more than its form alone.
+    /// Caveat if the calibrated model does not fit the baseline.
     fn baseline_caveat(&self) -> Option<String> {
         let base = self.base.as_ref()?;
         let residual_m = rms_m(&base.samples.residual(&base.simulated_m));

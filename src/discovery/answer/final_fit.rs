@@ -1,4 +1,4 @@
-//! The best set of effects, with all that depends on what is uncertain beside it.
+//! Final fit of the best set, at fine resolution and with nuisance parameters relinearised.
 
 use crate::discovery::fit::candidate::effect_specs;
 use crate::discovery::fit::gauss_newton::{FitProblem, FittedSet};
@@ -11,28 +11,28 @@ use crate::discovery::recording::samples::Samples;
 use crate::discovery::search::SearchOutcome;
 use crate::effects::EffectSpec;
 
-/// What is found out about a set before it is an answer.
+/// Final fit of a set with its tests.
 pub(crate) struct FinalFit {
-    /// The set, fitted as finely as can be.
+    /// The set fitted at fine resolution.
     pub(crate) fine: FineFit,
-    /// Whether what it leaves can be foretold.
+    /// Result of the cross-trial test.
     pub(crate) cross_trial: CrossTrialTest,
-    /// Whether it leaves more than nuisances and noise in any way.
+    /// Result of all tests.
     pub(crate) goodness: GoodnessOfFit,
 }
 
-/// A set with all that its last fit depends on.
+/// A fitted set with the data that it depends on.
 pub(crate) struct FineFit {
-    /// The samples, without what the search's steps in time and cells are off by with the set.
+    /// Samples corrected for the discretisation error of the search.
     pub(crate) samples: Samples,
-    /// What may differ a little from the model with the set.
+    /// Nuisance parameters given the set.
     pub(crate) nuisances: Nuisances,
-    /// The set, fitted with those.
+    /// The set fitted to those.
     pub(crate) fitted: FittedSet,
 }
 
 impl Problem<'_> {
-    /// All about the set that fits `best`.
+    /// Final fit and tests of the set that fits `best`.
     pub(crate) fn final_fit(&self, best: &FittedSet) -> FinalFit {
         let fine = self.refit_finely(best);
         let FineFit { samples, nuisances, fitted } = &fine;
@@ -43,7 +43,7 @@ impl Problem<'_> {
         FinalFit { fine, cross_trial, goodness }
     }
 
-    /// The set fitted with samples and nuisances as they are beside it: comparisons, tests and intervals depend on them.
+    /// Refits the set with corrected samples and relinearised nuisance parameters.
     pub(crate) fn refit_finely(&self, near: &FittedSet) -> FineFit {
         let nuisances = if near.members.is_empty() {
             self.nuisances.clone()
@@ -64,8 +64,8 @@ impl Problem<'_> {
         FitProblem { nuisances, samples, ..self.fit_problem() }
     }
 
-    /// The samples without what the search's steps in time and cells are off by beside the set, and its `nuisances`, linear
-    /// about where they are; as they are where the set cannot be simulated_m so finely.
+    /// Samples corrected for the discretisation error of the search, and nuisance parameters linearised at their
+    /// estimates; unchanged if the fine simulation fails.
     fn corrected_and_relinearised(&self, best: &FittedSet, nuisances: Nuisances) -> (Samples, Nuisances) {
         let known = effect_specs(&self.candidates, &best.members).unwrap_or_default();
         let fine = |off: &[EffectSpec]| simulate::fine_tips(&self.model, &[&known, off].concat(), &self.training);
@@ -79,7 +79,7 @@ impl Problem<'_> {
 }
 
 impl FinalFit {
-    /// What was found, with its best set as it was fitted last.
+    /// The outcome with its best set as finally fitted.
     pub(crate) fn replace_best(&self, mut found: SearchOutcome) -> SearchOutcome {
         let members = std::mem::replace(&mut found.best.fitted, self.fine.fitted.clone()).members;
         let own = found.tried.iter_mut().filter(|scored| scored.fitted.members == members);

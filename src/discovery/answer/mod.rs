@@ -1,4 +1,4 @@
-//! From the search to the answer: final fit, verdict, alternatives, residual map and text.
+//! From the search outcome to the answer: final fit, verdict, alternatives, residual map and text.
 
 pub(crate) mod alternatives;
 pub(crate) mod assemble;
@@ -14,21 +14,21 @@ use crate::discovery::next_experiment::t_optimality::NextExperiment;
 use crate::effects::Model;
 use alternatives::Alternatives;
 
-/// An answer with all that stands behind it.
+/// Result of a discovery.
 #[derive(Clone, Debug)]
 pub struct Discovery {
-    /// The answer.
+    /// The findings, as in `findings.json`.
     pub findings: Findings,
-    /// The given model (calibrated, where there was a baseline) with the effects that were named.
+    /// The given model (calibrated, if there was a baseline) with the named effects.
     pub model: Model,
-    /// Every sample that was asked final_fit with its residual before and after.
+    /// Every sample with its residual before and after.
     pub residuals: Vec<ResidualRow>,
-    /// The map of disagreement.
+    /// The residual map.
     pub places: Vec<PlaceRow>,
-    /// What a lab would try instead.
+    /// Held-out errors of alternatives to naming the effect.
     pub alternatives: Alternatives,
-    /// What to record next where these data cannot tell, the best first.
+    /// Proposed experiments if the verdict is `ambiguous`, best first.
     pub next_experiments: Vec<NextExperiment>,
-    /// Whether a baseline has changed the model that all of this is final_fit.
+    /// Whether calibration on the baseline changed the model.
     pub calibrated: bool,
 }

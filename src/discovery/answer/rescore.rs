@@ -1,5 +1,5 @@
-//! Sets that come near the best one, rescored as finely as that: the search compares fits whose uncertain numbers answer as they
-//! do without any effect, and on its own steps in time, which moves scores by some tens.
+//! Rescoring of sets close to the best one at fine resolution: the search uses sensitivities without effects and
+//! coarse time steps, which shift scores by some tens.
 
 use std::collections::BTreeSet;
 
@@ -8,14 +8,14 @@ use crate::discovery::fit::candidate::candidate_set;
 use crate::discovery::problem::Problem;
 use crate::discovery::search::{ScoredSet, Search};
 
-/// Scores of the search that are this far behind may be ahead when they are rescored finely.
+/// Sets this far behind in score are rescored.
 const REACH: f64 = 30.0;
-/// Sets that are rescored at most.
+/// Maximum number of rescored sets.
 const MOST: usize = 4;
 
 impl Problem<'_> {
-    /// `best` and all about it, or a set that comes near it and is better once both are rescored finely, which leaves nothing
-    /// that `best` does not. Those that were rescored have such scores in the `search` from then on.
+    /// `best` with its final fit, or a close set that is better after rescoring and passes the tests that `best`
+    /// passes. Rescored sets get their new scores in the `search`.
     pub(crate) fn rescore(&self, search: &mut Search, best: ScoredSet, final_fit: FinalFit) -> (ScoredSet, FinalFit) {
         let costs = |scored: &ScoredSet| self.fit_problem().penalty(&scored.fitted.members);
         let own = final_fit.fine.fitted.nuisance_fit.deviance + costs(&best);
@@ -39,7 +39,7 @@ impl Problem<'_> {
 }
 
 impl Search<'_> {
-    /// What was tried with no more effects than `best` and comes near it, the best of each set, fitted as well as can be.
+    /// Fully fitted sets close to `best` with no more effects.
     fn close_to(&self, best: &ScoredSet) -> Vec<ScoredSet> {
         let mut near: Vec<&ScoredSet> = self.tried.iter().filter(|scored| self.is_close_to(scored, best)).collect();
         near.sort_by(|a, b| self.net_score(b).total_cmp(&self.net_score(a)));
@@ -54,7 +54,7 @@ impl Search<'_> {
         no_more && !scored.fitted.members.is_empty() && self.net_score(scored) > self.net_score(best) - REACH
     }
 
-    /// Puts sets in the place of all that was known of them.
+    /// Replaces the entries of these sets.
     fn replace_scores(&mut self, sets: &[ScoredSet]) {
         let better: BTreeSet<BTreeSet<usize>> =
             sets.iter().map(|scored| candidate_set(&scored.fitted.members)).collect();
@@ -71,7 +71,7 @@ mod tests {
     use crate::discovery::options::Options;
     use crate::effects::{EffectSpec, Model};
 
-    /// Under a load, which the search has with the `load_ahead` of a heavier rod: what it has of both after they were rescored.
+    /// Data with a load; the search has it `load_ahead` of a heavier rod. Returns the entries of both after rescoring.
     fn rescored(load_ahead: f64, begin_with_load: bool) -> [Vec<ScoredSet>; 2] {
         let model = Model::default();
         let mut samples = circling(&model, &[EffectSpec::tip_load(0.006)]);

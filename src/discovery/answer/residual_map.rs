@@ -1,5 +1,5 @@
-//! Where model and measurement disagree: samples sorted by group in the workspace, time, direction of motion, tension
-//! and history, each group with its residual and how likely noise alone would leave as much.
+//! Residual map: samples grouped by workspace, time, direction of motion, tension and history, each group with its
+//! residual and p-value.
 
 use crate::data::findings::{Disagreement, PlaceRow};
 use crate::discovery::fit::ar1_noise::Ar1Noise;
@@ -14,11 +14,11 @@ struct SampleGroup {
     rows: Vec<usize>,
 }
 
-/// Places with fewer samples say nothing.
+/// Minimum number of samples of a group.
 const FEWEST: usize = 8;
 const AXES: [&str; 4] = ["x", "y", "z", "all"];
 
-/// The map: every group, along every axis and all together, before and after. Residuals have three numbers a sample,
+/// The map: every group along every axis and all together, before and after. Residuals have three values a sample,
 /// metres.
 pub(crate) fn residual_map(
     covariates: &[Covariates],
@@ -54,7 +54,7 @@ pub(crate) fn residual_map(
     found
 }
 
-/// The groups of the map with the most in them before, the most unlikely first.
+/// The groups of the map, largest residual over noise first.
 pub(crate) fn disagreements(map: &[PlaceRow]) -> Vec<Disagreement> {
     let squares = |row: &PlaceRow| row.samples as f64 * row.rms_before_m.powi(2);
     let whole = map.iter().find(|row| row.by == "all" && row.axis == "all").map_or(0.0, squares);
@@ -71,7 +71,7 @@ pub(crate) fn disagreements(map: &[PlaceRow]) -> Vec<Disagreement> {
     found.iter().map(told).collect()
 }
 
-/// Mean, root mean square, and probability of as much by noise alone.
+/// Mean, rms, and p-value against noise.
 fn summarise(rows: &[usize], residual: &[f64], axis: usize, noise: &Ar1Noise) -> (f64, f64, f64) {
     let axes = if axis < 3 { axis..axis + 1 } else { 0..3 };
     let count = rows.len() as f64;
@@ -79,7 +79,7 @@ fn summarise(rows: &[usize], residual: &[f64], axis: usize, noise: &Ar1Noise) ->
     let squares: f64 = axes.clone().flat_map(values).map(|r| r * r).sum();
     let scaled: f64 =
         axes.clone().map(|axis| values(axis).map(|r| (r / noise.sigma_m[axis]).powi(2)).sum::<f64>()).sum();
-    // Squares of correlated samples are correlated by the square of that.
+    // Squares of correlated samples are correlated by the square.
     let square = noise.correlation * noise.correlation;
     let independent = (1.0 - square) / (1.0 + square);
     let freedom = count * axes.len() as f64 * independent;
@@ -127,7 +127,7 @@ fn groups(covariates: &[Covariates]) -> Vec<SampleGroup> {
     groups
 }
 
-/// A length in whole millimetres, with a typographer's minus and none before zero.
+/// A length in whole millimetres with a true minus sign, and none before zero.
 fn whole_mm(length_m: f64) -> String {
     let mm = (1e3 * length_m).round();
     format!("{}{:.0}", if mm < 0.0 { "−" } else { "" }, mm.abs())

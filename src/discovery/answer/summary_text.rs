@@ -1,30 +1,30 @@
-//! The answer in words: only what was computed.
+//! Texts of the answer, from computed values only.
 
 use crate::data::findings::{Findings, Gap, PlaceRow, Verdict};
 use crate::discovery::goodness_of_fit::kernel_ridge::ResidualPattern;
 use crate::discovery::goodness_of_fit::test_result::{FitTest, TestResult};
 
-/// What the summary says beside the findings.
+/// Input of the summary beside the findings.
 pub(crate) struct SummaryContext<'a> {
-    /// Sets between which the data cannot tell, the likeliest first.
+    /// Rival sets, most likely first.
     pub(crate) sets: &'a [String],
-    /// The candidate that would be the answer, if any is better than none, …
+    /// The best candidate, if any is better than none …
     pub(crate) refused: Option<String>,
-    /// … but for what speaks objection it.
+    /// … and the objection to it.
     pub(crate) objection: &'a str,
-    /// What a baseline has, too.
+    /// Error shared with the baseline.
     pub(crate) shared: Option<BaselineShare>,
 }
 
-/// What is left of the held-out trials with the answer, in two parts whose squares add up, metres.
+/// Held-out error of the answer in two parts whose squares add up, metres.
 pub(crate) struct BaselineShare {
-    /// What the baseline has, too.
+    /// The part shared with the baseline.
     pub(crate) shared_m: f64,
     /// The rest.
     pub(crate) apart_m: f64,
 }
 
-/// The answer in a sentence or two.
+/// Summary in one or two sentences.
 pub(crate) fn summary(findings: &Findings, beside: &SummaryContext) -> String {
     let SummaryContext { sets, refused, objection, .. } = beside;
     let (before_mm, after_mm) = (findings.gap.before_m * 1e3, findings.gap.after_m * 1e3);
@@ -72,10 +72,10 @@ pub(crate) fn summary(findings: &Findings, beside: &SummaryContext) -> String {
     }
 }
 
-/// No test's assumptions hold so well that smaller chances mean anything.
+/// Smaller p-values are not reported: no test's assumptions hold that well.
 const LEAST_CHANCE: f64 = 1e-9;
 
-/// What speaks objection a set of effects, to follow its name and "and yet".
+/// Objection to a set of effects, as a clause after "but".
 pub(crate) fn objection(sign: &TestResult) -> String {
     let (more_mm, beyond_mm) = (1e3 * sign.more_m, 1e3 * sign.beyond_m);
     let all_mm = more_mm.hypot(beyond_mm);
@@ -119,15 +119,14 @@ pub(crate) fn objection(sign: &TestResult) -> String {
     }
 }
 
-/// That an answer makes held-out trials worse, and by how much, to follow its name and "and yet".
+/// Objection that an answer increases the held-out error, as a clause after "but".
 pub(crate) fn worse_on_held_out(gap: &Gap) -> String {
     let [before_mm, after_mm] = [gap.before_m, gap.after_m].map(|error_m| 1e3 * error_m);
     let digits = if after_mm - before_mm < 0.01 { 4 } else { 2 };
     format!("it increases the error on held-out trials from {before_mm:.digits$} mm to {after_mm:.digits$} mm")
 }
 
-/// What is said where held-out trials scatter more than those of the fit, whose numbers are known too little for that to
-/// refute them.
+/// Caveat if held-out trials scatter more, but other values within the intervals remove the difference.
 pub(crate) fn held_out_caveat(sign: &TestResult) -> String {
     let [all_mm, fit_mm] = [sign.more_m.hypot(sign.beyond_m), sign.beyond_m].map(|size_m| 1e3 * size_m);
     format!(
@@ -137,7 +136,7 @@ pub(crate) fn held_out_caveat(sign: &TestResult) -> String {
     )
 }
 
-/// What is said of so much that is certainly left beside an answer, metres, and no more than laws may be off by.
+/// Caveat on a significant residual within the expected law errors, metres.
 pub(crate) fn tolerated_caveat(residual_m: f64) -> String {
     format!(
         "The residual is not only noise: small amounts of all effects together would explain at least {:.2} mm \
@@ -147,10 +146,10 @@ pub(crate) fn tolerated_caveat(residual_m: f64) -> String {
     )
 }
 
-/// A pattern that predicts less than this share of the squares is none.
+/// Patterns that predict less than this share of the squares are not reported.
 const LEAST_SHARE: f64 = 0.1;
 
-/// What the unexplained gap looks like, with the shares of its squares that each pattern `foretold`, the best first.
+/// Pattern of an unexplained residual, with the shares of squares that each pattern predicts, best first.
 pub(crate) fn pattern(foretold: &[(ResidualPattern, f64)], places: &[PlaceRow]) -> String {
     let depends = match foretold.first() {
         Some((pattern, share)) if *share >= LEAST_SHARE => {
@@ -193,7 +192,7 @@ fn describe_pattern(pattern: ResidualPattern) -> &'static str {
     }
 }
 
-/// What a pattern goes by.
+/// Name of a pattern.
 fn pattern_name(pattern: ResidualPattern) -> &'static str {
     match pattern {
         ResidualPattern::Constant => "a constant",
@@ -203,7 +202,7 @@ fn pattern_name(pattern: ResidualPattern) -> &'static str {
     }
 }
 
-/// Rivals whose predictions are so many standard deviations apart will be told from each other.
+/// Separation in standard deviations above which rivals are told apart.
 const CLEAR: f64 = 3.0;
 
 /// What to record next.

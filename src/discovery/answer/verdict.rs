@@ -1,4 +1,5 @@
-//! From the search to the answer: its verdict, the effects with their intervals, and the words for them.
+//! Decides the verdict: `consistent`, `named`, `ambiguous` or `unexplained`, with the effects, their intervals and
+//! their rivals.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,38 +14,38 @@ use crate::discovery::goodness_of_fit::test_result::TestResult;
 use crate::discovery::search::{ScoredSet, SearchOutcome};
 use crate::effects::Seek;
 
-/// What the search says of the effects.
+/// The decision.
 pub(crate) struct Decision {
     pub(crate) verdict: Verdict,
-    /// Members to be added to the model; empty where nothing is.
+    /// Members added to the model; empty if none.
     pub(crate) members: Vec<SetMember>,
     pub(crate) effects: Vec<FoundEffect>,
-    /// Where these data cannot tell: the sets that fit equally well.
+    /// For `ambiguous`: sets that fit equally well.
     pub(crate) rivals: Vec<Vec<SetMember>>,
-    /// Where the best set is not the answer: what speaks objection it.
+    /// Objection to the best set, if it is not the answer.
     pub(crate) objection: String,
 }
 
 impl Decision {
-    /// Nothing is added to the model.
+    /// A decision that adds nothing to the model.
     fn without_effects(verdict: Verdict, objection: String) -> Decision {
         Decision { verdict, members: Vec::new(), effects: Vec::new(), rivals: Vec::new(), objection }
     }
 
-    /// What an answer becomes once so much speaks objection it.
+    /// The decision after an objection.
     pub(crate) fn refuted(objection: String) -> Decision {
         Decision::without_effects(Verdict::Unexplained, objection)
     }
 }
 
-/// Significant digits of what is written.
+/// Significant digits of written values.
 const DIGITS: usize = 6;
-/// Candidates that are listed.
+/// Maximum number of listed candidates.
 const LISTED: usize = 30;
 
 impl FitProblem<'_> {
-    /// The answer, with rivals as `plain` has them, without what is particular to the best; `sign`: that something is
-    /// still missing with the best set.
+    /// Decides the verdict. `plain`: fit problem of the search, for rivals; `sign`: failed goodness-of-fit test of the
+    /// best set.
     pub(crate) fn decide(
         &self,
         plain: &FitProblem,
@@ -87,19 +88,19 @@ impl FitProblem<'_> {
         Decision { verdict, members, effects, rivals: sets, objection: String::new() }
     }
 
-    /// The member with values as they are written: six significant digits, more than any recording holds.
+    /// The member with values as written, six significant digits.
     fn rounded(&self, member: &SetMember) -> SetMember {
         let values = member.values.iter().map(|&value| round_significant(value, DIGITS)).collect();
         SetMember { values, ..*member }
     }
 
-    /// The name of a candidate that could stand for `member`, with its tendon if nothing else tells them apart.
+    /// Name of a rival of `member`, with its tendon if the names are equal.
     fn rival_label(&self, rival: usize, member: &SetMember) -> String {
         let [rival, own] = [rival, member.candidate].map(|number| &self.candidates[number]);
         if rival.card.name == own.card.name { rival.label() } else { rival.card.name.to_owned() }
     }
 
-    /// For each member of the best set, the candidates that could stand in its place, with the set that has them.
+    /// For each member of the best set, the candidates that can replace it, with their sets.
     fn rivals<'f>(&self, found: &'f SearchOutcome, rival_score: f64) -> Vec<Vec<(usize, &'f ScoredSet)>> {
         let best = &found.best;
         let own = candidate_set(&best.fitted.members);
@@ -152,22 +153,21 @@ impl FitProblem<'_> {
         }
     }
 
-    /// Posterior probability that this candidate is among those missing: the share of all sets that were fitted, each at its
-    /// best and weighted by exp(score / 2), that hold it.
+    /// Posterior probability of a candidate: share of the fitted sets, weighted by exp(score / 2), that contain it.
     fn confidence(&self, candidate: usize, found: &SearchOutcome) -> f64 {
         let mut scores: BTreeMap<BTreeSet<usize>, f64> = BTreeMap::new();
         for scored in found.tried.iter().chain([&found.null]) {
             let best = scores.entry(candidate_set(&scored.fitted.members)).or_insert(scored.score);
             *best = best.max(scored.score);
         }
-        // A set that is not worth having may fit far better than the answer.
+        // A set that is not worth naming may fit far better than the answer.
         let top = scores.values().copied().fold(f64::NEG_INFINITY, f64::max);
         let weight = |score: &f64| (0.5 * (score - top)).exp();
         let all: f64 = scores.values().map(weight).sum();
         scores.iter().filter(|(set, _)| set.contains(&candidate)).map(|(_, score)| weight(score)).sum::<f64>() / all
     }
 
-    /// The candidates, the best first; `after_m` gives the error of a set on trials that its fit has not seen.
+    /// The candidates, best first; `after_m` returns the leave-one-out error of a set.
     pub(crate) fn candidate_rows(
         &self,
         found: &SearchOutcome,
@@ -186,7 +186,7 @@ impl FitProblem<'_> {
                 listed.push(Candidate { name, score: scored.score, after_m: after_m(scored), why_not });
             }
         }
-        // Every effect of the catalogue is accounted for.
+        // Every effect of the catalogue is listed.
         for (prediction, score) in &found.screened {
             if seen.insert(BTreeSet::from([prediction.member.candidate])) {
                 let name = set_name(self.candidates, std::slice::from_ref(&prediction.member));
@@ -226,7 +226,7 @@ impl FitProblem<'_> {
     }
 }
 
-/// The effects of a set, joined.
+/// Names of the effects of a set, joined.
 pub(crate) fn set_name(candidates: &[CandidateEffect], members: &[SetMember]) -> String {
     if members.is_empty() {
         return "nothing missing".to_owned();
@@ -238,7 +238,7 @@ fn rounded_number(value: f64) -> Value {
     Number::from_f64(round_significant(value, DIGITS)).map_or(Value::Null, Value::Number)
 }
 
-/// Puts a value under its name; components of a vector (`name[k]`, in order) into a list.
+/// Inserts a value under its name; components of a vector (`name[k]`, in order) into a list.
 fn insert_parameter(map: &mut BTreeMap<String, Value>, name: &str, value: Value) {
     match name.split_once('[') {
         None => {

@@ -1,5 +1,5 @@
-//! What a recording of the robot as built says: its numbers, calibrated, and whatever else it has in common with the
-//! recording in problem (the form of the model, the frame, how the robot settles), which is no discovery.
+//! Calibration on a baseline, a recording of the robot as built, and the errors that it shares with the measured
+//! recording (model form, tracking frame, settling), which are not attributed to an effect.
 
 use nalgebra::DMatrix;
 
@@ -10,26 +10,26 @@ use crate::discovery::recording::covariates::{Covariates, sample_covariates};
 use crate::discovery::recording::samples::Samples;
 use crate::effects::Model;
 
-/// Numbers of the robot that are calibrated, and the effect that scales each.
+/// Effects that scale the calibrated parameters.
 const CALIBRATED: [&str; 2] = ["bending_stiffness", "spine_compressibility"];
 
-/// A residual that no calibration explains, an axis and a term, metres: the form of the model.
+/// Expected model-form error by axis and term, metres.
 const FORM_M: f64 = 5e-4;
 /// The same for terms of the tip's motion.
 const MOTION_FORM_M: f64 = 2e-4;
 
-/// Motion is never taken to be slower than this, metres a second, when terms are scaled to it.
+/// Lower bound of the speed by which motion terms are scaled, m/s.
 const SLOWEST_M_S: f64 = 5e-5;
 
-/// What a calibration has multiplied numbers of the model by.
+/// Factors by which calibration multiplied parameters of the model.
 #[derive(Clone, Copy)]
 pub(crate) struct CalibrationFactors {
     pub(crate) bending_stiffness: f64,
     pub(crate) compliance: f64,
 }
 
-/// `model` with its numbers calibrated on `baseline`, free of everything else, and by how much they changed; none when it
-/// cannot be simulated_m.
+/// Calibrates `model` on `baseline`; returns the calibrated model and its factors. None if the model cannot be
+/// simulated.
 pub(crate) fn calibrate(
     model: &Model,
     candidates: &[CandidateEffect],
@@ -53,7 +53,7 @@ pub(crate) fn calibrate(
     model.check().is_ok().then_some((model, CalibrationFactors { bending_stiffness, compliance }))
 }
 
-/// Terms of a smooth error of the tip over where the tip is and how it moves: those that stand for the form of a model.
+/// Basis of a smooth model-form error as a function of position and motion of the tip.
 struct ModelFormBasis {
     middle_m: [f64; 3],
     spread_m: [f64; 3],
@@ -61,7 +61,7 @@ struct ModelFormBasis {
 }
 
 impl ModelFormBasis {
-    /// Terms scaled to the circumstances of a baseline.
+    /// Basis scaled to the covariates of a baseline.
     fn new(covariates: &[Covariates]) -> ModelFormBasis {
         let column = |axis: usize| covariates.iter().map(|at| at.tip_m[axis]).collect::<Vec<f64>>();
         let moving: Vec<f64> = covariates.iter().flat_map(|at| at.velocity_m_s).collect();
@@ -72,7 +72,7 @@ impl ModelFormBasis {
         }
     }
 
-    /// The terms in every sample, three numbers a sample, with the standard deviation expected of each.
+    /// Terms in every sample, three values a sample, with their prior standard deviations.
     fn columns(&self, covariates: &[Covariates]) -> Vec<NuisanceColumn> {
         let terms: Vec<Vec<f64>> = covariates.iter().map(|at| self.terms(at)).collect();
         let moving: Vec<Vec<f64>> =
@@ -89,7 +89,7 @@ impl ModelFormBasis {
         columns
     }
 
-    /// Monomials up to the third degree in the tip's place.
+    /// Monomials up to degree three in the tip position.
     fn terms(&self, at: &Covariates) -> Vec<f64> {
         let x: [f64; 3] =
             std::array::from_fn(|axis| ((at.tip_m[axis] - self.middle_m[axis]) / self.spread_m[axis]).clamp(-3.0, 3.0));
@@ -105,11 +105,11 @@ impl ModelFormBasis {
     }
 }
 
-/// Samples, where the model has the tip in them, and the uncertain numbers' columns.
+/// Samples, simulated tip, and columns of the uncertain parameters.
 pub(crate) type SimulatedRecording<'a> = (&'a Samples, &'a [f64], &'a [NuisanceColumn]);
 
-/// The nuisances of the recording in problem as the baseline leaves them: `own` (a column and a deviation each) on
-/// either recording, and the form of the model.
+/// Nuisance parameters of the measured recording after the baseline: uncertain parameters (`own` columns in either
+/// recording) and model form.
 pub(crate) fn calibrated_nuisances(baseline: SimulatedRecording, recording: SimulatedRecording) -> Nuisances {
     let (samples, simulated_m, own) = baseline;
     let covariates = sample_covariates(samples, simulated_m);

@@ -1,50 +1,51 @@
-//! Effects of the catalogue as candidates: what of them is fitted, and from where.
+//! Candidate effects: which parameters of an effect are fitted, and from which start values.
 
 use std::collections::BTreeSet;
 
 use crate::effects::{CATALOGUE, Card, EffectSpec, Model, ModelParameter, Robot, Seek};
 
-/// An effect that may be missing: a line of the catalogue, with the tendon where it is about one.
+/// An effect of the catalogue that may be missing, with its tendon if it acts on one.
 #[derive(Clone, Debug)]
 pub(crate) struct CandidateEffect {
     pub(crate) card: &'static Card,
-    /// How each parameter of the card is found.
+    /// How each parameter of the card is determined.
     searches: Vec<ParameterSearch>,
 }
 
-/// How a parameter is found.
+/// How a parameter is determined.
 #[derive(Clone, Debug)]
 enum ParameterSearch {
-    /// FittedSet, in units of `size` from `null`; begun from the best of `scan`, if there are any.
+    /// Fitted in units of `size` from `null`; started from the best value of `scan`, if there are any.
     Size { null: f64, size: f64, scan: &'static [f64] },
-    /// Tried at each of these, then fitted; by its logarithm where `positive`, and then no farther than [`BEYOND`] them.
+    /// Tried at each value, then fitted; in its logarithm if `positive`, up to a factor of [`BEYOND`] outside the
+    /// values.
     Shape { tries: Vec<f64>, positive: bool },
-    /// One of these.
+    /// One of these values.
     Choice(Vec<f64>),
-    /// Always this.
+    /// This value.
     Fixed(f64),
 }
 
-/// A candidate with numbers: the values of the card's parameters in their order.
+/// A member of a candidate set: a candidate with the values of its card's parameters, in order.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SetMember {
-    /// Number of the candidate.
+    /// Index of the candidate.
     pub(crate) candidate: usize,
     pub(crate) values: Vec<f64>,
 }
 
-/// Places along the robot that are tried.
+/// Number of positions along the robot that are tried.
 const PLACES: usize = 6;
 
-/// A positive shape is fitted up to so many times beyond the values that are tried: farther out it is another effect, or
-/// none that the model could play (friction without a yield is rigid).
+/// Factor by which a positive shape may leave the range of tried values. Farther out it is another effect, or one that
+/// cannot be simulated (friction without yield is rigid).
 const BEYOND: f64 = 5.0;
 
-/// Halvings that find the end of a range to the last bit, and what it is then rounded to, over the probe.
+/// Bisection steps for the end of a range, and the rounding unit over the probe.
 const HALVINGS: usize = 60;
 const ROUND: f64 = 1e-9;
 
-/// The catalogue as candidates about `model`.
+/// The catalogue as candidates for `model`.
 pub(crate) fn catalogue_candidates(model: &Model) -> Vec<CandidateEffect> {
     let tendons = model.robot.tendons.angles_deg.len();
     let each = CATALOGUE.iter().flat_map(|card| {
@@ -62,7 +63,7 @@ impl CandidateEffect {
             Seek::Size(size) => ParameterSearch::Size { null: parameter.null, size, scan: &[] },
             Seek::Scanned(size, scan) => ParameterSearch::Size { null: parameter.null, size, scan },
             Seek::Replaces(path, size) => {
-                // An effect that the model has already may have replaced it before.
+                // An earlier effect of the model may have replaced the parameter.
                 let last = model.effects.iter().rposition(|effect| effect.card().name == card.name);
                 let own = last.map(|k| format!("effects[{k}].{}", parameter.name));
                 let path = own.as_deref().unwrap_or(path);
@@ -79,7 +80,7 @@ impl CandidateEffect {
         CandidateEffect { card, searches: card.parameters.iter().map(search).collect() }
     }
 
-    /// Its name; with the tendon where it is about one.
+    /// Name, with the tendon if it acts on one.
     pub(crate) fn label(&self) -> String {
         let tendon = self.searches.iter().find_map(|search| match search {
             ParameterSearch::Fixed(tendon) => Some(*tendon),
@@ -88,27 +89,27 @@ impl CandidateEffect {
         tendon.map_or_else(|| self.card.name.to_owned(), |tendon| format!("{} (tendon {tendon})", self.card.name))
     }
 
-    /// Number of parameters that are fitted or chosen: what it costs to bring it in.
+    /// Number of parameters that are fitted or chosen, for the penalty.
     pub(crate) fn freedom(&self) -> usize {
         self.searches.iter().filter(|search| !matches!(search, ParameterSearch::Fixed(_))).count()
     }
 
-    /// Parameters (of the card, from 0) that give the size.
+    /// Indices of the size parameters.
     pub(crate) fn sizes(&self) -> Vec<usize> {
         self.indices(|search| matches!(search, ParameterSearch::Size { .. }))
     }
 
-    /// Whether there is more to it than sizes, which alone a rough fit moves at first.
+    /// Whether there are shape or choice parameters beside the sizes.
     pub(crate) fn has_shape(&self) -> bool {
         self.searches.iter().any(|search| matches!(search, ParameterSearch::Shape { .. } | ParameterSearch::Choice(_)))
     }
 
-    /// Whether it puts a number in the place of the model's.
+    /// Whether the effect replaces a parameter of the model.
     pub(crate) fn replaces(&self) -> bool {
         self.card.parameters.iter().any(|parameter| matches!(parameter.seek, Seek::Replaces(..)))
     }
 
-    /// Parameters (of the card, from 0) that a fit moves.
+    /// Indices of the parameters that a fit moves.
     pub(crate) fn fitted(&self) -> Vec<usize> {
         self.indices(|search| matches!(search, ParameterSearch::Size { .. } | ParameterSearch::Shape { .. }))
     }
@@ -117,7 +118,7 @@ impl CandidateEffect {
         (0..self.searches.len()).filter(|&index| kept(&self.searches[index])).collect()
     }
 
-    /// Its values without any effect, one for each combination of shapes and choices.
+    /// Values without any effect, one for each combination of shapes and choices.
     pub(crate) fn variants(&self) -> Vec<Vec<f64>> {
         let mut found = vec![Vec::new()];
         for search in &self.searches {
@@ -134,7 +135,7 @@ impl CandidateEffect {
         found
     }
 
-    /// `values` with the sizes at which nothing changes.
+    /// `values` with all sizes at null.
     pub(crate) fn without_size(&self, values: &[f64]) -> Vec<f64> {
         let null = |(search, value): (&ParameterSearch, &f64)| {
             if let ParameterSearch::Size { null, .. } = search { *null } else { *value }
@@ -142,12 +143,12 @@ impl CandidateEffect {
         self.searches.iter().zip(values).map(null).collect()
     }
 
-    /// Whether what a little of it does says nothing of the way on.
+    /// Whether small sizes do not predict the response to larger ones, so that a range is scanned.
     pub(crate) fn is_scanned(&self) -> bool {
         !self.scan().is_empty()
     }
 
-    /// Steps from nothing to each of the sizes that are looked at whatever a little of the effect predictions.
+    /// Steps from null to each size of the scan.
     pub(crate) fn scan(&self) -> Vec<f64> {
         let steps = |search: &ParameterSearch| match *search {
             ParameterSearch::Size { null, scan, .. } => scan.iter().map(|value| value - null).collect(),
@@ -156,7 +157,7 @@ impl CandidateEffect {
         self.searches.iter().flat_map(steps).collect()
     }
 
-    /// Other choices beside these values: its neighbours in every chosen parameter.
+    /// `values` with one choice replaced by a neighbouring one.
     pub(crate) fn neighbouring_choices(&self, values: &[f64]) -> Vec<Vec<f64>> {
         let mut found = Vec::new();
         for (index, search) in self.searches.iter().enumerate() {
@@ -171,7 +172,7 @@ impl CandidateEffect {
         found
     }
 
-    /// A change of parameter `index` that is easily seen, in the coordinate that [`CandidateEffect::moved`] takes.
+    /// A step of parameter `index` with a visible response, in the coordinate of [`CandidateEffect::moved`].
     pub(crate) fn probe(&self, index: usize) -> f64 {
         match self.searches[index] {
             ParameterSearch::Size { size, .. } => size,
@@ -180,7 +181,7 @@ impl CandidateEffect {
         }
     }
 
-    /// `values` with parameter `index` moved by `step`: by adding, or for a positive shape by a factor exp(step), within
+    /// `values` with parameter `index` moved by `step`: added, or for a positive shape multiplied by exp(step), within
     /// its range.
     pub(crate) fn moved(&self, values: &[f64], index: usize, step: f64) -> Vec<f64> {
         let mut there = values.to_vec();
@@ -195,14 +196,14 @@ impl CandidateEffect {
         there
     }
 
-    /// `values` with each of the sizes moved by one of the `steps`.
+    /// `values` with each size moved by one of the `steps`.
     pub(crate) fn with_sizes(&self, values: &[f64], steps: &[f64]) -> Vec<f64> {
         let each = self.sizes().into_iter().zip(steps);
         each.fold(values.to_vec(), |at, (size, &step)| self.moved(&at, size, step))
     }
 
-    /// `values` with parameter `index` moved by `step`, no farther than the range of the effect reaches: its end is found by bisection, as no effect tells it, and
-    /// is a round number.
+    /// `values` with parameter `index` moved by `step`, at most to the end of the effect's valid range. The end is
+    /// found by bisection and rounded.
     pub(crate) fn moved_within(&self, values: &[f64], index: usize, step: f64) -> Vec<f64> {
         let is_in_range = |there: &[f64]| self.effect(there).is_some();
         let there = self.moved(values, index, step);
@@ -217,19 +218,19 @@ impl CandidateEffect {
         let last = self.moved(values, index, inside * step);
         let mut round = last.clone();
         let unit = ROUND * self.probe(index);
-        // Adding nothing makes a negative zero a positive one.
+        // Adding 0.0 turns a negative zero into a positive one.
         round[index] = (last[index] / unit).round() * unit + 0.0;
         if is_in_range(&round) { round } else { last }
     }
 
-    /// Whether a size stands at the end of its range: a little more of it would be no effect.
+    /// Whether a size is at the end of its valid range.
     pub(crate) fn is_at_range_end(&self, values: &[f64]) -> bool {
         let is_out = |index: usize, step: f64| self.effect(&self.moved(values, index, step)).is_none();
         let little = |index: usize| 1e-3 * self.probe(index).abs();
         self.sizes().into_iter().any(|index| is_out(index, little(index)) || is_out(index, -little(index)))
     }
 
-    /// The step that [`CandidateEffect::moved`] took from `values` to `there`.
+    /// The step by which [`CandidateEffect::moved`] leads from `values` to `there`.
     pub(crate) fn step(&self, values: &[f64], there: &[f64], index: usize) -> f64 {
         match self.searches[index] {
             ParameterSearch::Shape { positive: true, .. } => (there[index] / values[index]).ln(),
@@ -237,13 +238,13 @@ impl CandidateEffect {
         }
     }
 
-    /// The effect with these values; none where they are out of its range.
+    /// The effect with these values; none if they are outside its valid range.
     pub(crate) fn effect(&self, values: &[f64]) -> Option<EffectSpec> {
         EffectSpec::from_card(self.card, values)
     }
 }
 
-/// Middles of the sections, of some of them if they are many; evenly spaced places where there are none.
+/// Section midpoints (a subset if there are many); evenly spaced positions without sections.
 fn places(robot: &Robot, length_m: f64) -> Vec<f64> {
     let sections = robot.rod().sections;
     let count = if sections.is_empty() { PLACES } else { sections.len().min(2 * PLACES) };
@@ -255,12 +256,12 @@ fn places(robot: &Robot, length_m: f64) -> Vec<f64> {
     (0..count).map(place).collect()
 }
 
-/// Which candidates the members are, whatever their order.
+/// Indices of the candidates of these members.
 pub(crate) fn candidate_set(members: &[SetMember]) -> BTreeSet<usize> {
     members.iter().map(|member| member.candidate).collect()
 }
 
-/// The effects of these members on top of a model; none where one is out of range.
+/// Effects of these members; none if a value is outside its valid range.
 pub(crate) fn effect_specs(candidates: &[CandidateEffect], members: &[SetMember]) -> Option<Vec<EffectSpec>> {
     members.iter().map(|member| candidates[member.candidate].effect(&member.values)).collect()
 }

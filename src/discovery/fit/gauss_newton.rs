@@ -1,4 +1,4 @@
-//! Hypotheses fitted to the samples: the physics simulated_m anew at every step, nuisances and noise with it.
+//! Gauss–Newton fit of one candidate set with the full physics, together with nuisance parameters and noise.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rayon::prelude::*;
@@ -9,104 +9,104 @@ use super::simulate::tips;
 use crate::discovery::recording::samples::Samples;
 use crate::effects::Model;
 
-/// What candidates are fitted to.
+/// The data and model that candidate sets are fitted to.
 #[derive(Clone)]
 pub(crate) struct FitProblem<'a> {
     pub(crate) model: &'a Model,
-    /// The model simulated_m coarsely, for rough fits.
+    /// The model at coarse resolution, for rough fits.
     pub(crate) coarse: &'a Model,
     pub(crate) candidates: &'a [CandidateEffect],
-    /// Which of them may be the answer.
+    /// Which candidates may be named.
     pub(crate) open: Vec<bool>,
     pub(crate) samples: &'a Samples,
     pub(crate) nuisances: &'a Nuisances,
 }
 
-/// Hypotheses with the values that fit best.
+/// A candidate set with its best-fitting values.
 #[derive(Clone, Debug)]
 pub(crate) struct FittedSet {
     pub(crate) members: Vec<SetMember>,
-    /// What is left of the residual.
+    /// Fit of the residual by nuisance parameters and noise.
     pub(crate) nuisance_fit: NuisanceFit,
-    /// Where the model with them has the tip, three numbers a sample, metres.
+    /// Simulated tip with the members, three values a sample, metres.
     pub(crate) simulated_m: Vec<f64>,
-    /// Change of the tip over each coordinate in units of its probe.
+    /// Tip change over each coordinate, in units of its probe.
     pub(crate) jacobian: DMatrix<f64>,
 }
 
 impl FittedSet {
-    /// Whether the candidate of this number is a member.
+    /// Whether this candidate is a member.
     pub(crate) fn has(&self, candidate: usize) -> bool {
         self.members.iter().any(|member| member.candidate == candidate)
     }
 }
 
-/// Steps of a fit at most.
+/// Maximum number of steps.
 const MOST_STEPS: usize = 12;
-/// A fall of the deviance that is not worth another step.
+/// Decrease of the deviance below which an exact fit stops.
 const SMALL_FALL: f64 = 0.05;
-/// The same where the best is not yet asked for.
+/// The same for a rough fit.
 const ROUGH_FALL: f64 = 2.0;
-/// And this share of what is missing to a deviance that would be of use: so slow a fit is not going to be.
+/// A rough fit stops as well below this share of the missing decrease.
 const SLOW_FALL: f64 = 0.1;
-/// Makes a coordinate so much stiffer that it stays where it is put.
+/// Stiffness factor that holds a coordinate.
 const HOLDS: f64 = 1e12;
-/// A step that is cut by this share was to leave a range.
+/// Relative change that shows that a step was cut at the end of a range.
 const BEYOND: f64 = 1e-6;
-/// Size of the differences that derivatives are taken by, over the probe.
+/// Difference step of numerical derivatives, over the probe.
 const DIFFERENCE: f64 = 0.1;
 
-/// How well a fit is to be known.
+/// When a fit stops.
 #[derive(Clone, Copy)]
 enum StopRule {
-    /// Until steps bring little; a deviance above `wanted` is of no use.
+    /// Stops when steps bring little; a deviance above `wanted` is of no use.
     Rough { wanted: f64 },
-    /// As well as can be by the derivative that is known, where that brings the deviance below `wanted`.
+    /// Uses the given Jacobian, as long as a deviance below `wanted` is possible.
     Near { wanted: f64 },
-    /// As well as can be, with derivatives taken anew before it ends; `fresh`: they are at the start.
+    /// Converges with a fresh Jacobian; `fresh`: the given one is fresh.
     Exact { fresh: bool },
 }
 
 impl FitProblem<'_> {
-    /// The model as it is, without any candidate.
+    /// The given model without any candidate.
     pub(crate) fn evaluate_null(&self) -> Option<FittedSet> {
         self.evaluate(Vec::new())
     }
 
-    /// The same members as this model plays them, with the derivative that is known.
+    /// The same members simulated by this model, with the given Jacobian.
     pub(crate) fn resimulate(&self, fitted: &FittedSet) -> Option<FittedSet> {
         Some(FittedSet { jacobian: fitted.jacobian.clone(), ..self.evaluate(fitted.members.clone())? })
     }
 
-    /// The best values of all of `start` together, from there; none where the model cannot play them.
+    /// Fits all members of `start` together; none if they cannot be simulated.
     pub(crate) fn fit(&self, start: Vec<SetMember>) -> Option<FittedSet> {
         let start = self.evaluate(start)?;
         let start = self.with_fresh_jacobian(start)?;
         self.descend(start, StopRule::Exact { fresh: true })
     }
 
-    /// The same from near them, by a derivative that is known roughly (in units of the probes; zero holds a coordinate
-    /// until derivatives are taken anew).
+    /// The same with an approximate initial Jacobian (in units of the probes; a zero column holds its coordinate until
+    /// the Jacobian is renewed).
     pub(crate) fn refit(&self, start: Vec<SetMember>, jacobian: DMatrix<f64>) -> Option<FittedSet> {
         self.descend(FittedSet { jacobian, ..self.evaluate(start)? }, StopRule::Exact { fresh: false })
     }
 
-    /// Nearly the best values from `start`, by a derivative that is known roughly (in units of the probes; zero holds a
-    /// coordinate). A fit whose deviance falls too slowly to come below `wanted` ends sooner.
+    /// Rough fit with an approximate Jacobian (in units of the probes; a zero column holds its coordinate). Stops
+    /// early if the deviance decreases too slowly to reach `wanted`.
     pub(crate) fn rough_fit(&self, start: FittedSet, jacobian: DMatrix<f64>, wanted: f64) -> Option<FittedSet> {
         self.descend(FittedSet { jacobian, ..start }, StopRule::Rough { wanted })
     }
 
-    /// The members moved by `step` (in units of the probes), every coordinate no farther than its range reaches, and how far
-    /// coordinate `at` was.
+    /// The members moved by `step` (in units of the probes) within their valid ranges, and the distance that
+    /// coordinate `at` moved.
     pub(crate) fn step_along(&self, members: &[SetMember], at: usize, step: &DVector<f64>) -> (Vec<SetMember>, f64) {
         let there = self.moved(members, step);
         let moved = self.between(members, &there)[at];
         (there, moved)
     }
 
-    /// The fit moved to `members`, coordinate `at` held there and the others fitted, as far as that predictions a deviance below
-    /// `wanted`.
+    /// Fits the other coordinates with coordinate `at` held at its value in `members`, as long as a deviance below
+    /// `wanted` is possible.
     pub(crate) fn fit_holding(
         &self,
         fitted: &FittedSet,
@@ -119,7 +119,7 @@ impl FitProblem<'_> {
         self.descend(FittedSet { jacobian, ..self.evaluate(members)? }, StopRule::Near { wanted })
     }
 
-    /// Steps as long as they help.
+    /// Takes steps as long as they help.
     fn descend(&self, mut best: FittedSet, rule: StopRule) -> Option<FittedSet> {
         let (exact, mut fresh) = match rule {
             StopRule::Rough { .. } | StopRule::Near { .. } => (false, true),
@@ -135,7 +135,7 @@ impl FitProblem<'_> {
                 StopRule::Rough { .. } | StopRule::Exact { .. } => small,
             };
             let (step, promised) = self.step(&best)?;
-            // What predictions nothing is not simulated_m.
+            // Steps with too small a predicted decrease are not simulated.
             let shares: &[f64] = if promised < needed { &[] } else { &[1.0, 0.4, 0.1] };
             let next = shares.iter().find_map(|&share| self.accept_step(&best, &(share * &step)));
             let fall = next.as_ref().map_or(0.0, |next| best.nuisance_fit.deviance - next.nuisance_fit.deviance);
@@ -148,7 +148,7 @@ impl FitProblem<'_> {
             } else if fresh {
                 break;
             } else {
-                // At the edge of what the model can play the fit ends with the derivative that it has.
+                // At the edge of what can be simulated the fit ends with the old Jacobian.
                 let Some(sharp) = self.with_fresh_jacobian(best.clone()) else { break };
                 best = sharp;
                 fresh = true;
@@ -157,13 +157,13 @@ impl FitProblem<'_> {
         Some(best)
     }
 
-    /// The fit with a derivative taken where it ended.
+    /// The fit with a Jacobian at its values.
     pub(crate) fn with_fresh_jacobian(&self, mut fitted: FittedSet) -> Option<FittedSet> {
         fitted.jacobian = self.differentiate(&fitted)?;
         Some(fitted)
     }
 
-    /// The coordinates of a fit: member and parameter.
+    /// The coordinates of a fit: member index and parameter index.
     pub(crate) fn coordinates(&self, members: &[SetMember]) -> Vec<(usize, usize)> {
         let of = |(k, member): (usize, &SetMember)| {
             self.candidates[member.candidate].fitted().into_iter().map(move |parameter| (k, parameter)).collect()
@@ -171,21 +171,21 @@ impl FitProblem<'_> {
         members.iter().enumerate().flat_map(|entry| -> Vec<(usize, usize)> { of(entry) }).collect()
     }
 
-    /// The derivative of a fit without the coordinates of member number `out`.
+    /// The Jacobian without the coordinates of member `out`.
     pub(crate) fn jacobian_without(&self, fitted: &FittedSet, out: usize) -> DMatrix<f64> {
         let coordinates = self.coordinates(&fitted.members);
         let gone: Vec<usize> = (0..coordinates.len()).filter(|&k| coordinates[k].0 == out).collect();
         fitted.jacobian.clone().remove_columns_at(&gone)
     }
 
-    /// A fit without member number `out`, the others as they are.
+    /// The fit without member `out`, the others unchanged.
     pub(crate) fn evaluate_without(&self, fitted: &FittedSet, out: usize) -> Option<FittedSet> {
         let mut rest = fitted.members.clone();
         rest.remove(out);
         Some(FittedSet { jacobian: self.jacobian_without(fitted, out), ..self.evaluate(rest)? })
     }
 
-    /// Covariance of the coordinates, in units of their probes, nuisances integrated out.
+    /// Covariance of the coordinates, in units of their probes, nuisance parameters integrated out.
     pub(crate) fn covariance(&self, fitted: &FittedSet) -> Option<DMatrix<f64>> {
         let (normal, free) = self.normal_matrix(fitted);
         let inverse = Cholesky::new(normal)?.inverse();
@@ -193,7 +193,7 @@ impl FitProblem<'_> {
         Some(inverse.view((free, free), (count, count)).into_owned())
     }
 
-    /// Inverse of the covariance that a fit leaves of the nuisances, coordinates integrated out.
+    /// Posterior precision of the nuisance parameters, coordinates integrated out.
     pub(crate) fn nuisance_precision(&self, fitted: &FittedSet) -> Option<DMatrix<f64>> {
         let (normal, free) = self.normal_matrix(fitted);
         let count = normal.ncols() - free;
@@ -202,7 +202,7 @@ impl FitProblem<'_> {
         Some(normal.view((0, 0), (free, free)) - &shared * own.solve(&shared.transpose()))
     }
 
-    /// The members with the values that they have, not fitted; none where the model cannot play them.
+    /// Simulates the members with their values; none if the simulation fails.
     pub(crate) fn evaluate(&self, members: Vec<SetMember>) -> Option<FittedSet> {
         let simulated_m = tips(self.model, &effect_specs(self.candidates, &members)?, self.samples)?;
         let nuisance_fit = self.fit_nuisances(&members, &simulated_m);
@@ -210,13 +210,13 @@ impl FitProblem<'_> {
         Some(FittedSet { members, nuisance_fit, simulated_m, jacobian })
     }
 
-    /// What nuisances and noise make of what the members leave, which have the tip at `simulated_m`.
+    /// Fits nuisance parameters and noise to the residual of the members; `simulated_m`: their simulated tip.
     pub(crate) fn fit_nuisances(&self, members: &[SetMember], simulated_m: &[f64]) -> NuisanceFit {
         let freedom = self.coordinates(members).len() as f64;
         self.nuisances.explain(self.samples, &self.samples.residual(simulated_m), freedom)
     }
 
-    /// The members moved by `by`, in units of the probes, every coordinate no farther than its range reaches.
+    /// The members moved by `by`, in units of the probes, within their valid ranges.
     pub(crate) fn moved(&self, members: &[SetMember], by: &DVector<f64>) -> Vec<SetMember> {
         let mut there = members.to_vec();
         for (&(k, parameter), &share) in self.coordinates(members).iter().zip(by.iter()) {
@@ -226,7 +226,7 @@ impl FitProblem<'_> {
         there
     }
 
-    /// The step from one set of values to another, in units of the probes.
+    /// The step between two sets of values, in units of the probes.
     fn between(&self, here: &[SetMember], there: &[SetMember]) -> DVector<f64> {
         let steps = self.coordinates(here).into_iter().map(|(k, parameter)| {
             let candidate = &self.candidates[here[k].candidate];
@@ -235,8 +235,8 @@ impl FitProblem<'_> {
         DVector::from_vec(steps.collect())
     }
 
-    /// The fit a step further if that is better, its derivative corrected by what the step has shown (Broyden's
-    /// update; Nocedal & Wright, Numerical Optimization, section 11.1).
+    /// The fit after a step if that is better, with Broyden's update of the Jacobian (Nocedal & Wright, Numerical
+    /// Optimization, section 11.1).
     fn accept_step(&self, from: &FittedSet, step: &DVector<f64>) -> Option<FittedSet> {
         let mut next = self.evaluate(self.moved(&from.members, step))?;
         let step = &self.between(&from.members, &next.members);
@@ -252,7 +252,7 @@ impl FitProblem<'_> {
         Some(next)
     }
 
-    /// Derivatives by differences of whole recordings, to the side where there is one.
+    /// Numerical Jacobian by one-sided differences of whole simulations.
     pub(crate) fn differentiate(&self, fitted: &FittedSet) -> Option<DMatrix<f64>> {
         let count = self.coordinates(&fitted.members).len();
         let columns: Vec<DVector<f64>> =
@@ -260,7 +260,7 @@ impl FitProblem<'_> {
         Some(DMatrix::from_fn(fitted.simulated_m.len(), count, |row, k| columns[k][row]))
     }
 
-    /// The derivative over one coordinate.
+    /// Jacobian column of one coordinate.
     pub(crate) fn jacobian_column(&self, fitted: &FittedSet, at: usize) -> Option<DVector<f64>> {
         let count = self.coordinates(&fitted.members).len();
         [DIFFERENCE, -DIFFERENCE].into_iter().find_map(|share| {
@@ -276,15 +276,15 @@ impl FitProblem<'_> {
         })
     }
 
-    /// Information on nuisances (first) and coordinates, and how many nuisances there are.
+    /// Normal matrix of nuisance parameters (first) and coordinates, and the number of nuisance parameters.
     fn normal_matrix(&self, fitted: &FittedSet) -> (DMatrix<f64>, usize) {
         let noise = &fitted.nuisance_fit.noise;
         let white = noise.whitened(self.samples, &self.nuisances.with(&fitted.jacobian));
         (self.nuisances.information(&white), self.nuisances.columns.ncols())
     }
 
-    /// The Gauss–Newton step of the coordinates, nuisances following, and by how much it makes the deviance fall if the
-    /// tip follows it linearly; coordinates that would leave their range end there, and the others follow them.
+    /// The Gauss–Newton step and the predicted decrease of the deviance. Coordinates that would leave their range stop
+    /// at its end, and the others follow.
     fn step(&self, fitted: &FittedSet) -> Option<(DVector<f64>, f64)> {
         let mut ended: Vec<(usize, f64)> = Vec::new();
         loop {
@@ -301,7 +301,7 @@ impl FitProblem<'_> {
         }
     }
 
-    /// The same with the steps of some coordinates `given`.
+    /// The same with `given` steps of some coordinates.
     fn constrained_step(&self, fitted: &FittedSet, given: &[(usize, f64)]) -> Option<(DVector<f64>, f64)> {
         let (mut normal, free) = self.normal_matrix(fitted);
         let count = normal.ncols() - free;

@@ -1,12 +1,12 @@
-//! How well a fitted set does on trials that its fit has not seen: each trial is left out in turn, and the fit moved to
-//! where it would be without it, to first order (deletion of a block; Cook & Weisberg, Residuals and Influence, ch. 3).
+//! Leave-one-trial-out errors of a fitted set, to first order (block deletion; Cook & Weisberg, Residuals and
+//! Influence, ch. 3).
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::gauss_newton::{FitProblem, FittedSet};
 
-/// For each trial, the root mean square error that a fit without it makes there, metres; at most the robot's length, which
-/// says that the other trials know nothing of it.
+/// Rms error on each trial of a fit without it, metres; at most the robot's length, if the other trials do not
+/// determine the fit.
 pub(crate) fn left_out_errors_m(fit_problem: &FitProblem, fitted: &FittedSet) -> Vec<f64> {
     let samples = fit_problem.samples;
     let noise = &fitted.nuisance_fit.noise;
@@ -18,7 +18,7 @@ pub(crate) fn left_out_errors_m(fit_problem: &FitProblem, fitted: &FittedSet) ->
     let one = |range: std::ops::Range<usize>| -> f64 {
         let (start, count) = (3 * range.start, 3 * range.len());
         let own = white.rows(start, count);
-        // Without the trial's equations the optimum moves by this much.
+        // Change of the optimum without the equations of the trial.
         let reduced: DMatrix<f64> = &normal - own.tr_mul(&own);
         let pull = own.tr_mul(&left.rows(start, count));
         let Some(factor) = Cholesky::new(reduced) else { return length_m };

@@ -1,48 +1,47 @@
-//! What may differ a little between any robot and its model without being news: numbers that a lab would recalibrate,
-//! each with the uncertainty that its calibration leaves, and what a baseline recording shows in common. They are free in
-//! every candidate alike, within that uncertainty, and enter linearly about where they are.
+//! Nuisance parameters: parameters that a laboratory would recalibrate, each with its calibration uncertainty, and
+//! errors shared with a baseline. They are free within their priors in every candidate and enter linearly.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::ar1_noise::Ar1Noise;
 use crate::discovery::recording::samples::Samples;
 
-/// What one nuisance adds to the tip, three numbers a sample over its unit, and the standard deviation of its amount.
+/// Tip change per unit of a nuisance parameter, three values a sample, and the prior standard deviation of its amount.
 pub(crate) type NuisanceColumn = (Vec<f64>, f64);
 
-/// Nuisances with a Gaussian prior: what they add to the tip is `offset + columns · amounts`.
+/// Nuisance parameters with a Gaussian prior; tip change: `offset + columns · amounts`.
 #[derive(Clone, Debug)]
 pub(crate) struct Nuisances {
-    /// What they add beyond that in which they are linear, three numbers a sample, metres: where about they are.
+    /// Tip change at the linearisation point beyond the linear part, three values a sample, metres.
     offset: DVector<f64>,
-    /// Three numbers a sample, a column a nuisance.
+    /// Three rows a sample, one column a parameter.
     pub(crate) columns: DMatrix<f64>,
-    /// Expected amounts.
+    /// Prior mean of the amounts.
     pub(crate) mean: DVector<f64>,
-    /// Inverse of their covariance.
+    /// Prior precision of the amounts.
     pub(crate) precision: DMatrix<f64>,
-    /// Its log-determinant.
+    /// Log-determinant of the precision.
     log_determinant: f64,
 }
 
-/// A residual nuisance_fit by nuisances and noise alone.
+/// Fit of a residual by nuisance parameters and noise.
 #[derive(Clone, Debug)]
 pub(crate) struct NuisanceFit {
     /// Most likely noise.
     pub(crate) noise: Ar1Noise,
-    /// Most likely amounts of the nuisances.
+    /// Most likely amounts.
     pub(crate) amounts: DVector<f64>,
-    /// What is left, three numbers a sample, metres.
+    /// Remaining residual, three values a sample, metres.
     pub(crate) residual_m: Vec<f64>,
-    /// Minus twice the log-likelihood, nuisances integrated out.
+    /// Minus twice the log-likelihood with nuisance parameters integrated out.
     pub(crate) deviance: f64,
 }
 
-/// Rounds of estimating noise and nuisances in turn.
+/// Alternating rounds of noise and nuisance estimation.
 const ROUNDS: usize = 5;
 
 impl Nuisances {
-    /// Independent ones: columns of a standard deviation each.
+    /// Independent parameters with a standard deviation each.
     pub(crate) fn independent(rows: usize, columns: &[NuisanceColumn]) -> Nuisances {
         let precision = DMatrix::from_diagonal(&DVector::from_iterator(
             columns.len(),
@@ -57,24 +56,23 @@ impl Nuisances {
         Nuisances { offset: DVector::zeros(columns.nrows()), columns, mean, precision, log_determinant }
     }
 
-    /// The same, known to be about these amounts.
+    /// The same with another prior.
     pub(crate) fn with_prior(self, mean: DVector<f64>, precision: DMatrix<f64>) -> Nuisances {
         let log_determinant = log_determinant(&precision);
         Nuisances { mean, precision, log_determinant, ..self }
     }
 
-    /// The same with so much beyond that in which they are linear.
+    /// The same with another offset.
     pub(crate) fn with_offset(self, offset: DVector<f64>) -> Nuisances {
         Nuisances { offset, ..self }
     }
 
-    /// The same in those rows of the samples alone (three numbers a sample).
+    /// The same restricted to these rows (three a sample).
     pub(crate) fn in_rows(&self, rows: &[usize]) -> Nuisances {
         Nuisances { offset: self.offset.select_rows(rows), columns: self.columns.select_rows(rows), ..self.clone() }
     }
 
-    /// Explains `residual` as well as nuisances and noise can; of the samples a fit of other parameters has used up
-    /// `freedom` numbers.
+    /// Fits `residual` by nuisance parameters and noise. `freedom`: degrees of freedom used by other parameters.
     pub(crate) fn explain(&self, samples: &Samples, residual: &[f64], freedom: f64) -> NuisanceFit {
         let residual: Vec<f64> =
             residual.iter().zip(self.offset.iter()).map(|(residual, offset)| residual - offset).collect();
@@ -94,7 +92,7 @@ impl Nuisances {
         NuisanceFit { noise, amounts, residual_m, deviance }
     }
 
-    /// Their columns, and after them `others`.
+    /// Own columns followed by `others`.
     pub(crate) fn with(&self, others: &DMatrix<f64>) -> DMatrix<f64> {
         let own = self.columns.ncols();
         let mut all = self.columns.clone().resize_horizontally(own + others.ncols(), 0.0);
@@ -102,8 +100,8 @@ impl Nuisances {
         all
     }
 
-    /// Information on them and on what comes after them (see [`Nuisances::with`]): that of the `white` columns, and
-    /// their prior's.
+    /// Information matrix of own parameters and those after them (see [`Nuisances::with`]) from `white` columns and
+    /// the prior.
     pub(crate) fn information(&self, white: &DMatrix<f64>) -> DMatrix<f64> {
         let mut information = white.tr_mul(white);
         let own = self.columns.ncols();
@@ -112,7 +110,7 @@ impl Nuisances {
         information
     }
 
-    /// Most likely amounts, the log-determinant of their posterior's precision, and how many numbers they use up.
+    /// Most likely amounts, log-determinant of their posterior precision, and effective number of parameters.
     fn amounts(&self, samples: &Samples, residual: &[f64], noise: &Ar1Noise) -> (DVector<f64>, f64, f64) {
         if self.mean.is_empty() {
             return (self.mean.clone(), 0.0, 0.0);

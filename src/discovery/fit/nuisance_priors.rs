@@ -1,5 +1,5 @@
-//! Numbers that are uncertain of any robot: how the tip sensitivities to each of them within its uncertainty, and what that leaves
-//! out where they are as far off as an estimate has them.
+//! Uncertain parameters of the robot as nuisance parameters: their sensitivities within the uncertainty, and the
+//! nonlinear remainder at estimated values.
 
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -11,35 +11,34 @@ use crate::discovery::options::Options;
 use crate::discovery::recording::samples::{Samples, rms_m};
 use crate::effects::{EffectSpec, Model};
 
-/// The parameters that are uncertain beside some effects.
+/// The uncertain parameters given some effects.
 pub(crate) struct UncertainParameters<'a> {
     candidates: &'a [CandidateEffect],
     parameters: Vec<UncertainParameter>,
-    /// What plays are exact to, metres.
+    /// Accuracy of simulations, metres.
     exact_m: f64,
 }
 
-/// One of them: a size of a candidate, about the values at which that does nothing.
+/// One uncertain parameter: a size of a candidate about its null value.
 struct UncertainParameter {
     candidate: usize,
     null: Vec<f64>,
     size: usize,
     deviation: f64,
-    /// Whether a member has replaced it: whatever it is then does nothing.
+    /// Whether a member replaces it, so that it has no influence.
     replaced: bool,
 }
 
-/// A number is believed to be off by so many standard deviations at most, and the tip's sensitivity_of is taken between there and as
-/// far to the other side. A usual size of an effect is far beyond that, and the tip sensitivities to it otherwise: a rod that is
-/// damped less swings, and one that is damped much more says nothing of how.
+/// Largest assumed deviation in standard deviations. Sensitivities are differences between both ends of this range: at
+/// the usual size of an effect the response can differ (reduced damping oscillates, strong damping does not).
 const FARTHEST: f64 = 3.0;
 
-/// Answers are taken between this share of a usual size to either side at least, or steps in time would show in them.
+/// Minimum difference step over the usual size, so that time-stepping errors do not dominate.
 const SEEN: f64 = 0.25;
 
 impl<'a> UncertainParameters<'a> {
-    /// The parameters that are uncertain beside the `members`, each by so many times what the options say. They are as many
-    /// beside any members, as a baseline tells of all of them.
+    /// The uncertain parameters given the `members`, with `times` the deviation of the options. Their number does not
+    /// depend on the members, since a baseline describes all of them.
     pub(crate) fn new(
         options: &Options,
         candidates: &'a [CandidateEffect],
@@ -68,8 +67,8 @@ impl<'a> UncertainParameters<'a> {
         UncertainParameters { candidates, parameters, exact_m: options.motion_tolerance_m }
     }
 
-    /// How the tip of `model` with the `members` sensitivities to each of them, with its standard deviation. As without the members
-    /// where it cannot be simulated_m with them; zero where it cannot be simulated_m at all.
+    /// Sensitivities of `model` with the `members` to each parameter, with its standard deviation. Taken without the
+    /// members if they cannot be simulated; zero if nothing can be simulated.
     pub(crate) fn columns(&self, model: &Model, members: &[SetMember], samples: &Samples) -> Vec<NuisanceColumn> {
         let beside = |members: &[SetMember]| -> Vec<Option<Vec<f64>>> {
             let known = effect_specs(self.candidates, members);
@@ -88,7 +87,7 @@ impl<'a> UncertainParameters<'a> {
         each.map(|(sensitivity_of, number)| (sensitivity_of.unwrap_or_else(zero), number.deviation)).collect()
     }
 
-    /// The tip's sensitivity_of to one of them, between both sides as far as it can be simulated_m there.
+    /// Sensitivity to one parameter by a central difference, as far as it can be simulated.
     fn sensitivity(
         &self,
         number: &UncertainParameter,
@@ -112,8 +111,8 @@ impl<'a> UncertainParameters<'a> {
         (up > down).then(|| high.iter().zip(&low).map(|(high, low)| (high - low) / (up - down)).collect())
     }
 
-    /// The `nuisances`, of which they are the first, linear about where these `amounts` have them, as far as that can be simulated_m
-    /// and is seen beside what plays are off by. `play`: where the model has the tip with more effects, `here` without more.
+    /// The `nuisances`, linearised at these `amounts`, if that can be simulated and the remainder exceeds the
+    /// simulation accuracy. `play`: simulated tip with more effects, `here` without.
     pub(crate) fn linearised_at(
         &self,
         nuisances: Nuisances,
@@ -131,8 +130,7 @@ impl<'a> UncertainParameters<'a> {
         }
     }
 
-    /// The effects that put them where these `amounts` of the `nuisances` have them, and what those say that this does to the
-    /// tip.
+    /// Effects at these `amounts` of the `nuisances`, and their linear prediction of the tip change.
     fn effects_at(&self, nuisances: &Nuisances, amounts: &DVector<f64>) -> Option<(Vec<EffectSpec>, DVector<f64>)> {
         let mut told = DVector::zeros(nuisances.columns.nrows());
         let mut all = Vec::new();
@@ -145,7 +143,7 @@ impl<'a> UncertainParameters<'a> {
         Some((all, told))
     }
 
-    /// The effect of one of them moved by `step`, no farther than its range reaches, and how far that was.
+    /// The effect moved by `step` within its valid range, and the distance moved.
     fn moved(&self, number: &UncertainParameter, step: f64) -> Option<(EffectSpec, f64)> {
         let candidate = &self.candidates[number.candidate];
         let there = candidate.moved_within(&number.null, number.size, step);
@@ -178,7 +176,7 @@ mod tests {
         candidates.iter().position(|candidate| candidate.card.name == "damping").unwrap()
     }
 
-    /// A rod that is damped less swings as one that is damped much more does not tell.
+    /// Reduced damping oscillates; strong damping does not predict that.
     #[test]
     fn answers_are_those_within_the_uncertainty_and_bend_where_numbers_are_far_off() {
         let (model, candidates, samples) = setting();

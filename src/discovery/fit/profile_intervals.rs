@@ -1,4 +1,4 @@
-//! How well the parameters of an answer are known.
+//! 95 % intervals of fitted parameters by profile likelihood.
 
 use std::collections::BTreeMap;
 
@@ -7,21 +7,20 @@ use nalgebra::{DMatrix, DVector};
 use super::gauss_newton::{FitProblem, FittedSet};
 use crate::math::distribution::student_95;
 
-/// Steps at most to an end of an interval, and how near to it, as a share, is near enough.
+/// Maximum steps to an end of an interval, and relative tolerance of the end.
 const PROFILED: usize = 5;
 const NEAR_ENOUGH: f64 = 0.1;
-/// Shares of the way to an end of an interval at which other numbers that fit as well are looked at.
+/// Fractions of the way to an end at which other equally good values are evaluated.
 const ON_THE_WAY: [f64; 3] = [1.0, 0.5, 0.25];
-/// Looks beyond an end, …
+/// Evaluations beyond an end …
 const LOOKS: i32 = 5;
-/// … and more of them as long as the last one fits as well, this far out, in units of the probes: a tendon that is slack is
-/// as slack with any zero beyond.
+/// … and more as long as the last one fits, up to this distance in probes: a slack tendon stays slack for any larger
+/// zero.
 const FAR: f64 = 10.0;
 
 impl FitProblem<'_> {
-    /// 95 % intervals of the parameters of member `k`, by their number in the card: what fits all but as well as the best
-    /// fit, or as one with another choice does. A choice stands for half the way to its neighbours, the last one for as much
-    /// on its far side.
+    /// 95 % intervals of the parameters of member `k`, by parameter index. A choice covers half the distance to its
+    /// neighbours; the last one extends equally far outwards.
     pub(crate) fn intervals(&self, best: &FittedSet, k: usize) -> BTreeMap<usize, [f64; 2]> {
         let reach = self.likelihood_radius(best);
         let mut found = BTreeMap::new();
@@ -45,8 +44,8 @@ impl FitProblem<'_> {
         found
     }
 
-    /// The sizes and shapes of member `k` at which the deviance is above that of `fitted` by less than the square of `reach`
-    /// (profile likelihood; Venzon & Moolgavkar, Applied Statistics 37, 1988).
+    /// Ends of the sizes and shapes of member `k` at which the profile deviance exceeds that of `fitted` by `reach`
+    /// squared (profile likelihood; Venzon & Moolgavkar, Applied Statistics 37, 1988).
     fn profile_ends(&self, fitted: &FittedSet, k: usize, reach: f64) -> BTreeMap<usize, [f64; 2]> {
         let Some(covariance) = self.covariance(fitted) else { return BTreeMap::new() };
         let candidate = &self.candidates[fitted.members[k].candidate];
@@ -64,13 +63,13 @@ impl FitProblem<'_> {
         coordinates.filter(|(_, (member, _))| *member == k).map(interval).collect()
     }
 
-    /// The root of what the deviance may rise by within a 95 % interval.
+    /// Square root of the admissible increase of the deviance in a 95 % interval.
     fn likelihood_radius(&self, best: &FittedSet) -> f64 {
         student_95(3.0 * self.samples.len() as f64 - self.coordinates(&best.members).len() as f64)
     }
 
-    /// The direction in which all coordinates go (in units of the probes) where coordinate `at` goes up or down by `sign`, and how
-    /// far that may be until the deviance has risen by the square of `reach`.
+    /// Direction of all coordinates (in probes) as coordinate `at` moves by `sign`, and the distance at which the
+    /// deviance has risen by `reach` squared.
     fn interval_end(
         &self,
         fitted: &FittedSet,
@@ -80,7 +79,7 @@ impl FitProblem<'_> {
         reach: f64,
     ) -> (DVector<f64>, f64) {
         let variance = covariance[(at, at)].max(f64::MIN_POSITIVE);
-        // The others go with it as the curvature at the best fit has them.
+        // The other coordinates follow by the curvature at the best fit.
         let direction = covariance.column(at) * (sign / variance);
         let first = reach * variance.sqrt();
         let step = self.profile_step(fitted, at, &direction, (first, reach));
@@ -88,8 +87,7 @@ impl FitProblem<'_> {
         (direction, step)
     }
 
-    /// Other numbers of the members that fit all but as well: every coordinate at the ends of its interval and on the way
-    /// there, the others following.
+    /// Other values within the intervals that fit almost equally well.
     pub(crate) fn equally_good_fits(&self, best: &FittedSet) -> Vec<FittedSet> {
         let reach = self.likelihood_radius(best);
         let most = best.nuisance_fit.deviance + reach.powi(2);
@@ -104,12 +102,11 @@ impl FitProblem<'_> {
         found
     }
 
-    /// How far coordinate `at` may go along a `direction` of all (in units of the probes): to `first`, where the curvature at
-    /// the best fit has the deviance risen by the square of `reach`, or on to where it has, the others following. A little
-    /// noise of the steps in time is in every deviance, and the best fit is where it is lowest: nothing ends before `first`
-    /// but at the end of the range, or of what can be simulated_m.
+    /// Distance of coordinate `at` along a `direction` (in probes) until the deviance has risen by `reach` squared.
+    /// Starts at `first`, the quadratic prediction. Time-stepping noise lowers the deviance at the best fit, so no
+    /// interval ends before `first` except at the end of the valid range or of what can be simulated.
     fn profile_step(&self, fitted: &FittedSet, at: usize, direction: &DVector<f64>, (first, reach): (f64, f64)) -> f64 {
-        // The last step that was not far enough, and the root of the rise there.
+        // Last step that was too short, and the root of its increase.
         let mut last = (0.0, 0.0);
         let mut step = first;
         let (least, far_enough) = (fitted.nuisance_fit.deviance, (1.0 - NEAR_ENOUGH) * reach);
@@ -117,9 +114,9 @@ impl FitProblem<'_> {
             let (members, moved) = self.step_along(&fitted.members, at, &(step * direction));
             let is_the_end = moved.abs() < (1.0 - NEAR_ENOUGH) * step;
             let wanted = match last {
-                // There it is enough to be simulated_m.
+                // At the end of the range the simulation alone decides.
                 _ if is_the_end => f64::NEG_INFINITY,
-                // Whether `first` is far enough may show before all has been fitted there.
+                // An incomplete fit may already show that `first` is far enough.
                 (0.0, _) => least + far_enough.powi(2),
                 _ => f64::INFINITY,
             };
@@ -141,8 +138,8 @@ impl FitProblem<'_> {
         last.0
     }
 
-    /// The farthest of some looks along the same direction, twice as far each time, at which the deviance is below that of an
-    /// end of the interval, too: where the tip jumps (a rod that buckles) it rises and falls. Zero where there is none.
+    /// Farthest evaluation beyond the end, doubling each time, with a deviance below that of the end: where the tip
+    /// jumps (a buckling rod) the deviance is not monotonic. Zero if there is none.
     fn scan_beyond(&self, fitted: &FittedSet, at: usize, direction: &DVector<f64>, (first, reach): (f64, f64)) -> f64 {
         let most = fitted.nuisance_fit.deviance + reach.powi(2);
         let mut farthest = 0.0;
@@ -162,8 +159,8 @@ impl FitProblem<'_> {
         farthest
     }
 
-    /// Fits with other choices of `parameter` of member `k`, `towards` one side and interval_end as long as they fit all but as
-    /// well, with what each leaves of `reach` (profile likelihood; Venzon & Moolgavkar, Applied Statistics 37, 1988).
+    /// Fits with other choices of `parameter` of member `k`, `towards` one side as long as they fit almost equally
+    /// well, each with the remaining `reach` (profile likelihood; Venzon & Moolgavkar, Applied Statistics 37, 1988).
     fn plausible_choices(
         &self,
         best: &FittedSet,
@@ -203,7 +200,7 @@ mod tests {
     use crate::discovery::recording::samples::{Samples, white_noise};
     use crate::effects::Model;
 
-    /// Fits the effect of this name to two trials of noise that it was hidden in with the `values`, and has a look.
+    /// Fits an effect to two trials of noise and this effect with these `values`, and evaluates the fit.
     fn fitted<T>(
         name: &str,
         values: &[f64],
@@ -253,7 +250,7 @@ mod tests {
 
     #[test]
     fn an_interval_ends_where_the_effect_does() {
-        // A tenth of a gram, known to a sixth of one: no mass is negative.
+        // A tenth of a gram: the interval ends at zero mass.
         let [low, high] =
             fitted("tip_load", &[0.0001], 1, |fit_problem, _, fitted| fit_problem.intervals(fitted, 0)[&0]);
         assert!(low == 0.0 && high > 1e-4, "{low} to {high}");

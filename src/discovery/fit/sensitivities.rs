@@ -1,4 +1,4 @@
-//! How the tip answers to a little of every candidate: what a first look at the residual is projected on.
+//! Sensitivities: change of the tip with small amounts of every candidate, for the linear screening.
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -8,28 +8,28 @@ use super::simulate::tips;
 use crate::discovery::recording::samples::Samples;
 use crate::effects::Model;
 
-/// The answers to one variant of a candidate.
+/// Sensitivity to one variant of a candidate.
 #[derive(Clone, Debug)]
 pub(crate) struct Sensitivity {
-    /// Number of the candidate.
+    /// Index of the candidate.
     pub(crate) candidate: usize,
-    /// Values of the card's parameters at which nothing changes.
+    /// Parameter values without any effect.
     pub(crate) null: Vec<f64>,
-    /// Change of the tip over change of the parameter, three numbers a sample, a column a size.
+    /// Tip change over parameter change, three rows a sample, one column a size.
     pub(crate) columns: DMatrix<f64>,
-    /// The change of the sizes, one a column, that it holds for; none for small changes.
+    /// Step of the sizes for which it holds; none for small steps.
     pub(crate) step: Option<Vec<f64>>,
 }
 
 impl Sensitivity {
-    /// Whether it is the answer to a little of the same variant.
+    /// Whether it is the small-step sensitivity of the same variant.
     pub(crate) fn is_small_step_of(&self, other: &Sensitivity) -> bool {
         self.step.is_none() && self.candidate == other.candidate && self.null == other.null
     }
 }
 
-/// Answers of `model` with the `members` to every variant of those candidates that are `asked` about; variants that the
-/// model cannot play are left out, and all of them when it cannot play the samples as it is.
+/// Sensitivities of `model` with the `members` to all variants of the `asked` candidates. Variants that cannot be
+/// simulated are left out; empty if the model itself cannot be simulated.
 pub(crate) fn sensitivities(
     model: &Model,
     candidates: &[CandidateEffect],
@@ -50,7 +50,7 @@ pub(crate) fn sensitivities(
         let candidate = &candidates[number];
         let column = |&size: &usize| -> Option<Vec<f64>> {
             let step = candidate.probe(size);
-            // Where the one direction cannot be simulated_m, the other may.
+            // If one direction cannot be simulated, the other may.
             [step, -step].into_iter().find_map(|step| {
                 let effect = candidate.effect(&candidate.moved(&null, size, step))?;
                 let there = tips(model, &[known.as_slice(), &[effect]].concat(), samples)?;

@@ -1,23 +1,22 @@
-//! Models simulated_m on the commands of samples.
+//! Simulation of models with the commands of samples.
 
 use rayon::prelude::*;
 
 use crate::discovery::recording::samples::{Samples, TrialCommands};
 use crate::effects::{EffectSpec, Model, Trial, replay};
 
-/// First looks and rough fits are simulated_m with a tolerance that is larger by this, longer cells by this, and polynomials up to
-/// so many of the bending moments and of everything else: what they are followed by corrects them.
+/// Coarse resolution for screening and rough fits: factors on time tolerance and cell length, and numbers of modes.
 const COARSER: f64 = 10.0;
 const LONGER: f64 = 1.5;
 const BENDING_MODES: usize = 4;
 const OTHER_MODES: usize = 3;
-/// What is answered is fitted to the steps of a tolerance that is smaller by this: those of the search are off by as much
-/// as some hundred samples tell.
+/// Fine resolution of the final fit: factor on the time tolerance. At the resolution of the search the error
+/// corresponds to the information in some hundred samples.
 const FINER: f64 = 30.0;
-/// Tolerance of a rest over that of a step in time there.
+/// Static tolerance over the time-stepping tolerance.
 const STATIC_SHARE: f64 = 0.3;
 
-/// `model` with coarser steps in time and space, which take a third to a half as long.
+/// `model` at the coarse resolution; two to three times faster.
 pub(crate) fn coarse(model: &Model) -> Model {
     let mut coarse = model.clone();
     let resolution = &mut coarse.robot.resolution;
@@ -30,7 +29,7 @@ pub(crate) fn coarse(model: &Model) -> Model {
     coarse
 }
 
-/// `model` with finer steps in time and with cells that end at every jump of the material, which takes ten times as long.
+/// `model` at the fine resolution, with cells that end at material jumps; ten times slower.
 fn fine(model: &Model) -> Model {
     let mut fine = model.clone();
     let resolution = &mut fine.robot.resolution;
@@ -40,17 +39,17 @@ fn fine(model: &Model) -> Model {
     fine
 }
 
-/// Where `model` with `extra` effects has the tip with finer steps in time and a finer grid; none where it cannot be simulated_m so.
+/// Simulated tip at the fine resolution; none if the simulation fails.
 pub(crate) fn fine_tips(model: &Model, extra: &[EffectSpec], samples: &Samples) -> Option<Vec<f64>> {
     let fine = fine(model);
-    // A rest that cannot be settled so finely is taken on the grid that motion has.
+    // Rest states that do not converge to the fine tolerance use the grid of the motion.
     let mut unsettled = fine.clone();
     unsettled.robot.resolution.static_tolerance_m = f64::INFINITY;
     tips(&fine, extra, samples).or_else(|| tips(&unsettled, extra, samples))
 }
 
-/// `samples` without what a model that has the tip at `fine` with finer steps and a finer grid does there beyond having it at
-/// `simulated_m`: a fit to them is one with those (defect correction; Stetter, Numerische Mathematik 29, 1978).
+/// `samples` minus the difference of the fine solution `fine` and the coarse solution `simulated_m`: a fit to them
+/// equals a fit at the fine resolution (defect correction; Stetter, Numerische Mathematik 29, 1978).
 pub(crate) fn corrected(samples: &Samples, fine: &[f64], simulated_m: &[f64]) -> Samples {
     let mut corrected = samples.clone();
     for (row, (fine, simulated_m)) in
@@ -61,8 +60,8 @@ pub(crate) fn corrected(samples: &Samples, fine: &[f64], simulated_m: &[f64]) ->
     corrected
 }
 
-/// Where `model` with `extra` effects has the tip in every sample, three numbers a sample, metres; none where it cannot
-/// follow the commands. Trials run beside each other.
+/// Simulated tip of `model` with `extra` effects in every sample, three values a sample, metres; none if the
+/// simulation fails. Trials run in parallel.
 pub(crate) fn tips(model: &Model, extra: &[EffectSpec], samples: &Samples) -> Option<Vec<f64>> {
     let simulated_m: Vec<Vec<[f64; 3]>> =
         samples.trials.par_iter().map(|trial| simulate_trial(model, extra, trial)).collect::<Option<_>>()?;
@@ -83,7 +82,7 @@ fn simulate_trial(model: &Model, extra: &[EffectSpec], trial: &TrialCommands) ->
     tips.iter().flatten().all(|x| x.is_finite()).then_some(tips)
 }
 
-/// Three trials in which `model` with `extra` effects goes round, without noise.
+/// Three noise-free trials of `model` with `extra` effects on circling commands.
 #[cfg(test)]
 pub(crate) fn circling(model: &Model, extra: &[EffectSpec]) -> Samples {
     use crate::data::{Actuation, Recording};

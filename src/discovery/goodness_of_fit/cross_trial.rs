@@ -1,8 +1,8 @@
-//! Is anything missing? Where a model lacks something, what is left of one trial can be foretold from the others: the
-//! same circumstances leave the same residual. Ar1Noise cannot be foretold. A regression (kernel ridge) on circumstances is
-//! fitted to all trials but one and asked about that one; its success is compared with that under random signs of blocks
-//! of samples, which noise alone would not mind (a permutation test; Good, Permutation Tests, ch. 2). Blocks are whole
-//! trials, or parts of them where there are few; noise that is correlated over a few samples does not mind either.
+//! Cross-trial test: can the residual of one trial be predicted from the others? Model errors repeat under the same
+//! conditions; noise does not. A kernel ridge regression on covariates is fitted to all trials but one and predicts
+//! that one. Its success is compared with that under random signs of blocks of samples (permutation test; Good,
+//! Permutation Tests, ch. 2). Blocks are trials, or parts of trials if there are few, so noise correlated over a few
+//! samples is admissible.
 
 use std::ops::Range;
 
@@ -15,23 +15,23 @@ use crate::discovery::recording::covariates::Covariates;
 use crate::discovery::recording::samples::{Samples, rms_m};
 use crate::math::distribution::normal_above;
 
-/// The test's result, and what share of the residual's squares each pattern foretells, the best first.
+/// Test result, and the share of squares that each pattern predicts, best first.
 #[derive(Clone, Debug)]
 pub(crate) struct CrossTrialTest {
     pub(crate) test: MissingTest,
     pub(crate) foretold: Vec<(ResidualPattern, f64)>,
 }
 
-/// Blocks with signs of their own at least.
+/// Minimum number of blocks.
 const FEWEST_BLOCKS: usize = 12;
-/// Random signs that show how far chance goes, …
+/// Minimum number of sign draws.
 const DRAWS: usize = 400;
-/// … and that are compared with at most: what does as well once in a thousand is to be seen several times, …
+/// Maximum number of sign draws, so that a chance of one in a thousand is observed several times.
 const MOST_DRAWS: usize = 4000;
-/// … until so many have done as well (sequential Monte Carlo; Besag & Clifford, Biometrika 78, 1991).
+/// Draws stop after this many successes by chance (sequential Monte Carlo; Besag & Clifford, Biometrika 78, 1991).
 const ENOUGH_ABOVE: usize = 20;
 
-/// Tests whether `residual` (metres, three numbers a sample) holds more than noise.
+/// Tests whether `residual` (metres, three values a sample) is noise.
 pub(crate) fn test_cross_trial(
     samples: &Samples,
     covariates: &[Covariates],
@@ -50,7 +50,7 @@ pub(crate) fn test_cross_trial(
         tables.iter().map(|table| table.success(&signs)).collect()
     };
     let first: Vec<Vec<f64>> = (0..DRAWS).map(|_| drawn()).collect();
-    // The best of the patterns' successes, each in its own standard deviations, and how often chance does as well.
+    // Test statistic: the largest standardised success over the patterns.
     let moments: Vec<(f64, f64)> = (0..tables.len()).map(|k| moments(first.iter().map(|draw| draw[k]))).collect();
     let best = |successes: &[f64]| {
         let scaled = successes.iter().zip(&moments).map(|(value, (mean, deviation))| (value - mean) / deviation);
@@ -66,7 +66,7 @@ pub(crate) fn test_cross_trial(
         above += usize::from(best(&drawn()) >= height);
     }
     let counted = (above + 1) as f64 / (draws + 1) as f64;
-    // Beyond what so many draws can show, the tail of a normal law.
+    // Below the resolution of the draws: tail of the normal distribution.
     let p_value = if above == 0 { counted.min(tables.len() as f64 * normal_above(height)) } else { counted };
     let squares = residual.iter().map(|r| r * r).sum::<f64>().max(f64::MIN_POSITIVE);
     let mut foretold: Vec<(ResidualPattern, f64)> = patterns
@@ -85,7 +85,7 @@ fn moments(values: impl Iterator<Item = f64>) -> (f64, f64) {
     (crate::math::summary::mean(&values), deviation.max(f64::MIN_POSITIVE))
 }
 
-/// Blocks of samples whose signs are drawn together: at least [`FEWEST_BLOCKS`] of them.
+/// Blocks of samples with a common sign: at least [`FEWEST_BLOCKS`].
 fn blocks(ranges: &[Range<usize>]) -> Vec<Range<usize>> {
     let parts = FEWEST_BLOCKS.div_ceil(ranges.len().max(1));
     let cut = |range: &Range<usize>| -> Vec<Range<usize>> {
@@ -105,8 +105,7 @@ mod tests {
 
     const NOISE_M: f64 = 5e-4;
 
-    /// Eight trials of so many samples, each of which goes round a circle; what is left is noise and, on one side of it, so
-    /// much more.
+    /// Eight trials on a circle: noise, plus a residual of amplitude `more_m` that depends on the position.
     fn tested(samples: usize, more_m: f64) -> CrossTrialTest {
         let alike = Samples::alike(8, samples);
         let angle = |sample: &Sample| TAU * (sample.row as f64 / samples as f64 + 0.3 * sample.trial as f64);
@@ -125,7 +124,8 @@ mod tests {
             assert!(none.p_value > 0.01, "{samples}: {none:?}");
             let found = tested(samples, 2.0 * NOISE_M);
             assert!(found.test.p_value < 1e-3, "{samples}: {:?}", found.test);
-            // Of the squares, 2 are the pose's and 3 the noise's. Time is the pose's only within a trial.
+            // Two parts of the squares are due to the pose, three to noise. Time predicts the pose only within a
+            // trial.
             let share = |of: ResidualPattern| found.foretold.iter().find(|(pattern, _)| *pattern == of).unwrap().1;
             assert!((share(ResidualPattern::Pose) - 0.4).abs() < 0.06, "{samples}: {:?}", found.foretold);
             assert!(

@@ -11,8 +11,8 @@ use crate::effects::EffectSpec;
 use crate::math::distribution::f_above;
 
 impl Problem<'_> {
-    /// What is left of the held-out trials, where the model with the `answer` has the tip at `simulated_m`: what is uncertain of
-    /// any robot, and what is in common with a baseline, within what the fit leaves of it.
+    /// Fit of the held-out residual by nuisance parameters with the posterior of the training fit. `simulated_m`:
+    /// simulated tip of the `answer`.
     pub(crate) fn explain_held_out(
         &self,
         fit_problem: &FitProblem,
@@ -29,7 +29,7 @@ impl Problem<'_> {
         Some(nuisances.explain(&self.held_out, &self.held_out.residual(simulated_m), 0.0))
     }
 
-    /// Whether held-out trials scatter no more about `other` numbers of an answer than the trials of the fit.
+    /// Whether `other` values of an answer pass the test on held-out trials.
     pub(crate) fn is_borne_out_by_held_out(&self, fit_problem: &FitProblem, other: &FittedSet) -> bool {
         let known = effect_specs(&self.candidates, &other.members);
         let simulated_m = known.and_then(|known| simulate::tips(&self.model, &known, &self.held_out));
@@ -37,8 +37,8 @@ impl Problem<'_> {
         unseen.is_some_and(|unseen| self.held_out_test(other, &unseen).is_none())
     }
 
-    /// The sign that trials that took no part scatter more about `answer` than those of its fit. `unseen`: what is left of
-    /// them.
+    /// The failed test, if held-out trials scatter significantly more about `answer` than the training trials.
+    /// `unseen`: fit of the held-out residual.
     pub(crate) fn held_out_test(&self, answer: &FittedSet, unseen: &NuisanceFit) -> Option<TestResult> {
         let square_m2 = |nuisance_fit: &NuisanceFit| nuisance_fit.noise.rms_m().powi(2);
         let freedom = |nuisance_fit: &NuisanceFit, samples: &Samples| nuisance_fit.noise.freedom(samples.len());

@@ -1,6 +1,5 @@
-//! What is left of one trial, foretold from what is left of the others: a regression (kernel ridge; Hastie, Tibshirani &
-//! Friedman, The Elements of Statistical Learning, section 5.8) on circumstances, fitted to all trials but one and asked
-//! about that one.
+//! Kernel ridge regression of residuals on covariates, with prediction of each trial from the others (Hastie,
+//! Tibshirani & Friedman, The Elements of Statistical Learning, section 5.8).
 
 use std::ops::Range;
 
@@ -8,36 +7,36 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 
 use crate::discovery::recording::covariates::Covariates;
 
-/// On what a residual depends.
+/// What a residual depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ResidualPattern {
-    /// Where the robot is.
+    /// Position and command.
     Pose,
-    /// How it got there.
+    /// Motion history.
     History,
-    /// How long the trial has lasted.
+    /// Time in the trial.
     Time,
-    /// That it is there at all.
+    /// A constant.
     Constant,
 }
 
-/// Variance of what is not foretold, over that of what is.
+/// Ratio of noise variance to signal variance.
 const RIDGE: f64 = 3.0;
-/// Of more samples than this, neighbours are taken together: the regression takes time as the cube of their number.
+/// Beyond this number of samples, consecutive ones are averaged: the cost grows with the cube.
 const MOST_POINTS: usize = 1200;
 
-/// Trials are foretold one by one, of more than this several together.
+/// Beyond this number of trials, several are predicted together.
 const MOST_GROUPS: usize = 12;
 
-/// Samples, or means over neighbours where there are too many of them.
+/// Samples, or means of consecutive samples if there are many.
 pub(crate) struct BinnedSamples {
-    /// The points of each trial, or of some that follow each other where there are too many of them.
+    /// Points of each trial or group of trials.
     pub(crate) ranges: Vec<Range<usize>>,
-    /// The circumstances of each, those of the middle one of its samples.
+    /// Covariates of each point, from its middle sample.
     covariates: Vec<Covariates>,
-    /// What was left, metres, three numbers a point.
+    /// Residual, metres, three values a point.
     residual: Vec<f64>,
-    /// Samples that a point stands for, about.
+    /// Mean number of samples a point.
     samples_each: f64,
 }
 
@@ -64,16 +63,16 @@ impl BinnedSamples {
     }
 }
 
-/// Products between what was left in each block and what each block of another trial foretells there.
+/// Products of the residual of each block and its prediction by blocks of other trials.
 pub(crate) struct CrossPrediction {
-    /// For each axis: block foretold × block foretelling.
+    /// For each axis: predicted block × predicting block.
     products: [DMatrix<f64>; 3],
-    /// Fall of the sum of squares of all samples by what is foretold, m²; not below zero.
+    /// Decrease of the sum of squares by the prediction, m², at least zero.
     pub(crate) foretold: f64,
 }
 
 impl CrossPrediction {
-    /// The points of each of the `blocks` foretold by what `pattern` says of other trials.
+    /// Predictions of each block by `pattern` from other trials.
     pub(crate) fn new(pattern: ResidualPattern, points: &BinnedSamples, blocks: &[Range<usize>]) -> CrossPrediction {
         let kernel = kernel(pattern, &points.covariates);
         let (trials, residual) = (&points.ranges, &points.residual);
@@ -109,7 +108,7 @@ impl CrossPrediction {
         CrossPrediction { products, foretold: points.samples_each * foretold.max(0.0) }
     }
 
-    /// Agreement of what was left with what was foretold, m², each trial's residual with a sign.
+    /// Agreement of residual and prediction, m², with signs of the blocks.
     pub(crate) fn success(&self, signs: &[[f64; 3]]) -> f64 {
         let one = |axis: usize| -> f64 {
             let table = &self.products[axis];
@@ -120,7 +119,7 @@ impl CrossPrediction {
     }
 }
 
-/// How alike the circumstances of two samples are, from 0 to 1.
+/// Kernel matrix of the covariates, from 0 to 1.
 fn kernel(pattern: ResidualPattern, covariates: &[Covariates]) -> DMatrix<f64> {
     let features: Vec<Vec<f64>> = covariates
         .iter()

@@ -6,17 +6,16 @@ use crate::discovery::noise_floor::NoiseFloor;
 use crate::discovery::noise_floor::repeats::{groups, is_start};
 use crate::discovery::recording::samples::Samples;
 
-/// What a model leaves of things that were measured again and again, in the mean.
+/// Mean residual of repeated measurements.
 pub(crate) struct LackOfFit {
-    /// Chance of as much where the model is right: the test for lack of fit against pure error (Draper & Smith, Applied
-    /// Regression Analysis, section 2.1).
+    /// Probability of this or more if the model is right.
     pub(crate) p_value: f64,
     /// Root mean square, metres.
     pub(crate) rms_m: f64,
 }
 
-/// The bias of `residual_m` (three numbers a sample) where commands were repeated or held, beside the noise `floor`. Starts are as
-/// independent as trials, samples at dwell as much as `noise` lets them be.
+/// Tests the means of `residual_m` (three values a sample) over repeated samples against the noise `floor`. Starts are
+/// independent; samples at rest are correlated like `noise`.
 pub(crate) fn lack_of_fit_test(
     samples: &Samples,
     residual_m: &[f64],
@@ -49,7 +48,7 @@ mod tests {
 
     const NOISE_M: f64 = 5e-4;
 
-    /// What a model leaves in eight trials of ten samples that all begin in one place: noise, and at the start a bias.
+    /// Residual of eight trials of ten samples: noise, and a bias at the start.
     fn tested(bias_m: f64, seed: u64) -> LackOfFit {
         let mut noise = white_noise(NOISE_M, seed);
         let mut samples = Samples::alike(8, 10);

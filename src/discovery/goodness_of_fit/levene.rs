@@ -1,23 +1,23 @@
-//! Is what is left spread alike over the trials? A tracker's noise is; what a set of effects only imitates is not, and may yet
-//! be foretold by nothing. Levene's test: an analysis of variance of the distances (Levene, in Contributions to
-//! Probability and Statistics, 1960), which outliers mislead less than the variances themselves.
+//! Levene's test: is the scatter of the residual equal over the trials? Tracker noise is; an effect that only imitates
+//! the missing one is not. Analysis of variance of the distances (Levene, in Contributions to Probability and
+//! Statistics, 1960), which is robust against outliers.
 
 use crate::discovery::fit::nuisance::NuisanceFit;
 use crate::discovery::recording::samples::{Samples, rms_m};
 use crate::math::distribution::f_above;
 use crate::math::summary::{mean, quantile};
 
-/// How unevenly what is left is spread over the trials.
+/// Result of Levene's test.
 pub(crate) struct LeveneResult {
-    /// Chance of as much from noise.
+    /// Probability of this or more from noise.
     pub(crate) p_value: f64,
-    /// What the worst trial has more than the middle one, root mean square, metres (the squares add up).
+    /// Excess of the worst trial over the median trial, rms, metres (squares add up).
     pub(crate) more_m: f64,
-    /// What the middle one has.
+    /// Rms of the median trial, metres.
     pub(crate) middle_m: f64,
 }
 
-/// The test on what `nuisance_fit` leaves in `samples`.
+/// The test on the residual of `nuisance_fit` in `samples`.
 pub(crate) fn levene_test(samples: &Samples, nuisance_fit: &NuisanceFit) -> LeveneResult {
     let distance_m: Vec<f64> = nuisance_fit.residual_m.chunks_exact(3).map(rms_m).collect();
     let (mut between, mut within) = (0.0, 0.0);
@@ -56,7 +56,7 @@ mod tests {
 
     const NOISE_M: f64 = 5e-4;
 
-    /// Six trials of fifty samples that leave noise, in one of them so many times as much.
+    /// Six trials of fifty samples of noise, one of them larger by a factor.
     fn tested(times: f64, seed: u64) -> LeveneResult {
         let mut noise = white_noise(NOISE_M, seed);
         let residual_m = (0..900).map(|k| if (300..450).contains(&k) { times * noise() } else { noise() }).collect();

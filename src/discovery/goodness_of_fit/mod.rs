@@ -1,5 +1,5 @@
-//! Whether a set of effects leaves more of the samples than nuisances and noise: six tests, each of which sees what others
-//! miss.
+//! Goodness of fit: are the residuals of a fitted set noise? Six tests, one file each; `held_out` adds a seventh on
+//! held-out trials.
 
 pub(crate) mod cross_trial;
 pub(crate) mod held_out;
@@ -25,43 +25,43 @@ use score_test::score_test;
 use spearman::spearman_test;
 use test_result::{FitTest, TestResult};
 
-/// Whether something is left.
+/// Result of all tests.
 #[derive(Clone, Debug)]
 pub(crate) struct GoodnessOfFit {
-    /// The clearest failed of it, by a chance below `false_alarm`, or that it is slower than any noise.
+    /// The failed test with the smallest p-value below `false_alarm`, or the slow-variance test.
     pub(crate) failed: Option<TestResult>,
-    /// By one that is worth a longer search.
+    /// Whether a test is close enough to failing that the search goes on.
     pub(crate) is_doubtful: bool,
-    /// What all effects together would certainly explain of it, but no more than laws may be off by, metres.
+    /// Significant residual that all effects together explain, but within the expected law errors, metres.
     pub(crate) tolerated_m: Option<f64>,
-    /// The noise floor that it was held against.
+    /// The noise floor of the tests.
     pub(crate) floor: NoiseFloor,
 }
 
-/// Correlation from one sample to the next beyond which what is left is not a tracker's noise.
+/// Correlation above which a residual is no tracker noise.
 const SLOW: f64 = 0.8;
-/// Chance below which such a residual is more than the repeats' noise.
+/// Significance level of the variance test for such a residual.
 const SLOW_CHANCE: f64 = 0.05;
-/// Chance of any test below which the search goes on before it says that nothing is missing.
+/// Significance level below which the search goes on.
 const DOUBTFUL: f64 = 0.05;
-/// Laws of how a rod gives way stand for many; effects without a shape or a place are off by this share of `least_share`.
+/// Share of the expected law error for effects without shape or choice parameters, whose laws are more accurate.
 const WITHOUT_SHAPE: f64 = 0.5;
 
 impl GoodnessOfFit {
-    /// Whether it is more than noise leaves.
+    /// Whether a test has failed.
     pub(crate) fn is_rejected(&self) -> bool {
         self.failed.is_some()
     }
 }
 
 impl Problem<'_> {
-    /// Whether what is left of the samples of the fit can be foretold.
+    /// Cross-trial test of the training residual.
     pub(crate) fn cross_trial_test(&self, nuisance_fit: &NuisanceFit, simulated_m: &[f64]) -> CrossTrialTest {
         let covariates = sample_covariates(&self.training, simulated_m);
         test_cross_trial(&self.training, &covariates, &nuisance_fit.residual_m, self.options.seed())
     }
 
-    /// Whether `fitted` leaves more than the `nuisances` beside it and noise; `foretold`: what can be foretold of it.
+    /// Runs all tests on the residual of `fitted`; `foretold`: result of the cross-trial test.
     pub(crate) fn goodness_of_fit(
         &self,
         nuisances: &Nuisances,
@@ -73,8 +73,7 @@ impl Problem<'_> {
         let model_m = self.options.least_m(&self.model);
         let least_m = self.least_relevant_m(floor_m);
         let inexact_m = least_m.max(self.allowed_law_error_m(fitted, 1.0));
-        // More scatter than noise alone; scatter that hardly changes from one sample to the next is no tracker's, and little
-        // more of it is enough.
+        // Variance above the noise floor. Little excess suffices if the residual is too slow for tracker noise.
         let floor = NoiseFloor::estimate(&self.training, nuisance_fit, &fitted.simulated_m);
         let scatters = floor.p_value_of(&NoiseFloor::of_residual(nuisance_fit, &self.training));
         let alone_m = floor.rms_m();
@@ -85,11 +84,11 @@ impl Problem<'_> {
         let grows = spearman_test(nuisance_fit, &self.displacement_m(&fitted.simulated_m));
         let all = score_test(&self.training, nuisances, fitted, &self.catalogue_sensitivities());
         let (all, all_m) = all.map_or((1.0, 0.0), |found| (found.p_value, found.more_m));
-        // That is only the part of what is left that the catalogue reaches, and not held against the noise floor.
+        // The score test covers only the part that the catalogue explains, and is not relative to the noise floor.
         let shaped = fitted.members.iter().any(|member| self.candidates[member.candidate].has_shape());
         let tolerable_m = model_m.max(self.allowed_law_error_m(fitted, if shaped { 1.0 } else { WITHOUT_SHAPE }));
         let seen = |test, p_value, more_m, beyond_m| TestResult { test, p_value, more_m, beyond_m };
-        // What each test found, and how large it must be to matter.
+        // Each test with its minimum relevant size.
         let tests = [
             (seen(FitTest::CrossTrial, foretold.test.p_value, foretold.test.foretold_m, 0.0), least_m),
             (seen(FitTest::Variance, scatters, more_m, alone_m), least_m),
@@ -110,15 +109,13 @@ impl Problem<'_> {
         GoodnessOfFit { failed, is_doubtful, tolerated_m: is_tolerated.then_some(all_m), floor }
     }
 
-    /// What the laws of the members may be off by, metres: this `share` of what laws are off by at their best. Nothing where
-    /// a size would go on beyond the end of its range: that is no law's error.
+    /// Expected law error of the members, metres, times `share`. Zero if a size is at the end of its range.
     fn allowed_law_error_m(&self, fitted: &FittedSet, share: f64) -> f64 {
         let ended = |member: &SetMember| self.candidates[member.candidate].is_at_range_end(&member.values);
         if fitted.members.iter().any(ended) { 0.0 } else { share * self.law_error_m(&fitted.simulated_m) }
     }
 
-    /// How the tip answers to a little of every effect that could be the answer, a column a size. Not of those that are
-    /// uncertain: together they would tell how uncertain, which is the lab's to say.
+    /// Sensitivities to every effect that may be named, one column a size, without uncertain parameters.
     fn catalogue_sensitivities(&self) -> DMatrix<f64> {
         let open = self.fit_problem().open;
         let asked = |number: usize| open[number] && !self.options.is_uncertain(self.candidates[number].card.name);

@@ -1,7 +1,6 @@
-//! Would all effects of the catalogue together, a little of each, explain more of what is left than they do of noise? None
-//! of them need do much by itself: what a set of effects only imitates is left over in many directions at once. The score
-//! test (Rao, Proceedings of the Cambridge Philosophical Society 44, 1948), its noise estimated from the rest as in a test
-//! for lack of fit (Draper & Smith, Applied Regression Analysis, section 1.5).
+//! Score test: do small amounts of all effects together explain more of the residual than of noise? An imitation
+//! leaves residuals in many directions at once (Rao, Proceedings of the Cambridge Philosophical Society 44, 1948;
+//! noise estimated from the remainder as in Draper & Smith, Applied Regression Analysis, section 1.5).
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SymmetricEigen};
 
@@ -10,24 +9,22 @@ use crate::discovery::fit::nuisance::Nuisances;
 use crate::discovery::recording::samples::Samples;
 use crate::math::distribution::f_above;
 
-/// What all effects together explain of what is left.
+/// Result of the score test.
 pub(crate) struct ScoreTestResult {
-    /// Chance of as much from noise.
+    /// Probability of this or more from noise.
     pub(crate) p_value: f64,
-    /// What they explain beyond what so many numbers explain of noise, root mean square, metres; at least, where noise is
-    /// correlated.
+    /// Explained part beyond that expected from noise, rms, metres; a lower bound for correlated noise.
     pub(crate) more_m: f64,
 }
 
-/// Directions in which the tip answers by less than this share of the strongest, in squares, are noise of the answers; so
-/// are those that are weaker beside a single answer of length one.
+/// Directions weaker than this share of the strongest, in squares, are ignored; so are those this weak relative to one
+/// column.
 const LEAST_DIRECTION: f64 = 1e-3;
-/// Added to the diagonal of what is free, as a share of it, so that columns may be alike.
+/// Relative ridge on free parameters.
 const RIDGE: f64 = 1e-9;
 
-/// The test on what `fitted` leaves in `samples`: `nuisances` are free within their uncertainty and the members' numbers
-/// without any. `answers`: what a little of every effect does to the tip, a column each, three numbers a sample. None where
-/// there are too few samples for so many effects, or no effects.
+/// The test on the residual of `fitted` in `samples`. `answers`: sensitivities to all effects, one column each, three
+/// rows a sample. None with too few samples or without effects.
 pub(crate) fn score_test(
     samples: &Samples,
     nuisances: &Nuisances,
@@ -43,8 +40,8 @@ pub(crate) fn score_test(
     let factor = factor(nuisances, &free)?;
     let beyond = &answers - &free * factor.solve(&free.tr_mul(&answers));
     let left = DVector::from_vec(noise.whiten(samples, &fitted.nuisance_fit.residual_m));
-    // A fit may end at the end of a range or short of its best: the members' numbers take what they still can (Neyman's
-    // C(alpha)). Nuisances are at their most likely amounts.
+    // The fit may be short of its optimum: member parameters take what they still can (Neyman's C(α)). Nuisance
+    // parameters are at their most likely values.
     let mut pull = free.tr_mul(&left);
     pull.rows_mut(0, nuisances.columns.ncols()).fill(0.0);
     let left = &left - &free * factor.solve(&pull);
@@ -59,7 +56,7 @@ pub(crate) fn score_test(
         }
     }
     let numbers = left.len();
-    // All that is free, though a prior leaves it less: on the safe side.
+    // Conservative: priors reduce the number of free parameters.
     let freedom = numbers.checked_sub(count + free.ncols()).filter(|freedom| *freedom > 0)? as f64;
     let rest = (left.norm_squared() - taken).max(0.0) / freedom;
     let more = (taken - count as f64 * rest).max(0.0) / numbers as f64;
@@ -69,7 +66,7 @@ pub(crate) fn score_test(
     })
 }
 
-/// Factor of the information on what is free; the ridge carries a column that is zero, too.
+/// Cholesky factor of the information of free parameters with a ridge.
 fn factor(nuisances: &Nuisances, free: &DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
     let mut information = nuisances.information(free);
     let largest = information.diagonal().max();
@@ -80,7 +77,7 @@ fn factor(nuisances: &Nuisances, free: &DMatrix<f64>) -> Option<Cholesky<f64, Dy
     Cholesky::new(information)
 }
 
-/// Columns that are zero are left out.
+/// Normalised columns without zero columns.
 fn of_length_one(columns: &DMatrix<f64>) -> DMatrix<f64> {
     let kept: Vec<DVector<f64>> =
         columns.column_iter().filter(|column| column.norm() > 0.0).map(|column| column.normalize()).collect();
@@ -104,12 +101,13 @@ mod tests {
         })
     }
 
-    /// The test on noise of this correlation and so much of all waves, the first wave uncertain and the second fitted.
+    /// The test on noise of this correlation with this amplitude of all waves; the first wave is uncertain, the second
+    /// fitted.
     fn tested(correlation: f64, each_m: f64, seed: u64) -> ScoreTestResult {
         short_of_best(correlation, each_m, 0.0, seed)
     }
 
-    /// The same where the fit of the second wave has ended by so much too soon.
+    /// The same with the fit of the second wave short of its optimum.
     fn short_of_best(correlation: f64, each_m: f64, short_m: f64, seed: u64) -> ScoreTestResult {
         let (samples, waves) = (Samples::alike(6, 50), waves());
         let mut residual_m = samples.noise(NOISE_M, correlation, seed);
@@ -119,7 +117,7 @@ mod tests {
         let own = |k: usize| (waves.column(k).as_slice().to_vec(), 1.0);
         let nuisances = Nuisances::independent(900, &[own(0)]);
         let mut nuisance_fit = Nuisances::independent(900, &[own(0), own(1)]).explain(&samples, &residual_m, 0.0);
-        // The effect that was fitted answers a little otherwise where it is.
+        // The Jacobian at the fit differs slightly from the sensitivity.
         let jacobian = waves.columns(1, 1) + 0.1 * waves.columns(4, 1);
         for (left, answer) in nuisance_fit.residual_m.iter_mut().zip(jacobian.iter()) {
             *left += short_m * answer;
@@ -136,20 +134,20 @@ mod tests {
         }
     }
 
-    /// Of every wave so little that it would not be seen by itself among thirty.
+    /// Amplitudes that are invisible in any single wave.
     #[test]
     fn a_little_of_everything_is_seen() {
         let each_m = 0.2 * NOISE_M;
         for seed in 0..20 {
             let found = tested(0.0, each_m, seed);
             assert!(found.p_value < 1e-3, "{seed}: {}", found.p_value);
-            // Twenty-eight waves are left, each of which has half a square in one number of three.
+            // Twenty-eight waves remain, each with half a square on one of three axes.
             let more_m = (14.0_f64).sqrt() * each_m;
             assert!((found.more_m / more_m - 1.0).abs() < 0.3, "{seed}: {} of {more_m}", found.more_m);
         }
     }
 
-    /// As where a number ends at the end of its range.
+    /// As for a parameter at the end of its range.
     #[test]
     fn a_fit_that_ended_too_soon_is_nothing_new() {
         for seed in 0..20 {

@@ -1,6 +1,6 @@
-//! Does what is left grow with what a set of effects does? A tracker's noise does not. What a set only imitates is off most
-//! where the set has most to do, be it in one trial alone, and there nothing foretells it. Spearman's rank correlation (Am. J.
-//! Psychol. 15, 1904), which outliers and heavy tails hardly move.
+//! Spearman test: does the residual grow with the displacement by the set? Tracker noise does not. An imitation is
+//! worst where it moves the tip most, even in a single trial. Rank correlation (Spearman, Am. J. Psychol. 15, 1904),
+//! robust against outliers and heavy tails.
 
 use crate::discovery::fit::ar1_noise::Ar1Noise;
 use crate::discovery::fit::nuisance::NuisanceFit;
@@ -8,18 +8,18 @@ use crate::discovery::recording::samples::rms_m;
 use crate::math::distribution::f_above;
 use crate::math::summary::mean;
 
-/// How what is left grows with what the set does.
+/// Result of the Spearman test.
 pub(crate) struct SpearmanResult {
-    /// Chance of as much from noise.
+    /// Probability of this or more from noise.
     pub(crate) p_value: f64,
-    /// What the third of the samples that the set moves most has more than the third that it moves least, root mean square,
-    /// metres (the squares add up).
+    /// Excess of the third of the samples with the largest displacement over the third with the smallest, rms, metres
+    /// (squares add up).
     pub(crate) more_m: f64,
-    /// What the third has that it moves least.
+    /// Rms of the third with the smallest displacement, metres.
     pub(crate) least_m: f64,
 }
 
-/// The test on what `nuisance_fit` leaves of samples that the set moves by `moved` (three numbers a sample, metres).
+/// The test on the residual of `nuisance_fit`; `moved`: displacement by the set (three values a sample, metres).
 pub(crate) fn spearman_test(nuisance_fit: &NuisanceFit, moved: &[f64]) -> SpearmanResult {
     let distances_m = |values: &[f64]| -> Vec<f64> { values.chunks_exact(3).map(rms_m).collect() };
     let (residual_m, moved_m) = (distances_m(&nuisance_fit.residual_m), distances_m(moved));
@@ -28,7 +28,7 @@ pub(crate) fn spearman_test(nuisance_fit: &NuisanceFit, moved: &[f64]) -> Spearm
     let third = (order.len() / 3).max(1);
     let square_m2 = |rows: &[usize]| mean(&rows.iter().map(|&row| residual_m[row].powi(2)).collect::<Vec<f64>>());
     let (least, most) = (square_m2(&order[..third]), square_m2(&order[order.len() - third..]));
-    // Correlated samples count for fewer; squares of normal numbers forget twice as fast as these do.
+    // Correlated samples count for fewer; squares are correlated by the square.
     let memory = Ar1Noise { correlation: nuisance_fit.noise.correlation.powi(2), ..nuisance_fit.noise };
     let freedom = memory.independent(residual_m.len()) - 2.0;
     SpearmanResult {
@@ -38,7 +38,7 @@ pub(crate) fn spearman_test(nuisance_fit: &NuisanceFit, moved: &[f64]) -> Spearm
     }
 }
 
-/// Probability that noise correlates as much or more, by Student's t.
+/// Tail probability by Student's t.
 fn chance(correlation: f64, freedom: f64) -> f64 {
     let square =
         correlation * correlation * freedom.max(1.0) / (1.0 - correlation * correlation).max(f64::MIN_POSITIVE);
@@ -46,7 +46,7 @@ fn chance(correlation: f64, freedom: f64) -> f64 {
     if correlation > 0.0 { beyond } else { 1.0 - beyond }
 }
 
-/// Spearman's correlation; 0 where one of both is the same everywhere.
+/// Rank correlation; 0 if one of both is constant.
 fn rank_correlation(a: &[f64], b: &[f64]) -> f64 {
     let middle = 0.5 * (a.len() as f64 - 1.0);
     let centred = |values: &[f64]| -> Vec<f64> { ranks(values).into_iter().map(|rank| rank - middle).collect() };
@@ -56,7 +56,7 @@ fn rank_correlation(a: &[f64], b: &[f64]) -> f64 {
     if scale > 0.0 { product(&a, &b) / scale } else { 0.0 }
 }
 
-/// The rank of each value from 0; equal values share theirs.
+/// Ranks from 0; ties share theirs.
 fn ranks(values: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
@@ -79,8 +79,8 @@ mod tests {
 
     const NOISE_M: f64 = 5e-4;
 
-    /// Six trials of fifty samples, moved more and more along each of them, with noise of this correlation and an error of
-    /// this share of how far they are moved, to either side.
+    /// Six trials of fifty samples with growing displacement, noise of this correlation, and an error of this share of
+    /// the displacement with random sign.
     fn tested(correlation: f64, share: f64, seed: u64) -> SpearmanResult {
         let samples = Samples::alike(6, 50);
         let mut residual_m = samples.noise(NOISE_M, correlation, seed);
@@ -100,7 +100,7 @@ mod tests {
         }
         let found = tested(0.0, 0.15, 1);
         assert!(found.p_value < 1e-6, "{}", found.p_value);
-        // The last third is moved by 8.2 mm root mean square.
+        // The last third moves by 8.2 mm rms.
         assert!((found.more_m / (0.15 * 8.2e-3) - 1.0).abs() < 0.2, "{}", found.more_m);
         assert!((found.least_m / (3.0_f64.sqrt() * NOISE_M) - 1.0).abs() < 0.2, "{}", found.least_m);
     }

@@ -1,34 +1,34 @@
 //! What a goodness-of-fit test is called and what it reports.
 
-/// By what it shows that a set is not all.
+/// Test by which a set is rejected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum FitTest {
-    /// What it leaves is foretold by other trials.
+    /// Cross-trial test: other trials predict the residual.
     CrossTrial,
-    /// It leaves more scatter than the noise floor.
+    /// Variance above the noise floor.
     Variance,
-    /// The same, by little, but of what hardly changes from one sample to the next.
+    /// Small excess variance of a slowly changing residual.
     SlowVariance,
-    /// It leaves more in some trials than in others.
+    /// Levene's test: unequal scatter over the trials.
     Levene,
-    /// Its mean is off where the same thing was measured again.
+    /// Lack of fit: biased means of repeated measurements.
     LackOfFit,
-    /// It leaves more where it does more.
+    /// Spearman test: the residual grows with the displacement.
     Spearman,
-    /// A little of every effect together explains more of what it leaves than of noise.
+    /// Score test: all effects together explain part of the residual.
     Score,
-    /// Trials that took no part in its fit scatter more about it than those of the fit.
+    /// Variance on held-out trials above that on training trials.
     HeldOut,
 }
 
-/// What a test found.
+/// Result of a test.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TestResult {
     pub(crate) test: FitTest,
-    /// Chance of as much from noise.
+    /// Probability of this or more from noise.
     pub(crate) p_value: f64,
-    /// How much of the residual it is about, root mean square, metres, …
+    /// Size of the detected part of the residual, rms, metres.
     pub(crate) more_m: f64,
-    /// … beyond this much, where two scatters are compared (the squares add up).
+    /// Reference size, rms, metres, if two variances are compared (squares add up).
     pub(crate) beyond_m: f64,
 }

@@ -1,4 +1,4 @@
-//! What to record next where the data cannot tell the remaining candidates apart.
+//! What to record next if the data cannot tell the remaining candidates apart.
 
 pub(crate) mod protocols;
 pub(crate) mod t_optimality;

@@ -1,40 +1,40 @@
-//! What a lab can record next: commands built from poses that the recording has shown to be safe.
+//! Protocols that a laboratory can record next, from poses that the recording has shown to be safe.
 
 use crate::base::Rows;
 
-/// Something to record.
+/// A protocol.
 pub(crate) struct Protocol {
     pub(crate) name: &'static str,
     pub(crate) what: String,
-    /// Set-up by hand, minutes.
+    /// Manual set-up time, minutes.
     pub(crate) setup_min: f64,
-    /// Commands of each trial, and the weight that hangs on the tip, kilograms.
+    /// Commands of each trial, and the weight on the tip, kilograms.
     pub(crate) trials: Vec<(Rows, f64)>,
-    /// How long each command is held, seconds.
+    /// Duration of a command, seconds.
     pub(crate) step_s: f64,
-    /// Gravity as the base sees it, m/s², where it is mounted another way.
+    /// Gravity in the base frame, m/s², if the base is mounted differently.
     pub(crate) gravity_m_s2: Option<[f64; 3]>,
 }
 
-/// The recorded range that commands may use.
+/// Range of the recorded commands.
 pub(crate) struct CommandRange {
-    /// Recorded commands, all trials.
+    /// Recorded commands of all trials.
     poses: Vec<Vec<f64>>,
-    /// How long a command is held, seconds.
+    /// Duration of a command, seconds.
     step_s: f64,
-    /// The largest change of one tendon in that time that was recorded.
+    /// Largest recorded change of one tendon in that time.
     step: f64,
 }
 
-/// Commands to each trial, each held for so long, seconds, or from one row to the next where that is longer.
+/// Commands a trial, and the minimum duration of each, seconds.
 const LENGTH: usize = 50;
 const HELD_S: f64 = 0.2;
-/// Poses that a path visits.
+/// Poses of a path.
 const CORNERS: usize = 6;
-/// A weight that labs have and robots bear.
+/// A common laboratory weight.
 const WEIGHT_KG: f64 = 0.02;
 
-/// The protocols, for a base that sees gravity like this: every entry takes four trials.
+/// All protocols, four trials each.
 pub(crate) fn protocols(range: &CommandRange, gravity_m_s2: [f64; 3]) -> Vec<Protocol> {
     let path = |first: usize| range.path(&range.corners(first), range.step);
     let four = |trial: &dyn Fn(usize) -> Rows| -> Vec<(Rows, f64)> { (0..4).map(|k| (trial(k), 0.0)).collect() };
@@ -72,7 +72,7 @@ pub(crate) fn protocols(range: &CommandRange, gravity_m_s2: [f64; 3]) -> Vec<Pro
     ]
 }
 
-/// Another way to mount the base, in words, and gravity as it is seen then: across where it pulled.
+/// Another mounting of the base, as text, and its gravity in the base frame.
 fn remounted([x, y, z]: [f64; 3]) -> (&'static str, [f64; 3]) {
     if x.hypot(y) < z.abs() {
         return ("Lay the base on its side, so that gravity pulls along −x,", [-z.abs(), y, x]);
@@ -81,7 +81,7 @@ fn remounted([x, y, z]: [f64; 3]) -> (&'static str, [f64; 3]) {
 }
 
 impl CommandRange {
-    /// The range of recorded commands, trial by trial, a row every `recorded_s` seconds.
+    /// Range of the recorded commands; rows are `recorded_s` seconds apart.
     pub(crate) fn new<'a>(trials: impl Iterator<Item = &'a Rows>, recorded_s: f64) -> CommandRange {
         let held = (HELD_S / recorded_s).round().max(1.0);
         let mut range = CommandRange { poses: Vec::new(), step_s: held * recorded_s, step: 0.0 };
@@ -93,14 +93,14 @@ impl CommandRange {
             range.poses.extend(rows.into_iter().map(<[f64]>::to_vec));
         }
         if range.step == 0.0 {
-            // Each trial held one command, at which it came from home at once.
+            // Each trial holds one command, reached from home in one step.
             let far = range.poses.iter().map(|pose| farthest(pose, &vec![0.0; pose.len()]));
             range.step = far.fold(0.0, f64::max);
         }
         range
     }
 
-    /// Recorded poses far from each other, from the `first`-farthest from home on (farthest-point sampling).
+    /// Recorded poses far from each other, starting from the `first`-farthest from home (farthest-point sampling).
     fn corners(&self, first: usize) -> Vec<Vec<f64>> {
         let home = vec![0.0; self.poses.first().map_or(0, Vec::len)];
         let mut chosen: Vec<Vec<f64>> = vec![home];
@@ -115,7 +115,7 @@ impl CommandRange {
         chosen.split_off((1 + first).min(chosen.len()))
     }
 
-    /// From home through `corners` in steps of at most `step`, then staying.
+    /// From home through `corners` in steps of at most `step`, then constant.
     fn path(&self, corners: &[Vec<f64>], step: f64) -> Rows {
         let width = corners.first().map_or(0, Vec::len);
         let mut at = vec![0.0; width];
@@ -150,7 +150,7 @@ impl CommandRange {
     }
 }
 
-/// The largest difference of any tendon.
+/// Largest difference of any tendon.
 fn farthest(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
@@ -173,7 +173,7 @@ mod tests {
         }
     }
 
-    /// Two recorded trials of four tendons, of which two pull at a time.
+    /// Two recorded trials of four tendons, two of which pull at a time.
     fn recorded() -> Vec<Rows> {
         let trial = |phase: f64| {
             let mut rows = Rows::new(4);
@@ -212,7 +212,7 @@ mod tests {
         }
     }
 
-    /// Weights hung on the tendons one after the other: each trial is one command that is held.
+    /// Weights hung on the tendons one after the other: each trial holds one command.
     #[test]
     fn a_command_held_from_the_start_is_a_step_from_home() {
         let trial = |pull_n: f64| {
@@ -230,8 +230,7 @@ mod tests {
         }
     }
 
-    /// A tracker's rate is no drive's: commands that were streamed are proposed no faster, and none for a hundredth of a
-    /// second.
+    /// Commands streamed at the rate of the tracker are not proposed at that rate.
     #[test]
     fn what_was_recorded_fast_is_not_played_fast() {
         let (slow, mut fast) = (recorded(), Vec::new());

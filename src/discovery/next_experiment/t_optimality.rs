@@ -1,5 +1,5 @@
-//! What to record next: for every entry of the protocols, how far apart the rivals' predictions would be once each has been
-//! fitted to the other's (T-optimality; Atkinson & Fedorov, Biometrika 62, 1975), in standard deviations, per minute.
+//! Ranking of protocols by T-optimality (Atkinson & Fedorov, Biometrika 62, 1975): distance between the rivals'
+//! predictions after refitting, in standard deviations, per minute.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
@@ -16,23 +16,23 @@ use crate::discovery::problem::Problem;
 use crate::discovery::recording::samples::{Sample, Samples, TrialCommands};
 use crate::effects::Model;
 
-/// Something to record, with its commands.
+/// A proposed experiment with its commands.
 #[derive(Clone, Debug)]
 pub struct NextExperiment {
-    /// What it is and what it predictions.
+    /// Description and expected separation.
     pub proposal: Proposal,
-    /// What `collect` plays.
+    /// Commands for `collect`.
     pub commands: Recording,
 }
 
-/// Size of the differences that rivals' derivatives are taken by, over the probe.
+/// Difference step of numerical derivatives, over the probe.
 const DIFFERENCE: f64 = 0.1;
 
-/// Significant digits of a time: steps add up to numbers that nobody would write.
+/// Significant digits of times.
 const TIME_DIGITS: usize = 9;
 
 impl Problem<'_> {
-    /// The protocols for telling `rivals` apart, the best per minute first; `noise` is that of the measurement.
+    /// The protocols for telling `rivals` apart, best per minute first; `noise`: measurement noise.
     pub(crate) fn rank_protocols(&self, rivals: &[Vec<SetMember>], noise: &Ar1Noise) -> Vec<NextExperiment> {
         if rivals.len() < 2 {
             return Vec::new();
@@ -84,7 +84,7 @@ impl Problem<'_> {
         Some(NextExperiment { proposal, commands: self.protocol_commands(protocol) })
     }
 
-    /// Derivatives of a rival's tip by each of its coordinates.
+    /// Jacobian of a rival's tip.
     fn slopes(&self, model: &Model, members: &[SetMember], samples: &Samples, here: &[f64]) -> DMatrix<f64> {
         let mut columns = Vec::new();
         for (k, member) in members.iter().enumerate() {
@@ -130,7 +130,7 @@ impl Problem<'_> {
         let mut commands = Recording::new(actuation, width);
         let mut loads = Vec::new();
         for (trial, (rows, load_kg)) in protocol.trials.iter().enumerate() {
-            // The last command is held for a step like all others: its row is there twice.
+            // The last command is held for a step like all others, so its row is repeated.
             for (k, row) in rows.iter().chain(rows.iter().last()).enumerate() {
                 commands.trial.push(trial as u64);
                 commands.time_s.push(round_significant(k as f64 * protocol.step_s, TIME_DIGITS));
@@ -143,8 +143,8 @@ impl Problem<'_> {
     }
 }
 
-/// What is left of `apart` once the `slopes` and the `free` columns (with a deviation each) have done what they can, in
-/// standard deviations of the noise.
+/// Norm of `apart`, in standard deviations, after a fit of the `slopes` and of the `free` columns (with a prior
+/// deviation each).
 fn separation_sigma(
     samples: &Samples,
     noise: &Ar1Noise,
@@ -165,7 +165,7 @@ fn separation_sigma(
         normal[(k, k)] += deviation.powi(-2);
     }
     for k in free.len()..columns.len() {
-        // What a rival does not answer to stays where it is.
+        // Zero columns keep their parameter.
         normal[(k, k)] = normal[(k, k)] * (1.0 + 1e-9) + 1e-12;
     }
     let right = all.tr_mul(&target);
@@ -180,8 +180,8 @@ mod tests {
     use crate::discovery::options::Options;
     use crate::effects::Robot;
 
-    /// A weight pulls where gravity does, a force where it did: turning the base tells them apart, other things only as far
-    /// as a weight is inert.
+    /// A weight follows gravity and a force does not: remounting the base separates them; other protocols do so only
+    /// by inertia.
     #[test]
     fn a_weight_and_a_force_like_it_are_told_apart_by_turning_the_base() {
         let model = Model { robot: Robot::default(), effects: Vec::new() };
@@ -204,7 +204,7 @@ mod tests {
             proposals.iter().copied().partition(|one| one.name == "base_remounted");
         let most = others.iter().map(|one| one.separation).fold(0.0, f64::max);
         assert!(turned[0].separation > 4.0 * most, "{proposals:?}");
-        // One alone needs nothing more.
+        // A single rival needs no experiment.
         assert!(problem.rank_protocols(&rivals[..1], &noise).is_empty());
     }
 }

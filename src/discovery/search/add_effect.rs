@@ -1,4 +1,4 @@
-//! A set of candidates with one member more, fitted: from what the member predictions, first roughly, then as well as can be.
+//! Fit of a candidate set with one member added: start from the linear prediction, fit roughly, then fully.
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -10,13 +10,13 @@ use crate::discovery::fit::gauss_newton::{FitProblem, FittedSet};
 use crate::discovery::fit::sensitivities::Sensitivity;
 
 impl FitProblem<'_> {
-    /// What a prediction would add to the score.
+    /// Predicted gain in score.
     pub(crate) fn predicted_score(&self, prediction: &LinearPrediction) -> f64 {
         prediction.gain - self.penalty(std::slice::from_ref(&prediction.member))
     }
 
-    /// Penalty of a set: half of it, the Bayesian information criterion, for its parameters, the rest for their choice
-    /// among all candidates.
+    /// Penalty of a set: the Bayesian information criterion for its parameters, and a term for their choice among all
+    /// candidates.
     pub(crate) fn penalty(&self, members: &[SetMember]) -> f64 {
         let numbers = (3.0 * self.samples.len() as f64).ln();
         let open = self.open.iter().filter(|open| **open).count().max(1);
@@ -24,7 +24,7 @@ impl FitProblem<'_> {
         members.iter().map(|member| self.candidates[member.candidate].freedom() as f64 * numbers + choice).sum()
     }
 
-    /// What the candidates that are not in `from` and not in `without` prediction beside it, the best first.
+    /// Linear predictions for the candidates that are in neither `from` nor `without`, best first.
     pub(crate) fn predictions(
         &self,
         from: &FittedSet,
@@ -41,7 +41,7 @@ impl FitProblem<'_> {
         predictions
     }
 
-    /// `base` with each of the promised members, simulated_m coarsely on both sides; a score below `enough` is of no use.
+    /// `base` with each predicted member added, fitted at coarse resolution; scores below `enough` are of no use.
     pub(crate) fn rough_additions(
         &self,
         base: &ScoredSet,
@@ -70,7 +70,7 @@ impl FitProblem<'_> {
         predictions.par_iter().filter_map(fit).collect()
     }
 
-    /// What is known of the derivatives of `base` with `member` besides: those of the fit, and the first look's.
+    /// Approximate Jacobian of `base` with `member`: that of the fit, extended by the sensitivity.
     pub(crate) fn known_jacobian(
         &self,
         base: &FittedSet,
@@ -89,8 +89,8 @@ impl FitProblem<'_> {
         slopes
     }
 
-    /// The derivatives of a fit with those over the sizes of its last member taken anew: beside much of another effect the
-    /// tip may answer otherwise than was seen at first.
+    /// The Jacobian with fresh columns for the sizes of the last member: with a strong effect in the set the
+    /// sensitivity can change.
     fn with_fresh_sizes(&self, fitted: &FittedSet, mut slopes: DMatrix<f64>) -> DMatrix<f64> {
         let (last, coordinates) = (fitted.members.len() - 1, self.coordinates(&fitted.members));
         let sizes = self.candidates[fitted.members[last].candidate].sizes();
@@ -105,8 +105,7 @@ impl FitProblem<'_> {
         slopes
     }
 
-    /// `base` with the promised member, nearer to nothing where the tip's answer is so far from linear that less of it fits
-    /// better; none where the model can play none of it.
+    /// `base` with the predicted member, reduced where a smaller amount fits better; none if it cannot be simulated.
     fn starting_point(&self, base: &FittedSet, promised: &SetMember) -> Option<FittedSet> {
         let nothing = self.candidates[promised.candidate].without_size(&promised.values);
         let part = |share: f64| {
@@ -127,7 +126,7 @@ impl FitProblem<'_> {
         best
     }
 
-    /// The fit from near it, with every choice where it fits best.
+    /// Full fit from nearby values, with the best choice of every member.
     pub(crate) fn fit_fully(&self, near: &FittedSet) -> Option<FittedSet> {
         let mut best = self.refit(near.members.clone(), near.jacobian.clone())?;
         for k in 0..best.members.len() {
@@ -139,7 +138,7 @@ impl FitProblem<'_> {
         Some(best)
     }
 
-    /// The fit with every choice of member `k` (such as a place) moved to its neighbours while that helps, roughly.
+    /// Moves every choice of member `k` (such as a position) to its neighbours as long as a rough fit improves.
     fn with_best_choice(&self, mut best: FittedSet, k: usize, wanted: f64) -> FittedSet {
         let candidate = &self.candidates[best.members[k].candidate];
         loop {

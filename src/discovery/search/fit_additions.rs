@@ -3,19 +3,18 @@
 use super::screening::{HOPELESS, LinearPrediction};
 use super::state::{ScoredSet, Search};
 use crate::discovery::fit::candidate::CandidateEffect;
-/// Rough fits at most, and of them those that are fitted further.
+/// Maximum number of rough fits, and of full fits among them.
 pub(crate) const WIDTH: usize = 8;
-/// Promises are taken to be right to this share of the best, or to so much.
+/// Trust in the linear prediction: relative to the best one, and absolute.
 const PROMISE_SHARE: f64 = 0.7;
 const PROMISE_SLACK: f64 = 30.0;
-/// A rough fit may be short by this share of what it adds, where it is of sizes alone and where a shape or a place is
-/// yet to be found, and by so much.
+/// Deficit of a rough fit: relative (sizes alone; with shapes or choices) and absolute.
 const SHORT_SHARE: f64 = 0.1;
 const SHAPELESS_SHARE: f64 = 0.25;
 const SHORT: f64 = 10.0;
 impl Search<'_> {
-    /// Fits `base` with each of the promising candidates besides: all roughly, then as well as can be those that may come
-    /// near the best of them and near the score `enough`.
+    /// Fits `base` with each promising candidate: all roughly, then fully those that may come near the best and near
+    /// the score `enough`.
     pub(crate) fn fit_additions(
         &mut self,
         base: &ScoredSet,
@@ -39,7 +38,7 @@ impl Search<'_> {
                 self.tried.push(scored);
                 continue;
             }
-            // What cannot be fitted further stays as roughly as it is, so that nothing that predictions much is lost.
+            // Keep the rough fit if the full fit fails.
             let scored = self.fit_fully(&scored);
             top = top.max(scored.score);
             finished.push(scored);
@@ -48,7 +47,7 @@ impl Search<'_> {
         finished
     }
 
-    /// Whether a rough fit of `base` with one member more may come near the score `top` once it is fitted further.
+    /// Whether a rough fit with one member added may reach the score `top` after a full fit.
     fn is_promising(&self, rough: &ScoredSet, base: &ScoredSet, top: f64) -> bool {
         let adds = rough.score - base.score;
         let added = rough.fitted.members.last().map(|member| &self.fit_problem.candidates[member.candidate]);

@@ -1,4 +1,4 @@
-//! A set with one member more, if that is worth having.
+//! Forward step: add the best member if it is worth adding.
 
 use std::collections::BTreeSet;
 
@@ -8,11 +8,11 @@ use crate::discovery::fit::gauss_newton::FittedSet;
 use crate::discovery::recording::samples::rms_m;
 
 impl Search<'_> {
-    /// `base` with the best member more, if that is worth having and its score `enough`.
+    /// `base` with the best member added, if it is worth adding and the score is at least `enough`.
     pub(crate) fn add_one(&mut self, base: &ScoredSet, enough: f64) -> Option<ScoredSet> {
         let limits = self.limits;
         let mut predictions = self.fit_problem.predictions(&base.fitted, &[], &self.sensitivities);
-        // What has been fitted beside this set before, on the way to another one too, is not fitted again.
+        // Sets that were fitted before are not fitted again.
         predictions.retain(|prediction| !self.is_tried(base, prediction));
         if !self.is_exhaustive(base) {
             predictions.retain(|prediction| self.fit_problem.is_worth_fitting(prediction, &base.fitted, &limits));
@@ -26,13 +26,13 @@ impl Search<'_> {
             .or_else(|| self.best_rough_superset(base, enough))
     }
 
-    /// The sets of `base` and one member more that have been fitted as well as can be.
+    /// Fully fitted sets of `base` and one more member.
     pub(crate) fn supersets(&self, base: &ScoredSet) -> impl Iterator<Item = &ScoredSet> {
         let members = candidate_set(&base.fitted.members);
         self.tried.iter().filter(move |scored| scored.exact && is_larger(scored, &members))
     }
 
-    /// The best of those that were left as they were fitted roughly, because another one promised more.
+    /// The best of the roughly fitted supersets, after a full fit.
     fn best_rough_superset(&mut self, base: &ScoredSet, enough: f64) -> Option<ScoredSet> {
         let members = candidate_set(&base.fitted.members);
         let mut rough: Vec<usize> = (0..self.tried.len()).collect();
@@ -45,8 +45,8 @@ impl Search<'_> {
         })
     }
 
-    /// Whether `next`, which is `base` with one member more, is worth having: that one moves the tip by enough itself, and
-    /// takes it from where the others have it by more than their laws are off.
+    /// Whether the member that `next` adds to `base` is worth adding: it moves the tip far enough, and farther than
+    /// the law errors of the others.
     pub(crate) fn is_worth_adding(&self, base: &ScoredSet, next: &ScoredSet) -> bool {
         let inexact_m = self.limits.least_share * apart_m(&base.fitted, &self.null.fitted);
         if apart_m(&next.fitted, &base.fitted) < inexact_m {
@@ -59,7 +59,7 @@ impl Search<'_> {
     }
 }
 
-/// How far the tips of two fits are from each other, root mean square, metres.
+/// Rms distance between the simulated tips of two fits, metres.
 fn apart_m(there: &FittedSet, here: &FittedSet) -> f64 {
     let moved: Vec<f64> = there.simulated_m.iter().zip(&here.simulated_m).map(|(there, here)| there - here).collect();
     rms_m(&moved)

@@ -6,11 +6,11 @@ use crate::discovery::fit::candidate::candidate_set;
 use crate::discovery::fit::gauss_newton::{FitProblem, FittedSet};
 use crate::discovery::options::SearchLimits;
 
-/// A first look may be wrong by this share of the size.
+/// Relative error of a predicted size.
 const NEARLY: f64 = 0.7;
 
 impl FitProblem<'_> {
-    /// Whether what a first look predictions beside `base` may turn out to be worth having.
+    /// Whether a prediction relative to `base` justifies a fit.
     pub(crate) fn is_worth_fitting(
         &self,
         prediction: &LinearPrediction,
@@ -23,14 +23,14 @@ impl FitProblem<'_> {
 }
 
 impl Search<'_> {
-    /// The best set as far as predictions lead.
+    /// Greedy search from the empty set.
     pub(crate) fn greedy(&mut self) -> ScoredSet {
         self.grow(self.null.clone())
     }
 
-    /// `best` with more effects, as long as each is worth having.
+    /// Grows `best` as long as an added effect is worth adding.
     pub(crate) fn grow(&mut self, mut best: ScoredSet) -> ScoredSet {
-        // The best that was worth having where the search went elsewhere.
+        // The best set of the other branches.
         let mut passed: Option<ScoredSet> = None;
         loop {
             best = match self.propose_steps(&best) {
@@ -48,7 +48,7 @@ impl Search<'_> {
         }
     }
 
-    /// A set instead of `best`, and `best` with one effect more that is worth having.
+    /// A replacement of `best`, and `best` with one effect added.
     fn propose_steps(&mut self, best: &ScoredSet) -> (Option<ScoredSet>, Option<ScoredSet>) {
         if self.is_full(best) {
             return (None, None);
@@ -58,14 +58,14 @@ impl Search<'_> {
         (self.replacement(best), next)
     }
 
-    /// Whether `other` is better than `best`, and not just that with members that it has been tried with.
+    /// Whether `other` is better than `best` and no superset of it.
     fn is_unrelated_and_better(&self, other: &ScoredSet, best: &ScoredSet) -> bool {
         let tried = candidate_set(&other.fitted.members).is_superset(&candidate_set(&best.fitted.members));
         !tried && self.net_score(other) > self.net_score(best)
     }
 
-    /// Goes on from `best`, so that nothing is left out because of what it promised: other single effects first, if
-    /// something is `left` that it does not explain, then more of them, then other pairs.
+    /// Widens the search so that no candidate is excluded by its prediction: other single effects if something is
+    /// `left`, then larger sets, then pairs.
     pub(crate) fn widen(&mut self, mut best: ScoredSet, left: bool) -> ScoredSet {
         self.limits.exhaustive_below = if left { usize::MAX } else { 2 };
         self.screen_large_amplitudes(&best);
@@ -76,8 +76,8 @@ impl Search<'_> {
         self.try_pairs(best)
     }
 
-    /// Looks far out beside `best`, once: beside nothing only if anything may be missing, beside a full set never. A prediction
-    /// that pays for itself says so however small it is: something else may do more.
+    /// Computes large-amplitude sensitivities relative to `best`, once a set: for the empty set only if an effect may
+    /// be missing, for a full set never. A prediction that justifies its penalty suffices, however small.
     fn screen_large_amplitudes(&mut self, best: &ScoredSet) {
         let worth = |prediction: &LinearPrediction| {
             self.fit_problem.predicted_score(prediction) > self.limits.least_score

@@ -1,8 +1,8 @@
-//! A second look at each candidate, as far out as the residual is large. The tip's answer to a little of an effect may
-//! say nothing of its answer to much of it, or to the other direction: a softer rod sags until tendons are taut, a
-//! stiffer one does not.
+//! Large-amplitude sensitivities: the response of the tip to a large amount of an effect, or to one of the other sign,
+//! can differ from the linear one (a softer rod sags until tendons are taut; a stiffer one does not).
 //!
-//! The trials where most is left show which of the looks may matter; those alone are simulated_m in all of them.
+//! The trials with the largest residual decide which of these sensitivities matter; only these are simulated on all
+//! trials.
 
 use std::ops::Range;
 
@@ -16,29 +16,27 @@ use crate::discovery::fit::sensitivities::{Sensitivity, sensitivities};
 use crate::discovery::fit::simulate::tips;
 use crate::discovery::recording::samples::{Samples, rms_m};
 
-/// Farther than this, in usual sizes, no one looks.
+/// Maximum amplitude in usual sizes.
 const FARTHEST: f64 = 8.0;
-/// Plays at most to find where an effect moves the tip as far as the residual is large.
+/// Maximum number of simulations to find the amplitude that moves the tip as far as the residual.
 const LOOKS: usize = 5;
-/// Between these shares of the residual that is far enough.
+/// Accepted ratio of the tip displacement to the residual.
 const NEAR_ENOUGH: Range<f64> = 0.5..2.0;
-/// Looks at most nearer to where the best of those predictions to fit, and how near to that is near enough.
+/// Refinements near the predicted optimum, and their tolerance.
 const NEARER: usize = 3;
 const THERE: f64 = 0.2;
-/// How often the steps of a scan are halved about its best one: a delay is seen within a quarter of a drive's time.
+/// Bisections of a scan about its best step.
 const HALVED: usize = 2;
-/// Trials that are looked at first.
+/// Number of trials used first.
 const SHOWN: usize = 2;
-/// A look is followed up when it predictions there this share of what the best one does, or all but so much.
+/// A sensitivity is kept if it predicts this share of the best gain, or a gain this close to it.
 const WORTH_SHARE: f64 = 0.2;
 const WORTH_SLACK: f64 = 10.0;
 
 impl FitProblem<'_> {
-    /// Answers to each candidate beside those of `base`, in both directions, where it would move the tip as far as the
-    /// residual that `base` leaves if it went on as a little of it does, and from there where it fits; of each the variant
-    /// that predictions most, or the first one if none: a little of an effect may prediction nothing where much of it does.
-    /// Those whose answer rises and falls are looked at everywhere (a delay hardly shows until the command acts after the
-    /// tracker has looked).
+    /// Sensitivities to each candidate relative to `base`, in both directions, at the amplitude that would move the
+    /// tip as far as the residual of `base`, refined towards the best fit. For each candidate the variant with the
+    /// best prediction is used. Candidates that are scanned are evaluated over their whole range.
     pub(crate) fn large_amplitude_sensitivities(
         &self,
         base: &FittedSet,
@@ -69,7 +67,7 @@ impl FitProblem<'_> {
         let looks: Vec<Sensitivity> =
             begun.into_par_iter().flat_map(|sensitivity| some.sensitivities_of(sensitivity, &here)).collect();
         let worth = some.keep_relevant(looks, &known);
-        // A look corrects the answer in its own direction; the others are right beside the base only.
+        // The update corrects the sensitivity in one direction only; the other columns hold relative to the base.
         let wide = |candidate: &CandidateEffect| {
             let of = |look: &Sensitivity| std::ptr::eq(candidate, &self.candidates[look.candidate]);
             candidate.sizes().len() > 1 && worth.iter().any(of)
@@ -82,7 +80,7 @@ impl FitProblem<'_> {
         worth.par_iter().filter_map(everywhere).collect()
     }
 
-    /// The trials where most is left.
+    /// The trials with the largest residual.
     fn largest_residual_trials(&self, base: &FittedSet) -> Vec<usize> {
         let ranges = self.samples.ranges();
         let left = |trial: usize| -> f64 {
@@ -98,22 +96,22 @@ impl FitProblem<'_> {
     }
 }
 
-/// A look at one step of a scan, and the squares that it leaves.
+/// One step of a scan with its remaining sum of squares.
 struct ScanPoint {
     step: f64,
     left: f64,
     look: Sensitivity,
 }
 
-/// What is looked for far out, in some of the trials.
+/// Large-amplitude screening on some of the trials.
 struct LargeAmplitudeScreen<'a> {
     fit_problem: &'a FitProblem<'a>,
-    /// What is known to be missing.
+    /// The set that is extended.
     base: &'a FittedSet,
     samples: Samples,
-    /// Their numbers among all of the fit_problem, three a sample.
+    /// Row indices in all samples, three a sample.
     rows: Vec<usize>,
-    /// What is left in them, metres.
+    /// Residual in them, metres.
     residual_m: Vec<f64>,
     screen: LinearScreen<'a>,
 }
@@ -137,27 +135,26 @@ impl<'a> LargeAmplitudeScreen<'a> {
         LargeAmplitudeScreen { fit_problem, base, samples, rows, residual_m, screen }
     }
 
-    /// An answer in these samples.
+    /// A sensitivity restricted to these samples.
     fn restricted(&self, sensitivity: &Sensitivity) -> Sensitivity {
         Sensitivity { columns: sensitivity.columns.select_rows(&self.rows), ..sensitivity.clone() }
     }
 
-    /// Answers to a little of those candidates beside the members of the base, where there are any: with those the rod may
-    /// hang on other tendons.
+    /// Sensitivities relative to the members of the base: they can change which tendons are taut.
     fn sensitivities_beside_base(&self, asked: &(dyn Fn(&CandidateEffect) -> bool + Sync)) -> Vec<Sensitivity> {
         let (fit_problem, members) = (self.fit_problem, &self.base.members);
         let asked = |candidate: &CandidateEffect| !members.is_empty() && asked(candidate);
         sensitivities(fit_problem.coarse, fit_problem.candidates, members, &asked, &self.samples)
     }
 
-    /// Where the coarse model with the members of the base and `more` has the tip.
+    /// Simulated tip of the coarse model with the members of the base and `more`.
     fn simulate(&self, more: &[crate::effects::EffectSpec]) -> Option<Vec<f64>> {
         let known = effect_specs(self.fit_problem.candidates, &self.base.members)?;
         tips(self.fit_problem.coarse, &[&known, more].concat(), &self.samples)
     }
 
-    /// `sensitivity` corrected by what so much of it does (Broyden's update, in units of the probes), and how far that moves
-    /// the tip from where it is `here`; none where it cannot be simulated_m.
+    /// `sensitivity` corrected at `step` (Broyden's update, in probes), and the tip displacement; none if it cannot be
+    /// simulated.
     fn sensitivity_at(&self, sensitivity: &Sensitivity, here: &[f64], step: &[f64]) -> Option<(Sensitivity, f64)> {
         let candidate = &self.fit_problem.candidates[sensitivity.candidate];
         let sizes = candidate.sizes();
@@ -173,7 +170,7 @@ impl<'a> LargeAmplitudeScreen<'a> {
         Some((Sensitivity { columns, step: Some(step.to_vec()), ..sensitivity.clone() }, rms_m(&change)))
     }
 
-    /// All looks at a candidate, of which a little answers with `sensitivity`.
+    /// All large-amplitude sensitivities of a candidate.
     fn sensitivities_of(&self, sensitivity: &Sensitivity, here: &[f64]) -> Vec<Sensitivity> {
         let candidate = &self.fit_problem.candidates[sensitivity.candidate];
         if candidate.is_scanned() {
@@ -190,8 +187,7 @@ impl<'a> LargeAmplitudeScreen<'a> {
         self.refine(looks, here)
     }
 
-    /// The looks at the steps of a `scan`, with more of them to both sides of the one that fits best: what rises and falls may
-    /// do so within a step.
+    /// Sensitivities over a `scan`, refined on both sides of its best step.
     fn refine_scan(
         mut tried: Vec<ScanPoint>,
         scan: &[f64],
@@ -207,7 +203,7 @@ impl<'a> LargeAmplitudeScreen<'a> {
         tried.into_iter().map(|tried| tried.look).collect()
     }
 
-    /// Where a candidate points: at what is promised by a little of it, if it has several sizes.
+    /// Search direction: the linear prediction, if there are several sizes.
     fn direction(&self, sensitivity: &Sensitivity) -> Option<DVector<f64>> {
         let candidate = &self.fit_problem.candidates[sensitivity.candidate];
         match candidate.sizes()[..] {
@@ -218,7 +214,7 @@ impl<'a> LargeAmplitudeScreen<'a> {
         }
     }
 
-    /// The change of the sizes from nothing to `member`.
+    /// Change of the sizes from null to `member`.
     fn step(&self, member: &SetMember, sensitivity: &Sensitivity) -> DVector<f64> {
         let candidate = &self.fit_problem.candidates[sensitivity.candidate];
         let each = candidate.sizes().into_iter().map(|size| candidate.step(&sensitivity.null, &member.values, size));
@@ -232,14 +228,13 @@ impl<'a> LargeAmplitudeScreen<'a> {
         DVector::from_vec(each.collect())
     }
 
-    /// Looks on the way to where the tip is moved far enough. Each is an answer: where that is far from even, the last one
-    /// may say least.
+    /// Sensitivities at increasing steps until the tip moves far enough.
     fn step_out(&self, sensitivity: &Sensitivity, here: &[f64], direction: &DVector<f64>) -> Vec<Sensitivity> {
         let residual_m = rms_m(&self.residual_m);
         let farthest = FARTHEST / self.in_probes(sensitivity, direction).amax().max(f64::MIN_POSITIVE);
         let usual_m = rms_m((&sensitivity.columns * direction).as_slice());
         let mut size = farthest.min(residual_m / usual_m.max(f64::MIN_POSITIVE));
-        // Known to be too little and too much.
+        // Bracket: steps known to be too small and too large.
         let (mut little, mut much) = (0.0, f64::INFINITY);
         let mut found = Vec::new();
         for _ in 0..LOOKS {
@@ -260,7 +255,7 @@ impl<'a> LargeAmplitudeScreen<'a> {
         found
     }
 
-    /// The looks, with more of them where the best predictions that it fits, as long as the newest is the best.
+    /// Sensitivities refined at the predicted optimum, as long as the newest one is the best.
     fn refine(&self, mut looks: Vec<Sensitivity>, here: &[f64]) -> Vec<Sensitivity> {
         let mut followed = looks.len();
         for _ in 0..NEARER {
@@ -279,7 +274,7 @@ impl<'a> LargeAmplitudeScreen<'a> {
         looks
     }
 
-    /// Where to look after a look at `step` has promised `best`; none where that is near enough.
+    /// Next step after one at `step` predicted `best`; none if that is close enough.
     fn next_step(&self, look: &Sensitivity, step: &[f64], best: &SetMember) -> Option<DVector<f64>> {
         let (there, wanted) = (DVector::from_column_slice(step), self.step(best, look));
         let size = |step: &DVector<f64>| self.in_probes(look, step).norm();
@@ -288,7 +283,7 @@ impl<'a> LargeAmplitudeScreen<'a> {
         (size(&(&wanted - there)) >= THERE * size(&wanted)).then_some(wanted)
     }
 
-    /// Those of the looks that prediction enough in these samples, beside what is `known`.
+    /// Sensitivities that predict enough gain compared with those `known`.
     fn keep_relevant(&self, looks: Vec<Sensitivity>, known: &[Sensitivity]) -> Vec<Sensitivity> {
         let found = self.screen.predictions(&looks);
         let mut rivals = self.screen.predictions(known);

@@ -1,5 +1,4 @@
-//! The search for the effects that are missing: one after the other, then each against all others in its place, then
-//! without each; then from pairs that this did not lead to.
+//! Search over candidate sets: forward steps, swaps, removals, then pairs that single effects do not lead to.
 
 pub(crate) mod add_effect;
 pub(crate) mod fit_additions;

@@ -1,5 +1,5 @@
-//! Pairs that no single effect led to: what was found first may stand for two others, of which neither does much beside it,
-//! or one may make the other look as if it were somewhere else.
+//! Pairs that no single effect leads to: a single effect may stand for two others, neither of which helps much beside
+//! it.
 
 use std::collections::BTreeSet;
 
@@ -8,11 +8,11 @@ use super::state::{ScoredSet, Search};
 use super::swap::extended_set;
 use crate::discovery::fit::candidate::candidate_set;
 
-/// Pairs that are fitted besides those with a member of the answer, the most promising ones.
+/// Maximum number of pairs without a member of the current best set.
 const PAIRS: usize = 16;
 
 impl Search<'_> {
-    /// `best`, or what comes of the best pair that was not on the way to it, if that is better.
+    /// `best`, or the result from the best pair that was not tried, if that is better.
     pub(crate) fn try_pairs(&mut self, best: ScoredSet) -> ScoredSet {
         if self.limits.most_effects < 2 {
             return best;
@@ -33,13 +33,13 @@ impl Search<'_> {
         }
     }
 
-    /// Whether either member is worth having beside the other.
+    /// Whether each member is worth adding to the other.
     fn is_each_worth_adding(&mut self, pair: &ScoredSet) -> bool {
         (0..2).all(|out| self.remove(pair, out).is_some_and(|rest| self.is_worth_adding(&rest, pair)))
     }
 
-    /// What is promised beside the single effects that have been fitted, by that effect, where such a pair has not been
-    /// fitted: all pairs with one of `members`, and of the others those that prediction most, score and all.
+    /// Predictions beside fitted single effects for pairs that were not fitted: all pairs with one of `members`, and
+    /// the most promising others.
     fn promising_pairs(&self, members: &BTreeSet<usize>) -> Vec<(ScoredSet, Vec<LinearPrediction>)> {
         let singles = self.singles();
         let mut pairs: Vec<(f64, usize, LinearPrediction)> = Vec::new();
@@ -67,7 +67,7 @@ impl Search<'_> {
         kept.map(|(single, predictions)| (single.clone(), predictions)).collect()
     }
 
-    /// The single effects that have been fitted, each as it fits best.
+    /// Fully fitted single effects, best first.
     fn singles(&self) -> Vec<&ScoredSet> {
         let mut singles: Vec<&ScoredSet> =
             self.tried.iter().filter(|scored| scored.fitted.members.len() == 1).collect();

@@ -1,4 +1,4 @@
-//! A first look: how much of what is left each candidate would explain if the tip answered to it linearly.
+//! Linear screening: how much of the residual each candidate would explain if the tip responded linearly.
 
 use std::collections::BTreeSet;
 
@@ -10,24 +10,24 @@ use crate::discovery::fit::nuisance::Nuisances;
 use crate::discovery::fit::sensitivities::Sensitivity;
 use crate::discovery::recording::samples::{Samples, rms_m};
 
-/// A first look that predictions less than this, score and all, is not followed up; nor is a rough fit that is worse than
-/// what it was to improve by this and by what makes a rival.
+/// Predicted scores below this are not fitted; nor are rough fits that reduce the score by more than this and the
+/// rival margin.
 pub(crate) const HOPELESS: f64 = -6.0;
-/// A look far out is right for changes between these shares of its own.
+/// A large-amplitude sensitivity holds for steps between these multiples of its own.
 pub(crate) const ALIKE: std::ops::Range<f64> = 0.3..2.0;
 
-/// What a variant of a candidate predictions.
+/// Linear prediction for a variant of a candidate.
 #[derive(Clone, Debug)]
 pub(crate) struct LinearPrediction {
-    /// The candidate with the values that fit best.
+    /// The candidate with its predicted values.
     pub(crate) member: SetMember,
-    /// Number of the answer that it was seen by.
+    /// Index of the sensitivity used.
     pub(crate) sensitivity: usize,
-    /// How much of the change that the answer holds for it would be; one for an answer to a little.
+    /// Predicted step over that of the sensitivity; one for small-step sensitivities.
     pub(crate) share: f64,
-    /// Expected fall of the deviance.
+    /// Predicted decrease of the deviance.
     pub(crate) gain: f64,
-    /// How far the candidate moves the tip, root mean square, metres.
+    /// Predicted rms tip displacement, metres.
     pub(crate) size_m: f64,
 }
 
@@ -39,19 +39,19 @@ pub(crate) fn best_of_each(mut predictions: Vec<LinearPrediction>) -> Vec<Linear
     predictions
 }
 
-/// The residual behind a fit, with all that is to be free beside whatever is looked at.
+/// The whitened residual of a fit, with all free parameters.
 pub(crate) struct LinearScreen<'a> {
     candidates: &'a [CandidateEffect],
     samples: Samples,
     noise: Ar1Noise,
-    /// What is left, white.
+    /// Whitened residual.
     left: DVector<f64>,
-    /// White answers to what is free, with the factor of its information; none where there is no such factor.
+    /// Whitened columns of free parameters with the Cholesky factor of their information, if it exists.
     free: Option<(DMatrix<f64>, Cholesky<f64, Dyn>)>,
 }
 
 impl<'a> LinearScreen<'a> {
-    /// `held`: answers to the parameters that are fitted already and will be again.
+    /// `held`: Jacobian of the parameters fitted so far.
     pub(crate) fn new(
         candidates: &'a [CandidateEffect],
         samples: &Samples,
@@ -61,21 +61,21 @@ impl<'a> LinearScreen<'a> {
     ) -> LinearScreen<'a> {
         let known = noise.whitened(samples, &nuisances.with(held));
         let mut normal = nuisances.information(&known);
-        // What is held at zero has no answer.
+        // A held parameter has a zero column.
         (nuisances.columns.ncols()..known.ncols()).for_each(|k| normal[(k, k)] += 1e-12);
         let free = Cholesky::new(normal).filter(|_| known.ncols() > 0).map(|factor| (known, factor));
         let left = DVector::from_vec(noise.whiten(samples, residual_m));
         LinearScreen { candidates, samples: samples.clone(), noise: *noise, left, free }
     }
 
-    /// What the variants prediction, those that may help, in the order of the `sensitivities`.
+    /// Predictions within the validity of their sensitivities, in the order of the `sensitivities`.
     pub(crate) fn predictions(&self, sensitivities: &[Sensitivity]) -> Vec<LinearPrediction> {
         let mut predictions = self.predictions_at_any_step(sensitivities);
         predictions.retain(|prediction| ALIKE.contains(&prediction.share));
         predictions
     }
 
-    /// The same, however far that is from where each was looked at.
+    /// The same without a check of validity.
     pub(crate) fn predictions_at_any_step(&self, sensitivities: &[Sensitivity]) -> Vec<LinearPrediction> {
         sensitivities
             .iter()
@@ -84,13 +84,13 @@ impl<'a> LinearScreen<'a> {
             .collect()
     }
 
-    /// Sum of squares (white) that is left where the tip is moved by `change_m`, three numbers a sample, what is free having
-    /// done what it can.
+    /// Remaining whitened sum of squares after a tip change `change_m` (three values a sample) and a fit of the free
+    /// parameters.
     pub(crate) fn residual_square(&self, change_m: &[f64]) -> f64 {
         self.square_beyond_free(&(&self.left - DVector::from_vec(self.noise.whiten(&self.samples, change_m))))
     }
 
-    /// The squares of a white residual that what is free cannot take.
+    /// Sum of squares of a whitened residual that free parameters cannot explain.
     fn square_beyond_free(&self, left: &DVector<f64>) -> f64 {
         let taken = self.free.as_ref().map_or(0.0, |(known, factor)| {
             let along = known.tr_mul(left);
@@ -110,7 +110,7 @@ impl<'a> LinearScreen<'a> {
             let shared = known.tr_mul(&columns);
             own -= shared.tr_mul(&factor.solve(&shared));
         }
-        // What the nuisances and the fitted parameters can do as well is not seen.
+        // Directions that nuisance and fitted parameters explain equally well are excluded.
         let floor = 1e-9 * columns.norm_squared();
         (0..own.nrows()).for_each(|k| own[(k, k)] += floor);
         let right = columns.tr_mul(&self.left);
@@ -122,7 +122,7 @@ impl<'a> LinearScreen<'a> {
         Some(LinearPrediction { member, sensitivity: number, share, gain: self.gain(right.dot(&sizes)), size_m })
     }
 
-    /// The same for an answer that rises and falls: a part of what was looked at would be something else.
+    /// The same for scanned candidates, at the step itself: a fraction of it would be another effect.
     fn prediction_at_step(&self, number: usize, sensitivity: &Sensitivity, step: &[f64]) -> Option<LinearPrediction> {
         let candidate = &self.candidates[sensitivity.candidate];
         let values = candidate.with_sizes(&sensitivity.null, step);
@@ -134,21 +134,21 @@ impl<'a> LinearScreen<'a> {
         Some(LinearPrediction { member, sensitivity: number, share: 1.0, gain: self.gain(explains), size_m })
     }
 
-    /// Fall of the deviance where so much of the squares that are left is nuisance_fit.
+    /// Decrease of the deviance if this part of the squares is explained.
     fn gain(&self, explains: f64) -> f64 {
         let squares = self.left.norm_squared();
         self.left.len() as f64 * (squares / (squares - explains.clamp(0.0, 0.999_999 * squares))).ln()
     }
 }
 
-/// How much of `step` there is in `sizes`, each over what is easily seen of it.
+/// Projection of `sizes` on `step`, in probes.
 fn share_of(candidate: &CandidateEffect, step: &[f64], sizes: &[f64]) -> f64 {
     let seen: Vec<f64> = candidate.sizes().into_iter().map(|size| candidate.probe(size).powi(-2)).collect();
     let product = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).zip(&seen).map(|((a, b), seen)| a * b * seen).sum() };
     product(step, sizes) / product(step, step)
 }
 
-/// `values`, or values between them and `null` that are in the effect's range: nothing if it is in the wrong direction.
+/// `values`, or values between them and `null` in the valid range; none in an invalid direction.
 fn within(candidate: &CandidateEffect, null: &[f64], values: &[f64]) -> Option<Vec<f64>> {
     let between = |share: f64| -> Vec<f64> { null.iter().zip(values).map(|(n, v)| n + share * (v - n)).collect() };
     [1.0, 0.5, 0.25, 0.1].into_iter().map(between).find(|values| candidate.effect(values).is_some())

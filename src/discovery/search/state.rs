@@ -7,50 +7,50 @@ use crate::discovery::fit::gauss_newton::{FitProblem, FittedSet};
 use crate::discovery::fit::sensitivities::Sensitivity;
 use crate::discovery::options::SearchLimits;
 
-/// A set of effects that was fitted, with its score.
+/// A fitted candidate set with its score.
 #[derive(Clone, Debug)]
 pub(crate) struct ScoredSet {
     pub(crate) fitted: FittedSet,
-    /// Fall of the deviance since the model as given, less what its parameters and their choice cost.
+    /// Decrease of the deviance relative to the given model, minus the penalty.
     pub(crate) score: f64,
-    /// Whether it is fitted as well as can be.
+    /// Whether it is fully fitted.
     pub(crate) exact: bool,
 }
 
 impl ScoredSet {
-    /// Whether it could be the answer instead of `best`: with no more effects, and less than `rival_score` behind.
+    /// Whether it is a rival of `best`: no more effects, and a score less than `rival_score` below.
     pub(crate) fn is_rival_of(&self, best: &ScoredSet, rival_score: f64) -> bool {
         self.fitted.members.len() <= best.fitted.members.len() && self.score > best.score - rival_score
     }
 }
 
-/// What the search ends with.
+/// Result of a search.
 pub(crate) struct SearchOutcome {
-    /// The best set; empty when nothing is missing.
+    /// The best set; empty if nothing is missing.
     pub(crate) best: ScoredSet,
-    /// The model as given.
+    /// The given model.
     pub(crate) null: ScoredSet,
-    /// All sets that were fitted.
+    /// All fitted sets.
     pub(crate) tried: Vec<ScoredSet>,
-    /// What every candidate predictions at a first look, with the score that it would have.
+    /// Linear prediction of every candidate with its predicted score.
     pub(crate) screened: Vec<(LinearPrediction, f64)>,
 }
 
-/// A search on its way.
+/// State of a search.
 pub(crate) struct Search<'s> {
     pub(crate) fit_problem: &'s FitProblem<'s>,
     pub(crate) limits: SearchLimits,
     pub(crate) null: ScoredSet,
-    /// The tip's answers to the candidates.
+    /// Sensitivities to the candidates.
     pub(crate) sensitivities: Vec<Sensitivity>,
-    /// The sets beside which they were looked at far out.
+    /// Sets for which large-amplitude sensitivities were computed.
     pub(crate) screened_sets: BTreeSet<BTreeSet<usize>>,
     pub(crate) tried: Vec<ScoredSet>,
 }
 
 impl<'s> Search<'s> {
-    /// A search for the set of candidates that explains the samples best, one that pays for its parameters (extended
-    /// Bayesian information criterion, Chen & Chen, Biometrika 95, 2008). None where the model cannot play the samples.
+    /// A search for the candidate set with the best penalised likelihood (extended Bayesian information criterion,
+    /// Chen & Chen, Biometrika 95, 2008). None if the model cannot be simulated.
     pub(crate) fn new(
         fit_problem: &'s FitProblem<'s>,
         sensitivities: Vec<Sensitivity>,
@@ -67,12 +67,12 @@ impl<'s> Search<'s> {
         })
     }
 
-    /// The score of a set beyond what its members must add.
+    /// The score minus the required gain of its members.
     pub(crate) fn net_score(&self, scored: &ScoredSet) -> f64 {
         scored.score - self.limits.least_score * scored.fitted.members.len() as f64
     }
 
-    /// The score beyond which a set of so many effects is better than `best`.
+    /// The score that a set of this many effects must exceed to be better than `best`.
     pub(crate) fn score_to_beat(&self, effects: usize, best: &ScoredSet) -> f64 {
         self.net_score(best) + self.limits.least_score * effects as f64
     }
@@ -85,7 +85,7 @@ impl<'s> Search<'s> {
         best.fitted.members.len() >= self.limits.most_effects
     }
 
-    /// What was found, with all that was tried on the way: what may be a rival fitted as well as can be.
+    /// The outcome, with possible rivals fully fitted.
     pub(crate) fn into_outcome(mut self, best: ScoredSet) -> SearchOutcome {
         for k in 0..self.tried.len() {
             if !self.tried[k].exact && self.tried[k].is_rival_of(&best, self.limits.rival_score) {
@@ -100,12 +100,12 @@ impl<'s> Search<'s> {
         SearchOutcome { best, tried, screened: screened.collect(), null }
     }
 
-    /// Fits what was tried as number `k` as well as can be.
+    /// Fits set `k` of those tried fully.
     pub(crate) fn fit_fully_in_place(&mut self, k: usize) {
         self.tried[k] = self.fit_fully(&self.tried[k]);
     }
 
-    /// The same set fitted as well as can be, or as it is where that cannot be.
+    /// The same set fully fitted, or unchanged if that fails.
     pub(crate) fn fit_fully(&self, rough: &ScoredSet) -> ScoredSet {
         self.fit_problem.fit_fully(&rough.fitted).map_or_else(|| rough.clone(), |fitted| self.score(fitted))
     }

@@ -1,4 +1,4 @@
-//! Moves from one set to another of as many effects or fewer: what was taken first may only stand for what comes later.
+//! Moves to sets of equal or smaller size: an effect taken first may stand for one that comes later.
 
 use std::collections::BTreeSet;
 
@@ -8,9 +8,8 @@ use super::state::{ScoredSet, Search};
 use crate::discovery::fit::candidate::candidate_set;
 
 impl Search<'_> {
-    /// What is better than `best` of the larger sets that hold it, worth having or not, without one of its members: that one
-    /// may have stood for what came last (floating search; Pudil, Novovičová & Kittler, ResidualPattern Recognition Letters 15,
-    /// 1994).
+    /// A better set than `best` from the best superset without one of its old members (floating search; Pudil,
+    /// Novovičová & Kittler, Pattern Recognition Letters 15, 1994).
     pub(crate) fn replacement(&mut self, best: &ScoredSet) -> Option<ScoredSet> {
         let members = candidate_set(&best.fitted.members);
         let larger = self.supersets(best).filter(|larger| larger.score > best.score);
@@ -21,7 +20,7 @@ impl Search<'_> {
         fewer.into_iter().filter(|fewer| fewer.score > best.score).max_by(|a, b| a.score.total_cmp(&b.score))
     }
 
-    /// The set with a member swap_member, as long as that helps: what was taken first may stand for two others.
+    /// Swaps members as long as that improves the score.
     pub(crate) fn swap_members(&mut self, mut best: ScoredSet) -> ScoredSet {
         if best.fitted.members.len() < 2 {
             return best;
@@ -39,9 +38,8 @@ impl Search<'_> {
         }
     }
 
-    /// The set with another member instead of number `out`, if its score is above `enough`. The others first as they are,
-    /// which is right if that one only took another's place; of two, if that brings nothing, the other fitted anew, which
-    /// is right if it made up for that one.
+    /// The set with member `out` replaced, if its score exceeds `enough`. Tries first with the other members
+    /// unchanged; in a pair also with the other refitted.
     fn swap_member(&mut self, best: &ScoredSet, out: usize, enough: f64) -> Option<ScoredSet> {
         let kept = self.fit_problem.evaluate_without(&best.fitted, out).map(|rest| self.score(rest));
         let gone = best.fitted.members[out].candidate;
@@ -53,7 +51,7 @@ impl Search<'_> {
         anew.and_then(|rest| self.best_addition_except(gone, &rest, enough, width))
     }
 
-    /// The best of `rest` with one of `width` promising members besides that is not `gone`, if its score is above `enough`.
+    /// The best of `rest` with one of `width` promising members other than `gone`, if its score exceeds `enough`.
     fn best_addition_except(&mut self, gone: usize, rest: &ScoredSet, enough: f64, width: usize) -> Option<ScoredSet> {
         let mut predictions = self.fit_problem.predictions(&rest.fitted, &[gone], &self.sensitivities);
         predictions.retain(|prediction| !self.is_fitted(rest, prediction));
@@ -62,13 +60,13 @@ impl Search<'_> {
         fits.into_iter().filter(|fit| fit.score > enough).max_by(|a, b| a.score.total_cmp(&b.score))
     }
 
-    /// Whether `base` has been fitted with what is promised as well as can be.
+    /// Whether the set extended by the prediction was fully fitted.
     fn is_fitted(&self, base: &ScoredSet, prediction: &LinearPrediction) -> bool {
         let all = extended_set(base, prediction);
         self.tried.iter().any(|scored| scored.exact && candidate_set(&scored.fitted.members) == all)
     }
 
-    /// Whether `base` has been fitted with what is promised, if only roughly from there.
+    /// Whether the set extended by the prediction was fitted, at least roughly from `base`.
     pub(crate) fn is_tried(&self, base: &ScoredSet, prediction: &LinearPrediction) -> bool {
         let (all, added) = (extended_set(base, prediction), prediction.member.candidate);
         let from_here = |scored: &ScoredSet| scored.fitted.members.last().is_some_and(|last| last.candidate == added);
@@ -77,7 +75,7 @@ impl Search<'_> {
             .any(|scored| (scored.exact || from_here(scored)) && candidate_set(&scored.fitted.members) == all)
     }
 
-    /// The set without the members that do not pay for themselves.
+    /// Removes members that do not justify their penalty.
     pub(crate) fn prune(&mut self, mut best: ScoredSet) -> ScoredSet {
         let mut k = 0;
         while best.fitted.members.len() > 1 && k < best.fitted.members.len() {
@@ -89,7 +87,7 @@ impl Search<'_> {
         best
     }
 
-    /// The set without the member number `out`, fitted, unless it has been before.
+    /// The set without member `out`, refitted unless it was before.
     pub(crate) fn remove(&mut self, best: &ScoredSet, out: usize) -> Option<ScoredSet> {
         let mut rest = best.fitted.members.clone();
         rest.remove(out);
@@ -104,7 +102,7 @@ impl Search<'_> {
     }
 }
 
-/// Which candidates are in `base` and what is promised beside it.
+/// Candidates of `base` and of the prediction.
 pub(crate) fn extended_set(base: &ScoredSet, prediction: &LinearPrediction) -> BTreeSet<usize> {
     let mut all = candidate_set(&base.fitted.members);
     all.insert(prediction.member.candidate);
