@@ -1,4 +1,4 @@
-//! The commands of a recording, and what a model does under them.
+//! Commands of a recording and their simulation.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,19 +8,19 @@ use crate::effects::{EffectSpec, Model, Trial, replay};
 use crate::plants::{Simulated, SimulatedOptions};
 use crate::tasks::{ExploreOptions, explore};
 
-/// What the drives are told, trial by trial, at a constant rate.
+/// Commands of the drives, trial by trial, at a constant rate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Commands {
-    /// Time from one command to the next, seconds.
+    /// Time between commands, seconds.
     pub step_s: f64,
-    /// Displacements of each trial, metres: a row a command, a column a tendon.
+    /// Displacements of each trial, metres: one row a command, one column a tendon.
     pub trials: Vec<Rows>,
 }
 
-/// Commands as the paper collects data: a random exploration of the model, trials from rest at home.
+/// Commands as in the paper's data collection: random exploration of the model, each trial from rest at home.
 ///
 /// # Errors
-/// [`BenchmarkError::Commands`] when the model cannot be explored so.
+/// [`BenchmarkError::Commands`] if the exploration fails.
 pub fn explore_commands(
     model: &Model,
     options: &ExploreOptions,
@@ -39,16 +39,16 @@ impl Commands {
         self.trials.iter().map(Rows::len).sum()
     }
 
-    /// True without any.
+    /// Whether there are no samples.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Where a model with `extra` effects has the tip before each command, metres; none where it cannot follow.
+    /// Simulated tip before each command with `extra` effects, metres; none if the simulation fails.
     pub fn tips_m(&self, model: &Model, extra: &[EffectSpec]) -> Option<Vec<Point3>> {
         let mut tips = Vec::with_capacity(self.len());
         for commands in &self.trials {
-            // Nothing is seen of the last command.
+            // The result of the last command is not recorded.
             let count = commands.len() - 1;
             let commands = commands.select(&(0..count).collect::<Vec<usize>>());
             let durations_s = vec![self.step_s; count];
@@ -65,7 +65,7 @@ impl Commands {
     }
 }
 
-/// Root mean square distance of two ways of the tip, metres.
+/// Rms distance between two tip paths, metres.
 pub(crate) fn apart_m(here: &[Point3], there: &[Point3]) -> f64 {
     let square = |(a, b): (&Point3, &Point3)| (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>();
     (here.iter().zip(there).map(square).sum::<f64>() / here.len().max(1) as f64).sqrt()

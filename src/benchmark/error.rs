@@ -1,34 +1,34 @@
-//! Why there is no blind case.
+//! Errors of the blind benchmark.
 
 use crate::base::BadOption;
 use crate::tasks::TaskError;
 
-/// A blind case cannot be made.
+/// A blind case cannot be generated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BenchmarkError {
     /// The exploration that gives the commands failed.
     #[error(transparent)]
     Commands(#[from] TaskError),
-    /// The model cannot follow its own commands.
+    /// The model cannot be simulated with its own commands.
     #[error("the model cannot follow the commands of its exploration")]
     Unplayable,
-    /// The true robot cannot follow the commands, however often it was drawn.
+    /// No drawn robot can be simulated with the commands.
     #[error("no robot with {what} can follow the commands; {tried} were drawn")]
     NoRobot {
-        /// What was hidden in it.
+        /// Injected effect.
         what: String,
-        /// Robots that were drawn.
+        /// Number of robots drawn.
         tried: usize,
     },
-    /// Nothing of the asked kind.
+    /// The oracle found no candidate of the requested group.
     #[error("{tried} candidates, and none of them is {group} the span of the catalogue: expected at least one")]
     NoneFound {
         /// `outside` or `inside`.
         group: &'static str,
-        /// Candidates that were judged.
+        /// Number of candidates tested.
         tried: usize,
     },
-    /// An uncertain number that is no parameter of the catalogue.
+    /// A prior on something that is no parameter of the catalogue.
     #[error(transparent)]
     Option(#[from] BadOption),
 }

@@ -1,9 +1,11 @@
-//! Blind cases of discovery (docs/blind_benchmark.md): a recording of a robot with something hidden in it, the truth
-//! sealed beside it, and the score of an answer.
+//! Blind benchmark of discovery (docs/blind_benchmark.md): a recording of a robot with an injected effect, the sealed
+//! truth, and the score of an answer.
 //!
-//! The truth is not what is fitted: it is computed on a finer grid and with finer steps in time, the numbers that a lab
-//! knows only so well are drawn anew for every robot, some effects follow another law of the same name, and noise is
-//! added to all of it.
+//! The truth differs from the fitted model: finer grid and time steps, uncertain parameters drawn anew for every
+//! robot, other laws for some effects, and noise.
+//!
+//! Order: options and commands, `injection` (effects and disturbances), `truth`, `oracle` (what the catalogue can
+//! imitate), `drawing` (of a case), `public_case`, `scores`.
 
 mod commands;
 mod drawing;

@@ -1,4 +1,4 @@
-//! What blind cases are made: their groups, sizes and the truth behind them.
+//! Options of the blind benchmark: groups of cases, sizes, and resolution of the truth.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,24 +6,25 @@ use crate::base::BadOption;
 use crate::effects::Robot;
 use crate::rod::Resolution;
 
-/// What is hidden.
+/// Group of a case: what is injected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum CaseGroup {
-    /// Nothing but noise and the uncertainty of the model's numbers.
+    /// Nothing but noise and parameter uncertainty.
     Nothing,
     /// One effect of the catalogue.
     Single,
     /// Two effects of the catalogue.
     Pair,
-    /// What no few effects of the catalogue imitate: a disturbance that is in no catalogue, or an effect taken out of it.
+    /// Something that no small set of effects imitates: a disturbance outside the catalogue, or an effect removed from
+    /// it.
     Outside,
-    /// An effect taken out of the catalogue that a few others imitate.
+    /// An effect removed from the catalogue that a small set of others imitates.
     Inside,
 }
 
 impl CaseGroup {
-    /// Its name in tables.
+    /// Name in tables.
     pub fn name(self) -> &'static str {
         match self {
             CaseGroup::Nothing => "nothing",
@@ -34,19 +35,19 @@ impl CaseGroup {
         }
     }
 
-    /// Whether its cases need the oracle.
+    /// Whether the oracle must classify its cases.
     pub fn judged(self) -> bool {
         matches!(self, CaseGroup::Outside | CaseGroup::Inside)
     }
 }
 
-/// Cases of one kind.
+/// Cases of one group.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CaseBatch {
-    /// What is hidden in them.
+    /// What is injected.
     pub group: CaseGroup,
-    /// How many.
+    /// Number of cases.
     pub cases: usize,
     /// Trials of a recording, each from rest at home.
     #[serde(default = "trials")]
@@ -54,13 +55,13 @@ pub struct CaseBatch {
     /// Samples of a recording, over all trials.
     #[serde(default = "samples")]
     pub samples: usize,
-    /// How far what is hidden is to move the tip, root mean square, metres; cases take them in turn.
+    /// Rms tip displacements by the injected effect, metres; used in turn.
     #[serde(default = "shifts_m")]
     pub shifts_m: Vec<f64>,
-    /// Standard deviation of the noise an axis, metres.
+    /// Standard deviation of the noise by axis, metres.
     #[serde(default = "noise_m")]
     pub noise_m: f64,
-    /// Correlation of the noise from one sample to the next; cases take them in turn.
+    /// Correlations of consecutive noise samples; used in turn.
     #[serde(default = "correlations")]
     pub correlations: Vec<f64>,
 }
@@ -81,11 +82,11 @@ fn correlations() -> Vec<f64> {
     vec![0.0]
 }
 
-/// More cases in a batch would fill the memory with plans before anything runs.
+/// Maximum number of cases: their plan must fit in memory.
 const MOST_CASES: usize = 100_000;
-/// Samples of a recording beyond this are a wrong number.
+/// Maximum number of samples.
 const MOST_SAMPLES: usize = 100_000;
-/// Shifts and noise beyond this are a wrong unit, metres.
+/// Maximum displacement and noise, metres; larger values indicate a wrong unit.
 const MOST_M: f64 = 0.05;
 
 impl CaseBatch {
@@ -121,25 +122,25 @@ impl CaseBatch {
     }
 }
 
-/// How finely the truth is computed.
+/// Resolution of the truth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TruthOptions {
     /// Largest length of an integration cell, metres.
     pub cell_m: f64,
-    /// Polynomials for each bending moment.
+    /// Number of modes of each bending moment.
     pub bending_modes: usize,
-    /// Largest time step, s.
+    /// Largest time step, seconds.
     pub time_step_s: f64,
-    /// Error that a time step may add to the position of any part of the rod, metres.
+    /// Error tolerance of a time step for the position of any part of the rod, metres.
     pub motion_tolerance_m: f64,
-    /// Whether every other case follows another law of the same name, where there is one.
+    /// Whether every other case follows another law of the same effect, if there is one.
     pub other_laws: bool,
 }
 
 impl Default for TruthOptions {
     fn default() -> Self {
-        // With steps of 1e-5 m dry friction is off by 0.08 mm, more than what the answer's fit is off by.
+        // At 1e-5 m the error of dry friction is 0.08 mm, more than the error of the answer's fit.
         TruthOptions { cell_m: 0.008, bending_modes: 8, time_step_s: 0.05, motion_tolerance_m: 1e-6, other_laws: true }
     }
 }
@@ -157,7 +158,7 @@ impl TruthOptions {
         robot.check().map_err(|(_, error)| error)
     }
 
-    /// The resolution of the true robot, where the model has `model`'s.
+    /// Resolution of the true robot; other settings as in `model`.
     pub(crate) fn resolution(&self, model: &Resolution) -> Resolution {
         Resolution {
             cell_m: self.cell_m,
@@ -169,17 +170,17 @@ impl TruthOptions {
     }
 }
 
-/// When something is outside the span of the catalogue, and when inside.
+/// Thresholds of the oracle for outside and inside the span of the catalogue.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct OracleOptions {
-    /// Outside: the best few others leave more than this, over the noise.
+    /// Outside: the best imitation leaves more than this, over the noise.
     pub outside_above: f64,
-    /// Inside: they leave less than this.
+    /// Inside: the best imitation leaves less than this, over the noise.
     pub inside_below: f64,
-    /// Others that are taken together at most, 1 to 3.
+    /// Maximum number of effects of an imitation, 1 to 3.
     pub most_effects: usize,
-    /// Cases that share one set of commands, and with it the answers of the model that the oracle needs.
+    /// Number of cases that share commands and the oracle's sensitivities.
     pub cases_per_commands: usize,
 }
 
@@ -208,11 +209,11 @@ impl OracleOptions {
     }
 }
 
-/// A number that a lab knows only so well: normally distributed about the value at which the effect changes nothing, all
-/// components of a vector and all tendons each for itself.
+/// Prior of an uncertain parameter: normal about the value without influence; components of vectors and tendons are
+/// independent.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Prior {
-    /// The effect whose parameter it is.
+    /// Effect that has the parameter.
     pub effect: String,
     /// The parameter.
     pub parameter: String,

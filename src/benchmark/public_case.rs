@@ -38,8 +38,8 @@ pub fn measure_case(
     Ok(PublicCase { commands: commands.clone(), tips_m, left_out: truth.left_out.clone() })
 }
 
-/// Adds Gaussian noise of this standard deviation an axis, metres, and this correlation from one sample to the next (a
-/// first-order autoregression, stationary). `trials`: the number of samples of each; each begins anew.
+/// Adds AR(1) noise with this standard deviation by axis, metres, and this correlation of consecutive samples.
+/// `trials`: number of samples of each trial; trials are independent.
 pub fn add_noise(
     tips_m: &mut [Point3],
     trials: impl Iterator<Item = usize>,
@@ -63,7 +63,7 @@ pub fn add_noise(
 }
 
 impl PublicCase {
-    /// As the recording that a lab would have.
+    /// The case as a recording.
     pub fn recording(&self) -> Recording {
         let tendons = self.commands.trials.first().map_or(0, crate::base::Rows::width);
         let mut recording = Recording::new(Actuation::Lengths, tendons);

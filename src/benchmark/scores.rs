@@ -1,4 +1,4 @@
-//! What an answer is worth, beside the sealed truth.
+//! Scores of an answer against the sealed truth.
 
 use std::collections::BTreeMap;
 
@@ -12,26 +12,26 @@ use crate::data::findings::{CaseRow, Findings, FoundEffect, IntervalRow, OR, Ver
 use crate::effects::{Model, Parameter, Seek};
 use crate::math::summary::quantile;
 
-/// What was answered to a recording.
+/// Answer to a recording.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CaseAnswer {
     /// The verdict.
     pub verdict: Verdict,
-    /// Effects that were named, or those between which the data cannot tell.
+    /// Named effects, or those that the data cannot tell apart.
     pub effects: Vec<AnsweredEffect>,
-    /// Held-out error of the model as given, metres.
+    /// Held-out error of the given model, metres.
     pub before_m: f64,
     /// With the effects, metres.
     pub after_m: f64,
-    /// With stiffness fitted anew, metres; not a number where that has no answer.
+    /// With the stiffness refitted, metres; NaN if the fit failed.
     pub stiffness_only_m: f64,
-    /// With the paper's process on what is left, metres; the same.
+    /// With the paper's Gaussian process on the residual, metres; NaN if the fit failed.
     pub gp_m: f64,
-    /// The noise floor that was estimated, metres.
+    /// Estimated noise floor, metres.
     pub floor_m: f64,
 }
 
-/// An effect of an answer. Parameters by their names on the card, components of a vector each for itself.
+/// An effect of an answer. Parameters by their card names, vectors by component.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AnsweredEffect {
     /// Its name.
@@ -43,7 +43,7 @@ pub struct AnsweredEffect {
 }
 
 impl CaseAnswer {
-    /// From findings, and from the held-out errors of the two other remedies, metres.
+    /// From findings and the held-out errors of both alternatives, metres.
     pub fn new(findings: &Findings, stiffness_only_m: Option<f64>, gp_m: Option<f64>) -> CaseAnswer {
         CaseAnswer {
             verdict: findings.verdict,
@@ -90,16 +90,16 @@ impl AnsweredEffect {
     }
 }
 
-/// What a case adds to the tables.
+/// Rows of a case in the tables.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ScoredCase {
     /// The case.
     pub row: CaseRow,
-    /// The intervals that are scored: those of rightly named effects.
+    /// Scored intervals: those of correctly named effects.
     pub intervals: Vec<IntervalRow>,
 }
 
-/// Scores a case whose recording was answered.
+/// Scores an answered case.
 pub fn score(
     case: u64,
     batch: &CaseBatch,
@@ -116,7 +116,7 @@ pub fn score(
     if row.right {
         let errors: Vec<f64> = truth.hidden.iter().filter_map(|hidden| strength_error(model, hidden, answer)).collect();
         row.strength_error = if errors.is_empty() { f64::NAN } else { quantile(&errors, 0.5) };
-        // Of another law of the same name the numbers mean something else.
+        // Parameters of another law are not comparable.
         let comparable = truth.hidden.iter().filter(|hidden| !hidden.other_law);
         intervals = comparable.flat_map(|hidden| self::intervals(&row, hidden, answer)).collect();
     }
@@ -130,7 +130,7 @@ pub fn score(
     ScoredCase { row, intervals }
 }
 
-/// A case without an answer, and why there is none. `truth` where at least that is known.
+/// A case without an answer, with the reason. `truth`: if it is known.
 pub fn failed(case: u64, batch: &CaseBatch, correlation: f64, truth: Option<&Truth>, why: &str) -> ScoredCase {
     let row = CaseRow { verdict: format!("failed: {why}"), ..row(case, batch, correlation, truth) };
     ScoredCase { row, intervals: Vec::new() }
@@ -161,12 +161,12 @@ fn row(case: u64, batch: &CaseBatch, correlation: f64, truth: Option<&Truth>) ->
     }
 }
 
-/// Whether the answer is right, and whether it at least holds the truth.
+/// Whether the answer is right, and whether it contains the truth.
 fn is_right(group: CaseGroup, truth: &Truth, answer: &CaseAnswer) -> (bool, bool) {
     match group {
         CaseGroup::Nothing => both(answer.verdict == Verdict::Consistent),
         CaseGroup::Outside => both(answer.verdict == Verdict::Unexplained),
-        // The truth is not on offer: that the data cannot tell is the answer, or that nothing explains them.
+        // The true effect is excluded from the catalogue, so `ambiguous` and `unexplained` are right.
         CaseGroup::Inside => {
             let group = answer.verdict == Verdict::Ambiguous;
             (group || answer.verdict == Verdict::Unexplained, group)
@@ -186,7 +186,7 @@ fn both(right: bool) -> (bool, bool) {
     (right, right)
 }
 
-/// What the answer says of an effect: that of the same name, and of the same tendon where it is about one.
+/// The effect of the answer with the same name and, if it acts on one, the same tendon.
 fn answered_effect<'a>(hidden: &InjectedEffect, answer: &'a CaseAnswer) -> Option<&'a AnsweredEffect> {
     let card = hidden.card()?;
     let same = |found: &&AnsweredEffect| {
@@ -199,7 +199,7 @@ fn answered_effect<'a>(hidden: &InjectedEffect, answer: &'a CaseAnswer) -> Optio
     answer.effects.iter().find(same)
 }
 
-/// Relative error of the size of an effect: the length of the difference over the length of the size.
+/// Relative error of the size vector of an effect.
 fn strength_error(model: &Model, hidden: &InjectedEffect, answer: &CaseAnswer) -> Option<f64> {
     let (card, found) = (hidden.card()?, answered_effect(hidden, answer)?);
     let truth = as_answered(hidden, found);
@@ -213,7 +213,7 @@ fn strength_error(model: &Model, hidden: &InjectedEffect, answer: &CaseAnswer) -
     (all > 0.0).then(|| (off / all).sqrt())
 }
 
-/// The parameters of an effect that have an interval, beside the truth.
+/// Intervals of the parameters of an effect with the true values.
 fn intervals(row: &CaseRow, hidden: &InjectedEffect, answer: &CaseAnswer) -> Vec<IntervalRow> {
     let (Some(card), Some(found)) = (hidden.card(), answered_effect(hidden, answer)) else { return Vec::new() };
     let beside = |(parameter, truth): (&Parameter, f64)| {
@@ -233,8 +233,8 @@ fn intervals(row: &CaseRow, hidden: &InjectedEffect, answer: &CaseAnswer) -> Vec
     card.parameters.iter().zip(as_answered(hidden, found)).filter_map(beside).collect()
 }
 
-/// The true values, written as the answer has them: principal axes a quarter turn apart with the opposite ratio are the
-/// same, and so are axes half a turn apart.
+/// True values in the convention of the answer: axes a quarter turn apart with opposite ratio are equal, and so are
+/// axes half a turn apart.
 fn as_answered(hidden: &InjectedEffect, found: &AnsweredEffect) -> Vec<f64> {
     use std::f64::consts::{FRAC_PI_2, PI};
     let mut values = hidden.values.clone();

@@ -1,4 +1,4 @@
-//! What is true of a blind case, and what the robot does.
+//! The truth of a blind case and its simulation.
 
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
@@ -14,24 +14,24 @@ use crate::effects::{EffectSpec, Model, Seek};
 /// What is hidden in a recording: the sealed label.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Truth {
-    /// Effects of the catalogue.
+    /// Injected effects of the catalogue.
     pub hidden: Vec<InjectedEffect>,
-    /// What is in no catalogue.
+    /// Injected disturbance outside the catalogue.
     pub unknown: Option<Disturbance>,
-    /// Where the robot's numbers are, as far as a lab does not know them.
+    /// Drawn values of the uncertain parameters.
     pub uncertain: Vec<InjectedEffect>,
-    /// How far what is hidden moves the tip, root mean square, metres.
+    /// Rms tip displacement by the injected effect, metres.
     pub shift_m: f64,
-    /// For cases that the oracle has judged: what the best few others leave, over the noise; else 0.
+    /// For groups of the oracle: residual of the best imitation over the noise; else 0.
     pub left: f64,
-    /// Inside the span: the sets of others that imitate it equally well, the best first.
+    /// Inside the span: sets of other effects that imitate it equally well, best first.
     pub imitations: Vec<String>,
-    /// Effects that are taken out of the catalogue for this case.
+    /// Effects removed from the catalogue for this case.
     pub left_out: Vec<String>,
 }
 
 impl Truth {
-    /// What is hidden, joined by ` + `.
+    /// Names of the injected effects, joined by ` + `.
     pub fn name(&self) -> String {
         let mut names: Vec<&str> = self.hidden.iter().map(|hidden| hidden.name.as_str()).collect();
         names.extend(self.unknown.as_ref().map(|unknown| unknown.name.as_str()));
@@ -40,8 +40,8 @@ impl Truth {
     }
 }
 
-/// Where `model` has the tip under `commands` with these uncertain numbers, effects and disturbance, metres; none where it
-/// cannot follow.
+/// Simulated tip of `model` under `commands` with these uncertain parameters, effects and disturbance, metres; none if
+/// the simulation fails.
 pub(crate) fn tips_m(
     model: &Model,
     commands: &Commands,
@@ -56,7 +56,7 @@ pub(crate) fn tips_m(
     Some(unknown.recorded(commands, tips_m))
 }
 
-/// Refuses a prior on what is no size of an effect.
+/// Refuses a prior on something that is no size of an effect.
 ///
 /// # Errors
 /// [`BenchmarkError::Option`].
@@ -70,12 +70,12 @@ pub(crate) fn check_prior(prior: &Prior) -> Result<(), BenchmarkError> {
     Err(BadOption { key: "uncertain", found, expected: "an effect of the catalogue and one of its parameters" }.into())
 }
 
-/// Whether a parameter of the prior's effect is the one that the prior is about: its name, or a component of it.
+/// Whether a parameter is that of the prior or a component of it.
 pub(crate) fn is_component_of(parameter: &str, prior: &Prior) -> bool {
     parameter.split('[').next() == Some(prior.parameter.as_str())
 }
 
-/// The uncertain numbers of a robot, drawn from their priors: an effect a number, of each tendon where it is about one.
+/// Draws the uncertain parameters of a robot from their priors: one effect each, for each tendon if it acts on one.
 pub(crate) fn draw_uncertain(priors: &[Prior], model: &Model, random: &mut Generator) -> Vec<InjectedEffect> {
     let mut drawn = Vec::new();
     for prior in priors {

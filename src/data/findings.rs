@@ -1,4 +1,4 @@
-//! What a discovery found: the answer (`findings.json`) and the rows of the tables behind it.
+//! Findings of a discovery (`findings.json`) and the rows of the tables behind them.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,22 +9,22 @@ use serde_json::Value;
 use super::table_row::table_rows;
 use super::{DataError, write_atomic};
 
-/// The answer in a word.
+/// Verdict of a discovery.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// The effects explain the gap, and nothing else in the catalogue does.
+    /// The effects explain the model error, and no other candidate does.
     Named,
-    /// No more than noise and the model's own uncertainty.
+    /// No more than noise and model uncertainty.
     Consistent,
     /// Several candidates fit equally well.
     Ambiguous,
-    /// The model error exceeds the noise, and nothing in the catalogue closes it.
+    /// The model error exceeds the noise, and no effect of the catalogue explains it.
     Unexplained,
 }
 
 impl Verdict {
-    /// Its name in files.
+    /// Name in files.
     pub fn name(self) -> &'static str {
         match self {
             Verdict::Named => "named",
@@ -38,24 +38,24 @@ impl Verdict {
 /// An effect of the answer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FoundEffect {
-    /// Its name in the catalogue.
+    /// Name in the catalogue.
     pub name: String,
-    /// Its parameters as in a model file: numbers, or lists of numbers.
+    /// Parameters as in a model file: numbers, or lists of numbers.
     pub parameters: BTreeMap<String, Value>,
     /// For each fitted parameter its 95 % interval `[low, high]`; a list of them for a vector.
     pub interval_95: BTreeMap<String, Value>,
-    /// Probability that the answer holds it, among the candidates that were fitted.
+    /// Posterior probability among the fitted candidates.
     pub confidence: f64,
-    /// Effects that could stand in its place as far as these data tell.
+    /// Effects that could replace it as far as these data tell.
     pub confusable_with: Vec<String>,
 }
 
-/// How far model and measurement are apart on trials that took no part in naming or fitting.
+/// Model error on held-out trials.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Gap {
-    /// What is measured.
+    /// Definition of the error.
     pub metric: String,
-    /// Numbers of the trials.
+    /// Numbers of the held-out trials.
     pub held_out_trials: Vec<u64>,
     /// Without the effects, metres.
     pub before_m: f64,
@@ -63,67 +63,67 @@ pub struct Gap {
     pub after_m: f64,
 }
 
-/// A place where they disagree.
+/// Residual of one group of samples along one axis.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Disagreement {
-    /// The place in words.
+    /// The group, as text.
     #[serde(rename = "where")]
     pub place: String,
     /// `x`, `y`, `z` or `all`.
     pub axis: String,
-    /// Root mean square residual there, metres.
+    /// Root mean square residual, metres.
     pub rms_m: f64,
-    /// Its part of the whole sum of squares.
+    /// Share of the total sum of squares.
     pub share: f64,
-    /// Probability of as much by noise alone, corrected for the number of places looked at.
+    /// Probability of this or more from noise alone, corrected for the number of groups.
     pub p_value: f64,
 }
 
-/// A candidate and why it is not the answer.
+/// A candidate, and why it is not the answer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Candidate {
     /// Its effects, joined by ` + `.
     pub name: String,
-    /// Penalised log-likelihood ratio to the model as given, in units of 2 ln: more is better.
+    /// Penalised log-likelihood ratio to the given model, in units of 2 ln; larger is better.
     pub score: f64,
-    /// Root mean square tip error with it on trials that its fit has not seen, metres.
+    /// Leave-one-trial-out rms tip error, metres.
     pub after_m: f64,
     /// Why it is not the answer; empty for the answer.
     pub why_not: String,
 }
 
-/// A test whether anything is missing.
+/// Result of the cross-trial test.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MissingTest {
     /// Root mean square residual, metres.
     pub rms_m: f64,
-    /// The part of it that other trials foretell, metres.
+    /// Part that other trials predict, metres.
     pub foretold_m: f64,
-    /// Probability of as much by noise alone.
+    /// Probability of this or more from noise alone.
     pub p_value: f64,
 }
 
-/// What noise there is.
+/// Measurement noise.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Noise {
     /// Standard deviation along x, y and z, metres.
     pub sigma_m: [f64; 3],
-    /// Correlation from one sample to the next.
+    /// Correlation of consecutive samples.
     pub correlation: f64,
-    /// From what it was estimated.
+    /// Sources of the estimate.
     pub from: String,
 }
 
-/// Something to record next.
+/// A proposed measurement.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Proposal {
-    /// Its name in the menu.
+    /// Name of the protocol.
     pub name: String,
-    /// What to do, in a sentence.
+    /// Instruction in one sentence.
     pub what: String,
-    /// How long it takes, set-up included, minutes.
+    /// Duration including set-up, minutes.
     pub minutes: f64,
-    /// Distance between the rivals' predictions, in standard deviations of the noise, refitted: the least of all pairs.
+    /// Smallest distance between predictions of two rivals after refitting, in standard deviations of the noise.
     pub separation: f64,
     /// File with the commands.
     pub file: String,
@@ -132,41 +132,41 @@ pub struct Proposal {
 /// `findings.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Findings {
-    /// The answer in a word.
+    /// The verdict.
     pub verdict: Verdict,
-    /// The effects named, or for `ambiguous` those between which the data cannot tell.
+    /// The named effects; for `ambiguous` those that the data cannot tell apart.
     pub effects: Vec<FoundEffect>,
-    /// Root mean square distance of the tip from the truth that noise alone makes, metres.
+    /// Rms distance of the measured from the true tip by noise alone, metres.
     pub noise_floor_m: f64,
-    /// Held-out gap before and after.
+    /// Held-out error before and after.
     pub gap: Gap,
-    /// Where they disagree, the largest first.
+    /// Residual by group, largest over noise first.
     pub disagreement: Vec<Disagreement>,
-    /// The candidates, the best first.
+    /// Candidates, best first.
     pub candidates: Vec<Candidate>,
-    /// What to record next, in words.
+    /// What to record next.
     pub next_measurement: String,
-    /// The answer in a sentence or two.
+    /// Summary in one or two sentences.
     pub summary: String,
-    /// The noise.
+    /// Measurement noise.
     pub noise: Noise,
-    /// Is anything missing from the model as given?
+    /// Cross-trial test of the given model.
     pub missing_before: MissingTest,
-    /// Is anything still missing from the model with the effects?
+    /// Cross-trial test of the model with the effects.
     pub missing_after: MissingTest,
-    /// For `unexplained`: what the rest looks like.
+    /// For `unexplained`: pattern of the residual.
     pub pattern: String,
-    /// What these data could not show, and what was left out of them.
+    /// Limitations of the data and excluded samples.
     pub limitations: Vec<String>,
-    /// What could be recorded next, the best first.
+    /// Proposed measurements, best first.
     pub proposals: Vec<Proposal>,
 }
 
 impl Findings {
-    /// Writes `findings.json`, whole or not at all.
+    /// Writes `findings.json` atomically.
     ///
     /// # Errors
-    /// [`DataError::Write`] when the file cannot be written.
+    /// [`DataError::Write`] if the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), DataError> {
         let refused = |reason: String| DataError::Write { file: path.to_owned(), reason };
         let mut text = serde_json::to_string_pretty(self).map_err(|error| refused(error.to_string()))?;
@@ -175,14 +175,14 @@ impl Findings {
     }
 }
 
-/// A sample: where the tip was and how far off the model is (`residuals.csv`).
+/// One sample with its residuals (`residuals.csv`).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ResidualRow {
     /// Trial.
     pub trial: u64,
-    /// Time since it began, seconds.
+    /// Time in the trial, seconds.
     pub time_s: f64,
-    /// Whether the trial took no part in naming or fitting.
+    /// Whether the trial is held out.
     pub held_out: bool,
     /// Measured tip, metres.
     pub tip_x_m: f64,
@@ -190,48 +190,48 @@ pub struct ResidualRow {
     pub tip_y_m: f64,
     /// Measured tip, metres.
     pub tip_z_m: f64,
-    /// Measured minus the model as given, metres.
+    /// Measured minus given model, metres.
     pub before_x_m: f64,
-    /// Measured minus the model as given, metres.
+    /// Measured minus given model, metres.
     pub before_y_m: f64,
-    /// Measured minus the model as given, metres.
+    /// Measured minus given model, metres.
     pub before_z_m: f64,
-    /// Measured minus the model with the effects, metres.
+    /// Measured minus model with the effects, metres.
     pub after_x_m: f64,
-    /// Measured minus the model with the effects, metres.
+    /// Measured minus model with the effects, metres.
     pub after_y_m: f64,
-    /// Measured minus the model with the effects, metres.
+    /// Measured minus model with the effects, metres.
     pub after_z_m: f64,
 }
 
-/// A place of the map of disagreement (`disagreement.csv`).
+/// One group of samples of the residual map along one axis (`disagreement.csv`).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlaceRow {
-    /// What the samples were sorted by: `workspace`, `time in trial`, `direction of motion`, `tension`, `history`, `all`.
+    /// Grouping: `workspace`, `time in trial`, `direction of motion`, `largest pull`, `history`, `all`.
     pub by: String,
-    /// The place, such as `x above 0.05 m` or `first third`.
+    /// The group, such as `x above 50 mm` or `first third`.
     pub place: String,
     /// `x`, `y`, `z` or `all`.
     pub axis: String,
-    /// Samples there.
+    /// Number of samples.
     pub samples: u64,
-    /// Mean residual of the model as given, metres; empty for axis `all`.
+    /// Mean residual of the given model, metres; empty for axis `all`.
     pub mean_before_m: f64,
-    /// Root mean square residual of the model as given, metres.
+    /// Rms residual of the given model, metres.
     pub rms_before_m: f64,
-    /// Probability of as much by noise alone, corrected for the number of places.
+    /// Probability of this or more from noise alone, corrected for the number of groups.
     pub p_before: f64,
     /// Mean residual of the model with the effects, metres.
     pub mean_after_m: f64,
-    /// Root mean square residual of the model with the effects, metres.
+    /// Rms residual of the model with the effects, metres.
     pub rms_after_m: f64,
-    /// Probability of as much by noise alone, corrected for the number of places.
+    /// Probability of this or more from noise alone, corrected for the number of groups.
     pub p_after: f64,
-    /// What noise alone would give, metres.
+    /// Rms by noise alone, metres.
     pub floor_m: f64,
 }
 
-/// Between sets of effects in one cell.
+/// Separator of sets of effects in one cell.
 pub const OR: &str = " or ";
 
 table_rows! {

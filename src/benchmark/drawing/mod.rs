@@ -1,4 +1,4 @@
-//! Robots with something hidden in them.
+//! Drawing of blind cases: robots with injected effects.
 
 pub(crate) mod scale_to_shift;
 
@@ -16,46 +16,46 @@ use crate::base::{Generator, Point3, Seed};
 use crate::effects::{CATALOGUE, Card, Model};
 use scale_to_shift::{ScaledStrength, scale_to_shift};
 
-/// What moves the tip by less than this share of what was asked is not worth a case.
+/// Minimum displacement of a case over the requested one.
 const FAINT: f64 = 0.25;
 
-/// What is hidden in a robot whose uncertain numbers these are; nothing where it cannot be.
+/// Draws the injected effects given the uncertain parameters; none if impossible.
 type DrawEffects<'h> = dyn FnMut(&[InjectedEffect], &mut Generator) -> Option<Vec<InjectedEffect>> + 'h;
 
-/// What a blind case is drawn from.
+/// Design of a blind case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CaseDesign {
-    /// The model as it is believed.
+    /// The model as given.
     pub model: Model,
-    /// What is hidden.
+    /// What is injected.
     pub group: CaseGroup,
-    /// Number of the case in its batch: kinds and sizes take turns by it.
+    /// Number of the case in its batch, by which kinds and sizes alternate.
     pub number: usize,
-    /// How far it is to move the tip, root mean square, metres.
+    /// Requested rms tip displacement, metres.
     pub shift_m: f64,
-    /// Standard deviation of the noise an axis, metres: what the oracle measures by.
+    /// Standard deviation of the noise by axis, metres; unit of the oracle.
     pub noise_m: f64,
-    /// What a lab knows only so well.
+    /// Priors of the uncertain parameters.
     pub priors: Vec<Prior>,
-    /// How finely the truth is computed.
+    /// Resolution of the truth.
     pub truth: TruthOptions,
-    /// TrialProgress something is outside the span of the catalogue.
+    /// Thresholds of the oracle.
     pub oracle: OracleOptions,
-    /// Root of all that is random about it.
+    /// Root seed.
     pub seed: u64,
 }
 
-/// The largest strength, in usual sizes.
+/// Maximum strength in usual sizes.
 const MOST: f64 = 8.0;
-/// An effect of a pair moves the tip at least by this share of what was asked.
+/// Minimum displacement of each effect of a pair over the requested one.
 const PAIR_SHARE: f64 = 0.98;
-/// Robots that are drawn until one can follow the commands.
+/// Maximum number of robots drawn until one can be simulated.
 const ROBOTS: usize = 20;
 
-/// Draws the truth of a case. `span`: what the oracle knows of these commands, for the groups that it judges.
+/// Draws the truth of a case. `span`: the oracle's span for these commands, for groups that need it.
 ///
 /// # Errors
-/// [`BenchmarkError`] when no robot of this kind can follow the commands, or the oracle finds nothing of it.
+/// [`BenchmarkError`] if no robot can be simulated or the oracle finds no candidate.
 pub fn draw(robot: &CaseDesign, commands: &Commands, span: Option<&CatalogueSpan>) -> Result<Truth, BenchmarkError> {
     robot.priors.iter().try_for_each(check_prior)?;
     let drawing = CaseDrawing { robot, commands };
@@ -89,13 +89,13 @@ impl CaseDrawing<'_> {
         CATALOGUE[self.robot.number % CATALOGUE.len()]
     }
 
-    /// Whether an effect follows another law in this case, where it has one: in every other round of the catalogue.
+    /// Whether an effect follows another law in this case: in every other round of the catalogue.
     fn other_law(&self, card: &Card) -> bool {
         let index = CATALOGUE.iter().position(|one| one.name == card.name).unwrap_or(0);
         self.robot.truth.other_laws && (self.robot.number / CATALOGUE.len() + index) % 2 == 1
     }
 
-    /// Draws robots until one with what `hide` gives can follow the commands.
+    /// Draws robots until one with the injected effects can be simulated.
     fn draw_robot(&self, what: &str, hide: &mut DrawEffects) -> Result<Truth, BenchmarkError> {
         for tried in 0..ROBOTS {
             let seed = Seed(self.robot.seed).child("robot").index(tried as u64);
@@ -108,7 +108,7 @@ impl CaseDrawing<'_> {
         Err(BenchmarkError::NoRobot { what: what.to_owned(), tried: ROBOTS })
     }
 
-    /// The truth with its shift as the robot has it; none when it cannot follow.
+    /// The truth with its measured displacement; none if the simulation fails.
     fn measure_shift(
         &self,
         hidden: Vec<InjectedEffect>,
@@ -122,7 +122,7 @@ impl CaseDrawing<'_> {
         Some(Truth { hidden, unknown, uncertain, shift_m, left: 0.0, imitations: Vec::new(), left_out: Vec::new() })
     }
 
-    /// An effect as strong as asked, or as it can be, and how far it moves the tip.
+    /// An effect scaled to the requested displacement, or as far as possible.
     fn draw_effect(
         &self,
         card: &'static Card,
@@ -140,7 +140,7 @@ impl CaseDrawing<'_> {
         Some((draft.scaled(reached.amount), reached))
     }
 
-    /// Two different effects, each of which moves the tip far enough.
+    /// Two different effects with sufficient displacements.
     fn draw_pair(&self, uncertain: &[InjectedEffect], random: &mut Generator) -> Option<Vec<InjectedEffect>> {
         let mut cards: Vec<&'static Card> = CATALOGUE.to_vec();
         cards.shuffle(random);
@@ -157,7 +157,7 @@ impl CaseDrawing<'_> {
         None
     }
 
-    /// The first candidate in turn that the oracle takes for what was asked.
+    /// The first candidate that the oracle assigns to the requested group.
     fn draw_by_oracle(&self, span: &CatalogueSpan) -> Result<Truth, BenchmarkError> {
         let outside = self.robot.group == CaseGroup::Outside;
         let candidates = self.candidates();
@@ -178,8 +178,8 @@ impl CaseDrawing<'_> {
         Err(BenchmarkError::NoneFound { group: self.robot.group.name(), tried: candidates.len() })
     }
 
-    /// Kinds in the order in which this case asks for them, first the one whose turn it is, then the others as they are
-    /// drawn: of those outside, every third one first looks among effects that are taken out of the catalogue.
+    /// Candidates in order: first the one whose turn it is, then the others shuffled. Every third case outside starts
+    /// with effects removed from the catalogue.
     fn candidates(&self) -> Vec<InjectionKind> {
         let number = self.robot.number;
         let mut random = Seed(self.robot.seed).child("candidates").rng();
@@ -199,7 +199,7 @@ impl CaseDrawing<'_> {
         }
     }
 
-    /// A candidate as strong as asked, and by how much it moves the tip of the model, sample by sample.
+    /// A scaled candidate and its tip displacement by sample.
     fn draw_candidate(&self, candidate: InjectionKind, random: &mut Generator) -> Option<DrawnCandidate> {
         let model = &self.robot.model;
         let without = tips_m(model, self.commands, &[], &[], None)?;
@@ -219,7 +219,7 @@ impl CaseDrawing<'_> {
                 Some((vec![hidden], None, moved))
             }
             InjectionKind::Unknown(index) => {
-                // A tendon that is hardly used shows nothing: another is drawn.
+                // A disturbance of an unused tendon has no influence: draw another tendon.
                 let drawn = (0..ROBOTS).find_map(|_| {
                     let unit = DISTURBANCES[index].draw(model.robot.tendons.angles_deg.len(), random);
                     let shift_m = |amount: f64| {
@@ -236,11 +236,11 @@ impl CaseDrawing<'_> {
         }
     }
 
-    /// What the best few others leave, over the noise, where that makes the candidate what was asked.
+    /// Residual of the best imitation over the noise, if it fits the requested group.
     fn oracle_residual(&self, span: &CatalogueSpan, moved: &[f64], left_out: &[String], outside: bool) -> Option<f64> {
         let (options, model) = (&self.robot.oracle, &self.robot.model);
         let enough = if outside { options.outside_above } else { options.inside_below };
-        // A first look, on straight lines, spares the refit of what is far from the mark.
+        // The linear screening avoids refits of clear cases.
         let first = span.first_look(moved, left_out, options.most_effects);
         let hopeless = if outside { first < enough } else { first > 10.0 * enough };
         if hopeless {
@@ -252,7 +252,7 @@ impl CaseDrawing<'_> {
     }
 }
 
-/// Something that may be hidden: a line of the catalogue, or a kind of disturbance.
+/// A candidate: an effect removed from the catalogue, or a disturbance.
 #[derive(Clone, Copy, Debug)]
 enum InjectionKind {
     LeftOut(usize),
@@ -261,7 +261,7 @@ enum InjectionKind {
 
 type DrawnCandidate = (Vec<InjectedEffect>, Option<Disturbance>, Vec<f64>);
 
-/// Where the true robot has the tip, metres; none where it cannot follow.
+/// Simulated tip of the true robot, metres; none if the simulation fails.
 pub(crate) fn true_tips_m(robot: &CaseDesign, truth: &Truth, commands: &Commands) -> Option<Vec<Point3>> {
     let drawing = CaseDrawing { robot, commands };
     tips_m(&drawing.fine(), commands, &truth.uncertain, &truth.hidden, truth.unknown.as_ref())

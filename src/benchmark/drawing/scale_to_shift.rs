@@ -1,21 +1,21 @@
-//! How strong something must be to move the tip so far.
+//! Scaling of an effect to a requested tip displacement.
 
-/// A strength and what it does.
+/// A strength and its displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScaledStrength {
     /// Strength, in usual sizes.
     pub amount: f64,
-    /// How far it moves the tip, root mean square, metres.
+    /// Rms tip displacement, metres.
     pub shift_m: f64,
 }
 
-/// Shifts are met to this share.
+/// Relative tolerance of the displacement.
 const ACCURACY: f64 = 0.02;
-/// Strengths that are tried at most.
+/// Maximum number of evaluations.
 const TRIES: usize = 20;
 
-/// The strength, `most` at most, at which `shift_m` (none where the robot cannot follow) moves the tip by `wanted_m`; the
-/// strongest that is possible where none does. None when nothing is possible.
+/// The strength up to `most` at which the displacement `shift_m` (none if the simulation fails) equals `wanted_m`, or
+/// the strongest possible one. None if nothing can be simulated.
 pub fn scale_to_shift(wanted_m: f64, most: f64, shift_m: &mut dyn FnMut(f64) -> Option<f64>) -> Option<ScaledStrength> {
     let mut below = ScaledStrength { amount: 0.0, shift_m: 0.0 };
     let mut above: Option<f64> = None;
@@ -42,8 +42,8 @@ pub fn scale_to_shift(wanted_m: f64, most: f64, shift_m: &mut dyn FnMut(f64) -> 
     (below.amount > 0.0).then_some(below)
 }
 
-/// `guess` where it is well between the two ends, else the middle; every other time the middle, because a guess in
-/// proportion comes from one side for ever where the dependence has a kink.
+/// `guess` if it is well inside the bracket, else the midpoint; every other time the midpoint, because proportional
+/// guesses can converge from one side at a kink.
 fn middle(guess: f64, low: f64, high: Option<f64>, tried: usize) -> f64 {
     match high {
         None => guess,

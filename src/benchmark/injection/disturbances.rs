@@ -1,5 +1,4 @@
-//! Disturbances that are in no catalogue. Each is a change of the commands on their way to the drives, or of the tip on
-//! its way into the recording.
+//! Disturbances outside the catalogue: changes of the commands before the drives, or of the tip before the recording.
 
 use nalgebra::Vector3;
 use rand::RngExt;
@@ -15,40 +14,40 @@ use crate::math::rotation;
 pub struct DisturbanceKind {
     /// Its name.
     pub name: &'static str,
-    /// What happens.
+    /// Description.
     pub what: &'static str,
-    /// A usual size, in metres, radians or shares.
+    /// Usual size, in metres, radians or shares.
     pub size: f64,
-    /// The largest number of usual sizes that still makes sense.
+    /// Maximum multiple of the usual size.
     pub most: f64,
     act: DisturbanceAction,
 }
 
-/// Where a disturbance acts: on where the drives are (a trial's rows), or on one sample of the tip.
+/// Where a disturbance acts: on drive positions (rows of a trial), or on one tip sample.
 #[derive(Clone, Copy, Debug)]
 enum DisturbanceAction {
     Drives(fn(&Disturbance, &[f64], TrialProgress) -> Vec<f64>),
     Tip(fn(&Disturbance, Vector3<f64>, TrialProgress) -> Vector3<f64>),
 }
 
-/// TrialProgress in a trial: its share that has passed.
+/// Elapsed share of a trial.
 #[derive(Clone, Copy, Debug)]
 struct TrialProgress {
     share: f64,
 }
 
-/// A disturbance with its numbers.
+/// A disturbance with its values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Disturbance {
-    /// Its name in [`DISTURBANCES`].
+    /// Name in [`DISTURBANCES`].
     pub name: String,
-    /// How much of it, in the unit of the kind's size.
+    /// Size, in the unit of its kind.
     pub size: f64,
-    /// The tendon that it is about, from 0.
+    /// Index of its tendon.
     pub tendon: usize,
-    /// A direction, of length 1.
+    /// Unit direction.
     pub direction: Point3,
-    /// A place between 0 and 1 within whatever range it has.
+    /// Relative position in its range, 0 to 1.
     pub place: f64,
 }
 
@@ -171,7 +170,7 @@ fn tracker_scale(it: &Disturbance, tip_m: Vector3<f64>, _: TrialProgress) -> Vec
 }
 
 fn loose_base(it: &Disturbance, tip_m: Vector3<f64>, _: TrialProgress) -> Vector3<f64> {
-    // The frame has x up. The moment of the weight over what it would be if the robot stood out level.
+    // x points up. Moment of the weight over that of the horizontal robot.
     let moment = tip_m.cross(&-Vector3::x()) / tip_m.norm().max(1e-9);
     rotation::exp(&(moment * it.size)) * tip_m
 }
@@ -184,7 +183,7 @@ fn soft_wall(it: &Disturbance, tip_m: Vector3<f64>, _: TrialProgress) -> Vector3
 }
 
 impl DisturbanceKind {
-    /// Draws what is open about it; its size is that of `amount` 1.
+    /// Draws the open values at the usual size.
     pub(crate) fn draw(&self, tendons: usize, random: &mut Generator) -> Disturbance {
         let direction: [f64; 3] = std::array::from_fn(|_| StandardNormal.sample(random));
         let length = Vector3::from(direction).norm().max(1e-9);
@@ -203,12 +202,12 @@ impl Disturbance {
         DISTURBANCES.iter().find(|unknown| unknown.name == self.name).map(|unknown| unknown.act)
     }
 
-    /// `amount` times as much of it.
+    /// The disturbance with `amount` times the size.
     pub(crate) fn scaled(&self, amount: f64) -> Disturbance {
         Disturbance { size: self.size * amount, ..self.clone() }
     }
 
-    /// Where the drives are when they are told `commands`.
+    /// Drive positions under `commands`.
     pub(crate) fn drives(&self, commands: &Commands) -> Commands {
         let Some(DisturbanceAction::Drives(act)) = self.act() else { return commands.clone() };
         let trial = |told: &Rows| {
@@ -221,7 +220,7 @@ impl Disturbance {
         Commands { step_s: commands.step_s, trials: commands.trials.iter().map(trial).collect() }
     }
 
-    /// What is recorded of the tip, sample by sample.
+    /// Recorded tip by sample.
     pub(crate) fn recorded(&self, commands: &Commands, tips_m: Vec<Point3>) -> Vec<Point3> {
         let Some(DisturbanceAction::Tip(act)) = self.act() else { return tips_m };
         let when =

@@ -1,4 +1,4 @@
-//! Effects of the catalogue as they are hidden: directions, signs, shapes, places and tendons at random.
+//! Injected effects of the catalogue, with random directions, signs, shapes, positions and tendons.
 
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
@@ -7,27 +7,27 @@ use serde::{Deserialize, Serialize};
 use crate::base::Generator;
 use crate::effects::{CATALOGUE, Card, EffectSpec, Model, ModelParameter, Parameter, Seek};
 
-/// An effect of the catalogue with its numbers.
+/// An effect of the catalogue with its values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InjectedEffect {
     /// Its name.
     pub name: String,
-    /// Values of its parameters, in the order of its card.
+    /// Parameter values in the order of its card.
     pub values: Vec<f64>,
-    /// Whether it follows another law of the same name.
+    /// Whether it follows another law of the same effect.
     pub other_law: bool,
 }
 
-/// Effects that have another law of the same name.
+/// Effects with another law.
 const OTHER_LAWS: [&str; 3] = ["friction", "hysteresis", "creep"];
 
 impl InjectedEffect {
-    /// What the catalogue says of it.
+    /// Its card in the catalogue.
     pub fn card(&self) -> Option<&'static Card> {
         card(&self.name)
     }
 
-    /// The effect, or several that together are its other law; none where a number is out of range.
+    /// The effect, or the effects that form its other law; none if a value is outside its valid range.
     pub fn effects(&self) -> Option<Vec<EffectSpec>> {
         let spec = EffectSpec::from_card(self.card()?, &self.values)?;
         if !self.other_law {
@@ -35,7 +35,7 @@ impl InjectedEffect {
         }
         let pair = |first: EffectSpec, second: EffectSpec| Some(vec![first, second]);
         match spec {
-            // Half of it slips early, half of it late.
+            // Half of it slips early, half late.
             EffectSpec::Friction(friction) => {
                 let (mut early, mut late) = (friction, friction);
                 (early.moment_nm, early.yield_rad_m) = (0.5 * friction.moment_nm, 0.5 * friction.yield_rad_m);
@@ -49,7 +49,7 @@ impl InjectedEffect {
                 (slow.share, slow.time_s) = (0.5 * creep.share, 2.0 * creep.time_s);
                 pair(EffectSpec::Creep(fast), EffectSpec::Creep(slow))
             }
-            // Elements that yield denser at small curvatures than at large ones.
+            // Yield points denser at small curvatures.
             EffectSpec::Hysteresis(hysteresis) => {
                 let (mut early, mut late) = (hysteresis, hysteresis);
                 (early.share, early.range_rad_m) = (0.5 * hysteresis.share, 0.5 * hysteresis.range_rad_m);
@@ -61,12 +61,12 @@ impl InjectedEffect {
     }
 }
 
-/// The line of the catalogue called `name`.
+/// The card called `name`.
 pub(crate) fn card(name: &str) -> Option<&'static Card> {
     CATALOGUE.iter().find(|card| card.name == name).copied()
 }
 
-/// The value of a parameter at which its effect changes nothing about `model`.
+/// Value of a parameter without influence on `model`.
 pub(crate) fn null_value(parameter: &Parameter, model: &Model) -> f64 {
     match parameter.seek {
         Seek::Replaces(path, _) => {
@@ -77,7 +77,7 @@ pub(crate) fn null_value(parameter: &Parameter, model: &Model) -> f64 {
     }
 }
 
-/// A change of a parameter that gives its effect a size; none for the others.
+/// Usual size of a parameter; none if it is no size.
 pub(crate) fn size(parameter: &Parameter) -> Option<f64> {
     match parameter.seek {
         Seek::Size(size) | Seek::Scanned(size, _) | Seek::Replaces(_, size) => Some(size),
@@ -85,19 +85,19 @@ pub(crate) fn size(parameter: &Parameter) -> Option<f64> {
     }
 }
 
-/// An effect whose size is still open.
+/// An effect without its size.
 #[derive(Clone, Debug)]
 pub(crate) struct UnscaledEffect {
     pub(crate) card: &'static Card,
-    /// Its values without any size.
+    /// Values without any size.
     null: Vec<f64>,
-    /// Change of the values for one usual size.
+    /// Change of the values by one usual size.
     along: Vec<f64>,
     other_law: bool,
 }
 
 impl UnscaledEffect {
-    /// Draws what is open about an effect but its size.
+    /// Draws all open values except the size.
     pub(crate) fn draw(card: &'static Card, model: &Model, other_law: bool, random: &mut Generator) -> UnscaledEffect {
         let null: Vec<f64> =
             card.parameters.iter().map(|parameter| draw_null_value(parameter, model, random)).collect();
@@ -109,7 +109,7 @@ impl UnscaledEffect {
             along.iter_mut().zip(direction).for_each(|(size, x)| *size *= x / length);
         } else if random.random_range(0..2) == 1 {
             let other: Vec<f64> = null.iter().zip(&along).map(|(null, size)| null - size).collect();
-            // A weaker section is damage, a stiffer one is none.
+            // A weaker section is damage; a stiffer one is not.
             if EffectSpec::from_card(card, &other).is_some() && card.name != "soft_section" {
                 along.iter_mut().for_each(|size| *size = -*size);
             }
@@ -124,8 +124,7 @@ impl UnscaledEffect {
     }
 }
 
-/// A value at which the effect changes nothing: shapes from the range of those that are tried, a place anywhere, any
-/// tendon, flags set or not.
+/// Draws values without influence: shapes in the range of tried values, any position, any tendon, any flag.
 fn draw_null_value(parameter: &Parameter, model: &Model, random: &mut Generator) -> f64 {
     match parameter.seek {
         Seek::Size(_) | Seek::Scanned(..) | Seek::Replaces(..) => null_value(parameter, model),

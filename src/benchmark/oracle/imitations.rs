@@ -1,4 +1,4 @@
-//! Which sets of effects imitate a change of the tip equally well: where there is one alone, no data can make a group of it.
+//! Sets of effects that imitate a tip displacement equally well. If there is only one, the data cannot yield a group.
 
 use std::collections::BTreeSet;
 
@@ -8,15 +8,15 @@ use crate::benchmark::injection::injected_effects::card;
 use crate::benchmark::options::OracleOptions;
 use crate::effects::{Model, Seek};
 
-/// Sets of one size that are refitted.
+/// Number of sets of one size that are refitted.
 const REFITTED: usize = 8;
-/// Squares over the noise that are so close are expected to be equally likely, as `rival_score` has it.
+/// Differences of squares over the noise within which sets count as equal, like `rival_score`.
 const ALIKE: f64 = 6.0;
 
 impl CatalogueSpan {
-    /// The sets of as few effects as can be that imitate `moved` (three numbers a sample, metres), the best first: those that
-    /// leave no more than rivals may beyond the best of their size, the smallest at which that is inside the span. None
-    /// where no set of up to `most_effects` is. `left_out`: effects that may not be taken.
+    /// The smallest sets that imitate `moved` (three values a sample, metres), best first: at the smallest size that
+    /// is inside the span, all sets within the rival margin. Empty if no set of up to `most_effects` is. `left_out`:
+    /// excluded effects.
     pub fn imitations(
         &self,
         model: &Model,
@@ -39,8 +39,7 @@ impl CatalogueSpan {
         (1..=options.most_effects).find_map(of_size).unwrap_or_default()
     }
 
-    /// The first few of `sets` that are of other effects or tendons, with their names: places and shapes make no other set,
-    /// and no effect is taken twice.
+    /// The first few of `sets` that differ in effects or tendons, with their names; no effect twice.
     fn distinct_sets(&self, sets: Vec<EffectSet>) -> Vec<(String, EffectSet)> {
         let mut seen = BTreeSet::new();
         let named = sets.into_iter().filter_map(|set| {
@@ -53,7 +52,7 @@ impl CatalogueSpan {
 }
 
 impl EffectResponse {
-    /// Its effect, and the tendon where it is about one.
+    /// Name of the effect, with its tendon if it acts on one.
     fn label(&self) -> String {
         let tendon = card(&self.name)
             .and_then(|card| card.parameters.iter().position(|parameter| parameter.seek == Seek::Tendon));

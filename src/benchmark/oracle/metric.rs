@@ -1,8 +1,8 @@
-//! What counts of a change of the tip: its squares over the noise, less what uncertain numbers can take of them.
+//! Metric of the oracle: squares over the noise, minus what uncertain parameters explain.
 
 use nalgebra::{DMatrix, DVector};
 
-/// Squares over the noise once uncertain numbers have taken what they can at the price of their priors.
+/// Squares over the noise after uncertain parameters explained their part under their priors.
 pub(crate) struct Metric<'a> {
     uncertain: &'a [Vec<f64>],
     inverse: DMatrix<f64>,

@@ -1,6 +1,5 @@
-//! The oracle: what is left of a change of the tip once the best few effects of the catalogue have imitated it, computed
-//! without noise, from responses of the model alone. It decides once, before anybody is asked, whether something hidden is
-//! outside or inside the span of the catalogue.
+//! The oracle: noise-free residual of a tip displacement after imitation by the best small set of effects of the
+//! catalogue. It decides in advance whether an injected effect is outside or inside the span of the catalogue.
 
 pub(crate) mod imitations;
 pub(crate) mod metric;
@@ -18,37 +17,37 @@ use crate::effects::{CATALOGUE, Card, EffectSpec, Model, Seek};
 use metric::Metric;
 use refit::{Members, Refit, difference};
 
-/// Places along the robot that are tried.
+/// Number of positions along the robot.
 const PLACES: usize = 11;
-/// Sets that are refitted, the most promising first.
+/// Number of refitted sets.
 const REFITTED: usize = 2;
 
-/// How the tip responses, under one set of commands, to a little of everything in the catalogue.
+/// Sensitivities of the tip to all effects of the catalogue under one set of commands.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CatalogueSpan {
-    /// Noise that everything is measured by, metres an axis.
+    /// Unit of all sizes: noise by axis, metres.
     noise_m: f64,
-    /// What one standard deviation of each uncertain number does to the tip, over the noise.
+    /// Tip change over the noise by one standard deviation of each uncertain parameter.
     uncertain: Vec<Vec<f64>>,
     pub(crate) responses: Vec<EffectResponse>,
 }
 
-/// The responses to an effect with one set of shapes, place and tendon.
+/// Sensitivities to an effect with one combination of shapes, position and tendon.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct EffectResponse {
-    /// The effect's name.
+    /// Name of the effect.
     pub(crate) name: String,
-    /// Values at which it changes nothing.
+    /// Values without influence.
     pub(crate) null: Vec<f64>,
-    /// Change of the tip over the noise for one usual size, a column a size.
+    /// Tip change over the noise by one usual size, one column a size.
     columns: Vec<Vec<f64>>,
 }
 
 impl CatalogueSpan {
-    /// Asks `model` under these commands.
+    /// Computes the sensitivities of `model` under these commands.
     ///
     /// # Errors
-    /// [`BenchmarkError::Unplayable`] when it cannot follow them.
+    /// [`BenchmarkError::Unplayable`] if the simulation fails.
     pub fn new(
         model: &Model,
         commands: &Commands,
@@ -57,7 +56,7 @@ impl CatalogueSpan {
     ) -> Result<CatalogueSpan, BenchmarkError> {
         let here = commands.tips_m(model, &[]).ok_or(BenchmarkError::Unplayable)?;
         let respond = |card: &'static Card, null: &[f64], parameter: usize, step: f64| -> Option<Vec<f64>> {
-            // Where the one direction cannot be played, the other may.
+            // If one direction cannot be simulated, the other may.
             [step, -step].into_iter().find_map(|step| {
                 let mut values = null.to_vec();
                 values[parameter] += step;
@@ -79,7 +78,7 @@ impl CatalogueSpan {
         Ok(span)
     }
 
-    /// What one standard deviation of an uncertain number does: of each component and of each tendon.
+    /// Tip changes by one standard deviation of an uncertain parameter: each component and each tendon.
     fn prior_responses(&self, prior: &Prior) -> Vec<Vec<f64>> {
         let Some(card) = card(&prior.effect) else { return Vec::new() };
         let about_one = card.parameters.iter().any(|parameter| parameter.seek == Seek::Tendon);
@@ -98,8 +97,8 @@ impl CatalogueSpan {
         .collect()
     }
 
-    /// What the best set of at most `most` effects leaves of `moved` (three numbers a sample, metres) over the noise, as
-    /// far as the tip responses in proportion. `left_out`: effects that may not be taken.
+    /// Residual of `moved` (three values a sample, metres) over the noise after the best linear imitation by at most
+    /// `most` effects. `left_out`: excluded effects.
     pub fn first_look(&self, moved: &[f64], left_out: &[String], most: usize) -> f64 {
         let wanted: Vec<f64> = moved.iter().map(|x| x / self.noise_m).collect();
         let metric = Metric::new(&self.uncertain);
@@ -107,7 +106,7 @@ impl CatalogueSpan {
         rms(best.map_or_else(|| metric.square(&wanted), |set| set.left), wanted.len())
     }
 
-    /// The same with the most promising sets refitted, shapes as well, as far as the tip responses.
+    /// The same with the most promising sets refitted nonlinearly, including shapes.
     pub fn left(
         &self,
         model: &Model,
@@ -131,7 +130,7 @@ impl CatalogueSpan {
         least
     }
 
-    /// What refits sets to `moved`; none where the model cannot follow the commands.
+    /// Refits of sets to `moved`; none if the simulation fails.
     pub(crate) fn refit<'a>(&'a self, model: &'a Model, commands: &'a Commands, moved: &[f64]) -> Option<Refit<'a>> {
         Some(Refit {
             model,
@@ -143,7 +142,7 @@ impl CatalogueSpan {
         })
     }
 
-    /// Sets of effects with their amounts, those that leave least first.
+    /// Sets of effects with their amounts, smallest residual first.
     pub(crate) fn sets(&self, metric: &Metric, wanted: &[f64], left_out: &[String], most: usize) -> Vec<EffectSet> {
         let open: Vec<usize> =
             (0..self.responses.len()).filter(|&k| !left_out.contains(&self.responses[k].name)).collect();
@@ -172,7 +171,7 @@ impl CatalogueSpan {
         sets
     }
 
-    /// The effects of a set, as strong as straight lines say.
+    /// Effects of a set with their linear amounts.
     pub(crate) fn members(&self, set: &EffectSet) -> Members {
         let mut amounts = set.amounts.iter();
         let member = |&k: &usize| {
@@ -190,7 +189,7 @@ impl CatalogueSpan {
     }
 }
 
-/// Some responses, how much of each column, and the square of what they leave.
+/// Indices of sensitivities, amount of each column, and residual square.
 pub(crate) struct EffectSet {
     pub(crate) responses: Vec<usize>,
     amounts: Vec<f64>,
@@ -214,7 +213,7 @@ pub(crate) fn rms(square: f64, rows: usize) -> f64 {
     (square / rows.max(1) as f64).sqrt()
 }
 
-/// Values of an effect at which it changes nothing: all shapes, places and tendons that are tried.
+/// Values of an effect without influence: all combinations of shapes, positions and tendons.
 fn nulls(card: &Card, model: &Model) -> Vec<Vec<f64>> {
     let length_m = model.robot.backbone.length_m;
     let mut found = vec![Vec::new()];

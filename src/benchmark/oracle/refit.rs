@@ -1,4 +1,4 @@
-//! A few effects fitted to a change of the tip, as far as the tip responses and without noise.
+//! Noise-free nonlinear refit of a few effects to a tip displacement.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
@@ -8,20 +8,20 @@ use crate::benchmark::commands::Commands;
 use crate::benchmark::injection::injected_effects::{null_value, size};
 use crate::effects::{Card, EffectSpec, Model, Seek};
 
-/// Rounds of a refit.
+/// Maximum number of steps.
 const ROUNDS: usize = 5;
-/// A round that lowers what is left by a smaller share is the last one.
+/// Relative progress below which a refit stops.
 const PROGRESS: f64 = 0.03;
 
 /// Effects with values.
 pub(crate) type Members = Vec<(&'static Card, Vec<f64>)>;
 
-/// By how much `there` is off `here`, three numbers a sample.
+/// Difference of `there` and `here`, three values a sample.
 pub(crate) fn difference(there: &[Point3], here: &[Point3]) -> Vec<f64> {
     there.iter().zip(here).flat_map(|(a, b)| std::array::from_fn::<f64, 3, _>(|axis| a[axis] - b[axis])).collect()
 }
 
-/// A set of effects fitted to a change of the tip: Gauss-Newton steps, halved until they help.
+/// Refit of a set of effects to a tip displacement: Gauss–Newton steps with step halving.
 pub(crate) struct Refit<'a> {
     pub(crate) model: &'a Model,
     pub(crate) commands: &'a Commands,
@@ -32,7 +32,7 @@ pub(crate) struct Refit<'a> {
 }
 
 impl Refit<'_> {
-    /// The square of what is left, over the noise.
+    /// Remaining square over the noise.
     pub(crate) fn remaining_square(&self, mut members: Members) -> f64 {
         let Some(mut rest) = self.weaken_until_playable(&mut members) else { return f64::INFINITY };
         let mut square = self.metric.square(&rest);
@@ -48,7 +48,7 @@ impl Refit<'_> {
         square
     }
 
-    /// Weakens the members until the model can play them; what they leave.
+    /// Weakens the members until they can be simulated; returns their residual.
     fn weaken_until_playable(&self, members: &mut Members) -> Option<Vec<f64>> {
         for _ in 0..6 {
             if let Some(rest) = self.residual(members) {
@@ -62,7 +62,7 @@ impl Refit<'_> {
                         *value = weaker;
                     }
                 }
-                // A size that has no such sign: as good as nothing of it.
+                // A size whose sign is not allowed: nearly zero.
                 if EffectSpec::from_card(card, values).is_none() {
                     for (value, parameter) in values.iter_mut().zip(card.parameters) {
                         if let Some(size) = size(parameter) {
@@ -75,7 +75,7 @@ impl Refit<'_> {
         None
     }
 
-    /// What of the wanted change these members leave, over the noise; none where the model cannot play them.
+    /// Residual over the noise with these members; none if the simulation fails.
     fn residual(&self, members: &Members) -> Option<Vec<f64>> {
         let effects: Vec<EffectSpec> =
             members.iter().map(|(card, values)| EffectSpec::from_card(card, values)).collect::<Option<_>>()?;
@@ -84,7 +84,7 @@ impl Refit<'_> {
         Some(self.wanted.iter().zip(moved).map(|(wanted, moved)| wanted - moved / self.noise_m).collect())
     }
 
-    /// Better members and what they leave; none when no step helps.
+    /// Improved members with their residual; none if no step helps.
     fn improve(&self, members: &Members, rest: &[f64], square: f64) -> Option<(Members, Vec<f64>)> {
         let mut places = Vec::new();
         let mut columns: Vec<Vec<f64>> = Vec::new();

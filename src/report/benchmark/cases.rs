@@ -1,32 +1,32 @@
-//! Blind cases read: what was answered, in the words of the confusion matrix.
+//! Classes of answers in the confusion matrix.
 
 use crate::data::findings::CaseRow;
 
 use crate::report::discovery::answer::closed;
 
-/// What an answer comes to.
+/// Class of an answer.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum AnswerClass {
     /// One effect was named.
     Named(String),
     /// Several effects were named together.
     Several,
-    /// No more than noise.
+    /// `consistent`.
     Consistent,
-    /// A group that holds the truth.
+    /// A group that contains the truth.
     GroupWith,
-    /// A group that does not.
+    /// A group that does not contain it.
     GroupWithout,
-    /// A group where the truth was not on offer.
+    /// A group for a case whose truth is excluded from the catalogue.
     Group,
-    /// A gap that nothing explains.
+    /// `unexplained`.
     Unexplained,
     /// No answer.
     Failed,
 }
 
 impl AnswerClass {
-    /// Answers other than a single name, in the order of their columns.
+    /// Classes other than a single name, in column order.
     pub(crate) const OTHERS: [AnswerClass; 7] = [
         AnswerClass::Several,
         AnswerClass::GroupWith,
@@ -37,7 +37,7 @@ impl AnswerClass {
         AnswerClass::Failed,
     ];
 
-    /// Reads a case.
+    /// Class of a case's answer.
     pub(crate) fn of(case: &CaseRow) -> AnswerClass {
         match case.verdict.as_str() {
             "named" if case.answer.contains(" + ") => AnswerClass::Several,
@@ -51,7 +51,7 @@ impl AnswerClass {
         }
     }
 
-    /// Its name in tables and pictures.
+    /// Name in tables and figures.
     pub(crate) fn name(&self) -> &str {
         match self {
             AnswerClass::Named(name) => name,
@@ -66,22 +66,22 @@ impl AnswerClass {
     }
 }
 
-/// Whether anything was said to be missing.
+/// Whether the answer reports a missing effect.
 pub(crate) fn alarmed(case: &CaseRow) -> bool {
     matches!(case.verdict.as_str(), "named" | "ambiguous" | "unexplained")
 }
 
-/// Whether the hidden effects are of the catalogue.
+/// Whether the injected effects are in the catalogue.
 pub(crate) fn in_catalogue(case: &CaseRow) -> bool {
     matches!(case.group.as_str(), "single" | "pair")
 }
 
-/// Part of the squared held-out error beyond noise that the answer took away.
+/// Share of the squared held-out error beyond noise that the answer removes.
 pub(crate) fn gap_closed(case: &CaseRow) -> Option<f64> {
     closed(case.before_m, case.after_m, case.floor_m)
 }
 
-/// Finite values once each, ascending.
+/// Distinct finite values, ascending.
 pub(crate) fn ascending(values: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
     values.sort_by(f64::total_cmp);

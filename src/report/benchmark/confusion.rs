@@ -1,4 +1,4 @@
-//! The confusion matrix: hidden effects by row, answers by column.
+//! Confusion matrix: injected effects by row, answers by column.
 
 use std::collections::BTreeMap;
 
@@ -12,21 +12,21 @@ use crate::report::drawing::paint::text_width;
 use crate::report::order::distinct;
 use crate::report::style::{BLUE, Colour, GREY, HAIR, INK, PAGE_WIDTH, SKY, SMALL, TEXT, VERMILION, WHITE};
 
-/// Cases of one truth that got one answer (`confusion.csv`).
+/// Number of cases with one truth and one answer (`confusion.csv`).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct CountRow {
-    /// MeasureKind of case.
+    /// Group of the cases.
     pub(crate) group: String,
-    /// Hidden effects; empty for nothing.
+    /// Injected effects; empty for none.
     pub(crate) truth: String,
-    /// Effects named, or the kind of answer.
+    /// Named effects, or the class of the answer.
     pub(crate) answer: String,
     pub(crate) cases: u64,
-    /// Of them those that are right.
+    /// Number of right answers.
     pub(crate) right: u64,
 }
 
-/// Kinds of case in the order of their rows; pairs have no line in the picture.
+/// Groups in row order; pairs have no row in the figure.
 const GROUPS: [(&str, &str); 4] = [
     ("single", "One effect hidden"),
     ("nothing", "Nothing hidden"),
@@ -63,7 +63,7 @@ pub(crate) fn counts(cases: &[CaseRow]) -> Vec<CountRow> {
     found.into_iter().map(row).collect()
 }
 
-/// A line of the picture.
+/// A row of the figure.
 struct MatrixRow<'a> {
     group: &'a str,
     truth: &'a str,
@@ -145,7 +145,7 @@ pub(crate) fn draw(cases: &[CaseRow]) -> Canvas {
     canvas
 }
 
-/// Answers other than a name stand apart.
+/// Gap before columns of classes.
 fn gap(answer: &AnswerClass) -> f64 {
     if matches!(answer, AnswerClass::Named(_)) { 0.0 } else { 6.0 }
 }
@@ -168,7 +168,7 @@ fn keys(canvas: &mut Canvas) {
     canvas.text(Text::new(words, [x, 18.0], SMALL, TextAlign::Left).colour(GREY));
 }
 
-/// How many cases of a line got an answer: the more, the stronger the colour.
+/// Number of cases of a row with an answer; darker for a larger share.
 fn cell(canvas: &mut Canvas, line: &MatrixRow, column: &AnswerClass, [x, y]: CanvasPoint, wide: f64) {
     let [from, to] = [[x + 0.5, y + 0.5], [x + wide - 0.5, y + ROW - 0.5]];
     let here: Vec<&&CaseRow> = line.cases.iter().filter(|case| AnswerClass::of(case) == *column).collect();
@@ -192,7 +192,7 @@ fn cell(canvas: &mut Canvas, line: &MatrixRow, column: &AnswerClass, [x, y]: Can
     canvas.text(Text::new(words, middle, size, TextAlign::Centre).colour(ink));
 }
 
-/// A colour with so much of it on white.
+/// A colour mixed with white.
 fn mixed(colour: Colour, share: f64) -> Colour {
     colour.map(|part| (255.0 - share * (255.0 - f64::from(part))).round() as u8)
 }

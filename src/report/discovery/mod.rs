@@ -1,5 +1,5 @@
-//! What people look at of a discovery: one page with its figures, the figures as files, and the tables behind them.
-//! Pure functions from what was found to bytes; the same findings give the same bytes.
+//! Report of a discovery: one page with its figures, the figures as files, and the tables behind them. Pure functions:
+//! equal findings give equal bytes.
 
 pub(super) mod answer;
 mod appendix;
@@ -20,40 +20,40 @@ use super::style::PAGE_WIDTH;
 use super::{Artifact, OutputFolder, ReportError, csv, pictures};
 use crate::data::findings::{Findings, PlaceRow, ResidualRow};
 
-/// What the catalogue says of an effect, as plain text.
+/// Catalogue texts of an effect, as plain text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct EffectText {
-    /// Its name in models and findings.
+    /// Name in models and findings.
     pub name: String,
     /// What a model without it lacks, as a phrase.
     pub missing: String,
     /// Its equation in plain text.
     pub equation: String,
-    /// Where the equation is from.
+    /// Source of the equation.
     pub source: String,
 }
 
-/// All that the page tells.
+/// Input of the report.
 #[derive(Clone, Copy, Debug)]
 pub struct DiscoveryReport<'a> {
-    /// The answer.
+    /// The findings.
     pub findings: &'a Findings,
     /// Every sample's residual, before and after.
     pub residuals: &'a [ResidualRow],
-    /// The places that were looked at, in the order in which they are to be shown.
+    /// The residual map, in display order.
     pub places: &'a [PlaceRow],
-    /// Whether the model was calibrated on a baseline: all that is told "before" is of the calibrated model then.
+    /// Whether the model was calibrated on a baseline; "before" then refers to the calibrated model.
     pub calibrated: bool,
-    /// Texts of the effects; those that are not named in the findings are not used.
+    /// Texts of the effects; only those of named effects are used.
     pub effects: &'a [EffectText],
-    /// The model as given, YAML.
+    /// The given model as YAML.
     pub model_before: &'a str,
-    /// The model as written, YAML by the same writer: the lines that differ are shown.
+    /// The written model as YAML from the same writer; the report shows the lines that differ.
     pub model_after: &'a str,
 }
 
 impl DiscoveryReport<'_> {
-    /// Whether the model with the effects is another one than the model as given.
+    /// Whether the effects changed the model.
     fn changed(&self) -> bool {
         let other = |row: &ResidualRow| {
             let pairs =
@@ -67,21 +67,21 @@ impl DiscoveryReport<'_> {
             || self.places.iter().any(moved)
     }
 
-    /// What the model without the effects is called.
+    /// Name of the model without the effects.
     fn before(&self) -> &'static str {
         if self.calibrated { "calibrated model" } else { "model as given" }
     }
 
-    /// What the catalogue says of an effect.
+    /// Catalogue texts of an effect.
     fn text_of(&self, name: &str) -> Option<&EffectText> {
         self.effects.iter().find(|text| text.name == name)
     }
 }
 
-/// A figure of the page: its name, and how it is drawn at a width.
+/// A figure of the page: name, and drawing function of the width.
 type PageFigure = (&'static str, fn(&DiscoveryReport, f64) -> Option<super::drawing::canvas::Canvas>);
 
-/// The figures in their order on the page.
+/// The figures in page order.
 const DRAWINGS: [PageFigure; 3] = [("map", map::draw), ("gap", gap::draw), ("residuals", residuals::draw)];
 
 /// Everything that `discover` writes for people: `report.html`, the figures `map`, `gap` and `residuals` as PNG and SVG,
