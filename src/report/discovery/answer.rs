@@ -1,8 +1,7 @@
 //! The top of the page: the verdict in words, the gap in numbers, and the effects with their parameters.
 
 use super::format::{NONE, enumerate, millimetres, percent, times};
-use super::html::{list, table};
-use super::page::section;
+use super::html::{list, section, table};
 use super::quantity::quantities;
 use super::{DiscoveryReport, EffectText};
 use crate::data::findings::{FoundEffect, Verdict};

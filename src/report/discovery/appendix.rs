@@ -2,9 +2,8 @@
 
 use super::DiscoveryReport;
 use super::format::{millimetres, number, times};
-use super::html::{list, table};
+use super::html::{list, section, table};
 use super::model_diff::{DiffLine, compare};
-use super::page::section;
 use maud::{Markup, html};
 
 /// Candidates in the table; the others are in `candidates.csv`.

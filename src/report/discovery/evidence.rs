@@ -3,8 +3,7 @@
 use super::DiscoveryReport;
 use super::answer::closed;
 use super::format::{NONE, enumerate, millimetres, number, percent, probability, times};
-use super::html::table;
-use super::page::{captioned, section};
+use super::html::{captioned, section, table};
 use super::residuals::{AXES, after_m, before_m, held_out};
 use super::scale::SIGNIFICANT;
 use crate::data::findings::{Findings, MissingTest, ResidualRow, Verdict};

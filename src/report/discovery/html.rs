@@ -1,4 +1,4 @@
-//! Pieces of the page that several sections use: tables, lists, drawings.
+//! Pieces of the page that several sections use: sections, figures, tables, lists.
 
 use maud::{Markup, PreEscaped, Render, html};
 
@@ -11,6 +11,16 @@ pub(super) fn drawing(svg: &[u8], class: &'static str, name: &str) -> Markup {
     let label = name.render().into_string();
     let start = format!("<svg class=\"{class}\" role=\"img\" aria-label=\"{label}\" ");
     PreEscaped(svg.replacen("<svg ", &start, 1))
+}
+
+/// A section; nothing where it has no content.
+pub(super) fn section(heading: &str, content: &Markup) -> Markup {
+    html! { @if !content.0.is_empty() { section { h2 { (heading) } (content) } } }
+}
+
+/// A figure with its caption; nothing for no figure.
+pub(super) fn captioned(figure: &Markup, caption: &str) -> Markup {
+    html! { @if !figure.0.is_empty() { figure { (figure) figcaption { (caption) } } } }
 }
 
 /// A table that scrolls by itself on a narrow page; nothing for no rows. The first cell of a row is its header.

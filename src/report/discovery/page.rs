@@ -49,11 +49,6 @@ fn is_control(letter: char) -> bool {
     letter.is_control() && letter != '\n' && letter != '\t'
 }
 
-/// A section; nothing where it has no content.
-pub(super) fn section(heading: &str, content: &Markup) -> Markup {
-    html! { @if !content.0.is_empty() { section { h2 { (heading) } (content) } } }
-}
-
 /// A figure at the widths of a page and of a telephone, of which the page shows the one that fits.
 fn figure(report: &DiscoveryReport, name: &'static str) -> Result<Markup, ReportError> {
     let failed = |error: paint::PaintError| ReportError::Draw { figure: name, reason: error.to_string() };
@@ -66,9 +61,4 @@ fn figure(report: &DiscoveryReport, name: &'static str) -> Result<Markup, Report
         }
     }
     Ok(both)
-}
-
-/// A figure with its caption; nothing for no figure.
-pub(super) fn captioned(figure: &Markup, caption: &str) -> Markup {
-    html! { @if !figure.0.is_empty() { figure { (figure) figcaption { (caption) } } } }
 }
