@@ -1,6 +1,7 @@
 //! Assembles the result of a discovery: decision, held-out test, residual map, next experiments.
 
 use super::Discovery;
+use super::alternatives::Alternatives;
 use super::final_fit::FinalFit;
 use super::verdict::{Decision, set_name};
 use super::{alternatives, residual_map, summary_text};
@@ -83,10 +84,6 @@ impl Problem<'_> {
         let mut model = self.model.clone();
         model.robot.resolution = given.robot.resolution;
         model.effects.extend(checked.added.iter().cloned());
-        let tolerated = final_fit.goodness.tolerated_m.filter(|_| named).map(summary_text::tolerated_caveat);
-        let tolerated_on_held_out = checked.unseen.tolerated_on_held_out.as_ref().map(summary_text::held_out_caveat);
-        let caveats = self.caveats(answer.verdict).into_iter().chain(tolerated).chain(tolerated_on_held_out);
-        let caveats = caveats.chain(self.cannot_follow(&model));
         let mut findings = Findings {
             verdict: answer.verdict,
             effects: answer.effects.clone(),
@@ -100,36 +97,62 @@ impl Problem<'_> {
             missing_before: before.test.clone(),
             missing_after: missing.test.clone(),
             pattern: if unexplained { summary_text::pattern(&before.foretold, &places) } else { String::new() },
-            limitations: validate::limitations(measured, &self.all).into_iter().chain(caveats).collect(),
+            limitations: self.limitations(measured, final_fit, &checked, &model),
             proposals: next.iter().map(|next| next.proposal.clone()).collect(),
         };
-        let sets: Vec<String> = answer.rivals.iter().map(|set| set_name(&self.candidates, set)).collect();
-        let refused = (!best.members.is_empty()).then(|| set_name(&self.candidates, &best.members));
-        let beside = summary_text::SummaryContext {
-            sets: &sets,
-            refused,
-            objection: &answer.objection,
-            shared: self.shared(&checked, &noise),
-        };
-        findings.summary = summary_text::summary(&findings, &beside);
-        findings.next_measurement = summary_text::next_measurement(&findings);
-        let alternatives = alternatives::fit_alternatives(
-            &self.fit_problem(),
-            &self.sensitivities,
-            &found.null.fitted,
-            &self.held_out,
-            &self.held_out_simulated_m,
-        );
+        self.write_texts(&mut findings, best, &checked, &noise);
         residuals.sort_by_key(|row| row.trial);
         Discovery {
             findings,
             model,
             residuals,
             places,
-            alternatives,
+            alternatives: self.alternatives(&found.null.fitted),
             next_experiments: next,
             calibrated: self.is_calibrated(),
         }
+    }
+
+    /// Limitations of the data and caveats of the answer.
+    fn limitations(
+        &self,
+        measured: &Recording,
+        final_fit: &FinalFit,
+        checked: &CheckedDecision,
+        model: &Model,
+    ) -> Vec<String> {
+        let named = !checked.answer.members.is_empty();
+        let tolerated = final_fit.goodness.tolerated_m.filter(|_| named).map(summary_text::tolerated_caveat);
+        let tolerated_on_held_out = checked.unseen.tolerated_on_held_out.as_ref().map(summary_text::held_out_caveat);
+        let caveats = self.caveats(checked.answer.verdict).into_iter().chain(tolerated).chain(tolerated_on_held_out);
+        let caveats = caveats.chain(self.cannot_follow(model));
+        validate::limitations(measured, &self.all).into_iter().chain(caveats).collect()
+    }
+
+    /// Writes the summary and the next measurement into the findings.
+    fn write_texts(&self, findings: &mut Findings, best: &FittedSet, checked: &CheckedDecision, noise: &Ar1Noise) {
+        let answer = &checked.answer;
+        let sets: Vec<String> = answer.rivals.iter().map(|set| set_name(&self.candidates, set)).collect();
+        let refused = (!best.members.is_empty()).then(|| set_name(&self.candidates, &best.members));
+        let beside = summary_text::SummaryContext {
+            sets: &sets,
+            refused,
+            objection: &answer.objection,
+            shared: self.shared(checked, noise),
+        };
+        findings.summary = summary_text::summary(findings, &beside);
+        findings.next_measurement = summary_text::next_measurement(findings);
+    }
+
+    /// Held-out errors of the alternatives to naming the effect.
+    fn alternatives(&self, null: &FittedSet) -> Alternatives {
+        alternatives::fit_alternatives(
+            &self.fit_problem(),
+            &self.sensitivities,
+            null,
+            &self.held_out,
+            &self.held_out_simulated_m,
+        )
     }
 
     /// Limitation if `model` cannot be simulated at its own resolution.
