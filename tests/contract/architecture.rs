@@ -3,31 +3,41 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// Rooms and the rooms that they may import, from the table.
-fn table() -> BTreeMap<String, BTreeSet<String>> {
+/// One row of the table.
+struct Room {
+    imports: BTreeSet<String>,
+    /// Folders and files of the room; each imports only what stands left of it.
+    order: Vec<String>,
+    packages: BTreeSet<String>,
+}
+
+/// The names in a cell of the table.
+fn words(cell: &str) -> impl Iterator<Item = String> {
+    cell.split([' ', ',']).filter(|word| !word.is_empty() && *word != "–").map(str::to_owned)
+}
+
+/// The rows of the table by room.
+fn rows() -> BTreeMap<String, Room> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(root.join("docs/architecture.md")).unwrap();
-    let mut rooms: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    let mut rooms: BTreeMap<String, Room> = BTreeMap::new();
     for line in text.lines().filter(|line| line.starts_with("| `")) {
         let cells: Vec<&str> = line.split('|').map(str::trim).collect();
-        let above: BTreeSet<String> = match cells[3] {
-            "–" => BTreeSet::new(),
+        let imports = match cells[3] {
             "all above" => rooms.keys().cloned().collect(),
-            names => names.split(' ').map(str::to_owned).collect(),
+            names => words(names).collect(),
         };
-        rooms.insert(cells[1].trim_matches('`').to_owned(), above);
+        let packages = words(cells[5]).map(|name| name.replace('-', "_")).collect();
+        let room = Room { imports, order: words(cells[4]).collect(), packages };
+        rooms.insert(cells[1].trim_matches('`').to_owned(), room);
     }
+    assert!(rooms.len() >= 12, "the table was not read");
     rooms
 }
 
-fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in std::fs::read_dir(folder).unwrap().flatten() {
-        if entry.path().is_dir() {
-            sources(&entry.path(), found);
-        } else if entry.path().extension().is_some_and(|end| end == "rs") {
-            found.push(entry.path());
-        }
-    }
+/// Rooms and the rooms that they may import, from the table.
+fn table() -> BTreeMap<String, BTreeSet<String>> {
+    rows().into_iter().map(|(name, room)| (name, room.imports)).collect()
 }
 
 /// What each room imports, with the file that does: by the import graph, tests included only where they are files of their own.
@@ -49,7 +59,6 @@ fn imports() -> Vec<(String, String, PathBuf)> {
 #[test]
 fn every_room_imports_only_rooms_above_it() {
     let table = table();
-    assert!(table.len() >= 12, "the table was not read: {table:?}");
     let mut wrong = Vec::new();
     for (room, named, file) in imports() {
         // `cli` is the binary's: it reaches the library from outside.
@@ -91,41 +100,66 @@ fn the_cuts_hold() {
     }
 }
 
-/// Packages that one room alone opens, from the table's last column; rayon has two.
+/// A package is opened by the rooms alone whose rows name it.
 #[test]
-fn a_package_is_opened_by_one_room() {
-    let packages = [
-        ("rand_chacha", "base"),
-        ("statrs", "math"),
-        ("pulp", "math"),
-        ("polars", "data"),
-        ("faer", "learn"),
-        ("serde_yaml", "specs"),
-        ("plotters", "report"),
-        ("serialport", "hardware"),
-        ("natnet", "hardware"),
-        ("socket2", "hardware"),
-        ("signal_hook", "hardware"),
-        ("rayon", "runner"),
-        ("indicatif", "runner"),
-        ("blake3", "runner"),
-    ];
-    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut files = Vec::new();
-    sources(&src, &mut files);
-    for file in files {
-        let text = std::fs::read_to_string(&file).unwrap();
-        let path = file.strip_prefix(&src).unwrap();
-        for line in text.lines().filter(|line| !line.trim_start().starts_with("//")) {
-            for (package, room) in packages {
-                let opened = line.contains(&format!("{package}::"));
-                let second = package == "rayon" && path.starts_with("discovery");
-                assert!(
-                    !opened || second || path.starts_with(room),
-                    "{}: {line}\n  {package} belongs to {room}",
-                    path.display()
-                );
+fn a_package_is_opened_by_its_room() {
+    let rows = rows();
+    let files = crate::store_keys::sources();
+    let graph = crate::store_keys::graph(&files);
+    let listed: BTreeSet<&String> = rows.values().flat_map(|room| &room.packages).collect();
+    assert!(listed.len() > 10, "{listed:?}");
+    let mut opened = BTreeSet::new();
+    let mut wrong = Vec::new();
+    for file in files.keys() {
+        let Some(room) = file.split_once('/').and_then(|(room, _)| rows.get(room)) else { continue };
+        for package in graph.crates(file).iter().filter(|package| listed.contains(package)) {
+            opened.insert(package.clone());
+            if !room.packages.contains(package) {
+                wrong.push(format!("{file} opens {package}"));
             }
         }
     }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(listed.iter().all(|package| opened.contains(*package)), "nobody opens one of {listed:?}: {opened:?}");
+}
+
+/// Inside a room whatever the table puts in order imports only what stands left of it, and every folder has its place there.
+#[test]
+fn folders_of_a_room_import_one_way() {
+    let files = crate::store_keys::sources();
+    let graph = crate::store_keys::graph(&files);
+    let unit = |file: &str| -> Option<(String, String)> {
+        let (room, rest) = file.split_once('/')?;
+        let first = rest.split('/').next()?;
+        (first != "mod.rs").then(|| (room.to_owned(), first.trim_end_matches(".rs").to_owned()))
+    };
+    let mut wrong = Vec::new();
+    for (name, room) in rows() {
+        let place = |unit: &str| room.order.iter().position(|listed| listed == unit);
+        for file in files.keys().filter(|file| file.starts_with(&format!("{name}/"))) {
+            let Some((_, from)) = unit(file) else { continue };
+            let is_folder = file.matches('/').count() > 1;
+            if is_folder && place(&from).is_none() {
+                wrong.push(format!("{name}/{from} has no place in the order"));
+            }
+            for (other, to) in graph.imports(file).iter().filter_map(|import| unit(import)) {
+                if other == name
+                    && let (Some(from), Some(to)) = (place(&from), place(&to))
+                    && to > from
+                {
+                    wrong.push(format!("{file} imports {}", room.order[to]));
+                }
+            }
+        }
+        assert!(
+            room.order.iter().all(|unit| {
+                let below = format!("{name}/{unit}");
+                files.keys().any(|file| *file == format!("{below}.rs") || file.starts_with(&format!("{below}/")))
+            }),
+            "{name}: the order names what is not there"
+        );
+    }
+    wrong.sort();
+    wrong.dedup();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
