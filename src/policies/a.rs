@@ -9,7 +9,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::network::RecurrentInverse;
-use super::single_controller::{Controller, Demand, SingleController};
+use super::single_controller::{ControlLaw, Demand, SingleController};
 use super::tip_tracker::TipReading;
 use super::{ErrorModel, InverseModel, NetworkOptions, Part, PolicyEntry, PolicyOptions, need};
 use crate::base::series::SeriesLabel;
@@ -121,7 +121,7 @@ impl AlgorithmTwo {
     }
 }
 
-impl Controller for AlgorithmTwo {
+impl ControlLaw for AlgorithmTwo {
     fn reset(&mut self) {
         self.network.reset();
         self.target_m = None;

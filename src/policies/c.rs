@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::a::AlgorithmTwo;
 use super::actuator_limits::{ActuatorLimits, largest_change_m};
 use super::inverse_network::InverseNetworkController;
-use super::single_controller::{Controller, Demand};
+use super::single_controller::{ControlLaw, Demand};
 use super::tip_tracker::TipTracker;
 use super::{Part, PolicyEntry, need};
 use crate::base::series::SeriesLabel;

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::actuator_limits::largest_change_m;
 use super::network::RecurrentInverse;
-use super::single_controller::{Controller, Demand};
+use super::single_controller::{ControlLaw, Demand};
 use super::tip_tracker::TipReading;
 use super::{InverseModel, NetworkOptions, PolicyOptions};
 use crate::base::{BadOption, Displacements, Point3, PolicyError};
@@ -49,7 +49,7 @@ impl InverseNetworkController {
     }
 }
 
-impl Controller for InverseNetworkController {
+impl ControlLaw for InverseNetworkController {
     fn reset(&mut self) {
         self.network.reset();
         self.last = None;

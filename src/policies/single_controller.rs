@@ -12,7 +12,7 @@ pub(super) struct Demand {
 }
 
 /// What decides, once a tick.
-pub(super) trait Controller {
+pub(super) trait ControlLaw {
     /// Forgets the trial.
     fn reset(&mut self);
 
@@ -28,7 +28,7 @@ pub(super) struct SingleController<C> {
     branch: &'static str,
 }
 
-impl<C: Controller> SingleController<C> {
+impl<C: ControlLaw> SingleController<C> {
     pub(super) fn new(controller: C, branch: &'static str, options: &PolicyOptions) -> Self {
         SingleController {
             controller,
@@ -39,7 +39,7 @@ impl<C: Controller> SingleController<C> {
     }
 }
 
-impl<C: Controller + Send> Policy for SingleController<C> {
+impl<C: ControlLaw + Send> Policy for SingleController<C> {
     fn reset(&mut self) {
         self.controller.reset();
         self.tip_tracker.reset();

@@ -20,21 +20,21 @@ const LOOKS: [(&str, &str, Look); 2] = [
 ];
 
 /// One line of panels.
-struct Part {
+struct PolicyPanel {
     policy: &'static str,
     title: &'static str,
     axis: &'static str,
     size: fn(&ReachSummaryRow) -> u64,
 }
 
-const PARTS: [Part; 2] = [
-    Part {
+const PARTS: [PolicyPanel; 2] = [
+    PolicyPanel {
         policy: "pi_real",
         title: "(a) πᵣₑₐₗ",
         axis: "real points that the network is trained on",
         size: |row| row.real_points,
     },
-    Part {
+    PolicyPanel {
         policy: "a",
         title: "(b) policy A",
         axis: "real points that the Gaussian process is fitted to",
@@ -56,7 +56,7 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
 
 fn draw(summary: &[ReachSummaryRow]) -> Canvas {
     let columns = trainings(summary.iter().map(|row| row.training.as_str()));
-    let parts: Vec<&Part> = PARTS.iter().filter(|part| summary.iter().any(|row| row.policy == part.policy)).collect();
+    let parts: Vec<&PolicyPanel> = PARTS.iter().filter(|part| summary.iter().any(|row| row.policy == part.policy)).collect();
     let (left, gap) = (56.0, 22.0);
     let width = (PAGE_WIDTH - left - 12.0 - gap * (columns.len() - 1) as f64) / columns.len() as f64;
     let (top, high, pitch) = (76.0, 165.0, 236.0);
@@ -102,7 +102,7 @@ fn errors<'a>(rows: impl Iterator<Item = &'a ReachSummaryRow>) -> Axis {
     Axis::covering("goal-reaching error (mm)", ends.chain([0.0]), 5)
 }
 
-fn sizes(rows: &[&ReachSummaryRow], part: &Part) -> Vec<u64> {
+fn sizes(rows: &[&ReachSummaryRow], part: &PolicyPanel) -> Vec<u64> {
     let mut sizes: Vec<u64> = rows.iter().map(|row| (part.size)(row)).collect();
     sizes.sort_unstable();
     sizes.dedup();
@@ -110,7 +110,7 @@ fn sizes(rows: &[&ReachSummaryRow], part: &Part) -> Vec<u64> {
 }
 
 /// Open and closed loop in one panel; sizes stand at equal distances, in their order. Bands go below all lines.
-fn lines(canvas: &mut Canvas, panel: &Panel, rows: &[&ReachSummaryRow], sizes: &[u64], part: &Part) {
+fn lines(canvas: &mut Canvas, panel: &Panel, rows: &[&ReachSummaryRow], sizes: &[u64], part: &PolicyPanel) {
     let place = |row: &ReachSummaryRow| sizes.iter().position(|size| *size == (part.size)(row)).unwrap_or(0) as f64;
     let of_mode = |mode: &str| {
         let mut rows: Vec<&ReachSummaryRow> =

@@ -31,7 +31,7 @@ struct Source<'a> {
 }
 
 /// Mean, standard deviation and, where there are seeds enough, the mean's interval; metres.
-struct Entry {
+struct TableEntry {
     mean_m: f64,
     sd_m: f64,
     interval_m: Option<[f64; 2]>,
@@ -75,20 +75,20 @@ fn sources<'a>(names: &[&'a str]) -> Vec<Source<'a>> {
     std::iter::once(paper).chain(ours).collect()
 }
 
-fn entry(summary: &[ReachSummaryRow], source: &Source, policy: &str, mode: &str) -> Option<Entry> {
+fn entry(summary: &[ReachSummaryRow], source: &Source, policy: &str, mode: &str) -> Option<TableEntry> {
     let Some(training) = source.training else {
         let printed = paper::table_1(policy, mode)?;
-        return Some(Entry { mean_m: printed.mean_m, sd_m: printed.sd_m, interval_m: None });
+        return Some(TableEntry { mean_m: printed.mean_m, sd_m: printed.sd_m, interval_m: None });
     };
     let cell = |row: &&ReachSummaryRow| row.training == training && row.policy == policy && row.mode == mode;
     let row = summary.iter().find(cell).filter(|row| row.trials > 0)?;
     let interval_m = row.low_95_m.is_finite().then_some([row.low_95_m, row.high_95_m]);
-    Some(Entry { mean_m: row.mean_m, sd_m: row.sd_m, interval_m })
+    Some(TableEntry { mean_m: row.mean_m, sd_m: row.sd_m, interval_m })
 }
 
 /// `mean(SD)` in metres as the paper prints it; "N/A" where the policy does not run in that mode, a dash where it could
 /// and was not run.
-fn printed(entry: Option<&Entry>, policy: &str, mode: &str) -> String {
+fn printed(entry: Option<&TableEntry>, policy: &str, mode: &str) -> String {
     match entry {
         Some(entry) => format!("{}({})", decimals(entry.mean_m), decimals(entry.sd_m)),
         None if mode == "open" && policies::find(policy).is_some_and(|entry| entry.closed_loop_only) => {
@@ -169,7 +169,7 @@ fn draw(summary: &[ReachSummaryRow], sources: &[Source], shown: &[&str]) -> Canv
         })
         .collect();
     legend(&mut canvas, [52.0, 18.0], PAGE_WIDTH - 10.0, &keys);
-    let entries: Vec<Entry> = MODES
+    let entries: Vec<TableEntry> = MODES
         .iter()
         .flat_map(|mode| shown.iter().map(|policy| (*policy, *mode)))
         .flat_map(|(policy, mode)| sources.iter().filter_map(move |source| entry(summary, source, policy, mode)))

@@ -37,9 +37,9 @@ pub fn knows_alarm(code: u16) -> bool {
     ALARMS.iter().any(|(number, ..)| *number == code)
 }
 
-type Entry = (u16, &'static str, &'static str);
+type CodeText = (u16, &'static str, &'static str);
 
-fn find(entries: &[Entry], code: u16, unknown: &'static str) -> Meaning {
+fn find(entries: &[CodeText], code: u16, unknown: &'static str) -> Meaning {
     let entry = entries.iter().find(|(number, ..)| *number == code);
     entry.map_or(Meaning { what: unknown, remedy: MANUAL }, |&(_, what, remedy)| Meaning { what, remedy })
 }
@@ -55,7 +55,7 @@ const CLEAR: &str = "Remove the cause, then reset and home.";
 const FILES: &str = "This program uses no files of the controller: check what else uses the port.";
 const POWER: &str = "Switch the controller off and on; replace it if this happens again.";
 
-const ERRORS: &[Entry] = &[
+const ERRORS: &[CodeText] = &[
     (1, "A word of the line does not begin with a letter.", LINE),
     (2, "A number is missing or badly written.", LINE),
     (3, "The controller does not know this `$` command.", PROGRAM),
@@ -134,7 +134,7 @@ const ERRORS: &[Entry] = &[
     (79, "The controller takes this only after a reset, since something serious has happened.", HOME),
 ];
 
-const ALARMS: &[Entry] = &[
+const ALARMS: &[CodeText] = &[
     (1, "A limit switch was hit and the position is probably lost.", SWITCHES),
     (2, "A move would have left the travel; the position is kept.", "Check $130 to $133 and travel_m, reset and home."),
     (3, "It was reset while it moved and steps may be lost.", HOME),

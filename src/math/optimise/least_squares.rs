@@ -28,12 +28,12 @@ pub struct Fit {
 /// Residuals at some parameters; `None` where the model fails.
 pub type Residuals<'a> = dyn Fn(&[f64]) -> Option<Vec<f64>> + 'a;
 /// Their derivative there: one row per residual, one column per parameter, zero for a parameter without influence.
-pub type Derivative<'a> = dyn Fn(&[f64]) -> Option<DMatrix<f64>> + 'a;
+pub type ResidualJacobian<'a> = dyn Fn(&[f64]) -> Option<DMatrix<f64>> + 'a;
 
 /// Minimises the sum of squares of `residuals(parameters)` from `start` by Levenberg–Marquardt with Marquardt's scaling
 /// (Nocedal & Wright, Numerical Optimization, section 10.3). Where the residuals fail, a step is shortened. `None` when
 /// residuals or derivative fail at the start or at an accepted step.
-pub fn fit(residuals: &Residuals, derivative: &Derivative, start: &[f64]) -> Option<Fit> {
+pub fn fit(residuals: &Residuals, derivative: &ResidualJacobian, start: &[f64]) -> Option<Fit> {
     let mut at = start.to_vec();
     let mut current = DVector::from_vec(residuals(&at)?);
     let (mut damping, mut converged) = (1e-3, false);
