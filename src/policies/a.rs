@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::network::RecurrentInverse;
 use super::single_controller::{ControlLaw, Demand, SingleController};
 use super::tip_tracker::TipReading;
-use super::{ErrorModel, InverseModel, NetworkOptions, Part, PolicyEntry, PolicyOptions, need};
+use super::{ErrorModel, INVERSE, InverseModel, ModelNeed, NetworkOptions, PolicyEntry, PolicyOptions};
 use crate::base::series::SeriesLabel;
 use crate::base::{BadOption, Displacements, Point3, PolicyError, distance_m};
 
@@ -20,11 +20,11 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     label: SeriesLabel::text("A"),
     look: None,
     footnote: "",
-    needs: &[Part::SimulatedInverse, Part::Error],
+    needs: &[ModelNeed::Network(&INVERSE), ModelNeed::ErrorModel],
     closed_loop_only: false,
-    make: |parts, options| {
-        let model = need("a", Part::SimulatedInverse, parts.simulated)?;
-        let error = need("a", Part::Error, parts.error)?;
+    make: |mut parts, options| {
+        let model = parts.inverse("a", &INVERSE)?;
+        let error = parts.error("a")?;
         Ok(Box::new(SingleController::new(AlgorithmTwo::new(model, error, options), "a", options)))
     },
 };

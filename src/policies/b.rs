@@ -3,7 +3,7 @@
 
 use super::inverse_network::InverseNetworkController;
 use super::single_controller::SingleController;
-use super::{Part, PolicyEntry, need};
+use super::{INVERSE_B, ModelNeed, PolicyEntry};
 use crate::base::series::SeriesLabel;
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
@@ -11,10 +11,10 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     label: SeriesLabel::text("B"),
     look: None,
     footnote: "",
-    needs: &[Part::GeneratedInverse],
+    needs: &[ModelNeed::Network(&INVERSE_B)],
     closed_loop_only: false,
-    make: |parts, options| {
-        let model = need("b", Part::GeneratedInverse, parts.generated)?;
+    make: |mut parts, options| {
+        let model = parts.inverse("b", &INVERSE_B)?;
         Ok(Box::new(SingleController::new(InverseNetworkController::new(model, options), "b", options)))
     },
 };

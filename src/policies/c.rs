@@ -13,7 +13,7 @@ use super::actuator_limits::{ActuatorLimits, largest_change_m};
 use super::inverse_network::InverseNetworkController;
 use super::single_controller::{ControlLaw, Demand};
 use super::tip_tracker::TipTracker;
-use super::{Part, PolicyEntry, need};
+use super::{INVERSE, INVERSE_B, ModelNeed, PolicyEntry};
 use crate::base::series::SeriesLabel;
 use crate::base::{Action, BadOption, Observation, Point3, Policy, PolicyError, distance_m};
 
@@ -22,12 +22,12 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     label: SeriesLabel::text("C"),
     look: None,
     footnote: "",
-    needs: &[Part::SimulatedInverse, Part::Error, Part::GeneratedInverse],
+    needs: &[ModelNeed::Network(&INVERSE), ModelNeed::ErrorModel, ModelNeed::Network(&INVERSE_B)],
     closed_loop_only: true,
-    make: |parts, options| {
-        let model = need("c", Part::SimulatedInverse, parts.simulated)?;
-        let error = need("c", Part::Error, parts.error)?;
-        let generated = need("c", Part::GeneratedInverse, parts.generated)?;
+    make: |mut parts, options| {
+        let model = parts.inverse("c", &INVERSE)?;
+        let error = parts.error("c")?;
+        let generated = parts.inverse("c", &INVERSE_B)?;
         Ok(Box::new(SwitchingController {
             options: options.c,
             a: AlgorithmTwo::new(model, error, options),

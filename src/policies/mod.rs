@@ -6,7 +6,9 @@
 mod actuator_limits;
 mod inverse_network;
 mod learned;
+mod models;
 mod network;
+mod parts;
 mod single_controller;
 mod tip_tracker;
 
@@ -15,9 +17,11 @@ pub use actuator_limits::LimitOptions;
 pub use c::{AfterBoth, COptions, StartBranch, SwitchCheck};
 pub use inverse_network::DirectOptions;
 pub use learned::{ElmanForward, ElmanInverse, GpError};
+pub use models::{
+    EarlyStopping, FORWARD, INVERSE, INVERSE_B, ModelNeed, NetworkDescription, PI_REAL, SampleColumns, TrainingData,
+};
 pub use network::{MemoryUpdate, NetworkOptions};
-
-use std::sync::Arc;
+pub use parts::PolicyParts;
 
 use serde::{Deserialize, Serialize};
 
@@ -111,42 +115,16 @@ pub trait ErrorModel: Send + Sync {
     fn error_m(&self, pulls_m: &[f64], p_sim_m: &Point3) -> Point3;
 }
 
-/// What a policy may be built from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Part {
-    /// Inverse mapping trained on simulated data (eq. 21).
-    SimulatedInverse,
-    /// Inverse mapping trained on simulated data moved by the error model (eq. 24).
-    GeneratedInverse,
-    /// Inverse mapping trained on real data.
-    RealInverse,
-    /// Error model (eq. 20).
-    Error,
-}
-
-/// The parts at hand; each policy takes what it needs.
-#[derive(Default)]
-pub struct PolicyParts {
-    /// See [`Part::SimulatedInverse`].
-    pub simulated: Option<Box<dyn InverseModel>>,
-    /// See [`Part::GeneratedInverse`].
-    pub generated: Option<Box<dyn InverseModel>>,
-    /// See [`Part::RealInverse`].
-    pub real: Option<Box<dyn InverseModel>>,
-    /// See [`Part::Error`].
-    pub error: Option<Arc<dyn ErrorModel>>,
-}
-
 /// Why a policy could not be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BuildError {
-    /// A part that the policy needs was not given.
-    #[error("policy {policy} needs {part:?}, which was not given")]
+    /// A network or model that the policy needs was not given.
+    #[error("policy `{policy}` needs `{model}`, which was not given")]
     Missing {
         /// Name of the policy.
         policy: &'static str,
         /// What is missing.
-        part: Part,
+        model: &'static str,
     },
     /// A setting is out of range.
     #[error(transparent)]
@@ -166,12 +144,44 @@ pub struct PolicyEntry {
     pub look: Option<Look>,
     /// What a table says of it below its rows, in LaTeX; empty for nothing.
     pub footnote: &'static str,
-    /// What it is built from.
-    pub needs: &'static [Part],
+    /// What it is trained from.
+    pub needs: &'static [ModelNeed],
     /// True when it decides by the measured error, so that open loop means nothing to it.
     pub closed_loop_only: bool,
     /// Call [`build`] instead, which checks the options first.
     make: Make,
+}
+
+impl PolicyEntry {
+    /// The networks that it needs.
+    pub fn networks(&self) -> impl Iterator<Item = &'static NetworkDescription> {
+        self.needs.iter().filter_map(|need| match need {
+            ModelNeed::Network(network) => Some(*network),
+            ModelNeed::ErrorModel => None,
+        })
+    }
+
+    /// Whether it needs the error model, be it for the data that one of its networks is trained on.
+    pub fn uses_error_model(&self) -> bool {
+        self.needs.contains(&ModelNeed::ErrorModel)
+            || self.networks().any(|network| network.data == TrainingData::Generated)
+    }
+
+    /// Whether one of its networks is trained on real data.
+    pub fn uses_real_data(&self) -> bool {
+        self.networks().any(|network| network.data == TrainingData::Real)
+    }
+}
+
+/// Every network: the forward model, then those of the policies in the order of the registry.
+pub fn networks() -> Vec<&'static NetworkDescription> {
+    let mut networks = vec![&FORWARD];
+    for network in REGISTRY.iter().flat_map(PolicyEntry::networks) {
+        if networks.iter().all(|known| known.name != network.name) {
+            networks.push(network);
+        }
+    }
+    networks
 }
 
 /// The policy called `name`.
@@ -186,9 +196,4 @@ pub fn find(name: &str) -> Option<&'static PolicyEntry> {
 pub fn build(entry: &PolicyEntry, parts: PolicyParts, options: &PolicyOptions) -> Result<Box<dyn Policy>, BuildError> {
     options.check()?;
     (entry.make)(parts, options)
-}
-
-/// The part, or the error that names it.
-fn need<T>(policy: &'static str, part: Part, given: Option<T>) -> Result<T, BuildError> {
-    given.ok_or(BuildError::Missing { policy, part })
 }

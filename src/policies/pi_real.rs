@@ -2,7 +2,7 @@
 
 use super::inverse_network::InverseNetworkController;
 use super::single_controller::SingleController;
-use super::{Part, PolicyEntry, need};
+use super::{ModelNeed, PI_REAL, PolicyEntry};
 use crate::base::series::SeriesLabel;
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
@@ -10,10 +10,10 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     label: SeriesLabel { plain: "πᵣₑₐₗ", markdown: "π<sub>real</sub>", latex: "$\\pi_{real}$" },
     look: None,
     footnote: "trained directly from real data.",
-    needs: &[Part::RealInverse],
+    needs: &[ModelNeed::Network(&PI_REAL)],
     closed_loop_only: false,
-    make: |parts, options| {
-        let model = need("pi_real", Part::RealInverse, parts.real)?;
+    make: |mut parts, options| {
+        let model = parts.inverse("pi_real", &PI_REAL)?;
         Ok(Box::new(SingleController::new(InverseNetworkController::new(model, options), "", options)))
     },
 };

@@ -7,7 +7,7 @@ use super::stages::{BlindStages, SharedParts, Stages};
 use crate::base::Point3;
 use crate::data::rows::{GapRow, GpRow, TrackRow, TrialRow};
 use crate::learn::rnn::Trained;
-use crate::policies::{self, Part};
+use crate::policies::{self, FORWARD, NetworkDescription, PolicyEntry, TrainingData, networks};
 use crate::specs::{
     Experiment, ExperimentSet, SweepPoint, SweptField, Training, TrialCell, gp_sizes, reach_cells, track_cells,
 };
@@ -67,20 +67,10 @@ pub(super) struct Repetition {
 /// The stages of one seed and kind of training.
 pub(super) struct TrainedCells {
     pub(super) training: String,
-    pub(super) networks: Vec<(NetworkRole, Handle<Trained>)>,
+    /// With the points of the data that each depends on.
+    pub(super) networks: Vec<(&'static NetworkDescription, usize, Handle<Trained>)>,
     pub(super) reach: Vec<(TrialCell, Handle<Vec<TrialRow>>)>,
     pub(super) track: Vec<(TrialCell, Handle<Vec<TrackRow>>)>,
-}
-
-/// A network of an experiment.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum NetworkRole {
-    Forward,
-    Inverse,
-    /// With the points of the Gaussian process.
-    Generated(usize),
-    /// With the real points.
-    Real(usize),
 }
 
 impl Campaign {
@@ -112,7 +102,7 @@ impl CampaignEntry {
             numbers.extend(one.gps.iter().map(|(_, stage)| stage.number()));
             numbers.extend(one.blind.iter().flat_map(BlindStages::wanted));
             for trained in &one.trained {
-                numbers.extend(trained.networks.iter().map(|(_, stage)| stage.number()));
+                numbers.extend(trained.networks.iter().map(|(_, _, stage)| stage.number()));
                 numbers.extend(trained.reach.iter().map(|(_, stage)| stage.number()));
                 numbers.extend(trained.track.iter().map(|(_, stage)| stage.number()));
             }
@@ -197,8 +187,8 @@ fn repetition(
     let (reach, track) = (reach_cells(experiment), track_cells(experiment));
     for (name, training) in &experiment.training {
         let mut cells = TrainedCells { training: name.clone(), networks: vec![], reach: vec![], track: vec![] };
-        for network in networks(experiment, reach.iter().chain(&track)) {
-            cells.networks.push((network, add_network(&mut stages, network, training)?));
+        for (network, points) in networks_of(experiment, reach.iter().chain(&track)) {
+            cells.networks.push((network, points, stages.network(network, training, points)?));
         }
         for cell in &reach {
             cells.reach.push((cell.clone(), stages.reach(cell, training)?));
@@ -225,29 +215,30 @@ fn gaussian_processes(stages: &mut Stages, experiment: &Experiment) -> Result<Ve
     Ok(gps)
 }
 
-fn add_network(stages: &mut Stages, network: NetworkRole, training: &Training) -> Result<Handle<Trained>, Failure> {
-    match network {
-        NetworkRole::Forward => stages.forward(training),
-        NetworkRole::Inverse => stages.inverse(training),
-        NetworkRole::Generated(points) => stages.generated(training, points),
-        NetworkRole::Real(points) => stages.pi_real(training, points),
-    }
-}
-
-/// The networks that the cells are built from, and the forward model where it is asked for or stands for the rod.
-fn networks<'a>(experiment: &Experiment, cells: impl Iterator<Item = &'a TrialCell>) -> BTreeSet<NetworkRole> {
+/// The networks that the cells are built from with the points of their data, and the forward model where it is asked for
+/// or stands for the rod; in the order of [`networks`].
+fn networks_of<'a>(
+    experiment: &Experiment,
+    cells: impl Iterator<Item = &'a TrialCell>,
+) -> Vec<(&'static NetworkDescription, usize)> {
+    let known = networks();
+    let rank = |network: &NetworkDescription| known.iter().position(|other| other.name == network.name);
     let simulates = experiment.gp_points.p_sim == SimulatedBy::Network && !gp_sizes(experiment).is_empty();
-    let forward = (experiment.runs.forward || simulates).then_some(NetworkRole::Forward);
-    let mut networks: BTreeSet<NetworkRole> = forward.into_iter().collect();
+    let mut used = BTreeSet::new();
+    used.extend((experiment.runs.forward || simulates).then_some((rank(&FORWARD), 0)));
     for cell in cells {
-        for part in policies::find(&cell.policy).map_or(&[] as &[Part], |entry| entry.needs) {
-            networks.extend(match part {
-                Part::SimulatedInverse => Some(NetworkRole::Inverse),
-                Part::GeneratedInverse => Some(NetworkRole::Generated(cell.gp_points)),
-                Part::RealInverse => Some(NetworkRole::Real(cell.real_points)),
-                Part::Error => None,
-            });
+        for network in policies::find(&cell.policy).into_iter().flat_map(PolicyEntry::networks) {
+            used.insert((rank(network), points_of(network, cell)));
         }
     }
-    networks
+    used.into_iter().filter_map(|(rank, points)| Some((known[rank?], points))).collect()
+}
+
+/// How much data a network of a cell depends on: real points, points of the error model, or 0 for simulated data.
+pub(super) fn points_of(network: &NetworkDescription, cell: &TrialCell) -> usize {
+    match network.data {
+        TrainingData::Simulated => 0,
+        TrainingData::Real => cell.real_points,
+        TrainingData::Generated => cell.gp_points,
+    }
 }

@@ -1,12 +1,13 @@
 //! Stage results to published rows: labels filled in, failures turned into rows, everything in a fixed order.
 
-use super::campaign::{NetworkRole, PointStages, TrainedCells};
+use super::campaign::{PointStages, TrainedCells};
 use super::graph::Failure;
 use super::metrics::Tables;
 use super::outcomes::Outcomes;
 use crate::benchmark::ScoredCase;
 use crate::data::rows::{GpRow, NetworkRow, TrackRow, TrialRow, WaypointRow};
 use crate::learn::rnn::Trained;
+use crate::policies::{NetworkDescription, TrainingData};
 use crate::report::track_summary;
 use crate::specs::{Experiment, TrialCell};
 
@@ -51,9 +52,9 @@ pub(super) fn assemble(point: &PointStages, outcomes: &Outcomes) -> Tables {
 /// Rows of one seed and training. Seeds ascend, trainings and cells are in the order of their expansion.
 fn trained(tables: &mut Tables, experiment: &Experiment, seed: u64, cells: &TrainedCells, outcomes: &Outcomes) {
     let training = &cells.training;
-    for (network, stage) in &cells.networks {
+    for (network, points, stage) in &cells.networks {
         if let Ok(trained) = outcomes.get(*stage) {
-            tables.published.networks.push(network_row(seed, training, *network, trained, experiment));
+            tables.published.networks.push(network_row(seed, training, network, *points, trained, experiment));
         }
     }
     for (cell, stage) in &cells.reach {
@@ -78,25 +79,20 @@ fn trained(tables: &mut Tables, experiment: &Experiment, seed: u64, cells: &Trai
 fn network_row(
     seed: u64,
     training: &str,
-    network: NetworkRole,
+    network: &NetworkDescription,
+    points: usize,
     trained: &Trained,
     experiment: &Experiment,
 ) -> NetworkRow {
-    // The paper's validation errors: sections IV-A, IV-C and IV-E; none is given for π_real.
-    let (name, points, paper_mae_m) = match network {
-        NetworkRole::Forward => ("forward", experiment.explore.points, 0.0024),
-        NetworkRole::Inverse => ("inverse", experiment.explore.points, 0.0024),
-        NetworkRole::Generated(points) => ("inverse_b", points, 0.0019),
-        NetworkRole::Real(points) => ("pi_real", points, f64::NAN),
-    };
+    let simulated = network.data == TrainingData::Simulated;
     NetworkRow {
         seed,
         training: training.to_owned(),
-        network: name.to_owned(),
-        points: points as u64,
+        network: network.name.to_owned(),
+        points: if simulated { experiment.explore.points } else { points } as u64,
         epochs: trained.epochs as u64,
         validation_mae_m: trained.validation_mae,
-        paper_mae_m,
+        paper_mae_m: network.paper_mae_m,
     }
 }
 

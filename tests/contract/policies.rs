@@ -1,22 +1,18 @@
 //! What every policy of the registry keeps.
 
-use crate::support::policies::{AnalyticInverse, BrokenInverse, ConstantError, exact_parts, policy, seen};
+use crate::support::policies::{
+    AnalyticInverse, BrokenInverse, ConstantError, exact_parts, inverse_mappings, policy, seen,
+};
 use proptest::prelude::*;
 use spinebench::base::{Action, Point3, Policy, PolicyError};
-use spinebench::policies::{BuildError, InverseModel, LimitOptions, Part, PolicyOptions, PolicyParts, REGISTRY, build};
+use spinebench::policies::{BuildError, LimitOptions, PolicyOptions, PolicyParts, REGISTRY, build};
 use std::sync::Arc;
 
 /// Parts whose memory shows in the command.
 fn remembering_parts() -> PolicyParts {
-    let model = || -> Option<Box<dyn InverseModel>> {
-        Some(Box::new(AnalyticInverse { drift_m: 1e-4, ..AnalyticInverse::default() }))
-    };
-    PolicyParts {
-        simulated: model(),
-        generated: model(),
-        real: model(),
-        error: Some(Arc::new(ConstantError([0.01, 0.0, 0.002]))),
-    }
+    let parts = PolicyParts::default().with_error(Arc::new(ConstantError([0.01, 0.0, 0.002])));
+    let model = || Box::new(AnalyticInverse { drift_m: 1e-4, ..AnalyticInverse::default() });
+    inverse_mappings().into_iter().fold(parts, |parts, network| parts.with_inverse(network, model()))
 }
 
 fn play(policy: &mut dyn Policy, tips_m: &[Point3], target_m: &Point3) -> Vec<Action> {
@@ -33,12 +29,14 @@ fn names_are_unique() {
 #[test]
 fn a_missing_part_is_named() {
     for entry in REGISTRY.iter().filter(|entry| !entry.needs.is_empty()) {
-        let Err(BuildError::Missing { policy, part }) = build(entry, PolicyParts::default(), &PolicyOptions::default())
+        let Err(BuildError::Missing { policy, model }) =
+            build(entry, PolicyParts::default(), &PolicyOptions::default())
         else {
             panic!("{} was built from nothing", entry.name)
         };
         assert_eq!(policy, entry.name);
-        assert!(entry.needs.contains(&part));
+        let named = model == "error model" || entry.networks().any(|network| network.name == model);
+        assert!(named, "{}: {model}", entry.name);
     }
 }
 
@@ -68,13 +66,10 @@ fn an_observation_that_is_not_finite_is_an_error() {
 #[test]
 fn a_network_that_goes_wrong_is_an_error() {
     for entry in REGISTRY {
-        let parts = PolicyParts {
-            simulated: Some(Box::new(BrokenInverse)),
-            generated: Some(Box::new(BrokenInverse)),
-            real: Some(Box::new(BrokenInverse)),
-            error: Some(Arc::new(ConstantError([0.0; 3]))),
-        };
-        let networks = entry.needs.iter().any(|part| *part != Part::Error);
+        let parts = PolicyParts::default().with_error(Arc::new(ConstantError([0.0; 3])));
+        let broken = |parts: PolicyParts, network| parts.with_inverse(network, Box::new(BrokenInverse));
+        let parts = inverse_mappings().into_iter().fold(parts, broken);
+        let networks = entry.networks().count() > 0;
         let mut policy = policy(entry.name, parts, &PolicyOptions::default());
         let result = policy.act(&seen(0, [0.0, 0.0, 0.22]), &[0.05, 0.0, 0.2]);
         assert!(!networks || matches!(result, Err(PolicyError::NotFinite(_))), "{}: {result:?}", entry.name);

@@ -6,7 +6,7 @@ use crate::support::policies::{
     AnalyticInverse, ConstantError, GrowingError, exact_parts, policy, reachable, robot, seen,
 };
 use spinebench::base::{Plant, Point3, Seed, distance_m};
-use spinebench::policies::{MemoryUpdate, PolicyOptions, PolicyParts};
+use spinebench::policies::{INVERSE, MemoryUpdate, PolicyOptions, PolicyParts};
 use spinebench::tasks::{LoopMode, PathOptions, ReachOptions, TrackOptions, interpolate, reach, track, waypoints};
 
 const SHIFT_M: Point3 = [-0.012, 0.004, 0.0];
@@ -27,7 +27,7 @@ fn a_known_constant_gap_is_closed_in_both_modes() {
 #[test]
 fn without_the_error_model_the_gap_stays() {
     let target_m = reachable(0.015, -0.01, SHIFT_M);
-    let parts = PolicyParts { error: Some(Arc::new(ConstantError([0.0; 3]))), ..exact_parts(SHIFT_M) };
+    let parts = exact_parts(SHIFT_M).with_error(Arc::new(ConstantError([0.0; 3])));
     let mut a = policy("a", parts, &PolicyOptions::default());
     let options = ReachOptions::default();
     let outcome = reach(&mut robot(SHIFT_M), a.as_mut(), &target_m, LoopMode::Closed, &options, Seed(1)).unwrap();
@@ -42,11 +42,9 @@ fn the_fixed_point_is_found_in_as_many_iterations_as_the_contraction_says() {
     let gain = 0.5;
     let mut options = PolicyOptions::default();
     options.limits.max_step_m = None;
-    let parts = PolicyParts {
-        simulated: Some(Box::new(AnalyticInverse::default())),
-        error: Some(Arc::new(GrowingError(gain))),
-        ..PolicyParts::default()
-    };
+    let parts = PolicyParts::default()
+        .with_inverse(&INVERSE, Box::new(AnalyticInverse::default()))
+        .with_error(Arc::new(GrowingError(gain)));
     let mut a = policy("a", parts, &options);
     let target_m = [0.02, 0.0, 0.2];
     let tip_m = [0.0, 0.0, 0.22];
@@ -64,10 +62,10 @@ fn the_fixed_point_is_found_in_as_many_iterations_as_the_contraction_says() {
 
 #[test]
 fn several_iterations_in_a_tick_are_as_many_ticks_without_new_measurement() {
-    let parts = || PolicyParts {
-        simulated: Some(Box::new(AnalyticInverse::default())),
-        error: Some(Arc::new(GrowingError(0.5))),
-        ..PolicyParts::default()
+    let parts = || {
+        PolicyParts::default()
+            .with_inverse(&INVERSE, Box::new(AnalyticInverse::default()))
+            .with_error(Arc::new(GrowingError(0.5)))
     };
     let mut options = PolicyOptions::default();
     options.limits.max_step_m = None;
@@ -132,10 +130,10 @@ impl spinebench::policies::InverseModel for Position {
 
 #[test]
 fn the_position_is_moved_by_the_last_error_and_stays_in_open_loop() {
-    let parts = || PolicyParts {
-        simulated: Some(Box::new(Position)),
-        error: Some(Arc::new(ConstantError([0.003, 0.0, 0.0]))),
-        ..PolicyParts::default()
+    let parts = || {
+        PolicyParts::default()
+            .with_inverse(&INVERSE, Box::new(Position))
+            .with_error(Arc::new(ConstantError([0.003, 0.0, 0.0])))
     };
     let mut options = PolicyOptions::default();
     options.limits.max_step_m = None;
@@ -156,11 +154,9 @@ fn memory_moves_when_it_is_told_to() {
         let mut options = PolicyOptions::default();
         options.network.memory = memory;
         options.limits.max_step_m = None;
-        let parts = PolicyParts {
-            simulated: Some(Box::new(AnalyticInverse { drift_m, ..AnalyticInverse::default() })),
-            error: Some(Arc::new(ConstantError([0.0; 3]))),
-            ..PolicyParts::default()
-        };
+        let parts = PolicyParts::default()
+            .with_inverse(&INVERSE, Box::new(AnalyticInverse { drift_m, ..AnalyticInverse::default() }))
+            .with_error(Arc::new(ConstantError([0.0; 3])));
         let mut a = policy("a", parts, &options);
         let pull_m: Vec<f64> = (0..3)
             .map(|step| a.act(&seen(if frozen { 0 } else { step }, [0.0, 0.0, 0.22]), &[0.0, 0.0, 0.22]).unwrap())

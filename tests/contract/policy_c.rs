@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::support::policies::{AnalyticInverse, ConstantError, exact_parts, negative, policy, reachable, robot, seen};
 use spinebench::base::{Point3, Seed};
-use spinebench::policies::{AfterBoth, PolicyOptions, PolicyParts, StartBranch, SwitchCheck};
+use spinebench::policies::{AfterBoth, INVERSE, INVERSE_B, PolicyOptions, PolicyParts, StartBranch, SwitchCheck};
 use spinebench::tasks::{LoopMode, ReachOptions, ReachOutcome, reach};
 
 const SHIFT_M: Point3 = [-0.012, 0.004, 0.0];
@@ -15,12 +15,10 @@ fn parts(a_m: f64, b_m: f64) -> PolicyParts {
     let [x, y, z] = negative(SHIFT_M);
     let [shift_x, shift_y, shift_z] = SHIFT_M;
     let generated = AnalyticInverse { shift_m: [shift_x, shift_y - b_m, shift_z], ..AnalyticInverse::default() };
-    PolicyParts {
-        simulated: Some(Box::new(AnalyticInverse::default())),
-        generated: Some(Box::new(generated)),
-        real: None,
-        error: Some(Arc::new(ConstantError([x, y + a_m, z]))),
-    }
+    PolicyParts::default()
+        .with_inverse(&INVERSE, Box::new(AnalyticInverse::default()))
+        .with_inverse(&INVERSE_B, Box::new(generated))
+        .with_error(Arc::new(ConstantError([x, y + a_m, z])))
 }
 
 fn run(parts: PolicyParts, options: &PolicyOptions) -> ReachOutcome {
@@ -104,8 +102,8 @@ fn the_same_command_is_no_reason_to_change() {
 #[test]
 fn a_controller_that_never_settles_loses_its_turn() {
     // A's network drifts at every tick by more than the tip's tolerance allows to rest.
-    let mut parts = parts(0.03, 0.0);
-    parts.simulated = Some(Box::new(AnalyticInverse { drift_m: 0.0005, ..AnalyticInverse::default() }));
+    let drifting = AnalyticInverse { drift_m: 0.0005, ..AnalyticInverse::default() };
+    let parts = parts(0.03, 0.0).with_inverse(&INVERSE, Box::new(drifting));
     let mut options = PolicyOptions::default();
     options.c.leg_ticks = 10;
     options.limits.max_step_m = None;

@@ -8,7 +8,8 @@ use spinebench::learn::LearnError;
 use spinebench::learn::gp::{Gp, GpConfig};
 use spinebench::learn::rnn::{Elman, ElmanConfig};
 use spinebench::policies::{
-    ElmanForward, ElmanInverse, ErrorModel, ForwardModel, GpError, InverseModel, PolicyOptions, PolicyParts,
+    ElmanForward, ElmanInverse, ErrorModel, ForwardModel, GpError, INVERSE, INVERSE_B, InverseModel, PolicyOptions,
+    PolicyParts,
 };
 use spinebench::tasks::{
     ExploreOptions, GpPointsOptions, LoopMode, ReachOptions, Transitions, correct_samples, explore, gp_points,
@@ -135,12 +136,10 @@ fn learned_policies_come_close_and_repeat_to_the_bit() {
     let simulated = train(&samples);
     let generated = train(&correct_samples(&samples, error.as_ref()).unwrap());
     let run = |name: &str| {
-        let parts = PolicyParts {
-            simulated: Some(Box::new(ElmanInverse::new(simulated.clone()).unwrap())),
-            generated: Some(Box::new(ElmanInverse::new(generated.clone()).unwrap())),
-            real: None,
-            error: Some(error.clone()),
-        };
+        let parts = PolicyParts::default()
+            .with_inverse(&INVERSE, Box::new(ElmanInverse::new(simulated.clone()).unwrap()))
+            .with_inverse(&INVERSE_B, Box::new(ElmanInverse::new(generated.clone()).unwrap()))
+            .with_error(error.clone());
         let mut policy = policy(name, parts, &PolicyOptions::default());
         [(0.012, 0.0), (-0.01, 0.01), (0.005, -0.014)].map(|(x_m, y_m)| {
             let target_m = reachable(x_m, y_m, SHIFT_M);

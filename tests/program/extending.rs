@@ -95,7 +95,8 @@ fn share_dependencies(target: &Path) {
 
 fn cargo(tree: &Path, target: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    command.args(arguments).args(["--release", "--config", OPTIMISATION]).current_dir(tree);
+    let (subcommand, rest) = arguments.split_first().expect("a subcommand");
+    command.arg(subcommand).args(["--release", "--config", OPTIMISATION]).args(rest).current_dir(tree);
     // What the outer build has set for itself is not for this one.
     for (name, _) in std::env::vars_os() {
         let name = name.to_string_lossy().into_owned();
@@ -207,7 +208,7 @@ fn experiment(extended: &Extended) {
         "extends: {}\nname: extended\nseeds: 1\nmodel: {{constant_curvature: {{}}}}\nplant: {{linear_tip: {{gain: 4.5}}}}\n\
          gp: {{kernel: cauchy}}\npolicies: {{integral: {{gain: 0.07}}}}\n\
          modes: {{open: {{feedback: open}}, closed: {{feedback: closed}}, closed_load: null}}\n\
-         runs:\n  gap: null\n  gp_points: []\n  forward: false\n  reach:\n    - {{policies: [a, integral], modes: [open, closed], gp_points: [20]}}\n  \
+         runs:\n  gap: null\n  gp_points: []\n  forward: false\n  reach:\n    - {{policies: [a, integral, pi_patient], modes: [open, closed], gp_points: [20], real_points: [200]}}\n  \
          track: {{policies: [a, integral], mode: closed, gp_points: 20, real_points: null}}\n\
          figures: [table1, fig8, reach_steps]\nclaims: []\n",
         smoke.display()
@@ -222,8 +223,9 @@ fn experiment(extended: &Extended) {
     extended.assert_says("results/extended/trials.csv", &[",integral,closed,0,0,"]);
     extended.assert_says("results/extended/summary.csv", &[",integral,closed,"]);
     extended.assert_says("results/extended/gp.csv", &["cauchy"]);
+    extended.assert_says("results/extended/networks.csv", &["0,paper,patient,200,", "0,paper,inverse,"]);
     extended.assert_says("results/extended/table1.md", &["| **integral** |", "| **A** |", "N/A"]);
-    extended.assert_says("results/extended/table1.tex", &["\nintegral & N/A & "]);
+    extended.assert_says("results/extended/table1.tex", &["\nintegral & N/A & ", "$\\pi_{patient}$ & 0."]);
     extended.assert_says("results/extended/fig8.md", &["| integral |"]);
     for figure in ["table1", "fig8", "reach_steps"] {
         extended.assert_says(&format!("plots/extended/{figure}.svg"), &["integral"]);

@@ -5,7 +5,10 @@ use std::sync::Arc;
 
 use spinebench::base::{Displacements, Observation, Point3, Policy, PolicyError};
 use spinebench::plants::{ConstantCurvature, ConstantCurvatureOptions};
-use spinebench::policies::{ErrorModel, InverseModel, PolicyEntry, PolicyOptions, PolicyParts, build, find};
+use spinebench::policies::{
+    ErrorModel, InverseModel, NetworkDescription, PolicyEntry, PolicyOptions, PolicyParts, SampleColumns, TrainingData,
+    build, find, networks,
+};
 
 /// The exact inverse of a robot whose tip is shifted by `shift_m`, with a memory that can be made visible: each tick
 /// adds `drift_m` to every displacement.
@@ -65,14 +68,19 @@ pub(crate) fn negative(shift_m: Point3) -> Point3 {
     shift_m.map(|value| -value)
 }
 
-/// Parts for a robot shifted by `shift_m`, all of them exact.
+/// Parts for a robot shifted by `shift_m`, all of them exact: for each inverse mapping of any policy the one that its
+/// data lead to, and the error model.
 pub(crate) fn exact_parts(shift_m: Point3) -> PolicyParts {
-    PolicyParts {
-        simulated: Some(Box::new(AnalyticInverse::default())),
-        generated: Some(Box::new(AnalyticInverse { shift_m, ..AnalyticInverse::default() })),
-        real: Some(Box::new(AnalyticInverse { shift_m, ..AnalyticInverse::default() })),
-        error: Some(Arc::new(ConstantError(negative(shift_m)))),
-    }
+    let parts = PolicyParts::default().with_error(Arc::new(ConstantError(negative(shift_m))));
+    inverse_mappings().into_iter().fold(parts, |parts, network| {
+        let shift_m = if network.data == TrainingData::Simulated { [0.0; 3] } else { shift_m };
+        parts.with_inverse(network, Box::new(AnalyticInverse { shift_m, ..AnalyticInverse::default() }))
+    })
+}
+
+/// The networks of all policies that are inverse mappings.
+pub(crate) fn inverse_mappings() -> Vec<&'static NetworkDescription> {
+    networks().into_iter().filter(|network| network.outputs == [SampleColumns::Pulls]).collect()
 }
 
 pub(crate) fn entry(name: &str) -> &'static PolicyEntry {

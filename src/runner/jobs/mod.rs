@@ -22,12 +22,11 @@ pub(super) mod trials;
 
 use super::stage::StageKind;
 
-/// Every kind of stage.
+/// Every kind of stage but the training of networks, which policies describe.
 pub(super) fn kinds() -> Vec<StageKind> {
     let mut kinds = vec![exploration::EXPLORE.kind, exploration::REPLAY.kind, gap::GAP.kind, gp_pool::GP_POOL.kind];
     kinds.extend([targets::TARGET_POOL.kind, targets::TARGETS.kind, path::WAYPOINTS.kind, path::PATH.kind]);
-    kinds.extend([networks::FORWARD.kind, networks::INVERSE.kind, networks::REAL.kind]);
-    kinds.extend([generated_network::GENERATED.kind, gaussian_process::GP.kind, gaussian_process::GP_SCORE.kind]);
+    kinds.extend([gaussian_process::GP.kind, gaussian_process::GP_SCORE.kind]);
     kinds.extend([trials::REACH.kind, trials::TRACK.kind]);
     kinds.extend([blind::COMMANDS.kind, blind::SPAN.kind, blind::TRUTH.kind, blind::RECORDING.kind]);
     kinds.extend([discover::DISCOVER.kind, blind_score::SCORE.kind]);

@@ -1,42 +1,45 @@
-//! Networks trained on recordings.
+//! Networks trained on recordings, as policies describe them.
 
 use super::samples::joined;
-use crate::base::Seed;
+use crate::base::{Rows, Seed};
 use crate::learn::rnn::{Elman, ElmanConfig, Trained};
+use crate::policies::{NetworkDescription, SampleColumns};
 use crate::runner::stage::{Handle, Stage, StageKind};
 use crate::tasks::Transitions;
 
-/// The forward model of eq. (17): (u_i, x_i) → x_{i+1}.
-pub(in crate::runner) const FORWARD: Stage<NetworkParams, Handle<Transitions>, Trained> = Stage {
-    kind: StageKind { name: "train_forward", module: module_path!(), cost_ms: 2000 },
-    job: |params, samples| {
-        let inputs = joined(&samples.pulls_m, &samples.from_m);
-        let trained = Elman::train(&inputs, &samples.to_m, &samples.starts, &params.config, Seed(params.seed));
-        trained.map_err(|error| error.to_string())
-    },
-};
-
-/// The inverse mapping of eq. (21) from simulated data: (x_i, x_{i+1}) → u_i.
-pub(in crate::runner) const INVERSE: Stage<NetworkParams, Handle<Transitions>, Trained> = Stage {
-    kind: StageKind { name: "train_inverse", module: module_path!(), cost_ms: 1000 },
-    job: |params, samples| train_inverse(params, samples),
-};
-
-/// The inverse mapping from the first real data (π_real): their number and the network.
-pub(in crate::runner) const REAL: Stage<(usize, NetworkParams), Handle<Transitions>, Trained> = Stage {
-    kind: StageKind { name: "train_pi_real", module: module_path!(), cost_ms: 1000 },
-    job: |(points, params), samples| train_inverse(params, &samples.first(*points)),
-};
+/// The training of a network on the exploration, or on what the robot did under the same commands.
+pub(in crate::runner) fn train(network: &NetworkDescription) -> Stage<NetworkParams, Handle<Transitions>, Trained> {
+    Stage {
+        kind: StageKind { name: network.stage, module: module_path!(), cost_ms: 1000 },
+        job: |params, samples| {
+            let first = params.points.map(|points| samples.first(points));
+            let samples = first.as_ref().unwrap_or(samples);
+            let (inputs, outputs) = (columns(samples, params.inputs), columns(samples, params.outputs));
+            let trained = Elman::train(&inputs, &outputs, &samples.starts, &params.config, Seed(params.seed));
+            trained.map_err(|error| error.to_string())
+        },
+    }
+}
 
 /// Parameters of a network.
 #[derive(serde::Serialize)]
 pub(in crate::runner) struct NetworkParams {
     pub(in crate::runner) config: ElmanConfig,
+    pub(in crate::runner) inputs: &'static [SampleColumns],
+    pub(in crate::runner) outputs: &'static [SampleColumns],
+    /// How many of the samples it is trained on; all without a number.
+    pub(in crate::runner) points: Option<usize>,
     pub(in crate::runner) seed: u64,
 }
 
-fn train_inverse(params: &NetworkParams, samples: &Transitions) -> Result<Trained, String> {
-    let inputs = joined(&samples.from_m, &samples.to_m);
-    let trained = Elman::train(&inputs, &samples.pulls_m, &samples.starts, &params.config, Seed(params.seed));
-    trained.map_err(|error| error.to_string())
+/// Some columns of samples, side by side.
+pub(super) fn columns(samples: &Transitions, wanted: &[SampleColumns]) -> Rows {
+    let one = |columns: &SampleColumns| match columns {
+        SampleColumns::Pulls => &samples.pulls_m,
+        SampleColumns::TipBefore => &samples.from_m,
+        SampleColumns::TipAfter => &samples.to_m,
+    };
+    let mut all = wanted.iter().map(one);
+    let first = all.next().cloned().unwrap_or_default();
+    all.fold(first, |rows, next| joined(&rows, next))
 }

@@ -8,14 +8,13 @@ use crate::data::rows::{TrackRow, TrialRow};
 use crate::effects::EffectSpec;
 use crate::learn::gp::Gp;
 use crate::learn::rnn::Trained;
-use crate::policies::{self, ElmanInverse, GpError, InverseModel, PolicyOptions, PolicyParts};
+use crate::policies::{self, GpError, PolicyOptions, PolicyParts};
 use crate::runner::stage::{Handle, Stage, StageInputs, StageKind};
 use crate::tasks::{self, LoopMode, ReachOptions, ReachOutcome, TrackOptions, TrackStep};
 use std::sync::Arc;
 
-/// Handles of a policy's parts: the networks trained on simulated, generated and real data, and the error model.
-pub(in crate::runner) type PartHandles =
-    (Option<Handle<Trained>>, Option<Handle<Trained>>, Option<Handle<Trained>>, Option<Handle<Gp>>);
+/// Handles of what a policy needs: its networks in the order of its entry, and the error model.
+pub(in crate::runner) type PartHandles = (Vec<Handle<Trained>>, Option<Handle<Gp>>);
 
 /// Goal reaching; seed and training of the rows are filled in by whoever publishes them.
 pub(in crate::runner) const REACH: Stage<ReachParams, (PartHandles, Handle<Targets>), Vec<TrialRow>> = Stage {
@@ -86,24 +85,16 @@ impl Condition {
         self.plant.build(&self.effects, self.step_s)
     }
 
-    fn policy(
-        &self,
-        (simulated, generated, real, error): <PartHandles as StageInputs>::Results<'_>,
-    ) -> Result<Box<dyn Policy>, String> {
+    fn policy(&self, (networks, error): <PartHandles as StageInputs>::Results<'_>) -> Result<Box<dyn Policy>, String> {
         let entry = policies::find(&self.policy).ok_or_else(|| format!("unknown policy {}", self.policy))?;
-        let network = |trained: &Trained| -> Result<Box<dyn InverseModel>, String> {
-            let network = ElmanInverse::new(Arc::new(trained.network.clone()));
-            Ok(Box::new(network.map_err(|error| error.to_string())?))
-        };
-        let mut parts = PolicyParts {
-            simulated: simulated.map(network).transpose()?,
-            generated: generated.map(network).transpose()?,
-            real: real.map(network).transpose()?,
-            error: None,
-        };
+        let mut parts = PolicyParts::default();
+        for (network, trained) in entry.networks().zip(networks) {
+            let trained = Arc::new(trained.network.clone());
+            parts = parts.with_network(network, trained).map_err(|error| error.to_string())?;
+        }
         if let Some(gp) = error {
             let tendons = gp.inputs().saturating_sub(3);
-            parts.error = Some(Arc::new(GpError::new(gp.clone(), tendons).map_err(|error| error.to_string())?));
+            parts = parts.with_error(Arc::new(GpError::new(gp.clone(), tendons).map_err(|error| error.to_string())?));
         }
         policies::build(entry, parts, &self.options).map_err(|error| error.to_string())
     }

@@ -17,13 +17,15 @@ use super::jobs;
 use super::source_digest;
 use super::stage::Handle;
 use crate::base::Seed;
+use crate::policies::networks;
 use crate::specs::{Experiment, Training};
 use std::any::Any;
 use std::collections::{BTreeMap, HashMap};
 
 /// The digest of the present code of each kind of stage, by its name.
 pub fn codes() -> BTreeMap<&'static str, Digest> {
-    jobs::kinds().into_iter().map(|kind| (kind.name, source_digest::of_module(kind.module))).collect()
+    let networks = networks().into_iter().map(learning::kind);
+    jobs::kinds().into_iter().chain(networks).map(|kind| (kind.name, source_digest::of_module(kind.module))).collect()
 }
 
 /// What the results of a kind of stage depend on besides its parameters and inputs.

@@ -2,7 +2,8 @@
 
 use super::{Added, Stages};
 use crate::data::rows::{TrackRow, TrialRow};
-use crate::policies::{self, Part, PolicyEntry};
+use crate::policies::{self, ModelNeed, PolicyEntry};
+use crate::runner::campaign::points_of;
 use crate::runner::failure::Failure;
 use crate::runner::jobs::trials::{Condition, PartHandles, REACH, ReachParams, TRACK, TrackParams};
 use crate::specs::{Training, TrialCell, TrialMode};
@@ -47,15 +48,15 @@ impl Stages<'_> {
         cell: &TrialCell,
         training: &Training,
     ) -> Result<PartHandles, Failure> {
-        let mut handles: PartHandles = (None, None, None, None);
-        for part in entry.needs {
-            match part {
-                Part::SimulatedInverse => handles.0 = Some(self.inverse(training)?),
-                Part::GeneratedInverse => handles.1 = Some(self.generated(training, cell.gp_points)?),
-                Part::RealInverse => handles.2 = Some(self.pi_real(training, cell.real_points)?),
-                Part::Error => handles.3 = Some(self.gp(training, cell.gp_points)?),
+        let (mut networks, mut error) = (Vec::new(), None);
+        for need in entry.needs {
+            match need {
+                ModelNeed::Network(network) => {
+                    networks.push(self.network(network, training, points_of(network, cell))?);
+                }
+                ModelNeed::ErrorModel => error = Some(self.gp(training, cell.gp_points)?),
             }
         }
-        Ok(handles)
+        Ok((networks, error))
     }
 }

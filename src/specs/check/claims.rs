@@ -1,5 +1,6 @@
 //! Checks of claims: each must be about something that the experiment runs.
 
+use crate::policies::networks;
 use crate::specs::document::error::SpecError;
 use crate::specs::document::merged::Document;
 use crate::specs::document::mismatch::one_of;
@@ -85,7 +86,7 @@ fn known(metric: &ClaimMetric, experiment: &Experiment) -> Result<(), String> {
     match metric {
         ClaimMetric::ReachMean(cell) | ClaimMetric::ReachSd(cell) => known_cell(cell, experiment),
         ClaimMetric::NetworkMae { network, .. } => {
-            let names = ["forward", "inverse", "inverse_b", "pi_real"];
+            let names: Vec<&str> = networks().iter().map(|network| network.name).collect();
             if names.contains(&network.as_str()) { Ok(()) } else { Err(one_of(&names)) }
         }
         ClaimMetric::GpError { points } => {

@@ -5,7 +5,7 @@ use crate::base::BadOption;
 use crate::effects::check_effects;
 use crate::learn::LearnError;
 use crate::plants::PlantSpec;
-use crate::policies::{self, Part};
+use crate::policies;
 use crate::report::FIGURES;
 use crate::specs::document::error::SpecError;
 use crate::specs::document::locate::PathEnd;
@@ -13,6 +13,7 @@ use crate::specs::document::merged::Document;
 use crate::specs::document::mismatch::one_of;
 use crate::specs::document::path::KeyPath;
 use crate::specs::experiment::cells::uses;
+use crate::specs::experiment::claims::Size;
 use crate::specs::experiment::spec::{DiscoveryRun, Experiment, TrackRun};
 use crate::tasks::PointLayout;
 
@@ -189,8 +190,8 @@ impl Checker<'_> {
             for (number, mode) in sweep.modes.iter().enumerate() {
                 self.mode(mode, &path.key("modes").item(number))?;
             }
-            for (key, part) in [("gp_points", Part::Error), ("real_points", Part::RealInverse)] {
-                let sizes = if part == Part::Error { &sweep.gp_points } else { &sweep.real_points };
+            for (key, part) in [("gp_points", Size::GpPoints), ("real_points", Size::RealPoints)] {
+                let sizes = if part == Size::GpPoints { &sweep.gp_points } else { &sweep.real_points };
                 self.sizes(&sweep.policies, part, sizes.as_deref(), &path.key(key))?;
             }
         }
@@ -219,8 +220,8 @@ impl Checker<'_> {
         self.mode(&track.mode, &path.key("mode"))?;
         let one = |size: Option<usize>| size.map(|size| vec![size]);
         let (gp, real) = (one(track.gp_points), one(track.real_points));
-        self.sizes(&track.policies, Part::Error, gp.as_deref(), &path.key("gp_points"))?;
-        self.sizes(&track.policies, Part::RealInverse, real.as_deref(), &path.key("real_points"))
+        self.sizes(&track.policies, Size::GpPoints, gp.as_deref(), &path.key("gp_points"))?;
+        self.sizes(&track.policies, Size::RealPoints, real.as_deref(), &path.key("real_points"))
     }
 
     fn not_empty<T: PartialEq>(&self, values: &[T], path: &KeyPath) -> Result<(), SpecError> {
@@ -246,7 +247,7 @@ impl Checker<'_> {
     }
 
     /// Sizes must be given when a policy is built from that part, and none may exceed the data.
-    fn sizes(&self, names: &[String], part: Part, sizes: Option<&[usize]>, path: &KeyPath) -> Result<(), SpecError> {
+    fn sizes(&self, names: &[String], part: Size, sizes: Option<&[usize]>, path: &KeyPath) -> Result<(), SpecError> {
         let uses = |name: &String| policies::find(name).is_some_and(|entry| uses(entry, part));
         match (sizes, names.iter().find(|name| uses(name))) {
             (None, Some(name)) => Err(self.wrong(path, format!("sizes for policy `{name}`"))),
@@ -254,7 +255,7 @@ impl Checker<'_> {
             (Some(_), None) => Err(self.wrong(path, "no such key: none of these policies uses it")),
             (Some(sizes), Some(_)) => {
                 self.not_empty(sizes, path)?;
-                if part == Part::Error { self.gp_sizes(sizes, path) } else { self.real_sizes(sizes, path) }
+                if part == Size::GpPoints { self.gp_sizes(sizes, path) } else { self.real_sizes(sizes, path) }
             }
         }
     }

@@ -1,7 +1,8 @@
 //! The cells of an experiment: the product of policies, modes and sizes, each once, in a fixed order.
 
+use super::claims::Size;
 use super::spec::{Experiment, TrialMode};
-use crate::policies::{self, Part};
+use crate::policies;
 
 /// Trials of one policy in one mode: a set of targets for each seed and training.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -24,8 +25,8 @@ pub fn reach_cells(experiment: &Experiment) -> Vec<TrialCell> {
             let Some(entry) = policies::find(policy) else { continue };
             let open = |mode: &String| experiment.modes.get(mode).is_some_and(TrialMode::is_open);
             for mode in sweep.modes.iter().filter(|mode| !(entry.closed_loop_only && open(mode))) {
-                for gp_points in sizes(entry, Part::Error, sweep.gp_points.as_deref()) {
-                    for real_points in sizes(entry, Part::RealInverse, sweep.real_points.as_deref()) {
+                for gp_points in sizes(entry, Size::GpPoints, sweep.gp_points.as_deref()) {
+                    for real_points in sizes(entry, Size::RealPoints, sweep.real_points.as_deref()) {
                         cells.push(TrialCell { policy: policy.clone(), mode: mode.clone(), gp_points, real_points });
                     }
                 }
@@ -42,12 +43,12 @@ pub fn track_cells(experiment: &Experiment) -> Vec<TrialCell> {
     let Some(track) = &experiment.runs.track else { return Vec::new() };
     let cell = |policy: &String| {
         let entry = policies::find(policy)?;
-        let size = |part: Part, size: Option<usize>| if uses(entry, part) { size.unwrap_or(0) } else { 0 };
+        let size = |part: Size, size: Option<usize>| if uses(entry, part) { size.unwrap_or(0) } else { 0 };
         Some(TrialCell {
             policy: policy.clone(),
             mode: track.mode.clone(),
-            gp_points: size(Part::Error, track.gp_points),
-            real_points: size(Part::RealInverse, track.real_points),
+            gp_points: size(Size::GpPoints, track.gp_points),
+            real_points: size(Size::RealPoints, track.real_points),
         })
     };
     track.policies.iter().filter_map(cell).collect()
@@ -63,12 +64,15 @@ pub fn gp_sizes(experiment: &Experiment) -> Vec<usize> {
     sizes
 }
 
-/// The sizes that apply to a policy: the given ones, or a single 0 when it has no such part.
-fn sizes(entry: &policies::PolicyEntry, part: Part, given: Option<&[usize]>) -> Vec<usize> {
+/// The sizes that count for a policy: those given, or a single 0 when it has no such part.
+fn sizes(entry: &policies::PolicyEntry, part: Size, given: Option<&[usize]>) -> Vec<usize> {
     if uses(entry, part) { given.unwrap_or_default().to_vec() } else { vec![0] }
 }
 
-/// Whether a policy is built from `part`, directly or through another part (generated data come from the error model).
-pub(in crate::specs) fn uses(entry: &policies::PolicyEntry, part: Part) -> bool {
-    entry.needs.iter().any(|need| *need == part || (part == Part::Error && *need == Part::GeneratedInverse))
+/// Whether a policy is trained from data of which there may be more or less.
+pub(in crate::specs) fn uses(entry: &policies::PolicyEntry, size: Size) -> bool {
+    match size {
+        Size::GpPoints => entry.uses_error_model(),
+        Size::RealPoints => entry.uses_real_data(),
+    }
 }

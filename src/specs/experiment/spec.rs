@@ -8,7 +8,7 @@ use crate::effects::EffectSpec;
 use crate::learn::gp::GpConfig;
 use crate::learn::rnn::ElmanConfig;
 use crate::plants::PlantSpec;
-use crate::policies::{self, PolicyOptions};
+use crate::policies::{self, EarlyStopping, NetworkDescription, PolicyOptions};
 use crate::report::FIGURES;
 use crate::tasks::{ExploreOptions, GpPointsOptions, LoopMode, PathOptions, ReachOptions, TargetOptions, TrackOptions};
 use serde::{Deserialize, Serialize};
@@ -132,6 +132,20 @@ pub struct Training {
     pub inverse_b_mae_m: Option<f64>,
     /// The same for the inverse mapping of real data (π_real).
     pub pi_real_mae_m: Option<f64>,
+}
+
+impl Training {
+    /// Validation error at which a network is taken, metres.
+    pub fn stop_m(&self, network: &NetworkDescription) -> Option<f64> {
+        match network.early_stopping {
+            EarlyStopping::Forward => self.forward_mae_m,
+            EarlyStopping::Inverse => self.inverse_mae_m,
+            EarlyStopping::InverseB => self.inverse_b_mae_m,
+            EarlyStopping::PiReal => self.pi_real_mae_m,
+            EarlyStopping::At(error_m) => Some(error_m),
+            EarlyStopping::Never => None,
+        }
+    }
 }
 
 /// The mode of a trial: feedback and added effects.

@@ -1,0 +1,86 @@
+//! The trained models at hand; each policy takes what it needs.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::{
+    BuildError, ElmanForward, ElmanInverse, ErrorModel, ForwardModel, InverseModel, NetworkDescription, SampleColumns,
+};
+use crate::learn::LearnError;
+use crate::learn::rnn::Elman;
+
+/// The parts that a policy is built from, networks by their names.
+#[derive(Default)]
+pub struct PolicyParts {
+    inverse: BTreeMap<&'static str, Box<dyn InverseModel>>,
+    forward: BTreeMap<&'static str, Box<dyn ForwardModel>>,
+    error: Option<Arc<dyn ErrorModel>>,
+}
+
+impl PolicyParts {
+    /// Adds a trained network as the model that its columns make it: an inverse mapping, or a forward model.
+    ///
+    /// # Errors
+    /// [`LearnError::Shape`] for a network that does not fit its columns.
+    pub fn with_network(self, network: &NetworkDescription, trained: Arc<Elman>) -> Result<Self, LearnError> {
+        if network.outputs == [SampleColumns::TipAfter] {
+            let tendons = trained.inputs().saturating_sub(3);
+            let model = ElmanForward::new(trained, tendons)?;
+            return Ok(self.with_forward(network, Box::new(model)));
+        }
+        Ok(self.with_inverse(network, Box::new(ElmanInverse::new(trained)?)))
+    }
+
+    /// Adds an inverse mapping.
+    #[must_use]
+    pub fn with_inverse(mut self, network: &NetworkDescription, model: Box<dyn InverseModel>) -> Self {
+        self.inverse.insert(network.name, model);
+        self
+    }
+
+    /// Adds a forward model.
+    #[must_use]
+    pub fn with_forward(mut self, network: &NetworkDescription, model: Box<dyn ForwardModel>) -> Self {
+        self.forward.insert(network.name, model);
+        self
+    }
+
+    /// Adds the error model.
+    #[must_use]
+    pub fn with_error(mut self, error: Arc<dyn ErrorModel>) -> Self {
+        self.error = Some(error);
+        self
+    }
+
+    /// Takes an inverse mapping for the policy called `policy`.
+    ///
+    /// # Errors
+    /// [`BuildError::Missing`] where there is none.
+    pub fn inverse(
+        &mut self,
+        policy: &'static str,
+        network: &NetworkDescription,
+    ) -> Result<Box<dyn InverseModel>, BuildError> {
+        self.inverse.remove(network.name).ok_or(BuildError::Missing { policy, model: network.name })
+    }
+
+    /// Takes a forward model for the policy called `policy`.
+    ///
+    /// # Errors
+    /// [`BuildError::Missing`] where there is none.
+    pub fn forward(
+        &mut self,
+        policy: &'static str,
+        network: &NetworkDescription,
+    ) -> Result<Box<dyn ForwardModel>, BuildError> {
+        self.forward.remove(network.name).ok_or(BuildError::Missing { policy, model: network.name })
+    }
+
+    /// The error model for the policy called `policy`.
+    ///
+    /// # Errors
+    /// [`BuildError::Missing`] where there is none.
+    pub fn error(&self, policy: &'static str) -> Result<Arc<dyn ErrorModel>, BuildError> {
+        self.error.clone().ok_or(BuildError::Missing { policy, model: "error model" })
+    }
+}
