@@ -216,8 +216,8 @@ impl Cluster<'_> {
                 worker.queue.found(input);
                 self.look_up_inputs(now_us, number, stage);
             }
-            Step::LookedUpInput(_, input) => {
-                worker.queue.wait_for(input);
+            Step::LookedUpInput(stage, _) => {
+                worker.queue.wait_for_inputs(stage);
                 self.take(now_us, number);
             }
             Step::Exchanged => {

@@ -31,14 +31,19 @@ fn main() -> ExitCode {
     }
 }
 
-/// `cargo bench --bench scaling -- DIR` takes stage times from the store DIR and measures nothing.
+/// `cargo bench --bench scaling -- DIR` takes stage times from the store DIR of a run and measures nothing: the table keeps
+/// its measured rows.
 fn run() -> Result<(), String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let spec = root.join("experiments/table1.yaml");
     let scratch = Scratch::new()?;
     let given = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
     let (mut rows, store) = match given {
-        Some(store) => (Vec::new(), PathBuf::from(store)),
+        Some(store) => {
+            let published = Published::read(&root.join("results/scaling")).map_err(|error| error.to_string())?;
+            let measured = published.scaling.into_iter().filter(|row| row.stages == 0);
+            (measured.collect(), PathBuf::from(store))
+        }
         None => (measure::threads(&scratch, &spec)?, scratch.cache("threads1")),
     };
     let recorded = Recorded::of(&Store::at(store))?;

@@ -186,7 +186,7 @@ enum Attempt {
     /// Another process computes it.
     Elsewhere,
     /// An input is not stored.
-    MissingInput(usize),
+    MissingInput,
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -288,7 +288,7 @@ impl<'a> Execution<'a> {
                 Attempt::Computed => queue.computed(stage),
                 Attempt::Found => queue.found(stage),
                 Attempt::Elsewhere => queue.postpone(stage),
-                Attempt::MissingInput(input) => queue.wait_for(input),
+                Attempt::MissingInput => queue.wait_for_inputs(stage),
             }
             if matches!(attempt, Attempt::Computed | Attempt::Found) {
                 pause = SHORTEST_PAUSE;
@@ -320,7 +320,7 @@ impl<'a> Execution<'a> {
         }
         for &input in unknown_inputs {
             if !self.is_stored(input) {
-                return (stored, Attempt::MissingInput(input));
+                return (stored, Attempt::MissingInput);
             }
             stored.push(input);
         }
@@ -445,13 +445,17 @@ impl<'a> Execution<'a> {
         let node = &self.graph.nodes[number];
         let outcome = match load(node, self.store, self.options.progress) {
             Some(value) => Ok(value),
-            None => self.inputs(node).and_then(|inputs| compute(node, &inputs)).map(|(value, bytes)| {
-                self.write(node, &bytes);
-                value
-            }),
+            None => self.options.record.find_failure(&node.key).map_or_else(|| self.compute_again(node), Err),
         };
         self.keep(number, outcome.clone());
         outcome
+    }
+
+    /// The result of a stage that was stored and is not, or is damaged.
+    fn compute_again(&self, node: &StageNode) -> Outcome {
+        let (value, bytes) = compute(node, &self.inputs(node)?)?;
+        self.write(node, &bytes);
+        Ok(value)
     }
 
     fn outcomes(self, cached: usize, wanted: &[usize]) -> Outcomes {

@@ -215,11 +215,13 @@ impl<'a> StageQueue<'a> {
         self.postponed.push_back(stage);
     }
 
-    /// An input of a taken stage is missing: the input is taken next, the stage when its inputs are stored.
-    pub fn wait_for(&mut self, input: usize) {
+    /// Inputs of a taken stage are missing: they are taken next, the stage when all are stored.
+    pub fn wait_for_inputs(&mut self, stage: usize) {
         self.misses = 0;
-        if self.state[input] == StageState::Unknown {
-            self.push(input);
+        for input in self.unknown_inputs(stage) {
+            if self.state[input] == StageState::Unknown {
+                self.push(input);
+            }
         }
     }
 
@@ -326,9 +328,9 @@ mod tests {
         (0..4).for_each(|stage| thief.found(stage));
         thief.state[6] = StageState::Taken;
         assert_eq!(thief.unknown_inputs(6), [5]);
-        thief.wait_for(5);
+        thief.wait_for_inputs(6);
         assert_eq!((thief.take(), thief.unknown_inputs(5)), (Some(5), vec![4]));
-        thief.wait_for(4);
+        thief.wait_for_inputs(5);
         assert_eq!(thief.take(), Some(4));
         thief.computed(4);
         assert_eq!(thief.take(), Some(5));
@@ -340,6 +342,20 @@ mod tests {
         other.found_share(0);
         assert_eq!((other.left(), other.own_share_finished()), (1, true));
         assert_eq!((drain(&mut other), other.left()), (vec![7], 0));
+    }
+
+    #[test]
+    fn a_stolen_stage_asks_for_all_its_unknown_inputs() {
+        let graph = graph(&[(100, &[]), (100, &[]), (100, &[0, 1]), (100, &[])]);
+        let plan = WorkPlan::new(&graph, &[Need::Compute; 4], 4);
+        let mut thief = StageQueue::new(&plan, 3);
+        assert_eq!(thief.take(), Some(3));
+        thief.state[2] = StageState::Taken;
+        thief.wait_for_inputs(2);
+        assert_eq!([thief.take(), thief.take()], [Some(0), Some(1)]);
+        thief.computed(0);
+        thief.found(1);
+        assert_eq!(thief.take(), Some(2));
     }
 
     #[test]
