@@ -37,7 +37,7 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     Run(run::RunCommand),
-    CacheArgs(cache::CacheCommand),
+    Cache(cache::CacheCommand),
     Plan(plan::PlanCommand),
     Simulate(simulate::SimulateCommand),
     Calibrate(calibrate::CalibrateCommand),
@@ -88,7 +88,7 @@ pub(crate) type CommandResult = Result<(), CommandError>;
 pub(crate) fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Run(run) => run.execute(),
-        Command::CacheArgs(cache) => cache.execute(),
+        Command::Cache(cache) => cache.execute(),
         Command::Plan(plan) => plan.execute(),
         Command::Simulate(simulate) => simulate.execute(),
         Command::Calibrate(calibrate) => calibrate.execute(),

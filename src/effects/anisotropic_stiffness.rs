@@ -45,7 +45,7 @@ impl Effect for AnisotropicStiffness {
             let (ratio, angle_rad) = if k1 == k2 {
                 (self.ratio, self.angle_rad)
             } else {
-                together(((k1 - k2) / (k1 + k2), span.principal_angle_rad), (self.ratio, self.angle_rad))
+                sum_of_anisotropies(((k1 - k2) / (k1 + k2), span.principal_angle_rad), (self.ratio, self.angle_rad))
             };
             span.bending_n_m2 = [mean * (1.0 + ratio), mean * (1.0 - ratio)];
             span.principal_angle_rad = angle_rad;
@@ -55,7 +55,7 @@ impl Effect for AnisotropicStiffness {
 
 /// Sum of two anisotropies (ratio and angle): stiffness tensors add, and their deviatoric part rotates with twice the
 /// angle of the axes.
-fn together(one: (f64, f64), other: (f64, f64)) -> (f64, f64) {
+fn sum_of_anisotropies(one: (f64, f64), other: (f64, f64)) -> (f64, f64) {
     let part = |(ratio, angle_rad): (f64, f64)| {
         nalgebra::Vector2::new((2.0 * angle_rad).cos(), (2.0 * angle_rad).sin()) * ratio
     };
@@ -70,12 +70,12 @@ mod tests {
     #[test]
     fn none_more_of_it_changes_nothing() {
         for (ratio, angle_rad) in [(0.3, 0.4), (0.3, -1.2), (0.05, 0.0)] {
-            let (same, at) = together((ratio, angle_rad), (0.0, 0.7));
+            let (same, at) = sum_of_anisotropies((ratio, angle_rad), (0.0, 0.7));
             assert!((same - ratio).abs() < 1e-12 && (at - angle_rad).abs() < 1e-12, "{same} at {at}");
         }
-        let (none, _) = together((0.3, 0.4), (-0.3, 0.4));
+        let (none, _) = sum_of_anisotropies((0.3, 0.4), (-0.3, 0.4));
         assert!(none < 1e-12, "{none}");
-        let (crossed, at) = together((0.3, 0.0), (0.1, std::f64::consts::FRAC_PI_2));
+        let (crossed, at) = sum_of_anisotropies((0.3, 0.0), (0.1, std::f64::consts::FRAC_PI_2));
         assert!((crossed - 0.2).abs() < 1e-12 && at.abs() < 1e-12, "axes a quarter turn apart: {crossed} at {at}");
     }
 }

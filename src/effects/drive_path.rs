@@ -24,13 +24,18 @@ impl DriveState {
 
     /// The motion to `target_m` and the hold after it, `duration_s` in all, as parts of constant drive speed with the
     /// effects applied.
-    pub(super) fn go(&mut self, effects: &mut [Box<dyn Effect>], target_m: Vec<f64>, duration_s: f64) -> DrivePath {
+    pub(super) fn move_to(
+        &mut self,
+        effects: &mut [Box<dyn Effect>],
+        target_m: Vec<f64>,
+        duration_s: f64,
+    ) -> DrivePath {
         let ramp_s = self.drive_time_s.min(duration_s);
         let late = effects.iter().any(|effect| effect.has_lag());
         let count = if late { (duration_s / ramp_s - 1e-9).ceil() } else { 1.0 };
         let parts = if late { vec![duration_s / count; count as usize] } else { vec![ramp_s, duration_s - ramp_s] };
         let from_m = std::mem::replace(&mut self.commanded_m, target_m);
-        let mut path = DrivePath { ends_s: Vec::new(), places_m: vec![self.actual_m.clone()] };
+        let mut path = DrivePath { ends_s: Vec::new(), positions_m: vec![self.actual_m.clone()] };
         let mut now_s = 0.0;
         for part_s in parts {
             now_s += part_s;
@@ -39,7 +44,7 @@ impl DriveState {
                 let asked = between(&from_m, &self.commanded_m, (now_s / ramp_s).min(1.0));
                 self.actual_m = apply_effects(effects, asked, part_s);
             }
-            path.places_m.push(self.actual_m.clone());
+            path.positions_m.push(self.actual_m.clone());
         }
         path
     }
@@ -49,7 +54,7 @@ impl DriveState {
 pub(super) struct DrivePath {
     pub(super) ends_s: Vec<f64>,
     /// Positions at the start and at each of these times, metres.
-    places_m: Vec<Vec<f64>>,
+    positions_m: Vec<Vec<f64>>,
 }
 
 impl DrivePath {
@@ -60,7 +65,7 @@ impl DrivePath {
         let start_s = if part == 0 { 0.0 } else { self.ends_s[part - 1] };
         let length_s = self.ends_s[part] - start_s;
         let share = if length_s > 0.0 { ((time_s - start_s) / length_s).clamp(0.0, 1.0) } else { 1.0 };
-        drives(commands, &self.places_m[part], &self.places_m[part + 1], share)
+        drives(commands, &self.positions_m[part], &self.positions_m[part + 1], share)
     }
 }
 

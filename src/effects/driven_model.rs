@@ -23,13 +23,13 @@ pub enum VariationError {
     Parameter(#[from] ParameterError),
     /// Index of a variable (from 0) whose smallest perturbation changes the discretisation, such as the end of a tendon
     /// at the tip. Only finite differences of whole motions apply.
-    #[error("variable {0} (from 0) does not change the rod by a little in numbers alone")]
+    #[error("variable {0} (from 0) changes the discretisation of the rod: no derivative along the motion")]
     NotPerturbable(usize),
     /// A tendon or an axis that does not exist.
     #[error("variable {0} (from 0) names a tendon or an axis that this robot does not have")]
     Missing(usize),
     /// A parameter that cannot be perturbed in either direction.
-    #[error("{0}: neither a smaller nor a larger value is in its range")]
+    #[error("{0}: no value near the present one is in range")]
     OutOfRange(String),
 }
 
@@ -169,12 +169,12 @@ impl DrivenModel {
     /// # Errors
     /// [`PlantError`] when the commands do not fit this robot or no equilibrium is found.
     pub fn settle(&mut self, commands: &[TendonCommand]) -> Result<(), PlantError> {
-        let targets = self.asked_m(commands)?;
+        let targets = self.requested_m(commands)?;
         for ((drive_state, effects), target) in self.drive_states.iter_mut().zip(&mut self.effects).zip(targets) {
             drive_state.commanded_m.clone_from(&target);
             drive_state.actual_m = apply_effects(effects, target, f64::INFINITY);
         }
-        self.count();
+        self.count_command();
         let DrivenModel { rods, drive_states, .. } = self;
         solved(
             rods.settle(&|number| {
@@ -190,11 +190,11 @@ impl DrivenModel {
     /// # Errors
     /// As [`DrivenModel::settle`].
     pub fn advance(&mut self, commands: &[TendonCommand], duration_s: f64) -> Result<(), PlantError> {
-        let targets = self.asked_m(commands)?;
-        self.count();
+        let targets = self.requested_m(commands)?;
+        self.count_command();
         let each = self.drive_states.iter_mut().zip(&mut self.effects).zip(targets);
         let paths: Vec<DrivePath> =
-            each.map(|((drive_state, effects), target)| drive_state.go(effects, target, duration_s)).collect();
+            each.map(|((drive_state, effects), target)| drive_state.move_to(effects, target, duration_s)).collect();
         let parts = |number: usize| {
             // Followers use the leader's parts unless they have as many of their own.
             let own = if paths[number].ends_s.len() == paths[0].ends_s.len() { number } else { 0 };
@@ -218,7 +218,7 @@ impl DrivenModel {
     /// As [`DrivenModel::settle`].
     pub fn settle_under(&mut self, tensions_n: &[f64]) -> Result<(), PlantError> {
         let drives = self.tensions(tensions_n);
-        self.count();
+        self.count_command();
         solved(self.rods.settle(&|number| drives[number].clone()))
     }
 
@@ -228,7 +228,7 @@ impl DrivenModel {
     /// As [`DrivenModel::settle`].
     pub fn advance_under(&mut self, tensions_n: &[f64], duration_s: f64) -> Result<(), PlantError> {
         let drives = self.tensions(tensions_n);
-        self.count();
+        self.count_command();
         solved(self.rods.advance_with(&|number, _| drives[number].clone(), &|_| duration_s))
     }
 
@@ -265,7 +265,7 @@ impl DrivenModel {
     }
 
     /// Counts a command.
-    fn count(&mut self) {
+    fn count_command(&mut self) {
         self.next = Some(self.next.map_or(0, |number| number + 1));
     }
 
@@ -275,7 +275,7 @@ impl DrivenModel {
     }
 
     /// Requested displacements of each rod, metres; a following drive stays where the shape has moved it.
-    fn asked_m(&self, commands: &[TendonCommand]) -> Result<Vec<Vec<f64>>, PlantError> {
+    fn requested_m(&self, commands: &[TendonCommand]) -> Result<Vec<Vec<f64>>, PlantError> {
         let tendons = self.rod().params().tendons.len();
         if commands.len() != tendons {
             return Err(PlantError::Refused(format!("{} tendons, expected {tendons}", commands.len())));

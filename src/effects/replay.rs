@@ -43,7 +43,7 @@ pub enum ReplayError {
     #[error(transparent)]
     Variation(#[from] VariationError),
     /// The number of durations or loads differs from the number of commands.
-    #[error("{what}: found {found}, expected one a command, {expected}")]
+    #[error("{what}: found {found}, expected one per command, {expected}")]
     Count {
         /// What was counted.
         what: &'static str,

@@ -116,7 +116,7 @@ fn sweeps_of_two_fields_are_heat_maps_and_of_three_are_left_to_the_table() {
     // Every cell has its number: A, B and pi_real in two modes, C in one.
     let numbers = svg.lines().filter(|line| line.trim().parse::<f64>().is_ok_and(|mm| mm > 1.0)).count();
     assert!(numbers >= 9 * 7, "{numbers}");
-    assert!(svg.contains("matern52") && svg.contains("policies.c.error (m)"), "{svg}");
+    assert!(svg.contains("matern52") && svg.contains("policies.c.switch_threshold (m)"), "{svg}");
     for (name, fields) in [("pair", [kernels, thresholds]), ("files", [models, kernels])] {
         for file in render(&fields).unwrap() {
             std::fs::write(folder.join(format!("{name}_{}", file.name)), file.bytes).unwrap();

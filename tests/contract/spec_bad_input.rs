@@ -25,10 +25,7 @@ const BAD: &[(&str, &str)] = &[
         "network: {optimization_itarations: bull}",
         "bad.yaml:2:11: network.optimization_itarations: found the unknown key",
     ),
-    (
-        "policies: {c: {error_mm: 15}}",
-        "bad.yaml:2:16: policies.c.switch_threshold_mm: found the unknown key `error_mm`",
-    ),
+    ("policies: {c: {error_mm: 15}}", "bad.yaml:2:16: policies.c.error_mm: found the unknown key `error_mm`"),
     ("modes: {closed: {load_kg: 1}}", "bad.yaml:2:18: modes.closed.load_kg: found the unknown key `load_kg`"),
     ("runs:\n  reach:\n    - {policy: a}", "bad.yaml:4:8: runs.reach[0].policy: found the unknown key `policy`"),
     (

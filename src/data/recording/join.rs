@@ -9,7 +9,7 @@ use crate::base::Rows;
 /// Recordings that cannot be concatenated.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("found {found}, expected {expected}, as in the recordings before it")]
-pub struct Unlike {
+pub struct RecordingMismatch {
     /// Number of the recording, from 0.
     pub index: usize,
     found: String,
@@ -22,31 +22,31 @@ impl Recording {
     /// unknown columns).
     ///
     /// # Errors
-    /// [`Unlike`] when tendons or kind of command differ.
-    pub fn joined(parts: &[Recording]) -> Result<Recording, Unlike> {
+    /// [`RecordingMismatch`] when tendons or kind of command differ.
+    pub fn joined(parts: &[Recording]) -> Result<Recording, RecordingMismatch> {
         let kind = |part: &Recording| {
             let unit = if part.actuation == Actuation::Lengths { "lengths" } else { "tensions" };
             format!("{} tendons driven by {unit}", part.tendons())
         };
         let Some(first) = parts.first() else { return Ok(Recording::new(Actuation::Lengths, 0)) };
         if let Some(index) = parts.iter().position(|part| kind(part) != kind(first)) {
-            return Err(Unlike { index, found: kind(&parts[index]), expected: kind(first) });
+            return Err(RecordingMismatch { index, found: kind(&parts[index]), expected: kind(first) });
         }
         if parts.len() == 1 {
             return Ok(first.clone());
         }
         let mut all = Recording::new(first.actuation, first.tendons());
-        all.trial = numbers(parts);
+        all.trial = trial_numbers(parts);
         all.time_s = parts.iter().flat_map(|part| part.time_s.iter().copied()).collect();
         let mut commands = Rows::new(first.tendons());
         parts.iter().flat_map(|part| part.commands.iter()).for_each(|row| commands.push(row));
         all.commands = commands;
-        all.tip_m = together(parts, |part| part.tip_m.clone());
-        all.tip_quaternion = together(parts, |part| part.tip_quaternion.clone());
-        all.base = filled(parts, |part| part.base.clone(), UNSEEN);
-        all.valid = filled(parts, |part| part.valid.clone(), true);
-        all.known_load_kg = filled(parts, |part| part.known_load_kg.clone(), 0.0);
-        all.tip_load = filled(parts, |part| part.tip_load.clone(), super::RecordedWrench::default());
+        all.tip_m = column_of_all(parts, |part| part.tip_m.clone());
+        all.tip_quaternion = column_of_all(parts, |part| part.tip_quaternion.clone());
+        all.base = column_of_some(parts, |part| part.base.clone(), UNSEEN);
+        all.valid = column_of_some(parts, |part| part.valid.clone(), true);
+        all.known_load_kg = column_of_some(parts, |part| part.known_load_kg.clone(), 0.0);
+        all.tip_load = column_of_some(parts, |part| part.tip_load.clone(), super::RecordedWrench::default());
         Ok(all)
     }
 
@@ -79,7 +79,7 @@ impl Recording {
 const UNSEEN: Pose = Pose { position_m: [f64::NAN; 3], quaternion: [f64::NAN; 4] };
 
 /// Trial numbers of all rows: those of the recordings, or new ones where two trials have the same.
-fn numbers(parts: &[Recording]) -> Vec<u64> {
+fn trial_numbers(parts: &[Recording]) -> Vec<u64> {
     let trials: Vec<(u64, usize)> =
         parts.iter().flat_map(Recording::trials).map(|(number, rows)| (number, rows.len())).collect();
     let mut known: Vec<u64> = trials.iter().map(|(number, _)| *number).collect();
@@ -92,13 +92,17 @@ fn numbers(parts: &[Recording]) -> Vec<u64> {
 }
 
 /// A column that all parts have.
-fn together<T>(parts: &[Recording], column: impl Fn(&Recording) -> Option<Vec<T>>) -> Option<Vec<T>> {
+fn column_of_all<T>(parts: &[Recording], column: impl Fn(&Recording) -> Option<Vec<T>>) -> Option<Vec<T>> {
     let columns: Option<Vec<Vec<T>>> = parts.iter().map(column).collect();
     columns.map(|columns| columns.into_iter().flatten().collect())
 }
 
 /// A column that some parts have.
-fn filled<T: Clone>(parts: &[Recording], column: impl Fn(&Recording) -> Option<Vec<T>>, absent: T) -> Option<Vec<T>> {
+fn column_of_some<T: Clone>(
+    parts: &[Recording],
+    column: impl Fn(&Recording) -> Option<Vec<T>>,
+    absent: T,
+) -> Option<Vec<T>> {
     let columns: Vec<Option<Vec<T>>> = parts.iter().map(&column).collect();
     columns.iter().any(Option::is_some).then(|| {
         let fill =

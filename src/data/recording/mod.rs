@@ -15,7 +15,7 @@ use super::DataError;
 use crate::base::{Point3, Rows};
 
 pub(crate) use extra::{cell_error, header_place};
-pub use join::Unlike;
+pub use join::RecordingMismatch;
 pub(super) use optional::unit_length;
 
 /// Kind of the commands of a recording.

@@ -32,7 +32,7 @@ pub(crate) fn summary(findings: &Findings, beside: &SummaryContext) -> String {
     let names = findings.effects.iter().map(|effect| effect.name.as_str()).collect::<Vec<_>>();
     let shared = beside.shared.as_ref().map_or_else(String::new, |BaselineShare { shared_m, apart_m }| {
         format!(
-            "{:.2} mm of the remaining error also appears in the baseline and is not attributed to a missing \
+            " {:.2} mm of the remaining error also appears in the baseline and is not attributed to a missing \
          effect; the rest is {:.2} mm.",
             1e3 * shared_m,
             1e3 * apart_m

@@ -15,7 +15,7 @@ use super::failure::Failure;
 use super::graph::Graph;
 use super::jobs;
 use super::source_digest;
-use super::stage::Handle;
+use super::stage::{Handle, StageKind};
 use crate::base::Seed;
 use crate::policies::networks;
 use crate::specs::{Experiment, Training};
@@ -24,8 +24,12 @@ use std::collections::{BTreeMap, HashMap};
 
 /// The digest of the present code of each kind of stage, by its name.
 pub fn codes() -> BTreeMap<&'static str, Digest> {
-    let networks = networks().into_iter().map(learning::kind);
-    jobs::kinds().into_iter().chain(networks).map(|kind| (kind.name, source_digest::of_module(kind.module))).collect()
+    kinds().map(|kind| (kind.name, source_digest::of_module(kind.module))).collect()
+}
+
+/// Every kind of stage: those with a job of their own, and the training of the networks that policies describe.
+fn kinds() -> impl Iterator<Item = StageKind> {
+    jobs::kinds().into_iter().chain(networks().into_iter().map(learning::kind))
 }
 
 /// What the results of a kind of stage depend on besides its parameters and inputs.
@@ -42,7 +46,7 @@ pub struct StageDependencies {
 
 /// The dependencies of every kind of stage and of robots on a bench.
 pub fn stage_dependencies() -> Vec<StageDependencies> {
-    let kinds = jobs::kinds().into_iter().map(|kind| (kind.name, kind.module));
+    let kinds = kinds().map(|kind| (kind.name, kind.module));
     let all = kinds.chain([(source_digest::BENCH, source_digest::BENCH)]);
     all.map(|(name, module)| {
         let (sources, packages) = source_digest::dependencies(module);

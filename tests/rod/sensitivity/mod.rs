@@ -16,7 +16,7 @@ fn what_cannot_be_played_is_named() {
     let commands = Commands::loops(&model, SIZE_M, false);
     let short = Trial { durations_s: &[0.2], ..commands.trial() };
     let error = replay(&model, &[], &short, &[]).unwrap_err();
-    assert_eq!(error.to_string(), "durations: found 1, expected one a command, 12");
+    assert_eq!(error.to_string(), "durations: found 1, expected one per command, 12");
     let fifth = [Variable::Force(0), Variable::Command { tendon: 4, commands: 0..1 }];
     let error = replay(&model, &[], &commands.trial(), &fifth).unwrap_err();
     assert_eq!(error, ReplayError::Variation(VariationError::Missing(1)));
