@@ -198,6 +198,8 @@ fn is_back(cluster: &Cluster, task: &str) -> bool {
 
 fn leaving_and_coming_back(cluster: &Cluster, folder: &Path, expected: &BTreeMap<PathBuf, Vec<u8>>) {
     let arguments = ["run", SMOKE, "--seeds", SEEDS, "--executor", "slurm", "--jobs", "12", "--partition", "slow"];
+    // A worker of the campaign before may still be on its way out.
+    until("an empty queue", || cluster.squeue("%j").is_empty());
     let output = cluster.spinebench(folder, &[&arguments[..], &["--detach"]].concat()).output().unwrap();
     assert!(output.status.success(), "{}", said(&output));
     assert!(
