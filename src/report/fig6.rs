@@ -56,7 +56,8 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
 
 fn draw(summary: &[ReachSummaryRow]) -> Canvas {
     let columns = trainings(summary.iter().map(|row| row.training.as_str()));
-    let parts: Vec<&PolicyPanel> = PARTS.iter().filter(|part| summary.iter().any(|row| row.policy == part.policy)).collect();
+    let parts: Vec<&PolicyPanel> =
+        PARTS.iter().filter(|part| summary.iter().any(|row| row.policy == part.policy)).collect();
     let (left, gap) = (56.0, 22.0);
     let width = (PAGE_WIDTH - left - 12.0 - gap * (columns.len() - 1) as f64) / columns.len() as f64;
     let (top, high, pitch) = (76.0, 165.0, 236.0);
