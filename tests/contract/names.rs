@@ -1,20 +1,8 @@
 //! One word for one thing: a type name stands for one type in the whole crate.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 
 use syn::visit::{self, Visit};
-
-fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in std::fs::read_dir(folder).unwrap().flatten() {
-        let path = entry.path();
-        if path.is_dir() {
-            sources(&path, found);
-        } else if path.extension().is_some_and(|end| end == "rs") {
-            found.push(path);
-        }
-    }
-}
 
 /// Structs, enums, traits and type aliases of one file, outside tests.
 #[derive(Default)]
@@ -55,14 +43,12 @@ fn declared(text: &str) -> Vec<String> {
 
 #[test]
 fn a_type_name_stands_for_one_type() {
-    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut files = Vec::new();
-    sources(&src, &mut files);
     let mut homes: BTreeMap<String, Vec<String>> = BTreeMap::new();
-    for file in files.iter().filter(|file| !file.ends_with("tests.rs")) {
-        let home = file.strip_prefix(&src).unwrap().display().to_string();
-        for name in declared(&std::fs::read_to_string(file).unwrap()) {
-            homes.entry(name).or_default().push(home.clone());
+    for (file, text) in crate::store_keys::sources() {
+        if file.ends_with(".rs") && !file.ends_with("tests.rs") {
+            for name in declared(&text) {
+                homes.entry(name).or_default().push(file.clone());
+            }
         }
     }
     assert!(homes.len() > 500, "{} types were found", homes.len());
