@@ -7,7 +7,7 @@ mod seed;
 pub mod series;
 mod traits;
 
-pub use observation::{Displacements, Observation, Point3, distance_m};
+pub use observation::{Displacements, Observation, Point3, SeenPoint, distance_m};
 pub use option::BadOption;
 pub use rows::Rows;
 pub use seed::{Generator, Seed};

@@ -6,6 +6,15 @@ pub type Displacements = Vec<f64>;
 /// A position in the base frame, in metres: x up (against gravity), z along the straight robot.
 pub type Point3 = [f64; 3];
 
+/// A tracked point on a robot's body at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SeenPoint {
+    /// Position, metres; not a number where it was not seen.
+    pub position_m: Point3,
+    /// Orientation of the body there as a unit quaternion (w, x, y, z), where the plant measures it.
+    pub quaternion: Option<[f64; 4]>,
+}
+
 /// Observation of a robot at one instant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Observation {
@@ -15,6 +24,8 @@ pub struct Observation {
     pub tip_m: Point3,
     /// Measured tip orientation as a unit quaternion (w, x, y, z), where the plant measures it.
     pub tip_quaternion: Option<[f64; 4]>,
+    /// Further tracked points, in the order of [`crate::base::Plant::points`].
+    pub points: Vec<SeenPoint>,
     /// Displacements in force during the interval that ended at `time_s`: commanded ones, or for a following
     /// tendon the one that the robot's shape asked for.
     pub pulls_m: Displacements,

@@ -39,6 +39,10 @@ pub enum PlantError {
 pub trait Plant: Send {
     /// Number of tendons.
     fn tendons(&self) -> usize;
+    /// Names of the tracked points besides the tip; their order is that of [`Observation::points`].
+    fn points(&self) -> Vec<String> {
+        Vec::new()
+    }
     /// Duration of one step, seconds.
     fn step_s(&self) -> f64;
     /// Brings the robot to rest at home; `seed` starts the measurement noise.

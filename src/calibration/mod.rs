@@ -7,7 +7,7 @@ use crate::base::{BadOption, Point3};
 use crate::data::Recording;
 use crate::effects::{Model, ModelParameter, Robot, Variable, VariationError};
 use crate::math::optimise::least_squares;
-use crate::rod::TipRate;
+use crate::rod::PoseRates;
 use crate::tasks::{RecordingWithRates, SimulationOptions, TaskError, simulate_recording, simulate_with_rates};
 
 /// A parameter of a robot that can be calibrated; all are positive and fitted on a logarithmic scale.
@@ -178,7 +178,8 @@ fn tip_rates(
         } else {
             let column = k - left_out.iter().filter(|&&other| other < k).count();
             // Rows without a solution have no derivative and are not compared.
-            let rate = |row: &Vec<TipRate>| row.get(column).map_or([f64::NAN; 3], |rate| rate.position_m.into());
+            let rate =
+                |row: &Vec<PoseRates>| row.get(column).map_or([f64::NAN; 3], |rates| rates.tip.position_m.into());
             columns.push(rates.iter().map(rate).collect());
         }
     }

@@ -1,6 +1,6 @@
 //! `spinebench calibrate`.
 
-use super::simulate::read_measured;
+use super::simulate::read_measured_tip;
 use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::calibration::{CALIBRATION_PARAMETERS, calibrate};
@@ -36,7 +36,7 @@ fn names() -> clap::builder::PossibleValuesParser {
 impl CalibrateCommand {
     pub(super) fn execute(self) -> CommandResult {
         let model = read_model(&self.model).map_err(CommandError::bad_input)?;
-        let measured = read_measured(&self.measured, &model)?;
+        let measured = read_measured_tip(&self.measured, &model)?;
         if !self.at_rest {
             measured.check_duration(&self.measured).map_err(CommandError::bad_input)?;
         }

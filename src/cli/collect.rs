@@ -48,6 +48,7 @@ impl CollectCommand {
     /// A simulated robot is solved as accurately as in `simulate`, at the times of the commands.
     fn simulate(&self, plant: &SimulatedSpec, commands: &Recording) -> CommandResult {
         let out = self.out()?;
+        commands.check_points(&self.commands, &plant.model.tracking.names()).map_err(CommandError::bad_input)?;
         let options = SimulationOptions {
             at_rest: self.at_rest,
             noise_m: plant.noise_m,
@@ -56,9 +57,9 @@ impl CollectCommand {
         };
         let mut recorded = simulate_recording(&plant.model, commands, &options);
         let failed = failures(&recorded);
-        // A tracker measures the tip only; what only the simulation knows is left out.
+        // The tracker measures positions; what only the simulation knows is left out.
         recorded.extra.clone_from(&commands.extra);
-        recorded.tip_quaternion = None;
+        recorded.forget_orientations();
         recorded.write(out).map_err(CommandError::bad_input)?;
         if failed > 0 {
             let (all, out) = (recorded.len(), out.display());

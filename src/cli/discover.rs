@@ -1,6 +1,6 @@
 //! `spinebench discover`.
 
-use super::simulate::read_measured;
+use super::simulate::read_measured_tip;
 use super::{CommandError, CommandResult};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -168,7 +168,7 @@ impl DiscoverCommand {
                 seed: Seed(options.seed).child("plant").index(measured.trials().len() as u64),
             };
             let mut recorded = simulate_recording(&plant.model, &next.commands, &play_options);
-            recorded.tip_quaternion = None;
+            recorded.forget_orientations();
             recorded.extra.clear();
             let file = self.out.join(format!("recorded_{round}_{}.csv", next.proposal.name));
             trials.splice(0..0, recorded.trials().into_iter().map(|(number, _)| (file.clone(), number)));
@@ -289,7 +289,7 @@ fn is_written(name: &str) -> bool {
 
 /// Reads a recording of this robot and checks durations and loads.
 fn read(file: &Path, model: &Model) -> Result<Recording, CommandError> {
-    let recording = read_measured(file, model)?;
+    let recording = read_measured_tip(file, model)?;
     recording.check_duration(file).map_err(CommandError::bad_input)?;
     recording.check_loads(file).map_err(CommandError::bad_input)?;
     Ok(recording)

@@ -18,7 +18,8 @@ pub(super) struct SimulateCommand {
     /// Commands: a recording, with or without tip columns; CSV or Parquet.
     #[arg(long, value_name = "IN.csv")]
     commands: PathBuf,
-    /// Recording to write, with tip, orientation, tensions and solver status in full precision; CSV or Parquet.
+    /// Recording to write, with tip, tracked points, orientations, tensions and solver status in full precision; CSV or
+    /// Parquet.
     #[arg(long, value_name = "OUT.csv")]
     out: PathBuf,
     /// Compute each row as the equilibrium under its own command.
@@ -50,6 +51,7 @@ pub(super) fn read_commands(file: &Path, model: &Model) -> Result<Recording, Com
     let commands = Recording::read_commands(file).map_err(CommandError::bad_input)?;
     let expected = model.robot.tendons.angles_deg.len();
     same_tendons(file, &commands, expected)?;
+    commands.check_points(file, &model.tracking.names()).map_err(CommandError::bad_input)?;
     Ok(commands)
 }
 
@@ -57,10 +59,21 @@ pub(super) fn read_commands(file: &Path, model: &Model) -> Result<Recording, Com
 pub(super) fn read_measured(file: &Path, model: &Model) -> Result<Recording, CommandError> {
     let measured = Recording::read(file).map_err(CommandError::bad_input)?;
     same_tendons(file, &measured, model.robot.tendons.angles_deg.len())?;
+    measured.check_points(file, &model.tracking.names()).map_err(CommandError::bad_input)?;
     let length_m = model.robot.backbone.length_m;
     measured.check_reach(file, model.robot.base_m, length_m).map_err(CommandError::bad_input)?;
     measured.check_travel(file, length_m).map_err(CommandError::bad_input)?;
     Ok(measured)
+}
+
+/// Reads a recording as [`read_measured`] does; the tip must be in it.
+pub(super) fn read_measured_tip(file: &Path, model: &Model) -> Result<Recording, CommandError> {
+    let measured = read_measured(file, model)?;
+    if measured.tip_m.is_some() {
+        return Ok(measured);
+    }
+    let words = "found tracked points and no tip, expected the columns tip_x_m, tip_y_m and tip_z_m";
+    Err(CommandError::BadInput(format!("{}, line 1: {words}", file.display())))
 }
 
 /// Checks that a recording has the robot's number of tendons.

@@ -1,37 +1,18 @@
 //! A driven model: its rod, the effects on drives and measurements, and derivatives with respect to model parameters,
 //! commands and loads. Measurement noise is added by the simulated plant.
 
-use std::ops::Range;
-
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 use super::drive_path::{DrivePath, DriveState, apply_effects, drives};
-use super::model_parameter::{ParameterError, Variable};
-use super::{Effect, EffectSpec, Model};
+use super::model_parameter::Variable;
+use super::perturbation::{Perturbation, VariationError, perturb};
+use super::{BodyPoint, Effect, EffectSpec, Model};
 use crate::base::{Observation, PlantError, TendonCommand};
 use crate::math::rotation;
-use crate::rod::{Drive, NotPerturbable, PerturbedRods, Rod, RodParams, SolveStatus, TipRate, TipWrench};
+use crate::rod::{Drive, NotPerturbable, PerturbedRods, PoseRates, Rod, RodParams, SolveStatus, TipRate, TipWrench};
 
-/// Relative perturbation for derivatives: balances truncation against rounding.
-const RELATIVE_STEP: f64 = 1e-7;
-
-/// Why a derivative along a motion does not exist.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum VariationError {
-    /// The model has no such parameter.
-    #[error(transparent)]
-    Parameter(#[from] ParameterError),
-    /// Index of a variable (from 0) whose smallest perturbation changes the discretisation, such as the end of a tendon
-    /// at the tip. Only finite differences of whole motions apply.
-    #[error("variable {0} (from 0) changes the discretisation of the rod: no derivative along the motion")]
-    NotPerturbable(usize),
-    /// A tendon or an axis that does not exist.
-    #[error("variable {0} (from 0) names a tendon or an axis that this robot does not have")]
-    Missing(usize),
-    /// A parameter that cannot be perturbed in either direction.
-    #[error("{0}: no value near the present one is in range")]
-    OutOfRange(String),
-}
+/// Position in metres and orientation.
+type MeasuredPose = (Vector3<f64>, Matrix3<f64>);
 
 /// A rod with the effects of a model.
 #[derive(Debug)]
@@ -42,25 +23,10 @@ pub struct DrivenModel {
     /// Drives of each rod.
     drive_states: Vec<DriveState>,
     perturbations: Vec<Perturbation>,
+    /// Tracked points of the model, then of each perturbed model.
+    points: Vec<Vec<BodyPoint>>,
     /// Index of the next command; `None` before the command that brings the rod home after a restart.
     next: Option<usize>,
-}
-
-/// Perturbation of one follower.
-#[derive(Clone, Debug)]
-struct Perturbation {
-    /// Change of the variable, in its unit.
-    step: f64,
-    /// Tendon and commands, when the variable is a command.
-    command: Option<(usize, Range<usize>)>,
-}
-
-/// A perturbed model.
-struct PerturbedModel {
-    perturbation: Perturbation,
-    drive_time_s: f64,
-    params: RodParams,
-    effects: Vec<Box<dyn Effect>>,
 }
 
 impl DrivenModel {
@@ -73,6 +39,7 @@ impl DrivenModel {
             effects: vec![model.effects(extra)],
             drive_states: vec![drive_state],
             perturbations: Vec::new(),
+            points: vec![model.tracking.places()],
             next: None,
         }
     }
@@ -89,6 +56,7 @@ impl DrivenModel {
             driven.effects.push(varied.effects);
             driven.drive_states.push(DriveState::new(varied.drive_time_s, driven.rod().params().tendons.len()));
             driven.perturbations.push(varied.perturbation);
+            driven.points.push(varied.points);
             params.push(varied.params);
         }
         driven.rods = PerturbedRods::new(model.rod(extra), params)
@@ -240,28 +208,38 @@ impl DrivenModel {
             TendonCommand::Follow => following,
         };
         let pulls_m = commands.iter().zip(following).map(pull).collect();
-        let mut seen = Observation { time_s, pulls_m, ..posture(self.rod()) };
+        let mut seen = Observation { time_s, pulls_m, ..posture(self.rod(), &self.points[0]) };
         self.effects[0].iter().for_each(|effect| effect.observe(&mut seen));
         seen
     }
 
     /// Derivative of the measured tip with respect to each variable, per unit of it.
     pub fn tip_rates(&self) -> Vec<TipRate> {
+        self.pose_rates().into_iter().map(|rates| rates.tip).collect()
+    }
+
+    /// Derivatives of the measured tip and of every tracked point with respect to each variable, per unit of it.
+    pub fn pose_rates(&self) -> Vec<PoseRates> {
         if self.perturbations.is_empty() {
             return Vec::new();
         }
-        let measured = |rod: &Rod, effects: &[Box<dyn Effect>]| {
-            let mut seen = posture(rod);
-            effects.iter().for_each(|effect| effect.observe(&mut seen));
-            Vector3::from(seen.tip_m)
+        let measured = |number: usize, rod: &Rod| {
+            let mut seen = posture(rod, &self.points[number]);
+            self.effects[number].iter().for_each(|effect| effect.observe(&mut seen));
+            let poses = self.points[number].iter().map(|point| rod.pose_at(point.s_m).1).zip(seen.points);
+            let points = poses.map(|(turn, point)| (Vector3::from(point.position_m), turn));
+            std::iter::once((Vector3::from(seen.tip_m), rod.tip_rotation())).chain(points).collect::<Vec<_>>()
         };
-        let (tip, turn) = (measured(self.rod(), &self.effects[0]), self.rod().tip_rotation().transpose());
-        let rods = self.rods.others().iter().zip(&self.effects[1..]);
-        let rate = |perturbation: &Perturbation, (rod, effects): (&Rod, &Vec<Box<dyn Effect>>)| TipRate {
-            position_m: (measured(rod, effects) - tip) / perturbation.step,
-            rotation_rad: rotation::log(&(rod.tip_rotation() * turn)) / perturbation.step,
+        let here = measured(0, self.rod());
+        let rate = |(number, (perturbation, rod)): (usize, (&Perturbation, &Rod))| {
+            let between = |((here_m, turn), (there_m, turned)): (&MeasuredPose, MeasuredPose)| TipRate {
+                position_m: (there_m - here_m) / perturbation.step,
+                rotation_rad: rotation::log(&(turned * turn.transpose())) / perturbation.step,
+            };
+            let mut rates: Vec<TipRate> = here.iter().zip(measured(number + 1, rod)).map(between).collect();
+            PoseRates { tip: rates.remove(0), points: rates }
         };
-        self.perturbations.iter().zip(rods).map(|(perturbation, rod)| rate(perturbation, rod)).collect()
+        self.perturbations.iter().zip(self.rods.others()).enumerate().map(rate).collect()
     }
 
     /// Counts a command.
@@ -324,80 +302,18 @@ impl DrivenModel {
     }
 }
 
-impl Perturbation {
-    /// The tendon and shift of the command with index `number`, if this perturbation changes it.
-    fn shift(&self, number: Option<usize>) -> Option<(usize, f64)> {
-        let (tendon, commands) = self.command.as_ref()?;
-        commands.contains(&number?).then_some((*tendon, self.step))
-    }
-}
-
 /// The observation of a rod, without effects.
-fn posture(rod: &Rod) -> Observation {
+fn posture(rod: &Rod, points: &[BodyPoint]) -> Observation {
     Observation {
         time_s: 0.0,
         tip_m: rod.tip_m().into(),
         tip_quaternion: Some(rotation::to_quaternion(&rod.tip_rotation())),
+        points: points.iter().map(|point| point.on(rod)).collect(),
         pulls_m: Vec::new(),
         tensions_n: Some(rod.tensions_n().to_vec()),
         valid: true,
     }
 }
-
-/// The model with one variable perturbed.
-fn perturb(
-    model: &Model,
-    extra: &[EffectSpec],
-    variable: &Variable,
-    index: usize,
-) -> Result<PerturbedModel, VariationError> {
-    let params = model.rod(extra);
-    let plain = |step: f64, command: Option<(usize, Range<usize>)>, params: RodParams| PerturbedModel {
-        perturbation: Perturbation { step, command },
-        drive_time_s: model.robot.drive_time_s,
-        params,
-        effects: model.effects(extra),
-    };
-    let axis = |axis: usize| if axis < 3 { Ok(axis) } else { Err(VariationError::Missing(index)) };
-    let mut changed = params.clone();
-    match variable {
-        Variable::Parameter(parameter) => {
-            let (value, scale) = (parameter.value(model)?, parameter.scale(model)?);
-            for step in [RELATIVE_STEP * scale, -RELATIVE_STEP * scale] {
-                // The perturbation after rounding of the sum.
-                let (there, step) = (value + step, (value + step) - value);
-                let candidate = parameter.with_value(model, there)?;
-                let changed = candidate.rod(extra);
-                if candidate.check().is_ok() && PerturbedRods::possible(&params, &changed) {
-                    let effects = candidate.effects(extra);
-                    let drive_time_s = candidate.robot.drive_time_s;
-                    let perturbation = Perturbation { step, command: None };
-                    return Ok(PerturbedModel { perturbation, drive_time_s, params: changed, effects });
-                }
-            }
-            Err(VariationError::NotPerturbable(index))
-        }
-        Variable::Command { tendon, commands } => {
-            if *tendon >= params.tendons.len() {
-                return Err(VariationError::Missing(index));
-            }
-            Ok(plain(RELATIVE_STEP * COMMAND_SCALE, Some((*tendon, commands.clone())), params))
-        }
-        Variable::Force(along) => {
-            changed.tip_load.force_n[axis(*along)?] += RELATIVE_STEP * FORCE_SCALE_N;
-            Ok(plain(RELATIVE_STEP * FORCE_SCALE_N, None, changed))
-        }
-        Variable::Moment(about) => {
-            changed.tip_load.moment_nm[axis(*about)?] += RELATIVE_STEP * MOMENT_SCALE_NM;
-            Ok(plain(RELATIVE_STEP * MOMENT_SCALE_NM, None, changed))
-        }
-    }
-}
-
-/// Scales: 10 mm or N of a command, of a force, and of a moment at the tip.
-const COMMAND_SCALE: f64 = 0.01;
-const FORCE_SCALE_N: f64 = 0.1;
-const MOMENT_SCALE_NM: f64 = 0.01;
 
 fn solved(status: SolveStatus) -> Result<(), PlantError> {
     if status == SolveStatus::Converged { Ok(()) } else { Err(PlantError::Solver(status.name().into())) }

@@ -33,6 +33,10 @@ impl Effect for FrameShift {
     }
 
     fn observe(&self, seen: &mut Observation) {
-        seen.tip_m.iter_mut().zip(self.shift_m).for_each(|(tip, shift)| *tip += shift);
+        let positions =
+            std::iter::once(&mut seen.tip_m).chain(seen.points.iter_mut().map(|point| &mut point.position_m));
+        for position_m in positions {
+            position_m.iter_mut().zip(self.shift_m).for_each(|(own, shift)| *own += shift);
+        }
     }
 }

@@ -6,8 +6,10 @@ mod drive_path;
 mod driven_model;
 mod model;
 mod model_parameter;
+mod perturbation;
 mod replay;
 mod robot;
+mod tracking;
 
 use std::fmt::Debug;
 
@@ -17,13 +19,15 @@ use serde_json::{Map, Number, Value};
 use crate::base::{BadOption, Observation};
 use crate::rod::RodParams;
 
-pub use driven_model::{DrivenModel, VariationError};
+pub use driven_model::DrivenModel;
 pub use model::{Model, check_effects};
 pub use model_parameter::{ModelParameter, ParameterError, Variable};
+pub use perturbation::VariationError;
 pub use replay::{ReplayError, Replayed, Trial, replay};
 pub use robot::{
     Backbone, Disks, Frame, Load, OffsetPoint, OnePlace, Piece, RadiusPoint, Robot, Sections, Spread, Tendons,
 };
+pub use tracking::{BodyPoint, Tracking};
 
 /// A physical effect. Every hook does nothing unless an effect fills it in.
 ///

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Effect, EffectSpec, Robot};
+use super::{Effect, EffectSpec, Robot, Tracking};
 use crate::base::BadOption;
 use crate::rod::RodParams;
 
@@ -15,6 +15,9 @@ pub struct Model {
     /// Effects, in the order in which they act.
     #[serde(default)]
     pub effects: Vec<EffectSpec>,
+    /// What is tracked besides the tip.
+    #[serde(default, skip_serializing_if = "Tracking::is_default")]
+    pub tracking: Tracking,
 }
 
 impl Model {
@@ -27,6 +30,7 @@ impl Model {
             let dot = if path.is_empty() { "" } else { "." };
             (format!("robot{dot}{path}"), error)
         })?;
+        self.tracking.check(self.robot.backbone.length_m)?;
         check_effects(&self.effects, self.robot.tendons.angles_deg.len())
             .map_err(|(index, name, error)| (format!("effects[{index}].{name}"), error))
     }

@@ -5,16 +5,18 @@ use std::ops::Range;
 
 use serde_json::{Number, Value};
 
-use super::driven_model::VariationError;
+use super::perturbation::VariationError;
 use super::{Model, Robot};
 use crate::base::Point3;
 use crate::rod::Resolution;
 
-/// A real-valued parameter of a model file, of the robot or of one of its effects. Integers (counts, tendon numbers)
+/// A real-valued parameter of a model file, of the robot, of one of its effects or of a tracked
+/// point. Integers (counts, tendon numbers)
 /// and the numerical resolution are excluded.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct ModelParameter {
-    /// Its path, such as `robot.backbone.youngs_modulus_pa`, `robot.gravity_m_s2[0]` or `effects[0].mass_kg`.
+    /// Its path, such as `robot.backbone.youngs_modulus_pa`, `robot.gravity_m_s2[0]`, `effects[0].mass_kg` or
+    /// `tracking.points.p1.offset_m[0]`.
     path: String,
     /// Its unit; `1` for a plain ratio.
     unit: &'static str,
@@ -85,6 +87,9 @@ impl ModelParameter {
             for (key, value) in value[effect.card().name].as_object().into_iter().flatten() {
                 collect(value, &format!("effects[{index}].{key}"), &mut found);
             }
+        }
+        if let Ok(tracking) = serde_json::to_value(&model.tracking) {
+            collect(&tracking, "tracking", &mut found);
         }
         found
     }
@@ -178,7 +183,7 @@ impl ModelParameter {
     fn place(&self, model: &Model) -> Result<(Value, String), ParameterError> {
         // JSON cannot hold the infinite values of the numerical resolution.
         let plain = Robot { resolution: Resolution::default(), ..model.robot.clone() };
-        let model = Model { robot: plain, effects: model.effects.clone() };
+        let model = Model { robot: plain, ..model.clone() };
         let root = serde_json::to_value(&model).map_err(|_| self.unknown())?;
         let mut pointer = format!("/{}", self.path.replace(']', "").replace(['.', '['], "/"));
         if let Some(rest) = pointer.strip_prefix("/effects/") {

@@ -1,7 +1,8 @@
 //! Replay of trials on a model, with the derivative of every tip position.
 
-use super::driven_model::{DrivenModel, VariationError};
+use super::driven_model::DrivenModel;
 use super::model_parameter::Variable;
+use super::perturbation::VariationError;
 use super::{EffectSpec, Model};
 use crate::base::{PlantError, Point3, Rows, TendonCommand};
 use crate::rod::TipWrench;

@@ -127,7 +127,15 @@ impl ConstantCurvature {
         for (value, shift) in tip_m.iter_mut().zip(self.options.shift_m) {
             *value += shift + noise.as_ref().map_or(0.0, |normal| normal.sample(&mut self.noise));
         }
-        Observation { time_s: self.time_s, tip_m, tip_quaternion: None, pulls_m, tensions_n: None, valid: true }
+        Observation {
+            time_s: self.time_s,
+            tip_m,
+            tip_quaternion: None,
+            points: Vec::new(),
+            pulls_m,
+            tensions_n: None,
+            valid: true,
+        }
     }
 
     /// Bending about one axis that an opposite pair of tendons asks for, radians. Tendons only pull, so of two

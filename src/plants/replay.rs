@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::PlantOptions;
-use crate::base::{BadOption, Observation, Plant, PlantError, Seed, TendonCommand};
+use crate::base::{BadOption, Observation, Plant, PlantError, Seed, SeenPoint, TendonCommand};
+use crate::data::recording::PointTrack;
 use crate::data::{Actuation, DataError, Recording};
 use crate::math::summary::quantile;
 
@@ -95,6 +96,10 @@ impl Replay {
     fn seen(&self) -> Observation {
         let row = self.row;
         let tip_m = self.recording.tip_m.as_ref().map_or([f64::NAN; 3], |tips| tips[row]);
+        let seen = |point: &PointTrack| SeenPoint {
+            position_m: point.position_m[row],
+            quaternion: point.quaternion.as_ref().map(|all| all[row]),
+        };
         let pulls_m = match row.checked_sub(1).filter(|_| self.recording.time_s[row] > 0.0) {
             Some(before) => self.recording.commands.row(before).to_vec(),
             None => vec![0.0; self.tendons()],
@@ -103,6 +108,7 @@ impl Replay {
             time_s: self.recording.time_s[row],
             tip_m,
             tip_quaternion: self.recording.tip_quaternion.as_ref().map(|all| all[row]),
+            points: self.recording.points.iter().map(seen).collect(),
             pulls_m,
             tensions_n: None,
             valid: self.recording.is_valid(row),
@@ -134,6 +140,10 @@ fn same_steps(options: &ReplayOptions, recording: &Recording, step_s: f64) -> Re
 impl Plant for Replay {
     fn tendons(&self) -> usize {
         self.recording.tendons()
+    }
+
+    fn points(&self) -> Vec<String> {
+        self.recording.points.iter().map(|point| point.name.clone()).collect()
     }
 
     fn step_s(&self) -> f64 {

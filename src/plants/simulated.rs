@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::PlantOptions;
 use crate::base::{BadOption, Generator, Observation, Plant, PlantError, Seed, TendonCommand};
 use crate::effects::{DrivenModel, EffectSpec, Model, Variable, VariationError};
-use crate::rod::{Rod, RodParams, TipRate, TipWrench};
+use crate::rod::{PoseRates, Rod, RodParams, TipWrench};
 
 /// Settings of a simulated robot besides its model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -110,12 +110,16 @@ pub struct Simulated {
     options: SimulatedOptions,
     time_s: f64,
     noise: Generator,
+    /// Apart from that of the tip, which does not depend on what else is tracked.
+    point_noise: Generator,
+    /// Names of the tracked points.
+    points: Vec<String>,
 }
 
 impl Simulated {
     /// A robot that follows a checked model, with `extra` effects (such as a load for some trials) on top.
     pub fn new(model: &Model, extra: &[EffectSpec], options: SimulatedOptions) -> Simulated {
-        Simulated::of(DrivenModel::new(model, extra), options)
+        Simulated::of(DrivenModel::new(model, extra), model, options)
     }
 
     /// The same, with derivatives of the tip with respect to those of `variables` that have them, and the numbers (from
@@ -130,11 +134,12 @@ impl Simulated {
         variables: &[Variable],
     ) -> Result<(Simulated, Vec<usize>), VariationError> {
         let (driven, left_out) = DrivenModel::varied_where_possible(model, extra, variables)?;
-        Ok((Simulated::of(driven, options), left_out))
+        Ok((Simulated::of(driven, model, options), left_out))
     }
 
-    fn of(driven: DrivenModel, options: SimulatedOptions) -> Simulated {
-        Simulated { driven, options, time_s: 0.0, noise: Seed(0).rng() }
+    fn of(driven: DrivenModel, model: &Model, options: SimulatedOptions) -> Simulated {
+        let [noise, point_noise] = [Seed(0).rng(), Seed(0).rng()];
+        Simulated { driven, options, time_s: 0.0, noise, point_noise, points: model.tracking.names() }
     }
 
     /// The rod itself, for its shape, tensions and energy.
@@ -142,9 +147,9 @@ impl Simulated {
         self.driven.rod()
     }
 
-    /// Derivative of the measured tip with respect to each variable, per unit of it.
-    pub fn tip_rates(&self) -> Vec<TipRate> {
-        self.driven.tip_rates()
+    /// Derivatives of the measured tip and of the tracked points with respect to each variable, per unit of it.
+    pub fn pose_rates(&self) -> Vec<PoseRates> {
+        self.driven.pose_rates()
     }
 
     /// Adds a load at the tip to that of the model, from now on.
@@ -160,6 +165,7 @@ impl Simulated {
     /// Straight, without history, tendons slack: the start of a trial that is driven by tensions.
     pub fn reset_slack(&mut self, seed: Seed) {
         self.noise = seed.child("tracking").rng();
+        self.point_noise = seed.child("tracked_points").rng();
         self.time_s = 0.0;
         self.driven.restart();
     }
@@ -214,6 +220,8 @@ impl Simulated {
         let mut seen = self.driven.observation(commands, self.time_s);
         if let Ok(normal) = Normal::new(0.0, self.options.noise_m) {
             seen.tip_m.iter_mut().for_each(|value| *value += normal.sample(&mut self.noise));
+            let positions = seen.points.iter_mut().flat_map(|point| &mut point.position_m);
+            positions.for_each(|value| *value += normal.sample(&mut self.point_noise));
         }
         seen
     }
@@ -222,6 +230,10 @@ impl Simulated {
 impl Plant for Simulated {
     fn tendons(&self) -> usize {
         self.rod().params().tendons.len()
+    }
+
+    fn points(&self) -> Vec<String> {
+        self.points.clone()
     }
 
     fn step_s(&self) -> f64 {

@@ -21,7 +21,7 @@ pub use params::span::{Span, Taper};
 pub use params::spine::{CompressibleSection, PointMass};
 pub use params::tendon::{PathPoint, Tendon, TendonPath};
 pub use sensitivity::perturbed_rods::{NotPerturbable, PerturbedRods};
-pub use sensitivity::tip_jacobian::{Direction, TipRate};
+pub use sensitivity::tip_jacobian::{Direction, PoseRates, TipRate};
 pub use solver::status::SolveStatus;
 pub use state::fields::CrossSection;
 pub use state::fields::Energy;

@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
-use crate::base::{Observation, Plant, PlantError, Rows, Seed};
+use crate::base::{Observation, Plant, PlantError, Rows, Seed, SeenPoint};
 use crate::data::Recording;
+use crate::data::recording::PointTrack;
 
 /// Why commands cannot be executed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -58,10 +59,11 @@ pub fn record_trial(
     for row in rows.start..rows.end - 1 {
         seen.push(plant.step(commands.commands.row(row))?);
     }
-    Ok(written(commands, rows, &seen))
+    Ok(written(commands, rows, &seen, &plant.points()))
 }
 
-pub(super) fn written(commands: &Recording, rows: Range<usize>, seen: &[Observation]) -> Recording {
+/// The rows of `commands` with what was `seen`; `points` are the names of the tracked points.
+pub(super) fn written(commands: &Recording, rows: Range<usize>, seen: &[Observation], points: &[String]) -> Recording {
     let mut kept = Rows::new(commands.tendons());
     rows.clone().for_each(|row| kept.push(commands.commands.row(row)));
     // A row without tracking has no orientation; the others keep theirs.
@@ -74,8 +76,26 @@ pub(super) fn written(commands: &Recording, rows: Range<usize>, seen: &[Observat
         time_s: commands.time_s[rows.clone()].to_vec(),
         tip_m: Some(seen.iter().map(|seen| seen.tip_m).collect()),
         tip_quaternion: quaternion,
-        known_load_kg: commands.known_load_kg.as_ref().map(|load| load[rows].to_vec()),
+        known_load_kg: commands.known_load_kg.as_ref().map(|load| load[rows.clone()].to_vec()),
+        pattern: commands.pattern.as_ref().map(|labels| labels[rows].to_vec()),
+        points: point_tracks(points, &seen.iter().map(Some).collect::<Vec<_>>()),
         valid: valid.contains(&false).then_some(valid),
         ..Recording::new(commands.actuation, commands.tendons())
     }
+}
+
+/// The tracks of the points with these names; where nothing was `seen`, not a number. Without any orientation there is no
+/// column of it.
+pub(super) fn point_tracks(names: &[String], seen: &[Option<&Observation>]) -> Vec<PointTrack> {
+    let track = |(index, name): (usize, &String)| {
+        let all = || seen.iter().map(|seen| seen.and_then(|seen| seen.points.get(index)));
+        let turned = all().any(|point| point.is_some_and(|point| point.quaternion.is_some()));
+        let turn = |point: Option<&SeenPoint>| point.and_then(|point| point.quaternion).unwrap_or([f64::NAN; 4]);
+        PointTrack {
+            name: name.clone(),
+            position_m: all().map(|point| point.map_or([f64::NAN; 3], |point| point.position_m)).collect(),
+            quaternion: turned.then(|| all().map(turn).collect()),
+        }
+    };
+    names.iter().enumerate().map(track).collect()
 }

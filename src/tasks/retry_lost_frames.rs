@@ -29,6 +29,10 @@ impl Plant for RetryLostFrames<'_> {
         self.0.tendons()
     }
 
+    fn points(&self) -> Vec<String> {
+        self.0.points()
+    }
+
     fn step_s(&self) -> f64 {
         self.0.step_s()
     }

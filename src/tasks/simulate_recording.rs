@@ -4,12 +4,13 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
+use super::record::point_tracks;
 use crate::base::{Observation, Plant, PlantError, Seed, TendonCommand};
 use crate::data::recording::Extra;
 use crate::data::{Actuation, Recording};
 use crate::effects::{EffectSpec, Model, Variable, VariationError};
 use crate::plants::{Simulated, SimulatedOptions};
-use crate::rod::{TipRate, TipWrench};
+use crate::rod::{PoseRates, TipWrench};
 
 /// How commands are simulated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +35,7 @@ impl Default for SimulationOptions {
 /// Simulates all trials of `commands`. Rows that the solver could not solve are not valid, with the solver's status in the
 /// column `solver_status`; without `at_rest` this holds for the rest of the trial.
 pub fn simulate_recording(model: &Model, commands: &Recording, options: &SimulationOptions) -> Recording {
-    let mut columns = SimulatedColumns::new(commands.len(), commands.tendons());
+    let mut columns = SimulatedColumns::new(model, commands);
     for (number, rows) in commands.trials() {
         let trial = SimulatedTrial::new(commands, rows.start, |hung| Simulated::new(model, hung, options.plant()));
         trial.fill(&mut columns, commands, (number, rows), options);
@@ -47,14 +48,14 @@ pub fn simulate_recording(model: &Model, commands: &Recording, options: &Simulat
 pub struct RecordingWithRates {
     /// The result of [`simulate_recording`].
     pub recording: Recording,
-    /// For each row, the derivative of the tip with respect to each variable that is not left out; empty for a row without
-    /// a solution.
-    pub rates: Vec<Vec<TipRate>>,
+    /// For each row, the derivatives of the tip and of the model's tracked points (in the order of their names, that of
+    /// [`Recording::points`]) with respect to each variable that is not left out; empty for a row without a solution.
+    pub rates: Vec<Vec<PoseRates>>,
     /// Indices of the variables without a derivative along a motion.
     pub left_out: Vec<usize>,
 }
 
-/// [`simulate_recording`] with the derivative of each row's tip with respect to each of `variables`.
+/// [`simulate_recording`] with the derivatives of each row's tip and tracked points with respect to each of `variables`.
 ///
 /// # Errors
 /// [`VariationError`] for an unknown variable.
@@ -64,7 +65,7 @@ pub fn simulate_with_rates(
     options: &SimulationOptions,
     variables: &[Variable],
 ) -> Result<RecordingWithRates, VariationError> {
-    let mut columns = SimulatedColumns::new(commands.len(), commands.tendons());
+    let mut columns = SimulatedColumns::new(model, commands);
     let mut left_out = Vec::new();
     for (number, rows) in commands.trials() {
         let hung = hung(commands, rows.start);
@@ -93,18 +94,22 @@ fn hung(commands: &Recording, first_row: usize) -> Option<EffectSpec> {
 struct SimulatedColumns {
     seen: Vec<Option<(Observation, f64)>>,
     status: Vec<String>,
-    /// Derivatives of the tip.
-    rates: Vec<Vec<TipRate>>,
+    /// Derivatives of the tip and the tracked points.
+    rates: Vec<Vec<PoseRates>>,
     tendons: usize,
+    /// Names of the tracked points.
+    points: Vec<String>,
 }
 
 impl SimulatedColumns {
-    fn new(rows: usize, tendons: usize) -> SimulatedColumns {
+    fn new(model: &Model, commands: &Recording) -> SimulatedColumns {
+        let rows = commands.len();
         SimulatedColumns {
             seen: vec![None; rows],
             status: vec!["converged".to_owned(); rows],
             rates: vec![Vec::new(); rows],
-            tendons,
+            tendons: commands.tendons(),
+            points: model.tracking.names(),
         }
     }
 
@@ -144,10 +149,13 @@ impl SimulatedColumns {
             .iter()
             .map(|seen| seen.as_ref().and_then(|(seen, _)| seen.tip_quaternion).unwrap_or([f64::NAN; 4]));
         let valid: Vec<bool> = self.seen.iter().map(Option::is_some).collect();
+        let seen: Vec<Option<&Observation>> =
+            self.seen.iter().map(|seen| seen.as_ref().map(|(seen, _)| seen)).collect();
         Recording {
             tip_m: Some(tips.collect()),
             tip_quaternion: Some(turns.collect()),
             valid: valid.contains(&false).then_some(valid),
+            points: point_tracks(&self.points, &seen),
             extra,
             ..commands.clone()
         }
@@ -212,7 +220,7 @@ impl SimulatedTrial {
                 }
             }
             columns.seen[row] = Some((seen.clone(), self.plant.rod().residual_m()));
-            columns.rates[row] = self.plant.tip_rates();
+            columns.rates[row] = self.plant.pose_rates();
             if !at_rest && row + 1 < rows.end {
                 self.plant.set_step_s(commands.time_s[row + 1] - commands.time_s[row]);
                 seen = self.command(commands.commands.row(row), false)?;

@@ -5,7 +5,7 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use super::record::written;
-use crate::base::{BadOption, Observation, Plant, PlantError, Seed};
+use crate::base::{BadOption, Observation, Plant, PlantError, Seed, SeenPoint};
 use crate::data::{Actuation, Recording};
 
 /// How static poses are recorded.
@@ -119,15 +119,29 @@ pub fn record_static_poses(
         at_m = to_m.to_vec();
         seen.push(averaged(looks));
     }
-    Ok(written(planned, rows, &seen))
+    Ok(written(planned, rows, &seen, &plant.points()))
 }
 
-/// The last of several observations, with the mean tip of the valid ones.
+/// The last of several observations, with the mean tip and points of the valid ones.
 fn averaged(looks: Vec<Observation>) -> Observation {
     let valid: Vec<[f64; 3]> = looks.iter().filter(|look| look.valid).map(|look| look.tip_m).collect();
-    let tip_m = std::array::from_fn(|axis| valid.iter().map(|tip| tip[axis]).sum::<f64>() / valid.len() as f64);
+    let tip_m = mean(&valid);
+    let point = |index: usize| {
+        let each = looks.iter().filter_map(|look| look.points.get(index)).map(|point| point.position_m);
+        mean(&each.filter(|position_m| position_m.iter().all(|x| x.is_finite())).collect::<Vec<_>>())
+    };
+    let points_m: Vec<[f64; 3]> = (0..looks.first().map_or(0, |look| look.points.len())).map(point).collect();
     let last = looks.into_iter().last();
+    let turns = last.iter().flat_map(|look| &look.points).map(|point| point.quaternion);
+    let points = turns.zip(points_m).map(|(quaternion, position_m)| SeenPoint { position_m, quaternion }).collect();
     let quaternion = last.as_ref().and_then(|look| look.tip_quaternion);
     let (time_s, pulls_m) = last.map_or((0.0, Vec::new()), |look| (look.time_s, look.pulls_m));
-    Observation { time_s, tip_m, tip_quaternion: quaternion, pulls_m, tensions_n: None, valid: !valid.is_empty() }
+    let valid = !valid.is_empty();
+    Observation { time_s, tip_m, tip_quaternion: quaternion, points, pulls_m, tensions_n: None, valid }
+}
+
+/// The mean of some positions; not a number where there is none.
+fn mean(positions_m: &[[f64; 3]]) -> [f64; 3] {
+    let count = positions_m.len() as f64;
+    std::array::from_fn(|axis| positions_m.iter().map(|position_m| position_m[axis]).sum::<f64>() / count)
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
 use spinebench::base::Rows;
-use spinebench::data::recording::{Extra, Pose, RecordedWrench};
+use spinebench::data::recording::{Extra, PointTrack, Pose, RecordedWrench};
 use spinebench::data::{Actuation, DataError, Recording};
 
 const GOOD: &str = "\
@@ -42,6 +42,13 @@ fn full(rows: usize) -> Recording {
     recording.valid = Some((0..rows).map(|row| row % 3 != 1).collect());
     let load = |x: f64| RecordedWrench { force_n: [x, 0.0, 0.0], moment_nm: [0.0, x, 0.0] };
     recording.tip_load = Some(each(5).map(load).collect());
+    let track = |name: &str, part: usize, turned: bool| PointTrack {
+        name: name.to_owned(),
+        position_m: each(part).map(|x| [x, 0.1, -x]).collect(),
+        quaternion: turned.then(|| each(part).map(|x| [0.0, x.cos(), x.sin(), 0.0]).collect()),
+    };
+    recording.points = vec![track("disk_1", 6, true), track("x_m", 7, false)];
+    recording.pattern = Some((0..rows).map(|row| ["one tendon", "all"][row % 2].to_owned()).collect());
     let words = (0..rows).map(|row| format!("said \"{row}\", then left")).collect();
     recording.extra = vec![("note".to_owned(), Extra::Text(words))];
     recording
@@ -239,4 +246,62 @@ proptest! {
             prop_assert_eq!(&Recording::read_commands(&path).unwrap(), &recording);
         }
     }
+}
+
+const POINTS: &str = "\
+trial,time_s,tendon_1_m,point_a_x_m,point_a_y_m,point_a_z_m,point_b_x_m,point_b_y_m,point_b_z_m
+0,0,0,0.01,0,0.1,0,0,0.2
+0,0.2,0.001,,,,0,0.01,0.2
+";
+
+#[test]
+fn points_are_enough_and_may_be_unseen() {
+    let recording = read(POINTS).unwrap();
+    assert_eq!(recording.tip_m, None);
+    assert_eq!(recording.points.iter().map(|point| point.name.as_str()).collect::<Vec<_>>(), ["a", "b"]);
+    let a = recording.point("a").unwrap();
+    assert!(a.is_seen(0) && !a.is_seen(1) && recording.point("b").unwrap().is_seen(1));
+    assert!(recording.extra.is_empty(), "{:?}", recording.extra);
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["rec.csv", "rec.parquet"] {
+        let path = folder.path().join(name);
+        recording.write(&path).unwrap();
+        let again = Recording::read(&path).unwrap();
+        assert_eq!((&again.points[1], again.point("a").unwrap().is_seen(1)), (&recording.points[1], false), "{name}");
+    }
+}
+
+#[test]
+fn points_are_refused_by_column() {
+    let cases = [
+        (POINTS.replace("point_a_y_m", "point_a_y"), "column `point_a_y_m`"),
+        (POINTS.replace("0.01,0.2", "0.01,far"), "line 3, column `point_b_z_m`: found `far`, expected a number"),
+        (POINTS.replace("point_b_z_m", "point_b_qw"), "expected a column `point_b_z_m`"),
+    ];
+    for (text, expected) in cases {
+        let error = read(&text).expect_err(expected);
+        assert!(error.contains(expected), "{error}\n  does not say: {expected}");
+    }
+    let (recording, path) = (read(POINTS).unwrap(), Path::new("rec.csv"));
+    assert_eq!(recording.check_points(path, &["a".to_owned(), "b".to_owned()]), Ok(()));
+    let error = recording.check_points(path, &["a".to_owned(), "c".to_owned()]).unwrap_err().to_string();
+    let words = "rec.csv, line 1, column `point_b_x_m`: found the point `b`, expected a point of the model's \
+                 `tracking.points`: a, c";
+    assert_eq!(error, words);
+    let far = read(&POINTS.replace("0.01,0,0.1", "10,0,100")).unwrap();
+    let error = far.check_reach(path, [0.0; 3], 0.22).unwrap_err().to_string();
+    assert!(error.contains("line 2, column `point_a_x_m`: found 10"), "{error}");
+}
+
+#[test]
+fn joined_recordings_keep_the_points_of_all() {
+    let mut other = read(&POINTS.replace("point_a", "point_c")).unwrap();
+    other.pattern = Some(vec!["bend".to_owned(); 2]);
+    let all = Recording::joined(&[read(POINTS).unwrap(), other]).unwrap();
+    let seen = |name: &str| (0..4).map(|row| all.point(name).unwrap().is_seen(row)).collect::<Vec<_>>();
+    assert_eq!(
+        [seen("a"), seen("b"), seen("c")].concat(),
+        [true, false, false, false, true, true, true, true, false, false, true, false]
+    );
+    assert_eq!(all.pattern.unwrap(), ["", "", "bend", "bend"]);
 }

@@ -362,3 +362,47 @@ fn the_catalogue_tells_what_each_effect_is() {
     }
     assert!(bench.run("effects tip_lode").status.code() == Some(2));
 }
+
+const TRACKED: &str = "tracking: {points: {end: {s_m: 0.22}, mid: {s_m: 0.1, offset_m: [0.02, 0, 0]}}}\n";
+
+/// The model's points are written beside the tip; `collect` measures them, with noise of their own.
+#[test]
+fn tracked_points_are_simulated_and_collected() {
+    let bench = Bench::new();
+    let nominal = std::fs::read_to_string(NOMINAL).unwrap();
+    bench.put("tracked.yaml", &format!("{nominal}{TRACKED}"));
+    let rows = "0,0,0,0,0,0,still\n0,0.2,0.01,0,-0.01,0,bend\n0,0.4,0.01,0,-0.01,0,bend\n";
+    bench.put("in.csv", &format!("{LENGTHS},pattern\n{rows}"));
+    bench.ok("simulate --model tracked.yaml --commands in.csv --out sim.csv");
+    let out = Recording::read(&bench.path("sim.csv")).unwrap();
+    let [end, mid] = ["end", "mid"].map(|name| out.point(name).unwrap());
+    assert_eq!(Some(&end.position_m), out.tip_m.as_ref());
+    assert_eq!(end.quaternion, out.tip_quaternion);
+    assert!(mid.position_m[2][2] < 0.11 && mid.position_m[2][0] > mid.position_m[0][0] + 0.005, "{mid:?}");
+    assert_eq!(out.pattern.as_ref().unwrap(), &["still", "bend", "bend"]);
+    bench.ok("simulate --model NOMINAL --commands in.csv --out plain.csv");
+    let plain = Recording::read(&bench.path("plain.csv")).unwrap();
+    assert_eq!((&plain.tip_m, plain.points.is_empty()), (&out.tip_m, true), "points change nothing else");
+
+    bench.put("plant.yaml", "simulated: {model: tracked.yaml, noise_m: 0.001}\n");
+    bench.ok("collect --plant plant.yaml --commands in.csv --out rec.csv");
+    let recorded = Recording::read(&bench.path("rec.csv")).unwrap();
+    let apart = apart_m(recorded.point("mid").unwrap().position_m[2], mid.position_m[2]);
+    assert!(apart > 1e-5 && apart < 6e-3, "{apart}");
+    assert_eq!(recorded.point("mid").unwrap().quaternion, None);
+    bench.put("untracked.yaml", "simulated: {model: NOMINAL, noise_m: 0.001}\n".replace("NOMINAL", NOMINAL).as_str());
+    bench.ok("collect --plant untracked.yaml --commands in.csv --out tip.csv");
+    assert_eq!(Recording::read(&bench.path("tip.csv")).unwrap().tip_m, recorded.tip_m, "noise of its own");
+    bench.put("replay.yaml", "replay: {recording: rec.csv}\n");
+    bench.ok("collect --plant replay.yaml --commands in.csv --out again.csv");
+    assert_eq!(Recording::read(&bench.path("again.csv")).unwrap().points, recorded.points);
+
+    let said = bench.refused("simulate --model NOMINAL --commands rec.csv --out no.csv");
+    assert!(
+        said.contains("rec.csv, line 1, column `point_end_x_m`: found the point `end`, expected no tracked point"),
+        "{said}"
+    );
+    bench.put("bad.yaml", &format!("{nominal}tracking: {{points: {{end: {{s_m: 0.3}}}}}}\n"));
+    let said = bench.refused("simulate --model bad.yaml --commands in.csv --out no.csv");
+    assert!(said.contains("tracking.points.end.s_m: found 0.3, expected a place on the backbone"), "{said}");
+}

@@ -108,6 +108,7 @@ pub(crate) fn seen(step: usize, tip_m: Point3) -> Observation {
         time_s: 0.2 * step as f64,
         tip_m,
         tip_quaternion: None,
+        points: Vec::new(),
         pulls_m: vec![0.0; 4],
         tensions_n: None,
         valid: true,

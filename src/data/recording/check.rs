@@ -13,17 +13,21 @@ const LONGEST_STEP_S: f64 = 60.0;
 
 /// `path` is the file that the recording was read from.
 impl Recording {
-    /// Refuses tips farther from the base at `base_m` than twice the length of the robot: usually millimetres instead
+    /// Refuses tips and tracked points farther from the base at `base_m` than twice the length of the robot: usually millimetres instead
     /// of metres.
     ///
     /// # Errors
     /// [`DataError::Cell`] for the first such row.
     pub fn check_reach(&self, path: &Path, base_m: [f64; 3], length_m: f64) -> Result<(), DataError> {
-        let tips = self.tip_m.iter().flatten().enumerate();
-        for (row, tip) in tips.filter(|&(row, _)| self.is_valid(row)) {
-            let Some(axis) = (0..3).find(|&axis| (tip[axis] - base_m[axis]).abs() > 2.0 * length_m) else { continue };
-            let expected = format!("metres within reach of a robot of {length_m} m (are these millimetres?)");
-            return Err(cell_error(path, row, read::TIP[axis], tip[axis].to_string(), expected));
+        let points = self.points.iter().map(|point| (point.position_columns(), &point.position_m));
+        let tip = self.tip_m.iter().map(|tips_m| (read::TIP.map(str::to_owned), tips_m));
+        for (columns, positions_m) in tip.chain(points) {
+            for (row, position_m) in positions_m.iter().enumerate().filter(|&(row, _)| self.is_valid(row)) {
+                let far = |&axis: &usize| (position_m[axis] - base_m[axis]).abs() > 2.0 * length_m;
+                let Some(axis) = (0..3).find(far) else { continue };
+                let expected = format!("metres within reach of a robot of {length_m} m (are these millimetres?)");
+                return Err(cell_error(path, row, &columns[axis], position_m[axis].to_string(), expected));
+            }
         }
         Ok(())
     }

@@ -1,9 +1,9 @@
 //! Concatenation of several recordings of one robot.
 
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 use std::ops::Range;
 
-use super::{Actuation, Pose, Recording};
+use super::{Actuation, PointTrack, Pose, Recording};
 use crate::base::Rows;
 
 /// Recordings that cannot be concatenated.
@@ -18,8 +18,8 @@ pub struct RecordingMismatch {
 
 impl Recording {
     /// Concatenates the trials of all `parts`; trials are renumbered from 0 where numbers repeat. Columns that only
-    /// some recordings have are filled with their default (tracked, no load, base unseen) or omitted (orientation,
-    /// unknown columns).
+    /// some recordings have are filled with their default (tracked, no load, base or point unseen, no label) or omitted
+    /// (orientation, unknown columns).
     ///
     /// # Errors
     /// [`RecordingMismatch`] when tendons or kind of command differ.
@@ -41,17 +41,24 @@ impl Recording {
         let mut commands = Rows::new(first.tendons());
         parts.iter().flat_map(|part| part.commands.iter()).for_each(|row| commands.push(row));
         all.commands = commands;
-        all.tip_m = column_of_all(parts, |part| part.tip_m.clone());
+        let measured = parts.iter().all(|part| part.tip_m.is_some() || !part.points.is_empty());
+        all.tip_m = if measured {
+            column_of_some(parts, |part| part.tip_m.clone(), [f64::NAN; 3])
+        } else {
+            column_of_all(parts, |part| part.tip_m.clone())
+        };
         all.tip_quaternion = column_of_all(parts, |part| part.tip_quaternion.clone());
         all.base = column_of_some(parts, |part| part.base.clone(), UNSEEN);
         all.valid = column_of_some(parts, |part| part.valid.clone(), true);
         all.known_load_kg = column_of_some(parts, |part| part.known_load_kg.clone(), 0.0);
         all.tip_load = column_of_some(parts, |part| part.tip_load.clone(), super::RecordedWrench::default());
+        all.pattern = column_of_some(parts, |part| part.pattern.clone(), String::new());
+        all.points = points_of_all(parts);
         Ok(all)
     }
 
-    /// Whether this recording contains every trial of `part`: equal commands, times and tips. Lost tips compare as
-    /// equal.
+    /// Whether this recording contains every trial of `part`: equal commands, times, tips and points. Lost ones
+    /// compare as equal.
     pub fn holds(&self, part: &Recording) -> bool {
         let own: HashSet<Vec<u64>> = self.trials().into_iter().map(|(_, range)| self.bits(range)).collect();
         !part.is_empty() && part.trials().into_iter().all(|(_, range)| own.contains(&part.bits(range)))
@@ -64,11 +71,13 @@ impl Recording {
         again.map(|(number, _)| number).collect()
     }
 
-    /// Bit patterns of times, commands and tips of some rows, for comparison; lost tips compare as equal.
+    /// Bit patterns of times, commands, tips and points of some rows, for comparison; lost ones compare as equal.
     fn bits(&self, rows: Range<usize>) -> Vec<u64> {
         let row = |row: usize| -> Vec<u64> {
             let tip = self.tip_m.iter().flat_map(|tip| tip[row]);
+            let points = self.points.iter().flat_map(|point| point.position_m[row]);
             let values = [self.time_s[row]].into_iter().chain(self.commands.row(row).iter().copied()).chain(tip);
+            let values = values.chain(points);
             values.map(|value| if value.is_nan() { f64::NAN.to_bits() } else { (value + 0.0).to_bits() }).collect()
         };
         rows.flat_map(row).collect()
@@ -77,6 +86,18 @@ impl Recording {
 
 /// Pose of markers that were not tracked.
 const UNSEEN: Pose = Pose { position_m: [f64::NAN; 3], quaternion: [f64::NAN; 4] };
+
+/// Tracked points of all parts, not a number where a part has not seen one.
+fn points_of_all(parts: &[Recording]) -> Vec<PointTrack> {
+    let names: BTreeSet<&str> = parts.iter().flat_map(|part| &part.points).map(|point| point.name.as_str()).collect();
+    let point = |name: &str| PointTrack {
+        name: name.to_owned(),
+        position_m: column_of_some(parts, |part| Some(part.point(name)?.position_m.clone()), [f64::NAN; 3])
+            .unwrap_or_default(),
+        quaternion: column_of_some(parts, |part| part.point(name)?.quaternion.clone(), [f64::NAN; 4]),
+    };
+    names.into_iter().map(point).collect()
+}
 
 /// Trial numbers of all rows: those of the recordings, or new ones where two trials have the same.
 fn trial_numbers(parts: &[Recording]) -> Vec<u64> {

@@ -5,6 +5,7 @@ mod check;
 mod extra;
 mod join;
 mod optional;
+mod points;
 mod read;
 mod write;
 
@@ -17,6 +18,7 @@ use crate::base::{Point3, Rows};
 pub(crate) use extra::{cell_error, header_place};
 pub use join::RecordingMismatch;
 pub(super) use optional::unit_length;
+pub use points::PointTrack;
 
 /// Kind of the commands of a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,6 +108,10 @@ pub struct Recording {
     pub valid: Option<Vec<bool>>,
     /// Load at the tip, applied from the row's time on.
     pub tip_load: Option<Vec<RecordedWrench>>,
+    /// Further tracked points, in the order of their names.
+    pub points: Vec<PointTrack>,
+    /// What the row belongs to, such as a kind of motion: a label by which rows can be held out.
+    pub pattern: Option<Vec<String>>,
     /// Columns beyond the format, in the order of the file.
     pub extra: Vec<(String, Extra)>,
 }
@@ -124,11 +130,13 @@ impl Recording {
             known_load_kg: None,
             valid: None,
             tip_load: None,
+            points: Vec::new(),
+            pattern: None,
             extra: Vec::new(),
         }
     }
 
-    /// Reads a recording, CSV or Parquet, and checks all of it; the tip must be there.
+    /// Reads a recording, CSV or Parquet, and checks all of it; the tip or another tracked point must be there.
     ///
     /// # Errors
     /// [`DataError`] names file, line, column, what was found and what was expected.
@@ -136,7 +144,7 @@ impl Recording {
         read::recording(path, true)
     }
 
-    /// Reads commands: a recording whose tip columns may be missing (and are kept when they are not).
+    /// Reads commands: a recording whose measured columns may be missing (and are kept when they are not).
     ///
     /// # Errors
     /// As [`Recording::read`].
@@ -178,6 +186,12 @@ impl Recording {
             }
         }
         trials
+    }
+
+    /// Drops the orientations of the tip and of all points, as a tracker of single markers has it.
+    pub fn forget_orientations(&mut self) {
+        self.tip_quaternion = None;
+        self.points.iter_mut().for_each(|point| point.quaternion = None);
     }
 
     /// Whether the tip was tracked in this row.

@@ -9,7 +9,7 @@ const UNIT_TOLERANCE: f64 = 1e-2;
 /// A group of columns.
 pub(super) struct ColumnGroup<'a> {
     pub(super) table: &'a Table,
-    pub(super) names: Vec<&'static str>,
+    pub(super) names: Vec<&'a str>,
     /// Whether the group is required. A group is complete or absent.
     pub(super) need: bool,
     /// Tracking flags of measured columns: where false, a cell may be empty or NaN.
@@ -113,6 +113,19 @@ pub(super) fn masses(table: &Table, name: &str) -> Result<Option<Vec<f64>>, Data
         mass.ok_or_else(|| table.cell_error(row, name, "kilograms, 0 or more"))
     };
     (0..table.rows).map(mass).collect::<Result<_, _>>().map(Some)
+}
+
+/// A column of labels.
+pub(super) fn labels(table: &Table, name: &str) -> Option<Vec<String>> {
+    let cells = table.column(name)?;
+    let label = |row: usize| match cells {
+        Cells::Text(cells) => cells[row].clone(),
+        Cells::Integers(cells) => cells[row].to_string(),
+        Cells::Unsigned(cells) => cells[row].to_string(),
+        Cells::Numbers(cells) => cells[row].to_string(),
+        Cells::Flags(cells) => i64::from(cells[row]).to_string(),
+    };
+    Some((0..table.rows).map(label).collect())
 }
 
 /// The error for a missing column.

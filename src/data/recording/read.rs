@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::optional::{self, ColumnGroup};
+use super::points;
 use super::{Actuation, Extra, Pose, RecordedWrench, Recording};
 use crate::base::Rows;
 use crate::data::DataError;
@@ -18,8 +19,8 @@ pub(super) const MOMENT: [&str; 3] = ["tip_moment_x_nm", "tip_moment_y_nm", "tip
 /// Tolerance on the start time, for rounding, seconds.
 const START_TOLERANCE_S: f64 = 1e-9;
 
-/// Reads and checks a file; without `need_tip` the tip columns may be missing.
-pub(super) fn recording(path: &Path, need_tip: bool) -> Result<Recording, DataError> {
+/// Reads and checks a file; without `need_measured` neither the tip nor another tracked point has to be there.
+pub(super) fn recording(path: &Path, need_measured: bool) -> Result<Recording, DataError> {
     let table = Table::read(path)?;
     if table.rows == 0 {
         let (found, expected) = ("no rows", "at least one row");
@@ -29,16 +30,18 @@ pub(super) fn recording(path: &Path, need_tip: bool) -> Result<Recording, DataEr
     let time_s = times(&table, &trial)?;
     let (actuation, commands) = commands(&table)?;
     let valid = optional::flags(&table, "valid")?;
-    // Where tracking was lost, measured cells may be empty.
+    let points = points::read(&table)?;
+    // Where tracking was lost, measured cells may be empty; beside other points also where the tip alone was not seen.
+    let unseen = (!points.is_empty()).then(|| vec![false; table.rows]);
     let measured = |names: &[&'static str], need| ColumnGroup {
         table: &table,
         names: names.to_vec(),
         need,
-        lost: valid.as_deref(),
+        lost: unseen.as_deref().or(valid.as_deref()),
     };
     let given = |names: &[&'static str]| ColumnGroup { table: &table, names: names.to_vec(), need: false, lost: None };
 
-    let tip_m = measured(&TIP, need_tip).read::<3>()?;
+    let tip_m = measured(&TIP, need_measured && points.is_empty()).read::<3>()?;
     let tip_quaternion = measured(&TIP_Q, false).quaternions()?;
     let base_q = measured(&BASE_Q, table.column(BASE[0]).is_some()).quaternions()?;
     let base_m = measured(&BASE, base_q.is_some()).read::<3>()?;
@@ -49,6 +52,7 @@ pub(super) fn recording(path: &Path, need_tip: bool) -> Result<Recording, DataEr
     let load: Vec<&'static str> = FORCE.into_iter().chain(MOMENT).collect();
     let tip_load = given(&load).read::<6>()?.map(|rows| rows.into_iter().map(tip_load).collect());
     let known_load_kg = optional::masses(&table, "known_load_kg")?;
+    let pattern = optional::labels(&table, "pattern");
     let extra = extra(&table, actuation, commands.width());
     let file = Recording {
         actuation,
@@ -61,6 +65,8 @@ pub(super) fn recording(path: &Path, need_tip: bool) -> Result<Recording, DataEr
         known_load_kg,
         valid,
         tip_load,
+        points,
+        pattern,
         extra,
     };
     Ok(file)
@@ -177,11 +183,12 @@ fn tendon_number(name: &str, actuation: Actuation) -> Option<usize> {
 
 /// Columns beyond the format.
 fn extra(table: &Table, actuation: Actuation, tendons: usize) -> Vec<(String, Extra)> {
-    let single = ["trial", "time_s", "known_load_kg", "valid"];
+    let single = ["trial", "time_s", "known_load_kg", "valid", "pattern"];
     let groups: [&[&str]; 6] = [&TIP, &TIP_Q, &BASE, &BASE_Q, &FORCE, &MOMENT];
     let known = |name: &str| {
         single.contains(&name)
             || groups.iter().any(|group| group.contains(&name))
+            || points::name_of(name).is_some()
             || tendon_number(name, actuation).is_some_and(|number| number <= tendons)
     };
     let unknown = table.columns.iter().filter(|(name, _)| !known(name));

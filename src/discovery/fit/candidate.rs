@@ -271,7 +271,7 @@ mod tests {
     use super::*;
 
     fn candidate(name: &str) -> CandidateEffect {
-        let model = Model { robot: Robot::default(), effects: Vec::new() };
+        let model = Model::default();
         catalogue_candidates(&model).into_iter().find(|candidate| candidate.card.name == name).unwrap()
     }
 
@@ -323,7 +323,7 @@ mod tests {
 
     #[test]
     fn what_an_effect_of_the_model_has_replaced_is_what_it_is_now() {
-        let mut model = Model { robot: Robot::default(), effects: Vec::new() };
+        let mut model = Model::default();
         let null = |model: &Model| {
             let found =
                 catalogue_candidates(model).into_iter().find(|candidate| candidate.card.name == "damping").unwrap();

@@ -178,13 +178,12 @@ mod tests {
     use super::*;
     use crate::discovery::fit::simulate::circling;
     use crate::discovery::options::Options;
-    use crate::effects::Robot;
 
     /// A weight follows gravity and a force does not: remounting the base separates them; other protocols do so only
     /// by inertia.
     #[test]
     fn a_weight_and_a_force_like_it_are_told_apart_by_turning_the_base() {
-        let model = Model { robot: Robot::default(), effects: Vec::new() };
+        let model = Model::default();
         let options = Options::default();
         let problem = Problem::new(&model, circling(&model, &[]), None, &options).unwrap();
         let member = |name: &str, values: Vec<f64>| {

@@ -131,6 +131,7 @@ impl Hardware {
             time_s: asked_s - self.trial_s,
             tip_m: pose.as_ref().map_or([f64::NAN; 3], |pose| pose.position_m),
             tip_quaternion: pose.as_ref().map(|pose| pose.quaternion),
+            points: Vec::new(),
             pulls_m,
             tensions_n: None,
             valid: pose.is_some(),

@@ -1,4 +1,4 @@
-//! Derivatives: of the tip at rest, and of whole motions.
+//! Derivatives: of the tip and other places at rest, and of whole motions.
 
 pub(crate) mod perturbed_rods;
 pub(crate) mod tip_jacobian;

@@ -1,4 +1,4 @@
-//! Derivative of the tip of a rod at rest with respect to commands and loads (`docs/sensitivities.md`).
+//! Derivatives of the tip and of other places of a rod at rest with respect to commands and loads (`docs/sensitivities.md`).
 //!
 //! At rest F(x; c) = 0 for the unknowns x under the commands c, so dx/dc = −(∂F/∂x)⁻¹ ∂F/∂c. The derivative is taken at
 //! the solution, for the tendons that are taut there.
@@ -25,13 +25,27 @@ pub enum Direction {
     Moment(usize),
 }
 
-/// Derivative of the tip pose, per unit of the variable, world frame.
+/// Derivative of the pose of the tip or of another tracked point, per unit of the variable, world frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TipRate {
     /// Of the position, metres.
     pub position_m: Vector3<f64>,
     /// Of the orientation: the rotation vector of a small change, radians.
     pub rotation_rad: Vector3<f64>,
+}
+
+/// Derivatives with respect to one variable, per unit of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PoseRates {
+    /// Of the tip.
+    pub tip: TipRate,
+    /// Of further places on the rod or points on its body, in the order in which they were asked for.
+    pub points: Vec<TipRate>,
+}
+
+impl TipRate {
+    const ZERO: TipRate =
+        TipRate { position_m: Vector3::new(0.0, 0.0, 0.0), rotation_rad: Vector3::new(0.0, 0.0, 0.0) };
 }
 
 /// Step of the central difference that refines a derivative, in lengths of the rod.
@@ -48,6 +62,13 @@ impl Rod {
     /// Derivative of the tip with respect to each of `directions`, at the pose in which [`Rod::settle`] left the rod.
     /// `None` when the rod is not at rest, has moved since, or the tangent is singular.
     pub fn tip_jacobian(&mut self, directions: &[Direction]) -> Option<Vec<TipRate>> {
+        let rates = self.pose_jacobian(directions, &[])?;
+        Some(rates.into_iter().map(|rates| rates.tip).collect())
+    }
+
+    /// [`Rod::tip_jacobian`] with the derivatives of the cross-sections at these arc lengths, metres from the base
+    /// along the unloaded rod.
+    pub fn pose_jacobian(&mut self, directions: &[Direction], places_m: &[f64]) -> Option<Vec<PoseRates>> {
         let rest = self.settled_under.as_ref()?;
         let motion = Motion::rest(&self.system.grid, &self.system.masses);
         let conditions = SolveConditions {
@@ -69,14 +90,20 @@ impl Rod {
         let rate = |&direction: &Direction| {
             let explicit = self.residual_rate(direction, &conditions, &workspace);
             let solution = Linearised { conditions: &conditions, derivative: &derivative, factors: &factors };
-            self.tip_rate(&explicit, &solution, &mut shifted)
+            self.pose_rates(&explicit, &solution, places_m, &mut shifted)
         };
         directions.iter().map(rate).collect()
     }
 
-    /// Derivative of the tip where ∂F/∂direction is `explicit`: dx = −J⁻¹ ∂F/∂direction, refined once by a central
-    /// difference of F along dx, since J neglects the coupling of strain rates within a cell.
-    fn tip_rate(&self, explicit: &DVector<f64>, solution: &Linearised, shifted: &mut Workspace) -> Option<TipRate> {
+    /// Derivatives where ∂F/∂direction is `explicit`: dx = −J⁻¹ ∂F/∂direction, refined once by a central difference of
+    /// F along dx, since J neglects the coupling of strain rates within a cell.
+    fn pose_rates(
+        &self,
+        explicit: &DVector<f64>,
+        solution: &Linearised,
+        places_m: &[f64],
+        shifted: &mut Workspace,
+    ) -> Option<PoseRates> {
         let &Linearised { conditions, derivative, factors } = solution;
         let n = self.system.grid.unknowns;
         let mut change = -explicit;
@@ -85,27 +112,40 @@ impl Rod {
         }
         let size_m = self.system.size_of_step_m(&change.as_slice()[..n], shifted);
         if size_m == 0.0 {
-            return Some(TipRate { position_m: Vector3::zeros(), rotation_rad: Vector3::zeros() });
+            return Some(PoseRates { tip: TipRate::ZERO, points: vec![TipRate::ZERO; places_m.len()] });
         }
         let share = PROBE * self.system.params.length_m() / size_m;
-        let mut at = |sign: f64| {
+        let mut at = |along: &DVector<f64>, sign: f64| {
             let unknowns: Vec<f64> =
-                self.state.unknowns.iter().zip(change.iter()).map(|(x, dx)| x + sign * share * dx).collect();
+                self.state.unknowns.iter().zip(along.iter()).map(|(x, dx)| x + sign * share * dx).collect();
             self.system.evaluate(&unknowns, conditions, shifted);
-            (DVector::from_column_slice(&shifted.residual), shifted.shape.tip_m(), shifted.shape.tip_rotation())
+            let shape = &shifted.shape;
+            let poses: Vec<(Vector3<f64>, Matrix3<f64>)> =
+                places_m.iter().map(|&place_m| shape.pose_at(&self.system.grid, place_m)).collect();
+            (DVector::from_column_slice(&shifted.residual), (shape.tip_m(), shape.tip_rotation()), poses)
         };
-        let (after, before) = (at(1.0), at(-1.0));
+        let between = |after: (Vector3<f64>, Matrix3<f64>), before: (Vector3<f64>, Matrix3<f64>)| TipRate {
+            position_m: (after.0 - before.0) / (2.0 * share),
+            rotation_rad: rotation::log(&(after.1 * before.1.transpose())) / (2.0 * share),
+        };
+        let (after, before) = (at(&change, 1.0), at(&change, -1.0));
         let mut left = -(explicit + (after.0 - before.0) / (2.0 * share));
         if !factors.solve_mut(&mut left) {
             return None;
         }
         let last = derivative.variation.end_move.len() - 1;
         let more = &left.as_slice()[..n];
-        Some(TipRate {
-            position_m: (after.1 - before.1) / (2.0 * share) + derivative.variation.end_move[last].times(more),
-            rotation_rad: rotation::log(&(after.2 * before.2.transpose())) / (2.0 * share)
-                + derivative.variation.end_turn[last].times(more),
-        })
+        let mut tip = between(after.1, before.1);
+        tip.position_m += derivative.variation.end_move[last].times(more);
+        tip.rotation_rad += derivative.variation.end_turn[last].times(more);
+        let points = if places_m.is_empty() {
+            Vec::new()
+        } else {
+            let refined = &change + &left;
+            let (after, before) = (at(&refined, 1.0), at(&refined, -1.0));
+            after.2.into_iter().zip(before.2).map(|(after, before)| between(after, before)).collect()
+        };
+        Some(PoseRates { tip, points })
     }
 
     /// ∂F/∂direction at fixed unknowns.

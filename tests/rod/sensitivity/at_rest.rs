@@ -87,6 +87,37 @@ fn jacobian_at_rest() {
     }
 }
 
+/// Places between the ends of cells, and the tip: as the tip moves, and as differences say.
+#[test]
+fn jacobian_of_places_at_rest() {
+    let params = RodParams { moment_laws: vec![], ..shipped("real").rod(&[]) };
+    let places_m = [0.0, 0.0437, 0.1312, params.length_m()];
+    let drives = [Drive::Pull(0.012), Drive::Pull(0.008), Drive::Pull(-0.012), Drive::Pull(-0.008)];
+    let load = TipWrench { force_n: Vector3::new(0.1, -0.2, 0.15), moment_nm: Vector3::new(0.005, 0.01, -0.004) };
+    let settled = |(drives, load): ([Drive; 4], TipWrench)| {
+        let mut rod = Rod::new(params.clone());
+        rod.set_tip_load(load);
+        assert_eq!([rod.settle(&drives), rod.settle(&drives)], [SolveStatus::Converged; 2]);
+        rod
+    };
+    let mut rod = settled((drives, load));
+    for (direction, step) in [(Direction::Pull(0), 1e-4), (Direction::Force(1), 1e-2), (Direction::Moment(0), 1e-3)] {
+        let rates = rod.pose_jacobian(&[direction], &places_m).unwrap().remove(0);
+        assert_eq!(rates.points[0].position_m.norm(), 0.0, "the base stands");
+        assert!((rates.points[3].position_m - rates.tip.position_m).norm() < 1e-8 * rates.tip.position_m.norm());
+        let [plus, minus] = [step, -step].map(|by| settled(shifted(direction, by, (drives, load))));
+        for (place_m, rate) in places_m.iter().zip(&rates.points).skip(1) {
+            let (after, before) = (plus.pose_at(*place_m), minus.pose_at(*place_m));
+            let moved = (after.0 - before.0) / (2.0 * step);
+            let turned = rotation::log(&(after.1 * before.1.transpose())) / (2.0 * step);
+            let close =
+                |a: Vector3<f64>, b: Vector3<f64>, left: f64| (a - b).norm() < RELATIVE * b.norm() + left / step;
+            assert!(close(rate.position_m, moved, 1e-9), "{direction:?} {place_m}: {} {moved}", rate.position_m);
+            assert!(close(rate.rotation_rad, turned, 1e-8), "{direction:?} {place_m}: {} {turned}", rate.rotation_rad);
+        }
+    }
+}
+
 /// Gauss–Newton on the pulls of a controller: the distance to a reachable target falls with its square.
 #[test]
 fn newton_on_pulls_converges_quadratically() {

@@ -4,6 +4,7 @@
 mod at_rest;
 mod motion;
 mod numbers;
+mod points;
 mod support;
 
 use spinebench::base::PlantError;

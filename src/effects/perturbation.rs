@@ -1,0 +1,111 @@
+//! A model with one variable slightly changed: what follows the model to give a derivative.
+
+use std::ops::Range;
+
+use super::model_parameter::{ParameterError, Variable};
+use super::{BodyPoint, Effect, EffectSpec, Model};
+use crate::rod::{PerturbedRods, RodParams};
+
+/// Relative perturbation for derivatives: balances truncation against rounding.
+const RELATIVE_STEP: f64 = 1e-7;
+
+/// Why a derivative along a motion does not exist.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum VariationError {
+    /// The model has no such parameter.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// Index of a variable (from 0) whose smallest perturbation changes the discretisation, such as the end of a tendon
+    /// at the tip. Only finite differences of whole motions apply.
+    #[error("variable {0} (from 0) changes the discretisation of the rod: no derivative along the motion")]
+    NotPerturbable(usize),
+    /// A tendon or an axis that does not exist.
+    #[error("variable {0} (from 0) names a tendon or an axis that this robot does not have")]
+    Missing(usize),
+    /// A parameter that cannot be perturbed in either direction.
+    #[error("{0}: no value near the present one is in range")]
+    OutOfRange(String),
+}
+
+/// Perturbation of one follower.
+#[derive(Clone, Debug)]
+pub(super) struct Perturbation {
+    /// Change of the variable, in its unit.
+    pub(super) step: f64,
+    /// Tendon and commands, when the variable is a command.
+    command: Option<(usize, Range<usize>)>,
+}
+
+/// A perturbed model.
+pub(super) struct PerturbedModel {
+    pub(super) perturbation: Perturbation,
+    pub(super) drive_time_s: f64,
+    pub(super) params: RodParams,
+    pub(super) effects: Vec<Box<dyn Effect>>,
+    pub(super) points: Vec<BodyPoint>,
+}
+
+impl Perturbation {
+    /// The tendon and shift of the command with index `number`, if this perturbation changes it.
+    pub(super) fn shift(&self, number: Option<usize>) -> Option<(usize, f64)> {
+        let (tendon, commands) = self.command.as_ref()?;
+        commands.contains(&number?).then_some((*tendon, self.step))
+    }
+}
+
+/// The model with one variable perturbed.
+pub(super) fn perturb(
+    model: &Model,
+    extra: &[EffectSpec],
+    variable: &Variable,
+    index: usize,
+) -> Result<PerturbedModel, VariationError> {
+    let params = model.rod(extra);
+    let plain = |step: f64, command: Option<(usize, Range<usize>)>, params: RodParams| PerturbedModel {
+        perturbation: Perturbation { step, command },
+        drive_time_s: model.robot.drive_time_s,
+        params,
+        effects: model.effects(extra),
+        points: model.tracking.places(),
+    };
+    let axis = |axis: usize| if axis < 3 { Ok(axis) } else { Err(VariationError::Missing(index)) };
+    let mut changed = params.clone();
+    match variable {
+        Variable::Parameter(parameter) => {
+            let (value, scale) = (parameter.value(model)?, parameter.scale(model)?);
+            for step in [RELATIVE_STEP * scale, -RELATIVE_STEP * scale] {
+                // The perturbation after rounding of the sum.
+                let (there, step) = (value + step, (value + step) - value);
+                let candidate = parameter.with_value(model, there)?;
+                let changed = candidate.rod(extra);
+                if candidate.check().is_ok() && PerturbedRods::possible(&params, &changed) {
+                    let effects = candidate.effects(extra);
+                    let drive_time_s = candidate.robot.drive_time_s;
+                    let perturbation = Perturbation { step, command: None };
+                    let points = candidate.tracking.places();
+                    return Ok(PerturbedModel { perturbation, drive_time_s, params: changed, effects, points });
+                }
+            }
+            Err(VariationError::NotPerturbable(index))
+        }
+        Variable::Command { tendon, commands } => {
+            if *tendon >= params.tendons.len() {
+                return Err(VariationError::Missing(index));
+            }
+            Ok(plain(RELATIVE_STEP * COMMAND_SCALE, Some((*tendon, commands.clone())), params))
+        }
+        Variable::Force(along) => {
+            changed.tip_load.force_n[axis(*along)?] += RELATIVE_STEP * FORCE_SCALE_N;
+            Ok(plain(RELATIVE_STEP * FORCE_SCALE_N, None, changed))
+        }
+        Variable::Moment(about) => {
+            changed.tip_load.moment_nm[axis(*about)?] += RELATIVE_STEP * MOMENT_SCALE_NM;
+            Ok(plain(RELATIVE_STEP * MOMENT_SCALE_NM, None, changed))
+        }
+    }
+}
+
+/// Scales: 10 mm or N of a command, of a force, and of a moment at the tip.
+const COMMAND_SCALE: f64 = 0.01;
+const FORCE_SCALE_N: f64 = 0.1;
+const MOMENT_SCALE_NM: f64 = 0.01;
