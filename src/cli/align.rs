@@ -50,7 +50,8 @@ impl AlignCommand {
         let mut options = read_hardware_plant(&self.plant)?;
         let (recording, at_rest) = match &self.measured {
             Some(file) => {
-                let recording = Recording::read(file).map_err(CommandError::bad_input)?;
+                let mut recording = Recording::read(file).map_err(CommandError::bad_input)?;
+                recording.convert_drives(file, &options.model.drive_gains(), 4).map_err(CommandError::bad_input)?;
                 same_tendons(file, &recording, 4)?;
                 (recording, self.at_rest)
             }

@@ -1,6 +1,7 @@
 //! `spinebench calibrate`.
 
-use super::simulate::read_measured_tip;
+use super::shared::StartsArg;
+use super::simulate::{one_gravity, read_measured_tip};
 use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::calibration::{CALIBRATION_PARAMETERS, calibrate};
@@ -27,6 +28,8 @@ pub(super) struct CalibrateCommand {
     /// Treat every row of the recording as a pose at rest.
     #[arg(long = "static")]
     at_rest: bool,
+    #[command(flatten)]
+    starts: StartsArg,
 }
 
 fn names() -> clap::builder::PossibleValuesParser {
@@ -35,8 +38,9 @@ fn names() -> clap::builder::PossibleValuesParser {
 
 impl CalibrateCommand {
     pub(super) fn execute(self) -> CommandResult {
-        let model = read_model(&self.model).map_err(CommandError::bad_input)?;
-        let measured = read_measured_tip(&self.measured, &model)?;
+        let model = self.starts.applied(read_model(&self.model).map_err(CommandError::bad_input)?);
+        let measured = read_measured_tip(&self.measured, &model, self.at_rest)?;
+        one_gravity(&self.measured, &measured, &model)?;
         if !self.at_rest {
             measured.check_duration(&self.measured).map_err(CommandError::bad_input)?;
         }
@@ -46,6 +50,9 @@ impl CalibrateCommand {
         })?;
         let text = model_text(&found.model).map_err(CommandError::failed)?;
         write_atomic(&self.out, text.as_bytes()).map_err(CommandError::bad_input)?;
+        if let Some(words) = model.tracking.starts.told() {
+            println!("{words}");
+        }
         for number in &found.numbers {
             let [low, high] = number.interval_95;
             println!("{}: {:.5e}, 95 % interval {low:.5e} to {high:.5e}", number.name, number.value);

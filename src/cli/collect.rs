@@ -1,7 +1,7 @@
 //! `spinebench collect`.
 
 use super::session::{RecordedPlant, RecordingSession};
-use super::simulate::{failures, same_tendons};
+use super::simulate::{failures, one_gravity, same_tendons};
 use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::base::Seed;
@@ -37,7 +37,11 @@ pub(super) struct CollectCommand {
 impl CollectCommand {
     pub(super) fn execute(self) -> CommandResult {
         let plant = read_plant(&self.plant).map_err(CommandError::bad_input)?;
-        let commands = Recording::read_commands(&self.commands).map_err(CommandError::bad_input)?;
+        let read = if self.at_rest { Recording::read_pose_commands } else { Recording::read_commands };
+        let mut commands = read(&self.commands).map_err(CommandError::bad_input)?;
+        commands
+            .convert_drives(&self.commands, &plant.drive_gains(), plant.tendons())
+            .map_err(CommandError::bad_input)?;
         same_tendons(&self.commands, &commands, plant.tendons())?;
         match plant {
             PlantSpec::Simulated(plant) if !self.dry_run => self.simulate(&plant, &commands),
@@ -48,6 +52,7 @@ impl CollectCommand {
     /// A simulated robot is solved as accurately as in `simulate`, at the times of the commands.
     fn simulate(&self, plant: &SimulatedSpec, commands: &Recording) -> CommandResult {
         let out = self.out()?;
+        one_gravity(&self.commands, commands, &plant.model)?;
         commands.check_points(&self.commands, &plant.model.tracking.names()).map_err(CommandError::bad_input)?;
         let options = SimulationOptions {
             at_rest: self.at_rest,
@@ -56,6 +61,9 @@ impl CollectCommand {
             seed: Seed(self.seed),
         };
         let mut recorded = simulate_recording(&plant.model, commands, &options);
+        if let Some(words) = plant.model.tracking.starts.told() {
+            eprintln!("note: {words}");
+        }
         let failed = failures(&recorded);
         // The tracker measures positions; what only the simulation knows is left out.
         recorded.extra.clone_from(&commands.extra);
@@ -78,6 +86,11 @@ impl CollectCommand {
         if commands.actuation != Actuation::Lengths {
             return Err(CommandError::BadInput(format!(
                 "{file}, line 1: found tensions, expected displacements (tendon_1_m…)"
+            )));
+        }
+        if commands.gravity_m_s2.is_some() {
+            return Err(CommandError::BadInput(format!(
+                "{file}, line 1: found a gravity (gravity_x_m_s2…), expected none: only a simulated plant has one"
             )));
         }
         if commands.tip_load.is_some() {

@@ -1,5 +1,6 @@
 //! `spinebench discover`.
 
+use super::shared::StartsArg;
 use super::simulate::read_measured_tip;
 use super::{CommandError, CommandResult};
 use clap::Args;
@@ -8,7 +9,7 @@ use spinebench::base::Seed;
 use spinebench::data::findings::Verdict;
 use spinebench::data::{Recording, write_atomic};
 use spinebench::discovery::{Discovery, DiscoveryError, Options, discover};
-use spinebench::effects::{CATALOGUE, Model};
+use spinebench::effects::{CATALOGUE, Model, Starts};
 use spinebench::report::discovery::{DiscoveryReport, EffectText, artifacts};
 use spinebench::specs::{
     PlantSpec, SimulatedSpec, extended_text, files_behind, model_text, read_model, read_options, read_plant,
@@ -44,6 +45,8 @@ pub(super) struct DiscoverCommand {
     /// Maximum number of recordings on the plant.
     #[arg(long, default_value_t = 3, requires = "plant")]
     rounds: u64,
+    #[command(flatten)]
+    starts: StartsArg,
     /// Suppress output.
     #[arg(long)]
     quiet: bool,
@@ -56,7 +59,12 @@ fn names() -> PossibleValuesParser {
 impl DiscoverCommand {
     pub(super) fn execute(self) -> CommandResult {
         self.check_out()?;
-        let given = read_model(&self.model).map_err(CommandError::bad_input)?;
+        let written = read_model(&self.model).map_err(CommandError::bad_input)?;
+        let given = self.starts.applied(written.clone());
+        if given.tracking.starts == Starts::Continue {
+            let words = "found `continue`, expected `home` or `anywhere`: discover simulates every trial on its own";
+            return Err(CommandError::BadInput(format!("{}: tracking.starts: {words}", self.model.display())));
+        }
         let mut options = match &self.options {
             Some(file) => read_options(file).map_err(CommandError::bad_input)?,
             None => Options::default(),
@@ -68,6 +76,7 @@ impl DiscoverCommand {
         let measured = Recording::joined(&parts).map_err(|error| {
             CommandError::BadInput(format!("{}, line 1: {error}", self.measured[error.index].display()))
         })?;
+        let points = measured.points.iter().map(|point| point.name.as_str()).collect::<Vec<_>>().join(", ");
         let baseline = self.baseline.as_ref().map(|file| read(file, &given)).transpose()?;
         self.refuse_own_baseline(&measured, baseline.as_ref())?;
         let plant = self.plant.as_ref().map(|file| simulated(file, &given)).transpose()?;
@@ -81,7 +90,14 @@ impl DiscoverCommand {
         if baseline.is_some_and(|baseline| parts.iter().any(|part| baseline.holds(part) || part.holds(&baseline))) {
             found.findings.limitations.push(OWN_BASELINE.to_owned());
         }
-        self.write(&given, &found, &recorded)?;
+        found.findings.limitations.extend(given.tracking.starts.told().map(str::to_owned));
+        if !points.is_empty() {
+            let words = format!("Of what was tracked the tip alone was compared; these points were not: {points}.");
+            found.findings.limitations.push(words);
+        }
+        // The model is written as it was given, whatever `--starts` says.
+        found.model.tracking.clone_from(&written.tracking);
+        self.write(&written, &found, &recorded)?;
         if !self.quiet {
             println!("{}", found.findings.summary);
             println!("next: {}", found.findings.next_measurement);
@@ -289,7 +305,7 @@ fn is_written(name: &str) -> bool {
 
 /// Reads a recording of this robot and checks durations and loads.
 fn read(file: &Path, model: &Model) -> Result<Recording, CommandError> {
-    let recording = read_measured_tip(file, model)?;
+    let recording = read_measured_tip(file, model, false)?;
     recording.check_duration(file).map_err(CommandError::bad_input)?;
     recording.check_loads(file).map_err(CommandError::bad_input)?;
     Ok(recording)

@@ -3,6 +3,7 @@
 use super::{CommandError, CommandResult};
 use spinebench::base::{Plant, PlantError, Seed};
 use spinebench::data::Recording;
+use spinebench::data::recording::DriveTrack;
 use spinebench::plants::hardware::{Hardware, HardwareOptions, operator};
 use spinebench::specs::{PlantSpec, read_plant};
 use std::ops::Range;
@@ -95,7 +96,7 @@ impl<'a> RecordingSession<'a> {
         if !session.part.exists() {
             return Ok(session);
         }
-        let earlier = Recording::read(&session.part).map_err(CommandError::bad_input)?;
+        let mut earlier = Recording::read(&session.part).map_err(CommandError::bad_input)?;
         if !session.begins_with(&earlier) {
             let part = session.part.display();
             return Err(CommandError::BadInput(format!(
@@ -103,6 +104,8 @@ impl<'a> RecordingSession<'a> {
                  start over"
             )));
         }
+        // A file with commands of drives holds none of tendons.
+        earlier.commands = commands.commands.select(&(0..earlier.len()).collect::<Vec<_>>());
         let (done, all) = (earlier.trials().len(), commands.trials().len());
         eprintln!("note: {}: resuming after {done} of {all} trials", session.part.display());
         session.done = Some(earlier);
@@ -112,11 +115,17 @@ impl<'a> RecordingSession<'a> {
     fn begins_with(&self, earlier: &Recording) -> bool {
         let (count, commands) = (earlier.len(), self.commands);
         let hung = |recording: &Recording, row: usize| recording.known_load_kg.as_ref().map_or(0.0, |load| load[row]);
+        let columns = |recording: &Recording| recording.drives.iter().map(DriveTrack::column).collect::<Vec<_>>();
         count <= commands.len()
+            && columns(earlier) == columns(commands)
             && earlier.trial == commands.trial[..count]
             && earlier.time_s == commands.time_s[..count]
             && (0..count).all(|row| {
-                earlier.commands.row(row) == commands.commands.row(row) && hung(earlier, row) == hung(commands, row)
+                let same = match earlier.drives.is_empty() {
+                    true => earlier.commands.row(row) == commands.commands.row(row),
+                    false => earlier.drive_displacements(row) == commands.drive_displacements(row),
+                };
+                same && hung(earlier, row) == hung(commands, row)
             })
     }
 

@@ -2,6 +2,7 @@
 
 use super::CommandError;
 use clap::{Args, ValueEnum};
+use spinebench::effects::{Model, Starts};
 use spinebench::runner::{Campaign, Progress, Store, Style};
 use spinebench::specs::{ExperimentSet, SpecError};
 use std::collections::BTreeSet;
@@ -73,6 +74,35 @@ pub(super) struct ProgressArgs {
     /// Number of threads; 0 means one for each processor.
     #[arg(long, visible_alias = "threads", value_name = "N", default_value_t = 0)]
     pub(super) jobs: usize,
+}
+
+/// How trials start.
+#[derive(Args)]
+pub(super) struct StartsArg {
+    /// State at the start of a trial, in place of the model's `tracking.starts`: at rest at home, at rest under the trial's
+    /// first command, or as the trial before has left it.
+    #[arg(long, value_enum)]
+    starts: Option<StartsChoice>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum StartsChoice {
+    Home,
+    Anywhere,
+    Continue,
+}
+
+impl StartsArg {
+    /// The model with this start, where one is given.
+    pub(super) fn applied(&self, mut model: Model) -> Model {
+        model.tracking.starts = match self.starts {
+            None => model.tracking.starts,
+            Some(StartsChoice::Home) => Starts::Home,
+            Some(StartsChoice::Anywhere) => Starts::Anywhere,
+            Some(StartsChoice::Continue) => Starts::Continue,
+        };
+        model
+    }
 }
 
 /// Format of stderr.

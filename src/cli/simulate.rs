@@ -1,10 +1,11 @@
 //! `spinebench simulate`.
 
+use super::shared::StartsArg;
 use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::data::Recording;
 use spinebench::data::recording::Extra;
-use spinebench::effects::Model;
+use spinebench::effects::{Model, Starts};
 use spinebench::specs::read_model;
 use spinebench::tasks::{SimulationOptions, simulate_recording};
 use std::path::{Path, PathBuf};
@@ -25,18 +26,24 @@ pub(super) struct SimulateCommand {
     /// Compute each row as the equilibrium under its own command.
     #[arg(long = "static")]
     at_rest: bool,
+    #[command(flatten)]
+    starts: StartsArg,
 }
 
 impl SimulateCommand {
     pub(super) fn execute(self) -> CommandResult {
-        let model = read_model(&self.model).map_err(CommandError::bad_input)?;
-        let commands = read_commands(&self.commands, &model)?;
+        let model = self.starts.applied(read_model(&self.model).map_err(CommandError::bad_input)?);
+        let commands = read_commands(&self.commands, &model, self.at_rest)?;
+        one_gravity(&self.commands, &commands, &model)?;
         let played = simulate_recording(
             &model,
             &commands,
             &SimulationOptions { at_rest: self.at_rest, ..SimulationOptions::default() },
         );
         played.write(&self.out).map_err(CommandError::bad_input)?;
+        if let Some(words) = model.tracking.starts.told() {
+            eprintln!("note: {words}");
+        }
         let failed = failures(&played);
         if failed > 0 {
             let (all, out) = (played.len(), self.out.display());
@@ -46,19 +53,36 @@ impl SimulateCommand {
     }
 }
 
-/// Reads commands and checks that their number of tendons is the model's.
-pub(super) fn read_commands(file: &Path, model: &Model) -> Result<Recording, CommandError> {
-    let commands = Recording::read_commands(file).map_err(CommandError::bad_input)?;
+/// Reads commands and checks that their number of tendons is the model's. Poses `at_rest` may have any times.
+pub(super) fn read_commands(file: &Path, model: &Model, at_rest: bool) -> Result<Recording, CommandError> {
+    let read = if at_rest { Recording::read_pose_commands } else { Recording::read_commands };
+    let mut commands = read(file).map_err(CommandError::bad_input)?;
     let expected = model.robot.tendons.angles_deg.len();
+    commands.convert_drives(file, &model.drive_gains(), expected).map_err(CommandError::bad_input)?;
     same_tendons(file, &commands, expected)?;
     commands.check_points(file, &model.tracking.names()).map_err(CommandError::bad_input)?;
     Ok(commands)
 }
 
+/// Refuses a gravity that changes from trial to trial where trials go on from one another: the robot is the same in all.
+pub(super) fn one_gravity(file: &Path, commands: &Recording, model: &Model) -> CommandResult {
+    let all = commands.gravity_m_s2.as_deref().unwrap_or_default();
+    let Some(row) = all.iter().position(|own| *own != all[0]) else { return Ok(()) };
+    if model.tracking.starts != Starts::Continue {
+        return Ok(());
+    }
+    let words = "found another gravity than in the first trial, expected the same in all with `starts: continue`";
+    Err(CommandError::BadInput(format!("{}, row {}: {words}", file.display(), row + 1)))
+}
+
 /// Reads a recording of the model's robot and checks its number of tendons and that tip and commands are within reach.
-pub(super) fn read_measured(file: &Path, model: &Model) -> Result<Recording, CommandError> {
-    let measured = Recording::read(file).map_err(CommandError::bad_input)?;
-    same_tendons(file, &measured, model.robot.tendons.angles_deg.len())?;
+/// Poses `at_rest` may have any times.
+pub(super) fn read_measured(file: &Path, model: &Model, at_rest: bool) -> Result<Recording, CommandError> {
+    let read = if at_rest { Recording::read_poses } else { Recording::read };
+    let mut measured = read(file).map_err(CommandError::bad_input)?;
+    let tendons = model.robot.tendons.angles_deg.len();
+    measured.convert_drives(file, &model.drive_gains(), tendons).map_err(CommandError::bad_input)?;
+    same_tendons(file, &measured, tendons)?;
     measured.check_points(file, &model.tracking.names()).map_err(CommandError::bad_input)?;
     let length_m = model.robot.backbone.length_m;
     measured.check_reach(file, model.robot.base_m, length_m).map_err(CommandError::bad_input)?;
@@ -67,8 +91,8 @@ pub(super) fn read_measured(file: &Path, model: &Model) -> Result<Recording, Com
 }
 
 /// Reads a recording as [`read_measured`] does; the tip must be in it.
-pub(super) fn read_measured_tip(file: &Path, model: &Model) -> Result<Recording, CommandError> {
-    let measured = read_measured(file, model)?;
+pub(super) fn read_measured_tip(file: &Path, model: &Model, at_rest: bool) -> Result<Recording, CommandError> {
+    let measured = read_measured(file, model, at_rest)?;
     if measured.tip_m.is_some() {
         return Ok(measured);
     }

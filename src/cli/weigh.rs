@@ -79,7 +79,8 @@ impl WeighCommand {
             }
             return Ok(star_m(self.reach_m));
         };
-        let commands = Recording::read_commands(file).map_err(CommandError::bad_input)?;
+        let mut commands = Recording::read_commands(file).map_err(CommandError::bad_input)?;
+        commands.convert_drives(file, &options.model.drive_gains(), 4).map_err(CommandError::bad_input)?;
         same_tendons(file, &commands, 4)?;
         if commands.actuation != Actuation::Lengths {
             return Err(CommandError::BadInput(format!(

@@ -56,7 +56,7 @@ pub fn discover(
         problem.base_matches_model = recording::base_markers::base_matches_model(measured, &fitted, model);
         Ok(problem)
     };
-    let all = Samples::new(measured);
+    let all = Samples::new(measured).starting(model.tracking.starts);
     let problem = new_problem(all.clone())?;
     // Try without trial starts first: a few wrong tip positions bias every fit.
     if let Some(starts) = noise_floor::trial_starts::scattered_starts(&problem.training, model)

@@ -159,7 +159,7 @@ impl Baseline {
         recording: &Recording,
         options: &Options,
     ) -> Result<Baseline, DiscoveryError> {
-        let whole = Samples::new(recording);
+        let whole = Samples::new(recording).starting(model.tracking.starts);
         validate::check(recording, &whole)?;
         let later = trial_starts::scattered_starts(&whole, model)
             .map(|starts| (trial_starts::without_starts(&whole), Some(starts)));

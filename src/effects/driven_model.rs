@@ -25,6 +25,8 @@ pub struct DrivenModel {
     perturbations: Vec<Perturbation>,
     /// Tracked points of the model, then of each perturbed model.
     points: Vec<Vec<BodyPoint>>,
+    /// Displacements of the model's drives in the next command, in the order of their names.
+    drive_displacements: Vec<f64>,
     /// Index of the next command; `None` before the command that brings the rod home after a restart.
     next: Option<usize>,
 }
@@ -40,6 +42,7 @@ impl DrivenModel {
             drive_states: vec![drive_state],
             perturbations: Vec::new(),
             points: vec![model.tracking.places()],
+            drive_displacements: Vec::new(),
             next: None,
         }
     }
@@ -101,7 +104,14 @@ impl DrivenModel {
             drive_state.commanded_m.fill(0.0);
             drive_state.actual_m.fill(0.0);
         }
+        self.drive_displacements.clear();
         self.next = None;
+    }
+
+    /// Says how far the model's drives are displaced (radians or metres, in the order of their names) in the commands from
+    /// now on: what a change of their gains is multiplied by. A restart forgets it.
+    pub fn set_drive_displacements(&mut self, displacements: Vec<f64>) {
+        self.drive_displacements = displacements;
     }
 
     /// Restarts and settles at home; the next command has index 0.
@@ -112,6 +122,18 @@ impl DrivenModel {
         self.restart();
         let tendons = self.rod().params().tendons.len();
         self.settle(&vec![TendonCommand::Pull(0.0); tendons])
+    }
+
+    /// Restarts away from home: the next command is the first one, with index 0, and finds the robot straight and unloaded.
+    pub fn restart_away(&mut self) {
+        self.restart();
+        self.next = Some(0);
+    }
+
+    /// Counts the next command as the first one again: after settling under the first command of a trial that does not start
+    /// at home.
+    pub fn restart_count(&mut self) {
+        self.next = Some(0);
     }
 
     /// Restarts and settles without tensions; the next command has index 0.
@@ -269,8 +291,9 @@ impl DrivenModel {
             };
             commands.iter().zip(following).enumerate().map(pull).collect()
         };
-        let shifts =
-            std::iter::once(None).chain(self.perturbations.iter().map(|perturbation| perturbation.shift(self.next)));
+        let shifts = std::iter::once(None).chain(
+            self.perturbations.iter().map(|perturbation| perturbation.shift(self.next, &self.drive_displacements)),
+        );
         Ok(self.each_rod().zip(shifts).map(asked).collect())
     }
 
@@ -289,8 +312,9 @@ impl DrivenModel {
 
     /// For each rod, the tensions as drives.
     fn tensions(&self, tensions_n: &[f64]) -> Vec<Vec<Drive>> {
-        let shifts =
-            std::iter::once(None).chain(self.perturbations.iter().map(|perturbation| perturbation.shift(self.next)));
+        let shifts = std::iter::once(None).chain(
+            self.perturbations.iter().map(|perturbation| perturbation.shift(self.next, &self.drive_displacements)),
+        );
         let each = shifts.map(|shift| {
             let own = |(tendon, &tension): (usize, &f64)| match shift {
                 Some((shifted, step)) if shifted == tendon => Drive::Tension(tension + step),

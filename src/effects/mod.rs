@@ -9,6 +9,7 @@ mod model_parameter;
 mod perturbation;
 mod replay;
 mod robot;
+mod tendon_drive;
 mod tracking;
 
 use std::fmt::Debug;
@@ -25,9 +26,11 @@ pub use model_parameter::{ModelParameter, ParameterError, Variable};
 pub use perturbation::VariationError;
 pub use replay::{ReplayError, Replayed, Trial, replay};
 pub use robot::{
-    Backbone, Disks, Frame, Load, OffsetPoint, OnePlace, Piece, RadiusPoint, Robot, Sections, Spread, Tendons,
+    Backbone, Disks, Frame, Load, OffsetPoint, OnePlace, PerTendon, Piece, RadiusPoint, Robot, Sections, Spread,
+    Tendons,
 };
-pub use tracking::{BodyPoint, Tracking};
+pub use tendon_drive::{DriveGains, TendonDrive, check_drives, drive_gains};
+pub use tracking::{BodyPoint, Starts, Tracking};
 
 /// A physical effect. Every hook does nothing unless an effect fills it in.
 ///

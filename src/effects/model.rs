@@ -1,8 +1,10 @@
 //! A model: a robot and the effects added to it.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
-use super::{Effect, EffectSpec, Robot, Tracking};
+use super::{Effect, EffectSpec, Robot, TendonDrive, Tracking, check_drives};
 use crate::base::BadOption;
 use crate::rod::RodParams;
 
@@ -18,6 +20,10 @@ pub struct Model {
     /// What is tracked besides the tip.
     #[serde(default, skip_serializing_if = "Tracking::is_default")]
     pub tracking: Tracking,
+    /// Drives by name, where commands are not those of tendons: that of the columns `drive_NAME_rad` or `drive_NAME_m` of a
+    /// recording.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub drives: BTreeMap<String, TendonDrive>,
 }
 
 impl Model {
@@ -31,6 +37,7 @@ impl Model {
             (format!("robot{dot}{path}"), error)
         })?;
         self.tracking.check(self.robot.backbone.length_m)?;
+        check_drives(&self.drives, self.robot.tendons.angles_deg.len())?;
         check_effects(&self.effects, self.robot.tendons.angles_deg.len())
             .map_err(|(index, name, error)| (format!("effects[{index}].{name}"), error))
     }

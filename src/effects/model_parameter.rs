@@ -10,13 +10,13 @@ use super::{Model, Robot};
 use crate::base::Point3;
 use crate::rod::Resolution;
 
-/// A real-valued parameter of a model file, of the robot, of one of its effects or of a tracked
-/// point. Integers (counts, tendon numbers)
+/// A real-valued parameter of a model file, of the robot, of one of its effects, of a tracked
+/// point or of a drive. Integers (counts, tendon numbers)
 /// and the numerical resolution are excluded.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct ModelParameter {
-    /// Its path, such as `robot.backbone.youngs_modulus_pa`, `robot.gravity_m_s2[0]`, `effects[0].mass_kg` or
-    /// `tracking.points.p1.offset_m[0]`.
+    /// Its path, such as `robot.backbone.youngs_modulus_pa`, `robot.gravity_m_s2[0]`, `effects[0].mass_kg`,
+    /// `tracking.points.p1.offset_m[0]` or `drives.servo_1.gains[0]`.
     path: String,
     /// Its unit; `1` for a plain ratio.
     unit: &'static str,
@@ -88,8 +88,10 @@ impl ModelParameter {
                 collect(value, &format!("effects[{index}].{key}"), &mut found);
             }
         }
-        if let Ok(tracking) = serde_json::to_value(&model.tracking) {
+        if let (Ok(tracking), Ok(drives)) = (serde_json::to_value(&model.tracking), serde_json::to_value(&model.drives))
+        {
             collect(&tracking, "tracking", &mut found);
+            collect(&drives, "drives", &mut found);
         }
         found
     }

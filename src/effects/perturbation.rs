@@ -32,8 +32,19 @@ pub enum VariationError {
 pub(super) struct Perturbation {
     /// Change of the variable, in its unit.
     pub(super) step: f64,
-    /// Tendon and commands, when the variable is a command.
-    command: Option<(usize, Range<usize>)>,
+    /// What changes of the commands.
+    shift: CommandShift,
+}
+
+/// What a perturbation changes of the commands.
+#[derive(Clone, Debug)]
+enum CommandShift {
+    /// Nothing: it changes the robot or what is measured.
+    Nothing,
+    /// The commands of this tendon with these indices.
+    Commands(usize, Range<usize>),
+    /// The displacement of this tendon per displacement of this drive, both from 0.
+    Gain { tendon: usize, drive: usize },
 }
 
 /// A perturbed model.
@@ -46,11 +57,25 @@ pub(super) struct PerturbedModel {
 }
 
 impl Perturbation {
-    /// The tendon and shift of the command with index `number`, if this perturbation changes it.
-    pub(super) fn shift(&self, number: Option<usize>) -> Option<(usize, f64)> {
-        let (tendon, commands) = self.command.as_ref()?;
-        commands.contains(&number?).then_some((*tendon, self.step))
+    /// The tendon and shift of the command with index `number`, if this perturbation changes it; `drives` are the
+    /// displacements of the drives in this command.
+    pub(super) fn shift(&self, number: Option<usize>, drives: &[f64]) -> Option<(usize, f64)> {
+        match &self.shift {
+            CommandShift::Nothing => None,
+            CommandShift::Commands(tendon, commands) => commands.contains(&number?).then_some((*tendon, self.step)),
+            CommandShift::Gain { tendon, drive } => drives.get(*drive).map(|moved| (*tendon, self.step * moved)),
+        }
     }
+}
+
+/// The gain in which two models differ, if they do.
+fn changed_gain(model: &Model, candidate: &Model) -> CommandShift {
+    let pairs = model.drives.values().zip(candidate.drives.values()).enumerate();
+    let gains = pairs.flat_map(|(drive, (own, other))| {
+        let each = own.gains.iter().zip(&other.gains).zip(&own.tendons);
+        each.map(move |((own, other), tendon)| (own != other, CommandShift::Gain { tendon: tendon - 1, drive }))
+    });
+    gains.into_iter().find(|(differs, _)| *differs).map_or(CommandShift::Nothing, |(_, shift)| shift)
 }
 
 /// The model with one variable perturbed.
@@ -61,8 +86,8 @@ pub(super) fn perturb(
     index: usize,
 ) -> Result<PerturbedModel, VariationError> {
     let params = model.rod(extra);
-    let plain = |step: f64, command: Option<(usize, Range<usize>)>, params: RodParams| PerturbedModel {
-        perturbation: Perturbation { step, command },
+    let plain = |step: f64, shift: CommandShift, params: RodParams| PerturbedModel {
+        perturbation: Perturbation { step, shift },
         drive_time_s: model.robot.drive_time_s,
         params,
         effects: model.effects(extra),
@@ -81,7 +106,7 @@ pub(super) fn perturb(
                 if candidate.check().is_ok() && PerturbedRods::possible(&params, &changed) {
                     let effects = candidate.effects(extra);
                     let drive_time_s = candidate.robot.drive_time_s;
-                    let perturbation = Perturbation { step, command: None };
+                    let perturbation = Perturbation { step, shift: changed_gain(model, &candidate) };
                     let points = candidate.tracking.places();
                     return Ok(PerturbedModel { perturbation, drive_time_s, params: changed, effects, points });
                 }
@@ -92,15 +117,15 @@ pub(super) fn perturb(
             if *tendon >= params.tendons.len() {
                 return Err(VariationError::Missing(index));
             }
-            Ok(plain(RELATIVE_STEP * COMMAND_SCALE, Some((*tendon, commands.clone())), params))
+            Ok(plain(RELATIVE_STEP * COMMAND_SCALE, CommandShift::Commands(*tendon, commands.clone()), params))
         }
         Variable::Force(along) => {
             changed.tip_load.force_n[axis(*along)?] += RELATIVE_STEP * FORCE_SCALE_N;
-            Ok(plain(RELATIVE_STEP * FORCE_SCALE_N, None, changed))
+            Ok(plain(RELATIVE_STEP * FORCE_SCALE_N, CommandShift::Nothing, changed))
         }
         Variable::Moment(about) => {
             changed.tip_load.moment_nm[axis(*about)?] += RELATIVE_STEP * MOMENT_SCALE_NM;
-            Ok(plain(RELATIVE_STEP * MOMENT_SCALE_NM, None, changed))
+            Ok(plain(RELATIVE_STEP * MOMENT_SCALE_NM, CommandShift::Nothing, changed))
         }
     }
 }

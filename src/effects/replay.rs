@@ -3,7 +3,7 @@
 use super::driven_model::DrivenModel;
 use super::model_parameter::Variable;
 use super::perturbation::VariationError;
-use super::{EffectSpec, Model};
+use super::{EffectSpec, Model, Starts};
 use crate::base::{PlantError, Point3, Rows, TendonCommand};
 use crate::rod::TipWrench;
 
@@ -55,7 +55,8 @@ pub enum ReplayError {
     },
 }
 
-/// Replays `trial` from rest at home (tension commands: from rest without tension) on a checked model with `extra`
+/// Replays `trial` from rest at home (tension commands: from rest without tension) or, where the model's
+/// `tracking.starts` is `anywhere`, from rest under its first command, on a checked model with `extra`
 /// effects. Variables whose perturbation changes the discretisation are differentiated by finite differences of the
 /// whole trial.
 ///
@@ -69,12 +70,14 @@ pub fn replay(
 ) -> Result<Replayed, ReplayError> {
     trial.check()?;
     let (mut driven, far) = DrivenModel::varied_where_possible(model, extra, variables)?;
-    let mut replayed = trial.play(&mut driven)?;
+    let starts = model.tracking.starts;
+    let mut replayed = trial.play(&mut driven, starts)?;
     for index in far {
         let Variable::Parameter(parameter) = &variables[index] else {
             return Err(VariationError::NotPerturbable(index).into());
         };
-        let tips = |candidate: &Model| trial.play(&mut DrivenModel::new(candidate, extra)).map(|played| played.tips_m);
+        let tips =
+            |candidate: &Model| trial.play(&mut DrivenModel::new(candidate, extra), starts).map(|played| played.tips_m);
         let rates = parameter.differences(model, TRIAL_STEP, &tips)?;
         for (row, rate) in replayed.rates.iter_mut().zip(rates) {
             row.insert(index, rate);
@@ -93,18 +96,16 @@ impl Trial<'_> {
         counted("durations", if self.at_rest { expected } else { self.durations_s.len() })
     }
 
-    fn play(&self, driven: &mut DrivenModel) -> Result<Replayed, ReplayError> {
+    fn play(&self, driven: &mut DrivenModel, starts: Starts) -> Result<Replayed, ReplayError> {
         let mut replayed = Replayed { tips_m: Vec::new(), rates: Vec::new() };
-        if self.tensions {
-            driven.slack()?
-        } else {
-            driven.home()?
+        match (starts, self.tensions) {
+            (Starts::Anywhere, _) if !self.commands.is_empty() => self.begin_away(driven)?,
+            (_, true) => driven.slack()?,
+            (_, false) => driven.home()?,
         }
         replayed.add(driven);
         for (index, command) in self.commands.iter().enumerate() {
-            if let Some(loads) = self.tip_loads {
-                driven.set_extra_tip_load(&|_| loads[index]);
-            }
+            self.load(driven, index);
             let pulls: Vec<TendonCommand> = command.iter().map(|&pull| TendonCommand::Pull(pull)).collect();
             match (self.tensions, self.at_rest) {
                 (false, false) => driven.advance(&pulls, self.durations_s[index])?,
@@ -115,6 +116,29 @@ impl Trial<'_> {
             replayed.add(driven);
         }
         Ok(replayed)
+    }
+}
+
+impl Trial<'_> {
+    /// Settles under the first command.
+    fn begin_away(&self, driven: &mut DrivenModel) -> Result<(), PlantError> {
+        driven.restart_away();
+        self.load(driven, 0);
+        let first = self.commands.row(0);
+        if self.tensions {
+            driven.settle_under(first)?;
+        } else {
+            driven.settle(&first.iter().map(|&pull| TendonCommand::Pull(pull)).collect::<Vec<_>>())?;
+        }
+        driven.restart_count();
+        Ok(())
+    }
+
+    /// Puts the load of a command on the tip.
+    fn load(&self, driven: &mut DrivenModel, index: usize) {
+        if let Some(loads) = self.tip_loads {
+            driven.set_extra_tip_load(&|_| loads[index]);
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 mod backbone;
 mod disks;
 mod loads;
+mod per_tendon;
 mod tendons;
 
 use nalgebra::Vector3;
@@ -11,6 +12,7 @@ use serde::{Deserialize, Serialize};
 pub use backbone::{Backbone, Piece};
 pub use disks::{Disks, Sections};
 pub use loads::{Frame, Load, OnePlace, Spread};
+pub use per_tendon::PerTendon;
 pub use tendons::{OffsetPoint, RadiusPoint, Tendons};
 
 use super::{finite, non_negative};
@@ -106,8 +108,8 @@ impl Default for Robot {
                 profile: Vec::new(),
                 twists_rad_m: None,
                 paths: None,
-                pretension_m: 5e-4,
-                compliance_m_per_n: 0.0,
+                pretension_m: PerTendon::Same(5e-4),
+                compliance_m_per_n: PerTendon::default(),
                 elastic_length_m: None,
                 starts_m: None,
                 ends_m: None,

@@ -20,6 +20,39 @@ pub struct Tracking {
     /// Tracked points by name: that of the columns `point_NAME_x_m,point_NAME_y_m,point_NAME_z_m` of a recording.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub points: BTreeMap<String, BodyPoint>,
+    /// State at the start of a trial.
+    #[serde(default, skip_serializing_if = "Starts::is_default")]
+    pub starts: Starts,
+}
+
+/// State at the start of a trial.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Starts {
+    /// At rest at home, all displacements 0.
+    #[default]
+    Home,
+    /// At rest under the first command of the trial, without memory of what was before.
+    Anywhere,
+    /// As the trial before has left it, at rest under its last command; the first trial starts at home.
+    Continue,
+}
+
+impl Starts {
+    fn is_default(&self) -> bool {
+        *self == Starts::default()
+    }
+
+    /// What it means, as a sentence for the user; none for the default.
+    pub fn told(self) -> Option<&'static str> {
+        match self {
+            Starts::Home => None,
+            Starts::Anywhere => Some("Each trial starts at rest under its first command (starts: anywhere)."),
+            Starts::Continue => {
+                Some("Each trial goes on from the state in which the one before ended (starts: continue).")
+            }
+        }
+    }
 }
 
 /// Place of a tracked point on the body.

@@ -1,6 +1,7 @@
 //! Things that move. A plant is one file and one line of `plants!`: its module, its name in specs and the type of its
 //! options, which implements [`PlantOptions`].
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -11,7 +12,7 @@ pub use replay::{Replay, ReplayOptions};
 pub use simulated::{Simulated, SimulatedOptions, SimulatedSpec};
 
 use crate::base::{BadOption, Plant};
-use crate::effects::EffectSpec;
+use crate::effects::{DriveGains, EffectSpec};
 
 /// What a kind of plant states about itself: the options that a spec gives it, and what follows from them.
 pub trait PlantOptions: Clone + PartialEq + Serialize + for<'de> Deserialize<'de> + schemars::JsonSchema {
@@ -52,6 +53,11 @@ pub trait PlantOptions: Clone + PartialEq + Serialize + for<'de> Deserialize<'de
 
     /// Adds effects, where [`PlantOptions::TAKES_EFFECTS`].
     fn add_effects(&mut self, _effects: &[EffectSpec]) {}
+
+    /// The drives through which commands reach the tendons, by name; none where commands are those of tendons alone.
+    fn drive_gains(&self) -> BTreeMap<String, DriveGains> {
+        BTreeMap::new()
+    }
 
     /// Standard deviation of the tracking noise, metres, where a spec's limit for it holds.
     fn noise_m(&self) -> Option<f64> {
@@ -121,6 +127,11 @@ macro_rules! plants {
             /// Number of tendons.
             pub fn tendons(&self) -> usize {
                 match self { $(PlantSpec::$variant(options) => options.tendons()),* }
+            }
+
+            /// The tendons of each drive by its name, where commands are those of drives.
+            pub fn drive_gains(&self) -> BTreeMap<String, DriveGains> {
+                match self { $(PlantSpec::$variant(options) => options.drive_gains()),* }
             }
 
             /// True for robots to which effects can be added.

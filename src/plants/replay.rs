@@ -1,5 +1,6 @@
 //! A recording as a plant: what a robot did when it was told the same, for trying out everything that reads a plant.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -9,6 +10,7 @@ use super::PlantOptions;
 use crate::base::{BadOption, Observation, Plant, PlantError, Seed, SeenPoint, TendonCommand};
 use crate::data::recording::PointTrack;
 use crate::data::{Actuation, DataError, Recording};
+use crate::effects::{DriveGains, TendonDrive, check_drives, drive_gains};
 use crate::math::summary::quantile;
 
 /// Which recording is replayed.
@@ -24,6 +26,9 @@ pub struct ReplayOptions {
     /// Number of tendons of the robot.
     #[serde(default = "tendons")]
     pub tendons: usize,
+    /// Drives of the recording's commands, as in a model.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub drives: BTreeMap<String, TendonDrive>,
 }
 
 fn tolerance_m() -> f64 {
@@ -38,11 +43,16 @@ impl PlantOptions for ReplayOptions {
     fn check(&self) -> Result<(), (String, BadOption)> {
         let at = |error| (String::new(), error);
         BadOption::unless_positive("tolerance_m", self.tolerance_m).map_err(at)?;
-        BadOption::unless_counted("tendons", self.tendons).map_err(at)
+        BadOption::unless_counted("tendons", self.tendons).map_err(at)?;
+        check_drives(&self.drives, self.tendons)
     }
 
     fn tendons(&self) -> usize {
         self.tendons
+    }
+
+    fn drive_gains(&self) -> BTreeMap<String, DriveGains> {
+        drive_gains(&self.drives)
     }
 
     fn build(&self, step_s: f64) -> Result<Box<dyn Plant>, String> {
@@ -77,7 +87,8 @@ impl Replay {
     /// # Errors
     /// [`DataError`] where it is none, is driven by tensions, or has another number of tendons or other steps.
     pub fn open(options: &ReplayOptions, step_s: f64) -> Result<Replay, DataError> {
-        let recording = Recording::read(&options.recording)?;
+        let mut recording = Recording::read(&options.recording)?;
+        recording.convert_drives(&options.recording, &drive_gains(&options.drives), options.tendons)?;
         if recording.actuation != Actuation::Lengths || recording.tendons() != options.tendons {
             let driven = if recording.actuation == Actuation::Lengths { "displacements" } else { "tensions" };
             return Err(DataError::Column {

@@ -1,11 +1,13 @@
 //! The simulated robot: the Cosserat rod with the effects of a model on it, measured by a noisy tracker.
 
+use std::collections::BTreeMap;
+
 use rand_distr::{Distribution, Normal};
 use serde::{Deserialize, Serialize};
 
 use super::PlantOptions;
 use crate::base::{BadOption, Generator, Observation, Plant, PlantError, Seed, TendonCommand};
-use crate::effects::{DrivenModel, EffectSpec, Model, Variable, VariationError};
+use crate::effects::{DriveGains, DrivenModel, EffectSpec, Model, Variable, VariationError};
 use crate::rod::{PoseRates, Rod, RodParams, TipWrench};
 
 /// Settings of a simulated robot besides its model.
@@ -77,6 +79,10 @@ impl PlantOptions for SimulatedSpec {
 
     fn tendons(&self) -> usize {
         self.model.robot.tendons.angles_deg.len()
+    }
+
+    fn drive_gains(&self) -> BTreeMap<String, DriveGains> {
+        self.model.drive_gains()
     }
 
     fn build(&self, step_s: f64) -> Result<Box<dyn Plant>, String> {
@@ -152,6 +158,11 @@ impl Simulated {
         self.driven.pose_rates()
     }
 
+    /// Displacements of the model's drives in the next commands; see [`DrivenModel::set_drive_displacements`].
+    pub fn set_drive_displacements(&mut self, displacements: Vec<f64>) {
+        self.driven.set_drive_displacements(displacements);
+    }
+
     /// Adds a load at the tip to that of the model, from now on.
     pub fn set_extra_tip_load(&mut self, extra: TipWrench) {
         self.driven.set_extra_tip_load(&|_| extra);
@@ -164,10 +175,26 @@ impl Simulated {
 
     /// Straight, without history, tendons slack: the start of a trial that is driven by tensions.
     pub fn reset_slack(&mut self, seed: Seed) {
+        self.begin_trial(seed);
+        self.driven.restart();
+    }
+
+    /// The same for a trial that does not start at home: the next command is the trial's first one.
+    pub fn reset_away(&mut self, seed: Seed) {
+        self.begin_trial(seed);
+        self.driven.restart_away();
+    }
+
+    /// Starts the clock and the noise of a trial and leaves the robot as it is.
+    pub fn begin_trial(&mut self, seed: Seed) {
         self.noise = seed.child("tracking").rng();
         self.point_noise = seed.child("tracked_points").rng();
         self.time_s = 0.0;
-        self.driven.restart();
+    }
+
+    /// Counts the next command as the trial's first one again, after the robot has settled under it.
+    pub fn restart_count(&mut self) {
+        self.driven.restart_count();
     }
 
     /// Brings the robot to rest under `commands` instead of at home.

@@ -49,7 +49,7 @@ pub fn extended_text(file: &Path, model: &Model, added: usize) -> Result<String,
     extended.filter(same).map_or_else(|| model_text(model), Ok)
 }
 
-/// `written` with `lines` after its last effect, if `effects` is its last key.
+/// `written` with `lines` after its last effect, where effects are a list of lines.
 fn with_effects(written: &str, lines: &str) -> Option<String> {
     let mut text = written.to_owned();
     if !text.ends_with('\n') {
@@ -65,5 +65,28 @@ fn with_effects(written: &str, lines: &str) -> Option<String> {
         let below: String = below.iter().map(|line| format!("{line}\n")).collect();
         return Some(format!("{head}effects:{comment}\n{lines}{below}"));
     }
-    Some(format!("{text}{lines}"))
+    // The list ends where the next key of the model begins.
+    let next = below.iter().position(|line| line.starts_with(char::is_alphabetic)).unwrap_or(below.len());
+    let joined = |lines: &[&str]| lines.iter().map(|line| format!("{line}\n")).collect::<String>();
+    Some(format!("{head}{own}\n{}{lines}{}", joined(&below[..next]), joined(&below[next..])))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_effects;
+
+    #[test]
+    fn effects_are_added_to_their_list_wherever_it_stands() {
+        let lines = "  - tip_load: {mass_kg: 0.02}\n";
+        for (written, expected) in [
+            ("robot: {}\n", "robot: {}\neffects:\n  - tip_load: {mass_kg: 0.02}\n"),
+            ("effects: []  # none\nrobot: {}\n", "effects:  # none\n  - tip_load: {mass_kg: 0.02}\nrobot: {}\n"),
+            (
+                "effects:\n  - delay: {time_s: 0.1}\n# points\ntracking: {}\n",
+                "effects:\n  - delay: {time_s: 0.1}\n# points\n  - tip_load: {mass_kg: 0.02}\ntracking: {}\n",
+            ),
+        ] {
+            assert_eq!(with_effects(written, lines).as_deref(), Some(expected));
+        }
+    }
 }

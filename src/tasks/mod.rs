@@ -10,6 +10,8 @@ mod record;
 mod retry_lost_frames;
 mod rollout;
 mod simulate_recording;
+mod simulated_columns;
+mod simulated_trial;
 mod static_poses;
 mod targets;
 mod track;

@@ -72,11 +72,13 @@ pub(super) fn written(commands: &Recording, rows: Range<usize>, seen: &[Observat
     let valid: Vec<bool> = seen.iter().map(|seen| seen.valid).collect();
     Recording {
         commands: kept,
+        drives: commands.drives.iter().map(|drive| drive.of_rows(rows.clone())).collect(),
         trial: commands.trial[rows.clone()].to_vec(),
         time_s: commands.time_s[rows.clone()].to_vec(),
         tip_m: Some(seen.iter().map(|seen| seen.tip_m).collect()),
         tip_quaternion: quaternion,
         known_load_kg: commands.known_load_kg.as_ref().map(|load| load[rows.clone()].to_vec()),
+        gravity_m_s2: commands.gravity_m_s2.as_ref().map(|gravity| gravity[rows.clone()].to_vec()),
         pattern: commands.pattern.as_ref().map(|labels| labels[rows].to_vec()),
         points: point_tracks(points, &seen.iter().map(Some).collect::<Vec<_>>()),
         valid: valid.contains(&false).then_some(valid),

@@ -305,3 +305,82 @@ fn joined_recordings_keep_the_points_of_all() {
     );
     assert_eq!(all.pattern.unwrap(), ["", "", "bend", "bend"]);
 }
+
+const DRIVES: &str = "\
+trial,time_s,drive_pan_rad,drive_lift_m,tip_x_m,tip_y_m,tip_z_m
+0,0,0,0,0,0,0.2
+0,0.2,0.5,0.01,0,0,0.2
+";
+
+#[test]
+fn drives_are_converted_to_tendons_and_written_as_they_came() {
+    let gains = std::collections::BTreeMap::from([
+        ("lift".to_owned(), vec![(2, 1.0), (0, 0.5)]),
+        ("pan".to_owned(), vec![(0, 0.03), (1, -0.03)]),
+    ]);
+    let path = Path::new("rec.csv");
+    let mut recording = read(DRIVES).unwrap();
+    assert_eq!((recording.tendons(), recording.len(), recording.drives.len()), (0, 2, 2));
+    recording.convert_drives(path, &gains, 3).unwrap();
+    assert_eq!(recording.commands.row(1), [0.5 * 0.03 + 0.5 * 0.01, -0.5 * 0.03, 0.01]);
+    assert_eq!(recording.drive_displacements(1), [0.01, 0.5], "by name");
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["rec.csv", "rec.parquet"] {
+        let file = folder.path().join(name);
+        recording.write(&file).unwrap();
+        let mut again = Recording::read(&file).unwrap();
+        again.convert_drives(&file, &gains, 3).unwrap();
+        assert_eq!(again, recording, "{name}");
+    }
+    let joined = Recording::joined(&[recording.clone(), recording.clone()]).unwrap();
+    assert_eq!((joined.len(), joined.drives[1].displacement.as_slice()), (4, &[0.0, 0.5, 0.0, 0.5][..]));
+    let other = read(GOOD).unwrap();
+    assert!(Recording::joined(&[recording, other]).unwrap_err().to_string().contains("commands of drives"));
+
+    let mut lacking = gains.clone();
+    lacking.remove("pan");
+    let error = |gains| read(DRIVES).unwrap().convert_drives(path, gains, 3).unwrap_err().to_string();
+    let words = "rec.csv, line 1, column `drive_pan_rad`: found the drive `pan`, expected a drive of the model: lift";
+    assert_eq!(error(&lacking), words);
+    let mut more = gains;
+    more.insert("tilt".to_owned(), vec![(0, 1.0)]);
+    assert!(error(&more).contains("found no commands of the drive `tilt`, expected a column `drive_tilt_rad`"));
+    let cases = [
+        (DRIVES.replace("drive_lift_m", "drive_pan_m"), "found the drive `pan` in radians and in metres"),
+        (
+            DRIVES.replace("drive_lift_m", "tendon_1_m"),
+            "found commands of drives and of tendons, expected one of the two",
+        ),
+        (DRIVES.replace("0.5,0.01", "half,0.01"), "line 3, column `drive_pan_rad`: found `half`, expected radians"),
+    ];
+    for (text, expected) in cases {
+        let error = read(&text).expect_err(expected);
+        assert!(error.contains(expected), "{error}\n  does not say: {expected}");
+    }
+}
+
+#[test]
+fn poses_have_any_times_and_gravity_stays_in_a_trial() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rec.csv");
+    let times = GOOD.replace("0,0.000", "0,1700000003.5").replace("0,0.200", "0,1700000003.5");
+    fs::write(&path, &times).unwrap();
+    let poses = Recording::read_poses(&path).unwrap();
+    assert_eq!(poses.time_s, [1700000003.5, 1700000003.5, 0.0]);
+    assert!(Recording::read(&path).unwrap_err().to_string().contains("line 2, column `time_s`"));
+    fs::write(&path, times.replace("1,0.000", "1,later")).unwrap();
+    assert!(Recording::read_poses(&path).unwrap_err().to_string().contains("line 4, column `time_s`: found `later`"));
+    let turned = |last: &str| {
+        let mut lines = GOOD.lines();
+        let header = format!("{},gravity_x_m_s2,gravity_y_m_s2,gravity_z_m_s2", lines.next().unwrap());
+        let rows: Vec<String> =
+            lines.zip(["0,-9.81,0", last, "0,0,9.81"]).map(|(line, gravity)| format!("{line},{gravity}")).collect();
+        read(&format!("{header}\n{}\n", rows.join("\n")))
+    };
+    assert_eq!(turned("0,-9.81,0").unwrap().gravity_m_s2.unwrap()[2], [0.0, 0.0, 9.81]);
+    let error = turned("0,-9.8,0").unwrap_err();
+    assert!(
+        error.contains("line 3, column `gravity_y_m_s2`: found `-9.8`, expected -9.81 as in the row before"),
+        "{error}"
+    );
+}

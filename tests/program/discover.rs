@@ -233,6 +233,42 @@ fn of_several_recordings_the_bad_one_is_named() {
 }
 
 /// Nothing that is read is overwritten or removed.
+/// Trials cut out of a run, of a robot with 20 g at its tip and a second tracked point: with `--starts anywhere` the load is
+/// named, and it is said how trials were taken to start and what was not compared.
+#[test]
+fn trials_cut_out_of_a_run_start_anywhere() {
+    let bench = Bench::new();
+    let mut rows = 0;
+    bench.twin("run.csv", 200, &|_, cells| cells);
+    let text = bench.read("run.csv");
+    let mut cut = "trial,time_s,tendon_1_m,tendon_2_m,tendon_3_m,tendon_4_m\n".to_owned();
+    for line in text.lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let time_s = cells[1].parse::<f64>().unwrap() - 3.0;
+        if time_s > -1e-6 {
+            cut += &format!("{},{:.3},{}\n", cells[0], time_s.abs(), cells[2..6].join(","));
+            rows += 1;
+        }
+    }
+    assert!(rows > 100, "{rows}");
+    bench.put("cut.csv", &cut);
+    let nominal = std::fs::read_to_string(format!("{ROOT}/models/nominal.yaml")).unwrap();
+    let tracked = "tracking: {starts: anywhere, points: {mid: {s_m: 0.1}}}\n";
+    bench.put("real.yaml", &(nominal.replace("effects: []", "effects: [{tip_load: {mass_kg: 0.02}}]") + tracked));
+    bench.put("believed.yaml", &format!("{nominal}{}", tracked.replace("starts: anywhere, ", "")));
+    bench.put("plant.yaml", "simulated: {model: real.yaml, noise_m: 0.0005}\n");
+    bench.ok("collect --plant plant.yaml --commands cut.csv --out rec.csv");
+    bench.ok("discover --model believed.yaml --measured rec.csv --starts anywhere --out out");
+    let findings: Value = serde_json::from_str(&bench.read("out/findings.json")).unwrap();
+    assert_eq!((&findings["verdict"], &findings["effects"][0]["name"]), (&"named".into(), &"tip_load".into()));
+    let mass_kg = findings["effects"][0]["parameters"]["mass_kg"].as_f64().unwrap();
+    assert!((mass_kg - 0.02).abs() < 0.001, "{mass_kg}");
+    let said = findings["limitations"].to_string();
+    assert!(said.contains("Each trial starts at rest under its first command (starts: anywhere)."), "{said}");
+    assert!(said.contains("these points were not: mid."), "{said}");
+    assert!(bench.read("out/model.yaml").contains("tracking: {points: {mid: {s_m: 0.1}}}"), "written as it was given");
+}
+
 #[test]
 fn what_is_given_stays() {
     let bench = Bench::new();

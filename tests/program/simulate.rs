@@ -406,3 +406,122 @@ fn tracked_points_are_simulated_and_collected() {
     let said = bench.refused("simulate --model bad.yaml --commands in.csv --out no.csv");
     assert!(said.contains("tracking.points.end.s_m: found 0.3, expected a place on the backbone"), "{said}");
 }
+
+const DRIVEN: &str =
+    "drives: {pan: {tendons: [1, 3], gains: [0.02, -0.02]}, tilt: {tendons: [2, 4], gains: [1, -1]}}\n";
+
+/// Servos and screws in place of tendons: the same robot, the same tip; what is written carries the drives.
+#[test]
+fn drives_move_tendons() {
+    let bench = Bench::new();
+    let nominal = std::fs::read_to_string(NOMINAL).unwrap();
+    bench.put("driven.yaml", &format!("{nominal}{DRIVEN}"));
+    bench.put("in.csv", "trial,time_s,drive_pan_rad,drive_tilt_m\n0,0,0,0\n0,0.2,0.5,0.004\n0,0.4,-0.1,0.004\n");
+    bench.put(
+        "tendons.csv",
+        &format!("{LENGTHS}\n0,0,0,0,0,0\n0,0.2,0.01,0.004,-0.01,-0.004\n0,0.4,-0.002,0.004,0.002,-0.004\n"),
+    );
+    bench.ok("simulate --model driven.yaml --commands in.csv --out a.csv");
+    bench.ok("simulate --model driven.yaml --commands tendons.csv --out b.csv");
+    let [a, b] = ["a.csv", "b.csv"].map(|name| Recording::read(&bench.path(name)).unwrap());
+    assert_eq!(a.tip_m, b.tip_m);
+    assert_eq!((a.drives.len(), a.drives[0].displacement.as_slice()), (2, &[0.0, 0.5, -0.1][..]));
+    bench.put("plant.yaml", "simulated: {model: driven.yaml}\n");
+    bench.ok("collect --plant plant.yaml --commands in.csv --out rec.csv");
+    assert_eq!(Recording::read(&bench.path("rec.csv")).unwrap().tip_m, a.tip_m);
+    bench.put("replay.yaml", &format!("replay:\n  recording: rec.csv\n  {DRIVEN}"));
+    bench.ok("collect --plant replay.yaml --commands in.csv --out again.csv");
+    let again = Recording::read(&bench.path("again.csv")).unwrap();
+    assert_eq!((&again.tip_m, &again.drives), (&a.tip_m, &a.drives));
+    let said = bench.refused("simulate --model NOMINAL --commands in.csv --out no.csv");
+    assert!(
+        said.contains(
+            "in.csv, line 1, column `drive_pan_rad`: found the drive `pan`, expected displacements of tendons"
+        ),
+        "{said}"
+    );
+    for (drives, words) in [
+        ("{pan: {tendons: [1, 3]}}", "drives.pan.gains: found no such key"),
+        ("{pan: {tendons: [1, 3], gains: [0.02]}}", "drives.pan.gains: found [0.02], expected one number per tendon"),
+        ("{pan: {tendons: [1, 5], gains: [1, 1]}}", "drives.pan.tendons: found [1, 5], expected numbers of tendons"),
+    ] {
+        bench.put("bad.yaml", &format!("{nominal}drives: {drives}\n"));
+        let said = bench.refused("simulate --model bad.yaml --commands in.csv --out no.csv");
+        assert!(said.contains("bad.yaml:") && said.contains(words), "{said}");
+    }
+}
+
+/// A trial that starts anywhere is at rest under its first command; one that goes on is where the one before ended.
+#[test]
+fn trials_start_where_the_model_or_the_option_says() {
+    let bench = Bench::new();
+    let rows =
+        "0,0,0.01,0,-0.01,0\n0,0.2,0.01,0,-0.01,0\n0,0.4,0.008,0,-0.008,0\n1,0,0,0.01,0,-0.01\n1,0.2,0,0.01,0,-0.01\n";
+    bench.put("in.csv", &format!("{LENGTHS}\n{rows}"));
+    let simulated = |flags: &str| {
+        let said = bench.ok(&format!("simulate --model NOMINAL --commands in.csv --out sim.csv{flags}"));
+        (Recording::read(&bench.path("sim.csv")).unwrap(), said)
+    };
+    let (home, said) = simulated("");
+    assert_eq!(said, "", "the default needs no words");
+    let (still, _) = simulated(" --static");
+    let (away, said) = simulated(" --starts anywhere");
+    assert!(said.contains("Each trial starts at rest under its first command (starts: anywhere)."), "{said}");
+    let (on, said) = simulated(" --starts continue");
+    assert!(said.contains("(starts: continue)"), "{said}");
+    for row in [0, 3] {
+        assert!(apart_m(tips(&away)[row], tips(&still)[row]) < 1e-6, "row {row}");
+        assert!(apart_m(tips(&away)[row], tips(&home)[row]) > 5e-3, "row {row}");
+    }
+    assert!(apart_m(tips(&away)[1], tips(&away)[0]) < 1e-6, "it stays at rest");
+    assert_eq!(tips(&on)[..3], tips(&home)[..3], "the first trial starts at home");
+    assert!(apart_m(tips(&on)[3], tips(&still)[2]) < 1e-6, "at rest under the last command of the trial before");
+    let nominal = std::fs::read_to_string(NOMINAL).unwrap();
+    bench.put("away.yaml", &format!("{nominal}tracking: {{starts: anywhere}}\n"));
+    bench.ok("simulate --model away.yaml --commands in.csv --out model.csv");
+    assert_eq!(Recording::read(&bench.path("model.csv")).unwrap(), away, "the model says the same");
+    bench.put("on.yaml", &format!("{nominal}tracking: {{starts: continue}}\n"));
+    let said = bench.refused("discover --model on.yaml --measured sim.csv --out found");
+    assert!(said.contains("tracking.starts: found `continue`, expected `home` or `anywhere`"), "{said}");
+}
+
+/// With a memory in the robot, poses at rest depend on the way, and `continue` carries it from trial to trial.
+#[test]
+fn memory_goes_on_with_the_trials() {
+    let bench = Bench::new();
+    let nominal = std::fs::read_to_string(NOMINAL).unwrap();
+    let effects = "effects: [{backlash: {width_m: 0.002}}]";
+    bench.put("memory.yaml", &nominal.replace("effects: []", effects));
+    let (bend, back) = ("0.015,0,-0.015,0", "0.002,0,-0.002,0");
+    bench.put("one.csv", &format!("{LENGTHS}\n0,0,{bend}\n0,0,{back}\n"));
+    bench.put("two.csv", &format!("{LENGTHS}\n0,5,{bend}\n1,4,{back}\n"));
+    bench.ok("simulate --static --model memory.yaml --commands one.csv --out one_out.csv");
+    bench.ok("simulate --static --model memory.yaml --commands two.csv --out apart.csv");
+    bench.ok("simulate --static --starts continue --model memory.yaml --commands two.csv --out on.csv");
+    let read = |name: &str| tips(&Recording::read_poses(&bench.path(name)).unwrap())[1];
+    assert!(apart_m(read("one_out.csv"), read("on.csv")) < 1e-9);
+    assert!(apart_m(read("one_out.csv"), read("apart.csv")) > 1e-4);
+}
+
+/// Each trial under its own gravity, as a model under it.
+#[test]
+fn gravity_changes_from_trial_to_trial() {
+    let bench = Bench::new();
+    let columns = "gravity_x_m_s2,gravity_y_m_s2,gravity_z_m_s2";
+    let rows =
+        "0,0,0,0,0,0,-9.81,0,0\n0,0.2,0.01,0,-0.01,0,-9.81,0,0\n1,0,0,0,0,0,0,0,9.81\n1,0.2,0.01,0,-0.01,0,0,0,9.81\n";
+    bench.put("in.csv", &format!("{LENGTHS},{columns}\n{rows}"));
+    bench.put("plain.csv", &format!("{LENGTHS}\n0,0,0,0,0,0\n0,0.2,0.01,0,-0.01,0\n"));
+    let nominal = std::fs::read_to_string(NOMINAL).unwrap();
+    bench.put("hung.yaml", &nominal.replace("gravity_m_s2: [-9.81, 0, 0]", "gravity_m_s2: [0, 0, 9.81]"));
+    bench.ok("simulate --model NOMINAL --commands in.csv --out both.csv");
+    bench.ok("simulate --model NOMINAL --commands plain.csv --out lying.csv");
+    bench.ok("simulate --model hung.yaml --commands plain.csv --out hung.csv");
+    let [both, lying, hung] =
+        ["both.csv", "lying.csv", "hung.csv"].map(|name| Recording::read(&bench.path(name)).unwrap());
+    assert_eq!(tips(&both), [tips(&lying), tips(&hung)].concat());
+    assert!(apart_m(tips(&lying)[0], tips(&hung)[0]) > 5e-3);
+    assert!(both.gravity_m_s2.is_some(), "carried");
+    let said = bench.refused("simulate --starts continue --model NOMINAL --commands in.csv --out no.csv");
+    assert!(said.contains("in.csv, row 3: found another gravity than in the first trial"), "{said}");
+}

@@ -87,9 +87,9 @@ fn unusual_robots_are_solved() {
             m.robot.backbone.density_kg_m3 = 0.0;
             m.robot.damping_time_s = 0.0;
         }),
-        ("pretension 5 mm", |m| m.robot.tendons.pretension_m = 0.005),
-        ("slack at home", |m| m.robot.tendons.pretension_m = -0.005),
-        ("elastic tendons", |m| m.robot.tendons.compliance_m_per_n = 1e-3),
+        ("pretension 5 mm", |m| m.robot.tendons.pretension_m = 0.005.into()),
+        ("slack at home", |m| m.robot.tendons.pretension_m = (-0.005).into()),
+        ("elastic tendons", |m| m.robot.tendons.compliance_m_per_n = 1e-3.into()),
         ("undamped", |m| m.robot.damping_time_s = 0.0),
         ("heavily damped", |m| m.robot.damping_time_s = 100.0),
         ("drag", |m| m.robot.drag_n_s2_m3 = 10.0),
@@ -129,7 +129,7 @@ fn impossible_robots_end_with_a_named_status() {
         ("gravity overflows", |m| m.robot.gravity_m_s2 = [-1e308, 0.0, 0.0]),
         ("lead disks", |m| m.robot.disks.mass_kg = 100.0),
         ("drag of a swamp", |m| m.robot.drag_n_s2_m3 = 1e6),
-        ("pretension of a metre", |m| m.robot.tendons.pretension_m = 1.0),
+        ("pretension of a metre", |m| m.robot.tendons.pretension_m = 1.0.into()),
         ("one mode", |m| {
             m.robot.resolution.bending_modes = 1;
             m.robot.resolution.torsion_modes = 1;

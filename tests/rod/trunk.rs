@@ -1,7 +1,7 @@
 //! `models/trunk.yaml` against a run of the robot that it describes (tests/reference/trunk).
 
 use nalgebra::{DMatrix, DVector, Vector3};
-use spinebench::effects::{EffectSpec, Model};
+use spinebench::effects::{EffectSpec, Model, PerTendon};
 use spinebench::math::optimise::least_squares::fit;
 use spinebench::rod::{Drive, Rod, SolveStatus};
 
@@ -50,8 +50,9 @@ impl Trunk {
         trunk.markers_m.iter_mut().zip(&by[12..14]).for_each(|(x, dx)| *x += 0.1 * dx);
         let bending = robot.backbone.bending_stiffness_n_m2.expect("a measured stiffness");
         robot.backbone.bending_stiffness_n_m2 = Some(bending * by[14].exp());
-        robot.tendons.compliance_m_per_n *= by[15].exp();
-        robot.tendons.pretension_m *= by[15].exp();
+        let scaled = |numbers: &PerTendon| PerTendon::Same(numbers.of(0) * by[15].exp());
+        robot.tendons.compliance_m_per_n = scaled(&robot.tendons.compliance_m_per_n);
+        robot.tendons.pretension_m = scaled(&robot.tendons.pretension_m);
         trunk
     }
 

@@ -3,7 +3,7 @@
 use std::collections::{BTreeSet, HashSet};
 use std::ops::Range;
 
-use super::{Actuation, PointTrack, Pose, Recording};
+use super::{Actuation, DriveTrack, PointTrack, Pose, Recording};
 use crate::base::Rows;
 
 /// Recordings that cannot be concatenated.
@@ -22,15 +22,26 @@ impl Recording {
     /// (orientation, unknown columns).
     ///
     /// # Errors
-    /// [`RecordingMismatch`] when tendons or kind of command differ.
+    /// [`RecordingMismatch`] when tendons or kind of command differ, and when only some give the gravity.
     pub fn joined(parts: &[Recording]) -> Result<Recording, RecordingMismatch> {
         let kind = |part: &Recording| {
             let unit = if part.actuation == Actuation::Lengths { "lengths" } else { "tensions" };
-            format!("{} tendons driven by {unit}", part.tendons())
+            let columns: Vec<String> = part.drives.iter().map(DriveTrack::column).collect();
+            match columns.as_slice() {
+                [] => format!("{} tendons driven by {unit}", part.tendons()),
+                all => format!("commands of drives ({})", all.join(", ")),
+            }
         };
         let Some(first) = parts.first() else { return Ok(Recording::new(Actuation::Lengths, 0)) };
         if let Some(index) = parts.iter().position(|part| kind(part) != kind(first)) {
             return Err(RecordingMismatch { index, found: kind(&parts[index]), expected: kind(first) });
+        }
+        let gravity = |part: &Recording| match part.gravity_m_s2 {
+            Some(_) => "columns gravity_x_m_s2…".to_owned(),
+            None => "no columns gravity_x_m_s2…".to_owned(),
+        };
+        if let Some(index) = parts.iter().position(|part| gravity(part) != gravity(first)) {
+            return Err(RecordingMismatch { index, found: gravity(&parts[index]), expected: gravity(first) });
         }
         if parts.len() == 1 {
             return Ok(first.clone());
@@ -41,6 +52,11 @@ impl Recording {
         let mut commands = Rows::new(first.tendons());
         parts.iter().flat_map(|part| part.commands.iter()).for_each(|row| commands.push(row));
         all.commands = commands;
+        let drive = |(index, drive): (usize, &DriveTrack)| DriveTrack {
+            displacement: parts.iter().flat_map(|part| part.drives[index].displacement.clone()).collect(),
+            ..drive.clone()
+        };
+        all.drives = first.drives.iter().enumerate().map(drive).collect();
         let measured = parts.iter().all(|part| part.tip_m.is_some() || !part.points.is_empty());
         all.tip_m = if measured {
             column_of_some(parts, |part| part.tip_m.clone(), [f64::NAN; 3])
@@ -52,6 +68,7 @@ impl Recording {
         all.valid = column_of_some(parts, |part| part.valid.clone(), true);
         all.known_load_kg = column_of_some(parts, |part| part.known_load_kg.clone(), 0.0);
         all.tip_load = column_of_some(parts, |part| part.tip_load.clone(), super::RecordedWrench::default());
+        all.gravity_m_s2 = column_of_all(parts, |part| part.gravity_m_s2.clone());
         all.pattern = column_of_some(parts, |part| part.pattern.clone(), String::new());
         all.points = points_of_all(parts);
         Ok(all)

@@ -2,6 +2,7 @@
 //! tick: `trial,time_s,tendon_1_m…,tip_x_m,tip_y_m,tip_z_m` and optional columns; see `docs/outputs.md`.
 
 mod check;
+mod drives;
 mod extra;
 mod join;
 mod optional;
@@ -14,7 +15,9 @@ use std::path::Path;
 
 use super::DataError;
 use crate::base::{Point3, Rows};
+use read::Expected;
 
+pub use drives::{DriveTrack, DriveUnit};
 pub(crate) use extra::{cell_error, header_place};
 pub use join::RecordingMismatch;
 pub(super) use optional::unit_length;
@@ -92,10 +95,13 @@ pub struct Recording {
     pub actuation: Actuation,
     /// Trial that the row belongs to.
     pub trial: Vec<u64>,
-    /// Time since the trial began, seconds; starts at 0 and increases within a trial.
+    /// Time since the trial began, seconds; starts at 0 and increases within a trial, unless rows are poses at rest.
     pub time_s: Vec<f64>,
-    /// Commands, one row of one number a tendon, metres or newtons; in force from the row's time to the next row's.
+    /// Commands, one row of one number a tendon, metres or newtons; in force from the row's time to the next row's. Empty
+    /// after reading a file with commands of drives, until [`Recording::convert_drives`].
     pub commands: Rows,
+    /// Commands of drives, in the order of their names, where the file has them in place of those of tendons.
+    pub drives: Vec<DriveTrack>,
     /// Measured tip at the row's time, metres; none in a file of commands. Not a number where tracking was lost.
     pub tip_m: Option<Vec<Point3>>,
     /// Tip orientation, unit quaternion w, x, y, z (`tip_qw,tip_qx,tip_qy,tip_qz`).
@@ -108,6 +114,8 @@ pub struct Recording {
     pub valid: Option<Vec<bool>>,
     /// Load at the tip, applied from the row's time on.
     pub tip_load: Option<Vec<RecordedWrench>>,
+    /// Gravity in the world frame, m/s², the same in all rows of a trial, where it is not that of the model.
+    pub gravity_m_s2: Option<Vec<[f64; 3]>>,
     /// Further tracked points, in the order of their names.
     pub points: Vec<PointTrack>,
     /// What the row belongs to, such as a kind of motion: a label by which rows can be held out.
@@ -124,12 +132,14 @@ impl Recording {
             trial: Vec::new(),
             time_s: Vec::new(),
             commands: Rows::new(tendons),
+            drives: Vec::new(),
             tip_m: None,
             tip_quaternion: None,
             base: None,
             known_load_kg: None,
             valid: None,
             tip_load: None,
+            gravity_m_s2: None,
             points: Vec::new(),
             pattern: None,
             extra: Vec::new(),
@@ -141,7 +151,23 @@ impl Recording {
     /// # Errors
     /// [`DataError`] names file, line, column, what was found and what was expected.
     pub fn read(path: &Path) -> Result<Recording, DataError> {
-        read::recording(path, true)
+        read::recording(path, &Expected { measured: true, in_time: true })
+    }
+
+    /// Reads a recording of poses at rest: as [`Recording::read`], with any times, also repeated or decreasing ones.
+    ///
+    /// # Errors
+    /// As [`Recording::read`].
+    pub fn read_poses(path: &Path) -> Result<Recording, DataError> {
+        read::recording(path, &Expected { measured: true, in_time: false })
+    }
+
+    /// Reads the commands of poses at rest: as [`Recording::read_commands`], with any times.
+    ///
+    /// # Errors
+    /// As [`Recording::read`].
+    pub fn read_pose_commands(path: &Path) -> Result<Recording, DataError> {
+        read::recording(path, &Expected { measured: false, in_time: false })
     }
 
     /// Reads commands: a recording whose measured columns may be missing (and are kept when they are not).
@@ -149,7 +175,7 @@ impl Recording {
     /// # Errors
     /// As [`Recording::read`].
     pub fn read_commands(path: &Path) -> Result<Recording, DataError> {
-        read::recording(path, false)
+        read::recording(path, &Expected { measured: false, in_time: true })
     }
 
     /// Writes a recording atomically, as Parquet when the name ends in `.parquet`, otherwise as CSV, with enough digits

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::optional::{self, ColumnGroup};
-use super::points;
-use super::{Actuation, Extra, Pose, RecordedWrench, Recording};
+use super::{Actuation, DriveTrack, Extra, Pose, RecordedWrench, Recording};
+use super::{drives, points};
 use crate::base::Rows;
 use crate::data::DataError;
 use crate::data::table::{Cells, Table};
@@ -14,21 +14,31 @@ pub(super) const TIP_Q: [&str; 4] = ["tip_qw", "tip_qx", "tip_qy", "tip_qz"];
 pub(super) const BASE: [&str; 3] = ["base_x_m", "base_y_m", "base_z_m"];
 pub(super) const BASE_Q: [&str; 4] = ["base_qw", "base_qx", "base_qy", "base_qz"];
 pub(super) const FORCE: [&str; 3] = ["tip_force_x_n", "tip_force_y_n", "tip_force_z_n"];
+pub(super) const GRAVITY: [&str; 3] = ["gravity_x_m_s2", "gravity_y_m_s2", "gravity_z_m_s2"];
 pub(super) const MOMENT: [&str; 3] = ["tip_moment_x_nm", "tip_moment_y_nm", "tip_moment_z_nm"];
 
 /// Tolerance on the start time, for rounding, seconds.
 const START_TOLERANCE_S: f64 = 1e-9;
 
-/// Reads and checks a file; without `need_measured` neither the tip nor another tracked point has to be there.
-pub(super) fn recording(path: &Path, need_measured: bool) -> Result<Recording, DataError> {
+/// What has to be in a file.
+pub(super) struct Expected {
+    /// The tip or another tracked point.
+    pub(super) measured: bool,
+    /// Times that start at 0 and increase in each trial.
+    pub(super) in_time: bool,
+}
+
+/// Reads and checks a file.
+pub(super) fn recording(path: &Path, expected: &Expected) -> Result<Recording, DataError> {
     let table = Table::read(path)?;
     if table.rows == 0 {
         let (found, expected) = ("no rows", "at least one row");
         return Err(DataError::Empty { file: path.to_owned(), found, expected });
     }
     let trial = trials(&table)?;
-    let time_s = times(&table, &trial)?;
-    let (actuation, commands) = commands(&table)?;
+    let time_s = times(&table, &trial, expected.in_time)?;
+    let drives = drives::read(&table)?;
+    let (actuation, commands) = commands(&table, &drives)?;
     let valid = optional::flags(&table, "valid")?;
     let points = points::read(&table)?;
     // Where tracking was lost, measured cells may be empty; beside other points also where the tip alone was not seen.
@@ -41,7 +51,7 @@ pub(super) fn recording(path: &Path, need_measured: bool) -> Result<Recording, D
     };
     let given = |names: &[&'static str]| ColumnGroup { table: &table, names: names.to_vec(), need: false, lost: None };
 
-    let tip_m = measured(&TIP, need_measured && points.is_empty()).read::<3>()?;
+    let tip_m = measured(&TIP, expected.measured && points.is_empty()).read::<3>()?;
     let tip_quaternion = measured(&TIP_Q, false).quaternions()?;
     let base_q = measured(&BASE_Q, table.column(BASE[0]).is_some()).quaternions()?;
     let base_m = measured(&BASE, base_q.is_some()).read::<3>()?;
@@ -52,6 +62,8 @@ pub(super) fn recording(path: &Path, need_measured: bool) -> Result<Recording, D
     let load: Vec<&'static str> = FORCE.into_iter().chain(MOMENT).collect();
     let tip_load = given(&load).read::<6>()?.map(|rows| rows.into_iter().map(tip_load).collect());
     let known_load_kg = optional::masses(&table, "known_load_kg")?;
+    let gravity_m_s2 = given(&GRAVITY).read::<3>()?;
+    same_in_trial(&table, &trial, gravity_m_s2.as_deref())?;
     let pattern = optional::labels(&table, "pattern");
     let extra = extra(&table, actuation, commands.width());
     let file = Recording {
@@ -59,17 +71,29 @@ pub(super) fn recording(path: &Path, need_measured: bool) -> Result<Recording, D
         trial,
         time_s,
         commands,
+        drives,
         tip_m,
         tip_quaternion,
         base,
         known_load_kg,
         valid,
         tip_load,
+        gravity_m_s2,
         points,
         pattern,
         extra,
     };
     Ok(file)
+}
+
+/// Refuses a gravity that changes within a trial.
+fn same_in_trial(table: &Table, trial: &[u64], gravity_m_s2: Option<&[[f64; 3]]>) -> Result<(), DataError> {
+    let Some(all) = gravity_m_s2 else { return Ok(()) };
+    let changed = |&row: &usize| trial[row] == trial[row - 1] && all[row] != all[row - 1];
+    let Some(row) = (1..table.rows).find(changed) else { return Ok(()) };
+    let axis = (0..3).find(|&axis| all[row][axis] != all[row - 1][axis]).unwrap_or(0);
+    let expected = format!("{} as in the row before: the same gravity in a trial", all[row - 1][axis]);
+    Err(table.cell_error(row, GRAVITY[axis], expected))
 }
 
 fn tip_load([fx, fy, fz, mx, my, mz]: [f64; 6]) -> RecordedWrench {
@@ -110,14 +134,18 @@ fn whole_number(cells: &Cells, row: usize) -> Option<u64> {
     }
 }
 
-/// Times: finite, 0 at the start of each trial, increasing within it.
-fn times(table: &Table, trial: &[u64]) -> Result<Vec<f64>, DataError> {
+/// Times: finite and, with `in_time`, 0 at the start of each trial and increasing within it.
+fn times(table: &Table, trial: &[u64], in_time: bool) -> Result<Vec<f64>, DataError> {
     const NAME: &str = "time_s";
     let cells = needed(table, NAME)?;
     let mut times: Vec<f64> = Vec::with_capacity(table.rows);
     for row in 0..table.rows {
         let time_s = optional::finite(cells, row).ok_or_else(|| table.cell_error(row, NAME, "seconds, a number"))?;
         let first = row == 0 || trial[row] != trial[row - 1];
+        if !in_time {
+            times.push(time_s);
+            continue;
+        }
         if first && time_s.abs() > START_TOLERANCE_S {
             return Err(table.cell_error(row, NAME, format!("0 at the start of trial {}", trial[row])));
         }
@@ -130,11 +158,21 @@ fn times(table: &Table, trial: &[u64]) -> Result<Vec<f64>, DataError> {
     Ok(times)
 }
 
-/// The commands: `tendon_1_m`… or `tendon_1_n`…, without a gap in the numbers.
-fn commands(table: &Table) -> Result<(Actuation, Rows), DataError> {
+/// The commands: `tendon_1_m`… or `tendon_1_n`…, without a gap in the numbers; none where there are `drives`.
+fn commands(table: &Table, drives: &[DriveTrack]) -> Result<(Actuation, Rows), DataError> {
     let lengths = highest_tendon(table, Actuation::Lengths);
     let tensions = highest_tendon(table, Actuation::Tensions);
+    if let (Some(drive), true) = (drives.first(), lengths + tensions > 0) {
+        return Err(DataError::Column {
+            file: table.file.clone(),
+            place: table.header_place(),
+            column: drive.column(),
+            found: "commands of drives and of tendons".to_owned(),
+            expected: "one of the two".to_owned(),
+        });
+    }
     let (actuation, tendons) = match (lengths, tensions) {
+        (0, 0) if !drives.is_empty() => return Ok((Actuation::Lengths, Rows::new(0))),
         (0, 0) => return Err(optional::missing(table, "tendon_1_m")),
         (tendons, 0) => (Actuation::Lengths, tendons),
         (0, tendons) => (Actuation::Tensions, tendons),
@@ -184,11 +222,12 @@ fn tendon_number(name: &str, actuation: Actuation) -> Option<usize> {
 /// Columns beyond the format.
 fn extra(table: &Table, actuation: Actuation, tendons: usize) -> Vec<(String, Extra)> {
     let single = ["trial", "time_s", "known_load_kg", "valid", "pattern"];
-    let groups: [&[&str]; 6] = [&TIP, &TIP_Q, &BASE, &BASE_Q, &FORCE, &MOMENT];
+    let groups: [&[&str]; 7] = [&TIP, &TIP_Q, &BASE, &BASE_Q, &FORCE, &MOMENT, &GRAVITY];
     let known = |name: &str| {
         single.contains(&name)
             || groups.iter().any(|group| group.contains(&name))
             || points::name_of(name).is_some()
+            || drives::drive_of(name).is_some()
             || tendon_number(name, actuation).is_some_and(|number| number <= tendons)
     };
     let unknown = table.columns.iter().filter(|(name, _)| !known(name));

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::read::{BASE, BASE_Q, FORCE, MOMENT, TIP, TIP_Q};
+use super::read::{BASE, BASE_Q, FORCE, GRAVITY, MOMENT, TIP, TIP_Q};
 use super::{Extra, Recording};
 use crate::data::table::{Cells, csv_bytes, parquet_bytes};
 use crate::data::{DataError, write_atomic};
@@ -23,10 +23,16 @@ fn columns(recording: &Recording) -> Result<Vec<(String, Cells)>, String> {
     columns.push(("trial".to_owned(), Cells::Unsigned(recording.trial.clone())));
     columns.push(("time_s".to_owned(), Cells::Numbers(recording.time_s.clone())));
     check("time_s", recording.time_s.len(), rows)?;
-    check("commands", recording.commands.len(), rows)?;
-    for tendon in 0..recording.tendons() {
-        let cells = recording.commands.iter().map(|row| row[tendon]).collect();
-        columns.push((recording.actuation.column(tendon), Cells::Numbers(cells)));
+    for drive in &recording.drives {
+        check(&drive.name, drive.displacement.len(), rows)?;
+        columns.push((drive.column(), Cells::Numbers(drive.displacement.clone())));
+    }
+    if recording.drives.is_empty() {
+        check("commands", recording.commands.len(), rows)?;
+        for tendon in 0..recording.tendons() {
+            let cells = recording.commands.iter().map(|row| row[tendon]).collect();
+            columns.push((recording.actuation.column(tendon), Cells::Numbers(cells)));
+        }
     }
     group(&mut columns, &TIP, recording.tip_m.as_deref(), |tip| *tip, rows)?;
     group(&mut columns, &TIP_Q, recording.tip_quaternion.as_deref(), |turn| *turn, rows)?;
@@ -40,6 +46,7 @@ fn columns(recording: &Recording) -> Result<Vec<(String, Cells)>, String> {
     }
     group(&mut columns, &FORCE, recording.tip_load.as_deref(), |load| load.force_n, rows)?;
     group(&mut columns, &MOMENT, recording.tip_load.as_deref(), |load| load.moment_nm, rows)?;
+    group(&mut columns, &GRAVITY, recording.gravity_m_s2.as_deref(), |own| *own, rows)?;
     for point in &recording.points {
         let (position, turn) = (point.position_columns(), point.quaternion_columns());
         group(&mut columns, &position.each_ref().map(String::as_str), Some(&point.position_m), |own| *own, rows)?;

@@ -78,6 +78,12 @@ fn simulate_trial(model: &Model, extra: &[EffectSpec], trial: &TrialCommands) ->
     };
     let hung = (trial.known_load_kg > 0.0).then(|| EffectSpec::tip_load(trial.known_load_kg));
     let extra: Vec<EffectSpec> = extra.iter().cloned().chain(hung).collect();
+    let gravity = trial.gravity_m_s2.map(|gravity_m_s2| {
+        let mut turned = model.clone();
+        turned.robot.gravity_m_s2 = gravity_m_s2;
+        turned
+    });
+    let model = gravity.as_ref().unwrap_or(model);
     let tips = replay(model, &extra, &commands, &[]).ok()?.tips_m;
     tips.iter().flatten().all(|x| x.is_finite()).then_some(tips)
 }

@@ -112,6 +112,7 @@ impl Problem<'_> {
                 durations_s: vec![protocol.step_s; commands.len()],
                 tensions: self.all.trials[0].tensions,
                 known_load_kg: *load_kg,
+                gravity_m_s2: None,
                 tip_loads: None,
             });
             samples.rows.extend((0..=commands.len()).map(|row| Sample {

@@ -2,6 +2,9 @@
 
 use crate::discovery::recording::samples::{Samples, TrialCommands};
 
+/// Known weight on the tip, kilograms, and gravity where it is not the model's.
+type SameWeight = (f64, Option<[f64; 3]>);
+
 /// Time after which a held command counts as at rest, seconds.
 const SETTLED_S: f64 = 1.0;
 /// Groups of repeated samples: first rows of all trials under the same weight, then each dwell.
@@ -15,14 +18,18 @@ pub(crate) fn is_start(samples: &Samples, group: &[usize]) -> bool {
     group.first().is_some_and(|&row| samples.rows[row].row == 0)
 }
 
-/// First rows of trials under the same weight, if there are several.
+/// First rows of trials under the same weight, if there are several. None where trials start anywhere.
 pub(crate) fn starts(samples: &Samples) -> Vec<Vec<usize>> {
-    let mut found: Vec<(f64, Vec<usize>)> = Vec::new();
+    let mut found: Vec<(SameWeight, Vec<usize>)> = Vec::new();
+    if !samples.at_home {
+        return Vec::new();
+    }
     for row in (0..samples.len()).filter(|&row| samples.rows[row].row == 0) {
-        let load_kg = samples.trials[samples.rows[row].trial].known_load_kg;
-        match found.iter_mut().find(|(known_kg, _)| *known_kg == load_kg) {
+        let trial = &samples.trials[samples.rows[row].trial];
+        let weight = (trial.known_load_kg, trial.gravity_m_s2);
+        match found.iter_mut().find(|(known, _)| *known == weight) {
             Some((_, rows)) => rows.push(row),
-            None => found.push((load_kg, vec![row])),
+            None => found.push((weight, vec![row])),
         }
     }
     found.into_iter().map(|(_, rows)| rows).filter(|rows| rows.len() > 1).collect()
@@ -64,7 +71,18 @@ fn start_of_hold(trial: &TrialCommands) -> Vec<usize> {
 mod tests {
     use super::*;
     use crate::base::Rows;
+    use crate::effects::Starts;
     use crate::rod::TipWrench;
+
+    #[test]
+    fn first_rows_repeat_one_measurement_only_at_home_under_one_weight_and_gravity() {
+        let mut samples = Samples::alike(4, 3);
+        assert_eq!(starts(&samples), [[0, 3, 6, 9]]);
+        assert!(starts(&samples.clone().starting(Starts::Anywhere)).is_empty());
+        samples.trials[1].gravity_m_s2 = Some([0.0, 0.0, 9.81]);
+        samples.trials[3].gravity_m_s2 = Some([0.0, 0.0, 9.81]);
+        assert_eq!(starts(&samples), [[0, 6], [3, 9]]);
+    }
 
     #[test]
     fn a_load_that_changes_ends_a_rest_as_a_command_does_that_nobody_saw() {

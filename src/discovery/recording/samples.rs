@@ -2,6 +2,7 @@
 
 use crate::base::{Point3, Rows};
 use crate::data::{Actuation, Recording, recording};
+use crate::effects::Starts;
 use crate::rod::TipWrench;
 
 /// Commands of one trial, to be simulated.
@@ -17,6 +18,8 @@ pub(crate) struct TrialCommands {
     pub(crate) tensions: bool,
     /// Known weight on the tip, kilograms.
     pub(crate) known_load_kg: f64,
+    /// Gravity, where it is not the model's.
+    pub(crate) gravity_m_s2: Option<[f64; 3]>,
     /// Other load on the tip during each command.
     pub(crate) tip_loads: Option<Vec<TipWrench>>,
 }
@@ -43,6 +46,8 @@ pub(crate) struct Samples {
     pub(crate) step_s: f64,
     /// Median time between tracked rows, seconds: longer if the tracker is slower than the drives.
     pub(crate) tracked_step_s: f64,
+    /// Whether all trials start at home, so that their first rows repeat one measurement.
+    pub(crate) at_home: bool,
 }
 
 impl Samples {
@@ -71,6 +76,7 @@ impl Samples {
                 durations_s,
                 tensions: measured.actuation == Actuation::Tensions,
                 known_load_kg: measured.known_load_kg.as_ref().map_or(0.0, |load| load[range.start]),
+                gravity_m_s2: measured.gravity_m_s2.as_ref().map(|gravity| gravity[range.start]),
                 tip_loads: measured
                     .tip_load
                     .as_ref()
@@ -86,7 +92,12 @@ impl Samples {
         }
         let step_s = middle(&mut steps_s).unwrap_or(1.0);
         let tracked_step_s = middle(&mut tracked_steps_s).unwrap_or(step_s);
-        Samples { trials, rows, step_s, tracked_step_s }
+        Samples { trials, rows, step_s, tracked_step_s, at_home: true }
+    }
+
+    /// The same samples of trials that start as `starts` says.
+    pub(crate) fn starting(self, starts: Starts) -> Samples {
+        Samples { at_home: starts == Starts::Home, ..self }
     }
 
     /// Samples of the trials with these indices, in that order.
@@ -158,6 +169,7 @@ impl Samples {
             durations_s: vec![0.2; samples - 1],
             tensions: false,
             known_load_kg: 0.0,
+            gravity_m_s2: None,
             tip_loads: None,
         };
         let sample = |k: usize| {
@@ -169,6 +181,7 @@ impl Samples {
             rows: (0..trials * samples).map(sample).collect(),
             step_s: 0.2,
             tracked_step_s: 0.2,
+            at_home: true,
         }
     }
 

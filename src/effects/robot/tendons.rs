@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Checked, MOST_PARTS, at, refuse};
+use super::{Checked, MOST_PARTS, PerTendon, at, refuse};
 use crate::base::BadOption;
 use crate::effects::{finite, non_negative};
 use crate::rod::{PathPoint, Tendon, TendonPath};
@@ -28,12 +28,12 @@ pub struct Tendons {
     /// path leaves a tendon as it is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub paths: Option<Vec<Vec<OffsetPoint>>>,
-    /// How much each is tightened at home, metres.
+    /// How much each is tightened at home, metres: one number, or one per tendon, which is then the zero of each drive, too.
     #[serde(default)]
-    pub pretension_m: f64,
-    /// Stretch of a whole tendon per tension, m/N.
+    pub pretension_m: PerTendon,
+    /// Stretch of a whole tendon per tension, m/N: one number, or one per tendon.
     #[serde(default)]
-    pub compliance_m_per_n: f64,
+    pub compliance_m_per_n: PerTendon,
     /// Length over which a tendon stretches at home, metres: what the drive winds up stretches no more. Left out: the
     /// drive moves the whole tendon along.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -78,8 +78,8 @@ impl Tendons {
         at(self.angles_deg.iter().try_for_each(|&angle| finite("angles_deg", angle)))?;
         at(each("radii_m", self.radii_m.as_ref(), count, &|r| r > 0.0, "one number above 0 per tendon"))?;
         at(each("twists_rad_m", self.twists_rad_m.as_ref(), count, &f64::is_finite, "one number per tendon"))?;
-        at(finite("pretension_m", self.pretension_m))?;
-        at(non_negative("compliance_m_per_n", self.compliance_m_per_n))?;
+        at(each_of("pretension_m", &self.pretension_m, count, &finite))?;
+        at(each_of("compliance_m_per_n", &self.compliance_m_per_n, count, &non_negative))?;
         at(BadOption::unless_positive_or_null("elastic_length_m", self.elastic_length_m))?;
         let inside = |s: f64| s > 0.0 && s <= length_m;
         at(each("ends_m", self.ends_m.as_ref(), count, &inside, "one place per tendon, each within the backbone"))?;
@@ -136,8 +136,8 @@ impl Tendons {
             path: self.path(i),
             start_m: self.start_m(i),
             end_m: self.end_m(i, length_m),
-            pretension_m: self.pretension_m,
-            compliance_m_per_n: self.compliance_m_per_n,
+            pretension_m: self.pretension_m.of(i),
+            compliance_m_per_n: self.compliance_m_per_n.of(i),
             elastic_length_m: self.elastic_length_m.unwrap_or(f64::INFINITY),
         };
         (0..self.angles_deg.len()).map(tendon).collect()
@@ -169,6 +169,17 @@ fn each(
     let Some(list) = list else { return Ok(()) };
     let all = list.len() == count && list.iter().all(|&value| value.is_finite() && good(value));
     refuse(all, key, list, expected)
+}
+
+/// Refuses a list of another length than the number of tendons, and numbers that are not `good`.
+fn each_of(
+    key: &'static str,
+    numbers: &PerTendon,
+    count: usize,
+    good: &dyn Fn(&'static str, f64) -> Result<(), BadOption>,
+) -> Result<(), BadOption> {
+    refuse(numbers.fits(count), key, &numbers.values(), "a number, or a list of one number per tendon")?;
+    numbers.values().iter().try_for_each(|&value| good(key, value))
 }
 
 /// Sine and cosine that are exact at multiples of 90 degrees, so that a symmetric robot stays symmetric.

@@ -1,10 +1,12 @@
 //! Options of a hardware plant in its YAML file.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use super::Hardware;
 use crate::base::{BadOption, Plant, Seed};
-use crate::effects::{EffectSpec, Model};
+use crate::effects::{DriveGains, EffectSpec, Model};
 use crate::hardware::axes::{AXES, AxesOptions};
 use crate::hardware::grbl::MotionSettings;
 use crate::hardware::safety::SafetyLimits;
@@ -105,6 +107,10 @@ impl PlantOptions for HardwareOptions {
 
     fn tendons(&self) -> usize {
         AXES
+    }
+
+    fn drive_gains(&self) -> BTreeMap<String, DriveGains> {
+        self.model.drive_gains()
     }
 
     fn build(&self, step_s: f64) -> Result<Box<dyn Plant>, String> {

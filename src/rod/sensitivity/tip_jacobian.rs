@@ -43,6 +43,14 @@ pub struct PoseRates {
     pub points: Vec<TipRate>,
 }
 
+impl PoseRates {
+    /// Sets all of them to zero.
+    pub fn clear(&mut self) {
+        self.tip = TipRate::ZERO;
+        self.points.fill(TipRate::ZERO);
+    }
+}
+
 impl TipRate {
     const ZERO: TipRate =
         TipRate { position_m: Vector3::new(0.0, 0.0, 0.0), rotation_rad: Vector3::new(0.0, 0.0, 0.0) };

@@ -64,7 +64,12 @@ mod tests {
         let recording = folder.path().join("rec.csv");
         let digest = |text: &str| {
             std::fs::write(&recording, text).unwrap();
-            let options = ReplayOptions { recording: recording.clone(), tolerance_m: 1e-6, tendons: 4 };
+            let options = ReplayOptions {
+                recording: recording.clone(),
+                tolerance_m: 1e-6,
+                tendons: 4,
+                drives: std::collections::BTreeMap::new(),
+            };
             Identified::new(PlantSpec::Replay(Box::new(options))).unwrap().digest
         };
         assert_eq!(digest("a"), digest("a"));

@@ -2,8 +2,9 @@
 
 use super::support::{RELATIVE, shipped};
 use spinebench::base::Point3;
+use spinebench::data::recording::{DriveTrack, DriveUnit};
 use spinebench::data::{Actuation, Recording};
-use spinebench::effects::{BodyPoint, Model, ModelParameter, Variable};
+use spinebench::effects::{BodyPoint, Model, ModelParameter, PerTendon, Starts, TendonDrive, Variable};
 use spinebench::tasks::{SimulationOptions, simulate_recording, simulate_with_rates};
 
 fn model() -> Model {
@@ -27,14 +28,59 @@ fn commands() -> Recording {
     commands
 }
 
+/// The same commands through two drives, each of which moves two tendons.
+fn driven(model: &mut Model) -> Recording {
+    let drive = |tendons: [usize; 2]| TendonDrive { tendons: tendons.to_vec(), gains: vec![0.02, -0.02] };
+    model.drives.insert("across".to_owned(), drive([2, 4]));
+    model.drives.insert("up".to_owned(), drive([1, 3]));
+    let mut commands = commands();
+    let track = |name: &str, tendon: usize| DriveTrack {
+        name: name.to_owned(),
+        unit: DriveUnit::Radians,
+        displacement: commands.commands.iter().map(|row| row[tendon] / 0.02).collect(),
+    };
+    commands.drives = vec![track("across", 1), track("up", 0)];
+    commands
+}
+
 /// All positions of the points, row by row.
 fn points_m(recording: &Recording) -> Vec<Point3> {
     (0..recording.len()).flat_map(|row| recording.points.iter().map(move |point| point.position_m[row])).collect()
 }
 
+/// Compares the derivatives of all points with differences of whole recordings.
+fn compare(model: &Model, commands: &Recording, paths: &[&str]) {
+    let parameters: Vec<ModelParameter> =
+        paths.iter().map(|path| ModelParameter::named(model, path).unwrap()).collect();
+    let variables: Vec<Variable> = parameters.iter().cloned().map(Variable::Parameter).collect();
+    for at_rest in [true, false] {
+        let options = SimulationOptions { at_rest, ..SimulationOptions::default() };
+        let found = simulate_with_rates(model, commands, &options, &variables).unwrap();
+        assert!(found.left_out.is_empty());
+        assert_eq!(found.recording, simulate_recording(model, commands, &options), "those who follow disturb nothing");
+        let tip = found.recording.point("tip").unwrap();
+        assert_eq!(Some(&tip.position_m), found.recording.tip_m.as_ref());
+        for (index, parameter) in parameters.iter().enumerate() {
+            let rates = found.rates.iter().flat_map(|row| &row[index].points);
+            let rates: Vec<Point3> = rates.map(|rate| rate.position_m.into()).collect();
+            let simulated = |model: &Model| -> Result<Vec<Point3>, spinebench::effects::VariationError> {
+                Ok(points_m(&simulate_recording(model, commands, &options)))
+            };
+            let scale = parameter.scale(model).unwrap();
+            let size = |all: &[Point3]| all.iter().flatten().map(|x| x * x).sum::<f64>().sqrt() * scale;
+            let off = [1e-2, 1e-3, 1e-4, 1e-5].map(|step| {
+                let differences = parameter.differences(model, step, &simulated).unwrap();
+                (size(&super::support::minus(&rates, &differences)), size(&differences))
+            });
+            let (least, whole) = off.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
+            println!("{parameter} at rest {at_rest}: {whole:.2e} m, off by {least:.1e} m");
+            assert!(least < RELATIVE * whole + 5e-8, "{parameter}, at rest {at_rest}: {off:?}");
+        }
+    }
+}
+
 #[test]
 fn points_in_rest_and_motion() {
-    let (model, commands) = (model(), commands());
     let paths = [
         "robot.backbone.youngs_modulus_pa",
         "robot.tendons.angles_deg[1]",
@@ -44,34 +90,25 @@ fn points_in_rest_and_motion() {
         "tracking.points.marker.offset_m[0]",
         "tracking.points.tip.s_m",
     ];
-    let parameters = paths.map(|path| ModelParameter::named(&model, path).unwrap());
-    let variables: Vec<Variable> = parameters.iter().cloned().map(Variable::Parameter).collect();
-    for at_rest in [true, false] {
-        let options = SimulationOptions { at_rest, ..SimulationOptions::default() };
-        let found = simulate_with_rates(&model, &commands, &options, &variables).unwrap();
-        assert!(found.left_out.is_empty());
-        assert_eq!(
-            found.recording,
-            simulate_recording(&model, &commands, &options),
-            "those who follow disturb nothing"
-        );
-        let tip = found.recording.point("tip").unwrap();
-        assert_eq!(Some(&tip.position_m), found.recording.tip_m.as_ref());
-        for (index, parameter) in parameters.iter().enumerate() {
-            let rates: Vec<Point3> =
-                found.rates.iter().flat_map(|row| &row[index].points).map(|rate| rate.position_m.into()).collect();
-            let simulated = |model: &Model| -> Result<Vec<Point3>, spinebench::effects::VariationError> {
-                Ok(points_m(&simulate_recording(model, &commands, &options)))
-            };
-            let scale = parameter.scale(&model).unwrap();
-            let size = |all: &[Point3]| all.iter().flatten().map(|x| x * x).sum::<f64>().sqrt() * scale;
-            let off = [1e-2, 1e-3, 1e-4, 1e-5].map(|step| {
-                let differences = parameter.differences(&model, step, &simulated).unwrap();
-                (size(&super::support::minus(&rates, &differences)), size(&differences))
-            });
-            let (least, whole) = off.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
-            println!("{parameter} at rest {at_rest}: {whole:.2e} m, off by {least:.1e} m");
-            assert!(least < RELATIVE * whole + 5e-8, "{parameter}, at rest {at_rest}: {off:?}");
-        }
+    compare(&model(), &commands(), &paths);
+}
+
+/// Gains of drives, and numbers of single tendons, also where trials start under their first command or go on.
+#[test]
+fn gains_of_drives_from_any_start() {
+    let mut model = model();
+    let commands = driven(&mut model);
+    let tendons = &mut model.robot.tendons;
+    tendons.pretension_m = PerTendon::Each(vec![5e-4, 4e-4, 5e-4, 6e-4]);
+    tendons.compliance_m_per_n = PerTendon::Each(vec![1e-4, 2e-4, 1e-4, 2e-4]);
+    let paths = [
+        "drives.across.gains[0]",
+        "drives.up.gains[1]",
+        "robot.tendons.pretension_m[1]",
+        "robot.tendons.compliance_m_per_n[3]",
+    ];
+    for starts in [Starts::Home, Starts::Anywhere, Starts::Continue] {
+        model.tracking.starts = starts;
+        compare(&model, &commands, &paths);
     }
 }

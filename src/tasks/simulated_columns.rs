@@ -1,0 +1,83 @@
+//! The columns of a simulated recording.
+
+use std::ops::Range;
+
+use super::record::point_tracks;
+use crate::base::{Observation, PlantError};
+use crate::data::Recording;
+use crate::data::recording::Extra;
+use crate::effects::Model;
+use crate::rod::PoseRates;
+
+/// The columns of a simulated recording.
+pub(super) struct SimulatedColumns {
+    /// What is observed in each row, and the residual of its solution; none without a solution.
+    pub(super) seen: Vec<Option<(Observation, f64)>>,
+    status: Vec<String>,
+    /// Derivatives of the tip and the tracked points.
+    pub(super) rates: Vec<Vec<PoseRates>>,
+    tendons: usize,
+    /// Names of the tracked points.
+    points: Vec<String>,
+}
+
+impl SimulatedColumns {
+    pub(super) fn new(model: &Model, commands: &Recording) -> SimulatedColumns {
+        let rows = commands.len();
+        SimulatedColumns {
+            seen: vec![None; rows],
+            status: vec!["converged".to_owned(); rows],
+            rates: vec![Vec::new(); rows],
+            tendons: commands.tendons(),
+            points: model.tracking.names(),
+        }
+    }
+
+    /// Sets the failure of those of `rows` that have neither an observation nor another failure.
+    pub(super) fn set_failure(&mut self, rows: Range<usize>, error: &PlantError) {
+        let name = match error {
+            PlantError::Solver(name) => name.as_str(),
+            PlantError::Refused(_) => "refused",
+            PlantError::Stopped(_) => "stopped",
+            PlantError::Unseen { .. } => "unseen",
+            PlantError::NotRecorded(_) => "not_recorded",
+        };
+        for row in rows.filter(|&row| self.seen[row].is_none()) {
+            if self.status[row] == "converged" {
+                name.clone_into(&mut self.status[row]);
+            }
+        }
+    }
+
+    pub(super) fn into_recording(self, commands: &Recording) -> Recording {
+        let lost = [f64::NAN; 3];
+        let numbers = |value: &dyn Fn(&(Observation, f64)) -> f64| -> Extra {
+            Extra::Numbers(self.seen.iter().map(|seen| seen.as_ref().map_or(f64::NAN, value)).collect())
+        };
+        let mut extra: Vec<(String, Extra)> = Vec::new();
+        for tendon in 0..self.tendons {
+            let tension = |(seen, _): &(Observation, f64)| seen.tensions_n.as_ref().map_or(f64::NAN, |all| all[tendon]);
+            extra.push((format!("tension_{}_n", tendon + 1), numbers(&tension)));
+        }
+        extra.push(("solver_residual_m".to_owned(), numbers(&|(_, residual)| *residual)));
+        extra.push(("solver_status".to_owned(), Extra::Text(self.status.clone())));
+        let carried = commands.extra.iter().filter(|(name, _)| extra.iter().all(|(own, _)| own != name));
+        let extra = carried.cloned().chain(extra.iter().cloned()).collect();
+        let tips = self.seen.iter().map(|seen| seen.as_ref().map_or(lost, |(seen, _)| seen.tip_m));
+        let turns = self
+            .seen
+            .iter()
+            .map(|seen| seen.as_ref().and_then(|(seen, _)| seen.tip_quaternion).unwrap_or([f64::NAN; 4]));
+        let valid: Vec<bool> = self.seen.iter().map(Option::is_some).collect();
+        let seen: Vec<Option<&Observation>> =
+            self.seen.iter().map(|seen| seen.as_ref().map(|(seen, _)| seen)).collect();
+        Recording {
+            tip_m: Some(tips.collect()),
+            tip_quaternion: Some(turns.collect()),
+            valid: valid.contains(&false).then_some(valid),
+            points: point_tracks(&self.points, &seen),
+            extra,
+            ..commands.clone()
+        }
+    }
+}
