@@ -35,6 +35,13 @@ pub struct Observation {
     pub valid: bool,
 }
 
+impl Observation {
+    /// All measured positions, the tip first, to be changed.
+    pub fn positions_m(&mut self) -> impl Iterator<Item = &mut Point3> {
+        std::iter::once(&mut self.tip_m).chain(self.points.iter_mut().map(|point| &mut point.position_m))
+    }
+}
+
 /// Euclidean distance between two points, metres.
 pub fn distance_m(a: &Point3, b: &Point3) -> f64 {
     a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum::<f64>().sqrt()

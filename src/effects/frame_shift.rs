@@ -33,10 +33,31 @@ impl Effect for FrameShift {
     }
 
     fn observe(&self, seen: &mut Observation) {
-        let positions =
-            std::iter::once(&mut seen.tip_m).chain(seen.points.iter_mut().map(|point| &mut point.position_m));
-        for position_m in positions {
+        for position_m in seen.positions_m() {
             position_m.iter_mut().zip(self.shift_m).for_each(|(own, shift)| *own += shift);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::{BodyPoint, DrivenModel, EffectSpec, Model};
+
+    #[test]
+    fn the_tip_and_all_points_are_shifted() {
+        let mut model = Model::default();
+        model.tracking.points.insert("mid".to_owned(), BodyPoint { s_m: 0.1, offset_m: [0.0, 0.01, 0.0] });
+        let shift_m = [0.003, -0.002, 0.001];
+        let positions = |extra: &[EffectSpec]| {
+            let mut driven = DrivenModel::new(&model, extra);
+            driven.home().unwrap();
+            driven.observation(&[], 0.0).positions_m().map(|position_m| *position_m).collect::<Vec<_>>()
+        };
+        let (plain, shifted) = (positions(&[]), positions(&[EffectSpec::FrameShift(FrameShift { shift_m })]));
+        assert_eq!(plain.len(), 2);
+        for (plain, shifted) in plain.iter().zip(&shifted) {
+            (0..3).for_each(|axis| assert!((shifted[axis] - plain[axis] - shift_m[axis]).abs() < 1e-15));
         }
     }
 }
