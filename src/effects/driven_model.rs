@@ -1,18 +1,16 @@
 //! A driven model: its rod, the effects on drives and measurements, and derivatives with respect to model parameters,
 //! commands and loads. Measurement noise is added by the simulated plant.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 use super::drive_path::{DrivePath, DriveState, apply_effects, drives};
 use super::model_parameter::Variable;
 use super::perturbation::{Perturbation, VariationError, perturb};
-use super::{BodyPoint, Effect, EffectSpec, Model};
+use super::tracking::{MeasuredPose, TrackedPlaces, seen_point};
+use super::{Effect, EffectSpec, Model};
 use crate::base::{Observation, PlantError, TendonCommand};
 use crate::math::rotation;
 use crate::rod::{Drive, NotPerturbable, PerturbedRods, PoseRates, Rod, RodParams, SolveStatus, TipRate, TipWrench};
-
-/// Position in metres and orientation.
-type MeasuredPose = (Vector3<f64>, Matrix3<f64>);
 
 /// A rod with the effects of a model.
 #[derive(Debug)]
@@ -23,8 +21,8 @@ pub struct DrivenModel {
     /// Drives of each rod.
     drive_states: Vec<DriveState>,
     perturbations: Vec<Perturbation>,
-    /// Tracked points of the model, then of each perturbed model.
-    points: Vec<Vec<BodyPoint>>,
+    /// What is tracked on the model, then on each perturbed model.
+    places: Vec<TrackedPlaces>,
     /// Displacements of the model's drives in the next command, in the order of their names.
     drive_displacements: Vec<f64>,
     /// Index of the next command; `None` before the command that brings the rod home after a restart.
@@ -41,7 +39,7 @@ impl DrivenModel {
             effects: vec![model.effects(extra)],
             drive_states: vec![drive_state],
             perturbations: Vec::new(),
-            points: vec![model.tracking.places()],
+            places: vec![model.tracking.places()],
             drive_displacements: Vec::new(),
             next: None,
         }
@@ -59,7 +57,7 @@ impl DrivenModel {
             driven.effects.push(varied.effects);
             driven.drive_states.push(DriveState::new(varied.drive_time_s, driven.rod().params().tendons.len()));
             driven.perturbations.push(varied.perturbation);
-            driven.points.push(varied.points);
+            driven.places.push(varied.places);
             params.push(varied.params);
         }
         driven.rods = PerturbedRods::new(model.rod(extra), params)
@@ -230,7 +228,7 @@ impl DrivenModel {
             TendonCommand::Follow => following,
         };
         let pulls_m = commands.iter().zip(following).map(pull).collect();
-        let mut seen = Observation { time_s, pulls_m, ..posture(self.rod(), &self.points[0]) };
+        let mut seen = Observation { time_s, pulls_m, ..posture(self.rod(), &self.places[0]) };
         self.effects[0].iter().for_each(|effect| effect.observe(&mut seen));
         seen
     }
@@ -246,11 +244,12 @@ impl DrivenModel {
             return Vec::new();
         }
         let measured = |number: usize, rod: &Rod| {
-            let mut seen = posture(rod, &self.points[number]);
+            let places = &self.places[number];
+            let mut seen = posture(rod, places);
             self.effects[number].iter().for_each(|effect| effect.observe(&mut seen));
-            let poses = self.points[number].iter().map(|point| rod.pose_at(point.s_m).1).zip(seen.points);
-            let points = poses.map(|(turn, point)| (Vector3::from(point.position_m), turn));
-            std::iter::once((Vector3::from(seen.tip_m), rod.tip_rotation())).chain(points).collect::<Vec<_>>()
+            let turns = std::iter::once(places.tip(rod).1).chain(places.points(rod).into_iter().map(|(_, turn)| turn));
+            let positions = seen.positions_m().map(|position_m| Vector3::from(*position_m));
+            positions.zip(turns).collect::<Vec<MeasuredPose>>()
         };
         let here = measured(0, self.rod());
         let rate = |(number, (perturbation, rod)): (usize, (&Perturbation, &Rod))| {
@@ -327,12 +326,13 @@ impl DrivenModel {
 }
 
 /// The observation of a rod, without effects.
-fn posture(rod: &Rod, points: &[BodyPoint]) -> Observation {
+fn posture(rod: &Rod, places: &TrackedPlaces) -> Observation {
+    let tip = seen_point(places.tip(rod));
     Observation {
         time_s: 0.0,
-        tip_m: rod.tip_m().into(),
-        tip_quaternion: Some(rotation::to_quaternion(&rod.tip_rotation())),
-        points: points.iter().map(|point| point.on(rod)).collect(),
+        tip_m: tip.position_m,
+        tip_quaternion: tip.quaternion,
+        points: places.points(rod).into_iter().map(seen_point).collect(),
         pulls_m: Vec::new(),
         tensions_n: Some(rod.tensions_n().to_vec()),
         valid: true,

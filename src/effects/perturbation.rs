@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use super::model_parameter::{ParameterError, Variable};
-use super::{BodyPoint, Effect, EffectSpec, Model};
+use super::tracking::TrackedPlaces;
+use super::{Effect, EffectSpec, Model};
 use crate::rod::{PerturbedRods, RodParams};
 
 /// Relative perturbation for derivatives: balances truncation against rounding.
@@ -53,7 +54,7 @@ pub(super) struct PerturbedModel {
     pub(super) drive_time_s: f64,
     pub(super) params: RodParams,
     pub(super) effects: Vec<Box<dyn Effect>>,
-    pub(super) points: Vec<BodyPoint>,
+    pub(super) places: TrackedPlaces,
 }
 
 impl Perturbation {
@@ -91,7 +92,7 @@ pub(super) fn perturb(
         drive_time_s: model.robot.drive_time_s,
         params,
         effects: model.effects(extra),
-        points: model.tracking.places(),
+        places: model.tracking.places(),
     };
     let axis = |axis: usize| if axis < 3 { Ok(axis) } else { Err(VariationError::Missing(index)) };
     let mut changed = params.clone();
@@ -107,8 +108,8 @@ pub(super) fn perturb(
                     let effects = candidate.effects(extra);
                     let drive_time_s = candidate.robot.drive_time_s;
                     let perturbation = Perturbation { step, shift: changed_gain(model, &candidate) };
-                    let points = candidate.tracking.places();
-                    return Ok(PerturbedModel { perturbation, drive_time_s, params: changed, effects, points });
+                    let places = candidate.tracking.places();
+                    return Ok(PerturbedModel { perturbation, drive_time_s, params: changed, effects, places });
                 }
             }
             Err(VariationError::NotPerturbable(index))

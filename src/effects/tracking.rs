@@ -1,8 +1,8 @@
-//! What a tracker follows on the robot's body besides the tip.
+//! What a tracker follows on the robot's body.
 
 use std::collections::BTreeMap;
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::finite;
@@ -20,6 +20,9 @@ pub struct Tracking {
     /// Tracked points by name: that of the columns `point_NAME_x_m,point_NAME_y_m,point_NAME_z_m` of a recording.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub points: BTreeMap<String, BodyPoint>,
+    /// Where on the body what recordings call the tip is; left out: at the end of the backbone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tip: Option<BodyPoint>,
     /// State at the start of a trial.
     #[serde(default, skip_serializing_if = "Starts::is_default")]
     pub starts: Starts,
@@ -77,9 +80,9 @@ impl Tracking {
         self.points.keys().cloned().collect()
     }
 
-    /// Places of the points, in the order of their names.
-    pub(super) fn places(&self) -> Vec<BodyPoint> {
-        self.points.values().copied().collect()
+    /// Places of all that is tracked.
+    pub(super) fn places(&self) -> TrackedPlaces {
+        TrackedPlaces { tip: self.tip, points: self.points.values().copied().collect() }
     }
 
     /// Refuses points that are not on a backbone of `length_m`.
@@ -96,13 +99,10 @@ impl Tracking {
             if !is_name(name) {
                 return refuse("tracking", "points", format!("`{name}`"), "a name of letters, digits, `_` and `-`");
             }
-            let path = format!("tracking.points.{name}");
-            if !(point.s_m >= 0.0 && point.s_m <= length_m) {
-                return refuse(&path, "s_m", point.s_m.to_string(), "a place on the backbone: 0 to its `length_m`");
-            }
-            point.offset_m.iter().try_for_each(|&x| finite("offset_m", x)).map_err(|error| (path, error))?;
+            point.check(length_m).map_err(|error| (format!("tracking.points.{name}"), error))?;
         }
-        Ok(())
+        let tip = self.tip.map_or(Ok(()), |tip| tip.check(length_m));
+        tip.map_err(|error| ("tracking.tip".to_owned(), error))
     }
 }
 
@@ -112,10 +112,44 @@ pub(super) fn is_name(name: &str) -> bool {
 }
 
 impl BodyPoint {
-    /// Position and orientation on the rod, world frame.
-    pub(super) fn on(&self, rod: &Rod) -> SeenPoint {
-        let (position, turn) = rod.pose_at(self.s_m);
-        let position_m = (position + turn * Vector3::from(self.offset_m)).into();
-        SeenPoint { position_m, quaternion: Some(rotation::to_quaternion(&turn)) }
+    fn check(&self, length_m: f64) -> Result<(), BadOption> {
+        if !(self.s_m >= 0.0 && self.s_m <= length_m) {
+            let expected = "a place on the backbone: 0 to its `length_m`";
+            return Err(BadOption { key: "s_m", found: self.s_m.to_string(), expected });
+        }
+        self.offset_m.iter().try_for_each(|&x| finite("offset_m", x))
     }
+
+    /// Position in metres and orientation on the rod, world frame.
+    fn pose(&self, rod: &Rod) -> MeasuredPose {
+        let (position, turn) = rod.pose_at(self.s_m);
+        (position + turn * Vector3::from(self.offset_m), turn)
+    }
+}
+
+/// Position in metres and orientation.
+pub(super) type MeasuredPose = (Vector3<f64>, Matrix3<f64>);
+
+/// Places of all that is tracked on one rod.
+#[derive(Clone, Debug)]
+pub(super) struct TrackedPlaces {
+    tip: Option<BodyPoint>,
+    points: Vec<BodyPoint>,
+}
+
+impl TrackedPlaces {
+    /// Pose of the tip, world frame.
+    pub(super) fn tip(&self, rod: &Rod) -> MeasuredPose {
+        self.tip.map_or_else(|| (rod.tip_m(), rod.tip_rotation()), |tip| tip.pose(rod))
+    }
+
+    /// Poses of the further points, in the order of their names, world frame.
+    pub(super) fn points(&self, rod: &Rod) -> Vec<MeasuredPose> {
+        self.points.iter().map(|point| point.pose(rod)).collect()
+    }
+}
+
+/// A pose as a tracker sees it.
+pub(super) fn seen_point((position, turn): MeasuredPose) -> SeenPoint {
+    SeenPoint { position_m: position.into(), quaternion: Some(rotation::to_quaternion(&turn)) }
 }

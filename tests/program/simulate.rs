@@ -402,6 +402,9 @@ fn tracked_points_are_simulated_and_collected() {
         said.contains("rec.csv, line 1, column `point_end_x_m`: found the point `end`, expected no tracked point"),
         "{said}"
     );
+    bench.put("bad.yaml", &format!("{nominal}tracking: {{tip: {{s_m: -1}}}}\n"));
+    let said = bench.refused("simulate --model bad.yaml --commands in.csv --out no.csv");
+    assert!(said.contains("tracking.tip.s_m: found -1, expected a place on the backbone"), "{said}");
     bench.put("bad.yaml", &format!("{nominal}tracking: {{points: {{end: {{s_m: 0.3}}}}}}\n"));
     let said = bench.refused("simulate --model bad.yaml --commands in.csv --out no.csv");
     assert!(said.contains("tracking.points.end.s_m: found 0.3, expected a place on the backbone"), "{said}");

@@ -4,7 +4,7 @@ use super::support::{RELATIVE, shipped};
 use spinebench::base::Point3;
 use spinebench::data::recording::{DriveTrack, DriveUnit};
 use spinebench::data::{Actuation, Recording};
-use spinebench::effects::{BodyPoint, Model, ModelParameter, PerTendon, Starts, TendonDrive, Variable};
+use spinebench::effects::{BodyPoint, Model, ModelParameter, PerTendon, Starts, TendonDrive, Tracking, Variable};
 use spinebench::tasks::{SimulationOptions, simulate_recording, simulate_with_rates};
 
 fn model() -> Model {
@@ -76,6 +76,35 @@ fn compare(model: &Model, commands: &Recording, paths: &[&str]) {
             println!("{parameter} at rest {at_rest}: {whole:.2e} m, off by {least:.1e} m");
             assert!(least < RELATIVE * whole + 5e-8, "{parameter}, at rest {at_rest}: {off:?}");
         }
+    }
+}
+
+/// A marker beyond the end of the backbone that recordings call the tip.
+#[test]
+fn a_tip_away_from_the_end_of_the_backbone() {
+    let (mut model, commands) = (model(), commands());
+    let tip = BodyPoint { s_m: 0.2145, offset_m: [0.002, -0.004, 0.0105] };
+    model.tracking.tip = Some(tip);
+    model.tracking.points.insert("tip".to_owned(), tip);
+    let options = SimulationOptions { at_rest: true, ..SimulationOptions::default() };
+    let end = simulate_recording(&Model { tracking: Tracking::default(), ..model.clone() }, &commands, &options);
+    let beyond = simulate_recording(&model, &commands, &options);
+    let apart = |row: usize| {
+        spinebench::base::distance_m(&end.tip_m.as_ref().unwrap()[row], &beyond.tip_m.as_ref().unwrap()[row])
+    };
+    assert!((0..10).all(|row| (apart(row) - 0.0067).abs() < 5e-4), "{:?}", (0..10).map(apart).collect::<Vec<_>>());
+    let paths = ["tracking.tip.offset_m[2]", "tracking.tip.s_m", "robot.backbone.youngs_modulus_pa"];
+    let variables: Vec<Variable> =
+        paths.iter().map(|path| Variable::Parameter(ModelParameter::named(&model, path).unwrap())).collect();
+    let found = simulate_with_rates(&model, &commands, &options, &variables).unwrap();
+    for row in &found.rates {
+        // The point that stands where the tip does moves with it, but for what moves the tip's place alone.
+        assert_eq!(row[2].tip, *row[2].points.last().unwrap());
+        assert!(
+            row[0].points.iter().all(|rate| rate.position_m.norm() == 0.0)
+                && (row[0].tip.position_m.norm() - 1.0).abs() < 1e-6
+        );
+        assert!((row[1].tip.position_m.norm() - 1.0).abs() < 0.2, "{}", row[1].tip.position_m);
     }
 }
 
