@@ -218,9 +218,9 @@ impl DiscoverCommand {
     fn write(&self, given: &Model, found: &Discovery, recorded: &[(PathBuf, Recording)]) -> CommandResult {
         let added = found.model.effects.len() - given.effects.len();
         let model = if added == 0 {
-            std::fs::read_to_string(&self.model).map_err(CommandError::bad_input)?
+            std::fs::read(&self.model).map_err(CommandError::bad_input)?
         } else {
-            extended_text(&self.model, &found.model, added).map_err(CommandError::failed)?
+            extended_text(&self.model, &found.model, added).map_err(CommandError::failed)?.into_bytes()
         };
         let texts: Vec<EffectText> = CATALOGUE
             .iter()
@@ -258,7 +258,7 @@ impl DiscoverCommand {
         for file in old.iter().filter(|old| !found.next_experiments.iter().any(|next| next.proposal.file == **old)) {
             let _ = std::fs::remove_file(self.out.join(file));
         }
-        write_atomic(&self.out.join("model.yaml"), model.as_bytes()).map_err(CommandError::failed)?;
+        write_atomic(&self.out.join("model.yaml"), &model).map_err(CommandError::failed)?;
         found.findings.write(&self.out.join("findings.json")).map_err(CommandError::failed)
     }
 

@@ -1,17 +1,19 @@
-//! Checks of a CSV before parsing: UTF-8, one header line, the same number of cells in every line. A parser that
+//! Checks of a CSV before parsing: text, one header line, the same number of cells in every line. A parser that
 //! repairs such faults silently would hide a damaged recording.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use super::DataError;
 use super::table::{Table, parse_csv};
+use super::text::decode_text;
 
 const HEADER: &str = "a header line and at least one row";
 
 /// Checks the text line by line, then parses it.
 pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Table, DataError> {
     let text = decode(path, bytes)?;
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text).trim_end_matches(['\n', '\r']);
+    let text = text.trim_end_matches(['\n', '\r']);
     let mut lines = text.lines();
     let header = lines.next().filter(|header| !header.trim().is_empty());
     let Some(header) = header else {
@@ -34,12 +36,10 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Table, DataError> {
     Ok(parsed)
 }
 
-/// The bytes as text.
-pub(super) fn decode<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str, DataError> {
-    std::str::from_utf8(bytes).map_err(|error| {
-        let line = 1 + bytes[..error.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count();
-        line_error(path, line, "bytes that are not text", "UTF-8".to_owned())
-    })
+/// The bytes as text, without a byte-order mark.
+pub(super) fn decode<'a>(path: &Path, bytes: &'a [u8]) -> Result<Cow<'a, str>, DataError> {
+    decode_text(bytes)
+        .map_err(|(line, expected)| line_error(path, line, "bytes that are not text", expected.to_owned()))
 }
 
 /// Number of columns; each must have a name of its own.

@@ -1,5 +1,6 @@
 //! Values written as YAML, in the form in which specs are read.
 
+use crate::data::read_text;
 use crate::effects::{EffectSpec, Model};
 use serde::Serialize;
 use std::path::Path;
@@ -32,7 +33,7 @@ pub fn model_text(model: &Model) -> Result<String, serde_yaml::Error> {
 /// # Errors
 /// As [`model_text`]. A file that cannot be read counts as empty.
 pub fn extended_text(file: &Path, model: &Model, added: usize) -> Result<String, serde_yaml::Error> {
-    let written = std::fs::read_to_string(file).unwrap_or_default();
+    let written = read_text(file).unwrap_or_default();
     let line = |effect: &EffectSpec| -> Result<String, serde_yaml::Error> {
         let name = effect.card().name;
         let value = serde_json::to_value(effect).map_err(<serde_yaml::Error as serde::ser::Error>::custom)?;

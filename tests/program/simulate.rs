@@ -237,6 +237,28 @@ fn parquet_is_as_good_as_csv_and_unknown_columns_are_carried() {
     assert!(csv.extra.iter().any(|(name, _)| name == "camera"));
 }
 
+/// Editors of some systems begin a file with a byte-order mark, or write UTF-16.
+#[test]
+fn files_with_a_byte_order_mark_are_read() {
+    let bench = Bench::new();
+    let plain = std::fs::read(NOMINAL).unwrap();
+    let commands = format!("{LENGTHS}\n0,0,0,0,0,0\n0,0.2,0.002,0,-0.002,0\n");
+    let marked = [b"\xEF\xBB\xBF".as_slice(), &plain].concat();
+    let wide: Vec<u8> =
+        format!("\u{feff}{}", String::from_utf8_lossy(&plain)).encode_utf16().flat_map(u16::to_le_bytes).collect();
+    bench.put("commands.csv", &commands);
+    bench.put("marked.csv", &format!("\u{feff}{commands}"));
+    std::fs::write(bench.path("marked.yaml"), marked).unwrap();
+    std::fs::write(bench.path("wide.yaml"), wide).unwrap();
+    bench.ok("simulate --model NOMINAL --commands commands.csv --out out.csv --static");
+    for model in ["marked.yaml", "wide.yaml"] {
+        bench.ok(&format!("simulate --model {model} --commands marked.csv --out same.csv --static"));
+        assert_eq!(std::fs::read(bench.path("same.csv")).unwrap(), std::fs::read(bench.path("out.csv")).unwrap());
+    }
+    bench.put("plant.yaml", "\u{feff}simulated: {model: marked.yaml}\n");
+    bench.ok("collect --plant plant.yaml --commands marked.csv --out rec.csv");
+}
+
 #[test]
 fn bad_models_are_refused_by_file_line_and_key() {
     let bench = Bench::new();

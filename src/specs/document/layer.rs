@@ -7,6 +7,7 @@ use super::mismatch::describe;
 use super::path::{KeyPath, Step};
 use super::sweep_option;
 use super::tree::{get, not_plain, remove};
+use crate::data::read_text;
 use serde_yaml::{Mapping, Value};
 use std::path::{Path, PathBuf};
 
@@ -35,7 +36,7 @@ impl Layer {
     /// A file, as the layer below `include` (a path, and the location of the file's name), or as the root.
     pub(super) fn file(path: &Path, include: Option<(&KeyPath, SourceLocation)>) -> Result<Layer, SpecError> {
         let name = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|error| {
+        let text = read_text(path).map_err(|error| {
             let missing = error.kind() == std::io::ErrorKind::NotFound;
             let found = if missing { format!("no file `{name}`") } else { format!("`{name}`: {error}") };
             let expected = "the name of a YAML file";

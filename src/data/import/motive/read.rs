@@ -15,7 +15,6 @@ use crate::data::{DataError, csv};
 /// Reads a whole export.
 pub(crate) fn export(path: &Path, bytes: &[u8]) -> Result<Export, DataError> {
     let text = csv::decode(path, bytes)?;
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let whole = text.ends_with(['\n', '\r']);
     let text = text.trim_end_matches(['\n', '\r']);
     let mut lines = text.lines().enumerate().map(|(index, line)| split(path, index + 1, line));
