@@ -4,6 +4,7 @@ use super::session::read_hardware_plant;
 use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::base::{Plant, Seed, distance_m};
+use spinebench::hardware::grbl::codes;
 use spinebench::plants::hardware::{Diagnostics, Hardware, HardwareOptions};
 use std::path::PathBuf;
 
@@ -52,10 +53,24 @@ fn print_check(good: bool, what: &str) -> usize {
     usize::from(!good)
 }
 
+/// Names an alarm, its meaning, and what clears it.
+fn alarm_text(code: u16) -> String {
+    let number = if code == 0 { "of unknown number".to_owned() } else { code.to_string() };
+    let clears = if codes::needs_person(code) {
+        "no program moves the robot until then"
+    } else {
+        "the next program that moves the robot (`collect`, `doctor --move`) resets and homes it"
+    };
+    format!("controller: alarm {number}: {} {clears}", codes::alarm(code))
+}
+
 fn report(diagnostics: &Diagnostics, options: &HardwareOptions) -> usize {
     let (rate_hz, near_m) = (options.tracking.rate_hz, options.safety.tip_from_model_m);
-    let Diagnostics { controller, homed, position_mm, server, tracking, tip, home_m, real_time } = diagnostics;
+    let Diagnostics { controller, alarm, homed, position_mm, server, tracking, tip, home_m, real_time } = diagnostics;
     let mut wrong = print_check(true, &format!("controller: {controller}"));
+    if let Some(code) = *alarm {
+        wrong += print_check(false, &alarm_text(code));
+    }
     let position = position_mm.map(|mm| format!("{mm:.3}")).join(", ");
     wrong +=
         print_check(true, &format!("axes: {}, position {position} mm", if *homed { "homed" } else { "not homed" }));

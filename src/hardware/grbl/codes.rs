@@ -27,6 +27,12 @@ pub fn alarm(code: u16) -> Meaning {
     find(ALARMS, code, "This controller knows an alarm that this program does not.")
 }
 
+/// Whether a reset cannot clear `ALARM:code` before a person has removed its cause: emergency stop, closed switch,
+/// protection, self-test, motor driver, expander, memory.
+pub fn needs_person(code: u16) -> bool {
+    matches!(code, 10 | 12 | 13 | 16 | 17 | 20 | 21)
+}
+
 /// Whether the meaning of `error:code` is known.
 pub fn knows_error(code: u16) -> bool {
     ERRORS.iter().any(|(number, ..)| *number == code)

@@ -11,7 +11,7 @@ use super::motion_monitor::{CommandedPath, StallDetector};
 use super::pending::{HomingPhase, LinePurpose, PendingLine};
 use super::port::Port;
 use super::settings::{GREETING_S, MotionSettings};
-use super::state::{ControllerState, Mode};
+use super::state::{ControllerState, HOMING_REQUIRED, Mode};
 use crate::hardware::clock::Clock;
 use crate::hardware::serial::SerialLine;
 
@@ -104,9 +104,13 @@ impl Controller {
         self.fault.clone().map_or(Ok(()), Err)
     }
 
-    /// Starts homing as soon as the controller accepts it. Failures are reported by [`Controller::poll`].
+    /// Starts homing as soon as the controller accepts it. A controller that was in alarm already is reset first: it
+    /// stands, and its position is discarded by homing. Failures are reported by [`Controller::poll`].
     pub fn start_homing(&mut self, now_s: f64) {
         if self.fault.is_none() && self.homing == HomingPhase::No {
+            if self.alarm().is_some() {
+                self.reset(now_s);
+            }
             self.homing = HomingPhase::Wanted;
             self.start_homing_if_free(now_s);
         }
@@ -115,6 +119,15 @@ impl Controller {
     /// True from [`Controller::start_homing`] until the axes are homed or a fault ends homing.
     pub fn is_homing(&self) -> bool {
         self.homing != HomingPhase::No
+    }
+
+    /// The alarm that locks the controller at rest, 0 if its number is unknown; none if it is locked only because it is
+    /// not homed.
+    pub fn alarm(&self) -> Option<u16> {
+        match self.state.mode {
+            Mode::Alarm(code) => Some(code.unwrap_or(0)).filter(|&code| code != HOMING_REQUIRED),
+            _ => None,
+        }
     }
 
     /// True when positions count from the homing switches.

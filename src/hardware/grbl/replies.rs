@@ -5,7 +5,7 @@ use super::fault::MotionFault;
 use super::motion_monitor;
 use super::parser::{ReceivedLine, Reply, StatusReport, parse};
 use super::pending::{HomingPhase, LinePurpose, PendingLine};
-use super::state::Mode;
+use super::state::{HOMING_REQUIRED, Mode};
 
 /// Unreadable lines within [`GARBLED_S`] that cause a fault.
 const MAX_GARBLED: usize = 3;
@@ -14,8 +14,6 @@ const GARBLED_S: f64 = 10.0;
 /// Shortest time without motion, s, after which pending moves count as stalled; the reply timeout applies if it is
 /// longer.
 const MIN_STALL_S: f64 = 0.3;
-/// Alarm number for "homing required".
-const HOMING_REQUIRED: u16 = 11;
 
 impl Controller {
     /// Processes everything that has arrived.

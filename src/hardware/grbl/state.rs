@@ -5,6 +5,9 @@ use std::fmt;
 /// Names of the axes in the order of every list of four.
 pub const AXIS_NAMES: [char; 4] = ['X', 'Y', 'Z', 'A'];
 
+/// Alarm number for "homing required".
+pub(super) const HOMING_REQUIRED: u16 = 11;
+
 /// Mode of a controller.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {

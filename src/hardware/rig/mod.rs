@@ -10,7 +10,7 @@ pub use motion::{MoveError, slowest_axis_mm_min};
 use crate::base::{Point3, distance_m};
 
 use super::axes::{AXES, AxesOptions};
-use super::grbl::{Controller, Mode};
+use super::grbl::{Controller, Mode, codes};
 use super::interrupt::Interrupt;
 use super::safety::{Guard, GuardState, Latch, SafetyAction, SafetyInputs, SafetyLimits, StopReason};
 use super::tracking::{TipPose, TrackerClient};
@@ -124,9 +124,16 @@ impl Rig {
         self.expected_m = tip_m;
     }
 
-    /// Starts homing, or activates a robot that is homed.
+    /// Starts homing, or activates a robot that is homed. A controller that is in alarm is reset before it is homed.
+    ///
+    /// # Errors
+    /// [`MoveError`]: nothing was sent.
     pub fn start(&mut self, now_s: f64) -> Result<(), MoveError> {
         let homed = self.parts.controller.homed();
+        let alarm = self.parts.controller.alarm();
+        if let Some(code) = alarm.filter(|&code| codes::needs_person(code)) {
+            return Err(MoveError::Alarm(code));
+        }
         let permitted = if homed { self.guard.activate() } else { self.guard.begin_homing() };
         if !permitted {
             return Err(MoveError::NotActive(self.state().name()));
@@ -134,7 +141,11 @@ impl Rig {
         if !homed {
             self.parts.controller.start_homing(now_s);
         }
-        self.log_event(now_s, "", if homed { "already homed" } else { "homing" }.to_owned());
+        let words = match alarm {
+            Some(code) => format!("reset to clear alarm {code}, homing"),
+            None => if homed { "already homed" } else { "homing" }.to_owned(),
+        };
+        self.log_event(now_s, "", words);
         Ok(())
     }
 

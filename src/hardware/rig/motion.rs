@@ -32,6 +32,9 @@ pub enum MoveError {
     /// The robot is not active.
     #[error("the robot is {0}")]
     NotActive(&'static str),
+    /// The controller is in an alarm whose cause a person has to remove; nothing was sent.
+    #[error("the controller is in alarm {0}: {meaning} Then start the program again.", meaning = grbl::codes::alarm(*.0))]
+    Alarm(u16),
 }
 
 impl Rig {

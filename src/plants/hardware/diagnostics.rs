@@ -11,6 +11,8 @@ use crate::hardware::tracking::TrackingStatus;
 pub struct Diagnostics {
     /// Firmware and version of the controller.
     pub controller: String,
+    /// The alarm that the controller is in, 0 if its number is unknown. Being not homed is no alarm here.
+    pub alarm: Option<u16>,
     /// Whether the axes are homed.
     pub homed: bool,
     /// Positions of the axes, millimetres.
@@ -39,6 +41,7 @@ impl Hardware {
         let rig = self.supervised.rig();
         Diagnostics {
             controller: format!("{} {}", rig.controller().info().firmware, rig.controller().info().version),
+            alarm: rig.controller().alarm(),
             homed: rig.controller().homed(),
             position_mm: rig.controller().state().position_mm,
             server: rig.tracking().server(),

@@ -147,7 +147,7 @@ fn stop_error(state: &GuardState) -> Option<PlantError> {
 
 fn plant_error(error: MoveError) -> PlantError {
     match error {
-        MoveError::NotActive(_) => PlantError::Stopped(error.to_string()),
+        MoveError::NotActive(_) | MoveError::Alarm(_) => PlantError::Stopped(error.to_string()),
         MoveError::Refused(_) | MoveError::RefusedByDriver(_) | MoveError::Busy => {
             PlantError::Refused(error.to_string())
         }

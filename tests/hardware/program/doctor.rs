@@ -50,6 +50,42 @@ fn every_wrong_setting_is_reported() {
     assert_eq!(served.moves(), 0);
 }
 
+/// A controller that alarms while nothing moves: `doctor` names the alarm, `collect` resets and homes.
+#[test]
+fn an_alarm_at_rest_is_named_and_cleared_by_homing() {
+    let bench = Bench::new();
+    bench.put_rehearsal("plant.yaml", "noise_m: 0.0002");
+    bench.put_commands("commands.csv", 1, 5);
+    let mut served = bench.serve("plant.yaml", "served.yaml");
+    for code in [1, 2, 77] {
+        served.wish(&format!("alarm {code}"));
+        let named = format!("WRONG  controller: alarm {code}: ");
+        bench.run("doctor --plant served.yaml").is(1, &[&named, "resets and homes it", "failed checks: 1"]);
+        let collect = format!("collect --plant served.yaml --commands commands.csv --out rec_{code}.csv");
+        bench.run(&collect).is(0, &[]);
+        assert!(!bench.is_latched());
+    }
+    let after = bench.run("doctor --plant served.yaml");
+    after.is(0, &["ok     controller: "]);
+    assert!(!after.said.contains("alarm"), "{}", after.said);
+}
+
+/// An alarm whose cause a person has to remove: nothing is sent, and nothing is stored that `arm` would have to clear.
+#[test]
+fn an_alarm_with_a_cause_is_left_to_a_person() {
+    let bench = Bench::new();
+    bench.put_rehearsal("plant.yaml", "noise_m: 0.0002");
+    bench.put_commands("commands.csv", 1, 5);
+    let mut served = bench.serve("plant.yaml", "served.yaml");
+    served.wish("alarm 10");
+    bench.run("doctor --plant served.yaml").is(1, &["alarm 10: The emergency stop is pressed. Release it"]);
+    bench
+        .run("collect --plant served.yaml --commands commands.csv --out rec.csv")
+        .is(1, &["alarm 10: The emergency stop is pressed."]);
+    assert!(!bench.is_latched());
+    assert_eq!(served.moves(), 0);
+}
+
 #[test]
 fn hardware_commands_refuse_other_plants() {
     let bench = Bench::new();
