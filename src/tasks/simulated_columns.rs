@@ -7,12 +7,28 @@ use crate::base::{Observation, PlantError};
 use crate::data::Recording;
 use crate::data::recording::Extra;
 use crate::effects::Model;
-use crate::rod::PoseRates;
+use crate::rod::{PoseRates, Rod};
+
+/// Errors of one row's solution.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SolveErrors {
+    /// Tip error of the iteration, metres.
+    residual_m: f64,
+    /// Estimated tip error of the spatial discretisation, metres.
+    space_m: f64,
+}
+
+impl SolveErrors {
+    /// Those of the present solution of `rod`.
+    pub(super) fn of(rod: &Rod) -> SolveErrors {
+        SolveErrors { residual_m: rod.residual_m(), space_m: rod.space_error_m() }
+    }
+}
 
 /// The columns of a simulated recording.
 pub(super) struct SimulatedColumns {
-    /// What is observed in each row, and the residual of its solution; none without a solution.
-    pub(super) seen: Vec<Option<(Observation, f64)>>,
+    /// What is observed in each row, and the errors of its solution; none without a solution.
+    pub(super) seen: Vec<Option<(Observation, SolveErrors)>>,
     status: Vec<String>,
     /// Derivatives of the tip and the tracked points.
     pub(super) rates: Vec<Vec<PoseRates>>,
@@ -51,15 +67,17 @@ impl SimulatedColumns {
 
     pub(super) fn into_recording(self, commands: &Recording) -> Recording {
         let lost = [f64::NAN; 3];
-        let numbers = |value: &dyn Fn(&(Observation, f64)) -> f64| -> Extra {
+        let numbers = |value: &dyn Fn(&(Observation, SolveErrors)) -> f64| -> Extra {
             Extra::Numbers(self.seen.iter().map(|seen| seen.as_ref().map_or(f64::NAN, value)).collect())
         };
         let mut extra: Vec<(String, Extra)> = Vec::new();
         for tendon in 0..self.tendons {
-            let tension = |(seen, _): &(Observation, f64)| seen.tensions_n.as_ref().map_or(f64::NAN, |all| all[tendon]);
+            let tension =
+                |(seen, _): &(Observation, SolveErrors)| seen.tensions_n.as_ref().map_or(f64::NAN, |all| all[tendon]);
             extra.push((format!("tension_{}_n", tendon + 1), numbers(&tension)));
         }
-        extra.push(("solver_residual_m".to_owned(), numbers(&|(_, residual)| *residual)));
+        extra.push(("solver_residual_m".to_owned(), numbers(&|(_, errors)| errors.residual_m)));
+        extra.push(("space_error_m".to_owned(), numbers(&|(_, errors)| errors.space_m)));
         extra.push(("solver_status".to_owned(), Extra::Text(self.status.clone())));
         let carried = commands.extra.iter().filter(|(name, _)| extra.iter().all(|(own, _)| own != name));
         let extra = carried.cloned().chain(extra.iter().cloned()).collect();

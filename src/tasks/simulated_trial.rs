@@ -6,7 +6,7 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use super::simulate_recording::SimulationOptions;
-use super::simulated_columns::SimulatedColumns;
+use super::simulated_columns::{SimulatedColumns, SolveErrors};
 use crate::base::{Observation, Plant, PlantError, Seed, TendonCommand};
 use crate::data::{Actuation, Recording};
 use crate::effects::{EffectSpec, Model, Starts};
@@ -84,7 +84,7 @@ impl<'a> SimulatedTrial<'a> {
                 }
             }
             if let Some(seen) = &seen {
-                columns.seen[row] = Some((seen.clone(), self.plant.rod().residual_m()));
+                columns.seen[row] = Some((seen.clone(), SolveErrors::of(self.plant.rod())));
             }
             columns.rates[row] = self.plant.pose_rates();
             if !at_rest && row + 1 < self.rows.end {

@@ -1,4 +1,5 @@
 //! Motion: implicit Runge–Kutta steps of controlled error.
 
 pub(crate) mod motion_check;
+mod motion_grid;
 pub(crate) mod time_stepping;

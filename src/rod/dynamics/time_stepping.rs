@@ -29,8 +29,7 @@ impl Rod {
     /// Moves the rod for `duration_s`. `drives` gives the drives at a time from now, seconds. Jumps of drive speed
     /// should lie at the beginning or the end.
     pub fn advance_with(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, duration_s: f64) -> SolveStatus {
-        // Motions use the requested grid, not the refined grid of an equilibrium.
-        self.coarsen();
+        self.choose_motion_grid();
         let resolution = self.system.params.resolution;
         let mut now = 0.0;
         let mut left = duration_s;
