@@ -2,8 +2,9 @@
 
 use super::{CommandError, CommandResult};
 use clap::{Args, Subcommand, ValueEnum};
+use spinebench::data::Recording;
 use spinebench::data::import::motive::{Body, Export};
-use spinebench::data::import::{Axes, ImportOptions, Imported, Log, TipFrame, import};
+use spinebench::data::import::{Axes, ImportDoubts, ImportOptions, Imported, Log, TipFrame, import};
 use std::path::PathBuf;
 
 /// Import a tracking system's export and a log of commands as a recording.
@@ -108,6 +109,7 @@ impl Motive {
             let (lost, all, out) = (imported.lost, imported.recording.len(), self.out.display());
             eprintln!("note: {lost} of {all} rows were not tracked; they have valid = 0 in {out}");
         }
+        print_doubts(&imported.doubts, &imported.recording);
         let turn_deg = imported.base_turn_rad.to_degrees();
         if turn_deg > TURNED_DEG {
             let (given, other) = match self.frame {
@@ -118,6 +120,44 @@ impl Motive {
                 "note: the base body is rotated by {turn_deg:.1}° relative to the tracking frame; the tip is expressed along {given} axes ({other})"
             );
         }
+    }
+}
+
+/// The tip follows a command after this at the latest, seconds; later the clocks may be apart.
+const LATE_S: f64 = 0.08;
+/// … and never this much before it, seconds.
+const EARLY_S: f64 = 0.02;
+
+/// Prints notes about what looks like a mistake.
+fn print_doubts(doubts: &ImportDoubts, recording: &Recording) {
+    if doubts.exchanged {
+        eprintln!("note: the base body moves and the tip body hardly does; are --base and --tip exchanged?");
+    }
+    if let (Some(home_m), Some(axes)) = (doubts.home_m, doubts.axes) {
+        let [x, y, z] = home_m.map(|x| 1e3 * x);
+        eprintln!(
+            "note: at the start of the trials the tip is at ({x:.0}, {y:.0}, {z:.0}) mm, where no robot that lies along z \
+             has it; --axes {axes} would turn it along z, or --base and --tip are exchanged"
+        );
+    }
+    if let Some((away_m, row)) = doubts.base_moves {
+        let (trial, time_s) = (recording.trial[row], recording.time_s[row]);
+        eprintln!(
+            "note: the base moves by up to {:.1} mm (trial {trial} at {time_s} s); the robot's model has a base at rest",
+            1e3 * away_m
+        );
+    }
+    match doubts.onset_s {
+        Some(onset_s) if onset_s < -EARLY_S => eprintln!(
+            "note: the tip begins to move {:.2} s before its commands: the tracker's clock is ahead of the log's by at \
+             least that (subtract it from --offset-s or export_time_s)",
+            -onset_s
+        ),
+        Some(onset_s) if onset_s > LATE_S => eprintln!(
+            "note: the tip begins to follow its commands {onset_s:.2} s late: the tracker's clock is behind the log's, or \
+             the drive is late"
+        ),
+        _ => {}
     }
 }
 

@@ -20,6 +20,11 @@ impl Axes {
     /// y up in the tracker (Motive's default), the robot along its z.
     pub const Y_UP: &'static str = "x=+y,y=-x,z=+z";
 
+    /// These axes, turned once more by a quarter turn in the project's frame.
+    pub(crate) fn then(&self, turn: &Matrix3<f64>) -> Axes {
+        Axes { turn: turn * self.turn }
+    }
+
     /// Transforms a vector from the tracker's to the project's axes.
     pub(crate) fn vector(&self, tracked: &Vector3<f64>) -> Vector3<f64> {
         self.turn * tracked
@@ -31,6 +36,21 @@ impl Axes {
         UnitQuaternion::new_unchecked(nalgebra::Quaternion::from_parts(tracked.w, axis))
     }
 }
+
+impl std::fmt::Display for Axes {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for (ours, name) in NAMES.into_iter().enumerate() {
+            let theirs = self.turn.row(ours).iamax_full().1;
+            let sign = if self.turn[(ours, theirs)] < 0.0 { '-' } else { '+' };
+            let comma = if ours == 0 { "" } else { "," };
+            write!(f, "{comma}{name}={sign}{}", NAMES[theirs])?;
+        }
+        Ok(())
+    }
+}
+
+/// Names of the axes.
+const NAMES: [&str; 3] = ["x", "y", "z"];
 
 impl FromStr for Axes {
     type Err = BadAxes;
@@ -57,7 +77,7 @@ impl FromStr for Axes {
 }
 
 fn axis(name: &str) -> Option<usize> {
-    ["x", "y", "z"].iter().position(|axis| *axis == name.trim())
+    NAMES.iter().position(|axis| *axis == name.trim())
 }
 
 #[cfg(test)]
@@ -71,6 +91,13 @@ mod tests {
         let (turn, arm) = (UnitQuaternion::new(Vector3::new(0.3, -0.2, 0.5)), Vector3::new(0.1, 0.7, -0.4));
         let turned = axes.rotation(&turn) * axes.vector(&arm);
         assert!((turned - axes.vector(&(turn * arm))).norm() < 1e-15);
+    }
+
+    #[test]
+    fn axes_are_written_as_they_are_read() {
+        for words in [Axes::Y_UP, "x=+z,y=+y,z=-x"] {
+            assert_eq!(words.parse::<Axes>().unwrap().to_string(), words);
+        }
     }
 
     #[test]

@@ -3,10 +3,13 @@
 mod axes;
 mod log;
 pub mod motive;
+mod plausibility;
 mod resample;
+mod response;
 
 pub use axes::{Axes, BadAxes};
 pub use log::Log;
+pub use plausibility::ImportDoubts;
 
 use nalgebra::Isometry3;
 
@@ -45,6 +48,8 @@ pub struct Imported {
     pub lost: usize,
     /// Mean angle between the axes of the base body and those of the tracker, radians.
     pub base_turn_rad: f64,
+    /// What looks like a mistake.
+    pub doubts: ImportDoubts,
 }
 
 /// Joins the poses of the bodies `base` and `tip` of `export` with the commands of `log`.
@@ -88,7 +93,14 @@ pub fn import(
     recording.valid = Some(valid);
     recording.extra.retain(|(name, _)| name != log::EXPORT_TIME);
     recording.extra.push((log::EXPORT_TIME.to_owned(), Extra::Numbers(log.at_s.clone())));
-    Ok(Imported { recording, lost, base_turn_rad })
+    let seen_at = |time_s: f64| {
+        let pose = from_base(&pose(base, time_s)?, &pose(tip, time_s)?, options.frame);
+        Some(options.axes.vector(&pose.translation.vector).into())
+    };
+    let onset_s = response::onset_s(log, &seen_at);
+    let tip_world_m: Vec<_> = tip.poses.iter().flatten().map(|pose| pose.position_m).collect();
+    let doubts = plausibility::doubts(&recording, &options.axes, &tip_world_m, onset_s);
+    Ok(Imported { recording, lost, base_turn_rad, doubts })
 }
 
 /// The tip relative to the base's pivot, in the requested axes (before renaming to the project's).
