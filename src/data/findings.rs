@@ -114,6 +114,17 @@ pub struct Noise {
     pub from: String,
 }
 
+/// A row of the recording that was left out.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ExcludedRow {
+    /// Trial.
+    pub trial: u64,
+    /// Time in the trial, seconds.
+    pub time_s: f64,
+    /// Why, as text.
+    pub why: String,
+}
+
 /// A proposed measurement.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Proposal {
@@ -158,6 +169,16 @@ pub struct Findings {
     pub pattern: String,
     /// Limitations of the data and excluded samples.
     pub limitations: Vec<String>,
+    /// Rows that were left out of fit, noise and held-out error, in the order of the recording.
+    #[serde(default)]
+    pub excluded_rows: Vec<ExcludedRow>,
+    /// Offset of the tracker's clock from that of the commands, seconds, positive when it is ahead; none where none was
+    /// found.
+    #[serde(default)]
+    pub clock_offset_s: Option<f64>,
+    /// Its 95 % interval, seconds.
+    #[serde(default)]
+    pub clock_offset_interval_95: Option<[f64; 2]>,
     /// Proposed measurements, best first.
     pub proposals: Vec<Proposal>,
 }

@@ -2,7 +2,7 @@
 //! (docs/discovery.md).
 //!
 //! Stages, each a sub-folder that imports only those above it: `recording` (samples and held-out trials), `fit` (one
-//! candidate set), `noise_floor`, `problem`, `search` (over candidate sets), `goodness_of_fit` (are the residuals
+//! candidate set), `mistakes` (faults of the recording), `noise_floor`, `problem`, `search` (over candidate sets), `goodness_of_fit` (are the residuals
 //! noise), `next_experiment`, `answer` (verdict and text).
 //!
 //! Every candidate is fitted with the full physics. Parameters that a laboratory would recalibrate are nuisance
@@ -12,6 +12,7 @@ mod answer;
 mod error;
 mod fit;
 mod goodness_of_fit;
+mod mistakes;
 mod next_experiment;
 mod noise_floor;
 mod options;
@@ -22,7 +23,11 @@ mod search;
 use crate::data::Recording;
 use crate::effects::Model;
 
+use answer::clock;
 use answer::final_fit::FinalFit;
+use answer::mistaken::mistaken;
+use mistakes::clock_offset::{self, ClockOffset};
+use mistakes::{excluded_rows, mislabelled};
 use noise_floor::NoiseFloor;
 use problem::Problem;
 use recording::samples::Samples;
@@ -48,15 +53,60 @@ pub fn discover(
     options: &Options,
 ) -> Result<Discovery, DiscoveryError> {
     options.check()?;
+    let excluded = excluded_rows::find(model, measured, options);
+    let baseline_excluded = baseline.map(|baseline| excluded_rows::find(model, baseline, options));
+    let kept_baseline = baseline.zip(baseline_excluded.as_ref()).map(|(baseline, rows)| {
+        let kept = if rows.is_empty() { baseline.clone() } else { rows.without(baseline) };
+        with_clock_corrected(model, kept, options)
+    });
+    let kept = if excluded.is_empty() { measured.clone() } else { excluded.without(measured) };
+    if let Some(mistake) = mislabelled::find(model, &kept, options) {
+        let samples = Samples::new(&kept);
+        recording::validate::check(&kept, &samples)?;
+        recording::validate::check_trials(&samples)?;
+        let simulated_m = problem::simulate_model(model, &samples)?;
+        let mut told = mistaken(model, measured, (&samples, &simulated_m), &mistake, options);
+        excluded_rows::tell(&mut told.findings, (measured, &excluded), None);
+        return Ok(told);
+    }
+    let (kept, offset) = with_clock_corrected(model, kept, options);
+    let mut told =
+        discover_in_kept(model, (measured, &kept), kept_baseline.as_ref().map(|(baseline, _)| baseline), options)?;
+    excluded_rows::tell(&mut told.findings, (measured, &excluded), baseline.zip(baseline_excluded.as_ref()));
+    match offset {
+        Some(offset) => offset.tell(&mut told, model),
+        None => clock::tell_delay(&mut told.findings),
+    }
+    if let Some((_, Some(offset))) = kept_baseline {
+        told.findings.limitations.push(format!("Baseline: {}", offset.sentence()));
+    }
+    Ok(told)
+}
+
+/// `kept` with its tips at the times at which they were measured, and the offset of the clocks if there is one.
+fn with_clock_corrected(model: &Model, kept: Recording, options: &Options) -> (Recording, Option<ClockOffset>) {
+    match clock_offset::find(model, &kept, options) {
+        Some(offset) => (kept.with_tips_later(offset.searched_s()), Some(offset)),
+        None => (kept, None),
+    }
+}
+
+/// [`discover`] in the rows that are `kept` of `measured`.
+fn discover_in_kept(
+    model: &Model,
+    (measured, kept): (&Recording, &Recording),
+    baseline: Option<&Recording>,
+    options: &Options,
+) -> Result<Discovery, DiscoveryError> {
     let new_problem = |samples: Samples| -> Result<Problem, DiscoveryError> {
-        recording::validate::check(measured, &samples)?;
+        recording::validate::check(kept, &samples)?;
         recording::validate::check_trials(&samples)?;
         let mut problem = Problem::new(model, samples, baseline, options)?;
         let fitted: Vec<u64> = problem.training.trials.iter().map(|trial| trial.number).collect();
         problem.base_matches_model = recording::base_markers::base_matches_model(measured, &fitted, model);
         Ok(problem)
     };
-    let all = Samples::new(measured).starting(model.tracking.starts);
+    let all = Samples::new(kept).starting(model.tracking.starts);
     let problem = new_problem(all.clone())?;
     // Try without trial starts first: a few wrong tip positions bias every fit.
     if let Some(starts) = noise_floor::trial_starts::scattered_starts(&problem.training, model)

@@ -5,6 +5,7 @@ mod support;
 
 mod benchmark;
 mod hidden;
+mod mistakes;
 mod per_verdict;
 mod proof;
 mod recordings;

@@ -153,6 +153,9 @@ fn findings() -> Findings {
         missing_before: MissingTest { rms_m: 0.0117, foretold_m: 0.0112, p_value: 1e-12 },
         missing_after: MissingTest { rms_m: 0.00091, foretold_m: 0.0001, p_value: 0.41 },
         pattern: String::new(),
+        excluded_rows: Vec::new(),
+        clock_offset_s: None,
+        clock_offset_interval_95: None,
         limitations: vec![
             "Two rows without tracking were left out.".to_owned(),
             "No base markers: a tilted base cannot be told from a turned tracking frame.".to_owned(),

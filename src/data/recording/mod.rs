@@ -3,11 +3,13 @@
 
 mod check;
 mod drives;
+pub mod exclusions;
 mod extra;
 mod join;
 mod optional;
 mod points;
 mod read;
+mod shift;
 mod write;
 
 use std::ops::Range;

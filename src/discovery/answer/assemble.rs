@@ -98,6 +98,9 @@ impl Problem<'_> {
             missing_after: missing.test.clone(),
             pattern: if unexplained { summary_text::pattern(&before.foretold, &places) } else { String::new() },
             limitations: self.limitations(measured, final_fit, &checked, &model),
+            excluded_rows: Vec::new(),
+            clock_offset_s: None,
+            clock_offset_interval_95: None,
             proposals: next.iter().map(|next| next.proposal.clone()).collect(),
         };
         self.write_texts(&mut findings, best, &checked, &noise);

@@ -3,7 +3,9 @@
 pub(crate) mod alternatives;
 pub(crate) mod assemble;
 pub(crate) mod caveats;
+pub(crate) mod clock;
 pub(crate) mod final_fit;
+pub(crate) mod mistaken;
 pub(crate) mod rescore;
 pub(crate) mod residual_map;
 pub(crate) mod summary_text;

@@ -1,0 +1,77 @@
+//! Poses that repeat to the last bit while the robot moves: a tracker that has stopped and still sends.
+
+use super::{Exclusion, apart_m, length};
+use crate::base::Point3;
+use crate::data::Recording;
+
+/// Fewest equal poses in a row.
+const FEWEST: usize = 3;
+/// The model's tip must move by more than this, metres, and by more than this many of the smallest recorded differences: a
+/// tracker that rounds to millimetres repeats a pose without being frozen.
+const LEAST_MOTION_M: f64 = 1e-3;
+const QUANTA: f64 = 5.0;
+
+/// Rows that repeat the pose before them. The first pose of a run is genuine.
+pub(super) fn find(
+    measured: &Recording,
+    tips_m: &[Point3],
+    predicted_m: &[Point3],
+    trials: &[Vec<usize>],
+) -> Vec<Exclusion> {
+    let least_m = LEAST_MOTION_M.max(QUANTA * quantum_m(tips_m, trials));
+    let mut found = Vec::new();
+    for rows in trials {
+        for run in rows.chunk_by(|a, b| tips_m[*a] == tips_m[*b]).filter(|run| run.len() >= FEWEST) {
+            let first = run[0];
+            let far = |row: &usize| length(&apart_m(&predicted_m[*row], &predicted_m[first]));
+            let moved_m = run.iter().map(far).fold(0.0, f64::max);
+            if moved_m > least_m {
+                let since_s = measured.time_s[first];
+                let why = format!(
+                    "the pose repeats that of {since_s} s to the last bit while the model moves by {:.1} mm",
+                    1e3 * moved_m
+                );
+                found.extend(run[1..].iter().map(|&row| Exclusion { row, why: why.clone() }));
+            }
+        }
+    }
+    found
+}
+
+/// The smallest difference of a coordinate from one row to the next that is not 0, metres.
+fn quantum_m(tips_m: &[Point3], trials: &[Vec<usize>]) -> f64 {
+    let pairs = trials.iter().flat_map(|rows| rows.windows(2));
+    let steps = pairs.flat_map(|two| apart_m(&tips_m[two[1]], &tips_m[two[0]])).map(f64::abs);
+    let least = steps.filter(|step_m| *step_m > 0.0).fold(f64::INFINITY, f64::min);
+    if least.is_finite() { least } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Exclusions, circles};
+
+    #[test]
+    fn repeats_are_excluded_and_the_first_pose_stays() {
+        let (mut measured, predicted_m) = circles();
+        let tips_m = measured.tip_m.as_mut().unwrap();
+        (81..91).for_each(|row| tips_m[row] = tips_m[80]);
+        let found = Exclusions::find(&measured, &predicted_m);
+        assert_eq!(found.frozen.iter().map(|frozen| frozen.row).collect::<Vec<_>>(), (81..91).collect::<Vec<_>>());
+        assert!(found.jumps.is_empty() && found.gaps.is_empty());
+    }
+
+    /// A robot at rest measured without noise, and a tracker that rounds to 2 mm.
+    #[test]
+    fn a_robot_at_rest_and_a_coarse_tracker_are_not_frozen() {
+        let (mut measured, mut predicted_m) = circles();
+        let tips_m = measured.tip_m.as_mut().unwrap();
+        (81..91).for_each(|row| (tips_m[row], predicted_m[row]) = (tips_m[80], predicted_m[80]));
+        assert!(Exclusions::find(&measured, &predicted_m).frozen.is_empty());
+        let (mut measured, _) = circles();
+        let slow: Vec<[f64; 3]> = (0..180).map(|row| [1e-5 * f64::from(row), 0.0, 0.2]).collect();
+        let rounded = slow.iter().map(|tip| tip.map(|x| (x / 2e-3).round() * 2e-3)).collect();
+        measured.tip_m = Some(rounded);
+        let moved: Vec<[f64; 3]> = slow.iter().map(|tip| [10.0 * tip[0], 0.0, 0.2]).collect();
+        assert!(Exclusions::find(&measured, &moved).frozen.is_empty());
+    }
+}

@@ -1,0 +1,193 @@
+//! Jumps of the tip by one, two or three rows that neither the robot nor a wrong model can make: both ways, far above
+//! the local variation of the residual, and against the motion that the model predicts.
+
+use super::{Exclusion, apart_m, dot, length};
+use crate::base::Point3;
+use crate::math::summary::quantile;
+
+/// Jumps above this many robust standard deviations of the residual's change count.
+///
+/// Chosen on recordings of an independent chain (`recordings/twin`): friction, delay, anisotropy and payloads stay below
+/// 8, jumps of 9 mm at a noise of 0.5 mm are above 17.
+const SIGNIFICANT: f64 = 10.0;
+/// … and above this share of the largest predicted step nearby, since effects act where the robot moves.
+const MOTION_SHARE: f64 = 0.5;
+/// Longest jump, rows. Longer excursions may be physical.
+const LONGEST: usize = 3;
+/// Median length of a vector of three independent standard normal numbers.
+const MEDIAN_LENGTH: f64 = 1.538;
+/// Smallest standard deviation, metres: rounding of recorded numbers.
+const LEAST_M: f64 = 1e-5;
+/// Fewest rows of a trial from which its ends are judged.
+const FEWEST_ROWS: usize = 6;
+
+/// Jumps in `trials`, lists of rows with a tip.
+pub(super) fn find(tips_m: &[Point3], predicted_m: &[Point3], trials: &[Vec<usize>]) -> Vec<Exclusion> {
+    let residual_m: Vec<Point3> = tips_m.iter().zip(predicted_m).map(|(tip, own)| apart_m(tip, own)).collect();
+    let scale = Scale::new(&residual_m, predicted_m, trials);
+    let starts_agree = starts_agree(&residual_m, trials, &scale);
+    let mut found = Vec::new();
+    for trial in trials {
+        let mut kept = trial.clone();
+        // One after the other, the largest first: a jump disturbs the comparison of its neighbours.
+        while let Some((places, size_m)) = largest_jump(&kept, &residual_m, predicted_m, &scale, starts_agree) {
+            for &row in &kept[places.clone()] {
+                found.push(Exclusion { row, why: format!("the tip jumps by {:.1} mm and returns", 1e3 * size_m) });
+            }
+            kept.drain(places);
+        }
+    }
+    found.sort_by_key(|excluded| excluded.row);
+    found
+}
+
+/// The most significant jump among the rows `kept` of a trial: places in `kept`, and size in metres.
+fn largest_jump(
+    kept: &[usize],
+    residual_m: &[Point3],
+    predicted_m: &[Point3],
+    scale: &Scale,
+    starts_agree: bool,
+) -> Option<(std::ops::Range<usize>, f64)> {
+    let mut largest: Option<(f64, std::ops::Range<usize>, f64)> = None;
+    for first in 0..kept.len() {
+        for count in 1..=LONGEST.min(kept.len() - first) {
+            let places = first..first + count;
+            if first == 0 && !starts_agree {
+                continue;
+            }
+            let size_m = jump_m(kept, &places, residual_m);
+            let motion_m = largest_step_m(predicted_m, kept[first], kept[first + count - 1]);
+            let long = count as f64;
+            let significance = size_m / (long * scale.sigma_m(motion_m));
+            let more = largest.as_ref().is_none_or(|(most, ..)| significance > *most);
+            if significance > SIGNIFICANT && size_m > long * MOTION_SHARE * motion_m && more {
+                largest = Some((significance, places, size_m));
+            }
+        }
+    }
+    largest.map(|(_, places, size_m)| (places, size_m))
+}
+
+/// How far the residual at `places` of `kept` stands out from the rows before and after them, metres: the smaller of the
+/// ways there and back along their common direction. At an end of the trial half the only way.
+fn jump_m(kept: &[usize], places: &std::ops::Range<usize>, residual_m: &[Point3]) -> f64 {
+    let at = |place: usize| &residual_m[kept[place]];
+    let before = places.start.checked_sub(1).map(at);
+    let after = (places.end < kept.len()).then(|| at(places.end));
+    let each = places.clone().map(|place| match (before, after) {
+        (Some(before), Some(after)) => {
+            let (there, back) = (apart_m(at(place), before), apart_m(at(place), after));
+            let both: Point3 = std::array::from_fn(|axis| there[axis] + back[axis]);
+            let long = length(&both).max(f64::MIN_POSITIVE);
+            (dot(&there, &both) / long).min(dot(&back, &both) / long)
+        }
+        (Some(one), None) | (None, Some(one)) if kept.len() >= FEWEST_ROWS => 0.5 * length(&apart_m(at(place), one)),
+        _ => 0.0,
+    });
+    each.fold(f64::INFINITY, f64::min)
+}
+
+/// Largest predicted step from the row before `first` to two rows after `last`, metres. Effects may delay motion.
+fn largest_step_m(predicted_m: &[Point3], first: usize, last: usize) -> f64 {
+    let rows = first.saturating_sub(1)..(last + 3).min(predicted_m.len());
+    let near = &predicted_m[rows];
+    near.windows(2).map(|two| length(&apart_m(&two[1], &two[0]))).fold(0.0, |a: f64, b| if b > a { b } else { a })
+}
+
+/// Standard deviation of the change of the residual from row to row, as a function of the predicted motion.
+struct Scale {
+    at_rest_m: f64,
+    /// Increase of the variance with the squared motion.
+    per_motion: f64,
+}
+
+impl Scale {
+    /// Medians over the slower and the faster half of the rows, which single jumps do not move.
+    fn new(residual_m: &[Point3], predicted_m: &[Point3], trials: &[Vec<usize>]) -> Scale {
+        let step = |two: &[usize]| {
+            let moved = |of: &[Point3]| length(&apart_m(&of[two[1]], &of[two[0]]));
+            (moved(predicted_m), moved(residual_m))
+        };
+        let steps: Vec<(f64, f64)> = trials.iter().flat_map(|rows| rows.windows(2).map(step)).collect();
+        let motions: Vec<f64> = steps.iter().map(|(motion_m, _)| *motion_m).collect();
+        let middle = quantile(&motions, 0.5);
+        let half = |fast: bool| {
+            let of: Vec<(f64, f64)> =
+                steps.iter().copied().filter(|(motion_m, _)| (*motion_m > middle) == fast).collect();
+            let changes: Vec<f64> = of.iter().map(|(_, change_m)| *change_m).collect();
+            let squares: Vec<f64> = of.iter().map(|(motion_m, _)| motion_m * motion_m).collect();
+            (quantile(&changes, 0.5) / MEDIAN_LENGTH, quantile(&squares, 0.5))
+        };
+        let ((slow_m, slow_m2), (fast_m, fast_m2)) = (half(false), half(true));
+        let grows = (fast_m * fast_m - slow_m * slow_m).max(0.0) / (fast_m2 - slow_m2).max(LEAST_M * LEAST_M);
+        Scale {
+            at_rest_m: if slow_m.is_nan() { f64::INFINITY } else { slow_m.max(LEAST_M) },
+            per_motion: if grows.is_nan() { 0.0 } else { grows },
+        }
+    }
+
+    fn sigma_m(&self, motion_m: f64) -> f64 {
+        (self.at_rest_m.powi(2) + self.per_motion * motion_m * motion_m).sqrt()
+    }
+}
+
+/// Whether the trials start alike, as trials that start settled at home do. Only then is a first row that differs a jump.
+fn starts_agree(residual_m: &[Point3], trials: &[Vec<usize>], scale: &Scale) -> bool {
+    let starts: Vec<&Point3> = trials.iter().filter_map(|rows| rows.first()).map(|&row| &residual_m[row]).collect();
+    let centre: Point3 =
+        std::array::from_fn(|axis| quantile(&starts.iter().map(|start| start[axis]).collect::<Vec<f64>>(), 0.5));
+    let near = starts.iter().filter(|start| length(&apart_m(start, &centre)) < SIGNIFICANT * scale.at_rest_m).count();
+    starts.len() > 2 && 2 * near > starts.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Exclusions, circles};
+
+    /// Jumps of one to three rows in any direction, at the ends of trials too.
+    #[test]
+    fn jumps_are_found_wherever_they_are() {
+        for (rows, size_m) in
+            [(vec![70], 0.015), (vec![60], 0.05), (vec![119], 0.05), (vec![70, 71], 0.04), (vec![30, 31, 32], 0.06)]
+        {
+            for axis in 0..3 {
+                let (mut measured, predicted_m) = circles();
+                rows.iter().for_each(|&row| measured.tip_m.as_mut().unwrap()[row][axis] -= size_m);
+                let found = Exclusions::find(&measured, &predicted_m);
+                assert_eq!(found.jumps.iter().map(|jump| jump.row).collect::<Vec<_>>(), rows, "axis {axis}");
+            }
+        }
+    }
+
+    /// Neighbouring rows that jump apart, each to another place.
+    #[test]
+    fn neighbouring_jumps_are_both_found() {
+        let (mut measured, predicted_m) = circles();
+        let tips_m = measured.tip_m.as_mut().unwrap();
+        tips_m[41][0] += 0.01;
+        tips_m[42][1] -= 0.012;
+        let found = Exclusions::find(&measured, &predicted_m);
+        assert_eq!(found.jumps.iter().map(|jump| jump.row).collect::<Vec<_>>(), [41, 42]);
+    }
+
+    /// A step that stays, and a bump of a second, may be physical: a contact, a payload that falls.
+    #[test]
+    fn what_lasts_is_no_jump() {
+        for rows in [70..120, 70..76] {
+            let (mut measured, predicted_m) = circles();
+            rows.for_each(|row| measured.tip_m.as_mut().unwrap()[row][0] += 0.015);
+            assert!(Exclusions::find(&measured, &predicted_m).jumps.is_empty());
+        }
+    }
+
+    /// Trials that start anywhere are not outliers at their starts.
+    #[test]
+    fn starts_that_differ_everywhere_stay() {
+        let (mut measured, predicted_m) = circles();
+        for (trial, size_m) in [0.02, -0.03, 0.05].into_iter().enumerate() {
+            measured.tip_m.as_mut().unwrap()[60 * trial][0] += size_m;
+        }
+        assert!(Exclusions::find(&measured, &predicted_m).is_empty());
+    }
+}

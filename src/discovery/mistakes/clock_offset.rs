@@ -1,0 +1,151 @@
+//! An offset of the tracker's clock from that of the commands.
+//!
+//! A tip that moves before its command is no physics: the tracker's clock is ahead, or the log holds command and tip of
+//! the same moment. The other sign is what the effect `delay` is, and is left to it.
+
+use super::excluded_rows::coarse_model;
+use super::time_scan::TimeScan;
+use crate::data::Recording;
+use crate::discovery::options::Options;
+use crate::effects::Model;
+
+/// Offsets are searched up to this many steps.
+const FARTHEST_STEPS: usize = 3;
+/// … in this many parts of a step.
+const PARTS: usize = 8;
+/// By how much the squares must shrink against every fit that only follows the commands. Recordings of an independent
+/// chain with friction, delay, payload or anisotropy stay below 1.02.
+const CLEAR: f64 = 1.3;
+/// Fewest rows.
+const FEWEST: usize = 30;
+/// The response time of the robot is known to this, seconds: an effect that slows it shifts the estimate.
+const RESPONSE_S: f64 = 0.01;
+/// Tips are shifted by this much more than estimated, seconds, so that what the estimate is off by is a delay, which the
+/// search finds beside the effects.
+const MARGIN_S: f64 = 0.03;
+/// A whole step within this share of it is a log that holds command and tip of the same moment.
+const SAME_SHARE: f64 = 0.1;
+/// 95 % quantile of chi-squared with one degree of freedom.
+const CHI_SQUARED_95: f64 = 3.84;
+/// Steps of the refinement by golden section.
+const REFINEMENTS: usize = 24;
+const GOLDEN: f64 = 0.618_033_988_749_895;
+
+/// An offset of the tracker's clock, positive when it is ahead: a tip was measured this long after its row's time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ClockOffset {
+    pub(crate) offset_s: f64,
+    pub(crate) interval_95: [f64; 2],
+    /// Whether it is one step of the recording.
+    pub(crate) is_one_step: bool,
+}
+
+/// The offset of `measured` if tips move before their commands do.
+pub(crate) fn find(model: &Model, measured: &Recording, options: &Options) -> Option<ClockOffset> {
+    let scan = TimeScan::new(&coarse_model(model, options), measured).filter(|scan| scan.len() >= FEWEST)?;
+    let part_s = scan.step_s / PARTS as f64;
+    let squares = |offset_s: f64| scan.fit(offset_s, false).map(|fit| fit.squares_m2);
+    let each: Vec<f64> =
+        (0..=FARTHEST_STEPS * PARTS).map(|part| squares(part as f64 * part_s)).collect::<Option<_>>()?;
+    let best = (0..each.len()).min_by(|a, b| each[*a].total_cmp(&each[*b]))?;
+    if best == 0 || best + 1 == each.len() || scan.fit(0.0, true)?.squares_m2 < CLEAR * each[best] {
+        return None;
+    }
+    let around = [best - 1, best + 1].map(|part| part as f64 * part_s);
+    let offset_s = least(around, &|offset_s| squares(offset_s).unwrap_or(f64::INFINITY));
+    let fit = scan.fit(offset_s, false)?;
+    // The squares grow as a parabola around the least; correlated residuals count for less.
+    let grown = [-part_s, part_s].map(|step_s| squares(offset_s + step_s).unwrap_or(f64::INFINITY) - fit.squares_m2);
+    let curvature = (grown[0] + grown[1]) / (part_s * part_s);
+    let kept = fit.correlation.clamp(0.0, 0.9);
+    let variance_m2 = fit.squares_m2 / (3 * scan.len()) as f64 * (1.0 + kept) / (1.0 - kept);
+    let half_s = (2.0 * CHI_SQUARED_95 * variance_m2 / curvature.max(f64::MIN_POSITIVE)).sqrt().hypot(2.0 * RESPONSE_S);
+    let is_one_step = (offset_s - scan.step_s).abs() < half_s.max(SAME_SHARE * scan.step_s);
+    let offset_s = if is_one_step { scan.step_s } else { offset_s };
+    Some(ClockOffset { offset_s, interval_95: [offset_s - half_s, offset_s + half_s], is_one_step })
+}
+
+/// The place of the least value between two places, by golden section.
+fn least([mut low, mut high]: [f64; 2], value: &dyn Fn(f64) -> f64) -> f64 {
+    let inner = |low: f64, high: f64| [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
+    let mut places = inner(low, high);
+    let mut values = places.map(value);
+    for _ in 0..REFINEMENTS {
+        if values[0] < values[1] {
+            high = places[1];
+            places = inner(low, high);
+            values = [value(places[0]), values[0]];
+        } else {
+            low = places[0];
+            places = inner(low, high);
+            values = [values[1], value(places[1])];
+        }
+    }
+    0.5 * (low + high)
+}
+
+impl ClockOffset {
+    /// The sentence about the offset.
+    pub(crate) fn sentence(&self) -> String {
+        let [low, high] = self.interval_95;
+        let offset_s = self.offset_s;
+        if self.is_one_step {
+            return format!(
+                "The tip of each row belongs to the end of that row's command, one step of {offset_s:.3} s later: the \
+                 log holds command and tip of the same moment. All tips were shifted by one step; shift the log, or \
+                 record the tip before the command."
+            );
+        }
+        format!(
+            "The tip moves before its command: the tracker's clock is {offset_s:.3} s ahead of that of the commands \
+             (95 % interval {low:.3} to {high:.3} s). All tips were shifted by it."
+        )
+    }
+
+    /// The shift of the tips that is searched with, seconds.
+    pub(crate) fn searched_s(&self) -> f64 {
+        if self.is_one_step { self.offset_s } else { self.offset_s + MARGIN_S }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::robot;
+    use super::*;
+    use crate::discovery::fit::candidate::catalogue_candidates;
+    use crate::effects::EffectSpec;
+
+    #[test]
+    fn a_clock_that_is_ahead_is_found_beside_a_payload() {
+        for offset_s in [0.05, 0.12, 0.31] {
+            let (model, measured) = robot(&[EffectSpec::tip_load(0.01)], offset_s).unwrap();
+            let found = find(&model, &measured, &Options::default()).unwrap();
+            let [low, high] = found.interval_95;
+            assert!(low < offset_s && offset_s < high && high - low < 0.06, "{offset_s}: {found:?}");
+            assert!(!found.is_one_step);
+        }
+    }
+
+    #[test]
+    fn command_and_tip_of_the_same_moment_are_recognised() {
+        let (model, measured) = robot(&[], 0.2).unwrap();
+        let found = find(&model, &measured, &Options::default()).unwrap();
+        assert!(found.is_one_step && (found.offset_s - 0.2).abs() < 1e-9, "{found:?}");
+    }
+
+    /// Whatever a robot lacks, it does not move before its commands.
+    #[test]
+    fn no_effect_of_the_catalogue_is_a_clock() {
+        for candidate in catalogue_candidates(&Model::default()) {
+            for values in candidate.variants().iter().take(1) {
+                for step in [-2.0, 2.0] {
+                    let steps: Vec<f64> = candidate.sizes().iter().map(|&size| step * candidate.probe(size)).collect();
+                    let Some(effect) = candidate.effect(&candidate.with_sizes(values, &steps)) else { continue };
+                    let Some((model, measured)) = robot(&[effect], 0.0) else { continue };
+                    let found = find(&model, &measured, &Options::default());
+                    assert!(found.is_none(), "{} {steps:?}: {found:?}", candidate.label());
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! Rows that are left out: jumps, repeated poses, rows after gaps, lost tracking.
+
+use crate::data::Recording;
+use crate::data::findings::{ExcludedRow, Findings};
+use crate::data::recording::exclusions::Exclusions;
+use crate::discovery::fit::simulate;
+use crate::discovery::options::Options;
+use crate::discovery::recording::samples::Samples;
+use crate::effects::Model;
+
+/// `model` as coarse as is enough to find faults of a recording.
+pub(crate) fn coarse_model(model: &Model, options: &Options) -> Model {
+    let mut model = model.clone();
+    let resolution = &mut model.robot.resolution;
+    resolution.motion_tolerance_m = options.motion_tolerance_m;
+    resolution.static_tolerance_m = f64::INFINITY;
+    resolution.cell_m = resolution.cell_m.max(options.cell_m);
+    resolution.blended = true;
+    simulate::coarse(&model)
+}
+
+/// Suspicious rows of `measured`, by the tip that `model` predicts. None where the model cannot follow the commands,
+/// which [`super::super::discover`] refuses by itself.
+pub(crate) fn find(model: &Model, measured: &Recording, options: &Options) -> Exclusions {
+    let samples = Samples::new(measured);
+    let Some(simulated_m) = simulate::tips(&coarse_model(model, options), &[], &samples) else {
+        return Exclusions::default();
+    };
+    let mut predicted_m = vec![[f64::NAN; 3]; measured.len()];
+    let starts = measured.trials();
+    for (sample, tip_m) in samples.rows.iter().zip(simulated_m.as_chunks::<3>().0) {
+        let number = samples.trials[sample.trial].number;
+        if let Some((_, range)) = starts.iter().find(|(known, _)| *known == number) {
+            predicted_m[range.start + sample.row] = *tip_m;
+        }
+    }
+    Exclusions::find(measured, &predicted_m)
+}
+
+/// Adds the excluded rows of `measured` to `findings`, and sentences about them and those of the `baseline`.
+pub(crate) fn tell(
+    findings: &mut Findings,
+    (measured, excluded): (&Recording, &Exclusions),
+    baseline: Option<(&Recording, &Exclusions)>,
+) {
+    let reason = |row: usize| excluded.all().find(|excluded| excluded.row == row).map(|excluded| excluded.why.clone());
+    let tips_m = measured.tip_m.as_deref().unwrap_or_default();
+    let is_lost = |row: usize| !measured.is_valid(row) || !tips_m[row].iter().all(|x| x.is_finite());
+    let why = |row: usize| reason(row).or_else(|| is_lost(row).then(|| "tracking was lost".to_owned()));
+    let rows = (0..measured.len()).filter_map(|row| {
+        Some(ExcludedRow { trial: measured.trial[row], time_s: measured.time_s[row], why: why(row)? })
+    });
+    findings.excluded_rows = rows.collect();
+    findings.limitations.extend(excluded.sentences(measured));
+    if let Some((recording, excluded)) = baseline {
+        findings.limitations.extend(excluded.sentences(recording).iter().map(|told| format!("Baseline: {told}")));
+    }
+}

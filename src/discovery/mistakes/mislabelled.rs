@@ -1,0 +1,303 @@
+//! Mistakes of recording or set-up that imitate a strange robot: axes turned, mirrored or exchanged, tendons in another
+//! order or with another sign, other units.
+//!
+//! Each hypothesis is a change of the recording without any number to fit. It is believed when it closes most of a gap that
+//! is as large as the motion itself, which no effect of the catalogue is at a usual size.
+
+use super::excluded_rows::coarse_model;
+use crate::base::{Point3, Rows};
+use crate::data::{Actuation, Recording};
+use crate::discovery::fit::simulate;
+use crate::discovery::options::Options;
+use crate::discovery::recording::samples::{Samples, rms_m};
+use crate::effects::Model;
+
+/// The gap must be at least this share of the motion of the tip …
+const LARGE_SHARE: f64 = 0.3;
+/// … and a hypothesis must leave at most this share of its squares. Chosen so that a half of every usual effect beside the
+/// mistake is tolerated.
+const LEFT_SHARE: f64 = 0.25;
+/// Hypotheses that leave up to this many times the squares of the best are named beside it.
+const AS_GOOD: f64 = 1.3;
+/// Rows that are enough to recognise a mistake.
+const ENOUGH_ROWS: usize = 100;
+/// Most orders of tendons that are simulated.
+const MOST_ORDERS: usize = 40;
+
+/// A mistake that closes most of the gap.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Mistake {
+    /// What is wrong, as a clause: `the tip's y axis has the other sign`; several that fit equally well joined by `, or`.
+    pub(crate) what: String,
+    /// Rms gap with it and without, metres.
+    pub(crate) before_m: f64,
+    pub(crate) after_m: f64,
+}
+
+/// A change of one row of commands.
+type RowChange = Box<dyn Fn(&[f64]) -> Vec<f64>>;
+
+/// A change of the commands, and its description (empty for none).
+struct CommandChange {
+    what: String,
+    change: RowChange,
+}
+
+/// A change of the tip, and its description (empty for none).
+struct TipChange {
+    what: String,
+    change: Box<dyn Fn(&Point3) -> Point3>,
+}
+
+/// Looks for a mistake in `measured`.
+pub(crate) fn find(model: &Model, measured: &Recording, options: &Options) -> Option<Mistake> {
+    let coarse = coarse_model(model, options);
+    let samples = first_trials(&Samples::new(measured));
+    if samples.len() == 0 {
+        return None;
+    }
+    let predicted_m = simulate::tips(&coarse, &[], &samples)?;
+    let before_m = rms_m(&samples.residual(&predicted_m));
+    let motion_m = motion_m(samples.rows.iter().map(|row| row.tip_m));
+    let own_motion_m = self::motion_m(predicted_m.as_chunks::<3>().0.iter().copied());
+    if before_m < LARGE_SHARE * motion_m.max(own_motion_m) {
+        return None;
+    }
+    let base_m = model.rod(&[]).base_m;
+    let tips = tip_changes(base_m.into());
+    let mut left: Vec<(usize, f64, String)> = Vec::new();
+    for command in command_changes(measured) {
+        let changed = with_commands(&samples, &command);
+        let Some(simulated_m) = simulate::tips(&coarse, &[], &changed) else { continue };
+        for tip in &tips {
+            let count = usize::from(!command.what.is_empty()) + usize::from(!tip.what.is_empty());
+            if count == 0 {
+                continue;
+            }
+            let moved: Vec<f64> = samples.rows.iter().flat_map(|row| (tip.change)(&row.tip_m)).collect();
+            // In the scale of the prediction, so that a unit does not shrink the error.
+            let apart: Vec<f64> = moved.iter().zip(&simulated_m).map(|(tip, own)| tip - own).collect();
+            let own_m = self::motion_m(simulated_m.as_chunks::<3>().0.iter().copied());
+            let after_m = rms_m(&apart);
+            if after_m < LARGE_SHARE * own_m {
+                let both = [tip.what.as_str(), command.what.as_str()].into_iter().filter(|what| !what.is_empty());
+                left.push((count, after_m, both.collect::<Vec<&str>>().join(" and ")));
+            }
+        }
+    }
+    // One mistake is likelier than two.
+    let fewest = left.iter().filter(|(_, after_m, _)| closes(before_m, *after_m)).map(|(count, ..)| *count).min()?;
+    left.retain(|(count, after_m, _)| *count == fewest && closes(before_m, *after_m));
+    left.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let after_m = left[0].1;
+    let alike = left.iter().take_while(|(_, other_m, _)| other_m * other_m < AS_GOOD * after_m * after_m);
+    let what = alike.take(4).map(|(.., what)| what.as_str()).collect::<Vec<&str>>().join(", or ");
+    Some(Mistake { what, before_m, after_m })
+}
+
+/// The first trials with [`ENOUGH_ROWS`] rows together.
+fn first_trials(samples: &Samples) -> Samples {
+    let ends = samples.ranges().into_iter().map(|rows| rows.end);
+    let count = 1 + ends.take_while(|end| *end < ENOUGH_ROWS).count();
+    samples.of_trials(&(0..count.min(samples.trials.len())).collect::<Vec<usize>>())
+}
+
+fn closes(before_m: f64, after_m: f64) -> bool {
+    after_m * after_m < LEFT_SHARE * before_m * before_m
+}
+
+/// Rms distance of points from their mean, metres.
+fn motion_m(points: impl Iterator<Item = Point3> + Clone) -> f64 {
+    let count = points.clone().count().max(1) as f64;
+    let mean: Point3 = std::array::from_fn(|axis| points.clone().map(|point| point[axis]).sum::<f64>() / count);
+    let away: Vec<f64> =
+        points.flat_map(|point| -> Point3 { std::array::from_fn(|axis| point[axis] - mean[axis]) }).collect();
+    rms_m(&away)
+}
+
+fn with_commands(samples: &Samples, change: &CommandChange) -> Samples {
+    let mut changed = samples.clone();
+    for trial in &mut changed.trials {
+        let mut commands = Rows::new(trial.commands.width());
+        trial.commands.iter().for_each(|row| commands.push(&(change.change)(row)));
+        trial.commands = commands;
+    }
+    changed
+}
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// No change, every turn and mirror that exchanges axes, and other units.
+fn tip_changes(base_m: Point3) -> Vec<TipChange> {
+    let mut changes = vec![TipChange { what: String::new(), change: Box::new(|tip| *tip) }];
+    for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
+        for signs in 0..8_u8 {
+            let sign: [f64; 3] = std::array::from_fn(|axis| if signs >> axis & 1 == 1 { -1.0 } else { 1.0 });
+            if (order, signs) == ([0, 1, 2], 0) {
+                continue;
+            }
+            let change = move |tip: &Point3| -> Point3 {
+                std::array::from_fn(|axis| base_m[axis] + sign[axis] * (tip[order[axis]] - base_m[order[axis]]))
+            };
+            changes.push(TipChange { what: axes_text(order, sign), change: Box::new(change) });
+        }
+    }
+    for (unit, factor) in
+        [("millimetres", 1e-3), ("centimetres", 1e-2), ("thousands of metres", 1e3), ("hundreds of metres", 1e2)]
+    {
+        let change = move |tip: &Point3| tip.map(|x| factor * x);
+        changes.push(TipChange { what: format!("the tip is in {unit} instead of metres"), change: Box::new(change) });
+    }
+    changes
+}
+
+/// The turn or mirror that takes the recorded tip to the model's axes.
+fn axes_text(order: [usize; 3], sign: [f64; 3]) -> String {
+    let flipped: Vec<&str> = (0..3).filter(|&axis| sign[axis] < 0.0).map(|axis| AXES[axis]).collect();
+    if order == [0, 1, 2] && flipped.len() == 1 {
+        return format!("the tip's {} has the other sign", flipped[0]);
+    }
+    let moved: Vec<usize> = (0..3).filter(|&axis| order[axis] != axis).collect();
+    if let ([one, other], true) = (&moved[..], flipped.is_empty()) {
+        return format!("the tip's {} and {} are exchanged", AXES[*one], AXES[*other]);
+    }
+    let each: Vec<String> = (0..3)
+        .map(|axis| format!("{} = {}{}", AXES[axis], if sign[axis] < 0.0 { "-" } else { "+" }, AXES[order[axis]]))
+        .collect();
+    let parity = [[0, 1, 2], [1, 2, 0], [2, 0, 1]].contains(&order) == (flipped.len().is_multiple_of(2));
+    let kind = if parity { "turned" } else { "mirrored" };
+    format!("the tip's axes are {kind} ({} in the recorded axes)", each.join(", "))
+}
+
+/// No change, other orders and signs of the tendons, and other units.
+fn command_changes(measured: &Recording) -> Vec<CommandChange> {
+    let width = measured.tendons();
+    let mut changes = vec![CommandChange { what: String::new(), change: Box::new(<[f64]>::to_vec) }];
+    let mut push = |what: String, change: RowChange| changes.push(CommandChange { what, change });
+    for order in orders(width) {
+        let what = order_text(&order);
+        push(what, Box::new(move |row| order.iter().map(|&tendon| row[tendon]).collect()));
+    }
+    if measured.actuation == Actuation::Lengths {
+        push(
+            "all tendons have the other sign (positive pulls)".to_owned(),
+            Box::new(|row| row.iter().map(|pull| -pull).collect()),
+        );
+        for flipped in 0..width {
+            push(
+                format!("tendon {} has the other sign (positive pulls)", flipped + 1),
+                Box::new(move |row| {
+                    row.iter().enumerate().map(|(tendon, pull)| if tendon == flipped { -pull } else { *pull }).collect()
+                }),
+            );
+        }
+        for (unit, factor) in [
+            ("millimetres", 1e-3),
+            ("centimetres", 1e-2),
+            ("degrees instead of radians of the drive", std::f64::consts::PI / 180.0),
+            ("radians instead of degrees of the drive", 180.0 / std::f64::consts::PI),
+        ] {
+            let what = if unit.contains("instead") {
+                format!("the commands are {unit}")
+            } else {
+                format!("the commands are in {unit} instead of metres")
+            };
+            push(what, Box::new(move |row| row.iter().map(|pull| factor * pull).collect()));
+        }
+    }
+    changes
+}
+
+/// Orders of tendons: exchanges of two, shifts by some, and the reverse; for each place the recorded tendon.
+fn orders(width: usize) -> Vec<Vec<usize>> {
+    let plain: Vec<usize> = (0..width).collect();
+    let mut found: Vec<Vec<usize>> = Vec::new();
+    for shift in 1..width {
+        found.push((0..width).map(|tendon| (tendon + shift) % width).collect());
+    }
+    for shift in 0..width {
+        found.push((0..width).map(|tendon| (2 * width - 1 - tendon + shift) % width).collect());
+    }
+    for (one, other) in (0..width).flat_map(|one| (one + 1..width).map(move |other| (one, other))) {
+        let mut order = plain.clone();
+        order.swap(one, other);
+        found.push(order);
+    }
+    found.retain(|order| *order != plain);
+    let mut known = std::collections::HashSet::new();
+    found.retain(|order| known.insert(order.clone()));
+    found.truncate(MOST_ORDERS);
+    found
+}
+
+fn order_text(order: &[usize]) -> String {
+    let moved: Vec<usize> = (0..order.len()).filter(|&tendon| order[tendon] != tendon).collect();
+    if let [one, other] = moved[..] {
+        return format!("tendons {} and {} are exchanged", one + 1, other + 1);
+    }
+    let numbers: Vec<String> = order.iter().map(|tendon| (tendon + 1).to_string()).collect();
+    format!("the tendons are numbered otherwise (the model's 1, 2, … are the recorded {})", numbers.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::robot;
+    use super::*;
+    use crate::discovery::fit::candidate::catalogue_candidates;
+    use crate::effects::EffectSpec;
+
+    /// What is said of a robot with a payload whose recording is changed.
+    fn said(change: &dyn Fn(&mut Recording)) -> String {
+        let (model, mut measured) = robot(&[EffectSpec::tip_load(0.006)], 0.0).unwrap();
+        change(&mut measured);
+        find(&model, &measured, &Options::default()).map_or_else(String::new, |mistake| mistake.what)
+    }
+
+    fn with_tips(change: &dyn Fn(Point3) -> Point3) -> String {
+        said(&|measured| measured.tip_m.as_mut().unwrap().iter_mut().for_each(|tip| *tip = change(*tip)))
+    }
+
+    fn with_pulls(change: &dyn Fn(&[f64]) -> Vec<f64>) -> String {
+        said(&|measured| {
+            let mut commands = Rows::new(measured.tendons());
+            measured.commands.iter().for_each(|row| commands.push(&change(row)));
+            measured.commands = commands;
+        })
+    }
+
+    #[test]
+    fn axes_that_are_turned_mirrored_or_exchanged_are_recognised() {
+        assert_eq!(with_tips(&|tip| tip), "");
+        let turned = with_tips(&|[x, y, z]| [-z, y, x]);
+        assert_eq!(turned, "the tip's axes are turned (x = +z, y = +y, z = -x in the recorded axes)");
+        assert!(with_tips(&|[x, y, z]| [x, -y, z]).contains("the tip's y has the other sign"));
+        assert!(with_tips(&|[x, y, z]| [y, x, z]).contains("the tip's x and y are exchanged"));
+    }
+
+    #[test]
+    fn tendons_and_units_that_are_wrong_are_recognised() {
+        assert!(with_pulls(&|row| vec![row[1], row[0], row[2], row[3]]).contains("tendons 1 and 2 are exchanged"));
+        assert!(with_pulls(&|row| row.iter().map(|pull| -pull).collect()).contains("all tendons have the other sign"));
+        assert!(with_tips(&|tip| tip.map(|x| 100.0 * x)).contains("the tip is in centimetres"));
+        assert!(
+            with_pulls(&|row| row.iter().map(|pull| pull.to_radians()).collect())
+                .contains("radians instead of degrees")
+        );
+    }
+
+    /// No effect of the catalogue is taken for a mistake, at twice the size at which it is sought.
+    #[test]
+    fn no_effect_is_a_mistake() {
+        for candidate in catalogue_candidates(&Model::default()) {
+            for values in candidate.variants().iter().take(1) {
+                for step in [-2.0, 2.0] {
+                    let steps: Vec<f64> = candidate.sizes().iter().map(|&size| step * candidate.probe(size)).collect();
+                    let Some(effect) = candidate.effect(&candidate.with_sizes(values, &steps)) else { continue };
+                    let Some((model, measured)) = robot(&[effect], 0.0) else { continue };
+                    let found = find(&model, &measured, &Options::default());
+                    assert!(found.is_none(), "{} {steps:?}: {found:?}", candidate.label());
+                }
+            }
+        }
+    }
+}

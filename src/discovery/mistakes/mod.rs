@@ -1,0 +1,37 @@
+//! Faults of a recording that are no physics of the robot. They are looked for before any effect is.
+
+pub(crate) mod clock_offset;
+pub(crate) mod excluded_rows;
+pub(crate) mod mislabelled;
+mod time_scan;
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::excluded_rows::coarse_model;
+    use crate::data::Recording;
+    use crate::discovery::fit::simulate;
+    use crate::discovery::options::Options;
+    use crate::discovery::recording::samples::{Samples, white_noise};
+    use crate::effects::{EffectSpec, Model};
+
+    /// Commands of two recorded trials, and the tips that a robot with `effects` shows `offset_s` after each row.
+    pub(crate) fn robot(effects: &[EffectSpec], offset_s: f64) -> Option<(Model, Recording)> {
+        let model = Model::default();
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reference/twin/nothing.csv");
+        let recorded = Recording::read(&file).unwrap();
+        let mut part = Recording::new(recorded.actuation, recorded.tendons());
+        for row in 0..recorded.trials()[1].1.end {
+            part.trial.push(recorded.trial[row]);
+            part.time_s.push(recorded.time_s[row]);
+            part.commands.push(recorded.commands.row(row));
+        }
+        part.tip_m = Some(vec![[0.0; 3]; part.len()]);
+        let samples = Samples::new(&part.with_tips_later(offset_s));
+        let tips_m = simulate::tips(&coarse_model(&model, &Options::default()), effects, &samples)?;
+        let mut noise = white_noise(5e-4, 9);
+        part.tip_m = Some(tips_m.as_chunks::<3>().0.iter().map(|tip| tip.map(|x| x + noise())).collect());
+        Some((model, part))
+    }
+}

@@ -1,0 +1,73 @@
+//! Faults of recordings are told as such, and what is hidden beside them is found.
+
+use spinebench::data::Recording;
+use spinebench::data::findings::Verdict;
+use spinebench::discovery::Options;
+use spinebench::tasks::{SimulationOptions, simulate_recording};
+
+use super::hidden::{found, names, nominal, recorded, trials, twin};
+
+const LOAD: &str = "- tip_load: {mass_kg: 0.01}";
+
+#[test]
+fn jumps_and_repeated_poses_are_left_out_and_the_load_is_found() {
+    let mut measured = recorded(LOAD, 4, 0, 0.0);
+    let tips_m = measured.tip_m.as_mut().unwrap();
+    tips_m[70][0] += 0.03;
+    tips_m[120][2] -= 0.02;
+    (20..28).for_each(|row| tips_m[row] = tips_m[19]);
+    let found = found(&measured, &Options::default());
+    assert_eq!(found.findings.verdict, Verdict::Named, "{}", found.findings.summary);
+    assert_eq!(names(&found), ["tip_load"]);
+    let rows: Vec<(u64, f64)> = found.findings.excluded_rows.iter().map(|row| (row.trial, row.time_s)).collect();
+    let expected: Vec<(u64, f64)> =
+        (20..28).chain([70, 120]).map(|row| (measured.trial[row], measured.time_s[row])).collect();
+    assert_eq!(rows, expected);
+    let limitations = found.findings.limitations.join(" ");
+    assert!(
+        limitations.contains("In 2 of 200 rows the tip jumps") && limitations.contains("In 8 of 200 rows the pose")
+    );
+    assert!(found.findings.noise_floor_m < 1.2e-3, "{}", found.findings.noise_floor_m);
+}
+
+#[test]
+fn a_clock_that_is_ahead_is_told_and_the_load_is_found() {
+    let offset_s = 0.12;
+    let mut measured = recorded(LOAD, 4, 0, 0.0);
+    let mut truth = nominal();
+    truth.effects = crate::support::rods::effects(LOAD);
+    // The noise of the recording on the tips of a later time.
+    let exact =
+        |commands: &Recording| simulate_recording(&truth, commands, &SimulationOptions::default()).tip_m.unwrap();
+    let later = measured.with_tips_later(offset_s);
+    let seen: Vec<[f64; 3]> =
+        exact(&later).into_iter().enumerate().filter(|(row, _)| later.is_valid(*row)).map(|(_, tip)| tip).collect();
+    let now = exact(&trials(&twin("nothing"), 0, 4));
+    for (tip, (seen, now)) in measured.tip_m.as_mut().unwrap().iter_mut().zip(seen.iter().zip(&now)) {
+        *tip = std::array::from_fn(|axis| tip[axis] + seen[axis] - now[axis]);
+    }
+    let found = found(&measured, &Options::default());
+    assert_eq!(
+        (found.findings.verdict, names(&found)),
+        (Verdict::Named, vec!["tip_load"]),
+        "{}",
+        found.findings.summary
+    );
+    let ([low, high], told) =
+        (found.findings.clock_offset_interval_95.unwrap(), found.findings.clock_offset_s.unwrap());
+    assert!(low < offset_s && offset_s < high && low < told && told < high, "{told}: {low} to {high}");
+    assert!(found.findings.limitations.iter().any(|told| told.contains("the tracker's clock is")));
+    assert_eq!(found.residuals[0].time_s, measured.time_s[0]);
+}
+
+#[test]
+fn a_mirrored_axis_is_told_before_any_effect_is_sought() {
+    let mut measured = recorded(LOAD, 4, 0, 0.0);
+    measured.tip_m.as_mut().unwrap().iter_mut().for_each(|tip| tip[1] = -tip[1]);
+    let found = found(&measured, &Options::default());
+    assert_eq!(found.findings.verdict, Verdict::Unexplained);
+    assert!(found.findings.summary.contains("the tip's y has the other sign"), "{}", found.findings.summary);
+    assert!(found.findings.next_measurement.contains("the tip's y has the other sign"));
+    assert!(found.findings.effects.is_empty() && found.model == nominal());
+    assert_eq!(found.findings.gap.before_m, found.findings.gap.after_m);
+}
