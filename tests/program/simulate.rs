@@ -110,7 +110,7 @@ fn static_lengths_are_the_equilibria_of_the_rod_with_all_digits() {
     assert!(tips(&out)[1][0] > tips(&out)[0][0] + 0.02 && tips(&out)[0][0] < -0.005, "{:?}", tips(&out));
     assert_eq!(statuses(&out), ["converged"; 4]);
     let header = std::fs::read_to_string(bench.path("out.csv")).unwrap();
-    for column in ["tip_qw", "tension_1_n", "tension_4_n", "solver_residual_m", "solver_status"] {
+    for column in ["tip_qw", "tension_1_n", "tension_4_n", "solver_residual_m", "space_error_m", "solver_status"] {
         assert!(header.lines().next().unwrap().split(',').any(|name| name == column), "{header}");
     }
     assert!(header.lines().nth(2).unwrap().split(',').any(|cell| cell.len() >= 17), "all digits: {header}");
@@ -235,6 +235,21 @@ fn parquet_is_as_good_as_csv_and_unknown_columns_are_carried() {
     let note = csv.extra.iter().find(|(name, _)| name == "note").unwrap();
     assert_eq!(note.1, Extra::Text(vec!["a, b".into(), String::new(), "c".into()]));
     assert!(csv.extra.iter().any(|(name, _)| name == "camera"));
+}
+
+/// A helix of several turns hangs at rest; on the requested grid its rest would be 3 mm away.
+#[test]
+fn a_rod_at_rest_stays_where_it_is_on_any_grid() {
+    let bench = Bench::new();
+    let helix = "robot:\n  backbone: {length_m: 0.6, radius_m: 0.002, youngs_modulus_pa: 1e7, poisson_ratio: 0.5, \
+                 density_kg_m3: 1200, pieces: [{end_m: 0.6, rest_curvature_rad_m: [14, 0, 7]}]}\n  \
+                 tendons: {radius_m: 0.002, angles_deg: [0]}\n  gravity_m_s2: [0, 0, 9.81]\n  damping_time_s: 0.02\n";
+    bench.put("helix.yaml", helix);
+    bench.put("in.csv", "trial,time_s,tendon_1_n\n0,0,0\n0,0.5,0\n");
+    bench.ok("simulate --model helix.yaml --commands in.csv --out out.csv");
+    let out = Recording::read(&bench.path("out.csv")).unwrap();
+    let apart_m = apart_m(tips(&out)[0], tips(&out)[1]);
+    assert!(apart_m < 1e-6 && statuses(&out) == ["converged", "converged"], "{apart_m}");
 }
 
 /// Editors of some systems begin a file with a byte-order mark, or write UTF-16.
