@@ -26,8 +26,8 @@ use crate::effects::Model;
 use answer::clock;
 use answer::final_fit::FinalFit;
 use answer::mistaken::mistaken;
-use mistakes::clock_offset::{self, ClockOffset};
-use mistakes::{excluded_rows, mislabelled};
+use mistakes::mislabelled::Mistake;
+use mistakes::{clock_offset, excluded_rows, mislabelled};
 use noise_floor::NoiseFloor;
 use problem::Problem;
 use recording::samples::Samples;
@@ -57,38 +57,43 @@ pub fn discover(
     let baseline_excluded = baseline.map(|baseline| excluded_rows::find(model, baseline, options));
     let kept_baseline = baseline.zip(baseline_excluded.as_ref()).map(|(baseline, rows)| {
         let kept = if rows.is_empty() { baseline.clone() } else { rows.without(baseline) };
-        with_clock_corrected(model, kept, options)
+        match clock_offset::find(model, &kept, options).filter(|offset| offset.is_one_step) {
+            Some(offset) => kept.with_tips_later(offset.offset_s),
+            None => kept,
+        }
     });
     let kept = if excluded.is_empty() { measured.clone() } else { excluded.without(measured) };
-    if let Some(mistake) = mislabelled::find(model, &kept, options) {
+    let told_mistake = |mistake: &Mistake| -> Result<Discovery, DiscoveryError> {
         let samples = Samples::new(&kept);
         recording::validate::check(&kept, &samples)?;
         recording::validate::check_trials(&samples)?;
         let simulated_m = problem::simulate_model(model, &samples)?;
-        let mut told = mistaken(model, measured, (&samples, &simulated_m), &mistake, options);
+        let mut told = mistaken(model, measured, (&samples, &simulated_m), mistake, options);
         excluded_rows::tell(&mut told.findings, (measured, &excluded), None);
+        Ok(told)
+    };
+    if let Some(mistake) = mislabelled::find(model, &kept, options) {
+        return told_mistake(&mistake);
+    }
+    let offset = clock_offset::find(model, &kept, options);
+    if let Some((offset, mistake)) = offset.and_then(|own| Some((own, own.mistake(model, &kept, options)?))) {
+        let mut told = told_mistake(&mistake)?;
+        offset.tell(&mut told.findings);
         return Ok(told);
     }
-    let (kept, offset) = with_clock_corrected(model, kept, options);
-    let mut told =
-        discover_in_kept(model, (measured, &kept), kept_baseline.as_ref().map(|(baseline, _)| baseline), options)?;
+    let shifted = offset.map(|offset| kept.with_tips_later(offset.offset_s));
+    let searched = shifted.as_ref().unwrap_or(&kept);
+    let mut told = discover_in_kept(model, (measured, searched), kept_baseline.as_ref(), options)?;
     excluded_rows::tell(&mut told.findings, (measured, &excluded), baseline.zip(baseline_excluded.as_ref()));
     match offset {
-        Some(offset) => offset.tell(&mut told, model),
+        Some(offset) => {
+            told.residuals.iter_mut().for_each(|row| row.time_s -= offset.offset_s);
+            offset.tell(&mut told.findings);
+            told.findings.limitations.push(offset.sentence());
+        }
         None => clock::tell_delay(&mut told.findings),
     }
-    if let Some((_, Some(offset))) = kept_baseline {
-        told.findings.limitations.push(format!("Baseline: {}", offset.sentence()));
-    }
     Ok(told)
-}
-
-/// `kept` with its tips at the times at which they were measured, and the offset of the clocks if there is one.
-fn with_clock_corrected(model: &Model, kept: Recording, options: &Options) -> (Recording, Option<ClockOffset>) {
-    match clock_offset::find(model, &kept, options) {
-        Some(offset) => (kept.with_tips_later(offset.searched_s()), Some(offset)),
-        None => (kept, None),
-    }
 }
 
 /// [`discover`] in the rows that are `kept` of `measured`.

@@ -31,7 +31,7 @@ fn jumps_and_repeated_poses_are_left_out_and_the_load_is_found() {
 }
 
 #[test]
-fn a_clock_that_is_ahead_is_told_and_the_load_is_found() {
+fn a_clock_that_is_ahead_is_told_before_any_effect_is_sought() {
     let offset_s = 0.12;
     let mut measured = recorded(LOAD, 4, 0, 0.0);
     let mut truth = nominal();
@@ -47,17 +47,11 @@ fn a_clock_that_is_ahead_is_told_and_the_load_is_found() {
         *tip = std::array::from_fn(|axis| tip[axis] + seen[axis] - now[axis]);
     }
     let found = found(&measured, &Options::default());
-    assert_eq!(
-        (found.findings.verdict, names(&found)),
-        (Verdict::Named, vec!["tip_load"]),
-        "{}",
-        found.findings.summary
-    );
+    assert_eq!(found.findings.verdict, Verdict::Unexplained, "{}", found.findings.summary);
+    assert!(found.findings.effects.is_empty() && found.findings.summary.contains("the tracker's clock is about"));
     let ([low, high], told) =
         (found.findings.clock_offset_interval_95.unwrap(), found.findings.clock_offset_s.unwrap());
     assert!(low < offset_s && offset_s < high && low < told && told < high, "{told}: {low} to {high}");
-    assert!(found.findings.limitations.iter().any(|told| told.contains("the tracker's clock is")));
-    assert_eq!(found.residuals[0].time_s, measured.time_s[0]);
 }
 
 #[test]
