@@ -1,71 +1,78 @@
-//! Calibration of a model from a recording (paper, section III-B: Young's modulus from known tendon tensions and the
-//! tracked tip, with Poisson's ratio fixed).
+//! Calibration of a model from a recording (paper, section III-B: Young's modulus from known tendon tensions and the tracked
+//! tip): any numbers of the model file, fitted to every tracked point, with what the fit leaves and what it does not tell.
+//! Methods: `docs/calibration.md`.
 
-use nalgebra::DMatrix;
+mod auto;
+mod baselines;
+mod blocks;
+mod comparison;
+mod constant_curvature;
+mod entry;
+mod error;
+mod idle;
+mod intervals;
+mod noise;
+mod number;
+mod optimum;
+mod path;
+mod report;
+mod residuals;
+mod robust;
+mod select;
+mod slopes;
+mod starts;
+mod validation;
 
-use crate::base::{BadOption, Point3};
 use crate::data::Recording;
-use crate::effects::{Model, ModelParameter, Robot, Variable, VariationError};
-use crate::math::optimise::least_squares;
-use crate::rod::PoseRates;
-use crate::tasks::{RecordingWithRates, SimulationOptions, TaskError, simulate_recording, simulate_with_rates};
+use crate::data::calibration::{CalibrationFindings, SightingRow};
+use crate::effects::Model;
 
-/// A parameter of a robot that can be calibrated; all are positive and fitted on a logarithmic scale.
-pub struct CalibrationParameter {
-    /// Its name: the key in the model file.
-    pub name: &'static str,
-    /// Its path in a model file.
-    path: &'static str,
-    /// Its field of a robot.
-    field: fn(&mut Robot) -> &mut f64,
+use blocks::Blocks;
+use comparison::Comparison;
+use intervals::{Uncertain, uncertainty};
+use noise::{Misfit, NoiseEstimate};
+use number::FitNumber;
+use optimum::{CalibrationProblem, Optimum};
+use select::{NumberGroup, Selection};
+
+pub use blocks::HoldOut;
+pub use entry::SHORT_NAMES;
+pub use error::CalibrationError;
+pub use robust::ErrorLaw;
+
+/// The entry that stands for a staged set of numbers.
+pub const AUTO: &str = "auto";
+
+/// What to fit and how.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CalibrationOptions {
+    /// Numbers to fit: short names, or paths of the model file, with `*` for groups, `=start` and `~deviation`; or only
+    /// [`AUTO`].
+    pub fit: Vec<String>,
+    /// Whether an entry stays only where it lowers the cross-validated error, as with [`AUTO`].
+    pub select: bool,
+    /// Each row is a pose at rest.
+    pub at_rest: bool,
+    /// What to hold out of the fit.
+    pub hold_out: HoldOut,
+    /// Distribution of the errors; none: normal, and Student's t where there are outliers.
+    pub likelihood: Option<ErrorLaw>,
+    /// Whether to find the error on unseen rows, and that of other models.
+    pub validate: bool,
 }
 
-/// The parameters that `--fit` accepts.
-pub static CALIBRATION_PARAMETERS: &[CalibrationParameter] = &[
-    CalibrationParameter {
-        name: "youngs_modulus_pa",
-        path: "robot.backbone.youngs_modulus_pa",
-        field: |robot| &mut robot.backbone.youngs_modulus_pa,
-    },
-    CalibrationParameter {
-        name: "compliance_m_per_n",
-        path: "robot.sections.compliance_m_per_n",
-        field: |robot| &mut robot.sections.compliance_m_per_n,
-    },
-    CalibrationParameter { name: "disk_mass_kg", path: "robot.disks.mass_kg", field: |robot| &mut robot.disks.mass_kg },
-    CalibrationParameter {
-        name: "tendon_radius_m",
-        path: "robot.tendons.radius_m",
-        field: |robot| &mut robot.tendons.radius_m,
-    },
-    CalibrationParameter {
-        name: "damping_time_s",
-        path: "robot.damping_time_s",
-        field: |robot| &mut robot.damping_time_s,
-    },
-    CalibrationParameter {
-        name: "length_m",
-        path: "robot.backbone.length_m",
-        field: |robot| &mut robot.backbone.length_m,
-    },
-];
-
-/// A parameter that moves no tip by more than [`TIP_ACCURACY_M`] when it changes by this share is not observable.
-const SEEN_SHARE: f64 = 1e-3;
-/// Accuracy of a simulated tip, metres: the rod's tolerance.
-const TIP_ACCURACY_M: f64 = 1e-8;
-/// Relative change of a parameter for finite differences of whole trials.
-const TRIAL_STEP: f64 = 1e-3;
-
-/// One calibrated parameter.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CalibratedValue {
-    /// Its name.
-    pub name: &'static str,
-    /// Best value, in the unit of its name.
-    pub value: f64,
-    /// 95 % interval.
-    pub interval_95: [f64; 2],
+impl CalibrationOptions {
+    /// Fits `names` to all rows.
+    pub fn of(names: &[&str], at_rest: bool) -> CalibrationOptions {
+        CalibrationOptions {
+            fit: names.iter().map(|name| (*name).to_owned()).collect(),
+            select: false,
+            at_rest,
+            hold_out: HoldOut::CrossValidated,
+            likelihood: None,
+            validate: false,
+        }
+    }
 }
 
 /// The result of a calibration.
@@ -73,122 +80,108 @@ pub struct CalibratedValue {
 pub struct Calibration {
     /// The model with the best values.
     pub model: Model,
-    /// The fitted parameters.
-    pub numbers: Vec<CalibratedValue>,
-    /// Root mean square distance between simulated and measured tip before the fit, metres.
-    pub before_m: f64,
-    /// The same after the fit, metres.
-    pub after_m: f64,
-    /// Number of compared rows.
-    pub rows: usize,
+    /// What was found.
+    pub findings: CalibrationFindings,
+    /// Every position of the fit with its error.
+    pub sightings: Vec<SightingRow>,
 }
 
-/// Fits the parameters `names` so that the simulated tip of `measured` agrees with the measured one. Rows without tracking
-/// are left out. `at_rest`: each row is a pose at rest.
+/// A fit with what is known of its errors.
+struct Fitted {
+    best: Optimum,
+    likelihood: ErrorLaw,
+    outliers: usize,
+    restarted: bool,
+    noise: Option<(NoiseEstimate, f64, Option<Misfit>)>,
+}
+
+/// Fits numbers of `model` so that the simulated points of `measured` agree with the measured ones. Rows without tracking are
+/// left out.
 ///
 /// # Errors
-/// [`TaskError`] for an unknown name, a parameter that is zero in the model, too few rows, or commands that the model
-/// cannot simulate.
+/// [`CalibrationError`] for a name that is no number of the model, a number without effect, too few data, commands that the
+/// model cannot simulate, or nothing to hold out.
 pub fn calibrate(
     model: &Model,
     measured: &Recording,
-    names: &[String],
-    at_rest: bool,
-) -> Result<Calibration, TaskError> {
-    let fields: Vec<&CalibrationParameter> = names.iter().map(|name| adjustable(name)).collect::<Result<_, _>>()?;
-    let tips = measured.tip_m.as_ref().ok_or(TaskError::NotFinite("the recording has no tip"))?;
-    let rows: Vec<usize> =
-        (0..measured.len()).filter(|&row| measured.is_valid(row) && tips[row].iter().all(|x| x.is_finite())).collect();
-    if 3 * rows.len() <= fields.len() {
-        return Err(TaskError::TooFew { what: "tracked rows", asked: fields.len() / 3 + 1, available: rows.len() });
+    options: &CalibrationOptions,
+) -> Result<Calibration, CalibrationError> {
+    let selects = options.select || options.fit == [AUTO];
+    let named = if selects { Vec::new() } else { entry::numbers(model, &options.fit)? };
+    idle::check(model, &named)?;
+    let whole = Comparison::new(model, measured, options.at_rest)?;
+    let all_blocks = Blocks::new(&whole);
+    let held = all_blocks.held_out(&options.hold_out)?;
+    let (asked, kept) = all_blocks.parted(&held);
+    let comparison = if held.is_empty() { whole.clone() } else { whole.only(&kept) };
+    let blocks = all_blocks.only(&kept);
+    let chosen = if selects {
+        select::select(model, &comparison, &blocks, &stages(model, options)?)?
+    } else {
+        Selection { model: model.clone(), start: vec![0.0; named.len()], numbers: named, stages: Vec::new() }
+    };
+    let Selection { model, numbers, start, stages } = chosen;
+    if 3 * comparison.sightings.len() <= numbers.len() {
+        let (asked, available) = (numbers.len() / 3 + 1, comparison.sightings.len());
+        return Err(CalibrationError::TooFew { what: "tracked positions", asked, available });
     }
-    let mut start_robot = model.robot.clone();
-    let values: Vec<f64> = fields.iter().map(|field| *(field.field)(&mut start_robot)).collect();
-    for (index, (field, &value)) in fields.iter().zip(&values).enumerate() {
-        BadOption::unless_positive(field.name, value)?;
-        if names[..index].contains(&names[index]) {
-            return Err(TaskError::Repeated(field.name));
-        }
-    }
-    // Logarithms of the factors of the values: a parameter that is not observable keeps its value exactly.
-    let start = vec![0.0; fields.len()];
-    let with = |logs: &[f64]| {
-        let mut candidate = model.clone();
-        for (field, log) in fields.iter().zip(logs) {
-            *(field.field)(&mut candidate.robot) *= log.exp();
-        }
-        candidate
+    let normal =
+        CalibrationProblem { model: &model, numbers: &numbers, comparison: &comparison, likelihood: ErrorLaw::Normal };
+    let fitted = fitted(&normal, &start, options.likelihood)?;
+    let problem = CalibrationProblem { likelihood: fitted.likelihood, ..normal };
+    let misfit = fitted.noise.as_ref().and_then(|(.., misfit)| *misfit);
+    let uncertain = uncertainty(&problem, &fitted.best, misfit.map(|_| blocks.of.as_slice()));
+    let held_out = if !held.is_empty() {
+        let names = held.iter().map(|&block| all_blocks.names[block].clone()).collect();
+        Some(validation::held_out(&problem, &fitted.best, &whole, (&kept, &asked), (all_blocks.kind, names)))
+    } else if options.validate {
+        Some(validation::cross_validated(&problem, &fitted.best, &blocks))
+    } else {
+        None
     };
-    let options = SimulationOptions { at_rest, ..SimulationOptions::default() };
-    let residuals = |logs: &[f64]| {
-        let candidate = with(logs);
-        // A step may leave the range of a parameter, or of two together (sections longer than the backbone).
-        candidate.check().ok()?;
-        let simulated = simulate_recording(&candidate, measured, &options).tip_m?;
-        let all: Vec<f64> = rows
-            .iter()
-            .flat_map(|&row| (0..3).map(move |axis| (row, axis)))
-            .map(|(r, a)| simulated[r][a] - tips[r][a])
-            .collect();
-        all.iter().all(|value| value.is_finite()).then_some(all)
-    };
-    let per_row = |all: &[f64]| (all.iter().map(|r| r * r).sum::<f64>() / rows.len() as f64).sqrt();
-    let not_simulated = TaskError::NotFinite("the model cannot simulate these commands");
-    let before_m = per_row(&residuals(&start).ok_or_else(|| not_simulated.clone())?);
-    let derivative = |logs: &[f64]| {
-        let rates = tip_rates(&with(logs), measured, &options, &fields)?;
-        let slope = |row: usize, k: usize| rates[k][rows[row / 3]][row % 3] * values[k] * logs[k].exp();
-        let jacobian = DMatrix::from_fn(3 * rows.len(), fields.len(), slope);
-        Some(least_squares::unseen_left_out(jacobian, SEEN_SHARE, TIP_ACCURACY_M))
-    };
-    let fit = least_squares::fit(&residuals, &derivative, &start).ok_or_else(|| not_simulated.clone())?;
-    let numbers = (0..fields.len()).map(|k| CalibratedValue {
-        name: fields[k].name,
-        value: values[k] * fit.parameters[k].exp(),
-        interval_95: fit.interval_95[k].map(|log| values[k] * log.exp()),
-    });
-    Ok(Calibration {
-        numbers: numbers.collect(),
-        before_m,
-        after_m: per_row(&residuals(&fit.parameters).ok_or(not_simulated)?),
-        rows: rows.len(),
-        model: with(&fit.parameters),
-    })
+    let calibrated = problem.at(&fitted.best.x).unwrap_or_else(|| model.clone());
+    let findings = CalibrationFindings { stages, ..report::findings(&problem, &fitted, &uncertain, &blocks, held_out) };
+    let sightings = residuals::rows(&comparison, &blocks, &fitted.best);
+    Ok(Calibration { model: calibrated, findings, sightings })
 }
 
-/// For each parameter, the derivative of the tip in each row, metres per unit of the parameter. `None` when the model cannot
-/// simulate the commands.
-fn tip_rates(
-    model: &Model,
-    commands: &Recording,
-    options: &SimulationOptions,
-    fields: &[&CalibrationParameter],
-) -> Option<Vec<Vec<Point3>>> {
-    let parameter = |field: &&CalibrationParameter| ModelParameter::named(model, field.path);
-    let parameters: Vec<ModelParameter> = fields.iter().map(parameter).collect::<Result<_, _>>().ok()?;
-    let variables: Vec<Variable> = parameters.iter().cloned().map(Variable::Parameter).collect();
-    let RecordingWithRates { rates, left_out, .. } = simulate_with_rates(model, commands, options, &variables).ok()?;
-    let simulated = |candidate: &Model| -> Result<Vec<Point3>, VariationError> {
-        Ok(simulate_recording(candidate, commands, options).tip_m.unwrap_or_default())
-    };
-    let mut columns = Vec::new();
-    for (k, parameter) in parameters.iter().enumerate() {
-        if left_out.contains(&k) {
-            columns.push(parameter.differences(model, TRIAL_STEP, &simulated).ok()?);
-        } else {
-            let column = k - left_out.iter().filter(|&&other| other < k).count();
-            // Rows without a solution have no derivative and are not compared.
-            let rate =
-                |row: &Vec<PoseRates>| row.get(column).map_or([f64::NAN; 3], |rates| rates.tip.position_m.into());
-            columns.push(rates.iter().map(rate).collect());
-        }
+/// The groups of numbers to select from: those of `--fit auto`, or one an entry.
+fn stages(model: &Model, options: &CalibrationOptions) -> Result<Vec<NumberGroup>, CalibrationError> {
+    if options.fit == [AUTO] {
+        return Ok(auto::stages(model, options.at_rest));
     }
-    Some(columns)
+    entry::numbers(model, &options.fit)?;
+    let stage = |entry: &String| NumberGroup { name: entry.clone(), entries: vec![entry.clone()], prepare: |_| {} };
+    Ok(options.fit.iter().map(stage).collect())
 }
 
-fn adjustable(name: &str) -> Result<&'static CalibrationParameter, TaskError> {
-    CALIBRATION_PARAMETERS
-        .iter()
-        .find(|field| field.name == name)
-        .ok_or_else(|| TaskError::UnknownName(name.to_owned()))
+/// The fit; with Student's t where that is asked for, or where least squares leaves outliers.
+fn fitted(normal: &CalibrationProblem, start: &[f64], wanted: Option<ErrorLaw>) -> Result<Fitted, CalibrationError> {
+    let first = CalibrationProblem { likelihood: wanted.unwrap_or(ErrorLaw::Normal), ..*normal };
+    let is_good = |best: &Optimum| explained(&first, best).is_none_or(|(.., misfit)| misfit.is_none());
+    let (mut best, restarted) = starts::best(&first, start, &is_good)?;
+    let mut likelihood = first.likelihood;
+    let outliers = robust::outliers(&best.residual_m, &best.positions).len();
+    // Where the model itself errs, what lies far out is its error, which least squares must not pass over.
+    if wanted.is_none() && outliers > 0 && is_good(&best) {
+        let robust = CalibrationProblem { likelihood: ErrorLaw::StudentT, ..*normal };
+        best = robust.fit(&best.x, starts::MOST_STEPS, optimum::CONVERGED)?;
+        likelihood = ErrorLaw::StudentT;
+    }
+    let outliers = robust::outliers(&best.residual_m, &best.positions).len();
+    let noise = explained(&CalibrationProblem { likelihood, ..*normal }, &best);
+    Ok(Fitted { best, likelihood, outliers, restarted, noise })
+}
+
+/// The noise, the error that the model leaves without outliers, and the misfit beyond noise.
+fn explained(problem: &CalibrationProblem, best: &Optimum) -> Option<(NoiseEstimate, f64, Option<Misfit>)> {
+    let noise = noise::noise(problem.comparison, &best.residual_m, &best.positions)?;
+    let far = robust::outliers(&best.residual_m, &best.positions);
+    let kept: Vec<usize> =
+        (0..best.positions.len()).filter(|index| best.positions[*index].is_some() && !far.contains(index)).collect();
+    let squares: f64 = kept.iter().map(|&index| best.residual_m.rows(3 * index, 3).norm_squared()).sum();
+    let freedom = (3 * kept.len()) as f64 - problem.numbers.len() as f64;
+    let rms_m = (3.0 * squares / freedom.max(1.0)).sqrt();
+    let misfit = noise::misfit(&noise, rms_m, freedom.max(1.0));
+    Some((noise, rms_m, misfit))
 }

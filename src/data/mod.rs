@@ -1,6 +1,7 @@
 //! Files: recordings, result tables, findings, imports.
 
 mod atomic_batch;
+pub mod calibration;
 mod csv;
 mod error;
 mod file;

@@ -1,6 +1,7 @@
 //! Tables and figures: pure functions from published rows to bytes. A figure is one file and one line in `figures!`.
 //! This module cannot reach the code that computed the rows, so every figure can be redrawn from `results/`.
 
+pub mod calibration;
 pub mod discovery;
 mod drawing;
 pub mod markup;

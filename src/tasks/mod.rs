@@ -45,12 +45,6 @@ pub enum TaskError {
     /// A setting is out of range.
     #[error(transparent)]
     Option(#[from] BadOption),
-    /// No parameter of this name can be calibrated.
-    #[error("found the unknown parameter `{0}`, expected the name of a parameter that can be fitted")]
-    UnknownName(String),
-    /// A parameter to calibrate is named more than once.
-    #[error("found `{0}` twice, expected each parameter once")]
-    Repeated(&'static str),
     /// A model returned a number that is not finite.
     #[error("not finite: {0}")]
     NotFinite(&'static str),

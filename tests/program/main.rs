@@ -4,6 +4,7 @@
 mod support;
 
 mod benchmark;
+mod calibrate;
 mod discover;
 mod editors;
 mod extending;

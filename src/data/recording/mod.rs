@@ -9,6 +9,7 @@ mod join;
 mod optional;
 mod points;
 mod read;
+mod select;
 mod shift;
 mod write;
 

@@ -6,7 +6,7 @@ use maud::{Markup, PreEscaped, Render, html};
 const MANY: usize = 4;
 
 /// A drawing of our own painter, which escapes its texts, with a name for readers who do not see it.
-pub(super) fn drawing(svg: &[u8], class: &'static str, name: &str) -> Markup {
+pub(in crate::report) fn drawing(svg: &[u8], class: &'static str, name: &str) -> Markup {
     let svg = String::from_utf8_lossy(svg);
     let label = name.render().into_string();
     let start = format!("<svg class=\"{class}\" role=\"img\" aria-label=\"{label}\" ");
@@ -14,17 +14,17 @@ pub(super) fn drawing(svg: &[u8], class: &'static str, name: &str) -> Markup {
 }
 
 /// A section; nothing where it has no content.
-pub(super) fn section(heading: &str, content: &Markup) -> Markup {
+pub(in crate::report) fn section(heading: &str, content: &Markup) -> Markup {
     html! { @if !content.0.is_empty() { section { h2 { (heading) } (content) } } }
 }
 
 /// A figure with its caption; nothing for no figure.
-pub(super) fn captioned(figure: &Markup, caption: &str) -> Markup {
+pub(in crate::report) fn captioned(figure: &Markup, caption: &str) -> Markup {
     html! { @if !figure.0.is_empty() { figure { (figure) figcaption { (caption) } } } }
 }
 
 /// A table that scrolls by itself on a narrow page; nothing for no rows. The first cell of a row is its header.
-pub(super) fn table(header: &[&str], rows: &[Vec<Markup>]) -> Markup {
+pub(in crate::report) fn table(header: &[&str], rows: &[Vec<Markup>]) -> Markup {
     html! {
         @if !rows.is_empty() {
             div .scroll .many[header.len() > MANY] {
@@ -46,7 +46,7 @@ pub(super) fn table(header: &[&str], rows: &[Vec<Markup>]) -> Markup {
 }
 
 /// A list; nothing for no items.
-pub(super) fn list<T: Render>(items: &[T]) -> Markup {
+pub(in crate::report) fn list<T: Render>(items: &[T]) -> Markup {
     html! { @if !items.is_empty() { ul { @for item in items { li { (item) } } } } }
 }
 

@@ -7,7 +7,7 @@ use crate::report::ReportError;
 use crate::report::drawing::paint;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-const CSS: &str = include_str!("page.css");
+pub(in crate::report) const CSS: &str = include_str!("page.css");
 /// Width of the figures on a telephone, hundredths of an inch.
 const NARROW: f64 = 372.0;
 

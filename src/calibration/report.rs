@@ -1,0 +1,155 @@
+//! What a calibration says of its result.
+
+use super::blocks::Blocks;
+use super::idle::instead;
+use super::optimum::CalibrationProblem;
+use super::{ErrorLaw, FitNumber, Fitted, Uncertain, residuals};
+use crate::data::calibration::{CalibratedNumber, CalibrationFindings, HeldOutError, NoiseAndMisfit, TradeOff};
+
+/// Correlation beyond which two numbers trade against each other: one of them known, the other's interval would be less than
+/// half as wide.
+const TRADES: f64 = 0.87;
+/// Pairs that are told.
+const MOST_PAIRS: usize = 20;
+
+/// Everything but the model.
+pub(super) fn findings(
+    problem: &CalibrationProblem,
+    fitted: &Fitted,
+    uncertain: &Uncertain,
+    blocks: &Blocks,
+    held_out: Option<HeldOutError>,
+) -> CalibrationFindings {
+    let best = &fitted.best;
+    let numbers: Vec<CalibratedNumber> = problem
+        .numbers
+        .iter()
+        .enumerate()
+        .map(|(k, number)| calibrated(number, best.x[k], uncertain.half[k]))
+        .collect();
+    let given = problem.at(&vec![0.0; best.x.len()]).map(|model| problem.comparison.positions(&model));
+    let before_m = given.map_or(f64::NAN, |positions| {
+        let solved = positions.iter().filter(|at| at.is_some()).count();
+        (problem.residual_m(&positions).norm_squared() / solved.max(1) as f64).sqrt()
+    });
+    CalibrationFindings {
+        trade_offs: trade_offs(problem.numbers, uncertain),
+        rows: problem.comparison.rows(),
+        positions: best.positions.len(),
+        unsolved: best.positions.iter().filter(|at| at.is_none()).count(),
+        before_m,
+        after_m: best.rms_m(),
+        noise: fitted.noise.as_ref().map(|(noise, rms_m, misfit)| NoiseAndMisfit {
+            noise_m: noise.rms_m,
+            from: noise.from.to_owned(),
+            pairs: noise.pairs,
+            ratio: rms_m / noise.rms_m,
+            beyond_noise: misfit.is_some(),
+        }),
+        likelihood: if fitted.likelihood == ErrorLaw::Normal { "normal" } else { "student_t" }.to_owned(),
+        outliers: fitted.outliers,
+        held_out,
+        residual_groups: residuals::groups(problem.comparison, blocks, best),
+        stages: Vec::new(),
+        limitations: limitations(problem, fitted, uncertain, blocks, &numbers),
+        numbers,
+    }
+}
+
+fn calibrated(number: &FitNumber, x: f64, half: f64) -> CalibratedNumber {
+    let ends = [number.value((x - half).max(number.low())), number.value(x + half)];
+    CalibratedNumber {
+        name: number.name.clone(),
+        unit: number.unit().to_owned(),
+        start: number.value(0.0),
+        value: number.value(x),
+        low: ends[0].min(ends[1]),
+        high: ends[0].max(ends[1]),
+        prior_deviation: number.deviation,
+        determined: half.is_finite(),
+    }
+}
+
+fn trade_offs(numbers: &[FitNumber], uncertain: &Uncertain) -> Vec<TradeOff> {
+    let mut pairs = Vec::new();
+    for first in 0..numbers.len() {
+        for second in first + 1..numbers.len() {
+            let correlation = uncertain.correlation[(first, second)];
+            if correlation.abs() > TRADES {
+                let name = |k: usize| numbers[k].name.clone();
+                pairs.push(TradeOff { first: name(first), second: name(second), correlation });
+            }
+        }
+    }
+    pairs.sort_by(|a, b| b.correlation.abs().total_cmp(&a.correlation.abs()));
+    pairs.truncate(MOST_PAIRS);
+    pairs
+}
+
+/// What a user must know, most important first.
+fn limitations(
+    problem: &CalibrationProblem,
+    fitted: &Fitted,
+    uncertain: &Uncertain,
+    blocks: &Blocks,
+    numbers: &[CalibratedNumber],
+) -> Vec<String> {
+    let mut told = Vec::new();
+    let best = &fitted.best;
+    match &fitted.noise {
+        Some((noise, rms_m, Some(_))) => told.push(format!(
+            "The model is off by {:.3} mm where noise makes {:.3} mm (from {}). It cannot be right as it stands, whatever these \
+             numbers are. {}",
+            1e3 * rms_m,
+            1e3 * noise.rms_m,
+            noise.from,
+            widening(uncertain, blocks)
+        )),
+        Some(_) => {}
+        None => told.push(
+            "The noise of this recording is unknown: no rows in which the robot rests, and too few that follow each other. The \
+             intervals hold if the model is right."
+                .to_owned(),
+        ),
+    }
+    for (number, found) in problem.numbers.iter().zip(numbers).filter(|(_, found)| !found.determined) {
+        let why = number.members.iter().find_map(|member| instead(problem.model, member.path()));
+        let why = why.map_or_else(String::new, |why| format!(": {why}"));
+        told.push(format!("This recording does not determine {}{why}.", found.name));
+    }
+    let held = problem.numbers.iter().enumerate().filter(|(k, number)| best.x[*k] <= number.low());
+    for (_, number) in held {
+        told.push(format!("{} ended at its bound, {}.", number.name, number.value(number.low())));
+    }
+    if fitted.outliers > 0 {
+        told.push(format!(
+            "{} of {} positions are too far from the model to belong to the same noise (beyond 6 robust standard deviations); \
+             see the column `weight` of residuals.csv.",
+            fitted.outliers,
+            best.positions.len()
+        ));
+    }
+    let unsolved = best.positions.iter().filter(|at| at.is_none()).count();
+    if unsolved > 0 {
+        told.push(format!("{unsolved} of {} positions have no solution in the model.", best.positions.len()));
+    }
+    if fitted.restarted {
+        told.push(
+            "Another start than the model's values led to a better fit: there is more than one minimum.".to_owned(),
+        );
+    }
+    if !best.converged {
+        told.push("The fit stopped before it converged.".to_owned());
+    }
+    told
+}
+
+fn widening(uncertain: &Uncertain, blocks: &Blocks) -> String {
+    if uncertain.widened {
+        let (count, kind) = (blocks.names.len(), blocks.kind);
+        return format!(
+            "The intervals are widened by the scatter between the {count} {kind}s, and hold for this model only."
+        );
+    }
+    "The intervals hold for this model only, and do not contain its error.".to_owned()
+}

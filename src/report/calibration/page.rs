@@ -1,0 +1,187 @@
+//! `report.html` of a calibration: one self-contained page. No script, no link, nothing fetched.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::{CalibrationReport, DRAWINGS};
+use crate::data::calibration::{CalibratedNumber, CalibrationFindings, HeldOutError, ResidualGroup};
+use crate::report::ReportError;
+use crate::report::discovery::format::{millimetres, number};
+use crate::report::discovery::html::{captioned, drawing, list, section, table};
+use crate::report::discovery::page::CSS;
+use crate::report::drawing::paint;
+use crate::report::style::PAGE_WIDTH;
+
+/// Width of the figures on a telephone, hundredths of an inch.
+const NARROW: f64 = 372.0;
+/// Groups of a kind in the table.
+const MOST_GROUPS: usize = 12;
+
+/// The page.
+///
+/// # Errors
+/// [`ReportError::Draw`] when a figure cannot be painted.
+pub(super) fn page(report: &CalibrationReport) -> Result<String, ReportError> {
+    let [errors, map] = [figure(report, "errors")?, figure(report, "map")?];
+    let findings = report.findings;
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                title { "Calibration" }
+                style { (PreEscaped(CSS)) }
+            }
+            body {
+                main {
+                    (head(findings))
+                    (section("On positions that the fit has not seen", &unseen(findings.held_out.as_ref(), &errors)))
+                    (section("What limits this result", &list(&findings.limitations)))
+                    (section("Numbers", &numbers(findings)))
+                    (section("Selection", &stages(findings)))
+                    (section("Where the model errs", &places(findings, &map)))
+                }
+            }
+        }
+    };
+    Ok(page.into_string() + "\n")
+}
+
+/// Title and the numbers that matter most.
+fn head(findings: &CalibrationFindings) -> Markup {
+    let unseen = findings.held_out.as_ref().and_then(|held_out| held_out.models.first());
+    let tile =
+        |name: &str, value: String, note: &str| html! { div { dt { (name) } dd { (value) } dd .note { (note) } } };
+    html! {
+        header {
+            h1 { (findings.numbers.len()) " numbers fitted to " (findings.positions) " positions" }
+            dl .tiles {
+                (tile("Before", millimetres(findings.before_m), "rms error of the model as given"))
+                (tile("After", millimetres(findings.after_m), "rms error on the rows of the fit"))
+                @if let Some(model) = unseen {
+                    (tile("Unseen", millimetres(model.rms_m), "rms error on rows that the fit has not seen"))
+                }
+                @if let Some(noise) = &findings.noise { (tile("Noise", millimetres(noise.noise_m), &noise.from)) }
+            }
+        }
+    }
+}
+
+fn unseen(held_out: Option<&HeldOutError>, errors: &Markup) -> Markup {
+    let Some(held_out) = held_out else { return Markup::default() };
+    let mut header = vec!["Model", "Numbers", "All"];
+    let several = held_out.points.len() > 1;
+    if several {
+        header.extend(held_out.points.iter().map(String::as_str));
+    }
+    let row = |model: &crate::data::calibration::ModelError| {
+        let count = if model.numbers > 0 { model.numbers.to_string() } else { "–".to_owned() };
+        let mut cells = vec![html! { (model.name) }, html! { (count) }, html! { (millimetres(model.rms_m)) }];
+        if several {
+            cells.extend(model.by_point_m.iter().map(|&size| html! { (millimetres(size)) }));
+        }
+        cells
+    };
+    let rows: Vec<Vec<Markup>> = held_out.models.iter().map(row).collect();
+    let names = held_out.names.join(", ");
+    html! {
+        (captioned(errors, "Root mean square distance between predicted and measured positions. Dashed: noise of the measurement."))
+        (table(&header, &rows))
+        p .note { "How: " (held_out.how) ". " @if !names.is_empty() { "Held out: " (names) "." } }
+    }
+}
+
+fn numbers(findings: &CalibrationFindings) -> Markup {
+    let row = |own: &CalibratedNumber| {
+        let prior = own.prior_deviation.map_or_else(|| "–".to_owned(), |size| number(size, 3));
+        let interval = if own.determined {
+            format!("{} to {}", size(own.low), size(own.high))
+        } else {
+            "not determined".to_owned()
+        };
+        let unit = if own.unit == "1" { "" } else { &own.unit };
+        [html! { code { (own.name) } }, html! { (unit) }, html! { (size(own.start)) }, html! { (size(own.value)) }]
+            .into_iter()
+            .chain([html! { (interval) }, html! { (prior) }])
+            .collect::<Vec<Markup>>()
+    };
+    let rows: Vec<Vec<Markup>> = findings.numbers.iter().map(row).collect();
+    let pairs: Vec<Vec<Markup>> = findings
+        .trade_offs
+        .iter()
+        .map(|pair| {
+            let correlation = number(pair.correlation, 3);
+            vec![html! { code { (pair.first) } }, html! { code { (pair.second) } }, html! { (correlation) }]
+        })
+        .collect();
+    html! {
+        (table(&["Number", "Unit", "Start", "Value", "95 % interval", "Prior ±"], &rows))
+        @if !pairs.is_empty() {
+            p { "These trade against each other: the recording says little about each of a pair alone." }
+            (table(&["Number", "with", "Correlation"], &pairs))
+        }
+    }
+}
+
+/// A value of any size.
+fn size(value: f64) -> String {
+    let plain = value == 0.0 || (1e-3..1e5).contains(&value.abs());
+    if plain || !value.is_finite() { number(value, 4) } else { format!("{value:.3e}") }
+}
+
+fn stages(findings: &CalibrationFindings) -> Markup {
+    let row = |stage: &crate::data::calibration::FitStage| {
+        let kept = if stage.kept { "kept" } else { "left out" };
+        vec![
+            html! { (stage.name) },
+            html! { (stage.numbers) },
+            html! { (millimetres(stage.cross_validated_m)) },
+            html! { (kept) },
+        ]
+    };
+    let rows: Vec<Vec<Markup>> = findings.stages.iter().map(row).collect();
+    html! {
+        @if !rows.is_empty() {
+            p { "Numbers are added group by group. A group stays only where it lowers the cross-validated error." }
+            (table(&["Group", "Numbers with it", "Cross-validated error", ""], &rows))
+        }
+    }
+}
+
+fn places(findings: &CalibrationFindings, map: &Markup) -> Markup {
+    let mut kinds: Vec<&str> = findings.residual_groups.iter().map(|group| group.kind.as_str()).collect();
+    kinds.dedup();
+    let row = |group: &&ResidualGroup| {
+        let mean = [group.mean_x_m, group.mean_y_m, group.mean_z_m].map(|mean| number(1e3 * mean, 3)).join(", ");
+        vec![
+            html! { (group.name) },
+            html! { (group.positions) },
+            html! { (millimetres(group.rms_m)) },
+            html! { (mean) },
+        ]
+    };
+    html! {
+        (captioned(map, "Grey: measured. Blue: simulated with the calibrated model. Some positions, evenly chosen."))
+        @for kind in kinds {
+            @let rows: Vec<Vec<Markup>> = findings.residual_groups.iter().filter(|group| group.kind == kind)
+                .take(MOST_GROUPS).map(|group| row(&group)).collect();
+            (table(&[&format!("By {kind}"), "Positions", "rms error", "Mean error x, y, z (mm)"], &rows))
+        }
+        p .note { "Simulated minus measured. All groups are in residual_groups.csv." }
+    }
+}
+
+/// A figure at the widths of a page and of a telephone, of which the page shows the one that fits.
+fn figure(report: &CalibrationReport, name: &'static str) -> Result<Markup, ReportError> {
+    let failed = |error: paint::PaintError| ReportError::Draw { figure: name, reason: error.to_string() };
+    let mut both = Markup::default();
+    for (_, draw) in DRAWINGS.iter().filter(|(known, _)| *known == name) {
+        for (class, width) in [("wide", PAGE_WIDTH), ("narrow", NARROW)] {
+            if let Some(canvas) = draw(report, width) {
+                both.0 += &drawing(&paint::svg(&canvas).map_err(failed)?, class, name).0;
+            }
+        }
+    }
+    Ok(both)
+}
