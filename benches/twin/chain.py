@@ -5,7 +5,6 @@ pieces, a slide in the pieces that hold the middle of a compressible section, an
 import mujoco
 import numpy as np
 
-PIECES = 22
 TIME_STEP_S = 0.001
 # Time to come to rest, with all damping times at least this: more damping changes the way there, not the end.
 SETTLE_S = 8.0
@@ -16,6 +15,7 @@ DRIVE_S = 0.02
 # and this much inertia in each hinge (too little to matter beside its damping) it does not crawl during a recording.
 FRICTION_IMPEDANCE, FRICTION_ARMATURE_KG_M2 = 0.9999, 1e-4
 WALL_STIFFNESS, WALL_DAMPING = 2e4, 3e2
+LIMIT_DAMPING = 1e2
 
 
 def joint(name, kind, axis, stiffness, damping, rest=0.0, more=""):
@@ -55,11 +55,13 @@ def sites(robot, name, places):
 
 
 def tendons(robot):
-    """A tendon is a stiff spring that does nothing while slack: it pulls and never pushes."""
+    """A tendon is a stiff spring that does nothing while slack, or a limit of its length: it pulls and never pushes."""
     out = ""
     kind = f'stiffness="{1 / robot.tendon_compliance_m_per_n}" springlength="0 9"'
+    if robot.tendons == "limit":
+        kind = f'limited="true" range="0 9" solreflimit="{-1 / robot.tendon_compliance_m_per_n} {-LIMIT_DAMPING}"'
     for i in range(len(robot.tendon_angles_rad)):
-        names = ["b", *(f"s{k}" for k in range(PIECES))]
+        names = ["b", *(f"s{k}" for k in range(robot.pieces))]
         path = "".join(f'<site site="{name}_{i}_{place}"/>' for name in names for place in (0, 1))
         out += f'<spatial name="tendon{i}" {kind}>{path}</spatial>'
     return out
@@ -67,17 +69,17 @@ def tendons(robot):
 
 def xml(robot, dt_s):
     """Body k runs from the hinges of piece k, in its middle, to those of the next one, or to the tip."""
-    h = robot.length_m / PIECES
+    h = robot.length_m / robot.pieces
     slides = {int(middle / h - 1e-9) for middle in robot.section_middles_m()}
     chain = ""
-    for k in range(PIECES):
+    for k in range(robot.pieces):
         start, end = (k + 0.5) * h, min((k + 1.5) * h, robot.length_m)
         mass, centre, side, axial = robot.inertia(start, end)
         ball = f'<geom type="sphere" size="0.001" pos="0 0 {end - start}"/>' if robot.wall_y_m is not None else ""
         chain += (
             f'<body name="s{k}" pos="0 0 {0.5 * h if k == 0 else h}">{joints(robot, k, h, slides)}'
             f'<inertial pos="0 0 {centre - start}" mass="{mass}" diaginertia="{side} {side} {axial}"/>{ball}'
-            + sites(robot, f"s{k}", (0.25 * h, 0.75 * h if k < PIECES - 1 else 0.5 * h))
+            + sites(robot, f"s{k}", (0.25 * h, 0.75 * h if k < robot.pieces - 1 else 0.5 * h))
         )
     # What hangs on the tip is a body of its own, so that a force on it acts at the tip.
     tip_mass = robot.tip_mass_kg + 1e-9
@@ -85,7 +87,7 @@ def xml(robot, dt_s):
         f'<body name="tip" pos="0 0 {0.5 * h}"><inertial pos="0 0 0" mass="{tip_mass}" diaginertia="1e-12 1e-12 1e-12"/>'
         '<site name="tip"/></body>'
     )
-    return base(robot, sites(robot, "b", (0.0, 0.25 * h)) + chain + tip + "</body>" * PIECES, dt_s)
+    return base(robot, sites(robot, "b", (0.0, 0.25 * h)) + chain + tip + "</body>" * robot.pieces, dt_s)
 
 
 def base(robot, chain, dt_s):
@@ -127,10 +129,11 @@ class Chain:
         self.data.xfrc_applied[model.body("tip").id, :3] = robot.tip_force_n
         model.dof_solimp[:, :2] = FRICTION_IMPEDANCE
         model.dof_solref[:, 0] = 2 * dt_s
-        self.lengths_m = model.tendon_lengthspring[:, 1]
+        limits = robot.tendons == "limit"
+        self.lengths_m = model.tendon_range[:, 1] if limits else model.tendon_lengthspring[:, 1]
         bending = [j for j in range(model.njnt) if model.joint(j).name[0] in "xy" and model.joint(j).name[1:].isdigit()]
         self.dofs = model.jnt_dofadr[bending]
-        self.piece_m = robot.length_m / PIECES
+        self.piece_m = robot.length_m / robot.pieces
         self.stiffness = np.full(len(bending), robot.bending_n_m2() / self.piece_m)
 
     def set_pulls(self, pulls_m):

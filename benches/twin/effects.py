@@ -161,9 +161,9 @@ OUTSIDE = (coloured_noise, wall, step_loss, dead_zone, frame_drift, mullins, loo
 NAMES = {effect.__name__: effect for effect in CATALOGUE + OUTSIDE}
 
 
-def hide(effects):
-    """A robot with these effects, [{name: parameters}, ...]."""
-    hidden = Hidden()
+def hide(effects, chain=None):
+    """A robot with these effects, [{name: parameters}, ...], as a `chain` of other pieces or tendons."""
+    hidden = Hidden(robot=Robot(**(chain or {})))
     for effect in effects:
         for name, parameters in effect.items():
             NAMES[name](hidden, **parameters)

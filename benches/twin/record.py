@@ -1,6 +1,7 @@
 """Records a robot of MuJoCo with effects hidden in it, as recordings (CSV).
 
 usage: record.py OUT_DIR [NAME ...]     records those of plan.json (all), and writes OUT_DIR/truth.csv of what is there
+       record.py --plan PLAN.json ...   the same with another plan (plan_12.json: a chain of 12 pieces, tendons as limits)
        record.py --shift NAME ...       how far the effects move the tip on two trials, and records nothing
        record.py --agree REC.csv ...    plays a recording's commands on the robot as built and compares the tips
 """
@@ -82,9 +83,10 @@ def write(path, commands, seen):
 def record(folder, entry):
     """Writes a recording; returns how far its effects move the tip."""
     commands, rng = drawn(entry["seed"])
-    hidden = hide(entry["effects"])
+    chain = entry.get("chain")
+    hidden = hide(entry["effects"], chain)
     seen = tips(hidden, commands)
-    shift_m = rms(seen[:SHIFT_TRIALS] - tips(Hidden(), commands[:SHIFT_TRIALS])) if entry["effects"] else 0.0
+    shift_m = rms(seen[:SHIFT_TRIALS] - tips(hide([], chain), commands[:SHIFT_TRIALS])) if entry["effects"] else 0.0
     noisy = [trial + noise(rng, hidden.noise_correlation) for trial in seen]
     write(folder / f"{entry['file']}.csv", commands, noisy)
     return shift_m
@@ -122,13 +124,16 @@ def agree(paths):
 
 
 def main(arguments):
-    plan = json.loads(PLAN.read_text())
+    file = PLAN
+    if arguments[0] == "--plan":
+        file, arguments = Path(arguments[1]), arguments[2:]
+    plan = json.loads(file.read_text())
     if arguments[0] == "--agree":
         return agree(arguments[1:])
     names = arguments[1:] or [entry["file"] for entry in plan]
     unknown = set(names) - {entry["file"] for entry in plan}
     if unknown:
-        sys.exit(f"{PLAN.name}: found no recording {sorted(unknown)}")
+        sys.exit(f"{file.name}: found no recording {sorted(unknown)}")
     chosen = [entry for entry in plan if entry["file"] in names]
     chosen.sort(key=lambda entry: names.index(entry["file"]))
     for entry in chosen:

@@ -31,6 +31,10 @@ class Robot:
     gravity_m_s2: tuple = (-9.81, 0.0, 0.0)
     damping_time_s: float = 0.03
 
+    # How the chain stands for the robot: rigid pieces, and tendons as springs or as limits of length.
+    pieces: int = 22
+    tendons: str = "spring"
+
     # What effects change; these values change nothing.
     mass_scale: float = 1.0
     tip_mass_kg: float = 0.0

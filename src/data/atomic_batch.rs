@@ -1,4 +1,4 @@
-//! Atomic replacement of a set of files.
+//! Atomic replacement of files, one or several together.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
@@ -7,6 +7,15 @@ use std::path::{Path, PathBuf};
 
 use super::DataError;
 use super::file::{create, temporary_path};
+
+/// Writes a file atomically: the bytes go to a temporary file that is then renamed. A failure leaves the old file.
+/// Missing folders are created.
+///
+/// # Errors
+/// [`DataError::Write`] when the folder cannot be made or the file not written.
+pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), DataError> {
+    write_atomic_batch(std::iter::once((path.to_owned(), bytes)))
+}
 
 /// Writes a set of files atomically: all are on disk under temporary names before the first is renamed, so that a full
 /// disk leaves the old files unchanged. Temporary files of writers that were killed are removed.
@@ -97,6 +106,20 @@ fn refused(path: &Path, error: &io::Error) -> DataError {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_failed_write_leaves_nothing_and_a_good_one_only_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("new/rows.csv");
+        write_atomic(&path, b"a\n1\n").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"a\n1\n");
+        // A folder stands where the file should go: the rename fails.
+        fs::create_dir(folder.path().join("taken")).unwrap();
+        assert!(matches!(write_atomic(&folder.path().join("taken"), b"x"), Err(DataError::Write { .. })));
+        let mut names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+        names.sort();
+        assert_eq!(names, ["new", "taken"]);
+    }
 
     #[test]
     fn all_are_new_or_none() {

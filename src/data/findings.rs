@@ -90,6 +90,8 @@ pub struct Candidate {
     pub after_m: f64,
     /// Why it is not the answer; empty for the answer.
     pub why_not: String,
+    /// Its fitted parameters, `effect.parameter=value`, joined by `; `; empty if it was not fitted.
+    pub parameters: String,
 }
 
 /// Result of the cross-trial test.
@@ -149,6 +151,17 @@ pub struct Findings {
     pub effects: Vec<FoundEffect>,
     /// Rms distance of the measured from the true tip by noise alone, metres.
     pub noise_floor_m: f64,
+    /// Share of the held-out squares, beyond what the model leaves on this robot anyway, that the named effects
+    /// explain; none where nothing is named.
+    pub explained_share: Option<f64>,
+    /// Its 95 % interval.
+    pub explained_share_interval_95: Option<[f64; 2]>,
+    /// Rms tip error on held-out trials beyond what the model leaves on this robot anyway, metres.
+    pub left_m: f64,
+    /// Whether nothing significant is left.
+    pub complete: bool,
+    /// What the model leaves on this robot beyond noise although nothing is missing, rms, metres.
+    pub model_form_m: f64,
     /// Held-out error before and after.
     pub gap: Gap,
     /// Residual by group, largest over noise first.

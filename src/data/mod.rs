@@ -16,9 +16,8 @@ mod table_row;
 pub mod tables;
 mod text;
 
-pub use atomic_batch::write_atomic_batch;
+pub use atomic_batch::{write_atomic, write_atomic_batch};
 pub use error::DataError;
-pub use file::write_atomic;
 pub use recording::{Actuation, Recording};
 pub use table_row::{TableColumn, TableDescription, TableRow};
 pub use text::read_text;

@@ -131,7 +131,7 @@ fn discover_in_kept(
 fn search_best(problem: &Problem) -> Result<(FinalFit, SearchOutcome), DiscoveryError> {
     let fit_problem = problem.fit_problem();
     let cannot_follow = || DiscoveryError::CannotFollow(problem.training.trials[0].number);
-    let limits = problem.options.limits(&problem.model);
+    let limits = problem.options.limits(&problem.model, problem.model_form_m);
     let mut search = Search::new(&fit_problem, problem.sensitivities.clone(), &limits).ok_or_else(cannot_follow)?;
     let mut best = search.greedy();
     let mut final_fit = problem.final_fit(&best.fitted);

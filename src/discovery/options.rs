@@ -51,6 +51,15 @@ pub struct Options {
     /// Tip displacements below this share of the backbone's length are neither named nor reported as missing, whatever
     /// the noise: no model is more accurate.
     pub least_of_length: f64,
+    /// Model-form error, metres: what a model leaves on a robot on which nothing has changed, beyond noise. A baseline
+    /// measures it; without one, this value counts. Zero suits simulated robots; for a real robot take the held-out
+    /// error of its calibration.
+    pub model_form_m: f64,
+    /// Residuals below this multiple of the model-form error are not attributed to a missing effect.
+    pub form_margin: f64,
+    /// Where there is a model-form error: effects that explain at least this share of the gap are named although
+    /// something remains.
+    pub least_explained: f64,
     /// Seed of the permutation test.
     pub seed: u64,
 }
@@ -90,6 +99,9 @@ impl Default for Options {
             motion_tolerance_m: 3e-5,
             cell_m: 0.03,
             least_of_length: 1e-3,
+            model_form_m: 0.0,
+            form_margin: 1.5,
+            least_explained: 0.8,
             seed: 0,
         }
     }
@@ -101,7 +113,12 @@ impl Options {
     /// # Errors
     /// [`BadOption`] names the first one.
     pub fn check(&self) -> Result<(), BadOption> {
-        for (key, value) in [("held_out_share", self.held_out_share), ("false_alarm", self.false_alarm)] {
+        let shares = [
+            ("held_out_share", self.held_out_share),
+            ("false_alarm", self.false_alarm),
+            ("least_explained", self.least_explained),
+        ];
+        for (key, value) in shares {
             if !(value > 0.0 && value < 1.0) {
                 return Err(BadOption { key, found: value.to_string(), expected: "a number between 0 and 1" });
             }
@@ -123,6 +140,8 @@ impl Options {
             ("rival_score", self.rival_score),
             ("least_foretold", self.least_foretold),
             ("least_of_length", self.least_of_length),
+            ("model_form_m", self.model_form_m),
+            ("form_margin", self.form_margin),
         ];
         for (key, value) in sizes {
             if !(value.is_finite() && value >= 0.0) {
@@ -137,13 +156,15 @@ impl Options {
         self.least_of_length * model.robot.backbone.length_m
     }
 
-    pub(super) fn limits(&self, model: &Model) -> SearchLimits {
+    /// Limits of the search for a robot of which the model leaves `model_form_m` beyond noise.
+    pub(super) fn limits(&self, model: &Model, model_form_m: f64) -> SearchLimits {
         SearchLimits {
             most_effects: self.most_effects,
             least_score: self.least_score,
             least_size: self.least_size,
             least_share: self.least_share,
             least_m: self.least_m(model),
+            least_gain_m: self.form_margin * model_form_m,
             rival_score: self.rival_score,
             exhaustive_below: 0,
         }
@@ -172,6 +193,9 @@ pub(super) struct SearchLimits {
     pub(super) least_share: f64,
     /// Minimum tip displacement, metres, whatever the noise.
     pub(super) least_m: f64,
+    /// Minimum fall of the rms residual by an added effect, metres (squares subtract): less may be what the model
+    /// leaves on this robot anyway.
+    pub(super) least_gain_m: f64,
     /// Sets whose scores differ by less are rivals.
     pub(super) rival_score: f64,
     /// Sets with fewer effects than this are extended by every candidate, whatever the screening predicts.

@@ -7,7 +7,7 @@ use super::fit::nuisance::{NuisanceColumn, Nuisances};
 use super::fit::nuisance_priors::UncertainParameters;
 use super::fit::{baseline, sensitivities, simulate};
 use super::noise_floor::NoiseFloor;
-use super::noise_floor::trial_starts;
+use super::noise_floor::{model_form, trial_starts};
 use super::options::Options;
 use super::recording::samples::{Samples, rms_m};
 use super::recording::{holdout, validate};
@@ -33,6 +33,8 @@ pub(crate) struct Problem<'a> {
     pub(crate) nuisances: Nuisances,
     /// Whether markers on the base show the base pose of the model.
     pub(crate) base_matches_model: bool,
+    /// What the model leaves on this robot beyond noise although nothing is missing, rms, metres.
+    pub(crate) model_form_m: f64,
 }
 
 impl<'a> Problem<'a> {
@@ -66,6 +68,7 @@ impl<'a> Problem<'a> {
         let sensitivities = sensitivities::sensitivities(&coarse, &candidates, &[], &|_| true, &training);
         let columns = uncertain(options, &candidates, &[], base.as_ref()).columns(&model, &[], &training);
         let nuisances = nuisances(base.as_ref(), &training, &simulated_m, &columns);
+        let model_form_m = base.as_ref().map_or(options.model_form_m, |base| base.model_form_m);
         Ok(Problem {
             options,
             model,
@@ -80,6 +83,7 @@ impl<'a> Problem<'a> {
             sensitivities,
             nuisances,
             base_matches_model: false,
+            model_form_m,
         })
     }
 
@@ -121,9 +125,15 @@ impl<'a> Problem<'a> {
         self.base.as_ref().is_some_and(|base| base.factors.is_some())
     }
 
+    /// Residual, metres, below which nothing is missing whatever the noise: a share of the robot's length, or what the
+    /// model leaves on this robot anyway.
+    pub(crate) fn model_error_m(&self) -> f64 {
+        self.options.least_m(&self.model).max(self.options.form_margin * self.model_form_m)
+    }
+
     /// Smallest relevant residual, metres, given a noise floor of `floor_m`.
     pub(crate) fn least_relevant_m(&self, floor_m: f64) -> f64 {
-        self.options.least_m(&self.model).max(self.options.least_foretold * floor_m)
+        self.model_error_m().max(self.options.least_foretold * floor_m)
     }
 
     /// Model error that is expected of the laws of the effects that move the tip to `simulated_m`, metres.
@@ -145,6 +155,12 @@ pub(crate) struct Baseline {
     pub(crate) simulated_m: Vec<f64>,
     /// Uncertain parameters, with the uncertainty before calibration.
     columns: Vec<NuisanceColumn>,
+    /// What is left of each trial when its correction is fitted to the others, three values a sample, metres.
+    pub(crate) unseen_m: Vec<f64>,
+    /// What the calibrated model leaves beyond noise in the worst trial, metres.
+    pub(crate) model_form_m: f64,
+    /// Whether the calibrated model leaves significantly more than noise.
+    pub(crate) is_inexact: bool,
     /// Calibration factors, if calibration increased the likelihood of the baseline.
     pub(crate) factors: Option<baseline::CalibrationFactors>,
 }
@@ -153,6 +169,21 @@ pub(crate) struct Baseline {
 const BEFORE_CALIBRATION: f64 = 10.0;
 
 impl Baseline {
+    /// The baseline with what the calibrated model leaves of it.
+    fn calibrated(
+        samples: Samples,
+        starts: Option<NoiseFloor>,
+        simulated_m: Vec<f64>,
+        columns: Vec<NuisanceColumn>,
+        factors: Option<baseline::CalibrationFactors>,
+    ) -> Baseline {
+        let nuisances = baseline::baseline_nuisances((&samples, &simulated_m, &columns));
+        let unseen_m = model_form::unseen_residual_m(&samples, &simulated_m, &nuisances);
+        let model_form_m = model_form::model_form_m(&samples, &simulated_m, &unseen_m, &nuisances);
+        let is_inexact = model_form::exceeds_noise(&samples, &simulated_m, &nuisances);
+        Baseline { samples, starts, simulated_m, columns, unseen_m, model_form_m, is_inexact, factors }
+    }
+
     fn new(
         model: &mut Model,
         candidates: &[CandidateEffect],
@@ -182,10 +213,10 @@ impl Baseline {
             let (there, wider) = look(&better)?;
             if left(&there, &wider) < left(&first, &columns) {
                 *model = better;
-                return Ok(Baseline { samples, starts, simulated_m: there, columns: wider, factors: Some(factors) });
+                return Ok(Baseline::calibrated(samples, starts, there, wider, Some(factors)));
             }
         }
-        Ok(Baseline { samples, starts, simulated_m: first, columns, factors: None })
+        Ok(Baseline::calibrated(samples, starts, first, columns, None))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{ErrorModel, ForwardModel, InverseModel};
+use super::model_traits::{ErrorModel, ForwardModel, InverseModel};
 use crate::base::{Displacements, Point3, PolicyError};
 use crate::learn::LearnError;
 use crate::learn::gp::Gp;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::InverseModel;
+use super::model_traits::InverseModel;
 use crate::base::{BadOption, Displacements, Point3, PolicyError, distance_m};
 
 /// When the memory of a recurrent network moves on.

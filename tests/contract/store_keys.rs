@@ -48,6 +48,10 @@ fn telling_files_change_the_keys_of_exactly_these_stages() {
     assert_eq!(stages_of("discovery/fit/gauss_newton.rs"), only(&["discover"]));
     assert!(stages_of("policies/c.rs").is_superset(&only(&["reach", "track"])));
     assert!(stages_of("policies/c.rs").is_disjoint(&only(&["collect_sim", "collect_real", "discover", "blind_truth"])));
+    // A new policy retrains nothing.
+    for file in ["policies/c.rs", "policies/mod.rs"] {
+        assert!(stages_of(file).is_disjoint(&only(&LEARNING)), "{file}");
+    }
     assert!(stages_of("learn/rnn/train.rs").is_superset(&only(&[
         "train_forward",
         "train_inverse",

@@ -70,6 +70,7 @@ fn a_delay_is_found_within_a_step_of_the_scan() {
 }
 
 #[test]
+#[ignore = "make campaign"]
 fn two_effects_that_look_like_a_third_are_named() {
     // A force on the tip explains more than either, and something else the rest of both.
     let hidden = "- creep: {share: 0.33, time_s: 2.0}\n- soft_section: {position_m: 0.17, scale: 0.15}";
@@ -78,6 +79,7 @@ fn two_effects_that_look_like_a_third_are_named() {
 }
 
 #[test]
+#[ignore = "make campaign"]
 fn what_stands_for_an_effect_or_hides_it_gives_way() {
     // Beside a drive's zero, creep within a fifth of a second is like a softer rod; a section that is yet softer hides
     // most of what compression does.
@@ -93,6 +95,7 @@ fn what_stands_for_an_effect_or_hides_it_gives_way() {
 }
 
 #[test]
+#[ignore = "make campaign"]
 fn a_pair_is_found_that_no_single_effect_leads_to() {
     // Case 1095 of experiments/discovery_full.yaml: three others, none of them of the two, leave 0.15 mm more than noise.
     let found = found(&from_benchmark("case_1095.csv"), &Options::default());

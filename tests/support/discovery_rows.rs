@@ -131,6 +131,11 @@ fn findings() -> Findings {
             confusable_with: vec!["distributed_mass".to_owned()],
         }],
         noise_floor_m: FLOOR_M,
+        explained_share: Some(0.994),
+        explained_share_interval_95: Some([0.99, 0.997]),
+        left_m: 0.0003,
+        complete: true,
+        model_form_m: 0.0,
         gap: Gap {
             metric: "rms tip error on held-out trials".to_owned(),
             held_out_trials: vec![6, 7],
@@ -193,6 +198,7 @@ fn candidates() -> Vec<Candidate> {
         score,
         after_m,
         why_not: why_not.to_owned(),
+        parameters: format!("{name}.size={score}"),
     };
     list.into_iter().map(one).collect()
 }

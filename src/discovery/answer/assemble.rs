@@ -2,6 +2,7 @@
 
 use super::Discovery;
 use super::alternatives::Alternatives;
+use super::explained_share::ExplainedShare;
 use super::final_fit::FinalFit;
 use super::verdict::{Decision, set_name};
 use super::{alternatives, residual_map, summary_text};
@@ -44,6 +45,18 @@ struct HeldOutResidual {
     left: Option<NuisanceFit>,
     /// Failed variance test that other values within the intervals would pass.
     tolerated_on_held_out: Option<TestResult>,
+    /// Failed variance test of an answer that explains most of the gap, but not all of it.
+    more: Option<TestResult>,
+}
+
+impl CheckedDecision {
+    /// What remains beside named effects, as a clause; none if the answer is complete.
+    fn remaining(&self) -> Option<String> {
+        let named = !self.answer.members.is_empty();
+        let of_training = (!self.answer.objection.is_empty()).then(|| self.answer.objection.clone());
+        let of_held_out = self.unseen.more.as_ref().map(summary_text::objection);
+        of_training.or(of_held_out).filter(|_| named)
+    }
 }
 
 impl Problem<'_> {
@@ -63,11 +76,12 @@ impl Problem<'_> {
         };
         let before = self.cross_trial_test(&found.null.fitted.nuisance_fit, &self.simulated_m);
         let after = &final_fit.cross_trial;
-        let checked = self.check_on_held_out(
-            fit_problem,
-            best,
-            fit_problem.decide(&self.fit_problem(), found, final_fit.goodness.failed, self.options.rival_score),
-        );
+        let explained = self.explained_share(fit_problem, best, final_fit.goodness.floor.rms_m());
+        let most = self.explains_most(explained);
+        eprintln!("BEST {} {:?} {:?}", set_name(&self.candidates, &best.members), explained, final_fit.goodness.failed);
+        let sign = (final_fit.goodness.failed, most);
+        let decided = fit_problem.decide(&self.fit_problem(), found, sign, self.options.rival_score);
+        let checked = self.check_on_held_out(fit_problem, best, decided, most);
         let answer = &checked.answer;
         let named = !answer.members.is_empty();
         let (told, simulated_m, missing) = if named {
@@ -84,10 +98,19 @@ impl Problem<'_> {
         let mut model = self.model.clone();
         model.robot.resolution = given.robot.resolution;
         model.effects.extend(checked.added.iter().cloned());
+        let explained = explained.filter(|_| named);
+        let plain = self.fit_problem();
+        let nothing = || self.explained_share(&plain, &found.null.fitted, noise.rms_m());
+        let remains = checked.remaining();
         let mut findings = Findings {
             verdict: answer.verdict,
             effects: answer.effects.clone(),
             noise_floor_m: noise.rms_m(),
+            explained_share: explained.map(|explained| explained.share),
+            explained_share_interval_95: explained.map(|explained| explained.interval_95),
+            left_m: explained.or_else(nothing).map_or(f64::NAN, |explained| explained.left_m),
+            complete: !unexplained && remains.is_none(),
+            model_form_m: self.model_form_m,
             gap: checked.gap.clone(),
             disagreement: residual_map::disagreements(&places),
             candidates: self.candidate_rows(fit_problem, found, answer),
@@ -96,7 +119,11 @@ impl Problem<'_> {
             noise: findings::Noise { sigma_m: noise.sigma_m, correlation: noise.correlation, from },
             missing_before: before.test.clone(),
             missing_after: missing.test.clone(),
-            pattern: if unexplained { summary_text::pattern(&before.foretold, &places) } else { String::new() },
+            pattern: match (unexplained, &remains) {
+                (true, _) => summary_text::pattern(&before.foretold, &places),
+                (false, Some(_)) => summary_text::pattern(&after.foretold, &places),
+                (false, None) => String::new(),
+            },
             limitations: self.limitations(measured, final_fit, &checked, &model),
             excluded_rows: Vec::new(),
             clock_offset_s: None,
@@ -141,6 +168,7 @@ impl Problem<'_> {
             sets: &sets,
             refused,
             objection: &answer.objection,
+            remains: checked.remaining(),
             shared: self.shared(checked, noise),
         };
         findings.summary = summary_text::summary(findings, &beside);
@@ -158,6 +186,15 @@ impl Problem<'_> {
         )
     }
 
+    /// Whether effects that explain this much are named although something remains: where the model does not describe
+    /// the robot exactly, and surely more is explained than half of what is asked for.
+    fn explains_most(&self, explained: Option<ExplainedShare>) -> bool {
+        let least = self.options.least_explained;
+        let enough = |explained: ExplainedShare| explained.share >= least && explained.interval_95[0] >= 0.5 * least;
+        let inexact = self.base.as_ref().map_or(self.model_form_m > 0.0, |base| base.is_inexact);
+        inexact && explained.is_some_and(enough)
+    }
+
     /// Limitation if `model` cannot be simulated at its own resolution.
     fn cannot_follow(&self, model: &Model) -> Option<String> {
         problem::simulate_model(model, &self.all).err().map(|_| {
@@ -169,7 +206,13 @@ impl Problem<'_> {
 
     /// Tests the answer on held-out trials. It is refuted if it increases the error there or if held-out trials
     /// scatter significantly more than the training trials.
-    fn check_on_held_out(&self, fit_problem: &FitProblem, best: &FittedSet, answer: Decision) -> CheckedDecision {
+    fn check_on_held_out(
+        &self,
+        fit_problem: &FitProblem,
+        best: &FittedSet,
+        answer: Decision,
+        most: bool,
+    ) -> CheckedDecision {
         let added = effect_specs(&self.candidates, &answer.members).unwrap_or_default();
         let mut gap = Gap {
             metric: "rms tip error on held-out trials".to_owned(),
@@ -183,7 +226,7 @@ impl Problem<'_> {
         let cannot_follow = || "the model with it cannot be simulated on the held-out trials".to_owned();
         let bear_out_or_refute = simulated_m.ok_or_else(cannot_follow).and_then(|simulated_m| {
             gap.after_m = rms_m(&self.held_out.residual(&simulated_m));
-            self.bear_out_or_refute(fit_problem, best, &answer, (&simulated_m, &gap))
+            self.bear_out_or_refute(fit_problem, best, &answer, (&simulated_m, &gap), most)
                 .map(|unseen| (simulated_m, unseen))
         });
         match bear_out_or_refute {
@@ -209,6 +252,7 @@ impl Problem<'_> {
         best: &FittedSet,
         answer: &Decision,
         (simulated_m, gap): (&[f64], &Gap),
+        most: bool,
     ) -> Result<HeldOutResidual, String> {
         let no_worse = gap.after_m <= gap.before_m;
         if !no_worse {
@@ -220,11 +264,14 @@ impl Problem<'_> {
         let left = self.explain_held_out(fit_problem, best, simulated_m);
         let sign = |left: &NuisanceFit| self.held_out_test(best, left);
         let Some(refuted) = left.as_ref().and_then(sign) else {
-            return Ok(HeldOutResidual { left, tolerated_on_held_out: None });
+            return Ok(HeldOutResidual { left, ..HeldOutResidual::default() });
         };
         // If a tendon is always slack its zero is undetermined, and another value may pass.
         if fit_problem.equally_good_fits(best).iter().any(|other| self.is_borne_out_by_held_out(fit_problem, other)) {
-            return Ok(HeldOutResidual { left, tolerated_on_held_out: Some(refuted) });
+            return Ok(HeldOutResidual { left, tolerated_on_held_out: Some(refuted), more: None });
+        }
+        if most && !answer.members.is_empty() {
+            return Ok(HeldOutResidual { left, tolerated_on_held_out: None, more: Some(refuted) });
         }
         Err(summary_text::objection(&refuted))
     }

@@ -4,6 +4,7 @@ pub(crate) mod alternatives;
 pub(crate) mod assemble;
 pub(crate) mod caveats;
 pub(crate) mod clock;
+pub(crate) mod explained_share;
 pub(crate) mod final_fit;
 pub(crate) mod mistaken;
 pub(crate) mod rescore;

@@ -82,7 +82,7 @@ mod tests {
         let options = Options::default();
         let problem = Problem::new(&model, samples, None, &options).unwrap();
         let fit_problem = problem.fit_problem();
-        let mut search = Search::new(&fit_problem, Vec::new(), &options.limits(&model)).unwrap();
+        let mut search = Search::new(&fit_problem, Vec::new(), &options.limits(&model, 0.0)).unwrap();
         let fitted = |name: &str, value: f64| {
             let candidate = problem.candidates.iter().position(|one| one.card.name == name).unwrap();
             fit_problem.fit(vec![SetMember { candidate, values: vec![value] }]).unwrap()

@@ -12,6 +12,8 @@ pub(crate) struct SummaryContext<'a> {
     pub(crate) refused: Option<String>,
     /// … and the objection to it.
     pub(crate) objection: &'a str,
+    /// What remains beside named effects, as a clause, if anything does.
+    pub(crate) remains: Option<String>,
     /// Error shared with the baseline.
     pub(crate) shared: Option<BaselineShare>,
 }
@@ -26,7 +28,7 @@ pub(crate) struct BaselineShare {
 
 /// Summary in one or two sentences.
 pub(crate) fn summary(findings: &Findings, beside: &SummaryContext) -> String {
-    let SummaryContext { sets, refused, objection, .. } = beside;
+    let SummaryContext { sets, refused, objection, remains, .. } = beside;
     let (before_mm, after_mm) = (findings.gap.before_m * 1e3, findings.gap.after_m * 1e3);
     let floor_mm = findings.noise_floor_m * 1e3;
     let names = findings.effects.iter().map(|effect| effect.name.as_str()).collect::<Vec<_>>();
@@ -38,9 +40,12 @@ pub(crate) fn summary(findings: &Findings, beside: &SummaryContext) -> String {
             1e3 * apart_m
         )
     });
+    let more = remains.as_ref().map_or_else(String::new, |remains| {
+        format!(" Something remains that the named effects do not explain: {remains}. {}", findings.pattern)
+    });
     let held_out = format!(
         "On held-out trials the rms tip error falls from {before_mm:.2} mm to {after_mm:.2} mm; the noise \
-         floor is {floor_mm:.2} mm.{shared}"
+         floor is {floor_mm:.2} mm.{shared}{more}"
     );
     match findings.verdict {
         Verdict::Consistent => format!(

@@ -22,7 +22,7 @@ pub(crate) struct Decision {
     pub(crate) effects: Vec<FoundEffect>,
     /// For `ambiguous`: sets that fit equally well.
     pub(crate) rivals: Vec<Vec<SetMember>>,
-    /// Objection to the best set, if it is not the answer.
+    /// Objection to the best set, if it is not the answer or not all of it.
     pub(crate) objection: String,
 }
 
@@ -45,17 +45,19 @@ const LISTED: usize = 30;
 
 impl FitProblem<'_> {
     /// Decides the verdict. `plain`: fit problem of the search, for rivals; `sign`: failed goodness-of-fit test of the
-    /// best set.
+    /// best set; `most`: whether that set explains most of the gap of a robot that the model does not describe exactly,
+    /// so that it is named although something remains.
     pub(crate) fn decide(
         &self,
         plain: &FitProblem,
         found: &SearchOutcome,
-        sign: Option<TestResult>,
+        (sign, most): (Option<TestResult>, bool),
         rival_score: f64,
     ) -> Decision {
         let members: Vec<SetMember> = found.best.fitted.members.iter().map(|member| self.rounded(member)).collect();
-        if let Some(sign) = sign {
-            return Decision::refuted(summary_text::objection(&sign));
+        let objection = sign.map_or_else(String::new, |sign| summary_text::objection(&sign));
+        if sign.is_some() && (members.is_empty() || !most) {
+            return Decision::refuted(objection);
         }
         if members.is_empty() {
             return Decision::without_effects(Verdict::Consistent, String::new());
@@ -85,7 +87,7 @@ impl FitProblem<'_> {
                 sets.push(rival.fitted.members.clone());
             }
         }
-        Decision { verdict, members, effects, rivals: sets, objection: String::new() }
+        Decision { verdict, members, effects, rivals: sets, objection }
     }
 
     /// The member with values as written, six significant digits.
@@ -183,7 +185,8 @@ impl FitProblem<'_> {
             if listed.len() < LISTED && seen.insert(candidate_set(&scored.fitted.members)) {
                 let name = set_name(self.candidates, &scored.fitted.members);
                 let why_not = self.why_not(found, answer, scored, rival_score);
-                listed.push(Candidate { name, score: scored.score, after_m: after_m(scored), why_not });
+                let parameters = parameter_text(self.candidates, &scored.fitted.members);
+                listed.push(Candidate { name, score: scored.score, after_m: after_m(scored), why_not, parameters });
             }
         }
         // Every effect of the catalogue is listed.
@@ -194,7 +197,7 @@ impl FitProblem<'_> {
                 let after_m =
                     left * crate::discovery::recording::samples::rms_m(&found.null.fitted.nuisance_fit.residual_m);
                 let why_not = "not fitted: the linear screening predicts no more than this".to_owned();
-                listed.push(Candidate { name, score: *score, after_m, why_not });
+                listed.push(Candidate { name, score: *score, after_m, why_not, parameters: String::new() });
             }
         }
         listed
@@ -232,6 +235,17 @@ pub(crate) fn set_name(candidates: &[CandidateEffect], members: &[SetMember]) ->
         return "nothing missing".to_owned();
     }
     members.iter().map(|member| candidates[member.candidate].label()).collect::<Vec<_>>().join(" + ")
+}
+
+/// Parameters of a set as `effect.parameter=value`, joined.
+fn parameter_text(candidates: &[CandidateEffect], members: &[SetMember]) -> String {
+    let of = |member: &SetMember| {
+        let card = candidates[member.candidate].card;
+        let each = card.parameters.iter().zip(&member.values);
+        let told = each.map(|(own, &value)| format!("{}.{}={}", card.name, own.name, round_significant(value, DIGITS)));
+        told.collect::<Vec<String>>().join("; ")
+    };
+    members.iter().map(of).collect::<Vec<String>>().join("; ")
 }
 
 fn rounded_number(value: f64) -> Value {

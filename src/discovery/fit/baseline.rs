@@ -108,14 +108,21 @@ impl ModelFormBasis {
 /// Samples, simulated tip, and columns of the uncertain parameters.
 pub(crate) type SimulatedRecording<'a> = (&'a Samples, &'a [f64], &'a [NuisanceColumn]);
 
-/// Nuisance parameters of the measured recording after the baseline: uncertain parameters (`own` columns in either
-/// recording) and model form.
-pub(crate) fn calibrated_nuisances(baseline: SimulatedRecording, recording: SimulatedRecording) -> Nuisances {
+/// Nuisance parameters of the baseline itself: uncertain parameters and model form, by their priors.
+pub(crate) fn baseline_nuisances(baseline: SimulatedRecording) -> Nuisances {
     let (samples, simulated_m, own) = baseline;
     let covariates = sample_covariates(samples, simulated_m);
     let form = ModelFormBasis::new(&covariates);
     let all: Vec<NuisanceColumn> = own.iter().cloned().chain(form.columns(&covariates)).collect();
-    let before = Nuisances::independent(simulated_m.len(), &all);
+    Nuisances::independent(simulated_m.len(), &all)
+}
+
+/// Nuisance parameters of the measured recording after the baseline: uncertain parameters (`own` columns in either
+/// recording) and model form.
+pub(crate) fn calibrated_nuisances(baseline: SimulatedRecording, recording: SimulatedRecording) -> Nuisances {
+    let (samples, simulated_m, _) = baseline;
+    let form = ModelFormBasis::new(&sample_covariates(samples, simulated_m));
+    let before = baseline_nuisances(baseline);
     let nuisance_fit = before.explain(samples, &samples.residual(simulated_m), 0.0);
     let precision = before.information(&nuisance_fit.noise.whitened(samples, &before.columns));
     let (samples, simulated_m, own) = recording;

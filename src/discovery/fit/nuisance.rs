@@ -92,6 +92,11 @@ impl Nuisances {
         NuisanceFit { noise, amounts, residual_m, deviance }
     }
 
+    /// What the prior mean of the parameters leaves of a `residual`, three values a sample, metres.
+    pub(crate) fn left_by_prior(&self, residual: &[f64]) -> Vec<f64> {
+        self.left(residual, &self.mean).iter().zip(self.offset.iter()).map(|(left, offset)| left - offset).collect()
+    }
+
     /// Own columns followed by `others`.
     pub(crate) fn with(&self, others: &DMatrix<f64>) -> DMatrix<f64> {
         let own = self.columns.ncols();

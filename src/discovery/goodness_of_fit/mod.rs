@@ -1,6 +1,7 @@
 //! Goodness of fit: are the residuals of a fitted set noise? Six tests, one file each; `held_out` adds a seventh on
 //! held-out trials.
 
+pub(crate) mod baseline_sizes;
 pub(crate) mod cross_trial;
 pub(crate) mod held_out;
 pub(crate) mod kernel_ridge;
@@ -18,6 +19,7 @@ use super::fit::nuisance::{NuisanceFit, Nuisances};
 use super::noise_floor::NoiseFloor;
 use super::problem::Problem;
 use super::recording::covariates::sample_covariates;
+use baseline_sizes::BaselineSizes;
 use cross_trial::{CrossTrialTest, test_cross_trial};
 use lack_of_fit::lack_of_fit_test;
 use levene::levene_test;
@@ -70,7 +72,7 @@ impl Problem<'_> {
     ) -> GoodnessOfFit {
         let nuisance_fit = &fitted.nuisance_fit;
         let floor_m = nuisance_fit.noise.rms_m();
-        let model_m = self.options.least_m(&self.model);
+        let model_m = self.model_error_m();
         let least_m = self.least_relevant_m(floor_m);
         let inexact_m = least_m.max(self.allowed_law_error_m(fitted, 1.0));
         // Variance above the noise floor. Little excess suffices if the residual is too slow for tracker noise.
@@ -88,12 +90,15 @@ impl Problem<'_> {
         let shaped = fitted.members.iter().any(|member| self.candidates[member.candidate].has_shape());
         let tolerable_m = model_m.max(self.allowed_law_error_m(fitted, if shaped { 1.0 } else { WITHOUT_SHAPE }));
         let seen = |test, p_value, more_m, beyond_m| TestResult { test, p_value, more_m, beyond_m };
+        // A robot that the model does not describe exactly does not follow the laws of its effects exactly either.
+        let predictable_m = if self.model_form_m > 0.0 { inexact_m } else { least_m };
+        let as_built = BaselineSizes::new(self);
         // Each test with its minimum relevant size.
         let tests = [
-            (seen(FitTest::CrossTrial, foretold.test.p_value, foretold.test.foretold_m, 0.0), least_m),
-            (seen(FitTest::Variance, scatters, more_m, alone_m), least_m),
-            (seen(FitTest::Levene, spread.p_value, spread.more_m, spread.middle_m), inexact_m),
-            (seen(FitTest::LackOfFit, bias.p_value, bias.rms_m, 0.0), inexact_m),
+            (seen(FitTest::CrossTrial, foretold.test.p_value, foretold.test.foretold_m, 0.0), predictable_m),
+            (seen(FitTest::Variance, scatters, more_m, alone_m), predictable_m),
+            (seen(FitTest::Levene, spread.p_value, spread.more_m, spread.middle_m), inexact_m.max(as_built.levene_m)),
+            (seen(FitTest::LackOfFit, bias.p_value, bias.rms_m, 0.0), inexact_m.max(as_built.lack_of_fit_m)),
             (seen(FitTest::Score, all, all_m, 0.0), tolerable_m),
             (seen(FitTest::Spearman, grows.p_value, grows.more_m, grows.least_m), inexact_m),
         ];

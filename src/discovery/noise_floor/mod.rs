@@ -2,6 +2,7 @@
 //! which model errors hardly appear.
 
 pub(crate) mod dwell_ar1;
+pub(crate) mod model_form;
 pub(crate) mod nugget;
 pub(crate) mod repeats;
 pub(crate) mod trial_starts;

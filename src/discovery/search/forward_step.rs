@@ -45,9 +45,13 @@ impl Search<'_> {
         })
     }
 
-    /// Whether the member that `next` adds to `base` is worth adding: it moves the tip far enough, and farther than
-    /// the law errors of the others.
+    /// Whether the member that `next` adds to `base` is worth adding: it moves the tip far enough, farther than the law
+    /// errors of the others, and explains more than the model leaves on this robot anyway.
     pub(crate) fn is_worth_adding(&self, base: &ScoredSet, next: &ScoredSet) -> bool {
+        let [before_m, after_m] = [base, next].map(|set| rms_m(&set.fitted.nuisance_fit.residual_m));
+        if before_m.powi(2) - after_m.powi(2) < self.limits.least_gain_m.powi(2) {
+            return false;
+        }
         let inexact_m = self.limits.least_share * apart_m(&base.fitted, &self.null.fitted);
         if apart_m(&next.fitted, &base.fitted) < inexact_m {
             return false;

@@ -4,7 +4,7 @@ use super::format::{NONE, enumerate, millimetres, percent, times};
 use super::html::{list, section, table};
 use super::quantity::quantities;
 use super::{DiscoveryReport, EffectText};
-use crate::data::findings::{FoundEffect, Verdict};
+use crate::data::findings::{Findings, FoundEffect, Verdict};
 use maud::{Markup, html};
 
 /// The answer as a title.
@@ -27,8 +27,12 @@ fn missing(report: &DiscoveryReport, effect: &FoundEffect) -> String {
 }
 
 /// What the verdict means.
-fn meaning(verdict: Verdict) -> &'static str {
-    match verdict {
+fn meaning(findings: &Findings) -> &'static str {
+    match findings.verdict {
+        Verdict::Named if !findings.complete => {
+            "The effects below explain most of the difference between model and measurement, and no other candidate \
+         explains it equally well. More is left than this model leaves on this robot anyway."
+        }
         Verdict::Named => {
             "The effects below explain the difference between model and measurement. No other candidate explains \
          it equally well."
@@ -57,7 +61,7 @@ pub(super) fn head(report: &DiscoveryReport) -> Markup {
             p .badge .(verdict) { "Verdict: " (verdict) }
             h1 { (title(report)) }
             @if !findings.summary.is_empty() { p .lead { (findings.summary) } }
-            p { (meaning(findings.verdict)) }
+            p { (meaning(findings)) }
             @if !findings.summary.contains(&findings.pattern) { p { strong { "Pattern: " } (findings.pattern) } }
             (tiles(report))
         }
@@ -80,11 +84,13 @@ fn tiles(report: &DiscoveryReport) -> Markup {
     }
     tiles.push(tile("Noise floor", millimetres(floor_m), "lower bound for every model".to_owned()));
     if report.changed() {
-        let share = closed(gap.before_m, gap.after_m, floor_m);
+        let share = report.findings.explained_share;
+        let range = |[low, high]: [f64; 2]| format!(", 95 % interval {} to {}", percent(low), percent(high));
+        let interval = report.findings.explained_share_interval_95.map_or_else(String::new, range);
         tiles.push(tile(
-            "Gap closed",
+            "Gap explained",
             share.map_or_else(|| NONE.to_owned(), percent),
-            "share of squared error beyond noise".to_owned(),
+            format!("share of the squared error beyond what the model leaves on this robot anyway{interval}"),
         ));
     }
     let where_from = match gap.held_out_trials.as_slice() {

@@ -1,0 +1,106 @@
+//! Model-form error: what the calibrated model leaves on a trial of the baseline when its correction is fitted to the
+//! other trials. A robot whose physics is not exactly the model's is judged by this, not by noise alone (Kennedy &
+//! O'Hagan, Journal of the Royal Statistical Society B 63, 2001, call it model inadequacy).
+
+use super::NoiseFloor;
+use crate::discovery::fit::ar1_noise::effective_axes;
+use crate::discovery::fit::nuisance::Nuisances;
+use crate::discovery::recording::samples::{Samples, rms_m};
+use crate::math::distribution::f_above;
+
+/// Significance level at which the worst trial of the baseline exceeds its noise.
+const SIGNIFICANT: f64 = 0.01;
+
+/// Model-form error, metres, of a model that simulates `simulated_m` in the baseline's `samples`: what it leaves beyond
+/// noise in the worst trial, because the error differs with the poses and any trial may be of that kind. Zero if no
+/// trial exceeds the noise. `left_m`: the [`unseen_residual_m`]; `nuisances`: those of the baseline by their priors.
+pub(crate) fn model_form_m(samples: &Samples, simulated_m: &[f64], left_m: &[f64], nuisances: &Nuisances) -> f64 {
+    let residual_m = samples.residual(simulated_m);
+    let squares_m2: Vec<f64> =
+        samples.ranges().into_iter().map(|rows| rms_m(&left_m[3 * rows.start..3 * rows.end]).powi(2)).collect();
+    let worst = (0..squares_m2.len()).max_by(|&a, &b| squares_m2[a].total_cmp(&squares_m2[b])).unwrap_or(0);
+    let whole = nuisances.explain(samples, &residual_m, 0.0);
+    let floor = NoiseFloor::estimate(samples, &whole, simulated_m);
+    let noise_m2 = if floor.freedom < 1.0 { 0.0 } else { floor.rms_m().powi(2).min(median(&squares_m2)) };
+    let more_m2 = squares_m2[worst] - noise_m2;
+    if noise_m2 > 0.0 {
+        let axes = effective_axes(&floor.variance_m2);
+        let independent = |rows: usize| axes * whole.noise.independent(rows).max(1.0);
+        let [own, rest] = [samples.ranges()[worst].len(), samples.len()].map(independent);
+        let chance = squares_m2.len() as f64 * f_above(squares_m2[worst] / noise_m2, own, rest);
+        if chance > SIGNIFICANT {
+            return 0.0;
+        }
+    }
+    more_m2.max(0.0).sqrt()
+}
+
+/// Whether the residual of the model as it is, without any correction, is significantly larger than noise.
+pub(crate) fn exceeds_noise(samples: &Samples, simulated_m: &[f64], nuisances: &Nuisances) -> bool {
+    let residual_m = samples.residual(simulated_m);
+    let whole = nuisances.explain(samples, &residual_m, 0.0);
+    let floor = NoiseFloor::estimate(samples, &whole, simulated_m);
+    let freedom = effective_axes(&floor.variance_m2) * whole.noise.independent(samples.len());
+    floor.freedom < 1.0 || floor.p_value(rms_m(&residual_m).powi(2), freedom) < SIGNIFICANT
+}
+
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted[sorted.len() / 2]
+}
+
+/// The residual of each trial after correction by nuisance parameters that were fitted to the other trials, three
+/// values a sample. A single trial is corrected by its own fit.
+pub(crate) fn unseen_residual_m(samples: &Samples, simulated_m: &[f64], nuisances: &Nuisances) -> Vec<f64> {
+    let residual_m = samples.residual(simulated_m);
+    let ranges = samples.ranges();
+    if ranges.len() < 2 {
+        return nuisances.explain(samples, &residual_m, 0.0).residual_m;
+    }
+    let mut left_m = Vec::with_capacity(residual_m.len());
+    for (trial, range) in ranges.iter().enumerate() {
+        let own: Vec<usize> = (3 * range.start..3 * range.end).collect();
+        let others: Vec<usize> = (0..residual_m.len()).filter(|row| !own.contains(row)).collect();
+        let kept: Vec<usize> = (0..ranges.len()).filter(|other| *other != trial).collect();
+        let seen = samples.of_trials(&kept);
+        let part = |rows: &[usize]| rows.iter().map(|&row| residual_m[row]).collect::<Vec<f64>>();
+        let before = nuisances.in_rows(&others);
+        let fitted = before.explain(&seen, &part(&others), 0.0);
+        let precision = before.information(&fitted.noise.whitened(&seen, &before.columns));
+        let after = nuisances.in_rows(&own).with_prior(fitted.amounts, precision);
+        left_m.extend(after.explain(&samples.of_trials(&[trial]), &part(&own), 0.0).residual_m);
+    }
+    left_m
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NOISE_M: f64 = 5e-4;
+
+    /// Model-form error of eight trials of fifty samples with noise; in the last one a wave of this height is added.
+    fn told_m(wave_m: f64, seed: u64) -> f64 {
+        let mut samples = Samples::alike(8, 50);
+        let noise_m = samples.noise(NOISE_M, 0.0, seed);
+        for (sample, noise_m) in samples.rows.iter_mut().zip(noise_m.chunks_exact(3)) {
+            let height_m = if sample.trial == 7 { wave_m } else { 0.0 };
+            sample.tip_m = [height_m * (0.5 * sample.row as f64).sin() + noise_m[0], noise_m[1], noise_m[2]];
+        }
+        let simulated_m = vec![0.0; 3 * samples.len()];
+        // A constant that all trials share explains none of it.
+        let shift: Vec<f64> = (0..simulated_m.len()).map(|k| if k % 3 == 0 { 1.0 } else { 0.0 }).collect();
+        let nuisances = Nuisances::independent(simulated_m.len(), &[(shift, 1e-3)]);
+        let left_m = unseen_residual_m(&samples, &simulated_m, &nuisances);
+        model_form_m(&samples, &simulated_m, &left_m, &nuisances)
+    }
+
+    #[test]
+    fn what_the_worst_trial_has_beyond_noise_is_told_and_noise_is_not() {
+        let false_alarms = (0..100).filter(|&seed| told_m(0.0, seed) > 0.0).count();
+        assert!(false_alarms <= 6, "{false_alarms} of 100");
+        let (found_m, true_m) = (told_m(2e-3, 1), 2e-3 / 2.0_f64.sqrt());
+        assert!((found_m / true_m - 1.0).abs() < 0.15, "{found_m} of {true_m}");
+    }
+}
