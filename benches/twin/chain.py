@@ -15,7 +15,8 @@ DRIVE_S = 0.02
 # and this much inertia in each hinge (too little to matter beside its damping) it does not crawl during a recording.
 FRICTION_IMPEDANCE, FRICTION_ARMATURE_KG_M2 = 0.9999, 1e-4
 WALL_STIFFNESS, WALL_DAMPING = 2e4, 3e2
-LIMIT_DAMPING = 1e2
+# A limit of length gives way by as little as a time step of 1 ms allows.
+LIMIT_TIME_S, LIMIT_IMPEDANCE = 0.002, "0.999 0.9999 0.0001"
 
 
 def joint(name, kind, axis, stiffness, damping, rest=0.0, more=""):
@@ -59,7 +60,7 @@ def tendons(robot):
     out = ""
     kind = f'stiffness="{1 / robot.tendon_compliance_m_per_n}" springlength="0 9"'
     if robot.tendons == "limit":
-        kind = f'limited="true" range="0 9" solreflimit="{-1 / robot.tendon_compliance_m_per_n} {-LIMIT_DAMPING}"'
+        kind = f'limited="true" range="0 9" solreflimit="{LIMIT_TIME_S} 1" solimplimit="{LIMIT_IMPEDANCE}"'
     for i in range(len(robot.tendon_angles_rad)):
         names = ["b", *(f"s{k}" for k in range(robot.pieces))]
         path = "".join(f'<site site="{name}_{i}_{place}"/>' for name in names for place in (0, 1))

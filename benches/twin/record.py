@@ -1,7 +1,7 @@
 """Records a robot of MuJoCo with effects hidden in it, as recordings (CSV).
 
 usage: record.py OUT_DIR [NAME ...]     records those of plan.json (all), and writes OUT_DIR/truth.csv of what is there
-       record.py --plan PLAN.json ...   the same with another plan (plan_12.json: a chain of 12 pieces, tendons as limits)
+       record.py --plan PLAN.json ...   the same with another plan (plan_11.json: a chain of 11 pieces with softer tendons)
        record.py --shift NAME ...       how far the effects move the tip on two trials, and records nothing
        record.py --agree REC.csv ...    plays a recording's commands on the robot as built and compares the tips
 """

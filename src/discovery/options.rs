@@ -57,8 +57,8 @@ pub struct Options {
     pub model_form_m: f64,
     /// Residuals below this multiple of the model-form error are not attributed to a missing effect.
     pub form_margin: f64,
-    /// Where there is a model-form error: effects that explain at least this share of the gap are named although
-    /// something remains.
+    /// Where the model does not describe the robot exactly: one effect that explains at least this share of the gap is
+    /// named although something remains.
     pub least_explained: f64,
     /// Seed of the permutation test.
     pub seed: u64,
