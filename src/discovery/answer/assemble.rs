@@ -76,11 +76,7 @@ impl Problem<'_> {
         };
         let before = self.cross_trial_test(&found.null.fitted.nuisance_fit, &self.simulated_m);
         let after = &final_fit.cross_trial;
-        let explained = self.explained_share(fit_problem, best, final_fit.goodness.floor.rms_m());
-        let most = best.members.len() == 1 && self.explains_most(explained);
-        let sign = (final_fit.goodness.failed, most);
-        let decided = fit_problem.decide(&self.fit_problem(), found, sign, self.options.rival_score);
-        let checked = self.check_on_held_out(fit_problem, best, decided, most);
+        let (checked, explained) = self.decide_and_check(fit_problem, final_fit, found);
         let answer = &checked.answer;
         let named = !answer.members.is_empty();
         let (told, simulated_m, missing) = if named {
@@ -94,21 +90,17 @@ impl Problem<'_> {
         let mut residuals = self.residual_rows(simulated_m, &checked.simulated_m);
         let places = self.build_map(&residuals, &noise);
         let next = self.rank_protocols(&answer.rivals, &noise);
-        let mut model = self.model.clone();
-        model.robot.resolution = given.robot.resolution;
-        model.effects.extend(checked.added.iter().cloned());
-        let explained = explained.filter(|_| named);
-        let plain = self.fit_problem();
-        let nothing = || self.explained_share(&plain, &found.null.fitted, noise.rms_m());
-        let remains = checked.remaining();
+        let model = self.model_with(&checked.added, given);
+        let share = explained.filter(|_| named);
+        let complete = !unexplained && checked.remaining().is_none();
         let mut findings = Findings {
             verdict: answer.verdict,
             effects: answer.effects.clone(),
             noise_floor_m: noise.rms_m(),
-            explained_share: explained.map(|explained| explained.share),
-            explained_share_interval_95: explained.map(|explained| explained.interval_95),
-            left_m: explained.or_else(nothing).map_or(f64::NAN, |explained| explained.left_m),
-            complete: !unexplained && remains.is_none(),
+            explained_share: share.map(|explained| explained.share),
+            explained_share_interval_95: share.map(|explained| explained.interval_95),
+            left_m: share.or_else(|| self.unexplained_share(found, noise.rms_m())).map_or(f64::NAN, |own| own.left_m),
+            complete,
             model_form_m: self.model_form_m,
             gap: checked.gap.clone(),
             disagreement: residual_map::disagreements(&places),
@@ -118,11 +110,7 @@ impl Problem<'_> {
             noise: findings::Noise { sigma_m: noise.sigma_m, correlation: noise.correlation, from },
             missing_before: before.test.clone(),
             missing_after: missing.test.clone(),
-            pattern: match (unexplained, &remains) {
-                (true, _) => summary_text::pattern(&before.foretold, &places),
-                (false, Some(_)) => summary_text::pattern(&after.foretold, &places),
-                (false, None) => String::new(),
-            },
+            pattern: if complete { String::new() } else { summary_text::pattern(&missing.foretold, &places) },
             limitations: self.limitations(measured, final_fit, &checked, &model),
             excluded_rows: Vec::new(),
             clock_offset_s: None,
@@ -140,6 +128,34 @@ impl Problem<'_> {
             next_experiments: next,
             calibrated: self.is_calibrated(),
         }
+    }
+
+    /// The decision with its check on held-out trials, and the share of the gap that the best set explains.
+    fn decide_and_check(
+        &self,
+        fit_problem: &FitProblem,
+        final_fit: &FinalFit,
+        found: &SearchOutcome,
+    ) -> (CheckedDecision, Option<ExplainedShare>) {
+        let best = &found.best.fitted;
+        let explained = self.explained_share(fit_problem, best, final_fit.goodness.floor.rms_m());
+        let most = best.members.len() == 1 && self.explains_most(explained);
+        let sign = (final_fit.goodness.failed, most);
+        let decided = fit_problem.decide(&self.fit_problem(), found, sign, self.options.rival_score);
+        (self.check_on_held_out(fit_problem, best, decided, most), explained)
+    }
+
+    /// What is left where nothing is named.
+    fn unexplained_share(&self, found: &SearchOutcome, floor_m: f64) -> Option<ExplainedShare> {
+        self.explained_share(&self.fit_problem(), &found.null.fitted, floor_m)
+    }
+
+    /// The model with the effects `added`, at the resolution of the `given` one.
+    fn model_with(&self, added: &[EffectSpec], given: &Model) -> Model {
+        let mut model = self.model.clone();
+        model.robot.resolution = given.robot.resolution;
+        model.effects.extend(added.iter().cloned());
+        model
     }
 
     /// Limitations of the data and caveats of the answer.

@@ -45,6 +45,11 @@ pub(crate) fn mistaken(
         verdict: Verdict::Unexplained,
         effects: Vec::new(),
         noise_floor_m: noise.rms_m(),
+        explained_share: None,
+        explained_share_interval_95: None,
+        left_m: (before_m.powi(2) - noise.rms_m().powi(2)).max(0.0).sqrt(),
+        complete: false,
+        model_form_m: options.model_form_m,
         gap: Gap {
             metric: "rms tip error on held-out trials".to_owned(),
             held_out_trials: held_out.iter().map(|&trial| samples.trials[trial].number).collect(),

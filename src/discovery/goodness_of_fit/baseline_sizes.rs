@@ -34,8 +34,5 @@ fn of(base: &Baseline, margin: f64) -> BaselineSizes {
     let spread = levene_test(&base.samples, &unseen);
     let bias = lack_of_fit_test(&base.samples, &base.unseen_m, &noise, &floor);
     let size_m = |p_value: f64, size_m: f64| if p_value < SIGNIFICANT { margin * size_m } else { 0.0 };
-    BaselineSizes {
-        levene_m: size_m(spread.p_value, spread.more_m),
-        lack_of_fit_m: size_m(bias.p_value, bias.rms_m),
-    }
+    BaselineSizes { levene_m: size_m(spread.p_value, spread.more_m), lack_of_fit_m: size_m(bias.p_value, bias.rms_m) }
 }
