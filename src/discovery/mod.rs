@@ -29,6 +29,7 @@ use answer::mistaken::mistaken;
 use mistakes::mislabelled::Mistake;
 use mistakes::{clock_offset, excluded_rows, mislabelled};
 use noise_floor::NoiseFloor;
+use noise_floor::trial_starts::scattered_starts;
 use problem::Problem;
 use recording::samples::Samples;
 use search::{Search, SearchOutcome};
@@ -75,7 +76,9 @@ pub fn discover(
     if let Some(mistake) = mislabelled::find(model, &kept, options) {
         return told_mistake(&mistake);
     }
-    let offset = clock_offset::find(model, &kept, options);
+    // Trials that are cut from a run begin with motion whose commands are not in them: that is no clock.
+    let begins_at_rest = scattered_starts(&Samples::new(&kept).starting(model.tracking.starts), model).is_none();
+    let offset = begins_at_rest.then(|| clock_offset::find(model, &kept, options)).flatten();
     if let Some((offset, mistake)) = offset.and_then(|own| Some((own, own.mistake(model, &kept, options)?))) {
         let mut told = told_mistake(&mistake)?;
         offset.tell(&mut told.findings);
@@ -114,7 +117,7 @@ fn discover_in_kept(
     let all = Samples::new(kept).starting(model.tracking.starts);
     let problem = new_problem(all.clone())?;
     // Try without trial starts first: a few wrong tip positions bias every fit.
-    if let Some(starts) = noise_floor::trial_starts::scattered_starts(&problem.training, model)
+    if let Some(starts) = scattered_starts(&problem.training, model)
         && let Ok(rest) = new_problem(noise_floor::trial_starts::without_starts(&all))
         && let Ok((final_fit, found)) = search_best(&rest)
         && NoiseFloor::of_residual(&final_fit.fine.fitted.nuisance_fit, &rest.training).is_exceeded_by(&starts)

@@ -7,6 +7,7 @@ use crate::discovery::fit::ar1_noise::effective_axes;
 use crate::discovery::fit::nuisance::Nuisances;
 use crate::discovery::recording::samples::{Samples, rms_m};
 use crate::math::distribution::f_above;
+use crate::math::summary::mean;
 
 /// Significance level at which the worst trial of the baseline exceeds its noise.
 const SIGNIFICANT: f64 = 0.01;
@@ -15,24 +16,29 @@ const SIGNIFICANT: f64 = 0.01;
 /// noise in the worst trial, because the error differs with the poses and any trial may be of that kind. Zero if no
 /// trial exceeds the noise. `left_m`: the [`unseen_residual_m`]; `nuisances`: those of the baseline by their priors.
 pub(crate) fn model_form_m(samples: &Samples, simulated_m: &[f64], left_m: &[f64], nuisances: &Nuisances) -> f64 {
-    let residual_m = samples.residual(simulated_m);
-    let squares_m2: Vec<f64> =
-        samples.ranges().into_iter().map(|rows| rms_m(&left_m[3 * rows.start..3 * rows.end]).powi(2)).collect();
-    let worst = (0..squares_m2.len()).max_by(|&a, &b| squares_m2[a].total_cmp(&squares_m2[b])).unwrap_or(0);
-    let whole = nuisances.explain(samples, &residual_m, 0.0);
+    let ranges = samples.ranges();
+    let squares_m2: Vec<f64> = ranges.iter().map(|rows| rms_m(&left_m[3 * rows.start..3 * rows.end]).powi(2)).collect();
+    let Some(worst) = (0..ranges.len()).max_by(|&a, &b| squares_m2[a].total_cmp(&squares_m2[b])) else { return 0.0 };
+    let whole = nuisances.explain(samples, &samples.residual(simulated_m), 0.0);
     let floor = NoiseFloor::estimate(samples, &whole, simulated_m);
-    let noise_m2 = if floor.freedom < 1.0 { 0.0 } else { floor.rms_m().powi(2).min(median(&squares_m2)) };
-    let more_m2 = squares_m2[worst] - noise_m2;
-    if noise_m2 > 0.0 {
-        let axes = effective_axes(&floor.variance_m2);
-        let independent = |rows: usize| axes * whole.noise.independent(rows).max(1.0);
-        let [own, rest] = [samples.ranges()[worst].len(), samples.len()].map(independent);
-        let chance = squares_m2.len() as f64 * f_above(squares_m2[worst] / noise_m2, own, rest);
-        if chance > SIGNIFICANT {
-            return 0.0;
-        }
+    if floor.freedom < 1.0 {
+        // Nothing tells the noise: all of the residual is what this model leaves on this robot.
+        return squares_m2[worst].sqrt();
     }
-    more_m2.max(0.0).sqrt()
+    let axes = effective_axes(&floor.variance_m2);
+    let freedom = |trials: &dyn Fn(usize) -> bool| {
+        let rows = (0..ranges.len()).filter(|&trial| trials(trial)).map(|trial| ranges[trial].len()).sum();
+        axes * whole.noise.independent(rows).max(1.0)
+    };
+    let others: Vec<f64> = (0..ranges.len()).filter(|&trial| trial != worst).map(|trial| squares_m2[trial]).collect();
+    let rest_m2 = mean(&others);
+    let own = freedom(&|trial| trial == worst);
+    // Bonferroni's correction: the worst of so many trials, beside the others and beside the floor.
+    let level = SIGNIFICANT / (2.0 * ranges.len() as f64);
+    let beside_others = f_above(squares_m2[worst] / rest_m2, own, freedom(&|trial| trial != worst)) < level;
+    let beside_floor = floor.p_value(squares_m2[worst], own) < level;
+    let more_m2 = |significant: bool, noise_m2: f64| if significant { squares_m2[worst] - noise_m2 } else { 0.0 };
+    more_m2(beside_others, rest_m2).max(more_m2(beside_floor, floor.rms_m().powi(2))).max(0.0).sqrt()
 }
 
 /// Whether the residual of the model as it is, without any correction, is significantly larger than noise.
@@ -42,12 +48,6 @@ pub(crate) fn exceeds_noise(samples: &Samples, simulated_m: &[f64], nuisances: &
     let floor = NoiseFloor::estimate(samples, &whole, simulated_m);
     let freedom = effective_axes(&floor.variance_m2) * whole.noise.independent(samples.len());
     floor.freedom < 1.0 || floor.p_value(rms_m(&residual_m).powi(2), freedom) < SIGNIFICANT
-}
-
-fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted[sorted.len() / 2]
 }
 
 /// The residual of each trial after correction by nuisance parameters that were fitted to the other trials, three

@@ -7,6 +7,9 @@ use crate::rod::state::rod::Rod;
 /// A motion keeps the refined grid of the equilibrium that it starts from if the equilibrium on the requested grid is
 /// farther away than this share of the length: the rod would move from one to the other with nothing moving it.
 const DRIFT_SHARE: f64 = 2e-3;
+/// Refined grids with more unknowns than this are never kept: a motion on them takes minutes. Helices of several turns
+/// need 90 to 140.
+const MOST_UNKNOWNS: usize = 200;
 
 impl Rod {
     /// Motions use the requested grid, not the refined grid of an equilibrium, unless that displaces the equilibrium. A
@@ -15,12 +18,13 @@ impl Rod {
         if self.grid_level.level == 0 || self.settled_under.is_none() {
             return;
         }
-        if self.drift_m() <= DRIFT_SHARE * self.system.params.length_m() {
+        let is_large = self.system.grid.unknowns > MOST_UNKNOWNS;
+        if is_large || self.drift_m() <= DRIFT_SHARE * self.system.params.length_m() {
             self.coarsen();
         }
     }
 
-    /// Distance from the present equilibrium to that on the requested grid, metres; infinite if there is none, and 0 for
+    /// Distance from the present equilibrium to that on the requested grid, metres; 0 if there is none, and for
     /// rods with histories, whose equilibria are not unique.
     fn drift_m(&self) -> f64 {
         let Some(rest) = self.settled_under.as_ref().filter(|_| self.system.params.moment_laws.is_empty()) else {
@@ -29,7 +33,7 @@ impl Rod {
         let mut coarse = self.on_grid(0);
         match coarse.solve_static(&rest.holds, 1.0) {
             SolveStatus::Converged => distance_m(&coarse.state.shape, &self.state.shape, self.system.params.length_m()),
-            _ => f64::INFINITY,
+            _ => 0.0,
         }
     }
 }
