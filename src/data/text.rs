@@ -31,7 +31,7 @@ fn decode_utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Result<Cow<'_, str>, 
     Ok(Cow::Owned(text))
 }
 
-/// Reads a text file; see [`decode_text`].
+/// Reads a text file: UTF-8, with or without a byte-order mark, or UTF-16 with one.
 ///
 /// # Errors
 /// The error of the file system, or [`ErrorKind::InvalidData`] with the line that is no text.
