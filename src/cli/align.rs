@@ -101,15 +101,24 @@ fn aligned(options: &HardwareOptions, measured: &Recording, at_rest: bool) -> Re
         .filter(|&row| measured.is_valid(row) && played.is_valid(row) && finite(&model_m[row]) && finite(&seen_m[row]));
     let (model_m, seen_m): (Vec<Point3>, Vec<Point3>) = rows.map(|row| (model_m[row], seen_m[row])).unzip();
     let found = realign(&options.tracking.alignment, &model_m, &seen_m).map_err(|fault| fault.to_string())?;
-    if found.residual_m > MISFIT * found.spread_m {
-        let (left_mm, spread_mm) = (found.residual_m * 1e3, found.spread_m * 1e3);
-        return Err(format!(
-            "no rotation and shift fits the measured tips: residual {left_mm:.1} mm rms of {spread_mm:.1} mm; check \
-             tip_body, base_body, up_axis, the order of the tendons, and the model"
-        ));
+    if found.residual_m <= MISFIT * found.spread_m {
+        return Ok(found);
     }
-    Ok(found)
+    if found.directions_agree() {
+        return Ok(Alignment { pose: found.straight_pose, ..found });
+    }
+    let (left_mm, spread_mm) = (found.residual_m * 1e3, found.spread_m * 1e3);
+    Err(format!(
+        "no rotation and shift fits the measured tips: residual {left_mm:.1} mm rms of {spread_mm:.1} mm, {:.2} times \
+         the predicted bend, directions {:.0} degrees apart; check tip_body, base_body, up_axis, the order of the \
+         tendons, and the model",
+        found.ratio,
+        found.apart_rad.to_degrees()
+    ))
 }
+
+/// Ratios of measured to predicted bends that are not worth a word.
+const AS_PREDICTED: [f64; 2] = [0.9, 1.1];
 
 fn print_alignment(found: &Alignment) -> CommandResult {
     let Alignment { pose, residual_m, worst_m, turn_rad, .. } = found;
@@ -131,5 +140,13 @@ fn print_alignment(found: &Alignment) -> CommandResult {
         worst_m * 1e3,
         turn_rad.to_degrees()
     );
+    let Alignment { ratio, apart_rad, .. } = found;
+    if !(AS_PREDICTED[0]..=AS_PREDICTED[1]).contains(ratio) {
+        println!(
+            "# the robot bends {ratio:.2} times as far as the model; directions agree within {:.1} degrees rms: calibrate \
+             the model (`spinebench calibrate --static`), then align again",
+            apart_rad.to_degrees()
+        );
+    }
     Ok(())
 }

@@ -8,6 +8,10 @@ const STEP_S: f64 = 1e-3;
 const END_MM: f64 = 5e-4;
 /// Junction deviation, which sets the speed at corners, mm (`$11`).
 const JUNCTION_MM: f64 = 0.01;
+/// Motion that is computed ahead and that a hold no longer changes, s: grblHAL's ten segments of 10 ms.
+const AHEAD_S: f64 = 0.1;
+/// A hold that ends a last move within this time of its end discards the move, s: half of the segments.
+const DISCARDED_S: f64 = 0.05;
 
 /// Speed and acceleration limits of a move.
 #[derive(Clone, Copy, Debug)]
@@ -45,8 +49,12 @@ pub(crate) struct SimulatedAxes {
     pub(crate) dead: [bool; 4],
     /// Axes that count but do not turn.
     pub(crate) slipping: [bool; 4],
-    /// Decelerating to a standstill.
-    pub(crate) holding: bool,
+    /// Decelerating to a standstill, or standing.
+    holding: bool,
+    /// Remaining time of the motion that was computed before the hold, s.
+    ahead_s: f64,
+    /// What a hold has left of a move that is no longer in the queue: it runs with the next move.
+    remainder: Option<PlannedMove>,
     planned_mm: [f64; 4],
     blocks: VecDeque<PlannedMove>,
     speed_mm_s: f64,
@@ -74,9 +82,29 @@ impl SimulatedAxes {
         SimulatedAxes { screws_mm, ..SimulatedAxes::default() }
     }
 
+    /// Decelerates to a standstill. A feed hold first executes the motion that is computed already, as grblHAL does; a
+    /// cancelled jog does not.
+    pub(crate) fn hold(&mut self, after_computed_motion: bool) {
+        if !self.holding {
+            self.ahead_s = if after_computed_motion { AHEAD_S } else { 0.0 };
+        }
+        self.holding = true;
+    }
+
+    /// True from a hold until the axes stand.
+    pub(crate) fn is_stopping(&self) -> bool {
+        self.holding && !self.blocks.is_empty() && (self.speed_mm_s > 0.0 || self.ahead_s > 0.0)
+    }
+
+    /// Goes on after a hold.
+    pub(crate) fn resume(&mut self) {
+        self.holding = false;
+    }
+
     /// Discards all moves; the axes stop at once.
     pub(crate) fn stop(&mut self) {
         self.blocks.clear();
+        self.remainder = None;
         self.holding = false;
         self.halt();
         self.planned_mm = self.counted_mm;
@@ -101,6 +129,7 @@ impl SimulatedAxes {
         if length_mm < END_MM {
             return;
         }
+        self.blocks.extend(self.remainder.take());
         let direction = way.map(|part| part / length_mm);
         let along = |per_axis: [f64; 4]| {
             let shares = per_axis.into_iter().zip(direction).filter(|(_, part)| part.abs() > 1e-9);
@@ -149,14 +178,16 @@ impl SimulatedAxes {
     fn step(&mut self) {
         let Some(block) = self.blocks.front_mut() else { return };
         let change_mm_s = block.acceleration_mm_s2 * STEP_S;
-        self.speed_mm_s = if self.holding {
+        let stops = self.holding && self.ahead_s <= 0.0;
+        self.ahead_s = (self.ahead_s - STEP_S).max(0.0);
+        self.speed_mm_s = if stops {
             (self.speed_mm_s - change_mm_s).max(0.0)
         } else {
             let stoppable_mm_s = (block.exit_mm_s.powi(2) + 2.0 * block.acceleration_mm_s2 * block.left_mm).sqrt();
             (self.speed_mm_s + change_mm_s).min(block.speed_mm_s).min(stoppable_mm_s)
         };
         let mut way_mm = (self.speed_mm_s * STEP_S).min(block.left_mm);
-        let ends = block.left_mm - way_mm < END_MM && !self.holding;
+        let ends = block.left_mm - way_mm < END_MM && !stops;
         if ends {
             way_mm = block.left_mm;
         }
@@ -166,6 +197,20 @@ impl SimulatedAxes {
         if ends {
             self.blocks.pop_front();
             self.settle(target_mm);
+        }
+        if stops && self.speed_mm_s == 0.0 {
+            self.discard_remainder();
+        }
+    }
+
+    /// Late in its last move, a grblHAL that is held removes the move from its queue (`Bf` is then that of an empty one,
+    /// and a resume ends in `Idle`), although its segments remain. They are executed with the next move that has at
+    /// least one step.
+    fn discard_remainder(&mut self) {
+        let last = self.blocks.len() == 1;
+        if last && self.blocks[0].left_mm > 0.0 && self.blocks[0].left_mm <= DISCARDED_S * self.blocks[0].speed_mm_s {
+            self.remainder = self.blocks.pop_front().map(|block| PlannedMove { exit_mm_s: 0.0, ..block });
+            self.halt();
         }
     }
 
@@ -227,11 +272,35 @@ mod tests {
         (1..=5).for_each(|k| axes.push([2.0 * f64::from(k), 0.0, 0.0, 0.0], &PACE));
         axes.advance(0.5);
         assert!((axes.speed_mm_min() - 600.0).abs() < 1.0, "{}", axes.speed_mm_min());
-        axes.holding = true;
-        axes.advance(0.3);
-        assert!(axes.speed_mm_min() == 0.0 && axes.queued() > 0);
-        axes.holding = false;
+        axes.hold(true);
+        axes.advance(0.09);
+        assert!(axes.is_stopping() && axes.speed_mm_min() > 599.0, "computed ahead");
+        axes.advance(0.22);
+        assert!(axes.speed_mm_min() == 0.0 && axes.queued() > 0 && !axes.is_stopping());
+        axes.resume();
         axes.advance(2.0);
         assert_eq!(axes.counted_mm[0], 10.0);
+    }
+
+    /// As measured with grblHAL's simulator: F1125, 500 mm/s², a move of 3 mm held after 50 ms.
+    #[test]
+    fn a_short_move_that_is_held_late_ends_short_and_its_rest_runs_with_the_next_move() {
+        let fast = MotionLimits { feed_mm_min: 1125.0, max_speed_mm_min: [3000.0; 4], acceleration_mm_s2: [500.0; 4] };
+        let mut axes = SimulatedAxes::default();
+        axes.push([3.0, 0.0, 0.0, 0.0], &fast);
+        axes.advance(0.05);
+        axes.hold(true);
+        axes.advance(0.3);
+        let held_mm = axes.counted_mm[0];
+        assert!((2.0..2.95).contains(&held_mm) && axes.queued() == 0, "{held_mm}");
+        axes.resume();
+        axes.advance(0.5);
+        assert_eq!(axes.counted_mm[0], held_mm);
+        axes.push([3.0, 0.0, 0.0, 0.0], &fast);
+        axes.advance(0.5);
+        assert_eq!(axes.counted_mm[0], held_mm, "the target of the last move is no move");
+        axes.push([3.0, 0.0025, 0.0, 0.0], &fast);
+        axes.advance(0.5);
+        assert!((axes.counted_mm[0] - 3.0).abs() < 1e-9 && (axes.counted_mm[1] - 0.0025).abs() < 1e-9);
     }
 }

@@ -62,6 +62,8 @@ fn of_the_controller() -> Vec<(&'static str, ControllerFault, [Expected; 3])> {
         ("answers unreadable", Garbage, ALL_STOP),
         ("one answer unreadable", GarbledLine, [Nothing; 3]),
         ("answers a second late", SlowReplies(1.0), ALL_STOP),
+        ("bytes that are no lines", Babble, ALL_STOP),
+        ("a query lost", LostQuery, [Nothing; 3]),
         ("an ok lost", LostOk, in_motion),
         ("an ok twice", DoubledOk, in_motion),
         ("hard limit X", HardLimit(0), unless_homing),
@@ -94,21 +96,32 @@ fn of_the_tracker() -> Vec<(&'static str, TrackerFault, [Expected; 3])> {
         ("frames 300 ms late", Late(0.3), LOST),
         ("19 of 20 frames lost", Loss(0.95), LOST),
         ("one pose for ever", Frozen, [Nothing, Stopped("tracking"), Nothing]),
+        ("tip frozen, with noise of 0.02 mm", FrozenTip(2e-5), [Nothing, Eventually("tracking"), Nothing]),
+        ("tip frozen, with noise of 0.5 mm", FrozenTip(5e-4), [Nothing, Eventually("tracking"), Nothing]),
+        ("frame numbers descend", Descending, LOST),
+        ("quaternion of zeros", ZeroQuaternion, LOST),
         ("tip jumps by 150 mm", Jump(0.15), [Stopped("tip"); 3]),
         ("bodies swapped", SwappedBodies, [Stopped("tip"); 3]),
         ("a second server with other poses", SecondServer, [Nothing; 3]),
+        ("a second server at the same port", SameAddress { frames: 77_777, clock_s: 500.0, alone: false }, LOST),
+        ("the same, with a lower count", SameAddress { frames: -77_777, clock_s: -500.0, alone: false }, LOST),
+        ("another server in its place", SameAddress { frames: 77_777, clock_s: 500.0, alone: true }, LOST),
+        ("10 % of the frames lost", Loss(0.1), [Nothing; 3]),
+        ("frames up to 25 ms late", Jitter(0.025), [Nothing; 3]),
         ("frames out of order", OutOfOrder, [Nothing; 3]),
         ("frames twice", Duplicate, [Nothing; 3]),
         ("1 % of the frames lost", Loss(0.01), [Nothing; 3]),
     ]
 }
 
-/// Faults of the tracker that last for 120 ms.
-fn passing() -> Vec<(&'static str, TrackerFault, [Expected; 3])> {
+/// Faults of the tracker that end, and how long they last, s.
+fn passing() -> Vec<(&'static str, TrackerFault, f64, [Expected; 3])> {
     let held = [Held("tracking"), Held("tracking"), Nothing];
     vec![
-        ("tracker says nothing for 120 ms", TrackerFault::Silent, held),
-        ("tip hidden for 120 ms", TrackerFault::Occluded(TrackedBody::Tip), held),
+        ("tracker says nothing for 70 ms", TrackerFault::Silent, 0.07, held),
+        ("tracker says nothing for 120 ms", TrackerFault::Silent, 0.12, held),
+        ("tracker says nothing for 190 ms", TrackerFault::Silent, 0.19, held),
+        ("tip hidden for 120 ms", TrackerFault::Occluded(TrackedBody::Tip), 0.12, held),
     ]
 }
 
@@ -119,8 +132,8 @@ fn faults() -> Vec<Fault> {
         let inject: Breaks = Box::new(move |simulator, _| simulator.controller.inject(fault.clone()));
         all.push(Fault { name, inject, lasts_s: forever, expected });
     }
-    let tracker = of_the_tracker().into_iter().map(|fault| (fault, forever));
-    for ((name, fault, expected), lasts_s) in tracker.chain(passing().into_iter().map(|fault| (fault, 0.12))) {
+    let lasting = of_the_tracker().into_iter().map(|(name, fault, expected)| (name, fault, forever, expected));
+    for (name, fault, lasts_s, expected) in lasting.chain(passing()) {
         let inject: Breaks = Box::new(move |simulator, _| simulator.tracker.inject(fault));
         all.push(Fault { name, inject, lasts_s, expected });
     }

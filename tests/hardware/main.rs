@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod closed_loop;
 mod faults;
 mod grbl;
 mod limits;

@@ -19,7 +19,14 @@ pub(crate) fn shipped(name: &str) -> Model {
 pub(crate) fn options() -> HardwareOptions {
     let model = shipped("nominal");
     HardwareOptions {
-        rehearsal: Some(RehearsalOptions { model: model.clone(), noise_m: 0.0, loss: 0.0, alignment: None }),
+        rehearsal: Some(RehearsalOptions {
+            model: model.clone(),
+            noise_m: 0.0,
+            loss: 0.0,
+            jitter_s: 0.0,
+            gap_s: 0.0,
+            alignment: None,
+        }),
         ..HardwareOptions::of("rehearsed", model)
     }
 }

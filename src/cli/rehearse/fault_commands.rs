@@ -8,7 +8,13 @@ hang KG          hang a weight on the tip, kilograms; 0 removes it
 unplug           unplug the serial cable
 power            interrupt the controller's power briefly
 mute DEVICE      silence the controller (`motors`) or the tracker (`tracker`)
-freeze DEVICE    `motors`: stop motion and repeat the last report; `tracker`: repeat one pose
+freeze DEVICE    `motors`: stop motion and repeat the last report; `tracker`: repeat one pose; `tip`: of the tip alone,
+                 with noise of 0.02 mm
+second server    stream other poses from the tracker's address and port as well
+lose SHARE       lose this share of the tracker's frames
+jitter S         delay the tracker's frames by random times up to S seconds
+lose query       lose the controller's next `?`
+babble           send bytes that are no lines from the controller
 slow S           delay the controller's answers, seconds
 hide BODY        hide `tip` or `base` from the cameras
 jump M           displace the measured tip, metres
@@ -40,6 +46,11 @@ pub(super) fn parse(text: &str) -> Result<Intervention, String> {
             simulator.tracker.clear_faults();
         })),
         ["freeze", "tracker"] => tracker(TrackerFault::Frozen),
+        ["freeze", "tip"] => tracker(TrackerFault::FrozenTip(2e-5)),
+        ["second", "server"] => tracker(TrackerFault::SameAddress { frames: 77_777, clock_s: 500.0, alone: false }),
+        ["lose", "query"] => motors(ControllerFault::LostQuery),
+        ["lose", share] => tracker(TrackerFault::Loss(number(share)?.clamp(0.0, 1.0))),
+        ["jitter", delay] => tracker(TrackerFault::Jitter(number(delay)?.max(0.0))),
         ["mute", "tracker"] => tracker(TrackerFault::Silent),
         ["hide", "tip"] => tracker(TrackerFault::Occluded(TrackedBody::Tip)),
         ["hide", "base"] => tracker(TrackerFault::Occluded(TrackedBody::Base)),
@@ -52,6 +63,7 @@ pub(super) fn parse(text: &str) -> Result<Intervention, String> {
 fn of_motors(words: &[&str]) -> Result<Intervention, String> {
     match *words {
         ["unplug"] => motors(ControllerFault::Unplugged),
+        ["babble"] => motors(ControllerFault::Babble),
         ["power"] => motors(ControllerFault::Reboot),
         ["mute", "motors"] => motors(ControllerFault::Silent),
         ["freeze", "motors"] => motors(ControllerFault::Frozen),

@@ -4,12 +4,13 @@ use std::collections::VecDeque;
 
 use super::fault::{MotionFault, MoveRefusal};
 use super::gcode;
-use super::gcode::{HOLD, RESET, RESUME};
+use super::gcode::{HOLD, RESET};
 use super::handshake;
 use super::handshake::ControllerInfo;
 use super::motion_monitor::{CommandedPath, StallDetector};
 use super::pending::{HomingPhase, LinePurpose, PendingLine};
 use super::port::Port;
+use super::resumption::Resumption;
 use super::settings::{GREETING_S, MotionSettings};
 use super::state::{ControllerState, HOMING_REQUIRED, Mode};
 use crate::hardware::clock::Clock;
@@ -28,8 +29,14 @@ pub struct Controller {
     pub(super) state: ControllerState,
     pub(super) fault: Option<MotionFault>,
     pub(super) pending: Option<PendingLine>,
-    /// When the unanswered status query was sent.
+    /// When the first unanswered status query was sent.
     pub(super) query_sent_s: Option<f64>,
+    /// When the last one was sent: one may be lost, and is asked again.
+    pub(super) last_query_s: f64,
+    /// When the queries were sent that may still be answered, s.
+    pub(super) asked_s: VecDeque<f64>,
+    /// When the query was sent that the last report answers, at the earliest, s.
+    pub(super) reported_asked_s: f64,
     pub(super) next_query_s: f64,
     pub(super) homing: HomingPhase,
     /// When a reset was sent whose greeting has not arrived.
@@ -37,6 +44,9 @@ pub struct Controller {
     /// Until then a greeting may still belong to a reset: the controller may have reset itself just before.
     pub(super) greeting_expected_until_s: f64,
     pub(super) held: bool,
+    pub(super) resumption: Resumption,
+    /// Target, mm, and feed, mm/min, of the last move.
+    pub(super) last_move: Option<([f64; 4], f64)>,
     /// When held moves were last resumed, s; status reports may lag behind.
     pub(super) resumed_s: f64,
     pub(super) setup_acknowledged: bool,
@@ -45,6 +55,8 @@ pub struct Controller {
     /// Homing is required regardless of what the controller reports.
     pub(super) homing_required: bool,
     pub(super) garbled_s: VecDeque<f64>,
+    /// The last unreadable line, with its time.
+    pub(super) last_garbled: Option<(f64, String)>,
     pub(super) commanded_path: CommandedPath,
     pub(super) stall_detector: StallDetector,
 }
@@ -72,16 +84,22 @@ impl Controller {
             fault: None,
             pending: None,
             query_sent_s: None,
+            last_query_s: now_s,
+            asked_s: VecDeque::new(),
+            reported_asked_s: f64::NEG_INFINITY,
             next_query_s: now_s,
             homing: HomingPhase::No,
             reset_sent_s: None,
             greeting_expected_until_s: now_s,
             held: false,
+            resumption: Resumption::default(),
+            last_move: None,
             resumed_s: f64::NEG_INFINITY,
             setup_acknowledged: false,
             reported_homed: false,
             homing_required: false,
             garbled_s: VecDeque::new(),
+            last_garbled: None,
             commanded_path: CommandedPath::default(),
             stall_detector: StallDetector::default(),
         };
@@ -100,6 +118,7 @@ impl Controller {
     pub fn poll(&mut self, now_s: f64) -> Result<(), MotionFault> {
         self.read_replies(now_s);
         self.check_deadlines(now_s);
+        self.continue_resume(now_s);
         self.send_due(now_s);
         self.fault.clone().map_or(Ok(()), Err)
     }
@@ -197,29 +216,21 @@ impl Controller {
             return Err(MotionFault::Busy);
         }
         self.commanded_path.push(the_move.target_mm);
+        self.last_move = Some((the_move.target_mm, feed_mm_min));
         self.state.moves += 1;
         self.send(the_move.line, LinePurpose::Move, now_s);
         self.fault.clone().map_or(Ok(()), Err)
     }
 
     /// Decelerates all axes to a standstill, which keeps the position. Queued moves wait.
-    pub fn hold(&mut self, _now_s: f64) {
+    pub fn hold(&mut self, now_s: f64) {
         self.held = true;
+        self.resumption.hold(now_s);
         if matches!(self.state.mode, Mode::Hold { .. }) {
             // The axes may have moved again since the last report.
             self.state.mode = Mode::Hold { complete: false };
         }
         self.send_byte(HOLD);
-    }
-
-    /// Resumes held moves, unless there is a fault.
-    pub fn resume(&mut self, now_s: f64) {
-        if self.fault.is_none() {
-            self.held = false;
-            self.resumed_s = now_s;
-            self.stall_detector.restart(now_s);
-            self.send_byte(RESUME);
-        }
     }
 
     /// Resets the controller and discards its moves. Axes at rest keep their position. Moving axes must be homed again,
@@ -233,6 +244,7 @@ impl Controller {
         }
         self.clear_motion_state();
         self.held = false;
+        self.resumption = Resumption::default();
         self.reset_sent_s = Some(now_s);
         self.greeting_expected_until_s = now_s + self.settings.reply_timeout_s + GREETING_S;
         self.garbled_s.clear();
@@ -246,6 +258,7 @@ impl Controller {
         self.homing = HomingPhase::No;
         self.setup_acknowledged = false;
         self.commanded_path.forget();
+        self.last_move = None;
         self.state.mode = Mode::Unknown;
         self.state.unacknowledged = 0;
         self.state.queued = 0;

@@ -1,5 +1,7 @@
 //! Faults of the motors, described for the person at the robot.
 
+use super::check;
+use super::check::WrongSetting;
 use super::codes;
 use super::state::{AXIS_NAMES, Mode};
 use crate::base::BadOption;
@@ -66,6 +68,33 @@ pub enum MotionFault {
         to: String,
         /// Time since it was sent, s.
         waited_s: f64,
+    },
+    /// Bytes that are not GRBL arrived in place of an answer.
+    #[error(
+        "the serial line carries bytes that are not GRBL ({line:?}) in place of the answer to {to} within \
+         {waited_s:.2} s; check the baud rate, the cable's shield and what is connected to the port, then reset and \
+         home again"
+    )]
+    Noise {
+        /// The line or query without an answer.
+        to: String,
+        /// The last of those bytes, decoded as far as possible.
+        line: String,
+        /// Time since the line or query was sent, s.
+        waited_s: f64,
+    },
+    /// A hold that does not end.
+    #[error(
+        "the controller is in the mode {mode} {waited_s:.2} s after this program wanted to resume; `~` was sent {sent} \
+         times, once the axes stood. Check its hold and door inputs, then reset and home again"
+    )]
+    NotResumed {
+        /// The mode.
+        mode: Mode,
+        /// Time since the wish to resume, s.
+        waited_s: f64,
+        /// Number of resume bytes sent.
+        sent: u32,
     },
     /// Homing did not end in time.
     #[error(
@@ -188,21 +217,9 @@ pub enum MotionFault {
         /// What was expected.
         expected: &'static str,
     },
-    /// A setting of the controller is wrong.
-    #[error(
-        "setting ${number} ({meaning}) of the controller: found {found}, expected {expected}; change it with a \
-     terminal program"
-    )]
-    WrongSetting {
-        /// Number of the setting.
-        number: u16,
-        /// Its meaning.
-        meaning: &'static str,
-        /// Its value, `nothing` if it is missing.
-        found: String,
-        /// Its required value.
-        expected: String,
-    },
+    /// Settings of the controller are wrong.
+    #[error("{}", check::describe(_0))]
+    WrongSettings(Vec<WrongSetting>),
 }
 
 impl MotionFault {

@@ -20,6 +20,8 @@ const LEFTOVER_MOVES_S: f64 = 2.0;
 const QUERY_INTERVAL_S: f64 = 0.05;
 /// Longest silence that is waited for before the first query, s.
 const SILENCE_S: f64 = 1.0;
+/// Times that the status is queried before the controller counts as silent.
+const QUERIES: usize = 3;
 /// Unreadable lines after which no answer is expected any more.
 const MAX_GARBLED: usize = 3;
 
@@ -119,10 +121,7 @@ impl Handshake<'_> {
             if waited_s <= START_UP_S {
                 continue;
             }
-            return Err(match garbled.last() {
-                Some(line) => MotionFault::Garbled { count: garbled.len(), line: line.clone() },
-                None => MotionFault::Silent { to: "an empty line".to_owned(), waited_s },
-            });
+            return Err(self.no_answer("an empty line", waited_s, &garbled));
         }
     }
 
@@ -167,13 +166,35 @@ impl Handshake<'_> {
         Ok(answers)
     }
 
+    /// Queries the status; a query that is lost is sent again.
     fn status(&mut self) -> Result<StatusReport, MotionFault> {
+        let mut answer = self.query_status();
+        for _ in 1..QUERIES {
+            if !matches!(answer, Err(MotionFault::Silent { .. })) {
+                break;
+            }
+            answer = self.query_status();
+        }
+        answer
+    }
+
+    fn query_status(&mut self) -> Result<StatusReport, MotionFault> {
         self.port.send_byte(b'?').map_err(|error| MotionFault::unplugged(&error))?;
-        self.wait_for("?", |reply| match reply {
+        self.wait_for("a status query", |reply| match reply {
             Reply::Status(status) if status.position_mm.is_some() => Some(Ok(status)),
             Reply::Status(_) => Some(Err(MotionFault::no_position())),
             _ => None,
         })
+    }
+
+    /// The fault for an answer that has not arrived. An unreadable line may have been the answer.
+    fn no_answer(&self, to: &str, waited_s: f64, garbled: &[String]) -> MotionFault {
+        let to = to.to_owned();
+        match (garbled.last(), self.port.noise()) {
+            (Some(line), _) => MotionFault::Garbled { count: garbled.len(), line: line.clone() },
+            (None, Some(line)) => MotionFault::Noise { to, line, waited_s },
+            (None, None) => MotionFault::Silent { to, waited_s },
+        }
     }
 
     /// Passes every reply to `accept` until it returns a result; every received line extends the deadline.
@@ -202,11 +223,7 @@ impl Handshake<'_> {
                 break;
             }
         }
-        // An unreadable line may have been the answer.
-        Err(match garbled.pop() {
-            Some(line) => MotionFault::Garbled { count: garbled.len() + 1, line },
-            None => MotionFault::Silent { to: question.to_owned(), waited_s: self.clock.now_s() - began_s },
-        })
+        Err(self.no_answer(question, self.clock.now_s() - began_s, &garbled))
     }
 
     /// Waits briefly and returns the lines that have arrived.

@@ -14,9 +14,11 @@ mod pending;
 mod poll;
 mod port;
 mod replies;
+mod resumption;
 mod settings;
 mod state;
 
+pub use check::WrongSetting;
 pub use controller::Controller;
 pub use fault::{MotionFault, MoveRefusal};
 pub use handshake::ControllerInfo;

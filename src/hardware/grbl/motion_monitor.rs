@@ -71,6 +71,12 @@ impl CommandedPath {
         (left_mm(axis) > TOLERANCE_MM).then_some((axis, target_mm[axis]))
     }
 
+    /// True for a position on the way to the last target.
+    pub(crate) fn is_between(&self, position_mm: &[f64; 4]) -> bool {
+        let on_its_way = |axis: usize| self.check_axis(axis, position_mm[axis], false).is_ok();
+        (0..4).all(on_its_way) && self.check_line(position_mm).is_ok()
+    }
+
     /// All axes arrive together: an axis that stands while the others move puts the position off the line.
     fn check_line(&self, position_mm: &[f64; 4]) -> Result<(), MotionFault> {
         let targets: Vec<&[f64; 4]> = self.targets_mm.iter().collect();

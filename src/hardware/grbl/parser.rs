@@ -189,6 +189,14 @@ impl LineReader {
         Some(ReceivedLine::Garbled(String::from_utf8_lossy(&bytes).into_owned()))
     }
 
+    /// The beginning of a line that cannot become one of GRBL, decoded as far as possible.
+    pub fn noise(&self) -> Option<String> {
+        let readable = |byte: &u8| matches!(byte, b' '..=b'~' | b'\r');
+        let begins = self.bytes.first().is_none_or(|byte| b"<[$>oeAGg\r".contains(byte));
+        let noise = !begins || !self.bytes.iter().all(readable);
+        noise.then(|| String::from_utf8_lossy(&self.bytes).into_owned())
+    }
+
     /// Discards an incomplete line.
     pub fn clear(&mut self) {
         *self = LineReader::default();

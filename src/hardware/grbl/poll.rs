@@ -8,6 +8,9 @@ use super::state::Mode;
 
 /// Interval of status queries, s.
 const QUERY_INTERVAL_S: f64 = 0.05;
+/// Times after which an unanswered query is sent again, s: half of `late_s` within these, because single bytes are lost
+/// on real lines.
+const REPEATED_QUERY_S: [f64; 2] = [0.05, 0.25];
 /// Millimetres, absolute positions, feed per minute, first work coordinate system.
 const SETUP: &str = "G21 G90 G94 G54";
 
@@ -22,19 +25,30 @@ impl Controller {
                     self.record_fault(MotionFault::HomingTimeout { waited_s });
                 }
             } else if waited_s > reply_s {
-                let to = pending.line.clone();
-                self.record_fault(MotionFault::Silent { to, waited_s });
+                let fault = self.no_answer(pending.line.clone(), waited_s, now_s);
+                self.record_fault(fault);
             }
         }
         if let Some(waited_s) =
             self.query_sent_s.map(|query_sent_s| now_s - query_sent_s).filter(|&waited_s| waited_s > reply_s)
         {
-            self.record_fault(MotionFault::Silent { to: "a status query".to_owned(), waited_s });
+            let fault = self.no_answer("a status query".to_owned(), waited_s, now_s);
+            self.record_fault(fault);
         }
         let reset_waited_s = self.reset_sent_s.map(|reset_sent_s| now_s - reset_sent_s);
         if let Some(waited_s) = reset_waited_s.filter(|&waited_s| waited_s > reply_s + GREETING_S) {
             self.reset_sent_s = None;
-            self.record_fault(MotionFault::Silent { to: "a reset".to_owned(), waited_s });
+            let fault = self.no_answer("a reset".to_owned(), waited_s, now_s);
+            self.record_fault(fault);
+        }
+    }
+
+    /// The fault for an answer that has not arrived: unreadable bytes, if such have arrived in its place, else silence.
+    fn no_answer(&self, to: String, waited_s: f64, now_s: f64) -> MotionFault {
+        let garbled = self.last_garbled.as_ref().filter(|(then_s, _)| now_s - then_s <= waited_s);
+        match self.port.noise().or_else(|| garbled.map(|(_, line)| line.clone())) {
+            Some(line) => MotionFault::Noise { to, line, waited_s },
+            None => MotionFault::Silent { to, waited_s },
         }
     }
 
@@ -56,8 +70,17 @@ impl Controller {
         if !self.setup_acknowledged && self.state.homed && standing && self.pending.is_none() && self.fault.is_none() {
             self.send(SETUP.to_owned(), LinePurpose::Setup, now_s);
         }
-        if self.query_sent_s.is_none() && now_s >= self.next_query_s {
-            self.query_sent_s = Some(now_s);
+        let repeat_s = (0.5 * self.settings.late_s).clamp(REPEATED_QUERY_S[0], REPEATED_QUERY_S[1]);
+        let due = match self.query_sent_s {
+            None => now_s >= self.next_query_s,
+            Some(_) => now_s - self.last_query_s >= repeat_s,
+        };
+        if due {
+            self.query_sent_s.get_or_insert(now_s);
+            self.last_query_s = now_s;
+            // One that is lost would make all later reports look older than they are.
+            self.asked_s.retain(|&then_s| now_s - then_s <= self.settings.reply_timeout_s);
+            self.asked_s.push_back(now_s);
             self.next_query_s = now_s + QUERY_INTERVAL_S;
             self.send_byte(b'?');
         }

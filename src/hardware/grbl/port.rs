@@ -37,6 +37,11 @@ impl Port {
         (received_lines, Ok(()))
     }
 
+    /// The beginning of a line that cannot become one of GRBL, decoded as far as possible.
+    pub(super) fn noise(&self) -> Option<String> {
+        self.reader.noise()
+    }
+
     /// Sends a line with exactly one line end, so that it is acknowledged once.
     pub(super) fn send(&mut self, line: &str) -> io::Result<()> {
         self.serial.write(format!("{line}\n").as_bytes())

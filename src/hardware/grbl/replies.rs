@@ -49,6 +49,7 @@ impl Controller {
 
     fn apply_garbled(&mut self, line: String, now_s: f64) {
         self.state.garbled += 1;
+        self.last_garbled = Some((now_s, line.clone()));
         // The unreadable line may have been the awaited report: query again.
         self.query_sent_s = None;
         self.garbled_s.retain(|&then_s| now_s - then_s <= GARBLED_S);
@@ -128,6 +129,7 @@ impl Controller {
     pub(super) fn apply_status(&mut self, status: &StatusReport, now_s: f64) {
         let status = &self.with_hold_completed(status);
         self.query_sent_s = None;
+        self.reported_asked_s = self.asked_s.pop_front().unwrap_or(f64::NEG_INFINITY);
         self.state.last_status_s = now_s;
         self.state.pins = status.pins;
         let before = std::mem::replace(&mut self.state.mode, status.mode);
@@ -224,7 +226,12 @@ impl Controller {
             }
             return Ok(());
         }
-        self.commanded_path.check(position_mm, idle && self.pending.is_none() && self.state.queued == 0)?;
+        let standing = idle && self.pending.is_none() && self.state.queued == 0;
+        // After a hold the axes may stand short of their target until the resume is confirmed.
+        if standing && (self.held || self.complete_short_move(&position_mm, now_s)) {
+            return Ok(());
+        }
+        self.commanded_path.check(position_mm, standing)?;
         self.check_stall(status.mode, position_mm, now_s)
     }
 

@@ -29,6 +29,10 @@ pub struct MotionSettings {
     pub homing_directions: u8,
     /// Require that the motors stay energised at rest (`$1=255`), so that the tendons cannot drive the screws back.
     pub hold_when_idle: bool,
+    /// Speed that every axis must reach, mm/min: follows from the limits of the commands, 0 if there are none.
+    #[serde(skip)]
+    #[schemars(skip)]
+    pub least_speed_mm_min: f64,
 }
 
 impl Default for MotionSettings {
@@ -43,6 +47,7 @@ impl Default for MotionSettings {
             max_speed_mm_min: 3000.0,
             homing_directions: 15,
             hold_when_idle: true,
+            least_speed_mm_min: 0.0,
         }
     }
 }

@@ -3,6 +3,7 @@
 mod motion;
 mod plausibility;
 mod stop_reasons;
+mod tip_following;
 mod tracking_loss;
 
 pub use motion::{MoveError, slowest_axis_mm_min};
@@ -15,6 +16,7 @@ use super::interrupt::Interrupt;
 use super::safety::{Guard, GuardState, Latch, SafetyAction, SafetyInputs, SafetyLimits, StopReason};
 use super::tracking::{TipPose, TrackerClient};
 use stop_reasons::{ARM, ENDED, INTERRUPTED, controller_fault, interrupted, late_answer, program_ended};
+use tip_following::TipFollowing;
 use tracking_loss::LastPoseChange;
 
 /// An event for the log.
@@ -70,6 +72,8 @@ pub struct Rig {
     expected_m: Option<Point3>,
     /// State when the tracker's pose last changed.
     last_pose_change: LastPoseChange,
+    /// Whether the tip follows the screws.
+    tip_following: TipFollowing,
     /// The last plausible tip position, with its time.
     last_plausible: Option<(f64, Point3)>,
     events: Vec<Event>,
@@ -89,6 +93,7 @@ impl Rig {
             commanded_m,
             expected_m: None,
             last_pose_change: LastPoseChange::default(),
+            tip_following: TipFollowing::default(),
             last_plausible: None,
             events: Vec::new(),
         }
@@ -160,9 +165,10 @@ impl Rig {
     }
 
     /// Nothing moves and no move is pending.
-    fn stands(&self) -> bool {
+    pub fn stands(&self) -> bool {
         let state = self.parts.controller.state();
-        state.mode == Mode::Idle && state.queued == 0 && state.unacknowledged == 0
+        let done = state.mode == Mode::Idle && state.queued == 0 && state.unacknowledged == 0;
+        done && !self.parts.controller.is_resuming()
     }
 
     /// Reads both devices, evaluates the guard and executes its action.

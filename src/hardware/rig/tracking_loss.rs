@@ -1,4 +1,5 @@
-//! Holds the robot when tracking is lost: no valid pose for `tracking_hold_s`, or a tracker that repeats one pose.
+//! Holds the robot when tracking is lost: no valid pose for `tracking_hold_s`, many lost frames, two sources of frames, or
+//! a tracker that repeats one pose.
 //!
 //! The reason goes to the guard (`safety/guard.rs`), which holds the robot at once and stops it after `hold_stop_s`.
 
@@ -14,6 +15,12 @@ const FROZEN_S: f64 = 0.05;
 const FROZEN_MM: f64 = 1.0;
 /// and the predicted tip by more than this, metres: noise and dry friction hide less.
 const FROZEN_TIP_M: f64 = 0.005;
+
+/// Time after a frame of a second source during which the robot is held, s.
+const SECOND_SOURCE_S: f64 = 0.5;
+
+/// Largest share of frames that may be lost: beyond it, gaps of `tracking_hold_s` are a matter of seconds.
+const MAX_LOSS: f64 = 0.25;
 
 /// State when the tracker's pose last changed.
 #[derive(Clone, Copy, Debug, Default)]
@@ -34,7 +41,16 @@ impl Rig {
         if age_s.is_nan() || age_s > hold_s {
             return Some(old_pose(age_s, hold_s, self.parts.tracking.status()));
         }
-        self.frozen_tracking()
+        let status = self.parts.tracking.status();
+        if let Some((then_s, found)) = &status.second_source_last
+            && now_s - then_s <= SECOND_SOURCE_S
+        {
+            return Some(second_source(found));
+        }
+        if let Some(share) = status.recent_loss.filter(|share| *share > MAX_LOSS) {
+            return Some(many_lost(share));
+        }
+        self.frozen_tracking().or_else(|| self.tip_at_rest(now_s))
     }
 
     /// A tracker that repeats one pose with new time stamps while the motors and the model move.
@@ -52,18 +68,36 @@ impl Rig {
         let turned_mm = turned_mm.fold(0.0, f64::max);
         let unchanged_s = status.unchanged_s;
         let frozen = unchanged_s >= FROZEN_S && turned_mm > FROZEN_MM && distance_m(&from_m, &to_m) > FROZEN_TIP_M;
-        frozen.then(|| StopReason {
-            kind: "tracking",
-            what: format!(
-                "the tracker has repeated one pose for {:.0} ms while a screw moved by {turned_mm:.1} mm: it no \
-                 longer measures",
-                unchanged_s * 1e3
-            ),
-            remedy: "restart its streaming and check it with `spinebench doctor`, then run `spinebench arm --plant \
-             PLANT.yaml`"
-                .to_owned(),
+        frozen.then(|| {
+            tracking(
+                format!(
+                    "the tracker has repeated one pose for {:.0} ms while a screw moved by {turned_mm:.1} mm: it no \
+                     longer measures",
+                    unchanged_s * 1e3
+                ),
+                "restart its streaming and check it with `spinebench doctor`",
+            )
         })
     }
+}
+
+/// A reason of this kind, with its remedy before arming.
+pub(super) fn tracking(what: String, remedy: &str) -> StopReason {
+    StopReason { kind: "tracking", what, remedy: format!("{remedy}, then run `spinebench arm --plant PLANT.yaml`") }
+}
+
+fn second_source(found: &str) -> StopReason {
+    let what = format!("two sources stream frames to this computer: {found}");
+    tracking(what, "stop one of the two servers and check the other with `spinebench doctor`")
+}
+
+fn many_lost(share: f64) -> StopReason {
+    let what = format!(
+        "{:.0} % of the tracker's last 256 frames are lost, expected at most {:.0} %",
+        100.0 * share,
+        100.0 * MAX_LOSS
+    );
+    tracking(what, "check the network between the tracker and this computer (a cable instead of a radio link)")
 }
 
 /// The reason for a pose that is too old.
@@ -77,11 +111,6 @@ fn old_pose(age_s: f64, allowed_s: f64, status: &TrackingStatus) -> StopReason {
     let unseen = || status.unseen.map(str::to_owned);
     let why = status.fault.clone().or_else(unseen).or_else(stranger).or_else(|| status.socket_error.clone());
     let why = why.map(|why| format!(" ({why})")).unwrap_or_default();
-    StopReason {
-        kind: "tracking",
-        what: format!("{found}, expected at most {:.0} ms{why}", allowed_s * 1e3),
-        remedy: "make both bodies visible and check that Motive streams, then run `spinebench arm --plant \
-         PLANT.yaml`"
-            .to_owned(),
-    }
+    let what = format!("{found}, expected at most {:.0} ms{why}", allowed_s * 1e3);
+    tracking(what, "make both bodies visible and check that Motive streams")
 }

@@ -29,6 +29,30 @@ pub struct Alignment {
     /// Half width of the 95 % interval of the rotation about its least determined axis, radians, if the residuals are
     /// noise.
     pub turn_rad: f64,
+    /// How many times as far as predicted the points are from their centre, across the robot.
+    pub ratio: f64,
+    /// Root mean square of the angles between measured and predicted directions across the robot, radians, weighted by
+    /// their lengths.
+    pub apart_rad: f64,
+    /// Correlation of measured and predicted coordinates along the robot: negative for a mirror image.
+    pub upright: f64,
+    /// As `pose`, with the shift of the point nearest to the robot's axis, which does not depend on how far the robot bends.
+    pub straight_pose: RigidPose,
+}
+
+/// Largest root mean square of the angles between directions that agree, radians.
+const MAX_APART_RAD: f64 = 0.175;
+/// Smallest correlation along the robot of points that are no mirror image.
+const MIN_UPRIGHT: f64 = 0.5;
+/// Ratios that are a wrong stiffness or radius of the model, rather than another body or unit.
+const RATIOS: [f64; 2] = [0.4, 2.5];
+
+impl Alignment {
+    /// True if the directions of the points agree, however far they are.
+    pub fn directions_agree(&self) -> bool {
+        let sized = (RATIOS[0]..=RATIOS[1]).contains(&self.ratio);
+        sized && self.apart_rad <= MAX_APART_RAD && self.upright >= MIN_UPRIGHT
+    }
 }
 
 /// [`align`] for points measured with the alignment `present`: the alignment to replace it.
@@ -85,7 +109,51 @@ pub fn align(robot_m: &[Point3], body_m: &[Point3]) -> Result<Alignment, Trackin
     let freedom = (3.0 * count - 6.0).max(1.0);
     let noise2 = squares.iter().sum::<f64>() / freedom;
     let turn_rad = NORMAL_95 * (noise2 / (least + middle)).sqrt();
-    Ok(Alignment { pose: RigidPose::of(&motion), residual_m, worst_m, spread_m, turn_rad })
+    let turned: Vec<Vector3<f64>> = robot.iter().map(|point| turn * point).collect();
+    let Bends { ratio, apart_rad, upright, straightest } = compare_bends(&turned, &body);
+    let straight_shift = body[straightest] + body_centre - turn * (robot[straightest] + robot_centre);
+    let straight = Isometry3::from_parts(straight_shift.into(), motion.rotation);
+    let (pose, straight_pose) = (RigidPose::of(&motion), RigidPose::of(&straight));
+    Ok(Alignment { pose, residual_m, worst_m, spread_m, turn_rad, ratio, apart_rad, upright, straight_pose })
+}
+
+/// Comparison of points that were turned into each other's frame.
+struct Bends {
+    ratio: f64,
+    apart_rad: f64,
+    upright: f64,
+    /// Index of the predicted point nearest to the centre across the robot.
+    straightest: usize,
+}
+
+/// Compares centred points across the two directions of their largest spread, and along the third.
+fn compare_bends(predicted: &[Vector3<f64>], measured: &[Vector3<f64>]) -> Bends {
+    let scatter: Matrix3<f64> = predicted.iter().map(|point| point * point.transpose()).sum();
+    let eigen = scatter.symmetric_eigen();
+    let along: Vector3<f64> = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into();
+    let across = |point: &Vector3<f64>| point - along * along.dot(point);
+    let (mut products, mut squares, mut angles, mut weights) = (0.0, 0.0, 0.0, 0.0);
+    let (mut both, mut one, mut other) = (0.0, 0.0, 0.0);
+    for (from, to) in predicted.iter().zip(measured) {
+        let (a, b) = (across(from), across(to));
+        products += a.dot(&b);
+        squares += a.norm_squared();
+        let weight = a.norm() * b.norm();
+        if weight > 0.0 {
+            angles += weight * a.angle(&b).powi(2);
+            weights += weight;
+        }
+        both += along.dot(from) * along.dot(to);
+        one += along.dot(from).powi(2);
+        other += along.dot(to).powi(2);
+    }
+    let nearest = |a: &usize, b: &usize| across(&predicted[*a]).norm().total_cmp(&across(&predicted[*b]).norm());
+    Bends {
+        ratio: products / squares,
+        apart_rad: if weights > 0.0 { (angles / weights).sqrt() } else { f64::INFINITY },
+        upright: if one * other > 0.0 { both / (one * other).sqrt() } else { 0.0 },
+        straightest: (0..predicted.len()).min_by(nearest).unwrap_or(0),
+    }
 }
 
 fn centred(points_m: &[Point3]) -> (Vec<Vector3<f64>>, Vector3<f64>) {

@@ -91,7 +91,7 @@ impl TrackerClient {
             Received::Model(model) => self.stream.set_model(&model),
             // Only as an answer: while frames arrive, nothing has to be negotiated.
             Received::Server(server) if self.is_silent(now_s) => {
-                self.stream.reconnect(&server);
+                self.stream.reconnect(&server, now_s);
                 self.server = server;
             }
             Received::Server(_) | Received::Nothing => {}

@@ -37,6 +37,12 @@ impl ClockSync {
         offset_s
     }
 
+    /// The greatest stamp that a frame received at `now_s` can have, s; infinite before the first frame.
+    pub(crate) fn present_stamp_s(&self, now_s: f64) -> f64 {
+        let least = self.stretches.iter().map(|stretch| stretch.1).reduce(f64::min);
+        least.map_or(f64::INFINITY, |offset_s| now_s - offset_s)
+    }
+
     /// Mean delay of the frames beyond the smallest one, s.
     pub(crate) fn jitter_s(&self) -> f64 {
         self.jitter_s

@@ -13,6 +13,7 @@ mod handshake;
 mod mounting;
 mod peer_filter;
 mod pose;
+mod recent_losses;
 mod sequence_numbers;
 mod settings;
 mod sockets;

@@ -1,8 +1,19 @@
-//! Frame numbers: new frames, lost frames, and restarts of the server.
+//! Frame numbers and time stamps: new frames, lost frames, restarts of the server, and frames of another source.
+//!
+//! A second server on the same computer and port can only be told by its count and its clock: one frame cannot be
+//! seconds ahead of the server's clock, count hundreds of frames within one period, or alternate with frames that are
+//! seconds newer.
 
 /// Duration, s, and number of frames with lower numbers after which the server counts as restarted.
 const RESTART_S: f64 = 1.0;
 const RESTART_FRAMES: u32 = 5;
+
+/// Difference of clocks or counts, s, above which a frame is of another source: far more than delays and gaps are.
+const JUMP_S: f64 = 1.0;
+/// Ratio of the true frame rate to the configured one that is not taken for a jump.
+const RATE_RATIO: f64 = 5.0;
+/// Frames from long before that alternate with new ones, after which they count as another source's.
+const ALTERNATING: u32 = 2;
 
 /// Number and time stamp of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +48,8 @@ pub(crate) enum FrameOrder {
     StuckClock,
     /// New, after a restart of the server.
     Restart,
+    /// Of another source than the frames before: its count or its clock is far from theirs.
+    Foreign,
 }
 
 /// Rejected frames that follow each other.
@@ -53,21 +66,37 @@ pub(crate) struct FrameSequence {
     last: Option<FrameStamp>,
     refused: Option<RefusedRun>,
     restart_expected: bool,
+    /// Configured frame rate, Hz; 0 if counts are not compared with stamps.
+    rate_hz: f64,
+    /// Frames from long before that came after newer ones, and when the last one did, s.
+    alternating: u32,
+    behind_s: f64,
 }
 
 impl FrameSequence {
+    /// The sequence of a tracker with this frame rate.
+    pub(crate) fn new(rate_hz: f64) -> FrameSequence {
+        FrameSequence { rate_hz, ..FrameSequence::default() }
+    }
+
     /// Accepts lower numbers as a restart at once, after a new handshake.
     pub(crate) fn expect_restart(&mut self) {
         self.restart_expected = true;
     }
 
-    /// Classifies the next frame, received at `now_s`.
-    pub(crate) fn classify(&mut self, stamp: FrameStamp, now_s: f64) -> FrameOrder {
+    /// Classifies the next frame, received at `now_s`, when the server's clock reads `present_s` at most (infinite if
+    /// that is not known yet).
+    pub(crate) fn classify(&mut self, stamp: FrameStamp, now_s: f64, present_s: f64) -> FrameOrder {
         let Some(last) = self.last else {
             self.accept(stamp);
             return FrameOrder::New { lost: 0 };
         };
         let ahead = stamp.ahead(&last);
+        if !self.restart_expected
+            && (self.jumps_ahead(&stamp, &last, present_s) || self.alternates(&stamp, &last, now_s))
+        {
+            return FrameOrder::Foreign;
+        }
         if stamp.follows(&last) {
             self.accept(stamp);
             return FrameOrder::New { lost: u64::from(ahead.unsigned_abs()) - 1 };
@@ -83,7 +112,28 @@ impl FrameSequence {
     }
 
     fn accept(&mut self, stamp: FrameStamp) {
-        *self = FrameSequence { last: Some(stamp), refused: None, restart_expected: false };
+        (self.last, self.refused, self.restart_expected) = (Some(stamp), None, false);
+    }
+
+    /// A frame from the future, or a count that does not go with the clock.
+    fn jumps_ahead(&self, stamp: &FrameStamp, last: &FrameStamp, present_s: f64) -> bool {
+        let passed_s = stamp.stamp_s - last.stamp_s;
+        let ahead = f64::from(stamp.ahead(last));
+        let counted_s = if self.rate_hz > 0.0 { ahead / self.rate_hz } else { passed_s };
+        let miscounted = ahead > 0.0 && passed_s > 0.0 && counted_s > JUMP_S + RATE_RATIO * passed_s;
+        stamp.stamp_s - present_s > JUMP_S || miscounted
+    }
+
+    /// A frame from long before, although newer ones have come since the last such frame.
+    fn alternates(&mut self, stamp: &FrameStamp, last: &FrameStamp, now_s: f64) -> bool {
+        let long_before = last.stamp_s - stamp.stamp_s > JUMP_S;
+        if !long_before || self.refused.is_some() {
+            return false;
+        }
+        let again = now_s - self.behind_s <= JUMP_S;
+        self.alternating = if again { self.alternating + 1 } else { 1 };
+        self.behind_s = now_s;
+        self.alternating > ALTERNATING
     }
 
     /// Single stragglers are old; a consecutive run of frames that are all older than the last one is a restart.
@@ -106,6 +156,9 @@ impl FrameSequence {
 mod tests {
     use super::*;
 
+    /// The server's clock is not known.
+    const NOW: f64 = f64::INFINITY;
+
     fn stamp(number: i32) -> FrameStamp {
         FrameStamp { number, stamp_s: f64::from(number) * 0.01 }
     }
@@ -113,9 +166,9 @@ mod tests {
     #[test]
     fn numbers_wrap() {
         let mut sequence = FrameSequence::default();
-        sequence.classify(FrameStamp { number: i32::MAX, stamp_s: 1.0 }, 0.0);
+        sequence.classify(FrameStamp { number: i32::MAX, stamp_s: 1.0 }, 0.0, NOW);
         assert_eq!(
-            sequence.classify(FrameStamp { number: i32::MIN + 1, stamp_s: 1.02 }, 0.02),
+            sequence.classify(FrameStamp { number: i32::MIN + 1, stamp_s: 1.02 }, 0.02, NOW),
             FrameOrder::New { lost: 1 }
         );
     }
@@ -123,8 +176,8 @@ mod tests {
     #[test]
     fn a_straggler_is_old_and_a_second_of_them_a_restart() {
         let mut sequence = FrameSequence::default();
-        sequence.classify(stamp(1000), 0.0);
-        let orders: Vec<FrameOrder> = (1..150).map(|k| sequence.classify(stamp(k), f64::from(k) * 0.01)).collect();
+        sequence.classify(stamp(1000), 0.0, NOW);
+        let orders: Vec<FrameOrder> = (1..150).map(|k| sequence.classify(stamp(k), f64::from(k) * 0.01, NOW)).collect();
         let restart = orders.iter().position(|order| *order == FrameOrder::Restart);
         assert!(restart.is_some_and(|at| (99..=102).contains(&at)), "{restart:?}");
         assert!(orders[..99].iter().all(|order| *order == FrameOrder::Old));
@@ -134,13 +187,67 @@ mod tests {
     #[test]
     fn a_clock_that_stands_is_no_restart() {
         let mut sequence = FrameSequence::default();
-        sequence.classify(FrameStamp { number: 1, stamp_s: 5.0 }, 0.0);
+        sequence.classify(FrameStamp { number: 1, stamp_s: 5.0 }, 0.0, NOW);
         for k in 2..500 {
             assert_eq!(
-                sequence.classify(FrameStamp { number: k, stamp_s: 5.0 }, f64::from(k) * 0.01),
+                sequence.classify(FrameStamp { number: k, stamp_s: 5.0 }, f64::from(k) * 0.01, NOW),
                 FrameOrder::StuckClock
             );
         }
-        assert_eq!(sequence.classify(FrameStamp { number: 500, stamp_s: 9.0 }, 5.0), FrameOrder::New { lost: 498 });
+        assert_eq!(
+            sequence.classify(FrameStamp { number: 500, stamp_s: 9.0 }, 5.0, NOW),
+            FrameOrder::New { lost: 498 }
+        );
+    }
+
+    /// Two servers at one address, 77,777 frames and 500 s apart, as they were seen.
+    #[test]
+    fn a_jump_of_the_count_or_of_the_clock_is_another_source() {
+        let begun = || {
+            let mut sequence = FrameSequence::new(100.0);
+            (1..=10).for_each(|k| {
+                assert_eq!(
+                    sequence.classify(stamp(k), 0.01 * f64::from(k), 0.01 * f64::from(k)),
+                    FrameOrder::New { lost: 0 }
+                );
+            });
+            sequence
+        };
+        let mut both = begun();
+        for k in 11..=40 {
+            let now_s = 0.01 * f64::from(k);
+            let other = FrameStamp { number: k + 77_777, stamp_s: now_s + 500.0 };
+            assert_eq!(both.classify(other, now_s, now_s), FrameOrder::Foreign);
+            assert_eq!(both.classify(stamp(k), now_s, now_s), FrameOrder::New { lost: 0 });
+        }
+        let number_only = FrameStamp { number: 77_777, stamp_s: 0.11 };
+        assert_eq!(begun().classify(number_only, 0.11, 0.11), FrameOrder::Foreign);
+        // The other one is behind: while both stream, it is found out.
+        let mut behind = FrameSequence::new(100.0);
+        let orders: Vec<FrameOrder> = (1..=20)
+            .flat_map(|k| {
+                let now_s = 0.01 * f64::from(k);
+                let ahead = FrameStamp { number: k + 77_777, stamp_s: now_s + 500.0 };
+                [behind.classify(ahead, now_s, NOW), behind.classify(stamp(k), now_s, NOW)]
+            })
+            .collect();
+        assert_eq!(orders.iter().filter(|order| **order == FrameOrder::Foreign).count(), 18, "{orders:?}");
+    }
+
+    #[test]
+    fn gaps_bursts_and_other_rates_are_no_other_source() {
+        let mut sequence = FrameSequence::new(100.0);
+        let mut now_s = 0.0;
+        for (number, stamp_s, delay_s) in
+            [(1, 0.01, 0.3), (2, 0.02, 0.0), (300, 3.0, 0.2), (301, 3.01, 0.0), (541, 4.01, 0.0)]
+        {
+            now_s = f64::max(now_s, stamp_s + delay_s);
+            let order = sequence.classify(FrameStamp { number, stamp_s }, now_s, now_s);
+            assert!(matches!(order, FrameOrder::New { .. }), "{number}: {order:?}");
+        }
+        // After a new handshake a server may count from anywhere.
+        sequence.expect_restart();
+        let order = sequence.classify(FrameStamp { number: 900_000, stamp_s: 1e6 }, 5.0, 5.0);
+        assert!(matches!(order, FrameOrder::New { .. }), "{order:?}");
     }
 }

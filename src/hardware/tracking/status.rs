@@ -2,6 +2,8 @@
 
 use std::net::SocketAddr;
 
+use super::sequence_numbers::FrameStamp;
+
 /// Counts since the connection was made, and measures of the stream.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TrackingStatus {
@@ -21,6 +23,12 @@ pub struct TrackingStatus {
     pub foreign: u64,
     /// Sender of the last of those.
     pub foreign_source: Option<SocketAddr>,
+    /// Frames from our server's address and port with another count or another clock: a second server streams there.
+    pub second_source: u64,
+    /// The last of those: when it came, s, and how it differs.
+    pub second_source_last: Option<(f64, String)>,
+    /// Share of lost frames among the last 256; none before there are as many.
+    pub recent_loss: Option<f64>,
     /// New frames without a valid pose of both bodies.
     pub occluded: u64,
     /// New frames with a valid pose of both bodies.
@@ -53,6 +61,19 @@ impl TrackingStatus {
     pub(super) fn count_foreign(&mut self, from: SocketAddr) {
         self.foreign += 1;
         self.foreign_source = Some(from);
+    }
+
+    pub(super) fn count_second_source(
+        &mut self,
+        from: SocketAddr,
+        stamp: FrameStamp,
+        last: Option<&FrameStamp>,
+        now_s: f64,
+    ) {
+        self.second_source += 1;
+        let after = last.map(|last| format!(" after {} stamped {:.2} s", last.number, last.stamp_s));
+        let found = format!("frame {} stamped {:.2} s{}", stamp.number, stamp.stamp_s, after.unwrap_or_default());
+        self.second_source_last = Some((now_s, format!("{found}, both from {from}")));
     }
 
     pub(super) fn count_socket_error(&mut self, error: &std::io::Error) {

@@ -12,6 +12,7 @@ use super::handshake;
 use super::mounting::Mounting;
 use super::peer_filter::PeerFilter;
 use super::pose::{RigidPose, TipPose};
+use super::recent_losses::RecentLosses;
 use super::sequence_numbers::{FrameOrder, FrameSequence, FrameStamp};
 use super::settings::TrackingSettings;
 use super::status::TrackingStatus;
@@ -57,6 +58,7 @@ pub struct FrameStream {
     clock_sync: ClockSync,
     samples: TipBuffer,
     recent: VecDeque<FrameStamp>,
+    losses: RecentLosses,
     /// The tip's body when it was last tracked, and the stamp since when it has not changed.
     unchanged: Option<(RigidPose, f64)>,
     wants_model: bool,
@@ -81,10 +83,11 @@ impl FrameStream {
             peer_filter: PeerFilter::new(command, server.connection.data_port),
             bodies: Some(TrackedBodies::find(settings, model)?),
             mounting: Mounting::of(settings),
-            sequence: FrameSequence::default(),
+            sequence: FrameSequence::new(settings.rate_hz),
             clock_sync: ClockSync::default(),
             samples: TipBuffer::new(1.0 / settings.rate_hz),
             recent: VecDeque::with_capacity(RATE_FRAMES),
+            losses: RecentLosses::default(),
             unchanged: None,
             wants_model: false,
             status: TrackingStatus::default(),
@@ -126,9 +129,18 @@ impl FrameStream {
         }
         self.peer_filter.set_frames_port(from);
         self.status.received += 1;
-        let (old, why) = match self.sequence.classify(stamp, now_s) {
+        let present_s = self.clock_sync.present_stamp_s(now_s);
+        let order = self.sequence.classify(stamp, now_s, present_s);
+        let (old, why) = match order {
+            // Not of our server: silence of ours must be noticed.
+            FrameOrder::Foreign => {
+                self.status.count_second_source(from, stamp, self.recent.back(), now_s);
+                return Received::Nothing;
+            }
             FrameOrder::New { lost } => {
                 self.status.lost += lost;
+                self.losses.add(lost);
+                self.status.recent_loss = self.losses.share();
                 self.take_new(frame, stamp, now_s);
                 return Received::Frame;
             }
@@ -142,6 +154,9 @@ impl FrameStream {
             FrameOrder::StuckClock => (&mut self.status.stuck_clock, "frames whose time stamps do not increase"),
         };
         *old += 1;
+        if order == FrameOrder::Old {
+            self.losses.arrived_late();
+        }
         // While other frames are valid, these do no harm.
         if self.samples.latest().is_none_or(|tip| now_s - tip.time_s > UNSEEN_S) {
             self.status.unseen = Some(why);
@@ -155,6 +170,7 @@ impl FrameStream {
         self.clock_sync = ClockSync::default();
         self.samples.clear();
         self.recent.clear();
+        self.losses = RecentLosses::default();
         self.unchanged = None;
         self.wants_model = true;
     }
@@ -196,7 +212,7 @@ impl FrameStream {
     }
 
     /// Takes the answer to a new handshake: the server may have restarted with other ports, versions and bodies.
-    pub(super) fn reconnect(&mut self, server: &ServerInfo) {
+    pub(super) fn reconnect(&mut self, server: &ServerInfo, now_s: f64) {
         match decoder(&self.settings, server) {
             Ok(decoder) => self.decoder = decoder,
             Err(fault) => {
@@ -206,7 +222,11 @@ impl FrameStream {
         }
         self.clock_hz = server.high_res_clock_frequency;
         self.peer_filter.reconnect(server.connection.data_port);
-        self.sequence.expect_restart();
+        // Frames that have been refused as another source's do not become ours because ours are silent.
+        let refused = self.status.second_source_last.as_ref().is_some_and(|(then_s, _)| now_s - then_s < UNSEEN_S);
+        if !refused {
+            self.sequence.expect_restart();
+        }
         self.wants_model = true;
     }
 

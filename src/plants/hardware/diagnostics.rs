@@ -13,6 +13,8 @@ pub struct Diagnostics {
     pub controller: String,
     /// The alarm that the controller is in, 0 if its number is unknown. Being not homed is no alarm here.
     pub alarm: Option<u16>,
+    /// Limit switches that are closed.
+    pub closed_switches: [bool; AXES],
     /// Whether the axes are homed.
     pub homed: bool,
     /// Positions of the axes, millimetres.
@@ -42,6 +44,7 @@ impl Hardware {
         Diagnostics {
             controller: format!("{} {}", rig.controller().info().firmware, rig.controller().info().version),
             alarm: rig.controller().alarm(),
+            closed_switches: rig.controller().state().pins.limits,
             homed: rig.controller().homed(),
             position_mm: rig.controller().state().position_mm,
             server: rig.tracking().server(),

@@ -8,10 +8,10 @@ use super::{Hardware, HardwareOptions, LoopTiming, Rehearsal};
 use crate::base::Seed;
 use crate::effects::DrivenModel;
 use crate::hardware::clock::{Clock, WallClock};
-use crate::hardware::grbl::Controller;
+use crate::hardware::grbl::{Controller, MotionSettings};
 use crate::hardware::interrupt::Interrupt;
 use crate::hardware::rig::{Rig, RigParts, slowest_axis_mm_min};
-use crate::hardware::safety::{Latch, SafetyLimits};
+use crate::hardware::safety::Latch;
 use crate::hardware::serial::{SerialLine, TtyLine};
 use crate::hardware::tracking::{TrackerClient, TrackingSettings};
 
@@ -69,9 +69,10 @@ impl Hardware {
         opened: OpenedDevices,
     ) -> Result<Hardware, String> {
         let OpenedDevices { serial, clock, latch, interrupt } = opened;
-        let controller = Controller::open(serial, &options.motion, clock.as_ref()).map_err(|fault| fault.to_string());
-        let controller =
-            controller.and_then(|controller| fast_enough(&controller, &options.safety, step_s).map(|()| controller));
+        // Every axis has to be fast enough for the largest step in a tick.
+        let least_speed_mm_min = slowest_axis_mm_min(&options.safety, step_s);
+        let motion = MotionSettings { least_speed_mm_min, ..options.motion.clone() };
+        let controller = Controller::open(serial, &motion, clock.as_ref()).map_err(|fault| fault.to_string());
         let tracking = TrackerClient::open(tracking.clone(), clock.as_ref()).map_err(|fault| fault.to_string());
         let ready = match (controller, tracking) {
             (Ok(controller), Ok(tracking)) => Ok((controller, tracking)),
@@ -115,19 +116,4 @@ struct OpenedDevices {
     clock: Arc<dyn Clock>,
     latch: Option<Latch>,
     interrupt: Interrupt,
-}
-
-/// Refuses axes that are too slow for the largest step in a tick.
-fn fast_enough(controller: &Controller, safety: &SafetyLimits, step_s: f64) -> Result<(), String> {
-    let needed_mm_min = slowest_axis_mm_min(safety, step_s);
-    let speeds = controller.info().max_speed_mm_min;
-    match speeds.iter().position(|&speed| speed < needed_mm_min) {
-        None => Ok(()),
-        Some(axis) => Err(format!(
-            "setting ${}: found {} mm/min, expected at least {needed_mm_min:.0} for steps of {} m in {step_s} s",
-            110 + axis,
-            speeds[axis],
-            safety.max_step_m
-        )),
-    }
 }

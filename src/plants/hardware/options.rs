@@ -45,6 +45,10 @@ pub struct HardwareOptions {
     pub attached: Vec<EffectSpec>,
 }
 
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
 fn settle_s() -> f64 {
     2.0
 }
@@ -61,6 +65,12 @@ pub struct RehearsalOptions {
     /// Share of the tracker's frames that are lost.
     #[serde(default)]
     pub loss: f64,
+    /// Frames are delayed by random times up to this one, s.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub jitter_s: f64,
+    /// Gaps without frames of this length, s, one every three seconds.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub gap_s: f64,
     /// True pose of the robot's base frame in the base body's frame; null: the pose in `tracking.alignment`. For
     /// testing `spinebench align`.
     #[serde(default)]
@@ -84,6 +94,20 @@ impl HardwareOptions {
     }
 }
 
+impl HardwareOptions {
+    /// Refuses an answer time after which the guard has stopped the robot already.
+    fn check_reply_timeout(&self) -> Result<(), BadOption> {
+        let (reply_s, stop_s) = (self.motion.reply_timeout_s, self.motion.late_s + self.safety.hold_stop_s);
+        if reply_s <= stop_s {
+            return Ok(());
+        }
+        let found =
+            format!("{reply_s} s with late_s {} and hold_stop_s {}", self.motion.late_s, self.safety.hold_stop_s);
+        let expected = "at most motion.late_s + safety.hold_stop_s, when a held robot is stopped";
+        Err(BadOption { key: "reply_timeout_s", found, expected })
+    }
+}
+
 impl PlantOptions for HardwareOptions {
     const MODEL_KEYS: &'static [&'static str] = &["model", "rehearsal.model"];
     const DRIVES_HARDWARE: bool = true;
@@ -98,6 +122,7 @@ impl PlantOptions for HardwareOptions {
         }
         self.motion.check().map_err(at("motion"))?;
         self.safety.check().map_err(at("safety"))?;
+        self.check_reply_timeout().map_err(at("motion"))?;
         self.axes.check(self.safety.travel_m, self.motion.travel_m).map_err(at("axes"))?;
         self.tracking.check().map_err(at("tracking"))?;
         BadOption::unless_positive("settle_s", self.settle_s).map_err(at(""))?;
@@ -140,6 +165,12 @@ impl RehearsalOptions {
         }
         if !(0.0..1.0).contains(&self.loss) {
             return Err(bad("loss", self.loss, "0 to less than 1"));
+        }
+        if !(0.0..=1.0).contains(&self.jitter_s) {
+            return Err(bad("jitter_s", self.jitter_s, "0 to 1 s"));
+        }
+        if !(0.0..=1.0).contains(&self.gap_s) {
+            return Err(bad("gap_s", self.gap_s, "0 to 1 s"));
         }
         let alignment = self.alignment.map_or(Ok(()), |alignment| alignment.check("alignment"));
         alignment.map_err(|error| ("rehearsal".to_owned(), error))?;

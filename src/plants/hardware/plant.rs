@@ -24,8 +24,9 @@ impl Hardware {
             let now_s = self.supervised.clock.now_s();
             self.supervised.rig().start(now_s).map_err(plant_error)?;
         }
-        self.wait_until_active(deadline_s)?;
+        self.wait_until_active(self.event_count(), deadline_s)?;
         loop {
+            let events = self.event_count();
             let tick_s = self.supervised.clock.now_s() + self.step_s;
             let step_s = self.step_s;
             let arrived = self.supervised.wait(deadline_s, |rig, now_s| match rig.state() {
@@ -37,25 +38,29 @@ impl Hardware {
             });
             let arrived = arrived.unwrap_or_else(|| Err(self.stop_overdue("the way home")))?;
             self.supervised.clock.sleep_until(tick_s);
-            self.wait_until_active(deadline_s)?;
+            self.wait_until_active(events, deadline_s)?;
             if arrived {
                 return Ok(());
             }
         }
     }
 
-    /// Waits until the robot is active; true if it was held meanwhile.
-    fn wait_until_active(&self, deadline_s: f64) -> Result<bool, PlantError> {
-        let mut held = false;
-        let ended = self.supervised.wait(deadline_s, |rig, _| match rig.state() {
-            GuardState::Active => Some(Ok(())),
-            GuardState::Held { .. } => {
-                held = true;
-                None
+    /// Waits until the robot is active and, if it was held after its first `events` events, has ended its moves; true if
+    /// it was held.
+    fn wait_until_active(&self, events: usize, deadline_s: f64) -> Result<bool, PlantError> {
+        let ended = self.supervised.wait(deadline_s, |rig, _| {
+            let held = rig.events().iter().skip(events).any(|event| event.state == "held");
+            match rig.state() {
+                GuardState::Active => (!held || rig.stands()).then_some(Ok(held)),
+                state => stop_error(state).map(Err),
             }
-            state => stop_error(state).map(Err),
         });
-        ended.unwrap_or_else(|| Err(self.stop_overdue("a hold or homing"))).map(|()| held)
+        ended.unwrap_or_else(|| Err(self.stop_overdue("a hold or homing")))
+    }
+
+    /// Number of events so far.
+    fn event_count(&self) -> usize {
+        self.supervised.rig().events().len()
     }
 
     /// Stops a robot that exceeded a time limit.
@@ -95,12 +100,13 @@ impl Hardware {
             let share = tick as f64 / ticks as f64;
             let there_m: Vec<f64> =
                 pulls_m.iter().zip(&from_m).map(|(to, from)| share * to + (1.0 - share) * from).collect();
+            let events = self.event_count();
             self.send(&there_m, called_s)?;
             let end_s = begin_s + self.step_s * tick as f64;
             self.supervised.clock.sleep_until(end_s);
             called_s = self.supervised.clock.now_s();
             self.timing.jitter.push(called_s - end_s);
-            held |= self.wait_until_active(end_s + self.patience_s)?;
+            held |= self.wait_until_active(events, end_s + self.patience_s)?;
             self.due_s = end_s;
         }
         Ok(held)
@@ -170,9 +176,9 @@ impl Plant for Hardware {
         }
         self.go_home()?;
         self.model.home()?;
-        let rested_s = self.supervised.clock.now_s() + self.settle_s;
+        let (events, rested_s) = (self.event_count(), self.supervised.clock.now_s() + self.settle_s);
         self.supervised.clock.sleep_until(rested_s);
-        self.wait_until_active(rested_s + self.patience_s)?;
+        self.wait_until_active(events, rested_s + self.patience_s)?;
         let home = [TendonCommand::Pull(0.0); AXES];
         self.supervised.rig().set_expected_tip(Some(self.model.observation(&home, 0.0).tip_m));
         self.trial_s = self.supervised.clock.now_s();

@@ -28,6 +28,9 @@ const FAST: [(u16, &str); 8] = [
     (123, "500"),
 ];
 
+/// Interval of gaps of the simulated tracker, s.
+const GAP_EVERY_S: f64 = 3.0;
+
 /// The running simulators of a rehearsal.
 pub struct Rehearsal {
     // Dropped first, while its clock still runs.
@@ -87,9 +90,12 @@ pub(super) fn build_simulator(
     let mut tracker = SimulatedTracker::new(tracker_options)
         .map_err(|error| format!("cannot start the simulated tracker: {error}"))?;
     let network = tracker.settings().map_err(|error| error.to_string())?;
-    if rehearsal.loss > 0.0 {
-        tracker.inject(TrackerFault::Loss(rehearsal.loss));
-    }
+    let faults = [
+        (rehearsal.loss, TrackerFault::Loss(rehearsal.loss)),
+        (rehearsal.jitter_s, TrackerFault::Jitter(rehearsal.jitter_s)),
+        (rehearsal.gap_s, TrackerFault::Gaps { every_s: GAP_EVERY_S, lasting_s: rehearsal.gap_s }),
+    ];
+    faults.into_iter().filter(|(amount, _)| *amount > 0.0).for_each(|(_, fault)| tracker.inject(fault));
     let tracking = TrackingSettings {
         up_axis: options.tracking.up_axis,
         alignment: options.tracking.alignment,

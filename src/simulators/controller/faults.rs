@@ -37,6 +37,12 @@ pub enum ControllerFault {
     LostOk,
     /// The next `ok` is sent twice.
     DoubledOk,
+    /// The next `?` is lost.
+    LostQuery,
+    /// It ignores `~`, as with a hold input that stays closed.
+    IgnoredResume,
+    /// Bytes that are no line arrive without an end, and nothing else: another baud rate.
+    Babble,
     /// The counted position of an axis jumps by this many millimetres.
     WrongPosition(usize, f64),
     /// A work offset of an axis, millimetres.
@@ -66,6 +72,9 @@ pub(crate) struct ActiveFaults {
     pub(crate) garble_next: bool,
     pub(crate) lose_ok: bool,
     pub(crate) double_ok: bool,
+    pub(crate) lose_query: bool,
+    pub(crate) babble: bool,
+    pub(crate) ignore_resume: bool,
     pub(crate) stuck_open: [bool; 4],
     pub(crate) stuck_closed: [bool; 4],
     pub(crate) pressed: [bool; 4],
@@ -86,6 +95,9 @@ impl ActiveFaults {
         }
         if self.silent {
             return Vec::new();
+        }
+        if self.babble {
+            return vec![text.bytes().map(|byte| byte ^ 0xa5).collect()];
         }
         let mut bytes = format!("{text}\r\n").into_bytes();
         if self.garbage || std::mem::take(&mut self.garble_next) {
@@ -116,6 +128,9 @@ impl SimulatedController {
             ControllerFault::Unplugged => self.serial = None,
             ControllerFault::LostOk => injected.lose_ok = true,
             ControllerFault::DoubledOk => injected.double_ok = true,
+            ControllerFault::LostQuery => injected.lose_query = true,
+            ControllerFault::IgnoredResume => injected.ignore_resume = true,
+            ControllerFault::Babble => injected.babble = true,
             ControllerFault::WrongPosition(axis, way_mm) => self.axes.counted_mm[axis] += way_mm,
             ControllerFault::WorkOffset(axis, offset_mm) => self.offset_mm[axis] = offset_mm,
             ControllerFault::HoldButton => self.hold(),

@@ -108,6 +108,11 @@ impl SimulatedController {
     fn queue(&mut self, target_mm: [f64; 4], modes: &ModalState) {
         let target_mm = self.mirrored_mm(target_mm);
         let from_mm = self.axes.planned_mm();
+        let steps_per_mm = table::of_axes(&self.settings, 100);
+        let steps = |axis: usize, position_mm: f64| (position_mm * steps_per_mm[axis]).round();
+        if (0..4).all(|axis| steps(axis, target_mm[axis]) == steps(axis, from_mm[axis])) {
+            return;
+        }
         let length_mm = (0..4).map(|axis| (target_mm[axis] - from_mm[axis]).powi(2)).sum::<f64>().sqrt();
         let feed_mm_min = match modes {
             ModalState { rapid: true, .. } => f64::INFINITY,

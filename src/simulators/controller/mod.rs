@@ -46,7 +46,9 @@ pub struct ControllerOptions {
     pub start_mm: [f64; 4],
     /// Shortest and longest reply delay, s.
     pub delay_s: [f64; 2],
-    /// Seed of the reply delays.
+    /// Share of the status queries that are lost.
+    pub lost_queries: f64,
+    /// Seed of the reply delays and of lost queries.
     pub seed: u64,
     /// It behaves like plain GRBL 1.1: names neither its axes nor the homing passes, reports no homing state, orders
     /// the report fields differently, and reports holds without a sub-state.
@@ -60,6 +62,7 @@ impl Default for ControllerOptions {
             first_boot: false,
             start_mm: [8.0, 8.0, 12.5, 12.5],
             delay_s: [0.02, 0.06],
+            lost_queries: 0.005,
             seed: 0,
             plain: false,
         }
@@ -105,6 +108,7 @@ pub struct SimulatedController {
     started: bool,
     first_boot: bool,
     delay_s: [f64; 2],
+    lost_queries: f64,
     plain: bool,
     random: Generator,
 }
@@ -134,6 +138,7 @@ impl SimulatedController {
             started: false,
             first_boot: options.first_boot,
             delay_s: options.delay_s,
+            lost_queries: options.lost_queries,
             plain: options.plain,
             random: Seed(options.seed).child("controller").rng(),
         }
@@ -214,7 +219,7 @@ impl SimulatedController {
                 Activity::Ready | Activity::Holding => self.axes.advance(part_s),
             }
             self.jogging &= self.axes.queued() > 0;
-            if self.flushing && self.axes.speed_mm_min() == 0.0 {
+            if self.flushing && !self.axes.is_stopping() {
                 self.axes.stop();
                 self.flushing = false;
             }

@@ -1,5 +1,7 @@
 //! Real-time bytes, alarms and restarts.
 
+use rand::RngExt;
+
 use super::{Activity, ModalState, SimulatedController, table};
 
 const GREETING: &str = "GrblHAL 1.1f ['$' or '$HELP' for help]";
@@ -30,8 +32,12 @@ impl SimulatedController {
         true
     }
 
-    /// During homing, queries are remembered and answered once at the end.
+    /// During homing, queries are remembered and answered once at the end. Some are lost.
     fn answer_query(&mut self) {
+        let lost = self.lost_queries > 0.0 && self.random.random::<f64>() < self.lost_queries;
+        if lost || std::mem::take(&mut self.injected.lose_query) {
+            return;
+        }
         if let Activity::Homing(homing) = &mut self.activity {
             homing.asked = true;
         } else {
@@ -43,14 +49,16 @@ impl SimulatedController {
     pub(crate) fn hold(&mut self) {
         if matches!(self.activity, Activity::Ready) && !self.jogging {
             self.activity = Activity::Holding;
-            self.axes.holding = true;
+            self.axes.hold(true);
         }
     }
 
+    /// Ignored until the hold is complete, as grblHAL does.
     fn resume(&mut self) {
-        if matches!(self.activity, Activity::Holding) {
+        let complete = matches!(self.activity, Activity::Holding) && !self.axes.is_stopping();
+        if complete && !self.injected.ignore_resume {
             self.activity = Activity::Ready;
-            self.axes.holding = false;
+            self.axes.resume();
             self.reply("[MSG:]");
         }
     }
@@ -72,7 +80,7 @@ impl SimulatedController {
     }
 
     fn flush(&mut self) {
-        self.axes.holding = true;
+        self.axes.hold(false);
         self.flushing = true;
         self.lines.clear();
     }

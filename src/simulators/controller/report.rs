@@ -124,7 +124,7 @@ impl SimulatedController {
             Activity::Ready if self.jogging => "Jog".to_owned(),
             Activity::Ready => "Run".to_owned(),
             Activity::Holding if self.plain => "Hold".to_owned(),
-            Activity::Holding => format!("Hold:{}", u8::from(self.axes.speed_mm_min() > 0.0)),
+            Activity::Holding => format!("Hold:{}", u8::from(self.axes.is_stopping())),
             Activity::Homing(_) => "Home".to_owned(),
             Activity::Alarm(code, _) if substates => format!("Alarm:{code}"),
             Activity::Alarm(..) => "Alarm".to_owned(),

@@ -20,8 +20,8 @@ use crate::hardware::tracking::{BodyName, RigidPose, TrackingSettings};
 /// Frames that are overdue by more than this are not sent, s.
 const OVERDUE_S: f64 = 2.0;
 
-/// Position error of the second server's tip, metres.
-const SECOND_SERVER_M: f64 = 0.1;
+/// Position error of a second server's tip, metres: plausible, so that only the source tells.
+const SECOND_SERVER_M: f64 = 0.03;
 
 /// Offset of the second server's frame numbers.
 const SECOND_SERVER_FRAMES: i32 = 500_000;
@@ -45,6 +45,7 @@ pub struct SimulatedTracker {
     /// Poses of base and tip at the end of the last step.
     before: Option<(f64, RigidPose, RigidPose)>,
     frozen: Option<Vec<PlannedBody>>,
+    frozen_tip: Option<RigidPose>,
     frozen_stamp_s: Option<f64>,
     held: Option<FrameOfData>,
     late: VecDeque<(f64, FrameOfData)>,
@@ -71,6 +72,7 @@ impl SimulatedTracker {
             model_changed: false,
             before: None,
             frozen: None,
+            frozen_tip: None,
             frozen_stamp_s: None,
             held: None,
             late: VecDeque::new(),
@@ -121,7 +123,7 @@ impl SimulatedTracker {
     pub fn clear_faults(&mut self) {
         self.model_changed |= self.has(TrackerFault::BodyGone);
         self.faults.clear();
-        (self.held, self.frozen, self.frozen_stamp_s) = (None, None, None);
+        (self.held, self.frozen, self.frozen_tip, self.frozen_stamp_s) = (None, None, None, None);
     }
 
     /// Answers requests and sends the frames that are due by `now_s`. The bodies are at `tip` and `base` in Motive's
@@ -188,12 +190,16 @@ impl SimulatedTracker {
         if self.has(TrackerFault::Frozen) {
             bodies = self.frozen.get_or_insert(bodies).clone();
         }
-        let mut frame = SyntheticServer::new(self.options.version, CLOCK_HZ).frame(self.number, stamp_s, &bodies);
+        let number = if self.has(TrackerFault::Descending) { self.number.wrapping_neg() } else { self.number };
+        let mut frame = SyntheticServer::new(self.options.version, CLOCK_HZ).frame(number, stamp_s, &bodies);
         if std::mem::take(&mut self.model_changed) {
             frame.params |= MODEL_CHANGED;
         }
         let loss = self.amount(|fault| if let TrackerFault::Loss(share) = fault { Some(*share) } else { None });
-        if self.rng.random::<f64>() < loss.unwrap_or(self.options.loss) {
+        let in_gap = self.faults.iter().any(|fault| {
+            matches!(fault, TrackerFault::Gaps { every_s, lasting_s } if time_s.rem_euclid(*every_s) < *lasting_s)
+        });
+        if self.rng.random::<f64>() < loss.unwrap_or(self.options.loss) || in_gap {
             return;
         }
         if !self.has(TrackerFault::OutOfOrder) {
@@ -207,11 +213,19 @@ impl SimulatedTracker {
     }
 
     fn bodies(&mut self, base: RigidPose, tip: RigidPose) -> Vec<PlannedBody> {
-        let (mut base, mut tip) = (self.noisy(base), self.noisy(tip));
+        let noise_m = self.options.noise_m;
+        let (mut base, mut tip) = (self.noisy(base, noise_m), self.noisy(tip, noise_m));
+        if let Some(m) = self.amount(|fault| if let TrackerFault::FrozenTip(m) = fault { Some(*m) } else { None }) {
+            let frozen = *self.frozen_tip.get_or_insert(tip);
+            (tip, base) = (self.noisy(frozen, m), self.noisy(base, m));
+        }
         tip.position_m[0] +=
             self.amount(|fault| if let TrackerFault::Jump(m) = fault { Some(*m) } else { None }).unwrap_or(0.0);
         if self.has(TrackerFault::NanPose) {
             tip.position_m = [f64::NAN; 3];
+        }
+        if self.has(TrackerFault::ZeroQuaternion) {
+            tip.quaternion = [0.0; 4];
         }
         if self.has(TrackerFault::SwappedBodies) {
             std::mem::swap(&mut base, &mut tip);
@@ -228,9 +242,9 @@ impl SimulatedTracker {
         bodies
     }
 
-    fn noisy(&mut self, mut pose: RigidPose) -> RigidPose {
-        if self.options.noise_m > 0.0
-            && let Ok(normal) = Normal::new(0.0, self.options.noise_m)
+    fn noisy(&mut self, mut pose: RigidPose, noise_m: f64) -> RigidPose {
+        if noise_m > 0.0
+            && let Ok(normal) = Normal::new(0.0, noise_m)
         {
             pose.position_m.iter_mut().for_each(|value| *value += normal.sample(&mut self.rng));
         }
@@ -238,6 +252,12 @@ impl SimulatedTracker {
     }
 
     fn deliver(&mut self, time_s: f64, frame: FrameOfData) {
+        if let Some(most_s) = self.amount(|fault| if let TrackerFault::Jitter(s) = fault { Some(*s) } else { None }) {
+            let due_s = time_s + most_s * self.rng.random::<f64>();
+            let place = self.late.partition_point(|(earlier_s, _)| *earlier_s <= due_s);
+            self.late.insert(place, (due_s, frame));
+            return;
+        }
         let late_s = self.amount(|fault| if let TrackerFault::Late(s) = fault { Some(*s) } else { None });
         if let Some(late_s) = late_s {
             self.late.push_back((time_s + late_s, frame));
@@ -250,6 +270,9 @@ impl SimulatedTracker {
     }
 
     fn send(&mut self, frame: &FrameOfData) {
+        if self.send_from_same_address(frame) {
+            return;
+        }
         let malformed = self.has(TrackerFault::Malformed);
         let rng = &mut self.rng;
         self.server.send(frame, false, &mut |datagram| {
@@ -260,13 +283,31 @@ impl SimulatedTracker {
         if self.has(TrackerFault::SecondServer) {
             let mut other = frame.clone();
             other.frame_number = other.frame_number.wrapping_add(SECOND_SERVER_FRAMES);
-            other.rigid_bodies.iter_mut().for_each(|body| {
-                if body.id == self.options.tip.1 {
-                    body.position[0] += SECOND_SERVER_M as f32;
-                }
-            });
+            self.displace_tip(&mut other);
             self.server.send(&other, true, &mut |_| {});
         }
+    }
+}
+
+impl SimulatedTracker {
+    /// Sends the frame of a second server at the same address and port, if there is one; true if it is alone.
+    fn send_from_same_address(&mut self, frame: &FrameOfData) -> bool {
+        let second = self.faults.iter().find_map(|fault| match *fault {
+            TrackerFault::SameAddress { frames, clock_s, alone } => Some((frames, clock_s, alone)),
+            _ => None,
+        });
+        let Some((frames, clock_s, alone)) = second else { return false };
+        let mut other = frame.clone();
+        other.frame_number = other.frame_number.wrapping_add(frames);
+        other.timing.timestamp += clock_s;
+        self.displace_tip(&mut other);
+        self.server.send(&other, false, &mut |_| {});
+        alone
+    }
+
+    fn displace_tip(&self, frame: &mut FrameOfData) {
+        let tips = frame.rigid_bodies.iter_mut().filter(|body| body.id == self.options.tip.1);
+        tips.for_each(|body| body.position[0] += SECOND_SERVER_M as f32);
     }
 }
 

@@ -86,6 +86,31 @@ pub enum TrackerFault {
     Silent,
     /// Numbers and stamps advance, the poses are frozen.
     Frozen,
+    /// The tip's pose is frozen, with noise of this standard deviation per axis, metres; the base goes on.
+    FrozenTip(f64),
+    /// A second server at the same address and port sends other poses, with these offsets of its count, frames, and of its
+    /// clock, s; `alone` once the first one is silent.
+    SameAddress {
+        /// Frame numbers of the second server minus those of the first one.
+        frames: i32,
+        /// Its clock minus that of the first one, s.
+        clock_s: f64,
+        /// Whether the first server is silent.
+        alone: bool,
+    },
+    /// Frames are delayed by random times up to this one, s, and sent as they become due.
+    Jitter(f64),
+    /// Frames are lost for a while, again and again.
+    Gaps {
+        /// From the beginning of one gap to that of the next, s.
+        every_s: f64,
+        /// Length of each, s.
+        lasting_s: f64,
+    },
+    /// Frame numbers descend.
+    Descending,
+    /// The tip's quaternion is zero.
+    ZeroQuaternion,
     /// Numbers and poses advance, the stamps are frozen.
     FrozenClock,
     /// The tip's position is not a number.

@@ -278,7 +278,8 @@ fn wrong_settings() {
         let bench = Bench::new(ControllerOptions::default());
         bench.inject(ControllerFault::WrongSettings(number, value.to_owned()));
         let found = bench.open_with(&MotionSettings::default()).map(|_| ()).unwrap_err();
-        assert!(matches!(found, MotionFault::WrongSetting { number: named, .. } if named == number), "{found}");
+        let MotionFault::WrongSettings(wrong) = &found else { panic!("{found}") };
+        assert!(wrong.len() == 1 && wrong[0].number == number, "{found}");
         let text = found.to_string();
         assert!(text.contains(&format!("${number} (")) && text.contains(value) && text.contains("expected"), "{text}");
     }

@@ -4,6 +4,7 @@ mod bench;
 mod faults;
 mod gate;
 mod others;
+mod resuming;
 mod terminal;
 mod transcripts;
 

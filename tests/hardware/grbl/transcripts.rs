@@ -196,11 +196,7 @@ fn errors_repeat_and_carriage_returns_are_lines() {
 
 #[test]
 fn a_reset_after_a_hold_keeps_the_position() {
-    compare("transcript_g1_hold_then_reset.txt", robot(), None, |theirs| {
-        // How long it slows down is a matter of time.
-        let slowing = place(theirs, "Hold (decelerating)", 0);
-        theirs[slowing + 1] = "Hold (standing)".to_owned();
-    });
+    compare("transcript_g1_hold_then_reset.txt", robot(), None, as_it_is);
 }
 
 #[test]

@@ -56,6 +56,22 @@ fn a_turned_and_shifted_tracker_is_found() {
     assert!(apart.translation.vector.norm() < 0.01 && apart.rotation.angle() < 0.05, "{apart:?}");
 }
 
+/// A robot that bends further than the model in the same directions: the ratio is said, and the frame found.
+#[test]
+fn a_robot_that_bends_further_is_aligned_and_the_ratio_is_said() {
+    let bench = Bench::new();
+    put_plant(&bench, &format!("{ROOT}/models/nominal.yaml"));
+    let nominal = std::fs::read_to_string(format!("{ROOT}/models/nominal.yaml")).unwrap();
+    bench.put("stiff.yaml", &nominal.replace("2.33e9", "6e9"));
+    let plant = bench.text("plant.yaml").replacen(&format!("{ROOT}/models/nominal.yaml"), "stiff.yaml", 1);
+    bench.put("plant.yaml", &plant);
+    let ended = bench.run("align --plant plant.yaml --move --out aligned.yaml");
+    ended.is(0, &["the robot bends 1.7", "times as far as the model; directions agree within", "then align again"]);
+    let apart = hidden().motion().inv_mul(&alignment(&bench.path("aligned.yaml")).motion());
+    let (m, rad) = (apart.translation.vector.norm(), apart.rotation.angle());
+    assert!(m < 0.005 && rad < 0.05, "{m} m, {rad} rad: {}", ended.said);
+}
+
 #[test]
 fn points_that_determine_nothing_are_refused() {
     let bench = Bench::new();

@@ -2,7 +2,7 @@
 //! tracker on UDP in another one, or in rehearsals.
 
 mod align;
-mod bench;
+pub(crate) mod bench;
 mod collect;
 mod doctor;
 mod ends;

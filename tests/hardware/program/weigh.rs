@@ -61,7 +61,10 @@ fn a_session_waits_for_hands() {
     let mut served = bench.serve("plant.yaml", "served.yaml");
     bench.put("poses.csv", "trial,time_s,tendon_1_m,tendon_2_m,tendon_3_m,tendon_4_m\n0,0,0.01,0,-0.01,0\n");
     // Those of a real robot: hidden for so long, it would be stopped if it were not parked.
-    let quick = bench.text("served.yaml").replace("hold_stop_s: 10.0", "hold_stop_s: 0.4");
+    let quick = bench
+        .text("served.yaml")
+        .replace("hold_stop_s: 10.0", "hold_stop_s: 0.4")
+        .replace("timeout_s: 10.0\n", "timeout_s: 5.0\n");
     bench.put("served.yaml", &quick.replace("tracking_hold_s: 5.0", "tracking_hold_s: 0.6"));
     let weigh = "weigh --plant served.yaml --weights 0,0.05,0.02 --poses poses.csv --rest-steps 3 --out out.csv";
     bench.run(weigh).is(1, &["stdin closed while waiting for the operator: trial 1: hang 50.0 g on the tip"]);
