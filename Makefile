@@ -3,7 +3,7 @@
 SHELL := bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build reproduce check test bench blind campaign peers scaling verify
+.PHONY: help build reproduce check test bench blind campaign peers scaling real verify
 
 # Repetitions of every experiment, data and training included. Claims need ten; SEEDS=1 takes minutes.
 SEEDS ?= 10
@@ -83,6 +83,14 @@ peers: build ## other simulators on the same robots, time against accuracy: resu
 scaling: build ## runs on one and two threads, and a cluster on paper: results/scaling, plots/scaling (docs/scaling.md)
 	cargo bench --bench scaling
 	$(SPINEBENCH) page docs/scaling.md
+
+# Files that others published, which are not part of this repository; benches/real/sources.py says where they are.
+REAL_DATA ?= ../shared/recordings
+real: ## models of four published robots from REAL_DATA (5 minutes): models/real, results/real, plots/real (docs/real_robots.md)
+	@python3 -B benches/real/real.py --check $(REAL_DATA)
+	@$(MAKE) --no-print-directory build
+	python3 -B benches/real/real.py $(REAL_DATA) target/release/spinebench
+	$(SPINEBENCH) page docs/real_robots.md
 
 verify: build ## rerun from nothing what `reproduce` makes and compare with the published results/ and plots/, byte for byte
 	$(SPINEBENCH) verify $(notdir $(basename $(SPECS))) discovery

@@ -281,7 +281,10 @@ fn every_shipped_model_reads_settles_and_survives_a_round_trip() {
     let folder = tempfile::tempdir().unwrap();
     let models = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("models");
     let mut count = 0;
-    for file in std::fs::read_dir(models).unwrap().flatten().map(|entry| entry.path()) {
+    let folders = [models.clone(), models.join("real")];
+    let paths =
+        folders.iter().flat_map(|folder| std::fs::read_dir(folder).unwrap().flatten().map(|entry| entry.path()));
+    for file in paths.filter(|path| path.is_file()) {
         let model = read_model(&file).unwrap_or_else(|error| panic!("{error}"));
         let again = folder.path().join("again.yaml");
         std::fs::write(&again, model_text(&model).unwrap()).unwrap();
@@ -291,5 +294,5 @@ fn every_shipped_model_reads_settles_and_survives_a_round_trip() {
         assert_eq!(rod.settle(&drives), SolveStatus::Converged, "{}", file.display());
         count += 1;
     }
-    assert!(count >= 7, "{count}");
+    assert!(count >= 11, "{count}");
 }

@@ -9,6 +9,7 @@ mod discover;
 mod editors;
 mod extending;
 mod page;
+mod real;
 mod run;
 mod simulate;
 mod slurm;

@@ -1,0 +1,115 @@
+"""`make real`: calibrates models of four published robots with `spinebench` and publishes models, results and figures.
+
+Usage: python3 benches/real/real.py DATA PROGRAM   (from the root of the repository)
+       python3 benches/real/real.py --check DATA
+
+DATA holds the measured files (sources.py says which). Recordings and reports are written to target/real; what is published,
+models/real, results/real and plots/real, is written at the end, when every robot has succeeded. Needs nothing but Python 3.
+"""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import sources
+import tables
+from robots import ROBOTS
+
+WORK = Path("target/real")
+#: Parts of a report that are published. residuals.csv holds measured positions and stays out.
+TABLES = ("calibration.json", "numbers.csv", "residual_groups.csv", "stages.csv", "trade_offs.csv")
+
+
+def run(program, *arguments):
+    """Runs a command of spinebench and returns what it prints."""
+    words = [str(word) for word in (program, *arguments)]
+    print("spinebench", *words[1:], flush=True)
+    done = subprocess.run(words, stdout=subprocess.PIPE, text=True, check=False)
+    if done.returncode != 0:
+        sys.exit(done.returncode)
+    return done.stdout
+
+
+def command(robot):
+    """Arguments of the calibration of a robot."""
+    files = ["--model", WORK / f"{robot.name}_start.yaml", "--measured", WORK / f"{robot.name}.csv"]
+    return ["calibrate", *files, *robot.options, "--out", WORK / f"{robot.name}.yaml", "--report", WORK / robot.name]
+
+
+def calibrate(robot, data, program):
+    """Recording, calibration and simulation of a robot, into WORK."""
+    robot.prepare(data, WORK)
+    said = run(program, *command(robot))
+    (WORK / f"{robot.name}.txt").write_text(said, encoding="utf-8")
+    simulated = WORK / f"{robot.name}_simulated.csv"
+    rows = ["--commands", WORK / f"{robot.name}.csv", "--out", simulated]
+    run(program, "simulate", "--static", "--model", WORK / f"{robot.name}.yaml", *rows)
+
+
+def header(robot):
+    """Comment above a calibrated model."""
+    source = sources.SOURCES[robot.name]
+    words = " ".join(f"'{word}'" if set("*,~[") & set(str(word)) else str(word) for word in command(robot))
+    return (
+        f"# {robot.title}, calibrated by `make real` (docs/real_robots.md) from a recording that others published:\n"
+        f"# {source.words()}.\n"
+        f"# spinebench {words}\n"
+        "# The recording and the model to start from are made by benches/real.\n"
+    )
+
+
+def errors(robot, found):
+    """Errors of the positions that were held out, or of all that were fitted where the error is cross-validated."""
+    names = set(found["held_out"]["names"])
+    if not names:
+        return tables.fitted_errors(tables.read(WORK / robot.name / "residuals.csv"))
+    measured = tables.read(WORK / f"{robot.name}.csv")
+    simulated = tables.read(WORK / f"{robot.name}_simulated.csv")
+    return tables.errors(measured, simulated, names.__contains__)
+
+
+def publish(robot):
+    """Model, tables and figures of a robot; its row of the summary."""
+    found = tables.findings(WORK / robot.name)
+    model = header(robot) + (WORK / f"{robot.name}.yaml").read_text(encoding="utf-8")
+    Path(f"models/real/{robot.name}.yaml").write_text(model, encoding="utf-8")
+    results = Path("results/real") / robot.name
+    shutil.rmtree(results, ignore_errors=True)
+    results.mkdir(parents=True)
+    for name in TABLES:
+        if (WORK / robot.name / name).is_file():
+            shutil.copyfile(WORK / robot.name / name, results / name)
+    where = tables.groups(errors(robot, found))
+    tables.write_csv(results / "where.csv", where)
+    (results / "where.md").write_text(tables.where_page(where), encoding="utf-8")
+    (results / "held_out.md").write_text(tables.points_page(found), encoding="utf-8")
+    numbers = tables.numbers_page(tables.read(results / "numbers.csv"))
+    (results / "numbers.md").write_text(numbers, encoding="utf-8")
+    for figure in ("errors", "map"):
+        for end in ("png", "svg"):
+            shutil.copyfile(WORK / robot.name / f"{figure}.{end}", f"plots/real/{robot.name}_{figure}.{end}")
+    return tables.summary_row(robot, found)
+
+
+def main():
+    """All robots."""
+    if sys.argv[1:2] == ["--check"]:
+        sources.check(sys.argv[2])
+        return
+    data, program = sys.argv[1:3]
+    sources.check(data)
+    WORK.mkdir(parents=True, exist_ok=True)
+    for robot in ROBOTS:
+        calibrate(robot, data, program)
+    for folder in ("models/real", "results/real", "plots/real"):
+        Path(folder).mkdir(parents=True, exist_ok=True)
+    rows = [publish(robot) for robot in ROBOTS]
+    tables.write_csv(Path("results/real/summary.csv"), rows)
+    page = tables.summary_page(rows)
+    Path("results/real/summary.md").write_text(page, encoding="utf-8")
+    print(page)
+
+
+if __name__ == "__main__":
+    main()
