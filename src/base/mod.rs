@@ -5,10 +5,12 @@ mod option;
 mod rows;
 mod seed;
 pub mod series;
+mod tendon_layout;
 mod traits;
 
 pub use observation::{Displacements, Observation, Point3, SeenPoint, distance_m};
 pub use option::BadOption;
 pub use rows::Rows;
 pub use seed::{Generator, Seed};
+pub use tendon_layout::{PlacedTendon, TendonLayout};
 pub use traits::{Action, Plant, PlantError, Policy, PolicyError, TendonCommand};

@@ -2,6 +2,7 @@
 
 use super::observation::{Displacements, Observation, Point3};
 use super::seed::Seed;
+use super::tendon_layout::TendonLayout;
 
 /// Command to one tendon.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +43,10 @@ pub trait Plant: Send {
     /// Names of the tracked points besides the tip; their order is that of [`Observation::points`].
     fn points(&self) -> Vec<String> {
         Vec::new()
+    }
+    /// Which tendons bend which part, and where they lie; evenly around one segment where a plant does not know better.
+    fn tendon_layout(&self) -> TendonLayout {
+        TendonLayout::ring(self.tendons())
     }
     /// Duration of one step, seconds.
     fn step_s(&self) -> f64;

@@ -87,7 +87,7 @@ table_rows! {
         pub seed: u64,
         /// Sample number.
         pub sample: u64,
-        /// Displacements of the four tendons of the paper's robot, metres.
+        /// Displacements of the first four tendons, metres; empty where the robot has fewer.
         pub tendon_1_m: f64,
         /// Displacement, metres.
         pub tendon_2_m: f64,
@@ -95,6 +95,10 @@ table_rows! {
         pub tendon_3_m: f64,
         /// Displacement, metres.
         pub tendon_4_m: f64,
+        /// Displacements of further tendons, separated by spaces, metres; the column stands there only for robots with more
+        /// than four.
+        #[serde(default)]
+        pub further_tendons_m: String,
         /// Simulated tip, metres.
         pub sim_x_m: f64,
         /// Simulated tip, metres.

@@ -15,6 +15,9 @@ use super::{DataError, write_atomic};
 /// Significant digits of a published number: a nanometre in a metre.
 pub const SIGNIFICANT_DIGITS: usize = 9;
 
+/// Beginning of the names of columns that are left out where all their cells are empty.
+const FURTHER: &str = "further_";
+
 /// `value` rounded to `digits` significant decimal digits.
 pub fn round_significant(value: f64, digits: usize) -> f64 {
     if !value.is_finite() || value == 0.0 {
@@ -45,7 +48,12 @@ pub fn to_csv_beside<R: Serialize>(name: &Path, beside: &[Beside], rows: &[R]) -
     }
     let fields = rows.iter().map(fields_of).collect::<Result<Vec<_>, _>>();
     let fields = fields.map_err(|error| refused(error.to_string()))?;
-    let columns = (0..fields[0].len()).map(|index| {
+    // What only some robots have is no column of the others' tables. Stored rows keep every field.
+    let said = |index: &usize| {
+        let empty = |cell: &FieldValue| *cell == FieldValue::Missing || *cell == FieldValue::Text(String::new());
+        !(fields[0][*index].0.starts_with(FURTHER) && fields.iter().all(|row| empty(&row[*index].1)))
+    };
+    let columns = (0..fields[0].len()).filter(said).map(|index| {
         let name = fields[0][index].0;
         let cells = fields.iter().map(|row| &row[index].1);
         column(cells).map(|cells| (name.to_owned(), cells)).ok_or_else(|| format!("column `{name}` mixes kinds"))

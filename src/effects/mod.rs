@@ -21,7 +21,7 @@ use crate::base::{BadOption, Observation};
 use crate::rod::RodParams;
 
 pub use driven_model::DrivenModel;
-pub use model::{Model, check_effects};
+pub use model::{Model, check_effect_units, check_effects};
 pub use model_parameter::{ModelParameter, ParameterError, Variable};
 pub use perturbation::VariationError;
 pub use replay::{ReplayError, Replayed, Trial, replay};

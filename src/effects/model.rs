@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
-use super::{Effect, EffectSpec, Robot, TendonDrive, Tracking, check_drives};
+use super::robot::units::{ANGLE, COMPLIANCE, FORCE, MASS, SHIFT};
+use super::{Effect, EffectSpec, Robot, Seek, TendonDrive, Tracking, check_drives};
 use crate::base::BadOption;
 use crate::rod::RodParams;
 
@@ -42,6 +44,19 @@ impl Model {
             .map_err(|(index, name, error)| (format!("effects[{index}].{name}"), error))
     }
 
+    /// Refuses numbers that no robot has, as a wrong unit makes them. Only what somebody has written is held to these
+    /// bounds: a fit may cross them.
+    ///
+    /// # Errors
+    /// As [`Model::check`].
+    pub fn check_units(&self) -> Result<(), (String, BadOption)> {
+        self.robot.check_units().map_err(|(path, error)| {
+            let dot = if path.is_empty() { "" } else { "." };
+            (format!("robot{dot}{path}"), error)
+        })?;
+        check_effect_units(&self.effects).map_err(|(index, name, error)| (format!("effects[{index}].{name}"), error))
+    }
+
     /// The rod with all effects, then `extra` ones; payloads are applied last.
     pub fn rod(&self, extra: &[EffectSpec]) -> RodParams {
         let mut rod = self.robot.rod();
@@ -54,6 +69,41 @@ impl Model {
     pub fn effects(&self, extra: &[EffectSpec]) -> Vec<Box<dyn Effect>> {
         self.effects.iter().chain(extra).map(EffectSpec::build).collect()
     }
+}
+
+/// Refuses parameters that no robot has, as a wrong unit makes them.
+///
+/// # Errors
+/// As [`check_effects`].
+pub fn check_effect_units(effects: &[EffectSpec]) -> Result<(), (usize, &'static str, BadOption)> {
+    for (index, spec) in effects.iter().enumerate() {
+        let values = serde_json::to_value(spec).unwrap_or_default();
+        let card = spec.card();
+        for parameter in card.parameters {
+            let quantity = match parameter.unit {
+                "kg" => &MASS,
+                "N" => &FORCE,
+                "m" => &SHIFT,
+                "rad" => &ANGLE,
+                "m/N" => &COMPLIANCE,
+                _ => continue,
+            };
+            // The place of a soft section is on the robot; its own check holds it there.
+            if parameter.seek == Seek::Place {
+                continue;
+            }
+            let key = parameter.vector();
+            let numbers = match &values[card.name][key] {
+                Value::Array(components) => components.iter().filter_map(Value::as_f64).collect(),
+                number => Vec::from_iter(number.as_f64()),
+            };
+            numbers
+                .into_iter()
+                .try_for_each(|number| quantity.check(key, number))
+                .map_err(|error| (index, card.name, error))?;
+        }
+    }
+    Ok(())
 }
 
 /// Refuses parameters out of range and tendon numbers above `tendons`.

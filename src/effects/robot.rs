@@ -5,6 +5,7 @@ mod disks;
 mod loads;
 mod per_tendon;
 mod tendons;
+pub(super) mod units;
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -16,7 +17,7 @@ pub use per_tendon::PerTendon;
 pub use tendons::{OffsetPoint, RadiusPoint, Tendons};
 
 use super::{finite, non_negative};
-use crate::base::BadOption;
+use crate::base::{BadOption, TendonLayout};
 use crate::rod::{Resolution, RodParams, TipWrench};
 
 /// Upper bound on sections, disks and cells.
@@ -175,6 +176,11 @@ impl Robot {
             at(BadOption::unless_counted(key, count))?;
             at(refuse(count <= MOST_MODES, key, &count, "a whole number from 1 to 50"))
         })
+    }
+
+    /// Which tendons bend which part, and where they lie.
+    pub fn tendon_layout(&self) -> TendonLayout {
+        self.tendons.layout(self.backbone.length_m)
     }
 
     /// The rod without effects.

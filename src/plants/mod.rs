@@ -11,7 +11,7 @@ pub use hardware::{Hardware, HardwareOptions};
 pub use replay::{Replay, ReplayOptions};
 pub use simulated::{Simulated, SimulatedOptions, SimulatedSpec};
 
-use crate::base::{BadOption, Plant};
+use crate::base::{BadOption, Plant, TendonLayout};
 use crate::effects::{DriveGains, EffectSpec};
 
 /// What a kind of plant states about itself: the options that a spec gives it, and what follows from them.
@@ -32,6 +32,11 @@ pub trait PlantOptions: Clone + PartialEq + Serialize + for<'de> Deserialize<'de
 
     /// Number of tendons.
     fn tendons(&self) -> usize;
+
+    /// Which tendons bend which part, and where they lie.
+    fn tendon_layout(&self) -> TendonLayout {
+        TendonLayout::ring(self.tendons())
+    }
 
     /// The robot, moving in steps of `step_s` seconds.
     ///
@@ -127,6 +132,11 @@ macro_rules! plants {
             /// Number of tendons.
             pub fn tendons(&self) -> usize {
                 match self { $(PlantSpec::$variant(options) => options.tendons()),* }
+            }
+
+            /// Which tendons bend which part, and where they lie.
+            pub fn tendon_layout(&self) -> TendonLayout {
+                match self { $(PlantSpec::$variant(options) => options.tendon_layout()),* }
             }
 
             /// The tendons of each drive by its name, where commands are those of drives.

@@ -6,7 +6,7 @@ use rand_distr::{Distribution, Normal};
 use serde::{Deserialize, Serialize};
 
 use super::PlantOptions;
-use crate::base::{BadOption, Generator, Observation, Plant, PlantError, Seed, TendonCommand};
+use crate::base::{BadOption, Generator, Observation, Plant, PlantError, Seed, TendonCommand, TendonLayout};
 use crate::effects::{DriveGains, DrivenModel, EffectSpec, Model, Variable, VariationError};
 use crate::rod::{PoseRates, Rod, RodParams, TipWrench};
 
@@ -58,6 +58,9 @@ pub struct SimulatedSpec {
     pub travel_m: f64,
 }
 
+/// Tracking noise above this indicates a wrong unit, metres.
+const MOST_NOISE_M: f64 = 0.05;
+
 fn travel_m() -> f64 {
     SimulatedOptions::default().travel_m
 }
@@ -74,11 +77,20 @@ impl PlantOptions for SimulatedSpec {
 
     fn check(&self) -> Result<(), (String, BadOption)> {
         self.options(1.0).check().map_err(|error| (String::new(), error))?;
-        self.model.check().map_err(|(path, error)| (format!("model.{path}"), error))
+        if self.noise_m > MOST_NOISE_M {
+            let found = format!("{} (if that is in mm, write {} m)", self.noise_m, self.noise_m * 1e-3);
+            let expected = "0 to 0.05, in metres of tracking noise";
+            return Err((String::new(), BadOption { key: "noise_m", found, expected }));
+        }
+        self.model.check_units().and_then(|()| self.model.check()).map_err(|(path, error)| (format!("model.{path}"), error))
     }
 
     fn tendons(&self) -> usize {
         self.model.robot.tendons.angles_deg.len()
+    }
+
+    fn tendon_layout(&self) -> TendonLayout {
+        self.model.robot.tendon_layout()
     }
 
     fn drive_gains(&self) -> BTreeMap<String, DriveGains> {
@@ -120,6 +132,7 @@ pub struct Simulated {
     point_noise: Generator,
     /// Names of the tracked points.
     points: Vec<String>,
+    layout: TendonLayout,
 }
 
 impl Simulated {
@@ -145,7 +158,7 @@ impl Simulated {
 
     fn of(driven: DrivenModel, model: &Model, options: SimulatedOptions) -> Simulated {
         let [noise, point_noise] = [Seed(0).rng(), Seed(0).rng()];
-        Simulated { driven, options, time_s: 0.0, noise, point_noise, points: model.tracking.names() }
+        Simulated { driven, options, time_s: 0.0, noise, point_noise, points: model.tracking.names(), layout: model.robot.tendon_layout() }
     }
 
     /// The rod itself, for its shape, tensions and energy.
@@ -257,6 +270,10 @@ impl Simulated {
 impl Plant for Simulated {
     fn tendons(&self) -> usize {
         self.rod().params().tendons.len()
+    }
+
+    fn tendon_layout(&self) -> TendonLayout {
+        self.layout.clone()
     }
 
     fn points(&self) -> Vec<String> {

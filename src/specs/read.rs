@@ -18,6 +18,8 @@ use std::path::{Path, PathBuf};
 pub fn read_model(file: &Path) -> Result<Model, SpecError> {
     let document = Document::read(file, &[], &[])?;
     let model = document.parse::<Model>()?;
+    // A wrong unit first: other numbers are judged against it.
+    model.check_units().map_err(|(path, error)| refusal(&document, &path, &error))?;
     model.check().map_err(|(path, error)| refusal(&document, &path, &error))?;
     Ok(model)
 }

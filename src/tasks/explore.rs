@@ -4,7 +4,7 @@
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
-use super::actuation::{bend_commands, check_pairs};
+use super::actuation::BendMap;
 use super::retry_lost_frames::RetryLostFrames;
 use super::{TaskError, Transitions};
 use crate::base::{BadOption, Plant, Seed};
@@ -47,11 +47,11 @@ impl ExploreOptions {
         BadOption::unless_positive("max_pull_m", self.max_pull_m)?;
         if self.max_step_m > self.max_pull_m {
             let found = self.max_step_m.to_string();
-            return Err(BadOption { key: "max_step_m", found, expected: "at most max_pull_m" });
+            return Err(BadOption { key: "max_step_m", found, expected: "at most `max_pull_m`" });
         }
         if self.trajectories > self.points {
             let found = self.trajectories.to_string();
-            return Err(BadOption { key: "trajectories", found, expected: "at most points" });
+            return Err(BadOption { key: "trajectories", found, expected: "at most `points`" });
         }
         Ok(())
     }
@@ -76,7 +76,7 @@ impl ExploreOptions {
 /// parallel on separate plants and joined by [`Transitions::concat`].
 ///
 /// # Errors
-/// [`TaskError`] for a setting out of range, a plant without two opposite pairs of tendons, or one that fails.
+/// [`TaskError`] for a setting out of range, a plant whose tendons are all on one side, or one that fails.
 pub fn explore_trajectory(
     plant: &mut dyn Plant,
     options: &ExploreOptions,
@@ -84,12 +84,12 @@ pub fn explore_trajectory(
     index: usize,
 ) -> Result<Transitions, TaskError> {
     options.check()?;
-    check_pairs(plant)?;
+    let map = BendMap::of(plant)?;
     let mut plant = RetryLostFrames(plant);
     let seed = seed.child("explore").index(index as u64);
     let mut random = seed.child("walk").rng();
     let mut tip_m = plant.reset(seed.child("plant"))?.tip_m;
-    let mut bend_m = [0.0_f64; 2];
+    let mut bend_m = map.straight();
     let mut samples = Transitions::begin(plant.tendons());
     for _ in 0..options.share(index) {
         for value_m in &mut bend_m {
@@ -97,7 +97,7 @@ pub fn explore_trajectory(
             let next_m = *value_m + change_m;
             *value_m = if next_m.abs() > options.max_pull_m { *value_m - change_m } else { next_m };
         }
-        let after = plant.drive(&bend_commands(bend_m))?;
+        let after = plant.drive(&map.commands(&bend_m))?;
         samples.push(&tip_m, &after);
         tip_m = after.tip_m;
     }

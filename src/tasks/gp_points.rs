@@ -4,7 +4,7 @@
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
-use super::actuation::{Bend, GridOptions, bend_commands, check_pairs, drive_to};
+use super::actuation::{BendMap, GridOptions, drive_to};
 use super::explore::{ExploreOptions, explore_trajectory};
 use super::retry_lost_frames::RetryLostFrames;
 use super::{TaskError, Transitions};
@@ -117,7 +117,7 @@ impl GpPool {
 /// The training data of eq. (20): the same commands on model and robot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GpPoints {
-    /// Displacements (metres) and simulated tip (metres): (L_1 … L_4, p_sim), seven columns.
+    /// Displacements (metres) and simulated tip (metres): (L_1 … L_n, p_sim), three columns more than tendons.
     pub inputs: Rows,
     /// Measured tip p_exp, metres, three columns.
     pub real_m: Rows,
@@ -177,17 +177,18 @@ pub fn gp_points(
 }
 
 fn visit_grid(model: &mut dyn Plant, grid: &GridOptions, hold_steps: usize, seed: Seed) -> Result<Visited, TaskError> {
-    check_pairs(model)?;
+    let map = BendMap::of(model)?;
+    let tendons = model.tendons();
     let mut model = RetryLostFrames(model);
     let start = model.reset(seed.child("model"))?;
-    let mut recorder = Recorder { plant: &mut model, tip_m: start.tip_m, steps: Transitions::begin(4) };
-    let mut bend_m: Bend = [0.0; 2];
+    let mut recorder = Recorder { plant: &mut model, tip_m: start.tip_m, steps: Transitions::begin(tendons) };
+    let mut bend_m = map.straight();
     let mut kept = Vec::with_capacity(grid.rows * grid.columns);
-    for point_m in grid.points_m() {
-        let moved = drive_to(&mut recorder, &mut bend_m, point_m, grid.max_step_m)?;
+    for point_m in grid.bends_m(&map) {
+        let moved = drive_to(&mut recorder, &map, &mut bend_m, point_m, grid.max_step_m)?;
         // A point at which the robot already is gets one step in place before it is measured.
         for _ in 0..hold_steps + usize::from(moved.is_none()) {
-            recorder.drive(&bend_commands(bend_m))?;
+            recorder.drive(&map.commands(&bend_m))?;
         }
         kept.push(recorder.steps.len() - 1);
     }

@@ -17,7 +17,7 @@ mod targets;
 mod track;
 mod transitions;
 
-pub use actuation::{GridOptions, bend_commands};
+pub use actuation::{BendMap, GridOptions, bend_commands};
 pub use corrected_samples::correct_samples;
 pub use explore::{ExploreOptions, explore, explore_trajectory, replay, replay_trajectory};
 pub use gp_points::{GpPoints, GpPointsOptions, GpPool, PointLayout, SimulatedBy, gp_points, one_of_each_cluster};

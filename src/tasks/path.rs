@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::TaskError;
-use super::actuation::{Bend, check_pairs, drive_to};
+use super::actuation::{BendMap, drive_to};
 use super::retry_lost_frames::RetryLostFrames;
 use crate::base::{BadOption, Plant, Point3, Seed, distance_m};
 
@@ -67,7 +67,7 @@ impl PathOptions {
         Ok(())
     }
 
-    fn bend_m(&self, index: usize) -> Bend {
+    fn bend_m(&self, index: usize) -> [f64; 2] {
         let angle = std::f64::consts::TAU * index as f64 / self.points as f64;
         let radius_m = self.radius_m * (1.0 + self.petal_share * (f64::from(self.petals) * angle).cos());
         [radius_m * angle.cos(), radius_m * angle.sin()]
@@ -80,17 +80,19 @@ impl PathOptions {
 /// [`TaskError`] for a setting out of range or a plant that fails.
 pub fn waypoints(robot: &mut dyn Plant, options: &PathOptions, seed: Seed) -> Result<Vec<Point3>, TaskError> {
     options.check()?;
-    check_pairs(robot)?;
+    let map = BendMap::of(robot)?;
     let mut robot = RetryLostFrames(robot);
     let mut tip_m = robot.reset(seed.child("path"))?.tip_m;
-    let mut bend_m: Bend = [0.0; 2];
+    let mut bend_m = map.straight();
     let mut points = Vec::with_capacity(options.points);
     for index in 0..options.points {
-        if let Some(seen) = drive_to(&mut robot, &mut bend_m, options.bend_m(index), options.max_step_m)? {
+        if let Some(seen) =
+            drive_to(&mut robot, &map, &mut bend_m, map.everywhere(options.bend_m(index)), options.max_step_m)?
+        {
             tip_m = seen.tip_m;
         }
         for _ in 0..options.hold_steps {
-            tip_m = robot.drive(&super::bend_commands(bend_m))?.tip_m;
+            tip_m = robot.drive(&map.commands(&bend_m))?.tip_m;
         }
         points.push(tip_m);
     }

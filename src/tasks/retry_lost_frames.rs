@@ -1,6 +1,6 @@
 //! Recordings for learning have a tip in every row: a step in which tracking lost the tip is repeated.
 
-use crate::base::{Observation, Plant, PlantError, Seed, TendonCommand};
+use crate::base::{Observation, Plant, PlantError, Seed, TendonCommand, TendonLayout};
 
 /// Steps for which a command is held once more, 2 s at the usual 0.2 s: markers are hidden briefly. A real robot
 /// without tracking for longer is stopped by its guard.
@@ -27,6 +27,10 @@ impl RetryLostFrames<'_> {
 impl Plant for RetryLostFrames<'_> {
     fn tendons(&self) -> usize {
         self.0.tendons()
+    }
+
+    fn tendon_layout(&self) -> TendonLayout {
+        self.0.tendon_layout()
     }
 
     fn points(&self) -> Vec<String> {

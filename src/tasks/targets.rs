@@ -5,7 +5,7 @@ use rand::seq::SliceRandom;
 use serde::{Deserialize, Serialize};
 
 use super::TaskError;
-use super::actuation::{Bend, GridOptions, check_pairs, drive_to};
+use super::actuation::{BendMap, GridOptions, drive_to};
 use super::retry_lost_frames::RetryLostFrames;
 use crate::base::{BadOption, Plant, Point3, Seed};
 
@@ -38,10 +38,11 @@ impl TargetOptions {
         self.sweep.check()?;
         BadOption::unless_counted("drawn", self.drawn)?;
         if self.drawn > self.pool {
-            return Err(BadOption { key: "drawn", found: self.drawn.to_string(), expected: "at most pool" });
+            return Err(BadOption { key: "drawn", found: self.drawn.to_string(), expected: "at most `pool`" });
         }
-        if self.pool > self.sweep.rows * self.sweep.columns {
-            let found = self.pool.to_string();
+        let nodes = self.sweep.rows * self.sweep.columns;
+        if self.pool > nodes {
+            let found = format!("{} for a sweep of {nodes} nodes", self.pool);
             return Err(BadOption { key: "pool", found, expected: "at most the nodes of the sweep" });
         }
         Ok(())
@@ -55,13 +56,13 @@ impl TargetOptions {
 /// [`TaskError`] for a setting out of range, a pool larger than the sweep, or a plant that fails.
 pub fn target_pool(robot: &mut dyn Plant, options: &TargetOptions, seed: Seed) -> Result<Vec<Point3>, TaskError> {
     options.check()?;
-    check_pairs(robot)?;
+    let map = BendMap::of(robot)?;
     let mut robot = RetryLostFrames(robot);
     let mut tip_m = robot.reset(seed.child("target_pool"))?.tip_m;
-    let mut bend_m: Bend = [0.0; 2];
+    let mut bend_m = map.straight();
     let mut candidates = Vec::with_capacity(options.sweep.rows * options.sweep.columns);
-    for point_m in options.sweep.points_m() {
-        if let Some(seen) = drive_to(&mut robot, &mut bend_m, point_m, options.sweep.max_step_m)? {
+    for point_m in options.sweep.bends_m(&map) {
+        if let Some(seen) = drive_to(&mut robot, &map, &mut bend_m, point_m, options.sweep.max_step_m)? {
             tip_m = seen.tip_m;
         }
         candidates.push(tip_m);

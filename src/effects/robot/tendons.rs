@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Checked, MOST_PARTS, PerTendon, at, refuse};
-use crate::base::BadOption;
+use crate::base::{BadOption, PlacedTendon, TendonLayout};
 use crate::effects::{finite, non_negative};
 use crate::rod::{PathPoint, Tendon, TendonPath};
 
@@ -120,6 +120,33 @@ impl Tendons {
             }
         }
         Ok(())
+    }
+
+    /// The tendons by where they end, from base to tip.
+    pub(super) fn layout(&self, length_m: f64) -> TendonLayout {
+        let mut ends_m: Vec<f64> = (0..self.angles_deg.len()).map(|i| self.end_m(i, length_m)).collect();
+        ends_m.sort_by(f64::total_cmp);
+        ends_m.dedup_by(|a, b| (*a - *b).abs() < 1e-6 * length_m);
+        let ending = |end_m: f64| {
+            let here = |&i: &usize| (self.end_m(i, length_m) - end_m).abs() < 1e-6 * length_m;
+            let placed = |tendon| PlacedTendon { tendon, angle_deg: self.angle_deg(tendon) };
+            (0..self.angles_deg.len()).filter(here).map(placed).collect()
+        };
+        TendonLayout { segments: ends_m.into_iter().map(ending).collect() }
+    }
+
+    /// Angle at which a tendon starts, degrees.
+    fn angle_deg(&self, i: usize) -> f64 {
+        let own = self.paths.as_ref().and_then(|paths| paths[i].first());
+        own.map_or(self.angles_deg[i], |point| point.y_m.atan2(point.x_m).to_degrees())
+    }
+
+    /// Largest distance of a tendon from the backbone, metres.
+    pub(super) fn widest_m(&self) -> f64 {
+        let profile = self.profile.iter().map(|point| point.radius_m.abs());
+        let paths = self.paths.iter().flatten().flatten().map(|point| point.x_m.hypot(point.y_m));
+        let radii = self.radii_m.iter().flatten().copied();
+        std::iter::once(self.radius_m).chain(radii).chain(profile).chain(paths).fold(0.0, f64::max)
     }
 
     fn start_m(&self, i: usize) -> f64 {

@@ -1,6 +1,7 @@
 //! Model and robot side by side.
 
 use crate::data::rows::GapRow;
+use crate::data::tables::{SIGNIFICANT_DIGITS, round_significant};
 use crate::runner::stage::{Handle, Stage, StageKind};
 use crate::tasks::Transitions;
 
@@ -8,9 +9,6 @@ use crate::tasks::Transitions;
 pub(in crate::runner) const GAP: Stage<usize, (Handle<Transitions>, Handle<Transitions>), Vec<GapRow>> = Stage {
     kind: StageKind { name: "gap", module: module_path!(), cost_ms: 20 },
     job: |&rows, (model, robot)| {
-        if model.pulls_m.width() != 4 {
-            return Err(format!("{} tendons, the table has 4", model.pulls_m.width()));
-        }
         let rows = rows.min(model.len());
         Ok((0..rows).map(|row| gap_row(model, robot, row * model.len() / rows)).collect())
     },
@@ -18,13 +16,17 @@ pub(in crate::runner) const GAP: Stage<usize, (Handle<Transitions>, Handle<Trans
 
 fn gap_row(model: &Transitions, robot: &Transitions, sample: usize) -> GapRow {
     let (pulls, sim, real) = (model.pulls_m.row(sample), model.to_m.row(sample), robot.to_m.row(sample));
+    let tendon = |index: usize| pulls.get(index).copied().unwrap_or(f64::NAN);
+    let further: Vec<String> =
+        pulls.iter().skip(4).map(|&pull_m| round_significant(pull_m, SIGNIFICANT_DIGITS).to_string()).collect();
     GapRow {
         seed: 0,
         sample: sample as u64,
-        tendon_1_m: pulls[0],
-        tendon_2_m: pulls[1],
-        tendon_3_m: pulls[2],
-        tendon_4_m: pulls[3],
+        tendon_1_m: tendon(0),
+        tendon_2_m: tendon(1),
+        tendon_3_m: tendon(2),
+        tendon_4_m: tendon(3),
+        further_tendons_m: further.join(" "),
         sim_x_m: sim[0],
         sim_y_m: sim[1],
         sim_z_m: sim[2],

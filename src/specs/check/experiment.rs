@@ -1,8 +1,9 @@
 //! Checks of an experiment: ranges, and names and sizes that must agree.
 
 use super::discovery::check_entries;
+use super::named_values::with_values;
 use crate::base::BadOption;
-use crate::effects::check_effects;
+use crate::effects::{check_effect_units, check_effects};
 use crate::learn::LearnError;
 use crate::plants::PlantSpec;
 use crate::policies;
@@ -109,19 +110,30 @@ impl Checker<'_> {
             plant
                 .check()
                 .map_err(|(path, bad)| self.option(&format!("{name}.{path}"), bad.key, &bad.found, bad.expected))?;
-            self.unless(plant.tendons() == 4, &root.key(name), "a robot with four tendons")?;
             let path = root.key(name).key(plant.kind());
+            plant.tendon_layout().check().map_err(|found| {
+                let angles =
+                    ["model", "robot", "tendons", "angles_deg"].iter().fold(path.clone(), |path, key| path.key(key));
+                let at = if self.document.has(&angles) { &angles } else { &path };
+                self.document.refuse(at, PathEnd::Value, found, "tendons on every side, to bend the robot both ways")
+            })?;
             let noise = plant.noise_m().is_none_or(|noise_m| (0.0..=MOST_NOISE_M).contains(&noise_m));
             self.unless(noise, &path.key("noise_m"), "0 to 0.05 m of tracking noise")?;
             let stands = name == "plant" || !plant.drives_hardware();
             self.unless(stands, &root.key(name), &format!("a model, not a `{}` plant", plant.kind()))?;
             plant.travel_m().map_or(Ok(()), |travel_m| self.pulls(name, travel_m))?;
         }
+        let (found, expected) = (spec.plant.tendons(), spec.model.tendons());
+        if found != expected {
+            let expected = format!("{expected}, as many as `model` has: its commands are replayed on the robot");
+            return Err(self.document.refuse(&root.key("plant"), PathEnd::Value, format!("{found} tendons"), expected));
+        }
         for (name, mode) in &spec.modes {
             let path = root.key("modes").key(name).key("effects");
             let allowed = mode.effects.is_empty() || spec.plant.takes_effects();
             self.unless(allowed, &path, "no effects, because the plant is neither `simulated` nor `hardware`")?;
-            check_effects(&mode.effects, spec.plant.tendons()).map_err(|(index, effect, bad)| {
+            let checked = check_effects(&mode.effects, spec.plant.tendons());
+            checked.and_then(|()| check_effect_units(&mode.effects)).map_err(|(index, effect, bad)| {
                 let path = path.item(index).key(effect).key(bad.key);
                 self.document.refuse(&path, PathEnd::Value, bad.found, bad.expected)
             })?;
@@ -158,6 +170,7 @@ impl Checker<'_> {
     fn option(&self, name: &str, key: &str, found: &str, expected: &str) -> SpecError {
         let below = KeyPath::parse(name).unwrap_or_default();
         let path = self.document.find(&below, key, found).unwrap_or_else(|| below.key(key));
+        let expected = with_values(expected, self.experiment, &path);
         self.document.refuse(&path, PathEnd::Value, found.to_owned(), expected)
     }
 

@@ -3,3 +3,4 @@
 mod claims;
 pub(super) mod discovery;
 pub(super) mod experiment;
+mod named_values;

@@ -106,6 +106,7 @@ pub(crate) fn gaps(samples: u64) -> Vec<GapRow> {
             tendon_2_m: 0.02 * b,
             tendon_3_m: -0.02 * a,
             tendon_4_m: -0.02 * b,
+            further_tendons_m: String::new(),
             sim_x_m: sim[0],
             sim_y_m: sim[1],
             sim_z_m: sim[2],

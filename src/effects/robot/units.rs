@@ -1,0 +1,378 @@
+//! Ranges that no robot leaves, and the unit that was likely meant where a number does.
+//!
+//! These bounds catch wrong units; they are orders of magnitude wider than any robot. A fit may cross them: only what
+//! somebody has written is held to them.
+
+use super::{Checked, Robot, at};
+use crate::base::BadOption;
+
+/// A quantity: the range that no robot leaves, the range of most, and other units that people write it in.
+pub(in crate::effects) struct UnitRange {
+    /// Its unit in model files.
+    unit: &'static str,
+    /// Whether it can be negative; the checks of ranges tell of a negative number that cannot.
+    signed: bool,
+    /// The range that no robot leaves, as messages show it.
+    expected: &'static str,
+    /// That range; the magnitude of the number counts.
+    hard: [f64; 2],
+    /// The range of most robots.
+    usual: [f64; 2],
+    /// Other units and how much each is in `unit`, the likeliest first.
+    others: &'static [(&'static str, f64)],
+}
+
+const LENGTHS: &[(&str, f64)] = &[("mm", 1e-3), ("cm", 1e-2), ("µm", 1e-6)];
+const TIMES: &[(&str, f64)] = &[("ms", 1e-3)];
+
+const LENGTH: UnitRange = UnitRange {
+    unit: "m",
+    signed: false,
+    expected: "0.002 to 20, in metres",
+    hard: [2e-3, 20.0],
+    usual: [0.05, 3.0],
+    others: LENGTHS,
+};
+const RADIUS: UnitRange = UnitRange {
+    unit: "m",
+    signed: false,
+    expected: "0.00001 to 0.5, in metres",
+    hard: [1e-5, 0.5],
+    usual: [3e-4, 0.05],
+    others: LENGTHS,
+};
+const TENDON_RADIUS: UnitRange = UnitRange {
+    unit: "m",
+    signed: false,
+    expected: "0.00001 to 1, in metres",
+    hard: [1e-5, 1.0],
+    usual: [1e-3, 0.2],
+    others: LENGTHS,
+};
+const PRETENSION: UnitRange = UnitRange {
+    unit: "m",
+    signed: true,
+    expected: "up to 0.1, in metres of tendon",
+    hard: [0.0, 0.1],
+    usual: [0.0, 0.02],
+    others: LENGTHS,
+};
+const PLACE: UnitRange = UnitRange {
+    unit: "m",
+    signed: true,
+    expected: "up to 50, in metres",
+    hard: [0.0, 50.0],
+    usual: [0.0, 10.0],
+    others: LENGTHS,
+};
+const YOUNGS_MODULUS: UnitRange = UnitRange {
+    unit: "Pa",
+    signed: false,
+    expected: "5e3 to 2e12, in Pa",
+    hard: [5e3, 2e12],
+    usual: [1e5, 3e11],
+    others: &[("GPa", 1e9), ("MPa", 1e6), ("kPa", 1e3)],
+};
+const DENSITY: UnitRange = UnitRange {
+    unit: "kg/m³",
+    signed: false,
+    expected: "0, or 5 to 1e5, in kg/m³",
+    hard: [5.0, 1e5],
+    usual: [50.0, 2e4],
+    others: &[("g/cm³", 1e3)],
+};
+pub(in crate::effects) const MASS: UnitRange = UnitRange {
+    unit: "kg",
+    signed: false,
+    expected: "up to 15, in kg",
+    hard: [0.0, 15.0],
+    usual: [0.0, 2.0],
+    others: &[("g", 1e-3)],
+};
+pub(in crate::effects) const FORCE: UnitRange = UnitRange {
+    unit: "N",
+    signed: true,
+    expected: "up to 1000, in N",
+    hard: [0.0, 1e3],
+    usual: [0.0, 100.0],
+    others: &[("mN", 1e-3)],
+};
+pub(in crate::effects) const SHIFT: UnitRange = UnitRange {
+    unit: "m",
+    signed: true,
+    expected: "up to 0.5, in metres",
+    hard: [0.0, 0.5],
+    usual: [0.0, 0.1],
+    others: LENGTHS,
+};
+pub(in crate::effects) const ANGLE: UnitRange = UnitRange {
+    unit: "rad",
+    signed: true,
+    expected: "up to 6.3, in radians",
+    hard: [0.0, 6.3],
+    usual: [0.0, 3.2],
+    others: &[("degrees", std::f64::consts::PI / 180.0)],
+};
+pub(in crate::effects) const COMPLIANCE: UnitRange = UnitRange {
+    unit: "m/N",
+    signed: false,
+    expected: "up to 0.05, in m/N",
+    hard: [0.0, 0.05],
+    usual: [0.0, 0.01],
+    others: &[("mm/N", 1e-3), ("µm/N", 1e-6)],
+};
+const GRAVITY: UnitRange = UnitRange {
+    unit: "m/s²",
+    signed: true,
+    expected: "up to 30, in m/s²",
+    hard: [0.0, 30.0],
+    usual: [0.0, 12.0],
+    others: &[("mm/s²", 1e-3), ("cm/s²", 1e-2)],
+};
+const DAMPING_TIME: UnitRange = UnitRange {
+    unit: "s",
+    signed: false,
+    expected: "up to 20, in seconds",
+    hard: [0.0, 20.0],
+    usual: [0.0, 2.0],
+    others: TIMES,
+};
+const DRIVE_TIME: UnitRange = UnitRange {
+    unit: "s",
+    signed: false,
+    expected: "up to 10, in seconds",
+    hard: [0.0, 10.0],
+    usual: [0.0, 1.0],
+    others: TIMES,
+};
+const BENDING: UnitRange = UnitRange {
+    unit: "N m²",
+    signed: false,
+    expected: "1e-10 to 1e4, in N m²",
+    hard: [1e-10, 1e4],
+    usual: [1e-6, 1e2],
+    others: &[("N mm²", 1e-6)],
+};
+
+impl UnitRange {
+    /// Refuses a number that no robot has; names the unit in which it would be usual.
+    pub(in crate::effects) fn check(&self, key: &'static str, value: f64) -> Result<(), BadOption> {
+        let size = value.abs();
+        if size == 0.0
+            || !size.is_finite()
+            || (value < 0.0 && !self.signed)
+            || (self.hard[0]..=self.hard[1]).contains(&size)
+        {
+            return Ok(());
+        }
+        Err(BadOption { key, found: self.found(value), expected: self.expected })
+    }
+
+    /// The number, with the unit that was likely meant.
+    fn found(&self, value: f64) -> String {
+        let usual = |factor: f64| (self.usual[0]..=self.usual[1]).contains(&(value.abs() * factor));
+        match self.others.iter().find(|(_, factor)| usual(*factor)) {
+            Some((unit, factor)) => {
+                format!("{value} (if that is in {unit}, write {} {})", short(value * factor), self.unit)
+            }
+            None => value.to_string(),
+        }
+    }
+
+    /// How many decades `value` is outside the range of most robots.
+    fn unusual_decades(&self, value: f64) -> f64 {
+        let size = value.abs();
+        if size == 0.0 {
+            return 0.0;
+        }
+        let below = if self.usual[0] > 0.0 { (self.usual[0] / size).log10() } else { 0.0 };
+        below.max((size / self.usual[1]).log10()).max(0.0)
+    }
+}
+
+/// A number as a person would write it: `4e9`, `0.3`.
+fn short(value: f64) -> String {
+    if (1e-4..1e5).contains(&value.abs()) { format!("{}", (value * 1e9).round() / 1e9) } else { format!("{value:e}") }
+}
+
+impl Robot {
+    /// Refuses numbers that no robot has, as a wrong unit makes them.
+    ///
+    /// # Errors
+    /// As [`Robot::check`].
+    pub fn check_units(&self) -> Checked {
+        for (path, key, value, quantity) in self.quantities() {
+            at(&path, quantity.check(key, value))?;
+        }
+        self.check_slender()?;
+        self.check_disk_mass()?;
+        self.check_angles()
+    }
+
+    /// The key that is furthest outside the range of most robots, and its value; `None` where all are usual.
+    pub fn suspect(&self) -> Option<(String, f64)> {
+        let doubt = |(path, key, value, quantity): (String, &str, f64, &UnitRange)| {
+            let dot = if path.is_empty() { "" } else { "." };
+            (quantity.unusual_decades(value), format!("robot.{path}{dot}{key}"), value)
+        };
+        let all = self.quantities().into_iter().map(doubt);
+        let worst = all.max_by(|left, right| left.0.total_cmp(&right.0))?;
+        (worst.0 > 0.0).then_some((worst.1, worst.2))
+    }
+
+    /// Every number whose unit can be mistaken: path below `robot`, key, value, quantity.
+    fn quantities(&self) -> Vec<(String, &'static str, f64, &'static UnitRange)> {
+        let (backbone, tendons) = (&self.backbone, &self.tendons);
+        let mut all: Vec<(String, &'static str, f64, &'static UnitRange)> = Vec::new();
+        let mut add = |path: &str, key, value, quantity| all.push((path.to_owned(), key, value, quantity));
+        add("backbone", "length_m", backbone.length_m, &LENGTH);
+        add("backbone", "radius_m", backbone.radius_m, &RADIUS);
+        let measured = [backbone.axial_stiffness_n, backbone.shear_stiffness_n, backbone.torsion_stiffness_n_m2];
+        // Where every stiffness was measured, Young's modulus has no influence.
+        if measured.iter().any(Option::is_none) || backbone.bending_stiffness_n_m2.is_none() {
+            add("backbone", "youngs_modulus_pa", backbone.youngs_modulus_pa, &YOUNGS_MODULUS);
+        }
+        add("backbone", "density_kg_m3", backbone.density_kg_m3, &DENSITY);
+        let bending = [
+            ("bending_stiffness_n_m2", backbone.bending_stiffness_n_m2),
+            ("torsion_stiffness_n_m2", backbone.torsion_stiffness_n_m2),
+        ];
+        for (key, stiffness) in bending {
+            stiffness.into_iter().for_each(|stiffness| add("backbone", key, stiffness, &BENDING));
+        }
+        for (index, piece) in backbone.pieces.iter().enumerate() {
+            let path = format!("backbone.pieces[{index}]");
+            piece.radius_m.into_iter().for_each(|radius_m| add(&path, "radius_m", radius_m, &RADIUS));
+            piece.youngs_modulus_pa.into_iter().for_each(|e| add(&path, "youngs_modulus_pa", e, &YOUNGS_MODULUS));
+            piece.density_kg_m3.into_iter().for_each(|density| add(&path, "density_kg_m3", density, &DENSITY));
+        }
+        add("tendons", "radius_m", tendons.radius_m, &TENDON_RADIUS);
+        let radii_m = tendons.radii_m.iter().flatten();
+        radii_m.for_each(|&radius_m| add("tendons", "radii_m", radius_m, &TENDON_RADIUS));
+        tendons.pretension_m.values().iter().for_each(|&m| add("tendons", "pretension_m", m, &PRETENSION));
+        tendons.compliance_m_per_n.values().iter().for_each(|&c| add("tendons", "compliance_m_per_n", c, &COMPLIANCE));
+        add("disks", "mass_kg", if self.disks.count > 0 { self.disks.mass_kg } else { 0.0 }, &MASS);
+        self.disks.masses_kg.iter().flatten().for_each(|&mass_kg| add("disks", "masses_kg", mass_kg, &MASS));
+        if self.sections.count > 0 {
+            add("sections", "compliance_m_per_n", self.sections.compliance_m_per_n, &COMPLIANCE);
+        }
+        self.gravity_m_s2.iter().for_each(|&g| add("", "gravity_m_s2", g, &GRAVITY));
+        add("", "damping_time_s", self.damping_time_s, &DAMPING_TIME);
+        add("", "drive_time_s", self.drive_time_s, &DRIVE_TIME);
+        self.base_m.iter().for_each(|&x| add("", "base_m", x, &PLACE));
+        self.base_rotation_rad.iter().for_each(|&x| add("", "base_rotation_rad", x, &ANGLE));
+        all
+    }
+
+    /// Radii are smaller than the length: one of them is in another unit where they are not.
+    fn check_slender(&self) -> Checked {
+        let length_m = self.backbone.length_m;
+        let radii = [("backbone", self.backbone.radius_m, &RADIUS), ("tendons", self.tendons.radius_m, &TENDON_RADIUS)];
+        for (path, radius_m, quantity) in radii {
+            if radius_m >= length_m {
+                let found =
+                    format!("{}, which is not less than the robot's length of {length_m} m", quantity.found(radius_m));
+                at(
+                    path,
+                    Err(BadOption { key: "radius_m", found, expected: "a radius in metres, less than `length_m`" }),
+                )?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Disks that together would have to be denser than lead are in another unit.
+    fn check_disk_mass(&self) -> Checked {
+        let disks = &self.disks;
+        let all_kg = disks.masses_kg.as_ref().map_or(disks.count as f64 * disks.mass_kg, |masses| masses.iter().sum());
+        let widest_m = self.tendons.widest_m().max(self.backbone.radius_m);
+        let lead_kg =
+            LEAD_KG_M3 * std::f64::consts::PI * (DISK_OVER_TENDON * widest_m).powi(2) * self.backbone.length_m;
+        if all_kg <= lead_kg {
+            return Ok(());
+        }
+        let (key, value) = match &disks.masses_kg {
+            Some(masses) => ("masses_kg", masses.iter().copied().fold(0.0, f64::max)),
+            None => ("mass_kg", disks.mass_kg),
+        };
+        let found = format!("{value} (if that is in g, write {} kg)", short(value * 1e-3));
+        at("disks", Err(BadOption { key, found, expected: "disks that are together lighter than as much lead, in kg" }))
+    }
+
+    /// Tendons that all lie within a few degrees of each other are in radians.
+    fn check_angles(&self) -> Checked {
+        let angles = &self.tendons.angles_deg;
+        let all_small = angles.iter().all(|angle| angle.abs() <= 6.3);
+        let apart = angles.iter().any(|angle| (angle - angles[0]).abs() > 0.5);
+        if !(all_small && apart) || self.tendons.paths.is_some() {
+            return Ok(());
+        }
+        let degrees: Vec<f64> = angles.iter().map(|angle| angle.to_degrees().round()).collect();
+        let found = format!("{angles:?} (if that is in radians, write {degrees:?})");
+        at("tendons", Err(BadOption { key: "angles_deg", found, expected: "tendons around the backbone, in degrees" }))
+    }
+}
+
+/// Density of lead, kg/m³.
+const LEAD_KG_M3: f64 = 11_340.0;
+/// Radius of a disk over that of the tendons, at most.
+const DISK_OVER_TENDON: f64 = 2.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::PerTendon;
+
+    fn refused(change: impl Fn(&mut Robot)) -> String {
+        let mut robot = Robot::default();
+        change(&mut robot);
+        let (path, error) = robot.check_units().unwrap_err();
+        format!("{path}.{error}")
+    }
+
+    /// A change of the robot, the key that is refused, the words that tell the unit.
+    type Case<'a> = (&'a dyn Fn(&mut Robot), &'a str, &'a str);
+
+    #[test]
+    fn a_wrong_unit_is_refused_with_the_unit_that_was_meant() {
+        let cases: [Case; 12] = [
+            (&|robot| robot.backbone.youngs_modulus_pa = 4.0, "backbone.youngs_modulus_pa", "in GPa, write 4e9 Pa"),
+            (
+                &|robot| robot.backbone.youngs_modulus_pa = 2330.0,
+                "backbone.youngs_modulus_pa",
+                "in MPa, write 2.33e9 Pa",
+            ),
+            (&|robot| robot.backbone.radius_m = 1.5, "backbone.radius_m", "in mm, write 0.0015 m"),
+            (&|robot| robot.backbone.length_m = 300.0, "backbone.length_m", "in mm, write 0.3 m"),
+            (&|robot| robot.backbone.length_m = 22.0, "backbone.length_m", "in cm, write 0.22 m"),
+            (&|robot| robot.backbone.density_kg_m3 = 1.2, "backbone.density_kg_m3", "in g/cm³, write 1200 kg/m³"),
+            (&|robot| robot.tendons.radius_m = 15.0, "tendons.radius_m", "in mm, write 0.015 m"),
+            (&|robot| robot.disks.mass_kg = 3.0, "disks.mass_kg", "in g, write 0.003 kg"),
+            (
+                &|robot| robot.tendons.pretension_m = PerTendon::Same(0.5),
+                "tendons.pretension_m",
+                "in mm, write 0.0005 m",
+            ),
+            (&|robot| robot.gravity_m_s2[0] = -9810.0, "gravity_m_s2", "in mm/s², write -9.81 m/s²"),
+            (&|robot| robot.damping_time_s = 30.0, "damping_time_s", "in ms, write 0.03 s"),
+            (
+                &|robot| robot.tendons.angles_deg = vec![0.0, 2.0944, 4.1888],
+                "tendons.angles_deg",
+                "write [0.0, 120.0, 240.0]",
+            ),
+        ];
+        for (change, place, meant) in cases {
+            let said = refused(change);
+            assert!(said.contains(place) && said.contains(meant), "{said}");
+        }
+    }
+
+    #[test]
+    fn the_usual_robot_is_beyond_doubt_and_the_most_unusual_key_is_the_suspect() {
+        let mut robot = Robot::default();
+        assert_eq!((robot.check_units(), robot.suspect()), (Ok(()), None));
+        robot.backbone.youngs_modulus_pa = 8e3;
+        robot.tendons.radius_m = 0.21;
+        assert_eq!(robot.suspect(), Some(("robot.backbone.youngs_modulus_pa".to_owned(), 8e3)));
+    }
+}
