@@ -19,6 +19,7 @@ mod options;
 mod problem;
 mod recording;
 mod search;
+mod steps;
 
 use crate::data::Recording;
 use crate::effects::Model;
@@ -33,12 +34,14 @@ use noise_floor::trial_starts::scattered_starts;
 use problem::Problem;
 use recording::samples::Samples;
 use search::{Search, SearchOutcome};
+use steps::step;
 
 pub use answer::Discovery;
 pub use answer::alternatives::Alternatives;
 pub use error::DiscoveryError;
 pub use next_experiment::t_optimality::NextExperiment;
 pub use options::{Options, Uncertainty};
+pub use steps::telling_steps;
 
 /// Finds the effect that `model` lacks to explain `measured`. With a `baseline`, a recording of the robot as built,
 /// the model is first calibrated on it, and errors that both recordings share are not attributed to an effect. Every
@@ -54,6 +57,7 @@ pub fn discover(
     options: &Options,
 ) -> Result<Discovery, DiscoveryError> {
     options.check()?;
+    step("checking the recording");
     let excluded = excluded_rows::find(model, measured, options);
     let baseline_excluded = baseline.map(|baseline| excluded_rows::find(model, baseline, options));
     let kept_baseline = baseline.zip(baseline_excluded.as_ref()).map(|(baseline, rows)| {
@@ -76,6 +80,7 @@ pub fn discover(
     if let Some(mistake) = mislabelled::find(model, &kept, options) {
         return told_mistake(&mistake);
     }
+    step("comparing the clocks of commands and tips");
     // Trials that are cut from a run begin with motion whose commands are not in them: that is no clock.
     let begins_at_rest = scattered_starts(&Samples::new(&kept).starting(model.tracking.starts), model).is_none();
     let offset = begins_at_rest.then(|| clock_offset::find(model, &kept, options)).flatten();
@@ -109,6 +114,7 @@ fn discover_in_kept(
     let new_problem = |samples: Samples| -> Result<Problem, DiscoveryError> {
         recording::validate::check(kept, &samples)?;
         recording::validate::check_trials(&samples)?;
+        step(if baseline.is_some() { "calibrating on the baseline" } else { "simulating the model" });
         let mut problem = Problem::new(model, samples, baseline, options)?;
         let fitted: Vec<u64> = problem.training.trials.iter().map(|trial| trial.number).collect();
         problem.base_matches_model = recording::base_markers::base_matches_model(measured, &fitted, model);
@@ -127,6 +133,7 @@ fn discover_in_kept(
         return Ok(told);
     }
     let (final_fit, found) = search_best(&problem)?;
+    step("testing what is left and proposing the next measurement");
     Ok(problem.discovery(model, measured, &final_fit, &found))
 }
 
@@ -136,11 +143,13 @@ fn search_best(problem: &Problem) -> Result<(FinalFit, SearchOutcome), Discovery
     let cannot_follow = || DiscoveryError::CannotFollow(problem.training.trials[0].number);
     let limits = problem.options.limits(&problem.model, problem.model_form_m);
     let mut search = Search::new(&fit_problem, problem.sensitivities.clone(), &limits).ok_or_else(cannot_follow)?;
+    step("trying the effects one by one");
     let mut best = search.greedy();
     let mut final_fit = problem.final_fit(&best.fitted);
     let mut searched = !final_fit.goodness.is_doubtful && best.fitted.members.is_empty();
     while !searched {
         let (before, certainly) = (best.fitted.members.clone(), final_fit.goodness.is_rejected());
+        step("trying pairs of effects and larger amplitudes");
         best = search.widen(best, certainly);
         if best.fitted.members != before {
             final_fit = problem.final_fit(&best.fitted);
@@ -148,6 +157,7 @@ fn search_best(problem: &Problem) -> Result<(FinalFit, SearchOutcome), Discovery
         // `unexplained` requires that the exhaustive search has run.
         searched = certainly || !final_fit.goodness.is_rejected();
     }
+    step("fitting the answer with full accuracy");
     let (best, final_fit) = problem.rescore(&mut search, best, final_fit);
     let found = final_fit.replace_best(search.into_outcome(best));
     Ok((final_fit, found))

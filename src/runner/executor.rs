@@ -231,11 +231,12 @@ impl<'a> Execution<'a> {
         wanted.iter().for_each(|&stage| *self.uses[stage].get_mut() += 1);
         let missing = (0..needs.len()).filter(|&stage| needs[stage] == Need::Compute);
         let kinds = missing.map(|stage| self.graph.nodes[stage].kind);
-        self.options.progress.planned(kinds.map(|kind| (kind.name, kind.cost_ms)), cached);
         let threads = match self.options.threads {
             0 => available_parallelism().map_or(1, usize::from),
             threads => threads,
         };
+        let stages = kinds.map(|kind| (kind.name, kind.cost_ms));
+        self.options.progress.planned(stages, cached, threads, &|kind| self.store.usual_s(kind));
         // Parts of stages share as many more; the first run of a process decides.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
         let started = std::thread::scope(|scope| {

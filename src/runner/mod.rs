@@ -17,6 +17,7 @@ mod outcomes;
 mod plan;
 mod progress;
 mod provenance;
+mod remaining;
 mod results;
 pub mod slurm;
 mod source_digest;

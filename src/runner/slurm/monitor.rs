@@ -122,7 +122,8 @@ impl CampaignMonitor<'_> {
 
     fn wait(&self, folder: CampaignFolder, missing: Vec<usize>) -> Result<CampaignEnd, String> {
         let graph = &self.campaign.graph;
-        self.progress.planned(missing.iter().map(|&stage| (graph.describe(stage).0, graph.cost_ms(stage))), 0);
+        let stages = missing.iter().map(|&stage| (graph.describe(stage).0, graph.cost_ms(stage)));
+        self.progress.planned(stages, 0, self.workers.max(1), &|kind| self.store.usual_s(kind));
         let interrupt = Interrupt::of_process().map_err(|error| error.to_string())?;
         let (mut left, mut queue) = (missing, QueueWatch::new(folder.job_name()));
         // What was left when workers were last submitted, and how often that came to nothing.

@@ -76,6 +76,9 @@ pub struct Store {
     expiry: Duration,
 }
 
+/// Most entries of a kind whose times are read for an estimate.
+const LOOKED_AT: usize = 100;
+
 impl Store {
     /// The store in the folder `root`, which is made when the first entry is written.
     pub fn at(root: impl Into<PathBuf>) -> Store {
@@ -186,6 +189,16 @@ impl Store {
         if let Ok(text) = serde_json::to_vec(note) {
             let _ = fs::write(self.path(stage, key).with_extension("note"), text);
         }
+    }
+
+    /// Mean time that stages of this kind took when they were computed, seconds, of some of the entries.
+    pub fn usual_s(&self, stage: &str) -> Option<f64> {
+        let shelves = fs::read_dir(self.root.join(stage)).ok()?.flatten();
+        let files = shelves.flat_map(|shelf| fs::read_dir(shelf.path()).into_iter().flatten().flatten());
+        let notes = files.map(|file| file.path()).filter(|path| path.extension().is_some_and(|end| end == "note"));
+        let read = |path: PathBuf| serde_json::from_slice::<Note>(&fs::read(path).ok()?).ok();
+        let times: Vec<f64> = notes.take(LOOKED_AT).filter_map(read).map(|note| note.timing.wall_s).collect();
+        (!times.is_empty()).then(|| times.iter().sum::<f64>() / times.len() as f64)
     }
 
     /// What was noted beside an entry.
