@@ -1,5 +1,6 @@
 //! `spinebench align`.
 
+use super::outputs::check_yaml;
 use super::session::read_hardware_plant;
 use super::simulate::same_tendons;
 use super::weigh::{STEP_S, visiting};
@@ -47,6 +48,7 @@ pub(super) struct AlignCommand {
 
 impl AlignCommand {
     pub(super) fn execute(self) -> CommandResult {
+        self.out.as_deref().map_or(Ok(()), check_yaml)?;
         let mut options = read_hardware_plant(&self.plant)?;
         let (recording, at_rest) = match &self.measured {
             Some(file) => {

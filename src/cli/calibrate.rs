@@ -1,5 +1,7 @@
 //! `spinebench calibrate`.
 
+use super::interrupted::end_with_words;
+use super::outputs::{REPORT_BYTES, check_folder, check_yaml};
 use super::shared::StartsArg;
 use super::simulate::{one_gravity, read_measured};
 use super::{CommandError, CommandResult};
@@ -9,6 +11,7 @@ use spinebench::data::calibration::{CalibrationFindings, HeldOutError};
 use spinebench::data::write_atomic;
 use spinebench::report::calibration::{CalibrationReport, calibration_artifacts};
 use spinebench::report::write;
+use spinebench::runner::Progress;
 use spinebench::specs::{model_text, read_model};
 use std::path::PathBuf;
 
@@ -57,14 +60,19 @@ fn share(text: &str) -> Result<f64, String> {
 }
 
 impl CalibrateCommand {
-    pub(super) fn execute(self) -> CommandResult {
+    pub(super) fn execute(self, progress: &Progress) -> CommandResult {
         let model = self.starts.applied(read_model(&self.model).map_err(CommandError::bad_input)?);
         let measured = read_measured(&self.measured, &model, self.at_rest)?;
         one_gravity(&self.measured, &measured, &model)?;
         if !self.at_rest {
             measured.check_duration(&self.measured).map_err(CommandError::bad_input)?;
         }
+        check_yaml(&self.out)?;
+        self.report.as_ref().map_or(Ok(()), |folder| check_folder(folder, REPORT_BYTES))?;
+        end_with_words("interrupted; nothing was written, and the same command begins again");
+        progress.step("fitting");
         let found = calibrate(&model, &measured, &self.options()).map_err(|error| self.refusal(&error))?;
+        progress.done();
         let text = model_text(&found.model).map_err(CommandError::failed)?;
         let report = CalibrationReport { findings: &found.findings, sightings: &found.sightings };
         let files = calibration_artifacts(&report).map_err(CommandError::failed)?;
@@ -81,6 +89,7 @@ impl CalibrateCommand {
         if let Some(folder) = &self.report {
             println!("{}", folder.join("report.html").display());
         }
+        progress.say(&format!("wrote {}", self.out.display()));
         Ok(())
     }
 

@@ -1,6 +1,6 @@
 //! Runs on a Slurm cluster: `run --executor slurm`, `status`, `cancel`, and `work`, which the cluster starts.
 
-use super::shared::{CacheArgs, ProgressArgs};
+use super::shared::{CacheArgs, ThreadArgs};
 use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::runner::slurm::{self, CampaignEnd, CampaignFolder, CampaignMonitor};
@@ -142,23 +142,23 @@ pub(super) struct WorkCommand {
     #[arg(long)]
     workers: usize,
     #[command(flatten)]
-    progress_args: ProgressArgs,
+    threads: ThreadArgs,
 }
 
 impl WorkCommand {
-    pub(super) fn execute(self) -> CommandResult {
+    pub(super) fn execute(self, progress: &Progress) -> CommandResult {
         let number = |name: &str| {
             let number = std::env::var(name).ok().and_then(|text| text.parse::<usize>().ok());
             let expected = "expected a task of a Slurm job array";
             number.ok_or_else(|| CommandError::BadInput(format!("{name}: found no number, {expected}")))
         };
         let worker = number("SLURM_ARRAY_TASK_ID")? * number("SLURM_NTASKS")? + number("SLURM_PROCID")?;
-        let threads = match self.progress_args.jobs {
+        let threads = match self.threads.jobs {
             0 => number("SLURM_CPUS_PER_TASK").unwrap_or(1),
             threads => threads,
         };
-        let (folder, progress) = (CampaignFolder::at(&self.folder), self.progress_args.progress());
-        let summary = slurm::work(&folder, (worker, self.workers), threads, &progress).map_err(CommandError::Failed)?;
+        let folder = CampaignFolder::at(&self.folder);
+        let summary = slurm::work(&folder, (worker, self.workers), threads, progress).map_err(CommandError::Failed)?;
         if summary.stopped {
             std::process::exit(i32::from(slurm::LEFT_STATUS));
         }

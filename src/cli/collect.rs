@@ -1,12 +1,14 @@
 //! `spinebench collect`.
 
+use super::outputs::check_recording;
 use super::session::{RecordedPlant, RecordingSession};
-use super::simulate::{failures, one_gravity, same_tendons};
+use super::simulate::{failures, nothing_solved, one_gravity, same_tendons, written};
 use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::base::Seed;
 use spinebench::data::{Actuation, Recording};
 use spinebench::plants::hardware::{DryRun, HardwareOptions, RefusedRow, dry_run};
+use spinebench::runner::Progress;
 use spinebench::specs::{PlantSpec, SimulatedSpec, read_plant};
 use spinebench::tasks::{SimulationOptions, record_trial, simulate_recording, step_s};
 use std::path::{Path, PathBuf};
@@ -35,7 +37,7 @@ pub(super) struct CollectCommand {
 }
 
 impl CollectCommand {
-    pub(super) fn execute(self) -> CommandResult {
+    pub(super) fn execute(self, progress: &Progress) -> CommandResult {
         let plant = read_plant(&self.plant).map_err(CommandError::bad_input)?;
         let read = if self.at_rest { Recording::read_pose_commands } else { Recording::read_commands };
         let mut commands = read(&self.commands).map_err(CommandError::bad_input)?;
@@ -44,40 +46,47 @@ impl CollectCommand {
             .map_err(CommandError::bad_input)?;
         same_tendons(&self.commands, &commands, plant.tendons())?;
         match plant {
-            PlantSpec::Simulated(plant) if !self.dry_run => self.simulate(&plant, &commands),
-            other => self.record(&other, &commands),
+            PlantSpec::Simulated(plant) if !self.dry_run => self.simulate(&plant, &commands, progress),
+            other => self.record(&other, &commands, progress),
         }
     }
 
     /// A simulated robot is solved as accurately as in `simulate`, at the times of the commands.
-    fn simulate(&self, plant: &SimulatedSpec, commands: &Recording) -> CommandResult {
+    fn simulate(&self, plant: &SimulatedSpec, commands: &Recording, progress: &Progress) -> CommandResult {
         let out = self.out()?;
         one_gravity(&self.commands, commands, &plant.model)?;
         commands.check_points(&self.commands, &plant.model.tracking.names()).map_err(CommandError::bad_input)?;
+        check_recording(out, commands.len())?;
         let options = SimulationOptions {
             at_rest: self.at_rest,
             noise_m: plant.noise_m,
             travel_m: plant.travel_m,
             seed: Seed(self.seed),
         };
+        progress.step("simulating");
         let mut recorded = simulate_recording(&plant.model, commands, &options);
+        progress.done();
         if let Some(words) = plant.model.tracking.starts.told() {
-            eprintln!("note: {words}");
+            progress.notice(words);
         }
         let failed = failures(&recorded);
         // The tracker measures positions; what only the simulation knows is left out.
         recorded.extra.clone_from(&commands.extra);
         recorded.forget_orientations();
         recorded.write(out).map_err(CommandError::bad_input)?;
+        if failed == recorded.len() && failed > 0 {
+            return Err(nothing_solved(&self.plant, &plant.model, out, failed));
+        }
         if failed > 0 {
             let (all, out) = (recorded.len(), out.display());
-            eprintln!("note: {failed} of {all} rows could not be measured; they have valid = 0 in {out}");
+            progress.notice(&format!("{failed} of {all} rows could not be measured; they have valid = 0 in {out}"));
         }
+        progress.say(&written(out, &recorded));
         Ok(())
     }
 
     /// Any other plant is driven trial by trial.
-    fn record(&self, plant: &PlantSpec, commands: &Recording) -> CommandResult {
+    fn record(&self, plant: &PlantSpec, commands: &Recording, progress: &Progress) -> CommandResult {
         let file = self.commands.display();
         if self.at_rest {
             let kind = plant.kind();
@@ -113,7 +122,9 @@ impl CollectCommand {
         }
         let session = RecordingSession::open(self.out()?, commands)?;
         let mut robot = RecordedPlant::open(plant, step_s, Seed(0))?;
-        session.record_missing(&mut robot, Seed(self.seed), &record_trial)
+        let recorded = session.record_missing(&mut robot, Seed(self.seed), &record_trial)?;
+        progress.say(&written(self.out()?, &recorded));
+        Ok(())
     }
 
     /// Summary of the commands; a command that the robot would refuse is an error before anything is opened.

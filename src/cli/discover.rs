@@ -1,5 +1,7 @@
 //! `spinebench discover`.
 
+use super::interrupted::end_with_words;
+use super::outputs::{REPORT_BYTES, check_folder};
 use super::shared::StartsArg;
 use super::simulate::read_measured_tip;
 use super::{CommandError, CommandResult};
@@ -8,14 +10,16 @@ use clap::builder::PossibleValuesParser;
 use spinebench::base::Seed;
 use spinebench::data::findings::Verdict;
 use spinebench::data::{Recording, write_atomic};
-use spinebench::discovery::{Discovery, DiscoveryError, Options, discover};
+use spinebench::discovery::{Discovery, DiscoveryError, Options, discover, telling_steps};
 use spinebench::effects::{CATALOGUE, Model, Starts};
 use spinebench::report::discovery::{DiscoveryReport, EffectText, artifacts};
+use spinebench::runner::Progress;
 use spinebench::specs::{
     PlantSpec, SimulatedSpec, extended_text, files_behind, model_text, read_model, read_options, read_plant,
 };
 use spinebench::tasks::{SimulationOptions, simulate_recording};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Find the effect that a model lacks: compare it with measured data, name the effect, fit it and add it to the model.
 #[derive(Args)]
@@ -47,9 +51,6 @@ pub(super) struct DiscoverCommand {
     rounds: u64,
     #[command(flatten)]
     starts: StartsArg,
-    /// Suppress output.
-    #[arg(long)]
-    quiet: bool,
 }
 
 fn names() -> PossibleValuesParser {
@@ -57,7 +58,7 @@ fn names() -> PossibleValuesParser {
 }
 
 impl DiscoverCommand {
-    pub(super) fn execute(self) -> CommandResult {
+    pub(super) fn execute(self, progress: &Arc<Progress>) -> CommandResult {
         self.check_out()?;
         let written = read_model(&self.model).map_err(CommandError::bad_input)?;
         let given = self.starts.applied(written.clone());
@@ -80,13 +81,16 @@ impl DiscoverCommand {
         let baseline = self.baseline.as_ref().map(|file| read(file, &given)).transpose()?;
         self.refuse_own_baseline(&measured, baseline.as_ref())?;
         let plant = self.plant.as_ref().map(|file| simulated(file, &given)).transpose()?;
+        check_folder(&self.out, REPORT_BYTES)?;
+        end_with_words("interrupted; nothing was written, and the same command begins again");
         let trials = self
             .measured
             .iter()
             .zip(&parts)
             .flat_map(|(file, part)| part.trials().into_iter().map(move |(number, _)| (file.clone(), number)));
         let (mut found, recorded) =
-            self.answer(&given, measured, trials.collect(), (baseline.as_ref(), plant.as_ref()), &options)?;
+            self.answer(&given, measured, trials.collect(), (baseline.as_ref(), plant.as_ref()), &options, progress)?;
+        progress.done();
         if baseline.is_some_and(|baseline| parts.iter().any(|part| baseline.holds(part) || part.holds(&baseline))) {
             found.findings.limitations.push(OWN_BASELINE.to_owned());
         }
@@ -98,7 +102,7 @@ impl DiscoverCommand {
         // The model is written as it was given, whatever `--starts` says.
         found.model.tracking.clone_from(&written.tracking);
         self.write(&written, &found, &recorded)?;
-        if !self.quiet {
+        if !progress.is_quiet() {
             println!("{}", found.findings.summary);
             println!("next: {}", found.findings.next_measurement);
             println!("{}", self.out.join("report.html").display());
@@ -161,10 +165,12 @@ impl DiscoverCommand {
         mut trials: Vec<(PathBuf, u64)>,
         (baseline, plant): (Option<&Recording>, Option<&SimulatedSpec>),
         options: &Options,
+        progress: &Arc<Progress>,
     ) -> Result<(Discovery, Vec<(PathBuf, Recording)>), CommandError> {
         let mut made = Vec::new();
         for round in 1.. {
-            let found = discover(given, &measured, baseline, options)
+            let told = Arc::clone(progress);
+            let found = telling_steps(move |step| told.step(step), || discover(given, &measured, baseline, options))
                 .map_err(|error| self.refusal(&error, &measured, &trials))?;
             // The plant file defines the base pose, so the base cannot be remounted.
             let next = found.next_experiments.iter().find(|next| next.proposal.name != "base_remounted");
@@ -172,7 +178,7 @@ impl DiscoverCommand {
             let (Some(plant), Some(next)) = (plant, next) else {
                 return Ok((numbered(found, &measured, &trials, !made.is_empty()), made));
             };
-            if !self.quiet {
+            if !progress.is_quiet() {
                 println!("round {round}: {}", found.findings.summary);
                 println!("recording on the plant: {}", next.proposal.what);
             }

@@ -1,9 +1,10 @@
 //! `spinebench gather`.
 
-use super::shared::writable;
+use super::outputs::{REPORT_BYTES, check_folder};
+use super::shared::ResultsArg;
 use super::{CommandError, CommandResult};
 use clap::Args;
-use spinebench::runner::{self, MergeError};
+use spinebench::runner::{self, MergeError, Progress};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -14,24 +15,24 @@ pub(super) struct GatherCommand {
     /// Folder of the experiment under `results/`, one for each machine.
     #[arg(required = true, value_name = "RESULTS/EXPERIMENT")]
     parts: Vec<PathBuf>,
-    /// Folder to write `results/` and `plots/` in.
-    #[arg(long, value_name = "DIR", default_value = ".")]
-    out: PathBuf,
+    #[command(flatten)]
+    results: ResultsArg,
 }
 
 impl GatherCommand {
-    pub(super) fn execute(self) -> CommandResult {
+    pub(super) fn execute(self, progress: &Progress) -> CommandResult {
+        let out = self.results.folder(progress);
+        check_folder(&out, REPORT_BYTES)?;
         let (name, mut publication) = runner::merge(&self.parts).map_err(|error| match error {
             MergeError::Publish(_) => CommandError::failed(error),
             _ => CommandError::bad_input(error),
         })?;
-        writable(&self.out)?;
         let claims = BTreeMap::from([(name, publication.claims)]);
-        publication.files.extend(runner::all_claims(&self.out, &claims).map_err(CommandError::failed)?);
-        publication.notices.iter().for_each(|notice| eprintln!("{notice}"));
+        publication.files.extend(runner::all_claims(&out, &claims).map_err(CommandError::failed)?);
+        publication.notices.iter().for_each(|notice| progress.notice(notice));
         if publication.failed > 0 {
-            eprintln!("{} trials failed", publication.failed);
+            progress.notice(&format!("{} trials failed", publication.failed));
         }
-        runner::write_files(&self.out, &publication.files).map_err(CommandError::failed)
+        runner::write_files(&out, &publication.files).map_err(CommandError::failed)
     }
 }

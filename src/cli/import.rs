@@ -1,10 +1,13 @@
 //! `spinebench import`.
 
+use super::outputs::check_recording;
+use super::simulate::written;
 use super::{CommandError, CommandResult};
 use clap::{Args, Subcommand, ValueEnum};
 use spinebench::data::Recording;
 use spinebench::data::import::motive::{Body, Export};
 use spinebench::data::import::{Axes, ImportDoubts, ImportOptions, Imported, Log, TipFrame, import};
+use spinebench::runner::Progress;
 use std::path::PathBuf;
 
 /// Import a tracking system's export and a log of commands as a recording.
@@ -69,14 +72,14 @@ enum TipFrameArg {
 const TURNED_DEG: f64 = 0.5;
 
 impl ImportCommand {
-    pub(super) fn execute(self) -> CommandResult {
+    pub(super) fn execute(self, progress: &Progress) -> CommandResult {
         let From::Motive(motive) = self.from;
-        motive.execute()
+        motive.execute(progress)
     }
 }
 
 impl Motive {
-    fn execute(self) -> CommandResult {
+    fn execute(self, progress: &Progress) -> CommandResult {
         let export = Export::read(&self.export).map_err(CommandError::bad_input)?;
         let base = body(&export, self.base.as_deref(), "base")?;
         let tip = body(&export, self.tip.as_deref(), "tip")?;
@@ -92,9 +95,11 @@ impl Motive {
             TipFrameArg::Tracking => TipFrame::Tracking,
         };
         let options = ImportOptions { axes: self.axes, frame, max_gap_s: self.max_gap_s };
+        check_recording(&self.out, export.time_s.len())?;
         let imported = import(&export, [base, tip], &log, &options).map_err(CommandError::bad_input)?;
         imported.recording.write(&self.out).map_err(CommandError::bad_input)?;
         self.print_notes(&export, &imported);
+        progress.say(&written(&self.out, &imported.recording));
         Ok(())
     }
 

@@ -12,6 +12,8 @@ mod doctor;
 mod effects;
 mod gather;
 mod import;
+mod interrupted;
+mod outputs;
 mod page;
 mod plan;
 mod rehearse;
@@ -25,11 +27,14 @@ mod weigh;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 /// Test learning-based controllers of continuum robots, and find what a simulator lacks.
 #[derive(Parser)]
 #[command(name = "spinebench", version, propagate_version = true)]
 struct Arguments {
+    #[command(flatten)]
+    reporting: shared::ReportingArgs,
     #[command(subcommand)]
     command: Command,
 }
@@ -86,29 +91,31 @@ pub(crate) type CommandResult = Result<(), CommandError>;
 
 /// Parses the arguments and executes the command.
 pub(crate) fn main() -> ExitCode {
-    let outcome = match Arguments::parse().command {
-        Command::Run(run) => run.execute(),
+    let arguments = Arguments::parse();
+    let progress = Arc::new(arguments.reporting.progress());
+    let outcome = match arguments.command {
+        Command::Run(run) => run.execute(&progress),
         Command::Cache(cache) => cache.execute(),
         Command::Plan(plan) => plan.execute(),
-        Command::Simulate(simulate) => simulate.execute(),
-        Command::Calibrate(calibrate) => calibrate.execute(),
+        Command::Simulate(simulate) => simulate.execute(&progress),
+        Command::Calibrate(calibrate) => calibrate.execute(&progress),
         Command::Effects(effects) => effects.execute(),
-        Command::Discover(discover) => discover.execute(),
-        Command::Collect(collect) => collect.execute(),
+        Command::Discover(discover) => discover.execute(&progress),
+        Command::Collect(collect) => collect.execute(&progress),
         Command::Doctor(doctor) => doctor.execute(),
         Command::Arm(arm) => arm.execute(),
         Command::Align(align) => align.execute(),
-        Command::Weigh(weigh) => weigh.execute(),
+        Command::Weigh(weigh) => weigh.execute(&progress),
         Command::Rehearse(rehearse) => rehearse.execute(),
-        Command::Import(import) => import.execute(),
+        Command::Import(import) => import.execute(&progress),
         Command::Page(page) => page.execute(),
         Command::Schema(schema) => schema.execute(),
         Command::Completions(completions) => completions.execute(),
-        Command::Gather(gather) => gather.execute(),
-        Command::Verify(verify) => verify.execute(),
+        Command::Gather(gather) => gather.execute(&progress),
+        Command::Verify(verify) => verify.execute(&progress),
         Command::Status(status) => status.execute(),
         Command::Cancel(cancel) => cancel.execute(),
-        Command::Work(work) => work.execute(),
+        Command::Work(work) => work.execute(&progress),
     };
     let (message, status) = match outcome {
         Ok(()) => return ExitCode::SUCCESS,

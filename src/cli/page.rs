@@ -4,11 +4,13 @@ use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::data::{TableDescription, table_descriptions, write_atomic};
 use spinebench::report::page::{picture, splice};
+use spinebench::report::page_counts::recounted;
 use std::path::{Path, PathBuf};
 
 /// Insert published tables and figures into a Markdown page, between the lines `<!-- begin:FILE -->` and
 /// `<!-- end:FILE -->`. FILE is relative to the page: a `.md` is copied in, any other file is shown as a picture;
-/// `columns:ROW` is the table of the columns that rows of the type ROW have.
+/// `columns:ROW` is the table of the columns that rows of the type ROW have. In a sentence, the number after
+/// `<!-- count:FILE.csv; COLUMN=VALUE; … -->` becomes the number of rows of the table that meet the conditions.
 #[derive(Args)]
 pub(super) struct PageCommand {
     /// Page to update in place.
@@ -26,6 +28,7 @@ impl PageCommand {
             let content = content(&folder, &file).map_err(&refuse)?;
             text = splice(&text, &file, &content).map_err(|error| refuse(error.to_string()))?;
         }
+        text = recounted(&text, &folder).map_err(&refuse)?;
         write_atomic(&self.page, text.as_bytes()).map_err(CommandError::failed)
     }
 }

@@ -1,7 +1,9 @@
 //! `spinebench run`.
 
 use super::cluster::SlurmArgs;
-use super::shared::{CacheArgs, ProgressArgs, SpecArgs, writable};
+use super::interrupted::end_with_words;
+use super::outputs::check_folder;
+use super::shared::{CacheArgs, ResultsArg, SpecArgs, ThreadArgs};
 use super::{CommandError, CommandResult};
 use clap::{Args, ValueEnum};
 use spinebench::data::rows::ClaimRow;
@@ -18,13 +20,12 @@ use std::time::Instant;
 pub(super) struct RunCommand {
     #[command(flatten)]
     specs: SpecArgs,
-    /// Folder to write `results/` and `plots/` in.
-    #[arg(long, value_name = "DIR", default_value = ".")]
-    out: PathBuf,
+    #[command(flatten)]
+    results: ResultsArg,
     #[command(flatten)]
     cache: CacheArgs,
     #[command(flatten)]
-    progress_args: ProgressArgs,
+    threads: ThreadArgs,
     /// Where to run stages.
     #[arg(long, value_enum, default_value_t = Executor::Local)]
     executor: Executor,
@@ -34,6 +35,9 @@ pub(super) struct RunCommand {
     #[arg(long)]
     strict: bool,
 }
+
+/// Bytes of the tables and figures of an experiment, about.
+const EXPERIMENT_BYTES: usize = 1 << 20;
 
 /// Where stages run.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -45,33 +49,38 @@ enum Executor {
 }
 
 impl RunCommand {
-    pub(super) fn execute(self) -> CommandResult {
-        let progress = self.progress_args.progress();
+    pub(super) fn execute(self, progress: &Progress) -> CommandResult {
         let campaign = self.specs.campaign(|note| progress.notice(note))?;
-        writable(&self.out)?;
+        let out = self.results.folder(progress);
+        check_folder(&out, campaign.entries.len() * EXPERIMENT_BYTES)?;
         // The repository may change during the run.
         let revision = runner::git_revision();
         let began = Instant::now();
         let wanted = campaign.wanted();
         let store = self.cache.store();
-        let jobs = self.progress_args.jobs;
+        let jobs = self.threads.jobs;
         let mut folder = None;
         if self.executor == Executor::Slurm {
-            folder = self.cluster.fill(&campaign, &store, jobs, &progress)?;
+            folder = self.cluster.fill(&campaign, &store, jobs, progress)?;
             if folder.is_none() {
                 return Ok(());
             }
         }
+        // The monitor of a cluster tells itself what Ctrl-C means.
+        if folder.is_none() {
+            end_with_words("interrupted; what is computed is stored, and the same command goes on from there");
+        }
         let options = match &folder {
-            Some(folder) => RunOptions { record: folder, ..RunOptions::new(1, &progress) },
-            None => RunOptions::new(jobs, &progress),
+            Some(folder) => RunOptions { record: folder, ..RunOptions::new(1, progress) },
+            None => RunOptions::new(jobs, progress),
         };
         let outcomes = runner::execute(&campaign.graph, &store, &wanted, &options)
             .map_err(|failure| CommandError::Failed(failure.to_string()))?;
         let wall_s = began.elapsed().as_secs_f64();
         let published =
-            self.publish(&campaign, &outcomes, &store, (&revision, wall_s)).map_err(CommandError::Failed)?;
-        summarise(&progress, &campaign, &outcomes, &published, wall_s);
+            self.publish(&campaign, &outcomes, &store, (&out, &revision, wall_s)).map_err(CommandError::Failed)?;
+        summarise(progress, &campaign, &outcomes, &published, wall_s);
+        tell_files(progress, &campaign, &published, &out);
         folder.iter().for_each(|folder| progress.say(&folder.describe_workers()));
         if let [first, ..] = outcomes.failures.as_slice() {
             let count = outcomes.failures.len();
@@ -88,7 +97,7 @@ impl RunCommand {
         campaign: &Campaign,
         outcomes: &Outcomes,
         store: &Store,
-        (revision, wall_s): (&str, f64),
+        (out, revision, wall_s): (&Path, &str, f64),
     ) -> Result<Vec<Publication>, String> {
         let words = |error: &dyn std::error::Error| error.to_string();
         let mut published = Vec::new();
@@ -106,8 +115,8 @@ impl RunCommand {
             claims.insert(name, publication.claims.clone());
             published.push(publication);
         }
-        files.extend(runner::all_claims(&self.out, &claims).map_err(|error| words(&error))?);
-        runner::write_files(&self.out, &files).map_err(|error| words(&error))?;
+        files.extend(runner::all_claims(out, &claims).map_err(|error| words(&error))?);
+        runner::write_files(out, &files).map_err(|error| words(&error))?;
         Ok(published)
     }
 
@@ -115,7 +124,7 @@ impl RunCommand {
     fn threads(&self, entry: &CampaignEntry) -> usize {
         match self.executor {
             Executor::Slurm => self.cluster.cpus.unwrap_or(entry.experiment.slurm.cpus) as usize,
-            Executor::Local if self.progress_args.jobs > 0 => self.progress_args.jobs,
+            Executor::Local if self.threads.jobs > 0 => self.threads.jobs,
             Executor::Local => available_parallelism().map_or(1, usize::from),
         }
     }
@@ -152,6 +161,18 @@ fn summarise(progress: &Progress, campaign: &Campaign, outcomes: &Outcomes, publ
     if !verdicts.is_empty() {
         let counts: Vec<String> = verdicts.iter().map(|(verdict, count)| format!("{count} {verdict}")).collect();
         progress.say(&format!("claims: {}", counts.join(", ")));
+    }
+}
+
+/// Where the tables and figures of each experiment are.
+fn tell_files(progress: &Progress, campaign: &Campaign, published: &[Publication], out: &Path) {
+    for (entry, publication) in campaign.entries.iter().zip(published) {
+        let name = &entry.experiment.name;
+        let shown = |path: &&PathBuf| path.extension().is_some_and(|end| end == "md" || end == "png");
+        let shown = publication.files.keys().filter(shown).map(|path| out.join(path).display().to_string());
+        let mut places = vec![format!("{}/", out.join("results").join(name).display())];
+        places.extend(shown);
+        progress.say(&format!("{name}: {}", places.join(", ").replace("./", "")));
     }
 }
 

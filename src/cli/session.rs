@@ -1,5 +1,6 @@
 //! What the commands for robots share: the plant, and a resumable recording, trial by trial.
 
+use super::outputs::check_recording;
 use super::{CommandError, CommandResult};
 use spinebench::base::{Plant, PlantError, Seed};
 use spinebench::data::Recording;
@@ -88,8 +89,10 @@ pub(super) struct RecordingSession<'a> {
 }
 
 impl<'a> RecordingSession<'a> {
-    /// Opens the recording `out` of these `commands`, with the trials that an earlier run has left.
+    /// Opens the recording `out` of these `commands`, with the trials that an earlier run has left. Refuses a place that
+    /// takes no recording before a robot moves.
     pub(super) fn open(out: &'a Path, commands: &'a Recording) -> Result<RecordingSession<'a>, CommandError> {
+        check_recording(out, commands.len())?;
         let extension = out.extension().map_or("csv".into(), |extension| extension.to_string_lossy().into_owned());
         let part = out.with_extension(format!("part.{extension}"));
         let mut session = RecordingSession { out, part, commands, done: None, assume_done: false };
@@ -129,13 +132,13 @@ impl<'a> RecordingSession<'a> {
             })
     }
 
-    /// Records the missing trials and writes the whole recording.
+    /// Records the missing trials, and writes and returns the whole recording.
     pub(super) fn record_missing(
         mut self,
         robot: &mut RecordedPlant,
         seed: Seed,
         record: RecordTrial,
-    ) -> CommandResult {
+    ) -> Result<Recording, CommandError> {
         let (trials, recorded) = (self.commands.trials(), self.done.as_ref().map_or(0, Recording::len));
         // After an interruption it is unknown which weight is attached.
         let mut hung_kg = if recorded == 0 { Some(0.0) } else { None };
@@ -165,7 +168,7 @@ impl<'a> RecordingSession<'a> {
             std::fs::remove_file(&self.part)
                 .map_err(|error| CommandError::Failed(format!("{}: {error}", self.part.display())))?;
         }
-        Ok(())
+        Ok(whole)
     }
 
     fn trials(&self) -> usize {

@@ -62,18 +62,46 @@ impl CacheArgs {
     }
 }
 
-/// How to report progress, and how many threads to use.
+/// How to report, before or after the name of the command.
 #[derive(Args)]
-pub(super) struct ProgressArgs {
-    /// Suppress output.
-    #[arg(long)]
+pub(super) struct ReportingArgs {
+    /// Suppress output other than results, notes and errors.
+    #[arg(long, global = true)]
     quiet: bool,
     /// Format of messages on stderr.
-    #[arg(long, value_enum, default_value_t = LogFormat::Human)]
+    #[arg(long, global = true, value_enum, default_value_t = LogFormat::Human)]
     log: LogFormat,
+}
+
+/// How many threads to use.
+#[derive(Args)]
+pub(super) struct ThreadArgs {
     /// Number of threads; 0 means one for each processor.
     #[arg(long, visible_alias = "threads", value_name = "N", default_value_t = 0)]
     pub(super) jobs: usize,
+}
+
+/// Where experiments are written.
+#[derive(Args)]
+pub(super) struct ResultsArg {
+    /// Folder to write `results/` and `plots/` in [default: the current one; `out` where the file `results/PUBLISHED` says
+    /// that the results there are published].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+impl ResultsArg {
+    /// The folder. Published results are replaced only by somebody who names their folder.
+    pub(super) fn folder(&self, progress: &Progress) -> PathBuf {
+        if let Some(named) = &self.out {
+            return named.clone();
+        }
+        if !Path::new("results/PUBLISHED").is_file() {
+            return PathBuf::from(".");
+        }
+        progress.notice("results/ and plots/ here are published; this run writes to out/ (`--out .` replaces them)");
+        PathBuf::from("out")
+    }
 }
 
 /// How trials start.
@@ -114,7 +142,7 @@ enum LogFormat {
     Json,
 }
 
-impl ProgressArgs {
+impl ReportingArgs {
     pub(super) fn progress(&self) -> Progress {
         Progress::new(match (self.log, self.quiet) {
             (LogFormat::Json, _) => Style::Json,
@@ -122,18 +150,4 @@ impl ProgressArgs {
             (LogFormat::Human, false) => Style::Human,
         })
     }
-}
-
-/// Creates the folder and checks that it is writable before hours of work begin.
-pub(super) fn writable(folder: &Path) -> Result<(), CommandError> {
-    let tried = || -> std::io::Result<()> {
-        std::fs::create_dir_all(folder)?;
-        let probe = folder.join(format!(".spinebench-{}", std::process::id()));
-        std::fs::File::create(&probe)?;
-        // A process with the same id on another machine may have removed the file already.
-        std::fs::remove_file(&probe).or_else(|error| if probe.exists() { Err(error) } else { Ok(()) })
-    };
-    tried().map_err(|error| {
-        CommandError::BadInput(format!("{}: found {error}, expected a writable folder", folder.display()))
-    })
 }

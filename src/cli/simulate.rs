@@ -1,11 +1,13 @@
 //! `spinebench simulate`.
 
+use super::outputs::check_recording;
 use super::shared::StartsArg;
 use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::data::Recording;
 use spinebench::data::recording::Extra;
 use spinebench::effects::{Model, Starts};
+use spinebench::runner::Progress;
 use spinebench::specs::read_model;
 use spinebench::tasks::{SimulationOptions, simulate_recording};
 use std::path::{Path, PathBuf};
@@ -31,24 +33,32 @@ pub(super) struct SimulateCommand {
 }
 
 impl SimulateCommand {
-    pub(super) fn execute(self) -> CommandResult {
+    pub(super) fn execute(self, progress: &Progress) -> CommandResult {
         let model = self.starts.applied(read_model(&self.model).map_err(CommandError::bad_input)?);
         let commands = read_commands(&self.commands, &model, self.at_rest)?;
         one_gravity(&self.commands, &commands, &model)?;
+        check_recording(&self.out, commands.len())?;
+        progress.step("simulating");
         let played = simulate_recording(
             &model,
             &commands,
             &SimulationOptions { at_rest: self.at_rest, ..SimulationOptions::default() },
         );
+        progress.done();
         played.write(&self.out).map_err(CommandError::bad_input)?;
         if let Some(words) = model.tracking.starts.told() {
-            eprintln!("note: {words}");
+            progress.notice(words);
         }
         let failed = failures(&played);
+        if failed == played.len() && failed > 0 {
+            return Err(nothing_solved(&self.model, &model, &self.out, failed));
+        }
         if failed > 0 {
             let (all, out) = (played.len(), self.out.display());
-            eprintln!("note: {failed} of {all} rows could not be solved; see the column solver_status of {out}");
+            progress
+                .notice(&format!("{failed} of {all} rows could not be solved; see the column solver_status of {out}"));
         }
+        progress.say(&written(&self.out, &played));
         Ok(())
     }
 }
@@ -112,6 +122,24 @@ pub(super) fn same_tendons(file: &Path, commands: &Recording, expected: usize) -
         file.display()
     );
     Err(CommandError::BadInput(words))
+}
+
+/// The error of a recording in which no row could be solved, with the number of the model that is most unusual.
+pub(super) fn nothing_solved(file: &Path, model: &Model, out: &Path, rows: usize) -> CommandError {
+    let (out, file) = (out.display(), file.display());
+    let suspect = match model.robot.suspect() {
+        Some((key, value)) => format!("{file}: {key}: found {value}, which few robots have; check its unit"),
+        None => format!("no number of {file} is unusual; check the sizes of the commands against the robot's"),
+    };
+    CommandError::Failed(format!("none of {rows} rows could be solved (written to {out}); {suspect}"))
+}
+
+/// What was written, in one line.
+pub(super) fn written(file: &Path, recording: &Recording) -> String {
+    let (trials, rows) = (recording.trials().len(), recording.len());
+    let plural = |count: usize| if count == 1 { "" } else { "s" };
+    let (of_trials, of_rows) = (plural(trials), plural(rows));
+    format!("wrote {}: {trials} trial{of_trials}, {rows} row{of_rows}", file.display())
 }
 
 /// Number of rows that the solver could not solve.

@@ -1,11 +1,12 @@
 //! `spinebench verify`.
 
-use super::shared::ProgressArgs;
+use super::interrupted::end_with_words;
+use super::shared::ThreadArgs;
 use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::data::rows::StageRow;
 use spinebench::data::tables::read_csv;
-use spinebench::runner::{self, Campaign, CampaignEntry, Files, Manifest, RunOptions, Standard, Store};
+use spinebench::runner::{self, Campaign, CampaignEntry, Files, Manifest, Progress, RunOptions, Standard, Store};
 use spinebench::specs::{ExperimentSet, PlantSpec};
 use std::path::{Path, PathBuf};
 
@@ -23,11 +24,11 @@ pub(super) struct VerifyCommand {
     #[arg(long, value_name = "SHARE")]
     tolerance: Option<f64>,
     #[command(flatten)]
-    progress_args: ProgressArgs,
+    threads: ThreadArgs,
 }
 
 impl VerifyCommand {
-    pub(super) fn execute(self) -> CommandResult {
+    pub(super) fn execute(self, progress: &Progress) -> CommandResult {
         let bad = |words: String| CommandError::BadInput(words);
         if let Some(found) = self.tolerance.filter(|share| !(0.0..1.0).contains(share)) {
             return Err(bad(format!("--tolerance: found {found}, expected a number of at least 0 and below 1")));
@@ -47,11 +48,10 @@ impl VerifyCommand {
         let campaign = Campaign::expand(specs).map_err(|failure| bad(failure.to_string()))?;
         let scratch = Scratch::new()
             .map_err(|error| CommandError::Failed(format!("cannot create a temporary folder: {error}")))?;
-        let progress = self.progress_args.progress();
+        end_with_words("interrupted; nothing was compared, and the same command begins again");
         let (store, wanted) = (Store::at(&scratch.0), campaign.wanted());
-        let outcomes =
-            runner::execute(&campaign.graph, &store, &wanted, &RunOptions::new(self.progress_args.jobs, &progress))
-                .map_err(|failure| CommandError::Failed(failure.to_string()))?;
+        let outcomes = runner::execute(&campaign.graph, &store, &wanted, &RunOptions::new(self.threads.jobs, progress))
+            .map_err(|failure| CommandError::Failed(failure.to_string()))?;
         let mut wrong = Vec::new();
         for entry in &campaign.entries {
             let name = &entry.experiment.name;

@@ -1,12 +1,13 @@
 //! `spinebench weigh`.
 
 use super::session::{RecordedPlant, RecordingSession, read_hardware_plant};
-use super::simulate::same_tendons;
+use super::simulate::{same_tendons, written};
 use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::base::Seed;
 use spinebench::data::{Actuation, Recording};
 use spinebench::plants::hardware::HardwareOptions;
+use spinebench::runner::Progress;
 use spinebench::tasks::{StaticPoseOptions, plan_static_poses, record_static_poses, star_m};
 use std::path::PathBuf;
 
@@ -48,7 +49,7 @@ fn kilograms(text: &str) -> Result<f64, String> {
 }
 
 impl WeighCommand {
-    pub(super) fn execute(self) -> CommandResult {
+    pub(super) fn execute(self, progress: &Progress) -> CommandResult {
         let options = read_hardware_plant(&self.plant)?;
         let visiting = visiting(&options, self.rest_steps);
         let poses_m = self.poses_m(&options)?;
@@ -58,9 +59,10 @@ impl WeighCommand {
         let mut robot = RecordedPlant::open_hardware(&options, STEP_S, Seed(1))?;
         let (poses, minutes) = (poses_m.len(), minutes(&planned));
         eprintln!("note: {poses} poses with each of {} weights, about {minutes:.0} minutes", self.weights.len());
-        session.record_missing(&mut robot, Seed(1), &|plant, planned, rows, seed| {
+        let recorded = session.record_missing(&mut robot, Seed(1), &|plant, planned, rows, seed| {
             record_static_poses(plant, planned, rows, &visiting, seed)
         })?;
+        progress.say(&written(&self.out, &recorded));
         println!(
             "next: spinebench calibrate --static --model MODEL.yaml --measured {} --out CALIBRATED.yaml",
             self.out.display()

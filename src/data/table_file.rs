@@ -5,10 +5,30 @@ use std::path::Path;
 use super::table::{PARQUET, Table, read_parquet};
 use super::{DataError, csv, file};
 
+/// Magic bytes of zip archives, spreadsheets (.xlsx, .ods) among them.
+const ARCHIVE: &[u8] = b"PK\x03\x04";
+
 impl Table {
     /// Reads a file, CSV or Parquet by its first bytes.
     pub(crate) fn read(path: &Path) -> Result<Table, DataError> {
         let bytes = file::read(path)?;
+        if bytes.starts_with(ARCHIVE) {
+            return Err(DataError::Line {
+                file: path.to_owned(),
+                place: "line 1".to_owned(),
+                found: "a spreadsheet or another zip archive".to_owned(),
+                expected: "CSV or Parquet; save the sheet as CSV".to_owned(),
+            });
+        }
+        let yaml = path.extension().is_some_and(|ending| ending == "yaml" || ending == "yml");
+        if yaml {
+            return Err(DataError::Line {
+                file: path.to_owned(),
+                place: "line 1".to_owned(),
+                found: "a YAML file".to_owned(),
+                expected: "a recording, CSV or Parquet".to_owned(),
+            });
+        }
         if bytes.starts_with(PARQUET) { read_parquet(path, bytes) } else { csv::read(path, &bytes) }
     }
 }

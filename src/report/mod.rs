@@ -7,6 +7,7 @@ mod drawing;
 pub mod markup;
 mod order;
 pub mod page;
+pub mod page_counts;
 pub mod paper;
 mod peers_labels;
 mod peers_table;

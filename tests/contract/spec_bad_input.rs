@@ -74,7 +74,10 @@ const BAD: &[(&str, &str)] = &[
         "bad.yaml:2:34: modes.closed_load.effects[0].tip_lode: found the unknown name `tip_lode`",
     ),
     // Wrong units, and more than a machine holds.
-    ("plant: {simulated: {noise_m: 0.5}}", "bad.yaml:2:30: plant.simulated.noise_m: found 0.5, expected 0 to 0.05 m"),
+    (
+        "plant: {simulated: {noise_m: 0.5}}",
+        "bad.yaml:2:30: plant.simulated.noise_m: found 0.5 (if that is in mm, write 0.0005 m), expected 0 to 0.05",
+    ),
     (
         "explore: {max_pull_m: 20}",
         "bad.yaml:2:23: explore.max_pull_m: found 20, expected at most 0.06 m, the travel of",
@@ -98,8 +101,8 @@ const BAD: &[(&str, &str)] = &[
         "runs:\n  reach:\n    - {policies: [pi_real], modes: [closed], real_points: [241]}",
         "bad.yaml:4:60: runs.reach[0].real_points[0]: found 241, expected 10 to 240, the number of collected points",
     ),
-    ("targets: {drawn: 21}", "bad.yaml:2:18: targets.drawn: found 21, expected at most pool"),
-    ("targets: {pool: 50}", "bad.yaml:2:17: targets.pool: found 50, expected at most"),
+    ("targets: {drawn: 21}", "bad.yaml:2:18: targets.drawn: found 21, expected at most `pool` (20)"),
+    ("targets: {pool: 50}", "bad.yaml:2:17: targets.pool: found 50 for a sweep of 49 nodes, expected at most"),
     ("runs: {track: {real_points: 500}}", "bad.yaml:2:29: runs.track.real_points: found 500, expected 10 to 240"),
     ("runs: {gp_points: [100]}", "bad.yaml:2:20: runs.gp_points[0]: found 100, expected 2 to 80"),
     ("runs: {gap: {rows: 241}}", "bad.yaml:2:20: runs.gap.rows: found 241, expected 1 to 240"),
@@ -174,7 +177,7 @@ fn overrides_are_checked_like_files() {
             "error: --set gp.starts=-3: gp.starts: found integer `-3`, expected a whole number, 0 or more",
         ),
         ("gp.startz=3", "error: --set gp.startz=3: gp.startz: found the unknown key `startz`"),
-        ("targets.drawn=900", "error: --set targets.drawn=900: targets.drawn: found 900, expected at most pool"),
+        ("targets.drawn=900", "error: --set targets.drawn=900: targets.drawn: found 900, expected at most `pool` (20)"),
         ("gp", "error: --set gp: (whole document): found `gp`, expected path.to.key=value"),
         ("gp.starts=[", "error: --set gp.starts=[: found"),
     ];
@@ -189,6 +192,39 @@ fn overrides_are_checked_like_files() {
 }
 
 #[test]
+fn all_faults_of_a_spec_are_told_at_once_and_in_the_order_of_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let output =
+        run(folder.path(), "sweeps: {}\nexplore: {point: 5, points: many}\nseeds: few", &["--set", "policies.x.y=3"]);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    let expected = [
+        "bad.yaml:2:1: sweeps: found the unknown key `sweeps`",
+        "bad.yaml:3:11: explore.point: found the unknown key `point`",
+        "bad.yaml:3:29: explore.points: found text \"many\"",
+        "bad.yaml:4:8: seeds: found text \"few\"",
+        "--set policies.x.y=3: policies.x: found the unknown key `x`",
+    ];
+    assert_eq!(said.lines().count(), expected.len(), "{said}");
+    for fault in expected {
+        assert!(said.lines().any(|line| line.starts_with(&format!("error: {fault}"))), "{fault}\n{said}");
+    }
+    // The keys of the document itself are among the known ones.
+    assert!(said.contains("`extends`, `sweep` (did you mean `sweep`?)"), "{said}");
+}
+
+#[test]
+fn messages_of_the_parser_are_sentences() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = |text: &str| String::from_utf8(run(folder.path(), text, &[]).stderr).unwrap();
+    let tab = said("gp:\n\tstarts: 3");
+    assert!(tab.starts_with("error: bad.yaml:3:1: found a tab character"), "{tab}");
+    assert!(tab.contains("expected YAML, which is indented by spaces"), "{tab}");
+    let open = said("gp: {starts: 3");
+    assert!(open.contains("found something else, expected YAML with"), "{open}");
+}
+
+#[test]
 fn usage_errors_and_missing_specs_end_with_2() {
     let folder = tempfile::tempdir().unwrap();
     let run = |arguments: &[&str]| {
@@ -198,7 +234,9 @@ fn usage_errors_and_missing_specs_end_with_2() {
     let missing = run(&["run", "nowhere.yaml"]);
     assert_eq!(missing.status.code(), Some(2));
     let said = String::from_utf8(missing.stderr).unwrap();
-    assert_eq!(said, "error: nowhere.yaml: found no file `nowhere.yaml`, expected the name of a YAML file\n");
+    let place = folder.path().canonicalize().unwrap();
+    let expected = format!("found no file `nowhere.yaml` in {}, expected the name of a YAML file", place.display());
+    assert_eq!(said, format!("error: nowhere.yaml: {expected}\n"));
     for arguments in [&["run"] as &[&str], &["frobnicate"], &["run", "x.yaml", "--seeds", "some"], &["verify"]] {
         assert_eq!(run(arguments).status.code(), Some(2), "{arguments:?}");
     }

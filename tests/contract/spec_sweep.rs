@@ -199,7 +199,7 @@ const BAD_SPECS: &[(&str, &str)] = &[
     ),
     (
         "sweep:\n  gp.starts: [1, 2]\n  targets.drawn: {range: {from: 10, to: 30, count: 3}}",
-        "spec.yaml:4:18: targets.drawn: found 30, expected at most pool (point 3 of 6: gp.starts=1 targets.drawn=30)",
+        "spec.yaml:4:18: targets.drawn: found 30, expected at most `pool` (20) (point 3 of 6: gp.starts=1 targets.drawn=30)",
     ),
     (
         "sweep: {gp.starts: {range: {from: 1, to: 5, count: 1}}}",
@@ -224,7 +224,7 @@ const BAD_SPECS: &[(&str, &str)] = &[
     ),
     (
         "sweep: {plant.simulated.model: [nowhere.yaml]}",
-        "spec.yaml:2:33: plant.simulated.model: found no file `nowhere.yaml`, expected the name of a YAML file",
+        "spec.yaml:2:33: plant.simulated.model: found no file `nowhere.yaml` in ",
     ),
     (
         "sweep:\n  gp.noise_floor: {range: {from: 0.001, to: 0.1, count: 1000}}\n  gp.tolerance: {range: {from: 0.001, to: 0.1, count: 1000}}",

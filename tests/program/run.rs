@@ -251,7 +251,7 @@ fn a_log_for_machines_and_the_strict_answer() {
     assert_eq!(finished as u64, events[0]["compute"].as_u64().unwrap());
 
     // A load that the rod's solver cannot carry: trials are rows with a status, the run goes on, and --strict says no.
-    let stuck = ["--set", "modes.open.effects=[{tip_load: {mass_kg: 20}}]", "--out", "stuck"];
+    let stuck = ["--set", "modes.open.effects=[{tip_load: {mass_kg: 14}}]", "--out", "stuck"];
     let lenient = spinebench(folder.path(), &[&tiny[..], &stuck[..]].concat());
     assert_eq!(lenient.status.code(), Some(0), "{}", String::from_utf8_lossy(&lenient.stderr));
     let strict = spinebench(folder.path(), &[&tiny[..], &stuck[..], &["--strict"]].concat());
@@ -264,7 +264,7 @@ fn a_log_for_machines_and_the_strict_answer() {
     assert!(table.contains("6 trials gave no error"), "{table}");
 
     // Data that cannot be collected: everything else is written, and the exit status says so even when quiet.
-    let heavy = "plant.simulated.model.effects=[{tip_load: {mass_kg: 20}}]";
+    let heavy = "plant.simulated.model.effects=[{tip_load: {mass_kg: 14}}]";
     let lost = spinebench(folder.path(), &[&tiny[..], &["--set", heavy, "--out", "lost", "--quiet"]].concat());
     assert_eq!(lost.status.code(), Some(1));
     let said = String::from_utf8(lost.stderr).unwrap();

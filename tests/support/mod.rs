@@ -2,6 +2,7 @@
 #![allow(dead_code, unreachable_pub, missing_docs)]
 
 pub mod discovery_rows;
+pub mod hour;
 pub mod motive;
 pub mod policies;
 pub mod rehearsal;

@@ -3,6 +3,7 @@
 mod fault_commands;
 mod log;
 
+use super::outputs::check_yaml;
 use super::session::read_hardware_plant;
 use super::{CommandError, CommandResult};
 use clap::Args;
@@ -42,6 +43,7 @@ pub(super) struct RehearseCommand {
 
 impl RehearseCommand {
     pub(super) fn execute(self) -> CommandResult {
+        check_yaml(&self.out)?;
         let options = read_hardware_plant(&self.plant)?;
         if options.rehearsal.is_none() {
             let file = self.plant.display();

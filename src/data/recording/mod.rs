@@ -181,11 +181,20 @@ impl Recording {
         read::recording(path, &Expected { measured: false, in_time: true })
     }
 
+    /// Checks that a recording can have this name: it ends in `.csv` or `.parquet`, or has no ending (CSV).
+    ///
+    /// # Errors
+    /// [`DataError::Write`] for another ending.
+    pub fn check_name(path: &Path) -> Result<(), DataError> {
+        write::check_name(path)
+    }
+
     /// Writes a recording atomically, as Parquet when the name ends in `.parquet`, otherwise as CSV, with enough digits
     /// to read back the same numbers.
     ///
     /// # Errors
-    /// [`DataError::Write`] when columns differ in length or the file cannot be written.
+    /// [`DataError::Write`] for another ending than `.csv` and `.parquet`, when columns differ in length, or when the file
+    /// cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), DataError> {
         write::recording(self, path)
     }

@@ -7,10 +7,23 @@ use super::{Extra, Recording};
 use crate::data::table::{Cells, csv_bytes, parquet_bytes};
 use crate::data::{DataError, write_atomic};
 
+/// Refuses the endings of other formats: the bytes would belie the name.
+pub(super) fn check_name(path: &Path) -> Result<(), DataError> {
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    match ending {
+        Some(other) if !matches!(other.as_str(), "csv" | "parquet") => Err(DataError::Write {
+            file: path.to_owned(),
+            reason: format!("found the ending `.{other}`, expected `.csv` or `.parquet`"),
+        }),
+        _ => Ok(()),
+    }
+}
+
 /// Writes the file atomically.
 pub(super) fn recording(recording: &Recording, path: &Path) -> Result<(), DataError> {
+    check_name(path)?;
     let refused = |reason| DataError::Write { file: path.to_owned(), reason };
-    let parquet = path.extension().is_some_and(|extension| extension == "parquet");
+    let parquet = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"));
     let columns = columns(recording).map_err(refused)?;
     let bytes = if parquet { parquet_bytes(columns) } else { csv_bytes(columns) };
     write_atomic(path, &bytes.map_err(refused)?)

@@ -42,12 +42,14 @@ pub enum SpecError {
         expected: &'static str,
     },
     /// The text is not YAML.
-    #[error("{place}: found {found}, expected YAML")]
+    #[error("{place}: found {found}, expected {expected}")]
     Syntax {
         /// Where the parser gave up.
         place: SourceLocation,
-        /// The parser's message.
+        /// What it found there.
         found: String,
+        /// What it expected.
+        expected: String,
     },
     /// A key is unknown or missing, or its value is of the wrong type, unit or range.
     #[error("{place}: {key}: found {found}, expected {expected}")]
@@ -61,4 +63,17 @@ pub enum SpecError {
         /// What was expected.
         expected: String,
     },
+    /// Several faults, each a line of its own.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\nerror: "))]
+    Several(Vec<SpecError>),
+}
+
+impl SpecError {
+    /// One error for all of these, of which there is at least one.
+    pub(super) fn of_all(mut faults: Vec<SpecError>) -> SpecError {
+        match faults.len() {
+            1 => faults.remove(0),
+            _ => SpecError::Several(faults),
+        }
+    }
 }

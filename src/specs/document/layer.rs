@@ -5,8 +5,9 @@ use super::error::{SourceLocation, SpecError};
 use super::locate::{PathEnd, locate};
 use super::mismatch::describe;
 use super::path::{KeyPath, Step};
+use super::suggest::nearest;
 use super::sweep_option;
-use super::tree::{get, not_plain, remove};
+use super::tree::{get, merge, not_plain, put, remove};
 use crate::data::read_text;
 use serde_yaml::{Mapping, Value};
 use std::path::{Path, PathBuf};
@@ -38,7 +39,8 @@ impl Layer {
         let name = path.display().to_string();
         let text = read_text(path).map_err(|error| {
             let missing = error.kind() == std::io::ErrorKind::NotFound;
-            let found = if missing { format!("no file `{name}`") } else { format!("`{name}`: {error}") };
+            let found =
+                if missing { format!("no file `{name}`{}", searched(path)) } else { format!("`{name}`: {error}") };
             let expected = "the name of a YAML file";
             match &include {
                 Some((key, place)) => {
@@ -54,7 +56,9 @@ impl Layer {
         let root = include.as_ref().map_or_else(KeyPath::default, |(key, _)| (*key).clone());
         let layer = Layer { name, text, value, folder, root, replaces: include.is_some(), renamed: Vec::new() };
         if !layer.value.is_mapping() {
-            return Err(layer.refuse(&layer.root, describe(&layer.value), "a mapping of keys to values"));
+            let table = layer.text.lines().next().is_some_and(|line| line.starts_with("trial,"));
+            let found = if table { "a recording (CSV)".to_owned() } else { describe(&layer.value) };
+            return Err(layer.refuse(&layer.root, found, "a mapping of keys to values"));
         }
         layer.plain()?.with_present_names()
     }
@@ -69,9 +73,6 @@ impl Layer {
         };
         let (path, text) = set.split_once('=').ok_or_else(|| refuse(format!("`{set}`")))?;
         let (root, renamed) = unaliased(KeyPath::parse(path.trim()).map_err(refuse)?);
-        if root.0.iter().any(|step| matches!(step, Step::Item(_))) {
-            return Err(refuse(format!("`{path}`, which names an item of a list")));
-        }
         let value = yaml(text, &name)?;
         let (text, folder, renamed) = (text.to_owned(), PathBuf::new(), renamed.into_iter().collect());
         Layer { name, text, value, folder, root, replaces: false, renamed }.plain()?.with_present_names()
@@ -155,7 +156,8 @@ impl Layer {
         let Value::String(name) = &value else { return Err(self.refuse(&path, describe(&value), expected)) };
         let file = self.folder.join(name);
         if !file.is_file() {
-            return Err(self.refuse(&path, format!("no file `{}`", file.display()), expected));
+            let found = format!("no file `{}`{}", file.display(), searched(&file));
+            return Err(self.refuse(&path, found, expected));
         }
         if seen.contains(&canonical(&file)) {
             return Err(self.refuse(&path, format!("`{name}`, which extends this file"), expected));
@@ -190,6 +192,30 @@ impl Layer {
         SourceLocation::File { file: self.name.clone(), line, column }
     }
 
+    /// The value of this layer at a path of the document; above its root, the mapping that leads there.
+    pub(super) fn get(&self, path: &KeyPath) -> Option<Value> {
+        match path.0.strip_prefix(self.root.0.as_slice()) {
+            Some(below) => get(&self.value, &KeyPath(below.to_vec())).cloned(),
+            None if self.root.0.starts_with(&path.0) => Some(Value::Mapping(Mapping::new())),
+            None => None,
+        }
+    }
+
+    /// Merges this layer into the tree of the weaker ones.
+    ///
+    /// # Errors
+    /// [`SpecError::Key`] for an item that a list does not have.
+    pub(super) fn merge_into(&self, tree: &mut Value) -> Result<(), SpecError> {
+        if !self.root.0.iter().any(|step| matches!(step, Step::Item(_))) {
+            merge(tree, self.rooted());
+            return Ok(());
+        }
+        let mut value = get(tree, &self.root).cloned().unwrap_or(Value::Null);
+        merge(&mut value, self.value.clone());
+        put(tree, &self.root.0, value)
+            .map_err(|found| self.refuse(&self.root, found, "a path of keys and of items of lists that are there"))
+    }
+
     /// The value under its path from the root of the document.
     pub(super) fn rooted(&self) -> Value {
         self.root.0.iter().rev().fold(self.value.clone(), |value, step| match step {
@@ -207,10 +233,35 @@ fn yaml(text: &str, name: &str) -> Result<Value, SpecError> {
         } else {
             SourceLocation::File { file: name.to_owned(), line, column }
         };
-        let words = error.to_string();
-        let found = words.split(" at line ").next().unwrap_or_default().to_owned();
-        SpecError::Syntax { place, found }
+        let at_tab = text.lines().nth(line - 1).and_then(|text| text.chars().nth(column - 1)) == Some('\t');
+        let (found, expected) = match at_tab {
+            true => ("a tab character".to_owned(), "YAML, which is indented by spaces".to_owned()),
+            false => syntax(&error.to_string()),
+        };
+        SpecError::Syntax { place, found, expected }
     })
+}
+
+/// What the parser of YAML found and what it expected, from its message.
+fn syntax(message: &str) -> (String, String) {
+    let words = message.split(" at line ").next().unwrap_or_default();
+    if let Some(expected) = words.strip_prefix("did not find expected ") {
+        return ("something else".to_owned(), format!("YAML with {expected} here"));
+    }
+    (words.strip_prefix("found ").unwrap_or(words).to_owned(), "YAML".to_owned())
+}
+
+/// Where a relative file was searched for, and the file there that is named most alike.
+pub(super) fn searched(path: &Path) -> String {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let Ok(place) = folder.canonicalize() else { return format!(" (there is no folder `{}`)", folder.display()) };
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut names: Vec<String> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    let near = nearest(&name, names.iter().map(String::as_str));
+    let hint = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+    format!(" in {}{hint}", place.display())
 }
 
 pub(super) fn canonical(path: &Path) -> PathBuf {

@@ -6,10 +6,9 @@
 use super::error::{SourceLocation, SpecError};
 use super::layer::{Layer, canonical};
 use super::locate::{PathEnd, locate};
-use super::mismatch::{Mismatch, describe, deserialize};
+use super::mismatch::describe;
 use super::path::{KeyPath, Step};
-use super::tree::{get, merge, remove};
-use serde::de::DeserializeOwned;
+use super::tree::{get, remove};
 use serde_yaml::{Mapping, Value};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -19,6 +18,8 @@ use std::sync::Arc;
 pub struct Document {
     pub(super) layers: Vec<Layer>,
     pub(super) merged: Value,
+    /// Keys of the root that are no part of the typed value.
+    pub(super) root_keys: &'static [&'static str],
     /// The file as the user named it.
     pub file: String,
     /// Sources of the swept values in the tree.
@@ -34,7 +35,8 @@ impl Document {
     /// # Errors
     /// A missing file, text that is not YAML, a cycle of `extends`, a malformed override.
     pub fn read(file: &Path, sets: &[String], includes: &[KeyPath]) -> Result<Document, SpecError> {
-        Document::read_swept(file, sets, &[], includes)
+        let document = Document::read_swept(file, sets, &[], includes)?;
+        Ok(Document { root_keys: &["extends"], ..document })
     }
 
     /// As [`Document::read`], with the `--sweep` options.
@@ -63,24 +65,16 @@ impl Document {
             if layer.replaces {
                 remove(&mut merged, &layer.root);
             }
-            merge(&mut merged, layer.rooted());
+            layer.merge_into(&mut merged)?;
         }
         let notes = layers.iter().rev().flat_map(Layer::notes).collect();
-        Ok(Document { layers, merged, file: file.display().to_string(), origins: Vec::new(), notes })
+        let root_keys: &[&str] = &["extends", "sweep"];
+        Ok(Document { layers, merged, root_keys, file: file.display().to_string(), origins: Vec::new(), notes })
     }
 
     /// Every file that was read for it.
     pub(in crate::specs) fn files(&self) -> Vec<PathBuf> {
         self.layers.iter().filter(|layer| !layer.is_option()).map(|layer| PathBuf::from(&layer.name)).collect()
-    }
-
-    /// The document as a `T`.
-    ///
-    /// # Errors
-    /// [`SpecError::Key`] for an unknown or missing key or a value of the wrong type, with its source location.
-    pub fn parse<T: DeserializeOwned>(&self) -> Result<T, SpecError> {
-        deserialize(&self.merged)
-            .map_err(|wrong: Mismatch| self.refuse(&wrong.key, wrong.end, wrong.found, wrong.expected))
     }
 
     /// The error for the value at `path`.
@@ -142,16 +136,18 @@ impl Document {
 
     /// The strongest source that holds `path`.
     fn owner(&self, path: &KeyPath) -> Option<&Layer> {
+        let holds = |layer: &&Layer| layer.get(path).is_some();
+        // An option below the path holds it only where nothing else does.
         let above_option = |layer: &Layer| layer.root.0.len() > path.0.len();
-        self.layers.iter().find(|layer| !above_option(layer) && get(&layer.rooted(), path).is_some())
+        let whole = self.layers.iter().find(|layer| !above_option(layer) && holds(layer));
+        whole.or_else(|| self.layers.iter().find(holds))
     }
 
     /// Location of `below` in the values of a swept field, or of its nearest existing parent.
     pub(in crate::specs) fn place_swept(&self, written: &SweptEntry, below: &[Step], end: PathEnd) -> SourceLocation {
         let layer = &self.layers[written.layer];
         let full = KeyPath([written.at.0.as_slice(), below].concat());
-        let (path, end) =
-            if get(&layer.rooted(), &full).is_some() { (&full, end) } else { (&written.at, PathEnd::Value) };
+        let (path, end) = if layer.get(&full).is_some() { (&full, end) } else { (&written.at, PathEnd::Value) };
         layer.place(path, end)
     }
 }

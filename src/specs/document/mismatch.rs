@@ -25,22 +25,22 @@ impl Mismatch {
     }
 }
 
-/// `value` as a `T`, enums as `name: settings`.
+/// `value` as a `T`, enums as `name: settings`. `root_keys`: keys of the root besides those of `T`.
 ///
 /// # Errors
 /// [`Mismatch`] for the first key or value that does not fit.
-pub(in crate::specs) fn deserialize<T: DeserializeOwned>(value: &Value) -> Result<T, Mismatch> {
+pub(in crate::specs) fn deserialize<T: DeserializeOwned>(value: &Value, root_keys: &[&str]) -> Result<T, Mismatch> {
     // Most values fit, and reading without a record of the path is several times faster.
     singleton_map_recursive::deserialize(value).or_else(|_| {
         let mut track = Track::new();
         singleton_map_recursive::deserialize(Deserializer::new(value, &mut track))
-            .map_err(|error: serde_yaml::Error| explain(&error.to_string(), &KeyPath::from(&track.path())))
+            .map_err(|error: serde_yaml::Error| explain(&error.to_string(), &KeyPath::from(&track.path()), root_keys))
     })
 }
 
 /// Takes the deserialiser's message about the value at `path` apart.
-fn explain(message: &str, path: &KeyPath) -> Mismatch {
-    unknown(message, path)
+fn explain(message: &str, path: &KeyPath, root_keys: &[&str]) -> Mismatch {
+    unknown(message, path, root_keys)
         .or_else(|| missing(message, path))
         .or_else(|| mistyped(message, path))
         .or_else(|| unregistered(message, path))
@@ -56,12 +56,15 @@ fn unregistered(message: &str, path: &KeyPath) -> Option<Mismatch> {
 }
 
 /// ``unknown field `x`, expected one of `a`, `b` `` and the same for the names of enum variants.
-fn unknown(message: &str, path: &KeyPath) -> Option<Mismatch> {
+fn unknown(message: &str, path: &KeyPath, root_keys: &[&str]) -> Option<Mismatch> {
     let (kind, rest) = [("key", "unknown field `"), ("name", "unknown variant `")]
         .iter()
         .find_map(|(kind, start)| Some((*kind, &message[message.find(start)? + start.len()..])))?;
     let (name, rest) = rest.split_once('`')?;
-    let known: Vec<&str> = rest.split('`').skip(1).step_by(2).collect();
+    let mut known: Vec<&str> = rest.split('`').skip(1).step_by(2).collect();
+    if kind == "key" && path.0.len() == 1 {
+        known.extend(root_keys);
+    }
     let listed = match known.as_slice() {
         [] => "no key here".to_owned(),
         [one] => format!("`{one}`"),
@@ -104,13 +107,21 @@ fn mistyped(message: &str, path: &KeyPath) -> Option<Mismatch> {
     Some(Mismatch::new(path.clone(), PathEnd::Value, found, expected))
 }
 
+/// Letters of a text that error messages show at most.
+const MOST_SHOWN: usize = 60;
+
 /// A value as error messages show it.
 pub(in crate::specs) fn describe(value: &Value) -> String {
     match value {
         Value::Null => "nothing".to_owned(),
         Value::Bool(flag) => flag.to_string(),
         Value::Number(number) => number.to_string(),
-        Value::String(text) => format!("`{text}`"),
+        Value::String(text) => match text.lines().next() {
+            Some(line) if line.len() < text.len() || line.chars().count() > MOST_SHOWN => {
+                format!("a text that begins with `{}`", line.chars().take(MOST_SHOWN).collect::<String>())
+            }
+            _ => format!("`{text}`"),
+        },
         Value::Sequence(items) if items.is_empty() => "an empty list".to_owned(),
         Value::Sequence(items) => format!("a list of {}", items.len()),
         Value::Mapping(_) => "a mapping".to_owned(),

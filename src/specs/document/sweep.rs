@@ -65,7 +65,7 @@ impl Document {
     /// Location of the `--set` that sets `field` or a part of it.
     pub(in crate::specs) fn set_by(&self, field: &KeyPath) -> Option<SourceLocation> {
         let says = |layer: &&Layer| {
-            layer.name.starts_with(SET) && (layer.root.0.starts_with(&field.0) || get(&layer.rooted(), field).is_some())
+            layer.name.starts_with(SET) && (layer.root.0.starts_with(&field.0) || layer.get(field).is_some())
         };
         self.layers.iter().find(says).map(|layer| layer.place(field, PathEnd::Value))
     }

@@ -211,7 +211,7 @@ fn random(random: &RandomDraw, field: &KeyPath, seed: Seed) -> Result<Vec<SweepV
 
 fn read<T: DeserializeOwned>(inside: &Value, form: &str) -> Result<T, Wrong> {
     let below = |key: KeyPath| KeyPath([KeyPath::default().key(form).0, key.0].concat());
-    deserialize(inside).map_err(|wrong| (below(wrong.key), wrong.found, wrong.expected))
+    deserialize(inside, &[]).map_err(|wrong| (below(wrong.key), wrong.found, wrong.expected))
 }
 
 fn ordered(form: &str, from: f64, to: f64) -> Result<(), Wrong> {

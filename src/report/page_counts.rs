@@ -1,0 +1,106 @@
+//! Numbers in the prose of a page: `<!-- count:FILE; COLUMN=VALUE; … -->48<!-- end -->` is the number of rows of a published
+//! table in which every condition holds. So a sentence cannot contradict the table that it is about.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::data::tables::{Beside, read_csv_beside};
+
+const BEGIN: &str = "<!-- count:";
+const CLOSE: &str = " -->";
+const END: &str = "<!-- end -->";
+
+/// All columns are beside it.
+#[derive(Serialize, Deserialize)]
+struct NoColumns {}
+
+/// `text` with every count computed again from the tables, whose names are relative to `folder`.
+///
+/// # Errors
+/// The marker and what is wrong with it, in words: no end, no such table or column, no condition.
+pub fn recounted(text: &str, folder: &Path) -> Result<String, String> {
+    let mut pieces = text.split(BEGIN);
+    let mut page = pieces.next().unwrap_or_default().to_owned();
+    for piece in pieces {
+        let marker = piece.split(CLOSE).next().unwrap_or_default();
+        let told = |words: String| format!("{BEGIN}{marker}{CLOSE}: {words}");
+        let (_, rest) = piece.split_once(CLOSE).ok_or_else(|| told("found no end of the marker".into()))?;
+        let (_, after) =
+            rest.split_once(END).ok_or_else(|| told(format!("found no `{END}` after it, expected one")))?;
+        let count = count(marker, folder).map_err(told)?;
+        page.push_str(&format!("{BEGIN}{marker}{CLOSE}{count}{END}{after}"));
+    }
+    Ok(page)
+}
+
+fn count(marker: &str, folder: &Path) -> Result<usize, String> {
+    let mut parts = marker.split(';').map(str::trim);
+    let file = parts.next().unwrap_or_default();
+    let (columns, _) = read_csv_beside::<NoColumns>(&folder.join(file), |_| true).map_err(|error| error.to_string())?;
+    let conditions = parts.map(|part| RowCondition::parse(part, &columns)).collect::<Result<Vec<_>, String>>()?;
+    let rows = columns.first().map_or(0, |(_, cells)| cells.len());
+    Ok((0..rows).filter(|&row| conditions.iter().all(|condition| condition.holds(row))).count())
+}
+
+/// A condition on a row.
+struct RowCondition<'a> {
+    cells: &'a [String],
+    wanted: Wanted<'a>,
+}
+
+enum Wanted<'a> {
+    /// This text, or one that begins so.
+    Text(&'a str),
+    Beginning(&'a str),
+    AtLeast(f64),
+}
+
+impl<'a> RowCondition<'a> {
+    /// `COLUMN=VALUE`, `COLUMN=BEGINNING*` or `COLUMN>=NUMBER`.
+    fn parse(text: &'a str, columns: &'a [Beside]) -> Result<RowCondition<'a>, String> {
+        let malformed = || format!("found `{text}`, expected COLUMN=VALUE, COLUMN=BEGINNING* or COLUMN>=NUMBER");
+        let (name, wanted) = match text.split_once(">=") {
+            Some((name, number)) => (name, Wanted::AtLeast(number.parse().map_err(|_| malformed())?)),
+            None => {
+                let (name, value) = text.split_once('=').ok_or_else(malformed)?;
+                (name, value.strip_suffix('*').map_or(Wanted::Text(value), Wanted::Beginning))
+            }
+        };
+        let column = columns.iter().find(|(column, _)| column == name);
+        let (_, cells) = column.ok_or_else(|| format!("found no column `{name}` in the table"))?;
+        Ok(RowCondition { cells, wanted })
+    }
+
+    fn holds(&self, row: usize) -> bool {
+        let cell = self.cells[row].as_str();
+        match self.wanted {
+            Wanted::Text(text) => cell == text,
+            Wanted::Beginning(text) => cell.starts_with(text),
+            Wanted::AtLeast(number) => cell.parse::<f64>().is_ok_and(|cell| cell >= number),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_are_those_of_the_table_and_a_second_call_changes_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let table = "claim,verdict,ours\na_1,reproduced,0.5\na_2,not reproduced,2\nb_1,reproduced,\n";
+        std::fs::write(folder.path().join("t.csv"), table).unwrap();
+        let page = "Of <!-- count:t.csv -->0<!-- end -->, <!-- count:t.csv; verdict=reproduced; claim=a_* -->9<!-- end --> \
+                    hold; <!-- count:t.csv; ours>=0.5 --><!-- end -->, <!-- count:t.csv; verdict=not reproduced -->x<!-- end -->.";
+        let once = recounted(page, folder.path()).unwrap();
+        let plain: String = once.split("-->").map(|part| part.split("<!--").next().unwrap()).collect();
+        assert_eq!(plain, "Of 3, 1 hold; 2, 1.");
+        assert_eq!(recounted(&once, folder.path()).unwrap(), once);
+        for bad in
+            ["<!-- count:t.csv -->1", "<!-- count:u.csv -->1<!-- end -->", "<!-- count:t.csv; x=1 -->1<!-- end -->"]
+        {
+            assert!(recounted(bad, folder.path()).unwrap_err().starts_with("<!-- count:"), "{bad}");
+        }
+    }
+}

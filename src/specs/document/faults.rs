@@ -1,0 +1,68 @@
+//! Reading the tree as a typed value: all keys and values that do not fit, and inherited entries that `null` drops.
+
+use super::error::SpecError;
+use super::merged::Document;
+use super::mismatch::{Mismatch, deserialize};
+use super::path::{KeyPath, Step};
+use super::tree::{get, remove};
+use serde::de::DeserializeOwned;
+use serde_yaml::Value;
+
+/// Most faults that are told at once.
+const MOST_FAULTS: usize = 20;
+
+impl Document {
+    /// The document as a `T`. An entry that a weaker source has and a stronger one sets to `null` is dropped where the entry
+    /// itself cannot be `null`.
+    ///
+    /// # Errors
+    /// [`SpecError::Key`] for an unknown or missing key or a value of the wrong type, with its source location;
+    /// [`SpecError::Several`] where there are more of them.
+    pub fn parse<T: DeserializeOwned>(&self) -> Result<T, SpecError> {
+        let mut tree = match deserialize(&self.merged, self.root_keys) {
+            Ok(read) => return Ok(read),
+            Err(_) => self.merged.clone(),
+        };
+        let (mut removed, mut faults) = (Vec::new(), Vec::new());
+        loop {
+            let wrong = match deserialize(&tree, self.root_keys) {
+                Ok(read) if faults.is_empty() => return Ok(read),
+                Ok(_) => break,
+                Err(wrong) => wrong,
+            };
+            // What follows from a fault that was told is none of its own; a key that is missing beside an unknown one is
+            // likely that one.
+            let absent = get(&tree, &wrong.key).is_none();
+            let follows =
+                |known: &KeyPath| known.0.starts_with(&wrong.key.0) || (absent && known.parent() == wrong.key.parent());
+            if removed.iter().any(follows) {
+                break;
+            }
+            let key = wrong.key.clone();
+            if let Some(dropped) = self.dropped(&key) {
+                remove(&mut tree, &dropped);
+                continue;
+            }
+            let one_of_a_list = matches!(key.0.last(), Some(Step::Item(_)) | None);
+            faults.push(self.fault(wrong));
+            if one_of_a_list || absent || faults.len() == MOST_FAULTS {
+                break;
+            }
+            remove(&mut tree, &key);
+            removed.push(key);
+        }
+        Err(SpecError::of_all(faults))
+    }
+
+    fn fault(&self, wrong: Mismatch) -> SpecError {
+        self.refuse(&wrong.key, wrong.end, wrong.found, wrong.expected)
+    }
+
+    /// The entry at or above `path` that is `null` in the tree and something else in a weaker source.
+    fn dropped(&self, path: &KeyPath) -> Option<KeyPath> {
+        let entry = (1..=path.0.len()).map(|depth| KeyPath(path.0[..depth].to_vec()));
+        let entry = entry.into_iter().find(|entry| get(&self.merged, entry).is_some_and(Value::is_null))?;
+        let held = |value: Option<Value>| value.is_some_and(|value| !value.is_null());
+        self.layers.iter().any(|layer| held(layer.get(&entry))).then_some(entry)
+    }
+}

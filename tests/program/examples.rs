@@ -1,0 +1,189 @@
+//! The examples in README and docs run as printed: blocks that are marked run and print what the page says, and every
+//! command that any page shows names options that exist and files that are shipped.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
+/// A fenced block of a page, with the mark in the line before it.
+struct Block {
+    mark: Option<String>,
+    text: String,
+}
+
+fn blocks(page: &str) -> Vec<Block> {
+    let mut found = Vec::new();
+    let mut lines = page.lines().peekable();
+    let mut mark = None;
+    while let Some(line) = lines.next() {
+        if let Some(named) = line.trim().strip_prefix("<!-- ").and_then(|rest| rest.strip_suffix(" -->")) {
+            mark = Some(named.to_owned());
+        } else if line.trim_start().starts_with("```") {
+            let inside: Vec<&str> = lines.by_ref().take_while(|line| !line.trim_start().starts_with("```")).collect();
+            found.push(Block { mark: mark.take(), text: inside.join("\n") + "\n" });
+        } else if !line.trim().is_empty() {
+            mark = None;
+        }
+    }
+    found
+}
+
+fn pages() -> Vec<PathBuf> {
+    let docs = std::fs::read_dir(Path::new(ROOT).join("docs")).unwrap().flatten().map(|entry| entry.path());
+    let docs = docs.filter(|path| path.extension().is_some_and(|end| end == "md"));
+    std::iter::once(Path::new(ROOT).join("README.md")).chain(docs).collect()
+}
+
+/// A folder that looks like a checkout and takes what examples write.
+fn checkout() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for shared in ["models", "experiments", "tests"] {
+        std::os::unix::fs::symlink(Path::new(ROOT).join(shared), folder.path().join(shared)).unwrap();
+    }
+    std::fs::create_dir_all(folder.path().join("results")).unwrap();
+    std::fs::copy(Path::new(ROOT).join("results/PUBLISHED"), folder.path().join("results/PUBLISHED")).unwrap();
+    // Files of an example that name ../experiments stand in out/.
+    std::fs::create_dir_all(folder.path().join("out")).unwrap();
+    folder
+}
+
+fn run(folder: &Path, line: &str) -> Output {
+    let words: Vec<&str> = line.split('#').next().unwrap().split_whitespace().skip(1).collect();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_spinebench"));
+    command.args(words).current_dir(folder).env_remove("SPINEBENCH_CACHE").output().unwrap()
+}
+
+/// The commands of a block with what they print: lines after a prompt `$ `, or all lines where there is no prompt.
+fn typed(block: &str) -> Vec<(String, String)> {
+    if !block.starts_with("$ ") {
+        return block.lines().map(|line| (line.to_owned(), String::new())).collect();
+    }
+    let mut all: Vec<(String, String)> = Vec::new();
+    for line in block.lines() {
+        match (line.strip_prefix("$ "), all.last_mut()) {
+            (Some(command), _) => all.push((command.to_owned(), String::new())),
+            (None, Some((_, expected))) => expected.push_str(&format!("{line}\n")),
+            (None, None) => {}
+        }
+    }
+    all
+}
+
+/// Runs a line as a shell would, with the program in its path.
+fn shell(folder: &Path, line: &str) -> Output {
+    let program = Path::new(env!("CARGO_BIN_EXE_spinebench"));
+    let path = format!("{}:{}", program.parent().unwrap().display(), std::env::var("PATH").unwrap());
+    let mut command = Command::new("bash");
+    command.args(["-c", line]).env("PATH", path).current_dir(folder).env_remove("SPINEBENCH_CACHE").output().unwrap()
+}
+
+#[test]
+fn marked_examples_run_as_printed() {
+    let mut ran = 0;
+    for page in pages() {
+        let text = std::fs::read_to_string(&page).unwrap();
+        let folder = checkout();
+        let mut said = String::new();
+        for block in blocks(&text) {
+            let mark = block.mark.unwrap_or_default();
+            if let Some(file) = mark.strip_prefix("file:") {
+                let file = folder.path().join(file);
+                std::fs::create_dir_all(file.parent().unwrap()).unwrap();
+                std::fs::write(file, block.text).unwrap();
+            } else if mark == "runs" {
+                for (line, expected) in typed(&block.text) {
+                    let output = shell(folder.path(), &line);
+                    said =
+                        String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+                    assert!(output.status.success(), "{}: {line}\n{said}", page.display());
+                    assert!(expected.is_empty() || said == expected, "{}: {line}\n{said}", page.display());
+                    ran += 1;
+                }
+            } else if mark == "prints" {
+                assert_eq!(said, block.text, "{}", page.display());
+            }
+        }
+        assert!(!folder.path().join("plots").exists(), "{}: an example replaced published results", page.display());
+    }
+    assert!(ran >= 4, "{ran} examples");
+}
+
+/// The lines of a page that show a command, with continued lines joined.
+fn commands(page: &str) -> Vec<String> {
+    let whole = |block: Block| block.text.replace("\\\n", " ");
+    let lines = blocks(page).into_iter().map(whole).collect::<String>();
+    let shown = |line: &str| line.trim().trim_start_matches("$ ").to_owned();
+    lines.lines().map(shown).filter(|line| line.starts_with("spinebench ")).collect()
+}
+
+#[test]
+fn every_shown_command_has_the_options_and_files_that_it_names() {
+    let mut wrong = Vec::new();
+    for page in pages() {
+        let text = std::fs::read_to_string(&page).unwrap();
+        for line in commands(&text) {
+            let shown = line.split(" #").next().unwrap().to_owned();
+            let words: Vec<&str> = shown.split_whitespace().skip(1).collect();
+            let Some(name) = words.iter().find(|word| !word.starts_with('-')) else { continue };
+            let mut command = vec![*name];
+            if *name == "cache" || *name == "import" || *name == "schema" {
+                command.extend(words.get(1).filter(|word| word.chars().all(char::is_lowercase)));
+            }
+            let help = run(Path::new(ROOT), &format!("spinebench {} --help", command.join(" ")));
+            let help = String::from_utf8_lossy(&help.stdout).into_owned();
+            let told = |what: String| format!("{}: `{line}`: {what}", page.display());
+            if help.is_empty() {
+                wrong.push(told(format!("no command `{}`", command.join(" "))));
+            }
+            for word in &words {
+                let option = word.trim_matches(|letter| "[]".contains(letter)).split(['=', ' ']).next().unwrap();
+                if option.starts_with("--") && !help.contains(option) {
+                    wrong.push(told(format!("no option `{option}`")));
+                }
+                let shipped = ["models/", "experiments/", "tests/data/"].iter().any(|start| word.starts_with(start));
+                if shipped && !word.contains(['*', '…']) && !Path::new(ROOT).join(word).exists() {
+                    wrong.push(told(format!("no file `{word}`")));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn the_readme_is_short_and_its_links_lead_somewhere() {
+    let readme = std::fs::read_to_string(Path::new(ROOT).join("README.md")).unwrap();
+    let words = readme.split_whitespace().count();
+    assert!(words < 1200, "{words} words");
+    for page in pages() {
+        let text = std::fs::read_to_string(&page).unwrap();
+        for link in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            let file = link.split('#').next().unwrap();
+            if file.is_empty() || file.contains("://") || file.contains(' ') {
+                continue;
+            }
+            assert!(page.parent().unwrap().join(file).exists(), "{}: {link}", page.display());
+        }
+    }
+}
+
+#[test]
+fn numbers_in_prose_are_those_of_the_tables() {
+    for page in pages() {
+        let text = std::fs::read_to_string(&page).unwrap();
+        let again = spinebench::report::page_counts::recounted(&text, page.parent().unwrap()).unwrap();
+        assert!(again == text, "{}: run `spinebench page` on it", page.display());
+    }
+    let readme = std::fs::read_to_string(Path::new(ROOT).join("README.md")).unwrap();
+    assert!(readme.matches("<!-- count:").count() > 8);
+}
+
+#[test]
+fn every_document_is_in_the_index() {
+    let index = std::fs::read_to_string(Path::new(ROOT).join("docs/README.md")).unwrap();
+    for page in pages() {
+        let name = page.file_name().unwrap().to_string_lossy().into_owned();
+        assert!(index.contains(&format!("{name})")), "{name} is not in docs/README.md");
+    }
+}
