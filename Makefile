@@ -5,9 +5,16 @@ SHELL := bash
 .DEFAULT_GOAL := help
 .PHONY: help build reproduce check test bench blind campaign peers scaling real verify
 
-# Repetitions of every experiment, data and training included. Claims need ten; SEEDS=1 takes minutes.
+# Repetitions of every experiment, data and training included. Claims need ten, and only ten replace the published results;
+# any other number is a look, which goes to out/.
 SEEDS ?= 10
-SPECS := $(addprefix experiments/,table1.yaml fig5.yaml fig6.yaml fig8.yaml no_gap.yaml)
+OUT := $(if $(filter 10,$(SEEDS)),.,out)
+FIRST := $(addprefix experiments/,table1.yaml fig6.yaml)
+SPECS := $(FIRST) $(addprefix experiments/,fig5.yaml fig8.yaml no_gap.yaml)
+# The blind cases of a look: of each batch of experiments/discovery.yaml the share that SEEDS is of ten.
+share = --set 'runs.discovery.batches[$(1)].cases='$$(( ($(2) * $(SEEDS) + 9) / 10 ))
+BLIND_LOOK := $(if $(filter 10,$(SEEDS)),,$(call share,0,4) $(call share,1,21) $(call share,2,2) $(call share,3,3) \
+  $(call share,4,2) $(call share,5,21))
 PEERS_VENV := target/peers-venv
 SPINEBENCH := cargo run --release --quiet --
 
@@ -17,11 +24,18 @@ help: ## this list
 build:
 	cargo build --release
 
-reproduce: build ## Table I, Figs 5, 6 and 8 and the claims, into results/ and plots/ (SEEDS=10; SEEDS=1 for a look)
-	$(SPINEBENCH) run $(SPECS) --seeds $(SEEDS)
-	$(SPINEBENCH) run experiments/discovery.yaml
+reproduce: build ## Table I, Figs 5, 6 and 8 and the claims, into results/ and plots/; SEEDS=1 for a look, into out/
+	$(SPINEBENCH) run $(FIRST) --seeds $(SEEDS) --out $(OUT)
+	@echo "Table I is in $(OUT)/results/table1/table1.md and $(OUT)/plots/table1.png, Fig. 6 in $(OUT)/plots/fig6.png."
+	$(SPINEBENCH) run $(SPECS) --seeds $(SEEDS) --out $(OUT)
+	$(SPINEBENCH) run experiments/discovery.yaml $(BLIND_LOOK) --out $(OUT)
+ifeq ($(OUT),.)
 	$(SPINEBENCH) page README.md
+	$(SPINEBENCH) page docs/paper.md
 	$(SPINEBENCH) page docs/error_budget.md
+else
+	@echo "A look at $(SEEDS) of ten repetitions is in $(OUT)/; the published results/ and plots/ are as they were."
+endif
 
 # `cargo fmt` does not follow the modules that registries declare.
 SOURCES := $(shell find src -name '*.rs')
@@ -62,8 +76,8 @@ bench: build ## microbenchmarks, then one repetition of everything from nothing:
 # Parts of the blind benchmark, 164 cases each.
 PARTS ?= 7
 blind: build ## `discover` on 1,148 blind cases (hours; PARTS=1 for a seventh): docs/blind_benchmark.md
-	$(SPINEBENCH) run experiments/discovery_full.yaml --seeds $(PARTS)
-	$(SPINEBENCH) page docs/blind_benchmark.md
+	$(SPINEBENCH) run experiments/discovery_full.yaml --seeds $(PARTS) --out $(if $(filter 7,$(PARTS)),.,out)
+	$(if $(filter 7,$(PARTS)),$(SPINEBENCH) page docs/blind_benchmark.md)
 
 campaign: ## the long tests (hours): 200 kills, every case of `discover`, 100,000 random robots (CAMPAIGN_DRAWS=1000 for a look)
 	mkdir -p results/robustness

@@ -82,7 +82,10 @@ impl PlantOptions for SimulatedSpec {
             let expected = "0 to 0.05, in metres of tracking noise";
             return Err((String::new(), BadOption { key: "noise_m", found, expected }));
         }
-        self.model.check_units().and_then(|()| self.model.check()).map_err(|(path, error)| (format!("model.{path}"), error))
+        self.model
+            .check_units()
+            .and_then(|()| self.model.check())
+            .map_err(|(path, error)| (format!("model.{path}"), error))
     }
 
     fn tendons(&self) -> usize {
@@ -158,7 +161,15 @@ impl Simulated {
 
     fn of(driven: DrivenModel, model: &Model, options: SimulatedOptions) -> Simulated {
         let [noise, point_noise] = [Seed(0).rng(), Seed(0).rng()];
-        Simulated { driven, options, time_s: 0.0, noise, point_noise, points: model.tracking.names(), layout: model.robot.tendon_layout() }
+        Simulated {
+            driven,
+            options,
+            time_s: 0.0,
+            noise,
+            point_noise,
+            points: model.tracking.names(),
+            layout: model.robot.tendon_layout(),
+        }
     }
 
     /// The rod itself, for its shape, tensions and energy.

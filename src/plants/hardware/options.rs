@@ -126,7 +126,10 @@ impl PlantOptions for HardwareOptions {
         self.axes.check(self.safety.travel_m, self.motion.travel_m).map_err(at("axes"))?;
         self.tracking.check().map_err(at("tracking"))?;
         BadOption::unless_positive("settle_s", self.settle_s).map_err(at(""))?;
-        self.model.check_units().and_then(|()| self.model.check()).map_err(|(path, error)| (format!("model.{path}"), error))?;
+        self.model
+            .check_units()
+            .and_then(|()| self.model.check())
+            .map_err(|(path, error)| (format!("model.{path}"), error))?;
         self.rehearsal.as_ref().map_or(Ok(()), RehearsalOptions::check)
     }
 
@@ -174,7 +177,9 @@ impl RehearsalOptions {
         }
         let alignment = self.alignment.map_or(Ok(()), |alignment| alignment.check("alignment"));
         alignment.map_err(|error| ("rehearsal".to_owned(), error))?;
-        self.model.check_units().and_then(|()| self.model.check())
+        self.model
+            .check_units()
+            .and_then(|()| self.model.check())
             .map_err(|(path, error)| (format!("rehearsal.model.{path}"), error))
     }
 }
