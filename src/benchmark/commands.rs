@@ -57,6 +57,7 @@ impl Commands {
                 durations_s: &durations_s,
                 tensions: false,
                 at_rest: false,
+                starts: model.tracking.starts,
                 tip_loads: None,
             };
             tips.extend(replay(model, extra, &trial, &[]).ok()?.tips_m);

@@ -15,26 +15,6 @@ use crate::tasks::{SimulationOptions, simulate_recording};
 /// Rows that one thread simulates one after the other when rows are independent. A fixed number, so that the result does not
 /// depend on the number of threads.
 const ROWS: usize = 48;
-/// Effects without a memory of earlier commands: under them, poses at rest are independent.
-const WITHOUT_MEMORY: &[&str] = &[
-    "tip_load",
-    "distributed_mass",
-    "tip_force",
-    "base_tilt",
-    "frame_shift",
-    "bending_stiffness",
-    "anisotropic_stiffness",
-    "precurvature",
-    "soft_section",
-    "spine_compressibility",
-    "actuator_gain",
-    "actuator_offset",
-    "tendon_stretch",
-    "tendon_angle",
-    "tendon_radius",
-    "damping",
-    "delay",
-];
 
 /// One measured position.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,7 +81,7 @@ impl<'a> Comparison<'a> {
         let markers = tracks.into_iter().map(|(name, _)| name).collect();
         let independent = at_rest
             && model.rod(&[]).moment_laws.is_empty()
-            && model.effects.iter().all(|effect| WITHOUT_MEMORY.contains(&effect.card().name));
+            && !model.effects.iter().any(|effect| effect.build().has_memory_at_rest());
         let continues = model.tracking.starts == Starts::Continue;
         let mut comparison =
             Comparison { recording, at_rest, sightings, markers, independent, continues, parts: Vec::new() };

@@ -11,7 +11,7 @@ use spinebench::base::Seed;
 use spinebench::data::findings::Verdict;
 use spinebench::data::{Recording, write_atomic};
 use spinebench::discovery::{Discovery, DiscoveryError, Options, discover, telling_steps};
-use spinebench::effects::{CATALOGUE, Model, Starts};
+use spinebench::effects::{CATALOGUE, Model};
 use spinebench::report::discovery::{DiscoveryReport, EffectText, artifacts};
 use spinebench::runner::Progress;
 use spinebench::specs::{
@@ -51,6 +51,9 @@ pub(super) struct DiscoverCommand {
     rounds: u64,
     #[command(flatten)]
     starts: StartsArg,
+    /// Take every row as a pose at rest under its own command, whatever the times say.
+    #[arg(long = "static")]
+    at_rest: bool,
 }
 
 fn names() -> PossibleValuesParser {
@@ -62,23 +65,23 @@ impl DiscoverCommand {
         self.check_out()?;
         let written = read_model(&self.model).map_err(CommandError::bad_input)?;
         let given = self.starts.applied(written.clone());
-        if given.tracking.starts == Starts::Continue {
-            let words = "found `continue`, expected `home` or `anywhere`: discover simulates every trial on its own";
-            return Err(CommandError::BadInput(format!("{}: tracking.starts: {words}", self.model.display())));
-        }
         let mut options = match &self.options {
             Some(file) => read_options(file).map_err(CommandError::bad_input)?,
             None => Options::default(),
         };
         options.left_out.extend(self.leave_out.iter().cloned());
-        let parts: Vec<Recording> =
-            self.measured.iter().map(|file| read(file, &given)).collect::<Result<_, CommandError>>()?;
+        options.at_rest |= self.at_rest;
+        let parts: Vec<Recording> = self
+            .measured
+            .iter()
+            .map(|file| read(file, &given, options.at_rest))
+            .collect::<Result<_, CommandError>>()?;
         self.refuse_twins(&parts)?;
         let measured = Recording::joined(&parts).map_err(|error| {
             CommandError::BadInput(format!("{}, line 1: {error}", self.measured[error.index].display()))
         })?;
         let points = measured.points.iter().map(|point| point.name.as_str()).collect::<Vec<_>>().join(", ");
-        let baseline = self.baseline.as_ref().map(|file| read(file, &given)).transpose()?;
+        let baseline = self.baseline.as_ref().map(|file| read(file, &given, options.at_rest)).transpose()?;
         self.refuse_own_baseline(&measured, baseline.as_ref())?;
         let plant = self.plant.as_ref().map(|file| simulated(file, &given)).transpose()?;
         check_folder(&self.out, REPORT_BYTES)?;
@@ -310,9 +313,11 @@ fn is_written(name: &str) -> bool {
 }
 
 /// Reads a recording of this robot and checks durations and loads.
-fn read(file: &Path, model: &Model) -> Result<Recording, CommandError> {
-    let recording = read_measured_tip(file, model, false)?;
-    recording.check_duration(file).map_err(CommandError::bad_input)?;
+fn read(file: &Path, model: &Model, at_rest: bool) -> Result<Recording, CommandError> {
+    let recording = read_measured_tip(file, model, at_rest)?;
+    if !at_rest {
+        recording.check_duration(file).map_err(CommandError::bad_input)?;
+    }
     recording.check_loads(file).map_err(CommandError::bad_input)?;
     Ok(recording)
 }

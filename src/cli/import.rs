@@ -6,7 +6,7 @@ use super::{CommandError, CommandResult};
 use clap::{Args, Subcommand, ValueEnum};
 use spinebench::data::Recording;
 use spinebench::data::import::motive::{Body, Export};
-use spinebench::data::import::{Axes, ImportDoubts, ImportOptions, Imported, Log, TipFrame, import};
+use spinebench::data::import::{Axes, ImportDoubts, ImportOptions, Imported, ImportedBodies, Log, TipFrame, import};
 use spinebench::runner::Progress;
 use std::path::PathBuf;
 
@@ -22,15 +22,15 @@ enum From {
     Motive(Motive),
 }
 
-/// Import OptiTrack Motive's CSV export (format versions 1.2x) with the poses of two rigid bodies, one on the robot's base
-/// and one on its tip.
+/// Import OptiTrack Motive's CSV export (format versions 1.2x) with a rigid body or a single marker on the robot's base and
+/// on its tip, and any along its body.
 ///
 /// The tip is expressed relative to the base body's pivot and interpolated at the times of the commands; rows without
 /// tracking get valid = 0. The log is placed on the export's clock by a column export_time_s (the export's time at each
 /// row) or by --offset-s.
 #[derive(Args)]
 struct Motive {
-    /// Export with header and rigid bodies, orientations as quaternions or Euler angles XYZ.
+    /// Export with header and rigid bodies or markers, orientations as quaternions or Euler angles XYZ.
     #[arg(value_name = "EXPORT.csv")]
     export: PathBuf,
     /// Commands: a recording, with or without tip columns; CSV or Parquet.
@@ -39,12 +39,16 @@ struct Motive {
     /// Recording to write; CSV or Parquet.
     #[arg(long, value_name = "REC.csv")]
     out: PathBuf,
-    /// Rigid body on the base [default: `base`, or the only one whose name begins so].
+    /// Rigid body or marker on the base [default: `base`, or the only one whose name begins so].
     #[arg(long, value_name = "NAME")]
     base: Option<String>,
-    /// Rigid body on the tip [default: `tip`, or the only one whose name begins so].
+    /// Rigid body or marker on the tip [default: `tip`, or the only one whose name begins so].
     #[arg(long, value_name = "NAME")]
     tip: Option<String>,
+    /// Rigid bodies or markers along the robot, as `NAME` or `NAME=MOTIVE NAME`: columns point_NAME_x_m … in the recording,
+    /// NAME in the model's tracking.points.
+    #[arg(long, value_name = "NAME[=MOTIVE NAME],…", value_delimiter = ',')]
+    points: Vec<String>,
     /// Export time at which each trial began, seconds, one number per trial. For a log with a column wall_time_s (one clock
     /// for all trials): the export time of the first row.
     #[arg(long, value_name = "S[,S…]", value_delimiter = ',', allow_hyphen_values = true, value_parser = seconds)]
@@ -89,6 +93,12 @@ impl Motive {
                 "{file}: found `{name}` as base and as tip, expected two different bodies"
             )));
         }
+        let points = self.points.iter().map(|named| point(&export, named)).collect::<Result<Vec<_>, _>>()?;
+        let twice = |(k, (name, _)): (usize, &(String, &Body))| points[..k].iter().any(|(known, _)| known == name);
+        if let Some((name, _)) = points.iter().enumerate().find(|own| twice(*own)).map(|(_, point)| point) {
+            return Err(CommandError::BadInput(format!("--points: found `{name}` twice, expected every name once")));
+        }
+        let bodies = ImportedBodies { base, tip, points };
         let log = Log::read(&self.commands, &self.offset_s).map_err(CommandError::bad_input)?;
         let frame = match self.frame {
             TipFrameArg::Base => TipFrame::Base,
@@ -96,15 +106,15 @@ impl Motive {
         };
         let options = ImportOptions { axes: self.axes, frame, max_gap_s: self.max_gap_s };
         check_recording(&self.out, export.time_s.len())?;
-        let imported = import(&export, [base, tip], &log, &options).map_err(CommandError::bad_input)?;
+        let imported = import(&export, &bodies, &log, &options).map_err(CommandError::bad_input)?;
         imported.recording.write(&self.out).map_err(CommandError::bad_input)?;
-        self.print_notes(&export, &imported);
+        self.print_notes(&export, base, &imported);
         progress.say(&written(&self.out, &imported.recording));
         Ok(())
     }
 
     /// Prints notes about missing frames, lost rows and the base's rotation.
-    fn print_notes(&self, export: &Export, imported: &Imported) {
+    fn print_notes(&self, export: &Export, base: &Body, imported: &Imported) {
         let frames = export.time_s.len();
         if let Some(promised) = export.promised_frames.filter(|&promised| promised > frames) {
             let file = export.file.display();
@@ -115,6 +125,13 @@ impl Motive {
             eprintln!("note: {lost} of {all} rows were not tracked; they have valid = 0 in {out}");
         }
         print_doubts(&imported.doubts, &imported.recording);
+        if !base.has_orientation {
+            eprintln!(
+                "note: `{}` is a single marker: the tip is expressed along the tracking frame's axes, and a base that tilts \
+                 is not seen",
+                base.name
+            );
+        }
         let turn_deg = imported.base_turn_rad.to_degrees();
         if turn_deg > TURNED_DEG {
             let (given, other) = match self.frame {
@@ -173,6 +190,20 @@ fn body<'a>(export: &'a Export, name: Option<&str>, usual: &str) -> Result<&'a B
         None => export.body_like(usual),
     };
     found.map_err(|error| CommandError::BadInput(format!("{error} (--{usual} NAME)")))
+}
+
+/// A point along the robot: its name in the recording, and its body or marker.
+fn point<'a>(export: &'a Export, named: &str) -> Result<(String, &'a Body), CommandError> {
+    let (name, asset) = named.split_once('=').unwrap_or((named, named));
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    if name.is_empty() || !name.chars().all(is_plain) {
+        return Err(CommandError::BadInput(format!(
+            "--points: found `{name}`, expected a name of letters, digits and _, such as `p1=Marker 1`"
+        )));
+    }
+    let body =
+        export.body(asset).map_err(|error| CommandError::BadInput(format!("{error} (--points {name}={asset})")))?;
+    Ok((name.to_owned(), body))
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

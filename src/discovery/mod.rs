@@ -2,8 +2,8 @@
 //! (docs/discovery.md).
 //!
 //! Stages, each a sub-folder that imports only those above it: `recording` (samples and held-out trials), `fit` (one
-//! candidate set), `mistakes` (faults of the recording), `noise_floor`, `problem`, `search` (over candidate sets), `goodness_of_fit` (are the residuals
-//! noise), `next_experiment`, `answer` (verdict and text).
+//! candidate set), `mistakes` (faults of the recording), `noise_floor`, `problem`, `search` (over candidate sets),
+//! `goodness_of_fit` (are the residuals noise), `next_experiment`, `answer` (verdict and text).
 //!
 //! Every candidate is fitted with the full physics. Parameters that a laboratory would recalibrate are nuisance
 //! parameters of every candidate. Candidates pay for their parameters. Held-out trials are used in none of this.
@@ -27,11 +27,15 @@ use crate::effects::Model;
 use answer::clock;
 use answer::final_fit::FinalFit;
 use answer::mistaken::mistaken;
+use mistakes::clock_offset::ClockOffset;
 use mistakes::mislabelled::Mistake;
 use mistakes::{clock_offset, excluded_rows, mislabelled};
 use noise_floor::NoiseFloor;
+use noise_floor::trial_starts;
 use noise_floor::trial_starts::scattered_starts;
 use problem::Problem;
+use recording::base_markers;
+use recording::blocks;
 use recording::samples::Samples;
 use search::{Search, SearchOutcome};
 use steps::step;
@@ -62,14 +66,15 @@ pub fn discover(
     let baseline_excluded = baseline.map(|baseline| excluded_rows::find(model, baseline, options));
     let kept_baseline = baseline.zip(baseline_excluded.as_ref()).map(|(baseline, rows)| {
         let kept = if rows.is_empty() { baseline.clone() } else { rows.without(baseline) };
-        match clock_offset::find(model, &kept, options).filter(|offset| offset.is_one_step) {
+        let offset = (!options.at_rest).then(|| clock_offset::find(model, &kept, options)).flatten();
+        match offset.filter(|offset| offset.is_one_step) {
             Some(offset) => kept.with_tips_later(offset.offset_s),
             None => kept,
         }
     });
     let kept = if excluded.is_empty() { measured.clone() } else { excluded.without(measured) };
     let told_mistake = |mistake: &Mistake| -> Result<Discovery, DiscoveryError> {
-        let samples = Samples::new(&kept);
+        let samples = Samples::played(&kept, options.playing(model));
         recording::validate::check(&kept, &samples)?;
         recording::validate::check_trials(&samples)?;
         let simulated_m = problem::simulate_model(model, &samples)?;
@@ -82,59 +87,121 @@ pub fn discover(
     }
     step("comparing the clocks of commands and tips");
     // Trials that are cut from a run begin with motion whose commands are not in them: that is no clock.
-    let begins_at_rest = scattered_starts(&Samples::new(&kept).starting(model.tracking.starts), model).is_none();
-    let offset = begins_at_rest.then(|| clock_offset::find(model, &kept, options)).flatten();
-    if let Some((offset, mistake)) = offset.and_then(|own| Some((own, own.mistake(model, &kept, options)?))) {
-        let mut told = told_mistake(&mistake)?;
-        offset.tell(&mut told.findings);
-        return Ok(told);
-    }
-    let shifted = offset.map(|offset| kept.with_tips_later(offset.offset_s));
-    let searched = shifted.as_ref().unwrap_or(&kept);
-    let mut told = discover_in_kept(model, (measured, searched), kept_baseline.as_ref(), options)?;
+    let begins_at_rest = scattered_starts(&Samples::played(&kept, options.playing(model)), model).is_none();
+    let offset = (begins_at_rest && !options.at_rest).then(|| clock_offset::find(model, &kept, options)).flatten();
+    let asked = Asked { model, measured, baseline: kept_baseline.as_ref(), options };
+    let offset = offset.map(|offset| asked.refined(&kept, offset)).transpose()?;
+    let searched = asked.shifted(&kept, offset);
+    let mut told = asked.discover_in_samples(&searched)?;
     excluded_rows::tell(&mut told.findings, (measured, &excluded), baseline.zip(baseline_excluded.as_ref()));
+    told.findings.limitations.extend(blocks::caveats(measured, options.playing(model)));
     match offset {
         Some(offset) => {
             told.residuals.iter_mut().for_each(|row| row.time_s -= offset.offset_s);
             offset.tell(&mut told.findings);
-            told.findings.limitations.push(offset.sentence());
         }
         None => clock::tell_delay(&mut told.findings),
     }
     Ok(told)
 }
 
-/// [`discover`] in the rows that are `kept` of `measured`.
-fn discover_in_kept(
-    model: &Model,
-    (measured, kept): (&Recording, &Recording),
-    baseline: Option<&Recording>,
-    options: &Options,
-) -> Result<Discovery, DiscoveryError> {
-    let new_problem = |samples: Samples| -> Result<Problem, DiscoveryError> {
+/// The clock's offset is estimated so many times at most, until it changes by less than this, seconds.
+const MOST_REFINEMENTS: usize = 4;
+const SMALL_OFFSET_S: f64 = 2e-3;
+/// A second start is later by so many standard deviations.
+const LATER_START: f64 = 1.5;
+
+/// What was given, without mistakes.
+struct Asked<'a> {
+    model: &'a Model,
+    measured: &'a Recording,
+    baseline: Option<&'a Recording>,
+    options: &'a Options,
+}
+
+/// The rows that are searched, and their samples.
+struct SearchedRows {
+    recording: Recording,
+    samples: Samples,
+}
+
+impl Asked<'_> {
+    /// The rows that are `kept`, with every tip later by the `offset` of the tracker's clock.
+    fn shifted(&self, kept: &Recording, offset: Option<ClockOffset>) -> SearchedRows {
+        let recording = offset.map_or_else(|| kept.clone(), |offset| kept.with_tips_later(offset.offset_s));
+        let samples = Samples::played(&recording, self.options.playing(self.model));
+        let samples = match offset {
+            Some(offset) => offset.uncertain_in(samples, self.model, kept, self.options),
+            None => samples,
+        };
+        SearchedRows { recording, samples }
+    }
+
+    /// The `offset` beside the effects that a first search finds: effects that slow the robot bias an estimate without
+    /// them towards earlier, so that a later start competes.
+    fn refined(&self, kept: &Recording, offset: ClockOffset) -> Result<ClockOffset, DiscoveryError> {
+        let Some(deviation_s) = offset.deviation_s() else { return Ok(offset) };
+        let mut best = self.refined_from(kept, offset)?;
+        let later = self.refined_from(kept, best.0.later(LATER_START * deviation_s))?;
+        if later.1 > best.1 {
+            best = later;
+        }
+        Ok(best.0)
+    }
+
+    /// The offset that a search from this one settles at, with the score there. Repeated until it stays, because the tip's
+    /// response to the clock is only linear nearby.
+    fn refined_from(&self, kept: &Recording, mut offset: ClockOffset) -> Result<(ClockOffset, f64), DiscoveryError> {
+        let mut score = f64::NEG_INFINITY;
+        for _ in 0..MOST_REFINEMENTS {
+            let searched = self.shifted(kept, Some(offset));
+            if searched.samples.clock_deviation_s.is_none() {
+                break;
+            }
+            let problem = self.problem(&searched.recording, searched.samples)?;
+            let fit_problem = problem.fit_problem();
+            let limits = problem.options.limits(&problem.model, problem.model_form_m);
+            let Some(mut search) = Search::new(&fit_problem, problem.sensitivities.clone(), &limits) else { break };
+            let found = search.greedy();
+            let more_s = found.fitted.nuisance_fit.amounts[problem.uncertain(&[]).clock_column()];
+            // Scores are relative to the given model, which an offset changes.
+            let given = fit_problem.evaluate_null().map_or(f64::INFINITY, |null| null.nuisance_fit.deviance);
+            score = found.score - given;
+            offset = offset.later(more_s);
+            if more_s.abs() < SMALL_OFFSET_S {
+                break;
+            }
+        }
+        Ok((offset, score))
+    }
+
+    fn problem(&self, kept: &Recording, samples: Samples) -> Result<Problem<'_>, DiscoveryError> {
         recording::validate::check(kept, &samples)?;
         recording::validate::check_trials(&samples)?;
-        step(if baseline.is_some() { "calibrating on the baseline" } else { "simulating the model" });
-        let mut problem = Problem::new(model, samples, baseline, options)?;
-        let fitted: Vec<u64> = problem.training.trials.iter().map(|trial| trial.number).collect();
-        problem.base_matches_model = recording::base_markers::base_matches_model(measured, &fitted, model);
+        step(if self.baseline.is_some() { "calibrating on the baseline" } else { "simulating the model" });
+        let mut problem = Problem::new(self.model, samples, self.baseline, self.options)?;
+        let fitted = problem.training.recorded_rows();
+        problem.base_matches_model = base_markers::base_matches_model(kept, &fitted, self.model);
         Ok(problem)
-    };
-    let all = Samples::new(kept).starting(model.tracking.starts);
-    let problem = new_problem(all.clone())?;
-    // Try without trial starts first: a few wrong tip positions bias every fit.
-    if let Some(starts) = scattered_starts(&problem.training, model)
-        && let Ok(rest) = new_problem(noise_floor::trial_starts::without_starts(&all))
-        && let Ok((final_fit, found)) = search_best(&rest)
-        && NoiseFloor::of_residual(&final_fit.fine.fitted.nuisance_fit, &rest.training).is_exceeded_by(&starts)
-    {
-        let mut told = rest.discovery(model, measured, &final_fit, &found);
-        told.findings.limitations.push(noise_floor::trial_starts::starts_caveat(&starts));
-        return Ok(told);
     }
-    let (final_fit, found) = search_best(&problem)?;
-    step("testing what is left and proposing the next measurement");
-    Ok(problem.discovery(model, measured, &final_fit, &found))
+
+    /// The answer from these samples.
+    fn discover_in_samples(&self, searched: &SearchedRows) -> Result<Discovery, DiscoveryError> {
+        let problem = self.problem(&searched.recording, searched.samples.clone())?;
+        // Try without trial starts first: a few wrong tip positions bias every fit.
+        if let Some(starts) = scattered_starts(&problem.training, self.model)
+            && let Ok(rest) = self.problem(&searched.recording, trial_starts::without_starts(&searched.samples))
+            && let Ok((final_fit, found)) = search_best(&rest)
+            && NoiseFloor::of_residual(&final_fit.fine.fitted.nuisance_fit, &rest.training).is_exceeded_by(&starts)
+        {
+            let mut told = rest.discovery(self.model, self.measured, &final_fit, &found);
+            told.findings.limitations.push(trial_starts::starts_caveat(&starts));
+            return Ok(told);
+        }
+        let (final_fit, found) = search_best(&problem)?;
+        step("testing what is left and proposing the next measurement");
+        Ok(problem.discovery(self.model, self.measured, &final_fit, &found))
+    }
 }
 
 /// Searches for the best set, tests it, and returns its final fit with the search outcome.

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::recording::blocks::Playing;
 use crate::base::{BadOption, Seed};
 use crate::effects::Model;
 
@@ -60,6 +61,8 @@ pub struct Options {
     /// Where the model does not describe the robot exactly: one effect that explains at least this share of the gap is
     /// named although something remains.
     pub least_explained: f64,
+    /// Every row is a pose at rest under its own command, whatever the times say.
+    pub at_rest: bool,
     /// Seed of the permutation test.
     pub seed: u64,
 }
@@ -102,6 +105,7 @@ impl Default for Options {
             model_form_m: 0.0,
             form_margin: 1.5,
             least_explained: 0.8,
+            at_rest: false,
             seed: 0,
         }
     }
@@ -149,6 +153,11 @@ impl Options {
             }
         }
         self.uncertain.iter().try_for_each(|one| BadOption::unless_positive("deviation", one.deviation))
+    }
+
+    /// How the rows of a recording of this robot follow each other.
+    pub(super) fn playing(&self, model: &Model) -> Playing {
+        Playing { starts: model.tracking.starts, at_rest: self.at_rest }
     }
 
     /// Smallest tip displacement that is relevant for this robot, metres.

@@ -7,7 +7,8 @@ use super::fit::nuisance::{NuisanceColumn, Nuisances};
 use super::fit::nuisance_priors::UncertainParameters;
 use super::fit::{baseline, sensitivities, simulate};
 use super::noise_floor::NoiseFloor;
-use super::noise_floor::{model_form, trial_starts};
+use super::noise_floor::model_form::ModelForm;
+use super::noise_floor::trial_starts;
 use super::options::Options;
 use super::recording::samples::{Samples, rms_m};
 use super::recording::{holdout, validate};
@@ -44,20 +45,14 @@ impl<'a> Problem<'a> {
         baseline: Option<&Recording>,
         options: &'a Options,
     ) -> Result<Problem<'a>, DiscoveryError> {
-        let mut model = model.clone();
-        let resolution = &mut model.robot.resolution;
-        resolution.motion_tolerance_m = options.motion_tolerance_m;
-        // Trials start at rest on the requested grid.
-        resolution.static_tolerance_m = f64::INFINITY;
-        resolution.cell_m = resolution.cell_m.max(options.cell_m);
-        resolution.blended = true;
+        let mut model = simulate::search_resolution(model, options);
         let candidates = catalogue_candidates(&model);
         let (kept, held_out) = holdout::split(&all, options.held_out_share);
         let (training, held_out) = (all.of_trials(&kept), all.of_trials(&held_out));
         validate::check_parts(&training, &held_out)?;
         let base = match baseline {
             Some(recording) => Some(
-                Baseline::new(&mut model, &candidates, recording, options)
+                Baseline::new(&mut model, &candidates, recording, (options, all.clock_deviation_s))
                     .map_err(|error| DiscoveryError::Baseline(Box::new(error)))?,
             ),
             None => None,
@@ -68,7 +63,7 @@ impl<'a> Problem<'a> {
         let sensitivities = sensitivities::sensitivities(&coarse, &candidates, &[], &|_| true, &training);
         let columns = uncertain(options, &candidates, &[], base.as_ref()).columns(&model, &[], &training);
         let nuisances = nuisances(base.as_ref(), &training, &simulated_m, &columns);
-        let model_form_m = base.as_ref().map_or(options.model_form_m, |base| base.model_form_m);
+        let model_form_m = base.as_ref().map_or(options.model_form_m, |base| base.form.worst_m);
         Ok(Problem {
             options,
             model,
@@ -91,7 +86,8 @@ impl<'a> Problem<'a> {
         let open = |candidate: &CandidateEffect| {
             let name = candidate.card.name;
             let contradicted = self.base_matches_model && name == "base_tilt";
-            !contradicted && !self.options.left_out.iter().any(|left_out| left_out == name)
+            let needs_time = self.all.at_rest() && ONLY_IN_MOTION.contains(&name);
+            !contradicted && !needs_time && !self.options.left_out.iter().any(|left_out| left_out == name)
         };
         FitProblem {
             model: &self.model,
@@ -147,6 +143,9 @@ impl<'a> Problem<'a> {
     }
 }
 
+/// Effects that poses at rest do not show.
+const ONLY_IN_MOTION: [&str; 3] = ["creep", "damping", "delay"];
+
 /// The baseline, after the model was calibrated on it.
 pub(crate) struct Baseline {
     pub(crate) samples: Samples,
@@ -155,12 +154,8 @@ pub(crate) struct Baseline {
     pub(crate) simulated_m: Vec<f64>,
     /// Uncertain parameters, with the uncertainty before calibration.
     columns: Vec<NuisanceColumn>,
-    /// What is left of each trial when its correction is fitted to the others, three values a sample, metres.
-    pub(crate) unseen_m: Vec<f64>,
-    /// What the calibrated model leaves beyond noise in the worst trial, metres.
-    pub(crate) model_form_m: f64,
-    /// Whether the calibrated model leaves significantly more than noise.
-    pub(crate) is_inexact: bool,
+    /// What the calibrated model leaves.
+    pub(crate) form: ModelForm,
     /// Calibration factors, if calibration increased the likelihood of the baseline.
     pub(crate) factors: Option<baseline::CalibrationFactors>,
 }
@@ -178,19 +173,18 @@ impl Baseline {
         factors: Option<baseline::CalibrationFactors>,
     ) -> Baseline {
         let nuisances = baseline::baseline_nuisances((&samples, &simulated_m, &columns));
-        let unseen_m = model_form::unseen_residual_m(&samples, &simulated_m, &nuisances);
-        let model_form_m = model_form::model_form_m(&samples, &simulated_m, &unseen_m, &nuisances);
-        let is_inexact = model_form::exceeds_noise(&samples, &simulated_m, &nuisances);
-        Baseline { samples, starts, simulated_m, columns, unseen_m, model_form_m, is_inexact, factors }
+        let form = ModelForm::new(&samples, &simulated_m, &nuisances);
+        Baseline { samples, starts, simulated_m, columns, form, factors }
     }
 
     fn new(
         model: &mut Model,
         candidates: &[CandidateEffect],
         recording: &Recording,
-        options: &Options,
+        (options, clock_deviation_s): (&Options, Option<f64>),
     ) -> Result<Baseline, DiscoveryError> {
-        let whole = Samples::new(recording).starting(model.tracking.starts);
+        // Both recordings have the same uncertain numbers; the baseline says nothing on the clock of the other.
+        let whole = Samples { clock_deviation_s, ..Samples::played(recording, options.playing(model)) };
         validate::check(recording, &whole)?;
         let later = trial_starts::scattered_starts(&whole, model)
             .map(|starts| (trial_starts::without_starts(&whole), Some(starts)));

@@ -34,6 +34,10 @@ impl Effect for Backlash {
         self.held_m.clear();
     }
 
+    fn has_memory_at_rest(&self) -> bool {
+        true
+    }
+
     fn modify_command(&mut self, pulls_m: &mut [f64], _dt_s: f64) {
         self.held_m.resize(pulls_m.len(), 0.0);
         for (pull, held) in pulls_m.iter_mut().zip(&mut self.held_m) {

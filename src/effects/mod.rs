@@ -60,6 +60,10 @@ pub trait Effect: Send + Sync + Debug {
     fn has_lag(&self) -> bool {
         false
     }
+    /// Whether a pose at rest depends on the commands before it, other than through a moment law of the rod.
+    fn has_memory_at_rest(&self) -> bool {
+        false
+    }
     /// Changes the measurement.
     fn observe(&self, _seen: &mut Observation) {}
     /// Clears the history at the start of a trial.

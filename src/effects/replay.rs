@@ -21,6 +21,8 @@ pub struct Trial<'a> {
     pub tensions: bool,
     /// Every command is held until the robot is at rest.
     pub at_rest: bool,
+    /// State at the start. A trial on its own continues none: `continue` is `home`.
+    pub starts: Starts,
     /// Tip load during each command, in addition to the model's.
     pub tip_loads: Option<&'a [TipWrench]>,
 }
@@ -55,9 +57,8 @@ pub enum ReplayError {
     },
 }
 
-/// Replays `trial` from rest at home (tension commands: from rest without tension) or, where the model's
-/// `tracking.starts` is `anywhere`, from rest under its first command, on a checked model with `extra`
-/// effects. Variables whose perturbation changes the discretisation are differentiated by finite differences of the
+/// Replays `trial` from rest at home (tension commands: from rest without tension) or, where it starts `anywhere`,
+/// from rest under its first command, on a checked model with `extra` effects. Variables whose perturbation changes the discretisation are differentiated by finite differences of the
 /// whole trial.
 ///
 /// # Errors
@@ -70,14 +71,12 @@ pub fn replay(
 ) -> Result<Replayed, ReplayError> {
     trial.check()?;
     let (mut driven, far) = DrivenModel::varied_where_possible(model, extra, variables)?;
-    let starts = model.tracking.starts;
-    let mut replayed = trial.play(&mut driven, starts)?;
+    let mut replayed = trial.play(&mut driven)?;
     for index in far {
         let Variable::Parameter(parameter) = &variables[index] else {
             return Err(VariationError::NotPerturbable(index).into());
         };
-        let tips =
-            |candidate: &Model| trial.play(&mut DrivenModel::new(candidate, extra), starts).map(|played| played.tips_m);
+        let tips = |candidate: &Model| trial.play(&mut DrivenModel::new(candidate, extra)).map(|played| played.tips_m);
         let rates = parameter.differences(model, TRIAL_STEP, &tips)?;
         for (row, rate) in replayed.rates.iter_mut().zip(rates) {
             row.insert(index, rate);
@@ -96,9 +95,9 @@ impl Trial<'_> {
         counted("durations", if self.at_rest { expected } else { self.durations_s.len() })
     }
 
-    fn play(&self, driven: &mut DrivenModel, starts: Starts) -> Result<Replayed, ReplayError> {
+    fn play(&self, driven: &mut DrivenModel) -> Result<Replayed, ReplayError> {
         let mut replayed = Replayed { tips_m: Vec::new(), rates: Vec::new() };
-        match (starts, self.tensions) {
+        match (self.starts, self.tensions) {
             (Starts::Anywhere, _) if !self.commands.is_empty() => self.begin_away(driven)?,
             (_, true) => driven.slack()?,
             (_, false) => driven.home()?,

@@ -31,7 +31,7 @@ fn jumps_and_repeated_poses_are_left_out_and_the_load_is_found() {
 }
 
 #[test]
-fn a_clock_that_is_ahead_is_told_before_any_effect_is_sought() {
+fn a_clock_that_is_ahead_is_told_and_the_load_beside_it_is_found() {
     let offset_s = 0.12;
     let mut measured = recorded(LOAD, 4, 0, 0.0);
     let mut truth = nominal();
@@ -47,8 +47,9 @@ fn a_clock_that_is_ahead_is_told_before_any_effect_is_sought() {
         *tip = std::array::from_fn(|axis| tip[axis] + seen[axis] - now[axis]);
     }
     let found = found(&measured, &Options::default());
-    assert_eq!(found.findings.verdict, Verdict::Unexplained, "{}", found.findings.summary);
-    assert!(found.findings.effects.is_empty() && found.findings.summary.contains("the tracker's clock is about"));
+    assert_eq!(found.findings.verdict, Verdict::Named, "{}", found.findings.summary);
+    assert_eq!(names(&found), ["tip_load"]);
+    assert!(found.findings.summary.starts_with("The tracker's clock is about"), "{}", found.findings.summary);
     let ([low, high], told) =
         (found.findings.clock_offset_interval_95.unwrap(), found.findings.clock_offset_s.unwrap());
     assert!(low < offset_s && offset_s < high && low < told && told < high, "{told}: {low} to {high}");

@@ -65,6 +65,50 @@ fn trials_that_do_not_start_at_home_are_noticed_and_answered_all_the_same() {
     assert!(whole.findings.limitations.iter().all(|said| !said.contains("not every trial starts settled")));
 }
 
+/// One long log: its parts are fitted and held out, each played with the seconds before it.
+#[test]
+fn a_log_of_one_trial_is_divided() {
+    let mut model = nominal();
+    let mut commands = trials(&twin("nothing"), 0, 3);
+    for row in 0..commands.len() {
+        (commands.trial[row], commands.time_s[row]) = (0, 0.2 * row as f64);
+    }
+    model.effects = crate::support::rods::effects("- tip_load: {mass_kg: 0.01}");
+    let mut log = simulate_recording(&model, &commands, &SimulationOptions { noise_m: NOISE_M, ..Default::default() });
+    log.tip_quaternion = None;
+    let found = found(&log, &Options::default());
+    assert_eq!(
+        (found.findings.verdict, names(&found)),
+        (Verdict::Named, vec!["tip_load"]),
+        "{}",
+        found.findings.summary
+    );
+    assert!((told(&found, "mass_kg").0 - 0.01).abs() < 5e-4);
+    let said = found.findings.limitations.join(" ");
+    assert!(said.contains("divided into 8 stretches of time"), "{said}");
+    assert_eq!(found.findings.gap.held_out_trials.len(), 2);
+}
+
+/// Poses at rest in any order of time, parted by pattern.
+#[test]
+fn poses_at_rest_are_answered_without_their_times() {
+    let mut model = nominal();
+    let mut commands = trials(&twin("nothing"), 0, 3);
+    commands.pattern = Some((0..commands.len()).map(|row| format!("part_{}", row / 25)).collect());
+    for row in 0..commands.len() {
+        (commands.trial[row], commands.time_s[row]) = (0, 7.0 * row as f64);
+    }
+    model.effects = crate::support::rods::effects("- bending_stiffness: {scale: 0.8}");
+    let options = SimulationOptions { at_rest: true, noise_m: NOISE_M, ..Default::default() };
+    let mut poses = simulate_recording(&model, &commands, &options);
+    poses.tip_quaternion = None;
+    let found = found(&poses, &Options { at_rest: true, ..Options::default() });
+    assert_eq!(names(&found), ["bending_stiffness"], "{}", found.findings.summary);
+    assert!((told(&found, "scale").0 - 0.8).abs() < 0.01);
+    let said = found.findings.limitations.join(" ");
+    assert!(said.contains("pose at rest") && said.contains("runs of one pattern"), "{said}");
+}
+
 #[test]
 fn the_same_data_give_the_same_answer() {
     let measured = recorded("- delay: {time_s: 0.1}", 3, 6, 0.0);

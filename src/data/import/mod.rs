@@ -1,4 +1,5 @@
-//! Import: joins a tracker's export and a command log to a recording of the tip relative to the base.
+//! Import: joins a tracker's export and a command log to a recording of the tip, and of points along the body, relative
+//! to the base.
 
 mod axes;
 mod log;
@@ -13,7 +14,7 @@ pub use plausibility::ImportDoubts;
 
 use nalgebra::Isometry3;
 
-use crate::data::recording::{Extra, Pose};
+use crate::data::recording::{Extra, PointTrack, Pose};
 use crate::data::{DataError, Recording};
 use crate::math::rotation;
 use motive::{Body, Export};
@@ -52,16 +53,30 @@ pub struct Imported {
     pub doubts: ImportDoubts,
 }
 
-/// Joins the poses of the bodies `base` and `tip` of `export` with the commands of `log`.
+/// What stands for which part of the robot.
+#[derive(Clone, Debug)]
+pub struct ImportedBodies<'a> {
+    /// On the base.
+    pub base: &'a Body,
+    /// On the tip.
+    pub tip: &'a Body,
+    /// Along the body, each with its name in the recording.
+    pub points: Vec<(String, &'a Body)>,
+}
+
+/// Joins the poses of `bodies` in `export` with the commands of `log`. Without an orientation of the base the axes are
+/// the tracker's, whatever the options say.
 ///
 /// # Errors
-/// [`DataError`] when there is no row in which both bodies were tracked.
+/// [`DataError`] when there is no row in which base and tip were tracked.
 pub fn import(
     export: &Export,
-    [base, tip]: [&Body; 2],
+    bodies: &ImportedBodies,
     log: &Log,
     options: &ImportOptions,
 ) -> Result<Imported, DataError> {
+    let (base, tip) = (bodies.base, bodies.tip);
+    let frame = if base.has_orientation { options.frame } else { TipFrame::Tracking };
     check_overlap(export, log)?;
     let pose = |body: &Body, time_s| at(&export.time_s, &body.poses, time_s, options.max_gap_s);
     let mut recording = log.commands.clone();
@@ -70,7 +85,7 @@ pub fn import(
     for (row, &time_s) in log.at_s.iter().enumerate() {
         let base = pose(base, time_s);
         let seen = base.zip(pose(tip, time_s)).filter(|_| log.commands.is_valid(row));
-        let seen = seen.map(|(base, tip)| from_base(&base, &tip, options.frame));
+        let seen = seen.map(|(base, tip)| from_base(&base, &tip, frame));
         angles_rad.extend(base.map(|base| base.rotation.angle()));
         let turned = |pose: Isometry3<f64>| rotation::parts(&options.axes.rotation(&pose.rotation));
         let place_m = |pose: Isometry3<f64>| options.axes.vector(&pose.translation.vector).into();
@@ -82,24 +97,38 @@ pub fn import(
         });
         valid.push(seen.is_some());
     }
+    let point = |name: &str, body: &Body| {
+        let seen = log.at_s.iter().map(|&time_s| {
+            let pose = from_base(&pose(base, time_s)?, &pose(body, time_s)?, frame);
+            Some((
+                options.axes.vector(&pose.translation.vector).into(),
+                rotation::parts(&options.axes.rotation(&pose.rotation)),
+            ))
+        });
+        let (position_m, turns) = seen.map(|seen| seen.unwrap_or(([f64::NAN; 3], [f64::NAN; 4]))).unzip();
+        PointTrack { name: name.to_owned(), position_m, quaternion: body.has_orientation.then_some(turns) }
+    };
     let lost = valid.iter().filter(|valid| !**valid).count();
     if lost == valid.len() {
         return Err(never_seen(export, options));
     }
     let base_turn_rad = angles_rad.iter().sum::<f64>() / angles_rad.len() as f64;
     recording.tip_m = Some(tips);
-    recording.tip_quaternion = Some(turns);
-    recording.base = Some(bases);
+    recording.tip_quaternion = tip.has_orientation.then_some(turns);
+    recording.points = bodies.points.iter().map(|(name, body)| point(name, body)).collect();
+    recording.points.sort_by(|a, b| a.name.cmp(&b.name));
     recording.valid = Some(valid);
     recording.extra.retain(|(name, _)| name != log::EXPORT_TIME);
     recording.extra.push((log::EXPORT_TIME.to_owned(), Extra::Numbers(log.at_s.clone())));
     let seen_at = |time_s: f64| {
-        let pose = from_base(&pose(base, time_s)?, &pose(tip, time_s)?, options.frame);
+        let pose = from_base(&pose(base, time_s)?, &pose(tip, time_s)?, frame);
         Some(options.axes.vector(&pose.translation.vector).into())
     };
     let onset_s = response::onset_s(log, &seen_at);
     let tip_world_m: Vec<_> = tip.poses.iter().flatten().map(|pose| pose.position_m).collect();
-    let doubts = plausibility::doubts(&recording, &options.axes, &tip_world_m, onset_s);
+    let base_m: Vec<_> = bases.iter().map(|pose| pose.position_m).collect();
+    recording.base = base.has_orientation.then_some(bases);
+    let doubts = plausibility::doubts(&recording, &options.axes, (&base_m, &tip_world_m), onset_s);
     Ok(Imported { recording, lost, base_turn_rad, doubts })
 }
 

@@ -30,8 +30,14 @@ pub struct ImportDoubts {
     pub onset_s: Option<f64>,
 }
 
-/// Looks for mistakes in an imported `recording` in `axes`. `tip_world_m`: positions of the tip body in the tracker's frame.
-pub(super) fn doubts(recording: &Recording, axes: &Axes, tip_world_m: &[Point3], onset_s: Option<f64>) -> ImportDoubts {
+/// Looks for mistakes in an imported `recording` in `axes`. `base_m`, `tip_world_m`: positions of the base body in each row
+/// and of the tip body in each frame, in the tracker's frame.
+pub(super) fn doubts(
+    recording: &Recording,
+    axes: &Axes,
+    (base_m, tip_world_m): (&[Point3], &[Point3]),
+    onset_s: Option<f64>,
+) -> ImportDoubts {
     let starts = recording.trials().into_iter().map(|(_, range)| range.start);
     let tips = recording.tip_m.as_deref().unwrap_or_default();
     let home_m = median(&starts.filter(|&row| recording.is_valid(row)).map(|row| tips[row]).collect::<Vec<Point3>>());
@@ -39,8 +45,7 @@ pub(super) fn doubts(recording: &Recording, axes: &Axes, tip_world_m: &[Point3],
         let home = Vector3::from(*home);
         home.z < home.norm() * ALONG_DEG.to_radians().cos()
     });
-    let base_m: Vec<Point3> = recording.base.iter().flatten().map(|pose| pose.position_m).collect();
-    let (base_moves, tip_moves) = (farthest(&base_m), farthest(tip_world_m));
+    let (base_moves, tip_moves) = (farthest(base_m), farthest(tip_world_m));
     ImportDoubts {
         home_m,
         axes: home_m.map(|home_m| axes.then(&turn_along_z(home_m))),

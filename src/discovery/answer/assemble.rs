@@ -207,7 +207,7 @@ impl Problem<'_> {
     fn explains_most(&self, explained: Option<ExplainedShare>) -> bool {
         let least = self.options.least_explained;
         let enough = |explained: ExplainedShare| explained.share >= least && explained.interval_95[0] >= 0.5 * least;
-        let inexact = self.base.as_ref().map_or(self.model_form_m > 0.0, |base| base.is_inexact);
+        let inexact = self.base.as_ref().map_or(self.model_form_m > 0.0, |base| base.form.is_inexact);
         inexact && explained.is_some_and(enough)
     }
 

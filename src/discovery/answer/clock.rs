@@ -4,8 +4,12 @@ use crate::data::findings::{Findings, FoundEffect};
 use crate::discovery::mistakes::clock_offset::ClockOffset;
 
 impl ClockOffset {
-    /// Adds the offset to an answer.
+    /// Adds the offset to an answer. One that was estimated is the first thing to read.
     pub(crate) fn tell(&self, findings: &mut Findings) {
+        if self.deviation_s().is_some() {
+            findings.summary = format!("{} {}", self.sentence(), findings.summary);
+        }
+        findings.limitations.push(self.sentence());
         findings.clock_offset_s = Some(self.offset_s);
         findings.clock_offset_interval_95 = Some(self.interval_95);
     }

@@ -45,7 +45,7 @@ impl Problem<'_> {
         let before = squares_m2(&nuisances.left_by_prior(&self.held_out.residual(&self.held_out_simulated_m)));
         let after = squares_m2(&self.explain_held_out(fit_problem, answer, &simulated_m)?.residual_m);
         let yardstick = match &self.base {
-            Some(base) => squares_m2(&base.unseen_m),
+            Some(base) => squares_m2(&base.form.unseen_m),
             None => vec![floor_m.powi(2) + self.model_form_m.powi(2)],
         };
         Some(explained(&before, &after, &yardstick, self.options.seed().child("explained").rng()))

@@ -67,7 +67,13 @@ impl<'a> UncertainParameters<'a> {
         UncertainParameters { candidates, parameters, exact_m: options.motion_tolerance_m }
     }
 
-    /// Sensitivities of `model` with the `members` to each parameter, with its standard deviation. Taken without the
+    /// Place of the tracker's clock among the columns, where it is uncertain.
+    pub(crate) fn clock_column(&self) -> usize {
+        self.parameters.len()
+    }
+
+    /// Sensitivities of `model` with the `members` to each parameter, with its standard deviation, and at last to the
+    /// tracker's clock where that is uncertain. Taken without the
     /// members if they cannot be simulated; zero if nothing can be simulated.
     pub(crate) fn columns(&self, model: &Model, members: &[SetMember], samples: &Samples) -> Vec<NuisanceColumn> {
         let beside = |members: &[SetMember]| -> Vec<Option<Vec<f64>>> {
@@ -84,7 +90,9 @@ impl<'a> UncertainParameters<'a> {
         }
         let zero = || vec![0.0; 3 * samples.len()];
         let each = sensitivities.into_iter().zip(&self.parameters);
-        each.map(|(sensitivity_of, number)| (sensitivity_of.unwrap_or_else(zero), number.deviation)).collect()
+        let known = each.map(|(sensitivity_of, number)| (sensitivity_of.unwrap_or_else(zero), number.deviation));
+        let clock = samples.clock_deviation_s.map(|deviation_s| (samples.velocity_m_s(), deviation_s));
+        known.chain(clock).collect()
     }
 
     /// Sensitivity to one parameter by a central difference, as far as it can be simulated.

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use crate::discovery::options::Options;
 use crate::discovery::recording::samples::{Samples, TrialCommands};
 use crate::effects::{EffectSpec, Model, Trial, replay};
 
@@ -15,6 +16,17 @@ const OTHER_MODES: usize = 3;
 const FINER: f64 = 30.0;
 /// Static tolerance over the time-stepping tolerance.
 const STATIC_SHARE: f64 = 0.3;
+
+/// `model` at the resolution of the search: of the time steps and cells of `options`, with rest states on the same grid.
+pub(crate) fn search_resolution(model: &Model, options: &Options) -> Model {
+    let mut model = model.clone();
+    let resolution = &mut model.robot.resolution;
+    resolution.motion_tolerance_m = options.motion_tolerance_m;
+    resolution.static_tolerance_m = f64::INFINITY;
+    resolution.cell_m = resolution.cell_m.max(options.cell_m);
+    resolution.blended = true;
+    model
+}
 
 /// `model` at the coarse resolution; two to three times faster.
 pub(crate) fn coarse(model: &Model) -> Model {
@@ -73,7 +85,8 @@ fn simulate_trial(model: &Model, extra: &[EffectSpec], trial: &TrialCommands) ->
         commands: &trial.commands,
         durations_s: &trial.durations_s,
         tensions: trial.tensions,
-        at_rest: false,
+        at_rest: trial.at_rest,
+        starts: trial.starts.unwrap_or(model.tracking.starts),
         tip_loads: trial.tip_loads.as_deref(),
     };
     let hung = (trial.known_load_kg > 0.0).then(|| EffectSpec::tip_load(trial.known_load_kg));
@@ -84,7 +97,11 @@ fn simulate_trial(model: &Model, extra: &[EffectSpec], trial: &TrialCommands) ->
         turned
     });
     let model = gravity.as_ref().unwrap_or(model);
-    let tips = replay(model, &extra, &commands, &[]).ok()?.tips_m;
+    let mut tips = replay(model, &extra, &commands, &[]).ok()?.tips_m;
+    if trial.at_rest {
+        // The state before the first command belongs to no row.
+        tips.remove(0);
+    }
     tips.iter().flatten().all(|x| x.is_finite()).then_some(tips)
 }
 

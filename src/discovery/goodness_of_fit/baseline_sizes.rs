@@ -27,12 +27,12 @@ impl BaselineSizes {
 }
 
 fn of(base: &Baseline, margin: f64) -> BaselineSizes {
-    let noise = Ar1Noise::estimate(&base.samples, &base.unseen_m, 0.0);
+    let noise = Ar1Noise::estimate(&base.samples, &base.form.unseen_m, 0.0);
     let unseen =
-        NuisanceFit { noise, amounts: DVector::zeros(0), residual_m: base.unseen_m.clone(), deviance: f64::NAN };
+        NuisanceFit { noise, amounts: DVector::zeros(0), residual_m: base.form.unseen_m.clone(), deviance: f64::NAN };
     let floor = NoiseFloor::estimate(&base.samples, &unseen, &base.simulated_m);
     let spread = levene_test(&base.samples, &unseen);
-    let bias = lack_of_fit_test(&base.samples, &base.unseen_m, &noise, &floor);
+    let bias = lack_of_fit_test(&base.samples, &base.form.unseen_m, &noise, &floor);
     let size_m = |p_value: f64, size_m: f64| if p_value < SIGNIFICANT { margin * size_m } else { 0.0 };
     BaselineSizes { levene_m: size_m(spread.p_value, spread.more_m), lack_of_fit_m: size_m(bias.p_value, bias.rms_m) }
 }

@@ -4,12 +4,11 @@
 //! the same moment. The other sign is what the effect `delay` is, and is left to it.
 
 use super::excluded_rows::coarse_model;
-use super::mislabelled::Mistake;
 use super::time_scan::TimeScan;
 use crate::data::Recording;
 use crate::discovery::fit::simulate;
 use crate::discovery::options::Options;
-use crate::discovery::recording::samples::{Samples, rms_m};
+use crate::discovery::recording::samples::Samples;
 use crate::effects::Model;
 
 /// Offsets are searched up to this many steps.
@@ -29,6 +28,8 @@ const SAME_SHARE: f64 = 0.1;
 const CHI_SQUARED_95: f64 = 3.84;
 /// Steps of the refinement by golden section.
 const REFINEMENTS: usize = 24;
+/// Step in time of the velocity, seconds.
+const VELOCITY_STEP_S: f64 = 0.02;
 const GOLDEN: f64 = 0.618_033_988_749_895;
 
 /// An offset of the tracker's clock, positive when it is ahead: a tip was measured this long after its row's time.
@@ -85,34 +86,62 @@ fn least([mut low, mut high]: [f64; 2], value: &dyn Fn(f64) -> f64) -> f64 {
 }
 
 impl ClockOffset {
-    /// The sentence about an offset of one step.
+    /// What the reader must know, as a sentence.
     pub(crate) fn sentence(&self) -> String {
-        format!(
-            "The tip of each row belongs to the end of that row's command, one step of {:.3} s later: the log holds command \
-             and tip of the same moment. All tips were shifted by one step; shift the log, or record the tip before the \
-             command.",
-            self.offset_s
-        )
+        let ([low, high], offset_s) = (self.interval_95, self.offset_s);
+        if self.is_one_step {
+            format!(
+                "The tip of each row belongs to the end of that row's command, one step of {offset_s:.3} s later: the log \
+                 holds command and tip of the same moment. All tips were shifted by one step; shift the log, or record the \
+                 tip before the command."
+            )
+        } else {
+            format!(
+                "The tracker's clock is about {offset_s:.2} s ahead of that of the commands (95 % interval {low:.2} to \
+                 {high:.2} s). All tips were shifted by that, and what is left of the offset was fitted; correct the clock \
+                 in the recording."
+            )
+        }
     }
 
-    /// The offset as a mistake of `measured`, unless it is one step, which can be corrected exactly.
-    pub(crate) fn mistake(&self, model: &Model, measured: &Recording, options: &Options) -> Option<Mistake> {
-        if self.is_one_step {
-            return None;
-        }
+    /// Standard deviation, seconds; none for an offset of one step, which can be corrected exactly.
+    pub(crate) fn deviation_s(&self) -> Option<f64> {
+        (!self.is_one_step).then(|| 0.25 * (self.interval_95[1] - self.interval_95[0]))
+    }
+
+    /// The same offset, later by `more_s`.
+    #[must_use]
+    pub(crate) fn later(&self, more_s: f64) -> ClockOffset {
+        let interval_95 = self.interval_95.map(|end_s| end_s + more_s);
+        ClockOffset { offset_s: self.offset_s + more_s, interval_95, ..*self }
+    }
+
+    /// `samples` of a recording whose tips were shifted by this offset, with the velocity that `model` predicts in each:
+    /// what is left of the offset is then an uncertain number. `measured`: the recording before the shift. Unchanged for
+    /// an offset of one step, and where the model cannot follow.
+    pub(crate) fn uncertain_in(
+        &self,
+        samples: Samples,
+        model: &Model,
+        measured: &Recording,
+        options: &Options,
+    ) -> Samples {
+        let Some(deviation_s) = self.deviation_s() else { return samples };
         let coarse = coarse_model(model, options);
-        let gap_m = |measured: &Recording| {
-            let samples = Samples::new(measured);
-            Some(rms_m(&samples.residual(&simulate::tips(&coarse, &[], &samples)?)))
+        let tips = |offset_s: f64| {
+            let moved = Samples::played(&measured.with_tips_later(offset_s), options.playing(model));
+            simulate::tips(&coarse, &[], &moved).filter(|tips_m| tips_m.len() == 3 * samples.len())
         };
-        let ([low, high], offset_s) = (self.interval_95, self.offset_s);
-        Some(Mistake {
-            what: format!(
-                "the tracker's clock is about {offset_s:.2} s ahead of that of the commands (95 % interval {low:.2} to {high:.2} s)"
-            ),
-            before_m: gap_m(measured)?,
-            after_m: gap_m(&measured.with_tips_later(offset_s))?,
-        })
+        let step_s = VELOCITY_STEP_S.min(0.5 * self.offset_s);
+        let (Some(before), Some(after)) = (tips(self.offset_s - step_s), tips(self.offset_s + step_s)) else {
+            return samples;
+        };
+        let mut samples = Samples { clock_deviation_s: Some(deviation_s), ..samples };
+        let each = before.as_chunks::<3>().0.iter().zip(after.as_chunks::<3>().0);
+        for (row, (before, after)) in samples.rows.iter_mut().zip(each) {
+            row.velocity_m_s = std::array::from_fn(|axis| (after[axis] - before[axis]) / (2.0 * step_s));
+        }
+        samples
     }
 }
 

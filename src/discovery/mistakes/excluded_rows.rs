@@ -10,31 +10,23 @@ use crate::effects::Model;
 
 /// `model` as coarse as is enough to find faults of a recording.
 pub(crate) fn coarse_model(model: &Model, options: &Options) -> Model {
-    let mut model = model.clone();
-    let resolution = &mut model.robot.resolution;
-    resolution.motion_tolerance_m = options.motion_tolerance_m;
-    resolution.static_tolerance_m = f64::INFINITY;
-    resolution.cell_m = resolution.cell_m.max(options.cell_m);
-    resolution.blended = true;
-    simulate::coarse(&model)
+    simulate::coarse(&simulate::search_resolution(model, options))
 }
 
 /// Suspicious rows of `measured`, by the tip that `model` predicts. None where the model cannot follow the commands,
 /// which [`super::super::discover`] refuses by itself.
 pub(crate) fn find(model: &Model, measured: &Recording, options: &Options) -> Exclusions {
-    let samples = Samples::new(measured);
+    let samples = Samples::played(measured, options.playing(model));
     let Some(simulated_m) = simulate::tips(&coarse_model(model, options), &[], &samples) else {
         return Exclusions::default();
     };
     let mut predicted_m = vec![[f64::NAN; 3]; measured.len()];
-    let starts = measured.trials();
     for (sample, tip_m) in samples.rows.iter().zip(simulated_m.as_chunks::<3>().0) {
-        let number = samples.trials[sample.trial].number;
-        if let Some((_, range)) = starts.iter().find(|(known, _)| *known == number) {
-            predicted_m[range.start + sample.row] = *tip_m;
-        }
+        predicted_m[samples.trials[sample.trial].first_row + sample.row] = *tip_m;
     }
-    Exclusions::find(measured, &predicted_m)
+    let found = Exclusions::find(measured, &predicted_m);
+    // The times of poses at rest mean nothing.
+    if options.at_rest { Exclusions { gaps: Vec::new(), ..found } } else { found }
 }
 
 /// Adds the excluded rows of `measured` to `findings`, and sentences about them and those of the `baseline`.

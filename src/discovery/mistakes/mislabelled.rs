@@ -52,7 +52,7 @@ struct TipChange {
 /// Looks for a mistake in `measured`.
 pub(crate) fn find(model: &Model, measured: &Recording, options: &Options) -> Option<Mistake> {
     let coarse = coarse_model(model, options);
-    let samples = first_trials(&Samples::new(measured));
+    let samples = first_trials(&Samples::played(measured, options.playing(model)));
     if samples.len() == 0 {
         return None;
     }

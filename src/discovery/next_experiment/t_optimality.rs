@@ -104,10 +104,13 @@ impl Problem<'_> {
     }
 
     fn protocol_samples(&self, protocol: &Protocol) -> Samples {
-        let mut samples = Samples { trials: Vec::new(), rows: Vec::new(), ..self.all };
+        let mut samples = Samples { trials: Vec::new(), rows: Vec::new(), clock_deviation_s: None, ..self.all };
         for (trial, (commands, load_kg)) in protocol.trials.iter().enumerate() {
             samples.trials.push(TrialCommands {
                 number: trial as u64,
+                first_row: 0,
+                starts: None,
+                at_rest: false,
                 commands: commands.clone(),
                 durations_s: vec![protocol.step_s; commands.len()],
                 tensions: self.all.trials[0].tensions,
@@ -120,6 +123,7 @@ impl Problem<'_> {
                 row,
                 time_s: row as f64 * protocol.step_s,
                 tip_m: [0.0; 3],
+                velocity_m_s: [0.0; 3],
             }));
         }
         samples

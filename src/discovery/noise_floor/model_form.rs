@@ -4,7 +4,7 @@
 
 use super::NoiseFloor;
 use crate::discovery::fit::ar1_noise::effective_axes;
-use crate::discovery::fit::nuisance::Nuisances;
+use crate::discovery::fit::nuisance::{NuisanceFit, Nuisances};
 use crate::discovery::recording::samples::{Samples, rms_m};
 use crate::math::distribution::f_above;
 use crate::math::summary::mean;
@@ -12,15 +12,37 @@ use crate::math::summary::mean;
 /// Significance level at which the worst trial of the baseline exceeds its noise.
 const SIGNIFICANT: f64 = 0.01;
 
-/// Model-form error, metres, of a model that simulates `simulated_m` in the baseline's `samples`: what it leaves beyond
-/// noise in the worst trial, because the error differs with the poses and any trial may be of that kind. Zero if no
-/// trial exceeds the noise. `left_m`: the [`unseen_residual_m`]; `nuisances`: those of the baseline by their priors.
-pub(crate) fn model_form_m(samples: &Samples, simulated_m: &[f64], left_m: &[f64], nuisances: &Nuisances) -> f64 {
+/// What a calibrated model leaves of its baseline.
+pub(crate) struct ModelForm {
+    /// What is left of each trial when its correction is fitted to the others, three values a sample, metres.
+    pub(crate) unseen_m: Vec<f64>,
+    /// Model-form error, metres: what the model leaves beyond noise in the worst trial, because the error differs with the
+    /// poses and any trial may be of that kind. Zero if no trial exceeds the noise.
+    pub(crate) worst_m: f64,
+    /// Whether the model as it is, without any correction, leaves significantly more than noise.
+    pub(crate) is_inexact: bool,
+}
+
+impl ModelForm {
+    /// Of a model that simulates `simulated_m` in the baseline's `samples`; `nuisances`: those of the baseline by their
+    /// priors.
+    pub(crate) fn new(samples: &Samples, simulated_m: &[f64], nuisances: &Nuisances) -> ModelForm {
+        let residual_m = samples.residual(simulated_m);
+        let whole = nuisances.explain(samples, &residual_m, 0.0);
+        let floor = NoiseFloor::estimate(samples, &whole, simulated_m);
+        let unseen_m = unseen_residual_m(samples, simulated_m, nuisances);
+        let freedom = effective_axes(&floor.variance_m2) * whole.noise.independent(samples.len());
+        let is_inexact = floor.freedom < 1.0 || floor.p_value(rms_m(&residual_m).powi(2), freedom) < SIGNIFICANT;
+        ModelForm { worst_m: worst_m(samples, &unseen_m, &whole, &floor), unseen_m, is_inexact }
+    }
+}
+
+/// What the worst trial of the residual `unseen_m` has beyond noise, metres. `whole`: the fit of all trials together.
+fn worst_m(samples: &Samples, unseen_m: &[f64], whole: &NuisanceFit, floor: &NoiseFloor) -> f64 {
     let ranges = samples.ranges();
-    let squares_m2: Vec<f64> = ranges.iter().map(|rows| rms_m(&left_m[3 * rows.start..3 * rows.end]).powi(2)).collect();
+    let squares_m2: Vec<f64> =
+        ranges.iter().map(|rows| rms_m(&unseen_m[3 * rows.start..3 * rows.end]).powi(2)).collect();
     let Some(worst) = (0..ranges.len()).max_by(|&a, &b| squares_m2[a].total_cmp(&squares_m2[b])) else { return 0.0 };
-    let whole = nuisances.explain(samples, &samples.residual(simulated_m), 0.0);
-    let floor = NoiseFloor::estimate(samples, &whole, simulated_m);
     if floor.freedom < 1.0 {
         // Nothing tells the noise: all of the residual is what this model leaves on this robot.
         return squares_m2[worst].sqrt();
@@ -41,18 +63,9 @@ pub(crate) fn model_form_m(samples: &Samples, simulated_m: &[f64], left_m: &[f64
     more_m2(beside_others, rest_m2).max(more_m2(beside_floor, floor.rms_m().powi(2))).max(0.0).sqrt()
 }
 
-/// Whether the residual of the model as it is, without any correction, is significantly larger than noise.
-pub(crate) fn exceeds_noise(samples: &Samples, simulated_m: &[f64], nuisances: &Nuisances) -> bool {
-    let residual_m = samples.residual(simulated_m);
-    let whole = nuisances.explain(samples, &residual_m, 0.0);
-    let floor = NoiseFloor::estimate(samples, &whole, simulated_m);
-    let freedom = effective_axes(&floor.variance_m2) * whole.noise.independent(samples.len());
-    floor.freedom < 1.0 || floor.p_value(rms_m(&residual_m).powi(2), freedom) < SIGNIFICANT
-}
-
 /// The residual of each trial after correction by nuisance parameters that were fitted to the other trials, three
 /// values a sample. A single trial is corrected by its own fit.
-pub(crate) fn unseen_residual_m(samples: &Samples, simulated_m: &[f64], nuisances: &Nuisances) -> Vec<f64> {
+fn unseen_residual_m(samples: &Samples, simulated_m: &[f64], nuisances: &Nuisances) -> Vec<f64> {
     let residual_m = samples.residual(simulated_m);
     let ranges = samples.ranges();
     if ranges.len() < 2 {
@@ -92,8 +105,7 @@ mod tests {
         // A constant that all trials share explains none of it.
         let shift: Vec<f64> = (0..simulated_m.len()).map(|k| if k % 3 == 0 { 1.0 } else { 0.0 }).collect();
         let nuisances = Nuisances::independent(simulated_m.len(), &[(shift, 1e-3)]);
-        let left_m = unseen_residual_m(&samples, &simulated_m, &nuisances);
-        model_form_m(&samples, &simulated_m, &left_m, &nuisances)
+        ModelForm::new(&samples, &simulated_m, &nuisances).worst_m
     }
 
     #[test]

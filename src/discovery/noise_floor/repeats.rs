@@ -41,13 +41,15 @@ pub(crate) fn dwells(samples: &Samples) -> Vec<Vec<usize>> {
     let mut found: Vec<Vec<usize>> = Vec::new();
     let mut held: Option<(usize, usize, f64)> = None;
     let mut run: Vec<usize> = Vec::new();
-    for (index, row) in samples.rows.iter().enumerate().filter(|(_, row)| row.row > 0) {
-        let since = start_of_hold[row.trial][row.row - 1];
+    let settled_s = if samples.at_rest() { f64::NEG_INFINITY } else { SETTLED_S };
+    for (index, row) in samples.rows.iter().enumerate() {
+        let Some(command) = samples.command_of(row) else { continue };
+        let since = start_of_hold[row.trial][command];
         if held.is_none_or(|(trial, before, _)| (trial, before) != (row.trial, since)) {
             held = Some((row.trial, since, row.time_s));
             found.push(std::mem::take(&mut run));
         }
-        if held.is_some_and(|(_, _, since_s)| row.time_s - since_s >= SETTLED_S) {
+        if held.is_some_and(|(_, _, since_s)| row.time_s - since_s >= settled_s) {
             run.push(index);
         }
     }
@@ -61,24 +63,33 @@ fn start_of_hold(trial: &TrialCommands) -> Vec<usize> {
     let load = |k: usize| trial.tip_loads.as_ref().map(|loads| loads[k]);
     let mut start_of_hold: Vec<usize> = Vec::with_capacity(trial.commands.len());
     for k in 0..trial.commands.len() {
-        let goes_on = k > 0 && trial.commands.row(k) == trial.commands.row(k - 1) && load(k) == load(k - 1);
+        let goes_on = k > 0 && is_held(trial, k) && load(k) == load(k - 1);
         start_of_hold.push(if goes_on { start_of_hold[k - 1] } else { k });
     }
     start_of_hold
+}
+
+/// Largest change of a command that counts as held in poses at rest, metres or newtons: steps of an encoder.
+const HELD: f64 = 2e-5;
+
+/// Whether command `k` is the one before it.
+fn is_held(trial: &TrialCommands, k: usize) -> bool {
+    let (now, before) = (trial.commands.row(k), trial.commands.row(k - 1));
+    let near = || now.iter().zip(before).all(|(now, before)| (now - before).abs() < HELD);
+    now == before || trial.at_rest && near()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::base::Rows;
-    use crate::effects::Starts;
     use crate::rod::TipWrench;
 
     #[test]
     fn first_rows_repeat_one_measurement_only_at_home_under_one_weight_and_gravity() {
         let mut samples = Samples::alike(4, 3);
         assert_eq!(starts(&samples), [[0, 3, 6, 9]]);
-        assert!(starts(&samples.clone().starting(Starts::Anywhere)).is_empty());
+        assert!(starts(&Samples { at_home: false, ..samples.clone() }).is_empty());
         samples.trials[1].gravity_m_s2 = Some([0.0, 0.0, 9.81]);
         samples.trials[3].gravity_m_s2 = Some([0.0, 0.0, 9.81]);
         assert_eq!(starts(&samples), [[0, 6], [3, 9]]);

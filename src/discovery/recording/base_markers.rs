@@ -11,12 +11,12 @@ const MOUNTED_RAD: f64 = 2e-3;
 /// Tilts beyond this many standard deviations are considered possible.
 const SEEN: f64 = 1.5;
 
-/// Whether base markers in these `trials` show the base pose of the `model`, apart from rotation about its own axis.
+/// Whether base markers in these `rows` show the base pose of the `model`, apart from rotation about its own axis.
 /// If they do, no tip error is a base tilt. False without markers.
-pub(crate) fn base_matches_model(measured: &Recording, trials: &[u64], model: &Model) -> bool {
+pub(crate) fn base_matches_model(measured: &Recording, rows: &[usize], model: &Model) -> bool {
     let Some(base) = &measured.base else { return false };
     let modelled = UnitQuaternion::from_scaled_axis(model.rod(&[]).base_rotation_rad);
-    let asked = base.iter().zip(&measured.trial).filter(|(_, number)| trials.contains(number)).map(|(pose, _)| pose);
+    let asked = rows.iter().map(|&row| &base[row]);
     let tracked = asked.filter(|pose| pose.quaternion.iter().all(|q| q.is_finite()));
     let turns: Vec<Vector3<f64>> = tracked
         .map(|pose| {
@@ -49,7 +49,7 @@ mod tests {
     #[test]
     fn a_base_is_compared_with_that_of_the_model() {
         let mut model = Model::default();
-        let stands = |measured: &Recording, model: &Model| base_matches_model(measured, &[0], model);
+        let stands = |measured: &Recording, model: &Model| base_matches_model(measured, &[0, 1, 2], model);
         assert!(!stands(&Recording::new(Actuation::Lengths, 4), &model), "nobody looked");
         let tilted = [0.0, 0.025, 0.3];
         assert!(stands(&turned([0.0, 0.001, 0.0]), &model));

@@ -35,11 +35,12 @@ pub(crate) fn sample_covariates(samples: &Samples, simulated_m: &[f64]) -> Vec<C
         .map(|(index, sample)| {
             let commands = &samples.trials[sample.trial].commands;
             let width = commands.width();
-            // The command of a row applies from that row on.
+            let led = samples.command_of(sample);
             let before = |steps: usize| -> Vec<f64> {
-                sample.row.checked_sub(steps).map_or_else(|| vec![0.0; width], |row| commands.row(row).to_vec())
+                led.and_then(|index| index.checked_sub(steps))
+                    .map_or_else(|| vec![0.0; width], |row| commands.row(row).to_vec())
             };
-            let (now, last, older) = (before(1), before(2), before(3));
+            let (now, last, older) = (before(0), before(1), before(2));
             let difference = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
             let since = samples.steps_since_last(index);
             let from = if since.is_some() { tip(index - 1) } else { tip(index) };
@@ -52,7 +53,7 @@ pub(crate) fn sample_covariates(samples: &Samples, simulated_m: &[f64]) -> Vec<C
                 change: difference(&now, &last),
                 change_before: difference(&last, &older),
                 command: now,
-                largest: largest[sample.trial][sample.row].clone(),
+                largest: largest[sample.trial][led.map_or(0, |index| index + 1)].clone(),
             }
         })
         .collect()

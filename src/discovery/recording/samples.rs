@@ -1,5 +1,6 @@
 //! Samples of a recording: the commands of every trial and the rows with a tracked tip.
 
+use super::blocks::{Block, Playing, blocks, duration_s};
 use crate::base::{Point3, Rows};
 use crate::data::{Actuation, Recording, recording};
 use crate::effects::Starts;
@@ -8,12 +9,18 @@ use crate::rod::TipWrench;
 /// Commands of one trial, to be simulated.
 #[derive(Clone, Debug)]
 pub(crate) struct TrialCommands {
-    /// Number of the trial in the recording.
+    /// Number of the trial in the recording, or of the block into which the recording is divided.
     pub(crate) number: u64,
-    /// One row a command, without the last command of the trial, whose result is not recorded.
+    /// Row of the recording with the first command.
+    pub(crate) first_row: usize,
+    /// State at the start; none for the model's `tracking.starts`.
+    pub(crate) starts: Option<Starts>,
+    /// One row a command. Of a motion without the last command of the trial, whose result is not recorded.
     pub(crate) commands: Rows,
-    /// Duration of each command, seconds.
+    /// Duration of each command, seconds; none for poses at rest.
     pub(crate) durations_s: Vec<f64>,
+    /// Whether every command is held until the robot rests.
+    pub(crate) at_rest: bool,
     /// Whether commands are tensions.
     pub(crate) tensions: bool,
     /// Known weight on the tip, kilograms.
@@ -29,12 +36,14 @@ pub(crate) struct TrialCommands {
 pub(crate) struct Sample {
     /// Index of its trial in [`Samples::trials`].
     pub(crate) trial: usize,
-    /// Index of the row in its trial.
+    /// Number of commands of its trial that were played before it, or in poses at rest before its own command.
     pub(crate) row: usize,
     /// Time in the trial, seconds.
     pub(crate) time_s: f64,
     /// Measured tip, metres.
     pub(crate) tip_m: Point3,
+    /// Velocity of the simulated tip, m/s; zero unless the clocks of tracker and commands are uncertain.
+    pub(crate) velocity_m_s: Point3,
 }
 
 /// All samples of a recording, trial by trial. Residual vectors have three values a sample: x, y, z.
@@ -48,56 +57,76 @@ pub(crate) struct Samples {
     pub(crate) tracked_step_s: f64,
     /// Whether all trials start at home, so that their first rows repeat one measurement.
     pub(crate) at_home: bool,
+    /// Standard deviation of the offset between the clocks of tracker and commands, seconds; none where they agree.
+    pub(crate) clock_deviation_s: Option<f64>,
 }
 
 impl Samples {
-    /// Samples of a checked recording. Trials without any tracked tip are excluded.
+    /// Samples of a checked recording whose trials start as the model says. Trials without any tracked tip are excluded.
     pub(crate) fn new(measured: &Recording) -> Samples {
+        let alone = |(number, rows): (u64, std::ops::Range<usize>)| {
+            let block = Block { number, lead_in: rows.start, rows, starts: Starts::Home };
+            (block, None)
+        };
+        Samples::of_blocks(measured, measured.trials().into_iter().map(alone), false)
+    }
+
+    /// Samples of the [`blocks`] of a checked recording. Blocks without any tracked tip are excluded.
+    pub(crate) fn played(measured: &Recording, playing: Playing) -> Samples {
+        let each = blocks(measured, playing).into_iter().map(|block| {
+            let starts = Some(block.starts);
+            (block, starts)
+        });
+        let samples = Samples::of_blocks(measured, each, playing.at_rest);
+        Samples { at_home: playing.starts == Starts::Home && !playing.at_rest, ..samples }
+    }
+
+    fn of_blocks(
+        measured: &Recording,
+        blocks: impl Iterator<Item = (Block, Option<Starts>)>,
+        at_rest: bool,
+    ) -> Samples {
         let mut trials = Vec::new();
         let mut rows = Vec::new();
         let (mut steps_s, mut tracked_steps_s) = (Vec::new(), Vec::new());
         let tips = measured.tip_m.as_deref().unwrap_or_default();
-        for (number, range) in measured.trials() {
+        for (block, starts) in blocks {
             let seen = |&row: &usize| measured.is_valid(row) && tips[row].iter().all(|x| x.is_finite());
-            let tracked: Vec<usize> = range.clone().filter(seen).collect();
+            let tracked: Vec<usize> = block.rows.clone().filter(seen).collect();
             if tracked.is_empty() {
                 continue;
             }
-            let last = range.end - 1;
+            let steps = block.lead_in..block.rows.end - 1;
+            let played = block.lead_in..block.rows.end - usize::from(!at_rest);
             let mut commands = Rows::new(measured.tendons());
-            (range.start..last).for_each(|row| commands.push(measured.commands.row(row)));
-            let durations_s: Vec<f64> =
-                (range.start..last).map(|row| measured.time_s[row + 1] - measured.time_s[row]).collect();
+            played.clone().for_each(|row| commands.push(measured.commands.row(row)));
+            let durations_s: Vec<f64> = steps.map(|row| duration_s(measured, row)).collect();
             steps_s.extend_from_slice(&durations_s);
             tracked_steps_s.extend(tracked.windows(2).map(|two| measured.time_s[two[1]] - measured.time_s[two[0]]));
             trials.push(TrialCommands {
-                number,
+                number: block.number,
+                first_row: block.lead_in,
+                starts,
                 commands,
-                durations_s,
+                durations_s: if at_rest { Vec::new() } else { durations_s },
+                at_rest,
                 tensions: measured.actuation == Actuation::Tensions,
-                known_load_kg: measured.known_load_kg.as_ref().map_or(0.0, |load| load[range.start]),
-                gravity_m_s2: measured.gravity_m_s2.as_ref().map(|gravity| gravity[range.start]),
-                tip_loads: measured
-                    .tip_load
-                    .as_ref()
-                    .map(|loads| loads[range.start..last].iter().map(tip_load).collect()),
+                known_load_kg: measured.known_load_kg.as_ref().map_or(0.0, |load| load[block.rows.start]),
+                gravity_m_s2: measured.gravity_m_s2.as_ref().map(|gravity| gravity[block.rows.start]),
+                tip_loads: measured.tip_load.as_ref().map(|loads| loads[played].iter().map(tip_load).collect()),
             });
             let trial = trials.len() - 1;
             rows.extend(tracked.into_iter().map(|row| Sample {
                 trial,
-                row: row - range.start,
+                row: row - block.lead_in,
                 time_s: measured.time_s[row],
                 tip_m: tips[row],
+                velocity_m_s: [0.0; 3],
             }));
         }
         let step_s = middle(&mut steps_s).unwrap_or(1.0);
         let tracked_step_s = middle(&mut tracked_steps_s).unwrap_or(step_s);
-        Samples { trials, rows, step_s, tracked_step_s, at_home: true }
-    }
-
-    /// The same samples of trials that start as `starts` says.
-    pub(crate) fn starting(self, starts: Starts) -> Samples {
-        Samples { at_home: starts == Starts::Home, ..self }
+        Samples { trials, rows, step_s, tracked_step_s, at_home: true, clock_deviation_s: None }
     }
 
     /// Samples of the trials with these indices, in that order.
@@ -129,6 +158,29 @@ impl Samples {
             .zip(simulated_m)
             .map(|(tip, simulated_m)| tip - simulated_m)
             .collect()
+    }
+
+    /// Velocity of the simulated tip, three values a sample, m/s.
+    pub(crate) fn velocity_m_s(&self) -> Vec<f64> {
+        self.rows.iter().flat_map(|row| row.velocity_m_s).collect()
+    }
+
+    /// Rows of the recording that the trials cover.
+    pub(crate) fn recorded_rows(&self) -> Vec<usize> {
+        let of = |trial: &TrialCommands| {
+            trial.first_row..trial.first_row + trial.commands.len() + usize::from(!trial.at_rest)
+        };
+        self.trials.iter().flat_map(of).collect()
+    }
+
+    /// Index of the command that led to a sample; none for the start of a motion.
+    pub(crate) fn command_of(&self, sample: &Sample) -> Option<usize> {
+        if self.trials[sample.trial].at_rest { Some(sample.row) } else { sample.row.checked_sub(1) }
+    }
+
+    /// Whether the samples are poses at rest.
+    pub(crate) fn at_rest(&self) -> bool {
+        self.trials.iter().any(|trial| trial.at_rest)
     }
 
     /// Time since the previous sample of the same trial, in median tracker steps; none for the first.
@@ -165,8 +217,11 @@ impl Samples {
         (1..samples).for_each(|k| commands.push(&[k as f64]));
         let trial = |number| TrialCommands {
             number,
+            first_row: number as usize * samples,
+            starts: None,
             commands: commands.clone(),
             durations_s: vec![0.2; samples - 1],
+            at_rest: false,
             tensions: false,
             known_load_kg: 0.0,
             gravity_m_s2: None,
@@ -174,7 +229,7 @@ impl Samples {
         };
         let sample = |k: usize| {
             let row = k % samples;
-            Sample { trial: k / samples, row, time_s: 0.2 * row as f64, tip_m: [0.0; 3] }
+            Sample { trial: k / samples, row, time_s: 0.2 * row as f64, tip_m: [0.0; 3], velocity_m_s: [0.0; 3] }
         };
         Samples {
             trials: (0..trials as u64).map(trial).collect(),
@@ -182,6 +237,7 @@ impl Samples {
             step_s: 0.2,
             tracked_step_s: 0.2,
             at_home: true,
+            clock_deviation_s: None,
         }
     }
 

@@ -3,7 +3,8 @@
 mod refused;
 
 use crate::support::motive::{
-    AT_S, Bench, FRAMES, LENGTHS, PLAIN, apart, dialects, difference, export, log, plain_log, tip,
+    AT_S, Bench, Column, FRAMES, LENGTHS, PLAIN, RATE_HZ, apart, column, dialects, difference, export, log, plain_log,
+    tip, to_motive, written,
 };
 use nalgebra::{UnitQuaternion, Vector3};
 use proptest::prelude::*;
@@ -152,4 +153,37 @@ proptest! {
             prop_assert!(export.bodies.iter().all(|body| body.poses.len() == export.time_s.len()));
         }
     }
+}
+
+/// Single markers on base and tip and along the body: no orientations, and the tracking frame's axes.
+#[test]
+fn single_markers_are_points_along_the_body() {
+    let place_m = |share: f64, time_s: f64| {
+        let (place_m, _) = tip(time_s);
+        to_motive(Vector3::new(1.1, -0.4, -0.3) + share * place_m)
+    };
+    let marker = |name: &'static str, id: &'static str, share: f64| {
+        ["X", "Y", "Z"].into_iter().enumerate().map(move |(axis, part)| {
+            let cells = (0..FRAMES).map(|frame| format!("{:.9}", place_m(share, frame as f64 / RATE_HZ)[axis]));
+            column(["Marker", name, id, "", "Position", part], cells)
+        })
+    };
+    let markers = [("base", "1", 0.0), ("tip", "2", 1.0), ("Marker 7", "3", 0.5)];
+    let columns: Vec<Column> = markers.into_iter().flat_map(|(name, id, share)| marker(name, id, share)).collect();
+    let bench = Bench::new(&written(&PLAIN, &columns));
+    let (recording, said) = bench.imported(&["--points", "middle=Marker 7"]);
+    assert!(said.contains("`base` is a single marker"), "{said}");
+    assert!(recording.tip_quaternion.is_none() && recording.base.is_none());
+    let [middle] = &recording.points[..] else { panic!("{:?}", recording.points) };
+    assert_eq!((middle.name.as_str(), &middle.quaternion), ("middle", &None));
+    for row in 0..6 {
+        let (place_m, _) = tip(AT_S[row]);
+        assert!(apart(&recording.tip_m.as_ref().unwrap()[row], place_m.as_slice()) < 1e-4, "row {row}");
+        assert!(apart(&middle.position_m[row], (0.5 * place_m).as_slice()) < 1e-4, "row {row}");
+    }
+    assert!(
+        bench.refused(&["--points", "p1"]).contains("the markers `base`, `tip`, `Marker 7`, expected one called `p1`")
+    );
+    assert!(bench.refused(&["--points", "a b=tip"]).contains("a name of letters, digits and _"));
+    assert!(bench.refused(&["--points", "p=tip,p=base"]).contains("found `p` twice"));
 }

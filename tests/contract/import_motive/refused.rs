@@ -68,7 +68,7 @@ fn a_broken_export_is_refused_by_line_and_column() {
         (good.replace("Length Units", "Units"), "line 1, column `Length Units`: found nothing"),
         (good.replace("Type,Quaternion", "Type,ZYX"), "line 1, column `Rotation Type`: found `ZYX`"),
         (good.replace("Space,Global", "Space,Local"), "line 1, column `Coordinate Space`: found `Local`"),
-        (good.replace("Rigid Body", "Bone"), "line 3: found no column of a `Rigid Body`, only `Bone`"),
+        (good.replace("Rigid Body", "Bone"), "line 3: found no column of a `Rigid Body` or a `Marker`, only `Bone`"),
         (good.replacen("Frame,Time (Seconds)", "Frame,Time (ms)", 1), "line 7: found no column `Time (Seconds)`"),
         (good.replacen("Frame,Time (Seconds)", "x,y", 1), "line 8: found a row of numbers"),
         (good.lines().take(6).collect::<Vec<_>>().join("\n"), "line 6: found the end of the file"),

@@ -1,7 +1,7 @@
 //! Models, commands and what derivatives may be off by.
 
 use spinebench::base::{Point3, Rows};
-use spinebench::effects::{Model, ReplayError, Trial, replay};
+use spinebench::effects::{Model, ReplayError, Starts, Trial, replay};
 
 /// Size of the loops on the nominal robot: one at which no Gauss point of the friction tests comes to rest on the edge
 /// between stick and slip, where the derivatives to both sides differ (docs/sensitivities.md).
@@ -62,7 +62,14 @@ impl Commands {
 
     pub(crate) fn trial(&self) -> Trial<'_> {
         let Commands { rows, durations_s, tensions, at_rest } = self;
-        Trial { commands: rows, durations_s, tensions: *tensions, at_rest: *at_rest, tip_loads: None }
+        Trial {
+            commands: rows,
+            durations_s,
+            tensions: *tensions,
+            at_rest: *at_rest,
+            starts: Starts::Home,
+            tip_loads: None,
+        }
     }
 
     pub(crate) fn tips(&self, model: &Model) -> Result<Vec<Point3>, ReplayError> {

@@ -13,18 +13,21 @@ pub(crate) struct ExportLayout {
     pub(crate) width: usize,
     /// Column of the time.
     pub(crate) time: usize,
+    /// Rigid bodies.
     pub(crate) bodies: Vec<BodyColumns>,
+    /// Single markers.
+    pub(crate) markers: Vec<BodyColumns>,
     /// Line of the names.
     pub(crate) names_line: usize,
 }
 
-/// Columns of a rigid body.
+/// Columns of a rigid body or a marker.
 #[derive(Debug)]
 pub(crate) struct BodyColumns {
     pub(crate) name: String,
     /// x, y, z.
     pub(crate) position: Vec<usize>,
-    /// In the order of [`Rotation::parts`].
+    /// In the order of [`Rotation::parts`]; empty for a marker without orientation.
     pub(crate) rotation: Vec<usize>,
 }
 
@@ -56,8 +59,15 @@ pub(crate) fn layout(
     })?;
     let header_rows = header_rows(path, rows, parts)?;
     let bodies = bodies(path, &header_rows, rotation)?;
+    let markers = markers(&header_rows, rotation);
+    if bodies.is_empty() && markers.is_empty() {
+        let kinds = kinds(header_rows.kinds);
+        let found = format!("no column of a `Rigid Body` or a `Marker`, only {kinds}");
+        let expected = "rigid bodies or markers: export with them switched on";
+        return Err(wrong_line(path, header_rows.kinds.number, found, expected));
+    }
     let width = rows.iter().chain([parts]).map(|line| line.cells.len()).max().unwrap_or(0);
-    Ok(ExportLayout { width, time, bodies, names_line: header_rows.names.number })
+    Ok(ExportLayout { width, time, bodies, markers, names_line: header_rows.names.number })
 }
 
 fn is_time(cell: &str) -> bool {
@@ -94,20 +104,6 @@ fn header_rows<'a>(
 }
 
 fn bodies(path: &Path, header_rows: &HeaderRows, rotation: Rotation) -> Result<Vec<BodyColumns>, DataError> {
-    // Bodies of the same name are distinguished by their ID.
-    let mut columns: Vec<((&str, &str), Vec<usize>)> = Vec::new();
-    let is_body = |index: usize| header_rows.kinds.cell(index).eq_ignore_ascii_case("Rigid Body");
-    for index in (0..header_rows.kinds.cells.len()).filter(|&index| is_body(index)) {
-        let key = (header_rows.names.cell(index), header_rows.ids.map_or("", |ids| ids.cell(index)));
-        match columns.iter_mut().find(|(known, _)| *known == key) {
-            Some((_, known)) => known.push(index),
-            None => columns.push((key, vec![index])),
-        }
-    }
-    if columns.is_empty() {
-        let found = format!("no column of a `Rigid Body`, only {}", kinds(header_rows.kinds));
-        return Err(wrong_line(path, header_rows.kinds.number, found, "rigid bodies: export with them switched on"));
-    }
     let places = |((name, _), columns): &((&str, &str), Vec<usize>)| {
         let find = |quantity, part| place(path, header_rows, name, columns, (quantity, part));
         Ok(BodyColumns {
@@ -116,7 +112,47 @@ fn bodies(path: &Path, header_rows: &HeaderRows, rotation: Rotation) -> Result<V
             rotation: rotation.parts().iter().map(|part| find("Rotation", part)).collect::<Result<_, _>>()?,
         })
     };
-    columns.iter().map(places).collect()
+    of_kind(header_rows, "Rigid Body").iter().map(places).collect()
+}
+
+/// Markers with one position; others are passed over.
+fn markers(header_rows: &HeaderRows, rotation: Rotation) -> Vec<BodyColumns> {
+    let places = |((name, _), columns): &((&str, &str), Vec<usize>)| {
+        let all = |quantity: &str, parts: &[&str]| -> Option<Vec<usize>> {
+            let one = |part: &&str| match matching(header_rows, columns, (quantity, part))[..] {
+                [index] => Some(index),
+                _ => None,
+            };
+            parts.iter().map(one).collect()
+        };
+        let position = all("Position", &["X", "Y", "Z"])?;
+        let rotation = all("Rotation", rotation.parts()).unwrap_or_default();
+        Some(BodyColumns { name: (*name).to_owned(), position, rotation })
+    };
+    of_kind(header_rows, "Marker").iter().filter_map(places).collect()
+}
+
+/// Columns of each asset of a kind. Assets of the same name are distinguished by their ID.
+fn of_kind<'a>(header_rows: &HeaderRows<'a>, kind: &str) -> Vec<((&'a str, &'a str), Vec<usize>)> {
+    let mut columns: Vec<((&str, &str), Vec<usize>)> = Vec::new();
+    let fits = |index: &usize| header_rows.kinds.cell(*index).eq_ignore_ascii_case(kind);
+    for index in (0..header_rows.kinds.cells.len()).filter(fits) {
+        let key = (header_rows.names.cell(index), header_rows.ids.map_or("", |ids| ids.cell(index)));
+        match columns.iter_mut().find(|(known, _)| *known == key) {
+            Some((_, known)) => known.push(index),
+            None => columns.push((key, vec![index])),
+        }
+    }
+    columns
+}
+
+/// Those of `columns` that hold this part of this quantity.
+fn matching(header_rows: &HeaderRows, columns: &[usize], (quantity, part): (&str, &str)) -> Vec<usize> {
+    let fits = |index: &usize| {
+        header_rows.quantities.cell(*index).eq_ignore_ascii_case(quantity)
+            && header_rows.parts.cell(*index).eq_ignore_ascii_case(part)
+    };
+    columns.iter().copied().filter(fits).collect()
 }
 
 /// The one column of a body that holds this part of this quantity.
@@ -127,13 +163,9 @@ fn place(
     columns: &[usize],
     (quantity, part): (&str, &str),
 ) -> Result<usize, DataError> {
-    let fits = |index: &&usize| {
-        header_rows.quantities.cell(**index).eq_ignore_ascii_case(quantity)
-            && header_rows.parts.cell(**index).eq_ignore_ascii_case(part)
-    };
-    let found: Vec<&usize> = columns.iter().filter(fits).collect();
+    let found = matching(header_rows, columns, (quantity, part));
     if let [index] = found[..] {
-        return Ok(*index);
+        return Ok(index);
     }
     Err(DataError::Cell {
         file: path.to_owned(),

@@ -1,5 +1,5 @@
-//! The CSV export of OptiTrack's Motive (format versions 1.2x): rigid bodies over time. Columns are found by their
-//! header, not by position; other assets (markers, bones) are skipped.
+//! The CSV export of OptiTrack's Motive (format versions 1.2x): rigid bodies and single markers over time. Columns are
+//! found by their header, not by position; other assets (bones, markers of a body) are skipped.
 
 mod header;
 mod meta;
@@ -10,24 +10,29 @@ use std::path::{Path, PathBuf};
 use crate::data::recording::Pose;
 use crate::data::{DataError, file};
 
-/// A rigid body over time.
+/// A rigid body or a single marker over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
     /// Its name in Motive.
     pub name: String,
-    /// Pose of its pivot for each frame, in the export's frame; `None` where the body was not tracked.
+    /// Whether its orientation was tracked; a single marker has none.
+    pub has_orientation: bool,
+    /// Pose of its pivot for each frame, in the export's frame, unturned without orientation; `None` where it was not
+    /// tracked.
     pub poses: Vec<Option<Pose>>,
 }
 
-/// The rigid bodies of an export.
+/// The rigid bodies and markers of an export.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Export {
     /// The file.
     pub file: PathBuf,
     /// Time of each frame in the export, seconds, increasing.
     pub time_s: Vec<f64>,
-    /// In the order of the file.
+    /// Rigid bodies, in the order of the file.
     pub bodies: Vec<Body>,
+    /// Single markers, in the order of the file.
+    pub markers: Vec<Body>,
     /// Number of frames according to the header.
     pub promised_frames: Option<usize>,
     /// Line of the names.
@@ -51,44 +56,56 @@ impl Export {
         read::export(path, bytes)
     }
 
-    /// The body with exactly this name.
+    /// The rigid body with exactly this name, or else the marker.
     ///
     /// # Errors
-    /// [`DataError::Line`] lists all bodies when none or several have it.
+    /// [`DataError::Line`] lists all of them when none or several have it.
     pub fn body(&self, name: &str) -> Result<&Body, DataError> {
-        let named: Vec<&Body> = self.bodies.iter().filter(|body| body.name == name).collect();
-        match named[..] {
-            [body] => Ok(body),
-            _ => Err(self.unclear(format!("one called `{name}`"))),
-        }
+        let is_it = |body: &Body| body.name == name;
+        let kind = if self.bodies.iter().any(is_it) { &self.bodies } else { &self.markers };
+        only(kind, &is_it).ok_or_else(|| self.unclear(format!("one called `{name}`")))
     }
 
-    /// The body called `word`, or else the only one whose name begins so, ignoring case.
+    /// The rigid body called `word`, or else the only one whose name begins so, ignoring case; or else such a marker.
     ///
     /// # Errors
     /// As [`Export::body`].
     pub fn body_like(&self, word: &str) -> Result<&Body, DataError> {
-        if self.bodies.iter().any(|body| body.name == word) {
+        let begins = |body: &Body| body.name.to_lowercase().starts_with(&word.to_lowercase());
+        let kind = if self.bodies.iter().any(begins) { &self.bodies } else { &self.markers };
+        if kind.iter().any(|body| body.name == word) {
             return self.body(word);
         }
-        let begins = |name: &str| name.to_lowercase().starts_with(&word.to_lowercase());
-        let alike: Vec<&Body> = self.bodies.iter().filter(|body| begins(&body.name)).collect();
-        match alike[..] {
-            [body] => Ok(body),
-            _ => Err(self.unclear(format!("one called `{word}`, or a single one whose name begins so"))),
-        }
+        let expected = || format!("one called `{word}`, or a single one whose name begins so");
+        only(kind, &begins).ok_or_else(|| self.unclear(expected()))
     }
 
     fn unclear(&self, expected: String) -> DataError {
-        let names: Vec<String> = self.bodies.iter().map(|body| format!("`{}`", body.name)).collect();
+        let listed = |bodies: &[Body], what: &str| {
+            let names = bodies.iter().take(MOST_LISTED).map(|body| format!("`{}`", body.name));
+            let more = bodies.len().saturating_sub(MOST_LISTED);
+            let more = (more > 0).then(|| format!("{more} more"));
+            let names: Vec<String> = names.chain(more).collect();
+            (!names.is_empty()).then(|| format!("the {what} {}", names.join(", ")))
+        };
+        let both = [listed(&self.bodies, "rigid bodies"), listed(&self.markers, "markers")];
         DataError::Line {
             file: self.file.clone(),
             place: format!("line {}", self.names_line),
-            found: format!("the rigid bodies {}", names.join(", ")),
+            found: both.into_iter().flatten().collect::<Vec<String>>().join(" and "),
             expected,
         }
     }
 }
+
+/// The only one that `fits`.
+fn only<'a>(bodies: &'a [Body], fits: &dyn Fn(&Body) -> bool) -> Option<&'a Body> {
+    let found: Vec<&Body> = bodies.iter().filter(|body| fits(body)).collect();
+    if let [body] = found[..] { Some(body) } else { None }
+}
+
+/// Most names of one kind in a message.
+const MOST_LISTED: usize = 12;
 
 /// A line with its number in the file, from 1.
 struct ExportLine<'a> {

@@ -84,7 +84,7 @@ struct Frames<'a> {
     meta: Meta,
     layout: ExportLayout,
     time_s: Vec<f64>,
-    /// Poses frame by frame, all bodies of a frame in sequence.
+    /// Poses frame by frame, all bodies of a frame and then all markers in sequence.
     poses: Vec<Option<Pose>>,
 }
 
@@ -97,7 +97,7 @@ impl Frames<'_> {
         }
         let time_s = self.time(line)?;
         self.time_s.push(time_s);
-        for places in &self.layout.bodies {
+        for places in self.layout.bodies.iter().chain(&self.layout.markers) {
             self.poses.push(self.pose(line, places)?);
         }
         Ok(())
@@ -116,7 +116,8 @@ impl Frames<'_> {
         Ok(time_s)
     }
 
-    /// The pose of a body in a frame. Motive leaves the cells of an untracked body empty or sets all of them to 0.
+    /// The pose of a body in a frame, unturned for a marker without orientation. Motive leaves the cells of an untracked
+    /// body empty or sets all of them to 0.
     fn pose(&self, line: &ExportLine, places: &BodyColumns) -> Result<Option<Pose>, DataError> {
         let mut position_m = [0.0; 3];
         let mut turn = [0.0; 4];
@@ -135,11 +136,13 @@ impl Frames<'_> {
                 None => tracked = false,
             }
         }
-        let blank = position_m.iter().chain(&turn).all(|&value| value == 0.0) && parts.len() == turn.len();
-        if !tracked || blank {
+        let is_point = places.rotation.is_empty();
+        let blank = position_m.iter().chain(&turn).all(|&value| value == 0.0);
+        if !tracked || blank && (is_point || parts.len() == turn.len()) {
             return Ok(None);
         }
         let quaternion = match self.meta.rotation {
+            _ if is_point => [1.0, 0.0, 0.0, 0.0],
             Rotation::Quaternion => self.unit(line, places, turn)?,
             Rotation::Xyz => from_xyz([turn[0], turn[1], turn[2]]),
         };
@@ -181,15 +184,20 @@ impl Frames<'_> {
             let (found, expected) = ("a header and no frames", "at least one frame");
             return Err(DataError::Empty { file: self.path.to_owned(), found, expected });
         }
-        let count = self.layout.bodies.len();
-        let body = |(index, places): (usize, BodyColumns)| {
-            let poses = self.poses.iter().skip(index).step_by(count).copied().collect();
-            Body { name: places.name, poses }
-        };
+        let (rigid, count) = (self.layout.bodies.len(), self.layout.bodies.len() + self.layout.markers.len());
+        let all = self.layout.bodies.into_iter().chain(self.layout.markers).enumerate();
+        let mut bodies: Vec<Body> = all
+            .map(|(index, places)| {
+                let poses = self.poses.iter().skip(index).step_by(count).copied().collect();
+                Body { name: places.name, has_orientation: !places.rotation.is_empty(), poses }
+            })
+            .collect();
+        let markers = bodies.split_off(rigid);
         Ok(Export {
             file: self.path.to_owned(),
             time_s: self.time_s,
-            bodies: self.layout.bodies.into_iter().enumerate().map(body).collect(),
+            bodies,
+            markers,
             promised_frames: self.meta.frames,
             names_line: self.layout.names_line,
         })
