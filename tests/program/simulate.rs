@@ -374,8 +374,13 @@ fn weights_hung_on_tendons_calibrate_the_shipped_plant() {
     bench.ok(&format!("collect --plant {folder}/plant.yaml --commands {folder}/weights.csv --out rec.csv"));
     bench.put("guess.yaml", &std::fs::read_to_string(NOMINAL).unwrap().replace("2.33e9", "2.0e9"));
     let said = bench.ok("calibrate --model guess.yaml --measured rec.csv --out fitted.yaml");
-    let numbers: Vec<f64> =
-        said.lines().next().unwrap().split([' ', ',']).filter_map(|word| word.parse().ok()).collect();
+    let numbers: Vec<f64> = said
+        .lines()
+        .find(|line| line.starts_with("youngs"))
+        .unwrap()
+        .split([' ', ','])
+        .filter_map(|word| word.parse().ok())
+        .collect();
     let [value, _, low, high] = numbers[..] else { panic!("{said}") };
     assert!(low < value && value < high && low < 2.33e9 && 2.33e9 < high && high - low < 0.03e9, "{said}");
     let fitted = spinebench::specs::read_model(&bench.path("fitted.yaml")).unwrap();
@@ -503,7 +508,7 @@ fn trials_start_where_the_model_or_the_option_says() {
         (Recording::read(&bench.path("sim.csv")).unwrap(), said)
     };
     let (home, said) = simulated("");
-    assert_eq!(said, "", "the default needs no words");
+    assert!(!said.contains("note:"), "the default needs no words: {said}");
     let (still, _) = simulated(" --static");
     let (away, said) = simulated(" --starts anywhere");
     assert!(said.contains("Each trial starts at rest under its first command (starts: anywhere)."), "{said}");

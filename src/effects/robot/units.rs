@@ -3,7 +3,7 @@
 //! These bounds catch wrong units; they are orders of magnitude wider than any robot. A fit may cross them: only what
 //! somebody has written is held to them.
 
-use super::{Checked, Robot, at};
+use super::{Checked, MOST_PARTS, Robot, at};
 use crate::base::BadOption;
 
 /// A quantity: the range that no robot leaves, the range of most, and other units that people write it in.
@@ -288,7 +288,8 @@ impl Robot {
         let widest_m = self.tendons.widest_m().max(self.backbone.radius_m);
         let lead_kg =
             LEAD_KG_M3 * std::f64::consts::PI * (DISK_OVER_TENDON * widest_m).powi(2) * self.backbone.length_m;
-        if all_kg <= lead_kg {
+        // More disks than a model may have are told by their number.
+        if all_kg <= lead_kg || disks.count > MOST_PARTS {
             return Ok(());
         }
         let (key, value) = match &disks.masses_kg {
