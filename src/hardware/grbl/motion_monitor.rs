@@ -9,8 +9,9 @@ use super::settings::MotionSettings;
 const TOLERANCE_MM: f64 = 0.02;
 /// Largest distance of moving axes from the straight lines between their commands, mm.
 const MAX_OFF_LINE_MM: f64 = 0.1;
-/// The start of the oldest move that may still be running, and the targets of at most two.
-const KEPT_TARGETS: usize = 3;
+/// The start of the oldest move that may still be running, and the targets of at most three: grblHAL reports a move as
+/// done once its last 100 ms are computed, and two more may be queued then.
+const KEPT_TARGETS: usize = 4;
 /// Equal reports after which axes count as standing, regardless of their interval.
 const MIN_STILL_REPORTS: u32 = 3;
 
