@@ -32,7 +32,7 @@ pub(super) struct RehearseCommand {
     out: PathBuf,
     /// CSV file for all input of the controller and all starts and stops of the screws.
     #[arg(long, value_name = "LOG.csv")]
-    log: Option<PathBuf>,
+    log_file: Option<PathBuf>,
     /// Run with real-time priority, as real devices would (needs CAP_SYS_NICE or `rtprio`).
     #[arg(long, alias = "urgent")]
     real_time: bool,
@@ -53,7 +53,7 @@ impl RehearseCommand {
         }
         let interrupt = Interrupt::of_process().map_err(CommandError::failed)?;
         let mut served = ServedSimulator::open(&options, Seed(self.seed)).map_err(CommandError::Failed)?;
-        let mut log = SimulatorLog::open(self.log.as_deref())?;
+        let mut log = SimulatorLog::open(self.log_file.as_deref())?;
         let plant = served.plant();
         let text = to_yaml(&PlantSpec::Hardware(Box::new(plant.clone()))).map_err(CommandError::failed)?;
         // The ports are open before the file exists: input that arrives before the first step is buffered by the

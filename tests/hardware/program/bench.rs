@@ -128,7 +128,7 @@ impl Bench {
     /// Serves the imitations of `plant`; other programs use them by `served`.
     pub(crate) fn serve(&self, plant: &str, served: &str) -> ServedSimulator<'_> {
         let log = format!("{served}.log.csv");
-        let arguments = format!("rehearse --plant {plant} --out {served} --log {log}");
+        let arguments = format!("rehearse --plant {plant} --out {served} --log-file {log}");
         let mut command = self.command(Path::new(PROGRAM), &arguments);
         command.stdin(Stdio::piped()).stdout(Stdio::null());
         let process = command.spawn().unwrap();
