@@ -38,6 +38,9 @@ mod tests {
     use crate::data::Actuation;
     use crate::data::recording::Pose;
 
+    /// Rows of the first trial of a recording.
+    const FIRST_TRIAL: [usize; 3] = [0, 1, 2];
+
     /// A recording whose base markers show this rotation.
     fn turned(turn_rad: [f64; 3]) -> Recording {
         let turn = UnitQuaternion::from_scaled_axis(Vector3::from(turn_rad));
@@ -49,7 +52,7 @@ mod tests {
     #[test]
     fn a_base_is_compared_with_that_of_the_model() {
         let mut model = Model::default();
-        let stands = |measured: &Recording, model: &Model| base_matches_model(measured, &[0, 1, 2], model);
+        let stands = |measured: &Recording, model: &Model| base_matches_model(measured, &FIRST_TRIAL, model);
         assert!(!stands(&Recording::new(Actuation::Lengths, 4), &model), "nobody looked");
         let tilted = [0.0, 0.025, 0.3];
         assert!(stands(&turned([0.0, 0.001, 0.0]), &model));
@@ -67,8 +70,8 @@ mod tests {
         let lying = UnitQuaternion::from_scaled_axis(Vector3::y() * std::f64::consts::FRAC_PI_2);
         model.robot.base_rotation_rad = lying.scaled_axis().into();
         let about = |axis: Vector3<f64>| (UnitQuaternion::from_scaled_axis(axis * 0.1) * lying).scaled_axis().into();
-        assert!(base_matches_model(&turned(about(Vector3::x())), &[0], &model));
-        assert!(!base_matches_model(&turned(about(Vector3::z())), &[0], &model));
+        assert!(base_matches_model(&turned(about(Vector3::x())), &FIRST_TRIAL, &model));
+        assert!(!base_matches_model(&turned(about(Vector3::z())), &FIRST_TRIAL, &model));
     }
 
     #[test]
@@ -76,7 +79,7 @@ mod tests {
         let mut measured = turned([0.0; 3]);
         let aside = turned([0.1, 0.0, 0.0]).base.unwrap();
         measured.base.as_mut().unwrap()[3..].clone_from_slice(&aside[3..]);
-        assert!(base_matches_model(&measured, &[0], &Model::default()));
-        assert!(!base_matches_model(&measured, &[1], &Model::default()));
+        assert!(base_matches_model(&measured, &FIRST_TRIAL, &Model::default()));
+        assert!(!base_matches_model(&measured, &[3, 4], &Model::default()));
     }
 }
