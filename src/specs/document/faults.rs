@@ -39,7 +39,8 @@ impl Document {
                 break;
             }
             let key = wrong.key.clone();
-            if let Some(dropped) = self.dropped(&key) {
+            // An entry that is needed is missing once it is dropped.
+            if let Some(dropped) = self.dropped(&key).filter(|entry| get(&tree, entry).is_some()) {
                 remove(&mut tree, &dropped);
                 continue;
             }
