@@ -87,8 +87,8 @@ pub fn discover(
     }
     step("comparing the clocks of commands and tips");
     // Trials that are cut from a run begin with motion whose commands are not in them: that is no clock.
-    let begins_at_rest = scattered_starts(&Samples::played(&kept, options.playing(model)), model).is_none();
-    let offset = (begins_at_rest && !options.at_rest).then(|| clock_offset::find(model, &kept, options)).flatten();
+    let begins_at_rest = || scattered_starts(&Samples::played(&kept, options.playing(model)), model).is_none();
+    let offset = (!options.at_rest && begins_at_rest()).then(|| clock_offset::find(model, &kept, options)).flatten();
     let asked = Asked { model, measured, baseline: kept_baseline.as_ref(), options };
     let offset = offset.map(|offset| asked.refined(&kept, offset)).transpose()?;
     let searched = asked.shifted(&kept, offset);

@@ -4,7 +4,6 @@
 pub(in crate::specs) mod alias;
 pub(in crate::specs) mod error;
 mod faults;
-
 mod layer;
 pub(in crate::specs) mod locate;
 pub(in crate::specs) mod merged;
