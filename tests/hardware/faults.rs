@@ -274,8 +274,8 @@ fn a_stop_keeps_the_position() {
         (120..124).for_each(|k| simulator.controller.inject(ControllerFault::WrongSettings(k, "40".to_owned())));
     });
     let interrupt = plant.rehearsal().unwrap().interrupt();
-    // Well after a move has been sent: which of the two comes first at the same moment is chance.
-    let raise_s = plant.now_s() + AFTER_S + 0.15;
+    // Half way between two moves: which of the two comes first at the same moment is chance.
+    let raise_s = plant.now_s() + AFTER_S + 0.05;
     plant
         .rehearsal()
         .unwrap()
