@@ -3,7 +3,7 @@
 SHELL := bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build reproduce check test bench blind campaign peers scaling real verify
+.PHONY: help build reproduce check test test-python bench blind campaign peers scaling real verify
 
 # Repetitions of every experiment, data and training included. Claims need ten, and only ten replace the published results;
 # any other number is a look, which goes to out/.
@@ -16,10 +16,11 @@ share = --set 'runs.discovery.batches[$(1)].cases='$$(( ($(2) * $(SEEDS) + 9) / 
 BLIND_LOOK := $(if $(filter 10,$(SEEDS)),,$(call share,0,4) $(call share,1,21) $(call share,2,2) $(call share,3,3) \
   $(call share,4,2) $(call share,5,21))
 PEERS_VENV := target/peers-venv
+PYTHON_VENV := target/python-venv
 SPINEBENCH := cargo run --release --quiet --
 
 help: ## this list
-	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
+	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
 
 build:
 	cargo build --release
@@ -67,6 +68,13 @@ else
 endif
 	cargo test --release --doc
 	RUSTDOCFLAGS="-D warnings" cargo doc --release --no-deps
+
+# The package is built like the program, into the same folder, and tested in an environment of its own.
+test-python: ## the Python package: build, tests, types (needs Python 3.10 or later with venv, and PyPI)
+	python3 -m venv $(PYTHON_VENV)
+	$(PYTHON_VENV)/bin/python -m pip install --quiet --disable-pip-version-check "./python[test]"
+	cd python && ../$(PYTHON_VENV)/bin/python -m pytest -q
+	$(PYTHON_VENV)/bin/python -m mypy --strict -p spinebench
 
 bench: build ## microbenchmarks, then one repetition of everything from nothing: where the time goes, by stage
 	cargo bench

@@ -2,7 +2,6 @@
 
 use super::outputs::check_yaml;
 use super::session::read_hardware_plant;
-use super::simulate::same_tendons;
 use super::weigh::{STEP_S, visiting};
 use super::{CommandError, CommandResult};
 use clap::Args;
@@ -11,7 +10,9 @@ use spinebench::data::{Recording, write_atomic};
 use spinebench::hardware::tracking::{Alignment, RigidPose, realign};
 use spinebench::plants::hardware::{Hardware, HardwareOptions};
 use spinebench::specs::{PlantSpec, to_yaml};
-use spinebench::tasks::{SimulationOptions, plan_static_poses, record_static_poses, simulate_recording, star_m};
+use spinebench::tasks::{
+    SimulationOptions, check_tendons, plan_static_poses, record_static_poses, simulate_recording, star_m,
+};
 use std::path::PathBuf;
 
 /// Steps during which the robot comes to rest in each pose.
@@ -54,7 +55,7 @@ impl AlignCommand {
             Some(file) => {
                 let mut recording = Recording::read(file).map_err(CommandError::bad_input)?;
                 recording.convert_drives(file, &options.model.drive_gains(), 4).map_err(CommandError::bad_input)?;
-                same_tendons(file, &recording, 4)?;
+                check_tendons(file, &recording, 4).map_err(CommandError::bad_input)?;
                 (recording, self.at_rest)
             }
             None => (self.record_poses(&options)?, true),

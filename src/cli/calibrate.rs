@@ -3,7 +3,6 @@
 use super::interrupted::end_with_words;
 use super::outputs::{REPORT_BYTES, check_folder, check_yaml};
 use super::shared::StartsArg;
-use super::simulate::{one_gravity, read_measured};
 use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::calibration::{AUTO, Calibration, CalibrationError, CalibrationOptions, ErrorLaw, HoldOut, calibrate};
@@ -13,6 +12,7 @@ use spinebench::report::calibration::{CalibrationReport, calibration_artifacts};
 use spinebench::report::write;
 use spinebench::runner::Progress;
 use spinebench::specs::{model_text, read_model};
+use spinebench::tasks::{check_one_gravity, read_measured};
 use std::path::PathBuf;
 
 /// Fit Young's modulus (and what --fit names) to a recording.
@@ -62,8 +62,8 @@ fn share(text: &str) -> Result<f64, String> {
 impl CalibrateCommand {
     pub(super) fn execute(self, progress: &Progress) -> CommandResult {
         let model = self.starts.applied(read_model(&self.model).map_err(CommandError::bad_input)?);
-        let measured = read_measured(&self.measured, &model, self.at_rest)?;
-        one_gravity(&self.measured, &measured, &model)?;
+        let measured = read_measured(&self.measured, &model, self.at_rest).map_err(CommandError::bad_input)?;
+        check_one_gravity(&self.measured, &measured, &model).map_err(CommandError::bad_input)?;
         if !self.at_rest {
             measured.check_duration(&self.measured).map_err(CommandError::bad_input)?;
         }

@@ -2,7 +2,7 @@
 
 use super::outputs::check_recording;
 use super::session::{RecordedPlant, RecordingSession};
-use super::simulate::{failures, nothing_solved, one_gravity, same_tendons, written};
+use super::simulate::{failures, nothing_solved, written};
 use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::base::Seed;
@@ -10,7 +10,9 @@ use spinebench::data::{Actuation, Recording};
 use spinebench::plants::hardware::{DryRun, HardwareOptions, RefusedRow, dry_run};
 use spinebench::runner::Progress;
 use spinebench::specs::{PlantSpec, SimulatedSpec, read_plant};
-use spinebench::tasks::{SimulationOptions, record_trial, simulate_recording, step_s};
+use spinebench::tasks::{
+    SimulationOptions, check_one_gravity, check_tendons, record_trial, simulate_recording, step_s,
+};
 use std::path::{Path, PathBuf};
 
 /// Play commands on a plant and record what its tracker measures.
@@ -44,7 +46,7 @@ impl CollectCommand {
         commands
             .convert_drives(&self.commands, &plant.drive_gains(), plant.tendons())
             .map_err(CommandError::bad_input)?;
-        same_tendons(&self.commands, &commands, plant.tendons())?;
+        check_tendons(&self.commands, &commands, plant.tendons()).map_err(CommandError::bad_input)?;
         match plant {
             PlantSpec::Simulated(plant) if !self.dry_run => self.simulate(&plant, &commands, progress),
             other => self.record(&other, &commands, progress),
@@ -54,7 +56,7 @@ impl CollectCommand {
     /// A simulated robot is solved as accurately as in `simulate`, at the times of the commands.
     fn simulate(&self, plant: &SimulatedSpec, commands: &Recording, progress: &Progress) -> CommandResult {
         let out = self.out()?;
-        one_gravity(&self.commands, commands, &plant.model)?;
+        check_one_gravity(&self.commands, commands, &plant.model).map_err(CommandError::bad_input)?;
         commands.check_points(&self.commands, &plant.model.tracking.names()).map_err(CommandError::bad_input)?;
         check_recording(out, commands.len())?;
         let options = SimulationOptions {

@@ -3,7 +3,6 @@
 use super::interrupted::end_with_words;
 use super::outputs::{REPORT_BYTES, check_folder};
 use super::shared::StartsArg;
-use super::simulate::read_measured_tip;
 use super::{CommandError, CommandResult};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -17,7 +16,7 @@ use spinebench::runner::Progress;
 use spinebench::specs::{
     PlantSpec, SimulatedSpec, extended_text, files_behind, model_text, read_model, read_options, read_plant,
 };
-use spinebench::tasks::{SimulationOptions, simulate_recording};
+use spinebench::tasks::{SimulationOptions, read_measured_tip, simulate_recording};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -314,7 +313,7 @@ fn is_written(name: &str) -> bool {
 
 /// Reads a recording of this robot and checks durations and loads.
 fn read(file: &Path, model: &Model, at_rest: bool) -> Result<Recording, CommandError> {
-    let recording = read_measured_tip(file, model, at_rest)?;
+    let recording = read_measured_tip(file, model, at_rest).map_err(CommandError::bad_input)?;
     if !at_rest {
         recording.check_duration(file).map_err(CommandError::bad_input)?;
     }

@@ -6,9 +6,8 @@ use super::outputs::check_folder;
 use super::shared::{CacheArgs, ResultsArg, SpecArgs, ThreadArgs};
 use super::{CommandError, CommandResult};
 use clap::{Args, ValueEnum};
-use spinebench::data::rows::ClaimRow;
 use spinebench::runner::{
-    self, Campaign, CampaignEntry, Files, Manifest, Outcomes, Progress, Publication, RunOptions, StageTimes, Store,
+    self, Campaign, CampaignEntry, Outcomes, Progress, Publication, RunFacts, RunOptions, StageTimes,
 };
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -77,8 +76,9 @@ impl RunCommand {
         let outcomes = runner::execute(&campaign.graph, &store, &wanted, &options)
             .map_err(|failure| CommandError::Failed(failure.to_string()))?;
         let wall_s = began.elapsed().as_secs_f64();
+        let about = RunFacts { revision: &revision, threads: &|entry| self.threads(entry), wall_s };
         let published =
-            self.publish(&campaign, &outcomes, &store, (&out, &revision, wall_s)).map_err(CommandError::Failed)?;
+            runner::publish_all(&campaign, &outcomes, &store, &out, &about).map_err(CommandError::Failed)?;
         summarise(progress, &campaign, &outcomes, &published, wall_s);
         tell_files(progress, &campaign, &published, &out);
         folder.iter().for_each(|folder| progress.say(&folder.describe_workers()));
@@ -89,35 +89,6 @@ impl RunCommand {
             return Err(CommandError::Failed(words));
         }
         self.verdict(&published)
-    }
-
-    /// Renders all files of all experiments, then writes them.
-    fn publish(
-        &self,
-        campaign: &Campaign,
-        outcomes: &Outcomes,
-        store: &Store,
-        (out, revision, wall_s): (&Path, &str, f64),
-    ) -> Result<Vec<Publication>, String> {
-        let words = |error: &dyn std::error::Error| error.to_string();
-        let mut published = Vec::new();
-        let mut files = Files::new();
-        let mut claims: BTreeMap<String, Vec<ClaimRow>> = BTreeMap::new();
-        for entry in &campaign.entries {
-            let name = entry.experiment.name.clone();
-            let publication = entry.publish(outcomes).map_err(|error| format!("{name}: {error}"))?;
-            let manifest = Manifest::new((campaign, entry), outcomes, store, revision, self.threads(entry), wall_s);
-            let folder = Path::new("results").join(&name);
-            files.insert(folder.join("manifest.yaml"), manifest.to_yaml()?);
-            let trail = runner::provenance(campaign, entry, outcomes, store);
-            runner::put(&mut files, &folder, &trail).map_err(|error| words(&error))?;
-            files.extend(publication.files.clone());
-            claims.insert(name, publication.claims.clone());
-            published.push(publication);
-        }
-        files.extend(runner::all_claims(out, &claims).map_err(|error| words(&error))?);
-        runner::write_files(out, &files).map_err(|error| words(&error))?;
-        Ok(published)
     }
 
     /// Number of threads of a stage, on this machine or in a task on the cluster.

@@ -6,10 +6,10 @@ use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::data::Recording;
 use spinebench::data::recording::Extra;
-use spinebench::effects::{Model, Starts};
+use spinebench::effects::Model;
 use spinebench::runner::Progress;
 use spinebench::specs::read_model;
-use spinebench::tasks::{SimulationOptions, simulate_recording};
+use spinebench::tasks::{SimulationOptions, check_one_gravity, read_commands, simulate_recording};
 use std::path::{Path, PathBuf};
 
 /// Drive the rod model with the commands of a recording (displacements or tensions) and write a recording.
@@ -35,8 +35,8 @@ pub(super) struct SimulateCommand {
 impl SimulateCommand {
     pub(super) fn execute(self, progress: &Progress) -> CommandResult {
         let model = self.starts.applied(read_model(&self.model).map_err(CommandError::bad_input)?);
-        let commands = read_commands(&self.commands, &model, self.at_rest)?;
-        one_gravity(&self.commands, &commands, &model)?;
+        let commands = read_commands(&self.commands, &model, self.at_rest).map_err(CommandError::bad_input)?;
+        check_one_gravity(&self.commands, &commands, &model).map_err(CommandError::bad_input)?;
         check_recording(&self.out, commands.len())?;
         progress.step("simulating");
         let played = simulate_recording(
@@ -61,67 +61,6 @@ impl SimulateCommand {
         progress.say(&written(&self.out, &played));
         Ok(())
     }
-}
-
-/// Reads commands and checks that their number of tendons is the model's. Poses `at_rest` may have any times.
-pub(super) fn read_commands(file: &Path, model: &Model, at_rest: bool) -> Result<Recording, CommandError> {
-    let read = if at_rest { Recording::read_pose_commands } else { Recording::read_commands };
-    let mut commands = read(file).map_err(CommandError::bad_input)?;
-    let expected = model.robot.tendons.angles_deg.len();
-    commands.convert_drives(file, &model.drive_gains(), expected).map_err(CommandError::bad_input)?;
-    same_tendons(file, &commands, expected)?;
-    commands.check_points(file, &model.tracking.names()).map_err(CommandError::bad_input)?;
-    Ok(commands)
-}
-
-/// Refuses a gravity that changes from trial to trial where trials go on from one another: the robot is the same in all.
-pub(super) fn one_gravity(file: &Path, commands: &Recording, model: &Model) -> CommandResult {
-    let all = commands.gravity_m_s2.as_deref().unwrap_or_default();
-    let Some(row) = all.iter().position(|own| *own != all[0]) else { return Ok(()) };
-    if model.tracking.starts != Starts::Continue {
-        return Ok(());
-    }
-    let words = "found another gravity than in the first trial, expected the same in all with `starts: continue`";
-    Err(CommandError::BadInput(format!("{}, row {}: {words}", file.display(), row + 1)))
-}
-
-/// Reads a recording of the model's robot and checks its number of tendons and that tip and commands are within reach.
-/// Poses `at_rest` may have any times.
-pub(super) fn read_measured(file: &Path, model: &Model, at_rest: bool) -> Result<Recording, CommandError> {
-    let read = if at_rest { Recording::read_poses } else { Recording::read };
-    let mut measured = read(file).map_err(CommandError::bad_input)?;
-    let tendons = model.robot.tendons.angles_deg.len();
-    measured.convert_drives(file, &model.drive_gains(), tendons).map_err(CommandError::bad_input)?;
-    same_tendons(file, &measured, tendons)?;
-    measured.check_points(file, &model.tracking.names()).map_err(CommandError::bad_input)?;
-    let length_m = model.robot.backbone.length_m;
-    measured.check_reach(file, model.robot.base_m, length_m).map_err(CommandError::bad_input)?;
-    measured.check_travel(file, length_m).map_err(CommandError::bad_input)?;
-    Ok(measured)
-}
-
-/// Reads a recording as [`read_measured`] does; the tip must be in it.
-pub(super) fn read_measured_tip(file: &Path, model: &Model, at_rest: bool) -> Result<Recording, CommandError> {
-    let measured = read_measured(file, model, at_rest)?;
-    if measured.tip_m.is_some() {
-        return Ok(measured);
-    }
-    let words = "found tracked points and no tip, expected the columns tip_x_m, tip_y_m and tip_z_m";
-    Err(CommandError::BadInput(format!("{}, line 1: {words}", file.display())))
-}
-
-/// Checks that a recording has the robot's number of tendons.
-pub(super) fn same_tendons(file: &Path, commands: &Recording, expected: usize) -> CommandResult {
-    let found = commands.tendons();
-    if found == expected {
-        return Ok(());
-    }
-    let column = commands.actuation.column(found.min(expected));
-    let words = format!(
-        "{}, line 1, column `{column}`: found {found} tendons, expected {expected}, the number of the robot's tendons",
-        file.display()
-    );
-    Err(CommandError::BadInput(words))
 }
 
 /// The error of a recording in which no row could be solved, with the number of the model that is most unusual.

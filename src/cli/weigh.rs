@@ -1,14 +1,14 @@
 //! `spinebench weigh`.
 
 use super::session::{RecordedPlant, RecordingSession, read_hardware_plant};
-use super::simulate::{same_tendons, written};
+use super::simulate::written;
 use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::base::Seed;
 use spinebench::data::{Actuation, Recording};
 use spinebench::plants::hardware::HardwareOptions;
 use spinebench::runner::Progress;
-use spinebench::tasks::{StaticPoseOptions, plan_static_poses, record_static_poses, star_m};
+use spinebench::tasks::{StaticPoseOptions, check_tendons, plan_static_poses, record_static_poses, star_m};
 use std::path::PathBuf;
 
 /// Control step of the session, s.
@@ -83,7 +83,7 @@ impl WeighCommand {
         };
         let mut commands = Recording::read_commands(file).map_err(CommandError::bad_input)?;
         commands.convert_drives(file, &options.model.drive_gains(), 4).map_err(CommandError::bad_input)?;
-        same_tendons(file, &commands, 4)?;
+        check_tendons(file, &commands, 4).map_err(CommandError::bad_input)?;
         if commands.actuation != Actuation::Lengths {
             return Err(CommandError::BadInput(format!(
                 "{}, line 1: found tensions, expected displacements (tendon_1_m…)",

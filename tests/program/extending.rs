@@ -5,8 +5,20 @@ use std::process::{Command, Output};
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 /// What of the repository a build needs.
-const SOURCES: [&str; 10] =
-    ["Cargo.toml", "Cargo.lock", "build.rs", "build", "src", "tests", "benches", "models", "experiments", "docs"];
+const SOURCES: [&str; 12] = [
+    "Cargo.toml",
+    "Cargo.lock",
+    "build.rs",
+    "build",
+    "src",
+    "tests",
+    "benches",
+    "models",
+    "experiments",
+    "docs",
+    "python/Cargo.toml",
+    "python/src",
+];
 /// Rebuilds this crate alone, and fast: the compiled dependencies are shared.
 const OPTIMISATION: &str = "profile.release.package.spinebench.opt-level=0";
 

@@ -1,0 +1,42 @@
+"""Tendon-driven continuum robots: simulate, calibrate, find what a model lacks, test and train controllers.
+
+Units are SI; names end in them. Frame: right-handed, origin at the base, z along the straight robot, x up.
+"""
+
+from __future__ import annotations
+
+from ._calculations import (
+    CalibratedNumber,
+    Calibration,
+    Discovery,
+    ExperimentResult,
+    FoundEffect,
+    RunResult,
+    calibrate,
+    discover,
+    run,
+    simulate,
+)
+from ._errors import InputError, InternalError, RunError, SolverError, SpinebenchError
+from ._spinebench import Model, Rod, Rods
+
+__all__ = [
+    "CalibratedNumber",
+    "Calibration",
+    "Discovery",
+    "ExperimentResult",
+    "FoundEffect",
+    "InputError",
+    "InternalError",
+    "Model",
+    "Rod",
+    "Rods",
+    "RunError",
+    "RunResult",
+    "SolverError",
+    "SpinebenchError",
+    "calibrate",
+    "discover",
+    "run",
+    "simulate",
+]

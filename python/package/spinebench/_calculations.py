@@ -1,0 +1,290 @@
+"""Simulate, calibrate, discover and run: files and frames in, typed results out."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import os
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from . import _spinebench as _core
+from ._errors import InputError
+from ._spinebench import Model
+
+PathLike = str | os.PathLike[str]
+"""Name of a file."""
+Recording = str | os.PathLike[str] | pd.DataFrame
+"""A recording: a CSV or Parquet file, or a frame with the same columns (docs/recording.md)."""
+
+
+def _frame(csv: bytes) -> pd.DataFrame:
+    return pd.read_csv(io.BytesIO(csv)) if csv.strip() else pd.DataFrame()
+
+
+@contextlib.contextmanager
+def _file_of(recording: Recording, name: str) -> Iterator[Path]:
+    """The file of a recording; a frame is written to a temporary one."""
+    if not isinstance(recording, pd.DataFrame):
+        yield Path(recording)
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / f"{name}.csv"
+        recording.to_csv(file, index=False)
+        yield file
+
+
+def simulate(
+    model: Model,
+    commands: Recording,
+    *,
+    static: bool = False,
+    noise_m: float = 0.0,
+    seed: int = 0,
+) -> pd.DataFrame:
+    """Drive the rod model with the commands of a recording.
+
+    With `static` each row is the equilibrium under its own command. `noise_m` is the standard deviation per axis of added
+    tracking noise, metres. Returns a recording: tip (m), tip quaternion (w, x, y, z), tensions (N), and `solver_status`.
+    """
+    with _file_of(commands, "commands") as file, tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "simulated.csv"
+        _core._simulate(model, file, out, static, noise_m, seed)
+        return _frame(out.read_bytes())
+
+
+@dataclass(frozen=True)
+class CalibratedNumber:
+    """A number of the model with its fitted value and 95 % interval."""
+
+    name: str
+    unit: str
+    start: float
+    value: float
+    low: float
+    high: float
+    determined: bool
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """The result of a calibration."""
+
+    model: Model
+    """The model with the fitted numbers."""
+    numbers: list[CalibratedNumber]
+    """The fitted numbers."""
+    before_m: float
+    """RMS error of the given model, metres."""
+    after_m: float
+    """RMS error of the fitted model, metres."""
+    sightings: pd.DataFrame
+    """Every position of the fit with its error, metres."""
+    findings: dict[str, Any] = field(repr=False)
+    """Everything that was found, as in calibration.json."""
+
+
+def calibrate(
+    model: Model,
+    measured: Recording,
+    *,
+    fit: Sequence[str] = ("youngs_modulus_pa",),
+    select: bool = False,
+    static: bool = False,
+    hold_out: float | None = None,
+    hold_out_patterns: Sequence[str] = (),
+    likelihood: str | None = None,
+    validate: bool = False,
+) -> Calibration:
+    """Fit numbers of a model to a recording (docs/calibration.md).
+
+    `fit` lists paths of the model file (`robot.tendons.angles_deg[3]`, groups with `*`) or is `["auto"]`. `hold_out` is the
+    share of trials that is kept out of the fit; `validate` finds the error on unseen rows.
+    """
+    if isinstance(fit, str):
+        fit = fit.split(",")
+    arguments = {
+        "fit": list(fit),
+        "select": select,
+        "at_rest": static,
+        "hold_out": hold_out,
+        "hold_out_patterns": list(hold_out_patterns),
+        "likelihood": likelihood,
+        "validate": validate,
+    }
+    with _file_of(measured, "measured") as file:
+        fitted, findings_json, sightings = _core._calibrate(model, file, arguments)
+    findings = json.loads(findings_json)
+    names = CalibratedNumber.__dataclass_fields__
+    numbers = [CalibratedNumber(**{name: number[name] for name in names}) for number in findings["numbers"]]
+    return Calibration(fitted, numbers, findings["before_m"], findings["after_m"], _frame(sightings), findings)
+
+
+@dataclass(frozen=True)
+class FoundEffect:
+    """An effect that the model lacks."""
+
+    name: str
+    parameters: dict[str, Any]
+    interval_95: dict[str, Any]
+    confidence: float
+    confusable_with: list[str]
+
+
+@dataclass(frozen=True)
+class Discovery:
+    """The result of a discovery."""
+
+    verdict: str
+    """`named`, `consistent`, `ambiguous` or `unexplained`."""
+    effects: list[FoundEffect]
+    """The missing effects."""
+    model: Model
+    """The given model with the missing effects."""
+    summary: str
+    """The answer in words."""
+    before_m: float
+    """RMS tip error of the given model on held-out trials, metres."""
+    after_m: float
+    """RMS tip error of the extended model on held-out trials, metres."""
+    candidates: pd.DataFrame
+    """The effects that were tried."""
+    residuals: pd.DataFrame
+    """Every sample with its residual before and after, metres."""
+    disagreement: pd.DataFrame
+    """The residual map: where the model and the robot differ."""
+    findings: dict[str, Any] = field(repr=False)
+    """Everything that was found, as in findings.json."""
+
+
+def discover(
+    model: Model,
+    measured: Recording | Sequence[Recording],
+    *,
+    baseline: Recording | None = None,
+    options: PathLike | None = None,
+    leave_out: Sequence[str] = (),
+    static: bool = False,
+) -> Discovery:
+    """Find, name and add the effect that a model lacks (docs/discovery.md).
+
+    `measured` is one recording or several. `baseline` is a recording of the robot as built. `leave_out` excludes effects from
+    the search. Ctrl-C ends the call at once and the search at its next step.
+    """
+    one = isinstance(measured, (str, os.PathLike, pd.DataFrame))
+    parts: Sequence[Recording] = [measured] if one else list(measured)  # type: ignore[list-item, arg-type]
+    if not parts:
+        raise InputError("measured: found none, expected at least one recording")
+    with contextlib.ExitStack() as stack:
+        files = [stack.enter_context(_file_of(part, f"measured_{number}")) for number, part in enumerate(parts)]
+        base = None if baseline is None else stack.enter_context(_file_of(baseline, "baseline"))
+        settings = None if options is None else Path(options)
+        found = _core._discover(model, files, base, settings, list(leave_out), static)
+    extended, findings_json, residuals, places = found
+    findings = json.loads(findings_json)
+    names = FoundEffect.__dataclass_fields__
+    effects = [FoundEffect(**{name: effect[name] for name in names}) for effect in findings["effects"]]
+    return Discovery(
+        findings["verdict"],
+        effects,
+        extended,
+        findings["summary"],
+        findings["gap"]["before_m"],
+        findings["gap"]["after_m"],
+        pd.DataFrame(findings["candidates"]),
+        _frame(residuals),
+        _frame(places),
+        findings,
+    )
+
+
+@dataclass(frozen=True)
+class ExperimentResult:
+    """The published results of one experiment."""
+
+    name: str
+    """Name of the experiment."""
+    folder: Path
+    """Folder of its tables."""
+    files: list[Path]
+    """Every file that was written."""
+    failed_trials: int
+    """Number of trials that failed; their rows say why."""
+    notices: list[str]
+    """Figures that could not be made, and why."""
+
+    def table(self, name: str) -> pd.DataFrame:
+        """The table `NAME.csv`, such as `trials`, `table1` or `claims` (docs/outputs.md)."""
+        file = self.folder / f"{name}.csv"
+        if not file.is_file():
+            there = ", ".join(sorted(path.stem for path in self.folder.glob("*.csv")))
+            raise InputError(f"name: found {name!r}, expected one of: {there}")
+        return pd.read_csv(file)
+
+    @property
+    def trials(self) -> pd.DataFrame:
+        """Every goal-reaching trial."""
+        return self.table("trials")
+
+
+@dataclass(frozen=True)
+class RunResult:
+    """The result of a run."""
+
+    experiments: dict[str, ExperimentResult]
+    """Each experiment by its name."""
+    computed: int
+    """Number of stages that were computed."""
+    cached: int
+    """Number of stages that were read from the store."""
+    failures: list[str]
+    """Stages that failed, with their status."""
+
+    def __getitem__(self, name: str) -> ExperimentResult:
+        return self.experiments[name]
+
+
+def run(
+    *specs: PathLike,
+    out: PathLike = "out",
+    seeds: int | None = None,
+    set: Mapping[str, Any] | None = None,
+    sweep: Sequence[str] = (),
+    jobs: int = 0,
+    cache: PathLike | None = None,
+) -> RunResult:
+    """Run experiments as `spinebench run` does, and write tables and figures below `out`.
+
+    `set` overrides keys of the specs (`{"gp.starts": 3}`). Ctrl-C ends the call; what is computed is stored.
+    """
+    if not specs:
+        raise InputError("specs: found none, expected at least one file")
+    sets = [f"{key}={json.dumps(value)}" for key, value in (set or {}).items()]
+    if seeds is not None:
+        sets.append(f"seeds={int(seeds)}")
+    store = cache or os.environ.get("SPINEBENCH_CACHE") or ".spinebench/cache"
+    arguments = {
+        "out": Path(out),
+        "cache": Path(store),
+        "sets": sets,
+        "sweeps": list(sweep),
+        "jobs": jobs,
+    }
+    told = json.loads(_core._run([Path(spec) for spec in specs], arguments))
+    experiments = {
+        one["name"]: ExperimentResult(
+            one["name"],
+            Path(out) / "results" / one["name"],
+            [Path(file) for file in one["files"]],
+            one["failed_trials"],
+            one["notices"],
+        )
+        for one in told["experiments"]
+    }
+    return RunResult(experiments, told["computed"], told["cached"], told["failures"])

@@ -1,0 +1,153 @@
+"""The compiled part of the package."""
+
+from collections.abc import Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+_Array = NDArray[np.float64]
+_Seen = tuple[_Array, _Array, list[bool], list[str]]
+
+@final
+class Model:
+    """What is believed about a robot: the robot and the effects on it. A model does not change; methods return another."""
+
+    def __init__(self) -> None:
+        """The paper's robot: 0.22 m long, four tendons."""
+    @classmethod
+    def load(cls, file: str | PathLike[str]) -> Model:
+        """Read a model file. Raises InputError with file, line and key."""
+    @classmethod
+    def from_yaml(cls, text: str) -> Model:
+        """Read the text of a model file."""
+    def to_yaml(self) -> str:
+        """The text of a model file with every key filled in."""
+    def save(self, file: str | PathLike[str]) -> None:
+        """Write a model file."""
+    @property
+    def tendons(self) -> int:
+        """Number of tendons."""
+    @property
+    def length_m(self) -> float:
+        """Length of the backbone, metres."""
+    @property
+    def effect_names(self) -> list[str]:
+        """Names of the effects."""
+    def parameters(self) -> list[tuple[str, float, str]]:
+        """Path, value and unit of every number of the model."""
+    def value(self, path: str) -> float:
+        """The number at a path such as `robot.backbone.youngs_modulus_pa`."""
+    def with_value(self, path: str, value: float) -> Model:
+        """The model with this number changed."""
+    def with_effects(self, effects: Sequence[dict[str, Any]]) -> Model:
+        """The model with further effects: `[{"tip_load": {"mass_kg": 0.02}}]` (`spinebench effects`)."""
+
+@final
+class Rod:
+    """One simulated robot: the Cosserat rod of a model with its effects. Frame: z along the straight robot, x up."""
+
+    def __init__(self, model: Model, parameters: Sequence[str] | None = None) -> None:
+        """`parameters`: paths of numbers of the model with respect to which the tip is differentiated."""
+    def restart(self) -> None:
+        """Straight, without history, at time 0."""
+    def settle(self, pulls_m: ArrayLike | None = None, *, tensions_n: ArrayLike | None = None) -> _Array:
+        """Bring the robot to rest under displacements (tendons,) in metres, positive pulls, or under tensions in newtons;
+        at home without arguments. Returns the tip (3,), metres. Raises SolverError."""
+    def step(self, pulls_m: ArrayLike, dt_s: float = 0.2) -> _Array:
+        """Move the drives to displacements (tendons,), metres, and hold them, `dt_s` seconds in all. The first step starts at
+        rest at home. Returns the tip (3,), metres. Raises SolverError."""
+    @property
+    def tip(self) -> _Array:
+        """Measured tip (3,), metres."""
+    @property
+    def tip_rotation(self) -> _Array:
+        """Orientation of the tip (3, 3); columns are the body axes."""
+    def shape(self, n: int = 50) -> _Array:
+        """Positions (n, 3) of cross-sections from base to tip, metres."""
+    def rotations(self, n: int = 50) -> _Array:
+        """Orientations (n, 3, 3) of the same cross-sections."""
+    @property
+    def tensions_n(self) -> _Array:
+        """Tendon tensions (tendons,), newtons; 0 when slack."""
+    @property
+    def status(self) -> str:
+        """Status of the last solve: `converged`, the solver's named failure, or `not_solved`."""
+    @property
+    def time_s(self) -> float:
+        """Time since the restart, seconds."""
+    @property
+    def residual_m(self) -> float:
+        """Estimated tip error of the last solve, metres."""
+    @property
+    def model(self) -> Model:
+        """The model."""
+    @property
+    def parameters(self) -> list[str]:
+        """Paths of the parameters of `parameter_jacobian`."""
+    def jacobian(self, with_respect_to: str = "pulls") -> _Array:
+        """Derivative of the tip at rest: (3, tendons) with respect to `pulls` (drive positions, m/m) or `tensions` (m/N); (3, 3)
+        with respect to `force` (m/N) or `moment` (m/(N m)) at the tip. Raises SolverError unless the rod is at rest."""
+    def parameter_jacobian(self) -> _Array:
+        """Derivative (3, parameters) of the tip with respect to each parameter, metres per unit of it, also in motion."""
+
+@final
+class Rods:
+    """Many simulated robots, solved over all cores. A robot whose solver fails has a tip of NaN and its status says why."""
+
+    def __init__(self, models: Sequence[Model]) -> None:
+        """One robot a model; `[model] * 256` for equal ones."""
+    def __len__(self) -> int: ...
+    @property
+    def tendons(self) -> int:
+        """Number of tendons of each robot."""
+    def restart(self) -> None:
+        """All straight, without history, at time 0."""
+    def settle(self, pulls_m: ArrayLike) -> _Array:
+        """Rest under displacements (robots, tendons), metres. Returns tips (robots, 3), metres."""
+    def step(self, pulls_m: ArrayLike, dt_s: float = 0.2) -> _Array:
+        """One step of `dt_s` seconds under displacements (robots, tendons), metres. Returns tips (robots, 3), metres."""
+    def play(self, pulls_m: ArrayLike, dt_s: float = 0.2) -> _Array:
+        """Steps under displacements (robots, steps, tendons), metres. Returns tips (robots, steps, 3), metres; NaN from a failure
+        on."""
+    @property
+    def tips(self) -> _Array:
+        """Tips (robots, 3), metres."""
+    @property
+    def tensions_n(self) -> _Array:
+        """Tensions (robots, tendons), newtons."""
+    @property
+    def status(self) -> list[str]:
+        """Status of each robot."""
+    def shapes(self, n: int = 50) -> _Array:
+        """Positions (robots, n, 3) of cross-sections from base to tip, metres."""
+
+@final
+class _Plants:
+    @classmethod
+    def of_model(cls, model: Model, count: int, step_s: float, noise_m: float, travel_m: float) -> _Plants: ...
+    @classmethod
+    def of_file(cls, file: Path, count: int, step_s: float) -> _Plants: ...
+    @property
+    def tendons(self) -> int: ...
+    @property
+    def travel_m(self) -> float | None: ...
+    @property
+    def layout(self) -> list[list[tuple[int, float]]]: ...
+    def reset(self, which: list[int], seeds: list[int], effects: list[str]) -> _Seen: ...
+    def step(self, pulls_m: ArrayLike) -> _Seen: ...
+    def shape(self, index: int, n: int) -> _Array | None: ...
+
+def _simulate(model: Model, commands: Path, out: Path, at_rest: bool, noise_m: float, seed: int) -> None: ...
+def _calibrate(model: Model, measured: Path, arguments: dict[str, Any]) -> tuple[Model, str, bytes]: ...
+def _discover(
+    model: Model,
+    measured: list[Path],
+    baseline: Path | None,
+    options: Path | None,
+    leave_out: list[str],
+    at_rest: bool,
+) -> tuple[Model, str, bytes, bytes]: ...
+def _run(specs: list[Path], arguments: dict[str, Any]) -> str: ...

@@ -1,0 +1,220 @@
+//! Calculations on recordings and specs: simulate, calibrate, discover, run. Arguments are files; results are JSON and CSV,
+//! which `spinebench/_calculations.py` makes objects of.
+
+use std::fmt::Display;
+use std::panic::resume_unwind;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use std::thread::available_parallelism;
+use std::time::Instant;
+
+use pyo3::prelude::*;
+use spinebench::calibration::{AUTO, CalibrationOptions, ErrorLaw, HoldOut, calibrate};
+use spinebench::data::{Recording, tables};
+use spinebench::discovery::{Options, discover, telling_steps};
+use spinebench::runner::{self, Campaign, Progress, RunFacts, RunOptions, Store, Style};
+use spinebench::specs::{ExperimentSet, SpecError, read_options};
+use spinebench::tasks::{
+    SimulationOptions, check_one_gravity, read_commands, read_measured, read_measured_tip, simulate_recording,
+};
+
+use crate::calls::{claim_global_threads, long};
+use crate::errors::Fault;
+use crate::model::PyModel;
+
+/// An error about a file, with its name.
+fn about(file: &Path, error: impl Display) -> Fault {
+    Fault::words(format!("{}: {error}", file.display()))
+}
+
+fn json<T: serde::Serialize>(value: &T) -> Result<String, Fault> {
+    serde_json::to_string(value).map_err(|error| Fault::Run(error.to_string()))
+}
+
+/// Plays commands on a model and writes the recording to `out`; returns the number of rows that could not be solved.
+#[pyfunction]
+pub(crate) fn _simulate(
+    py: Python<'_>,
+    model: &PyModel,
+    commands: PathBuf,
+    out: PathBuf,
+    at_rest: bool,
+    noise_m: f64,
+    seed: u64,
+) -> PyResult<()> {
+    if !(noise_m.is_finite() && noise_m >= 0.0) {
+        let expected = "a finite number of at least 0, in metres";
+        return Err(Fault::argument("noise_m", noise_m.to_string(), expected).into());
+    }
+    let model = model.clone();
+    long(py, move |_| {
+        let read = read_commands(&commands, &model.0, at_rest)?;
+        check_one_gravity(&commands, &read, &model.0)?;
+        let options =
+            SimulationOptions { at_rest, noise_m, seed: spinebench::base::Seed(seed), ..SimulationOptions::default() };
+        simulate_recording(&model.0, &read, &options).write(&out)?;
+        Ok(())
+    })
+}
+
+/// How a model is calibrated.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct CalibrationArguments {
+    fit: Vec<String>,
+    select: bool,
+    at_rest: bool,
+    hold_out: Option<f64>,
+    hold_out_patterns: Vec<String>,
+    likelihood: Option<String>,
+    validate: bool,
+}
+
+impl CalibrationArguments {
+    fn options(self) -> Result<CalibrationOptions, Fault> {
+        let hold_out = match self.hold_out {
+            Some(share) if !(share > 0.0 && share < 1.0) => {
+                return Err(Fault::argument("hold_out", share.to_string(), "a number between 0 and 1"));
+            }
+            Some(share) => HoldOut::Share(share),
+            None if self.hold_out_patterns.is_empty() => HoldOut::CrossValidated,
+            None => HoldOut::Patterns(self.hold_out_patterns),
+        };
+        let likelihood = match self.likelihood.as_deref() {
+            None => None,
+            Some("normal") => Some(ErrorLaw::Normal),
+            Some("student_t") => Some(ErrorLaw::StudentT),
+            Some(other) => {
+                return Err(Fault::argument("likelihood", format!("{other:?}"), "\"normal\", \"student_t\" or None"));
+            }
+        };
+        let validate = self.validate || self.select || self.fit == [AUTO];
+        Ok(CalibrationOptions {
+            fit: self.fit,
+            select: self.select,
+            at_rest: self.at_rest,
+            hold_out,
+            likelihood,
+            validate,
+        })
+    }
+}
+
+/// Fits numbers of a model; returns the model, the findings as JSON, and every position with its error as CSV.
+#[pyfunction]
+pub(crate) fn _calibrate(
+    py: Python<'_>,
+    model: &PyModel,
+    measured: PathBuf,
+    arguments: CalibrationArguments,
+) -> PyResult<(PyModel, String, Vec<u8>)> {
+    let (model, options) = (model.clone(), arguments.options()?);
+    long(py, move |_| {
+        let read = read_measured(&measured, &model.0, options.at_rest)?;
+        check_one_gravity(&measured, &read, &model.0)?;
+        if !options.at_rest {
+            read.check_duration(&measured)?;
+        }
+        let found = calibrate(&model.0, &read, &options).map_err(|error| about(&measured, error))?;
+        let sightings = tables::to_csv(Path::new("sightings.csv"), &found.sightings)?;
+        Ok((PyModel(found.model.into()), json(&found.findings)?, sightings))
+    })
+}
+
+/// Reads a recording that a discovery explains.
+fn to_explain(file: &Path, model: &PyModel, at_rest: bool) -> Result<Recording, Fault> {
+    let recording = read_measured_tip(file, &model.0, at_rest)?;
+    if !at_rest {
+        recording.check_duration(file)?;
+    }
+    recording.check_loads(file)?;
+    Ok(recording)
+}
+
+/// Finds what a model lacks; returns the extended model, the findings as JSON, residuals and residual map as CSV.
+#[pyfunction]
+pub(crate) fn _discover(
+    py: Python<'_>,
+    model: &PyModel,
+    measured: Vec<PathBuf>,
+    baseline: Option<PathBuf>,
+    options: Option<PathBuf>,
+    leave_out: Vec<String>,
+    at_rest: bool,
+) -> PyResult<(PyModel, String, Vec<u8>, Vec<u8>)> {
+    let model = model.clone();
+    long(py, move |stop| {
+        let mut settings = options.as_deref().map_or_else(|| Ok(Options::default()), read_options)?;
+        settings.left_out.extend(leave_out);
+        settings.at_rest |= at_rest;
+        let parts: Vec<Recording> =
+            measured.iter().map(|file| to_explain(file, &model, settings.at_rest)).collect::<Result<_, Fault>>()?;
+        let whole = Recording::joined(&parts).map_err(|error| about(&measured[error.index], &error))?;
+        let baseline = baseline.map(|file| to_explain(&file, &model, settings.at_rest)).transpose()?;
+        let stop = stop.clone();
+        // A search that nobody waits for ends at its next step.
+        let step = move |_: &str| {
+            if stop.raised() {
+                resume_unwind(Box::new("interrupted"));
+            }
+        };
+        let found = telling_steps(step, || discover(&model.0, &whole, baseline.as_ref(), &settings));
+        let found = found.map_err(|error| about(&measured[0], error))?;
+        let residuals = tables::to_csv(Path::new("residuals.csv"), &found.residuals)?;
+        let places = tables::to_csv(Path::new("disagreement.csv"), &found.places)?;
+        Ok((PyModel(found.model.into()), json(&found.findings)?, residuals, places))
+    })
+}
+
+/// Where and how specs are run.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct RunArguments {
+    out: PathBuf,
+    cache: PathBuf,
+    sets: Vec<String>,
+    sweeps: Vec<String>,
+    jobs: usize,
+}
+
+/// Runs specs and writes tables and figures; returns what was computed as JSON.
+#[pyfunction]
+pub(crate) fn _run(py: Python<'_>, specs: Vec<PathBuf>, arguments: RunArguments) -> PyResult<String> {
+    claim_global_threads()?;
+    long(py, move |stop| {
+        let RunArguments { out, cache, sets, sweeps, jobs } = arguments;
+        let read = |file: &PathBuf| ExperimentSet::read(file, &sets, &sweeps);
+        let experiments = specs.iter().map(read).collect::<Result<Vec<_>, SpecError>>()?;
+        let campaign = Campaign::expand(experiments).map_err(Fault::words)?;
+        std::fs::create_dir_all(&out).map_err(|error| about(&out, error))?;
+        let (revision, began, store) = (runner::git_revision(), Instant::now(), Store::at(cache));
+        let progress = Progress::new(Style::Quiet);
+        let options = RunOptions { stop: stop.flag(), ..RunOptions::new(jobs, &progress) };
+        let outcomes = runner::execute(&campaign.graph, &store, &campaign.wanted(), &options)
+            .map_err(|failure| Fault::Run(failure.to_string()))?;
+        if stop.flag().load(Ordering::Relaxed) {
+            return Err(Fault::Run("interrupted; what is computed is stored".into()));
+        }
+        let threads = if jobs > 0 { jobs } else { available_parallelism().map_or(1, usize::from) };
+        let facts = RunFacts { revision: &revision, threads: &|_| threads, wall_s: began.elapsed().as_secs_f64() };
+        let published = runner::publish_all(&campaign, &outcomes, &store, &out, &facts).map_err(Fault::Run)?;
+        let experiments: Vec<serde_json::Value> = campaign
+            .entries
+            .iter()
+            .zip(&published)
+            .map(|(entry, publication)| {
+                serde_json::json!({
+                    "name": entry.experiment.name,
+                    "files": publication.files.keys().map(|file| out.join(file)).collect::<Vec<_>>(),
+                    "failed_trials": publication.failed,
+                    "notices": publication.notices,
+                })
+            })
+            .collect();
+        let failures: Vec<String> = outcomes.failures.iter().map(ToString::to_string).collect();
+        let (computed, cached) = (outcomes.computed, outcomes.cached);
+        json(&serde_json::json!({
+            "computed": computed, "cached": cached, "failures": failures, "experiments": experiments
+        }))
+    })
+}

@@ -1,0 +1,77 @@
+"""Simulate, calibrate, discover and run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import spinebench
+from spinebench import Model
+
+
+def commands(trials: int = 6, rows: int = 14, seed: int = 3) -> pd.DataFrame:
+    """Random walks of four antagonistic tendons."""
+    rng = np.random.default_rng(seed)
+    parts = []
+    for trial in range(trials):
+        bend = np.clip(np.cumsum(rng.uniform(-0.006, 0.006, (rows, 2)), axis=0), -0.015, 0.015)
+        bend[0] = 0.0
+        pulls = np.column_stack([bend, -bend])
+        frame = pd.DataFrame(pulls, columns=[f"tendon_{i}_m" for i in range(1, 5)])
+        frame.insert(0, "time_s", 0.2 * np.arange(rows))
+        frame.insert(0, "trial", trial)
+        parts.append(frame)
+    return pd.concat(parts, ignore_index=True)
+
+
+def test_simulate_is_the_rod(model: Model) -> None:
+    frame = commands(trials=1)
+    played = spinebench.simulate(model, frame)
+    assert len(played) == len(frame) and (played.solver_status == "converged").all()
+    rod = spinebench.Rod(model)
+    pulls = frame[[f"tendon_{i}_m" for i in range(1, 5)]].to_numpy()
+    tips = np.array([rod.settle(pulls[0])] + [rod.step(pull) for pull in pulls[:-1]])
+    np.testing.assert_allclose(played[["tip_x_m", "tip_y_m", "tip_z_m"]].to_numpy(), tips, atol=1e-9)
+
+
+def test_calibrate_finds_the_modulus(model: Model) -> None:
+    path = "robot.backbone.youngs_modulus_pa"
+    real = model.with_value(path, 1.1 * model.value(path))
+    measured = spinebench.simulate(real, commands(trials=2), static=True, noise_m=1e-4)
+    found = spinebench.calibrate(model, measured, fit=[path], static=True)
+    assert found.after_m < found.before_m
+    (number,) = found.numbers
+    assert number.low < real.value(path) < number.high or abs(number.value / real.value(path) - 1) < 0.01
+    assert len(found.sightings) == len(measured)
+
+
+def test_discover_names_a_tip_load(model: Model) -> None:
+    real = model.with_effects([{"tip_load": {"mass_kg": 0.02}}])
+    columns = ["trial", "time_s", *[f"tendon_{i}_m" for i in range(1, 5)], "tip_x_m", "tip_y_m", "tip_z_m"]
+    measured = spinebench.simulate(real, commands(), noise_m=3e-4)[columns]
+    found = spinebench.discover(model, measured, leave_out=[])
+    assert found.verdict in {"named", "ambiguous"}
+    assert found.after_m < 0.5 * found.before_m
+    assert "tip_load" in {effect.name for effect in found.effects}
+    assert len(found.residuals) > 0 and len(found.candidates) > 0
+
+
+def test_run_publishes_frames(tmp_path: Path) -> None:
+    spec = tmp_path / "tiny.yaml"
+    spec.write_text(
+        "name: tiny\ncontrol_hz: 5\n"
+        "plant: {constant_curvature: {}}\n"
+        "model: {constant_curvature: {}}\n"
+        "training: {paper: {}}\n"
+        "runs: {gap: {rows: 20}}\n"
+    )
+    out = spinebench.run(spec, out=tmp_path / "out", cache=tmp_path / "cache", set={"explore.points": 100})
+    assert not out.failures and out.computed > 0
+    assert len(out["tiny"].table("gap")) == 20
+    again = spinebench.run(spec, out=tmp_path / "out", cache=tmp_path / "cache", set={"explore.points": 100})
+    assert again.computed == 0
+    with pytest.raises(spinebench.InputError, match="expected one of"):
+        out["tiny"].table("nothing")

@@ -1,0 +1,89 @@
+//! Recordings of one robot, read from files and checked against its model.
+
+use std::path::Path;
+
+use crate::data::{DataError, Recording};
+use crate::effects::{Model, Starts};
+
+/// Reads commands and checks that their number of tendons is the model's. Poses `at_rest` may have any times.
+///
+/// # Errors
+/// [`DataError`] for a file that holds no commands of this robot.
+pub fn read_commands(file: &Path, model: &Model, at_rest: bool) -> Result<Recording, DataError> {
+    let mut commands = if at_rest { Recording::read_pose_commands(file) } else { Recording::read_commands(file) }?;
+    let expected = model.robot.tendons.angles_deg.len();
+    commands.convert_drives(file, &model.drive_gains(), expected)?;
+    check_tendons(file, &commands, expected)?;
+    commands.check_points(file, &model.tracking.names())?;
+    Ok(commands)
+}
+
+/// Reads a recording of the model's robot and checks its number of tendons and that tip and commands are within reach.
+/// Poses `at_rest` may have any times.
+///
+/// # Errors
+/// [`DataError`] for a file that holds no recording of this robot.
+pub fn read_measured(file: &Path, model: &Model, at_rest: bool) -> Result<Recording, DataError> {
+    let mut measured = if at_rest { Recording::read_poses(file) } else { Recording::read(file) }?;
+    let tendons = model.robot.tendons.angles_deg.len();
+    measured.convert_drives(file, &model.drive_gains(), tendons)?;
+    check_tendons(file, &measured, tendons)?;
+    measured.check_points(file, &model.tracking.names())?;
+    let length_m = model.robot.backbone.length_m;
+    measured.check_reach(file, model.robot.base_m, length_m)?;
+    measured.check_travel(file, length_m)?;
+    Ok(measured)
+}
+
+/// Reads a recording as [`read_measured`] does; the tip must be in it.
+///
+/// # Errors
+/// As [`read_measured`].
+pub fn read_measured_tip(file: &Path, model: &Model, at_rest: bool) -> Result<Recording, DataError> {
+    let measured = read_measured(file, model, at_rest)?;
+    if measured.tip_m.is_some() {
+        return Ok(measured);
+    }
+    Err(DataError::Line {
+        file: file.to_owned(),
+        place: "line 1".into(),
+        found: "tracked points and no tip".into(),
+        expected: "the columns tip_x_m, tip_y_m and tip_z_m".into(),
+    })
+}
+
+/// Checks that a recording has the robot's number of tendons.
+///
+/// # Errors
+/// [`DataError::Column`] for another number.
+pub fn check_tendons(file: &Path, commands: &Recording, expected: usize) -> Result<(), DataError> {
+    let found = commands.tendons();
+    if found == expected {
+        return Ok(());
+    }
+    Err(DataError::Column {
+        file: file.to_owned(),
+        place: "line 1",
+        column: commands.actuation.column(found.min(expected)),
+        found: format!("{found} tendons"),
+        expected: format!("{expected}, the number of the robot's tendons"),
+    })
+}
+
+/// Refuses a gravity that changes from trial to trial where trials go on from one another: the robot is the same in all.
+///
+/// # Errors
+/// [`DataError::Line`] for the first row with another gravity.
+pub fn check_one_gravity(file: &Path, commands: &Recording, model: &Model) -> Result<(), DataError> {
+    let all = commands.gravity_m_s2.as_deref().unwrap_or_default();
+    let Some(row) = all.iter().position(|own| *own != all[0]) else { return Ok(()) };
+    if model.tracking.starts != Starts::Continue {
+        return Ok(());
+    }
+    Err(DataError::Line {
+        file: file.to_owned(),
+        place: format!("row {}", row + 1),
+        found: "another gravity than in the first trial".into(),
+        expected: "the same in all with `starts: continue`".into(),
+    })
+}
