@@ -19,6 +19,7 @@ from ._calculations import (
 )
 from ._errors import InputError, InternalError, RunError, SolverError, SpinebenchError
 from ._spinebench import Model, Rod, Rods
+from .envs import register as _register
 
 __all__ = [
     "CalibratedNumber",
@@ -40,3 +41,5 @@ __all__ = [
     "run",
     "simulate",
 ]
+
+_register()
