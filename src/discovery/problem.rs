@@ -144,7 +144,7 @@ impl<'a> Problem<'a> {
 }
 
 /// Effects that poses at rest do not show.
-const ONLY_IN_MOTION: [&str; 3] = ["creep", "damping", "delay"];
+const ONLY_IN_MOTION: [&str; 4] = ["creep", "damping", "delay", "servo_lag"];
 
 /// The baseline, after the model was calibrated on it.
 pub(crate) struct Baseline {

@@ -180,6 +180,8 @@ catalogue! {
     tendon_stretch::TendonStretch,
     tendon_angle::TendonAngle,
     tendon_radius::TendonRadius,
+    tendon_friction::TendonFriction,
+    servo_lag::ServoLag,
 }
 
 impl EffectSpec {

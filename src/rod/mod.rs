@@ -19,7 +19,7 @@ pub use params::rod_params::RodParams;
 pub use params::scheme::Scheme;
 pub use params::span::{Span, Taper};
 pub use params::spine::{CompressibleSection, PointMass};
-pub use params::tendon::{PathPoint, Tendon, TendonPath};
+pub use params::tendon::{PRESLIDING_M, PathPoint, Tendon, TendonPath};
 pub use sensitivity::perturbed_rods::{NotPerturbable, PerturbedRods};
 pub use sensitivity::tip_jacobian::{Direction, PoseRates, TipRate};
 pub use solver::status::SolveStatus;

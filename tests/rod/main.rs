@@ -14,6 +14,7 @@ mod peers_till;
 mod robust;
 mod sensitivity;
 mod statics;
+mod tendon_friction;
 mod tentacle;
 mod trunk;
 mod twin;

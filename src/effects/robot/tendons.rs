@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::{Checked, MOST_PARTS, PerTendon, at, refuse};
 use crate::base::{BadOption, PlacedTendon, TendonLayout};
 use crate::effects::{finite, non_negative};
-use crate::rod::{PathPoint, Tendon, TendonPath};
+use crate::rod::{PRESLIDING_M, PathPoint, Tendon, TendonPath};
 
 /// Tendons: at one radius all along, unless a key says otherwise. Lists hold one entry a tendon.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -165,6 +165,8 @@ impl Tendons {
             end_m: self.end_m(i, length_m),
             pretension_m: self.pretension_m.of(i),
             compliance_m_per_n: self.compliance_m_per_n.of(i),
+            friction_coefficient: 0.0,
+            presliding_m: PRESLIDING_M,
             elastic_length_m: self.elastic_length_m.unwrap_or(f64::INFINITY),
         };
         (0..self.angles_deg.len()).map(tendon).collect()

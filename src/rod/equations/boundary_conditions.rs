@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::motion::Motion;
+use super::tendon_friction::TendonSliding;
 use crate::rod::params::hysteresis_law::HistoryState;
 use crate::rod::params::loads::TipWrench;
 
@@ -28,6 +29,8 @@ pub(crate) struct SolveConditions<'a> {
     pub(crate) motion: &'a Motion,
     /// Histories, indexed by moment law and Gauss point.
     pub(crate) histories: &'a [Vec<HistoryState>],
+    /// Sliding of the tendons at the start of the step.
+    pub(crate) sliding: &'a [TendonSliding],
     /// Whether rate-dependent moment laws have relaxed.
     pub(crate) settled: bool,
 }

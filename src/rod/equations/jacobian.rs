@@ -4,6 +4,8 @@
 //! The wrench that a cross-section carries varies with the positions of the loads beyond it, δM = Σ (δp_k − δp) × f_k,
 //! and its components in the body with the orientation, δ(Rᵀ M) = Rᵀ (δM − δθ × M). Inertia is the Gram matrix of the
 //! displacements, M = Σ m_k δp_kᵀ δp_k.
+//!
+//! What a change of shape does to the friction of tendons is left out: the iteration contracts without it.
 
 use nalgebra::{DMatrix, Vector3};
 
@@ -260,7 +262,8 @@ impl Derivative {
         }
     }
 
-    /// d balance / d tension, and its transpose d length / d unknown (the two differ only where weights are held).
+    /// d balance / d tension, and its transpose d length / d unknown (the two differ only where weights are held or the
+    /// tendon has friction).
     #[inline(always)]
     fn tendon_border(&mut self, system: &RodEquations, conditions: &SolveConditions, workspace: &Workspace) {
         let (n, size, points) = (system.grid.unknowns, system.size(), system.grid.all.points);
@@ -272,10 +275,11 @@ impl Derivative {
             self.border.fill(0.0);
             system.grid.all.test(&self.field, &mut self.border);
             self.stiffness[(n + i) * size..][..n].copy_from_slice(&self.border);
-            if workspace.weights_held {
+            if workspace.weights_held || system.params.tendons[i].rubs() {
                 for (g, node) in system.grid.nodes.iter().enumerate() {
                     let strain = workspace.weighted_strain(g, &system.tendon_wrench(g, i, workspace));
-                    (0..COMPONENTS).for_each(|c| self.field[c * points + g] = node.weight_m * strain[c]);
+                    let weight_m = node.weight_m * workspace.tension_shares[g * system.params.tendons.len() + i];
+                    (0..COMPONENTS).for_each(|c| self.field[c * points + g] = weight_m * strain[c]);
                 }
                 self.border.fill(0.0);
                 system.grid.all.test(&self.field, &mut self.border);

@@ -9,6 +9,7 @@ pub(crate) mod motion;
 pub(crate) mod rates;
 pub(crate) mod shape;
 pub(crate) mod system;
+pub(crate) mod tendon_friction;
 pub(crate) mod tendon_guide;
 pub(crate) mod variation;
 pub(crate) mod world_vectors;

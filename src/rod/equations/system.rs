@@ -9,6 +9,7 @@ use super::loads::{ConstantLoads, LoadedRod, Loads};
 use super::material::{Components, Section};
 use super::motion::EndMass;
 use super::shape::Shape;
+use super::tendon_friction::TendonSliding;
 use super::tendon_guide::TendonGuide;
 use crate::math::{matrix3, rotation, vectorised};
 use crate::rod::discretisation::cell::{COMPONENTS, Node};
@@ -46,6 +47,10 @@ pub(crate) struct Workspace {
     /// For each Gauss point and tendon: length per backbone length (0 past the tendon's end), and one over it.
     pub(crate) stretches: Vec<f64>,
     shrinks: Vec<f64>,
+    /// For each Gauss point and tendon: tension as a share of that at the drive.
+    pub(crate) tension_shares: Vec<f64>,
+    /// Sliding of the tendons with friction.
+    pub(crate) sliding: Vec<TendonSliding>,
     /// Path length of each tendon, metres.
     pub(crate) lengths_m: Vec<f64>,
     /// Tangent stiffness of the history moments at the Gauss points.
@@ -126,6 +131,8 @@ impl RodEquations {
             tangents: vec![Vector3::zeros(); nodes * tendons],
             stretches: vec![0.0; nodes * tendons],
             shrinks: vec![0.0; nodes * tendons],
+            tension_shares: vec![1.0; nodes * tendons],
+            sliding: self.tendons_at_home(),
             lengths_m: vec![0.0; tendons],
             history_tangent: vec![[[0.0; 2]; 2]; nodes],
             field: vec![0.0; COMPONENTS * nodes],
@@ -164,6 +171,7 @@ impl RodEquations {
     pub(crate) fn balance(&self, unknowns: &[f64], conditions: &SolveConditions, workspace: &mut Workspace) {
         let tensions = &unknowns[self.grid.unknowns..];
         self.update_tendons(workspace);
+        self.update_tension_shares(tensions, conditions, workspace);
         let rod = LoadedRod {
             params: &self.params,
             grid: &self.grid,
@@ -241,8 +249,9 @@ impl RodEquations {
         for (i, &tension) in tensions.iter().enumerate() {
             if tension != 0.0 {
                 let pull = self.tendon_wrench(g, i, workspace);
+                let here_n = tension * workspace.tension_shares[g * tensions.len() + i];
                 for c in 0..COMPONENTS {
-                    total[c] += tension * pull[c];
+                    total[c] += here_n * pull[c];
                 }
             }
         }
@@ -278,7 +287,8 @@ impl RodEquations {
             let k = g * tensions.len() + i;
             let stretch = workspace.stretches[k];
             if tension != 0.0 && stretch != 0.0 {
-                self.guides[k].add_stiffness(&workspace.tangents[k], stretch, tension, &mut total);
+                let here_n = tension * workspace.tension_shares[k];
+                self.guides[k].add_stiffness(&workspace.tangents[k], stretch, here_n, &mut total);
             }
         }
         total

@@ -1,7 +1,6 @@
 //! Tendons: path, ends and compliance.
 
-/// A frictionless tendon through guide holes, from the base or a more distal point to its anchor. It transmits tension
-/// only.
+/// A tendon through guide holes, from the base or a more distal point to its anchor. It transmits tension only.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tendon {
     /// Path through the cross-sections.
@@ -17,7 +16,14 @@ pub struct Tendon {
     /// Elastic length at home, metres; the part that is pulled in no longer stretches. Infinite: the compliance does
     /// not depend on the displacement.
     pub elastic_length_m: f64,
+    /// Coefficient of friction in its guides (capstan equation); 0 without friction.
+    pub friction_coefficient: f64,
+    /// Displacement of the drive that mobilises this friction from none to all, metres.
+    pub presliding_m: f64,
 }
+
+/// Displacement that mobilises a tendon's friction where nothing else is known, metres.
+pub const PRESLIDING_M: f64 = 3e-4;
 
 /// Offset from the backbone as a function of arc length s: linear between `points`, constant outside them, and rotated
 /// by `twist_rad_m`·s about the backbone (a helix).
@@ -48,7 +54,14 @@ impl Tendon {
             pretension_m: 0.0,
             compliance_m_per_n: 0.0,
             elastic_length_m: f64::INFINITY,
+            friction_coefficient: 0.0,
+            presliding_m: PRESLIDING_M,
         }
+    }
+
+    /// Whether it has friction in its guides.
+    pub(crate) fn rubs(&self) -> bool {
+        self.friction_coefficient > 0.0
     }
 
     /// Compliance after `pull_m` has been pulled in, m/N.

@@ -10,6 +10,7 @@ use crate::rod::equations::boundary_conditions::{SolveConditions, TendonConstrai
 use crate::rod::equations::jacobian::Derivative;
 use crate::rod::equations::motion::Motion;
 use crate::rod::equations::system::Workspace;
+use crate::rod::params::tendon::Tendon;
 use crate::rod::state::rod::Rod;
 
 /// The variable of a tip derivative. Tendons and axes count from 0.
@@ -58,6 +59,14 @@ impl TipRate {
 
 /// Step of the central difference that refines a derivative, in lengths of the rod.
 const PROBE: f64 = 1e-5;
+/// Step of the central difference with respect to a command to a tendon with friction: a share of its presliding, and
+/// newtons.
+const PRESLIDING_SHARE: f64 = 1e-3;
+const TENSION_STEP_N: f64 = 1e-5;
+/// Refinements with tendons that have friction, whose change with the shape J neglects, and what may remain of the
+/// derivative.
+const MOST_REFINEMENTS: usize = 40;
+const LEFT: f64 = 1e-7;
 
 /// The equations at a solution.
 struct Linearised<'a> {
@@ -87,6 +96,7 @@ impl Rod {
             gravity_m_s2: self.system.params.gravity_m_s2,
             motion: &motion,
             histories: &rest.histories,
+            sliding: &rest.sliding,
             settled: true,
         };
         let mut workspace = self.solver.workspace.clone();
@@ -123,6 +133,9 @@ impl Rod {
             return Some(PoseRates { tip: TipRate::ZERO, points: vec![TipRate::ZERO; places_m.len()] });
         }
         let share = PROBE * self.system.params.length_m() / size_m;
+        if self.system.params.tendons.iter().any(Tendon::rubs) {
+            self.refine(&mut change, explicit, solution, shifted)?;
+        }
         let mut at = |along: &DVector<f64>, sign: f64| {
             let unknowns: Vec<f64> =
                 self.state.unknowns.iter().zip(along.iter()).map(|(x, dx)| x + sign * share * dx).collect();
@@ -156,11 +169,71 @@ impl Rod {
         Some(PoseRates { tip, points })
     }
 
+    /// Refines `change` until dF along it and `explicit` cancel; `None` when that does not converge.
+    fn refine(
+        &self,
+        change: &mut DVector<f64>,
+        explicit: &DVector<f64>,
+        solution: &Linearised,
+        shifted: &mut Workspace,
+    ) -> Option<()> {
+        let n = self.system.grid.unknowns;
+        for _ in 0..MOST_REFINEMENTS {
+            let size_m = self.system.size_of_step_m(&change.as_slice()[..n], shifted);
+            let share = PROBE * self.system.params.length_m() / size_m;
+            let mut residual = |sign: f64| {
+                let unknowns: Vec<f64> =
+                    self.state.unknowns.iter().zip(change.iter()).map(|(x, dx)| x + sign * share * dx).collect();
+                self.system.evaluate(&unknowns, solution.conditions, shifted);
+                DVector::from_column_slice(&shifted.residual)
+            };
+            let mut left = -(explicit + (residual(1.0) - residual(-1.0)) / (2.0 * share));
+            if !solution.factors.solve_mut(&mut left) {
+                return None;
+            }
+            *change += &left;
+            if self.system.size_of_step_m(&left.as_slice()[..n], shifted) <= LEFT * size_m {
+                return Some(());
+            }
+        }
+        None
+    }
+
+    /// Writes ∂F/∂direction for the command to tendon `i`, which has friction, into `rate`: zero for a tendon that is
+    /// slack or held otherwise.
+    fn rate_of_hold(&self, direction: Direction, i: usize, conditions: &SolveConditions, rate: &mut DVector<f64>) {
+        let tendon = &self.system.params.tendons[i];
+        let step = match (direction, conditions.holds[i]) {
+            (Direction::Pull(_), TendonConstraint::Length(_)) if conditions.taut[i] => {
+                PRESLIDING_SHARE * tendon.presliding_m
+            }
+            (Direction::Tension(_), TendonConstraint::Tension(_)) => TENSION_STEP_N,
+            _ => return,
+        };
+        let mut workspace = self.solver.workspace.clone();
+        let mut residual = |change: f64| {
+            let mut holds = conditions.holds.to_vec();
+            holds[i] = match holds[i] {
+                TendonConstraint::Length(pull_m) => TendonConstraint::Length(pull_m + change),
+                TendonConstraint::Tension(tension_n) => TendonConstraint::Tension(tension_n + change),
+            };
+            let shifted = SolveConditions { holds: &holds, ..*conditions };
+            self.system.evaluate(&self.state.unknowns, &shifted, &mut workspace);
+            DVector::from_column_slice(&workspace.residual)
+        };
+        *rate = (residual(step) - residual(-step)) / (2.0 * step);
+    }
+
     /// ∂F/∂direction at fixed unknowns.
     fn residual_rate(&self, direction: Direction, conditions: &SolveConditions, workspace: &Workspace) -> DVector<f64> {
         let n = self.system.grid.unknowns;
         let mut rate = DVector::zeros(self.system.size());
         match direction {
+            Direction::Pull(i) | Direction::Tension(i)
+                if self.system.params.tendons.get(i).is_some_and(Tendon::rubs) =>
+            {
+                self.rate_of_hold(direction, i, conditions, &mut rate);
+            }
             Direction::Pull(i) => {
                 if matches!(conditions.holds.get(i), Some(TendonConstraint::Length(_))) && conditions.taut[i] {
                     let tendon = &self.system.params.tendons[i];

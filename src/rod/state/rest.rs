@@ -1,6 +1,7 @@
 //! Commands and loads of the last static solve.
 
 use crate::rod::equations::boundary_conditions::TendonConstraint;
+use crate::rod::equations::tendon_friction::TendonSliding;
 use crate::rod::params::hysteresis_law::HistoryState;
 use crate::rod::params::loads::TipWrench;
 
@@ -11,4 +12,6 @@ pub(crate) struct SettledConditions {
     pub(crate) tip_load: TipWrench,
     /// Histories before relaxation.
     pub(crate) histories: Vec<Vec<HistoryState>>,
+    /// Sliding of the tendons before the drives moved.
+    pub(crate) sliding: Vec<TendonSliding>,
 }

@@ -65,6 +65,7 @@ impl Rod {
             shape: system.workspace().shape,
             rates: Rates::zero(&system.grid, &system.masses),
             histories: system.virgin_histories(),
+            sliding: system.tendons_at_home(),
         };
         let mut rod = Rod {
             solver: NewtonSolver::new(&system),
@@ -91,6 +92,7 @@ impl Rod {
         self.state.unknowns.fill(0.0);
         self.state.taut.fill(false);
         self.state.histories = self.system.virgin_histories();
+        self.state.sliding = self.system.tendons_at_home();
         self.state.rates = Rates::zero(&self.system.grid, &self.system.masses);
         let (system, state) = (&self.system, &mut self.state);
         state.shape.update(&system.grid, &system.sections, &state.unknowns[..system.grid.unknowns]);
@@ -118,7 +120,7 @@ impl Rod {
         settled: bool,
         tolerance_m: f64,
     ) -> SolveStatus {
-        let RodState { unknowns, taut, histories, .. } = &mut self.state;
+        let RodState { unknowns, taut, histories, sliding, .. } = &mut self.state;
         let guess = taut.clone();
         let conditions = SolveConditions {
             holds,
@@ -128,6 +130,7 @@ impl Rod {
             gravity_m_s2,
             motion: &self.motion,
             histories,
+            sliding,
             settled,
         };
         let status = self.solver.solve(&self.system, unknowns, taut, &conditions, tolerance_m);
@@ -144,7 +147,10 @@ impl Rod {
         status
     }
 
+    /// Ends a step of `dt_s` seconds (infinite: at rest) for everything that remembers, at the last evaluation of the
+    /// equations.
     pub(crate) fn commit_histories(&mut self, dt_s: f64) {
+        self.state.sliding.copy_from_slice(&self.solver.workspace.sliding);
         let shape = &self.state.shape;
         for (law, states) in self.system.params.moment_laws.iter().zip(&mut self.state.histories) {
             for (g, state) in states.iter_mut().enumerate() {

@@ -2,6 +2,7 @@
 
 use super::rates::Rates;
 use crate::rod::equations::shape::Shape;
+use crate::rod::equations::tendon_friction::TendonSliding;
 use crate::rod::params::hysteresis_law::HistoryState;
 
 /// Position, velocity and history of a rod at one instant.
@@ -13,6 +14,8 @@ pub(crate) struct RodState {
     pub(crate) shape: Shape,
     pub(crate) rates: Rates,
     pub(crate) histories: Vec<Vec<HistoryState>>,
+    /// Sliding of the tendons in their guides.
+    pub(crate) sliding: Vec<TendonSliding>,
 }
 
 impl RodState {
@@ -24,6 +27,7 @@ impl RodState {
             shape: Shape::default(),
             rates: Rates::default(),
             histories: Vec::new(),
+            sliding: Vec::new(),
         }
     }
 
@@ -34,5 +38,6 @@ impl RodState {
         self.shape.copy_from(&other.shape);
         self.rates.copy_from(&other.rates);
         self.histories.clone_from(&other.histories);
+        self.sliding.clone_from(&other.sliding);
     }
 }

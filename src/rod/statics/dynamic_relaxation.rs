@@ -100,6 +100,7 @@ impl Rod {
         overdamped.state.unknowns.clone_from(&self.state.unknowns);
         overdamped.state.taut.clone_from(&self.state.taut);
         overdamped.state.histories.clone_from(&self.state.histories);
+        overdamped.state.sliding.clone_from(&self.state.sliding);
         let (system, state) = (&overdamped.system, &mut overdamped.state);
         state.shape.update(&system.grid, &system.sections, &state.unknowns[..system.grid.unknowns]);
         overdamped.solver.max_iterations = MAX_ITERATIONS;

@@ -2,6 +2,7 @@
 
 use crate::rod::equations::boundary_conditions::TendonConstraint;
 use crate::rod::equations::motion::Motion;
+use crate::rod::params::tendon::Tendon;
 use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rates::Rates;
 use crate::rod::state::rest::SettledConditions;
@@ -33,8 +34,12 @@ impl Rod {
         }
         if status == SolveStatus::Converged {
             self.state.rates = Rates::zero(&self.system.grid, &self.system.masses);
-            self.settled_under =
-                Some(SettledConditions { holds, tip_load: self.tip_load, histories: self.state.histories.clone() });
+            self.settled_under = Some(SettledConditions {
+                holds,
+                tip_load: self.tip_load,
+                histories: self.state.histories.clone(),
+                sliding: self.state.sliding.clone(),
+            });
             self.commit_histories(f64::INFINITY);
             self.log_stage();
             self.log.iter_mut().for_each(|log| log.accept(f64::INFINITY));
@@ -47,8 +52,9 @@ impl Rod {
     /// Between equilibria under the same loads the first residual is known: the change of the tendon constraints. This
     /// saves one evaluation of the equations in four.
     fn predict_residual(&mut self, holds: &[TendonConstraint]) {
-        let unchanged =
-            |rest: &&SettledConditions| rest.tip_load == self.tip_load && self.system.params.moment_laws.is_empty();
+        let params = &self.system.params;
+        let remembers = !params.moment_laws.is_empty() || params.tendons.iter().any(Tendon::rubs);
+        let unchanged = |rest: &&SettledConditions| rest.tip_load == self.tip_load && !remembers;
         if let Some(rest) = self.settled_under.as_ref().filter(unchanged) {
             self.solver.predict_residual(&self.system, (&self.state.unknowns, &self.state.taut), (&rest.holds, holds));
         }

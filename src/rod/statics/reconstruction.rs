@@ -64,6 +64,7 @@ impl Rod {
             gravity_m_s2: self.system.params.gravity_m_s2,
             motion: &motion,
             histories: &histories,
+            sliding: &self.state.sliding,
             settled: true,
         };
         let mut workspace = fine.workspace();
