@@ -13,8 +13,8 @@ FIRST := $(addprefix experiments/,table1.yaml fig6.yaml)
 SPECS := $(FIRST) $(addprefix experiments/,fig5.yaml fig8.yaml no_gap.yaml)
 # The blind cases of a look: of each batch of experiments/discovery.yaml the share that SEEDS is of ten.
 share = --set 'runs.discovery.batches[$(1)].cases='$$(( ($(2) * $(SEEDS) + 9) / 10 ))
-BLIND_LOOK := $(if $(filter 10,$(SEEDS)),,$(call share,0,4) $(call share,1,21) $(call share,2,2) $(call share,3,3) \
-  $(call share,4,2) $(call share,5,21))
+BLIND_LOOK := $(if $(filter 10,$(SEEDS)),,$(call share,0,4) $(call share,1,23) $(call share,2,2) $(call share,3,3) \
+  $(call share,4,2) $(call share,5,23))
 PEERS_VENV := target/peers-venv
 PYTHON_VENV := target/python-venv
 SPINEBENCH := cargo run --release --quiet --
