@@ -11,6 +11,7 @@ mod architecture;
 mod drive_effects;
 mod effects;
 mod import_motive;
+mod kernel_expressions;
 mod kernels;
 mod learn_gp;
 mod learn_rnn;

@@ -82,7 +82,7 @@ fn points_are_the_product_in_a_fixed_order_the_last_field_first() {
     for point in &study.points {
         let experiment = &point.experiment;
         let [kernel, threshold] = [0, 1].map(|field| study.sweep[field].values[point.values[field]].as_str());
-        assert_eq!(format!("{kernel}_ard"), experiment.gp.kernel.0.name());
+        assert_eq!(format!("{kernel}_ard"), experiment.gp.kernel.name());
         assert_eq!(experiment.policies.c.switch_threshold_m, threshold.parse::<f64>().unwrap());
     }
 }

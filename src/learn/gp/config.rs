@@ -2,50 +2,35 @@
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
-use super::kernels::{self, KERNELS, Kernel};
+use super::expression::KernelExpression;
+use super::kernels;
 use crate::learn::LearnError;
 
-/// A registered kernel; in YAML its name.
-#[derive(Clone, Copy)]
-pub struct KernelChoice(pub &'static dyn Kernel);
-
-impl std::fmt::Debug for KernelChoice {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.0.name())
-    }
-}
-
-impl PartialEq for KernelChoice {
-    fn eq(&self, other: &Self) -> bool {
-        self.0.name() == other.0.name()
-    }
-}
-
-impl Serialize for KernelChoice {
+impl Serialize for KernelExpression {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.0.name())
+        serializer.serialize_str(self.name())
     }
 }
 
-impl<'de> Deserialize<'de> for KernelChoice {
+impl<'de> Deserialize<'de> for KernelExpression {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let name = String::deserialize(deserializer)?;
-        kernels::find(&name).map(KernelChoice).ok_or_else(|| {
-            let names: Vec<&str> = KERNELS.iter().map(|kernel| kernel.name()).collect();
-            D::Error::custom(format!("unknown kernel `{name}`, expected one of {}", names.join(", ")))
-        })
+        KernelExpression::parse(&String::deserialize(deserializer)?).map_err(D::Error::custom)
     }
 }
 
-impl schemars::JsonSchema for KernelChoice {
+impl schemars::JsonSchema for KernelExpression {
     fn schema_name() -> std::borrow::Cow<'static, str> {
         "Kernel".into()
     }
 
     fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
-        let names = KERNELS.iter().flat_map(|kernel| [Some(kernel.name()), kernel.name().strip_suffix("_ard")]);
-        let names: Vec<&str> = names.flatten().collect();
-        schemars::json_schema!({ "description": "A registered kernel; `_ard` may be left out.", "enum": names })
+        let names: Vec<&str> = kernels::names().collect();
+        let what = format!(
+            "A kernel or an expression of kernels with +, * and parentheses, such as `se_ard + linear[tendons]`: {}; \
+             `_ard` may be left out.",
+            names.join(", ")
+        );
+        schemars::json_schema!({ "description": what, "type": "string" })
     }
 }
 
@@ -65,8 +50,8 @@ pub enum Lambda {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct GpConfig {
-    /// Covariance function.
-    pub kernel: KernelChoice,
+    /// Covariance function: a kernel, or an expression of kernels.
+    pub kernel: KernelExpression,
     /// Reading of the paper's λ.
     pub lambda: Lambda,
     /// Starting points of the search for hyper-parameters, per output; the first is the conventional one
@@ -98,7 +83,7 @@ pub enum FoldOrder {
 impl Default for GpConfig {
     fn default() -> Self {
         GpConfig {
-            kernel: KernelChoice(&kernels::SeArd),
+            kernel: KernelExpression::of(&kernels::SeArd),
             lambda: Lambda::InverseSquares,
             starts: 8,
             start_rows: 100,

@@ -4,7 +4,6 @@
 //! is nearly linear there. So the search moves in `u = −½ ln(λ + ε)`: `ln l` for short length-scales, linear in λ for long
 //! ones, and the end of the range (an input without influence) is an ordinary bound.
 
-use super::covariance::HyperparameterLayout;
 use super::likelihood::Likelihood;
 use crate::math::optimise::Objective;
 
@@ -14,43 +13,41 @@ const BEND: f64 = 0.01;
 /// that the data say nothing of.
 const RIDGE: f64 = 0.3;
 
-/// The search's coordinates from logarithmic hyper-parameters.
-pub(super) fn to_search_coordinates(layout: HyperparameterLayout, theta: &[f64]) -> Vec<f64> {
-    map_lengths(layout, theta, |ln_length| -0.5 * ((-2.0 * ln_length).exp() + BEND).ln())
+/// The search's coordinates from logarithmic hyper-parameters; `lengths` says which of them are length-scales.
+pub(super) fn to_search_coordinates(lengths: &[bool], theta: &[f64]) -> Vec<f64> {
+    map_lengths(lengths, theta, |ln_length| -0.5 * ((-2.0 * ln_length).exp() + BEND).ln())
 }
 
 /// Logarithmic hyper-parameters from the search's coordinates.
-pub(super) fn from_search_coordinates(layout: HyperparameterLayout, u: &[f64]) -> Vec<f64> {
-    map_lengths(layout, u, |u| -0.5 * ((-2.0 * u).exp() - BEND).ln())
+pub(super) fn from_search_coordinates(lengths: &[bool], u: &[f64]) -> Vec<f64> {
+    map_lengths(lengths, u, |u| -0.5 * ((-2.0 * u).exp() - BEND).ln())
 }
 
-fn map_lengths(layout: HyperparameterLayout, values: &[f64], map: impl Fn(f64) -> f64) -> Vec<f64> {
-    let is_length = |k: usize| (1..=layout.lengths).contains(&k);
-    values.iter().enumerate().map(|(k, &v)| if is_length(k) { map(v) } else { v }).collect()
+fn map_lengths(lengths: &[bool], values: &[f64], map: impl Fn(f64) -> f64) -> Vec<f64> {
+    values.iter().zip(lengths).map(|(&v, &is_length)| if is_length { map(v) } else { v }).collect()
 }
 
 /// A likelihood as a function of the search's coordinates.
 pub(super) struct SearchObjective<'a> {
     likelihood: Likelihood<'a>,
-    layout: HyperparameterLayout,
+    /// Which hyper-parameters are length-scales.
+    lengths: Vec<bool>,
     /// `dθ/du` of each hyper-parameter at the latest value.
     stretch: Vec<f64>,
 }
 
 impl<'a> SearchObjective<'a> {
     pub(super) fn new(likelihood: Likelihood<'a>) -> Self {
-        SearchObjective { layout: likelihood.layout(), likelihood, stretch: Vec::new() }
+        let lengths = likelihood.covariance().hyperparameters(1.0).iter().map(|one| one.is_length).collect();
+        SearchObjective { lengths, likelihood, stretch: Vec::new() }
     }
 }
 
 impl Objective for SearchObjective<'_> {
     fn value(&mut self, u: &[f64]) -> f64 {
-        let theta = from_search_coordinates(self.layout, u);
-        self.stretch = vec![1.0; theta.len()];
-        let lengths = 1..=self.layout.lengths;
-        for (stretch, ln_length) in self.stretch[lengths.clone()].iter_mut().zip(&theta[lengths]) {
-            *stretch = 1.0 + BEND * (2.0 * ln_length).exp();
-        }
+        let theta = from_search_coordinates(&self.lengths, u);
+        let stretch = |(ln, is_length): (&f64, &bool)| if *is_length { 1.0 + BEND * (2.0 * ln).exp() } else { 1.0 };
+        self.stretch = theta.iter().zip(&self.lengths).map(stretch).collect();
         self.likelihood.value(&theta)
     }
 
@@ -76,10 +73,10 @@ mod tests {
 
     #[test]
     fn coordinates_come_back_and_agree_where_lengths_are_short() {
-        let layout = HyperparameterLayout { inputs: 3, lengths: 3, shapes: 1 };
+        let lengths = [false, true, true, true, false, false];
         let theta = [0.3, -2.0, 1.0, 1000.0_f64.ln(), 0.7, -3.0];
-        let u = to_search_coordinates(layout, &theta);
-        from_search_coordinates(layout, &u)
+        let u = to_search_coordinates(&lengths, &theta);
+        from_search_coordinates(&lengths, &u)
             .iter()
             .zip(theta)
             .for_each(|(a, b)| assert!((a - b).abs() < 1e-9, "{a} {b}"));

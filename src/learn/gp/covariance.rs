@@ -1,11 +1,59 @@
 //! Hyper-parameters, and rows of scaled squared distances: what the Gram matrix, its gradient and the predictions of
 //! every kernel are made of.
 
-use super::kernels::{Kernel, Lengths};
+use std::sync::Arc;
+
+use super::composite::Composite;
+use super::expression::KernelExpression;
+use super::kernels::{Component, Hyperparameter, Kernel, Lengths, Stationary};
 use crate::base::Rows;
-use crate::learn::Standardiser;
+use crate::learn::{LearnError, Standardiser};
 use crate::learn::simd::fold;
 use crate::math::vectorised;
+
+/// The covariance function of one output.
+#[derive(Clone)]
+pub(super) enum Covariance {
+    /// One stationary kernel on all inputs: the paper's case, and quicker.
+    Stationary(&'static dyn Kernel, HyperparameterLayout),
+    /// Any other expression.
+    Composite(Arc<Composite>),
+}
+
+impl Covariance {
+    /// The covariance of `expression` on samples of `inputs` inputs.
+    pub(super) fn new(expression: &KernelExpression, inputs: usize) -> Result<Covariance, LearnError> {
+        Ok(match expression.stationary() {
+            Some(kernel) => Covariance::Stationary(kernel, HyperparameterLayout::of(kernel, inputs)),
+            None => Covariance::Composite(Arc::new(Composite::new(expression, inputs)?)),
+        })
+    }
+
+    /// Number of hyper-parameters; the noise variance is the last.
+    pub(super) fn len(&self) -> usize {
+        match self {
+            Covariance::Stationary(_, layout) => layout.len(),
+            Covariance::Composite(composite) => composite.len() + 1,
+        }
+    }
+
+    pub(super) fn noise_variance(&self, theta: &[f64]) -> f64 {
+        theta[self.len() - 1].exp()
+    }
+
+    /// Names and ranges of the hyper-parameters; the noise is at least the square of `noise_floor`.
+    pub(super) fn hyperparameters(&self, noise_floor: f64) -> Vec<Hyperparameter> {
+        let mut all = match self {
+            Covariance::Stationary(kernel, layout) => {
+                let own = Stationary(*kernel).hyperparameters(layout.inputs);
+                std::iter::once(Hyperparameter::signal_variance("signal variance".to_owned())).chain(own).collect()
+            }
+            Covariance::Composite(composite) => composite.hyperparameters(),
+        };
+        all.push(Hyperparameter::noise_variance(noise_floor));
+        all
+    }
+}
 
 /// Hyper-parameters of one output, in standardised units, as logarithms in one list:
 /// `ln σ_s², ln l (one or one per input), ln shape…, ln σ_n²`.
@@ -65,6 +113,12 @@ impl TrainingPoints {
         TrainingPoints { n: rows.len(), inputs: rows.width(), values }
     }
 
+    /// The rows as they are.
+    pub(super) fn of(rows: &Rows) -> Self {
+        let values = (0..rows.width()).flat_map(|d| rows.iter().map(move |row| row[d])).collect();
+        TrainingPoints { n: rows.len(), inputs: rows.width(), values }
+    }
+
     /// The points numbered `which`.
     pub(super) fn select(&self, which: &[usize]) -> Self {
         let values = (0..self.inputs).flat_map(|d| which.iter().map(move |&i| self.input(d)[i])).collect();
@@ -75,6 +129,11 @@ impl TrainingPoints {
     pub(super) fn scaled(&self, length_scales: &[f64]) -> Self {
         let values = (0..self.inputs).flat_map(|d| self.input(d).iter().map(move |x| x / length_scales[d])).collect();
         TrainingPoints { n: self.n, inputs: self.inputs, values }
+    }
+
+    /// All inputs of point `i`.
+    pub(super) fn point(&self, i: usize) -> Vec<f64> {
+        (0..self.inputs).map(|d| self.input(d)[i]).collect()
     }
 
     /// Input `d` of every point.

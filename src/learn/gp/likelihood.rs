@@ -4,7 +4,7 @@
 //! N³/3 multiplications and additions (Cholesky), its gradient 2N³/3 more (the inverse) and nothing else of that
 //! order: distances, correlations and their slopes are made again row by row, which is quicker than reading them back.
 
-use super::covariance::{HyperparameterLayout, TrainingPoints};
+use super::covariance::{Covariance, HyperparameterLayout, TrainingPoints};
 use super::kernels::Kernel;
 use super::linear::{FactorBuffers, Lower};
 use crate::learn::simd::dot;
@@ -13,24 +13,22 @@ use crate::math::vectorised;
 
 /// Minus the log marginal likelihood of one standardised output as a function of the logarithmic hyper-parameters.
 pub(super) struct Likelihood<'a> {
-    kernel: &'static dyn Kernel,
-    layout: HyperparameterLayout,
-    points: &'a TrainingPoints,
+    covariance: Covariance,
+    pub(super) points: &'a TrainingPoints,
     y: &'a [f64],
-    theta: Vec<f64>,
+    pub(super) theta: Vec<f64>,
     scaled: TrainingPoints,
-    alpha: Vec<f64>,
-    factor: Lower,
-    inverse: Lower,
+    pub(super) alpha: Vec<f64>,
+    pub(super) factor: Lower,
+    pub(super) inverse: Lower,
     memory: FactorBuffers,
 }
 
 impl<'a> Likelihood<'a> {
-    pub(super) fn new(kernel: &'static dyn Kernel, points: &'a TrainingPoints, y: &'a [f64]) -> Self {
+    pub(super) fn new(covariance: Covariance, points: &'a TrainingPoints, y: &'a [f64]) -> Self {
         let n = points.n;
         Likelihood {
-            kernel,
-            layout: HyperparameterLayout::of(kernel, points.inputs),
+            covariance,
             points,
             y,
             theta: Vec::new(),
@@ -52,17 +50,13 @@ impl<'a> Likelihood<'a> {
         &self.factor
     }
 
-    /// Inputs over length-scales at the latest value.
+    /// Inputs over length-scales at the latest value, for one stationary kernel.
     pub(super) fn scaled(&self) -> &TrainingPoints {
         &self.scaled
     }
 
-    pub(super) fn kernel(&self) -> &'static dyn Kernel {
-        self.kernel
-    }
-
-    pub(super) fn layout(&self) -> HyperparameterLayout {
-        self.layout
+    pub(super) fn covariance(&self) -> &Covariance {
+        &self.covariance
     }
 
     pub(super) fn points(&self) -> &TrainingPoints {
@@ -74,13 +68,23 @@ impl<'a> Likelihood<'a> {
     }
 
     fn fill_gram(&mut self) {
-        let shape = self.layout.shape(&self.theta);
-        let signal = self.layout.signal_variance(&self.theta);
-        let diagonal = signal + self.layout.noise_variance(&self.theta);
+        match self.covariance.clone() {
+            Covariance::Stationary(kernel, layout) => {
+                self.scaled = self.points.scaled(&layout.length_scales(&self.theta));
+                self.fill_stationary(kernel, layout);
+            }
+            Covariance::Composite(composite) => self.fill_composite(&composite),
+        }
+    }
+
+    fn fill_stationary(&mut self, kernel: &dyn Kernel, layout: HyperparameterLayout) {
+        let shape = layout.shape(&self.theta);
+        let signal = layout.signal_variance(&self.theta);
+        let diagonal = signal + layout.noise_variance(&self.theta);
         for j in 0..self.points.n {
             let column = self.factor.column_mut(j);
             self.scaled.squared_distances(j, |d| self.scaled.input(d)[j], column);
-            self.kernel.correlations(&shape, column);
+            kernel.correlations(&shape, column);
             vectorised(
                 #[inline(always)]
                 || column.iter_mut().for_each(|c| *c *= signal),
@@ -96,7 +100,6 @@ impl Objective for Likelihood<'_> {
             return f64::INFINITY;
         }
         self.theta = theta.to_vec();
-        self.scaled = self.points.scaled(&self.layout.length_scales(theta));
         self.fill_gram();
         if !self.factor.factor(&mut self.memory) {
             return f64::INFINITY;
@@ -109,11 +112,21 @@ impl Objective for Likelihood<'_> {
     }
 
     fn gradient(&mut self, out: &mut [f64]) {
-        let n = self.points.n;
-        let HyperparameterLayout { inputs, lengths, shapes } = self.layout;
-        let shape = self.layout.shape(&self.theta);
-        let signal = self.layout.signal_variance(&self.theta);
         self.factor.inverse(&mut self.inverse, &mut self.memory);
+        match self.covariance.clone() {
+            Covariance::Stationary(kernel, layout) => self.stationary_gradient(kernel, layout, out),
+            Covariance::Composite(composite) => self.composite_gradient(&composite, out),
+        }
+    }
+}
+
+impl Likelihood<'_> {
+    /// The gradient for one stationary kernel, from the inverse of the Gram matrix.
+    fn stationary_gradient(&self, kernel: &dyn Kernel, layout: HyperparameterLayout, out: &mut [f64]) {
+        let n = self.points.n;
+        let HyperparameterLayout { inputs, lengths, shapes } = layout;
+        let shape = layout.shape(&self.theta);
+        let signal = layout.signal_variance(&self.theta);
         out.fill(0.0);
         let mut trace = 0.0;
         let mut rows = [(); 3].map(|()| vec![0.0; n]);
@@ -134,13 +147,13 @@ impl Objective for Likelihood<'_> {
             );
             for k in 0..shapes {
                 slope.copy_from_slice(s);
-                self.kernel.shape_slopes(&shape, k, slope);
+                kernel.shape_slopes(&shape, k, slope);
                 out[1 + lengths + k] -= vectorised(
                     #[inline(always)]
                     || signal * dot(w, slope),
                 );
             }
-            self.kernel.slopes(&shape, s, slope);
+            kernel.slopes(&shape, s, slope);
             vectorised(
                 #[inline(always)]
                 || {
@@ -155,7 +168,7 @@ impl Objective for Likelihood<'_> {
             );
         }
         out[0] -= 0.5 * signal * trace;
-        out[self.layout.len() - 1] = -0.5 * self.layout.noise_variance(&self.theta) * trace;
+        out[layout.len() - 1] = -0.5 * layout.noise_variance(&self.theta) * trace;
     }
 }
 
@@ -165,7 +178,10 @@ mod tests {
     use crate::base::Rows;
     use crate::learn::Standardiser;
     use crate::learn::gp::coordinates::{SearchObjective, to_search_coordinates};
-    use crate::learn::gp::kernels::KERNELS;
+    use crate::learn::gp::expression::KernelExpression;
+    use crate::learn::gp::composite::Composite;
+    use crate::learn::gp::kernels::{FACTORS, KERNELS};
+    use std::sync::Arc;
 
     fn samples(n: usize) -> (TrainingPoints, Vec<f64>) {
         let mut rows = Rows::new(3);
@@ -176,9 +192,18 @@ mod tests {
         (TrainingPoints::standardised(&rows, &Standardiser::fit(&rows, &all)), y)
     }
 
-    fn somewhere(layout: HyperparameterLayout) -> Vec<f64> {
-        let mut theta: Vec<f64> = (0..layout.len()).map(|k| 0.4 + 0.3 * (k as f64).sin()).collect();
-        theta[layout.len() - 1] = -2.0;
+    /// Every stationary kernel, every other one beside one, and nested expressions.
+    fn expressions() -> Vec<KernelExpression> {
+        let alone = KERNELS.iter().map(|kernel| kernel.name().to_owned());
+        let beside = FACTORS.iter().map(|factor| format!("se_ard + {}[1, 3]", factor.name()));
+        let nested = ["(matern52 + linear) * (periodic[2] + constant)", "se[1-2] * rational_quadratic[3] + white"];
+        let texts = alone.chain(beside).chain(nested.map(str::to_owned));
+        texts.map(|text| KernelExpression::parse(&text).unwrap()).collect()
+    }
+
+    fn somewhere(covariance: &Covariance) -> Vec<f64> {
+        let mut theta: Vec<f64> = (0..covariance.len()).map(|k| 0.4 + 0.3 * (k as f64).sin()).collect();
+        theta[covariance.len() - 1] = -2.0;
         theta
     }
 
@@ -200,24 +225,48 @@ mod tests {
     #[test]
     fn gradients_are_finite_differences_for_every_kernel() {
         let (points, y) = samples(45);
-        for kernel in KERNELS {
-            let layout = HyperparameterLayout::of(*kernel, 3);
-            let theta = somewhere(layout);
-            check_gradient(&mut Likelihood::new(*kernel, &points, &y), &theta, kernel.name());
+        for expression in expressions() {
+            let covariance = Covariance::new(&expression, 3).unwrap();
+            let theta = somewhere(&covariance);
+            check_gradient(&mut Likelihood::new(covariance.clone(), &points, &y), &theta, expression.name());
+            let lengths: Vec<bool> = covariance.hyperparameters(1.0).iter().map(|one| one.is_length).collect();
             let mut far = theta.clone();
-            far[1] = 3.5;
-            let mut bent = SearchObjective::new(Likelihood::new(*kernel, &points, &y));
-            check_gradient(&mut bent, &to_search_coordinates(layout, &far), kernel.name());
+            if let Some(length) = lengths.iter().position(|is_length| *is_length) {
+                far[length] = 3.5;
+            }
+            let mut bent = SearchObjective::new(Likelihood::new(covariance, &points, &y));
+            check_gradient(&mut bent, &to_search_coordinates(&lengths, &far), expression.name());
+        }
+    }
+
+    /// The paths for one stationary kernel and for an expression compute the same likelihood.
+    #[test]
+    fn both_paths_agree() {
+        let (points, y) = samples(45);
+        for kernel in KERNELS {
+            let quick = Covariance::new(&KernelExpression::of(*kernel), 3).unwrap();
+            let slow = Covariance::Composite(Arc::new(Composite::new(&KernelExpression::of(*kernel), 3).unwrap()));
+            let theta = somewhere(&quick);
+            let [(a, of_a), (b, of_b)] = [quick, slow].map(|covariance| {
+                let mut likelihood = Likelihood::new(covariance, &points, &y);
+                let value = likelihood.value(&theta);
+                let mut gradient = vec![0.0; theta.len()];
+                likelihood.gradient(&mut gradient);
+                (value, [gradient, likelihood.information()].concat())
+            });
+            assert!((a - b).abs() < 1e-9 * a.abs(), "{}: {a} {b}", kernel.name());
+            let apart = of_a.iter().zip(&of_b).map(|(a, b)| (a - b).abs() / (1.0 + a.abs())).fold(0.0, f64::max);
+            assert!(apart < 1e-8, "{}: {apart}", kernel.name());
         }
     }
 
     #[test]
     fn the_estimated_information_is_near_the_exact_one() {
         let (points, y) = samples(60);
-        for kernel in KERNELS {
-            let layout = HyperparameterLayout::of(*kernel, 3);
-            let theta = somewhere(layout);
-            let mut likelihood = Likelihood::new(*kernel, &points, &y);
+        for expression in expressions() {
+            let covariance = Covariance::new(&expression, 3).unwrap();
+            let (theta, count) = (somewhere(&covariance), covariance.len());
+            let mut likelihood = Likelihood::new(covariance.clone(), &points, &y);
             likelihood.value(&theta);
             let estimated = likelihood.information();
             // The noise entry is ½ σ_n⁴ tr(K⁻²), which the inverse gives exactly.
@@ -227,13 +276,13 @@ mod tests {
                 let column = inverse.column(j);
                 column[0] * column[0] + 2.0 * column[1..].iter().map(|v| v * v).sum::<f64>()
             });
-            let exact = 0.5 * layout.noise_variance(&theta).powi(2) * squares.sum::<f64>();
-            let found = estimated[layout.len() * layout.len() - 1];
-            assert!((found / exact - 1.0).abs() < 0.4, "{}: {found} {exact}", kernel.name());
-            for i in 0..layout.len() {
-                for j in 0..layout.len() {
-                    let (ij, ji) = (estimated[i * layout.len() + j], estimated[j * layout.len() + i]);
-                    let bound = estimated[i * layout.len() + i] * estimated[j * layout.len() + j];
+            let exact = 0.5 * covariance.noise_variance(&theta).powi(2) * squares.sum::<f64>();
+            let found = estimated[count * count - 1];
+            assert!((found / exact - 1.0).abs() < 0.4, "{}: {found} {exact}", expression.name());
+            for i in 0..count {
+                for j in 0..count {
+                    let (ij, ji) = (estimated[i * count + j], estimated[j * count + i]);
+                    let bound = estimated[i * count + i] * estimated[j * count + j];
                     assert!(ij == ji && ij * ij <= bound * (1.0 + 1e-12));
                 }
             }

@@ -1,11 +1,14 @@
 //! Exact Gaussian-process regression with zero mean (paper IV-B, eqs 18–20): several outputs, each with its own
 //! hyper-parameters, which maximise the log marginal likelihood.
 
+mod composite;
+mod composite_likelihood;
 mod config;
 mod coordinates;
 mod covariance;
 mod cross_validation;
 mod curvature;
+mod expression;
 mod likelihood;
 mod linear;
 mod posterior;
@@ -14,14 +17,15 @@ mod stored;
 
 pub mod kernels;
 
-pub use config::{FoldOrder, GpConfig, KernelChoice, Lambda};
+pub use config::{FoldOrder, GpConfig, Lambda};
+pub use expression::{ExpressionError, KernelExpression};
 
 use serde::{Deserialize, Serialize};
 
 use super::standardise::{check_finite, check_samples};
 use super::{LearnError, Standardiser};
 use crate::base::Rows;
-use covariance::{HyperparameterLayout, TrainingPoints};
+use covariance::{Covariance, TrainingPoints};
 use posterior::{BLOCK, Posterior};
 
 /// A fitted Gaussian process. Written by serde as its data and hyper-parameters; what is read back predicts the same
@@ -35,6 +39,7 @@ pub struct Gp {
     input_standardiser: Standardiser,
     output_standardiser: Standardiser,
     theta: Vec<Vec<f64>>,
+    covariance: Covariance,
     posteriors: Vec<Posterior>,
     evaluations: usize,
 }
@@ -58,7 +63,8 @@ impl Gp {
     /// Fits every column of `outputs` (N rows) to `inputs` (N rows) by maximum marginal likelihood, on one thread.
     ///
     /// # Errors
-    /// Numbers that are not finite, fewer than 2 rows, tables of different lengths, settings out of range.
+    /// Numbers that are not finite, fewer than 2 rows, tables of different lengths, settings out of range, a kernel on inputs
+    /// that are not there.
     pub fn fit(inputs: &Rows, outputs: &Rows, config: &GpConfig) -> Result<Gp, LearnError> {
         config.check()?;
         check_samples(inputs, outputs)?;
@@ -66,11 +72,12 @@ impl Gp {
             let why = "a Gaussian process and its noise";
             return Err(LearnError::TooFewRows { found: inputs.len(), needed: 2, why });
         }
+        let covariance = Covariance::new(&config.kernel, inputs.width())?;
         let (points, columns) = Self::prepare(inputs, outputs);
         let mut evaluations = 0;
         let mut theta = Vec::with_capacity(columns.len());
         for (output, y) in columns.iter().enumerate() {
-            let found = search::search(config, &points, y).ok_or(LearnError::NotPositiveDefinite { output })?;
+            let found = search::search(config, &covariance, &points, y).ok_or(LearnError::NotPositiveDefinite { output })?;
             evaluations += found.evaluations;
             theta.push(found.theta);
         }
@@ -91,9 +98,9 @@ impl Gp {
         evaluations: usize,
     ) -> Result<Gp, LearnError> {
         check_samples(inputs, outputs)?;
-        let kernel = config.kernel.0;
+        let covariance = Covariance::new(&config.kernel, inputs.width())?;
         let (points, columns) = Self::prepare(inputs, outputs);
-        let expected = HyperparameterLayout::of(kernel, inputs.width()).len();
+        let expected = covariance.len();
         if theta.len() != columns.len() {
             let what = "outputs with hyper-parameters";
             return Err(LearnError::Shape { what, found: theta.len(), expected: columns.len() });
@@ -103,7 +110,7 @@ impl Gp {
             if theta.len() != expected {
                 return Err(LearnError::Shape { what: "hyper-parameters", found: theta.len(), expected });
             }
-            let posterior = Posterior::new(kernel, &points, y, theta);
+            let posterior = Posterior::new(&covariance, &points, y, theta);
             posteriors.push(posterior.ok_or(LearnError::NotPositiveDefinite { output })?);
         }
         let all: Vec<usize> = (0..inputs.len()).collect();
@@ -114,6 +121,7 @@ impl Gp {
             inputs: inputs.clone(),
             outputs: outputs.clone(),
             theta,
+            covariance,
             posteriors,
             evaluations,
         })
@@ -158,26 +166,26 @@ impl Gp {
         self.posteriors.iter().map(|posterior| posterior.log_marginal_likelihood).collect()
     }
 
-    /// Noise standard deviation σ_n of each output, in its unit.
+    /// Noise standard deviation σ_n of each output, in its unit; without that of `white` in an expression.
     pub fn noise_std(&self) -> Vec<f64> {
-        let layout = HyperparameterLayout::of(self.config.kernel.0, self.inputs.width());
-        let noise =
-            |(c, theta): (usize, &Vec<f64>)| layout.noise_variance(theta).sqrt() * self.output_standardiser.scale(c);
+        let noise = |(c, theta): (usize, &Vec<f64>)| {
+            self.covariance.noise_variance(theta).sqrt() * self.output_standardiser.scale(c)
+        };
         self.theta.iter().enumerate().map(noise).collect()
     }
 
-    /// Signal standard deviation σ_s of each output, in its unit.
-    pub fn signal_std(&self) -> Vec<f64> {
-        let layout = HyperparameterLayout::of(self.config.kernel.0, self.inputs.width());
+    /// Signal standard deviation σ_s of each output, in its unit; `None` for an expression of several kernels.
+    pub fn signal_std(&self) -> Option<Vec<f64>> {
+        let Covariance::Stationary(_, layout) = self.covariance else { return None };
         let signal =
             |(c, theta): (usize, &Vec<f64>)| layout.signal_variance(theta).sqrt() * self.output_standardiser.scale(c);
-        self.theta.iter().enumerate().map(signal).collect()
+        Some(self.theta.iter().enumerate().map(signal).collect())
     }
 
     /// `l` of each output (row) and input (column) as the configured reading of eq. 18 has it: in the inputs' units
-    /// ([`Lambda::InverseSquares`]) or their inverses ([`Lambda::AsPrinted`]).
-    pub fn length_scales(&self) -> Rows {
-        let layout = HyperparameterLayout::of(self.config.kernel.0, self.inputs.width());
+    /// ([`Lambda::InverseSquares`]) or their inverses ([`Lambda::AsPrinted`]). `None` for an expression of several kernels.
+    pub fn length_scales(&self) -> Option<Rows> {
+        let Covariance::Stationary(_, layout) = self.covariance else { return None };
         let mut out = Rows::new(self.inputs.width());
         for theta in &self.theta {
             let row: Vec<f64> = layout
@@ -189,11 +197,17 @@ impl Gp {
                 .collect();
             out.push(&row);
         }
-        out
+        Some(out)
     }
 
-    /// Logarithms of the hyper-parameters of each output in standardised units: signal variance, length-scales, the
-    /// kernel's shapes, noise variance.
+    /// Names of the hyper-parameters in the order of [`Gp::theta`].
+    pub fn hyperparameter_names(&self) -> Vec<String> {
+        self.covariance.hyperparameters(self.config.noise_floor).into_iter().map(|one| one.name).collect()
+    }
+
+    /// Logarithms of the hyper-parameters of each output in standardised units: for one stationary kernel signal variance,
+    /// length-scales, the kernel's shapes, noise variance; for an expression the signal variance of each product, those of
+    /// each factor, noise variance.
     pub fn theta(&self) -> &[Vec<f64>] {
         &self.theta
     }

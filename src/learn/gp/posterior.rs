@@ -1,9 +1,13 @@
 //! Mean and variance of one output at new points: paper eq. 19; Rasmussen & Williams 2006, algorithm 2.1.
 
+use std::sync::Arc;
+
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::{Accum, MatMut, Par};
 
-use super::covariance::{HyperparameterLayout, TrainingPoints};
+use super::composite::Composite;
+use super::composite_likelihood::natural;
+use super::covariance::{Covariance, TrainingPoints};
 use super::kernels::Kernel;
 use super::likelihood::Likelihood;
 use super::linear::Lower;
@@ -17,46 +21,90 @@ pub(super) const BLOCK: usize = 512;
 /// One fitted output in standardised units.
 #[derive(Clone)]
 pub(super) struct Posterior {
-    kernel: &'static dyn Kernel,
-    shape: Vec<f64>,
-    signal: f64,
-    length_scales: Vec<f64>,
-    scaled: TrainingPoints,
+    prior: Prior,
+    inputs: usize,
     alpha: Vec<f64>,
     inverse_factor: Lower,
     pub(super) log_marginal_likelihood: f64,
 }
 
+/// The covariance function under the fitted hyper-parameters, with the training points.
+#[derive(Clone)]
+enum Prior {
+    /// One stationary kernel: signal variance apart, points over length-scales.
+    Stationary {
+        kernel: &'static dyn Kernel,
+        shape: Vec<f64>,
+        signal: f64,
+        length_scales: Vec<f64>,
+        scaled: TrainingPoints,
+    },
+    /// An expression, its hyper-parameters, and the points.
+    Composite { composite: Arc<Composite>, natural: Vec<f64>, points: TrainingPoints },
+}
+
+impl Prior {
+    /// Writes the covariances of the standardised query `x` with all points, over [`Prior::scale`].
+    fn covariances(&self, x: &[f64], k: &mut [f64]) {
+        match self {
+            Prior::Stationary { kernel, shape, length_scales, scaled, .. } => {
+                scaled.squared_distances(0, |d| x[d] / length_scales[d], k);
+                kernel.correlations(shape, k);
+            }
+            Prior::Composite { composite, natural, points } => composite.row(natural, points, (0, None), x, k),
+        }
+    }
+
+    fn scale(&self) -> f64 {
+        match self {
+            Prior::Stationary { signal, .. } => *signal,
+            Prior::Composite { .. } => 1.0,
+        }
+    }
+
+    /// Variance at `x` before any sample.
+    fn variance(&self, x: &[f64]) -> f64 {
+        match self {
+            Prior::Stationary { signal, .. } => *signal,
+            Prior::Composite { composite, natural, .. } => composite.variance(natural, x),
+        }
+    }
+}
+
 impl Posterior {
     /// Conditions on the points; `None` when the covariance matrix is not positive definite.
-    pub(super) fn new(kernel: &'static dyn Kernel, points: &TrainingPoints, y: &[f64], theta: &[f64]) -> Option<Self> {
-        let layout = HyperparameterLayout::of(kernel, points.inputs);
-        let mut likelihood = Likelihood::new(kernel, points, y);
+    pub(super) fn new(covariance: &Covariance, points: &TrainingPoints, y: &[f64], theta: &[f64]) -> Option<Self> {
+        let mut likelihood = Likelihood::new(covariance.clone(), points, y);
         let value = likelihood.value(theta);
         value.is_finite().then(|| Posterior {
-            kernel,
-            shape: layout.shape(theta),
-            signal: layout.signal_variance(theta),
-            length_scales: layout.length_scales(theta),
-            scaled: likelihood.scaled().clone(),
+            prior: match covariance {
+                Covariance::Stationary(kernel, layout) => Prior::Stationary {
+                    kernel: *kernel,
+                    shape: layout.shape(theta),
+                    signal: layout.signal_variance(theta),
+                    length_scales: layout.length_scales(theta),
+                    scaled: likelihood.scaled().clone(),
+                },
+                Covariance::Composite(composite) => Prior::Composite {
+                    composite: Arc::clone(composite),
+                    natural: natural(theta),
+                    points: points.clone(),
+                },
+            },
+            inputs: points.inputs,
             alpha: likelihood.alpha().to_vec(),
             inverse_factor: likelihood.factor().inverse_factor(),
             log_marginal_likelihood: -value,
         })
     }
 
-    /// Covariances of the standardised query `x` with all points.
-    fn covariances(&self, x: &[f64], k: &mut [f64]) {
-        self.scaled.squared_distances(0, |d| x[d] / self.length_scales[d], k);
-        self.kernel.correlations(&self.shape, k);
-    }
-
     /// Posterior mean; `k` is room for one number per point.
     pub(super) fn mean(&self, x: &[f64], k: &mut [f64]) -> f64 {
-        self.covariances(x, k);
+        self.prior.covariances(x, k);
+        let scale = self.prior.scale();
         vectorised(
             #[inline(always)]
-            || self.signal * dot(k, &self.alpha),
+            || scale * dot(k, &self.alpha),
         )
     }
 
@@ -83,16 +131,22 @@ impl Posterior {
                 dot(v, v)
             },
         );
-        (mean, (self.signal - self.signal * self.signal * explained).max(0.0))
+        (mean, self.variance(x, explained))
+    }
+
+    /// Variance at `x` when the samples explain `explained` of it, over the square of the prior's scale.
+    fn variance(&self, x: &[f64], explained: f64) -> f64 {
+        let scale = self.prior.scale();
+        (self.prior.variance(x) - scale * scale * explained).max(0.0)
     }
 
     /// [`Posterior::mean_variance`] of up to [`BLOCK`] standardised queries, by one triangular product; `k` and `v`
     /// are room for `BLOCK` numbers per point.
     pub(super) fn block(&self, queries: &[f64], k: &mut [f64], v: &mut [f64], mut put: impl FnMut(usize, f64, f64)) {
-        let n = self.scaled.n;
-        let count = queries.len() / self.length_scales.len();
+        let n = self.alpha.len();
+        let count = queries.len() / self.inputs;
         let mut means = [0.0; BLOCK];
-        for (q, x) in queries.chunks_exact(self.length_scales.len()).enumerate() {
+        for (q, x) in queries.chunks_exact(self.inputs).enumerate() {
             means[q] = self.mean(x, &mut k[q * n..(q + 1) * n]);
         }
         let right = faer::MatRef::from_column_major_slice(&k[..n * count], n, count);
@@ -113,14 +167,15 @@ impl Posterior {
                 #[inline(always)]
                 || dot(column, column),
             );
-            put(q, means[q], (self.signal - self.signal * self.signal * explained).max(0.0));
+            let x = &queries[q * self.inputs..(q + 1) * self.inputs];
+            put(q, means[q], self.variance(x, explained));
         }
     }
 
     /// Prediction errors (standardised) of the rows numbered `fold` when they are held out: with `K⁻¹ = L⁻ᵀ L⁻¹`,
     /// `y − ŷ = (K⁻¹_ff)⁻¹ α_f` (Rasmussen & Williams 2006, section 5.4.2; Sundararajan & Keerthi 2001).
     pub(super) fn held_out_errors(&self, fold: &[usize]) -> Vec<f64> {
-        let n = self.scaled.n;
+        let n = self.alpha.len();
         let mut block = Lower::zeros(fold.len());
         let column = |i: usize| (i, self.inverse_factor.column(i));
         for (q, &b) in fold.iter().enumerate() {

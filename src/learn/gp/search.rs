@@ -2,8 +2,8 @@
 
 use super::config::GpConfig;
 use super::coordinates::{SearchObjective, from_search_coordinates, to_search_coordinates};
-use super::covariance::{HyperparameterLayout, TrainingPoints};
-use super::kernels::Kernel;
+use super::covariance::{Covariance, TrainingPoints};
+use super::kernels::Hyperparameter;
 use super::likelihood::Likelihood;
 use crate::math::optimise::{Bfgs, Minimum, minimise};
 
@@ -20,23 +20,28 @@ const COARSE: f64 = 0.1;
 /// Candidates kept from one stage to the next; the last stage takes one.
 const KEPT: usize = 3;
 /// Maximises the log marginal likelihood of the standardised output `y`; `None` when no start is usable.
-pub(super) fn search(config: &GpConfig, points: &TrainingPoints, y: &[f64]) -> Option<FittedHyperparameters> {
-    let kernel = config.kernel.0;
-    let layout = HyperparameterLayout::of(kernel, points.inputs);
+pub(super) fn search(
+    config: &GpConfig,
+    covariance: &Covariance,
+    points: &TrainingPoints,
+    y: &[f64],
+) -> Option<FittedHyperparameters> {
+    let all = covariance.hyperparameters(config.noise_floor);
+    let lengths: Vec<bool> = all.iter().map(|one| one.is_length).collect();
     let mut sizes = vec![points.n];
     while sizes[0] > config.start_rows {
         sizes.insert(0, sizes[0].div_ceil(GROWTH).max(config.start_rows));
     }
     let mut evaluations = 0;
-    let starts = starts(config, kernel, points.inputs);
-    let mut candidates: Vec<Vec<f64>> = starts.iter().map(|theta| to_search_coordinates(layout, theta)).collect();
+    let starts = starts(config.starts, &all);
+    let mut candidates: Vec<Vec<f64>> = starts.iter().map(|theta| to_search_coordinates(&lengths, theta)).collect();
     for (stage, &rows) in sizes.iter().enumerate() {
         let last = stage + 1 == sizes.len();
         let which: Vec<usize> = (0..rows).map(|i| i * points.n / rows).collect();
         let (few, y): (TrainingPoints, Vec<f64>) = (points.select(&which), which.iter().map(|&i| y[i]).collect());
-        let mut likelihood = SearchObjective::new(Likelihood::new(kernel, &few, &y));
+        let mut likelihood = SearchObjective::new(Likelihood::new(covariance.clone(), &few, &y));
         let mut climb = |start: &[f64], tolerance: f64| {
-            let found = minimise(&mut likelihood, start, &limits(config, kernel, points.inputs, tolerance));
+            let found = minimise(&mut likelihood, start, &limits(&all, &lengths, tolerance));
             evaluations += found.evaluations;
 
             found
@@ -53,7 +58,7 @@ pub(super) fn search(config: &GpConfig, points: &TrainingPoints, y: &[f64]) -> O
         }
         candidates = distinct(found);
     }
-    candidates.first().map(|u| FittedHyperparameters { theta: from_search_coordinates(layout, u), evaluations })
+    candidates.first().map(|u| FittedHyperparameters { theta: from_search_coordinates(&lengths, u), evaluations })
 }
 
 /// The best few distinct optima.
@@ -68,39 +73,24 @@ fn distinct(found: Vec<Minimum>) -> Vec<Vec<f64>> {
     out.into_iter().map(|minimum| minimum.x).collect()
 }
 
-fn limits(config: &GpConfig, kernel: &dyn Kernel, inputs: usize, tolerance: f64) -> Bfgs {
-    let layout = HyperparameterLayout::of(kernel, inputs);
-    let mut bounds = vec![(1e-3, 1e3)];
-    bounds.extend(vec![(1e-2, 1e3); layout.lengths]);
-    bounds.extend(kernel.shapes().iter().map(|shape| shape.bounds));
-    bounds.push((config.noise_floor * config.noise_floor, 10.0));
-    let (low, high): (Vec<f64>, Vec<f64>) =
-        bounds.into_iter().map(|(low, high): (f64, f64)| (low.ln(), high.ln())).unzip();
-    let bounds = to_search_coordinates(layout, &low).into_iter().zip(to_search_coordinates(layout, &high)).collect();
+fn limits(all: &[Hyperparameter], lengths: &[bool], tolerance: f64) -> Bfgs {
+    let (low, high): (Vec<f64>, Vec<f64>) = all.iter().map(|one| (one.bounds.0.ln(), one.bounds.1.ln())).unzip();
+    let bounds = to_search_coordinates(lengths, &low).into_iter().zip(to_search_coordinates(lengths, &high)).collect();
     Bfgs { bounds, tolerance, max_evaluations: 300, max_step: 2.0 }
 }
 
 /// The conventional start, then a low-discrepancy sequence in the plausible box: the additive recurrence with powers of
 /// the root of `x^(d+1) = x + 1`, which needs no seed.
-fn starts(config: &GpConfig, kernel: &dyn Kernel, inputs: usize) -> Vec<Vec<f64>> {
-    let layout = HyperparameterLayout::of(kernel, inputs);
-    let mut box_ = vec![(0.3, 10.0)];
-    box_.extend(vec![(0.3, 30.0); layout.lengths]);
-    box_.extend(kernel.shapes().iter().map(|shape| (shape.start / 4.0, shape.start * 4.0)));
-    box_.push((1e-4_f64, 0.3_f64));
-    let mut conventional = vec![0.0; layout.len()];
-    for (k, shape) in kernel.shapes().iter().enumerate() {
-        conventional[1 + layout.lengths + k] = shape.start.ln();
-    }
-    conventional[layout.len() - 1] = 0.1_f64.ln();
-    let mut out = vec![conventional];
-    let root = (0..64).fold(2.0_f64, |root, _| (1.0 + root).powf(1.0 / (layout.len() as f64 + 1.0)));
-    for i in 1..config.starts {
-        let coordinate = |(k, &(low, high)): (usize, &(f64, f64))| {
+fn starts(count: usize, all: &[Hyperparameter]) -> Vec<Vec<f64>> {
+    let mut out: Vec<Vec<f64>> = vec![all.iter().map(|one| one.start.ln()).collect()];
+    let root = (0..64).fold(2.0_f64, |root, _| (1.0 + root).powf(1.0 / (all.len() as f64 + 1.0)));
+    for i in 1..count {
+        let coordinate = |(k, one): (usize, &Hyperparameter)| {
+            let (low, high) = one.plausible;
             let share = (0.5 + i as f64 * root.powi(-(k as i32) - 1)).fract();
             low.ln() + share * (high.ln() - low.ln())
         };
-        out.push(box_.iter().enumerate().map(coordinate).collect());
+        out.push(all.iter().enumerate().map(coordinate).collect());
     }
     out
 }

@@ -44,7 +44,7 @@ fn gp_row(gp: &Gp) -> GpRow {
         seed: 0,
         training: String::new(),
         points: gp.points() as u64,
-        kernel: gp.config().kernel.0.name().to_owned(),
+        kernel: gp.config().kernel.name().to_owned(),
         cross_validation_mae_m: crate::math::summary::mean(&gp.cross_validation_mae()),
         log_marginal_likelihood: gp.log_marginal_likelihood().iter().sum(),
         noise_x_m: noise_m(0),

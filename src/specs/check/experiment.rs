@@ -32,6 +32,8 @@ pub(in crate::specs) fn check(experiment: &Experiment, document: &Document) -> R
 
 /// Most repetitions of an experiment; the plan of more would not fit in memory.
 const MOST_SEEDS: u64 = 1000;
+/// Inputs of an error model beside the displacements: a position.
+const POSITION_INPUTS: usize = 3;
 /// Tracking noise above this indicates a wrong unit, metres.
 const MOST_NOISE_M: f64 = 0.05;
 
@@ -99,6 +101,7 @@ impl Checker<'_> {
         option("slurm", spec.slurm.check())?;
         self.plants()?;
         self.learn("gp", spec.gp.check())?;
+        self.learn("gp", spec.gp.kernel.check_inputs(spec.model.tendons() + POSITION_INPUTS))?;
         self.learn("network", spec.network.check())?;
         let stop = KeyPath::default().key("network").key("stop_at_validation_mae_m");
         self.unless(spec.network.stop_at_validation_mae_m.is_none(), &stop, "null: `training` sets where networks stop")

@@ -1,0 +1,29 @@
+//! White noise: every sample has a part of its own that no other sample shares and no prediction knows.
+
+use super::component::{Component, Hyperparameter, PairRow};
+
+/// `k(x, y) = 1` for a training point with itself, otherwise 0.
+pub struct White;
+
+impl Component for White {
+    fn name(&self) -> &'static str {
+        "white"
+    }
+
+    fn hyperparameters(&self, _inputs: usize) -> Vec<Hyperparameter> {
+        Vec::new()
+    }
+
+    fn values(&self, _parameters: &[f64], row: &PairRow, out: &mut [f64]) {
+        out.fill(0.0);
+        if let Some(own) = row.own {
+            out[own] = 1.0;
+        }
+    }
+
+    fn rates(&self, _parameters: &[f64], _row: &PairRow, _out: &mut [Vec<f64>]) {}
+
+    fn variance(&self, _parameters: &[f64], _at: &[f64]) -> f64 {
+        0.0
+    }
+}
