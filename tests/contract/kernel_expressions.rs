@@ -88,7 +88,9 @@ fn error_beyond(kernel: &str) -> f64 {
     let gp = Gp::fit(&x, &y, &config).unwrap();
     let predicted = gp.predict_rows(&far).unwrap();
     let one = gp.predict(far.row(3)).unwrap();
-    assert!((predicted.mean.row(3)[0] - one.0[0]).abs() < 1e-9 && (predicted.variance.row(3)[0] - one.1[0]).abs() < 1e-9);
+    assert!(
+        (predicted.mean.row(3)[0] - one.0[0]).abs() < 1e-9 && (predicted.variance.row(3)[0] - one.1[0]).abs() < 1e-9
+    );
     let square = |(found, truth): (&[f64], &[f64])| (found[0] - truth[0]).powi(2);
     (predicted.mean.iter().zip(truth.iter()).map(square).sum::<f64>() / 20.0).sqrt()
 }

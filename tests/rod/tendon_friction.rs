@@ -76,8 +76,7 @@ fn the_derivative_with_respect_to_a_command_is_that_of_a_difference() {
     let mut rubbing = rod(0.3);
     for drives in [[Drive::Pull(0.006)], [Drive::Tension(3.0)]] {
         let before = rubbing.clone();
-        let direction =
-            if matches!(drives[0], Drive::Pull(_)) { Direction::Pull(0) } else { Direction::Tension(0) };
+        let direction = if matches!(drives[0], Drive::Pull(_)) { Direction::Pull(0) } else { Direction::Tension(0) };
         assert_eq!(rubbing.settle(&drives), SolveStatus::Converged);
         let rate = rubbing.tip_jacobian(&[direction]).expect("at rest")[0];
         let step = 1e-5;

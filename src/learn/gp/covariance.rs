@@ -7,8 +7,8 @@ use super::composite::Composite;
 use super::expression::KernelExpression;
 use super::kernels::{Component, Hyperparameter, Kernel, Lengths, Stationary};
 use crate::base::Rows;
-use crate::learn::{LearnError, Standardiser};
 use crate::learn::simd::fold;
+use crate::learn::{LearnError, Standardiser};
 use crate::math::vectorised;
 
 /// The covariance function of one output.

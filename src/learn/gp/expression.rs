@@ -150,7 +150,7 @@ impl KernelExpression {
 }
 
 /// A parsed part: its text and its sum of products.
-struct Part {
+struct ParsedPart {
     text: String,
     products: Vec<Vec<usize>>,
 }
@@ -163,7 +163,7 @@ struct Parser<'a> {
 }
 
 impl Parser<'_> {
-    fn sum(&mut self) -> Result<Part, ExpressionError> {
+    fn sum(&mut self) -> Result<ParsedPart, ExpressionError> {
         let mut sum = self.product()?;
         while self.takes('+') {
             let next = self.product()?;
@@ -173,12 +173,12 @@ impl Parser<'_> {
         Ok(sum)
     }
 
-    fn product(&mut self) -> Result<Part, ExpressionError> {
+    fn product(&mut self) -> Result<ParsedPart, ExpressionError> {
         let mut product = self.factor()?;
         while self.takes('*') {
             let next = self.factor()?;
             let pairs = product.products.iter().flat_map(|a| next.products.iter().map(move |b| [&a[..], b].concat()));
-            product = Part { text: format!("{} * {}", product.text, next.text), products: pairs.collect() };
+            product = ParsedPart { text: format!("{} * {}", product.text, next.text), products: pairs.collect() };
             if product.products.iter().map(Vec::len).sum::<usize>() > MOST_FACTORS {
                 return Err(self.error("too many products: expected at most 32 factors once sums are multiplied out"));
             }
@@ -186,14 +186,14 @@ impl Parser<'_> {
         Ok(product)
     }
 
-    fn factor(&mut self) -> Result<Part, ExpressionError> {
+    fn factor(&mut self) -> Result<ParsedPart, ExpressionError> {
         if self.takes('(') {
             let inner = self.sum()?;
             if !self.takes(')') {
                 return Err(self.error("expected `)`"));
             }
             let text = if inner.products.len() > 1 { format!("({})", inner.text) } else { inner.text };
-            return Ok(Part { text, ..inner });
+            return Ok(ParsedPart { text, ..inner });
         }
         let start = self.peek_at();
         let word = self.word();
@@ -213,7 +213,7 @@ impl Parser<'_> {
         if self.factors.len() > MOST_FACTORS {
             return Err(self.error("too many kernels: expected at most 32"));
         }
-        Ok(Part { text, products: vec![vec![self.factors.len() - 1]] })
+        Ok(ParsedPart { text, products: vec![vec![self.factors.len() - 1]] })
     }
 
     fn inputs(&mut self) -> Result<Inputs, ExpressionError> {

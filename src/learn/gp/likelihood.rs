@@ -177,9 +177,9 @@ mod tests {
     use super::*;
     use crate::base::Rows;
     use crate::learn::Standardiser;
+    use crate::learn::gp::composite::Composite;
     use crate::learn::gp::coordinates::{SearchObjective, to_search_coordinates};
     use crate::learn::gp::expression::KernelExpression;
-    use crate::learn::gp::composite::Composite;
     use crate::learn::gp::kernels::{FACTORS, KERNELS};
     use std::sync::Arc;
 

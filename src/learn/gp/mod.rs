@@ -77,7 +77,8 @@ impl Gp {
         let mut evaluations = 0;
         let mut theta = Vec::with_capacity(columns.len());
         for (output, y) in columns.iter().enumerate() {
-            let found = search::search(config, &covariance, &points, y).ok_or(LearnError::NotPositiveDefinite { output })?;
+            let found =
+                search::search(config, &covariance, &points, y).ok_or(LearnError::NotPositiveDefinite { output })?;
             evaluations += found.evaluations;
             theta.push(found.theta);
         }

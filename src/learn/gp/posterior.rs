@@ -21,7 +21,7 @@ pub(super) const BLOCK: usize = 512;
 /// One fitted output in standardised units.
 #[derive(Clone)]
 pub(super) struct Posterior {
-    prior: Prior,
+    prior: FittedPrior,
     inputs: usize,
     alpha: Vec<f64>,
     inverse_factor: Lower,
@@ -30,7 +30,7 @@ pub(super) struct Posterior {
 
 /// The covariance function under the fitted hyper-parameters, with the training points.
 #[derive(Clone)]
-enum Prior {
+enum FittedPrior {
     /// One stationary kernel: signal variance apart, points over length-scales.
     Stationary {
         kernel: &'static dyn Kernel,
@@ -43,30 +43,30 @@ enum Prior {
     Composite { composite: Arc<Composite>, natural: Vec<f64>, points: TrainingPoints },
 }
 
-impl Prior {
-    /// Writes the covariances of the standardised query `x` with all points, over [`Prior::scale`].
+impl FittedPrior {
+    /// Writes the covariances of the standardised query `x` with all points, over [`FittedPrior::scale`].
     fn covariances(&self, x: &[f64], k: &mut [f64]) {
         match self {
-            Prior::Stationary { kernel, shape, length_scales, scaled, .. } => {
+            FittedPrior::Stationary { kernel, shape, length_scales, scaled, .. } => {
                 scaled.squared_distances(0, |d| x[d] / length_scales[d], k);
                 kernel.correlations(shape, k);
             }
-            Prior::Composite { composite, natural, points } => composite.row(natural, points, (0, None), x, k),
+            FittedPrior::Composite { composite, natural, points } => composite.row(natural, points, (0, None), x, k),
         }
     }
 
     fn scale(&self) -> f64 {
         match self {
-            Prior::Stationary { signal, .. } => *signal,
-            Prior::Composite { .. } => 1.0,
+            FittedPrior::Stationary { signal, .. } => *signal,
+            FittedPrior::Composite { .. } => 1.0,
         }
     }
 
     /// Variance at `x` before any sample.
     fn variance(&self, x: &[f64]) -> f64 {
         match self {
-            Prior::Stationary { signal, .. } => *signal,
-            Prior::Composite { composite, natural, .. } => composite.variance(natural, x),
+            FittedPrior::Stationary { signal, .. } => *signal,
+            FittedPrior::Composite { composite, natural, .. } => composite.variance(natural, x),
         }
     }
 }
@@ -78,14 +78,14 @@ impl Posterior {
         let value = likelihood.value(theta);
         value.is_finite().then(|| Posterior {
             prior: match covariance {
-                Covariance::Stationary(kernel, layout) => Prior::Stationary {
+                Covariance::Stationary(kernel, layout) => FittedPrior::Stationary {
                     kernel: *kernel,
                     shape: layout.shape(theta),
                     signal: layout.signal_variance(theta),
                     length_scales: layout.length_scales(theta),
                     scaled: likelihood.scaled().clone(),
                 },
-                Covariance::Composite(composite) => Prior::Composite {
+                Covariance::Composite(composite) => FittedPrior::Composite {
                     composite: Arc::clone(composite),
                     natural: natural(theta),
                     points: points.clone(),

@@ -271,8 +271,17 @@ impl Rod {
     ) -> LeaderSolution<'a> {
         let Rod { system, solver, state, motion, tip_load, .. } = self;
         let (gravity_m_s2, histories, sliding) = (system.params.gravity_m_s2, &state.histories, &state.sliding);
-        let conditions =
-            SolveConditions { holds, taut, tip_load, load_share: 1.0, gravity_m_s2, motion, histories, sliding, settled };
+        let conditions = SolveConditions {
+            holds,
+            taut,
+            tip_load,
+            load_share: 1.0,
+            gravity_m_s2,
+            motion,
+            histories,
+            sliding,
+            settled,
+        };
         system.evaluate(unknowns, &conditions, &mut solver.workspace);
         let residual = DVector::from_column_slice(&solver.workspace.residual);
         LeaderSolution { unknowns, taut, residual, settled, contraction: None }
@@ -283,8 +292,17 @@ impl Rod {
         let Rod { system, solver, state, motion, tip_load, .. } = self;
         let &LeaderSolution { unknowns, taut, settled, .. } = solution;
         let (gravity_m_s2, histories, sliding) = (system.params.gravity_m_s2, &state.histories, &state.sliding);
-        let conditions =
-            SolveConditions { holds, taut, tip_load, load_share: 1.0, gravity_m_s2, motion, histories, sliding, settled };
+        let conditions = SolveConditions {
+            holds,
+            taut,
+            tip_load,
+            load_share: 1.0,
+            gravity_m_s2,
+            motion,
+            histories,
+            sliding,
+            settled,
+        };
         solver.derivative.update(system, unknowns, &conditions, &solver.workspace);
         let factors = solver.derivative.matrix(system, &conditions).lu();
         LeaderDerivative { factors, rate: motion.rate, taut: taut.to_vec(), corrections: 1 }
@@ -303,8 +321,17 @@ impl Rod {
         let Rod { system, solver, state, motion, tip_load, .. } = self;
         let &mut LeaderSolution { taut, settled, .. } = solution;
         let (gravity_m_s2, histories, sliding) = (system.params.gravity_m_s2, &state.histories, &state.sliding);
-        let conditions =
-            SolveConditions { holds, taut, tip_load, load_share: 1.0, gravity_m_s2, motion, histories, sliding, settled };
+        let conditions = SolveConditions {
+            holds,
+            taut,
+            tip_load,
+            load_share: 1.0,
+            gravity_m_s2,
+            motion,
+            histories,
+            sliding,
+            settled,
+        };
         let (mut first_m, mut last_m) = (0.0, f64::NAN);
         for done in 1..=MOST_CORRECTIONS {
             system.evaluate(&unknowns, &conditions, &mut solver.workspace);

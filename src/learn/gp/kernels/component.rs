@@ -42,7 +42,11 @@ impl Hyperparameter {
 
     /// A scale of an input, from which a dot product counts: not stationary, so searched as it is.
     pub(super) fn scale(input: usize) -> Hyperparameter {
-        Hyperparameter { is_length: false, bounds: (1e-1, 1e3), ..Hyperparameter::length(format!("scale {}", input + 1)) }
+        Hyperparameter {
+            is_length: false,
+            bounds: (1e-1, 1e3),
+            ..Hyperparameter::length(format!("scale {}", input + 1))
+        }
     }
 }
 
