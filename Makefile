@@ -75,6 +75,7 @@ test-python: ## the Python package: build, tests, types (needs Python 3.10 or la
 	$(PYTHON_VENV)/bin/python -m pip install --quiet --disable-pip-version-check "./python[test]"
 	cd python && ../$(PYTHON_VENV)/bin/python -m pytest -q
 	$(PYTHON_VENV)/bin/python -m mypy --strict -p spinebench
+	cd python/tests && ../../$(PYTHON_VENV)/bin/python -m mypy --strict .
 
 bench: build ## microbenchmarks, then one repetition of everything from nothing: where the time goes, by stage
 	cargo bench

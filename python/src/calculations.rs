@@ -1,6 +1,7 @@
 //! Calculations on recordings and specs: simulate, calibrate, discover, run. Arguments are files; results are JSON and CSV,
 //! which `spinebench/_calculations.py` makes objects of.
 
+use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
@@ -13,7 +14,7 @@ use spinebench::calibration::{AUTO, CalibrationOptions, ErrorLaw, HoldOut, calib
 use spinebench::data::{Recording, tables};
 use spinebench::discovery::{Options, discover, telling_steps};
 use spinebench::runner::{self, Campaign, Progress, RunFacts, RunOptions, Store, Style};
-use spinebench::specs::{ExperimentSet, SpecError, read_options};
+use spinebench::specs::{ExperimentSet, read_options};
 use spinebench::tasks::{
     SimulationOptions, check_one_gravity, read_commands, read_measured, read_measured_tip, simulate_recording,
 };
@@ -175,6 +176,30 @@ pub(crate) struct RunArguments {
     sets: Vec<String>,
     sweeps: Vec<String>,
     jobs: usize,
+    /// Policies of this process by name, as entries of a spec, in JSON.
+    own: String,
+}
+
+/// Reads a spec; with policies of its own in every set of trials.
+fn experiments(file: &Path, arguments: &RunArguments) -> Result<ExperimentSet, Fault> {
+    let RunArguments { sets, sweeps, own, .. } = arguments;
+    let read = ExperimentSet::read(file, sets, sweeps)?;
+    let own: BTreeMap<String, serde_json::Value> =
+        serde_json::from_str(own).map_err(|error| Fault::Run(error.to_string()))?;
+    if own.is_empty() {
+        return Ok(read);
+    }
+    let mut sets = sets.clone();
+    sets.extend(own.iter().map(|(name, policy)| format!("policies.outside.{name}={policy}")));
+    let with_own = |path: String, policies: &[String]| {
+        let more = own.keys().filter(|name| !policies.contains(name));
+        let all: Vec<&String> = policies.iter().chain(more).collect();
+        format!("{path}.policies={}", serde_json::json!(all))
+    };
+    let runs = &read.experiment.runs;
+    sets.extend(runs.reach.iter().enumerate().map(|(k, sweep)| with_own(format!("runs.reach[{k}]"), &sweep.policies)));
+    sets.extend(runs.track.iter().map(|track| with_own("runs.track".to_owned(), &track.policies)));
+    Ok(ExperimentSet::read(file, &sets, sweeps)?)
 }
 
 /// Runs specs and writes tables and figures; returns what was computed as JSON.
@@ -182,9 +207,9 @@ pub(crate) struct RunArguments {
 pub(crate) fn _run(py: Python<'_>, specs: Vec<PathBuf>, arguments: RunArguments) -> PyResult<String> {
     claim_global_threads()?;
     long(py, move |stop| {
-        let RunArguments { out, cache, sets, sweeps, jobs } = arguments;
-        let read = |file: &PathBuf| ExperimentSet::read(file, &sets, &sweeps);
-        let experiments = specs.iter().map(read).collect::<Result<Vec<_>, SpecError>>()?;
+        let read = |file: &PathBuf| experiments(file, &arguments);
+        let experiments = specs.iter().map(read).collect::<Result<Vec<_>, Fault>>()?;
+        let RunArguments { out, cache, jobs, .. } = arguments;
         let campaign = Campaign::expand(experiments).map_err(Fault::words)?;
         std::fs::create_dir_all(&out).map_err(|error| about(&out, error))?;
         let (revision, began, store) = (runner::git_revision(), Instant::now(), Store::at(cache));

@@ -7,6 +7,7 @@ mod calls;
 mod errors;
 mod model;
 mod plants;
+mod policies;
 mod rod;
 mod rods;
 
@@ -30,6 +31,7 @@ mod _spinebench {
     #[pymodule_init]
     fn init(_module: &Bound<'_, PyModule>) -> PyResult<()> {
         crate::calls::record_panics();
+        crate::policies::provide();
         Ok(())
     }
 }

@@ -89,6 +89,9 @@ pub enum PolicyError {
         /// Number that the robot has.
         expected: usize,
     },
+    /// A policy from outside failed; its own words.
+    #[error("{0}")]
+    Outside(String),
 }
 
 /// A controller: maps observation and target to tendon displacements. It has no access to a plant.

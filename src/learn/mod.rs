@@ -1,4 +1,5 @@
-//! Learning: Gaussian processes ([`gp`]) and recurrent networks ([`rnn`]). Decisions and figures: `docs/learning.md`.
+//! Learning: Gaussian processes ([`gp`]), recurrent networks ([`rnn`]) and networks that others have trained ([`onnx`]).
+//! Decisions and figures: `docs/learning.md`.
 
 mod error;
 mod exact;
@@ -6,6 +7,7 @@ mod simd;
 mod standardise;
 
 pub mod gp;
+pub mod onnx;
 pub mod rnn;
 
 pub use error::LearnError;

@@ -9,6 +9,7 @@ mod learned;
 mod model_traits;
 mod models;
 mod network;
+mod outside;
 mod parts;
 mod single_controller;
 mod tip_tracker;
@@ -23,6 +24,10 @@ pub use models::{
     EarlyStopping, FORWARD, INVERSE, INVERSE_B, ModelNeed, NetworkDescription, PI_REAL, SampleColumns, TrainingData,
 };
 pub use network::{MemoryUpdate, NetworkOptions};
+pub use outside::{
+    OUTSIDE_KINDS, OnnxInput, OnnxOptions, OnnxOutput, OutsideDecider, OutsideDecision, OutsidePolicies, OutsidePolicy,
+    OutsideView, PythonOptions, provide_python,
+};
 pub use parts::PolicyParts;
 
 use serde::{Deserialize, Serialize};
@@ -42,6 +47,10 @@ macro_rules! policies {
             pub limits: LimitOptions,
             /// How the networks are asked; the same for every policy.
             pub network: NetworkOptions,
+            /// Policies from outside by name. A spec may also write `NAME: {onnx: …}` and `NAME: {python: …}` beside the
+            /// other keys of `policies`.
+            #[serde(skip_serializing_if = "OutsidePolicies::is_empty")]
+            pub outside: OutsidePolicies,
             $($(#[doc = concat!("Options of `", stringify!($module), "`.")] pub $section: $options,)?)*
         }
 
@@ -53,6 +62,7 @@ macro_rules! policies {
             pub fn check(&self) -> Result<(), BadOption> {
                 self.limits.check()?;
                 self.network.check()?;
+                self.outside.values().try_for_each(OutsidePolicy::check)?;
                 $($(self.$section.check()?;)?)*
                 Ok(())
             }
@@ -143,6 +153,11 @@ pub fn networks() -> Vec<&'static NetworkDescription> {
 /// The policy called `name`.
 pub fn find(name: &str) -> Option<&'static PolicyEntry> {
     REGISTRY.iter().find(|entry| entry.name == name)
+}
+
+/// The policy called `name`, which may be one from outside.
+pub fn find_with(name: &str, outside: &OutsidePolicies) -> Option<&'static PolicyEntry> {
+    find(name).or_else(|| outside.get(name).map(OutsidePolicy::entry))
 }
 
 /// Builds a policy from its parts.

@@ -10,6 +10,7 @@ mod editors;
 mod examples;
 mod extending;
 mod first_hour;
+mod outside_policies;
 mod page;
 mod real;
 mod run;

@@ -18,6 +18,7 @@ from ._calculations import (
     simulate,
 )
 from ._errors import InputError, InternalError, RunError, SolverError, SpinebenchError
+from ._policies import Policy
 from ._spinebench import Model, Rod, Rods
 from .envs import register as _register
 
@@ -30,6 +31,7 @@ __all__ = [
     "InputError",
     "InternalError",
     "Model",
+    "Policy",
     "Rod",
     "Rods",
     "RunError",

@@ -16,6 +16,7 @@ import pandas as pd
 
 from . import _spinebench as _core
 from ._errors import InputError
+from ._policies import PolicyClass, spec_entry
 from ._spinebench import Model
 
 PathLike = str | os.PathLike[str]
@@ -252,6 +253,7 @@ class RunResult:
 
 def run(
     *specs: PathLike,
+    policies: Mapping[str, PolicyClass] | None = None,
     out: PathLike = "out",
     seeds: int | None = None,
     set: Mapping[str, Any] | None = None,
@@ -261,13 +263,15 @@ def run(
 ) -> RunResult:
     """Run experiments as `spinebench run` does, and write tables and figures below `out`.
 
-    `set` overrides keys of the specs (`{"gp.starts": 3}`). Ctrl-C ends the call; what is computed is stored.
+    `policies` adds controllers of your own by name: they join every set of goal-reaching trials (docs/python.md). `set`
+    overrides keys of the specs (`{"gp.starts": 3}`). Ctrl-C ends the call; what is computed is stored.
     """
     if not specs:
         raise InputError("specs: found none, expected at least one file")
     sets = [f"{key}={json.dumps(value)}" for key, value in (set or {}).items()]
     if seeds is not None:
         sets.append(f"seeds={int(seeds)}")
+    own = {name: spec_entry(name, policy) for name, policy in (policies or {}).items()}
     store = cache or os.environ.get("SPINEBENCH_CACHE") or ".spinebench/cache"
     arguments = {
         "out": Path(out),
@@ -275,6 +279,7 @@ def run(
         "sets": sets,
         "sweeps": list(sweep),
         "jobs": jobs,
+        "own": json.dumps(own),
     }
     told = json.loads(_core._run([Path(spec) for spec in specs], arguments))
     experiments = {

@@ -38,6 +38,11 @@ impl Identified {
         *self.spec == *spec
     }
 
+    /// Number of tendons.
+    pub(in crate::runner) fn tendons(&self) -> usize {
+        self.spec.tendons()
+    }
+
     /// The robot with further effects, moving in steps of `step_s` seconds.
     ///
     /// # Errors

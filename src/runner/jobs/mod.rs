@@ -14,6 +14,7 @@ pub(super) mod generated_network;
 pub(super) mod gp_pool;
 pub(super) mod identified;
 pub(super) mod networks;
+pub(super) mod outside_part;
 pub(super) mod path;
 mod samples;
 pub(super) mod shared_part;

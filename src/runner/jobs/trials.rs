@@ -1,6 +1,7 @@
 //! Trials: goal reaching and path tracking of one policy under one condition.
 
 use super::identified::Identified;
+use super::outside_part::OutsidePart;
 use super::shared_part::SharedPart;
 use super::targets::Targets;
 use crate::base::{Plant, Point3, Policy, Seed};
@@ -71,6 +72,9 @@ pub(in crate::runner) struct TrackParams {
 pub(in crate::runner) struct Condition {
     /// Name of the policy.
     pub(in crate::runner) policy: String,
+    /// The policy itself, where it is one from outside.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(in crate::runner) outside: Option<OutsidePart>,
     pub(in crate::runner) options: SharedPart<PolicyOptions>,
     pub(in crate::runner) plant: Identified,
     /// What the mode adds to the robot's own effects.
@@ -86,6 +90,9 @@ impl Condition {
     }
 
     fn policy(&self, (networks, error): <PartHandles as StageInputs>::Results<'_>) -> Result<Box<dyn Policy>, String> {
+        if let Some(outside) = &self.outside {
+            return outside.build(self.plant.tendons(), &self.options);
+        }
         let entry = policies::find(&self.policy).ok_or_else(|| format!("unknown policy {}", self.policy))?;
         let mut parts = PolicyParts::default();
         for (network, trained) in entry.networks().zip(networks) {

@@ -3,8 +3,10 @@
 use crate::policies::PolicyOptions;
 use crate::runner::failure::Failure;
 use crate::runner::jobs::identified::Identified;
+use crate::runner::jobs::outside_part::OutsidePart;
 use crate::runner::jobs::shared_part::SharedPart;
 use crate::specs::{Experiment, PlantSpec};
+use std::collections::BTreeMap;
 
 /// The shared parts of one experiment.
 pub(in crate::runner) struct SharedParts {
@@ -12,7 +14,10 @@ pub(in crate::runner) struct SharedParts {
     pub(super) plant: Identified,
     /// The robot measured without noise.
     pub(super) quiet: Identified,
+    /// Options of the program's own policies.
     pub(super) policies: SharedPart<PolicyOptions>,
+    /// Policies from outside by name.
+    pub(super) outside: BTreeMap<String, OutsidePart>,
 }
 
 impl SharedParts {
@@ -29,7 +34,8 @@ impl SharedParts {
             model: robot(spec.model.clone(), before.map(|before| &before.model))?,
             plant: robot(spec.plant.clone(), before.map(|before| &before.plant))?,
             quiet: robot(spec.plant.without_noise(), before.map(|before| &before.quiet))?,
-            policies: SharedPart::new(spec.policies.clone())?,
+            policies: SharedPart::new(PolicyOptions { outside: BTreeMap::new(), ..spec.policies.clone() })?,
+            outside: OutsidePart::all(&spec.policies.outside)?,
         })
     }
 }

@@ -28,10 +28,12 @@ impl Stages<'_> {
 
     fn condition(&self, cell: &TrialCell, task: &str) -> Result<(&'static PolicyEntry, Condition), Failure> {
         let unknown = |what: &str| Failure { stage: task.to_owned(), status: format!("unknown {what}") };
-        let entry = policies::find(&cell.policy).ok_or_else(|| unknown(&cell.policy))?;
+        let outside = &self.spec.policies.outside;
+        let entry = policies::find_with(&cell.policy, outside).ok_or_else(|| unknown(&cell.policy))?;
         let mode: &TrialMode = self.spec.modes.get(&cell.mode).ok_or_else(|| unknown(&cell.mode))?;
         let condition = Condition {
             policy: cell.policy.clone(),
+            outside: self.parts.outside.get(&cell.policy).cloned(),
             options: self.parts.policies.clone(),
             plant: self.parts.plant.clone(),
             effects: mode.effects.clone(),

@@ -2,6 +2,7 @@
 
 use super::discovery::check_entries;
 use super::named_values::with_values;
+use super::outside_policies::outside_policies;
 use crate::base::BadOption;
 use crate::effects::{check_effect_units, check_effects};
 use crate::learn::LearnError;
@@ -94,6 +95,7 @@ impl Checker<'_> {
         option("explore", spec.explore.check())?;
         option("gp_points", spec.gp_points.check())?;
         option("policies", spec.policies.check())?;
+        outside_policies(self.document, spec)?;
         option("targets", spec.targets.check())?;
         option("reach", spec.reach.check())?;
         option("path", spec.path.check())?;
@@ -251,7 +253,8 @@ impl Checker<'_> {
     fn policies(&self, names: &[String], path: &KeyPath) -> Result<(), SpecError> {
         self.not_empty(names, path)?;
         for (index, name) in names.iter().enumerate() {
-            let known: Vec<&str> = policies::REGISTRY.iter().map(|entry| entry.name).collect();
+            let own = self.experiment.policies.outside.keys().map(String::as_str);
+            let known: Vec<&str> = policies::REGISTRY.iter().map(|entry| entry.name).chain(own).collect();
             self.unless(known.contains(&name.as_str()), &path.item(index), &one_of(&known))?;
         }
         Ok(())

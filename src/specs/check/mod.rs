@@ -4,3 +4,4 @@ mod claims;
 pub(super) mod discovery;
 pub(super) mod experiment;
 mod named_values;
+mod outside_policies;

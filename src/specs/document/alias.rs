@@ -1,6 +1,7 @@
 //! Other names of fields: short forms for `--set`, `--sweep` and the keys of `sweep:`, and former names of keys.
 
 use super::path::{KeyPath, Step};
+use crate::policies::OUTSIDE_KINDS;
 use serde_yaml::{Mapping, Value};
 
 /// Short forms that paths may begin with, and the field that is meant.
@@ -9,7 +10,10 @@ const SHORT_FORMS: [(&str, &str); 1] = [("policy", "policies")];
 /// Keys that were renamed: where they stand, the former name, the present name.
 const RENAMED_KEYS: [(&str, &str, &str); 1] = [("policies.c", "error_m", "switch_threshold_m")];
 
-/// A key that was read under its former name.
+/// Where policies from outside stand; a spec may leave the last key out.
+const OUTSIDE: [&str; 2] = ["policies", "outside"];
+
+/// A key that was read under another name, a former or a short one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct RenamedKey {
     /// The path as it was written.
@@ -36,7 +40,65 @@ pub(super) fn canonical(mut path: KeyPath) -> (KeyPath, Option<RenamedKey>) {
             return (path, Some(RenamedKey { former: KeyPath(former), present: KeyPath(present) }));
         }
     }
+    if let [Step::Key(first), Step::Key(name), Step::Key(kind), ..] = path.0.as_slice()
+        && first == OUTSIDE[0]
+        && name != OUTSIDE[1]
+        && OUTSIDE_KINDS.contains(&kind.as_str())
+    {
+        path.0.insert(1, Step::Key(OUTSIDE[1].to_owned()));
+    }
     (path, None)
+}
+
+impl RenamedKey {
+    /// Whether the user should know of it: a short form is none of the former names.
+    pub(super) fn is_former(&self) -> bool {
+        !self.present.0.starts_with(&OUTSIDE.map(|key| Step::Key(key.to_owned())))
+    }
+}
+
+/// Takes policies from outside that stand among the keys of `policies` to their place.
+fn move_outside(value: &mut Value, root: &KeyPath) -> Vec<RenamedKey> {
+    let policies = KeyPath::default().key(OUTSIDE[0]);
+    let holder = match root.0.as_slice() {
+        [] => value.get_mut(OUTSIDE[0]),
+        _ if *root == policies => Some(value),
+        _ => None,
+    };
+    let Some(Value::Mapping(mapping)) = holder else { return Vec::new() };
+    let is_outside = |policy: &Value| {
+        let keys = policy.as_mapping().filter(|mapping| mapping.len() == 1).and_then(|mapping| mapping.keys().next());
+        keys.and_then(Value::as_str).is_some_and(|kind| OUTSIDE_KINDS.contains(&kind))
+    };
+    let named = mapping.iter().filter(|(name, policy)| name.as_str() != Some(OUTSIDE[1]) && is_outside(policy));
+    let names: Vec<String> = named.filter_map(|(name, _)| name.as_str().map(str::to_owned)).collect();
+    let mut renamed = Vec::new();
+    for name in names {
+        let Some(policy) = mapping.remove(name.as_str()) else { continue };
+        let outside = mapping.entry(OUTSIDE[1].into()).or_insert_with(|| Value::Mapping(Mapping::new()));
+        if let Value::Mapping(outside) = outside {
+            outside.insert(name.as_str().into(), policy);
+        }
+        renamed.push(RenamedKey { former: policies.key(&name), present: policies.key(OUTSIDE[1]).key(&name) });
+    }
+    renamed
+}
+
+/// Makes the names of files of policies from outside, which are relative to `folder`, absolute: the resolved spec lies
+/// elsewhere.
+pub(super) fn resolve_outside(value: &mut Value, folder: &std::path::Path) {
+    let Some(Value::Mapping(outside)) = value.get_mut(OUTSIDE[0]).and_then(|policies| policies.get_mut(OUTSIDE[1]))
+    else {
+        return;
+    };
+    for (_, policy) in outside.iter_mut() {
+        for kind in OUTSIDE_KINDS {
+            if let Some(Value::String(file)) = policy.get_mut(kind).and_then(|options| options.get_mut("file")) {
+                let place = folder.join(&*file);
+                *file = std::path::absolute(&place).unwrap_or(place).display().to_string();
+            }
+        }
+    }
 }
 
 /// Gives the keys of `value`, which stands at `root`, their present names.
@@ -62,6 +124,7 @@ pub(super) fn rename_keys(value: &mut Value, root: &KeyPath) -> Result<Vec<Renam
             renamed.push(RenamedKey { former: parent.key(former), present: parent.key(present) });
         }
     }
+    renamed.extend(move_outside(value, root));
     Ok(renamed)
 }
 
@@ -88,5 +151,20 @@ mod tests {
         assert_eq!(value, yaml("{rest_m: 1, switch_threshold_m: 2}"));
         let mut both = yaml("{policies: {c: {error_m: 1, switch_threshold_m: 2}}}");
         assert_eq!(rename_keys(&mut both, &KeyPath::default()), Err(root.key("error_m")));
+    }
+
+    #[test]
+    fn a_policy_from_outside_is_taken_to_its_place() {
+        let of = |path: &str| canonical(KeyPath::parse(path).unwrap()).0.to_string();
+        let yaml = |text: &str| serde_yaml::from_str::<Value>(text).unwrap();
+        assert_eq!(of("policies.mine.onnx.file"), "policies.outside.mine.onnx.file");
+        assert_eq!(of("policies.outside.mine.onnx.file"), "policies.outside.mine.onnx.file");
+        let mut value = yaml("{policies: {c: {dwell: 1}, mine: {onnx: {file: mine.onnx}}}}");
+        let renamed = rename_keys(&mut value, &KeyPath::default()).unwrap();
+        assert_eq!(value, yaml("{policies: {c: {dwell: 1}, outside: {mine: {onnx: {file: mine.onnx}}}}}"));
+        assert_eq!(renamed[0].former.to_string(), "policies.mine");
+        assert!(!renamed[0].is_former());
+        resolve_outside(&mut value, std::path::Path::new("/specs"));
+        assert_eq!(value["policies"]["outside"]["mine"]["onnx"]["file"], "/specs/mine.onnx");
     }
 }

@@ -1,6 +1,6 @@
 //! One source of a spec: a file, or an option of the command line.
 
-use super::alias::{RenamedKey, canonical as unaliased, rename_keys};
+use super::alias::{RenamedKey, canonical as unaliased, rename_keys, resolve_outside};
 use super::error::{SourceLocation, SpecError};
 use super::locate::{PathEnd, locate};
 use super::mismatch::describe;
@@ -60,7 +60,9 @@ impl Layer {
             let found = if table { "a recording (CSV)".to_owned() } else { describe(&layer.value) };
             return Err(layer.refuse(&layer.root, found, "a mapping of keys to values"));
         }
-        layer.plain()?.with_present_names()
+        let mut layer = layer.plain()?.with_present_names()?;
+        resolve_outside(&mut layer.value, &layer.folder);
+        Ok(layer)
     }
 
     pub(super) fn option(set: &str) -> Result<Layer, SpecError> {
@@ -91,7 +93,7 @@ impl Layer {
 
     /// For each key under a former name a note that tells the present one.
     pub(super) fn notes(&self) -> impl Iterator<Item = String> {
-        self.renamed.iter().map(|renamed| {
+        self.renamed.iter().filter(|renamed| renamed.is_former()).map(|renamed| {
             let place = self.place(&renamed.present, PathEnd::Key);
             format!("{place}: `{}` is now called `{}`", renamed.former, renamed.present)
         })

@@ -22,7 +22,7 @@ pub fn reach_cells(experiment: &Experiment) -> Vec<TrialCell> {
     let mut cells = Vec::new();
     for sweep in &experiment.runs.reach {
         for policy in &sweep.policies {
-            let Some(entry) = policies::find(policy) else { continue };
+            let Some(entry) = policies::find_with(policy, &experiment.policies.outside) else { continue };
             let open = |mode: &String| experiment.modes.get(mode).is_some_and(TrialMode::is_open);
             for mode in sweep.modes.iter().filter(|mode| !(entry.closed_loop_only && open(mode))) {
                 for gp_points in sizes(entry, Size::GpPoints, sweep.gp_points.as_deref()) {
@@ -42,7 +42,7 @@ pub fn reach_cells(experiment: &Experiment) -> Vec<TrialCell> {
 pub fn track_cells(experiment: &Experiment) -> Vec<TrialCell> {
     let Some(track) = &experiment.runs.track else { return Vec::new() };
     let cell = |policy: &String| {
-        let entry = policies::find(policy)?;
+        let entry = policies::find_with(policy, &experiment.policies.outside)?;
         let size = |part: Size, size: Option<usize>| if uses(entry, part) { size.unwrap_or(0) } else { 0 };
         Some(TrialCell {
             policy: policy.clone(),

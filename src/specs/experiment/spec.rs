@@ -101,7 +101,9 @@ fn one() -> u64 {
 
 fn policy_names(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
     let names: Vec<&str> = policies::REGISTRY.iter().map(|entry| entry.name).collect();
-    schemars::json_schema!({ "type": "array", "items": { "type": "string", "enum": names } })
+    // The second form is that of policies from outside.
+    let item = serde_json::json!({ "anyOf": [{ "type": "string", "enum": names }, { "type": "string" }] });
+    schemars::json_schema!({ "type": "array", "items": item })
 }
 
 fn figure_names(_: &mut schemars::SchemaGenerator) -> schemars::Schema {

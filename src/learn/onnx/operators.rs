@@ -1,0 +1,186 @@
+//! The operators (<https://onnx.ai/onnx/operators/>), opset 13 and later.
+
+use super::OnnxError;
+use super::graph::OnnxNode;
+use super::tensor::{Tensor, shape};
+
+/// Operators that are known.
+pub const OPERATORS: &[&str] = &[
+    "Abs",
+    "Add",
+    "Cast",
+    "Clip",
+    "Concat",
+    "Constant",
+    "Div",
+    "Dropout",
+    "Elu",
+    "Exp",
+    "Flatten",
+    "Gemm",
+    "Identity",
+    "LeakyRelu",
+    "MatMul",
+    "Max",
+    "Min",
+    "Mul",
+    "Neg",
+    "Relu",
+    "Reshape",
+    "Sigmoid",
+    "Softplus",
+    "Sqrt",
+    "Squeeze",
+    "Sub",
+    "Tanh",
+    "Transpose",
+    "Unsqueeze",
+];
+
+/// What the operator makes of its inputs, of which an empty one may be left out.
+pub(super) fn apply(node: &OnnxNode, inputs: &[Option<&Tensor>]) -> Result<Tensor, OnnxError> {
+    let name = node.operator.as_str();
+    let at = |place: usize| {
+        let missing = || shape(name, format!("found {} inputs, expected more", inputs.len()));
+        inputs.get(place).copied().flatten().ok_or_else(missing)
+    };
+    if let Some(function) = binary(name) {
+        return at(0)?.with(at(1)?, name, function);
+    }
+    if let Some(function) = elementwise(node) {
+        return Ok(at(0)?.map(function));
+    }
+    match name {
+        "Cast" | "Dropout" | "Identity" => at(0).cloned(),
+        "Clip" => {
+            let bound = |place: usize, key: &str, default: f64| {
+                let given = inputs.get(place).copied().flatten().and_then(|tensor| tensor.values.first().copied());
+                given.unwrap_or_else(|| node.float(key, default))
+            };
+            let (low, high) = (bound(1, "min", f64::NEG_INFINITY), bound(2, "max", f64::INFINITY));
+            // A value that is not a number stays one.
+            Ok(at(0)?.map(|value| {
+                if value < low {
+                    low
+                } else if value > high {
+                    high
+                } else {
+                    value
+                }
+            }))
+        }
+        "Concat" => concatenated(inputs, node.integer("axis", 0), name),
+        "Constant" => {
+            let tensor = node.attributes.get("value").and_then(|attribute| attribute.tensor.clone());
+            let single = || node.attributes.get("value_float").map(|attribute| attribute.float);
+            let scalar = || single().map(|value| Tensor { dims: vec![], values: vec![value] });
+            tensor.or_else(scalar).ok_or_else(|| shape(name, "found no tensor of numbers".to_owned()))
+        }
+        "Gemm" => gemm(node, at(0)?, at(1)?, inputs.get(2).copied().flatten()),
+        "MatMul" => at(0)?.times(at(1)?, name),
+        "Transpose" => at(0)?.transposed(name),
+        "Reshape" => reshaped(at(0)?, &at(1)?.values, name),
+        "Flatten" | "Squeeze" | "Unsqueeze" => Ok(with_axes(node, at(0)?)),
+        other => Err(OnnxError::Operator(other.to_owned())),
+    }
+}
+
+/// Operators of two numbers.
+fn binary(name: &str) -> Option<fn(f64, f64) -> f64> {
+    match name {
+        "Add" => Some(|a, b| a + b),
+        "Div" => Some(|a, b| a / b),
+        "Max" => Some(|a, b| if b > a || b.is_nan() { b } else { a }),
+        "Min" => Some(|a, b| if b < a || b.is_nan() { b } else { a }),
+        "Mul" => Some(|a, b| a * b),
+        "Sub" => Some(|a, b| a - b),
+        _ => None,
+    }
+}
+
+/// Operators of one number.
+fn elementwise(node: &OnnxNode) -> Option<Box<dyn Fn(f64) -> f64>> {
+    match node.operator.as_str() {
+        "Abs" => Some(Box::new(f64::abs)),
+        "Elu" => {
+            let alpha = node.float("alpha", 1.0);
+            Some(Box::new(move |value| if value < 0.0 { alpha * value.exp_m1() } else { value }))
+        }
+        "Exp" => Some(Box::new(f64::exp)),
+        "LeakyRelu" => {
+            let alpha = node.float("alpha", 0.01);
+            Some(Box::new(move |value| if value < 0.0 { alpha * value } else { value }))
+        }
+        "Neg" => Some(Box::new(|value| -value)),
+        "Relu" => Some(Box::new(|value| if value < 0.0 { 0.0 } else { value })),
+        "Sigmoid" => Some(Box::new(|value| 1.0 / (1.0 + (-value).exp()))),
+        "Softplus" => Some(Box::new(|value| value.max(0.0) + (-value.abs()).exp().ln_1p())),
+        "Sqrt" => Some(Box::new(f64::sqrt)),
+        "Tanh" => Some(Box::new(f64::tanh)),
+        _ => None,
+    }
+}
+
+/// α A B + β C, with A and B transposed where it says so.
+fn gemm(node: &OnnxNode, a: &Tensor, b: &Tensor, c: Option<&Tensor>) -> Result<Tensor, OnnxError> {
+    let name = node.operator.as_str();
+    let turned = |tensor: &Tensor, key: &str| match node.integer(key, 0) {
+        0 => Ok(tensor.clone()),
+        _ => tensor.transposed(name),
+    };
+    let product = turned(a, "transA")?.times(&turned(b, "transB")?, name)?;
+    let (alpha, beta) = (node.float("alpha", 1.0), node.float("beta", 1.0));
+    match c {
+        Some(bias) => product.with(bias, name, |sum, bias| alpha * sum + beta * bias),
+        None => Ok(product.map(|sum| alpha * sum)),
+    }
+}
+
+/// The same numbers with other axes.
+fn with_axes(node: &OnnxNode, input: &Tensor) -> Tensor {
+    let dims = match node.operator.as_str() {
+        "Flatten" => {
+            let axis = usize::try_from(node.integer("axis", 1)).unwrap_or(0).min(input.dims.len());
+            vec![input.dims[..axis].iter().product(), input.dims[axis..].iter().product()]
+        }
+        "Squeeze" => input.dims.iter().copied().filter(|&dim| dim != 1).collect(),
+        _ => [vec![1], input.dims.clone()].concat(),
+    };
+    Tensor { dims, values: input.values.clone() }
+}
+
+/// Arrays one after another along the last axis.
+fn concatenated(inputs: &[Option<&Tensor>], axis: i64, name: &str) -> Result<Tensor, OnnxError> {
+    let parts: Vec<&Tensor> = inputs.iter().copied().flatten().collect();
+    let axes = parts.first().map_or(0, |first| first.dims.len());
+    let last = i64::try_from(axes).unwrap_or(0) - 1;
+    let equal = parts
+        .iter()
+        .all(|part| part.dims.len() == axes && axes > 0 && part.dims[..axes - 1] == parts[0].dims[..axes - 1]);
+    if !equal || (axis != -1 && axis != last) {
+        return Err(shape(
+            name,
+            "found arrays of other shapes, expected equal ones joined along their last axis".into(),
+        ));
+    }
+    let rows: usize = parts[0].dims[..axes - 1].iter().product();
+    let width = |part: &Tensor| part.dims[axes - 1];
+    let row = |row: usize| parts.iter().flat_map(move |part| part.values[row * width(part)..][..width(part)].to_vec());
+    let values = (0..rows).flat_map(row).collect();
+    let mut dims = parts[0].dims.clone();
+    dims[axes - 1] = parts.iter().map(|part| width(part)).sum();
+    Ok(Tensor { dims, values })
+}
+
+/// The array in another shape, in which 0 keeps an axis and −1 takes what is left.
+fn reshaped(input: &Tensor, asked: &[f64], name: &str) -> Result<Tensor, OnnxError> {
+    let kept = |(axis, size): (usize, &f64)| {
+        if *size == 0.0 { input.dims.get(axis).map_or(1.0, |&dim| dim as f64) } else { *size }
+    };
+    let sizes: Vec<f64> = asked.iter().enumerate().map(kept).collect();
+    let known: f64 = sizes.iter().filter(|size| **size > 0.0).product();
+    let left = input.values.len() as f64 / known;
+    let dims = sizes.iter().map(|&size| if size < 0.0 { left as usize } else { size as usize }).collect();
+    let wrong = || shape(name, format!("found {} numbers for the shape {sizes:?}", input.values.len()));
+    Tensor::new(dims, input.values.clone()).ok_or_else(wrong)
+}

@@ -1,0 +1,115 @@
+//! Policies from outside: an ONNX file, or a class of Python that runs through the Python package. A spec names them in
+//! `policies`: `mine: {onnx: {file: mine.onnx}}`. They see what every policy sees and are held to the same limits.
+
+mod controller;
+mod onnx_policy;
+mod python;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+pub use controller::{OutsideDecider, OutsideDecision, OutsideView};
+pub use onnx_policy::{OnnxInput, OnnxOptions, OnnxOutput};
+pub use python::{PythonOptions, provide_python};
+
+use super::{PolicyEntry, PolicyOptions};
+use crate::base::series::SeriesLabel;
+use crate::base::{BadOption, Policy};
+use controller::OutsideController;
+
+/// A policy from outside.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum OutsidePolicy {
+    /// A network in an ONNX file.
+    Onnx(OnnxOptions),
+    /// A class in a file of Python.
+    Python(PythonOptions),
+}
+
+/// Policies from outside by name.
+pub type OutsidePolicies = BTreeMap<String, OutsidePolicy>;
+
+/// Keys of [`OutsidePolicy`].
+pub const OUTSIDE_KINDS: [&str; 2] = ["onnx", "python"];
+
+/// What the registry would say of a policy from outside.
+static OPEN_OR_CLOSED: PolicyEntry = entry(false);
+static CLOSED_ONLY: PolicyEntry = entry(true);
+
+const fn entry(closed_loop_only: bool) -> PolicyEntry {
+    PolicyEntry {
+        name: "outside",
+        label: SeriesLabel::text("outside"),
+        look: None,
+        footnote: "",
+        needs: &[],
+        closed_loop_only,
+        make: |_, _| Err(super::BuildError::Missing { policy: "outside", model: "its file" }),
+    }
+}
+
+impl OutsidePolicy {
+    /// Its entry; the name in it is not its own.
+    pub fn entry(&self) -> &'static PolicyEntry {
+        let closed_only = match self {
+            OutsidePolicy::Onnx(options) => options.is_closed_loop_only(),
+            OutsidePolicy::Python(options) => options.closed_loop_only,
+        };
+        if closed_only { &CLOSED_ONLY } else { &OPEN_OR_CLOSED }
+    }
+
+    /// The file that holds it.
+    pub fn file(&self) -> &Path {
+        match self {
+            OutsidePolicy::Onnx(options) => &options.file,
+            OutsidePolicy::Python(options) => &options.file,
+        }
+    }
+
+    /// The same with another file.
+    #[must_use]
+    pub fn with_file(mut self, file: PathBuf) -> OutsidePolicy {
+        match &mut self {
+            OutsidePolicy::Onnx(options) => options.file = file,
+            OutsidePolicy::Python(options) => options.file = file,
+        }
+        self
+    }
+
+    pub(super) fn check(&self) -> Result<(), BadOption> {
+        match self {
+            OutsidePolicy::Onnx(options) => options.check(),
+            OutsidePolicy::Python(options) => options.check(),
+        }
+    }
+
+    /// Checks the bytes of its file for a robot with so many tendons.
+    ///
+    /// # Errors
+    /// What was found and what was expected, as the end of a sentence.
+    pub fn check_content(&self, content: &[u8], tendons: usize) -> Result<(), (String, String)> {
+        match self {
+            OutsidePolicy::Onnx(options) => onnx_policy::read(options, content, tendons).map(drop),
+            OutsidePolicy::Python(options) => options.check_content(content),
+        }
+    }
+
+    /// Builds it from the bytes of its file, for a robot with so many tendons.
+    ///
+    /// # Errors
+    /// What is not as it should be, in words.
+    pub fn build(&self, content: &[u8], tendons: usize, options: &PolicyOptions) -> Result<Box<dyn Policy>, String> {
+        let (decider, settled_m): (Box<dyn OutsideDecider>, f64) = match self {
+            OutsidePolicy::Onnx(own) => {
+                let policy = onnx_policy::OnnxDecider::new(own, content, tendons);
+                let words = |(found, expected)| format!("{}: found {found}, expected {expected}", own.file.display());
+                (Box::new(policy.map_err(words)?), own.settled_m)
+            }
+            OutsidePolicy::Python(own) => (own.decider()?, own.settled_m),
+        };
+        Ok(Box::new(OutsideController::new(decider, settled_m, options)))
+    }
+}
