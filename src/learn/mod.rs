@@ -1,5 +1,5 @@
-//! Learning: Gaussian processes ([`gp`]), recurrent networks ([`rnn`]) and networks that others have trained ([`onnx`]).
-//! Decisions and figures: `docs/learning.md`.
+//! Learning: Gaussian processes ([`gp`]), recurrent networks ([`rnn`]), networks that others have trained ([`onnx`]) and
+//! which points are measured ([`selection`]). Decisions and figures: `docs/learning.md`.
 
 mod error;
 mod exact;
@@ -9,6 +9,7 @@ mod standardise;
 pub mod gp;
 pub mod onnx;
 pub mod rnn;
+pub mod selection;
 
 pub use error::LearnError;
 pub use standardise::Standardiser;

@@ -1,7 +1,5 @@
-//! The predefined points of the error model (section IV-B): "1000 real points across workspace", and the sparse
-//! choice of one point of each cluster of consecutive ones.
+//! The predefined points of the error model (section IV-B): "1000 real points across workspace".
 
-use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
 use super::actuation::{BendMap, GridOptions, drive_to};
@@ -224,19 +222,4 @@ impl Plant for Recorder<'_> {
         self.tip_m = seen.tip_m;
         Ok(seen)
     }
-}
-
-/// The sparse choice: `total` consecutive points are divided into `count` clusters of nearly equal size (boundaries at
-/// ⌊i·total/count⌋) and one point is drawn from each, in the order of the points.
-///
-/// # Errors
-/// [`TaskError::TooFew`] when more points are requested than available, [`TaskError::Option`] for a count of zero.
-pub fn one_of_each_cluster(total: usize, count: usize, seed: Seed) -> Result<Vec<usize>, TaskError> {
-    BadOption::unless_counted("count", count)?;
-    if count > total {
-        return Err(TaskError::TooFew { what: "points of the error model", asked: count, available: total });
-    }
-    let mut random = seed.child("clusters").index(count as u64).rng();
-    let edge = |cluster: usize| cluster * total / count;
-    Ok((0..count).map(|cluster| random.random_range(edge(cluster)..edge(cluster + 1))).collect())
 }

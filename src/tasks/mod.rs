@@ -21,7 +21,7 @@ mod transitions;
 pub use actuation::{BendMap, GridOptions, bend_commands};
 pub use corrected_samples::correct_samples;
 pub use explore::{ExploreOptions, explore, explore_trajectory, replay, replay_trajectory};
-pub use gp_points::{GpPoints, GpPointsOptions, GpPool, PointLayout, SimulatedBy, gp_points, one_of_each_cluster};
+pub use gp_points::{GpPoints, GpPointsOptions, GpPool, PointLayout, SimulatedBy, gp_points};
 pub use path::{PathOptions, interpolate, waypoints};
 pub use reach::{LoopMode, ReachOptions, ReachOutcome, reach};
 pub use record::{UnevenSteps, record_trial, step_s};

@@ -7,13 +7,14 @@ use spinebench::base::{Point3, Rows, Seed};
 use spinebench::learn::LearnError;
 use spinebench::learn::gp::{Gp, GpConfig};
 use spinebench::learn::rnn::{Elman, ElmanConfig};
+use spinebench::learn::selection::Selection;
 use spinebench::policies::{
     ElmanForward, ElmanInverse, ErrorModel, ForwardModel, GpError, INVERSE, INVERSE_B, InverseModel, PolicyOptions,
     PolicyParts,
 };
 use spinebench::tasks::{
-    ExploreOptions, GpPointsOptions, LoopMode, ReachOptions, Transitions, correct_samples, explore, gp_points,
-    one_of_each_cluster, reach, rollout,
+    ExploreOptions, GpPointsOptions, LoopMode, ReachOptions, Transitions, correct_samples, explore, gp_points, reach,
+    rollout,
 };
 
 const SHIFT_M: Point3 = [-0.012, 0.004, 0.0];
@@ -39,7 +40,7 @@ fn exploration(points: usize) -> Transitions {
 fn error_model() -> GpError {
     let points =
         gp_points(&mut robot([0.0; 3]), &mut robot(SHIFT_M), &GpPointsOptions::default(), Seed(1)).unwrap().points();
-    let sparse = points.select(&one_of_each_cluster(1_000, 100, Seed(1)).unwrap());
+    let sparse = points.select(&Selection::Clusters.choose(&points.inputs, 100, Seed(1)).unwrap());
     GpError::new(Gp::fit(&sparse.inputs, &sparse.errors_m, &GpConfig::default()).unwrap(), 4).unwrap()
 }
 

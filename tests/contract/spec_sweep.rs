@@ -349,7 +349,7 @@ fn a_hundred_thousand_runs_share_what_they_do_not_sweep() {
 #[test]
 fn the_shipped_sweeps_are_studies_and_resolved_the_same_ones() {
     let folder = tempfile::tempdir().unwrap();
-    for (name, points) in [("thresholds", 6), ("kernels", 20)] {
+    for (name, points) in [("thresholds", 6), ("kernels", 40), ("selection", 24)] {
         let file = experiments().join("sweeps").join(name).with_extension("yaml");
         let study = ExperimentSet::read(&file, &[], &[]).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!((study.experiment.name.as_str(), study.points.len()), (name, points));

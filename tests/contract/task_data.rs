@@ -2,12 +2,13 @@
 
 use crate::support::policies::{ConstantError, negative, robot};
 use proptest::prelude::*;
-use spinebench::base::{Observation, Plant, PlantError, Point3, Seed, TendonCommand, distance_m};
+use spinebench::base::{Observation, Plant, PlantError, Point3, Rows, Seed, TendonCommand, distance_m};
+use spinebench::learn::selection::Selection;
 use spinebench::plants::{ConstantCurvature, ConstantCurvatureOptions};
 use spinebench::tasks::{
     ExploreOptions, GpPointsOptions, GridOptions, PathOptions, PointLayout, TargetOptions, TaskError, Transitions,
-    correct_samples, draw_targets, explore, explore_trajectory, gp_points, interpolate, one_of_each_cluster, replay,
-    spread_targets, target_pool, waypoints,
+    correct_samples, draw_targets, explore, explore_trajectory, gp_points, interpolate, replay, spread_targets,
+    target_pool, waypoints,
 };
 
 const SHIFT_M: Point3 = [-0.012, 0.004, 0.001];
@@ -209,18 +210,14 @@ fn consecutive_grid_points_are_neighbours_and_cover_the_square() {
     }
 }
 
-#[test]
-fn more_gp_points_than_there_are_is_an_error() {
-    assert!(matches!(one_of_each_cluster(1_000, 1_001, Seed(1)), Err(TaskError::TooFew { asked: 1_001, .. })));
-    assert!(matches!(one_of_each_cluster(1_000, 0, Seed(1)), Err(TaskError::Option(_))));
-}
-
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn one_point_of_each_cluster(count in 1..=1_000_usize, seed in any::<u64>()) {
-        let chosen = one_of_each_cluster(1_000, count, Seed(seed)).unwrap();
+        let mut rows = Rows::new(1);
+        (0..1_000).map(f64::from).for_each(|x| rows.push(&[x]));
+        let chosen = Selection::Clusters.choose(&rows, count, Seed(seed)).unwrap();
         prop_assert_eq!(chosen.len(), count);
         for (cluster, index) in chosen.iter().enumerate() {
             prop_assert!((cluster * 1_000 / count..(cluster + 1) * 1_000 / count).contains(index));

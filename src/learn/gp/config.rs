@@ -5,6 +5,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 use super::expression::KernelExpression;
 use super::kernels;
 use crate::learn::LearnError;
+use crate::learn::selection::Selection;
 
 impl Serialize for KernelExpression {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -52,6 +53,10 @@ pub enum Lambda {
 pub struct GpConfig {
     /// Covariance function: a kernel, or an expression of kernels.
     pub kernel: KernelExpression,
+    /// How an experiment chooses the rows that it fits from the predefined points. [`Gp::fit`](super::Gp::fit) takes all that
+    /// it is given.
+    #[serde(skip_serializing_if = "Selection::is_paper")]
+    pub selection: Selection,
     /// Reading of the paper's λ.
     pub lambda: Lambda,
     /// Starting points of the search for hyper-parameters, per output; the first is the conventional one
@@ -84,6 +89,7 @@ impl Default for GpConfig {
     fn default() -> Self {
         GpConfig {
             kernel: KernelExpression::of(&kernels::SeArd),
+            selection: Selection::default(),
             lambda: Lambda::InverseSquares,
             starts: 8,
             start_rows: 100,

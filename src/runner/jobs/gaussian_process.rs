@@ -6,19 +6,19 @@ use crate::data::rows::GpRow;
 use crate::learn::gp::{Gp, GpConfig};
 use crate::learn::rnn::Trained;
 use crate::runner::stage::{Handle, Stage, StageKind};
-use crate::tasks::{self, GpPool, Transitions};
+use crate::tasks::{GpPool, Transitions};
 
 /// Handles of the predefined points and, where p_sim comes from it, of the forward network.
 pub(in crate::runner) type GpInputs = (Handle<GpPool>, Option<Handle<Trained>>);
 
-/// The process of eq. (20) on one point of each of `points` clusters.
+/// The process of eq. (20) on `points` of the predefined points.
 pub(in crate::runner) const GP: Stage<GpParams, GpInputs, Gp> = Stage {
     kind: StageKind { name: "gp_fit", module: module_path!(), cost_ms: 100 },
     job: |params, (pool, network)| {
         let points_by = |steps: &Transitions| pool.points_by(steps);
         let all = network.map(|network| simulated(network, &pool.steps)).transpose()?;
         let all = all.as_ref().map_or_else(|| pool.points(), points_by);
-        let chosen = tasks::one_of_each_cluster(all.inputs.len(), params.points, Seed(params.seed));
+        let chosen = params.config.selection.choose(&all.inputs, params.points, Seed(params.seed));
         let chosen = all.select(&chosen.map_err(|error| error.to_string())?);
         Gp::fit(&chosen.inputs, &chosen.errors_m, &params.config).map_err(|error| error.to_string())
     },
