@@ -258,7 +258,7 @@ fn the_label_is_sealed() {
             readers.insert(kind(node));
         }
     }
-    assert_eq!(looks, 53);
+    assert_eq!(looks, 57);
     assert_eq!(readers, BTreeSet::from(["blind_recording", "blind_score"]));
     // What a recording shows besides commands and tips is what is taken out of the catalogue: nothing, for the groups in
     // which the catalogue is whole.

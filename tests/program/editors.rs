@@ -61,6 +61,7 @@ fn what_the_program_refuses_by_its_keys_the_schema_refuses() {
         ("experiment", "{extends: smoke.yaml, seedz: 3}"),
         ("experiment", "{extends: smoke.yaml, gp: {kernle: se_ard}}"),
         ("experiment", "{extends: smoke.yaml, gp: {kernel: se_adr}}"),
+        ("experiment", "{extends: smoke.yaml, gp: {kernel: se_ard + foo}}"),
         ("experiment", "{extends: smoke.yaml, gp: {starts: many}}"),
         ("experiment", "{extends: smoke.yaml, modes: {closed: {feedback: ajar}}}"),
         ("experiment", "{extends: smoke.yaml, modes: {closed: {effects: [{tip_lode: {mass_kg: 1}}]}}}"),
@@ -79,6 +80,7 @@ fn what_the_program_refuses_by_its_keys_the_schema_refuses() {
         assert!(!problems(&schema(kind), &yaml(text)).is_empty(), "{kind}: {text}");
     }
     let good = [
+        ("experiment", "{extends: smoke.yaml, gp: {kernel: '(se + linear[place]) * periodic[1-2, 4] + white'}}"),
         ("experiment", "{extends: smoke.yaml, plant: {simulated: {noise_m: 0.001}}}"),
         ("experiment", "{extends: smoke.yaml, model: {simulated: {model: ../models/real.yaml}}}"),
         (

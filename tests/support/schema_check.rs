@@ -37,6 +37,7 @@ fn check(root: &Value, schema: &Value, value: &Value, path: &str, found: &mut Ve
             },
             "const" => asked == value,
             "enum" => list().any(|one| one == value),
+            "pattern" => matches(asked, value),
             "anyOf" => list().any(|one| fits(root, one, value)),
             "oneOf" => list().filter(|one| fits(root, one, value)).count() == 1,
             "minimum" => value.as_f64().is_none_or(|number| number >= asked.as_f64().unwrap()),
@@ -78,6 +79,12 @@ fn check(root: &Value, schema: &Value, value: &Value, path: &str, found: &mut Ve
             found.push(format!("{path}: {value} against {rule}"));
         }
     }
+}
+
+/// Whether a text matches a pattern; what is no text is not asked.
+fn matches(pattern: &Value, value: &Value) -> bool {
+    let pattern = regex::Regex::new(pattern.as_str().unwrap()).unwrap();
+    value.as_str().is_none_or(|text| pattern.is_match(text))
 }
 
 fn is(kind: &str, value: &Value) -> bool {

@@ -31,7 +31,11 @@ impl schemars::JsonSchema for KernelExpression {
              `_ard` may be left out.",
             names.join(", ")
         );
-        schemars::json_schema!({ "description": what, "type": "string" })
+        let short = names.iter().filter_map(|name| name.strip_suffix("_ard"));
+        let all: Vec<&str> = names.iter().copied().chain(short).collect();
+        let factor = format!("[\\s(]*(?:{})(?:\\s*\\[[^\\]]*\\])?[\\s)]*", all.join("|"));
+        let pattern = format!("^{factor}(?:[+*]{factor})*$");
+        schemars::json_schema!({ "description": what, "type": "string", "pattern": pattern })
     }
 }
 

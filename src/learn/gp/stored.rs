@@ -2,18 +2,50 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Gp, GpConfig};
+use super::{FoldOrder, Gp, GpConfig, KernelExpression, Lambda};
 use crate::base::Rows;
+use crate::learn::selection::Selection;
 use crate::learn::{LearnError, exact};
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct StoredGp {
-    config: GpConfig,
+    config: StoredConfig,
     inputs: StoredRows,
     outputs: StoredRows,
     hyperparameters: StoredRows,
     evaluations: usize,
+}
+
+/// The settings of the fit, every one of them: the format of the store leaves no field out. How rows were chosen is no part
+/// of a fit.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StoredConfig {
+    kernel: KernelExpression,
+    lambda: Lambda,
+    starts: usize,
+    start_rows: usize,
+    noise_floor: f64,
+    tolerance: f64,
+    folds: usize,
+    fold_order: FoldOrder,
+}
+
+impl From<GpConfig> for StoredConfig {
+    fn from(config: GpConfig) -> Self {
+        let GpConfig { kernel, lambda, starts, start_rows, noise_floor, tolerance, folds, fold_order, selection: _ } =
+            config;
+        StoredConfig { kernel, lambda, starts, start_rows, noise_floor, tolerance, folds, fold_order }
+    }
+}
+
+impl From<StoredConfig> for GpConfig {
+    fn from(stored: StoredConfig) -> Self {
+        let StoredConfig { kernel, lambda, starts, start_rows, noise_floor, tolerance, folds, fold_order } = stored;
+        let selection = Selection::default();
+        GpConfig { kernel, selection, lambda, starts, start_rows, noise_floor, tolerance, folds, fold_order }
+    }
 }
 
 #[derive(Serialize, Deserialize)]
@@ -48,7 +80,7 @@ impl From<Gp> for StoredGp {
             outputs: StoredRows::of(&gp.outputs),
             hyperparameters: StoredRows { width, values: gp.theta.concat() },
             evaluations: gp.evaluations,
-            config: gp.config,
+            config: gp.config.into(),
         }
     }
 }
@@ -58,6 +90,6 @@ impl TryFrom<StoredGp> for Gp {
 
     fn try_from(stored: StoredGp) -> Result<Gp, LearnError> {
         let theta = stored.hyperparameters.rows()?.iter().map(<[f64]>::to_vec).collect();
-        Gp::condition(&stored.inputs.rows()?, &stored.outputs.rows()?, &stored.config, theta, stored.evaluations)
+        Gp::condition(&stored.inputs.rows()?, &stored.outputs.rows()?, &stored.config.into(), theta, stored.evaluations)
     }
 }
