@@ -8,6 +8,7 @@ mod file;
 pub mod findings;
 pub mod import;
 pub mod recording;
+pub mod responses;
 mod row_serde;
 pub mod rows;
 mod table;
@@ -24,5 +25,5 @@ pub use text::read_text;
 
 /// Every table of results.
 pub fn table_descriptions() -> impl Iterator<Item = &'static TableDescription> {
-    rows::TABLES.iter().chain(findings::TABLES)
+    rows::TABLES.iter().chain(responses::TABLES).chain(findings::TABLES)
 }

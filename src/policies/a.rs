@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::network::RecurrentInverse;
 use super::single_controller::{ControlLaw, Demand, SingleController};
 use super::tip_tracker::TipReading;
-use super::{ErrorModel, INVERSE, InverseModel, ModelNeed, NetworkOptions, PolicyEntry, PolicyOptions};
+use super::{ErrorModel, INVERSE, InverseModel, ModelAccess, ModelNeed, NetworkOptions, PolicyEntry, PolicyOptions};
 use crate::base::series::SeriesLabel;
 use crate::base::{BadOption, Displacements, Point3, PolicyError, distance_m};
 
@@ -21,6 +21,7 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     look: None,
     footnote: "",
     needs: &[ModelNeed::Network(&INVERSE), ModelNeed::ErrorModel],
+    model: ModelAccess::None,
     closed_loop_only: false,
     make: |mut parts, options| {
         let model = parts.inverse("a", &INVERSE)?;
@@ -102,6 +103,11 @@ impl AlgorithmTwo {
             error_m: [0.0; 3],
             held_m: None,
         }
+    }
+
+    /// Moves the target without beginning the loop again.
+    pub(super) fn retarget(&mut self, target_m: &Point3) {
+        self.target_m = Some(*target_m);
     }
 
     /// One iteration: L(i), e_gp(i), x_s-target(i).

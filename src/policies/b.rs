@@ -3,7 +3,7 @@
 
 use super::inverse_network::InverseNetworkController;
 use super::single_controller::SingleController;
-use super::{INVERSE_B, ModelNeed, PolicyEntry};
+use super::{INVERSE_B, ModelAccess, ModelNeed, PolicyEntry};
 use crate::base::series::SeriesLabel;
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
@@ -12,6 +12,7 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     look: None,
     footnote: "",
     needs: &[ModelNeed::Network(&INVERSE_B)],
+    model: ModelAccess::None,
     closed_loop_only: false,
     make: |mut parts, options| {
         let model = parts.inverse("b", &INVERSE_B)?;

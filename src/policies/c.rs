@@ -13,7 +13,7 @@ use super::actuator_limits::{ActuatorLimits, largest_change_m};
 use super::inverse_network::InverseNetworkController;
 use super::single_controller::{ControlLaw, Demand};
 use super::tip_tracker::TipTracker;
-use super::{INVERSE, INVERSE_B, ModelNeed, PolicyEntry};
+use super::{INVERSE, INVERSE_B, ModelAccess, ModelNeed, PolicyEntry};
 use crate::base::series::SeriesLabel;
 use crate::base::{Action, BadOption, Observation, Point3, Policy, PolicyError, distance_m};
 
@@ -23,6 +23,7 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     look: None,
     footnote: "",
     needs: &[ModelNeed::Network(&INVERSE), ModelNeed::ErrorModel, ModelNeed::Network(&INVERSE_B)],
+    model: ModelAccess::None,
     closed_loop_only: true,
     make: |mut parts, options| {
         let model = parts.inverse("c", &INVERSE)?;
@@ -123,20 +124,20 @@ impl COptions {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Branch {
+pub(super) enum Branch {
     A,
     B,
 }
 
 impl Branch {
-    fn other(self) -> Branch {
+    pub(super) fn other(self) -> Branch {
         match self {
             Branch::A => Branch::B,
             Branch::B => Branch::A,
         }
     }
 
-    fn name(self) -> &'static str {
+    pub(super) fn name(self) -> &'static str {
         match self {
             Branch::A => "a",
             Branch::B => "b",

@@ -4,19 +4,24 @@
 //! `policies` that holds them and their type. Everything else that others need to know of it is its [`PolicyEntry`].
 
 mod actuator_limits;
+mod bends;
 mod inverse_network;
 mod learned;
 mod model_traits;
 mod models;
 mod network;
+mod option_ranges;
 mod outside;
 mod parts;
 mod single_controller;
 mod tip_tracker;
 
 pub use a::AOptions;
+pub use a_integral::AIntegralOptions;
 pub use actuator_limits::LimitOptions;
 pub use c::{AfterBoth, COptions, StartBranch, SwitchCheck};
+pub use c_hysteresis::CHysteresisOptions;
+pub use integral::IntegralOptions;
 pub use inverse_network::DirectOptions;
 pub use learned::{ElmanForward, ElmanInverse, GpError};
 pub use model_traits::{ErrorModel, ForwardModel, InverseModel};
@@ -24,6 +29,7 @@ pub use models::{
     EarlyStopping, FORWARD, INVERSE, INVERSE_B, ModelNeed, NetworkDescription, PI_REAL, SampleColumns, TrainingData,
 };
 pub use network::{MemoryUpdate, NetworkOptions};
+pub use online_jacobian::OnlineJacobianOptions;
 pub use outside::{
     OUTSIDE_KINDS, OnnxInput, OnnxOptions, OnnxOutput, OutsideDecider, OutsideDecision, OutsidePolicies, OutsidePolicy,
     OutsideView, PythonOptions, provide_python,
@@ -36,8 +42,12 @@ use crate::base::series::{Look, SeriesLabel};
 use crate::base::{BadOption, Policy};
 
 macro_rules! policies {
-    ($($module:ident::ENTRY $({ $section:ident: $options:ty })?),* $(,)?) => {
+    (
+        paper: [$($module:ident::ENTRY $({ $section:ident: $options:ty })?),* $(,)?]
+        further: [$($further:ident::ENTRY $({ $further_section:ident: $further_options:ty })?),* $(,)?]
+    ) => {
         $(mod $module;)*
+        $(mod $further;)*
 
         /// Options of all policies; each default and its alternatives are argued in `docs/decisions.md`.
         #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -52,6 +62,11 @@ macro_rules! policies {
             #[serde(skip_serializing_if = "OutsidePolicies::is_empty")]
             pub outside: OutsidePolicies,
             $($(#[doc = concat!("Options of `", stringify!($module), "`.")] pub $section: $options,)?)*
+            $($(
+                #[doc = concat!("Options of `", stringify!($further), "`.")]
+                #[serde(skip_serializing_if = "is_default")]
+                pub $further_section: $further_options,
+            )?)*
         }
 
         impl PolicyOptions {
@@ -64,21 +79,36 @@ macro_rules! policies {
                 self.network.check()?;
                 self.outside.values().try_for_each(OutsidePolicy::check)?;
                 $($(self.$section.check()?;)?)*
+                $($(self.$further_section.check()?;)?)*
                 Ok(())
             }
         }
 
-        /// Every policy, in the order of the paper's Table I.
-        pub static REGISTRY: &[PolicyEntry] = &[$($module::ENTRY),*];
+        /// Every policy: the paper's in the order of its Table I, then the others.
+        pub static REGISTRY: &[PolicyEntry] = &[$($module::ENTRY,)* $($further::ENTRY,)*];
     };
 }
 
 policies! {
-    a::ENTRY { a: a::AOptions },
-    // Shared with `pi_real`, which is the same controller with another network.
-    b::ENTRY { direct: inverse_network::DirectOptions },
-    c::ENTRY { c: c::COptions },
-    pi_real::ENTRY,
+    // Published specs hold their options even where they are the defaults.
+    paper: [
+        a::ENTRY { a: a::AOptions },
+        // Shared with `pi_real`, which is the same controller with another network.
+        b::ENTRY { direct: inverse_network::DirectOptions },
+        c::ENTRY { c: c::COptions },
+        pi_real::ENTRY,
+    ]
+    // A spec holds their options where they differ from the defaults.
+    further: [
+        integral::ENTRY { integral: integral::IntegralOptions },
+        online_jacobian::ENTRY { online_jacobian: online_jacobian::OnlineJacobianOptions },
+        a_integral::ENTRY { a_integral: a_integral::AIntegralOptions },
+        c_hysteresis::ENTRY { c_hysteresis: c_hysteresis::CHysteresisOptions },
+    ]
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 /// Why a policy could not be built.
@@ -100,6 +130,15 @@ pub enum BuildError {
 /// Takes its parts and makes the policy.
 type Make = fn(PolicyParts, &PolicyOptions) -> Result<Box<dyn Policy>, BuildError>;
 
+/// What a policy is told of the nominal model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ModelAccess {
+    /// Nothing beside the data of the model that its networks are trained on.
+    None,
+    /// Where its tendons lie.
+    Tendons,
+}
+
 /// What a policy states about itself.
 pub struct PolicyEntry {
     /// Name in specs and result rows.
@@ -112,6 +151,8 @@ pub struct PolicyEntry {
     pub footnote: &'static str,
     /// What it is trained from.
     pub needs: &'static [ModelNeed],
+    /// What it is told of the nominal model while it controls.
+    pub model: ModelAccess,
     /// True when it decides by the measured error, so that open loop means nothing to it.
     pub closed_loop_only: bool,
     /// Call [`build`] instead, which checks the options first.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::{
     BuildError, ElmanForward, ElmanInverse, ErrorModel, ForwardModel, InverseModel, NetworkDescription, SampleColumns,
 };
+use crate::base::TendonLayout;
 use crate::learn::LearnError;
 use crate::learn::rnn::Elman;
 
@@ -15,6 +16,7 @@ pub struct PolicyParts {
     inverse: BTreeMap<&'static str, Box<dyn InverseModel>>,
     forward: BTreeMap<&'static str, Box<dyn ForwardModel>>,
     error: Option<Arc<dyn ErrorModel>>,
+    layout: Option<TendonLayout>,
 }
 
 impl PolicyParts {
@@ -50,6 +52,21 @@ impl PolicyParts {
     pub fn with_error(mut self, error: Arc<dyn ErrorModel>) -> Self {
         self.error = Some(error);
         self
+    }
+
+    /// Says where the tendons lie.
+    #[must_use]
+    pub fn with_layout(mut self, layout: TendonLayout) -> Self {
+        self.layout = Some(layout);
+        self
+    }
+
+    /// Where the tendons lie, for the policy called `policy`.
+    ///
+    /// # Errors
+    /// [`BuildError::Missing`] where nobody said so.
+    pub fn layout(&self, policy: &'static str) -> Result<TendonLayout, BuildError> {
+        self.layout.clone().ok_or(BuildError::Missing { policy, model: "tendon layout" })
     }
 
     /// Takes an inverse mapping for the policy called `policy`.

@@ -2,7 +2,7 @@
 
 use super::inverse_network::InverseNetworkController;
 use super::single_controller::SingleController;
-use super::{ModelNeed, PI_REAL, PolicyEntry};
+use super::{ModelAccess, ModelNeed, PI_REAL, PolicyEntry};
 use crate::base::series::SeriesLabel;
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
@@ -11,6 +11,7 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     look: None,
     footnote: "trained directly from real data.",
     needs: &[ModelNeed::Network(&PI_REAL)],
+    model: ModelAccess::None,
     closed_loop_only: false,
     make: |mut parts, options| {
         let model = parts.inverse("pi_real", &PI_REAL)?;

@@ -2,6 +2,7 @@
 //! This module cannot reach the code that computed the rows, so every figure can be redrawn from `results/`.
 
 pub mod calibration;
+mod controllers_table;
 pub mod discovery;
 mod drawing;
 pub mod markup;
@@ -108,6 +109,7 @@ figures! {
     peers::FIGURE,
     benchmark::FIGURE,
     scaling::FIGURE,
+    controllers::FIGURE,
 }
 
 /// The figure called `name`.

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::sweep_rows::SweepTable;
 use crate::data::findings::{CaseRow, IntervalRow};
+use crate::data::responses::{PaceRow, ResponseRow};
 use crate::data::rows::{
     ClaimRow, GapRow, GpRow, NetworkRow, PeerRow, ScalingRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow,
 };
@@ -66,6 +67,10 @@ published! {
     trials: TrialRow,
     /// Path tracking steps.
     tracks: TrackRow,
+    /// Responses to targets.
+    responses: ResponseRow,
+    /// Laps of the path in time.
+    paces: PaceRow,
     /// Points that the path runs through.
     waypoints: WaypointRow,
     /// Points of the real workspace behind the path.

@@ -5,11 +5,13 @@ use super::metrics::{ANY_TRAINING, Tables};
 use super::outcomes::Outcomes;
 use super::stages::{BlindStages, SharedParts, Stages};
 use crate::base::Point3;
+use crate::data::responses::{PaceRow, ResponseRow};
 use crate::data::rows::{GapRow, GpRow, TrackRow, TrialRow};
 use crate::learn::rnn::Trained;
 use crate::policies::{self, FORWARD, NetworkDescription, PolicyEntry, TrainingData, networks};
 use crate::specs::{
-    Experiment, ExperimentSet, SweepPoint, SweptField, Training, TrialCell, gp_sizes, reach_cells, track_cells,
+    Experiment, ExperimentSet, SweepPoint, SweptField, Training, TrialCell, gp_sizes, pace_cells, reach_cells,
+    response_cells, track_cells, trial_cells,
 };
 use crate::tasks::SimulatedBy;
 use std::collections::BTreeSet;
@@ -65,12 +67,15 @@ pub(super) struct Repetition {
 }
 
 /// The stages of one seed and kind of training.
+#[derive(Default)]
 pub(super) struct TrainedCells {
     pub(super) training: String,
     /// With the points of the data that each depends on.
     pub(super) networks: Vec<(&'static NetworkDescription, usize, Handle<Trained>)>,
     pub(super) reach: Vec<(TrialCell, Handle<Vec<TrialRow>>)>,
     pub(super) track: Vec<(TrialCell, Handle<Vec<TrackRow>>)>,
+    pub(super) response: Vec<(TrialCell, Handle<Vec<ResponseRow>>)>,
+    pub(super) pace: Vec<(TrialCell, Handle<Vec<PaceRow>>)>,
 }
 
 impl Campaign {
@@ -105,6 +110,8 @@ impl CampaignEntry {
                 numbers.extend(trained.networks.iter().map(|(_, _, stage)| stage.number()));
                 numbers.extend(trained.reach.iter().map(|(_, stage)| stage.number()));
                 numbers.extend(trained.track.iter().map(|(_, stage)| stage.number()));
+                numbers.extend(trained.response.iter().map(|(_, stage)| stage.number()));
+                numbers.extend(trained.pace.iter().map(|(_, stage)| stage.number()));
             }
         }
         numbers
@@ -148,6 +155,8 @@ impl Repetition {
             };
             runs.extend(trained.reach.iter().map(|(cell, stage)| run("reach", cell, stage.number())));
             runs.extend(trained.track.iter().map(|(cell, stage)| run("track", cell, stage.number())));
+            runs.extend(trained.response.iter().map(|(cell, stage)| run("response", cell, stage.number())));
+            runs.extend(trained.pace.iter().map(|(cell, stage)| run("pace", cell, stage.number())));
         }
     }
 }
@@ -181,13 +190,14 @@ fn repetition(
     let mut stages = Stages::new(graph, experiment, parts, seed);
     let mut one = Repetition { seed, ..Repetition::default() };
     one.gap = experiment.runs.gap.map(|gap| stages.gap(gap.rows)).transpose()?;
-    one.waypoints = experiment.runs.track.as_ref().map(|_| stages.waypoints()).transpose()?;
+    let path = experiment.runs.track.is_some() || experiment.runs.pace.is_some();
+    one.waypoints = path.then(|| stages.waypoints()).transpose()?;
     one.gps = gaussian_processes(&mut stages, experiment)?;
     one.blind = stages.blind()?;
     let (reach, track) = (reach_cells(experiment), track_cells(experiment));
     for (name, training) in &experiment.training {
-        let mut cells = TrainedCells { training: name.clone(), networks: vec![], reach: vec![], track: vec![] };
-        for (network, points) in networks_of(experiment, reach.iter().chain(&track)) {
+        let mut cells = TrainedCells { training: name.clone(), ..TrainedCells::default() };
+        for (network, points) in networks_of(experiment, trial_cells(experiment)) {
             cells.networks.push((network, points, stages.network(network, training, points)?));
         }
         for cell in &reach {
@@ -195,6 +205,14 @@ fn repetition(
         }
         for cell in &track {
             cells.track.push((cell.clone(), stages.track(cell, training)?));
+        }
+        for (cell, run) in response_cells(experiment).into_iter().zip(experiment.runs.response.iter().cycle()) {
+            let stage = stages.response(&cell, training, run.duration_s)?;
+            cells.response.push((cell, stage));
+        }
+        for (cell, run) in pace_cells(experiment).into_iter().zip(experiment.runs.pace.iter().cycle()) {
+            let stage = stages.pace(&cell, training, run)?;
+            cells.pace.push((cell, stage));
         }
         one.trained.push(cells);
     }
@@ -217,9 +235,9 @@ fn gaussian_processes(stages: &mut Stages, experiment: &Experiment) -> Result<Ve
 
 /// The networks that the cells are built from with the points of their data, and the forward model where it is asked for
 /// or stands for the rod; in the order of [`networks`].
-fn networks_of<'a>(
+fn networks_of(
     experiment: &Experiment,
-    cells: impl Iterator<Item = &'a TrialCell>,
+    cells: impl Iterator<Item = TrialCell>,
 ) -> Vec<(&'static NetworkDescription, usize)> {
     let known = networks();
     let rank = |network: &NetworkDescription| known.iter().position(|other| other.name == network.name);
@@ -228,7 +246,7 @@ fn networks_of<'a>(
     used.extend((experiment.runs.forward || simulates).then_some((rank(&FORWARD), 0)));
     for cell in cells {
         for network in policies::find(&cell.policy).into_iter().flat_map(PolicyEntry::networks) {
-            used.insert((rank(network), points_of(network, cell)));
+            used.insert((rank(network), points_of(network, &cell)));
         }
     }
     used.into_iter().filter_map(|(rank, points)| Some((known[rank?], points))).collect()

@@ -105,10 +105,15 @@ impl PublishedPart {
         let (published, drawn) = (&self.tables.published, self.experiment.targets.drawn);
         let runs: BTreeSet<_> = published.tracks.iter().map(|row| (row.seed, &row.training, &row.policy)).collect();
         let reached: usize = trained().map(|cells| cells.reach.len()).sum();
+        let responded: usize = trained().map(|cells| cells.response.len()).sum();
+        let paced: usize = trained().map(|cells| cells.pace.len()).sum();
+        let speeds = self.experiment.runs.pace.as_ref().map_or(0, |run| run.speeds.len());
         let intervals: u64 = published.cases.iter().map(|case| case.intervals).sum();
         let counts = [
             ("trials.csv", published.trials.len(), drawn * reached, "trials"),
             ("tracks.csv", runs.len(), trained().map(|cells| cells.track.len()).sum(), "runs"),
+            ("responses.csv", published.responses.len(), drawn * responded, "trials"),
+            ("paces.csv", published.paces.len(), speeds * paced, "laps"),
             ("discovery.csv", published.cases.len(), repetitions.iter().map(|one| one.blind.len()).sum(), "cases"),
             ("intervals.csv", published.intervals.len(), intervals as usize, "intervals"),
         ];

@@ -129,6 +129,8 @@ impl CampaignEntry {
 pub(super) fn failed(tables: &Tables) -> usize {
     tables.published.trials.iter().filter(|row| row.status != "ok").count()
         + tables.runs.iter().filter(|row| row.status != "ok").count()
+        + tables.published.responses.iter().filter(|row| row.status != "ok").count()
+        + tables.published.paces.iter().filter(|row| row.status != "ok").count()
         + tables.published.cases.iter().filter(|row| row.verdict.starts_with("failed")).count()
 }
 

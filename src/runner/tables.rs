@@ -5,6 +5,7 @@ use super::graph::Failure;
 use super::metrics::Tables;
 use super::outcomes::Outcomes;
 use crate::benchmark::ScoredCase;
+use crate::data::responses::{PaceRow, ResponseRow};
 use crate::data::rows::{GpRow, NetworkRow, TrackRow, TrialRow, WaypointRow};
 use crate::learn::rnn::Trained;
 use crate::policies::{NetworkDescription, TrainingData};
@@ -73,6 +74,43 @@ fn trained(tables: &mut Tables, experiment: &Experiment, seed: u64, cells: &Trai
         let rows = outcomes.get(*stage).map_or_else(|failure| vec![failed_track(cell, &failure)], Clone::clone);
         let label = |row| TrackRow { seed, training: training.clone(), ..row };
         tables.published.tracks.extend(rows.into_iter().map(label));
+    }
+    fixed_duration(tables, experiment, seed, cells, outcomes);
+}
+
+/// Responses and laps of one seed and training.
+fn fixed_duration(tables: &mut Tables, experiment: &Experiment, seed: u64, cells: &TrainedCells, outcomes: &Outcomes) {
+    let training = &cells.training;
+    for (cell, stage) in &cells.response {
+        let failed = |failure: Failure| {
+            (0..experiment.targets.drawn as u64).map(|draw| ResponseRow::failed(draw, failure.to_string())).collect()
+        };
+        let rows: Vec<ResponseRow> = outcomes.get(*stage).map_or_else(failed, Clone::clone);
+        tables.published.responses.extend(rows.into_iter().map(|row| ResponseRow {
+            seed,
+            training: training.clone(),
+            policy: cell.policy.clone(),
+            mode: cell.mode.clone(),
+            gp_points: cell.gp_points as u64,
+            real_points: cell.real_points as u64,
+            ..row
+        }));
+    }
+    let laps = experiment.runs.pace.iter().flat_map(|run| run.speeds.iter().map(|speed| (*speed, run.lap_s / speed)));
+    for (cell, stage) in &cells.pace {
+        let failed = |failure: Failure| {
+            laps.clone().map(|(speed, lap_s)| PaceRow::failed(speed, lap_s, failure.to_string())).collect()
+        };
+        let rows: Vec<PaceRow> = outcomes.get(*stage).map_or_else(failed, Clone::clone);
+        tables.published.paces.extend(rows.into_iter().map(|row| PaceRow {
+            seed,
+            training: training.clone(),
+            policy: cell.policy.clone(),
+            mode: cell.mode.clone(),
+            gp_points: cell.gp_points as u64,
+            real_points: cell.real_points as u64,
+            ..row
+        }));
     }
 }
 

@@ -13,11 +13,12 @@ pub use document::error::{SourceLocation, SpecError};
 pub use document::locate::{PathEnd, locate};
 pub use document::merged::Document;
 pub use document::path::{KeyPath, Step};
-pub use experiment::cells::{TrialCell, gp_sizes, reach_cells, track_cells};
+pub use experiment::cells::{TrialCell, gp_sizes, pace_cells, reach_cells, response_cells, track_cells, trial_cells};
 pub use experiment::claims::{ClaimMetric, FrameAxis, PaperClaim, ReachCell, Relation, Size};
 pub use experiment::slurm::SlurmOptions;
 pub use experiment::spec::{
-    DiscoveryRun, Experiment, GapRun, GeneratedStart, ReachSweep, Runs, TrackRun, Training, TrialMode,
+    DiscoveryRun, Experiment, GapRun, GeneratedStart, PaceRun, ReachSweep, ResponseRun, Runs, TrackRun, Training,
+    TrialMode,
 };
 pub use read::{files_behind, read_model, read_options, read_plant};
 pub use schema::{SchemaOf, schema};

@@ -4,9 +4,11 @@ mod actuation;
 mod corrected_samples;
 mod explore;
 mod gp_points;
+mod pace;
 mod path;
 mod reach;
 mod record;
+mod response;
 mod retry_lost_frames;
 mod robot_recordings;
 mod rollout;
@@ -17,14 +19,17 @@ mod static_poses;
 mod targets;
 mod track;
 mod transitions;
+mod watched;
 
 pub use actuation::{BendMap, GridOptions, bend_commands};
 pub use corrected_samples::correct_samples;
 pub use explore::{ExploreOptions, explore, explore_trajectory, replay, replay_trajectory};
 pub use gp_points::{GpPoints, GpPointsOptions, GpPool, PointLayout, SimulatedBy, gp_points};
+pub use pace::{Lap, lap};
 pub use path::{PathOptions, interpolate, waypoints};
 pub use reach::{LoopMode, ReachOptions, ReachOutcome, reach};
 pub use record::{UnevenSteps, record_trial, step_s};
+pub use response::{Response, response};
 pub use robot_recordings::{check_one_gravity, check_tendons, read_commands, read_measured, read_measured_tip};
 pub use rollout::rollout;
 pub use simulate_recording::{RecordingWithRates, SimulationOptions, simulate_recording, simulate_with_rates};
@@ -32,6 +37,7 @@ pub use static_poses::{StaticPoseOptions, plan_static_poses, record_static_poses
 pub use targets::{TargetOptions, draw_targets, spread_targets, target_pool};
 pub use track::{TrackOptions, TrackStep, track};
 pub use transitions::Transitions;
+pub use watched::WatchedRobot;
 
 use crate::base::{BadOption, PlantError, PolicyError};
 

@@ -1,16 +1,18 @@
 //! What every policy of the registry keeps.
 
 use crate::support::policies::{
-    AnalyticInverse, BrokenInverse, ConstantError, exact_parts, inverse_mappings, policy, seen,
+    AnalyticInverse, BrokenInverse, ConstantError, exact_parts, inverse_mappings, policy, seen, told_of_model,
 };
 use proptest::prelude::*;
 use spinebench::base::{Action, Point3, Policy, PolicyError};
-use spinebench::policies::{BuildError, LimitOptions, PolicyOptions, PolicyParts, REGISTRY, build};
+use spinebench::policies::{
+    BuildError, LimitOptions, ModelAccess, PolicyEntry, PolicyOptions, PolicyParts, REGISTRY, build,
+};
 use std::sync::Arc;
 
 /// Parts whose memory shows in the command.
 fn remembering_parts() -> PolicyParts {
-    let parts = PolicyParts::default().with_error(Arc::new(ConstantError([0.01, 0.0, 0.002])));
+    let parts = told_of_model(PolicyParts::default().with_error(Arc::new(ConstantError([0.01, 0.0, 0.002]))));
     let model = || Box::new(AnalyticInverse { drift_m: 1e-4, ..AnalyticInverse::default() });
     inverse_mappings().into_iter().fold(parts, |parts, network| parts.with_inverse(network, model()))
 }
@@ -28,14 +30,16 @@ fn names_are_unique() {
 
 #[test]
 fn a_missing_part_is_named() {
-    for entry in REGISTRY.iter().filter(|entry| !entry.needs.is_empty()) {
+    let needs = |entry: &&PolicyEntry| !entry.needs.is_empty() || entry.model != ModelAccess::None;
+    for entry in REGISTRY.iter().filter(needs) {
         let Err(BuildError::Missing { policy, model }) =
             build(entry, PolicyParts::default(), &PolicyOptions::default())
         else {
             panic!("{} was built from nothing", entry.name)
         };
         assert_eq!(policy, entry.name);
-        let named = model == "error model" || entry.networks().any(|network| network.name == model);
+        let told = ["error model", "tendon layout"];
+        let named = told.contains(&model) || entry.networks().any(|network| network.name == model);
         assert!(named, "{}: {model}", entry.name);
     }
 }
@@ -66,7 +70,7 @@ fn an_observation_that_is_not_finite_is_an_error() {
 #[test]
 fn a_network_that_goes_wrong_is_an_error() {
     for entry in REGISTRY {
-        let parts = PolicyParts::default().with_error(Arc::new(ConstantError([0.0; 3])));
+        let parts = told_of_model(PolicyParts::default().with_error(Arc::new(ConstantError([0.0; 3]))));
         let broken = |parts: PolicyParts, network| parts.with_inverse(network, Box::new(BrokenInverse));
         let parts = inverse_mappings().into_iter().fold(parts, broken);
         let networks = entry.networks().count() > 0;

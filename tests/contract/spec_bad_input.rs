@@ -52,6 +52,24 @@ const BAD: &[(&str, &str)] = &[
         "network: {stop_at_validation_mae_m: 0.01}",
         "bad.yaml:2:37: network.stop_at_validation_mae_m: found 0.01, expected null",
     ),
+    ("policies: {integral: {gain: -0.1}}", "bad.yaml:2:29: policies.integral.gain: found -0.1, expected a finite"),
+    ("policies: {online_jacobian: {gain: 1.5}}", "bad.yaml:2:36: policies.online_jacobian.gain: found 1.5, expected"),
+    (
+        "policies: {c_hysteresis: {stay_below_m: 0.01}}",
+        "bad.yaml:2:41: policies.c_hysteresis.stay_below_m: found 0.01, expected at most `switch_above_m` (0.004)",
+    ),
+    (
+        "runs: {response: {duration_s: 0, cells: [{policies: [a_integral], modes: [closed], gp_points: [20]}]}}",
+        "bad.yaml:2:31: runs.response.duration_s: found 0, expected 1 to 600 s",
+    ),
+    (
+        "runs: {response: {cells: [{policies: [a_integral], modes: [closed]}]}}",
+        "bad.yaml:2:27: runs.response.cells[0].gp_points: found nothing, expected sizes for policy `a_integral`",
+    ),
+    (
+        "runs: {pace: {speeds: [1, 0], cells: [{policies: [integral], modes: [closed]}]}}",
+        "bad.yaml:2:27: runs.pace.speeds[1]: found 0, expected 0.1 to 100 times",
+    ),
     (
         "training: {paper: {inverse_mae_m: -0.1}}",
         "bad.yaml:2:35: training.paper.inverse_mae_m: found -0.1, expected a length above 0",

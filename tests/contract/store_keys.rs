@@ -30,12 +30,12 @@ const LEARNING: [&str; 6] =
 fn telling_files_change_the_keys_of_exactly_these_stages() {
     let all: BTreeSet<&str> =
         stage_dependencies().iter().map(|stage| stage.name).filter(|name| *name != "bench").collect();
-    assert_eq!(all.len(), 22);
+    assert_eq!(all.len(), 24);
     let only = |names: &[&'static str]| names.iter().copied().collect::<BTreeSet<_>>();
     // How results lie in the store.
     assert_eq!(&stages_of("runner/codec.rs") - &only(&["bench"]), all);
     // Rows that are stored.
-    let rows = only(&["gap", "gp_score", "gp_fit", "reach", "track"]);
+    let rows = only(&["gap", "gp_score", "gp_fit", "reach", "track", "response", "pace"]);
     assert_eq!(stages_of("data/rows.rs"), rows);
     // The rod moves in all that build a robot; what is only trained has seen it through its inputs.
     let rod = &stages_of("rod/solver/newton.rs") - &only(&["bench"]);
@@ -59,8 +59,10 @@ fn telling_files_change_the_keys_of_exactly_these_stages() {
         "reach"
     ])));
     // One file of jobs holds both.
-    assert_eq!(stages_of("tasks/reach.rs"), only(&["reach", "track"]));
-    assert_eq!(stages_of("tasks/track.rs"), only(&["reach", "track"]));
+    let trials = only(&["reach", "track", "response", "pace"]);
+    assert_eq!(stages_of("tasks/reach.rs"), trials);
+    assert_eq!(stages_of("tasks/track.rs"), trials);
+    assert_eq!(stages_of("tasks/pace.rs"), only(&["response", "pace"]));
     assert_eq!(
         stages_of("plants/hardware/options.rs"),
         only(&["bench"]),

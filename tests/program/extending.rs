@@ -182,11 +182,13 @@ fn command_line_and_schema(extended: &Extended) {
     assert!(card.contains("the tracker's unit of length is off") && card.contains("scale (ratio"), "{card}");
     let schema: serde_json::Value = serde_json::from_str(&extended.run(&["schema", "experiment"])).unwrap();
     let definitions = schema["$defs"].to_string();
-    for word in ["\"cauchy\"", "\"integral\"", "IntegralOptions", "\"gain\"", "\"tracker_scale\"", "\"linear_tip\""] {
+    for word in
+        ["cauchy|", "\"fixed_integral\"", "FixedIntegralOptions", "\"gain\"", "\"tracker_scale\"", "\"linear_tip\""]
+    {
         assert!(definitions.contains(word), "no {word} in the definitions of the schema");
     }
     assert!(schema["properties"]["figures"].to_string().contains("reach_steps"), "{}", schema["properties"]["figures"]);
-    let gain = &schema["$defs"]["IntegralOptions"]["properties"]["gain"];
+    let gain = &schema["$defs"]["FixedIntegralOptions"]["properties"]["gain"];
     assert_eq!(gain["default"], 0.06, "{gain}");
     assert!(extended.run(&["schema", "plant"]).contains("linear_tip"));
     assert!(extended.run(&["schema", "model"]).contains("tracker_scale"));
@@ -218,10 +220,10 @@ fn experiment(extended: &Extended) {
     let smoke = Path::new(ROOT).join("experiments/smoke.yaml");
     let spec = format!(
         "extends: {}\nname: extended\nseeds: 1\nmodel: {{constant_curvature: {{}}}}\nplant: {{linear_tip: {{gain: 4.5}}}}\n\
-         gp: {{kernel: cauchy}}\npolicies: {{integral: {{gain: 0.07}}}}\n\
+         gp: {{kernel: cauchy}}\npolicies: {{fixed_integral: {{gain: 0.07}}}}\n\
          modes: {{open: {{feedback: open}}, closed: {{feedback: closed}}, closed_load: null}}\n\
-         runs:\n  gap: null\n  gp_points: []\n  forward: false\n  reach:\n    - {{policies: [a, integral, pi_patient], modes: [open, closed], gp_points: [20], real_points: [200]}}\n  \
-         track: {{policies: [a, integral], mode: closed, gp_points: 20, real_points: null}}\n\
+         runs:\n  gap: null\n  gp_points: []\n  forward: false\n  reach:\n    - {{policies: [a, fixed_integral, pi_patient], modes: [open, closed], gp_points: [20], real_points: [200]}}\n  \
+         track: {{policies: [a, fixed_integral], mode: closed, gp_points: 20, real_points: null}}\n\
          figures: [table1, fig8, reach_steps]\nclaims: []\n",
         smoke.display()
     );
@@ -229,18 +231,18 @@ fn experiment(extended: &Extended) {
     let spec = spec.replace(", closed_load: null", ", closed_load: {feedback: closed, effects: []}");
     extended.write("extended.yaml", &spec);
     let plan = extended.run(&["plan", "extended.yaml"]);
-    assert!(plan.contains("integral closed") && !plan.contains("integral open"), "{plan}");
+    assert!(plan.contains("fixed_integral closed") && !plan.contains("fixed_integral open"), "{plan}");
     extended.run(&["run", "extended.yaml", "--quiet"]);
     extended.assert_says("results/extended/spec.yaml", &["kernel: cauchy", "gain: 0.07", "linear_tip:"]);
-    extended.assert_says("results/extended/trials.csv", &[",integral,closed,0,0,"]);
-    extended.assert_says("results/extended/summary.csv", &[",integral,closed,"]);
+    extended.assert_says("results/extended/trials.csv", &[",fixed_integral,closed,0,0,"]);
+    extended.assert_says("results/extended/summary.csv", &[",fixed_integral,closed,"]);
     extended.assert_says("results/extended/gp.csv", &["cauchy"]);
     extended.assert_says("results/extended/networks.csv", &["0,paper,patient,200,", "0,paper,inverse,"]);
-    extended.assert_says("results/extended/table1.md", &["| **integral** |", "| **A** |", "N/A"]);
-    extended.assert_says("results/extended/table1.tex", &["\nintegral & N/A & ", "$\\pi_{patient}$ & 0."]);
-    extended.assert_says("results/extended/fig8.md", &["| integral |"]);
+    extended.assert_says("results/extended/table1.md", &["| **fixed integral** |", "| **A** |", "N/A"]);
+    extended.assert_says("results/extended/table1.tex", &["\nfixed integral & N/A & ", "$\\pi_{patient}$ & 0."]);
+    extended.assert_says("results/extended/fig8.md", &["| fixed integral |"]);
     for figure in ["table1", "fig8", "reach_steps"] {
-        extended.assert_says(&format!("plots/extended/{figure}.svg"), &["integral"]);
+        extended.assert_says(&format!("plots/extended/{figure}.svg"), &["fixed integral"]);
         let png = std::fs::read(extended.folder.path().join(format!("plots/extended/{figure}.png"))).unwrap();
         assert!(png.starts_with(b"\x89PNG"), "{figure}");
     }
@@ -248,13 +250,13 @@ fn experiment(extended: &Extended) {
 
 /// Alone, the policy has a table and figures of its own; it needs no network, and none is trained.
 fn one_policy(extended: &Extended) {
-    let alone = "extends: extended.yaml\nname: alone\nruns:\n  reach:\n    - {policies: [integral], modes: [closed]}\n  \
-                 track: {policies: [integral], mode: closed, gp_points: null}\n";
+    let alone = "extends: extended.yaml\nname: alone\nruns:\n  reach:\n    - {policies: [fixed_integral], modes: [closed]}\n  \
+                 track: {policies: [fixed_integral], mode: closed, gp_points: null}\n";
     extended.write("alone.yaml", alone);
-    extended.run(&["run", "alone.yaml", "--quiet", "--set", "policies.integral.gain=0.05"]);
+    extended.run(&["run", "alone.yaml", "--quiet", "--set", "policies.fixed_integral.gain=0.05"]);
     let table = extended.read("results/alone/table1.md");
-    assert!(table.contains("**integral**") && !table.contains("**A**"), "{table}");
-    extended.assert_says("results/alone/table1.tex", &["\nintegral & N/A & "]);
-    extended.assert_says("plots/alone/table1.svg", &["integral"]);
+    assert!(table.contains("**fixed integral**") && !table.contains("**A**"), "{table}");
+    extended.assert_says("results/alone/table1.tex", &["\nfixed integral & N/A & "]);
+    extended.assert_says("plots/alone/table1.svg", &["fixed integral"]);
     assert!(!extended.folder.path().join("results/alone/networks.csv").exists());
 }

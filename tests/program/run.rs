@@ -273,3 +273,29 @@ fn a_log_for_machines_and_the_strict_answer() {
     let trials = std::fs::read_to_string(folder.path().join("lost/results/smoke/trials.csv")).unwrap();
     assert_eq!(trials.matches("gp_pool: rod solver").count(), 6, "{trials}");
 }
+
+/// Trials of fixed duration: tables, a figure, and the same bytes for any threads.
+#[test]
+fn controllers_are_told_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let spec = format!(
+        "extends: {SMOKE}\nname: told\nseeds: 2\nruns:\n  gap: null\n  gp_points: []\n  forward: false\n  reach: []\n  track: null\n  \
+         response:\n    duration_s: 4\n    cells:\n      - {{policies: [a, b, integral, online_jacobian, a_integral], modes: [open, closed, closed_load], gp_points: [20]}}\n  \
+         pace:\n    lap_s: 8\n    lead_in_s: 2\n    speeds: [1, 2]\n    cells:\n      - {{policies: [integral, a], modes: [closed], gp_points: [20]}}\n\
+         figures: [controllers]\nclaims: []\n"
+    );
+    std::fs::write(folder.path().join("told.yaml"), spec).unwrap();
+    run(folder.path(), &["told.yaml", "--threads", "1", "--out", "one", "--cache", "cache1"]);
+    run(folder.path(), &["told.yaml", "--threads", "2", "--out", "two", "--cache", "cache2"]);
+    assert!(files(&folder.path().join("one")) == files(&folder.path().join("two")), "results depend on the threads");
+    let results = folder.path().join("one/results/told");
+    let rows = |name: &str| std::fs::read_to_string(results.join(name)).unwrap();
+    let responses = rows("responses.csv");
+    assert!(responses.lines().skip(1).all(|line| line.ends_with(",ok")), "{responses}");
+    assert!(!responses.contains(",integral,open,"), "a policy that needs feedback has no open loop");
+    // Two seeds and trainings, three targets: three policies in two modes, two in three.
+    assert_eq!(responses.lines().count(), 1 + 2 * 2 * 3 * (3 * 2 + 2 * 3));
+    assert_eq!(rows("paces.csv").lines().count(), 1 + 2 * 2 * 2 * 2);
+    assert!(rows("controllers.md").contains("| online Jacobian |"), "{}", rows("controllers.md"));
+    assert!(folder.path().join("one/plots/told/controllers.png").is_file());
+}

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use spinebench::base::{Displacements, Observation, Point3, Policy, PolicyError};
+use spinebench::base::{Displacements, Observation, Point3, Policy, PolicyError, TendonLayout};
 use spinebench::plants::{ConstantCurvature, ConstantCurvatureOptions};
 use spinebench::policies::{
     ErrorModel, InverseModel, NetworkDescription, PolicyEntry, PolicyOptions, PolicyParts, SampleColumns, TrainingData,
@@ -71,11 +71,16 @@ pub(crate) fn negative(shift_m: Point3) -> Point3 {
 /// Parts for a robot shifted by `shift_m`, all of them exact: for each inverse mapping of any policy the one that its
 /// data lead to, and the error model.
 pub(crate) fn exact_parts(shift_m: Point3) -> PolicyParts {
-    let parts = PolicyParts::default().with_error(Arc::new(ConstantError(negative(shift_m))));
+    let parts = told_of_model(PolicyParts::default().with_error(Arc::new(ConstantError(negative(shift_m)))));
     inverse_mappings().into_iter().fold(parts, |parts, network| {
         let shift_m = if network.data == TrainingData::Simulated { [0.0; 3] } else { shift_m };
         parts.with_inverse(network, Box::new(AnalyticInverse { shift_m, ..AnalyticInverse::default() }))
     })
+}
+
+/// What policies are told of the nominal model.
+pub(crate) fn told_of_model(parts: PolicyParts) -> PolicyParts {
+    parts.with_layout(TendonLayout::ring(4))
 }
 
 /// The networks of all policies that are inverse mappings.

@@ -46,6 +46,7 @@ const fn entry(closed_loop_only: bool) -> PolicyEntry {
         look: None,
         footnote: "",
         needs: &[],
+        model: super::ModelAccess::None,
         closed_loop_only,
         make: |_, _| Err(super::BuildError::Missing { policy: "outside", model: "its file" }),
     }

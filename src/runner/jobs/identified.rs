@@ -43,6 +43,11 @@ impl Identified {
         self.spec.tendons()
     }
 
+    /// Its settings.
+    pub(in crate::runner) fn spec(&self) -> &PlantSpec {
+        &self.spec
+    }
+
     /// The robot with further effects, moving in steps of `step_s` seconds.
     ///
     /// # Errors

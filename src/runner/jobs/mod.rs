@@ -16,6 +16,7 @@ pub(super) mod identified;
 pub(super) mod networks;
 pub(super) mod outside_part;
 pub(super) mod path;
+pub(super) mod responses;
 mod samples;
 pub(super) mod shared_part;
 pub(super) mod targets;
@@ -28,7 +29,7 @@ pub(super) fn kinds() -> Vec<StageKind> {
     let mut kinds = vec![exploration::EXPLORE.kind, exploration::REPLAY.kind, gap::GAP.kind, gp_pool::GP_POOL.kind];
     kinds.extend([targets::TARGET_POOL.kind, targets::TARGETS.kind, path::WAYPOINTS.kind, path::PATH.kind]);
     kinds.extend([gaussian_process::GP.kind, gaussian_process::GP_SCORE.kind]);
-    kinds.extend([trials::REACH.kind, trials::TRACK.kind]);
+    kinds.extend([trials::REACH.kind, trials::TRACK.kind, responses::RESPONSE.kind, responses::PACE.kind]);
     kinds.extend([blind::COMMANDS.kind, blind::SPAN.kind, blind::TRUTH.kind, blind::RECORDING.kind]);
     kinds.extend([discover::DISCOVER.kind, blind_score::SCORE.kind]);
     kinds

@@ -77,6 +77,9 @@ pub(in crate::runner) struct Condition {
     pub(in crate::runner) outside: Option<OutsidePart>,
     pub(in crate::runner) options: SharedPart<PolicyOptions>,
     pub(in crate::runner) plant: Identified,
+    /// The nominal model, for a policy that is told of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(in crate::runner) model: Option<Identified>,
     /// What the mode adds to the robot's own effects.
     pub(in crate::runner) effects: Vec<EffectSpec>,
     pub(in crate::runner) feedback: LoopMode,
@@ -85,11 +88,14 @@ pub(in crate::runner) struct Condition {
 }
 
 impl Condition {
-    fn plant(&self) -> Result<Box<dyn Plant>, String> {
+    pub(super) fn plant(&self) -> Result<Box<dyn Plant>, String> {
         self.plant.build(&self.effects, self.step_s)
     }
 
-    fn policy(&self, (networks, error): <PartHandles as StageInputs>::Results<'_>) -> Result<Box<dyn Policy>, String> {
+    pub(super) fn policy(
+        &self,
+        (networks, error): <PartHandles as StageInputs>::Results<'_>,
+    ) -> Result<Box<dyn Policy>, String> {
         if let Some(outside) = &self.outside {
             return outside.build(self.plant.tendons(), &self.options);
         }
@@ -102,6 +108,9 @@ impl Condition {
         if let Some(gp) = error {
             let tendons = gp.inputs().saturating_sub(3);
             parts = parts.with_error(Arc::new(GpError::new(gp.clone(), tendons).map_err(|error| error.to_string())?));
+        }
+        if let Some(model) = &self.model {
+            parts = parts.with_layout(model.spec().tendon_layout());
         }
         policies::build(entry, parts, &self.options).map_err(|error| error.to_string())
     }

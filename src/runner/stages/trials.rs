@@ -1,12 +1,15 @@
 //! The stages of trials.
 
 use super::{Added, Stages};
+use crate::data::responses::{PaceRow, ResponseRow};
 use crate::data::rows::{TrackRow, TrialRow};
-use crate::policies::{self, ModelNeed, PolicyEntry};
+use crate::policies::{self, ModelAccess, ModelNeed, PolicyEntry};
 use crate::runner::campaign::points_of;
 use crate::runner::failure::Failure;
+use crate::runner::jobs::identified::Identified;
+use crate::runner::jobs::responses::{PACE, PaceParams, RESPONSE, ResponseParams};
 use crate::runner::jobs::trials::{Condition, PartHandles, REACH, ReachParams, TRACK, TrackParams};
-use crate::specs::{Training, TrialCell, TrialMode};
+use crate::specs::{PaceRun, Training, TrialCell, TrialMode};
 
 impl Stages<'_> {
     /// Goal reaching in one cell; seed and training of the rows are filled in by whoever publishes them.
@@ -26,6 +29,33 @@ impl Stages<'_> {
         self.graph.stage(&TRACK, self.label(&format!("{} tracks", cell.policy)), params, inputs)
     }
 
+    /// Responses in one cell; what labels the rows is filled in by whoever publishes them.
+    pub(crate) fn response(
+        &mut self,
+        cell: &TrialCell,
+        training: &Training,
+        duration_s: f64,
+    ) -> Added<Vec<ResponseRow>> {
+        let (entry, condition) = self.condition(cell, "response")?;
+        let inputs = (self.part_handles(entry, cell, training)?, self.targets()?);
+        let params = ResponseParams { condition, quiet: self.quiet(), duration_s };
+        self.graph.stage(&RESPONSE, self.label(&format!("{} {} responds", cell.policy, cell.mode)), params, inputs)
+    }
+
+    /// Laps of one policy; what labels the rows is filled in by whoever publishes them.
+    pub(crate) fn pace(&mut self, cell: &TrialCell, training: &Training, run: &PaceRun) -> Added<Vec<PaceRow>> {
+        let (entry, condition) = self.condition(cell, "pace")?;
+        let inputs = (self.part_handles(entry, cell, training)?, self.path()?);
+        let trial = ResponseParams { condition, quiet: self.quiet(), duration_s: run.lead_in_s };
+        let params = PaceParams { trial, lap_s: run.lap_s, speeds: run.speeds.clone() };
+        self.graph.stage(&PACE, self.label(&format!("{} {} laps", cell.policy, cell.mode)), params, inputs)
+    }
+
+    /// The robot without noise beside the one that is measured; there is none on a bench.
+    fn quiet(&self) -> Option<Identified> {
+        (!self.spec.plant.drives_hardware()).then(|| self.parts.quiet.clone())
+    }
+
     fn condition(&self, cell: &TrialCell, task: &str) -> Result<(&'static PolicyEntry, Condition), Failure> {
         let unknown = |what: &str| Failure { stage: task.to_owned(), status: format!("unknown {what}") };
         let outside = &self.spec.policies.outside;
@@ -36,6 +66,7 @@ impl Stages<'_> {
             outside: self.parts.outside.get(&cell.policy).cloned(),
             options: self.parts.policies.clone(),
             plant: self.parts.plant.clone(),
+            model: (entry.model != ModelAccess::None).then(|| self.parts.model.clone()),
             effects: mode.effects.clone(),
             feedback: mode.feedback,
             step_s: self.step_s(),

@@ -16,7 +16,7 @@ use crate::specs::document::mismatch::one_of;
 use crate::specs::document::path::KeyPath;
 use crate::specs::experiment::cells::uses;
 use crate::specs::experiment::claims::Size;
-use crate::specs::experiment::spec::{DiscoveryRun, Experiment, TrackRun};
+use crate::specs::experiment::spec::{DiscoveryRun, Experiment, ReachSweep, TrackRun};
 use crate::tasks::PointLayout;
 
 /// Checks `experiment`, which was read from `document`.
@@ -186,9 +186,9 @@ impl Checker<'_> {
         self.enough(rows, &KeyPath::default().key("explore").key("points"))?;
         let any = runs.gap.is_some() || runs.forward || !runs.gp_points.is_empty() || !runs.reach.is_empty();
         self.unless(
-            any || runs.track.is_some() || runs.discovery.is_some(),
+            any || runs.track.is_some() || runs.response.is_some() || runs.pace.is_some() || runs.discovery.is_some(),
             &path,
-            "at least one of `gap`, `forward`, `gp_points`, `reach`, `track`, `discovery`",
+            "at least one of `gap`, `forward`, `gp_points`, `reach`, `track`, `response`, `pace`, `discovery`",
         )?;
         if let Some(gap) = runs.gap {
             let most = self.experiment.explore.points;
@@ -201,8 +201,16 @@ impl Checker<'_> {
             self.unless(!self.experiment.figures[..index].contains(name), &path, "each figure once")?;
             self.unless(figures.contains(&name.as_str()), &path, &one_of(&figures))?;
         }
-        for (index, sweep) in runs.reach.iter().enumerate() {
-            let path = path.key("reach").item(index);
+        self.cells(&runs.reach, &path.key("reach"))?;
+        self.fixed_duration(&path)?;
+        runs.track.as_ref().map_or(Ok(()), |track| self.track(track, &path.key("track")))?;
+        runs.discovery.as_ref().map_or(Ok(()), |discovery| self.discovery(discovery, &path.key("discovery")))
+    }
+
+    /// Products of policies, modes and sizes.
+    fn cells(&self, sweeps: &[ReachSweep], path: &KeyPath) -> Result<(), SpecError> {
+        for (index, sweep) in sweeps.iter().enumerate() {
+            let path = path.item(index);
             self.policies(&sweep.policies, &path.key("policies"))?;
             self.not_empty(&sweep.modes, &path.key("modes"))?;
             for (number, mode) in sweep.modes.iter().enumerate() {
@@ -213,8 +221,29 @@ impl Checker<'_> {
                 self.sizes(&sweep.policies, part, sizes.as_deref(), &path.key(key))?;
             }
         }
-        runs.track.as_ref().map_or(Ok(()), |track| self.track(track, &path.key("track")))?;
-        runs.discovery.as_ref().map_or(Ok(()), |discovery| self.discovery(discovery, &path.key("discovery")))
+        Ok(())
+    }
+
+    /// Trials of fixed duration.
+    fn fixed_duration(&self, path: &KeyPath) -> Result<(), SpecError> {
+        let runs = &self.experiment.runs;
+        let seconds = |value: f64, path: &KeyPath| self.unless((1.0..=600.0).contains(&value), path, "1 to 600 s");
+        if let Some(run) = &runs.response {
+            let path = path.key("response");
+            seconds(run.duration_s, &path.key("duration_s"))?;
+            self.unless(!run.cells.is_empty(), &path.key("cells"), "at least one product of policies and modes")?;
+            self.cells(&run.cells, &path.key("cells"))?;
+        }
+        let Some(run) = &runs.pace else { return Ok(()) };
+        let path = path.key("pace");
+        seconds(run.lead_in_s, &path.key("lead_in_s"))?;
+        self.unless((1.0..=3600.0).contains(&run.lap_s), &path.key("lap_s"), "1 to 3600 s")?;
+        self.not_empty(&run.speeds, &path.key("speeds"))?;
+        for (index, &speed) in run.speeds.iter().enumerate() {
+            self.unless((0.1..=100.0).contains(&speed), &path.key("speeds").item(index), "0.1 to 100 times")?;
+        }
+        self.unless(!run.cells.is_empty(), &path.key("cells"), "at least one product of policies and modes")?;
+        self.cells(&run.cells, &path.key("cells"))
     }
 
     fn discovery(&self, discovery: &DiscoveryRun, path: &KeyPath) -> Result<(), SpecError> {

@@ -1,7 +1,7 @@
 //! The cells of an experiment: the product of policies, modes and sizes, each once, in a fixed order.
 
 use super::claims::Size;
-use super::spec::{Experiment, TrialMode};
+use super::spec::{Experiment, ReachSweep, TrialMode};
 use crate::policies;
 
 /// Trials of one policy in one mode: a set of targets for each seed and training.
@@ -19,8 +19,28 @@ pub struct TrialCell {
 
 /// The goal-reaching cells.
 pub fn reach_cells(experiment: &Experiment) -> Vec<TrialCell> {
+    product(experiment, &experiment.runs.reach)
+}
+
+/// The cells of responses.
+pub fn response_cells(experiment: &Experiment) -> Vec<TrialCell> {
+    experiment.runs.response.as_ref().map_or_else(Vec::new, |run| product(experiment, &run.cells))
+}
+
+/// The cells of laps.
+pub fn pace_cells(experiment: &Experiment) -> Vec<TrialCell> {
+    experiment.runs.pace.as_ref().map_or_else(Vec::new, |run| product(experiment, &run.cells))
+}
+
+/// All cells of trials.
+pub fn trial_cells(experiment: &Experiment) -> impl Iterator<Item = TrialCell> {
+    let fixed = response_cells(experiment).into_iter().chain(pace_cells(experiment));
+    reach_cells(experiment).into_iter().chain(track_cells(experiment)).chain(fixed)
+}
+
+fn product(experiment: &Experiment, sweeps: &[ReachSweep]) -> Vec<TrialCell> {
     let mut cells = Vec::new();
-    for sweep in &experiment.runs.reach {
+    for sweep in sweeps {
         for policy in &sweep.policies {
             let Some(entry) = policies::find_with(policy, &experiment.policies.outside) else { continue };
             let open = |mode: &String| experiment.modes.get(mode).is_some_and(TrialMode::is_open);
@@ -56,8 +76,7 @@ pub fn track_cells(experiment: &Experiment) -> Vec<TrialCell> {
 
 /// Sizes of all Gaussian processes that the experiment fits, ascending.
 pub fn gp_sizes(experiment: &Experiment) -> Vec<usize> {
-    let cells = reach_cells(experiment).into_iter().chain(track_cells(experiment));
-    let used = cells.map(|cell| cell.gp_points).filter(|&points| points > 0);
+    let used = trial_cells(experiment).map(|cell| cell.gp_points).filter(|&points| points > 0);
     let mut sizes: Vec<usize> = used.chain(experiment.runs.gp_points.iter().copied()).collect();
     sizes.sort_unstable();
     sizes.dedup();

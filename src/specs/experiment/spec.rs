@@ -182,6 +182,12 @@ pub struct Runs {
     pub reach: Vec<ReachSweep>,
     /// Path tracking.
     pub track: Option<TrackRun>,
+    /// Trials of fixed duration: how fast and how directly a target is reached.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub response: Option<ResponseRun>,
+    /// Laps of the path in time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pace: Option<PaceRun>,
     /// Blind cases of discovery, for the model.
     pub discovery: Option<DiscoveryRun>,
 }
@@ -226,6 +232,42 @@ pub struct ReachSweep {
     /// Real points of π_real's network.
     #[serde(default)]
     pub real_points: Option<Vec<usize>>,
+}
+
+/// Trials of fixed duration on the targets of goal reaching, whether the policy has settled or not.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ResponseRun {
+    /// Duration of a trial, seconds: 1 to 600.
+    #[serde(default = "response_s")]
+    pub duration_s: f64,
+    /// Products of policies, modes and sizes.
+    pub cells: Vec<ReachSweep>,
+}
+
+/// Duration of a response: twice the 5 s of its last error before the end.
+fn response_s() -> f64 {
+    10.0
+}
+
+/// Laps of the path at constant speed: the target moves on with the clock.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PaceRun {
+    /// Time for a lap at speed 1, seconds; the paper's policy A took 135 s.
+    #[serde(default = "paper_lap_s")]
+    pub lap_s: f64,
+    /// Speeds as multiples of that.
+    pub speeds: Vec<f64>,
+    /// Time at the first point before the lap, seconds: 1 to 600.
+    #[serde(default = "response_s")]
+    pub lead_in_s: f64,
+    /// Products of policies, modes and sizes.
+    pub cells: Vec<ReachSweep>,
+}
+
+fn paper_lap_s() -> f64 {
+    135.0
 }
 
 /// Path tracking.

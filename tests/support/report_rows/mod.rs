@@ -5,6 +5,7 @@ pub(crate) mod cases;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use spinebench::base::{Point3, Seed, distance_m};
+use spinebench::data::responses::{PaceRow, ResponseRow};
 use spinebench::data::rows::{
     ClaimRow, GapRow, PeerRow, ScalingRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow,
 };
@@ -314,6 +315,53 @@ pub(crate) fn peers() -> Vec<PeerRow> {
 }
 
 /// Everything, each figure's own rows.
+/// Trials of fixed duration: three policies with and without a load.
+fn responses(seeds: u64) -> Vec<ResponseRow> {
+    let each = table(seeds).into_iter().filter(|row| row.policy != "pi_real" && row.mode != "open" && row.target < 6);
+    let respond = |row: TrialRow| ResponseRow {
+        training: row.training,
+        policy: row.policy,
+        mode: row.mode,
+        seed: row.seed,
+        gp_points: row.gp_points,
+        distance_m: 0.06,
+        limit_s: 1.4,
+        within_5mm_s: 2.0,
+        within_3mm_s: if row.target == 0 { f64::NAN } else { 3.2 },
+        within_2mm_s: f64::NAN,
+        error_1s_m: 4.0 * row.error_m,
+        error_2s_m: 2.0 * row.error_m,
+        error_5s_m: 1.2 * row.error_m,
+        error_end_m: row.error_m,
+        tracked_end_m: row.error_m + 3e-4,
+        overshoot_m: 0.002,
+        tendon_travel_m: 0.08,
+        ..ResponseRow::failed(row.target, "ok".to_owned())
+    };
+    each.map(respond).collect()
+}
+
+/// Laps at three speeds.
+fn paces(seeds: u64) -> Vec<PaceRow> {
+    let lap = |(row, speed): (ResponseRow, f64)| PaceRow {
+        seed: row.seed,
+        training: row.training,
+        policy: row.policy,
+        mode: row.mode,
+        gp_points: row.gp_points,
+        real_points: 0,
+        speed,
+        lap_s: 40.0 / speed,
+        rms_m: 0.002 * speed,
+        largest_m: 0.006 * speed,
+        tracked_rms_m: 0.0022 * speed,
+        tendon_travel_m: 0.4,
+        status: "ok".to_owned(),
+    };
+    let first = responses(seeds).into_iter().filter(|row| row.target == 1);
+    first.flat_map(|row| [1.0, 2.0, 4.0].map(|speed| (row.clone(), speed))).map(lap).collect()
+}
+
 pub(crate) fn published(figure: &str, seeds: u64) -> Published {
     let mut published = Published::default();
     match figure {
@@ -332,6 +380,10 @@ pub(crate) fn published(figure: &str, seeds: u64) -> Published {
         "peers" => published.peers = peers(),
         "scaling" => published.scaling = scaling(),
         "discovery" => published.cases = cases::cases(seeds),
+        "controllers" => {
+            published.responses = responses(seeds);
+            published.paces = paces(seeds);
+        }
         // A figure that is added: whatever it is made of.
         _ => {
             published.trials = table(seeds);

@@ -1,0 +1,125 @@
+//! What tells controllers apart: error against time, and error against the speed of a path, by policy and mode. Errors are
+//! those of the tip without tracking noise, where the robot is simulated.
+
+use std::collections::BTreeMap;
+
+use super::controllers_table::{controller_rows, markdown};
+use super::drawing::axes::{Axis, Panel};
+use super::drawing::canvas::{Canvas, Text, TextAlign};
+use super::drawing::legend::{LegendEntry, legend};
+use super::order::{distinct, rank, trainings};
+use super::style::{GREY, PAGE_WIDTH, SMALL, policies_in_order, policy_label, policy_look, training_label};
+use super::summarise::MODES;
+use super::{Artifact, Figure, Published, ReportError, csv, pictures, text};
+use crate::data::responses::{ControllerRow, PaceRow};
+use crate::math::summary::mean;
+
+/// Registry entry.
+pub(super) const FIGURE: Figure = Figure {
+    name: "controllers",
+    about: "Controllers told apart: error against time, and path tracking against speed",
+    render,
+};
+
+fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
+    if published.responses.is_empty() {
+        return Err(ReportError::NoRows { figure: FIGURE.name, needs: "responses.csv" });
+    }
+    let rows = controller_rows(&published.responses);
+    let mut files = vec![csv("controllers.csv", &rows)?, text("controllers.md", markdown(&rows, &published.paces))];
+    files.extend(pictures(FIGURE.name, FIGURE.name, &draw(&rows, &published.paces))?);
+    Ok(files)
+}
+
+/// One panel: a title, its columns, and for each policy the errors over the columns, millimetres.
+struct Curves<'a> {
+    title: String,
+    axis: &'a str,
+    columns: Vec<String>,
+    curves: Vec<(&'a str, Vec<f64>)>,
+}
+
+/// The panels of the last kind of training: networks are at their best there.
+fn draw(rows: &[ControllerRow], paces: &[PaceRow]) -> Canvas {
+    let known = trainings(rows.iter().map(|row| row.training.as_str()));
+    let training = known.last().copied().unwrap_or_default();
+    let rows: Vec<&ControllerRow> = rows.iter().filter(|row| row.training == training).collect();
+    let paces: Vec<&PaceRow> = paces.iter().filter(|row| row.training == training && row.status == "ok").collect();
+    let mut modes = distinct(rows.iter().map(|row| row.mode.as_str()).chain(paces.iter().map(|row| row.mode.as_str())));
+    modes.sort_by_key(|mode| (rank(&MODES, mode), *mode));
+    let lines: Vec<[Option<Curves>; 2]> =
+        modes.iter().map(|mode| [in_time(&rows, mode), over_speed(&paces, mode)]).collect();
+    let shown = policies_in_order(rows.iter().map(|row| row.policy.as_str()));
+    let (left, gap, high, pitch) = (56.0, 62.0, 170.0, 240.0);
+    let width = (PAGE_WIDTH - left - 12.0 - gap) / 2.0;
+    let keys: Vec<(LegendEntry, &str)> =
+        shown.iter().map(|policy| (LegendEntry::Plain(policy_look(policy)), policy_label(policy))).collect();
+    let mut canvas = Canvas::new(PAGE_WIDTH, 88.0 + pitch * lines.len() as f64);
+    let base = legend(&mut canvas, [left, 16.0], PAGE_WIDTH - 8.0, &keys);
+    let note = format!("means over targets and repetitions, error of the true tip; {}", training_label(training));
+    canvas.text(Text::new(&note, [left, base + 17.0], SMALL, TextAlign::Left).colour(GREY));
+    let all = lines.iter().flatten().flatten().flat_map(|panel| panel.curves.iter().flat_map(|curve| curve.1.clone()));
+    let y = Axis::decades("error (mm)", all.filter(|error_mm| *error_mm > 0.0));
+    for (line, panels) in lines.iter().enumerate() {
+        for (column, curves) in panels.iter().enumerate() {
+            let corner = [left + column as f64 * (width + gap), base + 46.0 + pitch * line as f64];
+            if let Some(curves) = curves {
+                panel(&mut canvas, curves, corner, [width, high], &y);
+            }
+        }
+    }
+    canvas
+}
+
+fn panel(canvas: &mut Canvas, curves: &Curves, corner: [f64; 2], size: [f64; 2], y: &Axis) {
+    let x = Axis::categories(curves.axis, &curves.columns);
+    let panel = Panel { corner, size, x, y: y.clone(), title: curves.title.clone() };
+    panel.draw(canvas);
+    for (policy, errors_mm) in &curves.curves {
+        let points: Vec<[f64; 3]> = errors_mm
+            .iter()
+            .enumerate()
+            .filter(|(_, error_mm)| error_mm.is_finite() && **error_mm > 0.0)
+            .map(|(place, error_mm)| [place as f64, error_mm.log10(), f64::NAN])
+            .collect();
+        panel.series(canvas, &points, policy_look(policy));
+    }
+}
+
+fn title(mode: &str) -> String {
+    match mode {
+        "open" => "open loop".to_owned(),
+        "closed" => "closed loop".to_owned(),
+        "closed_load" => "closed loop with a load".to_owned(),
+        other => other.replace('_', " "),
+    }
+}
+
+fn in_time<'a>(rows: &[&'a ControllerRow], mode: &str) -> Option<Curves<'a>> {
+    let rows: Vec<&&ControllerRow> = rows.iter().filter(|row| row.mode == mode).collect();
+    let errors =
+        |row: &ControllerRow| [row.error_1s_m, row.error_2s_m, row.error_5s_m, row.error_end_m].map(|m| 1e3 * m);
+    let curves: Vec<(&str, Vec<f64>)> = rows.iter().map(|row| (row.policy.as_str(), errors(row).to_vec())).collect();
+    let columns = ["1 s", "2 s", "5 s", "end"].map(str::to_owned).to_vec();
+    (!curves.is_empty()).then(|| Curves { title: title(mode), axis: "time since the start", columns, curves })
+}
+
+fn over_speed<'a>(paces: &[&'a PaceRow], mode: &str) -> Option<Curves<'a>> {
+    let rows: Vec<&&PaceRow> = paces.iter().filter(|row| row.mode == mode).collect();
+    let mut speeds: Vec<f64> = distinct(rows.iter().map(|row| row.speed));
+    speeds.sort_by(f64::total_cmp);
+    let mut by_policy: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+    for row in &rows {
+        by_policy.entry(row.policy.as_str()).or_insert_with(|| {
+            let at = |speed: &f64| {
+                let same = rows.iter().filter(|other| other.policy == row.policy && other.speed == *speed);
+                1e3 * mean(&same.map(|other| other.rms_m).collect::<Vec<_>>())
+            };
+            speeds.iter().map(at).collect()
+        });
+    }
+    let columns = speeds.iter().map(|speed| format!("{speed}×")).collect();
+    let title = format!("path, {}", title(mode));
+    let curves: Vec<(&str, Vec<f64>)> = by_policy.into_iter().collect();
+    (!curves.is_empty()).then_some(Curves { title, axis: "speed of the path (rms error)", columns, curves })
+}

@@ -1,0 +1,174 @@
+//! The table behind [`super::controllers`]: responses summarised by policy and mode, and laps beside them.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::markup::MarkdownTable;
+use super::order::{rank, trainings};
+use super::style::{policy_markdown, policy_rank};
+use super::summarise::MODES;
+use crate::data::responses::{ControllerRow, PaceRow, ResponseRow};
+use crate::math::summary::{interval_95, mean, quantile};
+
+/// Responses, summarised by training, mode and policy.
+pub(super) fn controller_rows(responses: &[ResponseRow]) -> Vec<ControllerRow> {
+    let order = trainings(responses.iter().map(|row| row.training.as_str()));
+    let mut cells: BTreeMap<_, Vec<&ResponseRow>> = BTreeMap::new();
+    for row in responses {
+        let mode = (rank(&MODES, &row.mode), row.mode.as_str());
+        let policy = (policy_rank(&row.policy), row.policy.as_str());
+        let key = (rank(&order, &row.training), mode, policy, (row.gp_points, row.real_points));
+        cells.entry(key).or_default().push(row);
+    }
+    cells.values().map(|rows| summarised(rows)).collect()
+}
+
+fn summarised(rows: &[&ResponseRow]) -> ControllerRow {
+    let good: Vec<&ResponseRow> = rows.iter().copied().filter(|row| row.status == "ok").collect();
+    let column = |value: fn(&ResponseRow) -> f64| -> Vec<f64> { good.iter().map(|row| value(row)).collect() };
+    let seeds: BTreeSet<u64> = good.iter().map(|row| row.seed).collect();
+    let of_seed =
+        |seed: &u64| mean(&good.iter().filter(|row| row.seed == *seed).map(|row| row.error_end_m).collect::<Vec<_>>());
+    let means: Vec<f64> = seeds.iter().map(of_seed).collect();
+    let [low_95_m, high_95_m] = interval_95(&means).unwrap_or([f64::NAN; 2]);
+    let there = good.iter().filter(|row| row.within_3mm_s.is_finite()).count();
+    let first = rows[0];
+    ControllerRow {
+        training: first.training.clone(),
+        policy: first.policy.clone(),
+        mode: first.mode.clone(),
+        gp_points: first.gp_points,
+        real_points: first.real_points,
+        error_end_m: mean(&means),
+        low_95_m,
+        high_95_m,
+        error_end_p95_m: quantile(&column(|row| row.error_end_m), 0.95),
+        tracked_end_m: mean(&column(|row| row.tracked_end_m)),
+        within_5mm_s: median_time(&column(|row| row.within_5mm_s)),
+        within_3mm_s: median_time(&column(|row| row.within_3mm_s)),
+        within_2mm_s: median_time(&column(|row| row.within_2mm_s)),
+        within_3mm_share: there as f64 / good.len() as f64,
+        within_3mm_per_limit: median_time(&column(|row| row.within_3mm_s / row.limit_s)),
+        error_1s_m: mean(&column(|row| row.error_1s_m)),
+        error_2s_m: mean(&column(|row| row.error_2s_m)),
+        error_5s_m: mean(&column(|row| row.error_5s_m)),
+        overshoot_m: mean(&column(|row| row.overshoot_m)),
+        tendon_travel_m: mean(&column(|row| row.tendon_travel_m)),
+        seeds: seeds.len() as u64,
+        trials: good.len() as u64,
+        failed: (rows.len() - good.len()) as u64,
+    }
+}
+
+/// The median where what never happened takes longest; not a number where that is half of all.
+fn median_time(times_s: &[f64]) -> f64 {
+    let mut sorted: Vec<f64> =
+        times_s.iter().map(|&time_s| if time_s.is_nan() { f64::INFINITY } else { time_s }).collect();
+    sorted.sort_by(f64::total_cmp);
+    let upper = sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN);
+    let lower = sorted.get(sorted.len().saturating_sub(1) / 2).copied().unwrap_or(f64::NAN);
+    let median = 0.5 * (lower + upper);
+    if median.is_finite() { median } else { f64::NAN }
+}
+
+/// Both tables in Markdown, lengths in millimetres.
+pub(super) fn markdown(rows: &[ControllerRow], paces: &[PaceRow]) -> String {
+    let head = "Errors of the true tip in mm: mean at the end (95 % interval over repetitions), the same as tracked, 95th percentile, \
+                and after 1, 2 and 5 s. Times in s: median until the error stays within 5, 3 and 2 mm. “Limit”: median of the \
+                time to within 3 mm over the time that the drive's limit asks for. “–”: not reached in half of the trials.\n\n";
+    let mut text = head.to_owned() + &responses_table(rows).markdown();
+    if !paces.is_empty() {
+        text.push_str("\nPath tracking: root mean square of the distance from the moving target, mm, by speed.\n\n");
+        text.push_str(&paces_table(paces).markdown());
+    }
+    text
+}
+
+fn responses_table(rows: &[ControllerRow]) -> MarkdownTable {
+    let header = [
+        "policy",
+        "training",
+        "mode",
+        "end",
+        "tracked",
+        "95 %",
+        "1 s",
+        "2 s",
+        "5 s",
+        "to 5 mm",
+        "to 3 mm",
+        "to 2 mm",
+        "limit",
+        "overshoot",
+        "tendons (m)",
+        "failed",
+    ];
+    let row = |row: &ControllerRow| {
+        let interval = format!("{} ({}–{})", mm(row.error_end_m), mm(row.low_95_m), mm(row.high_95_m));
+        vec![
+            policy_markdown(&row.policy).to_owned(),
+            row.training.clone(),
+            row.mode.clone(),
+            interval,
+            mm(row.tracked_end_m),
+            mm(row.error_end_p95_m),
+            mm(row.error_1s_m),
+            mm(row.error_2s_m),
+            mm(row.error_5s_m),
+            number(row.within_5mm_s, 1),
+            number(row.within_3mm_s, 1),
+            number(row.within_2mm_s, 1),
+            number(row.within_3mm_per_limit, 2),
+            mm(row.overshoot_m),
+            number(row.tendon_travel_m, 3),
+            row.failed.to_string(),
+        ]
+    };
+    MarkdownTable { header: header.map(str::to_owned).to_vec(), rows: rows.iter().map(row).collect() }
+}
+
+fn paces_table(paces: &[PaceRow]) -> MarkdownTable {
+    let order = trainings(paces.iter().map(|row| row.training.as_str()));
+    let mut speeds: Vec<f64> = paces.iter().map(|row| row.speed).collect();
+    speeds.sort_by(f64::total_cmp);
+    speeds.dedup();
+    let mut cells: BTreeMap<_, Vec<&PaceRow>> = BTreeMap::new();
+    for row in paces {
+        let mode = (rank(&MODES, &row.mode), row.mode.as_str());
+        let policy = (policy_rank(&row.policy), row.policy.as_str());
+        let sizes = (row.gp_points, row.real_points);
+        cells.entry((rank(&order, &row.training), mode, policy, sizes)).or_default().push(row);
+    }
+    let line = |rows: &Vec<&PaceRow>| {
+        let at = |speed: &f64| {
+            let same = rows.iter().filter(|row| row.speed == *speed && row.status == "ok");
+            mm(mean(&same.map(|row| row.rms_m).collect::<Vec<_>>()))
+        };
+        let first = rows[0];
+        let mut cells = vec![policy_markdown(&first.policy).to_owned(), first.training.clone(), first.mode.clone()];
+        cells.extend(speeds.iter().map(at));
+        cells
+    };
+    let mut header = ["policy", "training", "mode"].map(str::to_owned).to_vec();
+    header.extend(speeds.iter().map(|speed| format!("{speed}×")));
+    MarkdownTable { header, rows: cells.values().map(line).collect() }
+}
+
+fn mm(length_m: f64) -> String {
+    number(1e3 * length_m, 2)
+}
+
+fn number(value: f64, digits: usize) -> String {
+    if value.is_finite() { format!("{value:.digits$}") } else { "–".to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn trials_that_never_arrive_take_longest() {
+        assert_eq!(median_time(&[1.0, f64::NAN, 2.0]), 2.0);
+        assert_eq!(median_time(&[1.0, 3.0, 2.0, f64::NAN]), 2.5);
+        assert!(median_time(&[1.0, f64::NAN]).is_nan());
+    }
+}
