@@ -24,7 +24,7 @@ class Integral:
         return np.concatenate([self.bend, -self.bend]), settled
 
 
-result = sb.run(SPEC, policies={"integral": Integral}, seeds=1, out="out", cache="out/cache")
+result = sb.run(SPEC, policies={"mine": Integral}, seeds=1, out="out", cache="out/cache")
 trials = result["smoke"].trials
 table = trials.groupby(["policy", "mode"]).error_m.agg(["mean", "std", "count"])
 table[["mean", "std"]] *= 1e3
