@@ -137,8 +137,9 @@ table_rows! {
 }
 
 impl ResponseRow {
-    /// A trial that a failure before it made impossible; what labels the row is empty.
-    pub fn failed(target: u64, status: String) -> ResponseRow {
+    /// A trial of which nothing has been measured, such as one that a failure before it made impossible; what labels the row
+    /// is empty.
+    pub fn unmeasured(target: u64, status: String) -> ResponseRow {
         let none = f64::NAN;
         ResponseRow {
             seed: 0,
@@ -166,8 +167,8 @@ impl ResponseRow {
 }
 
 impl PaceRow {
-    /// A lap that a failure before it made impossible; what labels the row is empty.
-    pub fn failed(speed: f64, lap_s: f64, status: String) -> PaceRow {
+    /// The same of a lap.
+    pub fn unmeasured(speed: f64, lap_s: f64, status: String) -> PaceRow {
         let none = f64::NAN;
         PaceRow {
             seed: 0,

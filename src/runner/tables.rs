@@ -83,7 +83,9 @@ fn fixed_duration(tables: &mut Tables, experiment: &Experiment, seed: u64, cells
     let training = &cells.training;
     for (cell, stage) in &cells.response {
         let failed = |failure: Failure| {
-            (0..experiment.targets.drawn as u64).map(|draw| ResponseRow::failed(draw, failure.to_string())).collect()
+            (0..experiment.targets.drawn as u64)
+                .map(|draw| ResponseRow::unmeasured(draw, failure.to_string()))
+                .collect()
         };
         let rows: Vec<ResponseRow> = outcomes.get(*stage).map_or_else(failed, Clone::clone);
         tables.published.responses.extend(rows.into_iter().map(|row| ResponseRow {
@@ -99,7 +101,7 @@ fn fixed_duration(tables: &mut Tables, experiment: &Experiment, seed: u64, cells
     let laps = experiment.runs.pace.iter().flat_map(|run| run.speeds.iter().map(|speed| (*speed, run.lap_s / speed)));
     for (cell, stage) in &cells.pace {
         let failed = |failure: Failure| {
-            laps.clone().map(|(speed, lap_s)| PaceRow::failed(speed, lap_s, failure.to_string())).collect()
+            laps.clone().map(|(speed, lap_s)| PaceRow::unmeasured(speed, lap_s, failure.to_string())).collect()
         };
         let rows: Vec<PaceRow> = outcomes.get(*stage).map_or_else(failed, Clone::clone);
         tables.published.paces.extend(rows.into_iter().map(|row| PaceRow {

@@ -1,6 +1,7 @@
 //! Policies from outside: held to the limits, faults as named statuses.
 
-use spinebench::base::{Observation, PolicyError};
+use crate::support::policies::seen;
+use spinebench::base::PolicyError;
 use spinebench::policies::{LimitOptions, OnnxInput, OnnxOptions, OnnxOutput, OutsidePolicy, PolicyOptions};
 use std::path::PathBuf;
 
@@ -17,18 +18,6 @@ fn options() -> OnnxOptions {
     }
 }
 
-fn seen(tip_m: [f64; 3]) -> Observation {
-    Observation {
-        time_s: 0.0,
-        tip_m,
-        tip_quaternion: None,
-        points: Vec::new(),
-        pulls_m: vec![0.0; 4],
-        tensions_n: None,
-        valid: true,
-    }
-}
-
 #[test]
 fn a_network_is_held_to_the_limits_of_the_drive() {
     let limits = LimitOptions { travel_m: 0.005, max_step_m: Some(0.001) };
@@ -37,7 +26,7 @@ fn a_network_is_held_to_the_limits_of_the_drive() {
     policy.reset();
     let mut last = vec![0.0; 4];
     for _ in 0..20 {
-        let action = policy.act(&seen([0.0, 0.0, 0.2]), &[0.05, 0.0, 0.2]).unwrap();
+        let action = policy.act(&seen(0, [0.0, 0.0, 0.2]), &[0.05, 0.0, 0.2]).unwrap();
         for (now, before) in action.pulls_m.iter().zip(&last) {
             assert!(now.abs() <= 0.005 && (now - before).abs() <= 0.001 + 1e-12, "{now} after {before}");
         }
@@ -50,12 +39,12 @@ fn a_network_is_held_to_the_limits_of_the_drive() {
 fn numbers_that_are_not_finite_are_a_status() {
     let mut policy = OutsidePolicy::Onnx(options()).build(TORCH, 4, &PolicyOptions::default()).unwrap();
     policy.reset();
-    let error = policy.act(&seen([f64::NAN, 0.0, 0.2]), &[0.0; 3]).unwrap_err();
+    let error = policy.act(&seen(0, [f64::NAN, 0.0, 0.2]), &[0.0; 3]).unwrap_err();
     assert_eq!(error, PolicyError::NotFinite("measured tip"));
     let tiny = OnnxOptions { pull_scale_m: 1e-300, position_scale_m: 1e-320, ..options() };
     let mut policy = OutsidePolicy::Onnx(tiny).build(TORCH, 4, &PolicyOptions::default()).unwrap();
     policy.reset();
-    let error = policy.act(&seen([0.01, 0.0, 0.2]), &[0.05, 0.0, 0.2]).unwrap_err();
+    let error = policy.act(&seen(0, [0.01, 0.0, 0.2]), &[0.05, 0.0, 0.2]).unwrap_err();
     assert_eq!(error, PolicyError::NotFinite("output of the network"));
 }
 

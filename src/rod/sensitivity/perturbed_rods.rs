@@ -16,6 +16,7 @@ use crate::rod::params::rod_params::RodParams;
 use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rates::Rates;
 use crate::rod::state::rod::{Drive, Rod};
+use crate::rod::state::rod_state::RodState;
 use crate::rod::state::solve_log::{SolveLog, SolvedStep};
 
 /// A rod cannot follow the leader: it has other parts, or coincident parts have separated. Holds its number, from 1.
@@ -260,6 +261,19 @@ impl LeaderDerivative {
     }
 }
 
+/// The conditions of a solve under the whole load.
+fn full_load<'a>(
+    system: &RodEquations,
+    state: &'a RodState,
+    (motion, tip_load): (&'a Motion, &'a TipWrench),
+    (holds, taut): (&'a [TendonConstraint], &'a [bool]),
+    settled: bool,
+) -> SolveConditions<'a> {
+    let (histories, sliding) = (&state.histories, &state.sliding);
+    let gravity_m_s2 = system.params.gravity_m_s2;
+    SolveConditions { holds, taut, tip_load, load_share: 1.0, gravity_m_s2, motion, histories, sliding, settled }
+}
+
 impl Rod {
     /// The residual at a solution.
     fn at_solution<'a>(
@@ -270,18 +284,7 @@ impl Rod {
         settled: bool,
     ) -> LeaderSolution<'a> {
         let Rod { system, solver, state, motion, tip_load, .. } = self;
-        let (gravity_m_s2, histories, sliding) = (system.params.gravity_m_s2, &state.histories, &state.sliding);
-        let conditions = SolveConditions {
-            holds,
-            taut,
-            tip_load,
-            load_share: 1.0,
-            gravity_m_s2,
-            motion,
-            histories,
-            sliding,
-            settled,
-        };
+        let conditions = full_load(system, state, (motion, tip_load), (holds, taut), settled);
         system.evaluate(unknowns, &conditions, &mut solver.workspace);
         let residual = DVector::from_column_slice(&solver.workspace.residual);
         LeaderSolution { unknowns, taut, residual, settled, contraction: None }
@@ -291,18 +294,7 @@ impl Rod {
     fn linearise(&mut self, solution: &LeaderSolution, holds: &[TendonConstraint]) -> LeaderDerivative {
         let Rod { system, solver, state, motion, tip_load, .. } = self;
         let &LeaderSolution { unknowns, taut, settled, .. } = solution;
-        let (gravity_m_s2, histories, sliding) = (system.params.gravity_m_s2, &state.histories, &state.sliding);
-        let conditions = SolveConditions {
-            holds,
-            taut,
-            tip_load,
-            load_share: 1.0,
-            gravity_m_s2,
-            motion,
-            histories,
-            sliding,
-            settled,
-        };
+        let conditions = full_load(system, state, (motion, tip_load), (holds, taut), settled);
         solver.derivative.update(system, unknowns, &conditions, &solver.workspace);
         let factors = solver.derivative.matrix(system, &conditions).lu();
         LeaderDerivative { factors, rate: motion.rate, taut: taut.to_vec(), corrections: 1 }
@@ -320,18 +312,7 @@ impl Rod {
         let mut unknowns = solution.unknowns.to_vec();
         let Rod { system, solver, state, motion, tip_load, .. } = self;
         let &mut LeaderSolution { taut, settled, .. } = solution;
-        let (gravity_m_s2, histories, sliding) = (system.params.gravity_m_s2, &state.histories, &state.sliding);
-        let conditions = SolveConditions {
-            holds,
-            taut,
-            tip_load,
-            load_share: 1.0,
-            gravity_m_s2,
-            motion,
-            histories,
-            sliding,
-            settled,
-        };
+        let conditions = full_load(system, state, (motion, tip_load), (holds, taut), settled);
         let (mut first_m, mut last_m) = (0.0, f64::NAN);
         for done in 1..=MOST_CORRECTIONS {
             system.evaluate(&unknowns, &conditions, &mut solver.workspace);

@@ -8,7 +8,7 @@ use crate::data::responses::{PaceRow, ResponseRow};
 use crate::runner::stage::{Handle, Stage, StageKind};
 use crate::tasks::{self, Lap, Response, WatchedRobot};
 
-/// Responses to the targets; seed, training, mode and sizes of the rows are filled in by whoever publishes them.
+/// Responses to the targets; what labels the rows is filled in by whoever publishes them.
 pub(in crate::runner) const RESPONSE: Stage<ResponseParams, (PartHandles, Handle<Targets>), Vec<ResponseRow>> = Stage {
     kind: StageKind { name: "response", module: module_path!(), cost_ms: 3000 },
     job: |params, (parts, targets)| {
@@ -20,13 +20,13 @@ pub(in crate::runner) const RESPONSE: Stage<ResponseParams, (PartHandles, Handle
         for (draw, (_, target_m)) in targets.iter().enumerate() {
             let seed = Seed(condition.seed).index(draw as u64);
             let found = tasks::response(&mut robot, policy.as_mut(), target_m, condition.feedback, limits, seed);
-            rows.push(response_row(&condition.policy, draw, &found.map_err(|error| error.to_string())?));
+            rows.push(response_row(draw, &found.map_err(|error| error.to_string())?));
         }
         Ok(rows)
     },
 };
 
-/// A lap at each speed; seed, training, mode and sizes of the rows are filled in by whoever publishes them.
+/// A lap at each speed; what labels the rows is filled in by whoever publishes them.
 pub(in crate::runner) const PACE: Stage<PaceParams, (PartHandles, Handle<Vec<Point3>>), Vec<PaceRow>> = Stage {
     kind: StageKind { name: "pace", module: module_path!(), cost_ms: 2000 },
     job: |params, (parts, path)| {
@@ -36,7 +36,7 @@ pub(in crate::runner) const PACE: Stage<PaceParams, (PartHandles, Handle<Vec<Poi
             let (times_s, seed) = ((params.trial.duration_s, params.lap_s / speed), Seed(condition.seed));
             let found = tasks::lap(&mut robot, policy.as_mut(), path, condition.feedback, times_s, seed);
             let found = found.map_err(|error| error.to_string())?;
-            Ok(pace_row(&condition.policy, speed, params.lap_s / speed, &found))
+            Ok(pace_row(speed, params.lap_s / speed, &found))
         };
         params.speeds.iter().map(lap).collect()
     },
@@ -68,17 +68,10 @@ impl ResponseParams {
     }
 }
 
-fn response_row(policy: &str, draw: usize, found: &Response) -> ResponseRow {
+fn response_row(draw: usize, found: &Response) -> ResponseRow {
     let [within_5mm_s, within_3mm_s, within_2mm_s] = found.within_s;
     let [error_1s_m, error_2s_m, error_5s_m] = found.error_after_m;
     ResponseRow {
-        seed: 0,
-        training: String::new(),
-        policy: policy.to_owned(),
-        mode: String::new(),
-        gp_points: 0,
-        real_points: 0,
-        target: draw as u64,
         distance_m: found.distance_m,
         limit_s: found.limit_s,
         within_5mm_s,
@@ -91,24 +84,16 @@ fn response_row(policy: &str, draw: usize, found: &Response) -> ResponseRow {
         tracked_end_m: found.tracked_end_m,
         overshoot_m: found.overshoot_m,
         tendon_travel_m: found.tendon_travel_m,
-        status: found.status.clone(),
+        ..ResponseRow::unmeasured(draw as u64, found.status.clone())
     }
 }
 
-fn pace_row(policy: &str, speed: f64, lap_s: f64, found: &Lap) -> PaceRow {
+fn pace_row(speed: f64, lap_s: f64, found: &Lap) -> PaceRow {
     PaceRow {
-        seed: 0,
-        training: String::new(),
-        policy: policy.to_owned(),
-        mode: String::new(),
-        gp_points: 0,
-        real_points: 0,
-        speed,
-        lap_s,
         rms_m: found.rms_m,
         largest_m: found.largest_m,
         tracked_rms_m: found.tracked_rms_m,
         tendon_travel_m: found.tendon_travel_m,
-        status: found.status.clone(),
+        ..PaceRow::unmeasured(speed, lap_s, found.status.clone())
     }
 }

@@ -336,7 +336,7 @@ fn responses(seeds: u64) -> Vec<ResponseRow> {
         tracked_end_m: row.error_m + 3e-4,
         overshoot_m: 0.002,
         tendon_travel_m: 0.08,
-        ..ResponseRow::failed(row.target, "ok".to_owned())
+        ..ResponseRow::unmeasured(row.target, "ok".to_owned())
     };
     each.map(respond).collect()
 }
