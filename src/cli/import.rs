@@ -1,5 +1,6 @@
 //! `spinebench import`.
 
+use super::import_map::{CsvImport, McapImport};
 use super::outputs::check_recording;
 use super::simulate::written;
 use super::{CommandError, CommandResult};
@@ -10,7 +11,7 @@ use spinebench::data::import::{Axes, ImportDoubts, ImportOptions, Imported, Impo
 use spinebench::runner::Progress;
 use std::path::PathBuf;
 
-/// Import a tracking system's export and a log of commands as a recording.
+/// Import other people's files as a recording: a tracking system's export, any logger's text files, a bag.
 #[derive(Args)]
 pub(super) struct ImportCommand {
     #[command(subcommand)]
@@ -20,6 +21,8 @@ pub(super) struct ImportCommand {
 #[derive(Subcommand)]
 enum From {
     Motive(Motive),
+    Csv(CsvImport),
+    Mcap(McapImport),
 }
 
 /// Import OptiTrack Motive's CSV export (format versions 1.2x) with a rigid body or a single marker on the robot's base and
@@ -77,8 +80,11 @@ const TURNED_DEG: f64 = 0.5;
 
 impl ImportCommand {
     pub(super) fn execute(self, progress: &Progress) -> CommandResult {
-        let From::Motive(motive) = self.from;
-        motive.execute(progress)
+        match self.from {
+            From::Motive(motive) => motive.execute(progress),
+            From::Csv(csv) => csv.execute(progress),
+            From::Mcap(mcap) => mcap.execute(progress),
+        }
     }
 }
 
@@ -104,7 +110,7 @@ impl Motive {
             TipFrameArg::Base => TipFrame::Base,
             TipFrameArg::Tracking => TipFrame::Tracking,
         };
-        let options = ImportOptions { axes: self.axes, frame, max_gap_s: self.max_gap_s };
+        let options = ImportOptions { axes: self.axes, frame, max_gap_s: self.max_gap_s, gap_key: "--max-gap-s" };
         check_recording(&self.out, export.time_s.len())?;
         let imported = import(&export, &bodies, &log, &options).map_err(CommandError::bad_input)?;
         imported.recording.write(&self.out).map_err(CommandError::bad_input)?;
@@ -124,7 +130,7 @@ impl Motive {
             let (lost, all, out) = (imported.lost, imported.recording.len(), self.out.display());
             eprintln!("note: {lost} of {all} rows were not tracked; they have valid = 0 in {out}");
         }
-        print_doubts(&imported.doubts, &imported.recording);
+        print_doubts(&imported.doubts, &imported.recording, &OPTIONS);
         if !base.has_orientation {
             eprintln!(
                 "note: `{}` is a single marker: the tip is expressed along the tracking frame's axes, and a base that tilts \
@@ -150,16 +156,30 @@ const LATE_S: f64 = 0.08;
 /// … and never this much before it, seconds.
 const EARLY_S: f64 = 0.02;
 
+/// What notes call the settings that would mend a mistake.
+pub(super) struct SettingNames {
+    /// Prefix of the axes.
+    pub(super) axes: &'static str,
+    /// The two bodies.
+    pub(super) bodies: &'static str,
+    /// How to shift the clock by a time.
+    pub(super) clock: &'static str,
+}
+
+const OPTIONS: SettingNames =
+    SettingNames { axes: "--axes ", bodies: "--base and --tip", clock: "subtract it from --offset-s or export_time_s" };
+
 /// Prints notes about what looks like a mistake.
-fn print_doubts(doubts: &ImportDoubts, recording: &Recording) {
+pub(super) fn print_doubts(doubts: &ImportDoubts, recording: &Recording, names: &SettingNames) {
+    let SettingNames { axes: key, bodies, clock } = names;
     if doubts.exchanged {
-        eprintln!("note: the base body moves and the tip body hardly does; are --base and --tip exchanged?");
+        eprintln!("note: the base body moves and the tip body hardly does; are {bodies} exchanged?");
     }
     if let (Some(home_m), Some(axes)) = (doubts.home_m, doubts.axes) {
         let [x, y, z] = home_m.map(|x| 1e3 * x);
         eprintln!(
             "note: at the start of the trials the tip is at ({x:.0}, {y:.0}, {z:.0}) mm, where no robot that lies along z \
-             has it; --axes {axes} would turn it along z, or --base and --tip are exchanged"
+             has it; {key}{axes} would turn it along z, or {bodies} are exchanged"
         );
     }
     if let Some((away_m, row)) = doubts.base_moves {
@@ -172,7 +192,7 @@ fn print_doubts(doubts: &ImportDoubts, recording: &Recording) {
     match doubts.onset_s {
         Some(onset_s) if onset_s < -EARLY_S => eprintln!(
             "note: the tip begins to move {:.2} s before its commands: the tracker's clock is ahead of the log's by at \
-             least that (subtract it from --offset-s or export_time_s)",
+             least that ({clock})",
             -onset_s
         ),
         Some(onset_s) if onset_s > LATE_S => eprintln!(

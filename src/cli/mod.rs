@@ -10,8 +10,10 @@ mod completions;
 mod discover;
 mod doctor;
 mod effects;
+mod export;
 mod gather;
 mod import;
+mod import_map;
 mod interrupted;
 mod outputs;
 mod page;
@@ -55,6 +57,7 @@ enum Command {
     Weigh(weigh::WeighCommand),
     Rehearse(rehearse::RehearseCommand),
     Import(import::ImportCommand),
+    Export(export::ExportCommand),
     Page(page::PageCommand),
     Schema(schema::SchemaCommand),
     Completions(completions::CompletionsCommand),
@@ -108,6 +111,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Weigh(weigh) => weigh.execute(&progress),
         Command::Rehearse(rehearse) => rehearse.execute(),
         Command::Import(import) => import.execute(&progress),
+        Command::Export(export) => export.execute(&progress),
         Command::Page(page) => page.execute(),
         Command::Schema(schema) => schema.execute(),
         Command::Completions(completions) => completions.execute(),

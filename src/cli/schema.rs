@@ -21,6 +21,8 @@ enum SchemaKind {
     Plant,
     /// File for `--model`.
     Model,
+    /// File for `import --map`.
+    Map,
 }
 
 impl SchemaCommand {
@@ -29,6 +31,7 @@ impl SchemaCommand {
             SchemaKind::Experiment => SchemaOf::Experiment,
             SchemaKind::Plant => SchemaOf::Plant,
             SchemaKind::Model => SchemaOf::Model,
+            SchemaKind::Map => SchemaOf::Map,
         });
         let text = serde_json::to_string_pretty(&schema).map_err(CommandError::failed)?;
         // A reader may close the pipe early; that is no error.

@@ -7,6 +7,7 @@ mod error;
 mod file;
 pub mod findings;
 pub mod import;
+pub mod mcap;
 pub mod recording;
 pub mod responses;
 mod row_serde;

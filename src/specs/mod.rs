@@ -20,7 +20,7 @@ pub use experiment::spec::{
     DiscoveryRun, Experiment, GapRun, GeneratedStart, PaceRun, ReachSweep, ResponseRun, Runs, TrackRun, Training,
     TrialMode,
 };
-pub use read::{files_behind, read_model, read_options, read_plant};
+pub use read::{files_behind, read_map, read_model, read_options, read_plant};
 pub use schema::{SchemaOf, schema};
 pub use sweep::experiment_set::{ExperimentSet, SweepPoint, SweptField};
 pub use write::{extended_text, model_text, to_yaml};

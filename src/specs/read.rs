@@ -6,6 +6,7 @@ use super::document::locate::PathEnd;
 use super::document::merged::Document;
 use super::document::path::KeyPath;
 use crate::base::BadOption;
+use crate::data::import::mapped::{ImportMap, SourceKind};
 use crate::discovery::Options;
 use crate::effects::Model;
 use crate::plants::PlantSpec;
@@ -62,6 +63,17 @@ pub fn read_options(file: &Path) -> Result<Options, SpecError> {
     check_entries(&document, &options, &KeyPath::default())?;
     options.check().map_err(|error| refusal(&document, "", &error))?;
     Ok(options)
+}
+
+/// Reads and checks the map of an import from such a source.
+///
+/// # Errors
+/// As [`read_model`].
+pub fn read_map(file: &Path, source: SourceKind) -> Result<ImportMap, SpecError> {
+    let document = Document::read(file, &[], &[])?;
+    let map = document.parse::<ImportMap>()?;
+    map.check(source).map_err(|(path, error)| refusal(&document, &path, &error))?;
+    Ok(map)
 }
 
 /// The error for a field below `path` that is out of range.

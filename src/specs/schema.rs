@@ -3,6 +3,7 @@
 
 use super::experiment::spec::Experiment;
 use super::sweep::series::SeriesForm;
+use crate::data::import::mapped::ImportMap;
 use crate::effects::Model;
 use crate::plants::PlantSpec;
 use schemars::{JsonSchema, generate::SchemaSettings};
@@ -17,6 +18,8 @@ pub enum SchemaOf {
     Plant,
     /// A model file.
     Model,
+    /// A map of an import.
+    Map,
 }
 
 /// The JSON Schema (draft 2020-12) of a kind of file.
@@ -25,6 +28,7 @@ pub fn schema(of: SchemaOf) -> Value {
         SchemaOf::Model => of_type::<Model>("a model of spinebench"),
         SchemaOf::Plant => with_files(of_type::<PlantSpec>("a plant of spinebench")),
         SchemaOf::Experiment => experiment(),
+        SchemaOf::Map => of_type::<ImportMap>("a map of spinebench import"),
     }
 }
 
@@ -37,6 +41,8 @@ fn of_type<T: JsonSchema>(title: &str) -> Value {
 
 fn experiment() -> Value {
     let mut schema = with_files(of_type::<Experiment>("an experiment of spinebench"));
+    // A policy from outside may stand beside the other keys of `policies`.
+    schema["$defs"]["PolicyOptions"]["additionalProperties"] = json!({ "$ref": "#/$defs/OutsidePolicy" });
     let required = schema["required"].take();
     merging(&mut schema);
     let extends = json!({

@@ -1,6 +1,7 @@
 //! Control loops: exploration, replay, goal reaching, path tracking, and recording of commands.
 
 mod actuation;
+mod body_lines;
 mod corrected_samples;
 mod explore;
 mod gp_points;
@@ -22,6 +23,7 @@ mod transitions;
 mod watched;
 
 pub use actuation::{BendMap, GridOptions, bend_commands};
+pub use body_lines::body_lines_m;
 pub use corrected_samples::correct_samples;
 pub use explore::{ExploreOptions, explore, explore_trajectory, replay, replay_trajectory};
 pub use gp_points::{GpPoints, GpPointsOptions, GpPool, PointLayout, SimulatedBy, gp_points};

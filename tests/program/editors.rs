@@ -68,6 +68,8 @@ fn what_the_program_refuses_by_its_keys_the_schema_refuses() {
         ("experiment", "{extends: smoke.yaml, modes: {closed: {effects: [{tip_load: {}}]}}}"),
         ("experiment", "{extends: smoke.yaml, runs: {reach: [{policies: [a]}]}}"),
         ("experiment", "{extends: smoke.yaml, plant: {hologram: {}}}"),
+        ("experiment", "{extends: smoke.yaml, policies: {mine: {file: mine.onnx}}}"),
+        ("experiment", "{extends: smoke.yaml, policies: {mine: {onnx: {flie: mine.onnx}}}}"),
         ("experiment", "{extends: smoke.yaml, sweep: {gp.kernel: se_ard}}"),
         ("experiment", "{extends: smoke.yaml, sweep: {gp.starts: {range: {from: 1, too: 2}}}}"),
         ("experiment", "{extends: smoke.yaml, sweep: {gp.starts: []}}"),
@@ -75,6 +77,8 @@ fn what_the_program_refuses_by_its_keys_the_schema_refuses() {
         ("model", "{robot: {backbone: {length: 1}}}"),
         ("model", "{effects: []}"),
         ("plant", "{simulated: {noise_m: 0.001}}"),
+        ("map", "{commands: {tendons: {columns: [0]}}}"),
+        ("map", "{commands: {tendons: {columns: [a], unit: furlong}}}"),
     ];
     for (kind, text) in cases {
         assert!(!problems(&schema(kind), &yaml(text)).is_empty(), "{kind}: {text}");
@@ -83,11 +87,19 @@ fn what_the_program_refuses_by_its_keys_the_schema_refuses() {
         ("experiment", "{extends: smoke.yaml, gp: {kernel: '(se + linear[place]) * periodic[1-2, 4] + white'}}"),
         ("experiment", "{extends: smoke.yaml, plant: {simulated: {noise_m: 0.001}}}"),
         ("experiment", "{extends: smoke.yaml, model: {simulated: {model: ../models/real.yaml}}}"),
+        ("experiment", "{extends: smoke.yaml, policies: {mine: {onnx: {file: mine.onnx}}, c: {max_switches: 3}}}"),
+        ("experiment", "{extends: smoke.yaml, policies: {mine: {python: {file: mine.py, class: Mine}}}}"),
+        ("experiment", "{extends: smoke.yaml, policies: {outside: {mine: {onnx: {file: mine.onnx}}}}}"),
         (
             "experiment",
             "{extends: smoke.yaml, sweep: {gp.kernel: [matern52], gp.starts: null, seed: {random: {from: 1, to: 9, count: 3, whole: true}}}}",
         ),
         ("plant", "{simulated: {model: ../models/real.yaml}}"),
+        (
+            "map",
+            "{commands: {tendons: {columns: [a, 2]}}, tracking: {tip: {position: [1, y, z]}, clock: {estimate: {}}}}",
+        ),
+        ("map", "{commands: {tendons: {columns: [a]}}, tracking: {tip: {}, clock: same}}"),
     ];
     for (kind, text) in good {
         let found = problems(&schema(kind), &yaml(text));

@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod bags;
 mod benchmark;
 mod calibrate;
 mod discover;
@@ -10,6 +11,7 @@ mod editors;
 mod examples;
 mod extending;
 mod first_hour;
+mod import_csv;
 mod outside_policies;
 mod page;
 mod real;

@@ -3,7 +3,8 @@
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::str::FromStr;
 
-/// The project's axes (x up, z along the straight robot) in terms of the tracker's: a rotation by quarter turns.
+/// The project's axes (x up, z along the straight robot) in terms of the tracker's: a rotation by quarter turns, and a
+/// reflection where the tracker's axes are left-handed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axes {
     turn: Matrix3<f64>,
@@ -32,7 +33,8 @@ impl Axes {
 
     /// Transforms a rotation from the tracker's to the project's axes.
     pub(crate) fn rotation(&self, tracked: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
-        let axis = self.turn * tracked.imag();
+        // A reflection turns the sense of a rotation about the reflected axis.
+        let axis = self.turn * tracked.imag() * self.turn.determinant();
         UnitQuaternion::new_unchecked(nalgebra::Quaternion::from_parts(tracked.w, axis))
     }
 }
@@ -56,6 +58,17 @@ impl FromStr for Axes {
     type Err = BadAxes;
 
     fn from_str(words: &str) -> Result<Axes, BadAxes> {
+        Axes::of_hand(words, false)
+    }
+}
+
+impl Axes {
+    /// Reads axes in terms of right-handed or left-handed ones.
+    ///
+    /// # Errors
+    /// [`BadAxes`] when an axis is missing or the hand is the other.
+    pub(crate) fn of_hand(words: &str, left_handed: bool) -> Result<Axes, BadAxes> {
+        let hand = if left_handed { -1.0 } else { 1.0 };
         let bad = |found: &str| BadAxes { found: found.to_owned() };
         let mut turn = Matrix3::zeros();
         let parts: Vec<&str> = words.split(',').collect();
@@ -68,9 +81,9 @@ impl FromStr for Axes {
             turn[place.ok_or_else(|| bad(&format!("`{part}`")))?] += sign;
         }
         // A repeated axis leaves another without any, and the determinant 0.
-        match (parts.len(), turn.determinant()) {
+        match (parts.len(), turn.determinant() * hand) {
             (3, 1.0) => Ok(Axes { turn }),
-            (3, -1.0) => Err(bad("left-handed axes")),
+            (3, -1.0) => Err(bad(if left_handed { "right-handed axes" } else { "left-handed axes" })),
             _ => Err(bad("an axis twice or none at all")),
         }
     }
@@ -91,6 +104,15 @@ mod tests {
         let (turn, arm) = (UnitQuaternion::new(Vector3::new(0.3, -0.2, 0.5)), Vector3::new(0.1, 0.7, -0.4));
         let turned = axes.rotation(&turn) * axes.vector(&arm);
         assert!((turned - axes.vector(&(turn * arm))).norm() < 1e-15);
+    }
+
+    #[test]
+    fn a_reflected_turn_and_its_axis_map_alike() {
+        let axes = Axes::of_hand("x=+y,y=+x,z=+z", true).unwrap();
+        let (turn, arm) = (UnitQuaternion::new(Vector3::new(0.3, -0.2, 0.5)), Vector3::new(0.1, 0.7, -0.4));
+        let turned = axes.rotation(&turn) * axes.vector(&arm);
+        assert!((turned - axes.vector(&(turn * arm))).norm() < 1e-15);
+        assert!(Axes::of_hand("x=+x,y=+y,z=+z", true).unwrap_err().to_string().contains("right-handed"));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 
 mod axes;
 mod log;
+pub mod mapped;
 pub mod motive;
 mod plausibility;
 mod resample;
@@ -38,6 +39,8 @@ pub struct ImportOptions {
     pub frame: TipFrame,
     /// Longest gap between tracked frames that is interpolated, seconds.
     pub max_gap_s: f64,
+    /// What the user calls that gap.
+    pub gap_key: &'static str,
 }
 
 /// Result of an import.
@@ -164,6 +167,6 @@ fn never_seen(export: &Export, options: &ImportOptions) -> DataError {
         file: export.file.clone(),
         place: "all frames".to_owned(),
         found: format!("no command with both bodies tracked around it (frames are up to {step_s:.6} s apart)"),
-        expected: format!("tracked frames at most {} s apart (--max-gap-s)", options.max_gap_s),
+        expected: format!("tracked frames at most {} s apart ({})", options.max_gap_s, options.gap_key),
     }
 }

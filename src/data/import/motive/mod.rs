@@ -56,6 +56,11 @@ impl Export {
         read::export(path, bytes)
     }
 
+    /// Frames at these times, for bodies that come from elsewhere.
+    pub(crate) fn of_times(file: PathBuf, time_s: Vec<f64>) -> Export {
+        Export { file, time_s, bodies: Vec::new(), markers: Vec::new(), promised_frames: None, names_line: 1 }
+    }
+
     /// The rigid body with exactly this name, or else the marker.
     ///
     /// # Errors

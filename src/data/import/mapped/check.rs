@@ -1,0 +1,268 @@
+//! What a map must say, before any file is read.
+
+use super::map::{
+    BodyMap, ClockMap, CommandsMap, DriveMap, ImportMap, OffsetRange, TendonMeasure, TendonsMap, TextFormat,
+    TrackingMap,
+};
+use super::units::{CommandKind, CommandUnit};
+use crate::base::BadOption;
+use crate::data::import::Axes;
+
+/// The fault of a key below a path of the map.
+type Fault = (String, BadOption);
+
+fn fault(path: &str, key: &'static str, found: impl Into<String>, expected: &'static str) -> Fault {
+    (path.to_owned(), BadOption { key, found: found.into(), expected })
+}
+
+/// Where the tables of an import come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SourceKind {
+    /// So many text files.
+    Text(usize),
+    /// A bag.
+    Bag,
+}
+
+impl ImportMap {
+    /// Checks everything that can be known without the data.
+    ///
+    /// # Errors
+    /// The path and the key of the first fault.
+    pub fn check(&self, source: SourceKind) -> Result<(), Fault> {
+        self.text.check("text")?;
+        self.commands.check(source)?;
+        let Some(tracking) = &self.tracking else { return Ok(()) };
+        tracking.check(source)?;
+        let own_rows = tracking.file_of(source) == self.commands.file;
+        if matches!(source, SourceKind::Text(_)) && tracking.time.is_none() {
+            if !own_rows {
+                return Err(fault(
+                    "tracking",
+                    "time",
+                    "no such key",
+                    "the column of times, as the commands are in another file",
+                ));
+            }
+            if tracking.clock != ClockMap::Same {
+                return Err(fault(
+                    "tracking",
+                    "clock",
+                    "an offset",
+                    "`time` beside it, or the same clock for rows that hold both",
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl TextFormat {
+    fn check(&self, path: &str) -> Result<(), Fault> {
+        if self.delimiter.chars().count() != 1 {
+            return Err(fault(path, "delimiter", format!("`{}`", self.delimiter), "one character"));
+        }
+        if !matches!(self.decimal.as_str(), "." | ",") {
+            return Err(fault(path, "decimal", format!("`{}`", self.decimal), "`.` or `,`"));
+        }
+        if self.decimal == self.delimiter {
+            return Err(fault(path, "decimal", format!("`{}`", self.decimal), "another character than the delimiter"));
+        }
+        match &self.comment {
+            Some(mark) if mark.trim().is_empty() => {
+                Err(fault(path, "comment", format!("`{mark}`"), "a character or word"))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A file of the command line, or a topic, but not both.
+fn check_source(path: &str, source: SourceKind, file: usize, topics: &[&str], needs_topic: bool) -> Result<(), Fault> {
+    match source {
+        SourceKind::Text(files) => {
+            if !(1..=files).contains(&file) {
+                let found = format!("{file}, and {files} on the command line");
+                return Err(fault(path, "file", found, "the number of a file on the command line, from 1"));
+            }
+            match topics.first() {
+                Some(topic) => Err(fault(path, "topic", format!("`{topic}`"), "no topic: text files have none")),
+                None => Ok(()),
+            }
+        }
+        SourceKind::Bag if needs_topic && topics.is_empty() => {
+            Err(fault(path, "topic", "no such key", "the topic's name"))
+        }
+        SourceKind::Bag => Ok(()),
+    }
+}
+
+impl CommandsMap {
+    fn check(&self, source: SourceKind) -> Result<(), Fault> {
+        const PATH: &str = "commands";
+        let topics: Vec<&str> = self.topic.iter().map(String::as_str).collect();
+        check_source(PATH, source, self.file, &topics, true)?;
+        if let Some(text) = &self.text {
+            text.check("commands.text")?;
+        }
+        if self.time.is_none() && source != SourceKind::Bag {
+            return Err(fault(PATH, "time", "no such key", "the column of times"));
+        }
+        if let Some(gap_s) = self.trial_gap_s {
+            BadOption::unless_positive("trial_gap_s", gap_s).map_err(|error| (PATH.to_owned(), error))?;
+            if self.trial.is_some() {
+                return Err(fault(PATH, "trial_gap_s", format!("{gap_s}"), "`trial` or `trial_gap_s`, not both"));
+            }
+        }
+        match (&self.tendons, self.drives.is_empty()) {
+            (None, true) => Err(fault(PATH, "tendons", "no such key", "the columns of tendons, or `drives`")),
+            (Some(_), false) => Err(fault(PATH, "drives", "tendons and drives", "one of the two")),
+            (Some(tendons), true) => tendons.check(),
+            (None, false) => self.drives.iter().try_for_each(|(name, drive)| drive.check(name)),
+        }
+    }
+}
+
+/// Letters, digits and _, as names of columns need.
+fn is_plain(name: &str) -> bool {
+    !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+}
+
+impl TendonsMap {
+    fn check(&self) -> Result<(), Fault> {
+        const PATH: &str = "commands.tendons";
+        let count = self.columns.len();
+        if count == 0 {
+            return Err(fault(PATH, "columns", "an empty list", "one column a tendon"));
+        }
+        let kind = self.unit.factor().0;
+        match &self.scale {
+            None if matches!(kind, CommandKind::Angle | CommandKind::Count) => {
+                let expected = "metres of tendon per radian or per count: one number, or one a tendon";
+                return Err(fault(PATH, "scale", "no such key", expected));
+            }
+            Some(scale) if !(scale.len() == 1 || scale.len() == count) => {
+                return Err(fault(PATH, "scale", format!("{} numbers", scale.len()), "one number, or one a tendon"));
+            }
+            Some(scale) if scale.iter().any(|number| !number.is_finite() || *number == 0.0) => {
+                return Err(fault(PATH, "scale", format!("{scale:?}"), "finite numbers other than 0"));
+            }
+            _ => {}
+        }
+        if kind == CommandKind::Tension && self.measure != TendonMeasure::Pulled {
+            return Err(fault(PATH, "measure", "lengths in newtons", "`pulled` for tensions"));
+        }
+        let Some(home) = &self.home else { return Ok(()) };
+        if self.zero.is_some() {
+            return Err(fault(PATH, "home", "`zero` and `home`", "one of the two"));
+        }
+        if home.len() != count || home.iter().any(|number| !number.is_finite()) {
+            return Err(fault(PATH, "home", format!("{home:?}"), "one finite number a tendon"));
+        }
+        Ok(())
+    }
+}
+
+impl DriveMap {
+    fn check(&self, name: &str) -> Result<(), Fault> {
+        let path = format!("commands.drives.{name}");
+        if !is_plain(name) {
+            return Err(fault("commands", "drives", format!("`{name}`"), "names of letters, digits and _"));
+        }
+        match (self.unit.factor().0, self.scale) {
+            (CommandKind::Tension, _) => {
+                return Err(fault(&path, "unit", unit_word(self.unit), "a unit of length, of angle, or counts"));
+            }
+            (CommandKind::Count, None) => {
+                return Err(fault(&path, "scale", "no such key", "radians per count"));
+            }
+            (_, Some(scale)) if !scale.is_finite() || scale == 0.0 => {
+                return Err(fault(&path, "scale", format!("{scale}"), "a finite number other than 0"));
+            }
+            _ => {}
+        }
+        match self.home {
+            Some(home) if !home.is_finite() => Err(fault(&path, "home", format!("{home}"), "a finite number")),
+            _ => Ok(()),
+        }
+    }
+}
+
+fn unit_word(unit: CommandUnit) -> String {
+    format!("`{}`", format!("{unit:?}").to_lowercase())
+}
+
+impl TrackingMap {
+    /// The file of this map among those of the command line.
+    pub(crate) fn file_of(&self, source: SourceKind) -> usize {
+        let last = if let SourceKind::Text(files) = source { files } else { 1 };
+        self.file.unwrap_or(last)
+    }
+
+    /// The recording's axes.
+    pub(crate) fn to_axes(&self) -> Result<Axes, Fault> {
+        Axes::of_hand(&self.axes, self.left_handed).map_err(|_| {
+            let expected = "each axis once, such as `x=+y,y=-x,z=+z`; `left_handed: true` if the tracker's axes are";
+            fault("tracking", "axes", format!("`{}`", self.axes), expected)
+        })
+    }
+
+    /// All bodies with their paths in the map.
+    fn bodies(&self) -> impl Iterator<Item = (String, &BodyMap)> {
+        let points = self.points.iter().map(|(name, body)| (format!("tracking.points.{name}"), body));
+        let base = self.base.iter().map(|body| ("tracking.base".to_owned(), body));
+        std::iter::once(("tracking.tip".to_owned(), &self.tip)).chain(base).chain(points)
+    }
+
+    fn check(&self, source: SourceKind) -> Result<(), Fault> {
+        const PATH: &str = "tracking";
+        let own: Vec<&str> = self.topic.iter().map(String::as_str).collect();
+        check_source(PATH, source, self.file_of(source), &own, false)?;
+        if let Some(text) = &self.text {
+            text.check("tracking.text")?;
+        }
+        self.to_axes()?;
+        for (path, body) in self.bodies() {
+            let topics: Vec<&str> = body.topic.iter().chain(&self.topic).map(String::as_str).collect();
+            check_source(&path, source, self.file_of(source), &topics, true)?;
+            if matches!(source, SourceKind::Text(_)) && body.position.is_none() {
+                return Err(fault(&path, "position", "no such key", "the columns of x, y and z"));
+            }
+        }
+        if let Some(name) = self.points.keys().find(|name| !is_plain(name)) {
+            return Err(fault(PATH, "points", format!("`{name}`"), "names of letters, digits and _"));
+        }
+        if !(self.max_gap_s.is_finite() && self.max_gap_s >= 0.0) {
+            return Err(fault(PATH, "max_gap_s", self.max_gap_s.to_string(), "seconds, 0 or more"));
+        }
+        match self.origin {
+            Some(_) if self.base.is_some() => {
+                return Err(fault(PATH, "origin", "`base` and `origin`", "one of the two"));
+            }
+            Some(origin) if origin.iter().any(|x| !x.is_finite()) => {
+                return Err(fault(PATH, "origin", format!("{origin:?}"), "three finite numbers"));
+            }
+            _ => {}
+        }
+        match self.clock {
+            ClockMap::OffsetS(offset_s) if !offset_s.is_finite() => {
+                Err(fault("tracking.clock", "offset_s", offset_s.to_string(), "seconds, a finite number"))
+            }
+            ClockMap::Estimate(OffsetRange { from_s, to_s }) => {
+                let path = "tracking.clock.estimate";
+                for (key, limit_s) in [("from_s", from_s), ("to_s", to_s)] {
+                    if let Some(limit_s) = limit_s.filter(|limit_s| !limit_s.is_finite()) {
+                        return Err(fault(path, key, limit_s.to_string(), "seconds, a finite number"));
+                    }
+                }
+                match (from_s, to_s) {
+                    (Some(from_s), Some(to_s)) if from_s >= to_s => {
+                        Err(fault(path, "to_s", format!("{from_s} to {to_s}"), "a limit above `from_s`"))
+                    }
+                    _ => Ok(()),
+                }
+            }
+            _ => Ok(()),
+        }
+    }
+}

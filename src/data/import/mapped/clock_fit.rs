@@ -1,0 +1,188 @@
+//! The offset between the tracker's clock and that of the commands, from the motion: cross-correlation of the tip with
+//! commands that reach it through a linear response of second order (a least-squares fit at every offset and response), and
+//! its interval by the delete-one-block jackknife (Künsch 1989).
+
+use super::step_response::StepResponse;
+use super::tip_motion::{BLOCKS, CommandSteps, FEWEST, FINEST_S, OffsetCandidate, TipMotion};
+use crate::base::Point3;
+
+/// An estimated offset.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClockFit {
+    /// Seconds that are added to the tracker's times.
+    pub offset_s: f64,
+    /// Its 95 % interval, seconds.
+    pub interval_95_s: [f64; 2],
+    /// Mean delay of the response from command to tip that was fitted with it, seconds.
+    pub lag_s: f64,
+    /// Share of the tip's squares that the commands explain at this offset.
+    pub explained: f64,
+}
+
+/// 97.5 % quantile of Student's t with one degree of freedom less.
+const STUDENT_T: f64 = 2.262_157;
+/// Most frames that are looked at over all offsets, and around the best ones.
+const COARSE_FRAMES: usize = 1500;
+const FINE_FRAMES: usize = 8000;
+/// Most offsets that are tried.
+const MOST_OFFSETS: usize = 20_000;
+/// Least share of the tip's squares that commands must explain.
+const LEAST: f64 = 0.2;
+/// Peaks that are looked at closely.
+const PEAKS: usize = 5;
+/// A second offset is as good as the first when it leaves at most this many times as much.
+const AS_GOOD: f64 = 1.2;
+/// Responses from which the search starts.
+const RESPONSES: [StepResponse; 4] = [
+    StepResponse { time_s: 0.01, damping: 2.0 },
+    StepResponse { time_s: 0.03, damping: 0.5 },
+    StepResponse { time_s: 0.06, damping: 1.0 },
+    StepResponse { time_s: 0.2, damping: 1.0 },
+];
+/// Resolution while offsets compete, seconds.
+const COARSEST_S: f64 = 2e-3;
+
+/// Offsets with a local optimum of the fit, best first.
+fn peaks(motion: &TipMotion, offsets_s: &[f64]) -> Vec<f64> {
+    let response = StepResponse { time_s: 0.25 * motion.step_s, damping: 1.0 };
+    let states = motion.states(response);
+    let left_at = |offset_s: &f64| motion.blocks(*offset_s, (response, &states), 1).map_or(1.0, |all| all[0].left());
+    let left: Vec<f64> = offsets_s.iter().map(left_at).collect();
+    let at = |k: usize| left.get(k).copied().unwrap_or(1.0);
+    let is_least = |k: &usize| left[*k] < 1.0 && left[*k] <= at(k + 1) && (*k == 0 || left[*k] < left[*k - 1]);
+    let mut peaks: Vec<usize> = (0..left.len()).filter(is_least).collect();
+    peaks.sort_by(|a, b| left[*a].total_cmp(&left[*b]));
+    peaks.into_iter().take(PEAKS).map(|k| offsets_s[k]).collect()
+}
+
+/// Estimates the offset between `range_s`.
+///
+/// # Errors
+/// What was found and what was expected, in words.
+pub(crate) fn estimate(
+    commands: &CommandSteps,
+    frames: Vec<(f64, Point3)>,
+    (from_s, to_s): (Option<f64>, Option<f64>),
+) -> Result<ClockFit, (String, String)> {
+    let refuse = |found: String, expected: &str| Err((found, expected.to_owned()));
+    let steps: Vec<f64> = commands.time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let step_s = crate::math::summary::quantile(&steps, 0.5);
+    if frames.len() < FEWEST || steps.len() < FEWEST / 2 {
+        let found = format!("{} tracked frames and {} commands", frames.len(), commands.rows.len());
+        return refuse(found, "at least 50 frames and 26 commands, or `clock.offset_s`");
+    }
+    let (first_s, last_s) = (frames[0].0, frames[frames.len() - 1].0);
+    let middle_s = 0.5 * (commands.time_s[0] + commands.time_s[commands.time_s.len() - 1]);
+    // Beyond these the tracking does not meet the commands.
+    let [least_s, most_s] = [commands.time_s[0] - last_s, 2.0 * middle_s - commands.time_s[0] - first_s];
+    let low_s = from_s.unwrap_or(middle_s - last_s).clamp(least_s, most_s);
+    let high_s = to_s.unwrap_or(middle_s - first_s).clamp(least_s, most_s);
+    let motion = TipMotion { commands, frames, step_s };
+    let every_s = (0.5 * step_s).max((high_s - low_s) / MOST_OFFSETS as f64).max(1e-3);
+    let count = ((high_s - low_s) / every_s).ceil().max(1.0) as usize;
+    let offsets_s: Vec<f64> = (0..=count).map(|k| (low_s + every_s * k as f64).min(high_s)).collect();
+    let (coarse, fine) = (motion.thinned(COARSE_FRAMES), motion.thinned(FINE_FRAMES));
+    let close = |offset_s: f64| {
+        let starts = RESPONSES.map(|response| OffsetCandidate { offset_s, response, left: 1.0 });
+        let ends = starts.map(|start| coarse.refined(start, [every_s, COARSEST_S], None, false));
+        ends.into_iter().min_by(|a, b| a.left.total_cmp(&b.left))
+    };
+    let mut found: Vec<OffsetCandidate> = peaks(&coarse, &offsets_s).into_iter().filter_map(close).collect();
+    found.sort_by(|a, b| a.left.total_cmp(&b.left));
+    let Some(&best) = found.first().filter(|best| 1.0 - best.left >= LEAST) else {
+        let share = found.first().map_or(0.0, |best| 100.0 * (1.0 - best.left));
+        let found = format!("a tip whose motion follows the commands to {share:.0} % at the best offset");
+        return refuse(found, "20 % or more, or `clock.offset_s`");
+    };
+    let apart = |other: &&OffsetCandidate| (other.offset_s - best.offset_s).abs() > 2.0 * every_s.max(step_s);
+    if let Some(other) = found.iter().skip(1).find(apart).filter(|other| other.left <= AS_GOOD * best.left) {
+        let both = [best.offset_s, other.offset_s];
+        let found = format!("a motion that repeats: offsets of {:.3} s and {:.3} s fit alike", both[0], both[1]);
+        return refuse(found, "narrower limits `clock.estimate.from_s` and `to_s`, or `clock.offset_s`");
+    }
+    // A lag can make up for an offset where the motion has one frequency.
+    let shifted = |shift_s: f64| OffsetCandidate { offset_s: best.offset_s + shift_s, ..best };
+    let aside = [-step_s, step_s].map(|shift_s| coarse.refined(shifted(shift_s), [every_s, COARSEST_S], None, true));
+    if let Some(other) = aside.iter().find(|other| other.left <= AS_GOOD * best.left) {
+        let both = [best.offset_s, other.offset_s];
+        let found = format!("a motion by which offsets of {:.3} s and {:.3} s fit alike", both[0], both[1]);
+        return refuse(found, "commands of several frequencies, or `clock.offset_s`");
+    }
+    let best = fine.polished(best, None);
+    let without = |block| fine.polished(best, Some(block)).offset_s;
+    let parts: Vec<f64> = (0..BLOCKS).map(without).collect();
+    let mean_s = parts.iter().sum::<f64>() / BLOCKS as f64;
+    let squares: f64 = parts.iter().map(|part_s| (part_s - mean_s).powi(2)).sum();
+    let half_s = STUDENT_T * (squares * (BLOCKS - 1) as f64 / BLOCKS as f64).sqrt().max(FINEST_S);
+    Ok(ClockFit {
+        offset_s: best.offset_s,
+        interval_95_s: [best.offset_s - half_s, best.offset_s + half_s],
+        lag_s: best.response.mean_delay_s(),
+        explained: 1.0 - best.left,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Seed;
+    use rand_distr::{Distribution, Normal};
+
+    /// Random steps at 5 Hz, and a tip that follows through a lag of 0.08 s, seen at 100 Hz from 2 s before the commands.
+    fn motion(seed: u64, repeats: bool) -> (CommandSteps, Vec<(f64, Point3)>) {
+        let (mut random, step, noise) =
+            (Seed(seed).rng(), Normal::new(0.0, 4e-3).unwrap(), Normal::new(0.0, 3e-4).unwrap());
+        let time_s: Vec<f64> = (0..300).map(|row| 0.2 * f64::from(row)).collect();
+        let rows: Vec<Vec<f64>> = (0..300)
+            .map(|row| {
+                let phase = 0.1 * f64::from(row % 20) * std::f64::consts::PI;
+                let drawn = [step.sample(&mut random), step.sample(&mut random)];
+                let [a, b] = if repeats { [5e-3 * phase.sin(), 5e-3 * phase.cos()] } else { drawn };
+                vec![a, b, -a, -b]
+            })
+            .collect();
+        let (mut lag, mut frames) = ([0.0; 2], Vec::new());
+        for tick in 0..6400_usize {
+            let mut seen = || noise.sample(&mut random);
+            frames.push((0.01 * tick as f64, [4.0 * lag[0] + seen(), 3.9 * lag[1] + seen(), 0.2 + seen()]));
+            let row = (tick.saturating_sub(200) / 20).min(299);
+            for axis in 0..2 {
+                lag[axis] += (rows[row][axis] - lag[axis]) * (1.0 - (-0.01_f64 / 0.08).exp());
+            }
+        }
+        (CommandSteps { time_s, rows }, frames)
+    }
+
+    #[test]
+    fn an_unknown_offset_is_found_within_its_interval() {
+        let mut inside = 0;
+        for seed in 0..5 {
+            let (commands, mut frames) = motion(seed, false);
+            frames.iter_mut().for_each(|(frame_s, _)| *frame_s += 37.123);
+            let found = estimate(&commands, frames, (None, None)).unwrap();
+            // The truth: these frames began 2 s before the commands.
+            let [low_s, high_s] = found.interval_95_s;
+            assert!((found.offset_s + 39.123).abs() < 1e-3, "{found:?}");
+            inside += i32::from((low_s..high_s).contains(&-39.123));
+            assert!(high_s - low_s < 2e-3 && found.explained > 0.9, "{found:?}");
+            assert!((found.lag_s - 0.08).abs() < 4e-3, "{found:?}");
+        }
+        assert!(inside >= 4, "{inside} of 5");
+    }
+
+    #[test]
+    fn what_cannot_tell_the_offset_is_refused() {
+        // Where motion begins and ends would tell the offset.
+        let (commands, mut frames) = motion(1, true);
+        frames.retain(|(frame_s, _)| (10.0..50.0).contains(frame_s));
+        let said = estimate(&commands, frames.clone(), (None, None)).unwrap_err().0;
+        assert!(said.contains("fit alike"), "{said}");
+        // Within a period a lag makes up for an offset.
+        let said = estimate(&commands, frames.clone(), (Some(-2.3), Some(-1.9))).unwrap_err().0;
+        assert!(said.contains("fit alike"), "{said}");
+        let still = frames.iter().map(|(frame_s, tip)| (*frame_s, [0.0, 0.0, tip[2]])).collect();
+        let said = estimate(&commands, still, (None, None)).unwrap_err().0;
+        assert!(said.contains("at the best offset"), "{said}");
+        assert!(estimate(&commands, frames[..30].to_vec(), (None, None)).is_err());
+    }
+}

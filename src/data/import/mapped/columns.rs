@@ -1,0 +1,244 @@
+//! Columns of other people's tables, by name or number.
+
+use std::borrow::Cow;
+use std::fmt;
+use std::path::PathBuf;
+
+use serde::de::{self, Deserializer, Visitor};
+use serde::{Deserialize, Serialize, Serializer};
+
+use super::units::TimeUnit;
+use crate::data::DataError;
+use crate::data::error::shown;
+
+/// A column of a table: its name, or its number counted from 1.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ColumnName {
+    /// By the header, or the field of a message.
+    Name(String),
+    /// By its place.
+    Number(usize),
+}
+
+impl fmt::Display for ColumnName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            ColumnName::Name(name) => write!(f, "`{name}`"),
+            ColumnName::Number(number) => write!(f, "number {number}"),
+        }
+    }
+}
+
+impl Serialize for ColumnName {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            ColumnName::Name(name) => serializer.serialize_str(name),
+            ColumnName::Number(number) => serializer.serialize_u64(*number as u64),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for ColumnName {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<ColumnName, D::Error> {
+        struct NameOrNumber;
+        impl Visitor<'_> for NameOrNumber {
+            type Value = ColumnName;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("the name of a column, or its number from 1")
+            }
+
+            fn visit_str<E: de::Error>(self, name: &str) -> Result<ColumnName, E> {
+                Ok(ColumnName::Name(name.to_owned()))
+            }
+
+            fn visit_u64<E: de::Error>(self, number: u64) -> Result<ColumnName, E> {
+                match usize::try_from(number) {
+                    Ok(number) if number > 0 => Ok(ColumnName::Number(number)),
+                    _ => Err(E::invalid_value(de::Unexpected::Unsigned(number), &self)),
+                }
+            }
+
+            fn visit_i64<E: de::Error>(self, number: i64) -> Result<ColumnName, E> {
+                u64::try_from(number)
+                    .map_err(|_| E::invalid_value(de::Unexpected::Signed(number), &self))
+                    .and_then(|number| self.visit_u64(number))
+            }
+        }
+        deserializer.deserialize_any(NameOrNumber)
+    }
+}
+
+impl schemars::JsonSchema for ColumnName {
+    fn schema_name() -> Cow<'static, str> {
+        "ColumnName".into()
+    }
+
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({
+            "description": "A column: its name (of a topic: the path of a field), or its number counted from 1.",
+            "anyOf": [{ "type": "string" }, { "type": "integer", "minimum": 1 }],
+        })
+    }
+}
+
+/// The cells of one column.
+#[derive(Clone, Debug)]
+pub(crate) enum LogCells {
+    /// Text with `.` as its decimal sign.
+    Text(Vec<String>),
+    /// Numbers; not a number where there was none.
+    Numbers(Vec<f64>),
+    /// Times, nanoseconds.
+    Nanoseconds(Vec<i64>),
+}
+
+/// A table of somebody's file: rows of a text file, or messages of a topic.
+#[derive(Clone, Debug)]
+pub(crate) struct LogTable {
+    /// The file.
+    pub(crate) file: PathBuf,
+    /// Where the header stands: `line 3`, or the topic.
+    pub(crate) header: String,
+    /// Whether columns have names.
+    pub(crate) named: bool,
+    /// The columns.
+    pub(crate) columns: Vec<(String, LogCells)>,
+    /// Where each row stands: the number of its line or message.
+    pub(crate) rows: Vec<usize>,
+    /// What a row is called: `line`, or `/topic, message`.
+    pub(crate) row_word: String,
+    /// What the kind of message says, for a topic.
+    pub(crate) topic: Option<TopicColumns>,
+}
+
+/// Columns of a kind of message that need no map.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct TopicColumns {
+    /// The time.
+    pub(crate) time: &'static str,
+    /// Prefix of a position's x, y and z, for messages with a pose.
+    pub(crate) position: Option<&'static str>,
+    /// Prefix of an orientation's w, x, y and z.
+    pub(crate) orientation: Option<&'static str>,
+}
+
+/// Most names in a message.
+const MOST_LISTED: usize = 12;
+
+impl LogTable {
+    /// Place of a row, for messages.
+    pub(crate) fn place(&self, row: usize) -> String {
+        format!("{} {}", self.row_word, self.rows[row])
+    }
+
+    /// Whether this is a topic of a bag.
+    pub(crate) fn is_topic(&self) -> bool {
+        self.topic.is_some()
+    }
+
+    /// The column of a message's own time.
+    pub(crate) fn own_time(&self) -> String {
+        self.topic.as_ref().map_or(String::new(), |topic| topic.time.to_owned())
+    }
+
+    /// The columns of a message's own position and orientation (w, x, y, z).
+    pub(crate) fn own_pose(&self) -> (Option<[ColumnName; 3]>, Option<[ColumnName; 4]>) {
+        let part = |prefix: &str, axis: &str| ColumnName::Name(format!("{prefix}.{axis}"));
+        let topic = self.topic.as_ref();
+        let position =
+            topic.and_then(|topic| topic.position).map(|prefix| ["x", "y", "z"].map(|axis| part(prefix, axis)));
+        let turn = topic.and_then(|topic| topic.orientation);
+        (position, turn.map(|prefix| ["w", "x", "y", "z"].map(|axis| part(prefix, axis))))
+    }
+
+    /// The column that the key `key` of the map names.
+    ///
+    /// # Errors
+    /// [`DataError::Line`] when there is no such column, or several.
+    pub(crate) fn column(&self, name: &ColumnName, key: &str) -> Result<usize, DataError> {
+        let refuse = |found: String| {
+            let expected = format!("the column {name} that `{key}` of the map names");
+            Err(DataError::Line { file: self.file.clone(), place: self.header.clone(), found, expected })
+        };
+        let listed = || {
+            let names = self.columns.iter().take(MOST_LISTED).map(|(name, _)| format!("`{name}`"));
+            let more = self.columns.len().saturating_sub(MOST_LISTED);
+            let names: Vec<String> = names.chain((more > 0).then(|| format!("{more} more"))).collect();
+            let hint = if names.len() == 1 { " (is the delimiter another?)" } else { "" };
+            format!("{}{hint}", names.join(", "))
+        };
+        match name {
+            ColumnName::Number(number) if *number <= self.columns.len() => Ok(number - 1),
+            ColumnName::Number(_) => refuse(format!("{} columns", self.columns.len())),
+            ColumnName::Name(_) if !self.named => refuse("columns without names".to_owned()),
+            ColumnName::Name(name) => {
+                let mut fitting = (0..self.columns.len()).filter(|&column| self.columns[column].0 == *name);
+                match (fitting.next(), fitting.next()) {
+                    (Some(column), None) => Ok(column),
+                    (Some(_), Some(_)) => refuse("several columns of this name".to_owned()),
+                    (None, _) => refuse(format!("only {}", listed())),
+                }
+            }
+        }
+    }
+
+    /// The text of a cell.
+    pub(crate) fn text(&self, column: usize, row: usize) -> Cow<'_, str> {
+        match &self.columns[column].1 {
+            LogCells::Text(cells) => Cow::Borrowed(&cells[row]),
+            LogCells::Numbers(cells) => Cow::Owned(cells[row].to_string()),
+            LogCells::Nanoseconds(cells) => Cow::Owned(cells[row].to_string()),
+        }
+    }
+
+    /// The number in a cell; none where it is empty or NaN.
+    ///
+    /// # Errors
+    /// [`DataError::Cell`] when it is no finite number.
+    pub(crate) fn number(&self, column: usize, row: usize) -> Result<Option<f64>, DataError> {
+        let number = match &self.columns[column].1 {
+            LogCells::Numbers(cells) => Some(cells[row]),
+            LogCells::Nanoseconds(cells) => Some(cells[row] as f64),
+            LogCells::Text(cells) => match cells[row].as_str() {
+                "" => return Ok(None),
+                text => text.parse::<f64>().ok(),
+            },
+        };
+        match number {
+            Some(number) if number.is_nan() => Ok(None),
+            Some(number) if number.is_finite() => Ok(Some(number)),
+            _ => Err(self.wrong(column, row, "a number (its decimal sign is `text.decimal` of the map)")),
+        }
+    }
+
+    /// The number in a cell that must hold one. Errors as [`LogTable::number`].
+    pub(crate) fn finite(&self, column: usize, row: usize) -> Result<f64, DataError> {
+        self.number(column, row)?.ok_or_else(|| self.wrong(column, row, "a number"))
+    }
+
+    /// The time in a cell, nanoseconds.
+    ///
+    /// # Errors
+    /// [`DataError::Cell`] when it is no number.
+    pub(crate) fn nanoseconds(&self, column: usize, row: usize, unit: TimeUnit) -> Result<i64, DataError> {
+        let time = match &self.columns[column].1 {
+            LogCells::Nanoseconds(cells) => Some(cells[row]),
+            LogCells::Numbers(cells) => unit.nanoseconds(&format!("{:e}", cells[row])),
+            LogCells::Text(cells) => unit.nanoseconds(&cells[row]),
+        };
+        time.ok_or_else(|| self.wrong(column, row, "a time, a number (its decimal sign is `text.decimal` of the map)"))
+    }
+
+    /// The error for a cell.
+    pub(crate) fn wrong(&self, column: usize, row: usize, expected: impl Into<String>) -> DataError {
+        let found = shown(&self.text(column, row));
+        DataError::Cell {
+            file: self.file.clone(),
+            place: self.place(row),
+            column: self.columns[column].0.clone(),
+            found,
+            expected: expected.into(),
+        }
+    }
+}

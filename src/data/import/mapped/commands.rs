@@ -1,0 +1,164 @@
+//! Commands of a table.
+
+use super::columns::{ColumnName, LogTable};
+use super::map::{CommandsMap, DriveMap, TendonMeasure, TendonsMap, TimeColumn, ZeroAt};
+use super::units::{CommandKind, TimeUnit};
+use crate::base::Rows;
+use crate::data::recording::{DriveTrack, DriveUnit};
+use crate::data::{Actuation, DataError, Recording};
+
+/// Commands, and when each of their rows was.
+pub(crate) struct TimedCommands {
+    /// The commands.
+    pub(crate) recording: Recording,
+    /// Time of each row on its own clock, nanoseconds.
+    pub(crate) stamps_ns: Vec<i64>,
+}
+
+/// Nanoseconds in a second.
+pub(crate) const NS: f64 = 1e9;
+
+/// Times of all rows of a table, nanoseconds.
+pub(crate) fn stamps(table: &LogTable, time: Option<&TimeColumn>, key: &str) -> Result<(usize, Vec<i64>), DataError> {
+    let of_bag = TimeColumn { column: ColumnName::Name(table.own_time()), unit: TimeUnit::Ns };
+    let time = time.unwrap_or(&of_bag);
+    let column = table.column(&time.column, key)?;
+    let stamps = (0..table.rows.len()).map(|row| table.nanoseconds(column, row, time.unit));
+    Ok((column, stamps.collect::<Result<_, _>>()?))
+}
+
+/// Reads the commands.
+///
+/// # Errors
+/// [`DataError`] names file, line and column.
+pub(crate) fn read(table: &LogTable, map: &CommandsMap) -> Result<TimedCommands, DataError> {
+    let (time, stamps_ns) = stamps(table, map.time.as_ref(), "commands.time.column")?;
+    let trial = trials(table, map, &stamps_ns)?;
+    let rows = table.rows.len();
+    let starts: Vec<usize> = {
+        let mut start = 0;
+        let begin = |row: usize| {
+            if row > 0 && trial[row] != trial[row - 1] {
+                start = row;
+            }
+            start
+        };
+        (0..rows).map(begin).collect()
+    };
+    for row in (0..rows).filter(|&row| starts[row] != row) {
+        if stamps_ns[row] <= stamps_ns[row - 1] {
+            return Err(table.wrong(time, row, "a later time than in the row before: time increases in a trial"));
+        }
+    }
+    let mut recording = Recording::new(Actuation::Lengths, 0);
+    recording.time_s = (0..rows).map(|row| (stamps_ns[row] - stamps_ns[starts[row]]) as f64 / NS).collect();
+    recording.trial = trial;
+    if let Some(tendons) = &map.tendons {
+        (recording.actuation, recording.commands) = tendon_rows(table, tendons, &starts)?;
+    }
+    let drive = |(name, drive): (&String, &DriveMap)| drive_track(table, name, drive, &starts);
+    recording.drives = map.drives.iter().map(drive).collect::<Result<_, _>>()?;
+    if let Some(name) = &map.pattern {
+        let column = table.column(name, "commands.pattern")?;
+        recording.pattern = Some((0..rows).map(|row| table.text(column, row).into_owned()).collect());
+    }
+    if let Some(load) = &map.known_load {
+        let column = table.column(&load.column, "commands.known_load.column")?;
+        let mass = |row| match table.finite(column, row)? {
+            mass if mass >= 0.0 => Ok(mass * load.unit.kilograms()),
+            _ => Err(table.wrong(column, row, "a mass, 0 or more")),
+        };
+        recording.known_load_kg = Some((0..rows).map(mass).collect::<Result<_, DataError>>()?);
+    }
+    Ok(TimedCommands { recording, stamps_ns })
+}
+
+/// Trial of each row: numbers of the column, or names in the order of the file, or parts between gaps.
+fn trials(table: &LogTable, map: &CommandsMap, stamps_ns: &[i64]) -> Result<Vec<u64>, DataError> {
+    let Some(name) = &map.trial else {
+        let Some(gap_s) = map.trial_gap_s else { return Ok(vec![0; stamps_ns.len()]) };
+        let mut trial = 0;
+        let follow = |row: usize| {
+            let step_ns = if row == 0 { 0 } else { stamps_ns[row] - stamps_ns[row - 1] };
+            trial += u64::from(step_ns as f64 > gap_s * NS);
+            trial
+        };
+        return Ok((0..stamps_ns.len()).map(follow).collect());
+    };
+    let column = table.column(name, "commands.trial")?;
+    let mut seen: Vec<String> = Vec::new();
+    for row in 0..table.rows.len() {
+        let label = table.text(column, row);
+        if seen.last().is_some_and(|last| *last == label) {
+            continue;
+        }
+        if label.is_empty() || seen.iter().any(|known| *known == label) {
+            return Err(table.wrong(column, row, "a new trial: the rows of a trial stand together"));
+        }
+        seen.push(label.into_owned());
+    }
+    let number = |label: &str| -> Option<u64> {
+        let number = label.parse::<f64>().ok()?;
+        (number >= 0.0 && number.fract() == 0.0 && number < 2f64.powi(53)).then_some(number as u64)
+    };
+    let numbers: Vec<u64> = seen.iter().map_while(|label| number(label)).collect();
+    let distinct: std::collections::BTreeSet<&u64> = numbers.iter().collect();
+    let numbers = if distinct.len() == seen.len() { numbers } else { (0..seen.len() as u64).collect() };
+    let place = |row| seen.iter().position(|label| *label == table.text(column, row)).map_or(0, |place| numbers[place]);
+    Ok((0..table.rows.len()).map(place).collect())
+}
+
+/// Number at home of a column, row by row.
+struct Home<'a> {
+    zero: ZeroAt,
+    given: Option<f64>,
+    starts: &'a [usize],
+}
+
+impl Home<'_> {
+    fn at(&self, numbers: &[f64], row: usize) -> f64 {
+        self.given.unwrap_or_else(|| match self.zero {
+            ZeroAt::Zero => 0.0,
+            ZeroAt::FirstRow => numbers[0],
+            ZeroAt::TrialStart => numbers[self.starts[row]],
+        })
+    }
+}
+
+/// The finite numbers of a column.
+fn numbers(table: &LogTable, name: &ColumnName, key: &str) -> Result<Vec<f64>, DataError> {
+    let column = table.column(name, key)?;
+    (0..table.rows.len()).map(|row| table.finite(column, row)).collect()
+}
+
+fn tendon_rows(table: &LogTable, map: &TendonsMap, starts: &[usize]) -> Result<(Actuation, Rows), DataError> {
+    let (kind, factor) = map.unit.factor();
+    let usual = if map.measure == TendonMeasure::Length { ZeroAt::FirstRow } else { ZeroAt::Zero };
+    let sign = if map.measure == TendonMeasure::Pulled { 1.0 } else { -1.0 };
+    let mut columns = Vec::new();
+    for (tendon, name) in map.columns.iter().enumerate() {
+        let numbers = numbers(table, name, "commands.tendons.columns")?;
+        let given = map.home.as_ref().map(|home| home[tendon]);
+        let home = Home { zero: map.zero.unwrap_or(usual), given, starts };
+        let scale = map.scale.as_ref().map_or(1.0, |scale| if scale.len() == 1 { scale[0] } else { scale[tendon] });
+        // The difference to home is 0 there, and not −0.
+        let pulled = |row: usize| (numbers[row] - home.at(&numbers, row)) * (sign * factor * scale) + 0.0;
+        columns.push((0..numbers.len()).map(pulled).collect::<Vec<f64>>());
+    }
+    let mut rows = Rows::new(columns.len());
+    for row in 0..table.rows.len() {
+        rows.push(&columns.iter().map(|column| column[row]).collect::<Vec<f64>>());
+    }
+    let actuation = if kind == CommandKind::Tension { Actuation::Tensions } else { Actuation::Lengths };
+    Ok((actuation, rows))
+}
+
+fn drive_track(table: &LogTable, name: &str, map: &DriveMap, starts: &[usize]) -> Result<DriveTrack, DataError> {
+    let (kind, factor) = map.unit.factor();
+    let numbers = numbers(table, &map.column, &format!("commands.drives.{name}.column"))?;
+    let home = Home { zero: map.zero, given: map.home, starts };
+    let scale = factor * map.scale.unwrap_or(1.0);
+    let displacement = (0..numbers.len()).map(|row| (numbers[row] - home.at(&numbers, row)) * scale + 0.0).collect();
+    let unit = if kind == CommandKind::Length { DriveUnit::Metres } else { DriveUnit::Radians };
+    Ok(DriveTrack { name: name.to_owned(), unit, displacement })
+}

@@ -1,0 +1,160 @@
+//! Tracked bodies of tables.
+
+use super::columns::{ColumnName, LogTable};
+use super::commands::{NS, stamps};
+use super::map::{BodyMap, QuaternionOrder, TrackingMap};
+use crate::data::DataError;
+use crate::data::import::motive::Body;
+use crate::data::recording::{Pose, unit_length};
+
+/// Tracked bodies at common times.
+pub(crate) struct MappedBodies {
+    /// First time, nanoseconds on the tracker's clock.
+    pub(crate) first_ns: i64,
+    /// Times since the first one, seconds, not decreasing.
+    pub(crate) time_s: Vec<f64>,
+    /// The base, at rest where it is not tracked.
+    pub(crate) base: Body,
+    /// The tip.
+    pub(crate) tip: Body,
+    /// Further points by name.
+    pub(crate) points: Vec<(String, Body)>,
+}
+
+/// The poses of one body with their times, nanoseconds.
+struct Track {
+    has_orientation: bool,
+    poses: Vec<(i64, Option<Pose>)>,
+}
+
+/// Reads all bodies. `table_of` gives the table of a body of the map.
+///
+/// # Errors
+/// [`DataError`] names file, line and column.
+pub(crate) fn read(
+    map: &TrackingMap,
+    table_of: &dyn Fn(&BodyMap) -> Result<LogTable, DataError>,
+) -> Result<MappedBodies, DataError> {
+    let track = |body: &BodyMap, path: &str| track(&table_of(body)?, map, body, path);
+    let tip = track(&map.tip, "tracking.tip")?;
+    let base = map.base.as_ref().map(|body| track(body, "tracking.base")).transpose()?;
+    let points = map.points.iter().map(|(name, body)| Ok((name, track(body, &format!("tracking.points.{name}"))?)));
+    let points = points.collect::<Result<Vec<_>, DataError>>()?;
+    let all = || std::iter::once(&tip).chain(&base).chain(points.iter().map(|(_, track)| track));
+    let mut times_ns: Vec<i64> = all().flat_map(|track| track.poses.iter().map(|(time, _)| *time)).collect();
+    times_ns.sort_unstable();
+    times_ns.dedup();
+    let first_ns = times_ns.first().copied().unwrap_or(0);
+    let body = |name: &str, track: &Track| {
+        let mut poses = vec![None; times_ns.len()];
+        for (time, pose) in &track.poses {
+            if let Ok(place) = times_ns.binary_search(time) {
+                poses[place] = *pose;
+            }
+        }
+        Body { name: name.to_owned(), has_orientation: track.has_orientation, poses }
+    };
+    let at_rest = || {
+        let metres = map.unit.metres();
+        let pose =
+            Pose { position_m: map.origin.unwrap_or_default().map(|x| x * metres), quaternion: [1.0, 0.0, 0.0, 0.0] };
+        Body { name: "base".to_owned(), has_orientation: false, poses: vec![Some(pose); times_ns.len()] }
+    };
+    Ok(MappedBodies {
+        first_ns,
+        time_s: times_ns.iter().map(|time| (time - first_ns) as f64 / NS).collect(),
+        base: base.as_ref().map_or_else(at_rest, |track| body("base", track)),
+        tip: body("tip", &tip),
+        points: points.iter().map(|(name, track)| ((*name).clone(), body(name, track))).collect(),
+    })
+}
+
+/// Columns of a body.
+struct PoseColumns {
+    position: [usize; 3],
+    /// w, x, y, z.
+    orientation: Option<[usize; 4]>,
+    valid: Option<usize>,
+}
+
+fn columns(table: &LogTable, map: &TrackingMap, body: &BodyMap, path: &str) -> Result<PoseColumns, DataError> {
+    let (own_position, own_orientation) = table.own_pose();
+    let find = |names: &[ColumnName], key: &str| -> Result<Vec<usize>, DataError> {
+        names.iter().map(|name| table.column(name, &format!("{path}.{key}"))).collect()
+    };
+    let position = body.position.clone().or(own_position).unwrap_or_else(|| {
+        // Refused below as a column that is not there.
+        ["x", "y", "z"].map(|name| ColumnName::Name(name.to_owned()))
+    });
+    let position = find(&position, "position")?;
+    let given = body.orientation.clone().map(|[a, b, c, d]| match map.quaternion {
+        QuaternionOrder::Wxyz => [a, b, c, d],
+        QuaternionOrder::Xyzw => [d, a, b, c],
+    });
+    // Without its own position a body is that of the message.
+    let own = own_orientation.filter(|_| body.position.is_none());
+    let orientation = given.or(own).map(|names| find(&names, "orientation")).transpose()?;
+    let valid = map.valid.as_ref().map(|name| table.column(name, "tracking.valid")).transpose()?;
+    Ok(PoseColumns {
+        position: [position[0], position[1], position[2]],
+        orientation: orientation.map(|found| [found[0], found[1], found[2], found[3]]),
+        valid,
+    })
+}
+
+fn track(table: &LogTable, map: &TrackingMap, body: &BodyMap, path: &str) -> Result<Track, DataError> {
+    let columns = columns(table, map, body, path)?;
+    let rows = 0..table.rows.len();
+    let (time, stamps_ns) = if map.time.is_some() || table.is_topic() {
+        let (time, stamps_ns) = stamps(table, map.time.as_ref(), "tracking.time.column")?;
+        (Some(time), stamps_ns)
+    } else {
+        // Rows that hold both commands and poses are told by their numbers.
+        (None, rows.clone().map(|row| row as i64).collect())
+    };
+    let mut poses: Vec<(i64, Option<Pose>)> = Vec::new();
+    for row in rows {
+        let pose = pose(table, map, &columns, row)?;
+        match (poses.last_mut(), time) {
+            (Some((before, _)), Some(time)) if *before > stamps_ns[row] => {
+                return Err(table.wrong(time, row, "no earlier time than in the row before"));
+            }
+            (Some((before, seen)), Some(_)) if *before == stamps_ns[row] => *seen = seen.or(pose),
+            _ => poses.push((stamps_ns[row], pose)),
+        }
+    }
+    Ok(Track { has_orientation: columns.orientation.is_some(), poses })
+}
+
+/// The pose in a row; none where tracking was lost.
+fn pose(table: &LogTable, map: &TrackingMap, columns: &PoseColumns, row: usize) -> Result<Option<Pose>, DataError> {
+    if let Some(valid) = columns.valid
+        && table.number(valid, row)?.is_none_or(|flag| flag == 0.0)
+    {
+        return Ok(None);
+    }
+    let mut position = [0.0; 3];
+    for (value, &column) in position.iter_mut().zip(&columns.position) {
+        let Some(number) = table.number(column, row)? else { return Ok(None) };
+        *value = number;
+    }
+    if map.lost_value.is_some_and(|lost| position.iter().all(|x| *x == lost)) {
+        return Ok(None);
+    }
+    let mut quaternion = [1.0, 0.0, 0.0, 0.0];
+    if let Some(columns) = columns.orientation {
+        for (value, column) in quaternion.iter_mut().zip(columns) {
+            let Some(number) = table.number(column, row)? else { return Ok(None) };
+            *value = number;
+        }
+        if quaternion.iter().all(|part| *part == 0.0) {
+            return Ok(None);
+        }
+        if let Err(length) = unit_length(&quaternion) {
+            let expected = format!("a unit quaternion w, x, y, z (this row's has length {length:.4})");
+            return Err(table.wrong(columns[0], row, expected));
+        }
+    }
+    let metres = map.unit.metres();
+    Ok(Some(Pose { position_m: position.map(|x| x * metres), quaternion }))
+}

@@ -1,0 +1,179 @@
+//! Units of other people's files.
+
+use serde::{Deserialize, Serialize};
+
+/// Unit of a length.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum LengthUnit {
+    /// Metres.
+    #[default]
+    M,
+    /// Centimetres.
+    Cm,
+    /// Millimetres.
+    Mm,
+    /// Micrometres.
+    Um,
+    /// Inches.
+    In,
+}
+
+impl LengthUnit {
+    /// Metres in one of it.
+    pub fn metres(self) -> f64 {
+        match self {
+            LengthUnit::M => 1.0,
+            LengthUnit::Cm => 1e-2,
+            LengthUnit::Mm => 1e-3,
+            LengthUnit::Um => 1e-6,
+            LengthUnit::In => 0.0254,
+        }
+    }
+}
+
+/// Unit of a mass.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum MassUnit {
+    /// Kilograms.
+    #[default]
+    Kg,
+    /// Grams.
+    G,
+}
+
+impl MassUnit {
+    /// Kilograms in one of it.
+    pub fn kilograms(self) -> f64 {
+        match self {
+            MassUnit::Kg => 1.0,
+            MassUnit::G => 1e-3,
+        }
+    }
+}
+
+/// Unit of a time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TimeUnit {
+    /// Seconds.
+    #[default]
+    S,
+    /// Milliseconds.
+    Ms,
+    /// Microseconds.
+    Us,
+    /// Nanoseconds.
+    Ns,
+}
+
+impl TimeUnit {
+    /// Powers of ten from one of it to nanoseconds.
+    pub(crate) fn decimals(self) -> usize {
+        match self {
+            TimeUnit::S => 9,
+            TimeUnit::Ms => 6,
+            TimeUnit::Us => 3,
+            TimeUnit::Ns => 0,
+        }
+    }
+
+    /// The time written as `text`, a decimal number in this unit with `.`, in whole nanoseconds: stamps since 1970 have more
+    /// digits than a double holds.
+    pub(crate) fn nanoseconds(self, text: &str) -> Option<i64> {
+        let (negative, digits) = match text.as_bytes().first()? {
+            b'-' => (true, &text[1..]),
+            b'+' => (false, &text[1..]),
+            _ => (false, text),
+        };
+        let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
+        let is_number = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
+        if !(is_number(whole) && is_number(fraction)) || whole.len() + fraction.len() == 0 {
+            // Exponents and the like.
+            let scaled = text.parse::<f64>().ok()? * 10f64.powi(self.decimals() as i32);
+            return (scaled.abs() < 2f64.powi(62)).then_some(scaled.round() as i64);
+        }
+        let scale = 10i128.pow(self.decimals() as u32);
+        let whole = if whole.is_empty() { 0 } else { whole.parse::<i128>().ok()?.checked_mul(scale)? };
+        let part = format!("0.{fraction}").parse::<f64>().ok()? * scale as f64;
+        let size = i64::try_from(whole + part.round() as i128).ok()?;
+        Some(if negative { -size } else { size })
+    }
+}
+
+/// Unit of a command.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum CommandUnit {
+    /// Metres.
+    #[default]
+    M,
+    /// Centimetres.
+    Cm,
+    /// Millimetres.
+    Mm,
+    /// Micrometres.
+    Um,
+    /// Inches.
+    In,
+    /// Newtons: the commands are tensions.
+    N,
+    /// Millinewtons.
+    Mn,
+    /// Radians.
+    Rad,
+    /// Degrees.
+    Deg,
+    /// Revolutions.
+    Rev,
+    /// Counts of an encoder, or steps of a motor.
+    Count,
+}
+
+/// What a command's number measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CommandKind {
+    Length,
+    Tension,
+    Angle,
+    Count,
+}
+
+impl CommandUnit {
+    /// What it measures, and how many metres, newtons, radians or counts are in one of it.
+    pub(crate) fn factor(self) -> (CommandKind, f64) {
+        use std::f64::consts::PI;
+        match self {
+            CommandUnit::M => (CommandKind::Length, 1.0),
+            CommandUnit::Cm => (CommandKind::Length, 1e-2),
+            CommandUnit::Mm => (CommandKind::Length, 1e-3),
+            CommandUnit::Um => (CommandKind::Length, 1e-6),
+            CommandUnit::In => (CommandKind::Length, 0.0254),
+            CommandUnit::N => (CommandKind::Tension, 1.0),
+            CommandUnit::Mn => (CommandKind::Tension, 1e-3),
+            CommandUnit::Rad => (CommandKind::Angle, 1.0),
+            CommandUnit::Deg => (CommandKind::Angle, PI / 180.0),
+            CommandUnit::Rev => (CommandKind::Angle, 2.0 * PI),
+            CommandUnit::Count => (CommandKind::Count, 1.0),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stamps_keep_every_nanosecond() {
+        let read = |unit: TimeUnit, text| unit.nanoseconds(text);
+        assert_eq!(read(TimeUnit::Ns, "1732633000123456789"), Some(1_732_633_000_123_456_789));
+        assert_eq!(read(TimeUnit::S, "1732633000.123456789"), Some(1_732_633_000_123_456_789));
+        assert_eq!(read(TimeUnit::Ms, "-1.5"), Some(-1_500_000));
+        assert_eq!(read(TimeUnit::Us, ".25"), Some(250));
+        assert_eq!(read(TimeUnit::S, "1.2e-3"), Some(1_200_000));
+        for bad in ["", "-", ".", "1,5", "12:00", "1e40", "nan"] {
+            assert_eq!(read(TimeUnit::S, bad), None, "{bad}");
+        }
+    }
+}
