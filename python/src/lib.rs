@@ -5,6 +5,8 @@ mod arrays;
 mod calculations;
 mod calls;
 mod errors;
+mod imports;
+mod learn;
 mod model;
 mod plants;
 mod policies;
@@ -18,6 +20,10 @@ use pyo3::prelude::*;
 mod _spinebench {
     #[pymodule_export]
     use crate::calculations::{_calibrate, _discover, _run, _simulate};
+    #[pymodule_export]
+    use crate::imports::{_export_mcap, _import_csv, _import_mcap};
+    #[pymodule_export]
+    use crate::learn::{PyElman, PyGp};
     #[pymodule_export]
     use crate::model::PyModel;
     #[pymodule_export]

@@ -85,6 +85,8 @@ def test_a_rod_in_motion_has_no_jacobian_at_rest(model: Model) -> None:
 def test_ctrl_c_ends_a_long_call(model: Model) -> None:
     rods = Rods([model] * 4)
     pulls = np.random.default_rng(1).uniform(-0.01, 0.01, (4, 5000, 4))
+    # Shells start background jobs, and so the tests of a build server, with the signal ignored.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
     started = time.monotonic()
     with pytest.raises(KeyboardInterrupt):

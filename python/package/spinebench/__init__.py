@@ -17,7 +17,9 @@ from ._calculations import (
     run,
     simulate,
 )
+from ._bags import ClockFit, ImportedRecording, export_mcap, import_csv, import_mcap
 from ._errors import InputError, InternalError, RunError, SolverError, SpinebenchError
+from ._learn import ElmanRegressor, GaussianProcess
 from ._policies import Policy
 from ._spinebench import Model, Rod, Rods
 from .envs import register as _register
@@ -25,9 +27,13 @@ from .envs import register as _register
 __all__ = [
     "CalibratedNumber",
     "Calibration",
+    "ClockFit",
     "Discovery",
+    "ElmanRegressor",
     "ExperimentResult",
     "FoundEffect",
+    "GaussianProcess",
+    "ImportedRecording",
     "InputError",
     "InternalError",
     "Model",
@@ -40,6 +46,9 @@ __all__ = [
     "SpinebenchError",
     "calibrate",
     "discover",
+    "export_mcap",
+    "import_csv",
+    "import_mcap",
     "run",
     "simulate",
 ]

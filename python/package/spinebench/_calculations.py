@@ -22,7 +22,7 @@ from ._spinebench import Model
 PathLike = str | os.PathLike[str]
 """Name of a file."""
 Recording = str | os.PathLike[str] | pd.DataFrame
-"""A recording: a CSV or Parquet file, or a frame with the same columns (docs/recording.md)."""
+"""A recording: a CSV or Parquet file, or a frame with the same columns (docs/outputs.md)."""
 
 
 def _frame(csv: bytes) -> pd.DataFrame:

@@ -1,0 +1,93 @@
+"""Other people's files: loggers' text files and bags in, bags for viewers out."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from . import _spinebench as _core
+from ._calculations import PathLike, Recording, _file_of, _frame
+from ._spinebench import Model
+
+Map = PathLike | Mapping[str, Any]
+"""A map: a YAML file, or what such a file holds (docs/importing.md)."""
+
+
+@dataclass(frozen=True)
+class ClockFit:
+    """An offset between two clocks that was estimated from the motion."""
+
+    offset_s: float
+    """Seconds that are added to the tracker's times."""
+    interval_95_s: tuple[float, float]
+    """Its 95 % interval, seconds."""
+    lag_s: float
+    """Time constant of the lag from command to tip that was fitted with it, seconds."""
+    explained: float
+    """Share of the tip's motion that the commands explain."""
+
+
+@dataclass(frozen=True)
+class ImportedRecording:
+    """What an import gives."""
+
+    recording: pd.DataFrame
+    """The recording."""
+    clock: ClockFit | None
+    """The offset of the clocks, where the map asks for an estimate."""
+
+
+def _map_file(given: Map, folder: str) -> Path:
+    if not isinstance(given, Mapping):
+        return Path(given)
+    file = Path(folder) / "map.yaml"
+    # YAML holds JSON.
+    file.write_text(json.dumps(given), encoding="utf-8")
+    return file
+
+
+def _imported(out: Path, clock: tuple[float, tuple[float, float], float, float] | None) -> ImportedRecording:
+    return ImportedRecording(_frame(out.read_bytes()), None if clock is None else ClockFit(*clock))
+
+
+def import_csv(files: PathLike | Sequence[PathLike], map: Map) -> ImportedRecording:
+    """Read text files of any logger by a map of their columns (docs/importing.md). Raises InputError with file and line."""
+    logs = [Path(files)] if isinstance(files, (str, os.PathLike)) else [Path(file) for file in files]
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "recording.csv"
+        return _imported(out, _core._import_csv(logs, _map_file(map, folder), out))
+
+
+def import_mcap(bag: PathLike, map: Map) -> ImportedRecording:
+    """Read a bag of ROS 2 (MCAP) by a map of its topics (docs/importing.md). Raises InputError with file and topic."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "recording.csv"
+        return _imported(out, _core._import_mcap(Path(bag), _map_file(map, folder), out))
+
+
+def export_mcap(
+    recording: Recording,
+    out: PathLike,
+    *,
+    model: Model | None = None,
+    residuals: Recording | None = None,
+    static: bool = False,
+) -> None:
+    """Write a recording as MCAP, which Foxglove opens: poses, commands, with a model the robot as a line, with the table
+    `residuals` of a discovery what the models leave."""
+    with tempfile.TemporaryDirectory() as folder, _file_of(recording, "recording") as file:
+        table = residuals
+        if isinstance(table, pd.DataFrame):
+            place = Path(folder) / "residuals.csv"
+            # Tables of the program write `true` and `false`.
+            flags = {name: table[name].astype(str).str.lower() for name in table.select_dtypes("bool")}
+            table.assign(**flags).to_csv(place, index=False)
+            table = place
+        _core._export_mcap(file, Path(out), model, None if table is None else Path(table), static)
