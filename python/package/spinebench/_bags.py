@@ -87,7 +87,9 @@ def export_mcap(
         if isinstance(table, pd.DataFrame):
             place = Path(folder) / "residuals.csv"
             # Tables of the program write `true` and `false`.
-            flags = {name: table[name].astype(str).str.lower() for name in table.select_dtypes("bool")}
-            table.assign(**flags).to_csv(place, index=False)
+            table = table.copy()
+            for name in table.select_dtypes("bool").columns:
+                table[name] = table[name].astype(str).str.lower()
+            table.to_csv(place, index=False)
             table = place
         _core._export_mcap(file, Path(out), model, None if table is None else Path(table), static)
