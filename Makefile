@@ -3,7 +3,7 @@
 SHELL := bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build reproduce controllers check test test-python bench blind campaign peers scaling real verify
+.PHONY: help build reproduce controllers repair check test test-python bench blind campaign peers scaling real verify
 
 # Repetitions of every experiment, data and training included. Claims need ten, and only ten replace the published results;
 # any other number is a look, which goes to out/.
@@ -41,6 +41,10 @@ endif
 controllers: build ## further controllers beside the paper's, and what tells them apart (docs/control.md); SEEDS=1 for a look, into out/
 	$(SPINEBENCH) run experiments/controllers.yaml --seeds $(SEEDS) --out $(OUT)
 	$(if $(filter .,$(OUT)),$(SPINEBENCH) page docs/control.md)
+
+repair: build ## a robot changes and nobody says so: noticed, named and mended (docs/repair.md); SEEDS=1 for a look, into out/
+	$(SPINEBENCH) run experiments/repair.yaml --seeds $(SEEDS) --out $(OUT)
+	$(if $(filter .,$(OUT)),$(SPINEBENCH) page docs/repair.md)
 
 # `cargo fmt` does not follow the modules that registries declare.
 SOURCES := $(shell find src -name '*.rs')

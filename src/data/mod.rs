@@ -9,6 +9,7 @@ pub mod findings;
 pub mod import;
 pub mod mcap;
 pub mod recording;
+pub mod repairs;
 pub mod responses;
 mod row_serde;
 pub mod rows;
@@ -26,5 +27,6 @@ pub use text::read_text;
 
 /// Every table of results.
 pub fn table_descriptions() -> impl Iterator<Item = &'static TableDescription> {
-    rows::TABLES.iter().chain(responses::TABLES).chain(findings::TABLES)
+    let tables = rows::TABLES.iter().chain(responses::TABLES).chain(repairs::TABLES);
+    tables.chain(findings::TABLES)
 }

@@ -13,6 +13,7 @@ pub mod paper;
 mod peers_labels;
 mod peers_table;
 mod published;
+mod repair_table;
 pub mod style;
 mod summarise;
 mod sweep_rows;
@@ -110,6 +111,7 @@ figures! {
     benchmark::FIGURE,
     scaling::FIGURE,
     controllers::FIGURE,
+    repair::FIGURE,
 }
 
 /// The figure called `name`.

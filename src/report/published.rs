@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::sweep_rows::SweepTable;
 use crate::data::findings::{CaseRow, IntervalRow};
+use crate::data::repairs::{IdentificationRow, MonitorRow, RepairRow, RepairTrialRow};
 use crate::data::responses::{PaceRow, ResponseRow};
 use crate::data::rows::{
     ClaimRow, GapRow, GpRow, NetworkRow, PeerRow, ScalingRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow,
@@ -71,6 +72,14 @@ published! {
     responses: ResponseRow,
     /// Laps of the path in time.
     paces: PaceRow,
+    /// What models lack of robots as they were built.
+    identifications: IdentificationRow,
+    /// Monitors of robots at work.
+    monitors: MonitorRow,
+    /// Changes of robots, noticed and told.
+    repairs: RepairRow,
+    /// Goal-reaching trials before and after changes.
+    repair_trials: RepairTrialRow,
     /// Points that the path runs through.
     waypoints: WaypointRow,
     /// Points of the real workspace behind the path.

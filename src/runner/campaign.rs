@@ -3,7 +3,7 @@
 use super::graph::{Failure, Graph, Handle};
 use super::metrics::{ANY_TRAINING, Tables};
 use super::outcomes::Outcomes;
-use super::stages::{BlindStages, SharedParts, Stages};
+use super::stages::{BlindStages, RepairCampaign, RepairVariant, SharedParts, Stages};
 use crate::base::Point3;
 use crate::data::responses::{PaceRow, ResponseRow};
 use crate::data::rows::{GapRow, GpRow, TrackRow, TrialRow};
@@ -76,6 +76,7 @@ pub(super) struct TrainedCells {
     pub(super) track: Vec<(TrialCell, Handle<Vec<TrackRow>>)>,
     pub(super) response: Vec<(TrialCell, Handle<Vec<ResponseRow>>)>,
     pub(super) pace: Vec<(TrialCell, Handle<Vec<PaceRow>>)>,
+    pub(super) repair: Option<RepairCampaign>,
 }
 
 impl Campaign {
@@ -112,6 +113,7 @@ impl CampaignEntry {
                 numbers.extend(trained.track.iter().map(|(_, stage)| stage.number()));
                 numbers.extend(trained.response.iter().map(|(_, stage)| stage.number()));
                 numbers.extend(trained.pace.iter().map(|(_, stage)| stage.number()));
+                numbers.extend(trained.repair.iter().flat_map(RepairCampaign::wanted));
             }
         }
         numbers
@@ -157,6 +159,11 @@ impl Repetition {
             runs.extend(trained.track.iter().map(|(cell, stage)| run("track", cell, stage.number())));
             runs.extend(trained.response.iter().map(|(cell, stage)| run("response", cell, stage.number())));
             runs.extend(trained.pace.iter().map(|(cell, stage)| run("pace", cell, stage.number())));
+            for change in trained.repair.iter().flat_map(|repair| &repair.changes) {
+                let task = |variant: &RepairVariant| format!("repair {} {}", change.change, variant.name());
+                let trials = change.trials.iter();
+                runs.extend(trials.map(|(variant, cell, stage)| run(&task(variant), cell, stage.number())));
+            }
         }
     }
 }
@@ -214,6 +221,7 @@ fn repetition(
             let stage = stages.pace(&cell, training, run)?;
             cells.pace.push((cell, stage));
         }
+        cells.repair = stages.repair(training)?;
         one.trained.push(cells);
     }
     Ok(one)

@@ -108,12 +108,16 @@ impl PublishedPart {
         let responded: usize = trained().map(|cells| cells.response.len()).sum();
         let paced: usize = trained().map(|cells| cells.pace.len()).sum();
         let speeds = self.experiment.runs.pace.as_ref().map_or(0, |run| run.speeds.len());
+        let changes = || trained().filter_map(|cells| cells.repair.as_ref()).flat_map(|repair| &repair.changes);
+        let repair_cells: usize = changes().map(|change| change.trials.len()).sum();
         let intervals: u64 = published.cases.iter().map(|case| case.intervals).sum();
         let counts = [
             ("trials.csv", published.trials.len(), drawn * reached, "trials"),
             ("tracks.csv", runs.len(), trained().map(|cells| cells.track.len()).sum(), "runs"),
             ("responses.csv", published.responses.len(), drawn * responded, "trials"),
             ("paces.csv", published.paces.len(), speeds * paced, "laps"),
+            ("repairs.csv", published.repairs.len(), changes().count(), "changes"),
+            ("repair_trials.csv", published.repair_trials.len(), drawn * repair_cells, "trials"),
             ("discovery.csv", published.cases.len(), repetitions.iter().map(|one| one.blind.len()).sum(), "cases"),
             ("intervals.csv", published.intervals.len(), intervals as usize, "intervals"),
         ];

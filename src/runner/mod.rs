@@ -19,6 +19,7 @@ mod progress;
 mod provenance;
 mod publish_all;
 mod remaining;
+mod repair_tables;
 mod results;
 pub mod slurm;
 mod source_digest;

@@ -131,6 +131,10 @@ pub(super) fn failed(tables: &Tables) -> usize {
         + tables.runs.iter().filter(|row| row.status != "ok").count()
         + tables.published.responses.iter().filter(|row| row.status != "ok").count()
         + tables.published.paces.iter().filter(|row| row.status != "ok").count()
+        + tables.published.identifications.iter().filter(|row| row.status != "ok").count()
+        + tables.published.monitors.iter().filter(|row| row.status != "ok").count()
+        + tables.published.repairs.iter().filter(|row| row.status != "ok").count()
+        + tables.published.repair_trials.iter().filter(|row| row.status != "ok").count()
         + tables.published.cases.iter().filter(|row| row.verdict.starts_with("failed")).count()
 }
 

@@ -4,6 +4,7 @@ use super::campaign::{PointStages, TrainedCells};
 use super::graph::Failure;
 use super::metrics::Tables;
 use super::outcomes::Outcomes;
+use super::repair_tables;
 use crate::benchmark::ScoredCase;
 use crate::data::responses::{PaceRow, ResponseRow};
 use crate::data::rows::{GpRow, NetworkRow, TrackRow, TrialRow, WaypointRow};
@@ -76,6 +77,9 @@ fn trained(tables: &mut Tables, experiment: &Experiment, seed: u64, cells: &Trai
         tables.published.tracks.extend(rows.into_iter().map(label));
     }
     fixed_duration(tables, experiment, seed, cells, outcomes);
+    if let Some(repair) = &cells.repair {
+        repair_tables::add(tables, (seed, training), repair, experiment.targets.drawn, outcomes);
+    }
 }
 
 /// Responses and laps of one seed and training.

@@ -5,6 +5,7 @@ mod body_lines;
 mod corrected_samples;
 mod explore;
 mod gp_points;
+mod monitor;
 mod pace;
 mod path;
 mod reach;
@@ -21,12 +22,14 @@ mod targets;
 mod track;
 mod transitions;
 mod watched;
+mod work;
 
 pub use actuation::{BendMap, GridOptions, bend_commands};
 pub use body_lines::body_lines_m;
 pub use corrected_samples::correct_samples;
 pub use explore::{ExploreOptions, explore, explore_trajectory, replay, replay_trajectory};
 pub use gp_points::{GpPoints, GpPointsOptions, GpPool, PointLayout, SimulatedBy, gp_points};
+pub use monitor::{Monitor, MonitorOptions, MonitorState};
 pub use pace::{Lap, lap};
 pub use path::{PathOptions, interpolate, waypoints};
 pub use reach::{LoopMode, ReachOptions, ReachOutcome, reach};
@@ -40,6 +43,7 @@ pub use targets::{TargetOptions, draw_targets, spread_targets, target_pool};
 pub use track::{TrackOptions, TrackStep, track};
 pub use transitions::Transitions;
 pub use watched::WatchedRobot;
+pub use work::Work;
 
 use crate::base::{BadOption, PlantError, PolicyError};
 

@@ -62,6 +62,27 @@ const BAD: &[(&str, &str)] = &[
         "runs: {response: {duration_s: 0, cells: [{policies: [a_integral], modes: [closed], gp_points: [20]}]}}",
         "bad.yaml:2:31: runs.response.duration_s: found 0, expected 1 to 600 s",
     ),
+    // Repairs: changes, recordings, monitor.
+    (
+        "runs: {repair: {changes: {}, cells: [{policies: [integral], modes: [closed]}]}}",
+        "bad.yaml:2:26: runs.repair.changes: found mapping, expected at least one change",
+    ),
+    (
+        "runs: {repair: {gp_points: 20, changes: {load: [{tip_load: {mass_kg: -1}}]}, cells: [{policies: [integral], modes: [closed]}]}}",
+        "bad.yaml:2:70: runs.repair.changes.load[0].tip_load.mass_kg: found -1, expected",
+    ),
+    (
+        "runs: {repair: {gp_points: 20, recordings: {trials_after: 1}, changes: {load: [{tip_load: {mass_kg: 0.02}}]}, cells: [{policies: [integral], modes: [closed]}]}}",
+        "bad.yaml:2:59: runs.repair.recordings.trials_after: found 1, expected 2 to 1000 trials with 30 rows or more",
+    ),
+    (
+        "runs: {repair: {gp_points: 20, monitor: {patience_s: 0}, changes: {load: [{tip_load: {mass_kg: 0.02}}]}, cells: [{policies: [integral], modes: [closed]}]}}",
+        "bad.yaml:2:54: runs.repair.monitor.patience_s: found 0, expected 1 to 36000 s",
+    ),
+    (
+        "gp_points: {p_sim: network}\nruns: {repair: {gp_points: 20, changes: {load: [{tip_load: {mass_kg: 0.02}}]}, cells: [{policies: [integral], modes: [closed]}]}}",
+        "bad.yaml:2:20: gp_points.p_sim: found network, expected `rod`",
+    ),
     (
         "runs: {response: {cells: [{policies: [a_integral], modes: [closed]}]}}",
         "bad.yaml:2:27: runs.response.cells[0].gp_points: found nothing, expected sizes for policy `a_integral`",

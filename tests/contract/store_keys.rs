@@ -30,12 +30,12 @@ const LEARNING: [&str; 6] =
 fn telling_files_change_the_keys_of_exactly_these_stages() {
     let all: BTreeSet<&str> =
         stage_dependencies().iter().map(|stage| stage.name).filter(|name| *name != "bench").collect();
-    assert_eq!(all.len(), 24);
+    assert_eq!(all.len(), 31);
     let only = |names: &[&'static str]| names.iter().copied().collect::<BTreeSet<_>>();
     // How results lie in the store.
     assert_eq!(&stages_of("runner/codec.rs") - &only(&["bench"]), all);
     // Rows that are stored.
-    let rows = only(&["gap", "gp_score", "gp_fit", "reach", "track", "response", "pace"]);
+    let rows = only(&["gap", "gp_score", "gp_fit", "reach", "track", "response", "pace", "monitor", "alarm"]);
     assert_eq!(stages_of("data/rows.rs"), rows);
     // The rod moves in all that build a robot; what is only trained has seen it through its inputs.
     let rod = &stages_of("rod/solver/newton.rs") - &only(&["bench"]);
@@ -45,7 +45,7 @@ fn telling_files_change_the_keys_of_exactly_these_stages() {
     for kind in LEARNING.into_iter().chain(["gap"]) {
         assert!(!rod.contains(kind), "{kind}");
     }
-    assert_eq!(stages_of("discovery/fit/gauss_newton.rs"), only(&["discover"]));
+    assert_eq!(stages_of("discovery/fit/gauss_newton.rs"), only(&["discover", "identify", "diagnose"]));
     assert!(stages_of("policies/c.rs").is_superset(&only(&["reach", "track"])));
     assert!(stages_of("policies/c.rs").is_disjoint(&only(&["collect_sim", "collect_real", "discover", "blind_truth"])));
     // A new policy retrains nothing.
@@ -59,10 +59,11 @@ fn telling_files_change_the_keys_of_exactly_these_stages() {
         "reach"
     ])));
     // One file of jobs holds both.
-    let trials = only(&["reach", "track", "response", "pace"]);
+    let trials = only(&["reach", "track", "response", "pace", "monitor", "alarm"]);
     assert_eq!(stages_of("tasks/reach.rs"), trials);
     assert_eq!(stages_of("tasks/track.rs"), trials);
     assert_eq!(stages_of("tasks/pace.rs"), only(&["response", "pace"]));
+    assert_eq!(stages_of("tasks/monitor.rs"), only(&["monitor", "alarm"]));
     assert_eq!(
         stages_of("plants/hardware/options.rs"),
         only(&["bench"]),

@@ -299,3 +299,36 @@ fn controllers_are_told_apart() {
     assert!(rows("controllers.md").contains("| online Jacobian |"), "{}", rows("controllers.md"));
     assert!(folder.path().join("one/plots/told/controllers.png").is_file());
 }
+
+/// A change that nobody announces: it is noticed, named and mended, and every table and the figure say so.
+#[test]
+fn a_changed_robot_is_noticed_named_and_mended() {
+    let folder = tempfile::tempdir().unwrap();
+    let spec = format!(
+        "extends: {SMOKE}\nname: mended\nseeds: 1\ntraining: {{paper: null}}\nruns:\n  gap: null\n  gp_points: []\n  forward: false\n  reach: []\n  track: null\n  \
+         repair:\n    gp_points: 20\n    recordings: {{trials_before: 6}}\n    monitor: {{calibration_s: 120, false_alarm_s: 600, watched_s: 120}}\n    \
+         changes: {{load: [{{tip_load: {{mass_kg: 0.03}}}}], zero: [{{actuator_offset: {{tendon: 2, offset_m: 0.004}}}}]}}\n    \
+         cells:\n      - {{policies: [a, b, pi_real, integral], modes: [closed], gp_points: [20], real_points: [200]}}\n\
+         figures: [repair]\nclaims: []\n"
+    );
+    std::fs::write(folder.path().join("mended.yaml"), spec).unwrap();
+    run(folder.path(), &["mended.yaml", "--out", "out", "--cache", "cache"]);
+    let results = folder.path().join("out/results/mended");
+    let table = |name: &str| std::fs::read_to_string(results.join(name)).unwrap();
+    let monitors = table("monitors.csv");
+    assert_eq!(monitors.lines().count(), 2, "inherited training is dropped: {monitors}");
+    let repairs = table("repairs.csv");
+    for (change, effect) in [("load", "tip_load"), ("zero", "actuator_offset")] {
+        let row = repairs.lines().find(|line| line.starts_with(&format!("0,converged,{change},"))).unwrap();
+        assert!(row.contains(",named,") && row.matches(effect).count() == 2 && row.ends_with(",ok"), "{row}");
+        // The time to the alarm stands between the truth and the samples.
+        assert!(!row.contains("},,") && !row.contains("}\",,"), "no alarm: {row}");
+    }
+    // Three targets, two changes; before, after, repaired, new points for A and B, new data for pi_real; nothing to mend
+    // in feedback that was trained on nothing.
+    let trials = table("repair_trials.csv");
+    assert_eq!(trials.lines().count(), 1 + 3 * 2 * (4 + 4 + 3 + 2), "{trials}");
+    assert!(trials.lines().skip(1).all(|line| line.ends_with(",ok")), "{trials}");
+    assert!(table("repair.md").contains("| load | A |"), "{}", table("repair.md"));
+    assert!(folder.path().join("out/plots/mended/repair.png").is_file());
+}

@@ -8,17 +8,20 @@ use crate::learn::rnn::Trained;
 use crate::runner::stage::{Handle, Stage, StageKind};
 use crate::tasks::{GpPool, Transitions};
 
-/// Handles of the predefined points and, where p_sim comes from it, of the forward network.
-pub(in crate::runner) type GpInputs = (Handle<GpPool>, Option<Handle<Trained>>);
+/// Handles of the predefined points, of the forward network where p_sim comes from it, and of the points as a repaired
+/// model plays them.
+pub(in crate::runner) type GpInputs = (Handle<GpPool>, Option<Handle<Trained>>, Option<Handle<Transitions>>);
 
 /// The process of eq. (20) on `points` of the predefined points.
 pub(in crate::runner) const GP: Stage<GpParams, GpInputs, Gp> = Stage {
     kind: StageKind { name: "gp_fit", module: module_path!(), cost_ms: 100 },
-    job: |params, (pool, network)| {
+    job: |params, (pool, network, repaired)| {
         let points_by = |steps: &Transitions| pool.points_by(steps);
         let all = network.map(|network| simulated(network, &pool.steps)).transpose()?;
         let all = all.as_ref().map_or_else(|| pool.points(), points_by);
         let chosen = params.config.selection.choose(&all.inputs, params.points, Seed(params.seed));
+        // The points were measured before anything was repaired: what they are chosen by does not change.
+        let all = repaired.map_or(all, points_by);
         let chosen = all.select(&chosen.map_err(|error| error.to_string())?);
         Gp::fit(&chosen.inputs, &chosen.errors_m, &params.config).map_err(|error| error.to_string())
     },

@@ -6,6 +6,8 @@
 
 pub(super) mod blind;
 pub(super) mod blind_score;
+pub(super) mod diagnose;
+pub(super) mod diagnosis;
 pub(super) mod discover;
 pub(super) mod exploration;
 pub(super) mod gap;
@@ -16,11 +18,14 @@ pub(super) mod identified;
 pub(super) mod networks;
 pub(super) mod outside_part;
 pub(super) mod path;
+pub(super) mod repaired;
 pub(super) mod responses;
+pub(super) mod retrain;
 mod samples;
 pub(super) mod shared_part;
 pub(super) mod targets;
 pub(super) mod trials;
+pub(super) mod work;
 
 use super::stage::StageKind;
 
@@ -30,6 +35,8 @@ pub(super) fn kinds() -> Vec<StageKind> {
     kinds.extend([targets::TARGET_POOL.kind, targets::TARGETS.kind, path::WAYPOINTS.kind, path::PATH.kind]);
     kinds.extend([gaussian_process::GP.kind, gaussian_process::GP_SCORE.kind]);
     kinds.extend([trials::REACH.kind, trials::TRACK.kind, responses::RESPONSE.kind, responses::PACE.kind]);
+    kinds.extend([work::MONITOR.kind, work::ALARM.kind, diagnose::DIAGNOSE.kind, diagnose::IDENTIFY.kind]);
+    kinds.extend([repaired::EXPLORE_REPAIRED.kind, repaired::POINTS_REPAIRED.kind, retrain::RETRAIN.kind]);
     kinds.extend([blind::COMMANDS.kind, blind::SPAN.kind, blind::TRUTH.kind, blind::RECORDING.kind]);
     kinds.extend([discover::DISCOVER.kind, blind_score::SCORE.kind]);
     kinds

@@ -5,6 +5,7 @@ use crate::base::Point3;
 use crate::data::rows::GapRow;
 use crate::runner::jobs::exploration::{EXPLORE, ExploreParams, REPLAY, ReplayParams};
 use crate::runner::jobs::gap::GAP;
+use crate::runner::jobs::identified::Identified;
 use crate::runner::jobs::gp_pool::{GP_POOL, PoolParams};
 use crate::runner::jobs::path::{PATH, WAYPOINTS, WaypointParams};
 use crate::runner::jobs::targets::{TARGET_POOL, TARGETS, TargetPoolParams, Targets};
@@ -47,15 +48,20 @@ impl Stages<'_> {
     }
 
     fn add_gp_pool(&mut self) -> Added<GpPool> {
-        let (model, plant, mut options) = (self.parts.model.clone(), self.parts.plant.clone(), self.spec.gp_points);
+        self.pool_of(self.parts.plant.clone(), "predefined points")
+    }
+
+    /// The predefined points on model and a robot.
+    pub(super) fn pool_of(&mut self, plant: Identified, label: &str) -> Added<GpPool> {
+        let (model, mut options) = (self.parts.model.clone(), self.spec.gp_points);
         options.p_sim = SimulatedBy::Rod; // the recording is the same whatever p_sim is later taken from
         let (step_s, seed) = (self.step_s(), self.seed.child("gp_pool").0);
         let params = PoolParams { model, plant, options, step_s, seed };
-        self.graph.stage(&GP_POOL, self.label("predefined points"), params, ())
+        self.graph.stage(&GP_POOL, self.label(label), params, ())
     }
 
     /// All points that may become targets: of the robot without measurement noise, the same for every seed.
-    fn target_pool(&mut self) -> Added<Vec<Point3>> {
+    pub(super) fn target_pool(&mut self) -> Added<Vec<Point3>> {
         let mut options = self.spec.targets;
         options.drawn = 1; // how many are drawn later does not change the pool
         let params = TargetPoolParams { robot: self.parts.quiet.clone(), options, step_s: self.step_s() };

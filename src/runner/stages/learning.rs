@@ -54,10 +54,15 @@ impl Stages<'_> {
     /// The Gaussian process of eq. (20) on one point of each of `points` clusters.
     pub(crate) fn gp(&mut self, training: &Training, points: usize) -> Added<Gp> {
         self.once((GP.kind.name, stops(training), points), |stages| {
-            let inputs = (stages.gp_pool()?, stages.simulating_network(training)?);
-            let params = GpParams { config: stages.spec.gp.clone(), points, seed: stages.seed.child("gp").0 };
-            stages.graph.stage(&GP, stages.label(&format!("Gaussian process, {points} points")), params, inputs)
+            let inputs = (stages.gp_pool()?, stages.simulating_network(training)?, None);
+            let label = stages.label(&format!("Gaussian process, {points} points"));
+            stages.graph.stage(&GP, label, stages.gp_params(points), inputs)
         })
+    }
+
+    /// Which points a process has and how it is fitted.
+    pub(super) fn gp_params(&self, points: usize) -> GpParams {
+        GpParams { config: self.spec.gp.clone(), points, seed: self.seed.child("gp").0 }
     }
 
     /// How good that process is; the row's seed and training are filled in by whoever publishes it.
@@ -74,7 +79,12 @@ impl Stages<'_> {
         }
     }
 
-    fn network_params(&self, network: &NetworkDescription, training: &Training, points: usize) -> NetworkParams {
+    pub(super) fn network_params(
+        &self,
+        network: &NetworkDescription,
+        training: &Training,
+        points: usize,
+    ) -> NetworkParams {
         NetworkParams {
             config: ElmanConfig { stop_at_validation_mae_m: training.stop_m(network), ..self.spec.network.clone() },
             inputs: network.inputs,

@@ -4,10 +4,12 @@
 mod data;
 mod discovery;
 mod learning;
+mod repair;
 mod shared;
 mod trials;
 
 pub(super) use discovery::BlindStages;
+pub(super) use repair::{RepairCampaign, RepairStages, RepairVariant};
 pub(super) use shared::SharedParts;
 
 use super::digest::Digest;

@@ -57,13 +57,23 @@ impl Stages<'_> {
     }
 
     fn condition(&self, cell: &TrialCell, task: &str) -> Result<(&'static PolicyEntry, Condition), Failure> {
-        let unknown = |what: &str| Failure { stage: task.to_owned(), status: format!("unknown {what}") };
-        let outside = &self.spec.policies.outside;
-        let entry = policies::find_with(&cell.policy, outside).ok_or_else(|| unknown(&cell.policy))?;
-        let mode: &TrialMode = self.spec.modes.get(&cell.mode).ok_or_else(|| unknown(&cell.mode))?;
+        let unknown = || Failure { stage: task.to_owned(), status: format!("unknown {}", cell.mode) };
+        let mode = self.spec.modes.get(&cell.mode).ok_or_else(unknown)?;
+        self.condition_in(&cell.policy, mode, task)
+    }
+
+    /// The policy called `policy` in a mode.
+    pub(super) fn condition_in(
+        &self,
+        policy: &str,
+        mode: &TrialMode,
+        task: &str,
+    ) -> Result<(&'static PolicyEntry, Condition), Failure> {
+        let unknown = || Failure { stage: task.to_owned(), status: format!("unknown {policy}") };
+        let entry = policies::find_with(policy, &self.spec.policies.outside).ok_or_else(unknown)?;
         let condition = Condition {
-            policy: cell.policy.clone(),
-            outside: self.parts.outside.get(&cell.policy).cloned(),
+            policy: policy.to_owned(),
+            outside: self.parts.outside.get(policy).cloned(),
             options: self.parts.policies.clone(),
             plant: self.parts.plant.clone(),
             model: (entry.model != ModelAccess::None).then(|| self.parts.model.clone()),
@@ -75,7 +85,7 @@ impl Stages<'_> {
         Ok((entry, condition))
     }
 
-    fn part_handles(
+    pub(super) fn part_handles(
         &mut self,
         entry: &PolicyEntry,
         cell: &TrialCell,

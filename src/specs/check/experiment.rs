@@ -38,9 +38,9 @@ const POSITION_INPUTS: usize = 3;
 /// Tracking noise above this indicates a wrong unit, metres.
 const MOST_NOISE_M: f64 = 0.05;
 
-struct Checker<'a> {
-    experiment: &'a Experiment,
-    document: &'a Document,
+pub(super) struct Checker<'a> {
+    pub(super) experiment: &'a Experiment,
+    pub(super) document: &'a Document,
 }
 
 impl Checker<'_> {
@@ -48,7 +48,7 @@ impl Checker<'_> {
         self.document.wrong(path, expected)
     }
 
-    fn unless(&self, holds: bool, path: &KeyPath, expected: &str) -> Result<(), SpecError> {
+    pub(super) fn unless(&self, holds: bool, path: &KeyPath, expected: &str) -> Result<(), SpecError> {
         if holds { Ok(()) } else { Err(self.wrong(path, expected)) }
     }
 
@@ -172,7 +172,7 @@ impl Checker<'_> {
     }
 
     /// Option checks name a key without the keys above it: it is the first one below `name` with that value.
-    fn option(&self, name: &str, key: &str, found: &str, expected: &str) -> SpecError {
+    pub(super) fn option(&self, name: &str, key: &str, found: &str, expected: &str) -> SpecError {
         let below = KeyPath::parse(name).unwrap_or_default();
         let path = self.document.find(&below, key, found).unwrap_or_else(|| below.key(key));
         let expected = with_values(expected, self.experiment, &path);
@@ -186,9 +186,13 @@ impl Checker<'_> {
         self.enough(rows, &KeyPath::default().key("explore").key("points"))?;
         let any = runs.gap.is_some() || runs.forward || !runs.gp_points.is_empty() || !runs.reach.is_empty();
         self.unless(
-            any || runs.track.is_some() || runs.response.is_some() || runs.pace.is_some() || runs.discovery.is_some(),
+            any || runs.track.is_some()
+                || runs.response.is_some()
+                || runs.pace.is_some()
+                || runs.repair.is_some()
+                || runs.discovery.is_some(),
             &path,
-            "at least one of `gap`, `forward`, `gp_points`, `reach`, `track`, `response`, `pace`, `discovery`",
+            "at least one of `gap`, `forward`, `gp_points`, `reach`, `track`, `response`, `pace`, `repair`, `discovery`",
         )?;
         if let Some(gap) = runs.gap {
             let most = self.experiment.explore.points;
@@ -204,11 +208,12 @@ impl Checker<'_> {
         self.cells(&runs.reach, &path.key("reach"))?;
         self.fixed_duration(&path)?;
         runs.track.as_ref().map_or(Ok(()), |track| self.track(track, &path.key("track")))?;
+        runs.repair.as_ref().map_or(Ok(()), |repair| self.repair(repair, &path.key("repair")))?;
         runs.discovery.as_ref().map_or(Ok(()), |discovery| self.discovery(discovery, &path.key("discovery")))
     }
 
     /// Products of policies, modes and sizes.
-    fn cells(&self, sweeps: &[ReachSweep], path: &KeyPath) -> Result<(), SpecError> {
+    pub(super) fn cells(&self, sweeps: &[ReachSweep], path: &KeyPath) -> Result<(), SpecError> {
         for (index, sweep) in sweeps.iter().enumerate() {
             let path = path.item(index);
             self.policies(&sweep.policies, &path.key("policies"))?;
@@ -279,7 +284,7 @@ impl Checker<'_> {
         Ok(())
     }
 
-    fn policies(&self, names: &[String], path: &KeyPath) -> Result<(), SpecError> {
+    pub(super) fn policies(&self, names: &[String], path: &KeyPath) -> Result<(), SpecError> {
         self.not_empty(names, path)?;
         for (index, name) in names.iter().enumerate() {
             let own = self.experiment.policies.outside.keys().map(String::as_str);
@@ -292,6 +297,11 @@ impl Checker<'_> {
     fn mode(&self, name: &str, path: &KeyPath) -> Result<(), SpecError> {
         let known: Vec<&str> = self.experiment.modes.keys().map(String::as_str).collect();
         self.unless(known.contains(&name), path, &one_of(&known))
+    }
+
+    /// The size of the working policy's real data, which only some have.
+    pub(super) fn real_worker(&self, names: &[String], sizes: Option<&[usize]>, path: &KeyPath) -> Result<(), SpecError> {
+        self.sizes(names, Size::RealPoints, sizes, path)
     }
 
     /// Sizes must be given when a policy is built from that part, and none may exceed the data.
@@ -308,7 +318,7 @@ impl Checker<'_> {
         }
     }
 
-    fn gp_sizes(&self, sizes: &[usize], path: &KeyPath) -> Result<(), SpecError> {
+    pub(super) fn gp_sizes(&self, sizes: &[usize], path: &KeyPath) -> Result<(), SpecError> {
         self.fits(sizes, path, 2, self.experiment.gp_points.points(), "predefined points")
     }
 

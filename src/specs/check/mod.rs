@@ -5,3 +5,4 @@ pub(super) mod discovery;
 pub(super) mod experiment;
 mod named_values;
 mod outside_policies;
+mod repair;

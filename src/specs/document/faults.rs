@@ -19,10 +19,12 @@ impl Document {
     /// [`SpecError::Key`] for an unknown or missing key or a value of the wrong type, with its source location;
     /// [`SpecError::Several`] where there are more of them.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, SpecError> {
-        let mut tree = match deserialize(&self.merged, self.root_keys) {
-            Ok(read) => return Ok(read),
-            Err(_) => self.merged.clone(),
-        };
+        let mut tree = self.merged.clone();
+        // A mapping is dropped at once: read as nothing, it would be one of defaults.
+        self.dropped_mappings(&self.merged, &KeyPath::default()).iter().for_each(|entry| remove(&mut tree, entry));
+        if let Ok(read) = deserialize(&tree, self.root_keys) {
+            return Ok(read);
+        }
         let (mut removed, mut faults) = (Vec::new(), Vec::new());
         loop {
             let wrong = match deserialize(&tree, self.root_keys) {
@@ -53,6 +55,19 @@ impl Document {
             removed.push(key);
         }
         Err(SpecError::of_all(faults))
+    }
+
+    /// The entries at and below `path` that are `null` in the tree and a mapping in a weaker source.
+    fn dropped_mappings(&self, value: &Value, path: &KeyPath) -> Vec<KeyPath> {
+        let is_mapping = |value: Option<Value>| value.is_some_and(|value| value.is_mapping());
+        match value {
+            Value::Mapping(mapping) => {
+                let named = mapping.iter().filter_map(|(key, value)| Some((path.key(key.as_str()?), value)));
+                named.flat_map(|(path, value)| self.dropped_mappings(value, &path)).collect()
+            }
+            Value::Null if self.layers.iter().any(|layer| is_mapping(layer.get(path))) => vec![path.clone()],
+            _ => Vec::new(),
+        }
     }
 
     fn fault(&self, wrong: Mismatch) -> SpecError {

@@ -11,6 +11,14 @@ struct Outer {
     inner: Option<Inner>,
     #[serde(default)]
     plant: Option<TestPlant>,
+    #[serde(default)]
+    named: std::collections::BTreeMap<String, AllDefaults>,
+}
+
+#[derive(Debug, Default, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct AllDefaults {
+    stop_m: Option<f64>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -41,6 +49,17 @@ fn parse(files: &[(&str, &str)], sets: &[&str]) -> Result<Outer, String> {
     document
         .and_then(|document| document.parse())
         .map_err(|error| error.to_string().replace(&format!("{}/", folder.path().display()), ""))
+}
+
+#[test]
+fn an_inherited_mapping_is_dropped_by_null_and_an_own_one_has_defaults() {
+    let files = [
+        ("a.yaml", "extends: b.yaml\nnamed: {gone: null, own: null}\n"),
+        ("b.yaml", "points: 1\nduration_s: 5\nnamed: {gone: {stop_m: 1}, kept: {stop_m: 2}}\n"),
+    ];
+    let names = |sets: &[&str]| parse(&files, sets).unwrap().named.into_keys().collect::<Vec<_>>();
+    assert_eq!(names(&[]), ["kept", "own"]);
+    assert_eq!(names(&["named.kept=null"]), ["own"]);
 }
 
 fn error(files: &[(&str, &str)], sets: &[&str]) -> String {

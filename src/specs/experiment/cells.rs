@@ -1,6 +1,7 @@
 //! The cells of an experiment: the product of policies, modes and sizes, each once, in a fixed order.
 
 use super::claims::Size;
+use super::repair::RepairRun;
 use super::spec::{Experiment, ReachSweep, TrialMode};
 use crate::policies;
 
@@ -32,10 +33,29 @@ pub fn pace_cells(experiment: &Experiment) -> Vec<TrialCell> {
     experiment.runs.pace.as_ref().map_or_else(Vec::new, |run| product(experiment, &run.cells))
 }
 
+/// The cells of goal reaching before and after changes.
+pub fn repair_cells(experiment: &Experiment) -> Vec<TrialCell> {
+    experiment.runs.repair.as_ref().map_or_else(Vec::new, |run| product(experiment, &run.cells))
+}
+
+/// The policy that works while the robot is watched, as a cell without a mode.
+pub fn repair_worker(experiment: &Experiment, run: &RepairRun) -> TrialCell {
+    let entry = policies::find_with(&run.worker, &experiment.policies.outside);
+    let size = |part: Size, size: usize| if entry.is_some_and(|entry| uses(entry, part)) { size } else { 0 };
+    TrialCell {
+        policy: run.worker.clone(),
+        mode: String::new(),
+        gp_points: size(Size::GpPoints, run.gp_points),
+        real_points: size(Size::RealPoints, run.real_points.unwrap_or(0)),
+    }
+}
+
 /// All cells of trials.
 pub fn trial_cells(experiment: &Experiment) -> impl Iterator<Item = TrialCell> {
     let fixed = response_cells(experiment).into_iter().chain(pace_cells(experiment));
-    reach_cells(experiment).into_iter().chain(track_cells(experiment)).chain(fixed)
+    let worker = experiment.runs.repair.as_ref().map(|run| repair_worker(experiment, run));
+    let repair = repair_cells(experiment).into_iter().chain(worker);
+    reach_cells(experiment).into_iter().chain(track_cells(experiment)).chain(fixed).chain(repair)
 }
 
 fn product(experiment: &Experiment, sweeps: &[ReachSweep]) -> Vec<TrialCell> {
@@ -76,7 +96,8 @@ pub fn track_cells(experiment: &Experiment) -> Vec<TrialCell> {
 
 /// Sizes of all Gaussian processes that the experiment fits, ascending.
 pub fn gp_sizes(experiment: &Experiment) -> Vec<usize> {
-    let used = trial_cells(experiment).map(|cell| cell.gp_points).filter(|&points| points > 0);
+    let monitor = experiment.runs.repair.as_ref().map(|run| run.gp_points);
+    let used = trial_cells(experiment).map(|cell| cell.gp_points).chain(monitor).filter(|&points| points > 0);
     let mut sizes: Vec<usize> = used.chain(experiment.runs.gp_points.iter().copied()).collect();
     sizes.sort_unstable();
     sizes.dedup();

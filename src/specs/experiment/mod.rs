@@ -2,5 +2,6 @@
 
 pub(super) mod cells;
 pub(super) mod claims;
+pub(super) mod repair;
 pub(super) mod slurm;
 pub(super) mod spec;

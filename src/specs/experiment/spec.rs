@@ -1,6 +1,7 @@
 //! The keys of an experiment: everything that its results depend on.
 
 use super::claims::PaperClaim;
+use super::repair::RepairRun;
 use super::slurm::SlurmOptions;
 use crate::benchmark::{CaseBatch, OracleOptions, TruthOptions};
 use crate::discovery::Options;
@@ -188,6 +189,9 @@ pub struct Runs {
     /// Laps of the path in time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pace: Option<PaceRun>,
+    /// Changes of the robot that nobody announces, and their repair.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub repair: Option<RepairRun>,
     /// Blind cases of discovery, for the model.
     pub discovery: Option<DiscoveryRun>,
 }

@@ -5,6 +5,7 @@ pub(crate) mod cases;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use spinebench::base::{Point3, Seed, distance_m};
+use spinebench::data::repairs::{MonitorRow, RepairRow, RepairTrialRow};
 use spinebench::data::responses::{PaceRow, ResponseRow};
 use spinebench::data::rows::{
     ClaimRow, GapRow, PeerRow, ScalingRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow,
@@ -362,6 +363,59 @@ fn paces(seeds: u64) -> Vec<PaceRow> {
     first.flat_map(|row| [1.0, 2.0, 4.0].map(|speed| (row.clone(), speed))).map(lap).collect()
 }
 
+/// Three changes, noticed and told.
+fn repairs(seeds: u64) -> Vec<RepairRow> {
+    let changes = ["load", "tilted_base", "friction"];
+    let row = |(seed, change): (u64, &str)| RepairRow {
+        seed,
+        training: "converged".to_owned(),
+        change: change.to_owned(),
+        truth: "tip_load: {mass_kg: 0.02}".to_owned(),
+        alarm_s: if change == "friction" { f64::NAN } else { 1.5 + seed as f64 },
+        samples: 100,
+        verdict: if change == "friction" { "unexplained" } else { "named" }.to_owned(),
+        named: if change == "friction" { "" } else { "tip_load: {mass_kg: 0.021}" }.to_owned(),
+        gap_before_m: 0.012,
+        gap_after_m: 0.0011,
+        noise_floor_m: 0.0009,
+        status: "ok".to_owned(),
+    };
+    (0..seeds).flat_map(|seed| changes.map(|change| (seed, change))).map(row).collect()
+}
+
+/// Goal reaching before and after these changes.
+fn repair_trials(seeds: u64) -> Vec<RepairTrialRow> {
+    let variants = [("before", 0.003), ("changed", 0.011), ("repaired", 0.004), ("new_points", 0.0045)];
+    let mut rows = Vec::new();
+    for repair in repairs(seeds) {
+        for mode in ["open", "closed"] {
+            for policy in ["a", "b", "integral"] {
+                for (variant, base_m) in variants.into_iter().take(if policy == "integral" { 2 } else { 4 }) {
+                    for target in 0..4 {
+                        let mut rng = Seed(3).child(&format!("{repair:?}{mode}{policy}{variant}{target}")).rng();
+                        rows.push(RepairTrialRow {
+                            seed: repair.seed,
+                            training: repair.training.clone(),
+                            change: repair.change.clone(),
+                            variant: variant.to_owned(),
+                            policy: policy.to_owned(),
+                            mode: mode.to_owned(),
+                            gp_points: if policy == "integral" { 0 } else { 100 },
+                            real_points: 0,
+                            target,
+                            error_m: base_m * (1.0 + 0.3 * noise(&mut rng)).abs(),
+                            steps: 30,
+                            settled: true,
+                            status: "ok".to_owned(),
+                        });
+                    }
+                }
+            }
+        }
+    }
+    rows
+}
+
 pub(crate) fn published(figure: &str, seeds: u64) -> Published {
     let mut published = Published::default();
     match figure {
@@ -383,6 +437,19 @@ pub(crate) fn published(figure: &str, seeds: u64) -> Published {
         "controllers" => {
             published.responses = responses(seeds);
             published.paces = paces(seeds);
+        }
+        "repair" => {
+            let watched = |seed| MonitorRow {
+                seed,
+                training: "converged".to_owned(),
+                threshold: 150.0,
+                watched_s: 36_000.0,
+                false_alarms: 0,
+                status: "ok".to_owned(),
+            };
+            published.monitors = (0..seeds).map(watched).collect();
+            published.repairs = repairs(seeds);
+            published.repair_trials = repair_trials(seeds);
         }
         // A figure that is added: whatever it is made of.
         _ => {

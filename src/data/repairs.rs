@@ -1,0 +1,142 @@
+//! The rows of repairs: a robot changes and nobody announces it.
+
+use super::table_row::table_rows;
+
+table_rows! {
+    "monitors.csv", key [seed, training]:
+    /// The monitor of one repetition, tried on the unchanged robot.
+    pub struct MonitorRow {
+        /// Repetition of the whole experiment, data and training included.
+        pub seed: u64,
+        /// `paper` or `converged`: the networks of the policy that works.
+        pub training: String,
+        /// Log-likelihood ratio above which the model counts as no longer right.
+        pub threshold: f64,
+        /// Time of work of the unchanged robot in which alarms were counted, seconds.
+        pub watched_s: f64,
+        /// Alarms in that time.
+        pub false_alarms: u64,
+        /// `ok` or the named failure.
+        pub status: String,
+    }
+
+    "identifications.csv", key [seed]:
+    /// What the model lacked of the robot as it was built.
+    pub struct IdentificationRow {
+        /// Repetition of the whole experiment.
+        pub seed: u64,
+        /// Rows that were recorded.
+        pub samples: u64,
+        /// The verdict of the discovery, or `failed` and why.
+        pub verdict: String,
+        /// The lines that the model got; empty for none.
+        pub named: String,
+        /// Rms tip error of held-out trials without these lines, metres.
+        pub gap_before_m: f64,
+        /// The same with them, metres.
+        pub gap_after_m: f64,
+        /// Rms distance of the measured from the true tip by noise alone, metres.
+        pub noise_floor_m: f64,
+        /// `ok` or the named failure.
+        pub status: String,
+    }
+
+    "repairs.csv", key [seed, training, change]:
+    /// One change of the robot: how it was noticed, and what it was told to be.
+    pub struct RepairRow {
+        /// Repetition of the whole experiment.
+        pub seed: u64,
+        /// `paper` or `converged`: the networks of the policy that works.
+        pub training: String,
+        /// Name of the change.
+        pub change: String,
+        /// What changed: the effects that the robot got.
+        pub truth: String,
+        /// Time of work from the change to the alarm, seconds; empty where the monitor stayed silent.
+        pub alarm_s: f64,
+        /// Rows that were recorded then.
+        pub samples: u64,
+        /// The verdict of the discovery, or `failed` and why.
+        pub verdict: String,
+        /// The lines that the model got; empty for none.
+        pub named: String,
+        /// Rms tip error of held-out trials without these lines, metres.
+        pub gap_before_m: f64,
+        /// The same with them, metres.
+        pub gap_after_m: f64,
+        /// Rms distance of the measured from the true tip by noise alone, metres.
+        pub noise_floor_m: f64,
+        /// `ok` or the named failure.
+        pub status: String,
+    }
+
+    "repair_trials.csv", key [seed, training, change, variant, policy, mode, gp_points, real_points, target]:
+    /// One goal-reaching trial before a change, after it, or mended.
+    pub struct RepairTrialRow {
+        /// Repetition of the whole experiment.
+        pub seed: u64,
+        /// `paper` or `converged`.
+        pub training: String,
+        /// Name of the change.
+        pub change: String,
+        /// `before`: the unchanged robot; `changed`: the changed robot, the controller as it was; `repaired`: networks trained on
+        /// with the model that got the named lines; `new_points`: an error model of new real points of the changed robot;
+        /// `new_real`: a network of new real data of the changed robot.
+        pub variant: String,
+        /// Name of the policy.
+        pub policy: String,
+        /// Name of the mode.
+        pub mode: String,
+        /// Real points that the Gaussian process was fitted to (0 for policies without one).
+        pub gp_points: u64,
+        /// Real points that the network was trained on (0 for policies without one).
+        pub real_points: u64,
+        /// Number of the target in its draw; the same for every policy of a seed.
+        pub target: u64,
+        /// Distance of the last measured tip from the target, metres.
+        pub error_m: f64,
+        /// Control steps taken.
+        pub steps: u64,
+        /// Whether the policy settled before the step limit.
+        pub settled: bool,
+        /// `ok` or the named failure; a failed trial is counted and left out of the means.
+        pub status: String,
+    }
+
+    "repair_summary.csv", key [training, change, variant, policy, mode, gp_points, real_points]:
+    /// Goal reaching of one policy in one mode, over targets and repetitions.
+    pub struct RepairSummaryRow {
+        /// `paper` or `converged`.
+        pub training: String,
+        /// Name of the change.
+        pub change: String,
+        /// As in `repair_trials.csv`.
+        pub variant: String,
+        /// Name of the policy.
+        pub policy: String,
+        /// Name of the mode.
+        pub mode: String,
+        /// Real points of the Gaussian process.
+        pub gp_points: u64,
+        /// Real points of the network.
+        pub real_points: u64,
+        /// Measurements of the changed robot that this took.
+        pub new_samples: u64,
+        /// Mean error, metres.
+        pub mean_m: f64,
+        /// Lower end of its 95 % interval over repetitions, metres.
+        pub low_95_m: f64,
+        /// Its upper end, metres.
+        pub high_95_m: f64,
+        /// Standard deviation of the error over all trials, metres.
+        pub sd_m: f64,
+        /// Mean error over that before the change.
+        pub of_before: f64,
+        /// Repetitions.
+        pub seeds: u64,
+        /// Trials without failure.
+        pub trials: u64,
+        /// Trials with one.
+        pub failed: u64,
+    }
+}

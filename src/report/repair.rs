@@ -1,0 +1,90 @@
+//! A changed robot and its repair: the error of goal reaching before, after, and mended in several ways, one panel a change.
+
+use super::drawing::axes::{Axis, Panel};
+use super::drawing::canvas::{Canvas, Text, TextAlign};
+use super::drawing::legend::{LegendEntry, legend};
+use super::order::{distinct, rank, trainings};
+use super::repair_table::{VARIANTS, markdown, summary_rows};
+use super::style::{GREY, PAGE_WIDTH, SMALL, TEXT, policies_in_order, policy_label, policy_look, training_label};
+use super::summarise::MODES;
+use super::{Artifact, Figure, Published, ReportError, csv, pictures, text};
+use crate::data::repairs::RepairSummaryRow;
+
+/// Registry entry.
+pub(super) const FIGURE: Figure = Figure {
+    name: "repair",
+    about: "A robot that changed: error before, after, repaired, and with new data, by change",
+    render,
+};
+
+/// Panels in a line.
+const COLUMNS: usize = 4;
+
+fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
+    if published.repair_trials.is_empty() {
+        return Err(ReportError::NoRows { figure: FIGURE.name, needs: "repair_trials.csv" });
+    }
+    let rows = summary_rows(&published.repair_trials, &published.repairs);
+    let mut files = vec![csv("repair_summary.csv", &rows)?, text("repair.md", markdown(&rows, published))];
+    files.extend(pictures(FIGURE.name, FIGURE.name, &draw(&rows))?);
+    Ok(files)
+}
+
+/// The panels of the last kind of training: networks are at their best there.
+fn draw(rows: &[RepairSummaryRow]) -> Canvas {
+    let known = trainings(rows.iter().map(|row| row.training.as_str()));
+    let training = known.last().copied().unwrap_or_default();
+    let rows: Vec<&RepairSummaryRow> = rows.iter().filter(|row| row.training == training).collect();
+    let mut modes = distinct(rows.iter().map(|row| row.mode.as_str()));
+    modes.sort_by_key(|mode| (rank(&MODES, mode), *mode));
+    let changes = distinct(rows.iter().map(|row| row.change.as_str()));
+    let lines = changes.len().div_ceil(COLUMNS);
+    let (left, gap, high, pitch, head) = (50.0, 16.0, 120.0, 188.0, 28.0);
+    let width = (PAGE_WIDTH - left - 12.0 - gap * (COLUMNS - 1) as f64) / COLUMNS as f64;
+    let block = head + pitch * lines as f64;
+    let keys: Vec<(LegendEntry, &str)> = policies_in_order(rows.iter().map(|row| row.policy.as_str()))
+        .into_iter()
+        .map(|policy| (LegendEntry::Plain(policy_look(policy)), policy_label(policy)))
+        .collect();
+    let mut canvas = Canvas::new(PAGE_WIDTH, 60.0 + block * modes.len() as f64);
+    let base = legend(&mut canvas, [left, 16.0], PAGE_WIDTH - 8.0, &keys);
+    let note = format!("means over targets and repetitions; {}", training_label(training));
+    canvas.text(Text::new(&note, [left, base + 17.0], SMALL, TextAlign::Left).colour(GREY));
+    let y = Axis::covering("error (mm)", rows.iter().map(|row| 1e3 * row.mean_m).chain([0.0]), 4);
+    for (number, mode) in modes.iter().enumerate() {
+        let top = base + 30.0 + block * number as f64;
+        canvas.text(Text::new(mode_title(mode), [left, top + 14.0], TEXT, TextAlign::Left).bold());
+        for (place, change) in changes.iter().enumerate() {
+            let (line, column) = (place / COLUMNS, place % COLUMNS);
+            let corner = [left + column as f64 * (width + gap), top + head + 12.0 + pitch * line as f64];
+            let y = if column == 0 { y.clone() } else { y.bare() };
+            let own: Vec<&RepairSummaryRow> =
+                rows.iter().copied().filter(|row| row.mode == *mode && row.change == *change).collect();
+            panel(&mut canvas, &own, (corner, [width, high]), change, y);
+        }
+    }
+    canvas
+}
+
+fn panel(canvas: &mut Canvas, rows: &[&RepairSummaryRow], place: ([f64; 2], [f64; 2]), change: &str, y: Axis) {
+    let names: Vec<String> = VARIANTS.iter().map(|(_, short)| (*short).to_owned()).collect();
+    let x = Axis::categories("", &names);
+    let panel = Panel { corner: place.0, size: place.1, x, y, title: change.replace('_', " ") };
+    panel.draw(canvas);
+    for policy in policies_in_order(rows.iter().map(|row| row.policy.as_str())) {
+        let at = |(place, (variant, _)): (usize, &(&str, &str))| {
+            let row = rows.iter().find(|row| row.policy == policy && row.variant == *variant)?;
+            row.mean_m.is_finite().then_some([place as f64, 1e3 * row.mean_m, f64::NAN])
+        };
+        let points: Vec<[f64; 3]> = VARIANTS.iter().enumerate().filter_map(at).collect();
+        panel.series(canvas, &points, policy_look(policy));
+    }
+}
+
+fn mode_title(mode: &str) -> &str {
+    match mode {
+        "open" => "Open loop",
+        "closed" => "Closed loop",
+        other => other,
+    }
+}

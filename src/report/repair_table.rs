@@ -1,0 +1,228 @@
+//! The tables behind [`super::repair`]: what was noticed and named, and the errors by change, mode, policy and variant.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::Published;
+use super::markup::MarkdownTable;
+use super::order::{distinct, rank, trainings};
+use super::style::{policy_markdown, policy_rank};
+use super::summarise::MODES;
+use crate::data::repairs::{RepairRow, RepairSummaryRow, RepairTrialRow};
+use crate::math::summary::{interval_95, mean, quantile, standard_deviation};
+
+/// The variants in their order, and how a narrow axis calls them.
+pub(super) const VARIANTS: [(&str, &str); 5] = [
+    ("before", "before"),
+    ("changed", "after"),
+    ("repaired", "repair"),
+    ("new_points", "points"),
+    ("new_real", "data"),
+];
+
+fn variant_rank(variant: &str) -> usize {
+    VARIANTS.iter().position(|(known, _)| *known == variant).unwrap_or(VARIANTS.len())
+}
+
+/// Trials, summarised by training, mode, change, policy and variant.
+pub(super) fn summary_rows(trials: &[RepairTrialRow], repairs: &[RepairRow]) -> Vec<RepairSummaryRow> {
+    let order = trainings(trials.iter().map(|row| row.training.as_str()));
+    let changes = distinct(trials.iter().map(|row| row.change.as_str()));
+    let mut cells: BTreeMap<_, BTreeMap<usize, Vec<&RepairTrialRow>>> = BTreeMap::new();
+    for row in trials {
+        let mode = (rank(&MODES, &row.mode), row.mode.as_str());
+        let policy = (policy_rank(&row.policy), row.policy.as_str());
+        let change = rank(&changes, &row.change);
+        let key = (rank(&order, &row.training), mode, change, policy, (row.gp_points, row.real_points));
+        cells.entry(key).or_default().entry(variant_rank(&row.variant)).or_default().push(row);
+    }
+    let mut summaries = Vec::new();
+    for variants in cells.values() {
+        let before_m = variants.get(&0).map_or(f64::NAN, |rows| mean(&seed_means_m(rows)));
+        summaries.extend(variants.values().map(|rows| summary(rows, before_m, repairs)));
+    }
+    summaries
+}
+
+fn good<'a>(rows: &[&'a RepairTrialRow]) -> Vec<&'a RepairTrialRow> {
+    rows.iter().copied().filter(|row| row.status == "ok" && row.error_m.is_finite()).collect()
+}
+
+/// Mean error of each repetition, metres.
+fn seed_means_m(rows: &[&RepairTrialRow]) -> Vec<f64> {
+    let mut errors: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
+    good(rows).iter().for_each(|row| errors.entry(row.seed).or_default().push(row.error_m));
+    errors.values().map(|errors| mean(errors)).collect()
+}
+
+fn summary(rows: &[&RepairTrialRow], before_m: f64, repairs: &[RepairRow]) -> RepairSummaryRow {
+    let (first, kept, means) = (rows[0], good(rows), seed_means_m(rows));
+    let [low_95_m, high_95_m] = interval_95(&means).unwrap_or([f64::NAN; 2]);
+    let named = repairs.iter().find(|row| row.change == first.change && row.training == first.training);
+    let new_samples = match first.variant.as_str() {
+        "repaired" => named.map_or(0, |row| row.samples),
+        "new_points" => first.gp_points,
+        "new_real" => first.real_points,
+        _ => 0,
+    };
+    RepairSummaryRow {
+        training: first.training.clone(),
+        change: first.change.clone(),
+        variant: first.variant.clone(),
+        policy: first.policy.clone(),
+        mode: first.mode.clone(),
+        gp_points: first.gp_points,
+        real_points: first.real_points,
+        new_samples,
+        mean_m: mean(&means),
+        low_95_m,
+        high_95_m,
+        sd_m: standard_deviation(&kept.iter().map(|row| row.error_m).collect::<Vec<_>>()),
+        of_before: mean(&means) / before_m,
+        seeds: kept.iter().map(|row| row.seed).collect::<BTreeSet<_>>().len() as u64,
+        trials: kept.len() as u64,
+        failed: (rows.len() - kept.len()) as u64,
+    }
+}
+
+/// What was noticed and named, then the errors, in Markdown.
+pub(super) fn markdown(rows: &[RepairSummaryRow], published: &Published) -> String {
+    let mut text = noticed(published);
+    text.push_str(&named_table(&published.repairs).markdown());
+    text.push_str(
+        "\nErrors of goal reaching in mm (95 % interval over repetitions). “After”: the changed robot, the controller as it \
+         was. “Repaired”: networks trained on with the repaired model, with the samples of the table above. “New points”: an \
+         error model of as many new real points as it had. “New data”: a network of as many new real samples as it had.\n",
+    );
+    let known = trainings(rows.iter().map(|row| row.training.as_str()));
+    for training in &known {
+        for mode in distinct(rows.iter().filter(|row| row.training == *training).map(|row| row.mode.as_str())) {
+            text.push_str(&format!("\n{} loop, training: {training}\n\n", if mode == "open" { "Open" } else { mode }));
+            let own = |row: &&RepairSummaryRow| row.training == *training && row.mode == mode;
+            text.push_str(&errors_table(&rows.iter().filter(own).collect::<Vec<_>>()).markdown());
+        }
+    }
+    text.replace("\nclosed loop, ", "\nClosed loop, ")
+}
+
+fn noticed(published: &Published) -> String {
+    let ok: Vec<_> = published.monitors.iter().filter(|row| row.status == "ok").collect();
+    let hours: f64 = ok.iter().map(|row| row.watched_s).sum::<f64>() / 3600.0;
+    let alarms: u64 = ok.iter().map(|row| row.false_alarms).sum();
+    format!(
+        "The monitors raised {alarms} false alarms in {hours:.0} hours of work of unchanged robots.\n\nAlarm: median time of \
+         work from a change to the alarm (repetitions with an alarm). Named: repetitions by the effects that were named.\n\n"
+    )
+}
+
+/// One line a change: how soon it was noticed, and what it was said to be.
+fn named_table(repairs: &[RepairRow]) -> MarkdownTable {
+    let order = trainings(repairs.iter().map(|row| row.training.as_str()));
+    let last = order.last().copied().unwrap_or_default();
+    let of_last: Vec<&RepairRow> = repairs.iter().filter(|row| row.training == last).collect();
+    let line = |change: &str| {
+        let own: Vec<&RepairRow> = of_last.iter().copied().filter(|row| row.change == change).collect();
+        let alarms_s: Vec<f64> = own.iter().map(|row| row.alarm_s).filter(|time_s| time_s.is_finite()).collect();
+        let alarm = match alarms_s.len() {
+            0 => "–".to_owned(),
+            count => format!("{:.1} s ({count} of {})", quantile(&alarms_s, 0.5), own.len()),
+        };
+        let samples = own.iter().map(|row| row.samples).max().unwrap_or(0);
+        let gap = |value: fn(&RepairRow) -> f64| mm(mean(&own.iter().map(|row| value(row)).collect::<Vec<_>>()));
+        vec![
+            change.to_owned(),
+            own.first().map_or_else(String::new, |row| format!("`{}`", row.truth)),
+            alarm,
+            samples.to_string(),
+            told(&own),
+            format!("{} → {}", gap(|row| row.gap_before_m), gap(|row| row.gap_after_m)),
+        ]
+    };
+    let header = ["change", "what changed", "alarm", "samples", "named", "held-out error (mm)"];
+    MarkdownTable {
+        header: header.map(str::to_owned).to_vec(),
+        rows: distinct(of_last.iter().map(|row| row.change.as_str())).into_iter().map(line).collect(),
+    }
+}
+
+/// The names of the effects that were named, each with its count; the most frequent first.
+fn told(rows: &[&RepairRow]) -> String {
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    for row in rows {
+        let names: Vec<&str> = row.named.split("; ").filter_map(|effect| effect.split(':').next()).collect();
+        let names = if row.named.is_empty() { row.verdict.clone() } else { names.join(" + ") };
+        let doubt = if row.verdict == "ambiguous" { " (ambiguous)" } else { "" };
+        *counts.entry(names + doubt).or_default() += 1;
+    }
+    let mut sorted: Vec<(String, usize)> = counts.into_iter().collect();
+    sorted.sort_by_key(|(names, count)| (std::cmp::Reverse(*count), names.clone()));
+    sorted.iter().map(|(names, count)| format!("{count} {names}")).collect::<Vec<_>>().join(", ")
+}
+
+fn errors_table(rows: &[&RepairSummaryRow]) -> MarkdownTable {
+    let mut cells: BTreeMap<(usize, usize, &str), Vec<&RepairSummaryRow>> = BTreeMap::new();
+    let changes = distinct(rows.iter().map(|row| row.change.as_str()));
+    for row in rows {
+        let key = (rank(&changes, &row.change), policy_rank(&row.policy), row.policy.as_str());
+        cells.entry(key).or_default().push(row);
+    }
+    let line = |rows: &Vec<&RepairSummaryRow>| {
+        let cell = |(variant, _): &(&str, &str)| {
+            let own = rows.iter().find(|row| row.variant == *variant);
+            own.map_or_else(|| "–".to_owned(), |row| with_interval(row))
+        };
+        let mut line = vec![rows[0].change.clone(), policy_markdown(&rows[0].policy).to_owned()];
+        line.extend(VARIANTS.iter().map(cell));
+        line
+    };
+    let header = ["change", "policy", "before", "after", "repaired", "new points", "new data"];
+    MarkdownTable { header: header.map(str::to_owned).to_vec(), rows: cells.values().map(line).collect() }
+}
+
+fn with_interval(row: &RepairSummaryRow) -> String {
+    if row.low_95_m.is_finite() {
+        return format!("{} ({}–{})", mm(row.mean_m), mm(row.low_95_m), mm(row.high_95_m));
+    }
+    mm(row.mean_m)
+}
+
+fn mm(length_m: f64) -> String {
+    if length_m.is_finite() { format!("{:.2}", 1e3 * length_m) } else { "–".to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn trial(seed: u64, variant: &str, error_m: f64, status: &str) -> RepairTrialRow {
+        RepairTrialRow {
+            seed,
+            training: "converged".into(),
+            change: "load".into(),
+            variant: variant.into(),
+            policy: "a".into(),
+            mode: "closed".into(),
+            gp_points: 100,
+            real_points: 0,
+            target: 0,
+            error_m,
+            steps: 1,
+            settled: true,
+            status: status.into(),
+        }
+    }
+
+    #[test]
+    fn variants_are_compared_with_before_and_failures_counted() {
+        let rows = [
+            trial(0, "before", 0.002, "ok"),
+            trial(1, "before", 0.004, "ok"),
+            trial(0, "new_points", 0.006, "ok"),
+            trial(1, "new_points", f64::NAN, "plant: broken"),
+        ];
+        let rows = summary_rows(&rows, &[]);
+        let of: Vec<(&str, u64, u64)> =
+            rows.iter().map(|row| (row.variant.as_str(), row.new_samples, row.failed)).collect();
+        assert_eq!(of, [("before", 0, 0), ("new_points", 100, 1)]);
+        assert!((rows[0].mean_m - 0.003).abs() < 1e-15 && (rows[1].of_before - 2.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,68 @@
+//! Checks of `runs.repair`.
+
+use super::discovery::check_entries;
+use super::experiment::Checker;
+use crate::effects::{check_effect_units, check_effects};
+use crate::plants::PlantSpec;
+use crate::specs::document::error::SpecError;
+use crate::specs::document::locate::PathEnd;
+use crate::specs::document::path::KeyPath;
+use crate::specs::experiment::repair::RepairRun;
+use crate::tasks::SimulatedBy;
+
+/// Rows that a discovery asks for at least.
+const LEAST_ROWS: usize = 30;
+
+impl Checker<'_> {
+    /// A robot to which effects can be added, changes that it takes, and enough rows to tell them by.
+    pub(super) fn repair(&self, run: &RepairRun, path: &KeyPath) -> Result<(), SpecError> {
+        let (root, spec) = (KeyPath::default(), self.experiment);
+        let rod = matches!(spec.model, PlantSpec::Simulated(_));
+        self.unless(rod, &root.key("model"), "a simulated rod, as `runs.repair` needs")?;
+        let simulated = matches!(spec.plant, PlantSpec::Simulated(_));
+        self.unless(simulated, &root.key("plant"), "a simulated robot, which `runs.repair` changes")?;
+        let by_rod = spec.gp_points.p_sim == SimulatedBy::Rod;
+        self.unless(by_rod, &root.key("gp_points").key("p_sim"), "`rod`, as `runs.repair` needs: the rod is repaired")?;
+        self.changes(run, &path.key("changes"))?;
+        self.policies(std::slice::from_ref(&run.worker), &path.key("worker"))?;
+        self.gp_sizes(&[run.gp_points], &path.key("gp_points"))?;
+        let real = run.real_points.map(|points| vec![points]);
+        let worker = std::slice::from_ref(&run.worker);
+        self.real_worker(worker, real.as_deref(), &path.key("real_points"))?;
+        let (recordings, found) = (path.key("recordings"), run.recordings);
+        self.unless((2..=10_000).contains(&found.rows), &recordings.key("rows"), "2 to 10000 rows")?;
+        for (key, trials) in [("trials_before", found.trials_before), ("trials_after", found.trials_after)] {
+            let enough = (2..=1000).contains(&trials) && trials * found.rows >= LEAST_ROWS;
+            self.unless(
+                enough,
+                &recordings.key(key),
+                "2 to 1000 trials with 30 rows or more, which a discovery needs",
+            )?;
+        }
+        let option = |path: &KeyPath, found: Result<(), crate::base::BadOption>| {
+            found.map_err(|bad| self.option(&path.to_string(), bad.key, &bad.found, bad.expected))
+        };
+        option(&path.key("monitor"), run.monitor.check())?;
+        check_entries(self.document, &run.discovery, &path.key("discovery"))?;
+        option(&path.key("discovery"), run.discovery.check())?;
+        self.unless(!run.cells.is_empty(), &path.key("cells"), "at least one product of policies and modes")?;
+        self.cells(&run.cells, &path.key("cells"))
+    }
+
+    fn changes(&self, run: &RepairRun, path: &KeyPath) -> Result<(), SpecError> {
+        self.unless(!run.changes.is_empty(), path, "at least one change")?;
+        for (name, effects) in &run.changes {
+            let path = path.key(name);
+            let plain = |letter: char| letter.is_ascii_alphanumeric() || "_-".contains(letter);
+            let named = !name.is_empty() && name.chars().all(plain);
+            self.unless(named, &path, "a name of letters, digits, `_` and `-`")?;
+            self.unless(!effects.is_empty(), &path, "at least one effect")?;
+            let checked = check_effects(effects, self.experiment.plant.tendons());
+            checked.and_then(|()| check_effect_units(effects)).map_err(|(index, effect, bad)| {
+                let path = path.item(index).key(effect).key(bad.key);
+                self.document.refuse(&path, PathEnd::Value, bad.found, bad.expected)
+            })?;
+        }
+        Ok(())
+    }
+}
