@@ -48,7 +48,10 @@ fn draw(rows: &[RepairSummaryRow]) -> Canvas {
         .collect();
     let mut canvas = Canvas::new(PAGE_WIDTH, 60.0 + block * modes.len() as f64);
     let base = legend(&mut canvas, [left, 16.0], PAGE_WIDTH - 8.0, &keys);
-    let note = format!("means over targets and repetitions; {}", training_label(training));
+    let note = format!(
+        "before the change, after it, repaired, with new points, with new data; means; {}",
+        training_label(training)
+    );
     canvas.text(Text::new(&note, [left, base + 17.0], SMALL, TextAlign::Left).colour(GREY));
     let y = Axis::covering("error (mm)", rows.iter().map(|row| 1e3 * row.mean_m).chain([0.0]), 4);
     for (number, mode) in modes.iter().enumerate() {

@@ -17,12 +17,11 @@ pub(in crate::runner) const EXPLORE_REPAIRED: Stage<ExploreParams, Vec<Handle<Di
     },
 };
 
+/// Handles of the predefined points and of the diagnoses.
+type PointInputs = (Handle<GpPool>, Vec<Handle<Diagnosis>>);
+
 /// The commands of the predefined points on such a model: the model, and the duration of a step in seconds.
-pub(in crate::runner) const POINTS_REPAIRED: Stage<
-    (Identified, f64),
-    (Handle<GpPool>, Vec<Handle<Diagnosis>>),
-    Transitions,
-> = Stage {
+pub(in crate::runner) const POINTS_REPAIRED: Stage<(Identified, f64), PointInputs, Transitions> = Stage {
     kind: StageKind { name: "points_repaired", module: module_path!(), cost_ms: 2000 },
     job: |(model, step_s), (pool, diagnoses)| {
         let mut plant = model.build(&lines(&diagnoses), *step_s)?;

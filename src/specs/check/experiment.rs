@@ -300,7 +300,12 @@ impl Checker<'_> {
     }
 
     /// The size of the working policy's real data, which only some have.
-    pub(super) fn real_worker(&self, names: &[String], sizes: Option<&[usize]>, path: &KeyPath) -> Result<(), SpecError> {
+    pub(super) fn real_worker(
+        &self,
+        names: &[String],
+        sizes: Option<&[usize]>,
+        path: &KeyPath,
+    ) -> Result<(), SpecError> {
         self.sizes(names, Size::RealPoints, sizes, path)
     }
 
