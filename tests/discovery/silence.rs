@@ -31,15 +31,17 @@ fn what_only_resembles_the_gap_is_unexplained() {
     assert!(refused.len() == 1 && refused[0].name.starts_with("actuator_offset"), "{refused:?}");
 }
 
-/// Dry friction as another simulator has it, which does not yield before it slips, is near enough to ours; a spine that softens
-/// where it has been bent is told by laws of the catalogue that leave more.
+/// Dry friction as another simulator has it, which does not yield before it slips, is near enough to ours.
 #[test]
-fn a_law_that_is_nearly_the_robots_is_named_and_what_it_leaves_is_said() {
-    let baseline = chain("baseline.csv");
-    let told = |file: &str| discover(&nominal(), &chain(file), Some(&baseline), &Options::default()).unwrap();
-    let friction = told("r40.csv");
+fn a_law_that_is_nearly_the_robots_is_named() {
+    let friction = discover(&nominal(), &chain("r40.csv"), Some(&chain("baseline.csv")), &Options::default()).unwrap();
     assert_eq!(names(&friction), ["friction"], "{}", friction.findings.summary);
-    let softening = told("r18.csv");
+}
+
+/// A spine that softens where it has been bent is told by laws of the catalogue that leave more than noise.
+#[test]
+fn what_a_law_that_is_only_like_the_robots_leaves_is_said() {
+    let softening = discover(&nominal(), &chain("r18.csv"), Some(&chain("baseline.csv")), &Options::default()).unwrap();
     let said = &softening.findings.limitations;
     assert!(said.iter().any(|said| said.contains("not only noise")), "{}: {said:?}", softening.findings.summary);
 }

@@ -83,14 +83,24 @@ fn a_tendon_that_follows_waives_no_limit_of_the_others() {
 }
 
 #[test]
-fn an_hour_with_lost_frames_misses_nothing() {
+fn ten_minutes_with_lost_frames_miss_nothing() {
+    lost_frames_miss_nothing(600.0);
+}
+
+#[test]
+#[ignore = "long; `make campaign` runs it"]
+fn campaign_an_hour_with_lost_frames_misses_nothing() {
+    lost_frames_miss_nothing(3600.0);
+}
+
+fn lost_frames_miss_nothing(duration_s: f64) {
     let mut options = options();
     options.rehearsal.as_mut().unwrap().loss = 0.01;
     options.rehearsal.as_mut().unwrap().noise_m = 0.0005;
     let mut plant = open(&options, 4);
     let begun_s = plant.now_s();
     let mut invalid = 0;
-    while plant.now_s() - begun_s < 3600.0 {
+    while plant.now_s() - begun_s < duration_s {
         plant.reset(Seed(0)).unwrap();
         for k in 0..250 {
             let angle = 0.05 * f64::from(k);
