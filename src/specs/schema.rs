@@ -129,7 +129,10 @@ fn loosen(schema: &mut Value, alternative: bool, names: &mut Vec<String>) {
         };
         below.into_iter().for_each(|below| loosen(below, alternatives, names));
     }
-    if let Some(below) = object.get_mut("additionalProperties") {
+    if let Some(below) = object.get_mut("additionalProperties").filter(|below| below.is_object()) {
         loosen(below, false, names);
+        // An entry that is inherited is dropped by `null`.
+        let entry = below.take();
+        *below = json!({ "anyOf": [entry, { "type": "null" }] });
     }
 }

@@ -65,7 +65,7 @@ const BAD: &[(&str, &str)] = &[
     // Repairs: changes, recordings, monitor.
     (
         "runs: {repair: {changes: {}, cells: [{policies: [integral], modes: [closed]}]}}",
-        "bad.yaml:2:26: runs.repair.changes: found mapping, expected at least one change",
+        "bad.yaml:2:26: runs.repair.changes: found a mapping, expected at least one change",
     ),
     (
         "runs: {repair: {gp_points: 20, changes: {load: [{tip_load: {mass_kg: -1}}]}, cells: [{policies: [integral], modes: [closed]}]}}",
@@ -81,7 +81,7 @@ const BAD: &[(&str, &str)] = &[
     ),
     (
         "gp_points: {p_sim: network}\nruns: {repair: {gp_points: 20, changes: {load: [{tip_load: {mass_kg: 0.02}}]}, cells: [{policies: [integral], modes: [closed]}]}}",
-        "bad.yaml:2:20: gp_points.p_sim: found network, expected `rod`",
+        "bad.yaml:2:20: gp_points.p_sim: found `network`, expected `rod`, as `runs.repair` needs",
     ),
     (
         "runs: {response: {cells: [{policies: [a_integral], modes: [closed]}]}}",
