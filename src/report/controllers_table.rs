@@ -153,7 +153,8 @@ fn paces_table(paces: &[PaceRow]) -> MarkdownTable {
     MarkdownTable { header, rows: cells.values().map(line).collect() }
 }
 
-fn mm(length_m: f64) -> String {
+/// A length in millimetres; a dash for none.
+pub(super) fn mm(length_m: f64) -> String {
     number(1e3 * length_m, 2)
 }
 

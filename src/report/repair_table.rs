@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::Published;
+use super::controllers_table::mm;
 use super::markup::MarkdownTable;
 use super::order::{distinct, rank, trainings};
 use super::style::{policy_markdown, policy_rank};
@@ -183,10 +184,6 @@ fn with_interval(row: &RepairSummaryRow) -> String {
         return format!("{} ({}–{})", mm(row.mean_m), mm(row.low_95_m), mm(row.high_95_m));
     }
     mm(row.mean_m)
-}
-
-fn mm(length_m: f64) -> String {
-    if length_m.is_finite() { format!("{:.2}", 1e3 * length_m) } else { "–".to_owned() }
 }
 
 #[cfg(test)]

@@ -18,9 +18,13 @@ impl Stages<'_> {
     }
 
     fn add_explore(&mut self) -> Added<Transitions> {
+        self.graph.stage(&EXPLORE, self.label("exploration"), self.explore_params(), ())
+    }
+
+    /// The exploration as the spec describes it.
+    pub(super) fn explore_params(&self) -> ExploreParams {
         let (options, step_s, seed) = (self.spec.explore, self.step_s(), self.seed.child("explore").0);
-        let params = ExploreParams { model: self.parts.model.clone(), options, step_s, seed };
-        self.graph.stage(&EXPLORE, self.label("exploration"), params, ())
+        ExploreParams { model: self.parts.model.clone(), options, step_s, seed }
     }
 
     /// The same commands on the robot.

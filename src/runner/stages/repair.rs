@@ -170,14 +170,9 @@ impl Stages<'_> {
         let params = self.diagnose_params(repair.run)?;
         let inputs = (repair.built, changed, repair.identified);
         let diagnosis = self.graph.stage(&DIAGNOSE, self.label(&format!("diagnosis, {name}")), params, inputs)?;
-        let explore = ExploreParams {
-            model: self.parts.model.clone(),
-            options: self.spec.explore,
-            step_s: self.step_s(),
-            seed: self.seed.child("explore").0,
-        };
+        let lines = vec![repair.identified, diagnosis];
         let label = self.label(&format!("exploration on the model repaired for {name}"));
-        let samples = self.graph.stage(&EXPLORE_REPAIRED, label, explore, vec![repair.identified, diagnosis])?;
+        let samples = self.graph.stage(&EXPLORE_REPAIRED, label, self.explore_params(), lines)?;
         let change = Change { name, effects, plant, samples };
         let mut trials = Vec::new();
         for cell in repair_cells(self.spec) {

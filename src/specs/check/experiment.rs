@@ -299,18 +299,14 @@ impl Checker<'_> {
         self.unless(known.contains(&name), path, &one_of(&known))
     }
 
-    /// The size of the working policy's real data, which only some have.
-    pub(super) fn real_worker(
+    /// Sizes must be given when a policy is built from that part, and none may exceed the data.
+    pub(super) fn sizes(
         &self,
         names: &[String],
+        part: Size,
         sizes: Option<&[usize]>,
         path: &KeyPath,
     ) -> Result<(), SpecError> {
-        self.sizes(names, Size::RealPoints, sizes, path)
-    }
-
-    /// Sizes must be given when a policy is built from that part, and none may exceed the data.
-    fn sizes(&self, names: &[String], part: Size, sizes: Option<&[usize]>, path: &KeyPath) -> Result<(), SpecError> {
         let uses = |name: &String| policies::find(name).is_some_and(|entry| uses(entry, part));
         match (sizes, names.iter().find(|name| uses(name))) {
             (None, Some(name)) => Err(self.wrong(path, format!("sizes for policy `{name}`"))),

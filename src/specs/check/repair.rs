@@ -7,6 +7,7 @@ use crate::plants::PlantSpec;
 use crate::specs::document::error::SpecError;
 use crate::specs::document::locate::PathEnd;
 use crate::specs::document::path::KeyPath;
+use crate::specs::experiment::claims::Size;
 use crate::specs::experiment::repair::RepairRun;
 use crate::tasks::SimulatedBy;
 
@@ -28,7 +29,7 @@ impl Checker<'_> {
         self.gp_sizes(&[run.gp_points], &path.key("gp_points"))?;
         let real = run.real_points.map(|points| vec![points]);
         let worker = std::slice::from_ref(&run.worker);
-        self.real_worker(worker, real.as_deref(), &path.key("real_points"))?;
+        self.sizes(worker, Size::RealPoints, real.as_deref(), &path.key("real_points"))?;
         let (recordings, found) = (path.key("recordings"), run.recordings);
         self.unless((2..=10_000).contains(&found.rows), &recordings.key("rows"), "2 to 10000 rows")?;
         for (key, trials) in [("trials_before", found.trials_before), ("trials_after", found.trials_after)] {
