@@ -3,7 +3,7 @@
 SHELL := bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build reproduce controllers repair check test test-python bench blind campaign peers scaling real verify
+.PHONY: help build reproduce controllers sweeps population repair check test test-python bench blind campaign peers scaling real verify
 
 # Repetitions of every experiment, data and training included. Claims need ten, and only ten replace the published results;
 # any other number is a look, which goes to out/.
@@ -41,6 +41,16 @@ endif
 controllers: build ## further controllers beside the paper's, and what tells them apart (docs/control.md); SEEDS=1 for a look, into out/
 	$(SPINEBENCH) run experiments/controllers.yaml --seeds $(SEEDS) --out $(OUT)
 	$(if $(filter .,$(OUT)),$(SPINEBENCH) page docs/control.md)
+
+SWEEPS := $(sort $(wildcard experiments/sweeps/*.yaml))
+sweeps: build ## kernels, sizes, thresholds, noise, gaps … swept (half an hour; docs/sweeps.md); SEEDS=1 for a look, into out/
+	$(SPINEBENCH) run $(SWEEPS) --seeds $(SEEDS) --out $(OUT)
+
+# Claims are judged robot by robot: a hundred of them, not ten repetitions.
+ROBOTS ?= 100
+population: build ## Table I on a hundred robots (an hour; docs/population.md); ROBOTS=10 for a look, into out/
+	$(SPINEBENCH) run experiments/population.yaml --seeds $(ROBOTS) --out $(if $(filter 100,$(ROBOTS)),.,out)
+	$(if $(filter 100,$(ROBOTS)),$(SPINEBENCH) page docs/population.md)
 
 repair: build ## a robot changes and nobody says so: noticed, named and mended (docs/repair.md); SEEDS=1 for a look, into out/
 	$(SPINEBENCH) run experiments/repair.yaml --seeds $(SEEDS) --out $(OUT)

@@ -18,6 +18,7 @@ mod scores;
 mod truth;
 
 pub use commands::{Commands, explore_commands};
+pub use drawing::population::{DrawnEffect, Population};
 pub use drawing::scale_to_shift::{ScaledStrength, scale_to_shift};
 pub use drawing::{CaseDesign, draw};
 pub use error::BenchmarkError;

@@ -8,6 +8,7 @@ mod file;
 pub mod findings;
 pub mod import;
 pub mod mcap;
+pub mod population;
 pub mod recording;
 pub mod repairs;
 pub mod responses;

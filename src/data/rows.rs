@@ -158,6 +158,27 @@ table_rows! {
         pub noise_z_m: f64,
     }
 
+    "gp_coverage.csv", key [seed, training, points, axis, promised]:
+    /// How often the interval of a Gaussian process covers what was measured, over predefined points that it was not fitted to.
+    pub struct GpCoverageRow {
+        /// Repetition of the whole experiment.
+        pub seed: u64,
+        /// As in `gp.csv`.
+        pub training: String,
+        /// Real points that it was fitted to.
+        pub points: u64,
+        /// Kernel by its registry name.
+        pub kernel: String,
+        /// Axis of the gap: `x`, `y` or `z`.
+        pub axis: String,
+        /// Share of points that the interval promises to cover, process and noise together.
+        pub promised: f64,
+        /// Share that it covers.
+        pub covered: f64,
+        /// Points that it was not fitted to.
+        pub unseen: u64,
+    }
+
     "claims.csv", key [claim, training]:
     /// One of the paper's claims and what became of it.
     pub struct ClaimRow {
@@ -241,6 +262,40 @@ table_rows! {
         pub count: u64,
         /// Those that gave none (status other than `ok`).
         pub failed: u64,
+    }
+
+    "comparisons.csv", key [field, task, training, policy, mode, gp_points, real_points]:
+    /// Whether a value of a swept field differs from the field's first value, all else alike: paired by repetition, corrected
+    /// for the number of comparisons; the swept fields stand in columns before these (`comparisons.csv`).
+    pub struct ComparisonRow {
+        /// The field whose values are compared.
+        pub field: String,
+        /// Its first value, which the value in the field's own column is compared with.
+        pub reference: String,
+        /// As in `sweep.csv`.
+        pub task: String,
+        /// As in `sweep.csv`.
+        pub training: String,
+        /// As in `sweep.csv`.
+        pub policy: String,
+        /// As in `sweep.csv`.
+        pub mode: String,
+        /// Real points behind the Gaussian process.
+        pub gp_points: u64,
+        /// Real points behind the network.
+        pub real_points: u64,
+        /// Mean over repetitions of error minus error with the first value, metres; below zero is better than the first value.
+        pub difference_m: f64,
+        /// 95 % interval of that mean (Student's t), metres; not corrected.
+        pub low_95_m: f64,
+        /// 95 % interval, metres.
+        pub high_95_m: f64,
+        /// Repetitions that gave both errors.
+        pub seeds: u64,
+        /// Two-sided p-value of Student's paired t-test.
+        pub p: f64,
+        /// p-value after Holm's correction for all comparisons of this field and task that show any difference.
+        pub p_holm: f64,
     }
 
     "summary.csv", key [training, policy, mode, gp_points, real_points]:

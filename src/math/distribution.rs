@@ -17,9 +17,20 @@ pub fn normal_above(value: f64) -> f64 {
     Normal::standard().sf(value)
 }
 
+/// The value below which a standard normal variable is with this probability; not a number outside 0 to 1.
+pub fn normal_quantile(probability: f64) -> f64 {
+    if (0.0..=1.0).contains(&probability) { Normal::standard().inverse_cdf(probability) } else { f64::NAN }
+}
+
 /// Half-width of a 95 % interval in standard deviations, Student's t with `freedom` degrees of freedom.
 pub fn student_95(freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |law| law.inverse_cdf(0.975))
+}
+
+/// Probability that a Student's t variable with `freedom` degrees of freedom is farther from 0 than `value`; 1 where there is
+/// none.
+pub fn student_beyond(value: f64, freedom: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, freedom).map_or(1.0, |law| 2.0 * law.sf(value.abs()))
 }
 
 /// Wilson's 95 % interval of a proportion, `hits` of `all` (Wilson, J. Am. Stat. Assoc. 22, 1927).
@@ -57,7 +68,9 @@ mod tests {
         assert!((chi_squared_above(3.841, 1.0) - 0.05).abs() < 1e-4);
         assert!((f_above(2.348, 10.0, 20.0) - 0.05).abs() < 1e-3);
         assert!((normal_above(1.96) - 0.025).abs() < 1e-4);
+        assert!((normal_quantile(0.975) - 1.959_964).abs() < 1e-6 && normal_quantile(1.5).is_nan());
         assert!((student_95(10.0) - 2.228).abs() < 1e-3);
+        assert!((student_beyond(-2.228, 10.0) - 0.05).abs() < 1e-4);
     }
 
     #[test]

@@ -40,6 +40,23 @@ pub fn interval_95(values: &[f64]) -> Option<[f64; 2]> {
     half.is_finite().then_some([centre - half, centre + half])
 }
 
+/// Rank correlation (Spearman 1904), ties with their mean rank; not a number for fewer than three pairs or equal values.
+pub fn rank_correlation(one: &[f64], other: &[f64]) -> f64 {
+    if one.len() < 3 {
+        return f64::NAN;
+    }
+    let (a, b) = (ranks(one), ranks(other));
+    let (centre_a, centre_b) = (mean(&a), mean(&b));
+    let covariance: f64 = a.iter().zip(&b).map(|(x, y)| (x - centre_a) * (y - centre_b)).sum();
+    covariance / (standard_deviation(&a) * standard_deviation(&b) * (a.len() - 1) as f64)
+}
+
+fn ranks(values: &[f64]) -> Vec<f64> {
+    let below = |value: f64| values.iter().filter(|other| **other < value).count() as f64;
+    let equal = |value: f64| values.iter().filter(|other| **other == value).count() as f64;
+    values.iter().map(|&value| below(value) + 0.5 * (equal(value) + 1.0)).collect()
+}
+
 /// Oscillation of a series: the median peak-to-peak over all half-overlapping windows, after subtracting a centred
 /// moving mean over `window` values. A slow drift does not count, a single jump affects few windows. A sine of
 /// amplitude a counts 2a when the window holds whole periods (within 22 % when it holds at least one and a half: the
@@ -67,6 +84,14 @@ fn swing(values: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// By the formula of distinct ranks: 1 − 6 Σd²/(n(n² − 1)) with d = 0, 1, −1, 0 and n = 4 is 0.8.
+    #[test]
+    fn rank_correlation_is_that_of_the_formula() {
+        assert!((rank_correlation(&[1.0, 2.0, 3.0, 9.0], &[0.1, 0.7, 0.3, 0.8]) - 0.8).abs() < 1e-12);
+        assert!((rank_correlation(&[1.0, 2.0, 2.0, 3.0], &[5.0, 6.0, 6.0, 7.0]) - 1.0).abs() < 1e-12);
+        assert!(rank_correlation(&[1.0, 2.0], &[1.0, 2.0]).is_nan());
+    }
 
     #[test]
     fn oscillation_sees_swings_and_not_drift() {

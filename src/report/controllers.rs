@@ -8,7 +8,7 @@ use super::drawing::axes::{Axis, Panel};
 use super::drawing::canvas::{Canvas, Text, TextAlign};
 use super::drawing::legend::{LegendEntry, legend};
 use super::order::{distinct, rank, trainings};
-use super::style::{GREY, PAGE_WIDTH, SMALL, policies_in_order, policy_label, policy_look, training_label};
+use super::style::{GREY, PAGE_WIDTH, SMALL, mode_title, policies_in_order, policy_label, policy_look, training_label};
 use super::summarise::MODES;
 use super::{Artifact, Figure, Published, ReportError, csv, pictures, text};
 use crate::data::responses::{ControllerRow, PaceRow};
@@ -47,26 +47,23 @@ fn draw(rows: &[ControllerRow], paces: &[PaceRow]) -> Canvas {
     let paces: Vec<&PaceRow> = paces.iter().filter(|row| row.training == training && row.status == "ok").collect();
     let mut modes = distinct(rows.iter().map(|row| row.mode.as_str()).chain(paces.iter().map(|row| row.mode.as_str())));
     modes.sort_by_key(|mode| (rank(&MODES, mode), *mode));
-    let lines: Vec<[Option<Curves>; 2]> =
-        modes.iter().map(|mode| [in_time(&rows, mode), over_speed(&paces, mode)]).collect();
+    let in_time = modes.iter().filter_map(|mode| in_time(&rows, mode));
+    let panels: Vec<Curves> = in_time.chain(modes.iter().filter_map(|mode| over_speed(&paces, mode))).collect();
     let shown = policies_in_order(rows.iter().map(|row| row.policy.as_str()));
     let (left, gap, high, pitch) = (56.0, 62.0, 170.0, 240.0);
     let width = (PAGE_WIDTH - left - 12.0 - gap) / 2.0;
     let keys: Vec<(LegendEntry, &str)> =
         shown.iter().map(|policy| (LegendEntry::Plain(policy_look(policy)), policy_label(policy))).collect();
-    let mut canvas = Canvas::new(PAGE_WIDTH, 88.0 + pitch * lines.len() as f64);
+    let mut canvas = Canvas::new(PAGE_WIDTH, 88.0 + pitch * panels.len().div_ceil(2) as f64);
     let base = legend(&mut canvas, [left, 16.0], PAGE_WIDTH - 8.0, &keys);
     let note = format!("means over targets and repetitions, error of the true tip; {}", training_label(training));
     canvas.text(Text::new(&note, [left, base + 17.0], SMALL, TextAlign::Left).colour(GREY));
-    let all = lines.iter().flatten().flatten().flat_map(|panel| panel.curves.iter().flat_map(|curve| curve.1.clone()));
+    let all = panels.iter().flat_map(|panel| panel.curves.iter().flat_map(|curve| curve.1.clone()));
     let y = Axis::decades("error (mm)", all.filter(|error_mm| *error_mm > 0.0));
-    for (line, panels) in lines.iter().enumerate() {
-        for (column, curves) in panels.iter().enumerate() {
-            let corner = [left + column as f64 * (width + gap), base + 46.0 + pitch * line as f64];
-            if let Some(curves) = curves {
-                panel(&mut canvas, curves, corner, [width, high], &y);
-            }
-        }
+    for (place, curves) in panels.iter().enumerate() {
+        let (line, column) = (place / 2, place % 2);
+        let corner = [left + column as f64 * (width + gap), base + 46.0 + pitch * line as f64];
+        panel(&mut canvas, curves, corner, [width, high], &y);
     }
     canvas
 }
@@ -86,22 +83,13 @@ fn panel(canvas: &mut Canvas, curves: &Curves, corner: [f64; 2], size: [f64; 2],
     }
 }
 
-fn title(mode: &str) -> String {
-    match mode {
-        "open" => "open loop".to_owned(),
-        "closed" => "closed loop".to_owned(),
-        "closed_load" => "closed loop with a load".to_owned(),
-        other => other.replace('_', " "),
-    }
-}
-
 fn in_time<'a>(rows: &[&'a ControllerRow], mode: &str) -> Option<Curves<'a>> {
     let rows: Vec<&&ControllerRow> = rows.iter().filter(|row| row.mode == mode).collect();
     let errors =
         |row: &ControllerRow| [row.error_1s_m, row.error_2s_m, row.error_5s_m, row.error_end_m].map(|m| 1e3 * m);
     let curves: Vec<(&str, Vec<f64>)> = rows.iter().map(|row| (row.policy.as_str(), errors(row).to_vec())).collect();
     let columns = ["1 s", "2 s", "5 s", "end"].map(str::to_owned).to_vec();
-    (!curves.is_empty()).then(|| Curves { title: title(mode), axis: "time since the start", columns, curves })
+    (!curves.is_empty()).then(|| Curves { title: mode_title(mode), axis: "time since the start", columns, curves })
 }
 
 fn over_speed<'a>(paces: &[&'a PaceRow], mode: &str) -> Option<Curves<'a>> {
@@ -119,7 +107,7 @@ fn over_speed<'a>(paces: &[&'a PaceRow], mode: &str) -> Option<Curves<'a>> {
         });
     }
     let columns = speeds.iter().map(|speed| format!("{speed}×")).collect();
-    let title = format!("path, {}", title(mode));
+    let title = format!("path, {}", mode_title(mode));
     let curves: Vec<(&str, Vec<f64>)> = by_policy.into_iter().collect();
     (!curves.is_empty()).then_some(Curves { title, axis: "speed of the path (rms error)", columns, curves })
 }

@@ -12,10 +12,12 @@ pub mod page_counts;
 pub mod paper;
 mod peers_labels;
 mod peers_table;
+mod population_table;
 mod published;
 mod repair_table;
 pub mod style;
 mod summarise;
+mod sweep_comparisons;
 mod sweep_rows;
 
 use std::path::Path;
@@ -24,7 +26,8 @@ use crate::data::{DataError, write_atomic};
 
 pub use published::{Published, published_rows};
 pub use summarise::{OSCILLATION_WINDOW_S, reach_summary, track_summary};
-pub use sweep_rows::{SweepTable, gp_sweep, reach_sweep, track_sweep};
+pub use sweep_comparisons::{SweptPoint, comparisons};
+pub use sweep_rows::{SweepCell, SweepTable, gp_sweep, reach_sweep, track_sweep};
 
 /// The folder of a rendered file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -112,6 +115,8 @@ figures! {
     scaling::FIGURE,
     controllers::FIGURE,
     repair::FIGURE,
+    population::FIGURE,
+    gp_coverage::FIGURE,
 }
 
 /// The figure called `name`.

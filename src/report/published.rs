@@ -4,10 +4,12 @@ use std::path::Path;
 
 use super::sweep_rows::SweepTable;
 use crate::data::findings::{CaseRow, IntervalRow};
+use crate::data::population::{RobotClaimRow, RobotRow};
 use crate::data::repairs::{IdentificationRow, MonitorRow, RepairRow, RepairTrialRow};
 use crate::data::responses::{PaceRow, ResponseRow};
 use crate::data::rows::{
-    ClaimRow, GapRow, GpRow, NetworkRow, PeerRow, ScalingRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow,
+    ClaimRow, GapRow, GpCoverageRow, GpRow, NetworkRow, PeerRow, ScalingRow, SweepRow, TrackRow, TrialRow, WaypointRow,
+    WorkspaceRow,
 };
 use crate::data::tables::{Beside, as_published, to_csv_beside};
 use crate::data::{DataError, TableRow, tables, write_atomic};
@@ -78,6 +80,10 @@ published! {
     monitors: MonitorRow,
     /// Changes of robots, noticed and told.
     repairs: RepairRow,
+    /// Effects of robots that differ from repetition to repetition.
+    robots: RobotRow,
+    /// On how many of them claims hold.
+    robot_claims: RobotClaimRow,
     /// Goal-reaching trials before and after changes.
     repair_trials: RepairTrialRow,
     /// Points that the path runs through.
@@ -90,6 +96,8 @@ published! {
     networks: NetworkRow,
     /// Gaussian processes.
     gps: GpRow,
+    /// What intervals of Gaussian processes cover.
+    gp_coverages: GpCoverageRow,
     /// Claims.
     claims: ClaimRow,
     /// Simulators beside each other.

@@ -5,7 +5,10 @@ use super::drawing::canvas::{Canvas, Text, TextAlign};
 use super::drawing::legend::{LegendEntry, legend};
 use super::order::{distinct, rank, trainings};
 use super::repair_table::{VARIANTS, markdown, summary_rows};
-use super::style::{GREY, PAGE_WIDTH, SMALL, TEXT, policies_in_order, policy_label, policy_look, training_label};
+use super::style::{
+    GREY, PAGE_WIDTH, SMALL, TEXT, capitalised, mode_title, policies_in_order, policy_label, policy_look,
+    training_label,
+};
 use super::summarise::MODES;
 use super::{Artifact, Figure, Published, ReportError, csv, pictures, text};
 use crate::data::repairs::RepairSummaryRow;
@@ -56,7 +59,7 @@ fn draw(rows: &[RepairSummaryRow]) -> Canvas {
     let y = Axis::covering("error (mm)", rows.iter().map(|row| 1e3 * row.mean_m).chain([0.0]), 4);
     for (number, mode) in modes.iter().enumerate() {
         let top = base + 30.0 + block * number as f64;
-        canvas.text(Text::new(mode_title(mode), [left, top + 14.0], TEXT, TextAlign::Left).bold());
+        canvas.text(Text::new(capitalised(&mode_title(mode)), [left, top + 14.0], TEXT, TextAlign::Left).bold());
         for (place, change) in changes.iter().enumerate() {
             let (line, column) = (place / COLUMNS, place % COLUMNS);
             let corner = [left + column as f64 * (width + gap), top + head + 12.0 + pitch * line as f64];
@@ -81,13 +84,5 @@ fn panel(canvas: &mut Canvas, rows: &[&RepairSummaryRow], place: ([f64; 2], [f64
         };
         let points: Vec<[f64; 3]> = VARIANTS.iter().enumerate().filter_map(at).collect();
         panel.series(canvas, &points, policy_look(policy));
-    }
-}
-
-fn mode_title(mode: &str) -> &str {
-    match mode {
-        "open" => "Open loop",
-        "closed" => "Closed loop",
-        other => other,
     }
 }

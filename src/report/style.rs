@@ -91,7 +91,11 @@ pub fn training_short(training: &str) -> &str {
 
 /// What a way of training means, as a heading.
 pub fn heading(training: &str) -> String {
-    let words = training_label(training);
+    capitalised(&training_label(training))
+}
+
+/// Words with a capital at the beginning.
+pub(crate) fn capitalised(words: &str) -> String {
     let mut letters = words.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
@@ -102,5 +106,15 @@ pub fn training_label(training: &str) -> String {
         "paper" => "networks stopped at the paper’s errors".to_owned(),
         "converged" => "networks trained to convergence".to_owned(),
         other => format!("training: {other}"),
+    }
+}
+
+/// A mode of trials as a heading.
+pub(crate) fn mode_title(mode: &str) -> String {
+    match mode {
+        "open" => "open loop".to_owned(),
+        "closed" => "closed loop".to_owned(),
+        "closed_load" => "closed loop with a load".to_owned(),
+        other => other.replace('_', " "),
     }
 }

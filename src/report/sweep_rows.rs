@@ -18,6 +18,15 @@ pub struct SweepTable {
     pub rows: Vec<SweepRow>,
 }
 
+/// A row of the summary at one point, and what it sums up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SweepCell {
+    /// The row.
+    pub row: SweepRow,
+    /// Mean error of each repetition that gave one, metres, by seed.
+    pub seed_means_m: BTreeMap<u64, f64>,
+}
+
 /// Key of a cell, in the order of the table.
 type CellKey<'a> = (usize, &'a str, usize, &'a str, usize, &'a str, [u64; 2]);
 
@@ -25,7 +34,7 @@ type CellKey<'a> = (usize, &'a str, usize, &'a str, usize, &'a str, [u64; 2]);
 type SeedError = (u64, Option<f64>);
 
 /// Goal reaching at one point.
-pub fn reach_sweep(trials: &[TrialRow]) -> Vec<SweepRow> {
+pub fn reach_sweep(trials: &[TrialRow]) -> Vec<SweepCell> {
     let names = trainings(trials.iter().map(|row| row.training.as_str()));
     let mut cells: BTreeMap<CellKey, Vec<SeedError>> = BTreeMap::new();
     for row in trials {
@@ -37,7 +46,7 @@ pub fn reach_sweep(trials: &[TrialRow]) -> Vec<SweepRow> {
 }
 
 /// Path tracking at one point; `sizes` are each policy's real points, those of the Gaussian process first.
-pub fn track_sweep(runs: &[TrackSummaryRow], mode: &str, sizes: impl Fn(&str) -> [u64; 2]) -> Vec<SweepRow> {
+pub fn track_sweep(runs: &[TrackSummaryRow], mode: &str, sizes: impl Fn(&str) -> [u64; 2]) -> Vec<SweepCell> {
     let names = trainings(runs.iter().map(|row| row.training.as_str()));
     let mut cells: BTreeMap<CellKey, Vec<SeedError>> = BTreeMap::new();
     for row in runs {
@@ -49,7 +58,7 @@ pub fn track_sweep(runs: &[TrackSummaryRow], mode: &str, sizes: impl Fn(&str) ->
 }
 
 /// Gaussian processes at one point.
-pub fn gp_sweep(gps: &[GpRow]) -> Vec<SweepRow> {
+pub fn gp_sweep(gps: &[GpRow]) -> Vec<SweepCell> {
     let names = trainings(gps.iter().map(|row| row.training.as_str()));
     let mut cells: BTreeMap<CellKey, Vec<SeedError>> = BTreeMap::new();
     for row in gps {
@@ -64,15 +73,17 @@ fn cell<'a>(kinds: &[&str], [training, policy, mode]: [&'a str; 3], sizes: [u64;
     (rank(kinds, training), training, policy_rank(policy), policy, rank(&MODES, mode), mode, sizes)
 }
 
-fn rows(task: &str, cells: BTreeMap<CellKey, Vec<SeedError>>) -> Vec<SweepRow> {
+fn rows(task: &str, cells: BTreeMap<CellKey, Vec<SeedError>>) -> Vec<SweepCell> {
     let row = |((_, training, _, policy, _, mode, [gp_points, real_points]), samples): (CellKey, Vec<SeedError>)| {
         let mut seeds: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
         for (seed, error_m) in &samples {
             seeds.entry(*seed).or_default().extend(error_m);
         }
-        let means: Vec<f64> = seeds.values().filter(|errors| !errors.is_empty()).map(|errors| mean(errors)).collect();
+        seeds.retain(|_, errors| !errors.is_empty());
+        let seed_means_m: BTreeMap<u64, f64> = seeds.into_iter().map(|(seed, errors)| (seed, mean(&errors))).collect();
+        let means: Vec<f64> = seed_means_m.values().copied().collect();
         let [low_95_m, high_95_m] = interval_95(&means).unwrap_or([f64::NAN; 2]);
-        SweepRow {
+        let row = SweepRow {
             task: task.to_owned(),
             training: training.to_owned(),
             policy: policy.to_owned(),
@@ -86,7 +97,8 @@ fn rows(task: &str, cells: BTreeMap<CellKey, Vec<SeedError>>) -> Vec<SweepRow> {
             seeds: means.len() as u64,
             count: samples.len() as u64,
             failed: samples.iter().filter(|(_, error_m)| error_m.is_none()).count() as u64,
-        }
+        };
+        SweepCell { row, seed_means_m }
     };
     cells.into_iter().map(row).collect()
 }

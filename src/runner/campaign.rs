@@ -5,8 +5,10 @@ use super::metrics::{ANY_TRAINING, Tables};
 use super::outcomes::Outcomes;
 use super::stages::{BlindStages, RepairCampaign, RepairVariant, SharedParts, Stages};
 use crate::base::Point3;
+use crate::benchmark::DrawnEffect;
 use crate::data::responses::{PaceRow, ResponseRow};
-use crate::data::rows::{GapRow, GpRow, TrackRow, TrialRow};
+use crate::data::rows::{GapRow, GpCoverageRow, GpRow, TrackRow, TrialRow};
+use crate::effects::EffectSpec;
 use crate::learn::rnn::Trained;
 use crate::policies::{self, FORWARD, NetworkDescription, PolicyEntry, TrainingData, networks};
 use crate::specs::{
@@ -57,10 +59,14 @@ pub struct PlannedRun {
 #[derive(Default)]
 pub(super) struct Repetition {
     pub(super) seed: u64,
+    /// What its robot has beside the experiment's, where repetitions differ in their robots.
+    pub(super) robot: Vec<DrawnEffect>,
     pub(super) gap: Option<Handle<Vec<GapRow>>>,
     pub(super) waypoints: Option<Handle<Vec<Point3>>>,
     /// With the kind of training that each depends on.
     pub(super) gps: Vec<(String, Handle<GpRow>)>,
+    /// What the intervals of the same processes cover, where that is asked for.
+    pub(super) gp_coverages: Vec<(String, Handle<Vec<GpCoverageRow>>)>,
     pub(super) trained: Vec<TrainedCells>,
     /// Blind cases of discovery.
     pub(super) blind: Vec<BlindStages>,
@@ -106,6 +112,7 @@ impl CampaignEntry {
             numbers.extend(one.gap.map(Handle::number));
             numbers.extend(one.waypoints.map(Handle::number));
             numbers.extend(one.gps.iter().map(|(_, stage)| stage.number()));
+            numbers.extend(one.gp_coverages.iter().map(|(_, stage)| stage.number()));
             numbers.extend(one.blind.iter().flat_map(BlindStages::wanted));
             for trained in &one.trained {
                 numbers.extend(trained.networks.iter().map(|(_, _, stage)| stage.number()));
@@ -179,13 +186,43 @@ fn entry(graph: &mut Graph, study: ExperimentSet) -> Result<CampaignEntry, Failu
     let mut stages = Vec::with_capacity(points.len());
     let mut before: Option<SharedParts> = None;
     for SweepPoint { values, experiment } in points {
-        let parts = SharedParts::new(&experiment, before.as_ref())?;
-        let repetitions = experiment.repetitions().map(|seed| repetition(graph, &experiment, &parts, seed));
-        let repetitions = repetitions.collect::<Result<Vec<_>, Failure>>()?;
+        let repetitions = match experiment.population {
+            None => repetitions(graph, &experiment, &mut before)?,
+            Some(_) => robots(graph, &experiment, &mut before)?,
+        };
         stages.push(PointStages { values, experiment, repetitions });
-        before = Some(parts);
     }
     Ok(CampaignEntry { experiment, sweep, spec_yaml, points: stages })
+}
+
+/// Repetitions on one robot. Parts that equal those of `before` are shared with it.
+fn repetitions(
+    graph: &mut Graph,
+    experiment: &Experiment,
+    before: &mut Option<SharedParts>,
+) -> Result<Vec<Repetition>, Failure> {
+    let parts = SharedParts::new(experiment, before.as_ref())?;
+    let repetitions = experiment.repetitions().map(|seed| repetition(graph, experiment, &parts, seed)).collect();
+    *before = Some(parts);
+    repetitions
+}
+
+/// Repetitions with a robot each.
+fn robots(
+    graph: &mut Graph,
+    experiment: &Experiment,
+    before: &mut Option<SharedParts>,
+) -> Result<Vec<Repetition>, Failure> {
+    let mut repetitions = Vec::new();
+    for seed in experiment.repetitions() {
+        let robot = experiment.drawn_effects(seed);
+        let effects: Vec<EffectSpec> = robot.iter().map(|effect| effect.spec.clone()).collect();
+        let own = Experiment { plant: experiment.plant.with_effects(&effects), ..experiment.clone() };
+        let parts = SharedParts::new(&own, before.as_ref())?;
+        repetitions.push(Repetition { robot, ..repetition(graph, &own, &parts, seed)? });
+        *before = Some(parts);
+    }
+    Ok(repetitions)
 }
 
 fn repetition(
@@ -199,7 +236,13 @@ fn repetition(
     one.gap = experiment.runs.gap.map(|gap| stages.gap(gap.rows)).transpose()?;
     let path = experiment.runs.track.is_some() || experiment.runs.pace.is_some();
     one.waypoints = path.then(|| stages.waypoints()).transpose()?;
-    one.gps = gaussian_processes(&mut stages, experiment)?;
+    let processes = gaussian_processes(experiment);
+    for (name, training, points) in &processes {
+        one.gps.push((name.clone(), stages.gp_score(training, *points)?));
+        if !experiment.runs.gp_coverage.is_empty() {
+            one.gp_coverages.push((name.clone(), stages.gp_coverage(training, *points)?));
+        }
+    }
     one.blind = stages.blind()?;
     let (reach, track) = (reach_cells(experiment), track_cells(experiment));
     for (name, training) in &experiment.training {
@@ -227,18 +270,19 @@ fn repetition(
     Ok(one)
 }
 
-/// The experiment's Gaussian processes: one a size, or where p_sim comes from the forward network, one a size and training.
-fn gaussian_processes(stages: &mut Stages, experiment: &Experiment) -> Result<Vec<(String, Handle<GpRow>)>, Failure> {
+/// The experiment's Gaussian processes: kind of training, where its networks stop, and size. There is one a size, or where p_sim
+/// comes from the forward network, one a size and training.
+fn gaussian_processes(experiment: &Experiment) -> Vec<(String, Training, usize)> {
     let rod = experiment.gp_points.p_sim == SimulatedBy::Rod;
-    let (any, none) = (ANY_TRAINING.to_owned(), Training::default());
-    let trainings = if rod { vec![(&any, &none)] } else { experiment.training.iter().collect() };
-    let mut gps = Vec::new();
-    for (name, training) in trainings {
-        for points in gp_sizes(experiment) {
-            gps.push((name.clone(), stages.gp_score(training, points)?));
-        }
-    }
-    Ok(gps)
+    let trainings = if rod {
+        vec![(ANY_TRAINING.to_owned(), Training::default())]
+    } else {
+        experiment.training.iter().map(|(name, training)| (name.clone(), *training)).collect()
+    };
+    let sizes = gp_sizes(experiment);
+    let of_size =
+        |(name, training): (String, Training)| sizes.iter().map(move |&points| (name.clone(), training, points));
+    trainings.into_iter().flat_map(of_size).collect()
 }
 
 /// The networks that the cells are built from with the points of their data, and the forward model where it is asked for

@@ -6,7 +6,9 @@
 //! reproduced, outside it is not, across its border or from too few seeds it is undecided.
 
 use super::metrics::{ANY_TRAINING, Tables, value};
+use crate::data::population::RobotClaimRow;
 use crate::data::rows::ClaimRow;
+use crate::math::distribution::wilson_95;
 use crate::math::summary::{interval_95, mean};
 use crate::specs::{ClaimMetric, PaperClaim, Relation};
 
@@ -30,6 +32,33 @@ pub fn evaluate(claims: &[PaperClaim], tables: &Tables, seeds: &[u64], trainings
 /// Gaussian processes depend on the training when p_sim comes from the forward network.
 fn of_training(metric: &ClaimMetric, tables: &Tables) -> bool {
     matches!(metric, ClaimMetric::GpError { .. }) && tables.published.gps.iter().any(|row| row.training != ANY_TRAINING)
+}
+
+/// On how many robots each claim holds, where every seed has a robot of its own.
+pub(super) fn per_robot(
+    claims: &[PaperClaim],
+    tables: &Tables,
+    seeds: &[u64],
+    trainings: &[String],
+) -> Vec<RobotClaimRow> {
+    let row = |claim: &PaperClaim, training: &String| {
+        let [from, to] = holds(&claim.relation);
+        let numbers: Vec<f64> =
+            seeds.iter().filter_map(|&seed| number(&claim.relation, tables, seed, training)).collect();
+        let held = numbers.iter().filter(|number| (from..to).contains(*number)).count();
+        let [low_95, high_95] = wilson_95(held as u64, numbers.len() as u64);
+        RobotClaimRow {
+            claim: claim.claim.clone(),
+            statement: claim.statement.clone(),
+            training: training.clone(),
+            robots: numbers.len() as u64,
+            held: held as u64,
+            share: held as f64 / numbers.len() as f64,
+            low_95,
+            high_95,
+        }
+    };
+    trainings.iter().flat_map(|training| claims.iter().map(move |claim| row(claim, training))).collect()
 }
 
 fn judge(claim: &PaperClaim, tables: &Tables, seeds: &[u64], training: &str) -> ClaimRow {

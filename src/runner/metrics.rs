@@ -40,13 +40,13 @@ impl Tables {
     /// # Errors
     /// [`DataError::Write`] for rows that make no table.
     pub(super) fn as_published(&self, folder: &Path) -> Result<Tables, DataError> {
-        let claims = Vec::new();
-        Ok(Tables::from(Published { claims, ..self.published.rounded(folder)? }))
+        let (claims, robot_claims) = (Vec::new(), Vec::new());
+        Ok(Tables::from(Published { claims, robot_claims, ..self.published.rounded(folder)? }))
     }
 
     /// Adds the rows of further repetitions, but for their claims, which are of all repetitions together.
     pub(super) fn append(&mut self, other: Tables) {
-        self.published.append(Published { claims: Vec::new(), ..other.published });
+        self.published.append(Published { claims: Vec::new(), robot_claims: Vec::new(), ..other.published });
         self.runs.extend(other.runs);
     }
 }

@@ -1,9 +1,10 @@
 //! The files that an experiment publishes, as bytes: writing them is one more step, comparing them another.
 
 use super::campaign::{CampaignEntry, PointStages};
-use super::claims::evaluate;
+use super::claims::{evaluate, per_robot};
 use super::metrics::Tables;
 use super::outcomes::Outcomes;
+use crate::data::population::RobotClaimRow;
 use crate::data::rows::ClaimRow;
 use crate::data::{DataError, TableRow, tables, write_atomic_batch};
 use crate::report::{self, OutputFolder, Published, ReportError};
@@ -62,6 +63,9 @@ impl CampaignEntry {
         let mut tables = tables.as_published(&folder)?;
         let claims = self.claims(point, &tables);
         tables.published.claims.clone_from(&claims);
+        if self.experiment.population.is_some() {
+            tables.published.robot_claims = self.robot_claims(point, &tables);
+        }
         let mut files = Files::new();
         files.insert(folder.join("spec.yaml"), self.spec_yaml()?);
         for (name, bytes) in Published::csv_files(&[&tables.published], |_| Vec::new())? {
@@ -77,6 +81,13 @@ impl CampaignEntry {
         let seeds: Vec<u64> = point.repetitions.iter().map(|one| one.seed).collect();
         let trainings: Vec<String> = point.experiment.training.keys().cloned().collect();
         evaluate(&self.experiment.claims, tables, &seeds, &trainings)
+    }
+
+    /// On how many robots the claims hold, where every repetition has a robot of its own.
+    fn robot_claims(&self, point: &PointStages, tables: &Tables) -> Vec<RobotClaimRow> {
+        let seeds: Vec<u64> = point.repetitions.iter().map(|one| one.seed).collect();
+        let trainings: Vec<String> = point.experiment.training.keys().cloned().collect();
+        per_robot(&self.experiment.claims, tables, &seeds, &trainings)
     }
 
     /// The resolved spec: what it extends, includes and leaves to defaults filled in. It runs as it is.

@@ -1,14 +1,14 @@
-//! The results of a sweep: the tables of all points one below the other, with a column for each swept field, and a
-//! summary of one row a point.
+//! The results of a sweep: the tables of all points one below the other, with a column for each swept field, a
+//! summary of one row a point, and what makes a difference.
 
 use super::campaign::{CampaignEntry, PointStages};
 use super::metrics::Tables;
 use super::outcomes::Outcomes;
 use super::results::{Files, Publication, PublishError, failed};
 use crate::data::TableRow;
-use crate::data::rows::SweepRow;
+use crate::data::rows::{ComparisonRow, SweepRow};
 use crate::data::tables::{Beside, to_csv_beside};
-use crate::report::{Published, SweepTable, gp_sweep, reach_sweep, track_sweep};
+use crate::report::{Published, SweepCell, SweepTable, SweptPoint, comparisons, gp_sweep, reach_sweep, track_sweep};
 use std::path::Path;
 
 /// The figure that every sweep has.
@@ -24,7 +24,7 @@ impl CampaignEntry {
             tables.published.claims = self.claims(point, &tables);
             all.push(tables);
         }
-        let summary: Vec<Vec<SweepRow>> = self.points.iter().zip(&all).map(|(point, one)| rows(point, one)).collect();
+        let swept: Vec<SweptPoint> = self.points.iter().zip(&all).map(|(point, one)| summary(point, one)).collect();
         let folder = Path::new("results").join(&self.experiment.name);
         let mut files = Files::new();
         files.insert(folder.join("spec.yaml"), self.spec_yaml()?);
@@ -32,9 +32,10 @@ impl CampaignEntry {
         for (name, bytes) in Published::csv_files(&parts, |counts| self.beside(counts))? {
             files.insert(folder.join(name), bytes);
         }
-        let counts: Vec<usize> = summary.iter().map(Vec::len).collect();
-        let swept = SweepTable { fields: self.beside(&counts), rows: summary.into_iter().flatten().collect() };
-        let published = Published { sweep: swept, ..Published::default() };
+        files.extend(self.comparisons(&swept, &folder)?);
+        let counts: Vec<usize> = swept.iter().map(|point| point.cells.len()).collect();
+        let rows = swept.into_iter().flat_map(|point| point.cells).map(|cell| cell.row).collect();
+        let published = Published { sweep: SweepTable { fields: self.beside(&counts), rows }, ..Published::default() };
         let mut notices = Vec::new();
         if !published.sweep.rows.is_empty() {
             let path = folder.join(SweepRow::TABLE.file);
@@ -46,6 +47,23 @@ impl CampaignEntry {
         let others = self.experiment.figures.iter().filter(|figure| *figure != FIGURE);
         notices.extend(others.map(|figure| format!("{name}: {figure} is of one setting and not made of a sweep")));
         Ok(Publication { files, claims: Vec::new(), failed: all.iter().map(failed).sum(), notices })
+    }
+
+    /// The table of what makes a difference; none where there is nothing to compare.
+    fn comparisons(&self, swept: &[SweptPoint], folder: &Path) -> Result<Files, PublishError> {
+        let fields: Vec<(String, Vec<String>)> =
+            self.sweep.iter().map(|field| (field.name.clone(), field.values.clone())).collect();
+        let compared = comparisons(&fields, swept);
+        let mut files = Files::new();
+        if !compared.is_empty() {
+            let mut counts = vec![0; swept.len()];
+            compared.iter().for_each(|(point, _)| counts[*point] += 1);
+            let rows: Vec<ComparisonRow> = compared.into_iter().map(|(_, row)| row).collect();
+            let path = folder.join(ComparisonRow::TABLE.file);
+            let bytes = to_csv_beside(&path, &self.beside(&counts), &rows)?;
+            files.insert(path, bytes);
+        }
+        Ok(files)
     }
 
     /// The columns of the swept fields beside tables with so many rows at each point.
@@ -61,16 +79,16 @@ impl CampaignEntry {
 }
 
 /// What one point has of the summary.
-fn rows(point: &PointStages, tables: &Tables) -> Vec<SweepRow> {
-    let mut rows = reach_sweep(&tables.published.trials);
+fn summary(point: &PointStages, tables: &Tables) -> SweptPoint {
+    let mut cells: Vec<SweepCell> = reach_sweep(&tables.published.trials);
     if let Some(track) = &point.experiment.runs.track {
         let sizes = crate::specs::track_cells(&point.experiment);
         let sizes = |policy: &str| {
             let cell = sizes.iter().find(|cell| cell.policy == policy);
             cell.map_or([0, 0], |cell| [cell.gp_points as u64, cell.real_points as u64])
         };
-        rows.extend(track_sweep(&tables.runs, &track.mode, sizes));
+        cells.extend(track_sweep(&tables.runs, &track.mode, sizes));
     }
-    rows.extend(gp_sweep(&tables.published.gps));
-    rows
+    cells.extend(gp_sweep(&tables.published.gps));
+    SweptPoint { values: point.values.clone(), cells }
 }

@@ -5,9 +5,10 @@ use super::graph::Failure;
 use super::metrics::Tables;
 use super::outcomes::Outcomes;
 use super::repair_tables;
-use crate::benchmark::ScoredCase;
+use crate::benchmark::{DrawnEffect, ScoredCase};
+use crate::data::population::RobotRow;
 use crate::data::responses::{PaceRow, ResponseRow};
-use crate::data::rows::{GpRow, NetworkRow, TrackRow, TrialRow, WaypointRow};
+use crate::data::rows::{GpCoverageRow, GpRow, NetworkRow, TrackRow, TrialRow, WaypointRow};
 use crate::learn::rnn::Trained;
 use crate::policies::{NetworkDescription, TrainingData};
 use crate::report::track_summary;
@@ -17,6 +18,7 @@ pub(super) fn assemble(point: &PointStages, outcomes: &Outcomes) -> Tables {
     let mut tables = Tables::default();
     for one in &point.repetitions {
         let seed = one.seed;
+        tables.published.robots.extend(one.robot.iter().flat_map(|effect| robot_rows(seed, effect)));
         if let Some(Ok(rows)) = one.gap.map(|stage| outcomes.get(stage)) {
             tables.published.gaps.extend(rows.iter().cloned().map(|mut row| {
                 row.seed = seed;
@@ -39,6 +41,11 @@ pub(super) fn assemble(point: &PointStages, outcomes: &Outcomes) -> Tables {
             training: training.clone(),
             ..row.clone()
         }));
+        for (training, stage) in &one.gp_coverages {
+            let rows = outcomes.get(*stage).into_iter().flatten();
+            let label = |row: &GpCoverageRow| GpCoverageRow { seed, training: training.clone(), ..row.clone() };
+            tables.published.gp_coverages.extend(rows.map(label));
+        }
         for ScoredCase { row, intervals } in one.blind.iter().map(|case| case.scored(outcomes)) {
             tables.published.cases.push(row);
             tables.published.intervals.extend(intervals);
@@ -49,6 +56,18 @@ pub(super) fn assemble(point: &PointStages, outcomes: &Outcomes) -> Tables {
     }
     tables.runs = track_summary(&tables.published.tracks);
     tables
+}
+
+/// The parameters of an effect that the robot of a repetition has.
+fn robot_rows(seed: u64, effect: &DrawnEffect) -> impl Iterator<Item = RobotRow> {
+    effect.card.parameters.iter().zip(&effect.values).map(move |(parameter, &value)| RobotRow {
+        seed,
+        effect: effect.card.name.to_owned(),
+        strength: effect.strength,
+        parameter: parameter.name.to_owned(),
+        value,
+        unit: parameter.unit.to_owned(),
+    })
 }
 
 /// Rows of one seed and training. Seeds ascend, trainings and cells are in the order of their expansion.

@@ -24,6 +24,7 @@ mod policy_a;
 mod policy_c;
 mod policy_learned;
 mod policy_outside;
+mod population;
 mod recording_files;
 mod report_figures;
 mod report_numbers;

@@ -75,6 +75,9 @@ fn poor_rows_are_drawn_or_refused_but_never_crash() {
             rows.cases.truncate(keep);
             rows.responses.truncate(keep);
             rows.paces.truncate(keep);
+            rows.robots.truncate(keep);
+            rows.gp_coverages.truncate(keep);
+            rows.robot_claims.truncate(keep);
             rows.repairs.truncate(keep);
             rows.repair_trials.truncate(keep);
             (figure.render)(&rows).unwrap();
@@ -108,7 +111,7 @@ fn names_that_nobody_foresaw_are_drawn_too() {
 }
 
 #[test]
-fn sweeps_of_two_fields_are_heat_maps_and_of_three_are_left_to_the_table() {
+fn sweeps_of_two_and_three_fields_are_heat_maps_and_of_more_are_left_to_the_table() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("report");
     std::fs::create_dir_all(&folder).unwrap();
     let render = |fields: &[(&str, &[&str])]| {
@@ -123,14 +126,17 @@ fn sweeps_of_two_fields_are_heat_maps_and_of_three_are_left_to_the_table() {
     // Every cell has its number: A, B and pi_real in two modes, C in one.
     let numbers = svg.lines().filter(|line| line.trim().parse::<f64>().is_ok_and(|mm| mm > 1.0)).count();
     assert!(numbers >= 9 * 7, "{numbers}");
-    assert!(svg.contains("matern52") && svg.contains("policies.c.switch_threshold (m)"), "{svg}");
-    for (name, fields) in [("pair", [kernels, thresholds]), ("files", [models, kernels])] {
-        for file in render(&fields).unwrap() {
+    assert!(svg.contains("matern52") && svg.contains("switch_threshold (mm)"), "{svg}");
+    let triple = [models, kernels, thresholds];
+    for (name, fields) in [("pair", &[kernels, thresholds][..]), ("files", &[models, kernels]), ("triple", &triple)] {
+        for file in render(fields).unwrap() {
             std::fs::write(folder.join(format!("{name}_{}", file.name)), file.bytes).unwrap();
         }
     }
-    let error = render(&[kernels, thresholds, models]).unwrap_err();
-    assert_eq!(error.to_string(), "sweep: found rows of 3 swept fields, expected one or two of them");
+    let svg = String::from_utf8_lossy(&render(&triple).unwrap()[1].bytes).into_owned();
+    assert_eq!(svg.matches("plant.simulated.model = ").count(), 2, "a block for each value of the first field");
+    let error = render(&[kernels, thresholds, models, ("gp.folds", &["5", "10"])]).unwrap_err();
+    assert_eq!(error.to_string(), "sweep: found rows of 4 swept fields, expected one to three of them");
 }
 
 #[test]

@@ -52,6 +52,17 @@ const BAD: &[(&str, &str)] = &[
         "network: {stop_at_validation_mae_m: 0.01}",
         "bad.yaml:2:37: network.stop_at_validation_mae_m: found 0.01, expected null",
     ),
+    (
+        "runs: {gp_points: [20], gp_coverage: [0.9, 95]}",
+        "bad.yaml:2:45: runs.gp_coverage[1]: found 95, expected a share",
+    ),
+    ("population: {most_effects: 99}", "bad.yaml:2:28: population.most_effects: found 99, expected at least 1, and no"),
+    ("population: {effects: [creeep]}", "bad.yaml:2:23: population.effects: found `creeep`, expected names of effects"),
+    ("population: {strenght: 1}", "bad.yaml:2:14: population.strenght: found the unknown key `strenght`"),
+    (
+        "plant: {constant_curvature: {}}\nmodes: {closed_load: {feedback: closed, effects: []}}\npopulation: {}",
+        "bad.yaml:2:8: plant: found a mapping, expected a simulated robot, to which `population` adds effects",
+    ),
     ("policies: {integral: {gain: -0.1}}", "bad.yaml:2:29: policies.integral.gain: found -0.1, expected a finite"),
     ("policies: {online_jacobian: {gain: 1.5}}", "bad.yaml:2:36: policies.online_jacobian.gain: found 1.5, expected"),
     (

@@ -310,6 +310,7 @@ fn a_sweep_publishes_tidy_tables_a_summary_and_a_figure_and_is_verified() {
     let summary = read("sweep.csv");
     assert!(summary.lines().nth(1).unwrap().starts_with("se_ard,3,reach,paper,a,open,20,0,"), "{summary}");
     assert!(summary.lines().last().unwrap().starts_with("matern52,4,gp,any,,,20,0,"), "{summary}");
+    assert!(!results.join("comparisons.csv").exists(), "one repetition makes no comparison");
     for name in ["sweep.png", "sweep.svg", "sweep_gp.png"] {
         assert!(folder.path().join("plots/kernels").join(name).is_file(), "{name}");
     }
@@ -324,6 +325,23 @@ fn a_sweep_publishes_tidy_tables_a_summary_and_a_figure_and_is_verified() {
         String::from_utf8_lossy(&again.stderr).contains("\n0 stages computed")
             || String::from_utf8_lossy(&again.stderr).contains("0 stages computed")
     );
+}
+
+#[test]
+fn a_sweep_of_repetitions_says_which_values_make_a_difference() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "name: kernels\nsweep: {gp.kernel: [se_ard, matern52, se_iso], reach.max_steps: [3, 4]}\n";
+    let output = spinebench(folder.path(), text, &[&["run", "spec.yaml"], &TINY[..4], &["--seeds", "3"]].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let table = std::fs::read_to_string(folder.path().join("results/kernels/comparisons.csv")).unwrap();
+    assert!(table.starts_with("gp.kernel,reach.max_steps,field,reference,task,training,policy,mode,"), "{table}");
+    // Two further kernels at two lengths of a trial and one further length at three kernels; two trainings that reach, and the process.
+    assert_eq!(table.lines().count() - 1, (2 * 2 + 3) * 3, "{table}");
+    let row =
+        |start: &str| table.lines().find(|line| line.starts_with(start)).unwrap_or_else(|| panic!("{start}: {table}"));
+    // The length of a trial is nothing to the process: the same bits, and no difference.
+    assert!(row("se_ard,4,reach.max_steps,3,gp,any,,,20,0,").ends_with(",0.0,0.0,0.0,3,1.0,1.0"), "{table}");
+    assert!(row("se_iso,3,gp.kernel,se_ard,reach,paper,a,open,20,0,").contains(",3,"), "{table}");
 }
 
 #[test]
@@ -349,10 +367,14 @@ fn a_hundred_thousand_runs_share_what_they_do_not_sweep() {
 #[test]
 fn the_shipped_sweeps_are_studies_and_resolved_the_same_ones() {
     let folder = tempfile::tempdir().unwrap();
-    for (name, points) in [("thresholds", 6), ("kernels", 40), ("selection", 24)] {
-        let file = experiments().join("sweeps").join(name).with_extension("yaml");
+    let files = std::fs::read_dir(experiments().join("sweeps")).unwrap().map(|file| file.unwrap().path());
+    let files: Vec<_> = files.collect();
+    assert!(files.len() >= 8, "{files:?}");
+    for file in files {
         let study = ExperimentSet::read(&file, &[], &[]).unwrap_or_else(|error| panic!("{error}"));
-        assert_eq!((study.experiment.name.as_str(), study.points.len()), (name, points));
+        let stem = file.file_stem().unwrap().to_str().unwrap();
+        assert_eq!(study.experiment.name, format!("sweep_{stem}"));
+        assert_eq!(study.points.len(), study.sweep.iter().map(|field| field.values.len()).product::<usize>());
         let resolved = folder.path().join("spec.yaml");
         std::fs::write(&resolved, study.to_yaml().unwrap()).unwrap();
         assert_eq!(ExperimentSet::read(&resolved, &[], &[]).unwrap(), study);

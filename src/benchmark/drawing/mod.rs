@@ -1,5 +1,6 @@
 //! Drawing of blind cases: robots with injected effects.
 
+pub(crate) mod population;
 pub(crate) mod scale_to_shift;
 
 use rand::seq::SliceRandom;

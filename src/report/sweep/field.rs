@@ -38,6 +38,8 @@ enum AxisScale {
 pub(super) struct SweptAxis {
     name: String,
     axis_scale: AxisScale,
+    /// Lengths below a metre are shown in millimetres.
+    millimetres: bool,
     /// Its values: numbers ascending, names in order of appearance.
     pub(super) values: Vec<String>,
     numbers: HashMap<String, usize>,
@@ -53,8 +55,18 @@ impl SweptAxis {
             values.sort_by(|one, other| number(one).unwrap_or(0.0).total_cmp(&number(other).unwrap_or(0.0)));
             axis_scale(&numbers)
         });
+        let short = |value: &String| number(value).is_some_and(|length_m| length_m.abs() < 1.0);
+        let millimetres = unit_of(name).1 == Some("m") && values.iter().all(short);
         let numbers = values.iter().cloned().zip(0..).collect();
-        SweptAxis { name: name.to_owned(), axis_scale, values, numbers }
+        SweptAxis { name: name.to_owned(), axis_scale, millimetres, values, numbers }
+    }
+
+    /// A value as text within `room`: a number in plain notation, a long name (of a file) shortened.
+    pub(super) fn shown(&self, value: &str, room: f64) -> String {
+        match number(value).filter(|_| self.millimetres) {
+            Some(length_m) => written(&format!("{}", rounded(1e3 * length_m))),
+            None => shown(value, room),
+        }
     }
 
     /// Whether the values are numbers, so that a line may join neighbours.
@@ -79,11 +91,12 @@ impl SweptAxis {
 
     /// The field's name with its unit, shortened from the front to fit.
     pub(super) fn label(&self, room: f64) -> String {
-        let (stem, unit) = UNITS
-            .iter()
-            .find_map(|(end, unit)| self.name.strip_suffix(end).map(|stem| (stem, format!(" ({unit})"))))
-            .unwrap_or((&self.name, String::new()));
-        let mut stem = stem.strip_prefix("spec.").unwrap_or(stem);
+        let (stem, unit) = unit_of(&self.name);
+        let unit = unit.map(|unit| if self.millimetres { " (mm)".to_owned() } else { format!(" ({unit})") });
+        let unit = unit.unwrap_or_default();
+        // The place in a list of cells says nothing to a reader.
+        let stem: String = stem.split('[').map(|part| part.split_once(']').map_or(part, |(_, rest)| rest)).collect();
+        let mut stem = stem.strip_prefix("spec.").or(stem.strip_prefix("runs.reach.")).unwrap_or(&stem);
         let mut head = "";
         while text_width(&format!("{head}{stem}{unit}"), TEXT, false) > room {
             let Some((_, tail)) = stem.split_once('.') else { break };
@@ -97,19 +110,46 @@ impl SweptAxis {
         let label = self.label(long + 40.0);
         if self.axis_scale == AxisScale::Names {
             let room = long / self.values.len() as f64 - 6.0;
-            let names: Vec<String> = self.values.iter().map(|value| shown(value, room)).collect();
+            let names: Vec<String> = self.values.iter().map(|value| self.shown(value, room)).collect();
             return Axis::categories(&label, &names);
         }
         let places: Vec<f64> = self.values.iter().map(|value| self.place(value)).collect();
         let (low, high) = crate::report::drawing::axes::range(places.iter().copied());
         let room = 0.05 * (high - low);
         let axis = Axis::exact(&label, low - room, high + room, (long / 45.0).clamp(3.0, 7.0) as usize);
-        let own: Vec<(f64, String)> = places.into_iter().zip(self.values.iter().map(|value| written(value))).collect();
+        let axis = if self.millimetres { self.in_millimetres(axis) } else { axis };
+        let own = places.into_iter().zip(self.values.iter().map(|value| self.shown(value, long)));
+        let own: Vec<(f64, String)> = own.collect();
         if self.values.len() <= OWN_TICKS && apart(&own, long / (axis.high - axis.low)) {
             return Axis { ticks: own, ..axis };
         }
-        if self.axis_scale == AxisScale::Log { Axis { ticks: decades(axis.low, axis.high), ..axis } } else { axis }
+        if self.axis_scale != AxisScale::Log {
+            return axis;
+        }
+        let ticks = decades(axis.low, axis.high);
+        let ticks = ticks.into_iter().map(|value| (value.log10(), self.shown(&format!("{value:e}"), long)));
+        Axis { ticks: ticks.collect(), ..axis }
     }
+
+    /// An axis of metres with round numbers of millimetres.
+    fn in_millimetres(&self, axis: Axis) -> Axis {
+        if self.axis_scale != AxisScale::Linear {
+            return axis;
+        }
+        let millimetres = Axis::exact(&axis.label, 1e3 * axis.low, 1e3 * axis.high, axis.ticks.len().max(3));
+        Axis { ticks: millimetres.ticks.into_iter().map(|(place, label)| (1e-3 * place, label)).collect(), ..axis }
+    }
+}
+
+/// The stem of a field's name, and the unit that its suffix names.
+fn unit_of(name: &str) -> (&str, Option<&'static str>) {
+    let known = UNITS.iter().find_map(|(end, unit)| name.strip_suffix(end).map(|stem| (stem, Some(*unit))));
+    known.unwrap_or((name, None))
+}
+
+/// Without the last bits that a factor of a thousand leaves.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.9e}").parse().unwrap_or(value)
 }
 
 fn number(cell: &str) -> Option<f64> {
@@ -134,15 +174,14 @@ fn apart(ticks: &[(f64, String)], scale: f64) -> bool {
 }
 
 /// Ticks at powers of ten; where these are few, also at twice and five times each.
-fn decades(low: f64, high: f64) -> Vec<(f64, String)> {
+fn decades(low: f64, high: f64) -> Vec<f64> {
     let few = high - low < 2.0;
     let factors: &[f64] = if few { &[1.0, 2.0, 5.0] } else { &[1.0] };
     let [first, last] = if few { [low.floor(), high.ceil()] } else { [low.ceil(), high.floor()] };
     let powers: Vec<i32> = (first as i32..=last as i32).collect();
     let step = powers.len().div_ceil(7).max(1);
     let values = powers.into_iter().step_by(step).flat_map(|power| factors.iter().map(move |f| f * 10f64.powi(power)));
-    let inside = values.filter(|value| (low..=high).contains(&value.log10()));
-    inside.map(|value| (value.log10(), written(&format!("{value:e}")))).collect()
+    values.filter(|value| (low..=high).contains(&value.log10())).collect()
 }
 
 /// A number in plain notation, with a minus sign (U+2212).
@@ -158,8 +197,7 @@ fn written(value: &str) -> String {
     }
 }
 
-/// A value as text within `room`: a number in plain notation, a long name (of a file) shortened.
-pub(super) fn shown(value: &str, room: f64) -> String {
+fn shown(value: &str, room: f64) -> String {
     let text = if number(value).is_some() { written(value) } else { value.trim_end_matches(".yaml").to_owned() };
     if text_width(&text, SMALL, false) <= room {
         return text;
@@ -201,6 +239,9 @@ mod tests {
     #[test]
     fn labels_carry_the_unit_and_shorten_from_the_front() {
         assert_eq!(field("policies.c.error_m", &["1"]).label(400.0), "policies.c.error (m)");
+        let short = field("policies.c.error_m", &["0.005", "0.015"]);
+        assert_eq!((short.label(400.0), short.shown("0.015", 60.0)), ("policies.c.error (mm)".into(), "15".into()));
+        assert_eq!(field("runs.reach[0].gp_points[0]", &["1"]).label(400.0), "gp_points");
         assert_eq!(field("spec.control_hz", &["1"]).label(400.0), "control (Hz)");
         let long = field("plant.simulated.model.robot.backbone.youngs_modulus_pa", &["1"]);
         assert_eq!(long.label(200.0), "…backbone.youngs_modulus (Pa)");

@@ -1,11 +1,12 @@
-//! Two swept fields: a heat map for each kind of training, mode and policy, with a common colour scale.
+//! Two swept fields: a heat map for each kind of training, mode and policy, each from its smallest to its largest value: what
+//! differs between modes would hide what differs within one.
 
-use super::field::{SweptAxis, shown};
-use super::{SweepEntry, mode_label, series_label, sized, training_heading};
+use super::field::SweptAxis;
+use super::{SweepEntry, series_label, sized, training_heading};
 use crate::report::drawing::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 use crate::report::drawing::paint::text_width;
 use crate::report::order::{distinct, trainings};
-use crate::report::style::{Colour, GREY, HAIR, INK, PAGE_WIDTH, SMALL, TEXT, WHITE, heading};
+use crate::report::style::{Colour, GREY, HAIR, INK, PAGE_WIDTH, SMALL, TEXT, WHITE, capitalised, heading, mode_title};
 
 /// Light to dark, so that a grey print keeps the order; ColorBrewer's YlOrBr, safe for colour-blind readers.
 const SHADES: [Colour; 6] =
@@ -15,8 +16,10 @@ const LEAST_WIDE: f64 = 36.0;
 const CELL_HIGH: f64 = 22.0;
 /// Largest height of a map.
 const MOST_HIGH: f64 = 300.0;
+/// Least distance of two maps side by side: the width of a title.
+const TITLE: f64 = 150.0;
 /// Width for the name of a row.
-const NAME: f64 = 90.0;
+const NAME: f64 = 160.0;
 
 /// One map: its title and rows.
 struct HeatMap<'a> {
@@ -34,28 +37,52 @@ struct HeatMapLayout {
     pitch: [f64; 2],
 }
 
-pub(super) fn draw(entries: &[&SweepEntry], [down, across]: [&SweptAxis; 2], measure: &str) -> Canvas {
+/// `blocks` are the values of a third field, each with its rows, or one block without a name.
+pub(super) fn draw(blocks: &[(String, Vec<&SweepEntry>)], [down, across]: [&SweptAxis; 2], measure: &str) -> Canvas {
     let layout = HeatMapLayout::new(down, across);
-    let values_mm = || entries.iter().map(|entry| 1e3 * entry.row.mean_m).filter(|value| value.is_finite());
-    let scale = (values_mm().fold(f64::INFINITY, f64::min), values_mm().fold(f64::NEG_INFINITY, f64::max));
     let mut canvas = Canvas::new(PAGE_WIDTH, super::TALL);
-    let mut top = colour_scale(&mut canvas, scale, measure) + 8.0;
-    for training in trainings(entries.iter().map(|entry| entry.row.training.as_str())) {
-        if !training_heading(training).is_empty() {
-            top += 18.0;
-            canvas.text(Text::new(heading(training), [12.0, top], TEXT, TextAlign::Left).bold());
+    canvas.text(Text::new(capitalised(measure), [12.0, 18.0], TEXT, TextAlign::Left));
+    let note = "means over repetitions; light to dark in each map by itself; –: every trial failed";
+    canvas.text(Text::new(note, [PAGE_WIDTH - 12.0, 18.0], SMALL, TextAlign::Right).colour(GREY));
+    let mut top = 22.0;
+    for (block, entries) in blocks {
+        if !block.is_empty() {
+            top += 20.0;
+            canvas.text(Text::new(block, [12.0, top], TEXT, TextAlign::Left).bold());
         }
-        let maps = maps(entries, training);
-        for (index, map) in maps.iter().enumerate() {
-            let (line, column) = (index / layout.columns, index % layout.columns);
-            let left = 12.0 + layout.pitch[0] * column as f64;
-            let corner = [left + layout.names, top + 24.0 + layout.pitch[1] * line as f64];
-            paint(&mut canvas, map, [down, across], &layout, corner, scale);
+        for training in trainings(entries.iter().map(|entry| entry.row.training.as_str())) {
+            top = group(&mut canvas, entries, training, [down, across], &layout, top);
         }
-        top += layout.pitch[1] * maps.len().div_ceil(layout.columns) as f64;
     }
     canvas.height = (top + 4.0).round();
     canvas
+}
+
+/// The maps of one kind of training below `top`; returns where they end. The names of the rows stand beside the first map of
+/// a line.
+fn group(
+    canvas: &mut Canvas,
+    entries: &[&SweepEntry],
+    training: &str,
+    [down, across]: [&SweptAxis; 2],
+    layout: &HeatMapLayout,
+    mut top: f64,
+) -> f64 {
+    if !training_heading(training).is_empty() {
+        top += 20.0;
+        canvas.text(Text::new(heading(training), [12.0, top], TEXT, TextAlign::Left).bold());
+    }
+    let maps = maps(entries, training);
+    for (index, map) in maps.iter().enumerate() {
+        let (line, column) = (index / layout.columns, index % layout.columns);
+        let left = 12.0 + layout.names + layout.pitch[0] * column as f64;
+        let corner = [left, top + 26.0 + layout.pitch[1] * line as f64];
+        paint(canvas, map, [down, across], layout, corner);
+        if column == 0 {
+            rows(canvas, down, layout, corner);
+        }
+    }
+    top + layout.pitch[1] * maps.len().div_ceil(layout.columns) as f64
 }
 
 /// The maps of one kind of training, mode by mode.
@@ -67,7 +94,7 @@ fn maps<'a>(entries: &[&'a SweepEntry<'a>], training: &str) -> Vec<HeatMap<'a>> 
         let own: Vec<&'a SweepEntry<'a>> = own.iter().copied().filter(|entry| entry.row.mode == mode).collect();
         for name in distinct(own.iter().map(|entry| series_label(entry.row, sized))) {
             let ours = own.iter().copied().filter(|entry| series_label(entry.row, sized) == name);
-            let words = mode_label(mode);
+            let words = mode_title(mode);
             let title = if words.is_empty() { name.clone() } else { format!("{name}, {words}") };
             maps.push(HeatMap { title, entries: ours.collect() });
         }
@@ -82,13 +109,16 @@ fn paint(
     [down, across]: [&SweptAxis; 2],
     layout: &HeatMapLayout,
     corner: CanvasPoint,
-    scale: (f64, f64),
 ) {
+    let means_mm = || map.entries.iter().map(|entry| 1e3 * entry.row.mean_m).filter(|value| value.is_finite());
+    let scale = (means_mm().fold(f64::INFINITY, f64::min), means_mm().fold(f64::NEG_INFINITY, f64::max));
     let [wide, high] = layout.cell;
     let (width, height) = (wide * across.values.len() as f64, high * down.values.len() as f64);
     canvas.text(Text::new(&map.title, [corner[0], corner[1] - 6.0], TEXT, TextAlign::Left).bold());
     for entry in &map.entries {
-        let [Some(row), Some(column)] = [down.index(entry.at.first()), across.index(entry.at.get(1))] else { continue };
+        // The last two fields: what stands before them is the same in all of a block.
+        let [.., at_down, at_across] = entry.at.as_slice() else { continue };
+        let [Some(row), Some(column)] = [down.index(Some(at_down)), across.index(Some(at_across))] else { continue };
         let [x, y] = [corner[0] + wide * column as f64, corner[1] + high * row as f64];
         let value_mm = 1e3 * entry.row.mean_m;
         let (ground, ink) = shade(value_mm, scale);
@@ -99,46 +129,38 @@ fn paint(
             canvas.text(Text::new(words, middle, SMALL, TextAlign::Centre).colour(ink));
         }
     }
-    // Names of rows and columns, skipping those that would overlap.
-    let every = ((SMALL + 2.0) / high).ceil().max(1.0) as usize;
-    for (row, value) in down.values.iter().enumerate().step_by(every) {
-        let y = corner[1] + high * (row as f64 + 0.5) + 0.36 * SMALL;
-        canvas.text(Text::new(shown(value, NAME), [corner[0] - 5.0, y], SMALL, TextAlign::Right));
-    }
-    let widest = across.values.iter().map(|value| text_width(&shown(value, NAME), SMALL, false)).fold(0.0, f64::max);
+    // Names of columns, skipping those that would overlap.
+    let widest =
+        across.values.iter().map(|value| text_width(&across.shown(value, NAME), SMALL, false)).fold(0.0, f64::max);
     let every = if across.is_number() { ((widest + 5.0) / wide).ceil().max(1.0) as usize } else { 1 };
     for (column, value) in across.values.iter().enumerate().step_by(every) {
         let room = wide * every as f64 - 3.0;
         let x = corner[0] + wide * (column as f64 + 0.5);
-        canvas.text(Text::new(shown(value, room), [x, corner[1] + height + SMALL + 4.0], SMALL, TextAlign::Centre));
+        canvas.text(Text::new(
+            across.shown(value, room),
+            [x, corner[1] + height + SMALL + 4.0],
+            SMALL,
+            TextAlign::Centre,
+        ));
     }
     let [x1, y1] = [corner[0] + width, corner[1] + height];
     let frame = [corner, [x1, corner[1]], [x1, y1], [corner[0], y1], corner];
     canvas.line(&frame, HAIR, GREY, &[]);
     let below = [corner[0] + 0.5 * width, y1 + SMALL + TEXT + 8.0];
     canvas.text(Text::new(across.label(layout.pitch[0]), below, TEXT, TextAlign::Centre));
-    let beside = [corner[0] - layout.names + TEXT, corner[1] + 0.5 * height];
-    canvas.text(Text::new(down.label(height + 20.0), beside, TEXT, TextAlign::Centre).upwards());
 }
 
-/// Draws the colour scale with its two ends; returns its baseline.
-fn colour_scale(canvas: &mut Canvas, scale: (f64, f64), measure: &str) -> f64 {
-    let y = 18.0;
-    canvas.text(Text::new(measure, [12.0, y], SMALL, TextAlign::Left));
-    let mut x = 12.0 + text_width(measure, SMALL, false) + 14.0;
-    let low = digits(scale.0, scale);
-    canvas.text(Text::new(&low, [x, y], SMALL, TextAlign::Left));
-    x += text_width(&low, SMALL, false) + 6.0;
-    let steps = 60;
-    for step in 0..steps {
-        let value = scale.0 + (scale.1 - scale.0) * (step as f64 + 0.5) / steps as f64;
-        canvas.rectangle([x, y - 9.0], [x + 2.6, y + 2.0], shade(value, scale).0, 1.0);
-        x += 2.5;
+/// The names of the rows of a map, skipping those that would overlap, and the field's.
+fn rows(canvas: &mut Canvas, down: &SweptAxis, layout: &HeatMapLayout, corner: CanvasPoint) {
+    let high = layout.cell[1];
+    let every = ((SMALL + 2.0) / high).ceil().max(1.0) as usize;
+    for (row, value) in down.values.iter().enumerate().step_by(every) {
+        let y = corner[1] + high * (row as f64 + 0.5) + 0.36 * SMALL;
+        canvas.text(Text::new(down.shown(value, NAME), [corner[0] - 5.0, y], SMALL, TextAlign::Right));
     }
-    canvas.text(Text::new(digits(scale.1, scale), [x + 6.0, y], SMALL, TextAlign::Left));
-    let note = "mean over repetitions; –: every trial failed";
-    canvas.text(Text::new(note, [PAGE_WIDTH - 12.0, y], SMALL, TextAlign::Right).colour(GREY));
-    y
+    let height = high * down.values.len() as f64;
+    let beside = [corner[0] - layout.names + TEXT, corner[1] + 0.5 * height];
+    canvas.text(Text::new(down.label(height + 20.0), beside, TEXT, TextAlign::Centre).upwards());
 }
 
 /// A number with three significant digits of the scale's larger end.
@@ -180,15 +202,17 @@ fn contrast(one: Colour, other: Colour) -> f64 {
 
 impl HeatMapLayout {
     fn new(down: &SweptAxis, across: &SweptAxis) -> HeatMapLayout {
-        let widest = down.values.iter().map(|value| text_width(&shown(value, NAME), SMALL, false)).fold(0.0, f64::max);
+        let widest =
+            down.values.iter().map(|value| text_width(&down.shown(value, NAME), SMALL, false)).fold(0.0, f64::max);
         let names = widest + TEXT + 14.0;
-        let wanted = across.values.iter().map(|value| text_width(&shown(value, NAME), SMALL, false) + 8.0);
+        let wanted = across.values.iter().map(|value| text_width(&across.shown(value, NAME), SMALL, false) + 8.0);
         let wanted = wanted.fold(LEAST_WIDE, f64::max);
         let free = PAGE_WIDTH - 24.0 - names;
         let wide = wanted.min(free / across.values.len() as f64);
         let high = CELL_HIGH.min(MOST_HIGH / down.values.len() as f64);
-        let map = names + wide * across.values.len() as f64 + 16.0;
-        let columns = (((PAGE_WIDTH - 12.0) / map).floor() as usize).max(1);
+        // Wide enough for a title such as "Gaussian process, closed loop with load", which may be longer than a map.
+        let map = (wide * across.values.len() as f64).max(TITLE) + 18.0;
+        let columns = (((PAGE_WIDTH - 12.0 - names) / map).floor() as usize).max(1);
         HeatMapLayout { names, cell: [wide, high], columns, pitch: [map, high * down.values.len() as f64 + 64.0] }
     }
 }

@@ -1,15 +1,15 @@
 //! One swept field: a panel for each kind of training and mode, a line for each policy.
 
 use super::field::SweptAxis;
-use super::{SweepEntry, mode_label, series_label, sized, training_heading};
+use super::{SweepEntry, series_label, sized, training_heading};
 use crate::report::drawing::axes::{Axis, Panel};
 use crate::report::drawing::canvas::{Canvas, Text, TextAlign};
 use crate::report::drawing::legend::{LegendEntry, legend};
 use crate::report::order::{distinct, trainings};
-use crate::report::style::{GREY, LOOKS, Look, PAGE_WIDTH, SMALL, TEXT, heading, policy_look};
+use crate::report::style::{GREY, LOOKS, Look, PAGE_WIDTH, SMALL, TEXT, heading, mode_title, policy_look};
 
 const LEFT: f64 = 58.0;
-const GAP: f64 = 24.0;
+const GAP: f64 = 52.0;
 /// Height of a panel, and distance from one row of panels to the next.
 const HIGH: f64 = 165.0;
 const PITCH: f64 = 226.0;
@@ -42,18 +42,17 @@ pub(super) fn draw(entries: &[&SweepEntry], field: &SweptAxis, measure: &str) ->
         canvas.text(Text::new(words, [middle, below + 37.0], TEXT, TextAlign::Centre).bold());
     }
     for (line, mode) in modes.iter().enumerate() {
-        let y = errors(entries.iter().filter(|entry| entry.row.mode == *mode), measure);
         for (column, training) in kinds.iter().enumerate() {
+            let own = entries.iter().filter(|entry| entry.row.mode == *mode && entry.row.training == *training);
+            let own: Vec<&&SweepEntry> = own.collect();
             let panel = Panel {
                 corner: [LEFT + column as f64 * (wide + GAP), top + PITCH * line as f64],
                 size: [wide, HIGH],
                 x: field.axis(wide),
-                y: if column == 0 { y.clone() } else { y.bare() },
-                title: mode_label(mode),
+                y: errors(&own, if column == 0 { measure } else { "" }),
+                title: mode_title(mode),
             };
             panel.draw(&mut canvas);
-            let own = entries.iter().filter(|entry| entry.row.mode == *mode && entry.row.training == *training);
-            let own: Vec<&&SweepEntry> = own.collect();
             let lines = series.iter().zip(&looks).enumerate().map(|(index, (name, look))| {
                 let aside = if banded { 0.0 } else { index as f64 - (series.len() - 1) as f64 / 2.0 };
                 (
@@ -78,8 +77,8 @@ fn look(entries: &[&SweepEntry], sized: bool, index: usize, name: &str) -> Look 
 }
 
 /// The axis of errors, millimetres, including one standard deviation.
-fn errors<'a>(entries: impl Iterator<Item = &'a &'a SweepEntry<'a>>, measure: &str) -> Axis {
-    let ends = entries.flat_map(|entry| {
+fn errors(entries: &[&&SweepEntry], measure: &str) -> Axis {
+    let ends = entries.iter().flat_map(|entry| {
         let spread_m = if entry.row.sd_over_seeds_m.is_finite() { entry.row.sd_over_seeds_m } else { 0.0 };
         [entry.row.mean_m - spread_m, entry.row.mean_m + spread_m].map(|end_m| 1e3 * end_m)
     });

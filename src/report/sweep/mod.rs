@@ -1,11 +1,12 @@
-//! The default figure of a sweep: lines of errors for one field, heat maps for two. One figure for each task with rows.
+//! The default figure of a sweep: lines of errors for one field, heat maps for two, and for each value of a third. One figure
+//! for each task with rows.
 
 mod field;
 mod heat;
 mod lines;
 
 use super::drawing::canvas::Canvas;
-use super::style::{policy_label, training_label};
+use super::style::{PAGE_WIDTH, policy_label, training_label};
 use super::{Artifact, Figure, Published, ReportError, pictures};
 use crate::data::rows::SweepRow;
 use field::SweptAxis;
@@ -13,7 +14,7 @@ use std::collections::HashMap;
 
 /// Registry entry.
 pub(super) const FIGURE: Figure =
-    Figure { name: "sweep", about: "Error against one swept field, or two, for every policy and mode", render };
+    Figure { name: "sweep", about: "Error against one, two or three swept fields, for every policy and mode", render };
 
 /// Tasks in the order of their figures, and the names of their errors.
 const TASKS: [(&str, &str); 3] = [
@@ -37,9 +38,9 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     if swept.rows.is_empty() || swept.fields.is_empty() {
         return Err(ReportError::NoRows { figure: FIGURE.name, needs: "sweep.csv" });
     }
-    if swept.fields.len() > 2 {
+    if swept.fields.len() > 3 {
         let found = format!("{} swept fields", swept.fields.len());
-        return Err(ReportError::Mixed { figure: FIGURE.name, found, expected: "or two of them" });
+        return Err(ReportError::Mixed { figure: FIGURE.name, found, expected: "to three of them" });
     }
     let fields: Vec<SweptAxis> = swept.fields.iter().map(|(name, cells)| SweptAxis::new(name, cells)).collect();
     let at = |row: usize| swept.fields.iter().filter_map(|(_, cells)| cells.get(row).map(String::as_str)).collect();
@@ -52,7 +53,8 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
             continue;
         }
         let canvas: Canvas = match fields.as_slice() {
-            [first, second] => heat::draw(&own, [first, second], measure),
+            [first, second] => heat::draw(&[(String::new(), own)], [first, second], measure),
+            [third, first, second] => heat::draw(&blocks(third, &own), [first, second], measure),
             [first, ..] => lines::draw(&own, first, measure),
             [] => continue,
         };
@@ -65,15 +67,13 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     Ok(files)
 }
 
-/// A mode as a heading.
-fn mode_label(mode: &str) -> String {
-    match mode {
-        "" => String::new(),
-        "open" => "open loop".to_owned(),
-        "closed" => "closed loop".to_owned(),
-        "closed_load" => "closed loop with load".to_owned(),
-        other => other.replace('_', " "),
-    }
+/// The rows of each value of the first field, with a heading.
+fn blocks<'a>(field: &SweptAxis, entries: &[&'a SweepEntry<'a>]) -> Vec<(String, Vec<&'a SweepEntry<'a>>)> {
+    let block = |value: &String| {
+        let own = entries.iter().copied().filter(|entry| entry.at.first() == Some(&value.as_str()));
+        (format!("{} = {}", field.label(PAGE_WIDTH), field.shown(value, PAGE_WIDTH)), own.collect())
+    };
+    field.values.iter().map(block).collect()
 }
 
 /// A kind of training as a heading.

@@ -1,13 +1,14 @@
 //! The stages of networks and Gaussian processes.
 
 use super::{Added, Stages, stops};
-use crate::data::rows::GpRow;
+use crate::data::rows::{GpCoverageRow, GpRow};
 use crate::learn::gp::Gp;
 use crate::learn::rnn::{ElmanConfig, Trained};
 use crate::policies::{FORWARD, NetworkDescription, TrainingData};
 use crate::runner::failure::Failure;
 use crate::runner::jobs::gaussian_process::{GP, GP_SCORE, GpParams};
 use crate::runner::jobs::generated_network::train_generated;
+use crate::runner::jobs::gp_coverage::{CoverageParams, GP_COVERAGE};
 use crate::runner::jobs::networks::{NetworkParams, train};
 use crate::runner::stage::{Handle, StageKind};
 use crate::specs::{GeneratedStart, Training};
@@ -69,6 +70,14 @@ impl Stages<'_> {
     pub(crate) fn gp_score(&mut self, training: &Training, points: usize) -> Added<GpRow> {
         let gp = self.gp(training, points)?;
         self.graph.stage(&GP_SCORE, self.label(&format!("score of the process on {points} points")), (), gp)
+    }
+
+    /// How often its intervals cover what was measured.
+    pub(crate) fn gp_coverage(&mut self, training: &Training, points: usize) -> Added<Vec<GpCoverageRow>> {
+        let inputs = (self.gp_pool()?, self.simulating_network(training)?, self.gp(training, points)?);
+        let params = CoverageParams { gp: self.gp_params(points), shares: self.spec.runs.gp_coverage.clone() };
+        let label = self.label(&format!("intervals of the process on {points} points"));
+        self.graph.stage(&GP_COVERAGE, label, params, inputs)
     }
 
     /// The forward network where p_sim comes from it, and nothing where it comes from the rod.

@@ -102,6 +102,12 @@ impl Checker<'_> {
         option("track", spec.track.check())?;
         option("slurm", spec.slurm.check())?;
         self.plants()?;
+        if let Some(population) = &spec.population {
+            let path = KeyPath::default().key("plant");
+            let simulated = matches!(spec.plant, PlantSpec::Simulated(_));
+            self.unless(simulated, &path, "a simulated robot, to which `population` adds effects")?;
+            option("population", population.check())?;
+        }
         self.learn("gp", spec.gp.check())?;
         self.learn("gp", spec.gp.kernel.check_inputs(spec.model.tendons() + POSITION_INPUTS))?;
         self.learn("network", spec.network.check())?;
@@ -199,6 +205,10 @@ impl Checker<'_> {
             self.fits(&[gap.rows], &path.key("gap").key("rows"), 1, most, "collected points")?;
         }
         self.gp_sizes(&runs.gp_points, &path.key("gp_points"))?;
+        for (index, share) in runs.gp_coverage.iter().enumerate() {
+            let inside = *share > 0.0 && *share < 1.0;
+            self.unless(inside, &path.key("gp_coverage").item(index), "a share above 0 and below 1")?;
+        }
         let figures: Vec<&str> = FIGURES.iter().map(|figure| figure.name).collect();
         for (index, name) in self.experiment.figures.iter().enumerate() {
             let path = KeyPath::default().key("figures").item(index);

@@ -3,7 +3,8 @@
 use super::claims::PaperClaim;
 use super::repair::RepairRun;
 use super::slurm::SlurmOptions;
-use crate::benchmark::{CaseBatch, OracleOptions, TruthOptions};
+use crate::base::Seed;
+use crate::benchmark::{CaseBatch, DrawnEffect, OracleOptions, Population, TruthOptions};
 use crate::discovery::Options;
 use crate::effects::EffectSpec;
 use crate::learn::gp::GpConfig;
@@ -25,6 +26,9 @@ pub struct Experiment {
     pub model: PlantSpec,
     /// The robot that stands for the real one.
     pub plant: PlantSpec,
+    /// Every repetition has a robot of its own: `plant` with effects drawn at random.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub population: Option<Population>,
     /// Control and recording rate, hertz.
     pub control_hz: f64,
     /// Root of all seeds.
@@ -93,6 +97,14 @@ impl Experiment {
     /// The numbers of the repetitions.
     pub fn repetitions(&self) -> std::ops::Range<u64> {
         self.first_seed..self.first_seed + self.seeds
+    }
+
+    /// What the robot of a repetition has beside `plant`, where repetitions differ in their robots.
+    pub fn drawn_effects(&self, repetition: u64) -> Vec<DrawnEffect> {
+        let (Some(population), PlantSpec::Simulated(robot)) = (&self.population, &self.plant) else {
+            return Vec::new();
+        };
+        population.draw(&robot.model, Seed(self.seed).child("population").index(repetition))
     }
 }
 
@@ -179,6 +191,9 @@ pub struct Runs {
     pub forward: bool,
     /// Sizes of further Gaussian processes, beside those that policies use.
     pub gp_points: Vec<usize>,
+    /// Shares that intervals of the Gaussian processes promise to cover, which are held against unseen points.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub gp_coverage: Vec<f64>,
     /// Goal reaching: products of policies, modes and sizes.
     pub reach: Vec<ReachSweep>,
     /// Path tracking.

@@ -5,10 +5,11 @@ pub(crate) mod cases;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use spinebench::base::{Point3, Seed, distance_m};
+use spinebench::data::population::{RobotClaimRow, RobotRow};
 use spinebench::data::repairs::{MonitorRow, RepairRow, RepairTrialRow};
 use spinebench::data::responses::{PaceRow, ResponseRow};
 use spinebench::data::rows::{
-    ClaimRow, GapRow, PeerRow, ScalingRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow,
+    ClaimRow, GapRow, GpCoverageRow, PeerRow, ScalingRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow,
 };
 use spinebench::report::{Published, SweepTable};
 
@@ -260,6 +261,62 @@ pub(crate) fn sweep(fields: &[(&str, &[&str])], seeds: u64) -> SweepTable {
     swept
 }
 
+/// Robots with two effects each: friction and, on every other robot, a load.
+pub(crate) fn robots(seeds: u64) -> Vec<RobotRow> {
+    let row = |seed: u64, effect: &str, parameter: &str, unit: &str| RobotRow {
+        seed,
+        effect: effect.to_owned(),
+        strength: 0.5 + 0.1 * seed as f64,
+        parameter: parameter.to_owned(),
+        value: 0.01,
+        unit: unit.to_owned(),
+    };
+    (0..seeds)
+        .flat_map(|seed| {
+            let load = (seed % 2 == 0).then(|| row(seed, "tip_load", "mass_kg", "kg"));
+            std::iter::once(row(seed, "friction", "moment_nm", "N m")).chain(load)
+        })
+        .collect()
+}
+
+/// Two claims on so many robots.
+pub(crate) fn robot_claims(seeds: u64) -> Vec<RobotClaimRow> {
+    let names = ["c_beats_pi_real_closed", "a_comparable_with_pi_real"];
+    let trainings = ["paper", "converged"];
+    let row = |training: &str, (claim, held): (&str, u64)| RobotClaimRow {
+        claim: claim.to_owned(),
+        statement: format!("the claim {claim}"),
+        training: training.to_owned(),
+        robots: seeds,
+        held,
+        share: held as f64 / seeds as f64,
+        low_95: 0.2,
+        high_95: 0.9,
+    };
+    trainings
+        .iter()
+        .flat_map(|training| names.into_iter().zip([seeds, seeds / 2]).map(|pair| row(training, pair)))
+        .collect()
+}
+
+/// Intervals that are somewhat too narrow for few points.
+pub(crate) fn gp_coverages(seeds: u64) -> Vec<GpCoverageRow> {
+    let row = |seed: u64, points: u64, axis: &str, promised: f64| GpCoverageRow {
+        seed,
+        training: "any".to_owned(),
+        points,
+        kernel: "se_ard".to_owned(),
+        axis: axis.to_owned(),
+        promised,
+        covered: promised.powf(1.0 + 10.0 / points as f64),
+        unseen: 1000 - points,
+    };
+    let shares = [0.5, 0.9, 0.99];
+    let of_axis = |seed, points, axis| shares.map(|promised| row(seed, points, axis, promised));
+    let of_size = |seed, points| ["x", "y", "z"].into_iter().flat_map(move |axis| of_axis(seed, points, axis));
+    (0..seeds).flat_map(|seed| [25, 100, 400].into_iter().flat_map(move |points| of_size(seed, points))).collect()
+}
+
 /// Six switching thresholds.
 pub(crate) fn thresholds(seeds: u64) -> SweepTable {
     sweep(&[("policies.c.switch_threshold_m", &["0.005", "0.01", "0.015", "0.02", "0.025", "0.03"])], seeds)
@@ -434,6 +491,12 @@ pub(crate) fn published(figure: &str, seeds: u64) -> Published {
         "peers" => published.peers = peers(),
         "scaling" => published.scaling = scaling(),
         "discovery" => published.cases = cases::cases(seeds),
+        "population" => {
+            published.trials = table(seeds);
+            published.robots = robots(seeds);
+            published.robot_claims = robot_claims(seeds);
+        }
+        "gp_coverage" => published.gp_coverages = gp_coverages(seeds),
         "controllers" => {
             published.responses = responses(seeds);
             published.paces = paces(seeds);

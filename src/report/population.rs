@@ -1,0 +1,127 @@
+//! A population of robots: the error of each policy over robots, and the share of robots on which each claim holds.
+
+use super::drawing::axes::{Axis, Panel};
+use super::drawing::canvas::{Canvas, Text, TextAlign};
+use super::order::{distinct, rank, trainings};
+use super::population_table::{attribution_rows, markdown, population_rows};
+use super::style::{
+    GREY, HAIR, INK, MARKER, Marker, PAGE_WIDTH, SMALL, TEXT, mode_title, policies_in_order, policy_label, policy_look,
+    training_label,
+};
+use super::summarise::MODES;
+use super::{Artifact, Figure, Published, ReportError, csv, pictures, text};
+use crate::data::population::{PopulationRow, RobotClaimRow};
+
+/// Registry entry.
+pub(super) const FIGURE: Figure = Figure {
+    name: "population",
+    about: "Many robots: the error of each policy over them, and the share on which each claim holds",
+    render,
+};
+
+/// Height of a panel of errors, distance from one to the next, and height of the line of a claim.
+const HIGH: f64 = 150.0;
+const PITCH: f64 = 206.0;
+const LINE: f64 = 19.0;
+/// Left edge of the panels of errors and of the claims.
+const LEFT: f64 = 56.0;
+const CLAIMS_LEFT: f64 = 410.0;
+
+fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
+    if published.robots.is_empty() || published.trials.is_empty() {
+        return Err(ReportError::NoRows { figure: FIGURE.name, needs: "robots.csv and trials.csv" });
+    }
+    let rows = population_rows(&published.trials);
+    let effects = attribution_rows(&published.trials, &published.robots);
+    let claims = &published.robot_claims;
+    let mut files = vec![csv("population.csv", &rows)?, text("population.md", markdown(&rows, claims, &effects))];
+    // Of few robots no effect can be told.
+    if !effects.is_empty() {
+        files.push(csv("attribution.csv", &effects)?);
+    }
+    files.extend(pictures(FIGURE.name, FIGURE.name, &draw(&rows, claims))?);
+    Ok(files)
+}
+
+/// Panels of the last kind of training: networks are at their best there.
+fn draw(rows: &[PopulationRow], claims: &[RobotClaimRow]) -> Canvas {
+    let known = trainings(rows.iter().map(|row| row.training.as_str()));
+    let training = known.last().copied().unwrap_or_default();
+    let rows: Vec<&PopulationRow> = rows.iter().filter(|row| row.training == training).collect();
+    let claims: Vec<&RobotClaimRow> = claims.iter().filter(|row| row.training == training).collect();
+    let mut modes = distinct(rows.iter().map(|row| row.mode.as_str()));
+    modes.sort_by_key(|mode| (rank(&MODES, mode), *mode));
+    let policies = policies_in_order(rows.iter().map(|row| row.policy.as_str()));
+    let robots = rows.iter().map(|row| row.robots).max().unwrap_or(0);
+    let mut canvas = Canvas::new(PAGE_WIDTH, 1e6);
+    let note = format!(
+        "{robots} robots; marks: median, thick: half of all robots, thin: 90 %, hollow: the worst robot; {}",
+        training_label(training)
+    );
+    canvas.text(Text::new(&note, [LEFT, 18.0], SMALL, TextAlign::Left).colour(GREY));
+    let y = Axis::decades("error (mm)", rows.iter().flat_map(|row| [1e3 * row.p05_m, 1e3 * row.largest_m]));
+    let width = PAGE_WIDTH - LEFT - 12.0;
+    let mut top = 46.0;
+    for mode in &modes {
+        let names: Vec<String> = policies.iter().map(|policy| policy_label(policy).to_owned()).collect();
+        let panel = Panel {
+            corner: [LEFT, top],
+            size: [width, HIGH],
+            x: Axis::categories("", &names),
+            y: y.clone(),
+            title: mode_title(mode),
+        };
+        panel.draw(&mut canvas);
+        for (place, policy) in policies.iter().enumerate() {
+            if let Some(row) = rows.iter().find(|row| row.policy == *policy && row.mode == *mode) {
+                spread(&mut canvas, &panel, place as f64, row);
+            }
+        }
+        top += PITCH;
+    }
+    if !claims.is_empty() {
+        top = shares(&mut canvas, &claims, top);
+    }
+    canvas.height = (top + 6.0).round();
+    canvas
+}
+
+/// The errors of one policy over robots.
+fn spread(canvas: &mut Canvas, panel: &Panel, x: f64, row: &PopulationRow) {
+    let look = policy_look(&row.policy);
+    let at = |error_m: f64| panel.at(x, (1e3 * error_m).log10());
+    if !(row.p05_m > 0.0 && row.largest_m.is_finite()) {
+        return;
+    }
+    canvas.line(&[at(row.p05_m), at(row.p95_m)], 1.4, look.colour, &[]);
+    canvas.line(&[at(row.p25_m), at(row.p75_m)], 5.0, look.colour, &[]);
+    canvas.marker(at(row.largest_m), Marker::Diamond, MARKER, look.colour, true);
+    canvas.marker(at(row.median_m), look.marker, MARKER, look.colour, false);
+    let words = format!("{:.1}", 1e3 * row.median_m);
+    let [left, middle] = at(row.median_m);
+    canvas.text(Text::new(words, [left + 9.0, middle + 0.36 * SMALL], SMALL, TextAlign::Left));
+}
+
+/// The share of robots on which each claim holds, below `top`; returns where it ends.
+fn shares(canvas: &mut Canvas, claims: &[&RobotClaimRow], top: f64) -> f64 {
+    let high = LINE * claims.len() as f64;
+    let rows = Axis { label: String::new(), low: 0.0, high: claims.len() as f64, ticks: Vec::new() };
+    let axis = Axis::exact("share of robots on which the claim holds (%)", 0.0, 100.0, 4);
+    let size = [PAGE_WIDTH - CLAIMS_LEFT - 60.0, high];
+    let panel = Panel { corner: [CLAIMS_LEFT, top], size, x: axis, y: rows, title: String::new() };
+    panel.draw(canvas);
+    canvas.text(Text::new("Claims of the paper", [12.0, top - 8.0], TEXT, TextAlign::Left).bold());
+    for (index, row) in claims.iter().enumerate() {
+        let y = claims.len() as f64 - index as f64 - 0.5;
+        let at = |share: f64| panel.at(100.0 * share, y);
+        canvas.line(&[at(row.low_95), at(row.high_95)], 1.8, INK, &[]);
+        canvas.marker(at(row.share), Marker::Circle, MARKER, INK, false);
+        let base = at(0.0)[1] + 0.36 * SMALL;
+        let name = row.claim.replace("pi_real", policy_label("pi_real")).replace('_', " ");
+        canvas.text(Text::new(name, [CLAIMS_LEFT - 8.0, base], SMALL, TextAlign::Right));
+        let words = format!("{} of {}", row.held, row.robots);
+        canvas.text(Text::new(words, [PAGE_WIDTH - 52.0, base], SMALL, TextAlign::Left));
+    }
+    canvas.line(&[panel.at(50.0, 0.0), panel.at(50.0, claims.len() as f64)], HAIR, GREY, &[]);
+    top + high + 44.0
+}

@@ -1,0 +1,196 @@
+//! The tables behind [`super::population`]: errors over robots, what effects add to them, and on how many a claim holds.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::markup::MarkdownTable;
+use super::order::{rank, trainings};
+use super::style::{policy_markdown, policy_rank};
+use super::summarise::MODES;
+use crate::data::population::{AttributionRow, PopulationRow, RobotClaimRow, RobotRow};
+use crate::data::rows::TrialRow;
+use crate::math::distribution::{holm, student_95, student_beyond};
+use crate::math::summary::{mean, quantile, rank_correlation, standard_deviation};
+
+/// The errors of one policy, mode and data size, by robot.
+struct PolicyErrors<'a> {
+    first: &'a TrialRow,
+    /// Mean error over targets of each robot that has one, metres, by repetition.
+    robots_m: BTreeMap<u64, f64>,
+    failed: u64,
+}
+
+fn by_policy(trials: &[TrialRow]) -> Vec<PolicyErrors<'_>> {
+    let order = trainings(trials.iter().map(|row| row.training.as_str()));
+    let mut cells: BTreeMap<_, Vec<&TrialRow>> = BTreeMap::new();
+    for row in trials {
+        let mode = (rank(&MODES, &row.mode), row.mode.as_str());
+        let policy = (policy_rank(&row.policy), row.policy.as_str());
+        let key = (rank(&order, &row.training), mode, policy, (row.gp_points, row.real_points));
+        cells.entry(key).or_default().push(row);
+    }
+    cells.into_values().map(|rows| errors_of(&rows)).collect()
+}
+
+fn errors_of<'a>(rows: &[&'a TrialRow]) -> PolicyErrors<'a> {
+    let good = |row: &&&TrialRow| row.status == "ok" && row.error_m.is_finite();
+    let mut robots: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
+    rows.iter().filter(good).for_each(|row| robots.entry(row.seed).or_default().push(row.error_m));
+    PolicyErrors {
+        first: rows[0],
+        robots_m: robots.into_iter().map(|(seed, errors)| (seed, mean(&errors))).collect(),
+        failed: rows.iter().filter(|row| !good(row)).count() as u64,
+    }
+}
+
+/// The errors of each policy over robots.
+pub(super) fn population_rows(trials: &[TrialRow]) -> Vec<PopulationRow> {
+    let row = |cell: PolicyErrors| {
+        let errors_m: Vec<f64> = cell.robots_m.values().copied().collect();
+        let largest = cell.robots_m.iter().max_by(|one, other| one.1.total_cmp(other.1));
+        PopulationRow {
+            training: cell.first.training.clone(),
+            policy: cell.first.policy.clone(),
+            mode: cell.first.mode.clone(),
+            gp_points: cell.first.gp_points,
+            real_points: cell.first.real_points,
+            robots: errors_m.len() as u64,
+            p05_m: quantile(&errors_m, 0.05),
+            p25_m: quantile(&errors_m, 0.25),
+            median_m: quantile(&errors_m, 0.5),
+            p75_m: quantile(&errors_m, 0.75),
+            p95_m: quantile(&errors_m, 0.95),
+            largest_m: largest.map_or(f64::NAN, |(_, error_m)| *error_m),
+            largest_seed: largest.map_or(0, |(seed, _)| *seed),
+            failed: cell.failed,
+        }
+    };
+    by_policy(trials).into_iter().map(row).collect()
+}
+
+/// What each effect adds to the error of each policy, for effects that at least two robots have and two have not.
+pub(super) fn attribution_rows(trials: &[TrialRow], robots: &[RobotRow]) -> Vec<AttributionRow> {
+    // Strength by effect and robot.
+    let mut strengths: BTreeMap<&str, BTreeMap<u64, f64>> = BTreeMap::new();
+    for row in robots {
+        strengths.entry(&row.effect).or_default().insert(row.seed, row.strength);
+    }
+    let mut rows = Vec::new();
+    for cell in by_policy(trials) {
+        let compared: Vec<(AttributionRow, f64)> =
+            strengths.iter().filter_map(|(effect, strengths)| attributed(&cell, effect, strengths)).collect();
+        let p_values: Vec<f64> = compared.iter().map(|(_, p)| *p).collect();
+        let corrected = holm(&p_values);
+        rows.extend(compared.into_iter().zip(corrected).map(|((row, _), p_holm)| AttributionRow { p_holm, ..row }));
+    }
+    rows
+}
+
+/// Robots with the effect against robots without it (Welch, Biometrika 34, 1947), and the uncorrected p-value.
+fn attributed(cell: &PolicyErrors, effect: &str, strengths: &BTreeMap<u64, f64>) -> Option<(AttributionRow, f64)> {
+    let (with, without): (Vec<_>, Vec<_>) = cell.robots_m.iter().partition(|(seed, _)| strengths.contains_key(seed));
+    let errors = |robots: &[(&u64, &f64)]| robots.iter().map(|(_, error_m)| **error_m).collect::<Vec<f64>>();
+    let (with_m, without_m) = (errors(&with), errors(&without));
+    if with_m.len() < 2 || without_m.len() < 2 {
+        return None;
+    }
+    let share = |errors_m: &[f64]| standard_deviation(errors_m).powi(2) / errors_m.len() as f64;
+    let (a, b) = (share(&with_m), share(&without_m));
+    let freedom = (a + b).powi(2) / (a * a / (with_m.len() - 1) as f64 + b * b / (without_m.len() - 1) as f64);
+    let difference_m = mean(&with_m) - mean(&without_m);
+    let half_m = student_95(freedom) * (a + b).sqrt();
+    let sizes: Vec<f64> = with.iter().filter_map(|(seed, _)| strengths.get(seed)).copied().collect();
+    let row = AttributionRow {
+        training: cell.first.training.clone(),
+        policy: cell.first.policy.clone(),
+        mode: cell.first.mode.clone(),
+        gp_points: cell.first.gp_points,
+        real_points: cell.first.real_points,
+        effect: effect.to_owned(),
+        robots_with: with_m.len() as u64,
+        robots_without: without_m.len() as u64,
+        difference_m,
+        low_95_m: difference_m - half_m,
+        high_95_m: difference_m + half_m,
+        rank_correlation: rank_correlation(&sizes, &with_m),
+        p_holm: f64::NAN,
+    };
+    Some((row, student_beyond(difference_m / (a + b).sqrt(), freedom)))
+}
+
+/// The three tables in Markdown, errors in millimetres.
+pub(super) fn markdown(rows: &[PopulationRow], claims: &[RobotClaimRow], effects: &[AttributionRow]) -> String {
+    let mm = |error_m: f64| if error_m.is_finite() { format!("{:.2}", 1e3 * error_m) } else { "–".to_owned() };
+    let header = |cells: &[&str]| cells.iter().map(|cell| (*cell).to_owned()).collect::<Vec<String>>();
+    let errors = MarkdownTable {
+        header: header(&["policy", "training", "mode", "robots", "median", "5 %", "95 %", "largest", "failed trials"]),
+        rows: rows
+            .iter()
+            .map(|row| {
+                let head = [
+                    policy_markdown(&row.policy).to_owned(),
+                    row.training.clone(),
+                    row.mode.clone(),
+                    row.robots.to_string(),
+                ];
+                let numbers = [row.median_m, row.p05_m, row.p95_m, row.largest_m].map(mm);
+                [&head[..], &numbers[..], &[row.failed.to_string()]].concat()
+            })
+            .collect(),
+    };
+    let held = MarkdownTable {
+        header: header(&["claim", "training", "robots", "holds on", "95 % interval"]),
+        rows: claims
+            .iter()
+            .map(|row| {
+                let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+                let interval = format!("{} to {}", percent(row.low_95), percent(row.high_95));
+                let statement = row.statement.clone();
+                vec![statement, row.training.clone(), row.robots.to_string(), percent(row.share), interval]
+            })
+            .collect(),
+    };
+    let decided: Vec<&AttributionRow> = effects.iter().filter(|row| row.p_holm < 0.05).collect();
+    let deciding = MarkdownTable {
+        header: header(&[
+            "policy",
+            "training",
+            "mode",
+            "effect",
+            "robots with it",
+            "adds",
+            "95 % interval",
+            "rank correlation",
+        ]),
+        rows: decided
+            .iter()
+            .map(|row| {
+                let head = [
+                    policy_markdown(&row.policy).to_owned(),
+                    row.training.clone(),
+                    row.mode.clone(),
+                    row.effect.clone(),
+                ];
+                let interval = format!("{} to {}", mm(row.low_95_m), mm(row.high_95_m));
+                let tail = [
+                    row.robots_with.to_string(),
+                    mm(row.difference_m),
+                    interval,
+                    format!("{:.2}", row.rank_correlation),
+                ];
+                [head, tail].concat()
+            })
+            .collect(),
+    };
+    let asked: BTreeSet<&str> = effects.iter().map(|row| row.effect.as_str()).collect();
+    let mut text =
+        format!("Errors over robots in mm; that of a robot is its mean over targets.\n\n{}", errors.markdown());
+    if !claims.is_empty() {
+        text += &format!("\nRobots on which a claim of the paper holds.\n\n{}", held.markdown());
+    }
+    text += &format!(
+        "\nEffects that change an error (p below 0.05 after Holm's correction over {} effects), mm.\n\n{}",
+        asked.len(),
+        if decided.is_empty() { "None.\n".to_owned() } else { deciding.markdown() }
+    );
+    text
+}
