@@ -42,7 +42,7 @@ controllers: build ## further controllers beside the paper's, and what tells the
 	$(SPINEBENCH) run experiments/controllers.yaml --seeds $(SEEDS) --out $(OUT)
 	$(if $(filter .,$(OUT)),$(SPINEBENCH) page docs/control.md)
 
-SWEEPS := $(sort $(wildcard experiments/sweeps/*.yaml))
+SWEEPS := $(sort $(wildcard experiments/sweeps/*.yaml)) experiments/gp_intervals.yaml
 sweeps: build ## kernels, sizes, thresholds, noise, gaps … swept (half an hour; docs/sweeps.md); SEEDS=1 for a look, into out/
 	$(SPINEBENCH) run $(SWEEPS) --seeds $(SEEDS) --out $(OUT)
 

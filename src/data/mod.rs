@@ -28,6 +28,6 @@ pub use text::read_text;
 
 /// Every table of results.
 pub fn table_descriptions() -> impl Iterator<Item = &'static TableDescription> {
-    let tables = rows::TABLES.iter().chain(responses::TABLES).chain(repairs::TABLES);
+    let tables = rows::TABLES.iter().chain(responses::TABLES).chain(repairs::TABLES).chain(population::TABLES);
     tables.chain(findings::TABLES)
 }
