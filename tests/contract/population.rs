@@ -47,12 +47,12 @@ fn a_population_is_run_and_published_with_what_holds_on_how_many_robots() {
         assert!(output.status.success(), "{arguments:?}: {said}");
         said
     };
-    spinebench(&["run", "few.yaml", "--seeds", "6", "--quiet"]);
+    spinebench(&["run", "few.yaml", "--seeds", "8", "--quiet"]);
     let results = folder.path().join("results/few");
     let published = Published::read(&results).unwrap();
     let mut robots: Vec<(u64, &str)> = published.robots.iter().map(|row| (row.seed, row.effect.as_str())).collect();
     robots.dedup();
-    assert_eq!(robots.len(), 6 * 2, "{robots:?}");
+    assert_eq!(robots.len(), 8 * 2, "{robots:?}");
     let claim = &published.robot_claims[0];
     // The share is that of the repetitions in which the means say so.
     let mean = |seed: u64, policy: &str| {
@@ -64,10 +64,10 @@ fn a_population_is_run_and_published_with_what_holds_on_how_many_robots() {
             .collect();
         errors.iter().sum::<f64>() / errors.len() as f64
     };
-    let held = (0..6).filter(|&seed| mean(seed, "a") < mean(seed, "pi_real")).count() as u64;
-    assert_eq!((claim.robots, claim.held), (6, held));
+    let held = (0..8).filter(|&seed| mean(seed, "a") < mean(seed, "pi_real")).count() as u64;
+    assert_eq!((claim.robots, claim.held), (8, held));
     assert!(
-        (claim.share - held as f64 / 6.0).abs() < 1e-8 && claim.low_95 < claim.share && claim.share < claim.high_95
+        (claim.share - held as f64 / 8.0).abs() < 1e-8 && claim.low_95 < claim.share && claim.share < claim.high_95
     );
     for name in ["population.csv", "attribution.csv", "population.md"] {
         assert!(results.join(name).is_file(), "{name}");
@@ -78,5 +78,5 @@ fn a_population_is_run_and_published_with_what_holds_on_how_many_robots() {
     assert!(first.windows(2).all(|pair| pair[0] != pair[1]), "{first:?}");
     spinebench(&["verify", "few", "--quiet"]);
     let effects: Vec<spinebench::data::population::AttributionRow> = published_rows(&results).unwrap();
-    assert!(effects.iter().all(|row| row.robots_with + row.robots_without == 6), "{effects:?}");
+    assert!(effects.iter().all(|row| row.robots_with + row.robots_without == 8), "{effects:?}");
 }

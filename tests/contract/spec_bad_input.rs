@@ -54,7 +54,7 @@ const BAD: &[(&str, &str)] = &[
     ),
     (
         "runs: {gp_points: [20], gp_coverage: [0.9, 95]}",
-        "bad.yaml:2:45: runs.gp_coverage[1]: found 95, expected a share",
+        "bad.yaml:2:44: runs.gp_coverage[1]: found 95, expected a share",
     ),
     ("population: {most_effects: 99}", "bad.yaml:2:28: population.most_effects: found 99, expected at least 1, and no"),
     ("population: {effects: [creeep]}", "bad.yaml:2:23: population.effects: found `creeep`, expected names of effects"),

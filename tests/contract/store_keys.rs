@@ -35,7 +35,8 @@ fn telling_files_change_the_keys_of_exactly_these_stages() {
     // How results lie in the store.
     assert_eq!(&stages_of("runner/codec.rs") - &only(&["bench"]), all);
     // Rows that are stored.
-    let rows = only(&["gap", "gp_score", "gp_fit", "reach", "track", "response", "pace", "monitor", "alarm"]);
+    let rows =
+        only(&["gap", "gp_score", "gp_fit", "gp_coverage", "reach", "track", "response", "pace", "monitor", "alarm"]);
     assert_eq!(stages_of("data/rows.rs"), rows);
     // The rod moves in all that build a robot; what is only trained has seen it through its inputs.
     let rod = &stages_of("rod/solver/newton.rs") - &only(&["bench"]);
