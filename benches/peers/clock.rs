@@ -9,10 +9,14 @@ const BLOCKS: usize = 4;
 const LONG_S: f64 = 1.0;
 /// … and one that takes longer than this once.
 const VERY_LONG_S: f64 = 5.0;
+/// A run whose mean counts is repeated until this much time has gone by.
+const ENOUGH_S: f64 = 0.3;
 
 /// Processor time of this thread from Linux's scheduler statistics (nanoseconds in the first field); `None` where the
 /// system does not tell.
 fn thread_cpu_s() -> Option<f64> {
+    // A thread that offers its turn is counted up to now, not up to the last tick.
+    std::thread::yield_now();
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     Some(text.split_whitespace().next()?.parse::<u64>().ok()? as f64 * 1e-9)
 }
@@ -48,4 +52,20 @@ pub fn best<R, E>(mut run: impl FnMut() -> Result<R, E>) -> (Result<R, E>, f64) 
         shortest = shortest.min(spent / each);
     }
     (result, shortest)
+}
+
+/// The last result of `run` and the mean time that it took.
+pub fn mean<R>(mut run: impl FnMut() -> R) -> (R, f64) {
+    let (mut spent, mut runs) = (0.0, 0.0);
+    let mut each = 1_u32;
+    loop {
+        let mut result = None;
+        spent += timed(|| (0..each).for_each(|_| result = Some(run())));
+        runs += f64::from(each);
+        if let Some(result) = result.filter(|_| spent >= ENOUGH_S) {
+            return (result, spent / runs);
+        }
+        // Ever more between two looks at the time, which take longer than a short run.
+        each = each.saturating_mul(2).min((runs * ENOUGH_S / spent.max(1e-9)) as u32).max(1);
+    }
 }

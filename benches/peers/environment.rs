@@ -17,13 +17,33 @@ pub struct Facts {
     pub limits_m: Vec<(String, f64)>,
 }
 
-#[derive(Serialize)]
-struct Environment {
+/// What all figures depend on.
+#[derive(Debug, Serialize)]
+pub struct Machine {
     processor: String,
     time: &'static str,
     system: String,
     compiler: String,
     spinebench: &'static str,
+}
+
+impl Machine {
+    /// The one that this runs on.
+    pub fn this() -> Machine {
+        Machine {
+            processor: processor(),
+            time: clock::kind(),
+            system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+            compiler: compiler(),
+            spinebench: env!("CARGO_PKG_VERSION"),
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct Environment {
+    #[serde(flatten)]
+    machine: Machine,
     versions: serde_json::Map<String, serde_json::Value>,
     skipped: serde_json::Map<String, serde_json::Value>,
     limits_m: serde_json::Map<String, serde_json::Value>,
@@ -37,11 +57,7 @@ pub fn yaml(facts: &Facts) -> Result<String, String> {
     let map =
         |pairs: &[(String, String)]| pairs.iter().map(|(name, word)| (name.clone(), word.clone().into())).collect();
     let environment = Environment {
-        processor: processor(),
-        time: clock::kind(),
-        system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
-        compiler: compiler(),
-        spinebench: env!("CARGO_PKG_VERSION"),
+        machine: Machine::this(),
         versions: map(&facts.versions),
         skipped: map(&facts.skipped),
         limits_m: facts.limits_m.iter().map(|(name, value)| (name.clone(), (*value).into())).collect(),

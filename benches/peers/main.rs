@@ -1,10 +1,12 @@
-//! Other simulators on the same robots, one after the other on one core: processor time against error of the tip.
+//! Other simulators on the same robots, one after the other on one core: processor time against error of the tip. Then
+//! packages that learn, on the same samples.
 //! `make peers` runs it; `docs/peers.md` says what is compared and why like this.
 #![allow(missing_docs, unreachable_pub)]
 
 mod clock;
 mod drive;
 mod environment;
+mod learning;
 mod limits;
 mod ours;
 mod peer_till;
@@ -20,7 +22,7 @@ use std::process::ExitCode;
 use spinebench::report;
 
 fn main() -> ExitCode {
-    // Cargo passes `--bench`; a word picks one robot, and then nothing is written.
+    // Cargo passes `--bench`; a word picks one robot, and then nothing is written, or `learning`.
     let only = std::env::args().skip(1).find(|word| !word.starts_with('-'));
     match run(only.as_deref()) {
         Ok(()) => ExitCode::SUCCESS,
@@ -32,11 +34,18 @@ fn main() -> ExitCode {
 }
 
 fn run(only: Option<&str>) -> Result<(), String> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    if only != Some("learning") {
+        simulators(root, only)?;
+    }
+    if only.is_none_or(|only| only == "learning") { learning::run(root) } else { Ok(()) }
+}
+
+fn simulators(root: &Path, only: Option<&str>) -> Result<(), String> {
     let results = suite::run(only)?;
     if only.is_some() {
         return Ok(());
     }
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let folder = root.join("results/peers");
     let words = |error: &dyn std::fmt::Display| error.to_string();
     let published = report::Published { peers: results.rows, ..report::Published::default() };

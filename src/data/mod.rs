@@ -7,6 +7,7 @@ mod error;
 mod file;
 pub mod findings;
 pub mod import;
+pub mod learning_peers;
 pub mod mcap;
 pub mod population;
 pub mod recording;
@@ -29,5 +30,5 @@ pub use text::read_text;
 /// Every table of results.
 pub fn table_descriptions() -> impl Iterator<Item = &'static TableDescription> {
     let tables = rows::TABLES.iter().chain(responses::TABLES).chain(repairs::TABLES).chain(population::TABLES);
-    tables.chain(findings::TABLES)
+    tables.chain(findings::TABLES).chain(learning_peers::TABLES)
 }

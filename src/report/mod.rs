@@ -111,6 +111,7 @@ figures! {
     claims::FIGURE,
     sweep::FIGURE,
     peers::FIGURE,
+    peers_learning::FIGURE,
     benchmark::FIGURE,
     scaling::FIGURE,
     controllers::FIGURE,

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::sweep_rows::SweepTable;
 use crate::data::findings::{CaseRow, IntervalRow};
+use crate::data::learning_peers::LearningPeerRow;
 use crate::data::population::{RobotClaimRow, RobotRow};
 use crate::data::repairs::{IdentificationRow, MonitorRow, RepairRow, RepairTrialRow};
 use crate::data::responses::{PaceRow, ResponseRow};
@@ -102,6 +103,8 @@ published! {
     claims: ClaimRow,
     /// Simulators beside each other.
     peers: PeerRow,
+    /// Learning beside other packages.
+    learning_peers: LearningPeerRow,
     /// Blind cases of discovery.
     cases: CaseRow,
     /// Their intervals.

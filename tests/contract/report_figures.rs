@@ -72,6 +72,7 @@ fn poor_rows_are_drawn_or_refused_but_never_crash() {
             rows.sweep.rows.truncate(keep);
             rows.sweep.fields.iter_mut().for_each(|(_, cells)| cells.truncate(keep));
             rows.peers.truncate(keep);
+            rows.learning_peers.truncate(keep);
             rows.cases.truncate(keep);
             rows.responses.truncate(keep);
             rows.paces.truncate(keep);
@@ -94,6 +95,7 @@ fn poor_rows_are_drawn_or_refused_but_never_crash() {
                 .for_each(|row| (row.after_m, row.shift_m, row.noise_m) = (f64::NAN, f64::NAN, f64::INFINITY));
             // Of simulators that all failed there is nothing to draw.
             rows.peers.iter_mut().skip(1).for_each(|row| row.rms_error_m = f64::NAN);
+            rows.learning_peers.iter_mut().skip(1).for_each(|row| row.cpu_s = f64::NAN);
             (figure.render)(&rows).unwrap();
         }
     }

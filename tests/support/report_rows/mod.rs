@@ -5,6 +5,7 @@ pub(crate) mod cases;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use spinebench::base::{Point3, Seed, distance_m};
+use spinebench::data::learning_peers::LearningPeerRow;
 use spinebench::data::population::{RobotClaimRow, RobotRow};
 use spinebench::data::repairs::{MonitorRow, RepairRow, RepairTrialRow};
 use spinebench::data::responses::{PaceRow, ResponseRow};
@@ -372,6 +373,47 @@ pub(crate) fn peers() -> Vec<PeerRow> {
     rows
 }
 
+/// Learning by every package in some rounds, and a fit that failed.
+fn learning_peers(rounds: u64) -> Vec<LearningPeerRow> {
+    let mut rows = Vec::new();
+    let packages = ["spinebench", "scipy", "scikit_learn", "gpy", "gpytorch", "pytorch"];
+    let tasks = [
+        ("product_f64", 2048, 0.3),
+        ("product_f32", 2048, 0.15),
+        ("fit", 100, 0.02),
+        ("predict_one", 100, 5e-6),
+        ("predict_many", 100, 0.05),
+        ("fit", 1000, 2.0),
+        ("predict_one", 1000, 1e-3),
+        ("predict_many", 1000, 1.0),
+        ("evaluation", 1000, 0.02),
+        ("epoch", 7000, 0.013),
+        ("until_error", 7000, 0.4),
+    ];
+    for round in 1..=rounds {
+        for (task, size, cpu_s) in tasks {
+            for (place, peer) in packages.into_iter().enumerate() {
+                rows.push(LearningPeerRow {
+                    task: task.to_owned(),
+                    size,
+                    peer: peer.to_owned(),
+                    round,
+                    cpu_s: cpu_s * 3f64.powi(place as i32) * (1.0 + 0.02 * ((round * size) % 7) as f64 * place as f64),
+                    likelihood: 481.8 - place as f64,
+                    evaluations: 60.0,
+                    error_m: 0.0002,
+                    status: "ok".to_owned(),
+                });
+            }
+        }
+    }
+    let failed = rows.iter_mut().find(|row| row.task == "fit" && row.peer == "gpy");
+    if let Some(row) = failed {
+        (row.cpu_s, row.status) = (f64::NAN, "LinAlgError".to_owned());
+    }
+    rows
+}
+
 /// Everything, each figure's own rows.
 /// Trials of fixed duration: three policies with and without a load.
 fn responses(seeds: u64) -> Vec<ResponseRow> {
@@ -489,6 +531,7 @@ pub(crate) fn published(figure: &str, seeds: u64) -> Published {
         "claims" => published.claims = claims(),
         "sweep" => published.sweep = thresholds(seeds),
         "peers" => published.peers = peers(),
+        "peers_learning" => published.learning_peers = learning_peers(seeds),
         "scaling" => published.scaling = scaling(),
         "discovery" => published.cases = cases::cases(seeds),
         "population" => {
