@@ -6,6 +6,7 @@ mod rows;
 mod seed;
 pub mod series;
 mod tendon_layout;
+mod tip_model;
 mod traits;
 
 pub use observation::{Displacements, Observation, Point3, SeenPoint, distance_m};
@@ -13,4 +14,5 @@ pub use option::BadOption;
 pub use rows::Rows;
 pub use seed::{Generator, Seed};
 pub use tendon_layout::{PlacedTendon, TendonLayout};
+pub use tip_model::{NoRestPose, RestPose, TipModel};
 pub use traits::{Action, Plant, PlantError, Policy, PolicyError, TendonCommand};

@@ -5,6 +5,8 @@
 
 mod actuator_limits;
 mod bends;
+mod disturbance;
+mod horizon;
 mod inverse_network;
 mod learned;
 mod model_traits;
@@ -13,6 +15,7 @@ mod network;
 mod option_ranges;
 mod outside;
 mod parts;
+mod rest_model;
 mod single_controller;
 mod tip_tracker;
 
@@ -21,13 +24,16 @@ pub use a_integral::AIntegralOptions;
 pub use actuator_limits::LimitOptions;
 pub use c::{AfterBoth, COptions, StartBranch, SwitchCheck};
 pub use c_hysteresis::CHysteresisOptions;
+pub use disturbance::DisturbanceOptions;
 pub use integral::IntegralOptions;
 pub use inverse_network::DirectOptions;
 pub use learned::{ElmanForward, ElmanInverse, GpError};
+pub use model_integral::ModelIntegralOptions;
 pub use model_traits::{ErrorModel, ForwardModel, InverseModel};
 pub use models::{
     EarlyStopping, FORWARD, INVERSE, INVERSE_B, ModelNeed, NetworkDescription, PI_REAL, SampleColumns, TrainingData,
 };
+pub use mpc::MpcOptions;
 pub use network::{MemoryUpdate, NetworkOptions};
 pub use online_jacobian::OnlineJacobianOptions;
 pub use outside::{
@@ -102,6 +108,8 @@ policies! {
     further: [
         integral::ENTRY { integral: integral::IntegralOptions },
         online_jacobian::ENTRY { online_jacobian: online_jacobian::OnlineJacobianOptions },
+        model_integral::ENTRY { model_integral: model_integral::ModelIntegralOptions },
+        mpc::ENTRY { mpc: mpc::MpcOptions },
         a_integral::ENTRY { a_integral: a_integral::AIntegralOptions },
         c_hysteresis::ENTRY { c_hysteresis: c_hysteresis::CHysteresisOptions },
     ]
@@ -137,6 +145,8 @@ pub enum ModelAccess {
     None,
     /// Where its tendons lie.
     Tendons,
+    /// Where its tip comes to rest under a bend, with the derivatives ([`crate::base::TipModel`]).
+    AtRest,
 }
 
 /// What a policy states about itself.

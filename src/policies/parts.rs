@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::{
     BuildError, ElmanForward, ElmanInverse, ErrorModel, ForwardModel, InverseModel, NetworkDescription, SampleColumns,
 };
-use crate::base::TendonLayout;
+use crate::base::{TendonLayout, TipModel};
 use crate::learn::LearnError;
 use crate::learn::rnn::Elman;
 
@@ -17,6 +17,7 @@ pub struct PolicyParts {
     forward: BTreeMap<&'static str, Box<dyn ForwardModel>>,
     error: Option<Arc<dyn ErrorModel>>,
     layout: Option<TendonLayout>,
+    tip_model: Option<Box<dyn TipModel>>,
 }
 
 impl PolicyParts {
@@ -61,12 +62,27 @@ impl PolicyParts {
         self
     }
 
+    /// Adds the nominal model.
+    #[must_use]
+    pub fn with_tip_model(mut self, model: Box<dyn TipModel>) -> Self {
+        self.tip_model = Some(model);
+        self
+    }
+
     /// Where the tendons lie, for the policy called `policy`.
     ///
     /// # Errors
     /// [`BuildError::Missing`] where nobody said so.
     pub fn layout(&self, policy: &'static str) -> Result<TendonLayout, BuildError> {
         self.layout.clone().ok_or(BuildError::Missing { policy, model: "tendon layout" })
+    }
+
+    /// Takes the nominal model for the policy called `policy`.
+    ///
+    /// # Errors
+    /// [`BuildError::Missing`] where there is none.
+    pub fn tip_model(&mut self, policy: &'static str) -> Result<Box<dyn TipModel>, BuildError> {
+        self.tip_model.take().ok_or(BuildError::Missing { policy, model: "nominal model" })
     }
 
     /// Takes an inverse mapping for the policy called `policy`.

@@ -38,7 +38,7 @@ fn a_missing_part_is_named() {
             panic!("{} was built from nothing", entry.name)
         };
         assert_eq!(policy, entry.name);
-        let told = ["error model", "tendon layout"];
+        let told = ["error model", "tendon layout", "nominal model"];
         let named = told.contains(&model) || entry.networks().any(|network| network.name == model);
         assert!(named, "{}: {model}", entry.name);
     }

@@ -70,6 +70,30 @@ const BAD: &[(&str, &str)] = &[
         "bad.yaml:2:41: policies.c_hysteresis.stay_below_m: found 0.01, expected at most `switch_above_m` (0.004)",
     ),
     (
+        "policies: {mpc: {horizon: 500}}",
+        "bad.yaml:2:27: policies.mpc.horizon: found 500, expected a whole number from 1",
+    ),
+    (
+        "policies: {mpc: {disturbance: {noise_m: 0}}}",
+        "bad.yaml:2:41: policies.mpc.disturbance.noise_m: found 0, expected a finite number above 0",
+    ),
+    (
+        "policies: {model_integral: {slack_m: -1}}",
+        "bad.yaml:2:38: policies.model_integral.slack_m: found -1, expected a finite number of at least 0",
+    ),
+    (
+        "model: {replay: {recording: none.csv}}\nruns: {reach: [{policies: [mpc], modes: [closed], gp_points: [20]}]}",
+        "bad.yaml:2:1: model: found a mapping, expected a model with equations",
+    ),
+    (
+        "runs: {response: {cells: [{policies: [mpc], modes: [closed]}]}}",
+        "bad.yaml:2:27: runs.response.cells[0].gp_points: found nothing, expected sizes for policy `mpc`",
+    ),
+    (
+        "runs: {repair: {gp_points: 20, changes: {load: [{tip_load: {mass_kg: 0.02}}]}, cells: [{policies: [mpc], modes: [closed], gp_points: [20]}]}}",
+        "bad.yaml:2:108: runs.repair.cells[0].policies[0]: found `mpc`, expected a policy that does not ask the model",
+    ),
+    (
         "runs: {response: {duration_s: 0, cells: [{policies: [a_integral], modes: [closed], gp_points: [20]}]}}",
         "bad.yaml:2:31: runs.response.duration_s: found 0, expected 1 to 600 s",
     ),

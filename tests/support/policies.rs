@@ -3,12 +3,13 @@
 
 use std::sync::Arc;
 
-use spinebench::base::{Displacements, Observation, Point3, Policy, PolicyError, TendonLayout};
-use spinebench::plants::{ConstantCurvature, ConstantCurvatureOptions};
+use spinebench::base::{Displacements, Observation, Point3, Policy, PolicyError};
+use spinebench::plants::{ConstantCurvature, ConstantCurvatureOptions, PlantSpec};
 use spinebench::policies::{
     ErrorModel, InverseModel, NetworkDescription, PolicyEntry, PolicyOptions, PolicyParts, SampleColumns, TrainingData,
     build, find, networks,
 };
+use spinebench::tasks::tip_model;
 
 /// The exact inverse of a robot whose tip is shifted by `shift_m`, with a memory that can be made visible: each tick
 /// adds `drift_m` to every displacement.
@@ -78,9 +79,10 @@ pub(crate) fn exact_parts(shift_m: Point3) -> PolicyParts {
     })
 }
 
-/// What policies are told of the nominal model.
+/// What policies are told of the nominal model: the robot without a shift.
 pub(crate) fn told_of_model(parts: PolicyParts) -> PolicyParts {
-    parts.with_layout(TendonLayout::ring(4))
+    let model = PlantSpec::ConstantCurvature(Box::default());
+    parts.with_layout(model.tendon_layout()).with_tip_model(tip_model(&model).unwrap())
 }
 
 /// The networks of all policies that are inverse mappings.

@@ -9,7 +9,7 @@ use crate::data::rows::{TrackRow, TrialRow};
 use crate::effects::EffectSpec;
 use crate::learn::gp::Gp;
 use crate::learn::rnn::Trained;
-use crate::policies::{self, GpError, PolicyOptions, PolicyParts};
+use crate::policies::{self, GpError, ModelAccess, PolicyOptions, PolicyParts};
 use crate::runner::stage::{Handle, Stage, StageInputs, StageKind};
 use crate::tasks::{self, LoopMode, ReachOptions, ReachOutcome, TrackOptions, TrackStep};
 use std::sync::Arc;
@@ -111,6 +111,10 @@ impl Condition {
         }
         if let Some(model) = &self.model {
             parts = parts.with_layout(model.spec().tendon_layout());
+            if entry.model == ModelAccess::AtRest {
+                let tip = tasks::tip_model(model.spec()).ok_or("a model without equations has no tip at rest")?;
+                parts = parts.with_tip_model(tip);
+            }
         }
         policies::build(entry, parts, &self.options).map_err(|error| error.to_string())
     }

@@ -7,7 +7,7 @@ use crate::base::BadOption;
 use crate::effects::{check_effect_units, check_effects};
 use crate::learn::LearnError;
 use crate::plants::PlantSpec;
-use crate::policies;
+use crate::policies::{self, ModelAccess};
 use crate::report::FIGURES;
 use crate::specs::document::error::SpecError;
 use crate::specs::document::locate::PathEnd;
@@ -17,7 +17,7 @@ use crate::specs::document::path::KeyPath;
 use crate::specs::experiment::cells::uses;
 use crate::specs::experiment::claims::Size;
 use crate::specs::experiment::spec::{DiscoveryRun, Experiment, ReachSweep, TrackRun};
-use crate::tasks::PointLayout;
+use crate::tasks::{PointLayout, has_tip_model};
 
 /// Checks `experiment`, which was read from `document`.
 ///
@@ -300,6 +300,11 @@ impl Checker<'_> {
             let own = self.experiment.policies.outside.keys().map(String::as_str);
             let known: Vec<&str> = policies::REGISTRY.iter().map(|entry| entry.name).chain(own).collect();
             self.unless(known.contains(&name.as_str()), &path.item(index), &one_of(&known))?;
+            let asks = policies::find(name).is_some_and(|entry| entry.model == ModelAccess::AtRest);
+            let expected =
+                format!("a model with equations (`simulated`, `constant_curvature`), as policy `{name}` needs");
+            let model = KeyPath::default().key("model");
+            self.unless(!asks || has_tip_model(&self.experiment.model), &model, &expected)?;
         }
         Ok(())
     }

@@ -4,6 +4,7 @@ use super::discovery::check_entries;
 use super::experiment::Checker;
 use crate::effects::{check_effect_units, check_effects};
 use crate::plants::PlantSpec;
+use crate::policies::{self, ModelAccess};
 use crate::specs::document::error::SpecError;
 use crate::specs::document::locate::PathEnd;
 use crate::specs::document::path::KeyPath;
@@ -47,7 +48,20 @@ impl Checker<'_> {
         check_entries(self.document, &run.discovery, &path.key("discovery"))?;
         option(&path.key("discovery"), run.discovery.check())?;
         self.unless(!run.cells.is_empty(), &path.key("cells"), "at least one product of policies and modes")?;
-        self.cells(&run.cells, &path.key("cells"))
+        self.cells(&run.cells, &path.key("cells"))?;
+        self.asks_no_model(run, &path.key("cells"))
+    }
+
+    /// The repaired model is found during the run, while a policy that asks the model is handed the spec's.
+    fn asks_no_model(&self, run: &RepairRun, path: &KeyPath) -> Result<(), SpecError> {
+        for (index, sweep) in run.cells.iter().enumerate() {
+            for (number, name) in sweep.policies.iter().enumerate() {
+                let asks = policies::find(name).is_some_and(|entry| entry.model == ModelAccess::AtRest);
+                let path = path.item(index).key("policies").item(number);
+                self.unless(!asks, &path, "a policy that does not ask the model itself, which `runs.repair` replaces")?;
+            }
+        }
+        Ok(())
     }
 
     fn changes(&self, run: &RepairRun, path: &KeyPath) -> Result<(), SpecError> {
