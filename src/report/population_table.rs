@@ -119,9 +119,33 @@ fn attributed(cell: &PolicyErrors, effect: &str, strengths: &BTreeMap<u64, f64>)
 
 /// The three tables in Markdown, errors in millimetres.
 pub(super) fn markdown(rows: &[PopulationRow], claims: &[RobotClaimRow], effects: &[AttributionRow]) -> String {
-    let mm = |error_m: f64| if error_m.is_finite() { format!("{:.2}", 1e3 * error_m) } else { "–".to_owned() };
-    let header = |cells: &[&str]| cells.iter().map(|cell| (*cell).to_owned()).collect::<Vec<String>>();
-    let errors = MarkdownTable {
+    let decided: Vec<&AttributionRow> = effects.iter().filter(|row| row.p_holm < 0.05).collect();
+    let asked: BTreeSet<&str> = effects.iter().map(|row| row.effect.as_str()).collect();
+    let mut text = format!(
+        "Errors over robots in mm; that of a robot is its mean over targets.\n\n{}",
+        error_table(rows).markdown()
+    );
+    if !claims.is_empty() {
+        text += &format!("\nRobots on which a claim of the paper holds.\n\n{}", claim_table(claims).markdown());
+    }
+    text += &format!(
+        "\nEffects that change an error (p below 0.05 after Holm's correction over {} effects), mm.\n\n{}",
+        asked.len(),
+        if decided.is_empty() { "None.\n".to_owned() } else { effect_table(&decided).markdown() }
+    );
+    text
+}
+
+fn mm(error_m: f64) -> String {
+    if error_m.is_finite() { format!("{:.2}", 1e3 * error_m) } else { "–".to_owned() }
+}
+
+fn header(cells: &[&str]) -> Vec<String> {
+    cells.iter().map(|cell| (*cell).to_owned()).collect()
+}
+
+fn error_table(rows: &[PopulationRow]) -> MarkdownTable {
+    MarkdownTable {
         header: header(&["policy", "training", "mode", "robots", "median", "5 %", "95 %", "largest", "failed trials"]),
         rows: rows
             .iter()
@@ -136,8 +160,11 @@ pub(super) fn markdown(rows: &[PopulationRow], claims: &[RobotClaimRow], effects
                 [&head[..], &numbers[..], &[row.failed.to_string()]].concat()
             })
             .collect(),
-    };
-    let held = MarkdownTable {
+    }
+}
+
+fn claim_table(claims: &[RobotClaimRow]) -> MarkdownTable {
+    MarkdownTable {
         header: header(&["claim", "training", "robots", "holds on", "95 % interval"]),
         rows: claims
             .iter()
@@ -148,9 +175,11 @@ pub(super) fn markdown(rows: &[PopulationRow], claims: &[RobotClaimRow], effects
                 vec![statement, row.training.clone(), row.robots.to_string(), percent(row.share), interval]
             })
             .collect(),
-    };
-    let decided: Vec<&AttributionRow> = effects.iter().filter(|row| row.p_holm < 0.05).collect();
-    let deciding = MarkdownTable {
+    }
+}
+
+fn effect_table(decided: &[&AttributionRow]) -> MarkdownTable {
+    MarkdownTable {
         header: header(&[
             "policy",
             "training",
@@ -180,17 +209,5 @@ pub(super) fn markdown(rows: &[PopulationRow], claims: &[RobotClaimRow], effects
                 [head, tail].concat()
             })
             .collect(),
-    };
-    let asked: BTreeSet<&str> = effects.iter().map(|row| row.effect.as_str()).collect();
-    let mut text =
-        format!("Errors over robots in mm; that of a robot is its mean over targets.\n\n{}", errors.markdown());
-    if !claims.is_empty() {
-        text += &format!("\nRobots on which a claim of the paper holds.\n\n{}", held.markdown());
     }
-    text += &format!(
-        "\nEffects that change an error (p below 0.05 after Holm's correction over {} effects), mm.\n\n{}",
-        asked.len(),
-        if decided.is_empty() { "None.\n".to_owned() } else { deciding.markdown() }
-    );
-    text
 }
