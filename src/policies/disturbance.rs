@@ -47,20 +47,20 @@ impl DisturbanceOptions {
 }
 
 /// The estimate.
-pub(super) struct Disturbance {
+pub(super) struct DisturbanceFilter {
     options: DisturbanceOptions,
     /// Measured less expected tip, metres.
     pub(super) offset_m: Point3,
     variance_m2: f64,
 }
 
-impl Disturbance {
-    pub(super) fn new(options: DisturbanceOptions) -> Disturbance {
-        Disturbance { options, offset_m: [0.0; 3], variance_m2: options.first_sd_m.powi(2) }
+impl DisturbanceFilter {
+    pub(super) fn new(options: DisturbanceOptions) -> DisturbanceFilter {
+        DisturbanceFilter { options, offset_m: [0.0; 3], variance_m2: options.first_sd_m.powi(2) }
     }
 
     pub(super) fn reset(&mut self) {
-        *self = Disturbance::new(self.options);
+        *self = DisturbanceFilter::new(self.options);
     }
 
     /// Standard deviation of the estimate on an axis, metres.
@@ -88,7 +88,7 @@ mod tests {
     #[test]
     fn at_rest_the_estimate_is_nearly_the_mean_of_what_was_measured() {
         let options = DisturbanceOptions { drift_m: 0.0, first_sd_m: 1.0, ..DisturbanceOptions::default() };
-        let mut disturbance = Disturbance::new(options);
+        let mut disturbance = DisturbanceFilter::new(options);
         for tick in 0..10 {
             let tip_m = [0.001 * f64::from(tick), 0.0, 0.2];
             disturbance.measured(&tip_m, &[0.0, 0.0, 0.2], 0.0);

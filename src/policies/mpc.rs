@@ -7,10 +7,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::actuator_limits::{LimitOptions, largest_change_m};
-use super::disturbance::{Disturbance, DisturbanceOptions};
+use super::disturbance::{DisturbanceFilter, DisturbanceOptions};
 use super::horizon::first_move_m;
 use super::option_ranges::{unless_count_to, unless_not_negative};
-use super::rest_model::{Expected, RestModel};
+use super::rest_model::{ExpectedPose, RestModel};
 use super::single_controller::{ControlLaw, Demand, SingleController};
 use super::tip_tracker::TipReading;
 use super::{ModelAccess, ModelNeed, PolicyEntry, PolicyOptions};
@@ -91,23 +91,23 @@ pub(super) struct RecedingHorizon {
     model: RestModel,
     options: MpcOptions,
     limits: LimitOptions,
-    disturbance: Disturbance,
+    disturbance: DisturbanceFilter,
     /// What is expected under the command in force; nothing before the first tick.
-    in_force: Option<Expected>,
+    in_force: Option<ExpectedPose>,
     /// The same of the command before it.
     before_m: Option<Point3>,
     /// The bend at the target, as of the last tick.
-    goal: Option<(Point3, Expected)>,
+    goal: Option<(Point3, ExpectedPose)>,
 }
 
 impl RecedingHorizon {
     pub(super) fn new(model: RestModel, options: MpcOptions, all: &PolicyOptions) -> RecedingHorizon {
-        let disturbance = Disturbance::new(options.disturbance);
+        let disturbance = DisturbanceFilter::new(options.disturbance);
         RecedingHorizon { model, options, limits: all.limits, disturbance, in_force: None, before_m: None, goal: None }
     }
 
     /// The pose at the target, with the present disturbance.
-    fn goal(&mut self, in_force: &Expected, target_m: &Point3) -> Expected {
+    fn goal(&mut self, in_force: &ExpectedPose, target_m: &Point3) -> ExpectedPose {
         let offset_m = self.disturbance.offset_m;
         let aim_m: Point3 = std::array::from_fn(|axis| target_m[axis] - offset_m[axis]);
         let (from, steps) = match self.goal.take() {
@@ -122,7 +122,7 @@ impl RecedingHorizon {
 
     /// The pose after the first move towards `goal`. A move that the drive limits takes the fastest tendon as far as the drive
     /// does in a tick, but no component of the bend past the goal.
-    fn next(&mut self, in_force: &Expected, goal: &Expected) -> Expected {
+    fn next(&mut self, in_force: &ExpectedPose, goal: &ExpectedPose) -> ExpectedPose {
         let MpcOptions { horizon, move_weight, .. } = self.options;
         let step_m = self.limits.max_step_m.unwrap_or(2.0 * self.limits.travel_m);
         let Some(jacobian) = self.model.jacobian(&goal.bend_m) else { return goal.clone() };

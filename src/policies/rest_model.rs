@@ -19,7 +19,7 @@ const MOST_PROJECTIONS: usize = 3;
 
 /// What is expected of the robot at rest under a bend.
 #[derive(Clone)]
-pub(super) struct Expected {
+pub(super) struct ExpectedPose {
     pub(super) bend_m: Vec<f64>,
     pub(super) pulls_m: Displacements,
     pub(super) tip_m: Point3,
@@ -64,7 +64,7 @@ impl RestModel {
     }
 
     /// What is expected under a bend; nothing where the model has no pose or a value is not finite.
-    pub(super) fn expect(&mut self, bend_m: &[f64]) -> Option<Expected> {
+    pub(super) fn expect(&mut self, bend_m: &[f64]) -> Option<ExpectedPose> {
         let RestPose { mut pulls_m, tip_m } = self.model.at_rest(bend_m).ok()?;
         // e = p_sim − p_exp (eq. 20).
         let error_m = self.error.as_ref().map_or([0.0; 3], |error| error.error_m(&pulls_m, &tip_m));
@@ -76,11 +76,11 @@ impl RestModel {
             pulls_m[tendon] -= across_m.clamp(0.0, slack_m);
         }
         let finite = tip_m.iter().chain(&pulls_m).all(|value| value.is_finite());
-        finite.then(|| Expected { bend_m: bend_m.to_vec(), pulls_m, tip_m })
+        finite.then(|| ExpectedPose { bend_m: bend_m.to_vec(), pulls_m, tip_m })
     }
 
     /// The same of the bend nearby that no tendon has to be pulled beyond the travel for.
-    fn expect_within(&mut self, mut bend_m: Vec<f64>) -> Option<Expected> {
+    fn expect_within(&mut self, mut bend_m: Vec<f64>) -> Option<ExpectedPose> {
         for _ in 0..MOST_PROJECTIONS {
             let pose = self.expect(&bend_m)?;
             let beyond = pose.pulls_m.iter().map(|pull_m| (pull_m - self.travel_m).max(0.0));
@@ -105,7 +105,7 @@ impl RestModel {
 
     /// The pose whose expected tip is nearest to `tip_m`, by at most `steps` steps from `from`. A step to where the model has
     /// no pose is halved; the pose of the last step that had one is returned.
-    pub(super) fn inverse(&mut self, from: Expected, tip_m: &Point3, steps: usize) -> Expected {
+    pub(super) fn inverse(&mut self, from: ExpectedPose, tip_m: &Point3, steps: usize) -> ExpectedPose {
         let mut best = from;
         let mut share = 1.0;
         let mut step_m: Option<Vec<f64>> = None;
@@ -125,7 +125,7 @@ impl RestModel {
     }
 
     /// A damped Gauss-Newton step that takes the tip to `tip_m`, within the trusted size.
-    fn step_m(&mut self, from: &Expected, tip_m: &Point3) -> Option<Vec<f64>> {
+    fn step_m(&mut self, from: &ExpectedPose, tip_m: &Point3) -> Option<Vec<f64>> {
         let jacobian = self.jacobian(&from.bend_m)?;
         let error_m = DVector::from_iterator(3, tip_m.iter().zip(from.tip_m).map(|(to, from)| to - from));
         let count = from.bend_m.len();

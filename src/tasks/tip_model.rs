@@ -41,7 +41,7 @@ struct RodTip {
 }
 
 /// A load of the rod: the tension of each tendon, and its derivative with respect to each component of the bend.
-struct Load {
+struct BendTensions {
     tensions_n: Vec<f64>,
     per_bend: Vec<Vec<f64>>,
 }
@@ -56,9 +56,10 @@ impl RodTip {
         RodTip { plant, layout: spec.model.robot.tendon_layout(), stiffness_n_per_m: None }
     }
 
-    fn load(&self, bend_m: &[f64], stiffness_n_per_m: f64) -> Load {
+    fn load(&self, bend_m: &[f64], stiffness_n_per_m: f64) -> BendTensions {
         let tendons = self.layout.segments.iter().map(Vec::len).sum();
-        let mut load = Load { tensions_n: vec![0.0; tendons], per_bend: vec![vec![0.0; tendons]; bend_m.len()] };
+        let mut load =
+            BendTensions { tensions_n: vec![0.0; tendons], per_bend: vec![vec![0.0; tendons]; bend_m.len()] };
         for (segment, tendons) in self.layout.segments.iter().enumerate() {
             for placed in tendons {
                 let (sin, cos) = placed.angle_deg.to_radians().sin_cos();
@@ -104,7 +105,7 @@ impl RodTip {
 
     fn rates(&mut self, bend_m: &[f64]) -> Result<Vec<Point3>, PlantError> {
         let stiffness = self.stiffness_n_per_m()?;
-        let Load { tensions_n, per_bend } = self.load(bend_m, stiffness);
+        let BendTensions { tensions_n, per_bend } = self.load(bend_m, stiffness);
         self.settle(&tensions_n)?;
         let directions: Vec<Direction> = (0..tensions_n.len()).map(Direction::Tension).collect();
         // The derivative is taken on a copy: the plant hands its rod out to be read.
