@@ -83,7 +83,7 @@ const BAD: &[(&str, &str)] = &[
     ),
     (
         "model: {replay: {recording: none.csv}}\nruns: {reach: [{policies: [mpc], modes: [closed], gp_points: [20]}]}",
-        "bad.yaml:2:1: model: found a mapping, expected a model with equations",
+        "bad.yaml:2:8: model: found a mapping, expected a model with equations",
     ),
     (
         "runs: {response: {cells: [{policies: [mpc], modes: [closed]}]}}",
@@ -91,7 +91,7 @@ const BAD: &[(&str, &str)] = &[
     ),
     (
         "runs: {repair: {gp_points: 20, changes: {load: [{tip_load: {mass_kg: 0.02}}]}, cells: [{policies: [mpc], modes: [closed], gp_points: [20]}]}}",
-        "bad.yaml:2:108: runs.repair.cells[0].policies[0]: found `mpc`, expected a policy that does not ask the model",
+        "bad.yaml:2:100: runs.repair.cells[0].policies[0]: found `mpc`, expected a policy that does not ask the model",
     ),
     (
         "runs: {response: {duration_s: 0, cells: [{policies: [a_integral], modes: [closed], gp_points: [20]}]}}",
