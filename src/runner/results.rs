@@ -4,7 +4,7 @@ use super::campaign::{CampaignEntry, PointStages};
 use super::claims::{evaluate, per_robot};
 use super::metrics::Tables;
 use super::outcomes::Outcomes;
-use crate::data::population::RobotClaimRow;
+use crate::data::population::{RobotClaimRow, RobotRow};
 use crate::data::rows::ClaimRow;
 use crate::data::{DataError, TableRow, tables, write_atomic_batch};
 use crate::report::{self, OutputFolder, Published, ReportError};
@@ -73,6 +73,8 @@ impl CampaignEntry {
         }
         let notices = self.figures_to(&tables, &folder, &mut files);
         let failed = failed(&tables);
+        // Those of many robots are not about the paper's setting.
+        let claims = if self.experiment.population.is_some() { Vec::new() } else { claims };
         Ok(Publication { files, claims, failed, notices })
     }
 
@@ -173,7 +175,8 @@ pub fn all_claims(out: &Path, fresh: &BTreeMap<String, Vec<ClaimRow>>) -> Result
     for folder in std::fs::read_dir(out.join(results)).into_iter().flatten().flatten() {
         let (name, path) =
             (folder.file_name().to_string_lossy().into_owned(), folder.path().join(ClaimRow::TABLE.file));
-        if !by_experiment.contains_key(&name) && path.is_file() {
+        let many_robots = folder.path().join(RobotRow::TABLE.file).is_file();
+        if !by_experiment.contains_key(&name) && path.is_file() && !many_robots {
             let (swept, claims) = tables::read_csv_beside(&path, |column| column.contains('.'))?;
             // The claims of a sweep are about its points, not about the paper's settings.
             if swept.is_empty() {

@@ -73,6 +73,10 @@ fn a_population_is_run_and_published_with_what_holds_on_how_many_robots() {
         assert!(results.join(name).is_file(), "{name}");
     }
     assert!(folder.path().join("plots/few/population.png").is_file());
+    assert!(
+        results.join("claims.csv").is_file() && !folder.path().join("results/claims.csv").exists(),
+        "not the paper's"
+    );
     // Each robot has trials of its own, and the whole is repeated from the published spec.
     let first: Vec<f64> = published.trials.iter().filter(|row| row.target == 0).map(|row| row.error_m).collect();
     assert!(first.windows(2).all(|pair| pair[0] != pair[1]), "{first:?}");
