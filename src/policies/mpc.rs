@@ -47,9 +47,9 @@ pub struct MpcOptions {
     pub slack_m: f64,
     /// How the disturbance is estimated.
     pub disturbance: DisturbanceOptions,
-    /// The policy has settled when the next move is no larger than this,
+    /// The policy has settled when no component of the bend is farther than this from the bend at the target, metres,
     pub settled_pull_m: f64,
-    /// and the standard deviation of the disturbance no larger than this.
+    /// and the standard deviation of the disturbance is no larger than this, metres.
     pub settled_sd_m: f64,
 }
 

@@ -6,7 +6,7 @@ use super::drawing::legend::{LegendEntry, legend};
 use super::drawing::paint::text_width;
 use super::markup::MarkdownTable;
 use super::style::{
-    Colour, DASHED, GREEN, GREY, HAIR, INK, MARKER, Marker, PAGE_WIDTH, SMALL, VERMILION, WHITE, policy_label,
+    Colour, DASHED, GREEN, GREY, HAIR, INK, MARKER, Marker, PAGE_WIDTH, SMALL, VERMILION, WHITE, claim_label,
     training_short,
 };
 use super::{Artifact, Figure, Published, ReportError, pictures, text};
@@ -113,7 +113,7 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
     canvas.text(Text::new("paper", [panel.at(1.0, 0.0)[0], top - 8.0], SMALL, TextAlign::Centre));
     canvas.text(Text::new("nothing", [panel.at(0.0, 0.0)[0], top - 8.0], SMALL, TextAlign::Centre));
     // With a long name, all names are set smaller to stay in their column.
-    let widest = claims.iter().map(|row| text_width(&label(row), SMALL, false)).fold(148.0, f64::max);
+    let widest = claims.iter().map(|row| text_width(&claim_label(&row.claim), SMALL, false)).fold(148.0, f64::max);
     let size = SMALL * 148.0 / widest;
     for (index, row) in claims.iter().enumerate() {
         let y = top + ROW * (index as f64 + 0.5);
@@ -123,7 +123,7 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
         let shown = shown(row);
         let ours = format!("{} {}", shown.ours, shown.interval.unwrap_or_default());
         if first {
-            canvas.text(Text::new(label(row), [10.0, base], size, TextAlign::Left));
+            canvas.text(Text::new(claim_label(&row.claim), [10.0, base], size, TextAlign::Left));
         }
         canvas.text(Text::new(training_short(&row.training), [228.0, base], 8.6, TextAlign::Right).colour(GREY));
         canvas.text(Text::new(shown.paper, [columns[0].0, base], SMALL, TextAlign::Left));
@@ -135,11 +135,6 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
         }
     }
     canvas
-}
-
-/// A claim's name as text.
-fn label(row: &ClaimRow) -> String {
-    row.claim.replace("pi_real", policy_label("pi_real")).replace('_', " ")
 }
 
 /// One row of the figure: ours over the paper's, with its interval.

@@ -5,7 +5,7 @@ use super::drawing::axes::{Axis, Panel};
 use super::drawing::canvas::{Canvas, Text, TextAlign};
 use super::drawing::legend::{LegendEntry, legend};
 use super::order::distinct;
-use super::style::{DASHED, GREY, HAIR, LOOKS, Look, PAGE_WIDTH, SMALL};
+use super::style::{DASHED, GREY, HAIR, LOOKS, Look, PAGE_WIDTH, SMALL, TALL};
 use super::{Artifact, Figure, Published, ReportError, pictures};
 use crate::data::rows::GpCoverageRow;
 use crate::math::summary::mean;
@@ -36,7 +36,7 @@ fn draw(rows: &[GpCoverageRow]) -> Canvas {
         looks.iter().map(|look| LegendEntry::Plain(*look)).zip(names.iter().map(String::as_str)).collect();
     let axes = distinct(rows.iter().map(|row| row.axis.as_str()));
     let wide = (PAGE_WIDTH - LEFT - 12.0 - GAP * (axes.len() - 1) as f64) / axes.len() as f64;
-    let mut canvas = Canvas::new(PAGE_WIDTH, 1e6);
+    let mut canvas = Canvas::new(PAGE_WIDTH, TALL);
     let below = legend(&mut canvas, [LEFT, 16.0], PAGE_WIDTH - 8.0, &keys);
     let note = "means over repetitions; below the broken line: intervals too narrow";
     canvas.text(Text::new(note, [LEFT, below + 17.0], SMALL, TextAlign::Left).colour(GREY));

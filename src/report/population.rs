@@ -2,13 +2,13 @@
 
 use super::drawing::axes::{Axis, Panel};
 use super::drawing::canvas::{Canvas, Text, TextAlign};
-use super::order::{distinct, rank, trainings};
+use super::order::trainings;
 use super::population_table::{attribution_rows, markdown, population_rows};
 use super::style::{
-    GREY, HAIR, INK, MARKER, Marker, PAGE_WIDTH, SMALL, TEXT, mode_title, policies_in_order, policy_label, policy_look,
-    training_label,
+    GREY, HAIR, INK, MARKER, Marker, PAGE_WIDTH, SMALL, TALL, TEXT, claim_label, mode_title, policies_in_order,
+    policy_label, policy_look, training_label,
 };
-use super::summarise::MODES;
+use super::summarise::modes_in_order;
 use super::{Artifact, Figure, Published, ReportError, csv, pictures, text};
 use crate::data::population::{PopulationRow, RobotClaimRow};
 
@@ -49,11 +49,10 @@ fn draw(rows: &[PopulationRow], claims: &[RobotClaimRow]) -> Canvas {
     let training = known.last().copied().unwrap_or_default();
     let rows: Vec<&PopulationRow> = rows.iter().filter(|row| row.training == training).collect();
     let claims: Vec<&RobotClaimRow> = claims.iter().filter(|row| row.training == training).collect();
-    let mut modes = distinct(rows.iter().map(|row| row.mode.as_str()));
-    modes.sort_by_key(|mode| (rank(&MODES, mode), *mode));
+    let modes = modes_in_order(rows.iter().map(|row| row.mode.as_str()));
     let policies = policies_in_order(rows.iter().map(|row| row.policy.as_str()));
     let robots = rows.iter().map(|row| row.robots).max().unwrap_or(0);
-    let mut canvas = Canvas::new(PAGE_WIDTH, 1e6);
+    let mut canvas = Canvas::new(PAGE_WIDTH, TALL);
     let note = format!(
         "{robots} robots; marks: median, thick: half of all robots, thin: 90 %, hollow: the worst robot; {}",
         training_label(training)
@@ -117,8 +116,7 @@ fn shares(canvas: &mut Canvas, claims: &[&RobotClaimRow], top: f64) -> f64 {
         canvas.line(&[at(row.low_95), at(row.high_95)], 1.8, INK, &[]);
         canvas.marker(at(row.share), Marker::Circle, MARKER, INK, false);
         let base = at(0.0)[1] + 0.36 * SMALL;
-        let name = row.claim.replace("pi_real", policy_label("pi_real")).replace('_', " ");
-        canvas.text(Text::new(name, [CLAIMS_LEFT - 8.0, base], SMALL, TextAlign::Right));
+        canvas.text(Text::new(claim_label(&row.claim), [CLAIMS_LEFT - 8.0, base], SMALL, TextAlign::Right));
         let words = format!("{} of {}", row.held, row.robots);
         canvas.text(Text::new(words, [PAGE_WIDTH - 52.0, base], SMALL, TextAlign::Left));
     }

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::controllers_table::mm;
 use super::markup::MarkdownTable;
 use super::order::{rank, trainings};
 use super::style::{policy_markdown, policy_rank};
@@ -134,10 +135,6 @@ pub(super) fn markdown(rows: &[PopulationRow], claims: &[RobotClaimRow], effects
         if decided.is_empty() { "None.\n".to_owned() } else { effect_table(&decided).markdown() }
     );
     text
-}
-
-fn mm(error_m: f64) -> String {
-    if error_m.is_finite() { format!("{:.2}", 1e3 * error_m) } else { "–".to_owned() }
 }
 
 fn header(cells: &[&str]) -> Vec<String> {

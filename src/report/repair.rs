@@ -3,13 +3,13 @@
 use super::drawing::axes::{Axis, Panel};
 use super::drawing::canvas::{Canvas, Text, TextAlign};
 use super::drawing::legend::{LegendEntry, legend};
-use super::order::{distinct, rank, trainings};
+use super::order::{distinct, trainings};
 use super::repair_table::{VARIANTS, markdown, summary_rows};
 use super::style::{
     GREY, PAGE_WIDTH, SMALL, TEXT, capitalised, mode_title, policies_in_order, policy_label, policy_look,
     training_label,
 };
-use super::summarise::MODES;
+use super::summarise::modes_in_order;
 use super::{Artifact, Figure, Published, ReportError, csv, pictures, text};
 use crate::data::repairs::RepairSummaryRow;
 
@@ -38,8 +38,7 @@ fn draw(rows: &[RepairSummaryRow]) -> Canvas {
     let known = trainings(rows.iter().map(|row| row.training.as_str()));
     let training = known.last().copied().unwrap_or_default();
     let rows: Vec<&RepairSummaryRow> = rows.iter().filter(|row| row.training == training).collect();
-    let mut modes = distinct(rows.iter().map(|row| row.mode.as_str()));
-    modes.sort_by_key(|mode| (rank(&MODES, mode), *mode));
+    let modes = modes_in_order(rows.iter().map(|row| row.mode.as_str()));
     let changes = distinct(rows.iter().map(|row| row.change.as_str()));
     let lines = changes.len().div_ceil(COLUMNS);
     let (left, gap, high, pitch, head) = (50.0, 16.0, 120.0, 188.0, 28.0);

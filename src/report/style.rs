@@ -3,6 +3,8 @@
 //! Colours are those of Okabe & Ito (2008), told apart with every common colour vision; each series also has a marker
 //! and a dash of its own, so that a grey print can be read. Lengths are in hundredths of an inch: a figure of
 //! [`PAGE_WIDTH`] fills the two columns of a paper, and text of [`TEXT`] is 8 pt there.
+/// Height of a canvas while it is drawn on; the final one is set afterwards.
+pub(crate) const TALL: f64 = 1e6;
 
 use crate::base::series::PALETTE;
 pub use crate::base::series::{Colour, DASH_DOT, DASHED, DOTTED, Dash, Look, Marker, SOLID};
@@ -117,4 +119,9 @@ pub(crate) fn mode_title(mode: &str) -> String {
         "closed_load" => "closed loop with a load".to_owned(),
         other => other.replace('_', " "),
     }
+}
+
+/// The short name of a claim as text.
+pub(crate) fn claim_label(claim: &str) -> String {
+    claim.replace("pi_real", policy_label("pi_real")).replace('_', " ")
 }

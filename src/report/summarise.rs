@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::order::{rank, trainings};
+use super::order::{distinct, rank, trainings};
 use super::paper;
 use super::style::policy_rank;
 use crate::data::rows::{ReachSummaryRow, TrackRow, TrackSummaryRow, TrialRow};
@@ -10,6 +10,13 @@ use crate::math::summary::{interval_95, mean, oscillation, root_mean_square, sta
 
 /// Modes in the order of Table I.
 pub(super) const MODES: [&str; 3] = ["open", "closed", "closed_load"];
+
+/// Modes, each once: the paper's in its order, then others by name.
+pub(super) fn modes_in_order<'a>(modes: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut found = distinct(modes);
+    found.sort_by_key(|mode| (rank(&MODES, mode), *mode));
+    found
+}
 
 /// Duration of the windows in which path tracking's oscillation is measured, seconds.
 pub const OSCILLATION_WINDOW_S: f64 = 5.0;

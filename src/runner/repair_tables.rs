@@ -91,10 +91,7 @@ fn repair_row(seed: u64, training: &str, change: &RepairStages, outcomes: &Outco
 
 /// The diagnosis, and `ok` or why there is none.
 fn diagnosis(stage: Handle<Diagnosis>, outcomes: &Outcomes) -> (Diagnosis, String) {
-    let nothing = |failure: Failure| {
-        let (verdict, effects, gap_m) = ("failed".to_owned(), Vec::new(), [f64::NAN; 2]);
-        (Diagnosis { verdict, effects, samples: 0, gap_m, noise_floor_m: f64::NAN }, failure.to_string())
-    };
+    let nothing = |failure: Failure| (Diagnosis::nothing("failed".to_owned(), 0), failure.to_string());
     outcomes.get(stage).map_or_else(nothing, |diagnosis| (diagnosis.clone(), "ok".to_owned()))
 }
 

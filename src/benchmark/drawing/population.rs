@@ -57,8 +57,7 @@ impl Population {
         if let Some(unknown) = self.effects.iter().find(|name| card(name).is_none()) {
             return bad("effects", format!("`{unknown}`"), "names of effects of the catalogue");
         }
-        let most = if self.effects.is_empty() { CATALOGUE.len() } else { self.effects.len() };
-        if self.most_effects == 0 || self.most_effects > most {
+        if self.most_effects == 0 || self.most_effects > self.cards().count() {
             return bad("most_effects", self.most_effects.to_string(), "at least 1, and no more than may occur");
         }
         if self.least_effects > self.most_effects {
@@ -70,12 +69,16 @@ impl Population {
         Ok(())
     }
 
+    /// The effects that may occur, each once.
+    fn cards(&self) -> impl Iterator<Item = &'static Card> {
+        let named = |card: &&'static Card| self.effects.is_empty() || self.effects.iter().any(|name| name == card.name);
+        CATALOGUE.iter().copied().filter(named)
+    }
+
     /// The effects of the robot that `seed` draws around `model`, in the order of the catalogue.
     pub fn draw(&self, model: &Model, seed: Seed) -> Vec<DrawnEffect> {
         let mut random = seed.rng();
-        let allowed =
-            |card: &&&'static Card| self.effects.is_empty() || self.effects.iter().any(|name| name == card.name);
-        let mut cards: Vec<&'static Card> = CATALOGUE.iter().filter(allowed).copied().collect();
+        let mut cards: Vec<&'static Card> = self.cards().collect();
         cards.shuffle(&mut random);
         let count = random.random_range(self.least_effects..=self.most_effects);
         let mut drawn: Vec<DrawnEffect> = Vec::with_capacity(count);
@@ -101,8 +104,8 @@ impl Population {
         let mut random = seed.rng();
         let unscaled = UnscaledEffect::draw(card, model, false, &mut random);
         let normal: f64 = StandardNormal.sample(&mut random);
-        let strengths = (0..HALVINGS).map(|halving| self.strength * normal.abs() * 0.5_f64.powi(halving as i32));
-        strengths.into_iter().find_map(|strength| {
+        (0..HALVINGS).find_map(|halving| {
+            let strength = self.strength * normal.abs() * 0.5_f64.powi(halving as i32);
             let values = unscaled.scaled(strength).values;
             let spec = EffectSpec::from_card(card, &values)?;
             Some(DrawnEffect { card, values, strength, spec })
@@ -156,5 +159,6 @@ mod tests {
         assert_eq!(told(|p| p.strength = f64::NAN), Err(("strength", "NaN".into())));
         assert_eq!(told(|p| p.effects = vec!["frction".into()]), Err(("effects", "`frction`".into())));
         assert_eq!(told(|p| p.effects = vec!["creep".into()]), Err(("most_effects", "5".into())));
+        assert_eq!(told(|p| p.effects = vec!["creep".into(); 5]), Err(("most_effects", "5".into())), "one effect");
     }
 }

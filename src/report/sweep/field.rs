@@ -1,5 +1,6 @@
 //! A swept field as an axis: linear or logarithmic for numbers, equidistant for names.
 
+use crate::data::tables::{SIGNIFICANT_DIGITS, round_significant};
 use crate::report::drawing::axes::{Axis, signed};
 use crate::report::drawing::paint::text_width;
 use crate::report::style::{SMALL, TEXT};
@@ -64,7 +65,7 @@ impl SweptAxis {
     /// A value as text within `room`: a number in plain notation, a long name (of a file) shortened.
     pub(super) fn shown(&self, value: &str, room: f64) -> String {
         match number(value).filter(|_| self.millimetres) {
-            Some(length_m) => written(&format!("{}", rounded(1e3 * length_m))),
+            Some(length_m) => written(&round_significant(1e3 * length_m, SIGNIFICANT_DIGITS).to_string()),
             None => shown(value, room),
         }
     }
@@ -145,11 +146,6 @@ impl SweptAxis {
 fn unit_of(name: &str) -> (&str, Option<&'static str>) {
     let known = UNITS.iter().find_map(|(end, unit)| name.strip_suffix(end).map(|stem| (stem, Some(*unit))));
     known.unwrap_or((name, None))
-}
-
-/// Without the last bits that a factor of a thousand leaves.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.9e}").parse().unwrap_or(value)
 }
 
 fn number(cell: &str) -> Option<f64> {

@@ -6,7 +6,9 @@ use super::{SweepEntry, series_label, sized, training_heading};
 use crate::report::drawing::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 use crate::report::drawing::paint::text_width;
 use crate::report::order::{distinct, trainings};
-use crate::report::style::{Colour, GREY, HAIR, INK, PAGE_WIDTH, SMALL, TEXT, WHITE, capitalised, heading, mode_title};
+use crate::report::style::{
+    Colour, GREY, HAIR, INK, PAGE_WIDTH, SMALL, TALL, TEXT, WHITE, capitalised, heading, mode_title,
+};
 
 /// Light to dark, so that a grey print keeps the order; ColorBrewer's YlOrBr, safe for colour-blind readers.
 const SHADES: [Colour; 6] =
@@ -40,7 +42,7 @@ struct HeatMapLayout {
 /// `blocks` are the values of a third field, each with its rows, or one block without a name.
 pub(super) fn draw(blocks: &[(String, Vec<&SweepEntry>)], [down, across]: [&SweptAxis; 2], measure: &str) -> Canvas {
     let layout = HeatMapLayout::new(down, across);
-    let mut canvas = Canvas::new(PAGE_WIDTH, super::TALL);
+    let mut canvas = Canvas::new(PAGE_WIDTH, TALL);
     canvas.text(Text::new(capitalised(measure), [12.0, 18.0], TEXT, TextAlign::Left));
     let note = "means over repetitions; light to dark in each map by itself; –: every trial failed";
     canvas.text(Text::new(note, [PAGE_WIDTH - 12.0, 18.0], SMALL, TextAlign::Right).colour(GREY));

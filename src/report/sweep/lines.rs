@@ -6,7 +6,7 @@ use crate::report::drawing::axes::{Axis, Panel};
 use crate::report::drawing::canvas::{Canvas, Text, TextAlign};
 use crate::report::drawing::legend::{LegendEntry, legend};
 use crate::report::order::{distinct, trainings};
-use crate::report::style::{GREY, LOOKS, Look, PAGE_WIDTH, SMALL, TEXT, heading, mode_title, policy_look};
+use crate::report::style::{GREY, LOOKS, Look, PAGE_WIDTH, SMALL, TALL, TEXT, heading, mode_title, policy_look};
 
 const LEFT: f64 = 58.0;
 const GAP: f64 = 52.0;
@@ -26,7 +26,7 @@ pub(super) fn draw(entries: &[&SweepEntry], field: &SweptAxis, measure: &str) ->
     // Bands of more than two lines would overlap: bars side by side instead.
     let banded = series.len() <= 2 && field.is_number();
     let key = |look| if banded { LegendEntry::Series(look) } else { LegendEntry::Plain(look) };
-    let mut canvas = Canvas::new(PAGE_WIDTH, super::TALL);
+    let mut canvas = Canvas::new(PAGE_WIDTH, TALL);
     let keys: Vec<(LegendEntry, &str)> =
         looks.iter().map(|look| key(*look)).zip(series.iter().map(String::as_str)).collect();
     let below = legend(&mut canvas, [LEFT, 16.0], PAGE_WIDTH - 10.0, &keys);

@@ -23,9 +23,6 @@ const TASKS: [(&str, &str); 3] = [
     ("gp", "cross-validation error (mm)"),
 ];
 
-/// Initial height of a canvas; the final one is set after drawing.
-const TALL: f64 = 1e6;
-
 /// One row with the values of the swept fields.
 struct SweepEntry<'a> {
     /// The cells of the swept fields.

@@ -47,13 +47,7 @@ impl DiagnoseParams {
                 gap_m: [found.findings.gap.before_m, found.findings.gap.after_m],
                 noise_floor_m: found.findings.noise_floor_m,
             },
-            Err(error) => Diagnosis {
-                verdict: format!("failed: {error}"),
-                effects: Vec::new(),
-                samples,
-                gap_m: [f64::NAN; 2],
-                noise_floor_m: f64::NAN,
-            },
+            Err(error) => Diagnosis::nothing(format!("failed: {error}"), samples),
         }
     }
 }

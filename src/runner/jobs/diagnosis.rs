@@ -17,3 +17,10 @@ pub(in crate::runner) struct Diagnosis {
     /// Rms distance of the measured from the true tip by noise alone, metres.
     pub(in crate::runner) noise_floor_m: f64,
 }
+
+impl Diagnosis {
+    /// The answer of a recording of so many rows that adds nothing to the model.
+    pub(in crate::runner) fn nothing(verdict: String, samples: u64) -> Diagnosis {
+        Diagnosis { verdict, effects: Vec::new(), samples, gap_m: [f64::NAN; 2], noise_floor_m: f64::NAN }
+    }
+}

@@ -1,6 +1,6 @@
 //! The Gaussian process of the gap between model and robot.
 
-use super::samples::simulated;
+use super::samples::points;
 use crate::base::Seed;
 use crate::data::rows::GpRow;
 use crate::learn::gp::{Gp, GpConfig};
@@ -16,12 +16,10 @@ pub(in crate::runner) type GpInputs = (Handle<GpPool>, Option<Handle<Trained>>, 
 pub(in crate::runner) const GP: Stage<GpParams, GpInputs, Gp> = Stage {
     kind: StageKind { name: "gp_fit", module: module_path!(), cost_ms: 100 },
     job: |params, (pool, network, repaired)| {
-        let points_by = |steps: &Transitions| pool.points_by(steps);
-        let all = network.map(|network| simulated(network, &pool.steps)).transpose()?;
-        let all = all.as_ref().map_or_else(|| pool.points(), points_by);
+        let all = points(pool, network)?;
         let chosen = params.config.selection.choose(&all.inputs, params.points, Seed(params.seed));
         // The points were measured before anything was repaired: what they are chosen by does not change.
-        let all = repaired.map_or(all, points_by);
+        let all = repaired.map_or(all, |steps| pool.points_by(steps));
         let chosen = all.select(&chosen.map_err(|error| error.to_string())?);
         Gp::fit(&chosen.inputs, &chosen.errors_m, &params.config).map_err(|error| error.to_string())
     },

@@ -1,7 +1,7 @@
 //! How often the intervals of the Gaussian process hold what they promise, on predefined points that it has not seen.
 
 use super::gaussian_process::GpParams;
-use super::samples::simulated;
+use super::samples::points;
 use crate::base::Seed;
 use crate::data::rows::GpCoverageRow;
 use crate::learn::gp::Gp;
@@ -17,12 +17,9 @@ pub(in crate::runner) type CoverageInputs = (Handle<GpPool>, Option<Handle<Train
 pub(in crate::runner) const GP_COVERAGE: Stage<CoverageParams, CoverageInputs, Vec<GpCoverageRow>> = Stage {
     kind: StageKind { name: "gp_coverage", module: module_path!(), cost_ms: 50 },
     job: |params, (pool, network, gp)| {
-        let all = match network {
-            Some(network) => pool.points_by(&simulated(network, &pool.steps)?),
-            None => pool.points(),
-        };
-        let GpParams { config, points, seed } = &params.gp;
-        let chosen = config.selection.choose(&all.inputs, *points, Seed(*seed)).map_err(|error| error.to_string())?;
+        let all = points(pool, network)?;
+        let GpParams { config, points: size, seed } = &params.gp;
+        let chosen = config.selection.choose(&all.inputs, *size, Seed(*seed)).map_err(|error| error.to_string())?;
         let others: Vec<usize> = (0..all.inputs.len()).filter(|index| chosen.binary_search(index).is_err()).collect();
         let unseen = all.select(&others);
         let foretold = gp.predict_rows(&unseen.inputs).map_err(|error| error.to_string())?;
@@ -42,7 +39,7 @@ pub(in crate::runner) const GP_COVERAGE: Stage<CoverageParams, CoverageInputs, V
                 rows.push(GpCoverageRow {
                     seed: 0,
                     training: String::new(),
-                    points: *points as u64,
+                    points: *size as u64,
                     kernel: config.kernel.name().to_owned(),
                     axis: name.to_owned(),
                     promised,

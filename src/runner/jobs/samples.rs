@@ -3,7 +3,7 @@
 use crate::base::Rows;
 use crate::learn::rnn::Trained;
 use crate::policies::ElmanForward;
-use crate::tasks::{self, Transitions};
+use crate::tasks::{self, GpPoints, GpPool, Transitions};
 use std::sync::Arc;
 
 /// The commands of a recording as the forward network plays them.
@@ -11,6 +11,12 @@ pub(super) fn simulated(network: &Trained, samples: &Transitions) -> Result<Tran
     let network = Arc::new(network.network.clone());
     let mut model = ElmanForward::new(network, samples.pulls_m.width()).map_err(|error| error.to_string())?;
     tasks::rollout(samples, &mut model).map_err(|error| error.to_string())
+}
+
+/// The predefined points, with p_sim from the forward network where there is one.
+pub(super) fn points(pool: &GpPool, network: Option<&Trained>) -> Result<GpPoints, String> {
+    let simulated = network.map(|network| simulated(network, &pool.steps)).transpose()?;
+    Ok(pool.points_by(simulated.as_ref().unwrap_or(&pool.steps)))
 }
 
 /// The columns of two tables side by side.
