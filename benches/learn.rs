@@ -10,7 +10,7 @@ use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use rand::RngExt;
 use spinebench::base::{Rows, Seed};
 use spinebench::learn::gp::{Gp, GpConfig};
-use spinebench::learn::rnn::{Elman, ElmanConfig};
+use spinebench::learn::networks::{Network, NetworkConfig};
 
 /// A random walk of two bending angles of a constant-curvature robot of 0.22 m: rows of four tendon displacements,
 /// three tip coordinates and a smooth residual with noise in three coordinates.
@@ -79,23 +79,23 @@ fn elman(c: &mut Criterion) {
     let next: Vec<usize> = (1..10_001).collect();
     let inputs = columns(&rows.select(&now), 0..7);
     let outputs = columns(&rows.select(&next), 4..7);
-    let one = ElmanConfig { max_epochs: 1, ..ElmanConfig::default() };
+    let one = NetworkConfig { max_epochs: 1, ..NetworkConfig::default() };
     let cases = [
         ("stride_10_batch_16", one.clone()),
-        ("stride_1_batch_64", ElmanConfig { stride: 1, batch: 64, ..one.clone() }),
-        ("window_1_batch_64", ElmanConfig { window: 1, stride: 1, batch: 64, ..one.clone() }),
+        ("stride_1_batch_64", NetworkConfig { stride: 1, batch: 64, ..one.clone() }),
+        ("window_1_batch_64", NetworkConfig { window: 1, stride: 1, batch: 64, ..one.clone() }),
     ];
     for (name, config) in cases {
         c.bench_function(&format!("elman_epoch_7000_rows_with_validation/{name}"), |b| {
-            let train = || Elman::train(&inputs, &outputs, &[], &config, Seed(1)).expect("training");
+            let train = || Network::train(&inputs, &outputs, &[], &config, Seed(1)).expect("training");
             b.iter(train);
         });
     }
     c.bench_function("elman_to_convergence/10000_rows", |b| {
-        let train = || Elman::train(&inputs, &outputs, &[], &ElmanConfig::default(), Seed(1)).expect("training");
+        let train = || Network::train(&inputs, &outputs, &[], &NetworkConfig::default(), Seed(1)).expect("training");
         b.iter(train);
     });
-    let network = Elman::train(&inputs, &outputs, &[], &one, Seed(1)).expect("training").network;
+    let network = Network::train(&inputs, &outputs, &[], &one, Seed(1)).expect("training").network;
     c.bench_function("elman_step", |b| {
         let mut out = [0.0; 3];
         b.iter_batched_ref(

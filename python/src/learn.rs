@@ -4,7 +4,7 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use spinebench::base::{Rows, Seed};
 use spinebench::learn::gp::{Gp, GpConfig};
-use spinebench::learn::rnn::{Elman, ElmanConfig, Trained};
+use spinebench::learn::networks::{Network, NetworkConfig, Trained};
 
 use crate::arrays::{array, led, numbers};
 use crate::calls::{detached, guarded, long};
@@ -119,12 +119,12 @@ impl PyGp {
     }
 }
 
-/// A trained Elman network.
-#[pyclass(name = "_Elman", module = "spinebench._spinebench", frozen)]
-pub(crate) struct PyElman(Trained);
+/// A trained network.
+#[pyclass(name = "_Network", module = "spinebench._spinebench", frozen)]
+pub(crate) struct PyNetwork(Trained);
 
 #[pymethods]
-impl PyElman {
+impl PyNetwork {
     /// Trains on (rows, inputs) and (rows, outputs) in time order; recordings begin at the rows `sequences`.
     #[staticmethod]
     fn train(
@@ -134,12 +134,12 @@ impl PyElman {
         sequences: Vec<usize>,
         config: &str,
         seed: u64,
-    ) -> PyResult<PyElman> {
+    ) -> PyResult<PyNetwork> {
         let (inputs, outputs) = (table(inputs, "X")?, table(outputs, "y")?);
-        let config: ElmanConfig = options(config)?;
+        let config: NetworkConfig = options(config)?;
         long(py, move |_| {
-            let trained = Elman::train(&inputs, &outputs, &sequences, &config, Seed(seed));
-            trained.map(PyElman).map_err(Fault::words)
+            let trained = Network::train(&inputs, &outputs, &sequences, &config, Seed(seed));
+            trained.map(PyNetwork).map_err(Fault::words)
         })
     }
 
@@ -173,9 +173,9 @@ impl PyElman {
         Ok(serde_json::to_string(&self.0).map_err(Fault::words)?)
     }
 
-    /// From [`PyElman::dump`].
+    /// From [`PyNetwork::dump`].
     #[staticmethod]
-    fn load(text: &str) -> PyResult<PyElman> {
-        Ok(guarded(|| options(text).map(PyElman))?)
+    fn load(text: &str) -> PyResult<PyNetwork> {
+        Ok(guarded(|| options(text).map(PyNetwork))?)
     }
 }

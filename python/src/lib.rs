@@ -23,7 +23,7 @@ mod _spinebench {
     #[pymodule_export]
     use crate::imports::{_export_mcap, _import_csv, _import_mcap};
     #[pymodule_export]
-    use crate::learn::{PyElman, PyGp};
+    use crate::learn::{PyGp, PyNetwork};
     #[pymodule_export]
     use crate::model::PyModel;
     #[pymodule_export]

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from spinebench import ElmanRegressor, GaussianProcess, InputError
+from spinebench import ElmanRegressor, GaussianProcess, InputError, NetworkRegressor
 
 pytest.importorskip("sklearn")
 
@@ -96,14 +96,19 @@ def test_a_network_learns_a_memory() -> None:
     inputs = rng.uniform(-1.0, 1.0, (600, 1))
     values = inputs[:, 0] + np.concatenate([[0.0], inputs[:-1, 0]])
     options: dict[str, Any] = {"hidden": 12, "max_epochs": 300, "learning_rate": 1e-2}
-    ours = ElmanRegressor(**options).fit(inputs, values)
+    ours = NetworkRegressor(**options).fit(inputs, values)
     assert ours.score(inputs, values) > 0.95 and ours.validation_mae_ < 0.2
     assert ours.n_epochs_ == len(ours.history_)
-    blind = ElmanRegressor(window=1, stride=1, **options).fit(inputs, values)
+    blind = NetworkRegressor(window=1, stride=1, **options).fit(inputs, values)
     assert blind.score(inputs, values) < 0.7
-    same = ElmanRegressor(**options).fit(inputs, values)
+    same = NetworkRegressor(**options).fit(inputs, values)
     np.testing.assert_array_equal(same.predict(inputs), ours.predict(inputs))
     np.testing.assert_array_equal(pickle.loads(pickle.dumps(ours)).predict(inputs), ours.predict(inputs))
+    assert ElmanRegressor is NetworkRegressor
+    gated = NetworkRegressor(kind="gru", members=2, **options).fit(inputs, values)
+    assert gated.score(inputs, values) > 0.95
+    shown = NetworkRegressor(kind="feed_forward", history=2, optimiser="lbfgs", **options).fit(inputs, values)
+    assert shown.score(inputs, values) > 0.95 and shown.validation_mae_ < blind.validation_mae_
     # A row at which a sequence begins has no past.
     np.testing.assert_array_equal(ours.predict(inputs, sequences=[7])[7:], ours.predict(inputs[7:]))
 
@@ -115,10 +120,12 @@ def test_a_network_learns_a_memory() -> None:
         lambda X, y: GaussianProcess(starts=0).fit(X, y),
         lambda X, y: GaussianProcess(theta=[0.0]).fit(X, y),
         lambda X, y: GaussianProcess(kernel=3).fit(X, y),  # type: ignore[arg-type]
-        lambda X, y: ElmanRegressor(loss="some").fit(X, y),
-        lambda X, y: ElmanRegressor(random_state=-1).fit(X, y),
-        lambda X, y: ElmanRegressor().fit(X[:5], y[:5]),
-        lambda X, y: ElmanRegressor(max_epochs=1).fit(X, y, sequences=[9, 3]),
+        lambda X, y: NetworkRegressor(loss="some").fit(X, y),
+        lambda X, y: NetworkRegressor(random_state=-1).fit(X, y),
+        lambda X, y: NetworkRegressor(kind="transformer").fit(X, y),
+        lambda X, y: NetworkRegressor(members=0).fit(X, y),
+        lambda X, y: NetworkRegressor().fit(X[:5], y[:5]),
+        lambda X, y: NetworkRegressor(max_epochs=1).fit(X, y, sequences=[9, 3]),
         lambda X, y: GaussianProcess().set_params(kernal="se"),
     ],
 )
@@ -154,7 +161,7 @@ def test_scikit_learn_is_not_needed(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_the_checks_of_scikit_learn_pass() -> None:
     check_estimator = peer("utils.estimator_checks").check_estimator
     check_estimator(GaussianProcess(starts=1))
-    memoryless = ElmanRegressor(hidden=8, window=1, stride=1, max_epochs=20)
+    memoryless = NetworkRegressor(hidden=8, window=1, stride=1, max_epochs=20)
     check_estimator(memoryless)
 
 
@@ -165,5 +172,5 @@ def test_with_memory_only_checks_of_independent_rows_fail() -> None:
         "check_methods_subset_invariance": order,
         "check_methods_sample_order_invariance": order,
     }
-    memory = ElmanRegressor(hidden=8, window=2, stride=1, max_epochs=20)
+    memory = NetworkRegressor(hidden=8, window=2, stride=1, max_epochs=20)
     check_estimator(memory, expected_failed_checks=expected)

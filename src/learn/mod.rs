@@ -1,4 +1,4 @@
-//! Learning: Gaussian processes ([`gp`]), recurrent networks ([`rnn`]), networks that others have trained ([`onnx`]) and
+//! Learning: Gaussian processes ([`gp`]), recurrent networks ([`networks`]), networks that others have trained ([`onnx`]) and
 //! which points are measured ([`selection`]). Decisions and figures: `docs/learning.md`.
 
 mod error;
@@ -7,8 +7,8 @@ mod simd;
 mod standardise;
 
 pub mod gp;
+pub mod networks;
 pub mod onnx;
-pub mod rnn;
 pub mod selection;
 
 pub use error::LearnError;

@@ -6,34 +6,34 @@ use super::model_traits::{ErrorModel, ForwardModel, InverseModel};
 use crate::base::{Displacements, Point3, PolicyError};
 use crate::learn::LearnError;
 use crate::learn::gp::Gp;
-use crate::learn::rnn::{Elman, ElmanState};
+use crate::learn::networks::{Network, NetworkState};
 
-/// An Elman network trained on (x_i, x_{i+1}) → u_i (eq. 21): six inputs, one output a tendon. The weights are shared,
+/// A network trained on (x_i, x_{i+1}) → u_i (eq. 21): six inputs, one output a tendon. The weights are shared,
 /// the memory is its own.
-pub struct ElmanInverse {
-    network: Arc<Elman>,
+pub struct NetworkInverse {
+    network: Arc<Network>,
     /// MemoryUpdate as of the last tick.
-    memory: ElmanState,
+    memory: NetworkState,
     /// MemoryUpdate after the last question.
-    next: ElmanState,
+    next: NetworkState,
 }
 
-impl ElmanInverse {
+impl NetworkInverse {
     /// The network at rest.
     ///
     /// # Errors
     /// [`LearnError::Shape`] for a network that does not take two positions.
-    pub fn new(network: Arc<Elman>) -> Result<Self, LearnError> {
+    pub fn new(network: Arc<Network>) -> Result<Self, LearnError> {
         if network.inputs() != 6 {
             let what = "inputs of an inverse mapping (two positions)";
             return Err(LearnError::Shape { what, found: network.inputs(), expected: 6 });
         }
         let state = network.state();
-        Ok(ElmanInverse { network, memory: state.clone(), next: state })
+        Ok(NetworkInverse { network, memory: state.clone(), next: state })
     }
 }
 
-impl InverseModel for ElmanInverse {
+impl InverseModel for NetworkInverse {
     fn reset(&mut self) {
         self.memory.reset();
         self.next.reset();
@@ -55,19 +55,19 @@ impl InverseModel for ElmanInverse {
     }
 }
 
-/// An Elman network trained on (u_i, x_i) → x_{i+1} (eq. 17), run freely: what it predicted is its next x_i.
-pub struct ElmanForward {
-    network: Arc<Elman>,
-    memory: ElmanState,
+/// A network trained on (u_i, x_i) → x_{i+1} (eq. 17), run freely: what it predicted is its next x_i.
+pub struct NetworkForward {
+    network: Arc<Network>,
+    memory: NetworkState,
     tip_m: Point3,
 }
 
-impl ElmanForward {
+impl NetworkForward {
     /// The network at rest.
     ///
     /// # Errors
     /// [`LearnError::Shape`] for a network that does not go from displacements and a position to a position.
-    pub fn new(network: Arc<Elman>, tendons: usize) -> Result<Self, LearnError> {
+    pub fn new(network: Arc<Network>, tendons: usize) -> Result<Self, LearnError> {
         for (what, found, expected) in [
             ("inputs of a forward model (displacements and a position)", network.inputs(), tendons + 3),
             ("outputs of a forward model", network.outputs(), 3),
@@ -76,11 +76,11 @@ impl ElmanForward {
                 return Err(LearnError::Shape { what, found, expected });
             }
         }
-        Ok(ElmanForward { memory: network.state(), network, tip_m: [0.0; 3] })
+        Ok(NetworkForward { memory: network.state(), network, tip_m: [0.0; 3] })
     }
 }
 
-impl ForwardModel for ElmanForward {
+impl ForwardModel for NetworkForward {
     fn reset(&mut self, home_m: &Point3) {
         self.memory.reset();
         self.tip_m = *home_m;

@@ -27,7 +27,7 @@ pub use c_hysteresis::CHysteresisOptions;
 pub use disturbance::DisturbanceOptions;
 pub use integral::IntegralOptions;
 pub use inverse_network::DirectOptions;
-pub use learned::{ElmanForward, ElmanInverse, GpError};
+pub use learned::{GpError, NetworkForward, NetworkInverse};
 pub use model_integral::ModelIntegralOptions;
 pub use model_traits::{ErrorModel, ForwardModel, InverseModel};
 pub use models::{

@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::{
-    BuildError, ElmanForward, ElmanInverse, ErrorModel, ForwardModel, InverseModel, NetworkDescription, SampleColumns,
+    BuildError, ErrorModel, ForwardModel, InverseModel, NetworkDescription, NetworkForward, NetworkInverse,
+    SampleColumns,
 };
 use crate::base::{TendonLayout, TipModel};
 use crate::learn::LearnError;
-use crate::learn::rnn::Elman;
+use crate::learn::networks::Network;
 
 /// The parts that a policy is built from, networks by their names.
 #[derive(Default)]
@@ -25,13 +26,13 @@ impl PolicyParts {
     ///
     /// # Errors
     /// [`LearnError::Shape`] for a network that does not fit its columns.
-    pub fn with_network(self, network: &NetworkDescription, trained: Arc<Elman>) -> Result<Self, LearnError> {
+    pub fn with_network(self, network: &NetworkDescription, trained: Arc<Network>) -> Result<Self, LearnError> {
         if network.outputs == [SampleColumns::TipAfter] {
             let tendons = trained.inputs().saturating_sub(3);
-            let model = ElmanForward::new(trained, tendons)?;
+            let model = NetworkForward::new(trained, tendons)?;
             return Ok(self.with_forward(network, Box::new(model)));
         }
-        Ok(self.with_inverse(network, Box::new(ElmanInverse::new(trained)?)))
+        Ok(self.with_inverse(network, Box::new(NetworkInverse::new(trained)?)))
     }
 
     /// Adds an inverse mapping.

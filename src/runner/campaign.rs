@@ -9,7 +9,7 @@ use crate::benchmark::DrawnEffect;
 use crate::data::responses::{PaceRow, ResponseRow};
 use crate::data::rows::{GapRow, GpCoverageRow, GpRow, TrackRow, TrialRow};
 use crate::effects::EffectSpec;
-use crate::learn::rnn::Trained;
+use crate::learn::networks::Trained;
 use crate::policies::{self, FORWARD, NetworkDescription, PolicyEntry, TrainingData, networks};
 use crate::specs::{
     Experiment, ExperimentSet, SweepPoint, SweptField, Training, TrialCell, gp_sizes, pace_cells, reach_cells,

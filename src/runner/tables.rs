@@ -9,7 +9,7 @@ use crate::benchmark::{DrawnEffect, ScoredCase};
 use crate::data::population::RobotRow;
 use crate::data::responses::{PaceRow, ResponseRow};
 use crate::data::rows::{GpCoverageRow, GpRow, NetworkRow, TrackRow, TrialRow, WaypointRow};
-use crate::learn::rnn::Trained;
+use crate::learn::networks::Trained;
 use crate::policies::{NetworkDescription, TrainingData};
 use crate::report::track_summary;
 use crate::specs::{Experiment, TrialCell};

@@ -6,10 +6,10 @@ use crate::support::policies::{policy, reachable, robot};
 use spinebench::base::{Point3, Rows, Seed};
 use spinebench::learn::LearnError;
 use spinebench::learn::gp::{Gp, GpConfig};
-use spinebench::learn::rnn::{Elman, ElmanConfig};
+use spinebench::learn::networks::{Network, NetworkConfig};
 use spinebench::learn::selection::Selection;
 use spinebench::policies::{
-    ElmanForward, ElmanInverse, ErrorModel, ForwardModel, GpError, INVERSE, INVERSE_B, InverseModel, PolicyOptions,
+    ErrorModel, ForwardModel, GpError, INVERSE, INVERSE_B, InverseModel, NetworkForward, NetworkInverse, PolicyOptions,
     PolicyParts,
 };
 use spinebench::tasks::{
@@ -27,9 +27,9 @@ fn pairs(samples: &Transitions) -> Rows {
     inputs
 }
 
-fn train(samples: &Transitions) -> Arc<Elman> {
-    let config = ElmanConfig { max_epochs: 40, ..ElmanConfig::default() };
-    let trained = Elman::train(&pairs(samples), &samples.pulls_m, &samples.starts, &config, Seed(2)).unwrap();
+fn train(samples: &Transitions) -> Arc<Network> {
+    let config = NetworkConfig { max_epochs: 40, ..NetworkConfig::default() };
+    let trained = Network::train(&pairs(samples), &samples.pulls_m, &samples.starts, &config, Seed(2)).unwrap();
     Arc::new(trained.network)
 }
 
@@ -50,7 +50,7 @@ fn within_a_tick_the_network_answers_alike_and_over_ticks_as_in_a_sequence() {
     let network = train(&samples);
     let inputs = pairs(&samples).select(&[0, 1, 2, 3]);
     let expected = network.predict_rows(&inputs, &[]).unwrap();
-    let mut inverse = ElmanInverse::new(network).unwrap();
+    let mut inverse = NetworkInverse::new(network).unwrap();
     for _ in 0..2 {
         inverse.reset();
         for (row, expected) in inputs.iter().zip(expected.iter()) {
@@ -64,23 +64,23 @@ fn within_a_tick_the_network_answers_alike_and_over_ticks_as_in_a_sequence() {
 }
 
 /// Trained on (u_i, x_i) → x_{i+1}, eq. (17).
-fn forward_network(samples: &Transitions) -> Arc<Elman> {
-    let config = ElmanConfig { max_epochs: 200, ..ElmanConfig::default() };
+fn forward_network(samples: &Transitions) -> Arc<Network> {
+    let config = NetworkConfig { max_epochs: 200, ..NetworkConfig::default() };
     let mut inputs = Rows::new(7);
     for (pulls_m, from_m) in samples.pulls_m.iter().zip(samples.from_m.iter()) {
         inputs.push(&[pulls_m, from_m].concat());
     }
-    Arc::new(Elman::train(&inputs, &samples.to_m, &samples.starts, &config, Seed(3)).unwrap().network)
+    Arc::new(Network::train(&inputs, &samples.to_m, &samples.starts, &config, Seed(3)).unwrap().network)
 }
 
 #[test]
 fn a_forward_network_stands_for_the_rod_in_the_points_of_the_error_model() {
     let network = forward_network(&exploration(6_000));
     let pool = gp_points(&mut robot([0.0; 3]), &mut robot(SHIFT_M), &GpPointsOptions::default(), Seed(1)).unwrap();
-    let imagined = rollout(&pool.steps, &mut ElmanForward::new(network.clone(), 4).unwrap()).unwrap();
+    let imagined = rollout(&pool.steps, &mut NetworkForward::new(network.clone(), 4).unwrap()).unwrap();
 
     // It starts at the recorded home and is then fed with what it predicted itself.
-    let mut model = ElmanForward::new(network, 4).unwrap();
+    let mut model = NetworkForward::new(network, 4).unwrap();
     let home = imagined.from_m.row(0);
     assert_eq!(home, pool.steps.from_m.row(0));
     model.reset(&[home[0], home[1], home[2]]);
@@ -108,11 +108,11 @@ fn a_forward_network_stands_for_the_rod_in_the_points_of_the_error_model() {
 #[test]
 fn models_of_the_wrong_width_are_refused() {
     let samples = exploration(400);
-    let config = ElmanConfig { max_epochs: 1, ..ElmanConfig::default() };
-    let forward = Elman::train(&samples.pulls_m, &samples.to_m, &[], &config, Seed(2)).unwrap().network;
+    let config = NetworkConfig { max_epochs: 1, ..NetworkConfig::default() };
+    let forward = Network::train(&samples.pulls_m, &samples.to_m, &[], &config, Seed(2)).unwrap().network;
     let forward = Arc::new(forward);
-    assert!(matches!(ElmanForward::new(forward.clone(), 4), Err(LearnError::Shape { found: 4, expected: 7, .. })));
-    assert!(matches!(ElmanInverse::new(forward), Err(LearnError::Shape { found: 4, expected: 6, .. })));
+    assert!(matches!(NetworkForward::new(forward.clone(), 4), Err(LearnError::Shape { found: 4, expected: 7, .. })));
+    assert!(matches!(NetworkInverse::new(forward), Err(LearnError::Shape { found: 4, expected: 6, .. })));
     let few = samples.first(30);
     let gp = Gp::fit(&few.pulls_m, &few.to_m, &GpConfig { starts: 1, ..GpConfig::default() }).unwrap();
     assert!(matches!(GpError::new(gp, 4), Err(LearnError::Shape { found: 4, expected: 7, .. })));
@@ -138,8 +138,8 @@ fn learned_policies_come_close_and_repeat_to_the_bit() {
     let generated = train(&correct_samples(&samples, error.as_ref()).unwrap());
     let run = |name: &str| {
         let parts = PolicyParts::default()
-            .with_inverse(&INVERSE, Box::new(ElmanInverse::new(simulated.clone()).unwrap()))
-            .with_inverse(&INVERSE_B, Box::new(ElmanInverse::new(generated.clone()).unwrap()))
+            .with_inverse(&INVERSE, Box::new(NetworkInverse::new(simulated.clone()).unwrap()))
+            .with_inverse(&INVERSE_B, Box::new(NetworkInverse::new(generated.clone()).unwrap()))
             .with_error(error.clone());
         let mut policy = policy(name, parts, &PolicyOptions::default());
         [(0.012, 0.0), (-0.01, 0.01), (0.005, -0.014)].map(|(x_m, y_m)| {

@@ -53,7 +53,7 @@ fn telling_files_change_the_keys_of_exactly_these_stages() {
     for file in ["policies/c.rs", "policies/mod.rs"] {
         assert!(stages_of(file).is_disjoint(&only(&LEARNING)), "{file}");
     }
-    assert!(stages_of("learn/rnn/train.rs").is_superset(&only(&[
+    assert!(stages_of("learn/networks/train.rs").is_superset(&only(&[
         "train_forward",
         "train_inverse",
         "train_inverse_b",

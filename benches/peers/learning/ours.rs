@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use spinebench::base::Seed;
 use spinebench::learn::gp::{Gp, GpConfig};
-use spinebench::learn::rnn::{Elman, ElmanConfig, Stopped};
+use spinebench::learn::networks::{Network, NetworkConfig, Stopped};
 
 use super::product;
 use super::samples::{ProcessSamples, Samples};
@@ -89,7 +89,7 @@ impl<'a> Ours<'a> {
     }
 
     fn epoch(&self, round: u64) -> Result<Outcome, String> {
-        let config = ElmanConfig { max_epochs: EPOCHS, ..settings() };
+        let config = NetworkConfig { max_epochs: EPOCHS, ..settings() };
         let (trained, cpu_s) = self.train(&config, round);
         let trained = trained.map_err(|error| error.to_string())?;
         let last = trained.history.last().map_or(f64::NAN, |epoch| epoch.validation_mae);
@@ -97,7 +97,7 @@ impl<'a> Ours<'a> {
     }
 
     fn until_error(&self, round: u64) -> Result<Outcome, String> {
-        let config = ElmanConfig { stop_at_validation_mae_m: Some(TARGET_M), ..settings() };
+        let config = NetworkConfig { stop_at_validation_mae_m: Some(TARGET_M), ..settings() };
         let (trained, cpu_s) = self.train(&config, round);
         let trained = trained.map_err(|error| error.to_string())?;
         let error_m = trained.validation_mae;
@@ -110,23 +110,23 @@ impl<'a> Ours<'a> {
     /// The network's outputs in metres, so that its errors are.
     fn train(
         &self,
-        config: &ElmanConfig,
+        config: &NetworkConfig,
         round: u64,
-    ) -> (Result<spinebench::learn::rnn::Trained, spinebench::learn::LearnError>, f64) {
+    ) -> (Result<spinebench::learn::networks::Trained, spinebench::learn::LearnError>, f64) {
         let own = &self.samples.network;
-        clock::mean(|| Elman::train(&own.inputs, &own.outputs_m, &[], config, Seed(round)))
+        clock::mean(|| Network::train(&own.inputs, &own.outputs_m, &[], config, Seed(round)))
     }
 }
 
 /// A window from every row, batches of 64, one learning rate; the error is looked at after every epoch.
-fn settings() -> ElmanConfig {
-    ElmanConfig {
+fn settings() -> NetworkConfig {
+    NetworkConfig {
         stride: 1,
         batch: 64,
         decay: 1.0,
         patience: 1000,
         stop_check_updates: 1_000_000,
-        ..ElmanConfig::default()
+        ..NetworkConfig::default()
     }
 }
 

@@ -19,7 +19,7 @@ from ._calculations import (
 )
 from ._bags import ClockFit, ImportedRecording, export_mcap, import_csv, import_mcap
 from ._errors import InputError, InternalError, RunError, SolverError, SpinebenchError
-from ._learn import ElmanRegressor, GaussianProcess
+from ._learn import ElmanRegressor, GaussianProcess, NetworkRegressor
 from ._policies import Policy
 from ._spinebench import Model, Rod, Rods
 from .envs import register as _register
@@ -37,6 +37,7 @@ __all__ = [
     "InputError",
     "InternalError",
     "Model",
+    "NetworkRegressor",
     "Policy",
     "Rod",
     "Rods",

@@ -226,8 +226,9 @@ class GaussianProcess(_Regressor):
             self._core = _core._Gp.load(state["_core"])
 
 
-class ElmanRegressor(_Regressor):
-    """The Elman network of the paper: one recurrent layer, linear output, early stopping on the last share of the rows.
+class NetworkRegressor(_Regressor):
+    """A network of one hidden layer with a linear output and early stopping on the last share of the rows. The paper's is
+    Elman's.
 
     Rows are samples in time order: what is predicted for a row depends on the rows before it, back to the start of its
     sequence. With `window=1` the network has no memory, and rows are independent.
@@ -235,6 +236,10 @@ class ElmanRegressor(_Regressor):
     Parameters
     ----------
     hidden: hidden units.
+    kind: `"elman"`, `"gru"`, `"lstm"` or `"feed_forward"`.
+    history: rows of inputs that the network sees at a step; None: 4 for `feed_forward`, 1 for the other kinds.
+    members: networks trained from different random weights; the answer is their mean.
+    optimiser: `"adam"`, or `"lbfgs"` on all windows at once.
     window: consecutive rows through which errors are propagated back.
     stride: rows from the start of one window to the start of the next.
     loss: `"every_row"` or `"last_row"` of a window counts.
@@ -257,6 +262,10 @@ class ElmanRegressor(_Regressor):
         self,
         hidden: int = 30,
         *,
+        kind: str = "elman",
+        history: int | None = None,
+        members: int = 1,
+        optimiser: str = "adam",
         window: int = 10,
         stride: int = 10,
         loss: str = "every_row",
@@ -271,6 +280,10 @@ class ElmanRegressor(_Regressor):
         random_state: int = 0,
     ) -> None:
         self.hidden = hidden
+        self.kind = kind
+        self.history = history
+        self.members = members
+        self.optimiser = optimiser
         self.window = window
         self.stride = stride
         self.loss = loss
@@ -293,7 +306,7 @@ class ElmanRegressor(_Regressor):
         if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
             raise InputError(f"random_state: found {seed!r}, expected a whole number, 0 or more")
         config = json.dumps(options, default=lambda number: number.item())
-        self._core = _core._Elman.train(inputs, outputs, list(sequences), config, int(seed))
+        self._core = _core._Network.train(inputs, outputs, list(sequences), config, int(seed))
         self.n_epochs_, _, self.validation_mae_, self.stopped_ = self._core.summary
         self.history_ = self._core.history
         return self
@@ -315,4 +328,8 @@ class ElmanRegressor(_Regressor):
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         if "_core" in state:
-            self._core = _core._Elman.load(state["_core"])
+            self._core = _core._Network.load(state["_core"])
+
+
+ElmanRegressor = NetworkRegressor
+"""The same under its first name: its default kind is Elman's."""

@@ -4,7 +4,7 @@ use super::samples::points;
 use crate::base::Seed;
 use crate::data::rows::GpRow;
 use crate::learn::gp::{Gp, GpConfig};
-use crate::learn::rnn::Trained;
+use crate::learn::networks::Trained;
 use crate::runner::stage::{Handle, Stage, StageKind};
 use crate::tasks::{GpPool, Transitions};
 

@@ -4,7 +4,7 @@ use super::networks::{NetworkParams, columns};
 use super::samples::simulated;
 use crate::base::Seed;
 use crate::learn::gp::Gp;
-use crate::learn::rnn::{Elman, Trained};
+use crate::learn::networks::{Network, Trained};
 use crate::policies::{GpError, NetworkDescription};
 use crate::runner::stage::{Handle, Stage, StageKind};
 use crate::tasks::{self, Transitions};
@@ -29,7 +29,7 @@ pub(in crate::runner) fn train_generated(
             let (starts, seed) = (&samples.starts, Seed(params.seed));
             let trained = match start {
                 Some(start) => start.network.retrain(&inputs, &outputs, starts, &params.config, seed),
-                None => Elman::train(&inputs, &outputs, starts, &params.config, seed),
+                None => Network::train(&inputs, &outputs, starts, &params.config, seed),
             };
             trained.map_err(|error| error.to_string())
         },

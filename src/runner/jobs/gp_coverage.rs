@@ -5,7 +5,7 @@ use super::samples::points;
 use crate::base::Seed;
 use crate::data::rows::GpCoverageRow;
 use crate::learn::gp::Gp;
-use crate::learn::rnn::Trained;
+use crate::learn::networks::Trained;
 use crate::math::distribution::normal_quantile;
 use crate::runner::stage::{Handle, Stage, StageKind};
 use crate::tasks::GpPool;

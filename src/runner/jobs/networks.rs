@@ -2,7 +2,7 @@
 
 use super::samples::joined;
 use crate::base::{Rows, Seed};
-use crate::learn::rnn::{Elman, ElmanConfig, Trained};
+use crate::learn::networks::{Network, NetworkConfig, Trained};
 use crate::policies::{NetworkDescription, SampleColumns};
 use crate::runner::stage::{Handle, Stage, StageKind};
 use crate::tasks::Transitions;
@@ -15,7 +15,7 @@ pub(in crate::runner) fn train(network: &NetworkDescription) -> Stage<NetworkPar
             let first = params.points.map(|points| samples.first(points));
             let samples = first.as_ref().unwrap_or(samples);
             let (inputs, outputs) = (columns(samples, params.inputs), columns(samples, params.outputs));
-            let trained = Elman::train(&inputs, &outputs, &samples.starts, &params.config, Seed(params.seed));
+            let trained = Network::train(&inputs, &outputs, &samples.starts, &params.config, Seed(params.seed));
             trained.map_err(|error| error.to_string())
         },
     }
@@ -24,7 +24,7 @@ pub(in crate::runner) fn train(network: &NetworkDescription) -> Stage<NetworkPar
 /// Parameters of a network.
 #[derive(serde::Serialize)]
 pub(in crate::runner) struct NetworkParams {
-    pub(in crate::runner) config: ElmanConfig,
+    pub(in crate::runner) config: NetworkConfig,
     pub(in crate::runner) inputs: &'static [SampleColumns],
     pub(in crate::runner) outputs: &'static [SampleColumns],
     /// How many of the samples it is trained on; all without a number.

@@ -3,7 +3,7 @@
 use super::networks::{NetworkParams, columns};
 use crate::base::Seed;
 use crate::learn::gp::Gp;
-use crate::learn::rnn::Trained;
+use crate::learn::networks::Trained;
 use crate::policies::GpError;
 use crate::runner::stage::{Handle, Stage, StageKind};
 use crate::tasks::{self, Transitions};

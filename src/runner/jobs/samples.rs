@@ -1,15 +1,15 @@
 //! What networks and Gaussian processes are trained on.
 
 use crate::base::Rows;
-use crate::learn::rnn::Trained;
-use crate::policies::ElmanForward;
+use crate::learn::networks::Trained;
+use crate::policies::NetworkForward;
 use crate::tasks::{self, GpPoints, GpPool, Transitions};
 use std::sync::Arc;
 
 /// The commands of a recording as the forward network plays them.
 pub(super) fn simulated(network: &Trained, samples: &Transitions) -> Result<Transitions, String> {
     let network = Arc::new(network.network.clone());
-    let mut model = ElmanForward::new(network, samples.pulls_m.width()).map_err(|error| error.to_string())?;
+    let mut model = NetworkForward::new(network, samples.pulls_m.width()).map_err(|error| error.to_string())?;
     tasks::rollout(samples, &mut model).map_err(|error| error.to_string())
 }
 

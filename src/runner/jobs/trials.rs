@@ -8,7 +8,7 @@ use crate::base::{Plant, Point3, Policy, Seed};
 use crate::data::rows::{TrackRow, TrialRow};
 use crate::effects::EffectSpec;
 use crate::learn::gp::Gp;
-use crate::learn::rnn::Trained;
+use crate::learn::networks::Trained;
 use crate::policies::{self, GpError, ModelAccess, PolicyOptions, PolicyParts};
 use crate::runner::stage::{Handle, Stage, StageInputs, StageKind};
 use crate::tasks::{self, LoopMode, ReachOptions, ReachOutcome, TrackOptions, TrackStep};

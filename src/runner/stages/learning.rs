@@ -3,7 +3,7 @@
 use super::{Added, Stages, stops};
 use crate::data::rows::{GpCoverageRow, GpRow};
 use crate::learn::gp::Gp;
-use crate::learn::rnn::{ElmanConfig, Trained};
+use crate::learn::networks::{NetworkConfig, Trained};
 use crate::policies::{FORWARD, NetworkDescription, TrainingData};
 use crate::runner::failure::Failure;
 use crate::runner::jobs::gaussian_process::{GP, GP_SCORE, GpParams};
@@ -95,7 +95,7 @@ impl Stages<'_> {
         points: usize,
     ) -> NetworkParams {
         NetworkParams {
-            config: ElmanConfig { stop_at_validation_mae_m: training.stop_m(network), ..self.spec.network.clone() },
+            config: NetworkConfig { stop_at_validation_mae_m: training.stop_m(network), ..self.spec.network.clone() },
             inputs: network.inputs,
             outputs: network.outputs,
             points: (network.data == TrainingData::Real).then_some(points),

@@ -5,7 +5,7 @@ use crate::base::Point3;
 use crate::data::rows::TrialRow;
 use crate::effects::EffectSpec;
 use crate::learn::gp::Gp;
-use crate::learn::rnn::Trained;
+use crate::learn::networks::Trained;
 use crate::policies::{self, ModelNeed, NetworkDescription, PolicyEntry, TrainingData};
 use crate::runner::campaign::points_of;
 use crate::runner::failure::Failure;

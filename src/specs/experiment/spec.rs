@@ -8,7 +8,7 @@ use crate::benchmark::{CaseBatch, DrawnEffect, OracleOptions, Population, TruthO
 use crate::discovery::Options;
 use crate::effects::EffectSpec;
 use crate::learn::gp::GpConfig;
-use crate::learn::rnn::ElmanConfig;
+use crate::learn::networks::NetworkConfig;
 use crate::plants::PlantSpec;
 use crate::policies::{self, EarlyStopping, NetworkDescription, PolicyOptions};
 use crate::report::FIGURES;
@@ -51,7 +51,7 @@ pub struct Experiment {
     pub gp: GpConfig,
     /// The networks.
     #[serde(default)]
-    pub network: ElmanConfig,
+    pub network: NetworkConfig,
     /// Initial weights of policy B's network.
     #[serde(default)]
     pub generated_start: GeneratedStart,

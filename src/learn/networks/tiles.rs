@@ -2,7 +2,7 @@
 
 use crate::learn::simd::Real;
 
-/// Samples per chunk.
+/// TrainingSamples per chunk.
 pub(super) const LANES: usize = 16;
 
 /// Sixteen samples of one quantity.
@@ -49,7 +49,8 @@ pub(super) fn accumulate<T: Real, const U: usize>(
 }
 
 /// `out[r][u] += Σ_l a[r][l] · b[u][l]` over all lanes of the chunks `a_from..a_from+len` and `b_from..b_from+len`,
-/// for the rows `0..rows` of `a` and `0..columns` of `b`; `out` has rows of `stride` numbers.
+/// for the rows `0..rows` of `a` and `0..columns` of `b`; `out` has rows of `stride` numbers. `b_from` may lie beyond the
+/// first row's chunks: the rows that follow are then meant.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
 pub(super) fn outer<T: Real>(
@@ -80,8 +81,8 @@ fn outer_rows<T: Real, const R: usize>(
 ) {
     let lines: [&[Chunk<T>]; R] = std::array::from_fn(|r| &a.row(row + r)[a_from..a_from + len]);
     for u in (0..columns).step_by(2) {
-        let left = &b.row(u)[b_from..b_from + len];
-        let right = &b.row(u + 1)[b_from..b_from + len];
+        let left = &b.chunks[u * b.width + b_from..][..len];
+        let right = &b.chunks[(u + 1) * b.width + b_from..][..len];
         let mut acc = [[[T::default(); LANES]; 2]; R];
         for l in 0..len {
             for r in 0..R {

@@ -2,15 +2,18 @@
 
 use rand::RngExt;
 
+use super::kinds::NetworkKind;
 use crate::base::Seed;
 use crate::learn::simd::Real;
 
 /// Units are computed this many at a time, so their number is rounded up; the extra ones stay at zero.
 pub(super) const TILE: usize = 8;
 
-/// Sizes of a network.
+/// Kind and sizes of a network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Sizes {
+    pub(super) kind: NetworkKind,
+    /// Columns of inputs times the rows of history.
     pub(super) inputs: usize,
     pub(super) hidden: usize,
     pub(super) outputs: usize,
@@ -27,19 +30,30 @@ impl Sizes {
         self.outputs.next_multiple_of(TILE)
     }
 
+    /// Sums of all units: the width of a row of the hidden layer, block after block.
+    pub(super) fn row_len(&self) -> usize {
+        self.kind.weighted_sums().len() * self.units()
+    }
+
     /// Numbers of the hidden layer: `inputs` rows of input weights, `hidden` rows of recurrent weights and a row of
-    /// biases, each `units` wide.
+    /// biases, each `sums` wide. Weights of what a block does not see stay at zero.
     pub(super) fn hidden_len(&self) -> usize {
-        (self.inputs + self.hidden + 1) * self.units()
+        (self.inputs + self.hidden + 1) * self.row_len()
     }
 
     /// Numbers of both layers; the output layer has `hidden` rows of weights and a row of biases, `ports` wide.
     pub(super) fn len(&self) -> usize {
         self.hidden_len() + (self.hidden + 1) * self.ports()
     }
+
+    /// Whether row `row` of the hidden layer is seen by block `block`.
+    fn seen(&self, row: usize, block: usize) -> bool {
+        let block = self.kind.weighted_sums()[block];
+        if row < self.inputs { block.inputs } else { row == self.inputs + self.hidden || block.state }
+    }
 }
 
-/// Weights of `h' = tanh(W_x x + W_h h + b)`, `y = W_o h' + c` (Elman 1990), or a gradient with respect to them.
+/// Weights of the hidden and of the linear output layer `y = W_o h + c`, or a gradient with respect to them.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Weights<T> {
     pub(super) sizes: Sizes,
@@ -51,26 +65,31 @@ impl<T: Real> Weights<T> {
         Weights { sizes, values: vec![T::default(); sizes.len()] }
     }
 
-    /// Uniform in ±√(1/hidden) as PyTorch's `nn.RNN`, drawn from the seed.
+    /// Uniform in ±√(1/hidden) as PyTorch's `nn.RNN`, `nn.GRU` and `nn.LSTM`, drawn from the seed.
     pub(super) fn random(sizes: Sizes, seed: Seed) -> Self {
         let mut weights = Self::zeros(sizes);
         let mut rng = seed.rng();
         let reach = (1.0 / sizes.hidden as f64).sqrt();
-        let (units, ports) = (sizes.units(), sizes.ports());
-        let split = sizes.hidden_len();
-        let (hidden, output) = weights.values.split_at_mut(split);
-        for row in hidden.chunks_exact_mut(units) {
-            row[..sizes.hidden].iter_mut().for_each(|w| *w = T::of(rng.random_range(-reach..reach)));
+        let (hidden, output) = weights.layers_mut();
+        for (row, values) in hidden.chunks_exact_mut(sizes.row_len()).enumerate() {
+            for (block, values) in values.chunks_exact_mut(sizes.units()).enumerate() {
+                if sizes.seen(row, block) {
+                    values[..sizes.hidden].iter_mut().for_each(|w| *w = T::of(rng.random_range(-reach..reach)));
+                }
+            }
         }
-        for row in output.chunks_exact_mut(ports) {
+        for row in output.chunks_exact_mut(sizes.ports()) {
             row[..sizes.outputs].iter_mut().for_each(|w| *w = T::of(rng.random_range(-reach..reach)));
         }
         weights
     }
 
-    /// Hidden layer: rows of input weights, recurrent weights, bias.
-    pub(super) fn hidden(&self) -> &[T] {
-        &self.values[..self.sizes.hidden_len()]
+    /// The hidden layer's input weights, recurrent weights and biases.
+    pub(super) fn hidden(&self) -> [&[T]; 3] {
+        let (from_inputs, rest) =
+            self.values[..self.sizes.hidden_len()].split_at(self.sizes.inputs * self.sizes.row_len());
+        let (from_state, bias) = rest.split_at(self.sizes.hidden * self.sizes.row_len());
+        [from_inputs, from_state, bias]
     }
 
     /// Output layer: rows of weights, bias.

@@ -2,7 +2,16 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::kinds::NetworkKind;
 use crate::learn::LearnError;
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+fn is_one(value: &usize) -> bool {
+    *value == 1
+}
 
 /// Which rows of a window the loss counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -15,10 +24,35 @@ pub enum Loss {
     LastRow,
 }
 
-/// How an Elman network is trained. Unknown keys are refused; missing ones take the values of [`Default`].
+/// What moves the weights.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Optimiser {
+    /// Steps on batches of windows (Kingma & Ba 2015).
+    #[default]
+    Adam,
+    /// Steps on all windows at once, an epoch each, by limited-memory BFGS (Liu & Nocedal 1989). `batch`, `learning_rate`,
+    /// `decay_patience`, `decay` and `stop_check_updates` have no meaning for it.
+    Lbfgs,
+}
+
+/// How a network is made and trained. Unknown keys are refused; missing ones take the values of [`Default`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-pub struct ElmanConfig {
+pub struct NetworkConfig {
+    /// Kind of the hidden layer (paper: `elman`).
+    #[serde(skip_serializing_if = "is_default")]
+    pub kind: NetworkKind,
+    /// Rows of inputs that the network sees at a step: this row and those before it. Nothing: 4 for `feed_forward`, 1 for the
+    /// other kinds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub history: Option<usize>,
+    /// Networks that are trained from different random weights; the answer is their mean.
+    #[serde(skip_serializing_if = "is_one")]
+    pub members: usize,
+    /// What moves the weights.
+    #[serde(skip_serializing_if = "is_default")]
+    pub optimiser: Optimiser,
     /// Hidden units (paper: 30).
     pub hidden: usize,
     /// Consecutive rows through which errors are propagated back. With 1 the recurrent weights are never used.
@@ -50,9 +84,13 @@ pub struct ElmanConfig {
     pub stop_check_updates: usize,
 }
 
-impl Default for ElmanConfig {
+impl Default for NetworkConfig {
     fn default() -> Self {
-        ElmanConfig {
+        NetworkConfig {
+            kind: NetworkKind::default(),
+            history: None,
+            members: 1,
+            optimiser: Optimiser::default(),
             hidden: 30,
             window: 10,
             stride: 10,
@@ -71,7 +109,12 @@ impl Default for ElmanConfig {
     }
 }
 
-impl ElmanConfig {
+impl NetworkConfig {
+    /// Rows of inputs that the network sees at a step.
+    pub(super) fn history(&self) -> usize {
+        self.history.unwrap_or(self.kind.default_history())
+    }
+
     /// Checks that `rows` rows, with recordings that begin at `sequences`, suffice for training and validation.
     ///
     /// # Errors
@@ -86,6 +129,8 @@ impl ElmanConfig {
     /// [`LearnError::Setting`] with the key, the value and the range.
     pub fn check(&self) -> Result<(), LearnError> {
         let counts = [
+            ("history", self.history(), 100),
+            ("members", self.members, 100),
             ("hidden", self.hidden, 1024),
             ("window", self.window, 1000),
             ("stride", self.stride, 1000),
@@ -99,6 +144,7 @@ impl ElmanConfig {
         for (key, found, most) in counts {
             if found == 0 || found > most {
                 let expected = match most {
+                    100 => "1 to 100",
                     1000 => "1 to 1000",
                     1024 => "1 to 1024",
                     4096 => "1 to 4096",

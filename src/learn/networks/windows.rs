@@ -1,6 +1,6 @@
 //! Split of the rows into training and validation, and the windows in them.
 
-use super::config::ElmanConfig;
+use super::config::NetworkConfig;
 use crate::learn::LearnError;
 
 /// Contiguous runs of rows, none across the start of a sequence.
@@ -25,7 +25,7 @@ pub(super) fn check_sequences(sequences: &[usize], rows: usize) -> Result<(), Le
 impl Split {
     /// Cuts `rows` rows into `split_blocks` blocks in time order, each block's first `train_share` to training and its
     /// rest to validation, and both at the starts of sequences.
-    pub(super) fn new(rows: usize, sequences: &[usize], config: &ElmanConfig) -> Result<Self, LearnError> {
+    pub(super) fn new(rows: usize, sequences: &[usize], config: &NetworkConfig) -> Result<Self, LearnError> {
         check_sequences(sequences, rows)?;
         let mut split = Split::default();
         for block in 0..config.split_blocks {
@@ -75,7 +75,7 @@ mod tests {
 
     #[test]
     fn windows_cross_neither_split_nor_sequence() {
-        let config = ElmanConfig { window: 3, split_blocks: 2, ..ElmanConfig::default() };
+        let config = NetworkConfig { window: 3, split_blocks: 2, ..NetworkConfig::default() };
         let split = Split::new(20, &[0, 5], &config).unwrap();
         assert_eq!(split.train, [0..5, 5..7, 10..17]);
         assert_eq!(split.validate, [7..10, 17..20]);
@@ -86,7 +86,7 @@ mod tests {
 
     #[test]
     fn bad_sequences_are_named() {
-        let config = ElmanConfig::default();
+        let config = NetworkConfig::default();
         assert_eq!(Split::new(50, &[0, 30, 30], &config), Err(LearnError::Sequences { place: 2, found: 30, rows: 50 }));
         assert!(matches!(Split::new(10, &[], &config), Err(LearnError::TooFewRows { found: 10, .. })));
     }
