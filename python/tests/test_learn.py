@@ -56,6 +56,21 @@ def test_a_fixed_kernel_predicts_what_scikit_learn_does(kernel: str, theirs: Any
     np.testing.assert_allclose(ours.noise_std_, np.sqrt(0.02))
 
 
+@pytest.mark.parametrize("approximation", ["sgpr", "fitc"])
+def test_inducing_points_come_near_the_exact_process(approximation: str) -> None:
+    inputs, values = samples(400, outputs=2)
+    queries = np.random.default_rng(8).uniform(-1.5, 1.5, (100, 3))
+    exact = GaussianProcess(mean="linear").fit(inputs, values)
+    sparse = GaussianProcess(mean="linear", approximation=approximation, inducing_points=60).fit(inputs, values)
+    again = pickle.loads(pickle.dumps(sparse))
+    (mean, std), (wanted, wanted_std) = sparse.predict(queries, return_std=True), exact.predict(queries, return_std=True)
+    np.testing.assert_allclose(mean, wanted, atol=0.05)
+    np.testing.assert_allclose(std, wanted_std, atol=0.03)
+    np.testing.assert_array_equal(again.predict(queries), mean)
+    with pytest.raises(InputError, match="approximation"):
+        GaussianProcess(approximation="vfe").fit(inputs, values)
+
+
 def test_the_search_finds_at_least_what_scikit_learn_finds() -> None:
     process, kernels = peer("gaussian_process"), peer("gaussian_process.kernels")
     inputs, values = samples()

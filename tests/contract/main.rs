@@ -30,6 +30,7 @@ mod report_figures;
 mod report_numbers;
 mod report_tables;
 mod spec_bad_input;
+mod spec_bad_learning;
 mod spec_shipped;
 mod spec_sweep;
 mod store_keys;

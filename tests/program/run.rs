@@ -274,6 +274,29 @@ fn a_log_for_machines_and_the_strict_answer() {
     assert_eq!(trials.matches("gp_pool: rod solver").count(), 6, "{trials}");
 }
 
+/// A process with inducing points and a mean function runs through fits, networks and trials; its table tells them apart.
+#[test]
+fn sparse_processes_and_means_are_swept_fields() {
+    let folder = tempfile::tempdir().unwrap();
+    let spec = format!(
+        "extends: {SMOKE}\nname: sparse\nseeds: 1\ntraining: {{paper: null}}\ngp: {{inducing_points: 15}}\nruns:\n  gap: null\n  \
+         forward: false\n  track: null\n  gp_points: [60]\n  gp_coverage: [0.9]\n  \
+         reach: [{{policies: [a, c], modes: [closed], gp_points: [60]}}]\nfigures: []\nclaims: []\n\
+         sweep: {{gp.approximation: [exact, sgpr, fitc], gp.mean: [zero, linear]}}\n"
+    );
+    std::fs::write(folder.path().join("sparse.yaml"), spec).unwrap();
+    run(folder.path(), &["sparse.yaml", "--out", "out", "--cache", "cache"]);
+    let results = folder.path().join("out/results/sparse");
+    let table = std::fs::read_to_string(results.join("gp.csv")).unwrap();
+    let at = table.lines().next().unwrap().split(',').position(|name| name == "log_marginal_likelihood").unwrap();
+    let likelihoods: Vec<&str> = table.lines().skip(1).map(|row| row.split(',').nth(at).unwrap()).collect();
+    assert_eq!(likelihoods.len(), 6, "{table}");
+    let mut distinct = likelihoods.clone();
+    distinct.sort_unstable();
+    distinct.dedup();
+    assert_eq!(distinct.len(), 6, "every approximation with every mean is a process of its own: {likelihoods:?}");
+}
+
 /// Trials of fixed duration: tables, a figure, and the same bytes for any threads.
 #[test]
 fn controllers_are_told_apart() {

@@ -143,11 +143,14 @@ class _Regressor:
 
 
 class GaussianProcess(_Regressor):
-    """Gaussian-process regression with zero mean after standardising, every output with hyper-parameters of its own.
+    """Gaussian-process regression, exact or with inducing points, every output with hyper-parameters of its own.
 
     Parameters
     ----------
     kernel: a kernel or an expression of kernels, such as `"se_ard"` or `"matern52 + linear[1-2]"` (docs/learning.md).
+    mean: `"zero"` (the mean of the outputs), `"constant"` or `"linear"`, whose unknown weights are integrated out.
+    approximation: `"exact"`, or `"sgpr"` or `"fitc"` for thousands of samples.
+    inducing_points: inducing points of an approximation at most.
     starts: starting points of the search for hyper-parameters.
     start_rows: rows on which the starts compete when there are more.
     noise_floor: smallest noise standard deviation, as a share of the output's standard deviation.
@@ -163,7 +166,7 @@ class GaussianProcess(_Regressor):
     hyperparameter_names_: list[str]
     """Their names."""
     log_marginal_likelihood_value_: float
-    """Log marginal likelihood of the standardised outputs, nats, summed over outputs."""
+    """Log marginal likelihood of the standardised outputs (`sgpr`: its lower bound), nats, summed over outputs."""
     noise_std_: Array
     """Noise standard deviation of each output, in its unit."""
 
@@ -171,6 +174,9 @@ class GaussianProcess(_Regressor):
         self,
         kernel: str = "se_ard",
         *,
+        mean: str = "zero",
+        approximation: str = "exact",
+        inducing_points: int = 200,
         starts: int = 8,
         start_rows: int = 100,
         noise_floor: float = 1e-3,
@@ -178,6 +184,9 @@ class GaussianProcess(_Regressor):
         theta: ArrayLike | None = None,
     ) -> None:
         self.kernel = kernel
+        self.mean = mean
+        self.approximation = approximation
+        self.inducing_points = inducing_points
         self.starts = starts
         self.start_rows = start_rows
         self.noise_floor = noise_floor
@@ -187,7 +196,7 @@ class GaussianProcess(_Regressor):
     def fit(self, X: ArrayLike, y: ArrayLike | None = None) -> Self:
         """Fit (samples, features) to (samples,) or (samples, outputs). Raises InputError; returns the estimator."""
         inputs, outputs = self._training(X, y)
-        names = ("kernel", "starts", "start_rows", "noise_floor", "tolerance")
+        names = ("kernel", "mean", "approximation", "inducing_points", "starts", "start_rows", "noise_floor", "tolerance")
         config = json.dumps({name: getattr(self, name) for name in names}, default=float)
         theta = self.theta
         if theta is not None:

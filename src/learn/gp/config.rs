@@ -4,6 +4,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
 use super::expression::KernelExpression;
 use super::kernels;
+use super::mean::MeanFunction;
 use crate::learn::LearnError;
 use crate::learn::selection::Selection;
 
@@ -51,12 +52,41 @@ pub enum Lambda {
     AsPrinted,
 }
 
+/// Whether a process is exact, or which approximation of it takes more points.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Approximation {
+    /// None: costs grow with the cube of the number of points.
+    #[default]
+    Exact,
+    /// Inducing points by a lower bound of the likelihood (Titsias 2009): the process that is nearest to the exact one.
+    Sgpr,
+    /// Inducing points with the variances of the exact process (Snelson & Ghahramani 2006).
+    Fitc,
+}
+
+impl Approximation {
+    /// Whether there is none.
+    pub fn is_exact(&self) -> bool {
+        *self == Approximation::Exact
+    }
+}
+
 /// How a Gaussian process is fitted. Unknown keys are refused; missing ones take the values of [`Default`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct GpConfig {
     /// Covariance function: a kernel, or an expression of kernels.
     pub kernel: KernelExpression,
+    /// Mean function.
+    #[serde(skip_serializing_if = "MeanFunction::is_zero")]
+    pub mean: MeanFunction,
+    /// Exact, or which approximation.
+    #[serde(skip_serializing_if = "Approximation::is_exact")]
+    pub approximation: Approximation,
+    /// Inducing points of an approximation at most; an exact process has none.
+    #[serde(skip_serializing_if = "is_default_inducing")]
+    pub inducing_points: usize,
     /// How an experiment chooses the rows that it fits from the predefined points. [`Gp::fit`](super::Gp::fit) takes all that
     /// it is given.
     #[serde(skip_serializing_if = "Selection::is_paper")]
@@ -89,10 +119,24 @@ pub enum FoldOrder {
     Interleaved,
 }
 
+/// Inducing points unless said otherwise.
+const INDUCING_POINTS: usize = 200;
+/// Most points of an exact process.
+const MOST_EXACT: usize = 5000;
+/// Most points of a sparse process.
+const MOST_SPARSE: usize = 100_000;
+
+fn is_default_inducing(count: &usize) -> bool {
+    *count == INDUCING_POINTS
+}
+
 impl Default for GpConfig {
     fn default() -> Self {
         GpConfig {
             kernel: KernelExpression::of(&kernels::SeArd),
+            mean: MeanFunction::Zero,
+            approximation: Approximation::Exact,
+            inducing_points: INDUCING_POINTS,
             selection: Selection::default(),
             lambda: Lambda::InverseSquares,
             starts: 8,
@@ -121,9 +165,30 @@ impl GpConfig {
         if !(self.tolerance > 0.0 && self.tolerance.is_finite()) {
             return refuse("tolerance", self.tolerance.to_string(), "above 0");
         }
+        if !(2..=2000).contains(&self.inducing_points) {
+            return refuse("inducing_points", self.inducing_points.to_string(), "2 to 2000");
+        }
         if self.folds < 2 {
             return refuse("folds", self.folds.to_string(), "at least 2");
         }
         Ok(())
+    }
+
+    /// Most points that a process can be fitted to.
+    pub fn most_points(&self) -> usize {
+        if self.approximation.is_exact() { MOST_EXACT } else { MOST_SPARSE }
+    }
+
+    /// Checks that so many points are not more than the process can take.
+    pub(super) fn check_points(&self, points: usize) -> Result<(), LearnError> {
+        if points <= self.most_points() {
+            return Ok(());
+        }
+        let (found, expected) = match self.approximation {
+            Approximation::Exact => ("exact", "`sgpr` or `fitc` for more than 5000 points"),
+            Approximation::Sgpr => ("sgpr", "at most 100000 points"),
+            Approximation::Fitc => ("fitc", "at most 100000 points"),
+        };
+        Err(LearnError::Setting { key: "approximation", found: format!("`{found}` with {points} points"), expected })
     }
 }

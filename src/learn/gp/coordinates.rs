@@ -4,6 +4,7 @@
 //! is nearly linear there. So the search moves in `u = −½ ln(λ + ε)`: `ln l` for short length-scales, linear in λ for long
 //! ones, and the end of the range (an input without influence) is an ordinary bound.
 
+use super::covariance::Covariance;
 use super::likelihood::Likelihood;
 use crate::math::optimise::Objective;
 
@@ -27,23 +28,41 @@ fn map_lengths(lengths: &[bool], values: &[f64], map: impl Fn(f64) -> f64) -> Ve
     values.iter().zip(lengths).map(|(&v, &is_length)| if is_length { map(v) } else { v }).collect()
 }
 
+/// Minus a log likelihood as a function of the logarithmic hyper-parameters of a covariance.
+pub(super) trait LogLikelihood: Objective {
+    /// The covariance.
+    fn covariance(&self) -> &Covariance;
+    /// Estimated Fisher information at the latest value, row-major, where there is one.
+    fn information(&mut self) -> Option<Vec<f64>>;
+}
+
+impl LogLikelihood for Likelihood<'_> {
+    fn covariance(&self) -> &Covariance {
+        self.covariance()
+    }
+
+    fn information(&mut self) -> Option<Vec<f64>> {
+        Some(self.information())
+    }
+}
+
 /// A likelihood as a function of the search's coordinates.
-pub(super) struct SearchObjective<'a> {
-    likelihood: Likelihood<'a>,
+pub(super) struct SearchObjective<L> {
+    likelihood: L,
     /// Which hyper-parameters are length-scales.
     lengths: Vec<bool>,
     /// `dθ/du` of each hyper-parameter at the latest value.
     stretch: Vec<f64>,
 }
 
-impl<'a> SearchObjective<'a> {
-    pub(super) fn new(likelihood: Likelihood<'a>) -> Self {
+impl<L: LogLikelihood> SearchObjective<L> {
+    pub(super) fn new(likelihood: L) -> Self {
         let lengths = likelihood.covariance().hyperparameters(1.0).iter().map(|one| one.is_length).collect();
         SearchObjective { lengths, likelihood, stretch: Vec::new() }
     }
 }
 
-impl Objective for SearchObjective<'_> {
+impl<L: LogLikelihood> Objective for SearchObjective<L> {
     fn value(&mut self, u: &[f64]) -> f64 {
         let theta = from_search_coordinates(&self.lengths, u);
         let stretch = |(ln, is_length): (&f64, &bool)| if *is_length { 1.0 + BEND * (2.0 * ln).exp() } else { 1.0 };
@@ -57,7 +76,7 @@ impl Objective for SearchObjective<'_> {
     }
 
     fn curvature(&mut self) -> Option<Vec<f64>> {
-        let mut information = self.likelihood.information();
+        let mut information = self.likelihood.information()?;
         let n = self.stretch.len();
         for (place, value) in information.iter_mut().enumerate() {
             let (i, j) = (place / n, place % n);

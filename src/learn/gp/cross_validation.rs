@@ -1,5 +1,6 @@
 //! Cross-validated error.
 
+use super::sparse::SparseLikelihood;
 use super::{FoldOrder, Gp};
 
 impl Gp {
@@ -9,8 +10,15 @@ impl Gp {
     pub fn cross_validation_mae(&self) -> Vec<f64> {
         let n = self.points();
         let folds = self.folds();
+        let (points, columns) = Self::prepare(&self.inputs, &self.outputs);
         let mae = |(c, posterior): (usize, &super::Posterior)| {
-            let sum: f64 = folds.iter().flat_map(|fold| posterior.held_out_errors(fold)).map(f64::abs).sum();
+            let sum: f64 = if self.config.approximation.is_exact() {
+                folds.iter().flat_map(|fold| posterior.held_out_errors(fold)).map(f64::abs).sum()
+            } else {
+                let of = (self.theta[c].as_slice(), posterior);
+                let likelihood = SparseLikelihood::of((&self.config, &self.covariance), &points, &columns[c], of);
+                folds.iter().flat_map(|fold| likelihood.held_out_errors(fold)).map(f64::abs).sum()
+            };
             sum / n as f64 * self.output_standardiser.scale(c)
         };
         self.posteriors.iter().enumerate().map(mae).collect()

@@ -7,6 +7,9 @@
 use super::covariance::{Covariance, HyperparameterLayout, TrainingPoints};
 use super::kernels::Kernel;
 use super::linear::{FactorBuffers, Lower};
+use super::mean::MeanFunction;
+use super::mean_regression::MeanRegression;
+use super::posterior::AddedTerm;
 use crate::learn::simd::dot;
 use crate::math::optimise::Objective;
 use crate::math::vectorised;
@@ -22,6 +25,7 @@ pub(super) struct Likelihood<'a> {
     pub(super) factor: Lower,
     pub(super) inverse: Lower,
     memory: FactorBuffers,
+    mean: MeanRegression,
 }
 
 impl<'a> Likelihood<'a> {
@@ -37,7 +41,19 @@ impl<'a> Likelihood<'a> {
             factor: Lower::zeros(n),
             inverse: Lower::zeros(n),
             memory: FactorBuffers::new(n),
+            mean: MeanRegression::default(),
         }
+    }
+
+    /// With a mean function.
+    pub(super) fn with_mean(mut self, mean: MeanFunction) -> Self {
+        self.mean = MeanRegression::new(mean, self.points);
+        self
+    }
+
+    /// What the mean function adds to predictions at the latest value.
+    pub(super) fn added(&self) -> Option<AddedTerm> {
+        self.mean.added(&self.factor)
     }
 
     /// Weight of each point, `α = K⁻¹ y`, at the latest value.
@@ -108,11 +124,16 @@ impl Objective for Likelihood<'_> {
         self.factor.solve(&mut self.alpha, &mut self.memory);
         let fit = 0.5 * dot(self.y, &self.alpha);
         let size = 0.5 * self.points.n as f64 * (2.0 * std::f64::consts::PI).ln();
-        fit + self.factor.half_log_determinant() + size
+        if self.mean.is_zero() {
+            return fit + self.factor.half_log_determinant() + size;
+        }
+        let Some(of_mean) = self.mean.regress(&self.factor, self.y, &mut self.alpha) else { return f64::INFINITY };
+        0.5 * dot(self.y, &self.alpha) + self.factor.half_log_determinant() + size + of_mean
     }
 
     fn gradient(&mut self, out: &mut [f64]) {
         self.factor.inverse(&mut self.inverse, &mut self.memory);
+        self.mean.project(&mut self.inverse);
         match self.covariance.clone() {
             Covariance::Stationary(kernel, layout) => self.stationary_gradient(kernel, layout, out),
             Covariance::Composite(composite) => self.composite_gradient(&composite, out),

@@ -43,7 +43,7 @@ impl Lower {
         MatRef::from_column_major_slice_with_stride(&self.values, self.n, self.n, self.stride)
     }
 
-    fn view_mut(&mut self) -> MatMut<'_, f64> {
+    pub(super) fn view_mut(&mut self) -> MatMut<'_, f64> {
         MatMut::from_column_major_slice_with_stride_mut(&mut self.values, self.n, self.n, self.stride)
     }
 
@@ -71,6 +71,16 @@ impl Lower {
     pub(super) fn solve_transposed_half(&self, columns: &mut [f64]) {
         let count = columns.len() / self.n;
         let right = MatMut::from_column_major_slice_mut(columns, self.n, count);
+        solve_upper_triangular_in_place(self.view().transpose(), right, Par::Seq);
+    }
+
+    /// Of a Cholesky factor: `L⁻¹` applied to a matrix of n rows.
+    pub(super) fn solve_half_of(&self, right: MatMut<'_, f64>) {
+        solve_lower_triangular_in_place(self.view(), right, Par::Seq);
+    }
+
+    /// Of a Cholesky factor: `L⁻ᵀ` applied to a matrix of n rows.
+    pub(super) fn solve_transposed_half_of(&self, right: MatMut<'_, f64>) {
         solve_upper_triangular_in_place(self.view().transpose(), right, Par::Seq);
     }
 

@@ -1,5 +1,5 @@
-//! Exact Gaussian-process regression with zero mean (paper IV-B, eqs 18–20): several outputs, each with its own
-//! hyper-parameters, which maximise the log marginal likelihood.
+//! Gaussian-process regression (paper IV-B, eqs 18–20): several outputs, each with its own hyper-parameters, which maximise
+//! the log marginal likelihood. Exact, or sparse with inducing points; with zero mean or a mean function.
 
 mod composite;
 mod composite_likelihood;
@@ -11,14 +11,18 @@ mod curvature;
 mod expression;
 mod likelihood;
 mod linear;
+mod mean;
+mod mean_regression;
 mod posterior;
 mod search;
+mod sparse;
 mod stored;
 
 pub mod kernels;
 
-pub use config::{FoldOrder, GpConfig, Lambda};
+pub use config::{Approximation, FoldOrder, GpConfig, Lambda};
 pub use expression::{ExpressionError, KernelExpression};
+pub use mean::MeanFunction;
 
 use serde::{Deserialize, Serialize};
 
@@ -68,17 +72,14 @@ impl Gp {
     pub fn fit(inputs: &Rows, outputs: &Rows, config: &GpConfig) -> Result<Gp, LearnError> {
         config.check()?;
         check_samples(inputs, outputs)?;
-        if inputs.len() < 2 {
-            let why = "a Gaussian process and its noise";
-            return Err(LearnError::TooFewRows { found: inputs.len(), needed: 2, why });
-        }
+        Self::check_rows(inputs, config)?;
         let covariance = Covariance::new(&config.kernel, inputs.width())?;
         let (points, columns) = Self::prepare(inputs, outputs);
         let mut evaluations = 0;
         let mut theta = Vec::with_capacity(columns.len());
         for (output, y) in columns.iter().enumerate() {
-            let found =
-                search::search(config, &covariance, &points, y).ok_or(LearnError::NotPositiveDefinite { output })?;
+            let search = if config.approximation.is_exact() { search::search } else { sparse::search };
+            let found = search(config, &covariance, &points, y).ok_or(LearnError::NotPositiveDefinite { output })?;
             evaluations += found.evaluations;
             theta.push(found.theta);
         }
@@ -99,6 +100,7 @@ impl Gp {
         evaluations: usize,
     ) -> Result<Gp, LearnError> {
         check_samples(inputs, outputs)?;
+        Self::check_rows(inputs, config)?;
         let covariance = Covariance::new(&config.kernel, inputs.width())?;
         let (points, columns) = Self::prepare(inputs, outputs);
         let expected = covariance.len();
@@ -111,7 +113,10 @@ impl Gp {
             if theta.len() != expected {
                 return Err(LearnError::Shape { what: "hyper-parameters", found: theta.len(), expected });
             }
-            let posterior = Posterior::new(&covariance, &points, y, theta);
+            let posterior = match config.approximation {
+                Approximation::Exact => Posterior::exact((&covariance, config.mean), &points, y, theta),
+                Approximation::Sgpr | Approximation::Fitc => Posterior::sparse(config, &covariance, &points, y, theta),
+            };
             posteriors.push(posterior.ok_or(LearnError::NotPositiveDefinite { output })?);
         }
         let all: Vec<usize> = (0..inputs.len()).collect();
@@ -126,6 +131,20 @@ impl Gp {
             posteriors,
             evaluations,
         })
+    }
+
+    /// Enough rows for kernel, noise and mean function, and not more than the process can take.
+    fn check_rows(inputs: &Rows, config: &GpConfig) -> Result<(), LearnError> {
+        let (found, needed) = (inputs.len(), config.mean.least_rows(inputs.width()));
+        if found < needed {
+            let why = if config.mean.is_zero() {
+                "a Gaussian process and its noise"
+            } else {
+                "a Gaussian process, its noise and the weights of its mean function"
+            };
+            return Err(LearnError::TooFewRows { found, needed, why });
+        }
+        config.check_points(found)
     }
 
     /// Standardised inputs and output columns.
@@ -162,7 +181,8 @@ impl Gp {
         self.evaluations
     }
 
-    /// Log marginal likelihood of each output (nats), of the standardised values.
+    /// Log marginal likelihood of each output (nats), of the standardised values: of `sgpr` its lower bound, of `fitc` that of
+    /// the approximate process, with a mean function without its weights.
     pub fn log_marginal_likelihood(&self) -> Vec<f64> {
         self.posteriors.iter().map(|posterior| posterior.log_marginal_likelihood).collect()
     }
@@ -213,6 +233,11 @@ impl Gp {
         &self.theta
     }
 
+    /// Most points that the prediction of an output compares with.
+    fn room(&self) -> usize {
+        self.posteriors.iter().map(Posterior::points).max().unwrap_or(0)
+    }
+
     fn standardised(&self, input: &[f64]) -> Vec<f64> {
         input.iter().enumerate().map(|(d, x)| self.input_standardiser.apply(d, *x)).collect()
     }
@@ -229,8 +254,8 @@ impl Gp {
     pub fn mean(&self, input: &[f64]) -> Result<Vec<f64>, LearnError> {
         self.check_width(input.len())?;
         let x = self.standardised(input);
-        let mut k = vec![0.0; self.points()];
-        let one = |(c, p): (usize, &Posterior)| self.output_standardiser.invert(c, p.mean(&x, &mut k));
+        let mut k = vec![0.0; self.room()];
+        let one = |(c, p): (usize, &Posterior)| self.output_standardiser.invert(c, p.mean(&x, &mut k[..p.points()]));
         Ok(self.posteriors.iter().enumerate().map(one).collect())
     }
 
@@ -241,9 +266,10 @@ impl Gp {
     pub fn predict(&self, input: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LearnError> {
         self.check_width(input.len())?;
         let x = self.standardised(input);
-        let (mut k, mut v) = (vec![0.0; self.points()], vec![0.0; self.points()]);
+        let (mut k, mut v) = (vec![0.0; self.room()], vec![0.0; self.room()]);
         let both = self.posteriors.iter().enumerate().map(|(c, posterior)| {
-            let (mean, variance) = posterior.mean_variance(&x, &mut k, &mut v);
+            let n = posterior.points();
+            let (mean, variance) = posterior.mean_variance(&x, &mut k[..n], &mut v[..n]);
             let scale = self.output_standardiser.scale(c);
             (self.output_standardiser.invert(c, mean), variance * scale * scale)
         });
@@ -273,7 +299,7 @@ impl Gp {
         check_finite("inputs", inputs)?;
         let width = self.outputs();
         let (mut mean, mut variance) = (Rows::new(width), Rows::new(width));
-        let (mut k, mut v) = (vec![0.0; self.points() * BLOCK], vec![0.0; self.points() * BLOCK]);
+        let (mut k, mut v) = (vec![0.0; self.room() * BLOCK], vec![0.0; self.room() * BLOCK]);
         for block in inputs.values().chunks(BLOCK * self.inputs()) {
             let count = block.len() / self.inputs();
             let queries: Vec<f64> = block.chunks_exact(self.inputs()).flat_map(|row| self.standardised(row)).collect();

@@ -10,7 +10,8 @@ use super::composite_likelihood::natural;
 use super::covariance::{Covariance, TrainingPoints};
 use super::kernels::Kernel;
 use super::likelihood::Likelihood;
-use super::linear::Lower;
+use super::linear::{FactorBuffers, Lower};
+use super::mean::{MeanBasis, MeanFunction};
 use crate::learn::simd::dot;
 use crate::math::optimise::Objective;
 use crate::math::vectorised;
@@ -21,16 +22,48 @@ pub(super) const BLOCK: usize = 512;
 /// One fitted output in standardised units.
 #[derive(Clone)]
 pub(super) struct Posterior {
-    prior: FittedPrior,
-    inputs: usize,
-    alpha: Vec<f64>,
-    inverse_factor: Lower,
+    pub(super) prior: FittedPrior,
+    pub(super) inputs: usize,
+    pub(super) alpha: Vec<f64>,
+    pub(super) inverse_factor: Lower,
     pub(super) log_marginal_likelihood: f64,
+    pub(super) added: Option<AddedTerm>,
+    /// Numbers of the samples that are inducing points; none for an exact process.
+    pub(super) inducing: Vec<usize>,
+}
+
+/// What a mean function or inducing points add to the zero-mean process on its points: `hᵀβ` to the mean, and to the variance
+/// `‖E (v, h)‖²` with `v = L⁻¹ k` and the values h of the basis functions.
+#[derive(Clone)]
+pub(super) struct AddedTerm {
+    pub(super) basis: MeanBasis,
+    /// β.
+    pub(super) weights: Vec<f64>,
+    /// E, row after row.
+    pub(super) rows: Vec<f64>,
+}
+
+impl AddedTerm {
+    fn mean(&self, x: &[f64]) -> f64 {
+        self.basis.at(x).zip(&self.weights).map(|(value, weight)| value * weight).sum()
+    }
+
+    /// `scaled` is v over `scale`.
+    fn variance(&self, x: &[f64], scaled: &[f64], scale: f64) -> f64 {
+        let (n, values) = (scaled.len(), self.basis.at(x).collect::<Vec<f64>>());
+        let row = |row: &[f64]| {
+            vectorised(
+                #[inline(always)]
+                || (scale * dot(&row[..n], scaled) + dot(&row[n..], &values)).powi(2),
+            )
+        };
+        self.rows.chunks_exact(n + values.len()).map(row).sum()
+    }
 }
 
 /// The covariance function under the fitted hyper-parameters, with the training points.
 #[derive(Clone)]
-enum FittedPrior {
+pub(super) enum FittedPrior {
     /// One stationary kernel: signal variance apart, points over length-scales.
     Stationary {
         kernel: &'static dyn Kernel,
@@ -44,6 +77,23 @@ enum FittedPrior {
 }
 
 impl FittedPrior {
+    pub(super) fn new(covariance: &Covariance, theta: &[f64], points: &TrainingPoints) -> Self {
+        match covariance {
+            Covariance::Stationary(kernel, layout) => FittedPrior::Stationary {
+                kernel: *kernel,
+                shape: layout.shape(theta),
+                signal: layout.signal_variance(theta),
+                length_scales: layout.length_scales(theta),
+                scaled: points.scaled(&layout.length_scales(theta)),
+            },
+            Covariance::Composite(composite) => FittedPrior::Composite {
+                composite: Arc::clone(composite),
+                natural: natural(theta),
+                points: points.clone(),
+            },
+        }
+    }
+
     /// Writes the covariances of the standardised query `x` with all points, over [`FittedPrior::scale`].
     fn covariances(&self, x: &[f64], k: &mut [f64]) {
         match self {
@@ -72,40 +122,40 @@ impl FittedPrior {
 }
 
 impl Posterior {
-    /// Conditions on the points; `None` when the covariance matrix is not positive definite.
-    pub(super) fn new(covariance: &Covariance, points: &TrainingPoints, y: &[f64], theta: &[f64]) -> Option<Self> {
-        let mut likelihood = Likelihood::new(covariance.clone(), points, y);
+    /// Conditions an exact process on the points; `None` when the covariance matrix is not positive definite.
+    pub(super) fn exact(
+        (covariance, mean): (&Covariance, MeanFunction),
+        points: &TrainingPoints,
+        y: &[f64],
+        theta: &[f64],
+    ) -> Option<Self> {
+        let mut likelihood = Likelihood::new(covariance.clone(), points, y).with_mean(mean);
         let value = likelihood.value(theta);
         value.is_finite().then(|| Posterior {
-            prior: match covariance {
-                Covariance::Stationary(kernel, layout) => FittedPrior::Stationary {
-                    kernel: *kernel,
-                    shape: layout.shape(theta),
-                    signal: layout.signal_variance(theta),
-                    length_scales: layout.length_scales(theta),
-                    scaled: likelihood.scaled().clone(),
-                },
-                Covariance::Composite(composite) => FittedPrior::Composite {
-                    composite: Arc::clone(composite),
-                    natural: natural(theta),
-                    points: points.clone(),
-                },
-            },
+            prior: FittedPrior::new(covariance, theta, points),
             inputs: points.inputs,
             alpha: likelihood.alpha().to_vec(),
             inverse_factor: likelihood.factor().inverse_factor(),
             log_marginal_likelihood: -value,
+            added: likelihood.added(),
+            inducing: Vec::new(),
         })
+    }
+
+    /// Number of points that a prediction compares with: samples, or inducing points.
+    pub(super) fn points(&self) -> usize {
+        self.alpha.len()
     }
 
     /// Posterior mean; `k` is room for one number per point.
     pub(super) fn mean(&self, x: &[f64], k: &mut [f64]) -> f64 {
         self.prior.covariances(x, k);
         let scale = self.prior.scale();
-        vectorised(
+        let mean = vectorised(
             #[inline(always)]
             || scale * dot(k, &self.alpha),
-        )
+        );
+        self.added.as_ref().map_or(mean, |added| mean + added.mean(x))
     }
 
     /// Posterior mean and latent (noise-free) variance: `k(x,x) − ‖L⁻¹ k‖²`.
@@ -131,13 +181,14 @@ impl Posterior {
                 dot(v, v)
             },
         );
-        (mean, self.variance(x, explained))
+        (mean, self.variance(x, v, explained))
     }
 
-    /// Variance at `x` when the samples explain `explained` of it, over the square of the prior's scale.
-    fn variance(&self, x: &[f64], explained: f64) -> f64 {
+    /// Variance at `x` when the points explain `explained` of it, which is `‖v‖²`; both over the prior's scale.
+    fn variance(&self, x: &[f64], v: &[f64], explained: f64) -> f64 {
         let scale = self.prior.scale();
-        (self.prior.variance(x) - scale * scale * explained).max(0.0)
+        let left = self.prior.variance(x) - scale * scale * explained;
+        self.added.as_ref().map_or(left, |added| left + added.variance(x, v, scale)).max(0.0)
     }
 
     /// [`Posterior::mean_variance`] of up to [`BLOCK`] standardised queries, by one triangular product; `k` and `v`
@@ -168,7 +219,7 @@ impl Posterior {
                 || dot(column, column),
             );
             let x = &queries[q * self.inputs..(q + 1) * self.inputs];
-            put(q, means[q], self.variance(x, explained));
+            put(q, means[q], self.variance(x, column, explained));
         }
     }
 
@@ -182,13 +233,14 @@ impl Posterior {
             for (p, &a) in fold.iter().enumerate().skip(q) {
                 let ((i, l_i), (j, l_j)) = (column(a), column(b));
                 let from = i.max(j);
-                block.column_mut(q)[p - q] = vectorised(
+                let known = vectorised(
                     #[inline(always)]
                     || dot(&l_i[from - i..n - i], &l_j[from - j..n - j]),
                 );
+                block.column_mut(q)[p - q] = known - self.of_mean(i, j);
             }
         }
-        let mut memory = super::linear::FactorBuffers::new(fold.len());
+        let mut memory = FactorBuffers::new(fold.len());
         let mut errors: Vec<f64> = fold.iter().map(|&i| self.alpha[i]).collect();
         if block.factor(&mut memory) {
             block.solve(&mut errors, &mut memory);
@@ -196,5 +248,13 @@ impl Posterior {
             errors.fill(f64::NAN);
         }
         errors
+    }
+
+    /// What the unknown mean function takes from the inverse of the Gram matrix of an exact process at rows i and j.
+    fn of_mean(&self, i: usize, j: usize) -> f64 {
+        let Some(added) = &self.added else { return 0.0 };
+        let n = self.alpha.len();
+        let image = |row: &[f64], i: usize| dot(&row[i..n], self.inverse_factor.column(i));
+        added.rows.chunks_exact(n + added.basis.len()).map(|row| image(row, i) * image(row, j)).sum()
     }
 }

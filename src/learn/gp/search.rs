@@ -29,8 +29,9 @@ pub(super) fn search(
     let all = covariance.hyperparameters(config.noise_floor);
     let lengths: Vec<bool> = all.iter().map(|one| one.is_length).collect();
     let mut sizes = vec![points.n];
-    while sizes[0] > config.start_rows {
-        sizes.insert(0, sizes[0].div_ceil(GROWTH).max(config.start_rows));
+    let least = config.start_rows.max(config.mean.least_rows(points.inputs));
+    while sizes[0] > least {
+        sizes.insert(0, sizes[0].div_ceil(GROWTH).max(least));
     }
     let mut evaluations = 0;
     let starts = starts(config.starts, &all);
@@ -39,7 +40,7 @@ pub(super) fn search(
         let last = stage + 1 == sizes.len();
         let which: Vec<usize> = (0..rows).map(|i| i * points.n / rows).collect();
         let (few, y): (TrainingPoints, Vec<f64>) = (points.select(&which), which.iter().map(|&i| y[i]).collect());
-        let mut likelihood = SearchObjective::new(Likelihood::new(covariance.clone(), &few, &y));
+        let mut likelihood = SearchObjective::new(Likelihood::new(covariance.clone(), &few, &y).with_mean(config.mean));
         let mut climb = |start: &[f64], tolerance: f64| {
             let found = minimise(&mut likelihood, start, &limits(&all, &lengths, tolerance));
             evaluations += found.evaluations;
@@ -73,7 +74,7 @@ fn distinct(found: Vec<Minimum>) -> Vec<Vec<f64>> {
     out.into_iter().map(|minimum| minimum.x).collect()
 }
 
-fn limits(all: &[Hyperparameter], lengths: &[bool], tolerance: f64) -> Bfgs {
+pub(super) fn limits(all: &[Hyperparameter], lengths: &[bool], tolerance: f64) -> Bfgs {
     let (low, high): (Vec<f64>, Vec<f64>) = all.iter().map(|one| (one.bounds.0.ln(), one.bounds.1.ln())).unzip();
     let bounds = to_search_coordinates(lengths, &low).into_iter().zip(to_search_coordinates(lengths, &high)).collect();
     Bfgs { bounds, tolerance, max_evaluations: 300, max_step: 2.0 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{FoldOrder, Gp, GpConfig, KernelExpression, Lambda};
+use super::{Approximation, FoldOrder, Gp, GpConfig, KernelExpression, Lambda, MeanFunction};
 use crate::base::Rows;
 use crate::learn::selection::Selection;
 use crate::learn::{LearnError, exact};
@@ -23,6 +23,9 @@ pub(super) struct StoredGp {
 #[serde(deny_unknown_fields)]
 struct StoredConfig {
     kernel: KernelExpression,
+    mean: MeanFunction,
+    approximation: Approximation,
+    inducing_points: usize,
     lambda: Lambda,
     starts: usize,
     start_rows: usize,
@@ -34,17 +37,42 @@ struct StoredConfig {
 
 impl From<GpConfig> for StoredConfig {
     fn from(config: GpConfig) -> Self {
-        let GpConfig { kernel, lambda, starts, start_rows, noise_floor, tolerance, folds, fold_order, selection: _ } =
-            config;
-        StoredConfig { kernel, lambda, starts, start_rows, noise_floor, tolerance, folds, fold_order }
+        let GpConfig { kernel, mean, approximation, inducing_points, selection: _, lambda, starts, .. } = config;
+        let GpConfig { start_rows, noise_floor, tolerance, folds, fold_order, .. } = config;
+        StoredConfig {
+            kernel,
+            mean,
+            approximation,
+            inducing_points,
+            lambda,
+            starts,
+            start_rows,
+            noise_floor,
+            tolerance,
+            folds,
+            fold_order,
+        }
     }
 }
 
 impl From<StoredConfig> for GpConfig {
     fn from(stored: StoredConfig) -> Self {
-        let StoredConfig { kernel, lambda, starts, start_rows, noise_floor, tolerance, folds, fold_order } = stored;
-        let selection = Selection::default();
-        GpConfig { kernel, selection, lambda, starts, start_rows, noise_floor, tolerance, folds, fold_order }
+        let StoredConfig { kernel, mean, approximation, inducing_points, lambda, starts, .. } = stored;
+        let StoredConfig { start_rows, noise_floor, tolerance, folds, fold_order, .. } = stored;
+        GpConfig {
+            kernel,
+            mean,
+            approximation,
+            inducing_points,
+            selection: Selection::default(),
+            lambda,
+            starts,
+            start_rows,
+            noise_floor,
+            tolerance,
+            folds,
+            fold_order,
+        }
     }
 }
 

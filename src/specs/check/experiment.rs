@@ -335,7 +335,18 @@ impl Checker<'_> {
     }
 
     pub(super) fn gp_sizes(&self, sizes: &[usize], path: &KeyPath) -> Result<(), SpecError> {
-        self.fits(sizes, path, 2, self.experiment.gp_points.points(), "predefined points")
+        let (gp, inputs) = (&self.experiment.gp, self.experiment.model.tendons() + POSITION_INPUTS);
+        let least = gp.mean.least_rows(inputs);
+        self.fits(sizes, path, least, self.experiment.gp_points.points(), "predefined points")?;
+        let most = gp.most_points();
+        let tip = if gp.approximation.is_exact() { "; `gp.approximation: sgpr` takes more" } else { "" };
+        let kind = if gp.approximation.is_exact() { "an exact" } else { "a sparse" };
+        for (index, size) in sizes.iter().enumerate() {
+            let item = path.item(index);
+            let path = if self.document.has(&item) { &item } else { path };
+            self.unless(*size <= most, path, &format!("at most {most} points for {kind} process{tip}"))?;
+        }
+        Ok(())
     }
 
     fn real_sizes(&self, sizes: &[usize], path: &KeyPath) -> Result<(), SpecError> {

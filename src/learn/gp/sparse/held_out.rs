@@ -1,0 +1,55 @@
+//! Predictions of samples that are held out. Hyper-parameters and inducing points stay, the samples' part of S leaves.
+
+use super::SparseLikelihood;
+use crate::learn::gp::covariance::{Covariance, TrainingPoints};
+use crate::learn::gp::linear::{FactorBuffers, Lower};
+use crate::learn::gp::{GpConfig, Posterior};
+use crate::math::optimise::Objective;
+
+impl<'a> SparseLikelihood<'a> {
+    /// The likelihood behind a fitted process, at its hyper-parameters.
+    pub(in crate::learn::gp) fn of(
+        (config, covariance): (&GpConfig, &Covariance),
+        points: &'a TrainingPoints,
+        y: &'a [f64],
+        (theta, posterior): (&[f64], &Posterior),
+    ) -> Self {
+        let kind = (config.approximation, config.mean);
+        let mut likelihood = SparseLikelihood::new(kind, covariance.clone(), points, y, &posterior.inducing);
+        likelihood.value(theta);
+        likelihood
+    }
+
+    /// Prediction errors (standardised) of the rows numbered `fold` when they are held out; not a number where the others
+    /// leave the mean function undetermined.
+    pub(in crate::learn::gp) fn held_out_errors(&self, fold: &[usize]) -> Vec<f64> {
+        let (n, width) = (self.points.n, self.width());
+        let mut precision: Lower = self.precision.clone();
+        let mut weights = vec![0.0; width];
+        // S w is Φ Λ⁻¹ y.
+        for j in 0..width {
+            let column = self.precision.column(j);
+            weights[j] += column[0] * self.weights[j];
+            for (i, value) in column.iter().enumerate().skip(1) {
+                weights[j + i] += value * self.weights[j];
+                weights[j] += value * self.weights[j + i];
+            }
+        }
+        for &row in fold {
+            let features: Vec<f64> = (0..width).map(|j| self.features[j * n + row]).collect();
+            for j in 0..width {
+                let share = features[j] / self.diagonal[row];
+                weights[j] -= share * self.y[row];
+                let column = precision.column_mut(j);
+                column.iter_mut().zip(&features[j..]).for_each(|(value, feature)| *value -= share * feature);
+            }
+        }
+        let mut memory = FactorBuffers::new(width);
+        if !precision.factor(&mut memory) {
+            return vec![f64::NAN; fold.len()];
+        }
+        precision.solve(&mut weights, &mut memory);
+        let predicted = |row: usize| (0..width).map(|j| weights[j] * self.features[j * n + row]).sum::<f64>();
+        fold.iter().map(|&row| self.y[row] - predicted(row)).collect()
+    }
+}

@@ -1,0 +1,57 @@
+//! The search for the hyper-parameters of a sparse process.
+
+use super::SparseLikelihood;
+use crate::learn::gp::config::GpConfig;
+use crate::learn::gp::coordinates::{SearchObjective, from_search_coordinates, to_search_coordinates};
+use crate::learn::gp::covariance::{Covariance, TrainingPoints};
+use crate::learn::gp::likelihood::Likelihood;
+use crate::learn::gp::search::{self, FittedHyperparameters};
+use crate::learn::gp::sparse::greedy_conditional_variance;
+use crate::math::optimise::{Objective, minimise};
+
+/// Rows, evenly spaced, of the exact process from whose hyper-parameters the search starts.
+const START_ROWS: usize = 500;
+/// Times that inducing points are chosen, each time under the hyper-parameters found with those before.
+const ROUNDS: usize = 2;
+/// Least expected improvement in nats that a further step is worth: of several thousand.
+const TOLERANCE: f64 = 0.01;
+
+/// Maximises the likelihood (FITC) or its bound (SGPR) of the standardised output `y`; `None` when no start is usable.
+pub(in crate::learn::gp) fn search(
+    config: &GpConfig,
+    covariance: &Covariance,
+    points: &TrainingPoints,
+    y: &[f64],
+) -> Option<FittedHyperparameters> {
+    let rows = points.n.min(START_ROWS);
+    let which: Vec<usize> = (0..rows).map(|i| i * points.n / rows).collect();
+    let (few, few_y): (TrainingPoints, Vec<f64>) = (points.select(&which), which.iter().map(|&i| y[i]).collect());
+    let FittedHyperparameters { mut theta, mut evaluations } = search::search(config, covariance, &few, &few_y)?;
+    let all = covariance.hyperparameters(config.noise_floor);
+    let lengths: Vec<bool> = all.iter().map(|one| one.is_length).collect();
+    let limits = search::limits(&all, &lengths, config.tolerance.max(TOLERANCE));
+    let kind = (config.approximation, config.mean);
+    for _ in 0..ROUNDS {
+        let inducing = greedy_conditional_variance(covariance, &theta, points, config.inducing_points);
+        let mut start = Likelihood::new(covariance.clone(), &few, &few_y).with_mean(config.mean);
+        start.value(&theta);
+        let likelihood = SparseLikelihood::new(kind, covariance.clone(), points, y, &inducing)
+            .with_information(start.information(), points.n as f64 / rows as f64);
+        let found = minimise(&mut SearchObjective::new(likelihood), &to_search_coordinates(&lengths, &theta), &limits);
+        evaluations += found.evaluations;
+        if !found.value.is_finite() {
+            return None;
+        }
+        theta = from_search_coordinates(&lengths, &found.x);
+    }
+    Some(FittedHyperparameters { theta, evaluations })
+}
+
+impl SparseLikelihood<'_> {
+    /// With the Fisher information of an exact process on one sample in `share`, as a first estimate of the curvature.
+    fn with_information(mut self, mut information: Vec<f64>, share: f64) -> Self {
+        information.iter_mut().for_each(|value| *value *= share);
+        self.information = information;
+        self
+    }
+}
