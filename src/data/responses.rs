@@ -134,6 +134,24 @@ table_rows! {
         /// Trials with one.
         pub failed: u64,
     }
+
+    "points_needed.csv", key [training, policy, mode, wanted_m]:
+    /// How many real points a policy needs for an error: from so many on, the mean error of the true tip at the end stays within
+    /// it.
+    pub struct PointsNeededRow {
+        /// `paper` or `converged`.
+        pub training: String,
+        /// Name of the policy.
+        pub policy: String,
+        /// Name of the mode.
+        pub mode: String,
+        /// The error, metres.
+        pub wanted_m: f64,
+        /// Fewest points of those that were run; empty where the error is larger with the most points.
+        pub points: f64,
+        /// The most points that were run.
+        pub most_points: u64,
+    }
 }
 
 impl ResponseRow {

@@ -118,6 +118,7 @@ figures! {
     repair::FIGURE,
     population::FIGURE,
     gp_coverage::FIGURE,
+    data_efficiency::FIGURE,
 }
 
 /// The figure called `name`.

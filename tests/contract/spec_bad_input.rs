@@ -74,6 +74,11 @@ const BAD: &[(&str, &str)] = &[
         "bad.yaml:2:27: policies.mpc.horizon: found 500, expected a whole number from 1",
     ),
     (
+        "network: {kind: transformer}",
+        "bad.yaml:2:17: network.kind: unknown variant `transformer`, expected one of `elman`, `gru`, `lstm`, `feed_forward`",
+    ),
+    ("network: {members: 0}", "bad.yaml:2:20: network.members: found 0, expected 1 to 100"),
+    (
         "policies: {mpc: {disturbance: {noise_m: 0}}}",
         "bad.yaml:2:41: policies.mpc.disturbance.noise_m: found 0, expected a finite number above 0",
     ),

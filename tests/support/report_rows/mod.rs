@@ -540,6 +540,7 @@ pub(crate) fn published(figure: &str, seeds: u64) -> Published {
             published.robot_claims = robot_claims(seeds);
         }
         "gp_coverage" => published.gp_coverages = gp_coverages(seeds),
+        "data_efficiency" => published.responses = responses(seeds),
         "controllers" => {
             published.responses = responses(seeds);
             published.paces = paces(seeds);
