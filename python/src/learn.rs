@@ -83,6 +83,14 @@ impl PyGp {
         Ok((out(py, &found.mean)?, Some(out(py, &deviations)?)))
     }
 
+    /// Mean, standard deviation with noise, and log density of every sample as the others foretell it: three of (rows, outputs).
+    fn leave_one_out<'py>(&self, py: Python<'py>) -> PyResult<(Array<'py>, Array<'py>, Array<'py>)> {
+        let found = detached(py, || Ok::<_, Fault>(self.0.leave_one_out()))?;
+        let mut deviations = Rows::new(found.variance.width());
+        found.variance.iter().for_each(|row| deviations.push(&row.iter().map(|v| v.sqrt()).collect::<Vec<f64>>()));
+        Ok((out(py, &found.mean)?, out(py, &deviations)?, out(py, &found.log_probability)?))
+    }
+
     /// Natural logarithms of the hyper-parameters (outputs, each), in standardised units.
     #[getter]
     fn theta<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {

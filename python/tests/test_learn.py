@@ -71,6 +71,22 @@ def test_inducing_points_come_near_the_exact_process(approximation: str) -> None
         GaussianProcess(approximation="vfe").fit(inputs, values)
 
 
+def test_leave_one_out_is_a_fit_without_the_sample() -> None:
+    process, kernels = peer("gaussian_process"), peer("gaussian_process.kernels")
+    inputs, values = samples()
+    kernel = kernels.ConstantKernel(1.7) * kernels.RBF([0.8, 1.3, 2.1])
+    ours = GaussianProcess(theta=np.log([1.7, 0.8, 1.3, 2.1, 0.02])).fit(inputs, values)
+    mean, std, log_probability = ours.leave_one_out()
+    for i in (0, 17, 59):
+        others = np.arange(len(values)) != i
+        theirs = process.GaussianProcessRegressor(kernel, alpha=0.02, optimizer=None).fit(inputs[others], values[others])
+        (wanted,), (latent,) = theirs.predict(inputs[i : i + 1], return_std=True)
+        whole = np.sqrt(latent**2 + 0.02)
+        np.testing.assert_allclose([mean[i], std[i]], [wanted, whole], atol=1e-8)
+        density = -0.5 * ((values[i] - wanted) / whole) ** 2 - np.log(whole * np.sqrt(2.0 * np.pi))
+        np.testing.assert_allclose(log_probability[i], density, atol=1e-7)
+
+
 def test_the_search_finds_at_least_what_scikit_learn_finds() -> None:
     process, kernels = peer("gaussian_process"), peer("gaussian_process.kernels")
     inputs, values = samples()

@@ -179,6 +179,29 @@ table_rows! {
         pub unseen: u64,
     }
 
+    "gp_leave_one_out.csv", key [seed, training, points, axis, promised]:
+    /// How a Gaussian process foretells each of its own points from all others.
+    pub struct GpLeaveOneOutRow {
+        /// Repetition of the whole experiment.
+        pub seed: u64,
+        /// As in `gp.csv`.
+        pub training: String,
+        /// Real points that it was fitted to.
+        pub points: u64,
+        /// Kernel by its registry name.
+        pub kernel: String,
+        /// Axis of the gap: `x`, `y` or `z`.
+        pub axis: String,
+        /// Mean absolute error of a point that is left out, metres.
+        pub mae_m: f64,
+        /// Mean logarithm of the probability density that the others give it, per metre.
+        pub log_probability: f64,
+        /// Share of points that the interval promises to cover, process and noise together.
+        pub promised: f64,
+        /// Share that it covers.
+        pub covered: f64,
+    }
+
     "claims.csv", key [claim, training]:
     /// One of the paper's claims and what became of it.
     pub struct ClaimRow {

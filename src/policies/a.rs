@@ -85,6 +85,8 @@ pub(super) struct AlgorithmTwo {
     position_m: Point3,
     /// e_gp(i); zero before the first iteration, so that the first position is the one that was measured.
     error_m: Point3,
+    /// Where the network was last asked to take the tip, in the simulated workspace.
+    aim_m: Point3,
     /// The command at which the criterion was met, for `hold_when_settled`.
     held_m: Option<Displacements>,
 }
@@ -101,8 +103,14 @@ impl AlgorithmTwo {
             simulated_target_m: [0.0; 3],
             position_m: [0.0; 3],
             error_m: [0.0; 3],
+            aim_m: [0.0; 3],
             held_m: None,
         }
+    }
+
+    /// Where the network was last asked to take the tip, in the simulated workspace, metres.
+    pub(super) fn aim_m(&self) -> Point3 {
+        self.aim_m
     }
 
     /// Moves the target without beginning the loop again.
@@ -114,6 +122,7 @@ impl AlgorithmTwo {
     fn iterate(&mut self, fresh: bool, target_m: &Point3) -> Result<Demand, PolicyError> {
         let aim_m = self.network_options.aim_m(&self.position_m, &self.simulated_target_m, fresh);
         let pulls_m = self.network.pulls(&self.position_m, &aim_m)?;
+        self.aim_m = aim_m;
         self.error_m = self.error.error_m(&pulls_m, &aim_m);
         if self.error_m.iter().any(|value| !value.is_finite()) {
             return Err(PolicyError::NotFinite("error model"));

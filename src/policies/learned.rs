@@ -1,11 +1,11 @@
 //! The learned models as the parts of policies.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
-use super::model_traits::{ErrorModel, ForwardModel, InverseModel};
+use super::model_traits::{ErrorModel, ForwardModel, InverseModel, LearningErrorModel};
 use crate::base::{Displacements, Point3, PolicyError};
 use crate::learn::LearnError;
-use crate::learn::gp::Gp;
+use crate::learn::gp::{Gp, Leaving, OnlineGp};
 use crate::learn::networks::{Network, NetworkState};
 
 /// A network trained on (x_i, x_{i+1}) → u_i (eq. 21): six inputs, one output a tendon. The weights are shared,
@@ -129,5 +129,36 @@ impl ErrorModel for GpError {
             Ok(&[x, y, z]) => [x, y, z],
             _ => [f64::NAN; 3],
         }
+    }
+
+    fn learning(&self, points: usize, leaves: Leaving) -> Option<Arc<dyn LearningErrorModel>> {
+        Some(Arc::new(LearningGpError(Mutex::new(OnlineGp::new(&self.0, points, leaves).ok()?))))
+    }
+}
+
+/// The same with the points of a trial. A lock, because policies share error models between threads.
+struct LearningGpError(Mutex<OnlineGp>);
+
+impl ErrorModel for LearningGpError {
+    fn error_m(&self, pulls_m: &[f64], p_sim_m: &Point3) -> Point3 {
+        let input = [pulls_m, p_sim_m.as_slice()].concat();
+        let gp = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        match gp.mean(&input).as_deref() {
+            Ok(&[x, y, z]) => [x, y, z],
+            _ => [f64::NAN; 3],
+        }
+    }
+}
+
+impl LearningErrorModel for LearningGpError {
+    fn measured(&self, pulls_m: &[f64], p_sim_m: &Point3, tip_m: &Point3) -> Result<(), PolicyError> {
+        let input = [pulls_m, p_sim_m.as_slice()].concat();
+        let error_m: Point3 = std::array::from_fn(|axis| p_sim_m[axis] - tip_m[axis]);
+        let mut gp = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        gp.add(&input, &error_m).map_err(|_| PolicyError::NotFinite("measured point of the error model"))
+    }
+
+    fn restart(&self) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).restart();
     }
 }

@@ -21,6 +21,7 @@ mod tip_tracker;
 
 pub use a::AOptions;
 pub use a_integral::AIntegralOptions;
+pub use a_online::AOnlineOptions;
 pub use actuator_limits::LimitOptions;
 pub use c::{AfterBoth, COptions, StartBranch, SwitchCheck};
 pub use c_hysteresis::CHysteresisOptions;
@@ -29,7 +30,7 @@ pub use integral::IntegralOptions;
 pub use inverse_network::DirectOptions;
 pub use learned::{GpError, NetworkForward, NetworkInverse};
 pub use model_integral::ModelIntegralOptions;
-pub use model_traits::{ErrorModel, ForwardModel, InverseModel};
+pub use model_traits::{ErrorModel, ForwardModel, InverseModel, LearningErrorModel};
 pub use models::{
     EarlyStopping, FORWARD, INVERSE, INVERSE_B, ModelNeed, NetworkDescription, PI_REAL, SampleColumns, TrainingData,
 };
@@ -112,6 +113,7 @@ policies! {
         mpc::ENTRY { mpc: mpc::MpcOptions },
         a_integral::ENTRY { a_integral: a_integral::AIntegralOptions },
         c_hysteresis::ENTRY { c_hysteresis: c_hysteresis::CHysteresisOptions },
+        a_online::ENTRY { a_online: a_online::AOnlineOptions },
     ]
 }
 

@@ -1,7 +1,10 @@
 //! What a policy asks of a learned model. The registry of policies stands elsewhere, so that a new policy does not count
 //! as a change of the stages that train networks.
 
+use std::sync::Arc;
+
 use crate::base::{Displacements, Point3, PolicyError};
+use crate::learn::gp::Leaving;
 
 /// A learned inverse mapping (x_i, x_target) → u_i, eq. (22): a recurrent network with a memory.
 ///
@@ -47,4 +50,19 @@ pub trait ForwardModel: Send {
 pub trait ErrorModel: Send + Sync {
     /// Predicted `p_sim − p_exp` in metres for displacements (metres) and a simulated tip (metres).
     fn error_m(&self, pulls_m: &[f64], p_sim_m: &Point3) -> Point3;
+    /// A copy that learns from measurements, with at most `points` of them; `None` for a model that cannot.
+    fn learning(&self, _points: usize, _leaves: Leaving) -> Option<Arc<dyn LearningErrorModel>> {
+        None
+    }
+}
+
+/// An error model that learns while it is used.
+pub trait LearningErrorModel: ErrorModel {
+    /// Under the displacements `pulls_m` the tip was measured at `tip_m`, where the simulated one is `p_sim_m`; metres.
+    ///
+    /// # Errors
+    /// [`PolicyError`] when a number is not finite.
+    fn measured(&self, pulls_m: &[f64], p_sim_m: &Point3, tip_m: &Point3) -> Result<(), PolicyError>;
+    /// Forgets what was measured.
+    fn restart(&self);
 }

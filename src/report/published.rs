@@ -9,8 +9,8 @@ use crate::data::population::{RobotClaimRow, RobotRow};
 use crate::data::repairs::{IdentificationRow, MonitorRow, RepairRow, RepairTrialRow};
 use crate::data::responses::{PaceRow, ResponseRow};
 use crate::data::rows::{
-    ClaimRow, GapRow, GpCoverageRow, GpRow, NetworkRow, PeerRow, ScalingRow, SweepRow, TrackRow, TrialRow, WaypointRow,
-    WorkspaceRow,
+    ClaimRow, GapRow, GpCoverageRow, GpLeaveOneOutRow, GpRow, NetworkRow, PeerRow, ScalingRow, SweepRow, TrackRow,
+    TrialRow, WaypointRow, WorkspaceRow,
 };
 use crate::data::tables::{Beside, as_published, to_csv_beside};
 use crate::data::{DataError, TableRow, tables, write_atomic};
@@ -99,6 +99,8 @@ published! {
     gps: GpRow,
     /// What intervals of Gaussian processes cover.
     gp_coverages: GpCoverageRow,
+    /// Points of Gaussian processes that are left out.
+    gp_left_out: GpLeaveOneOutRow,
     /// Claims.
     claims: ClaimRow,
     /// Simulators beside each other.

@@ -7,7 +7,7 @@ use super::stages::{BlindStages, RepairCampaign, RepairVariant, SharedParts, Sta
 use crate::base::Point3;
 use crate::benchmark::DrawnEffect;
 use crate::data::responses::{PaceRow, ResponseRow};
-use crate::data::rows::{GapRow, GpCoverageRow, GpRow, TrackRow, TrialRow};
+use crate::data::rows::{GapRow, GpCoverageRow, GpLeaveOneOutRow, GpRow, TrackRow, TrialRow};
 use crate::effects::EffectSpec;
 use crate::learn::networks::Trained;
 use crate::policies::{self, FORWARD, NetworkDescription, PolicyEntry, TrainingData, networks};
@@ -67,6 +67,7 @@ pub(super) struct Repetition {
     pub(super) gps: Vec<(String, Handle<GpRow>)>,
     /// What the intervals of the same processes cover, where that is asked for.
     pub(super) gp_coverages: Vec<(String, Handle<Vec<GpCoverageRow>>)>,
+    pub(super) gp_left_out: Vec<(String, Handle<Vec<GpLeaveOneOutRow>>)>,
     pub(super) trained: Vec<TrainedCells>,
     /// Blind cases of discovery.
     pub(super) blind: Vec<BlindStages>,
@@ -113,6 +114,7 @@ impl CampaignEntry {
             numbers.extend(one.waypoints.map(Handle::number));
             numbers.extend(one.gps.iter().map(|(_, stage)| stage.number()));
             numbers.extend(one.gp_coverages.iter().map(|(_, stage)| stage.number()));
+            numbers.extend(one.gp_left_out.iter().map(|(_, stage)| stage.number()));
             numbers.extend(one.blind.iter().flat_map(BlindStages::wanted));
             for trained in &one.trained {
                 numbers.extend(trained.networks.iter().map(|(_, _, stage)| stage.number()));
@@ -241,6 +243,9 @@ fn repetition(
         one.gps.push((name.clone(), stages.gp_score(training, *points)?));
         if !experiment.runs.gp_coverage.is_empty() {
             one.gp_coverages.push((name.clone(), stages.gp_coverage(training, *points)?));
+        }
+        if !experiment.runs.gp_leave_one_out.is_empty() {
+            one.gp_left_out.push((name.clone(), stages.gp_leave_one_out(training, *points)?));
         }
     }
     one.blind = stages.blind()?;

@@ -8,7 +8,7 @@ use super::repair_tables;
 use crate::benchmark::{DrawnEffect, ScoredCase};
 use crate::data::population::RobotRow;
 use crate::data::responses::{PaceRow, ResponseRow};
-use crate::data::rows::{GpCoverageRow, GpRow, NetworkRow, TrackRow, TrialRow, WaypointRow};
+use crate::data::rows::{GpCoverageRow, GpLeaveOneOutRow, GpRow, NetworkRow, TrackRow, TrialRow, WaypointRow};
 use crate::learn::networks::Trained;
 use crate::policies::{NetworkDescription, TrainingData};
 use crate::report::track_summary;
@@ -45,6 +45,11 @@ pub(super) fn assemble(point: &PointStages, outcomes: &Outcomes) -> Tables {
             let rows = outcomes.get(*stage).into_iter().flatten();
             let label = |row: &GpCoverageRow| GpCoverageRow { seed, training: training.clone(), ..row.clone() };
             tables.published.gp_coverages.extend(rows.map(label));
+        }
+        for (training, stage) in &one.gp_left_out {
+            let rows = outcomes.get(*stage).into_iter().flatten();
+            let label = |row: &GpLeaveOneOutRow| GpLeaveOneOutRow { seed, training: training.clone(), ..row.clone() };
+            tables.published.gp_left_out.extend(rows.map(label));
         }
         for ScoredCase { row, intervals } in one.blind.iter().map(|case| case.scored(outcomes)) {
             tables.published.cases.push(row);

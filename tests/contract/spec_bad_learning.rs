@@ -1,4 +1,4 @@
-//! Bad settings of Gaussian processes: one error with file, line, column, key, what was found and what was expected.
+//! Bad settings of Gaussian processes and of what uses them: one error with file, line, column, key, what was found and what was expected.
 
 use std::path::Path;
 use std::process::Command;
@@ -12,6 +12,15 @@ const BAD: &[(&str, &str)] = &[
     (
         "gp_points: {layout: {grid: {rows: 80, columns: 80, max_pull_m: 0.02}}}\nruns: {gp_points: [10, 5001]}",
         "bad.yaml:3:24: runs.gp_points[1]: found 5001, expected at most 5000 points for an exact process; `gp.approx",
+    ),
+    (
+        "runs: {gp_points: [20], gp_leave_one_out: [0]}",
+        "bad.yaml:2:44: runs.gp_leave_one_out[0]: found 0, expected a share",
+    ),
+    ("policies: {a_online: {points: 0}}", "bad.yaml:2:31: policies.a_online.points: found 0, expected a whole number"),
+    (
+        "policies: {a_online: {leaves: newest}}",
+        "bad.yaml:2:31: policies.a_online.leaves: found the unknown name `newest`, expected",
     ),
 ];
 

@@ -280,8 +280,8 @@ fn sparse_processes_and_means_are_swept_fields() {
     let folder = tempfile::tempdir().unwrap();
     let spec = format!(
         "extends: {SMOKE}\nname: sparse\nseeds: 1\ntraining: {{paper: null}}\ngp: {{inducing_points: 15}}\nruns:\n  gap: null\n  \
-         forward: false\n  track: null\n  gp_points: [60]\n  gp_coverage: [0.9]\n  \
-         reach: [{{policies: [a, c], modes: [closed], gp_points: [60]}}]\nfigures: []\nclaims: []\n\
+         forward: false\n  track: null\n  gp_points: [60]\n  gp_coverage: [0.9]\n  gp_leave_one_out: [0.5, 0.9]\n  \
+         reach: [{{policies: [a, a_online], modes: [closed], gp_points: [60]}}]\nfigures: []\nclaims: []\n\
          sweep: {{gp.approximation: [exact, sgpr, fitc], gp.mean: [zero, linear]}}\n"
     );
     std::fs::write(folder.path().join("sparse.yaml"), spec).unwrap();
@@ -291,6 +291,8 @@ fn sparse_processes_and_means_are_swept_fields() {
     let at = table.lines().next().unwrap().split(',').position(|name| name == "log_marginal_likelihood").unwrap();
     let likelihoods: Vec<&str> = table.lines().skip(1).map(|row| row.split(',').nth(at).unwrap()).collect();
     assert_eq!(likelihoods.len(), 6, "{table}");
+    let left_out = std::fs::read_to_string(results.join("gp_leave_one_out.csv")).unwrap();
+    assert_eq!(left_out.lines().count(), 1 + 6 * 3 * 2, "{left_out}");
     let mut distinct = likelihoods.clone();
     distinct.sort_unstable();
     distinct.dedup();

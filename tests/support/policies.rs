@@ -1,13 +1,14 @@
 //! Stand-ins for learned models on the constant-curvature robot, whose inverse is known in closed form.
 #![allow(dead_code)]
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use spinebench::base::{Displacements, Observation, Point3, Policy, PolicyError};
+use spinebench::learn::gp::Leaving;
 use spinebench::plants::{ConstantCurvature, ConstantCurvatureOptions, PlantSpec};
 use spinebench::policies::{
-    ErrorModel, InverseModel, NetworkDescription, PolicyEntry, PolicyOptions, PolicyParts, SampleColumns, TrainingData,
-    build, find, networks,
+    ErrorModel, InverseModel, LearningErrorModel, NetworkDescription, PolicyEntry, PolicyOptions, PolicyParts,
+    SampleColumns, TrainingData, build, find, networks,
 };
 use spinebench::tasks::tip_model;
 
@@ -53,6 +54,31 @@ pub(crate) struct ConstantError(pub(crate) Point3);
 impl ErrorModel for ConstantError {
     fn error_m(&self, _pulls_m: &[f64], _p_sim_m: &Point3) -> Point3 {
         self.0
+    }
+
+    fn learning(&self, _points: usize, _leaves: Leaving) -> Option<Arc<dyn LearningErrorModel>> {
+        Some(Arc::new(MeanError(Mutex::new(vec![self.0]))))
+    }
+}
+
+/// The mean of an error and of all that were measured after it.
+struct MeanError(Mutex<Vec<Point3>>);
+
+impl ErrorModel for MeanError {
+    fn error_m(&self, _pulls_m: &[f64], _p_sim_m: &Point3) -> Point3 {
+        let all = self.0.lock().unwrap();
+        std::array::from_fn(|axis| all.iter().map(|error_m| error_m[axis]).sum::<f64>() / all.len() as f64)
+    }
+}
+
+impl LearningErrorModel for MeanError {
+    fn measured(&self, _pulls_m: &[f64], p_sim_m: &Point3, tip_m: &Point3) -> Result<(), PolicyError> {
+        self.0.lock().unwrap().push(std::array::from_fn(|axis| p_sim_m[axis] - tip_m[axis]));
+        Ok(())
+    }
+
+    fn restart(&self) {
+        self.0.lock().unwrap().truncate(1);
     }
 }
 

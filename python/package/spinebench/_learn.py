@@ -219,6 +219,13 @@ class GaussianProcess(_Regressor):
         mean, std = self._core.predict(queries, return_std)
         return self._shaped(mean) if std is None else (self._shaped(mean), self._shaped(std))
 
+    def leave_one_out(self) -> tuple[Array, Array, Array]:
+        """Mean, standard deviation (noise and all) and log probability density of every training sample as the others foretell it,
+        without fitting anew (Rasmussen & Williams 2006, section 5.4.2): (samples,) or (samples, outputs) each."""
+        self._check_fitted()
+        mean, std, log_probability = self._core.leave_one_out()
+        return self._shaped(mean), self._shaped(std), self._shaped(log_probability)
+
     def _mean(self, X: ArrayLike) -> Array:
         mean: Array = self.predict(X)
         return mean

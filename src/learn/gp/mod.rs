@@ -9,10 +9,12 @@ mod covariance;
 mod cross_validation;
 mod curvature;
 mod expression;
+mod leave_one_out;
 mod likelihood;
 mod linear;
 mod mean;
 mod mean_regression;
+mod online;
 mod posterior;
 mod search;
 mod sparse;
@@ -22,7 +24,9 @@ pub mod kernels;
 
 pub use config::{Approximation, FoldOrder, GpConfig, Lambda};
 pub use expression::{ExpressionError, KernelExpression};
+pub use leave_one_out::LeaveOneOut;
 pub use mean::MeanFunction;
+pub use online::{Leaving, OnlineGp};
 
 use serde::{Deserialize, Serialize};
 
@@ -169,6 +173,11 @@ impl Gp {
     /// Number of outputs.
     pub fn outputs(&self) -> usize {
         self.outputs.width()
+    }
+
+    /// The outputs that it was fitted to: one row a point, in their unit.
+    pub fn training_outputs(&self) -> &Rows {
+        &self.outputs
     }
 
     /// The settings of the fit.

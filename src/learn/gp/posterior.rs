@@ -48,16 +48,20 @@ impl AddedTerm {
         self.basis.at(x).zip(&self.weights).map(|(value, weight)| value * weight).sum()
     }
 
-    /// `scaled` is v over `scale`.
-    fn variance(&self, x: &[f64], scaled: &[f64], scale: f64) -> f64 {
+    /// `E (v, h)`; `scaled` is v over `scale`.
+    fn image(&self, x: &[f64], scaled: &[f64], scale: f64) -> Vec<f64> {
         let (n, values) = (scaled.len(), self.basis.at(x).collect::<Vec<f64>>());
         let row = |row: &[f64]| {
             vectorised(
                 #[inline(always)]
-                || (scale * dot(&row[..n], scaled) + dot(&row[n..], &values)).powi(2),
+                || scale * dot(&row[..n], scaled) + dot(&row[n..], &values),
             )
         };
-        self.rows.chunks_exact(n + values.len()).map(row).sum()
+        self.rows.chunks_exact(n + values.len()).map(row).collect()
+    }
+
+    fn variance(&self, x: &[f64], scaled: &[f64], scale: f64) -> f64 {
+        self.image(x, scaled, scale).iter().map(|part| part * part).sum()
     }
 }
 
@@ -95,7 +99,7 @@ impl FittedPrior {
     }
 
     /// Writes the covariances of the standardised query `x` with all points, over [`FittedPrior::scale`].
-    fn covariances(&self, x: &[f64], k: &mut [f64]) {
+    pub(super) fn covariances(&self, x: &[f64], k: &mut [f64]) {
         match self {
             FittedPrior::Stationary { kernel, shape, length_scales, scaled, .. } => {
                 scaled.squared_distances(0, |d| x[d] / length_scales[d], k);
@@ -105,7 +109,7 @@ impl FittedPrior {
         }
     }
 
-    fn scale(&self) -> f64 {
+    pub(super) fn scale(&self) -> f64 {
         match self {
             FittedPrior::Stationary { signal, .. } => *signal,
             FittedPrior::Composite { .. } => 1.0,
@@ -113,7 +117,7 @@ impl FittedPrior {
     }
 
     /// Variance at `x` before any sample.
-    fn variance(&self, x: &[f64]) -> f64 {
+    pub(super) fn variance(&self, x: &[f64]) -> f64 {
         match self {
             FittedPrior::Stationary { signal, .. } => *signal,
             FittedPrior::Composite { composite, natural, .. } => composite.variance(natural, x),
@@ -184,6 +188,17 @@ impl Posterior {
         (mean, self.variance(x, v, explained))
     }
 
+    /// `v` and `E (v, h)` at the standardised point `x`: the posterior covariance of two points is that before any sample, less the
+    /// product of their `v`, plus that of their `E (v, h)`.
+    pub(super) fn features(&self, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let (mut k, mut v) = (vec![0.0; self.points()], vec![0.0; self.points()]);
+        self.mean_variance(x, &mut k, &mut v);
+        let scale = self.prior.scale();
+        let image = self.added.as_ref().map_or_else(Vec::new, |added| added.image(x, &v, scale));
+        v.iter_mut().for_each(|v| *v *= scale);
+        (v, image)
+    }
+
     /// Variance at `x` when the points explain `explained` of it, which is `‖v‖²`; both over the prior's scale.
     fn variance(&self, x: &[f64], v: &[f64], explained: f64) -> f64 {
         let scale = self.prior.scale();
@@ -251,7 +266,7 @@ impl Posterior {
     }
 
     /// What the unknown mean function takes from the inverse of the Gram matrix of an exact process at rows i and j.
-    fn of_mean(&self, i: usize, j: usize) -> f64 {
+    pub(super) fn of_mean(&self, i: usize, j: usize) -> f64 {
         let Some(added) = &self.added else { return 0.0 };
         let n = self.alpha.len();
         let image = |row: &[f64], i: usize| dot(&row[i..n], self.inverse_factor.column(i));

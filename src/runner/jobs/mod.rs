@@ -14,6 +14,7 @@ pub(super) mod gap;
 pub(super) mod gaussian_process;
 pub(super) mod generated_network;
 pub(super) mod gp_coverage;
+pub(super) mod gp_leave_one_out;
 pub(super) mod gp_pool;
 pub(super) mod identified;
 pub(super) mod networks;
@@ -35,6 +36,7 @@ pub(super) fn kinds() -> Vec<StageKind> {
     let mut kinds = vec![exploration::EXPLORE.kind, exploration::REPLAY.kind, gap::GAP.kind, gp_pool::GP_POOL.kind];
     kinds.extend([targets::TARGET_POOL.kind, targets::TARGETS.kind, path::WAYPOINTS.kind, path::PATH.kind]);
     kinds.extend([gaussian_process::GP.kind, gaussian_process::GP_SCORE.kind, gp_coverage::GP_COVERAGE.kind]);
+    kinds.extend([gp_leave_one_out::GP_LEAVE_ONE_OUT.kind]);
     kinds.extend([trials::REACH.kind, trials::TRACK.kind, responses::RESPONSE.kind, responses::PACE.kind]);
     kinds.extend([work::MONITOR.kind, work::ALARM.kind, diagnose::DIAGNOSE.kind, diagnose::IDENTIFY.kind]);
     kinds.extend([repaired::EXPLORE_REPAIRED.kind, repaired::POINTS_REPAIRED.kind, retrain::RETRAIN.kind]);

@@ -1,7 +1,7 @@
 //! The stages of networks and Gaussian processes.
 
 use super::{Added, Stages, stops};
-use crate::data::rows::{GpCoverageRow, GpRow};
+use crate::data::rows::{GpCoverageRow, GpLeaveOneOutRow, GpRow};
 use crate::learn::gp::Gp;
 use crate::learn::networks::{NetworkConfig, Trained};
 use crate::policies::{FORWARD, NetworkDescription, TrainingData};
@@ -9,6 +9,7 @@ use crate::runner::failure::Failure;
 use crate::runner::jobs::gaussian_process::{GP, GP_SCORE, GpParams};
 use crate::runner::jobs::generated_network::train_generated;
 use crate::runner::jobs::gp_coverage::{CoverageParams, GP_COVERAGE};
+use crate::runner::jobs::gp_leave_one_out::GP_LEAVE_ONE_OUT;
 use crate::runner::jobs::networks::{NetworkParams, train};
 use crate::runner::stage::{Handle, StageKind};
 use crate::specs::{GeneratedStart, Training};
@@ -78,6 +79,13 @@ impl Stages<'_> {
         let params = CoverageParams { gp: self.gp_params(points), shares: self.spec.runs.gp_coverage.clone() };
         let label = self.label(&format!("intervals of the process on {points} points"));
         self.graph.stage(&GP_COVERAGE, label, params, inputs)
+    }
+
+    /// How it foretells each of its points from the others.
+    pub(crate) fn gp_leave_one_out(&mut self, training: &Training, points: usize) -> Added<Vec<GpLeaveOneOutRow>> {
+        let (gp, shares) = (self.gp(training, points)?, self.spec.runs.gp_leave_one_out.clone());
+        let label = self.label(&format!("points of the process on {points} points, left out one by one"));
+        self.graph.stage(&GP_LEAVE_ONE_OUT, label, shares, gp)
     }
 
     /// The forward network where p_sim comes from it, and nothing where it comes from the rod.

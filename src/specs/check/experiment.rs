@@ -205,9 +205,11 @@ impl Checker<'_> {
             self.fits(&[gap.rows], &path.key("gap").key("rows"), 1, most, "collected points")?;
         }
         self.gp_sizes(&runs.gp_points, &path.key("gp_points"))?;
-        for (index, share) in runs.gp_coverage.iter().enumerate() {
-            let inside = *share > 0.0 && *share < 1.0;
-            self.unless(inside, &path.key("gp_coverage").item(index), "a share above 0 and below 1")?;
+        for (key, shares) in [("gp_coverage", &runs.gp_coverage), ("gp_leave_one_out", &runs.gp_leave_one_out)] {
+            for (index, share) in shares.iter().enumerate() {
+                let inside = *share > 0.0 && *share < 1.0;
+                self.unless(inside, &path.key(key).item(index), "a share above 0 and below 1")?;
+            }
         }
         let figures: Vec<&str> = FIGURES.iter().map(|figure| figure.name).collect();
         for (index, name) in self.experiment.figures.iter().enumerate() {

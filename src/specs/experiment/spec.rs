@@ -194,6 +194,9 @@ pub struct Runs {
     /// Shares that intervals of the Gaussian processes promise to cover, which are held against unseen points.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gp_coverage: Vec<f64>,
+    /// The same shares, held against each point of a process as the others foretell it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub gp_leave_one_out: Vec<f64>,
     /// Goal reaching: products of policies, modes and sizes.
     pub reach: Vec<ReachSweep>,
     /// Path tracking.

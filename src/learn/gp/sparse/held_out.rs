@@ -3,7 +3,7 @@
 use super::SparseLikelihood;
 use crate::learn::gp::covariance::{Covariance, TrainingPoints};
 use crate::learn::gp::linear::{FactorBuffers, Lower};
-use crate::learn::gp::{GpConfig, Posterior};
+use crate::learn::gp::{Approximation, GpConfig, Posterior};
 use crate::math::optimise::Objective;
 
 impl<'a> SparseLikelihood<'a> {
@@ -51,5 +51,25 @@ impl<'a> SparseLikelihood<'a> {
         precision.solve(&mut weights, &mut memory);
         let predicted = |row: usize| (0..width).map(|j| weights[j] * self.features[j * n + row]).sum::<f64>();
         fold.iter().map(|&row| self.y[row] - predicted(row)).collect()
+    }
+
+    /// Error and variance of every sample when it is held out, standardised: the residual over `1 − h_i`, and what is not known
+    /// of the function there and noise. `h_i = φ_iᵀ S⁻¹ φ_i / Λ_i` is the weight of the sample in its own prediction.
+    pub(in crate::learn::gp) fn leave_one_out_errors(&self) -> Vec<(f64, f64)> {
+        let (n, width) = (self.points.n, self.width());
+        let mut halves = self.weighted.clone();
+        self.precision_factor
+            .solve_half_of(faer::MatMut::from_column_major_slice_mut(&mut halves, n, width).transpose_mut());
+        let mut own = vec![0.0; n];
+        for column in halves.chunks_exact(n) {
+            own.iter_mut().zip(column).for_each(|(own, half)| *own += half * half);
+        }
+        let bound = self.approximation == Approximation::Sgpr;
+        let of = |i: usize| {
+            let variance = self.diagonal[i] / (1.0 - own[i]);
+            // The diagonal of FITC holds what inducing points do not tell; that of SGPR does not.
+            (self.alpha[i] * variance, variance + if bound { self.missing[i].max(0.0) } else { 0.0 })
+        };
+        (0..n).map(of).collect()
     }
 }

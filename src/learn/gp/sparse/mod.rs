@@ -19,6 +19,7 @@ mod rates;
 mod search;
 
 pub(super) use inducing::greedy_conditional_variance;
+pub(super) use rates::CovarianceAt;
 pub(super) use search::search;
 
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
@@ -31,7 +32,6 @@ use super::linear::{FactorBuffers, Lower};
 use super::mean::{MeanBasis, MeanFunction};
 use crate::learn::simd::dot;
 use crate::math::optimise::Objective;
-use rates::CovarianceAt;
 
 /// Relative growth of the diagonal of `K_uu`: it stays positive definite when length-scales grow during a search.
 const JITTER: f64 = 1e-10;

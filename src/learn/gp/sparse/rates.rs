@@ -8,13 +8,13 @@ use crate::learn::simd::dot;
 use crate::math::vectorised;
 
 /// A covariance function under hyper-parameters. Points are given as [`CovarianceAt::prepare`] returns them.
-pub(super) enum CovarianceAt<'a> {
+pub(in crate::learn::gp) enum CovarianceAt<'a> {
     Stationary { kernel: &'static dyn Kernel, layout: HyperparameterLayout, theta: &'a [f64] },
     Composite { composite: &'a Composite, natural: Vec<f64> },
 }
 
 impl<'a> CovarianceAt<'a> {
-    pub(super) fn new(covariance: &'a Covariance, theta: &'a [f64]) -> Self {
+    pub(in crate::learn::gp) fn new(covariance: &'a Covariance, theta: &'a [f64]) -> Self {
         match covariance {
             Covariance::Stationary(kernel, layout) => {
                 CovarianceAt::Stationary { kernel: *kernel, layout: *layout, theta }
@@ -24,7 +24,7 @@ impl<'a> CovarianceAt<'a> {
     }
 
     /// Points in the units in which their distances count.
-    pub(super) fn prepare(&self, points: &TrainingPoints) -> TrainingPoints {
+    pub(in crate::learn::gp) fn prepare(&self, points: &TrainingPoints) -> TrainingPoints {
         match self {
             CovarianceAt::Stationary { layout, theta, .. } => points.scaled(&layout.length_scales(theta)),
             CovarianceAt::Composite { .. } => points.clone(),
@@ -32,7 +32,7 @@ impl<'a> CovarianceAt<'a> {
     }
 
     /// Writes the covariances of `centre` with the points from number `from` on, without noise.
-    pub(super) fn row(&self, points: &TrainingPoints, from: usize, centre: &[f64], out: &mut [f64]) {
+    pub(in crate::learn::gp) fn row(&self, points: &TrainingPoints, from: usize, centre: &[f64], out: &mut [f64]) {
         match self {
             CovarianceAt::Stationary { kernel, layout, theta } => {
                 let signal = layout.signal_variance(theta);
@@ -48,7 +48,7 @@ impl<'a> CovarianceAt<'a> {
     }
 
     /// Writes the variance of every point and the noise that the kernel gives it beside. Points count as they are.
-    pub(super) fn diagonal(&self, points: &TrainingPoints, variances: &mut [f64], noises: &mut [f64]) {
+    pub(in crate::learn::gp) fn diagonal(&self, points: &TrainingPoints, variances: &mut [f64], noises: &mut [f64]) {
         match self {
             CovarianceAt::Stationary { layout, theta, .. } => {
                 variances.fill(layout.signal_variance(theta));
@@ -68,7 +68,7 @@ impl<'a> CovarianceAt<'a> {
 
     /// Adds to `out` the derivatives of `Σ weight_i k(centre, x_i)` over the points from number `from` on with respect to the
     /// logarithm of every hyper-parameter. The weights are used as working memory.
-    pub(super) fn add_row_rates(
+    pub(in crate::learn::gp) fn add_row_rates(
         &self,
         points: &TrainingPoints,
         from: usize,
@@ -93,7 +93,7 @@ impl<'a> CovarianceAt<'a> {
 
     /// Adds to `out` the derivatives of `Σ variance_weight_i k_ii + noise_weight_i w_i` for the variance k and the kernel's own
     /// noise w of every point. Points count as they are.
-    pub(super) fn add_diagonal_rates(
+    pub(in crate::learn::gp) fn add_diagonal_rates(
         &self,
         points: &TrainingPoints,
         variance_weights: &[f64],
