@@ -3,7 +3,7 @@
 SHELL := bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build reproduce controllers sweeps population repair check test test-python bench blind campaign peers peers-learning scaling real verify
+.PHONY: help build reproduce controllers sweeps population data-efficiency repair check test test-python bench blind campaign peers peers-learning scaling real verify
 
 # Repetitions of every experiment, data and training included. Claims need ten, and only ten replace the published results;
 # any other number is a look, which goes to out/.
@@ -52,6 +52,10 @@ population: build ## Table I on a hundred robots (an hour; docs/population.md); 
 	@# A drawn robot that cannot be simulated is a row with its status, of which exit status 1 tells.
 	$(SPINEBENCH) run experiments/population.yaml --seeds $(ROBOTS) --out $(if $(filter 100,$(ROBOTS)),.,out) || [ $$? = 1 ]
 	$(if $(filter 100,$(ROBOTS)),$(SPINEBENCH) page docs/population.md)
+
+data-efficiency: build ## error against the number of real points, every policy (a quarter of an hour; docs/data_efficiency.md); SEEDS=1 for a look
+	$(SPINEBENCH) run experiments/data_efficiency.yaml --seeds $(SEEDS) --out $(OUT)
+	$(if $(filter .,$(OUT)),$(SPINEBENCH) page docs/data_efficiency.md)
 
 repair: build ## a robot changes and nobody says so: noticed, named and mended (docs/repair.md); SEEDS=1 for a look, into out/
 	$(SPINEBENCH) run experiments/repair.yaml --seeds $(SEEDS) --out $(OUT)

@@ -8,7 +8,7 @@ use super::drawing::legend::{LegendEntry, legend};
 use super::markup::MarkdownTable;
 use super::order::{distinct, trainings};
 use super::style::{
-    GREY, PAGE_WIDTH, SMALL, mode_title, policies_in_order, policy_label, policy_look, policy_markdown, training_label,
+    GREY, PAGE_WIDTH, SMALL, TALL, mode_title, policies_in_order, policy_label, policy_look, policy_markdown, training_label,
 };
 use super::summarise::modes_in_order;
 use super::{Artifact, Figure, Published, ReportError, csv, pictures, text};
@@ -118,7 +118,7 @@ fn draw(rows: &[ControllerRow]) -> Canvas {
     let width = (PAGE_WIDTH - left - 12.0 - gap * (modes.len() - 1) as f64) / modes.len() as f64;
     let keys: Vec<(LegendEntry, &str)> =
         shown.iter().map(|policy| (LegendEntry::Plain(policy_look(policy)), policy_label(policy))).collect();
-    let mut canvas = Canvas::new(PAGE_WIDTH, 0.0);
+    let mut canvas = Canvas::new(PAGE_WIDTH, TALL);
     let base = legend(&mut canvas, [left, 16.0], PAGE_WIDTH - 8.0, &keys);
     let note = format!("means over targets and repetitions, error of the true tip; {}", training_label(training));
     canvas.text(Text::new(&note, [left, base + 17.0], SMALL, TextAlign::Left).colour(GREY));
