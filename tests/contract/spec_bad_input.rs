@@ -75,7 +75,7 @@ const BAD: &[(&str, &str)] = &[
     ),
     (
         "network: {kind: transformer}",
-        "bad.yaml:2:17: network.kind: unknown variant `transformer`, expected one of `elman`, `gru`, `lstm`, `feed_forward`",
+        "bad.yaml:2:17: network.kind: found the unknown name `transformer`, expected one of `elman`, `gru`, `lstm`, `feed_forward`",
     ),
     ("network: {members: 0}", "bad.yaml:2:20: network.members: found 0, expected 1 to 100"),
     (
