@@ -106,12 +106,34 @@ pub(crate) fn long<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(&Stop) -> Result<T, Fault> + Send + 'static,
 ) -> PyResult<T> {
+    apart(py, move |pool, stop| pool.install(|| guarded(|| work(stop))))
+}
+
+/// A long call on a state that calls share. The thread of its own waits for the state, not one of the pool: that one may be
+/// lent out by the very call that holds the state, and would wait for itself.
+pub(crate) fn long_on<S: Send + 'static, T: Send + 'static>(
+    py: Python<'_>,
+    state: Arc<Mutex<S>>,
+    work: impl FnOnce(&mut S, &Stop) -> Result<T, Fault> + Send + 'static,
+) -> PyResult<T> {
+    apart(py, move |pool, stop| {
+        let mut held = state.lock().unwrap_or_else(PoisonError::into_inner);
+        let state = &mut *held;
+        pool.install(|| guarded(|| work(state, stop)))
+    })
+}
+
+/// Runs on a thread of its own while this one looks for Ctrl-C.
+fn apart<T: Send + 'static>(
+    py: Python<'_>,
+    work: impl FnOnce(&ThreadPool, &Stop) -> Result<T, Fault> + Send + 'static,
+) -> PyResult<T> {
     let stop = Stop::default();
     let told = stop.clone();
     let pool = pool()?;
     let (sender, results) = channel();
     let run = move || {
-        let result = pool.install(|| guarded(|| work(&told)));
+        let result = work(&pool, &told);
         // Nobody waits after Ctrl-C.
         let _ = sender.send(result);
     };

@@ -27,9 +27,16 @@ fn out<'py>(py: Python<'py>, rows: &Rows) -> PyResult<Array<'py>> {
     array(py, rows.values().to_vec(), &[rows.len(), rows.width()])
 }
 
-/// Options in JSON.
+/// Options in JSON. A fault names the option, not its place in the text, which nobody wrote.
 fn options<T: serde::de::DeserializeOwned>(json: &str) -> Result<T, Fault> {
-    serde_json::from_str(json).map_err(Fault::words)
+    serde_path_to_error::deserialize(&mut serde_json::Deserializer::from_str(json)).map_err(|error| {
+        let words = error.inner().to_string();
+        let words = words.split(" at line ").next().unwrap_or_default();
+        match error.path().to_string().as_str() {
+            "." => Fault::words(words),
+            option => Fault::words(format!("{option}: {words}")),
+        }
+    })
 }
 
 /// A fitted Gaussian process.

@@ -12,7 +12,7 @@ use spinebench::plants::{Simulated, SimulatedOptions, SimulatedSpec};
 use spinebench::specs::{PlantSpec, read_plant};
 
 use crate::arrays::{array, positive, shaped};
-use crate::calls::{detached, guarded, long, pool};
+use crate::calls::{detached, guarded, long_on, pool};
 use crate::errors::Fault;
 use crate::model::{PyModel, effects_of};
 use crate::rod::{counted, shape_m};
@@ -165,9 +165,8 @@ impl PyPlants {
             return Err(Fault::argument("seeds", seeds.len().to_string(), "one seed and effects a robot").into());
         }
         let takes = self.spec.takes_effects();
-        let (spec, step_s, slots) = (self.spec.clone(), self.step_s, Arc::clone(&self.slots));
-        long(py, move |_| {
-            let mut slots = slots.lock().unwrap_or_else(PoisonError::into_inner);
+        let (spec, step_s) = (self.spec.clone(), self.step_s);
+        long_on(py, Arc::clone(&self.slots), move |slots, _| {
             let mut order: Vec<Option<usize>> = vec![None; slots.len()];
             which.iter().enumerate().for_each(|(place, &index)| order[index] = Some(place));
             slots.par_iter_mut().zip(order).try_for_each(|(slot, place)| {

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use spinebench::base::PlantError;
 
 use crate::arrays::{array, led, positive, shaped};
-use crate::calls::{Stop, long};
+use crate::calls::{Stop, long_on};
 use crate::errors::Fault;
 use crate::model::PyModel;
 use crate::rod::{Driven, UNSOLVED, counted, shape_m};
@@ -43,11 +43,9 @@ impl PyRods {
         work: impl Fn(usize, &mut Driven, &Stop) -> Result<(), Fault> + Send + Sync + 'static,
         read: impl FnOnce(&[Driven]) -> T + Send + 'static,
     ) -> PyResult<T> {
-        let rods = Arc::clone(&self.rods);
-        long(py, move |stop| {
-            let mut rods = rods.lock().unwrap_or_else(PoisonError::into_inner);
+        long_on(py, Arc::clone(&self.rods), move |rods, stop| {
             rods.par_iter_mut().enumerate().try_for_each(|(index, rod)| work(index, rod, stop))?;
-            Ok(read(&rods))
+            Ok(read(rods))
         })
     }
 

@@ -97,6 +97,19 @@ def test_ctrl_c_ends_a_long_call(model: Model) -> None:
     assert np.isfinite(rods.settle(np.zeros((4, 4)))).all()
 
 
+def test_a_call_after_ctrl_c_waits_for_the_one_before(model: Model) -> None:
+    # The call that was left still works on all threads; the next one must not be lent to one of them.
+    rods = Rods([model] * 4)
+    pulls = np.random.default_rng(1).uniform(-0.01, 0.01, (4, 5000, 4))
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    for attempt in range(20):
+        threading.Timer(0.05 + 0.007 * attempt, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+        with pytest.raises(KeyboardInterrupt):
+            rods.play(pulls)
+        rods.restart()
+        assert np.isfinite(rods.settle(np.zeros((4, 4)))).all()
+
+
 def _tip_in_child(queue: multiprocessing.Queue[list[float]]) -> None:
     model = Model()
     queue.put([float(value) for value in Rods([model] * 2).settle(np.zeros((2, 4)))[0]])

@@ -1,5 +1,5 @@
-//! Networks (paper IV-A): trained by back-propagation through time, used step by step in closed loop. The paper's is
-//! Elman's; `kinds/` has the others.
+//! Networks (paper IV-A), used step by step in closed loop. `kinds/` has the formulas of one hidden unit, Elman's, which is the
+//! paper's, and others; `batch.rs` back-propagates them through time, `session.rs` trains, and `member.rs` takes a step.
 
 mod adam;
 mod batch;
