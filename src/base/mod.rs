@@ -16,3 +16,8 @@ pub use seed::{Generator, Seed};
 pub use tendon_layout::{PlacedTendon, TendonLayout};
 pub use tip_model::{NoRestPose, RestPose, TipModel};
 pub use traits::{Action, Plant, PlantError, Policy, PolicyError, TendonCommand};
+
+/// Whether a setting has its default: specs hold those that do not.
+pub(crate) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}

@@ -46,7 +46,7 @@ pub use parts::PolicyParts;
 use serde::{Deserialize, Serialize};
 
 use crate::base::series::{Look, SeriesLabel};
-use crate::base::{BadOption, Policy};
+use crate::base::{BadOption, Policy, is_default};
 
 macro_rules! policies {
     (
@@ -115,10 +115,6 @@ policies! {
         c_hysteresis::ENTRY { c_hysteresis: c_hysteresis::CHysteresisOptions },
         a_online::ENTRY { a_online: a_online::AOnlineOptions },
     ]
-}
-
-fn is_default<T: Default + PartialEq>(value: &T) -> bool {
-    *value == T::default()
 }
 
 /// Why a policy could not be built.

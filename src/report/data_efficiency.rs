@@ -8,7 +8,8 @@ use super::drawing::legend::{LegendEntry, legend};
 use super::markup::MarkdownTable;
 use super::order::{distinct, trainings};
 use super::style::{
-    GREY, PAGE_WIDTH, SMALL, TALL, mode_title, policies_in_order, policy_label, policy_look, policy_markdown, training_label,
+    GREY, PAGE_WIDTH, SMALL, TALL, mode_title, policies_in_order, policy_label, policy_look, policy_markdown,
+    training_label,
 };
 use super::summarise::modes_in_order;
 use super::{Artifact, Figure, Published, ReportError, csv, pictures, text};

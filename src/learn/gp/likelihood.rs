@@ -202,6 +202,7 @@ mod tests {
     use crate::learn::gp::coordinates::{SearchObjective, to_search_coordinates};
     use crate::learn::gp::expression::KernelExpression;
     use crate::learn::gp::kernels::{FACTORS, KERNELS};
+    use crate::math::optimise::both_gradients;
     use std::sync::Arc;
 
     fn samples(n: usize) -> (TrainingPoints, Vec<f64>) {
@@ -229,17 +230,8 @@ mod tests {
     }
 
     fn check_gradient(objective: &mut dyn Objective, at: &[f64], name: &str) {
-        let mut gradient = vec![0.0; at.len()];
-        objective.value(at);
-        objective.gradient(&mut gradient);
-        for k in 0..at.len() {
-            let mut moved = |by: f64| {
-                let mut x = at.to_vec();
-                x[k] += by;
-                objective.value(&x)
-            };
-            let expected = (moved(1e-5) - moved(-1e-5)) / 2e-5;
-            assert!((gradient[k] - expected).abs() < 1e-5, "{name}, parameter {k}: {} {expected}", gradient[k]);
+        for (k, [found, expected]) in both_gradients(objective, at).into_iter().enumerate() {
+            assert!((found - expected).abs() < 1e-5, "{name}, parameter {k}: {found} {expected}");
         }
     }
 

@@ -101,7 +101,7 @@ mod tests {
     use crate::learn::gp::covariance::Covariance;
     use crate::learn::gp::likelihood::Likelihood;
     use crate::learn::gp::{Gp, GpConfig, KernelExpression};
-    use crate::math::optimise::Objective;
+    use crate::math::optimise::both_gradients;
 
     const MEANS: [MeanFunction; 2] = [MeanFunction::Constant, MeanFunction::Linear];
 
@@ -127,18 +127,9 @@ mod tests {
             theta[covariance.len() - 1] = -3.0;
             for mean in MEANS {
                 let mut likelihood = Likelihood::new(covariance.clone(), &points, &y).with_mean(mean);
-                let mut gradient = vec![0.0; theta.len()];
-                likelihood.value(&theta);
-                likelihood.gradient(&mut gradient);
-                for k in 0..theta.len() {
-                    let mut moved = |by: f64| {
-                        let mut at = theta.clone();
-                        at[k] += by;
-                        likelihood.value(&at)
-                    };
-                    let expected = (moved(1e-5) - moved(-1e-5)) / 2e-5;
-                    let apart = (gradient[k] - expected).abs() / (1.0 + expected.abs());
-                    assert!(apart < 1e-5, "{text} {mean:?} {k}: {} {expected}", gradient[k]);
+                for (k, [found, expected]) in both_gradients(&mut likelihood, &theta).into_iter().enumerate() {
+                    let apart = (found - expected).abs() / (1.0 + expected.abs());
+                    assert!(apart < 1e-5, "{text} {mean:?} {k}: {found} {expected}");
                 }
             }
         }

@@ -3,11 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::kinds::NetworkKind;
+use crate::base::is_default;
 use crate::learn::LearnError;
-
-fn is_default<T: Default + PartialEq>(value: &T) -> bool {
-    *value == T::default()
-}
 
 fn is_one(value: &usize) -> bool {
     *value == 1

@@ -3,7 +3,7 @@
 use super::claims::PaperClaim;
 use super::repair::RepairRun;
 use super::slurm::SlurmOptions;
-use crate::base::Seed;
+use crate::base::{Seed, is_default};
 use crate::benchmark::{CaseBatch, DrawnEffect, OracleOptions, Population, TruthOptions};
 use crate::discovery::Options;
 use crate::effects::EffectSpec;
@@ -87,10 +87,6 @@ pub struct Experiment {
     /// Resources requested from a Slurm cluster.
     #[serde(default, skip_serializing_if = "is_default")]
     pub slurm: SlurmOptions,
-}
-
-fn is_default<T: Default + PartialEq>(value: &T) -> bool {
-    *value == T::default()
 }
 
 impl Experiment {
