@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
 use std::thread::available_parallelism;
 use std::time::Instant;
 
@@ -32,29 +31,28 @@ fn json<T: serde::Serialize>(value: &T) -> Result<String, Fault> {
     serde_json::to_string(value).map_err(|error| Fault::Run(error.to_string()))
 }
 
-/// Plays commands on a model and writes the recording to `out`; returns the number of rows that could not be solved.
+/// Plays commands on a model; returns the recording as CSV.
 #[pyfunction]
 pub(crate) fn _simulate(
     py: Python<'_>,
     model: &PyModel,
     commands: PathBuf,
-    out: PathBuf,
     at_rest: bool,
     noise_m: f64,
     seed: u64,
-) -> PyResult<()> {
+) -> PyResult<Vec<u8>> {
     if !(noise_m.is_finite() && noise_m >= 0.0) {
         let expected = "a finite number of at least 0, in metres";
         return Err(Fault::argument("noise_m", noise_m.to_string(), expected).into());
     }
     let model = model.clone();
-    long(py, move |_| {
+    long(py, move |stop| {
         let read = read_commands(&commands, &model.0, at_rest)?;
         check_one_gravity(&commands, &read, &model.0)?;
         let options =
             SimulationOptions { at_rest, noise_m, seed: spinebench::base::Seed(seed), ..SimulationOptions::default() };
-        simulate_recording(&model.0, &read, &options).write(&out)?;
-        Ok(())
+        let simulated = stop.within(|| simulate_recording(&model.0, &read, &options));
+        Ok(simulated.to_bytes(Path::new("simulated.csv"))?)
     })
 }
 
@@ -110,13 +108,13 @@ pub(crate) fn _calibrate(
     arguments: CalibrationArguments,
 ) -> PyResult<(PyModel, String, Vec<u8>)> {
     let (model, options) = (model.clone(), arguments.options()?);
-    long(py, move |_| {
+    long(py, move |stop| {
         let read = read_measured(&measured, &model.0, options.at_rest)?;
         check_one_gravity(&measured, &read, &model.0)?;
         if !options.at_rest {
             read.check_duration(&measured)?;
         }
-        let found = calibrate(&model.0, &read, &options).map_err(|error| about(&measured, error))?;
+        let found = stop.within(|| calibrate(&model.0, &read, &options)).map_err(|error| about(&measured, error))?;
         let sightings = tables::to_csv(Path::new("sightings.csv"), &found.sightings)?;
         Ok((PyModel(found.model.into()), json(&found.findings)?, sightings))
     })
@@ -217,9 +215,7 @@ pub(crate) fn _run(py: Python<'_>, specs: Vec<PathBuf>, arguments: RunArguments)
         let options = RunOptions { stop: stop.flag(), ..RunOptions::new(jobs, &progress) };
         let outcomes = runner::execute(&campaign.graph, &store, &campaign.wanted(), &options)
             .map_err(|failure| Fault::Run(failure.to_string()))?;
-        if stop.flag().load(Ordering::Relaxed) {
-            return Err(Fault::Run("interrupted; what is computed is stored".into()));
-        }
+        stop.check()?;
         let threads = if jobs > 0 { jobs } else { available_parallelism().map_or(1, usize::from) };
         let facts = RunFacts { revision: &revision, threads: &|_| threads, wall_s: began.elapsed().as_secs_f64() };
         let published = runner::publish_all(&campaign, &outcomes, &store, &out, &facts).map_err(Fault::Run)?;

@@ -10,6 +10,7 @@ use std::time::Duration;
 
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use spinebench::base::{InterruptRequest, Interrupted};
 
 use crate::errors::Fault;
 
@@ -35,6 +36,9 @@ pub(crate) fn record_panics() {
 
 /// The fault that a panic is.
 fn panic_fault(payload: &(dyn Any + Send)) -> Fault {
+    if payload.is::<Interrupted>() {
+        return Fault::interrupted();
+    }
     let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
     let text = text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_default();
     let place = LAST_PANIC.lock().unwrap_or_else(PoisonError::into_inner).clone();
@@ -97,6 +101,16 @@ impl Stop {
 
     pub(crate) fn raised(&self) -> bool {
         self.0.load(Ordering::Relaxed)
+    }
+
+    /// A fault after the request, before anything is written.
+    pub(crate) fn check(&self) -> Result<(), Fault> {
+        if self.raised() { Err(Fault::interrupted()) } else { Ok(()) }
+    }
+
+    /// Does `work`, which ends at its next interruption point after the request.
+    pub(crate) fn within<T>(&self, work: impl FnOnce() -> T) -> T {
+        InterruptRequest::of(&self.0).within(work)
     }
 }
 

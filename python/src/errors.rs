@@ -44,6 +44,11 @@ impl Fault {
         }))
     }
 
+    /// What a call that nobody waits for any more ends with.
+    pub(crate) fn interrupted() -> Fault {
+        Fault::Run("interrupted; what is computed is stored".into())
+    }
+
     /// Bad input that is only words.
     pub(crate) fn words(message: impl std::fmt::Display) -> Fault {
         Fault::Input(Box::new(InputFault { message: message.to_string(), ..Default::default() }))

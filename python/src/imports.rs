@@ -1,10 +1,12 @@
 //! Imports of other people's files and exports for viewers; `spinebench/_bags.py` gives them names.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 use spinebench::data::findings::ResidualRow;
-use spinebench::data::import::mapped::{ClockFit, MappedImport, SourceKind, import_bag, import_text};
+use spinebench::data::import::mapped::{
+    ClockFit, LogFiles, MappedImport, SourceKind, TrialClock, import_bag, import_text,
+};
 use spinebench::data::mcap::{Shown, to_mcap};
 use spinebench::data::{Recording, tables, write_atomic};
 use spinebench::specs::read_map;
@@ -14,33 +16,37 @@ use crate::calls::long;
 use crate::errors::Fault;
 use crate::model::PyModel;
 
-/// Offset, interval, lag and explained share.
-type Clock = Option<(f64, (f64, f64), f64, f64)>;
+/// Trial with files of its own, offset, interval, lag and explained share.
+type Clock = (Option<u64>, f64, (f64, f64), f64, f64);
 
-fn written(found: &MappedImport, out: &std::path::Path) -> Result<Clock, Fault> {
-    found.recording.write(out)?;
-    let parts = |clock: &ClockFit| {
-        let [low_s, high_s] = clock.interval_95_s;
-        (clock.offset_s, (low_s, high_s), clock.lag_s, clock.explained)
+/// The recording as CSV, the clocks, and the files that were passed over.
+type ToldImport = (Vec<u8>, Vec<Clock>, Vec<PathBuf>);
+
+fn told(found: MappedImport) -> Result<ToldImport, Fault> {
+    let parts = |TrialClock { trial, fit }: &TrialClock| {
+        let ClockFit { offset_s, interval_95_s: [low_s, high_s], lag_s, explained, .. } = *fit;
+        (*trial, offset_s, (low_s, high_s), lag_s, explained)
     };
-    Ok(found.clock.as_ref().map(parts))
+    let csv = found.recording.to_bytes(Path::new("recording.csv"))?;
+    Ok((csv, found.clocks.iter().map(parts).collect(), found.passed_over))
 }
 
 /// Imports text files by the map in a file.
 #[pyfunction]
-pub(crate) fn _import_csv(py: Python<'_>, files: Vec<PathBuf>, map: PathBuf, out: PathBuf) -> PyResult<Clock> {
+pub(crate) fn _import_csv(py: Python<'_>, files: Vec<PathBuf>, map: PathBuf) -> PyResult<ToldImport> {
     long(py, move |_| {
-        let map = read_map(&map, SourceKind::Text(files.len()))?;
-        written(&import_text(&files, &map)?, &out)
+        let logs = LogFiles::find(&files)?;
+        let map = read_map(&map, SourceKind::from(&logs))?;
+        told(import_text(&logs.files, &map)?)
     })
 }
 
 /// Imports a bag by the map in a file.
 #[pyfunction]
-pub(crate) fn _import_mcap(py: Python<'_>, bag: PathBuf, map: PathBuf, out: PathBuf) -> PyResult<Clock> {
+pub(crate) fn _import_mcap(py: Python<'_>, bag: PathBuf, map: PathBuf) -> PyResult<ToldImport> {
     long(py, move |_| {
         let map = read_map(&map, SourceKind::Bag)?;
-        written(&import_bag(&bag, &map)?, &out)
+        told(import_bag(&bag, &map)?)
     })
 }
 
@@ -55,14 +61,16 @@ pub(crate) fn _export_mcap(
     at_rest: bool,
 ) -> PyResult<()> {
     let model = model.map(|model| model.clone());
-    long(py, move |_| {
+    long(py, move |stop| {
         let read = if at_rest { Recording::read_poses(&recording)? } else { Recording::read(&recording)? };
         let residuals = residuals.map(|file| tables::read_csv::<ResidualRow>(&file)).transpose()?.unwrap_or_default();
         let shape_m = match &model {
-            Some(model) => body_lines_m(&recording, &read, &model.0, at_rest)?,
+            Some(model) => stop.within(|| body_lines_m(&recording, &read, &model.0, at_rest))?,
             None => Vec::new(),
         };
         let shown = Shown { recording: &read, at_rest, shape_m: &shape_m, residuals: &residuals };
-        Ok(write_atomic(&out, &to_mcap(&shown))?)
+        let bytes = to_mcap(&shown);
+        stop.check()?;
+        Ok(write_atomic(&out, &bytes)?)
     })
 }

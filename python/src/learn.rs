@@ -58,9 +58,9 @@ impl PyGp {
         let (inputs, outputs) = (table(inputs, "X")?, table(outputs, "y")?);
         let config: GpConfig = options(config)?;
         let theta = theta.map(|theta| table(theta, "theta")).transpose()?;
-        long(py, move |_| {
+        long(py, move |stop| {
             let fitted = match theta {
-                None => Gp::fit(&inputs, &outputs, &config),
+                None => stop.within(|| Gp::fit(&inputs, &outputs, &config)),
                 Some(theta) => {
                     config.check().map_err(Fault::words)?;
                     Gp::condition(&inputs, &outputs, &config, theta.iter().map(<[f64]>::to_vec).collect(), 0)
@@ -152,8 +152,8 @@ impl PyNetwork {
     ) -> PyResult<PyNetwork> {
         let (inputs, outputs) = (table(inputs, "X")?, table(outputs, "y")?);
         let config: NetworkConfig = options(config)?;
-        long(py, move |_| {
-            let trained = Network::train(&inputs, &outputs, &sequences, &config, Seed(seed));
+        long(py, move |stop| {
+            let trained = stop.within(|| Network::train(&inputs, &outputs, &sequences, &config, Seed(seed)));
             trained.map(PyNetwork).map_err(Fault::words)
         })
     }

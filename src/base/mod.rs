@@ -1,5 +1,6 @@
 //! Value types shared by all rooms, the plant and policy traits, and the seed tree.
 
+mod interruption;
 mod observation;
 mod option;
 mod rows;
@@ -9,6 +10,7 @@ mod tendon_layout;
 mod tip_model;
 mod traits;
 
+pub use interruption::{InterruptRequest, Interrupted, interruption_point};
 pub use observation::{Displacements, Observation, Point3, SeenPoint, distance_m};
 pub use option::BadOption;
 pub use rows::Rows;

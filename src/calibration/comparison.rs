@@ -7,7 +7,7 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use super::error::CalibrationError;
-use crate::base::Point3;
+use crate::base::{InterruptRequest, Point3};
 use crate::data::Recording;
 use crate::effects::{Model, Starts};
 use crate::tasks::{SimulationOptions, simulate_recording};
@@ -167,7 +167,9 @@ impl<'a> Comparison<'a> {
 
     /// What `model` says.
     pub(super) fn positions(&self, model: &Model) -> Positions {
-        let each: Vec<Recording> = self.parts.par_iter().map(|part| self.simulated(part, model)).collect();
+        let request = InterruptRequest::current();
+        let simulated = |part| request.within(|| self.simulated(part, model));
+        let each: Vec<Recording> = self.parts.par_iter().map(simulated).collect();
         let mut positions = vec![None; self.sightings.len()];
         for (part, simulated) in self.parts.iter().zip(&each) {
             self.take(part, &tracks(simulated), &mut positions);

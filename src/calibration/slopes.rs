@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::comparison::{Comparison, Part, Positions, tracks};
 use super::number::FitNumber;
-use crate::base::Point3;
+use crate::base::{InterruptRequest, Point3};
 use crate::effects::{Model, ModelParameter, Variable, VariationError};
 use crate::rod::PoseRates;
 use crate::tasks::{RecordingWithRates, simulate_with_rates};
@@ -29,8 +29,10 @@ impl Comparison<'_> {
         let share = if self.parts.len() < FEW_PARTS { NUMBERS_TOGETHER } else { variables.len().max(1) };
         let jobs: Vec<(&Part, &[&ModelParameter])> =
             self.parts.iter().flat_map(|part| variables.chunks(share).map(move |some| (part, some))).collect();
-        let each: Vec<PartSlopes> =
-            jobs.par_iter().map(|(part, some)| self.part_slopes(part, model, some)).collect::<Option<_>>()?;
+        let request = InterruptRequest::current();
+        let slopes_of =
+            |(part, some): &(&Part, &[&ModelParameter])| request.within(|| self.part_slopes(part, model, some));
+        let each: Vec<PartSlopes> = jobs.par_iter().map(slopes_of).collect::<Option<_>>()?;
         let each: Vec<PartSlopes> = each.chunks(variables.len().div_ceil(share)).map(joined).collect();
         let mut positions = vec![None; self.sightings.len()];
         let mut slopes = DMatrix::zeros(3 * self.sightings.len(), numbers.len());

@@ -5,7 +5,9 @@ use super::outputs::check_recording;
 use super::simulate::written;
 use super::{CommandError, CommandResult};
 use clap::Args;
-use spinebench::data::import::mapped::{ClockFit, MappedImport, SourceKind, import_bag, import_text};
+use spinebench::data::import::mapped::{
+    ClockFit, LogFiles, MappedImport, SourceKind, TrialClock, import_bag, import_text,
+};
 use spinebench::runner::Progress;
 use spinebench::specs::read_map;
 use std::path::{Path, PathBuf};
@@ -17,7 +19,8 @@ use std::path::{Path, PathBuf};
 /// estimated from the motion and printed with its interval.
 #[derive(Args)]
 pub(super) struct CsvImport {
-    /// Text files, in the order in which the map counts them.
+    /// Text files, in the order in which the map counts them; or a folder or a name with * and ?, where `trial_files` of the map
+    /// says which of the files are trials.
     #[arg(value_name = "LOG.csv", required = true)]
     logs: Vec<PathBuf>,
     #[command(flatten)]
@@ -49,9 +52,10 @@ struct ByMap {
 
 impl CsvImport {
     pub(super) fn execute(self, progress: &Progress) -> CommandResult {
-        let map = read_map(&self.by.map, SourceKind::Text(self.logs.len())).map_err(CommandError::bad_input)?;
+        let logs = LogFiles::find(&self.logs).map_err(CommandError::bad_input)?;
+        let map = read_map(&self.by.map, SourceKind::from(&logs)).map_err(CommandError::bad_input)?;
         check_recording(&self.by.out, 0)?;
-        let found = import_text(&self.logs, &map).map_err(CommandError::bad_input)?;
+        let found = import_text(&logs.files, &map).map_err(CommandError::bad_input)?;
         finish(&found, &self.by.out, progress)
     }
 }
@@ -75,8 +79,12 @@ const KEYS: SettingNames = SettingNames {
 fn finish(found: &MappedImport, out: &Path, progress: &Progress) -> CommandResult {
     check_recording(out, found.recording.len())?;
     found.recording.write(out).map_err(CommandError::bad_input)?;
-    if let Some(clock) = &found.clock {
-        print_clock(clock);
+    found.clocks.iter().for_each(print_clock);
+    if let Some(first) = found.passed_over.first() {
+        let (count, first) = (found.passed_over.len(), first.display());
+        eprintln!(
+            "note: the names of {count} files fit no pattern of `trial_files` (the first is {first}); they were not read"
+        );
     }
     if let Some(imported) = &found.imported {
         if imported.lost > 0 {
@@ -89,11 +97,19 @@ fn finish(found: &MappedImport, out: &Path, progress: &Progress) -> CommandResul
     Ok(())
 }
 
-fn print_clock(clock: &ClockFit) {
-    let ClockFit { offset_s, interval_95_s: [low_s, high_s], lag_s, explained } = clock;
+fn print_clock(TrialClock { trial, fit }: &TrialClock) {
+    let ClockFit { offset_s, interval_95_s: [low_s, high_s], lag_s, explained, dead_time_s } = fit;
+    let of = trial.map_or(String::new(), |trial| format!("trial {trial}: "));
+    let dead_time = if *dead_time_s > 0.0 {
+        format!("The interval is for a dead time of the drive up to {dead_time_s} s.")
+    } else {
+        "A drive that waits before it moves would make it larger by that time, which no recording tells from an offset \
+         (`tracking.clock.estimate.dead_time_s` widens the interval)."
+            .to_owned()
+    };
     eprintln!(
-        "note: the tracker's times are shifted by {offset_s:.4} s (95 % interval {low_s:.4} to {high_s:.4} s): at this offset \
-         the commands, with a lag of {lag_s:.3} s, explain {:.1} % of the tip's motion; a dead time of the drive is part of it",
+        "note: {of}the tracker's times are shifted by {offset_s:.4} s (95 % interval {low_s:.4} to {high_s:.4} s): at this \
+         offset the commands, with a lag of {lag_s:.3} s, explain {:.1} % of the tip's motion. {dead_time}",
         100.0 * explained
     );
 }

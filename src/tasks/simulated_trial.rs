@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 
 use super::simulate_recording::SimulationOptions;
 use super::simulated_columns::{SimulatedColumns, SolveErrors};
-use crate::base::{Observation, Plant, PlantError, Seed, TendonCommand};
+use crate::base::{Observation, Plant, PlantError, Seed, TendonCommand, interruption_point};
 use crate::data::{Actuation, Recording};
 use crate::effects::{EffectSpec, Model, Starts};
 use crate::plants::Simulated;
@@ -72,6 +72,7 @@ impl<'a> SimulatedTrial<'a> {
         let commands = self.commands;
         let mut seen = self.start(at_rest, seed)?;
         for row in self.rows.clone() {
+            interruption_point();
             self.load(row);
             if at_rest {
                 // Rows are independent: one without an equilibrium does not affect the others.

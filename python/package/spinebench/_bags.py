@@ -6,7 +6,7 @@ import json
 import os
 import tempfile
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from . import _spinebench as _core
 from ._calculations import PathLike, Recording, _file_of, _frame
 from ._spinebench import Model
 
+_Clock = tuple[int | None, float, tuple[float, float], float, float]
 Map = PathLike | Mapping[str, Any]
 """A map: a YAML file, or what such a file holds (docs/importing.md)."""
 
@@ -41,7 +42,11 @@ class ImportedRecording:
     recording: pd.DataFrame
     """The recording."""
     clock: ClockFit | None
-    """The offset of the clocks, where the map asks for an estimate."""
+    """The offset of the clocks, where the map asks for an estimate and one log holds all trials."""
+    clocks: dict[int, ClockFit] = field(default_factory=dict)
+    """The offset of each trial's clocks, where the map asks for estimates and each trial has files of its own."""
+    passed_over: list[Path] = field(default_factory=list)
+    """Files whose names fit no pattern of the map's `trial_files`."""
 
 
 def _map_file(given: Map, folder: str) -> Path:
@@ -53,23 +58,31 @@ def _map_file(given: Map, folder: str) -> Path:
     return file
 
 
-def _imported(out: Path, clock: tuple[float, tuple[float, float], float, float] | None) -> ImportedRecording:
-    return ImportedRecording(_frame(out.read_bytes()), None if clock is None else ClockFit(*clock))
+def _imported(told: tuple[bytes, list[_Clock], list[Path]]) -> ImportedRecording:
+    csv, fits, passed_over = told
+    by_trial = {
+        trial: ClockFit(offset_s, interval_95_s, lag_s, explained)
+        for trial, offset_s, interval_95_s, lag_s, explained in fits
+    }
+    clocks = {trial: fit for trial, fit in by_trial.items() if trial is not None}
+    return ImportedRecording(_frame(csv), by_trial.get(None), clocks, passed_over)
 
 
 def import_csv(files: PathLike | Sequence[PathLike], map: Map) -> ImportedRecording:
-    """Read text files of any logger by a map of their columns (docs/importing.md). Raises InputError with file and line."""
+    """Read text files of any logger by a map of their columns (docs/importing.md). Raises InputError with file and line.
+
+    `files` is one file or several. A folder stands for its files, `*` and `?` in a name for characters; then the map's
+    `trial_files` says which files are trials.
+    """
     logs = [Path(files)] if isinstance(files, (str, os.PathLike)) else [Path(file) for file in files]
     with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder) / "recording.csv"
-        return _imported(out, _core._import_csv(logs, _map_file(map, folder), out))
+        return _imported(_core._import_csv(logs, _map_file(map, folder)))
 
 
 def import_mcap(bag: PathLike, map: Map) -> ImportedRecording:
     """Read a bag of ROS 2 (MCAP) by a map of its topics (docs/importing.md). Raises InputError with file and topic."""
     with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder) / "recording.csv"
-        return _imported(out, _core._import_mcap(Path(bag), _map_file(map, folder), out))
+        return _imported(_core._import_mcap(Path(bag), _map_file(map, folder)))
 
 
 def export_mcap(

@@ -53,11 +53,10 @@ def simulate(
 
     With `static` each row is the equilibrium under its own command. `noise_m` is the standard deviation per axis of added
     tracking noise, metres. Returns a recording: tip (m), tip quaternion (w, x, y, z), tensions (N), and `solver_status`.
+    Ctrl-C ends the call at once and the simulation at its next row.
     """
-    with _file_of(commands, "commands") as file, tempfile.TemporaryDirectory() as folder:
-        out = Path(folder) / "simulated.csv"
-        _core._simulate(model, file, out, static, noise_m, seed)
-        return _frame(out.read_bytes())
+    with _file_of(commands, "commands") as file:
+        return _frame(_core._simulate(model, file, static, noise_m, seed))
 
 
 @dataclass(frozen=True)
@@ -106,7 +105,8 @@ def calibrate(
     """Fit numbers of a model to a recording (docs/calibration.md).
 
     `fit` lists paths of the model file (`robot.tendons.angles_deg[3]`, groups with `*`) or is `["auto"]`. `hold_out` is the
-    share of trials that is kept out of the fit; `validate` finds the error on unseen rows.
+    share of trials that is kept out of the fit; `validate` finds the error on unseen rows. Ctrl-C ends the call at once and
+    the fit at its next simulated row.
     """
     if isinstance(fit, str):
         fit = fit.split(",")

@@ -13,6 +13,8 @@ pub use axes::{Axes, BadAxes};
 pub use log::Log;
 pub use plausibility::ImportDoubts;
 
+use std::path::Path;
+
 use nalgebra::Isometry3;
 
 use crate::data::recording::{Extra, PointTrack, Pose};
@@ -80,7 +82,7 @@ pub fn import(
 ) -> Result<Imported, DataError> {
     let (base, tip) = (bodies.base, bodies.tip);
     let frame = if base.has_orientation { options.frame } else { TipFrame::Tracking };
-    check_overlap(export, log)?;
+    check_overlap(&export.time_s, (&log.file, &log.at_s))?;
     let pose = |body: &Body, time_s| at(&export.time_s, &body.poses, time_s, options.max_gap_s);
     let mut recording = log.commands.clone();
     let (mut tips, mut turns, mut bases, mut valid) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
@@ -146,14 +148,15 @@ fn from_base(base: &Isometry3<f64>, tip: &Isometry3<f64>, frame: TipFrame) -> Is
     }
 }
 
-fn check_overlap(export: &Export, log: &Log) -> Result<(), DataError> {
+/// Refuses commands of which none is within the tracking.
+fn check_overlap(frames_s: &[f64], (file, at_s): (&Path, &[f64])) -> Result<(), DataError> {
     let span = |times_s: &[f64]| times_s.first().copied().zip(times_s.last().copied()).unwrap_or((f64::NAN, f64::NAN));
-    let ((first_s, last_s), (begin_s, end_s)) = (span(&export.time_s), span(&log.at_s));
+    let ((first_s, last_s), (begin_s, end_s)) = (span(frames_s), span(at_s));
     if begin_s <= last_s && end_s >= first_s {
         return Ok(());
     }
     Err(DataError::Line {
-        file: log.file.clone(),
+        file: file.to_owned(),
         place: "all rows".to_owned(),
         found: format!("commands from {begin_s} s to {end_s} s in the export"),
         expected: format!("some within the export, which goes from {first_s} s to {last_s} s"),

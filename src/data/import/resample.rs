@@ -5,8 +5,9 @@ use nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3};
 use crate::data::recording::Pose;
 use crate::math::rotation;
 
-/// Rounding of times in exports, seconds.
+/// Rounding of times in exports, seconds, and of sums of times.
 const ROUNDING_S: f64 = 1e-6;
+const SAME_S: f64 = 1e-9;
 
 /// From the body's axes to those of the export.
 fn motion(pose: &Pose) -> Isometry3<f64> {
@@ -34,10 +35,13 @@ pub(crate) fn at(frames_s: &[f64], poses: &[Option<Pose>], time_s: f64, max_gap_
     let near = |frame: &usize| (frames_s[*frame] - time_s).abs() <= gap_s;
     let tracked = |frame: usize| poses[frame].as_ref().map(|pose| (frames_s[frame], motion(pose)));
     let (to_s, to) = (middle..frames_s.len()).take_while(near).find_map(tracked)?;
-    if to_s == time_s {
+    if to_s - time_s <= SAME_S {
         return Some(to);
     }
     let (from_s, from) = (0..middle).rev().take_while(near).find_map(tracked)?;
+    if time_s - from_s <= SAME_S {
+        return Some(from);
+    }
     (to_s - from_s <= gap_s).then(|| between(&from, &to, (time_s - from_s) / (to_s - from_s)))
 }
 

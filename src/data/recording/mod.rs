@@ -199,6 +199,14 @@ impl Recording {
         write::recording(self, path)
     }
 
+    /// The bytes of a file of this name, which is not written.
+    ///
+    /// # Errors
+    /// As [`Recording::write`].
+    pub fn to_bytes(&self, path: &Path) -> Result<Vec<u8>, DataError> {
+        write::bytes(self, path)
+    }
+
     /// Number of rows.
     pub fn len(&self) -> usize {
         self.trial.len()

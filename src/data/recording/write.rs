@@ -21,12 +21,17 @@ pub(super) fn check_name(path: &Path) -> Result<(), DataError> {
 
 /// Writes the file atomically.
 pub(super) fn recording(recording: &Recording, path: &Path) -> Result<(), DataError> {
+    write_atomic(path, &bytes(recording, path)?)
+}
+
+/// The bytes of the file.
+pub(super) fn bytes(recording: &Recording, path: &Path) -> Result<Vec<u8>, DataError> {
     check_name(path)?;
     let refused = |reason| DataError::Write { file: path.to_owned(), reason };
     let parquet = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"));
     let columns = columns(recording).map_err(refused)?;
     let bytes = if parquet { parquet_bytes(columns) } else { csv_bytes(columns) };
-    write_atomic(path, &bytes.map_err(refused)?)
+    bytes.map_err(refused)
 }
 
 /// The columns in the order of the format, then the carried ones; each of the recording's length.

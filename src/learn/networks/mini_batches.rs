@@ -8,6 +8,7 @@ use super::batch::SequenceBatch;
 use super::session::{EpochEnd, Epochs, Session};
 use super::weights::{Sizes, Weights};
 use super::{NetworkConfig, Stopped};
+use crate::base::interruption_point;
 use crate::learn::LearnError;
 
 /// An optimiser that sees some windows at a time, in an order drawn anew in every epoch.
@@ -38,6 +39,7 @@ impl Epochs for MiniBatches {
         let mut sum = 0.0;
         let end = |sum: f64, stopped| EpochEnd { training_loss: sum / windows.len() as f64, rate, stopped };
         for starts in windows.chunks(config.batch) {
+            interruption_point();
             self.batch.load(&session.samples.inputs, &session.samples.targets, starts);
             let loss = self.batch.loss_and_gradient(session.weights(), &mut self.gradient);
             if !loss.is_finite() {

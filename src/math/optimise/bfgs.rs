@@ -6,6 +6,7 @@
 //! the function's own estimate of its curvature where it has one.
 
 use super::quadratic::minimise_quadratic;
+use crate::base::interruption_point;
 
 /// A function to minimise.
 pub trait Objective {
@@ -134,6 +135,7 @@ fn search(
             .map(|i| length.mul_add(step[i], at.x[i]).clamp(limits.bounds[i].0, limits.bounds[i].1))
             .collect();
         let slope: f64 = (0..x.len()).map(|i| gradient[i] * (x[i] - at.x[i])).sum();
+        interruption_point();
         let value = objective.value(&x);
         at.evaluations += 1;
         if value <= at.value + 1e-4 * slope && slope < 0.0 {

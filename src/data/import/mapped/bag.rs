@@ -5,8 +5,9 @@ use std::path::Path;
 
 use super::cdr::CdrReader;
 use super::columns::{LogCells, LogTable, TopicColumns};
+use super::join::{JoinedLog, alone, join};
 use super::map::{BodyMap, ImportMap, TrackingMap};
-use super::{MappedImport, alone, commands, join, tracking};
+use super::{MappedImport, commands, tracking};
 use crate::data::DataError;
 use crate::data::mcap::{Bag, BagMessage};
 
@@ -18,10 +19,11 @@ pub fn import_bag(file: &Path, map: &ImportMap) -> Result<MappedImport, DataErro
     let bag = Bag::read(file)?;
     let topic = map.commands.topic.as_deref().unwrap_or_default();
     let commands = commands::read(&table(&bag, topic, None)?, &map.commands)?;
-    let Some(tracking) = &map.tracking else { return Ok(alone(commands)) };
+    let Some(tracking) = &map.tracking else { return alone(vec![(file.to_owned(), commands)], None) };
     let of = |body: &BodyMap| table(&bag, topic_of(body, tracking), body.child.as_deref());
     let bodies = tracking::read(tracking, &of)?;
-    join((file, commands), (file, bodies), tracking, false)
+    let log = JoinedLog { file: file.to_owned(), commands, own_file: file.to_owned(), bodies };
+    join(vec![log], tracking, false, None)
 }
 
 fn topic_of<'a>(body: &'a BodyMap, map: &'a TrackingMap) -> &'a str {
@@ -298,7 +300,7 @@ mod tests {
         assert_eq!(read("position[a]"), [Some(1.0), Some(3.0), Some(5.0)]);
         assert_eq!(read("position[bcd]"), [Some(2.0), Some(4.0), None]);
         assert_eq!((table.own_time(), table.place(2)), ("header.stamp".to_owned(), "topic `/j`, message 3".to_owned()));
-        let stamps = commands::stamps(&table, None, "time").unwrap().1;
+        let stamps = commands::stamps(&table, None, "time").unwrap().ns;
         assert_eq!(stamps[0], 5_000_000_250);
     }
 

@@ -1,10 +1,12 @@
 //! What a map must say, before any file is read.
 
+use super::iso8601::zone_s;
 use super::map::{
     BodyMap, ClockMap, CommandsMap, DriveMap, ImportMap, OffsetRange, TendonMeasure, TendonsMap, TextFormat,
-    TrackingMap,
+    TimeColumn, TrackingMap, TrialFilesMap,
 };
-use super::units::{CommandKind, CommandUnit};
+use super::trial_files::{LogFiles, TRIAL};
+use super::units::{CommandKind, CommandUnit, TimeUnit};
 use crate::base::BadOption;
 use crate::data::import::Axes;
 
@@ -18,10 +20,21 @@ fn fault(path: &str, key: &'static str, found: impl Into<String>, expected: &'st
 /// Where the tables of an import come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SourceKind {
-    /// So many text files.
-    Text(usize),
+    /// Text files.
+    Text {
+        /// Their number.
+        files: usize,
+        /// Whether a folder was named.
+        from_folder: bool,
+    },
     /// A bag.
     Bag,
+}
+
+impl From<&LogFiles> for SourceKind {
+    fn from(found: &LogFiles) -> SourceKind {
+        SourceKind::Text { files: found.files.len(), from_folder: found.from_folder }
+    }
 }
 
 impl ImportMap {
@@ -31,11 +44,12 @@ impl ImportMap {
     /// The path and the key of the first fault.
     pub fn check(&self, source: SourceKind) -> Result<(), Fault> {
         self.text.check("text")?;
+        let source = self.check_trial_files(source)?;
         self.commands.check(source)?;
         let Some(tracking) = &self.tracking else { return Ok(()) };
         tracking.check(source)?;
         let own_rows = tracking.file_of(source) == self.commands.file;
-        if matches!(source, SourceKind::Text(_)) && tracking.time.is_none() {
+        if matches!(source, SourceKind::Text { .. }) && tracking.time.is_none() {
             if !own_rows {
                 return Err(fault(
                     "tracking",
@@ -54,6 +68,71 @@ impl ImportMap {
             }
         }
         Ok(())
+    }
+}
+
+impl ImportMap {
+    /// Checks the names of files of one trial; returns the source of each trial.
+    fn check_trial_files(&self, source: SourceKind) -> Result<SourceKind, Fault> {
+        const PATH: &str = "trial_files";
+        let Some(names) = &self.trial_files else {
+            if let SourceKind::Text { from_folder: true, .. } = source {
+                let expected = "the names of its files, such as `{commands: \"run_{trial}.csv\"}`";
+                return Err(fault("", PATH, "no such key, and a folder", expected));
+            }
+            return Ok(source);
+        };
+        if source == SourceKind::Bag {
+            return Err(fault("", PATH, "such a key", "no such key: a bag is one file"));
+        }
+        names.check()?;
+        let CommandsMap { file, trial, trial_gap_s, .. } = &self.commands;
+        if *file != 1 || self.tracking.as_ref().is_some_and(|tracking| tracking.file.is_some()) {
+            let path = if *file == 1 { "tracking" } else { "commands" };
+            return Err(fault(path, "file", "`file` and `trial_files`", "one of the two"));
+        }
+        if trial.is_some() || trial_gap_s.is_some() {
+            let key = if trial.is_some() { "trial" } else { "trial_gap_s" };
+            return Err(fault("commands", key, format!("`{key}` and `trial_files`"), "one of the two"));
+        }
+        match (&names.tracking, &self.tracking) {
+            (Some(_), None) => {
+                Err(fault("", "tracking", "no such key", "what stands in the files `trial_files.tracking`"))
+            }
+            (own, _) => Ok(SourceKind::Text { files: 1 + usize::from(own.is_some()), from_folder: false }),
+        }
+    }
+}
+
+impl TrialFilesMap {
+    fn check(&self) -> Result<(), Fault> {
+        const PATH: &str = "trial_files";
+        for (key, name) in [("commands", Some(&self.commands)), ("tracking", self.tracking.as_ref())] {
+            let Some(name) = name else { continue };
+            if name.matches(TRIAL).count() != 1 || name.contains(['/', '\\']) {
+                let expected = "the name of a file without its folder, with {trial} once, such as `run_{trial}.csv`";
+                return Err(fault(PATH, key, format!("`{name}`"), expected));
+            }
+        }
+        if self.tracking.as_ref() == Some(&self.commands) {
+            let expected = "another name, or no such key where each file holds both";
+            return Err(fault(PATH, "tracking", format!("`{}`, as for the commands", self.commands), expected));
+        }
+        Ok(())
+    }
+}
+
+impl TimeColumn {
+    fn check(&self, path: &str) -> Result<(), Fault> {
+        match &self.zone {
+            Some(zone) if self.unit != TimeUnit::Iso8601 => {
+                Err(fault(path, "zone", format!("`{zone}`"), "`unit: iso8601` beside it: numbers have no zone"))
+            }
+            Some(zone) if zone_s(zone).is_none() => {
+                Err(fault(path, "zone", format!("`{zone}`"), "`Z`, or hours and minutes ahead of UTC such as `+01:00`"))
+            }
+            _ => Ok(()),
+        }
     }
 }
 
@@ -80,7 +159,7 @@ impl TextFormat {
 /// A file of the command line, or a topic, but not both.
 fn check_source(path: &str, source: SourceKind, file: usize, topics: &[&str], needs_topic: bool) -> Result<(), Fault> {
     match source {
-        SourceKind::Text(files) => {
+        SourceKind::Text { files, .. } => {
             if !(1..=files).contains(&file) {
                 let found = format!("{file}, and {files} on the command line");
                 return Err(fault(path, "file", found, "the number of a file on the command line, from 1"));
@@ -105,8 +184,10 @@ impl CommandsMap {
         if let Some(text) = &self.text {
             text.check("commands.text")?;
         }
-        if self.time.is_none() && source != SourceKind::Bag {
-            return Err(fault(PATH, "time", "no such key", "the column of times"));
+        match &self.time {
+            Some(time) => time.check("commands.time")?,
+            None if source == SourceKind::Bag => {}
+            None => return Err(fault(PATH, "time", "no such key", "the column of times")),
         }
         if let Some(gap_s) = self.trial_gap_s {
             BadOption::unless_positive("trial_gap_s", gap_s).map_err(|error| (PATH.to_owned(), error))?;
@@ -195,7 +276,7 @@ fn unit_word(unit: CommandUnit) -> String {
 impl TrackingMap {
     /// The file of this map among those of the command line.
     pub(crate) fn file_of(&self, source: SourceKind) -> usize {
-        let last = if let SourceKind::Text(files) = source { files } else { 1 };
+        let last = if let SourceKind::Text { files, .. } = source { files } else { 1 };
         self.file.unwrap_or(last)
     }
 
@@ -214,6 +295,28 @@ impl TrackingMap {
         std::iter::once(("tracking.tip".to_owned(), &self.tip)).chain(base).chain(points)
     }
 
+    fn check_bodies(&self, source: SourceKind) -> Result<(), Fault> {
+        const PATH: &str = "tracking";
+        for (path, body) in self.bodies() {
+            let topics: Vec<&str> = body.topic.iter().chain(&self.topic).map(String::as_str).collect();
+            check_source(&path, source, self.file_of(source), &topics, true)?;
+            if matches!(source, SourceKind::Text { .. }) && body.position.is_none() {
+                return Err(fault(&path, "position", "no such key", "the columns of x, y and z"));
+            }
+            if body.angles.is_some() && body.orientation.is_some() {
+                return Err(fault(&path, "angles", "`orientation` and `angles`", "one of the two"));
+            }
+            if body.angles.is_some() && self.euler.is_none() {
+                let expected = "what `angles` mean, such as `{order: zyx, rotation: intrinsic, unit: deg}`";
+                return Err(fault(PATH, "euler", "no such key", expected));
+            }
+        }
+        if self.euler.is_some() && self.bodies().all(|(_, body)| body.angles.is_none()) {
+            return Err(fault(PATH, "euler", "such a key", "`angles` of a body that it is about"));
+        }
+        Ok(())
+    }
+
     fn check(&self, source: SourceKind) -> Result<(), Fault> {
         const PATH: &str = "tracking";
         let own: Vec<&str> = self.topic.iter().map(String::as_str).collect();
@@ -221,14 +324,11 @@ impl TrackingMap {
         if let Some(text) = &self.text {
             text.check("tracking.text")?;
         }
-        self.to_axes()?;
-        for (path, body) in self.bodies() {
-            let topics: Vec<&str> = body.topic.iter().chain(&self.topic).map(String::as_str).collect();
-            check_source(&path, source, self.file_of(source), &topics, true)?;
-            if matches!(source, SourceKind::Text(_)) && body.position.is_none() {
-                return Err(fault(&path, "position", "no such key", "the columns of x, y and z"));
-            }
+        if let Some(time) = &self.time {
+            time.check("tracking.time")?;
         }
+        self.to_axes()?;
+        self.check_bodies(source)?;
         if let Some(name) = self.points.keys().find(|name| !is_plain(name)) {
             return Err(fault(PATH, "points", format!("`{name}`"), "names of letters, digits and _"));
         }
@@ -244,16 +344,25 @@ impl TrackingMap {
             }
             _ => {}
         }
-        match self.clock {
+        self.clock.check()
+    }
+}
+
+impl ClockMap {
+    fn check(&self) -> Result<(), Fault> {
+        match *self {
             ClockMap::OffsetS(offset_s) if !offset_s.is_finite() => {
                 Err(fault("tracking.clock", "offset_s", offset_s.to_string(), "seconds, a finite number"))
             }
-            ClockMap::Estimate(OffsetRange { from_s, to_s }) => {
+            ClockMap::Estimate(OffsetRange { from_s, to_s, dead_time_s }) => {
                 let path = "tracking.clock.estimate";
                 for (key, limit_s) in [("from_s", from_s), ("to_s", to_s)] {
                     if let Some(limit_s) = limit_s.filter(|limit_s| !limit_s.is_finite()) {
                         return Err(fault(path, key, limit_s.to_string(), "seconds, a finite number"));
                     }
+                }
+                if !(dead_time_s.is_finite() && dead_time_s >= 0.0) {
+                    return Err(fault(path, "dead_time_s", dead_time_s.to_string(), "seconds, 0 or more"));
                 }
                 match (from_s, to_s) {
                     (Some(from_s), Some(to_s)) if from_s >= to_s => {

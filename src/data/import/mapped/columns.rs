@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use serde::de::{self, Deserializer, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
+use super::iso8601::IsoTime;
 use super::units::TimeUnit;
 use crate::data::DataError;
 use crate::data::error::shown;
@@ -227,7 +228,21 @@ impl LogTable {
             LogCells::Numbers(cells) => unit.nanoseconds(&format!("{:e}", cells[row])),
             LogCells::Text(cells) => unit.nanoseconds(&cells[row]),
         };
-        time.ok_or_else(|| self.wrong(column, row, "a time, a number (its decimal sign is `text.decimal` of the map)"))
+        time.ok_or_else(|| {
+            let is_date = IsoTime::parse(&self.text(column, row)).is_some();
+            let hint =
+                if is_date { "`unit: iso8601` for dates" } else { "its decimal sign is `text.decimal` of the map" };
+            self.wrong(column, row, format!("a time, a number ({hint})"))
+        })
+    }
+
+    /// The date and time in a cell.
+    ///
+    /// # Errors
+    /// [`DataError::Cell`] when it is none.
+    pub(crate) fn iso_time(&self, column: usize, row: usize) -> Result<IsoTime, DataError> {
+        let expected = "a date and time, such as 2024-03-01T10:15:30.25+01:00";
+        IsoTime::parse(&self.text(column, row)).ok_or_else(|| self.wrong(column, row, expected))
     }
 
     /// The error for a cell.

@@ -1,10 +1,11 @@
 //! Commands of a table.
 
 use super::columns::{ColumnName, LogTable};
+use super::iso8601::zone_s;
 use super::map::{CommandsMap, DriveMap, TendonMeasure, TendonsMap, TimeColumn, ZeroAt};
 use super::units::{CommandKind, TimeUnit};
 use crate::base::Rows;
-use crate::data::recording::{DriveTrack, DriveUnit};
+use crate::data::recording::{DriveTrack, DriveUnit, Extra};
 use crate::data::{Actuation, DataError, Recording};
 
 /// Commands, and when each of their rows was.
@@ -13,18 +14,58 @@ pub(crate) struct TimedCommands {
     pub(crate) recording: Recording,
     /// Time of each row on its own clock, nanoseconds.
     pub(crate) stamps_ns: Vec<i64>,
+    /// Whether the times were dates, and then whether in a known zone.
+    pub(crate) is_zoned: Option<bool>,
 }
 
 /// Nanoseconds in a second.
 pub(crate) const NS: f64 = 1e9;
 
-/// Times of all rows of a table, nanoseconds.
-pub(crate) fn stamps(table: &LogTable, time: Option<&TimeColumn>, key: &str) -> Result<(usize, Vec<i64>), DataError> {
-    let of_bag = TimeColumn { column: ColumnName::Name(table.own_time()), unit: TimeUnit::Ns };
+/// Column with the name or number of a trial that is told by a name.
+pub(crate) const TRIAL_NAME: &str = "trial_name";
+
+/// Times of all rows of a table.
+pub(crate) struct Stamps {
+    /// Their column.
+    pub(crate) column: usize,
+    /// Nanoseconds.
+    pub(crate) ns: Vec<i64>,
+    /// Whether the times are dates, and then whether in a known zone.
+    pub(crate) is_zoned: Option<bool>,
+}
+
+/// Reads the times of all rows.
+///
+/// # Errors
+/// [`DataError`] names file, line and column.
+pub(crate) fn stamps(table: &LogTable, time: Option<&TimeColumn>, key: &str) -> Result<Stamps, DataError> {
+    let of_bag = TimeColumn { column: ColumnName::Name(table.own_time()), unit: TimeUnit::Ns, zone: None };
     let time = time.unwrap_or(&of_bag);
     let column = table.column(&time.column, key)?;
-    let stamps = (0..table.rows.len()).map(|row| table.nanoseconds(column, row, time.unit));
-    Ok((column, stamps.collect::<Result<_, _>>()?))
+    let rows = 0..table.rows.len();
+    if time.unit != TimeUnit::Iso8601 {
+        let ns = rows.map(|row| table.nanoseconds(column, row, time.unit)).collect::<Result<_, _>>()?;
+        return Ok(Stamps { column, ns, is_zoned: None });
+    }
+    // The check of the map has read the zone.
+    let given_s = time.zone.as_deref().and_then(zone_s);
+    let mut ns = Vec::with_capacity(table.rows.len());
+    let mut zoned = None;
+    for row in rows {
+        let read = table.iso_time(column, row)?;
+        let is_zoned = read.is_zoned() || given_s.is_some();
+        if *zoned.get_or_insert(is_zoned) != is_zoned {
+            let with = if is_zoned { "without" } else { "with" };
+            return Err(table.wrong(
+                column,
+                row,
+                format!("a time {with} a zone as in the rows before, or `zone` in the map"),
+            ));
+        }
+        let expected = "a date from 1678 to 2261";
+        ns.push(read.utc_ns(given_s.unwrap_or(0)).ok_or_else(|| table.wrong(column, row, expected))?);
+    }
+    Ok(Stamps { column, ns, is_zoned: zoned })
 }
 
 /// Reads the commands.
@@ -32,8 +73,8 @@ pub(crate) fn stamps(table: &LogTable, time: Option<&TimeColumn>, key: &str) -> 
 /// # Errors
 /// [`DataError`] names file, line and column.
 pub(crate) fn read(table: &LogTable, map: &CommandsMap) -> Result<TimedCommands, DataError> {
-    let (time, stamps_ns) = stamps(table, map.time.as_ref(), "commands.time.column")?;
-    let trial = trials(table, map, &stamps_ns)?;
+    let Stamps { column: time, ns: stamps_ns, is_zoned } = stamps(table, map.time.as_ref(), "commands.time.column")?;
+    let (trial, trial_names) = trials(table, map, &stamps_ns)?;
     let rows = table.rows.len();
     let starts: Vec<usize> = {
         let mut start = 0;
@@ -70,20 +111,26 @@ pub(crate) fn read(table: &LogTable, map: &CommandsMap) -> Result<TimedCommands,
         };
         recording.known_load_kg = Some((0..rows).map(mass).collect::<Result<_, DataError>>()?);
     }
-    Ok(TimedCommands { recording, stamps_ns })
+    if let Some(names) = trial_names {
+        recording.extra.push((TRIAL_NAME.to_owned(), Extra::Text(names)));
+    }
+    Ok(TimedCommands { recording, stamps_ns, is_zoned })
 }
 
+/// Numbers of the trial of each row, and names where the trials have names.
+type TrialRows = (Vec<u64>, Option<Vec<String>>);
+
 /// Trial of each row: numbers of the column, or names in the order of the file, or parts between gaps.
-fn trials(table: &LogTable, map: &CommandsMap, stamps_ns: &[i64]) -> Result<Vec<u64>, DataError> {
+fn trials(table: &LogTable, map: &CommandsMap, stamps_ns: &[i64]) -> Result<TrialRows, DataError> {
     let Some(name) = &map.trial else {
-        let Some(gap_s) = map.trial_gap_s else { return Ok(vec![0; stamps_ns.len()]) };
+        let Some(gap_s) = map.trial_gap_s else { return Ok((vec![0; stamps_ns.len()], None)) };
         let mut trial = 0;
         let follow = |row: usize| {
             let step_ns = if row == 0 { 0 } else { stamps_ns[row] - stamps_ns[row - 1] };
             trial += u64::from(step_ns as f64 > gap_s * NS);
             trial
         };
-        return Ok((0..stamps_ns.len()).map(follow).collect());
+        return Ok(((0..stamps_ns.len()).map(follow).collect(), None));
     };
     let column = table.column(name, "commands.trial")?;
     let mut seen: Vec<String> = Vec::new();
@@ -97,15 +144,22 @@ fn trials(table: &LogTable, map: &CommandsMap, stamps_ns: &[i64]) -> Result<Vec<
         }
         seen.push(label.into_owned());
     }
+    let own = trial_numbers(seen.iter().map(String::as_str));
+    let names = own.is_none().then(|| (0..table.rows.len()).map(|row| table.text(column, row).into_owned()).collect());
+    let numbers = own.unwrap_or_else(|| (0..seen.len() as u64).collect());
+    let place = |row| seen.iter().position(|label| *label == table.text(column, row)).map_or(0, |place| numbers[place]);
+    Ok(((0..table.rows.len()).map(place).collect(), names))
+}
+
+/// The numbers that labels of trials are; none where one is a name, or where two are the same number.
+pub(crate) fn trial_numbers<'a>(labels: impl Iterator<Item = &'a str>) -> Option<Vec<u64>> {
     let number = |label: &str| -> Option<u64> {
         let number = label.parse::<f64>().ok()?;
         (number >= 0.0 && number.fract() == 0.0 && number < 2f64.powi(53)).then_some(number as u64)
     };
-    let numbers: Vec<u64> = seen.iter().map_while(|label| number(label)).collect();
+    let numbers: Vec<u64> = labels.map(number).collect::<Option<_>>()?;
     let distinct: std::collections::BTreeSet<&u64> = numbers.iter().collect();
-    let numbers = if distinct.len() == seen.len() { numbers } else { (0..seen.len() as u64).collect() };
-    let place = |row| seen.iter().position(|label| *label == table.text(column, row)).map_or(0, |place| numbers[place]);
-    Ok((0..table.rows.len()).map(place).collect())
+    (distinct.len() == numbers.len()).then_some(numbers)
 }
 
 /// Number at home of a column, row by row.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::columns::ColumnName;
-use super::units::{CommandUnit, LengthUnit, MassUnit, TimeUnit};
+use super::units::{AngleUnit, CommandUnit, LengthUnit, MassUnit, TimeUnit};
 
 /// A map from the columns of a logger's files, or from the topics of a bag, to a recording.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -14,10 +14,23 @@ pub struct ImportMap {
     /// How the text files are written.
     #[serde(default)]
     pub text: TextFormat,
+    /// Names of files that hold one trial each.
+    pub trial_files: Option<TrialFilesMap>,
     /// Commands: one row of the recording for each of their rows.
     pub commands: CommandsMap,
     /// Tracking; without it the recording holds commands alone.
     pub tracking: Option<TrackingMap>,
+}
+
+/// Names of files that hold one trial each. `{trial}` stands for the trial's number or name, `*` for any characters and `?` for
+/// one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TrialFilesMap {
+    /// Names of the files of commands, such as `run_{trial}.csv`.
+    pub commands: String,
+    /// Names of the files of tracking, where they are others.
+    pub tracking: Option<String>,
 }
 
 /// How a text file is written. A byte-order mark is passed over.
@@ -83,6 +96,8 @@ pub struct TimeColumn {
     /// Its unit.
     #[serde(default)]
     pub unit: TimeUnit,
+    /// Zone of dates that are written without one, such as `+01:00` or `Z`.
+    pub zone: Option<String>,
 }
 
 /// A column of masses.
@@ -186,6 +201,8 @@ pub struct TrackingMap {
     /// Order of the four columns of an orientation.
     #[serde(default)]
     pub quaternion: QuaternionOrder,
+    /// What the three `angles` of a body mean; needed where a body has them.
+    pub euler: Option<EulerMap>,
     /// The tip.
     pub tip: BodyMap,
     /// The base; without it positions are measured from `origin` along the tracker's axes.
@@ -230,6 +247,8 @@ pub struct BodyMap {
     pub position: Option<[ColumnName; 3]>,
     /// Columns of the unit quaternion; by default those of the topic's kind of message, if it has any.
     pub orientation: Option<[ColumnName; 4]>,
+    /// Columns of three Euler angles in place of a quaternion, in the order of `tracking.euler.order`.
+    pub angles: Option<[ColumnName; 3]>,
 }
 
 /// Order of a quaternion's parts.
@@ -241,6 +260,47 @@ pub enum QuaternionOrder {
     Wxyz,
     /// x, y, z, w.
     Xyzw,
+}
+
+/// Meaning of Euler angles. Nothing is assumed: conventions differ from tracker to tracker.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EulerMap {
+    /// Axes of the three rotations, in the order in which they are carried out.
+    pub order: EulerOrder,
+    /// About which axes they are carried out.
+    pub rotation: EulerRotation,
+    /// Unit of the angles.
+    pub unit: AngleUnit,
+}
+
+/// Axes of three rotations that follow one another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[allow(missing_docs)]
+pub enum EulerOrder {
+    Xyz,
+    Xzy,
+    Yxz,
+    Yzx,
+    Zxy,
+    Zyx,
+    Xyx,
+    Xzx,
+    Yxy,
+    Yzy,
+    Zxz,
+    Zyz,
+}
+
+/// About which axes the second and third rotation are carried out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum EulerRotation {
+    /// About the axes of the body, which the rotations before have turned.
+    Intrinsic,
+    /// About the axes of the tracker, which stand still.
+    Extrinsic,
 }
 
 /// Axes along which the tip is given.
@@ -275,4 +335,7 @@ pub struct OffsetRange {
     pub from_s: Option<f64>,
     /// Largest offset, s; by default the one at which the tracking begins then.
     pub to_s: Option<f64>,
+    /// Longest time for which the drive may wait before it moves, s. Motion does not tell it from an offset; the interval covers
+    /// it.
+    pub dead_time_s: f64,
 }

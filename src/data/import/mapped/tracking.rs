@@ -1,8 +1,8 @@
 //! Tracked bodies of tables.
 
 use super::columns::{ColumnName, LogTable};
-use super::commands::{NS, stamps};
-use super::map::{BodyMap, QuaternionOrder, TrackingMap};
+use super::commands::{NS, Stamps, stamps};
+use super::map::{BodyMap, EulerMap, QuaternionOrder, TrackingMap};
 use crate::data::DataError;
 use crate::data::import::motive::Body;
 use crate::data::recording::{Pose, unit_length};
@@ -19,11 +19,14 @@ pub(crate) struct MappedBodies {
     pub(crate) tip: Body,
     /// Further points by name.
     pub(crate) points: Vec<(String, Body)>,
+    /// Whether the times were dates, and then whether in a known zone.
+    pub(crate) is_zoned: Option<bool>,
 }
 
 /// The poses of one body with their times, nanoseconds.
 struct Track {
     has_orientation: bool,
+    is_zoned: Option<bool>,
     poses: Vec<(i64, Option<Pose>)>,
 }
 
@@ -66,15 +69,23 @@ pub(crate) fn read(
         base: base.as_ref().map_or_else(at_rest, |track| body("base", track)),
         tip: body("tip", &tip),
         points: points.iter().map(|(name, track)| ((*name).clone(), body(name, track))).collect(),
+        is_zoned: tip.is_zoned,
     })
 }
 
 /// Columns of a body.
 struct PoseColumns {
     position: [usize; 3],
-    /// w, x, y, z.
-    orientation: Option<[usize; 4]>,
+    orientation: Option<TurnColumns>,
     valid: Option<usize>,
+}
+
+/// Columns of an orientation.
+enum TurnColumns {
+    /// w, x, y, z.
+    Quaternion([usize; 4]),
+    /// Angles, and what they mean.
+    Angles([usize; 3], EulerMap),
 }
 
 fn columns(table: &LogTable, map: &TrackingMap, body: &BodyMap, path: &str) -> Result<PoseColumns, DataError> {
@@ -93,24 +104,29 @@ fn columns(table: &LogTable, map: &TrackingMap, body: &BodyMap, path: &str) -> R
     });
     // Without its own position a body is that of the message.
     let own = own_orientation.filter(|_| body.position.is_none());
-    let orientation = given.or(own).map(|names| find(&names, "orientation")).transpose()?;
+    let orientation = match (&body.angles, map.euler) {
+        (Some(names), Some(euler)) => {
+            let found = find(names, "angles")?;
+            Some(TurnColumns::Angles([found[0], found[1], found[2]], euler))
+        }
+        _ => {
+            let found = given.or(own).map(|names| find(&names, "orientation")).transpose()?;
+            found.map(|found| TurnColumns::Quaternion([found[0], found[1], found[2], found[3]]))
+        }
+    };
     let valid = map.valid.as_ref().map(|name| table.column(name, "tracking.valid")).transpose()?;
-    Ok(PoseColumns {
-        position: [position[0], position[1], position[2]],
-        orientation: orientation.map(|found| [found[0], found[1], found[2], found[3]]),
-        valid,
-    })
+    Ok(PoseColumns { position: [position[0], position[1], position[2]], orientation, valid })
 }
 
 fn track(table: &LogTable, map: &TrackingMap, body: &BodyMap, path: &str) -> Result<Track, DataError> {
     let columns = columns(table, map, body, path)?;
     let rows = 0..table.rows.len();
-    let (time, stamps_ns) = if map.time.is_some() || table.is_topic() {
-        let (time, stamps_ns) = stamps(table, map.time.as_ref(), "tracking.time.column")?;
-        (Some(time), stamps_ns)
+    let (time, stamps_ns, is_zoned) = if map.time.is_some() || table.is_topic() {
+        let Stamps { column, ns, is_zoned } = stamps(table, map.time.as_ref(), "tracking.time.column")?;
+        (Some(column), ns, is_zoned)
     } else {
         // Rows that hold both commands and poses are told by their numbers.
-        (None, rows.clone().map(|row| row as i64).collect())
+        (None, rows.clone().map(|row| row as i64).collect(), None)
     };
     let mut poses: Vec<(i64, Option<Pose>)> = Vec::new();
     for row in rows {
@@ -123,7 +139,7 @@ fn track(table: &LogTable, map: &TrackingMap, body: &BodyMap, path: &str) -> Res
             _ => poses.push((stamps_ns[row], pose)),
         }
     }
-    Ok(Track { has_orientation: columns.orientation.is_some(), poses })
+    Ok(Track { has_orientation: columns.orientation.is_some(), is_zoned, poses })
 }
 
 /// The pose in a row; none where tracking was lost.
@@ -133,28 +149,40 @@ fn pose(table: &LogTable, map: &TrackingMap, columns: &PoseColumns, row: usize) 
     {
         return Ok(None);
     }
-    let mut position = [0.0; 3];
-    for (value, &column) in position.iter_mut().zip(&columns.position) {
-        let Some(number) = table.number(column, row)? else { return Ok(None) };
-        *value = number;
-    }
+    let Some(position) = numbers(table, &columns.position, row)? else { return Ok(None) };
     if map.lost_value.is_some_and(|lost| position.iter().all(|x| *x == lost)) {
         return Ok(None);
     }
-    let mut quaternion = [1.0, 0.0, 0.0, 0.0];
-    if let Some(columns) = columns.orientation {
-        for (value, column) in quaternion.iter_mut().zip(columns) {
-            let Some(number) = table.number(column, row)? else { return Ok(None) };
-            *value = number;
-        }
-        if quaternion.iter().all(|part| *part == 0.0) {
-            return Ok(None);
-        }
-        if let Err(length) = unit_length(&quaternion) {
-            let expected = format!("a unit quaternion w, x, y, z (this row's has length {length:.4})");
-            return Err(table.wrong(columns[0], row, expected));
+    let turn = match &columns.orientation {
+        None => Some([1.0, 0.0, 0.0, 0.0]),
+        Some(columns) => turn(table, columns, row)?,
+    };
+    let metres = map.unit.metres();
+    Ok(turn.map(|quaternion| Pose { position_m: position.map(|x| x * metres), quaternion }))
+}
+
+/// The quaternion w, x, y, z in a row; none where tracking was lost.
+fn turn(table: &LogTable, columns: &TurnColumns, row: usize) -> Result<Option<[f64; 4]>, DataError> {
+    match columns {
+        TurnColumns::Angles(columns, euler) => Ok(numbers(table, columns, row)?.map(|angles| euler.quaternion(angles))),
+        TurnColumns::Quaternion(columns) => {
+            let quaternion = numbers(table, columns, row)?.filter(|parts| parts.iter().any(|part| *part != 0.0));
+            let Some(quaternion) = quaternion else { return Ok(None) };
+            unit_length(&quaternion).map_err(|length| {
+                let expected = format!("a unit quaternion w, x, y, z (this row's has length {length:.4})");
+                table.wrong(columns[0], row, expected)
+            })?;
+            Ok(Some(quaternion))
         }
     }
-    let metres = map.unit.metres();
-    Ok(Some(Pose { position_m: position.map(|x| x * metres), quaternion }))
+}
+
+/// The numbers of some columns in a row; none where one is missing.
+fn numbers<const N: usize>(table: &LogTable, columns: &[usize; N], row: usize) -> Result<Option<[f64; N]>, DataError> {
+    let mut numbers = [0.0; N];
+    for (value, &column) in numbers.iter_mut().zip(columns) {
+        let Some(number) = table.number(column, row)? else { return Ok(None) };
+        *value = number;
+    }
+    Ok(Some(numbers))
 }

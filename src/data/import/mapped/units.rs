@@ -66,22 +66,26 @@ pub enum TimeUnit {
     Us,
     /// Nanoseconds.
     Ns,
+    /// Date and time of day, such as `2024-03-01T10:15:30.123456+01:00`.
+    Iso8601,
 }
 
 impl TimeUnit {
-    /// Powers of ten from one of it to nanoseconds.
-    pub(crate) fn decimals(self) -> usize {
+    /// Powers of ten from one of it to nanoseconds; none for a date.
+    fn decimals(self) -> Option<usize> {
         match self {
-            TimeUnit::S => 9,
-            TimeUnit::Ms => 6,
-            TimeUnit::Us => 3,
-            TimeUnit::Ns => 0,
+            TimeUnit::S => Some(9),
+            TimeUnit::Ms => Some(6),
+            TimeUnit::Us => Some(3),
+            TimeUnit::Ns => Some(0),
+            TimeUnit::Iso8601 => None,
         }
     }
 
     /// The time written as `text`, a decimal number in this unit with `.`, in whole nanoseconds: stamps since 1970 have more
-    /// digits than a double holds.
+    /// digits than a double holds. None for a date, and for what is no number.
     pub(crate) fn nanoseconds(self, text: &str) -> Option<i64> {
+        let decimals = self.decimals()?;
         let (negative, digits) = match text.as_bytes().first()? {
             b'-' => (true, &text[1..]),
             b'+' => (false, &text[1..]),
@@ -91,10 +95,10 @@ impl TimeUnit {
         let is_number = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
         if !(is_number(whole) && is_number(fraction)) || whole.len() + fraction.len() == 0 {
             // Exponents and the like.
-            let scaled = text.parse::<f64>().ok()? * 10f64.powi(self.decimals() as i32);
+            let scaled = text.parse::<f64>().ok()? * 10f64.powi(decimals as i32);
             return (scaled.abs() < 2f64.powi(62)).then_some(scaled.round() as i64);
         }
-        let scale = 10i128.pow(self.decimals() as u32);
+        let scale = 10i128.pow(decimals as u32);
         let whole = if whole.is_empty() { 0 } else { whole.parse::<i128>().ok()?.checked_mul(scale)? };
         let part = format!("0.{fraction}").parse::<f64>().ok()? * scale as f64;
         let size = i64::try_from(whole + part.round() as i128).ok()?;
@@ -129,6 +133,26 @@ pub enum CommandUnit {
     Rev,
     /// Counts of an encoder, or steps of a motor.
     Count,
+}
+
+/// Unit of an angle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AngleUnit {
+    /// Degrees.
+    Deg,
+    /// Radians.
+    Rad,
+}
+
+impl AngleUnit {
+    /// Radians in one of it.
+    pub fn radians(self) -> f64 {
+        match self {
+            AngleUnit::Deg => std::f64::consts::PI / 180.0,
+            AngleUnit::Rad => 1.0,
+        }
+    }
 }
 
 /// What a command's number measures.
@@ -175,5 +199,6 @@ mod tests {
         for bad in ["", "-", ".", "1,5", "12:00", "1e40", "nan"] {
             assert_eq!(read(TimeUnit::S, bad), None, "{bad}");
         }
+        assert_eq!(read(TimeUnit::Iso8601, "1732633000"), None);
     }
 }
