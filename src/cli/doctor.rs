@@ -208,7 +208,9 @@ fn test_tendons(plant: &mut Hardware) -> Result<usize, CommandError> {
     let failed = |error: spinebench::base::PlantError| CommandError::Failed(error.to_string());
     let mut wrong = 0;
     let home_m = plant.reset(Seed(1)).map_err(failed)?.tip_m;
-    let from_home = |tip_m: &Point3| -> Point3 { std::array::from_fn(|axis| tip_m[axis] - home_m[axis]) };
+    // The difference of two predictions: that of home errs by what gravity and the base differ from the model.
+    let predicted_home_m = plant.expected_m();
+    let between = |from_m: &Point3, to_m: &Point3| -> Point3 { std::array::from_fn(|axis| to_m[axis] - from_m[axis]) };
     let mut motions = Vec::new();
     for tendon in 0..plant.tendons() {
         let mut seen_m = [f64::NAN; 3];
@@ -218,7 +220,7 @@ fn test_tendons(plant: &mut Hardware) -> Result<usize, CommandError> {
             pulls_m[(tendon + 2) % 4] = -PULL_M * share / 3.0;
             seen_m = plant.step(&pulls_m).map_err(failed)?.tip_m;
         }
-        let (moved_m, predicted_m) = (from_home(&seen_m), from_home(&plant.expected_m()));
+        let (moved_m, predicted_m) = (between(&home_m, &seen_m), between(&predicted_home_m, &plant.expected_m()));
         wrong += ONE_TENDON.print(&format!("tendon {}", tendon + 1), &moved_m, &predicted_m);
         motions.push((moved_m, predicted_m));
         plant.reset(Seed(1)).map_err(failed)?;

@@ -72,6 +72,12 @@ impl SimulatedAxes {
         self.speed_mm_s * 60.0
     }
 
+    /// Positions that the controller counted `earlier_s` ago, mm, if it has moved as it does now since then.
+    pub(crate) fn counted_before_mm(&self, earlier_s: f64) -> [f64; 4] {
+        let direction = self.blocks.front().map_or([0.0; 4], |block| block.direction);
+        std::array::from_fn(|axis| self.counted_mm[axis] - direction[axis] * self.speed_mm_s * earlier_s)
+    }
+
     /// End of the last move, mm.
     pub(crate) fn planned_mm(&self) -> [f64; 4] {
         self.planned_mm

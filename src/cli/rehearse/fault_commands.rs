@@ -3,6 +3,9 @@
 use spinebench::hardware::grbl::AXIS_NAMES;
 use spinebench::simulators::{ControllerFault, Intervention, Simulator, TrackedBody, TrackerFault};
 
+/// How much earlier a torn report reads its last axis, s: as measured with grblHAL's simulator.
+const TORN_S: f64 = 0.0064;
+
 const HELP: &str = "\
 hang KG          hang a weight on the tip, kilograms; 0 removes it
 unplug           unplug the serial cable
@@ -20,6 +23,8 @@ hide BODY        hide `tip` or `base` from the cameras
 jump M           displace the measured tip, metres
 swap             interchange the two bodies
 dead AXIS        block an axis (X, Y, Z, A)
+slip AXIS        let an axis count its steps without turning
+torn             let one report during a move read its last axis 6 ms before the others
 press AXIS       close a limit switch
 alarm N          stop the controller with alarm N
 tell homed       include the homing state in every report of the controller
@@ -69,6 +74,8 @@ fn of_motors(words: &[&str]) -> Result<Intervention, String> {
         ["freeze", "motors"] => motors(ControllerFault::Frozen),
         ["slow", late] => motors(ControllerFault::SlowReplies(number(late)?.max(0.0))),
         ["dead", name] => motors(ControllerFault::DeadAxis(axis(name)?)),
+        ["slip", name] => motors(ControllerFault::SlippingAxis(axis(name)?)),
+        ["torn"] => motors(ControllerFault::TornReport(TORN_S)),
         ["press", name] => motors(ControllerFault::HardLimit(axis(name)?)),
         ["alarm", code] => motors(ControllerFault::SpuriousAlarm(whole(code)?)),
         ["tell", "homed"] => motors(ControllerFault::TellsHomed),

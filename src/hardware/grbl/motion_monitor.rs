@@ -21,6 +21,8 @@ pub(crate) struct CommandedPath {
     targets_mm: VecDeque<[f64; 4]>,
     /// Position in the previous report.
     last_mm: [f64; 4],
+    /// The previous report was off the lines: a single one may have read its axes one after the other while they moved.
+    off_line: bool,
 }
 
 impl CommandedPath {
@@ -37,7 +39,7 @@ impl CommandedPath {
     /// Sets the present position as the start.
     pub(crate) fn start(&mut self, position_mm: [f64; 4]) {
         self.targets_mm = VecDeque::from([position_mm]);
-        self.last_mm = position_mm;
+        (self.last_mm, self.off_line) = (position_mm, false);
     }
 
     /// Adds the target of a move.
@@ -54,8 +56,9 @@ impl CommandedPath {
         for axis in 0..4 {
             self.check_axis(axis, position_mm[axis], standing)?;
         }
-        if !standing {
-            self.check_line(&position_mm)?;
+        let off_line = if standing { Ok(()) } else { self.check_line(&position_mm) };
+        if std::mem::replace(&mut self.off_line, off_line.is_err()) {
+            off_line?;
         }
         self.last_mm = position_mm;
         if standing {

@@ -15,6 +15,7 @@ use super::grbl::{Controller, Mode, codes};
 use super::interrupt::Interrupt;
 use super::safety::{Guard, GuardState, Latch, SafetyAction, SafetyInputs, SafetyLimits, StopReason};
 use super::tracking::{TipPose, TrackerClient};
+use plausibility::TipJump;
 use stop_reasons::{ARM, ENDED, INTERRUPTED, controller_fault, interrupted, late_answer, program_ended};
 use tip_following::TipFollowing;
 use tracking_loss::LastPoseChange;
@@ -76,6 +77,8 @@ pub struct Rig {
     tip_following: TipFollowing,
     /// The last plausible tip position, with its time.
     last_plausible: Option<(f64, Point3)>,
+    /// A jump of the tip that has not been undone.
+    jump: Option<TipJump>,
     events: Vec<Event>,
 }
 
@@ -95,6 +98,7 @@ impl Rig {
             last_pose_change: LastPoseChange::default(),
             tip_following: TipFollowing::default(),
             last_plausible: None,
+            jump: None,
             events: Vec::new(),
         }
     }

@@ -1,24 +1,54 @@
-//! Holds the robot while the measured tip is implausible: too fast, or too far from the predicted one.
+//! Holds the robot while the measured tip is implausible: it has jumped, or is too far from the predicted one.
 
 use super::Rig;
 use super::stop_reasons::implausible;
-use crate::base::distance_m;
-use crate::hardware::safety::StopReason;
+use crate::base::{Point3, distance_m};
+use crate::hardware::safety::{GuardState, StopReason};
+
+/// Share of a jump that has to be undone before the tip is plausible again: the robot is held meanwhile, so that a tip
+/// that stays away has not moved but is measured elsewhere.
+const UNDONE_SHARE: f64 = 0.5;
+
+/// A tip that moved faster than it can.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TipJump {
+    from_m: Point3,
+    by_m: f64,
+    within_s: f64,
+}
+
+impl TipJump {
+    fn describe(&self, most_m_s: f64) -> String {
+        format!(
+            "the measured tip jumped by {:.0} mm within {:.0} ms ({:.1} m/s, expected at most {most_m_s}): its body has \
+             moved on the tip, or another one is taken for it",
+            self.by_m * 1e3,
+            self.within_s * 1e3,
+            self.by_m / self.within_s
+        )
+    }
+}
 
 impl Rig {
     /// Why the latest tip position is implausible; none while it is plausible.
     pub(super) fn implausible_tip(&mut self) -> Option<StopReason> {
+        // Hands may move the tip of a robot that is not active.
+        if !matches!(self.guard.state(), GuardState::Active | GuardState::Held { .. }) {
+            (self.last_plausible, self.jump) = (None, None);
+            return None;
+        }
         let limits = self.parts.limits;
         let pose = self.parts.tracking.latest()?;
         let (time_s, tip_m) = (pose.time_s, pose.position_m);
-        if let Some((then_s, there_m)) = self.last_plausible.filter(|(then_s, _)| *then_s < time_s) {
-            let speed_m_s = distance_m(&tip_m, &there_m) / (time_s - then_s);
-            if speed_m_s > limits.tip_speed_m_s {
-                return Some(implausible(format!(
-                    "measured tip speed {speed_m_s:.1} m/s, expected at most {}",
-                    limits.tip_speed_m_s
-                )));
+        self.jump = self.jump.filter(|jump| distance_m(&tip_m, &jump.from_m) > UNDONE_SHARE * jump.by_m);
+        if let Some((then_s, from_m)) = self.last_plausible.filter(|(then_s, _)| *then_s < time_s) {
+            let (by_m, within_s) = (distance_m(&tip_m, &from_m), time_s - then_s);
+            if by_m > limits.tip_speed_m_s * within_s {
+                self.jump.get_or_insert(TipJump { from_m, by_m, within_s });
             }
+        }
+        if let Some(jump) = &self.jump {
+            return Some(implausible(jump.describe(limits.tip_speed_m_s)));
         }
         if let Some(expected_m) = &self.expected_m {
             let off_m = distance_m(&tip_m, expected_m);

@@ -7,6 +7,7 @@ use super::Rig;
 use super::tracking_loss::tracking;
 use crate::base::{Point3, distance_m};
 use crate::hardware::axes::AXES;
+use crate::hardware::grbl::AXIS_NAMES;
 use crate::hardware::safety::StopReason;
 
 /// Poses whose mean is compared, which averages their noise.
@@ -33,6 +34,22 @@ struct Anchor {
     tip_m: Point3,
     expected_m: Point3,
     position_mm: [f64; AXES],
+}
+
+/// How far a tip at rest, its prediction and the screws have moved.
+#[derive(Clone, Copy, Debug)]
+struct Unfollowed {
+    moved_m: f64,
+    predicted_m: f64,
+    turned_mm: [f64; AXES],
+}
+
+impl Unfollowed {
+    /// The screws that have moved, such as "X by 6.0 mm".
+    fn screws(&self) -> String {
+        let each = AXIS_NAMES.iter().zip(&self.turned_mm).filter(|(_, turned_mm)| **turned_mm > TURNED_MM);
+        each.map(|(name, turned_mm)| format!("{name} by {turned_mm:.1} mm")).collect::<Vec<String>>().join(", ")
+    }
 }
 
 /// State of the comparison.
@@ -73,9 +90,9 @@ impl TipFollowing {
         MOVED_M + DEVIATIONS * of_difference.sqrt()
     }
 
-    /// Compares the tip with its prediction and the screws; returns how far the three have moved (metres, metres, mm)
-    /// once the tip has been at rest for too long.
-    fn compare(&mut self, expected_m: Point3, position_mm: [f64; AXES], now_s: f64) -> Option<[f64; 3]> {
+    /// Compares the tip with its prediction and the screws; returns how far each has moved once the tip has been at rest for
+    /// too long.
+    fn compare(&mut self, expected_m: Point3, position_mm: [f64; AXES], now_s: f64) -> Option<Unfollowed> {
         let tip_m = self.mean_m()?;
         let here = Anchor { tip_m, expected_m, position_mm };
         let anchor = *self.anchor.get_or_insert(here);
@@ -85,14 +102,15 @@ impl TipFollowing {
             return None;
         }
         let predicted_m = distance_m(&expected_m, &anchor.expected_m);
-        let turned_mm = position_mm.iter().zip(&anchor.position_mm).map(|(to, from)| (to - from).abs());
-        let turned_mm = turned_mm.fold(0.0, f64::max);
-        if turned_mm <= TURNED_MM || predicted_m <= PREDICTED_M.max(MULTIPLE * least_m) {
+        let turned_mm: [f64; AXES] = std::array::from_fn(|axis| (position_mm[axis] - anchor.position_mm[axis]).abs());
+        if turned_mm.iter().all(|turned_mm| *turned_mm <= TURNED_MM)
+            || predicted_m <= PREDICTED_M.max(MULTIPLE * least_m)
+        {
             self.since_s = None;
             return None;
         }
         let since_s = *self.since_s.get_or_insert(now_s);
-        (now_s - since_s >= LASTING_S).then_some([moved_m, predicted_m, turned_mm])
+        (now_s - since_s >= LASTING_S).then_some(Unfollowed { moved_m, predicted_m, turned_mm })
     }
 }
 
@@ -109,15 +127,16 @@ impl Rig {
             return None;
         };
         let position_mm = self.parts.controller.state().position_mm;
-        let [moved_m, predicted_m, turned_mm] = self.tip_following.compare(expected_m, position_mm, now_s)?;
+        let found = self.tip_following.compare(expected_m, position_mm, now_s)?;
         Some(tracking(
             format!(
-                "the measured tip has moved by {:.1} mm while a screw moved by {turned_mm:.1} mm and the predicted tip \
-                 by {:.1} mm: the tracker repeats an old pose, its body has come off, or the robot is stuck",
-                moved_m * 1e3,
-                predicted_m * 1e3
+                "the measured tip has moved by {:.1} mm while the axes moved ({}) and the predicted tip by {:.1} mm: the \
+                 tracker repeats an old pose, its body has come off, a motor does not turn its screw, or the robot is stuck",
+                found.moved_m * 1e3,
+                found.screws(),
+                found.predicted_m * 1e3
             ),
-            "check the tip's body and the tendons with `spinebench doctor --move`",
+            "check the tip's body, the motors and the tendons with `spinebench doctor --move`",
         ))
     }
 }

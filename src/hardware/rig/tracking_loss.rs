@@ -36,16 +36,17 @@ pub(super) struct LastPoseChange {
 impl Rig {
     /// Why tracking counts as lost; none while it works.
     pub(super) fn tracking_loss(&mut self, now_s: f64) -> Option<StopReason> {
-        let hold_s = self.parts.limits.tracking_hold_s;
-        let age_s = self.parts.tracking.age_s(now_s);
-        if age_s.is_nan() || age_s > hold_s {
-            return Some(old_pose(age_s, hold_s, self.parts.tracking.status()));
-        }
         let status = self.parts.tracking.status();
+        // First, because the poses are old as well once only the other source streams.
         if let Some((then_s, found)) = &status.second_source_last
             && now_s - then_s <= SECOND_SOURCE_S
         {
             return Some(second_source(found));
+        }
+        let hold_s = self.parts.limits.tracking_hold_s;
+        let age_s = self.parts.tracking.age_s(now_s);
+        if age_s.is_nan() || age_s > hold_s {
+            return Some(old_pose(age_s, hold_s, status));
         }
         if let Some(share) = status.recent_loss.filter(|share| *share > MAX_LOSS) {
             return Some(many_lost(share));

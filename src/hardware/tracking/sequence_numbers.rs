@@ -14,6 +14,10 @@ const JUMP_S: f64 = 1.0;
 const RATE_RATIO: f64 = 5.0;
 /// Frames from long before that alternate with new ones, after which they count as another source's.
 const ALTERNATING: u32 = 2;
+/// The same of frames that are at least this old, s, but not from long before: these must be in order among themselves,
+/// which delayed frames of one server are not.
+const BEHIND_S: f64 = 0.1;
+const ALTERNATING_IN_ORDER: u32 = 10;
 
 /// Number and time stamp of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,9 +72,9 @@ pub(crate) struct FrameSequence {
     restart_expected: bool,
     /// Configured frame rate, Hz; 0 if counts are not compared with stamps.
     rate_hz: f64,
-    /// Frames from long before that came after newer ones, and when the last one did, s.
+    /// Old frames that came after newer ones, the last one, and when it did, s.
     alternating: u32,
-    behind_s: f64,
+    behind: Option<(FrameStamp, f64)>,
 }
 
 impl FrameSequence {
@@ -124,16 +128,17 @@ impl FrameSequence {
         stamp.stamp_s - present_s > JUMP_S || miscounted
     }
 
-    /// A frame from long before, although newer ones have come since the last such frame.
+    /// An old frame, although newer ones have come since the last such frame.
     fn alternates(&mut self, stamp: &FrameStamp, last: &FrameStamp, now_s: f64) -> bool {
-        let long_before = last.stamp_s - stamp.stamp_s > JUMP_S;
-        if !long_before || self.refused.is_some() {
+        let age_s = last.stamp_s - stamp.stamp_s;
+        if age_s <= BEHIND_S || self.refused.is_some() {
             return false;
         }
-        let again = now_s - self.behind_s <= JUMP_S;
-        self.alternating = if again { self.alternating + 1 } else { 1 };
-        self.behind_s = now_s;
-        self.alternating > ALTERNATING
+        let long_before = age_s > JUMP_S;
+        let before = self.behind.replace((*stamp, now_s)).filter(|(_, then_s)| now_s - then_s <= JUMP_S);
+        let goes_on = before.is_some_and(|(before, _)| long_before || stamp.follows(&before));
+        self.alternating = if goes_on { self.alternating + 1 } else { 1 };
+        self.alternating > if long_before { ALTERNATING } else { ALTERNATING_IN_ORDER }
     }
 
     /// Single stragglers are old; a consecutive run of frames that are all older than the last one is a restart.
@@ -232,6 +237,31 @@ mod tests {
             })
             .collect();
         assert_eq!(orders.iter().filter(|order| **order == FrameOrder::Foreign).count(), 18, "{orders:?}");
+    }
+
+    /// Two servers whose clocks agree within half a second: the frames of the one behind are old, and in order.
+    #[test]
+    fn a_source_a_little_behind_is_told_from_delayed_frames() {
+        let mut sequence = FrameSequence::new(100.0);
+        let mut foreign = |k: i32, ahead: i32, now_s: f64| {
+            let number = k + ahead;
+            let stamp = FrameStamp { number, stamp_s: 0.01 * f64::from(number) };
+            sequence.classify(stamp, now_s, now_s + 0.5) == FrameOrder::Foreign
+        };
+        let found = (1..=30).filter(|&k| {
+            let now_s = 0.01 * f64::from(k);
+            foreign(k, 40, now_s) | foreign(k, 0, now_s)
+        });
+        assert_eq!(found.count(), 20);
+        // One server, every second frame of which takes from 0 to 0.4 s longer, each its own time.
+        let mut sequence = FrameSequence::new(100.0);
+        let mut arrivals: Vec<(i32, i32)> = (1..=400).map(|k| (k + k % 2 * (k * 37 % 41), k)).collect();
+        arrivals.sort_unstable();
+        for (arrived, number) in arrivals {
+            let stamp = FrameStamp { number, stamp_s: 0.01 * f64::from(number) };
+            let now_s = 0.01 * f64::from(arrived);
+            assert_ne!(sequence.classify(stamp, now_s, now_s), FrameOrder::Foreign, "{number}");
+        }
     }
 
     #[test]

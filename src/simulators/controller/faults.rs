@@ -57,6 +57,8 @@ pub enum ControllerFault {
     TellsHomed,
     /// Its reports have three axes.
     ThreeAxes,
+    /// The next report during a move gives the last axis where it was this many seconds before the others.
+    TornReport(f64),
     /// It reports work positions instead of machine positions.
     WorkPositions,
 }
@@ -83,6 +85,8 @@ pub(crate) struct ActiveFaults {
     pub(crate) work_positions: bool,
     pub(crate) tells_homed: bool,
     pub(crate) three_axes: bool,
+    /// How much earlier the next report during a move reads the last axis, s.
+    pub(crate) torn_s: Option<f64>,
 }
 
 impl ActiveFaults {
@@ -137,6 +141,7 @@ impl SimulatedController {
             ControllerFault::FeedOverride(percent) => injected.feed_percent = Some(percent),
             ControllerFault::TellsHomed => injected.tells_homed = true,
             ControllerFault::ThreeAxes => injected.three_axes = true,
+            ControllerFault::TornReport(earlier_s) => injected.torn_s = Some(earlier_s),
             ControllerFault::WorkPositions => injected.work_positions = true,
             ControllerFault::WrongSettings(number, value) => {
                 self.settings.insert(number, value);

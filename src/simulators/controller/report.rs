@@ -50,7 +50,11 @@ impl SimulatedController {
 
     fn status(&mut self) -> String {
         let steps_per_mm = table::of_axes(&self.settings, 100);
-        let counted_mm = self.mirrored_mm(self.axes.counted_mm);
+        let mut counted_mm = self.axes.counted_mm;
+        if let Some(earlier_s) = self.injected.torn_s.take_if(|_| self.axes.speed_mm_min() > 0.0) {
+            counted_mm[3] = self.axes.counted_before_mm(earlier_s)[3];
+        }
+        let counted_mm = self.mirrored_mm(counted_mm);
         let position_mm = std::array::from_fn(|axis| {
             let steps_per_mm = steps_per_mm[axis].max(1.0);
             (counted_mm[axis] * steps_per_mm).round() / steps_per_mm

@@ -181,6 +181,23 @@ fn axes_that_do_not_follow() {
     assert!(matches!(found, MotionFault::WorkOffset { .. }), "{found}");
 }
 
+/// As a report was measured that grblHAL's simulator composed while the axes moved.
+#[test]
+fn one_report_of_axes_read_at_different_moments_stops_nothing() {
+    for begun_s in [0.3, 1.0, 2.2] {
+        let bench = Bench::new(ControllerOptions::default());
+        let mut controller = bench.ready();
+        bench.go(&mut controller, [20.0; 4], 600.0).unwrap();
+        bench.run(&mut controller, begun_s).unwrap();
+        bench.inject(ControllerFault::TornReport(0.03));
+        let apart_mm = |position_mm: [f64; 4]| position_mm[0] - position_mm[3];
+        bench.run_while(&mut controller, 1.0, |controller| apart_mm(controller.state().position_mm) < 0.1).unwrap();
+        assert!(apart_mm(controller.state().position_mm) > 0.1);
+        bench.run(&mut controller, 6.0).unwrap();
+        assert!(near(controller.state().position_mm, [20.0; 4], 0.002));
+    }
+}
+
 #[test]
 fn an_axis_that_dies_in_a_stream_is_noticed_before_it_stands() {
     let bench = Bench::new(ControllerOptions::default());
