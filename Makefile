@@ -39,7 +39,7 @@ else
 endif
 
 controllers: build ## further controllers beside the paper's, and what tells them apart (docs/control.md); SEEDS=1 for a look, into out/
-	$(SPINEBENCH) run experiments/controllers.yaml --seeds $(SEEDS) --out $(OUT)
+	$(SPINEBENCH) run experiments/controllers.yaml experiments/perfect_model.yaml --seeds $(SEEDS) --out $(OUT)
 	$(if $(filter .,$(OUT)),$(SPINEBENCH) page docs/control.md)
 
 SWEEPS := $(sort $(wildcard experiments/sweeps/*.yaml)) experiments/gp_intervals.yaml

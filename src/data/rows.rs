@@ -258,8 +258,8 @@ table_rows! {
     "sweep.csv", key [task, training, policy, mode, gp_points, real_points]:
     /// An error at one point of a sweep, over seeds; the swept fields stand in columns before these (`sweep.csv`).
     pub struct SweepRow {
-        /// What the error is of: `reach` (distance to the target at the end of a trial), `track` (mean distance to the target
-        /// over a run) or `gp` (cross-validated error of the Gaussian process).
+        /// What the error is of: `reach` (distance to the target at the end of a trial), `response` (the same of the true tip at the end
+        /// of a trial of fixed duration), `track` (mean distance to the target over a run) or `gp` (cross-validated error of the Gaussian process).
         pub task: String,
         /// `paper`, `converged`, or `any` where no network takes part.
         pub training: String,

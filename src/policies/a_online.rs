@@ -9,9 +9,9 @@ use super::a::AlgorithmTwo;
 use super::actuator_limits::ActuatorLimits;
 use super::single_controller::{ControlLaw, Demand, SingleController};
 use super::tip_tracker::TipReading;
-use super::{BuildError, INVERSE, LearningErrorModel, ModelAccess, ModelNeed, PolicyEntry};
+use super::{BuildError, ErrorModel, INVERSE, LearningErrorModel, ModelAccess, ModelNeed, PolicyEntry};
 use crate::base::series::SeriesLabel;
-use crate::base::{BadOption, Displacements, Point3, PolicyError};
+use crate::base::{BadOption, Displacements, Point3, PolicyError, distance_m};
 use crate::learn::gp::Leaving;
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
@@ -24,12 +24,14 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     closed_loop_only: false,
     make: |mut parts, options| {
         let model = parts.inverse("a_online", &INVERSE)?;
-        let AOnlineOptions { points, leaves } = options.a_online;
+        let AOnlineOptions { points, leaves, most_m } = options.a_online;
         let missing = BuildError::Missing { policy: "a_online", model: "error model that learns on" };
-        let error = parts.error("a_online")?.learning(points, leaves).ok_or(missing)?;
+        let fitted = parts.error("a_online")?;
+        let learning = fitted.learning(points, leaves).ok_or(missing)?;
+        let bounded = Arc::new(BoundedError { learning: Arc::clone(&learning), fitted, most_m });
         let controller = LearningA {
-            a: AlgorithmTwo::new(model, Arc::<dyn LearningErrorModel>::clone(&error), options),
-            error,
+            a: AlgorithmTwo::new(model, bounded, options),
+            error: learning,
             limits: ActuatorLimits::new(options.limits),
             carried_out: None,
         };
@@ -45,23 +47,47 @@ pub struct AOnlineOptions {
     pub points: usize,
     /// Which of them leaves.
     pub leaves: Leaving,
+    /// What was learned in the trial moves the target no further than this, metres: beyond the border of the workspace the tip
+    /// does not follow, and what is left of the error would be learned as a gap again and again.
+    pub most_m: f64,
 }
 
 impl Default for AOnlineOptions {
     fn default() -> Self {
-        AOnlineOptions { points: 100, leaves: Leaving::Oldest }
+        AOnlineOptions { points: 100, leaves: Leaving::Oldest, most_m: 0.03 }
     }
 }
 
 impl AOnlineOptions {
     pub(super) fn check(&self) -> Result<(), BadOption> {
-        super::option_ranges::unless_count_to("points", self.points, 1000, "a whole number from 1 to 1000")
+        super::option_ranges::unless_count_to("points", self.points, 1000, "a whole number from 1 to 1000")?;
+        BadOption::unless_positive("most_m", self.most_m)
+    }
+}
+
+/// The error model that learns on, within a distance of the one that was fitted.
+struct BoundedError {
+    learning: Arc<dyn LearningErrorModel>,
+    fitted: Arc<dyn ErrorModel>,
+    most_m: f64,
+}
+
+impl ErrorModel for BoundedError {
+    fn error_m(&self, pulls_m: &[f64], p_sim_m: &Point3) -> Point3 {
+        let learned_m = self.learning.error_m(pulls_m, p_sim_m);
+        let fitted_m = self.fitted.error_m(pulls_m, p_sim_m);
+        let moved_m = distance_m(&learned_m, &fitted_m);
+        if moved_m <= self.most_m {
+            return learned_m;
+        }
+        let share = self.most_m / moved_m;
+        std::array::from_fn(|axis| fitted_m[axis] + share * (learned_m[axis] - fitted_m[axis]))
     }
 }
 
 struct LearningA {
     a: AlgorithmTwo,
-    /// The error model of `a`.
+    /// What `a` asks, within its bound.
     error: Arc<dyn LearningErrorModel>,
     /// A copy of the drive's limits, to know when the command in force is the one that was demanded.
     limits: ActuatorLimits,
@@ -151,6 +177,25 @@ mod tests {
         assert_ne!(asked(&*learning), asked(&*error));
         online.reset();
         assert_eq!(asked(&*learning), asked(&*error));
+    }
+
+    /// A tip that does not follow: what is learned says ever more, and the target moves no further than the bound.
+    #[test]
+    fn what_is_learned_moves_the_target_no_further_than_the_bound() {
+        let error = error_model();
+        let learning = error.learning(100, Leaving::Oldest).unwrap();
+        let bounded = BoundedError { learning: learning.clone(), fitted: error.clone(), most_m: 0.004 };
+        let (pulls_m, simulated_m) = ([0.009, -0.002], [0.036, -0.01, 0.2]);
+        assert_eq!(bounded.error_m(&pulls_m, &simulated_m), error.error_m(&pulls_m, &simulated_m));
+        for _ in 0..20 {
+            learning.measured(&pulls_m, &simulated_m, &[0.0, -0.01, 0.2]).unwrap();
+        }
+        let moved_m = |model: &dyn ErrorModel| {
+            let asked_m = model.error_m(&pulls_m, &simulated_m);
+            distance_m(&asked_m, &error.error_m(&pulls_m, &simulated_m))
+        };
+        assert!(moved_m(&*learning) > 0.02, "{}", moved_m(&*learning));
+        assert!((moved_m(&bounded) - 0.004).abs() < 1e-12, "{}", moved_m(&bounded));
     }
 
     #[test]

@@ -27,7 +27,7 @@ use crate::data::{DataError, write_atomic};
 pub use published::{Published, published_rows};
 pub use summarise::{OSCILLATION_WINDOW_S, reach_summary, track_summary};
 pub use sweep_comparisons::{SweptPoint, comparisons};
-pub use sweep_rows::{SweepCell, SweepTable, gp_sweep, reach_sweep, track_sweep};
+pub use sweep_rows::{SweepCell, SweepTable, gp_sweep, reach_sweep, response_sweep, track_sweep};
 
 /// The folder of a rendered file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

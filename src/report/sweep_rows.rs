@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::order::{rank, trainings};
 use super::style::policy_rank;
 use super::summarise::MODES;
+use crate::data::responses::ResponseRow;
 use crate::data::rows::{GpRow, SweepRow, TrackSummaryRow, TrialRow};
 use crate::data::tables::Beside;
 use crate::math::summary::{interval_95, mean, standard_deviation};
@@ -43,6 +44,18 @@ pub fn reach_sweep(trials: &[TrialRow]) -> Vec<SweepCell> {
         cells.entry(cell).or_default().push((row.seed, good.then_some(row.error_m)));
     }
     rows("reach", cells)
+}
+
+/// Trials of fixed duration at one point: the error of the true tip at their end.
+pub fn response_sweep(responses: &[ResponseRow]) -> Vec<SweepCell> {
+    let names = trainings(responses.iter().map(|row| row.training.as_str()));
+    let mut cells: BTreeMap<CellKey, Vec<SeedError>> = BTreeMap::new();
+    for row in responses {
+        let cell = cell(&names, [&row.training, &row.policy, &row.mode], [row.gp_points, row.real_points]);
+        let good = row.status == "ok" && row.error_end_m.is_finite();
+        cells.entry(cell).or_default().push((row.seed, good.then_some(row.error_end_m)));
+    }
+    rows("response", cells)
 }
 
 /// Path tracking at one point; `sizes` are each policy's real points, those of the Gaussian process first.

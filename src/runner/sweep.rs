@@ -8,7 +8,7 @@ use super::results::{Files, Publication, PublishError, failed};
 use crate::data::TableRow;
 use crate::data::rows::{ComparisonRow, SweepRow};
 use crate::data::tables::{Beside, to_csv_beside};
-use crate::report::{Published, SweepCell, SweepTable, SweptPoint, comparisons, gp_sweep, reach_sweep, track_sweep};
+use crate::report::{Published, SweepCell, SweepTable, SweptPoint, comparisons, gp_sweep, reach_sweep, response_sweep, track_sweep};
 use std::path::Path;
 
 /// The figure that every sweep has.
@@ -81,6 +81,7 @@ impl CampaignEntry {
 /// What one point has of the summary.
 fn summary(point: &PointStages, tables: &Tables) -> SweptPoint {
     let mut cells: Vec<SweepCell> = reach_sweep(&tables.published.trials);
+    cells.extend(response_sweep(&tables.published.responses));
     if let Some(track) = &point.experiment.runs.track {
         let sizes = crate::specs::track_cells(&point.experiment);
         let sizes = |policy: &str| {

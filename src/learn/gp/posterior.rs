@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use faer::linalg::matmul::triangular::{BlockStructure, matmul};
-use faer::{Accum, MatMut, Par};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, MatMut, MatRef, Par};
 
 use super::composite::Composite;
 use super::composite_likelihood::natural;
@@ -18,6 +18,10 @@ use crate::math::vectorised;
 
 /// Queries that a batch handles at once: their covariances with all points stay in cache.
 pub(super) const BLOCK: usize = 512;
+
+/// Rows of `L⁻¹` that are multiplied at once, up to the diagonal: the zeros beyond it cost less than a triangular product's
+/// small parts.
+const PANEL: usize = 48;
 
 /// One fitted output in standardised units.
 #[derive(Clone)]
@@ -206,8 +210,8 @@ impl Posterior {
         self.added.as_ref().map_or(left, |added| left + added.variance(x, v, scale)).max(0.0)
     }
 
-    /// [`Posterior::mean_variance`] of up to [`BLOCK`] standardised queries, by one triangular product; `k` and `v`
-    /// are room for `BLOCK` numbers per point.
+    /// [`Posterior::mean_variance`] of up to [`BLOCK`] standardised queries, by products of panels of `L⁻¹`; `k` and `v` are
+    /// room for `BLOCK` numbers per point.
     pub(super) fn block(&self, queries: &[f64], k: &mut [f64], v: &mut [f64], mut put: impl FnMut(usize, f64, f64)) {
         let n = self.alpha.len();
         let count = queries.len() / self.inputs;
@@ -215,18 +219,14 @@ impl Posterior {
         for (q, x) in queries.chunks_exact(self.inputs).enumerate() {
             means[q] = self.mean(x, &mut k[q * n..(q + 1) * n]);
         }
-        let right = faer::MatRef::from_column_major_slice(&k[..n * count], n, count);
-        matmul(
-            MatMut::from_column_major_slice_mut(&mut v[..n * count], n, count),
-            BlockStructure::Rectangular,
-            Accum::Replace,
-            self.inverse_factor.view(),
-            BlockStructure::TriangularLower,
-            right,
-            BlockStructure::Rectangular,
-            1.0,
-            Par::Seq,
-        );
+        let right = MatRef::from_column_major_slice(&k[..n * count], n, count);
+        let mut out = MatMut::from_column_major_slice_mut(&mut v[..n * count], n, count);
+        for from in (0..n).step_by(PANEL) {
+            let to = n.min(from + PANEL);
+            let left = self.inverse_factor.view().submatrix(from, 0, to - from, to);
+            let panel = out.as_mut().subrows_mut(from, to - from);
+            matmul(panel, Accum::Replace, left, right.subrows(0, to), 1.0, Par::Seq);
+        }
         for q in 0..count {
             let column = &v[q * n..(q + 1) * n];
             let explained = vectorised(

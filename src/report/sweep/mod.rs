@@ -17,8 +17,9 @@ pub(super) const FIGURE: Figure =
     Figure { name: "sweep", about: "Error against one, two or three swept fields, for every policy and mode", render };
 
 /// Tasks in the order of their figures, and the names of their errors.
-const TASKS: [(&str, &str); 3] = [
+const TASKS: [(&str, &str); 4] = [
     ("reach", "goal-reaching error (mm)"),
+    ("response", "error at the end of a response (mm)"),
     ("track", "path tracking error (mm)"),
     ("gp", "cross-validation error (mm)"),
 ];
