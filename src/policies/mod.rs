@@ -25,6 +25,7 @@ pub use a_online::AOnlineOptions;
 pub use actuator_limits::LimitOptions;
 pub use c::{AfterBoth, COptions, StartBranch, SwitchCheck};
 pub use c_hysteresis::CHysteresisOptions;
+pub use dagger::DaggerOptions;
 pub use disturbance::DisturbanceOptions;
 pub use integral::IntegralOptions;
 pub use inverse_network::DirectOptions;
@@ -32,7 +33,8 @@ pub use learned::{GpError, NetworkForward, NetworkInverse};
 pub use model_integral::ModelIntegralOptions;
 pub use model_traits::{ErrorModel, ForwardModel, InverseModel, LearningErrorModel};
 pub use models::{
-    EarlyStopping, FORWARD, INVERSE, INVERSE_B, ModelNeed, NetworkDescription, PI_REAL, SampleColumns, TrainingData,
+    DAGGER, EarlyStopping, FORWARD, INVERSE, INVERSE_B, ModelNeed, NetworkDescription, PI_REAL, SampleColumns,
+    TrainingData,
 };
 pub use mpc::MpcOptions;
 pub use network::{MemoryUpdate, NetworkOptions};
@@ -114,6 +116,7 @@ policies! {
         a_integral::ENTRY { a_integral: a_integral::AIntegralOptions },
         c_hysteresis::ENTRY { c_hysteresis: c_hysteresis::CHysteresisOptions },
         a_online::ENTRY { a_online: a_online::AOnlineOptions },
+        dagger::ENTRY { dagger: dagger::DaggerOptions },
     ]
 }
 
@@ -180,6 +183,11 @@ impl PolicyEntry {
     pub fn uses_error_model(&self) -> bool {
         self.needs.contains(&ModelNeed::ErrorModel)
             || self.networks().any(|network| network.data == TrainingData::Generated)
+    }
+
+    /// Whether one of its networks is trained on robots that differ from the model.
+    pub fn uses_randomised_robots(&self) -> bool {
+        self.networks().any(|network| network.data == TrainingData::Randomised)
     }
 
     /// Whether one of its networks is trained on real data.

@@ -21,6 +21,8 @@ pub enum TrainingData {
     Real,
     /// The exploration on the model, moved by the error model (eq. 24).
     Generated,
+    /// The policy's own ways on robots that differ from the model at random ([`super::DaggerOptions`]).
+    Randomised,
 }
 
 /// Validation mean absolute error at which training may end.
@@ -57,7 +59,8 @@ pub struct NetworkDescription {
     pub data: TrainingData,
     /// When its training may end.
     pub early_stopping: EarlyStopping,
-    /// On generated data: the network whose weights it starts from, where a spec's `generated_start` says so.
+    /// On generated data: the network whose weights it starts from, where a spec's `generated_start` says so. On robots that
+    /// differ: the network that it starts from.
     pub start: Option<&'static NetworkDescription>,
     /// The paper's validation error, metres; not a number where it gives none.
     pub paper_mae_m: f64,
@@ -111,6 +114,19 @@ pub static INVERSE_B: NetworkDescription = NetworkDescription {
     early_stopping: EarlyStopping::InverseB,
     start: Some(&INVERSE),
     paper_mae_m: 0.0019,
+};
+
+/// The inverse mapping from its own ways on robots that differ. It starts from the one of the model.
+pub static DAGGER: NetworkDescription = NetworkDescription {
+    name: "dagger",
+    stage: "train_dagger",
+    label: "network of robots that differ",
+    inputs: &INVERSE_COLUMNS,
+    outputs: &[SampleColumns::Pulls],
+    data: TrainingData::Randomised,
+    early_stopping: EarlyStopping::Never,
+    start: Some(&INVERSE),
+    paper_mae_m: f64::NAN,
 };
 
 /// The inverse mapping from real data.

@@ -312,7 +312,7 @@ fn networks_of(
 /// How much data a network of a cell depends on: real points, points of the error model, or 0 for simulated data.
 pub(super) fn points_of(network: &NetworkDescription, cell: &TrialCell) -> usize {
     match network.data {
-        TrainingData::Simulated => 0,
+        TrainingData::Simulated | TrainingData::Randomised => 0,
         TrainingData::Real => cell.real_points,
         TrainingData::Generated => cell.gp_points,
     }

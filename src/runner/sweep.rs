@@ -8,7 +8,9 @@ use super::results::{Files, Publication, PublishError, failed};
 use crate::data::TableRow;
 use crate::data::rows::{ComparisonRow, SweepRow};
 use crate::data::tables::{Beside, to_csv_beside};
-use crate::report::{Published, SweepCell, SweepTable, SweptPoint, comparisons, gp_sweep, reach_sweep, response_sweep, track_sweep};
+use crate::report::{
+    Published, SweepCell, SweepTable, SweptPoint, comparisons, gp_sweep, reach_sweep, response_sweep, track_sweep,
+};
 use std::path::Path;
 
 /// The figure that every sweep has.

@@ -152,12 +152,16 @@ fn network_row(
     trained: &Trained,
     experiment: &Experiment,
 ) -> NetworkRow {
-    let simulated = network.data == TrainingData::Simulated;
+    let points = match network.data {
+        TrainingData::Simulated => experiment.explore.points,
+        TrainingData::Randomised => experiment.policies.dagger.samples(),
+        TrainingData::Real | TrainingData::Generated => points,
+    };
     NetworkRow {
         seed,
         training: training.to_owned(),
         network: network.name.to_owned(),
-        points: if simulated { experiment.explore.points } else { points } as u64,
+        points: points as u64,
         epochs: trained.epochs as u64,
         validation_mae_m: trained.validation_mae,
         paper_mae_m: network.paper_mae_m,

@@ -91,6 +91,10 @@ const BAD: &[(&str, &str)] = &[
         "bad.yaml:2:8: model: found a mapping, expected a model with equations",
     ),
     (
+        "model: {constant_curvature: {}}\nruns: {reach: [{policies: [dagger], modes: [closed]}]}",
+        "bad.yaml:2:8: model: found a mapping, expected a `simulated` model, as policy `dagger` needs",
+    ),
+    (
         "runs: {response: {cells: [{policies: [mpc], modes: [closed]}]}}",
         "bad.yaml:2:27: runs.response.cells[0].gp_points: found nothing, expected sizes for policy `mpc`",
     ),

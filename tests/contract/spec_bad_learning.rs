@@ -18,7 +18,10 @@ const BAD: &[(&str, &str)] = &[
         "bad.yaml:2:44: runs.gp_leave_one_out[0]: found 0, expected a share",
     ),
     ("policies: {a_online: {points: 0}}", "bad.yaml:2:31: policies.a_online.points: found 0, expected a whole number"),
-    ("policies: {a_online: {most_m: 0}}", "bad.yaml:2:31: policies.a_online.most_m: found 0, expected a finite number above 0"),
+    (
+        "policies: {a_online: {most_m: 0}}",
+        "bad.yaml:2:31: policies.a_online.most_m: found 0, expected a finite number above 0",
+    ),
     (
         "policies: {a_online: {leaves: newest}}",
         "bad.yaml:2:31: policies.a_online.leaves: found the unknown name `newest`, expected",

@@ -305,9 +305,9 @@ fn controllers_are_told_apart() {
     let folder = tempfile::tempdir().unwrap();
     let spec = format!(
         "extends: {SMOKE}\nname: told\nseeds: 2\nruns:\n  gap: null\n  gp_points: []\n  forward: false\n  reach: []\n  track: null\n  \
-         response:\n    duration_s: 4\n    cells:\n      - {{policies: [a, b, integral, online_jacobian, model_integral, mpc, a_integral], modes: [open, closed, closed_load], gp_points: [20]}}\n  \
+         response:\n    duration_s: 4\n    cells:\n      - {{policies: [a, b, integral, online_jacobian, model_integral, mpc, a_integral, dagger], modes: [open, closed, closed_load], gp_points: [20]}}\n  \
          pace:\n    lap_s: 8\n    lead_in_s: 2\n    speeds: [1, 2]\n    cells:\n      - {{policies: [integral, mpc], modes: [closed], gp_points: [20]}}\n\
-         figures: [controllers]\nclaims: []\n"
+         policies:\n  dagger: {{rounds: 2, robots: 4, targets: 4, ticks: 12}}\nfigures: [controllers]\nclaims: []\n"
     );
     std::fs::write(folder.path().join("told.yaml"), spec).unwrap();
     run(folder.path(), &["told.yaml", "--threads", "1", "--out", "one", "--cache", "cache1"]);
@@ -318,8 +318,8 @@ fn controllers_are_told_apart() {
     let responses = rows("responses.csv");
     assert!(responses.lines().skip(1).all(|line| line.ends_with(",ok")), "{responses}");
     assert!(!responses.contains(",integral,open,"), "a policy that needs feedback has no open loop");
-    // Two seeds and trainings, three targets: three policies in two modes, four in three.
-    assert_eq!(responses.lines().count(), 1 + 2 * 2 * 3 * (3 * 2 + 4 * 3));
+    // Two seeds and trainings, three targets: three policies in two modes, five in three.
+    assert_eq!(responses.lines().count(), 1 + 2 * 2 * 3 * (3 * 2 + 5 * 3));
     assert_eq!(rows("paces.csv").lines().count(), 1 + 2 * 2 * 2 * 2);
     assert!(["| online Jacobian |", "| MPC |"].iter().all(|label| rows("controllers.md").contains(label)));
     assert!(folder.path().join("one/plots/told/controllers.png").is_file());

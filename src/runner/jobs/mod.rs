@@ -17,6 +17,7 @@ pub(super) mod gp_coverage;
 pub(super) mod gp_leave_one_out;
 pub(super) mod gp_pool;
 pub(super) mod identified;
+pub(super) mod imitating_network;
 pub(super) mod networks;
 pub(super) mod outside_part;
 pub(super) mod path;

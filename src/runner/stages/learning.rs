@@ -4,12 +4,13 @@ use super::{Added, Stages, stops};
 use crate::data::rows::{GpCoverageRow, GpLeaveOneOutRow, GpRow};
 use crate::learn::gp::Gp;
 use crate::learn::networks::{NetworkConfig, Trained};
-use crate::policies::{FORWARD, NetworkDescription, TrainingData};
+use crate::policies::{FORWARD, INVERSE, NetworkDescription, TrainingData};
 use crate::runner::failure::Failure;
 use crate::runner::jobs::gaussian_process::{GP, GP_SCORE, GpParams};
 use crate::runner::jobs::generated_network::train_generated;
 use crate::runner::jobs::gp_coverage::{CoverageParams, GP_COVERAGE};
 use crate::runner::jobs::gp_leave_one_out::GP_LEAVE_ONE_OUT;
+use crate::runner::jobs::imitating_network::{ImitationParams, train_imitating};
 use crate::runner::jobs::networks::{NetworkParams, train};
 use crate::runner::stage::{Handle, StageKind};
 use crate::specs::{GeneratedStart, Training};
@@ -49,6 +50,13 @@ impl Stages<'_> {
                 let warm = self.spec.generated_start == GeneratedStart::Trained;
                 let inputs = (samples, gp, start.filter(|_| warm), self.simulating_network(training)?);
                 self.graph.stage(&train_generated(network), label, params, inputs)
+            }
+            TrainingData::Randomised => {
+                let start = self.network(network.start.unwrap_or(&INVERSE), training, 0)?;
+                let (model, explore) = (self.parts.model.clone(), self.spec.explore);
+                let (policies, step_s) = (self.parts.policies.clone(), self.step_s());
+                let params = ImitationParams { network: params, model, explore, policies, step_s };
+                self.graph.stage(&train_imitating(network), label, params, start)
             }
         }
     }
@@ -117,5 +125,6 @@ pub(super) fn kind(network: &NetworkDescription) -> StageKind {
     match network.data {
         TrainingData::Simulated | TrainingData::Real => train(network).kind,
         TrainingData::Generated => train_generated(network).kind,
+        TrainingData::Randomised => train_imitating(network).kind,
     }
 }

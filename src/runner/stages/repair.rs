@@ -53,7 +53,8 @@ impl RepairVariant {
     /// The variants of a policy: there is nothing to mend in one that was trained on nothing.
     fn of(entry: &PolicyEntry) -> Vec<RepairVariant> {
         let mut variants = vec![RepairVariant::Before, RepairVariant::Changed];
-        let simulated = entry.networks().any(|network| network.data != TrainingData::Real);
+        let simulated =
+            entry.networks().any(|network| matches!(network.data, TrainingData::Simulated | TrainingData::Generated));
         variants.extend(simulated.then_some(RepairVariant::Repaired));
         variants.extend(entry.uses_error_model().then_some(RepairVariant::NewPoints));
         variants.extend(entry.uses_real_data().then_some(RepairVariant::NewReal));

@@ -7,7 +7,7 @@ use crate::base::BadOption;
 use crate::effects::{check_effect_units, check_effects};
 use crate::learn::LearnError;
 use crate::plants::PlantSpec;
-use crate::policies::{self, ModelAccess};
+use crate::policies::{self, ModelAccess, PolicyEntry};
 use crate::report::FIGURES;
 use crate::specs::document::error::SpecError;
 use crate::specs::document::locate::PathEnd;
@@ -307,6 +307,10 @@ impl Checker<'_> {
                 format!("a model with equations (`simulated`, `constant_curvature`), as policy `{name}` needs");
             let model = KeyPath::default().key("model");
             self.unless(!asks || has_tip_model(&self.experiment.model), &model, &expected)?;
+            let varied = policies::find(name).is_some_and(PolicyEntry::uses_randomised_robots);
+            let expected = format!("a `simulated` model, as policy `{name}` needs");
+            let simulated = matches!(self.experiment.model, PlantSpec::Simulated(_));
+            self.unless(!varied || simulated, &model, &expected)?;
         }
         Ok(())
     }
