@@ -121,7 +121,7 @@ table_rows! {
         /// `paper` or `converged`.
         pub training: String,
         /// `forward` (command to tip), `inverse` (tip to command, for `a`), `inverse_b` (the same from generated
-        /// data, for `b`) or `pi_real` (from real data).
+        /// data, for `b`), `pi_real` (from real data) or `dagger` (from robots that differ).
         pub network: String,
         /// Points behind it: real ones for `pi_real`, those of the Gaussian process for `inverse_b`, else simulated
         /// ones.
@@ -258,8 +258,9 @@ table_rows! {
     "sweep.csv", key [task, training, policy, mode, gp_points, real_points]:
     /// An error at one point of a sweep, over seeds; the swept fields stand in columns before these (`sweep.csv`).
     pub struct SweepRow {
-        /// What the error is of: `reach` (distance to the target at the end of a trial), `response` (the same of the true tip at the end
-        /// of a trial of fixed duration), `track` (mean distance to the target over a run) or `gp` (cross-validated error of the Gaussian process).
+        /// What the error is of: `reach` (distance to the target at the end of a trial), `response` (the same of the true tip
+        /// at the end of a trial of fixed duration), `track` (mean distance to the target over a run) or `gp` (cross-validated
+        /// error of the Gaussian process).
         pub task: String,
         /// `paper`, `converged`, or `any` where no network takes part.
         pub training: String,
