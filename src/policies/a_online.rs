@@ -194,7 +194,7 @@ mod tests {
             let asked_m = model.error_m(&pulls_m, &simulated_m);
             distance_m(&asked_m, &error.error_m(&pulls_m, &simulated_m))
         };
-        assert!(moved_m(&*learning) > 0.02, "{}", moved_m(&*learning));
+        assert!(moved_m(&*learning) > 0.01, "{}", moved_m(&*learning));
         assert!((moved_m(&bounded) - 0.004).abs() < 1e-12, "{}", moved_m(&bounded));
     }
 
