@@ -7,7 +7,6 @@ mod closed_loop;
 mod faults;
 mod grbl;
 mod limits;
-mod motors;
 mod natnet_peer;
 mod plant;
 mod program;
