@@ -34,52 +34,56 @@ type CellKey<'a> = (usize, &'a str, usize, &'a str, usize, &'a str, [u64; 2]);
 /// The seed of a trial, run or process, and its error in metres, if any.
 type SeedError = (u64, Option<f64>);
 
+/// Training, policy and mode of an error, its real points, and the error with its seed.
+type SweptError<'a> = ([&'a str; 3], [u64; 2], SeedError);
+
 /// Goal reaching at one point.
 pub fn reach_sweep(trials: &[TrialRow]) -> Vec<SweepCell> {
-    let names = trainings(trials.iter().map(|row| row.training.as_str()));
-    let mut cells: BTreeMap<CellKey, Vec<SeedError>> = BTreeMap::new();
-    for row in trials {
-        let cell = cell(&names, [&row.training, &row.policy, &row.mode], [row.gp_points, row.real_points]);
-        let good = row.status == "ok" && row.error_m.is_finite();
-        cells.entry(cell).or_default().push((row.seed, good.then_some(row.error_m)));
-    }
-    rows("reach", cells)
+    let samples = trials.iter().map(|row| {
+        let names = [row.training.as_str(), &row.policy, &row.mode];
+        (names, [row.gp_points, row.real_points], (row.seed, good(&row.status, row.error_m)))
+    });
+    summarised("reach", samples.collect())
 }
 
 /// Trials of fixed duration at one point: the error of the true tip at their end.
 pub fn response_sweep(responses: &[ResponseRow]) -> Vec<SweepCell> {
-    let names = trainings(responses.iter().map(|row| row.training.as_str()));
-    let mut cells: BTreeMap<CellKey, Vec<SeedError>> = BTreeMap::new();
-    for row in responses {
-        let cell = cell(&names, [&row.training, &row.policy, &row.mode], [row.gp_points, row.real_points]);
-        let good = row.status == "ok" && row.error_end_m.is_finite();
-        cells.entry(cell).or_default().push((row.seed, good.then_some(row.error_end_m)));
-    }
-    rows("response", cells)
+    let samples = responses.iter().map(|row| {
+        let names = [row.training.as_str(), &row.policy, &row.mode];
+        (names, [row.gp_points, row.real_points], (row.seed, good(&row.status, row.error_end_m)))
+    });
+    summarised("response", samples.collect())
 }
 
 /// Path tracking at one point; `sizes` are each policy's real points, those of the Gaussian process first.
 pub fn track_sweep(runs: &[TrackSummaryRow], mode: &str, sizes: impl Fn(&str) -> [u64; 2]) -> Vec<SweepCell> {
-    let names = trainings(runs.iter().map(|row| row.training.as_str()));
-    let mut cells: BTreeMap<CellKey, Vec<SeedError>> = BTreeMap::new();
-    for row in runs {
-        let cell = cell(&names, [&row.training, &row.policy, mode], sizes(&row.policy));
-        let good = row.status == "ok" && row.mean_error_m.is_finite();
-        cells.entry(cell).or_default().push((row.seed, good.then_some(row.mean_error_m)));
-    }
-    rows("track", cells)
+    let samples = runs.iter().map(|row| {
+        let names = [row.training.as_str(), &row.policy, mode];
+        (names, sizes(&row.policy), (row.seed, good(&row.status, row.mean_error_m)))
+    });
+    summarised("track", samples.collect())
 }
 
 /// Gaussian processes at one point.
 pub fn gp_sweep(gps: &[GpRow]) -> Vec<SweepCell> {
-    let names = trainings(gps.iter().map(|row| row.training.as_str()));
+    let samples = gps.iter().map(|row| {
+        ([row.training.as_str(), "", ""], [row.points, 0], (row.seed, good("ok", row.cross_validation_mae_m)))
+    });
+    summarised("gp", samples.collect())
+}
+
+/// The error of what went well.
+fn good(status: &str, error_m: f64) -> Option<f64> {
+    (status == "ok" && error_m.is_finite()).then_some(error_m)
+}
+
+fn summarised(task: &str, samples: Vec<SweptError>) -> Vec<SweepCell> {
+    let order = trainings(samples.iter().map(|([training, ..], ..)| *training));
     let mut cells: BTreeMap<CellKey, Vec<SeedError>> = BTreeMap::new();
-    for row in gps {
-        let error_m = row.cross_validation_mae_m;
-        let cell = cell(&names, [&row.training, "", ""], [row.points, 0]);
-        cells.entry(cell).or_default().push((row.seed, error_m.is_finite().then_some(error_m)));
+    for (names, sizes, error) in samples {
+        cells.entry(cell(&order, names, sizes)).or_default().push(error);
     }
-    rows("gp", cells)
+    rows(task, cells)
 }
 
 fn cell<'a>(kinds: &[&str], [training, policy, mode]: [&'a str; 3], sizes: [u64; 2]) -> CellKey<'a> {
