@@ -109,11 +109,13 @@ bench: build ## microbenchmarks, then one repetition of everything from nothing:
 PARTS ?= 7
 blind: build ## `discover` on 1,148 blind cases (hours; PARTS=1 for a seventh): docs/blind_benchmark.md
 	$(SPINEBENCH) run experiments/discovery_full.yaml --seeds $(PARTS) --out $(if $(filter 7,$(PARTS)),.,out)
+	$(SPINEBENCH) run experiments/discovery_twin.yaml --out $(if $(filter 7,$(PARTS)),.,out)
 	$(if $(filter 7,$(PARTS)),$(SPINEBENCH) page docs/blind_benchmark.md)
 
 campaign: ## the long tests (hours): 200 kills, every case of `discover`, 100,000 random robots (CAMPAIGN_DRAWS=1000 for a look)
 	mkdir -p results/robustness
 	KILLS=200 cargo test --release --test program kills
+	cargo test --release --test program -- --ignored
 	cargo test --release --test discovery -- --ignored
 	cargo test --release --test hardware campaign_ -- --ignored
 	cargo test --release --test rod a_hundred_intervals -- --ignored

@@ -5,7 +5,7 @@
 //! robot, other laws for some effects, and noise.
 //!
 //! Order: options and commands, `injection` (effects and disturbances), `truth`, `oracle` (what the catalogue can
-//! imitate), `drawing` (of a case), `public_case`, `scores`.
+//! imitate), `drawing` (of a case), `public_case`, `recorded` (cases of others), `scores`.
 
 mod commands;
 mod drawing;
@@ -14,6 +14,7 @@ mod injection;
 mod options;
 mod oracle;
 mod public_case;
+mod recorded;
 mod scores;
 mod truth;
 
@@ -27,5 +28,6 @@ pub use injection::injected_effects::InjectedEffect;
 pub use options::{CaseBatch, CaseGroup, OracleOptions, Prior, TruthOptions};
 pub use oracle::CatalogueSpan;
 pub use public_case::{PublicCase, add_noise, measure_case};
+pub use recorded::{RecordedCase, RecordedCases};
 pub use scores::{AnsweredEffect, CaseAnswer, ScoredCase, failed, score};
 pub use truth::Truth;

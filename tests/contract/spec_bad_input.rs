@@ -231,6 +231,11 @@ const BAD: &[(&str, &str)] = &[
     ("plant: {hologram: {}}", "bad.yaml:2:"),
     ("name: [", "bad.yaml:3:1: found"),
     ("name: a\nname: b", "bad.yaml:"),
+    (
+        "runs: {discovery: {recordings: [{truth: none.csv}]}}",
+        "bad.yaml:2:41: runs.discovery.recordings[0].truth: found none.csv: cannot read",
+    ),
+    ("runs: {discovery: {batches: []}}", "bad.yaml:2:29: runs.discovery.batches: found an empty list, expected"),
 ];
 
 #[test]

@@ -101,6 +101,7 @@ fn pairs_are_two_effects_and_nothing_is_nothing() {
 }
 
 #[test]
+#[ignore = "make campaign"]
 fn the_oracle_knows_inside_from_outside() {
     let commands = walk(60, 6);
     let span = CatalogueSpan::new(&model(), &commands, &priors(), 5e-4).unwrap();

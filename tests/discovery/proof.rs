@@ -17,6 +17,7 @@ fn move_held_out(measured: &mut Recording, first: &Discovery, by_m: impl Fn(usiz
 
 /// Held-out trials take no part in naming or fitting: other data there change nothing but the proof.
 #[test]
+#[ignore = "make campaign"]
 fn the_proof_is_kept_apart() {
     let mut measured = recorded("- tip_load: {mass_kg: 0.006}", 4, 5, 0.0);
     let first = found(&measured, &Options::default());
@@ -46,6 +47,7 @@ fn trials_without_tracking_prove_nothing() {
 
 /// A name that held-out trials do not bear out is taken back, though they had no part in finding it.
 #[test]
+#[ignore = "make campaign"]
 fn held_out_trials_can_refute_an_answer() {
     let mut measured = recorded("- tip_load: {mass_kg: 0.01}", 4, 5, 0.0);
     let first = found(&measured, &Options::default());
@@ -62,6 +64,7 @@ fn held_out_trials_can_refute_an_answer() {
 /// What the model has and the robot has not: less than nothing of it is in no catalogue, and the nearest effect that there is
 /// would have to go on beyond the end of its range.
 #[test]
+#[ignore = "make campaign"]
 fn what_the_model_has_too_much_of_is_no_other_effect() {
     let mut loaded = nominal();
     loaded.effects = crate::support::rods::effects("- tip_load: {mass_kg: 0.02}");

@@ -20,6 +20,7 @@ fn nothing_is_found_where_nothing_is_hidden() {
 /// Case 942 of experiments/discovery_full.yaml: the zero of a drive stands for its gain, in many ways a little badly, and worst
 /// where it does most.
 #[test]
+#[ignore = "make campaign"]
 fn what_only_resembles_the_gap_is_unexplained() {
     let options = Options { left_out: vec!["actuator_gain".to_owned()], ..Options::default() };
     let found = found(&from_benchmark("case_942.csv"), &options);
@@ -33,6 +34,7 @@ fn what_only_resembles_the_gap_is_unexplained() {
 
 /// Dry friction as another simulator has it, which does not yield before it slips, is near enough to ours.
 #[test]
+#[ignore = "make campaign"]
 fn a_law_that_is_nearly_the_robots_is_named() {
     let friction = discover(&nominal(), &chain("r40.csv"), Some(&chain("baseline.csv")), &Options::default()).unwrap();
     assert_eq!(names(&friction), ["friction"], "{}", friction.findings.summary);
@@ -40,6 +42,7 @@ fn a_law_that_is_nearly_the_robots_is_named() {
 
 /// A spine that softens where it has been bent is told by laws of the catalogue that leave more than noise.
 #[test]
+#[ignore = "make campaign"]
 fn what_a_law_that_is_only_like_the_robots_leaves_is_said() {
     let softening = discover(&nominal(), &chain("r18.csv"), Some(&chain("baseline.csv")), &Options::default()).unwrap();
     let said = &softening.findings.limitations;

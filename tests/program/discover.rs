@@ -108,6 +108,7 @@ fn everything_that_the_interface_names_is_written() {
 
 /// A gram on the tip looks like a heavier rod, until more has been recorded on the plant.
 #[test]
+#[ignore = "make campaign"]
 fn a_plant_is_recorded_on_until_rivals_are_told_apart() {
     let bench = Bench::new();
     bench.twin("short.csv", 150, &|_, cells| cells);

@@ -247,7 +247,8 @@ fn discover_tells_its_steps() {
     let desk = desk();
     let root = env!("CARGO_MANIFEST_DIR");
     let command = format!(
-        "discover --log json --model {root}/models/nominal.yaml --measured {root}/tests/data/twin/r12.csv --out out"
+        "discover --log json --model {root}/models/nominal.yaml --measured {root}/tests/reference/twin/nothing.csv \
+         --baseline {root}/tests/reference/twin/baseline.csv --out out"
     );
     let said = desk.ok(&command);
     for step in ["checking the recording", "trying the effects one by one", "fitting the answer with full accuracy"] {

@@ -51,6 +51,13 @@ pub struct Disturbance {
     pub place: f64,
 }
 
+impl Disturbance {
+    /// One of which nothing but the name is known.
+    pub(crate) fn named(name: &str) -> Disturbance {
+        Disturbance { name: name.to_owned(), size: f64::NAN, tendon: 0, direction: [f64::NAN; 3], place: f64::NAN }
+    }
+}
+
 /// All kinds.
 pub const DISTURBANCES: &[DisturbanceKind] = &[
     DisturbanceKind {

@@ -3,13 +3,15 @@
 
 use super::{Added, Stages};
 use crate::benchmark::{
-    self, CaseAnswer, CaseBatch, CaseDesign, CatalogueSpan, Commands, Prior, PublicCase, ScoredCase, Truth,
+    self, CaseAnswer, CaseBatch, CaseDesign, CatalogueSpan, Commands, Prior, PublicCase, RecordedCase, RecordedCases,
+    ScoredCase, Truth,
 };
+use crate::data::DataError;
 use crate::discovery::Options;
 use crate::effects::Model;
 use crate::runner::jobs::blind::{COMMANDS, CommandParams, RECORDING, SPAN, SpanParams, TRUTH};
 use crate::runner::jobs::blind_score::{SCORE, ScoreParams};
-use crate::runner::jobs::discover::DISCOVER;
+use crate::runner::jobs::discover::{DISCOVER, DISCOVER_RECORDED, RECORDED_TRUTH, RecordedFile, RecordedParams};
 use crate::runner::outcomes::Outcomes;
 use crate::runner::stage::Handle;
 use crate::specs::{DiscoveryRun, PlantSpec};
@@ -80,7 +82,11 @@ impl Stages<'_> {
         resolution.cell_m = resolution.cell_m.max(run.options.cell_m);
         let priors = run.options.uncertain.iter().map(prior).collect();
         let benchmark = Benchmark { run, model: &plant.model, quick, priors };
-        let all: usize = run.batches.iter().map(|batch| batch.cases).sum();
+        let unreadable =
+            |error: DataError| super::Failure { stage: "recordings".to_owned(), status: error.to_string() };
+        let recorded = run.recordings.iter().map(RecordedCases::cases).collect::<Result<Vec<_>, _>>();
+        let recorded: Vec<RecordedCase> = recorded.map_err(unreadable)?.into_iter().flatten().collect();
+        let all = run.batches.iter().map(|batch| batch.cases).sum::<usize>() + recorded.len();
         let mut case = self.repetition * all as u64;
         let mut cases = Vec::with_capacity(all);
         for batch in &run.batches {
@@ -91,7 +97,32 @@ impl Stages<'_> {
                 case += 1;
             }
         }
+        for recorded in recorded {
+            cases.push(self.recorded_case(&plant.model, &run.options, recorded, case)?);
+            case += 1;
+        }
         Ok(cases)
+    }
+
+    /// A recording of others, whose truth its table tells.
+    fn recorded_case(
+        &mut self,
+        model: &Model,
+        options: &Options,
+        recorded: RecordedCase,
+        case: u64,
+    ) -> Expanded<BlindStages> {
+        let RecordedCase { recording, baseline, truth, batch } = recorded;
+        let label = self.label(&format!("truth of case {case}"));
+        let truth = self.graph.stage(&RECORDED_TRUTH, label, truth, ())?;
+        let label = self.label(&format!("discovery in case {case}"));
+        let (measured, baseline) = (RecordedFile(recording), baseline.map(RecordedFile));
+        let params = RecordedParams { model: model.clone(), options: options.clone(), measured, baseline };
+        let answer = self.graph.stage(&DISCOVER_RECORDED, label, params, ())?;
+        let label = self.label(&format!("score of case {case}"));
+        let params = ScoreParams { case, batch: batch.clone(), correlation: 0.0, model: model.clone() };
+        let score = self.graph.stage(&SCORE, label, params, (truth, answer))?;
+        Ok(BlindStages { case, batch, correlation: 0.0, truth, score })
     }
 
     fn blind_case(

@@ -274,9 +274,13 @@ impl Checker<'_> {
         option(&path.key("truth"), discovery.truth.check())?;
         option(&path.key("oracle"), discovery.oracle.check())?;
         let batches = path.key("batches");
-        self.unless(!discovery.batches.is_empty(), &batches, "at least one batch")?;
+        let some = !discovery.batches.is_empty() || !discovery.recordings.is_empty();
+        self.unless(some, &batches, "at least one batch here or one table of `recordings`")?;
         let each = discovery.batches.iter().enumerate();
-        each.into_iter().try_for_each(|(index, batch)| option(&batches.item(index), batch.check()))
+        each.into_iter().try_for_each(|(index, batch)| option(&batches.item(index), batch.check()))?;
+        let each = discovery.recordings.iter().enumerate();
+        each.into_iter()
+            .try_for_each(|(index, recordings)| option(&path.key("recordings").item(index), recordings.check()))
     }
 
     fn track(&self, track: &TrackRun, path: &KeyPath) -> Result<(), SpecError> {

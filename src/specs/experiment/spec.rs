@@ -4,7 +4,7 @@ use super::claims::PaperClaim;
 use super::repair::RepairRun;
 use super::slurm::SlurmOptions;
 use crate::base::{Seed, is_default};
-use crate::benchmark::{CaseBatch, DrawnEffect, OracleOptions, Population, TruthOptions};
+use crate::benchmark::{CaseBatch, DrawnEffect, OracleOptions, Population, RecordedCases, TruthOptions};
 use crate::discovery::Options;
 use crate::effects::EffectSpec;
 use crate::learn::gp::GpConfig;
@@ -224,7 +224,11 @@ pub struct DiscoveryRun {
     #[serde(default)]
     pub oracle: OracleOptions,
     /// What is hidden, how strongly and how often.
+    #[serde(default)]
     pub batches: Vec<CaseBatch>,
+    /// Recordings of others whose truth is known; every repetition asks about all of them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub recordings: Vec<RecordedCases>,
 }
 
 /// The comparison of the exploration on model and robot.
