@@ -50,7 +50,10 @@ fn telling_files_change_the_keys_of_exactly_these_stages() {
     for kind in LEARNING.into_iter().chain(["gap"]) {
         assert!(!rod.contains(kind), "{kind}");
     }
-    assert_eq!(stages_of("discovery/fit/gauss_newton.rs"), only(&["discover", "identify", "diagnose"]));
+    assert_eq!(
+        stages_of("discovery/fit/gauss_newton.rs"),
+        only(&["discover", "discover_recorded", "identify", "diagnose"])
+    );
     assert!(stages_of("policies/c.rs").is_superset(&only(&["reach", "track"])));
     assert!(stages_of("policies/c.rs").is_disjoint(&only(&["collect_sim", "collect_real", "discover", "blind_truth"])));
     // A new policy retrains nothing.

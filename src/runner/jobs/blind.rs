@@ -42,6 +42,12 @@ pub(in crate::runner) const RECORDING: Stage<(CaseDesign, f64), RecordingInputs,
     },
 };
 
+/// The truth of a recording of others, which their table tells.
+pub(in crate::runner) const RECORDED_TRUTH: Stage<Truth, (), Truth> = Stage {
+    kind: StageKind { name: "recorded_truth", module: module_path!(), cost_ms: 1 },
+    job: |truth, ()| Ok(truth.clone()),
+};
+
 /// Parameters of [`COMMANDS`].
 #[derive(serde::Serialize)]
 pub(in crate::runner) struct CommandParams {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::{Serialize, Serializer};
 
-use crate::benchmark::{CaseAnswer, PublicCase, Truth};
+use crate::benchmark::{CaseAnswer, PublicCase};
 use crate::data::Recording;
 use crate::discovery::{Options, discover};
 use crate::effects::Model;
@@ -28,12 +28,6 @@ pub(in crate::runner) const DISCOVER_RECORDED: Stage<RecordedParams, (), CaseAns
         let baseline = params.baseline.as_ref().map(read).transpose()?;
         answer(&params.model, &read(&params.measured)?, baseline.as_ref(), &params.options)
     },
-};
-
-/// The truth of such a recording, which its table tells.
-pub(in crate::runner) const RECORDED_TRUTH: Stage<Truth, (), Truth> = Stage {
-    kind: StageKind { name: "recorded_truth", module: module_path!(), cost_ms: 1 },
-    job: |truth, ()| Ok(truth.clone()),
 };
 
 /// Parameters of [`DISCOVER_RECORDED`].

@@ -43,6 +43,6 @@ pub(super) fn kinds() -> Vec<StageKind> {
     kinds.extend([repaired::EXPLORE_REPAIRED.kind, repaired::POINTS_REPAIRED.kind, retrain::RETRAIN.kind]);
     kinds.extend([blind::COMMANDS.kind, blind::SPAN.kind, blind::TRUTH.kind, blind::RECORDING.kind]);
     kinds.extend([discover::DISCOVER.kind, blind_score::SCORE.kind]);
-    kinds.extend([discover::DISCOVER_RECORDED.kind, discover::RECORDED_TRUTH.kind]);
+    kinds.extend([discover::DISCOVER_RECORDED.kind, blind::RECORDED_TRUTH.kind]);
     kinds
 }
