@@ -23,6 +23,12 @@ WARM_UP = 12
 """Steps for which a random command is held when targets are drawn."""
 
 
+def lengths(vectors: Array) -> Array:
+    """Lengths of vectors (n, 3)."""
+    found: Array = np.sqrt((vectors * vectors).sum(axis=1))
+    return found
+
+
 class _Task:
     """Robots with targets: what one environment and a vector of them share."""
 
@@ -127,14 +133,14 @@ class _Task:
         """Rewards, terminated, truncated and distances (m) of all robots after a step."""
         self.last = self.robots.step(actions)
         self.steps += 1
-        distances = np.linalg.norm(self.last.tips_m - self.targets_m, axis=1)
-        failed = np.array([status != "ok" for status in self.last.status])
-        within = distances <= self.within_m if self.within_m is not None else np.zeros(len(distances), dtype=bool)
-        self.held = np.where(within, self.held + 1, 0)
+        distances = lengths(self.last.tips_m - self.targets_m)
+        terminated = np.array([status != "ok" for status in self.last.status])
+        within = distances <= (-1.0 if self.within_m is None else self.within_m)
+        self.held = (self.held + 1) * within
         rewards = self._rewards(distances, within, actions)
-        rewards[failed] = -1.0
-        reached = (self.held >= self.hold_steps) & (not self._follows_path)
-        terminated = failed | reached
+        rewards[terminated] = -1.0
+        if not self._follows_path:
+            terminated |= self.held >= self.hold_steps
         truncated = (self.steps >= self.max_steps) & ~terminated
         if self._follows_path:
             places = np.minimum(self.steps, len(self.pool_m) - 1)
@@ -155,9 +161,14 @@ class _Task:
     def observations(self) -> Observation:
         """Observations (n, observation_size) in lengths of the robot at home; the wanted commands in shares of travel."""
         assert self.last is not None
-        tips = np.nan_to_num(self.last.tips_m, nan=0.0)
-        parts = [tips / self.scale_m, self.targets_m / self.scale_m, (self.targets_m - tips) / self.scale_m]
-        return np.concatenate([*parts, self.robots.wanted()], axis=1).astype(np.float32)
+        tips, seen = self.last.tips_m, np.empty((len(self.steps), self.observation_size), dtype=np.float32)
+        if np.isnan(tips).any():
+            tips = np.nan_to_num(tips, nan=0.0)
+        seen[:, 0:3] = tips / self.scale_m
+        seen[:, 3:6] = self.targets_m / self.scale_m
+        seen[:, 6:9] = (self.targets_m - tips) / self.scale_m
+        seen[:, 9:] = self.robots.wanted()
+        return seen
 
     def picture(self, index: int = 0) -> NDArray[np.uint8]:
         """Robot `index` from the side and from the front."""
@@ -212,7 +223,8 @@ class RobotEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         super().reset(seed=seed)
         self.task.reset([0], [self.np_random])
         self._done = False
-        return self.task.observations()[0], self._info(np.linalg.norm(self._tip() - self.task.targets_m[0]))
+        assert self.task.last is not None
+        return self.task.observations()[0], self._info(lengths(self.task.last.tips_m - self.task.targets_m)[0])
 
     def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         if self.task.last is None or self._done:
@@ -232,11 +244,6 @@ class RobotEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     def close(self) -> None:
         self._task = None
-
-    def _tip(self) -> Array:
-        assert self.task.last is not None
-        tip: Array = self.task.last.tips_m[0]
-        return tip
 
     def _info(self, distance_m: Any) -> dict[str, Any]:
         last = self.task.last
@@ -319,8 +326,7 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Observation, NDArray[np.float32]
 
     def _distances(self) -> Array:
         assert self.task.last is not None
-        distances: Array = np.linalg.norm(self.task.last.tips_m - self.task.targets_m, axis=1)
-        return distances
+        return lengths(self.task.last.tips_m - self.task.targets_m)
 
     def _info(self, distances: Array) -> dict[str, Any]:
         last = self.task.last
