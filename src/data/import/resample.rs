@@ -34,14 +34,13 @@ pub(crate) fn at(frames_s: &[f64], poses: &[Option<Pose>], time_s: f64, max_gap_
     let middle = frames_s.partition_point(|&frame_s| frame_s < time_s);
     let near = |frame: &usize| (frames_s[*frame] - time_s).abs() <= gap_s;
     let tracked = |frame: usize| poses[frame].as_ref().map(|pose| (frames_s[frame], motion(pose)));
-    let (to_s, to) = (middle..frames_s.len()).take_while(near).find_map(tracked)?;
-    if to_s - time_s <= SAME_S {
-        return Some(to);
+    let to = (middle..frames_s.len()).take_while(near).find_map(tracked);
+    let from = (0..middle).rev().take_while(near).find_map(tracked);
+    // A frame at this time needs no neighbour, on whichever side of it rounding has put the time.
+    if let Some((_, pose)) = [to, from].into_iter().flatten().find(|(frame_s, _)| (frame_s - time_s).abs() <= SAME_S) {
+        return Some(pose);
     }
-    let (from_s, from) = (0..middle).rev().take_while(near).find_map(tracked)?;
-    if time_s - from_s <= SAME_S {
-        return Some(from);
-    }
+    let ((from_s, from), (to_s, to)) = (from?, to?);
     (to_s - from_s <= gap_s).then(|| between(&from, &to, (time_s - from_s) / (to_s - from_s)))
 }
 
@@ -62,6 +61,7 @@ mod tests {
         assert!((bridged.translation.x - 0.5).abs() < 1e-12 && (bridged.rotation.angle() - 3.1).abs() < 1e-12);
         assert_eq!(at(&frames_s, &poses, 0.005, 0.019), None);
         assert_eq!(at(&frames_s, &poses, 0.02, 0.001).unwrap().translation.x, 2.0, "a frame needs no neighbour");
+        assert_eq!(at(&frames_s, &poses, 0.02 + 1e-12, 0.001).unwrap().translation.x, 2.0, "a sum of times is rounded");
         assert_eq!(at(&frames_s, &poses, 0.04 + 5e-7, 0.05).unwrap().translation.x, 4.0, "rounded times");
         assert!(at(&frames_s, &poses, -0.01, 1.0).is_none() && at(&frames_s, &poses, 0.05, 1.0).is_none());
         assert!(at(&frames_s, &[None; 5], 0.01, 1.0).is_none() && at(&[], &[], 0.0, 1.0).is_none());
