@@ -14,9 +14,7 @@ use spinebench::data::{Recording, tables};
 use spinebench::discovery::{Options, discover, telling_steps};
 use spinebench::runner::{self, Campaign, Progress, RunFacts, RunOptions, Store, Style};
 use spinebench::specs::{ExperimentSet, read_options};
-use spinebench::tasks::{
-    SimulationOptions, check_one_gravity, read_commands, read_measured, read_measured_tip, simulate_recording,
-};
+use spinebench::tasks::{SimulationOptions, check_one_gravity, read_commands, read_measured, simulate_recording};
 
 use crate::calls::{claim_global_threads, long};
 use crate::errors::Fault;
@@ -122,7 +120,7 @@ pub(crate) fn _calibrate(
 
 /// Reads a recording that a discovery explains.
 fn to_explain(file: &Path, model: &PyModel, at_rest: bool) -> Result<Recording, Fault> {
-    let recording = read_measured_tip(file, &model.0, at_rest)?;
+    let recording = read_measured(file, &model.0, at_rest)?;
     if !at_rest {
         recording.check_duration(file)?;
     }

@@ -16,7 +16,7 @@ use spinebench::runner::Progress;
 use spinebench::specs::{
     PlantSpec, SimulatedSpec, extended_text, files_behind, model_text, read_model, read_options, read_plant,
 };
-use spinebench::tasks::{SimulationOptions, read_measured_tip, simulate_recording};
+use spinebench::tasks::{SimulationOptions, read_measured, simulate_recording};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -79,7 +79,6 @@ impl DiscoverCommand {
         let measured = Recording::joined(&parts).map_err(|error| {
             CommandError::BadInput(format!("{}, line 1: {error}", self.measured[error.index].display()))
         })?;
-        let points = measured.points.iter().map(|point| point.name.as_str()).collect::<Vec<_>>().join(", ");
         let baseline = self.baseline.as_ref().map(|file| read(file, &given, options.at_rest)).transpose()?;
         self.refuse_own_baseline(&measured, baseline.as_ref())?;
         let plant = self.plant.as_ref().map(|file| simulated(file, &given)).transpose()?;
@@ -97,10 +96,6 @@ impl DiscoverCommand {
             found.findings.limitations.push(OWN_BASELINE.to_owned());
         }
         found.findings.limitations.extend(given.tracking.starts.told().map(str::to_owned));
-        if !points.is_empty() {
-            let words = format!("Of what was tracked the tip alone was compared; these points were not: {points}.");
-            found.findings.limitations.push(words);
-        }
         // The model is written as it was given, whatever `--starts` says.
         found.model.tracking.clone_from(&written.tracking);
         self.write(&written, &found, &recorded)?;
@@ -313,7 +308,7 @@ fn is_written(name: &str) -> bool {
 
 /// Reads a recording of this robot and checks durations and loads.
 fn read(file: &Path, model: &Model, at_rest: bool) -> Result<Recording, CommandError> {
-    let recording = read_measured_tip(file, model, at_rest).map_err(CommandError::bad_input)?;
+    let recording = read_measured(file, model, at_rest).map_err(CommandError::bad_input)?;
     if !at_rest {
         recording.check_duration(file).map_err(CommandError::bad_input)?;
     }

@@ -218,11 +218,14 @@ pub struct ResidualRow {
     pub time_s: f64,
     /// Whether the trial is held out.
     pub held_out: bool,
-    /// Measured tip, metres.
+    /// Name of the tracked point; empty for the tip.
+    #[serde(default)]
+    pub point: String,
+    /// Measured tip or point, metres.
     pub tip_x_m: f64,
-    /// Measured tip, metres.
+    /// Measured tip or point, metres.
     pub tip_y_m: f64,
-    /// Measured tip, metres.
+    /// Measured tip or point, metres.
     pub tip_z_m: f64,
     /// Measured minus given model, metres.
     pub before_x_m: f64,

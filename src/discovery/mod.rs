@@ -27,6 +27,7 @@ use crate::effects::Model;
 use answer::clock;
 use answer::final_fit::FinalFit;
 use answer::mistaken::mistaken;
+use answer::trial_by_trial::JudgedEffect;
 use mistakes::clock_offset::ClockOffset;
 use mistakes::mislabelled::Mistake;
 use mistakes::{clock_offset, excluded_rows, mislabelled};
@@ -74,7 +75,7 @@ pub fn discover(
     });
     let kept = if excluded.is_empty() { measured.clone() } else { excluded.without(measured) };
     let told_mistake = |mistake: &Mistake| -> Result<Discovery, DiscoveryError> {
-        let samples = Samples::played(&kept, options.playing(model));
+        let samples = options.samples(model, &kept);
         recording::validate::check(&kept, &samples)?;
         recording::validate::check_trials(&samples)?;
         let simulated_m = problem::simulate_model(model, &samples)?;
@@ -87,7 +88,7 @@ pub fn discover(
     }
     step("comparing the clocks of commands and tips");
     // Trials that are cut from a run begin with motion whose commands are not in them: that is no clock.
-    let begins_at_rest = || scattered_starts(&Samples::played(&kept, options.playing(model)), model).is_none();
+    let begins_at_rest = || scattered_starts(&options.samples(model, &kept), model).is_none();
     let offset = (!options.at_rest && begins_at_rest()).then(|| clock_offset::find(model, &kept, options)).flatten();
     let asked = Asked { model, measured, baseline: kept_baseline.as_ref(), options };
     let offset = offset.map(|offset| asked.refined(&kept, offset)).transpose()?;
@@ -129,7 +130,7 @@ impl Asked<'_> {
     /// The rows that are `kept`, with every tip later by the `offset` of the tracker's clock.
     fn shifted(&self, kept: &Recording, offset: Option<ClockOffset>) -> SearchedRows {
         let recording = offset.map_or_else(|| kept.clone(), |offset| kept.with_tips_later(offset.offset_s));
-        let samples = Samples::played(&recording, self.options.playing(self.model));
+        let samples = self.options.samples(self.model, &recording);
         let samples = match offset {
             Some(offset) => offset.uncertain_in(samples, self.model, kept, self.options),
             None => samples,
@@ -226,6 +227,11 @@ fn search_best(problem: &Problem) -> Result<(FinalFit, SearchOutcome), Discovery
     }
     step("fitting the answer with full accuracy");
     let (best, final_fit) = problem.rescore(&mut search, best, final_fit);
+    let judged = if best.fitted.members.is_empty() { problem.judge_by_trials(&search) } else { None };
+    if let Some(JudgedEffect { best, final_fit, evidence }) = judged {
+        let found = final_fit.replace_best(search.into_outcome(best));
+        return Ok((final_fit, SearchOutcome { by_trials: Some(evidence), ..found }));
+    }
     let found = final_fit.replace_best(search.into_outcome(best));
     Ok((final_fit, found))
 }

@@ -3,7 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::recording::blocks::Playing;
+use super::recording::samples::Samples;
 use crate::base::{BadOption, Seed};
+use crate::data::Recording;
 use crate::effects::Model;
 
 /// A parameter of the robot with a known uncertainty.
@@ -158,6 +160,11 @@ impl Options {
     /// How the rows of a recording of this robot follow each other.
     pub(super) fn playing(&self, model: &Model) -> Playing {
         Playing { starts: model.tracking.starts, at_rest: self.at_rest }
+    }
+
+    /// Samples of a recording of this robot: the tip and the points that the model places.
+    pub(super) fn samples(&self, model: &Model, measured: &Recording) -> Samples {
+        Samples::played(measured, &model.tracking.names(), self.playing(model))
     }
 
     /// Smallest tip displacement that is relevant for this robot, metres.

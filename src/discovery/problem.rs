@@ -184,7 +184,7 @@ impl Baseline {
         (options, clock_deviation_s): (&Options, Option<f64>),
     ) -> Result<Baseline, DiscoveryError> {
         // Both recordings have the same uncertain numbers; the baseline says nothing on the clock of the other.
-        let whole = Samples { clock_deviation_s, ..Samples::played(recording, options.playing(model)) };
+        let whole = Samples { clock_deviation_s, ..options.samples(model, recording) };
         validate::check(recording, &whole)?;
         let later = trial_starts::scattered_starts(&whole, model)
             .map(|starts| (trial_starts::without_starts(&whole), Some(starts)));

@@ -27,11 +27,13 @@ pub struct Trial<'a> {
     pub tip_loads: Option<&'a [TipWrench]>,
 }
 
-/// Tip positions of a replay and their derivatives.
+/// Tracked positions of a replay and the derivatives of the tip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Replayed {
     /// Measured position before the first command, then at the end of each, metres.
     pub tips_m: Vec<Point3>,
+    /// For each of them: the tracked points at that time, in the order of the model's `tracking.points`, metres.
+    pub points_m: Vec<Vec<Point3>>,
     /// For each of them: derivative with respect to each variable, metres per unit of it.
     pub rates: Vec<Vec<Point3>>,
 }
@@ -96,7 +98,7 @@ impl Trial<'_> {
     }
 
     fn play(&self, driven: &mut DrivenModel) -> Result<Replayed, ReplayError> {
-        let mut replayed = Replayed { tips_m: Vec::new(), rates: Vec::new() };
+        let mut replayed = Replayed { tips_m: Vec::new(), points_m: Vec::new(), rates: Vec::new() };
         match (self.starts, self.tensions) {
             (Starts::Anywhere, _) if !self.commands.is_empty() => self.begin_away(driven)?,
             (_, true) => driven.slack()?,
@@ -143,7 +145,9 @@ impl Trial<'_> {
 
 impl Replayed {
     fn add(&mut self, driven: &DrivenModel) {
-        self.tips_m.push(driven.observation(&[], 0.0).tip_m);
+        let seen = driven.observation(&[], 0.0);
+        self.tips_m.push(seen.tip_m);
+        self.points_m.push(seen.points.iter().map(|point| point.position_m).collect());
         self.rates.push(driven.tip_rates().iter().map(|rate| rate.position_m.into()).collect());
     }
 }

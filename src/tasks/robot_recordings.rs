@@ -35,23 +35,6 @@ pub fn read_measured(file: &Path, model: &Model, at_rest: bool) -> Result<Record
     Ok(measured)
 }
 
-/// Reads a recording as [`read_measured`] does; the tip must be in it.
-///
-/// # Errors
-/// As [`read_measured`].
-pub fn read_measured_tip(file: &Path, model: &Model, at_rest: bool) -> Result<Recording, DataError> {
-    let measured = read_measured(file, model, at_rest)?;
-    if measured.tip_m.is_some() {
-        return Ok(measured);
-    }
-    Err(DataError::Line {
-        file: file.to_owned(),
-        place: "line 1".into(),
-        found: "tracked points and no tip".into(),
-        expected: "the columns tip_x_m, tip_y_m and tip_z_m".into(),
-    })
-}
-
 /// Checks that a recording has the robot's number of tendons.
 ///
 /// # Errors

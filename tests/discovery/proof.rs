@@ -78,7 +78,7 @@ fn what_the_model_has_too_much_of_is_no_other_effect() {
 /// Of trials that are copies it is said that they prove nothing.
 #[test]
 fn copies_are_told() {
-    let once = recorded("- tip_load: {mass_kg: 0.006}", 3, 4, 0.0);
+    let once = recorded("[]", 3, 4, 0.0);
     let again = Recording { trial: once.trial.iter().map(|trial| trial + 10).collect(), ..once.clone() };
     let twice = Recording::joined(&[once.clone(), again.clone()]).unwrap();
     assert_eq!((once.copies(), twice.copies()), (Vec::new(), again.trials().into_iter().map(|(n, _)| n).collect()));
@@ -104,6 +104,7 @@ fn held_out_trials_can_refute_silence() {
 /// Case 4086 of experiments/discovery_full.yaml, 100 samples: a tendon's zero is off by −8 mm. In the trials of the fit −2 mm
 /// leave it as slack, in the one that is held out 3 mm do.
 #[test]
+#[ignore = "make campaign"]
 fn held_out_trials_do_not_refute_a_name_whose_size_is_open() {
     let found = found(&from_benchmark("case_4086.csv"), &Options::default());
     assert_eq!(names(&found), ["actuator_offset"], "{}", found.findings.summary);

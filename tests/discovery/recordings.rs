@@ -5,7 +5,7 @@ use spinebench::data::Recording;
 use spinebench::data::findings::Verdict;
 use spinebench::data::recording::Pose;
 use spinebench::discovery::{Discovery, DiscoveryError, Options, discover};
-use spinebench::effects::Model;
+use spinebench::effects::{BodyPoint, Model};
 use spinebench::tasks::{SimulationOptions, simulate_recording};
 
 use super::hidden::{NOISE_M, chain, found, names, nominal, part, recorded, told, trials, twin};
@@ -65,6 +65,31 @@ fn trials_that_do_not_start_at_home_are_noticed_and_answered_all_the_same() {
     }
     let whole = found(&whole, &Options::default());
     assert!(whole.findings.limitations.iter().all(|said| !said.contains("not every trial starts settled")));
+}
+
+/// Markers along the body and none on the tip: each is compared where the model places it.
+#[test]
+fn points_along_the_body_are_answered_without_a_tip() {
+    let mut model = nominal();
+    for (name, s_m) in [("low", 0.1), ("high", 0.19)] {
+        model.tracking.points.insert(name.to_owned(), BodyPoint { s_m, offset_m: [0.0, 0.005, 0.0] });
+    }
+    let truth = Model { effects: crate::support::rods::effects("- tip_load: {mass_kg: 0.01}"), ..model.clone() };
+    let options = SimulationOptions { noise_m: NOISE_M, ..Default::default() };
+    let recording = simulate_recording(&truth, &trials(&twin("nothing"), 0, 4), &options);
+    let points_only = Recording { tip_m: None, tip_quaternion: None, ..recording };
+    let found = discover(&model, &points_only, None, &Options::default()).unwrap();
+    assert_eq!(
+        (found.findings.verdict, names(&found)),
+        (Verdict::Named, vec!["tip_load"]),
+        "{}",
+        found.findings.summary
+    );
+    assert!((told(&found, "mass_kg").0 - 0.01).abs() < 5e-4, "{:?}", told(&found, "mass_kg"));
+    assert!(found.findings.summary.contains("rms error of all tracked places"), "{}", found.findings.summary);
+    let of = |name: &str| found.residuals.iter().filter(|row| row.point == name).count();
+    assert_eq!([of("low"), of("high"), of("")], [200, 200, 0]);
+    assert!(found.findings.disagreement.iter().any(|group| group.place == "tracked place: high"));
 }
 
 /// One long log: its parts are fitted and held out, each played with the seconds before it.

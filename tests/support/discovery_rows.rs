@@ -221,6 +221,7 @@ fn residuals() -> Vec<ResidualRow> {
                 trial,
                 time_s: 0.2 * f64::from(sample),
                 held_out: trial >= 6,
+                point: String::new(),
                 tip_x_m: side * a / bend,
                 tip_y_m: side * b / bend,
                 tip_z_m: 0.22 * bend.sin() / bend,

@@ -105,14 +105,14 @@ fn add_residuals(shown: &Shown, times_ns: &[u64], writer: &mut BagWriter, messag
             time_ns,
             numbers,
             json!({
-                "timestamp": stamp(time_ns), "trial": sample.trial, "held_out": sample.held_out,
+                "timestamp": stamp(time_ns), "trial": sample.trial, "held_out": sample.held_out, "point": sample.point,
                 "before_m": point(&before), "after_m": point(&after),
                 "before_size_m": size(&before), "after_size_m": size(&after),
             }),
         ));
         let both =
             [line(0, RESIDUAL_M, &[tip, model(&before)], BEFORE), line(0, RESIDUAL_M, &[tip, model(&after)], AFTER)];
-        messages.push((time_ns, lines, scene(time_ns, "residual", &both)));
+        messages.push((time_ns, lines, scene(time_ns, format!("residual {}", sample.point).trim_end(), &both)));
     }
 }
 

@@ -79,6 +79,13 @@ impl Recording {
         self.points.iter().find(|point| point.name == name)
     }
 
+    /// Whether the tip or a further point was seen in this row.
+    pub fn is_seen(&self, row: usize) -> bool {
+        let tip_m = self.tip_m.as_ref().map(|tips_m| tips_m[row]);
+        tip_m.is_some_and(|tip_m| tip_m.iter().all(|x| x.is_finite()))
+            || self.points.iter().any(|point| point.is_seen(row))
+    }
+
     /// Refuses a point that the robot's model does not place; `placed` are the names in its `tracking.points`.
     ///
     /// # Errors

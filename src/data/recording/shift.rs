@@ -1,6 +1,6 @@
 //! Recordings whose tips were measured at other times than their rows say.
 
-use super::Recording;
+use super::{PointTrack, Recording};
 use crate::base::Rows;
 
 /// Times closer than this are the same, seconds.
@@ -17,8 +17,8 @@ struct ShiftedRow {
 
 impl Recording {
     /// The recording with every tip `offset_s` later than its row says, and every command where it was. Commands keep a
-    /// row of their own, without a tip where none was measured; a tip from before the trial is dropped. Tips, base poses,
-    /// loads and `valid` are kept, other columns are not.
+    /// row of their own, without a tip where none was measured; a tip from before the trial is dropped. Tips, points, base
+    /// poses, loads and `valid` are kept, other columns are not.
     #[must_use]
     pub fn with_tips_later(&self, offset_s: f64) -> Recording {
         let mut shifted = Recording::new(self.actuation, self.tendons());
@@ -38,6 +38,7 @@ impl Recording {
         shifted.commands = commands;
         let tip = |row: &ShiftedRow| row.tip.zip(self.tip_m.as_ref()).map_or([f64::NAN; 3], |(tip, tips)| tips[tip]);
         shifted.tip_m = Some(rows.iter().map(tip).collect());
+        shifted.points = self.points.iter().map(|point| shifted_point(point, &rows)).collect();
         shifted.valid = Some(rows.iter().map(|row| row.tip.is_some_and(|tip| self.is_valid(tip))).collect());
         shifted.base =
             self.base.as_ref().map(|base| rows.iter().map(|row| base[row.tip.unwrap_or(row.command)]).collect());
@@ -48,6 +49,12 @@ impl Recording {
         shifted.tip_load = self.tip_load.as_ref().map(|load| rows.iter().map(|row| load[row.command]).collect());
         shifted
     }
+}
+
+/// A tracked point in the rows of the shifted recording, without its orientation.
+fn shifted_point(point: &PointTrack, rows: &[ShiftedRow]) -> PointTrack {
+    let position = |row: &ShiftedRow| row.tip.map_or([f64::NAN; 3], |tip| point.position_m[tip]);
+    PointTrack { name: point.name.clone(), position_m: rows.iter().map(position).collect(), quaternion: None }
 }
 
 /// Rows of one trial with commands at `time_s` and tips `offset_s` later.
@@ -86,12 +93,19 @@ mod tests {
             recording.commands.push(&[f64::from(row)]);
             tips_m.push([f64::from(row), trial as f64, 0.0]);
         }
+        let point = PointTrack { name: "mid".to_owned(), position_m: tips_m.clone(), quaternion: None };
+        recording.points = vec![point];
         recording.tip_m = Some(tips_m);
         recording
     }
 
     fn shown(shifted: &Recording) -> Vec<(u64, f64, f64, Option<f64>)> {
-        let tip = |row: usize| shifted.is_valid(row).then(|| shifted.tip_m.as_ref().unwrap()[row][0]);
+        let tip = |row: usize| {
+            let tip_m = shifted.is_valid(row).then(|| shifted.tip_m.as_ref().unwrap()[row]);
+            let point_m = shifted.points[0].is_seen(row).then(|| shifted.points[0].position_m[row]);
+            assert_eq!(point_m, tip_m, "points move with the tip");
+            tip_m.map(|tip_m| tip_m[0])
+        };
         let row = |row: usize| {
             (shifted.trial[row], (shifted.time_s[row] * 1e3).round(), shifted.commands.row(row)[0], tip(row))
         };

@@ -68,7 +68,7 @@ fn inputs(samples: &Samples, simulated_m: &[f64]) -> Rows {
     let covariates = sample_covariates(samples, simulated_m);
     let mut rows = Rows::new(covariates.first().map_or(0, |at| at.command.len() + 3));
     for at in &covariates {
-        rows.push(&at.command.iter().copied().chain(at.tip_m).collect::<Vec<f64>>());
+        rows.push(&at.command.iter().copied().chain(at.position_m).collect::<Vec<f64>>());
     }
     rows
 }

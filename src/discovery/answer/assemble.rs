@@ -4,6 +4,7 @@ use super::Discovery;
 use super::alternatives::Alternatives;
 use super::explained_share::ExplainedShare;
 use super::final_fit::FinalFit;
+use super::residual_rows::residual_rows;
 use super::verdict::{Decision, set_name};
 use super::{alternatives, residual_map, summary_text};
 use crate::data::Recording;
@@ -139,7 +140,7 @@ impl Problem<'_> {
     ) -> (CheckedDecision, Option<ExplainedShare>) {
         let best = &found.best.fitted;
         let explained = self.explained_share(fit_problem, best, final_fit.goodness.floor.rms_m());
-        let most = best.members.len() == 1 && self.explains_most(explained);
+        let most = found.by_trials.is_some() || best.members.len() == 1 && self.explains_most(explained);
         let sign = (final_fit.goodness.failed, most);
         let decided = fit_problem.decide(&self.fit_problem(), found, sign, self.options.rival_score);
         (self.check_on_held_out(fit_problem, best, decided, most), explained)
@@ -184,6 +185,7 @@ impl Problem<'_> {
             refused,
             objection: &answer.objection,
             remains: checked.remaining(),
+            error: self.all.error_name(),
             shared: self.shared(checked, noise),
         };
         findings.summary = summary_text::summary(findings, &beside);
@@ -231,7 +233,7 @@ impl Problem<'_> {
     ) -> CheckedDecision {
         let added = effect_specs(&self.candidates, &answer.members).unwrap_or_default();
         let mut gap = Gap {
-            metric: "rms tip error on held-out trials".to_owned(),
+            metric: format!("{} on held-out trials", self.all.error_name()),
             held_out_trials: self.held_out.trials.iter().map(|trial| trial.number).collect(),
             before_m: rms_m(&self.held_out.residual(&self.held_out_simulated_m)),
             after_m: f64::NAN,
@@ -320,29 +322,16 @@ impl Problem<'_> {
     }
 
     fn residual_rows(&self, after: &[f64], after_proof: &[f64]) -> Vec<ResidualRow> {
-        let mut rows = Vec::new();
+        let names = self.model.tracking.names();
         let parts = [
             (&self.training, &self.simulated_m, after, false),
             (&self.held_out, &self.held_out_simulated_m, after_proof, true),
         ];
-        for (samples, before, after, held_out) in parts {
-            let (before, after) = (samples.residual(before), samples.residual(after));
-            rows.extend(samples.rows.iter().enumerate().map(|(k, row)| ResidualRow {
-                trial: samples.trials[row.trial].number,
-                time_s: row.time_s,
-                held_out,
-                tip_x_m: row.tip_m[0],
-                tip_y_m: row.tip_m[1],
-                tip_z_m: row.tip_m[2],
-                before_x_m: before[3 * k],
-                before_y_m: before[3 * k + 1],
-                before_z_m: before[3 * k + 2],
-                after_x_m: after[3 * k],
-                after_y_m: after[3 * k + 1],
-                after_z_m: after[3 * k + 2],
-            }));
-        }
-        rows
+        let rows = parts.map(|(samples, before, after, held_out)| {
+            let [before, after] = [samples.residual(before), samples.residual(after)];
+            residual_rows(samples, &names, [&before, &after], &|_| held_out)
+        });
+        rows.concat()
     }
 
     fn build_map(&self, rows: &[ResidualRow], noise: &Ar1Noise) -> Vec<PlaceRow> {
@@ -355,7 +344,7 @@ impl Problem<'_> {
         let covariates = sample_covariates(&all, &simulated_m);
         let before: Vec<f64> = rows.iter().flat_map(|row| [row.before_x_m, row.before_y_m, row.before_z_m]).collect();
         let after: Vec<f64> = rows.iter().flat_map(|row| [row.after_x_m, row.after_y_m, row.after_z_m]).collect();
-        residual_map::residual_map(&covariates, &before, &after, noise)
+        residual_map::residual_map((&covariates, &self.model.tracking.names()), &before, &after, noise)
     }
 
     fn candidate_rows(&self, fit_problem: &FitProblem, found: &SearchOutcome, answer: &Decision) -> Vec<Candidate> {

@@ -3,14 +3,15 @@
 use super::Discovery;
 use super::alternatives::Alternatives;
 use super::residual_map;
+use super::residual_rows::residual_rows;
 use crate::data::Recording;
-use crate::data::findings::{Findings, Gap, MissingTest, Noise, ResidualRow, Verdict};
+use crate::data::findings::{Findings, Gap, MissingTest, Noise, Verdict};
 use crate::discovery::fit::ar1_noise::{Ar1Noise, LEAST_SIGMA_M};
 use crate::discovery::mistakes::mislabelled::Mistake;
 use crate::discovery::noise_floor::NoiseFloor;
 use crate::discovery::options::Options;
 use crate::discovery::recording::covariates::sample_covariates;
-use crate::discovery::recording::samples::{Sample, Samples, rms_m};
+use crate::discovery::recording::samples::{Samples, rms_m};
 use crate::discovery::recording::{holdout, validate};
 use crate::effects::Model;
 use crate::math::distribution::chi_squared_above;
@@ -29,8 +30,10 @@ pub(crate) fn mistaken(
     let floor_m = if floor_m.is_finite() && floor_m > 0.0 { floor_m } else { mistake.after_m };
     let sigma_m = [(floor_m / 3.0_f64.sqrt()).max(LEAST_SIGMA_M); 3];
     let noise = Ar1Noise { sigma_m, correlation: 0.0 };
-    let places = residual_map::residual_map(&sample_covariates(samples, simulated_m), &residual_m, &residual_m, &noise);
-    let residuals = residual_rows(samples, &residual_m, &held_out);
+    let (covariates, points) = (sample_covariates(samples, simulated_m), model.tracking.names());
+    let places = residual_map::residual_map((&covariates, &points), &residual_m, &residual_m, &noise);
+    let is_held_out = |trial: usize| held_out.contains(&trial);
+    let residuals = residual_rows(samples, &points, [&residual_m, &residual_m], &is_held_out);
     let unseen = residuals.iter().filter(|row| row.held_out);
     let before_m =
         rms_m(&unseen.flat_map(|row| [row.before_x_m, row.before_y_m, row.before_z_m]).collect::<Vec<f64>>());
@@ -51,7 +54,7 @@ pub(crate) fn mistaken(
         complete: false,
         model_form_m: options.model_form_m,
         gap: Gap {
-            metric: "rms tip error on held-out trials".to_owned(),
+            metric: format!("{} on held-out trials", samples.error_name()),
             held_out_trials: held_out.iter().map(|&trial| samples.trials[trial].number).collect(),
             before_m,
             after_m: before_m,
@@ -59,7 +62,7 @@ pub(crate) fn mistaken(
         disagreement: residual_map::disagreements(&places),
         candidates: Vec::new(),
         next_measurement: format!("Correct the recording or its set-up ({what}), then run `discover` again."),
-        summary: summary(mistake),
+        summary: summary(mistake, samples.error_name()),
         noise: Noise { sigma_m, correlation: 0.0, from: "repeats before any fit".to_owned() },
         missing_before: missing.clone(),
         missing_after: missing,
@@ -75,29 +78,10 @@ pub(crate) fn mistaken(
     Discovery { findings, model, residuals, places, alternatives, next_experiments, calibrated }
 }
 
-fn summary(mistake: &Mistake) -> String {
+fn summary(mistake: &Mistake, error: &str) -> String {
     let (before_mm, after_mm, what) = (1e3 * mistake.before_m, 1e3 * mistake.after_m, &mistake.what);
     format!(
-        "This is a mistake of recording or set-up rather than physics: if {what}, the rms tip error is {after_mm:.2} mm \
+        "This is a mistake of recording or set-up rather than physics: if {what}, the {error} is {after_mm:.2} mm \
          instead of {before_mm:.2} mm. No effect was sought and nothing was added to the model."
     )
-}
-
-/// Every sample with its residual, the same before and after; `held_out` are indices of trials.
-fn residual_rows(samples: &Samples, residual_m: &[f64], held_out: &[usize]) -> Vec<ResidualRow> {
-    let row = |(sample, apart): (&Sample, &[f64; 3])| ResidualRow {
-        trial: samples.trials[sample.trial].number,
-        time_s: sample.time_s,
-        held_out: held_out.contains(&sample.trial),
-        tip_x_m: sample.tip_m[0],
-        tip_y_m: sample.tip_m[1],
-        tip_z_m: sample.tip_m[2],
-        before_x_m: apart[0],
-        before_y_m: apart[1],
-        before_z_m: apart[2],
-        after_x_m: apart[0],
-        after_y_m: apart[1],
-        after_z_m: apart[2],
-    };
-    samples.rows.iter().zip(residual_m.as_chunks::<3>().0).map(row).collect()
 }

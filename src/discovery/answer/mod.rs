@@ -9,7 +9,9 @@ pub(crate) mod final_fit;
 pub(crate) mod mistaken;
 pub(crate) mod rescore;
 pub(crate) mod residual_map;
+mod residual_rows;
 pub(crate) mod summary_text;
+pub(crate) mod trial_by_trial;
 pub(crate) mod verdict;
 
 use crate::data::findings::{Findings, PlaceRow, ResidualRow};

@@ -77,7 +77,7 @@ mod tests {
         let mut samples = circling(&model, &[EffectSpec::tip_load(0.006)]);
         let noise = samples.noise(3e-4, 0.0, 1);
         for (row, noise) in samples.rows.iter_mut().zip(noise.chunks_exact(3)) {
-            row.tip_m = std::array::from_fn(|axis| row.tip_m[axis] + noise[axis]);
+            row.position_m = std::array::from_fn(|axis| row.position_m[axis] + noise[axis]);
         }
         let options = Options::default();
         let problem = Problem::new(&model, samples, None, &options).unwrap();

@@ -1,4 +1,4 @@
-//! Residual map: samples grouped by workspace, time, direction of motion, tension and history, each group with its
+//! Residual map: samples grouped by tracked place, workspace, time, direction of motion, tension and history, each group with its
 //! residual and p-value.
 
 use crate::data::findings::{Disagreement, PlaceRow};
@@ -18,16 +18,16 @@ struct SampleGroup {
 const FEWEST: usize = 8;
 const AXES: [&str; 4] = ["x", "y", "z", "all"];
 
-/// The map: every group along every axis and all together, before and after. Residuals have three values a sample,
+/// The map: every group along every axis and all together, before and after. `points`: names of the model's points. Residuals have three values a sample,
 /// metres.
 pub(crate) fn residual_map(
-    covariates: &[Covariates],
+    (covariates, points): (&[Covariates], &[String]),
     before: &[f64],
     after: &[f64],
     noise: &Ar1Noise,
 ) -> Vec<PlaceRow> {
     let mut found = Vec::new();
-    for group in groups(covariates).iter().filter(|group| group.rows.len() >= FEWEST) {
+    for group in groups(covariates, points).iter().filter(|group| group.rows.len() >= FEWEST) {
         for (axis, name) in AXES.into_iter().enumerate() {
             let (mean_before_m, rms_before_m, p_before) = summarise(&group.rows, before, axis, noise);
             let (mean_after_m, rms_after_m, p_after) = summarise(&group.rows, after, axis, noise);
@@ -88,18 +88,24 @@ fn summarise(rows: &[usize], residual: &[f64], axis: usize, noise: &Ar1Noise) ->
     (mean_m, (squares / count).sqrt(), spread)
 }
 
-fn groups(covariates: &[Covariates]) -> Vec<SampleGroup> {
+fn groups(covariates: &[Covariates], points: &[String]) -> Vec<SampleGroup> {
     let mut groups =
         vec![SampleGroup { by: "all", name: "all samples".to_owned(), rows: (0..covariates.len()).collect() }];
     let mut add = |by: &'static str, name: String, kept: &dyn Fn(&Covariates) -> bool| {
         let rows = (0..covariates.len()).filter(|&row| kept(&covariates[row])).collect();
         groups.push(SampleGroup { by, name, rows });
     };
+    if covariates.iter().any(|at| at.point.is_some()) {
+        add("tracked place", "tip".to_owned(), &|at| at.point.is_none());
+        for (index, name) in points.iter().enumerate() {
+            add("tracked place", name.clone(), &|at| at.point == Some(index));
+        }
+    }
     for axis in 0..3 {
-        let middle = quantile(&covariates.iter().map(|at| at.tip_m[axis]).collect::<Vec<f64>>(), 0.5);
+        let middle = quantile(&covariates.iter().map(|at| at.position_m[axis]).collect::<Vec<f64>>(), 0.5);
         let mm = whole_mm(middle);
-        add("workspace", format!("{} below {mm} mm", AXES[axis]), &|at| at.tip_m[axis] < middle);
-        add("workspace", format!("{} above {mm} mm", AXES[axis]), &|at| at.tip_m[axis] >= middle);
+        add("workspace", format!("{} below {mm} mm", AXES[axis]), &|at| at.position_m[axis] < middle);
+        add("workspace", format!("{} above {mm} mm", AXES[axis]), &|at| at.position_m[axis] >= middle);
     }
     let longest = covariates.iter().map(|at| at.time_s).fold(0.0, f64::max);
     for (third, name) in ["first third", "second third", "last third"].into_iter().enumerate() {

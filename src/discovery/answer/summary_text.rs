@@ -14,6 +14,8 @@ pub(crate) struct SummaryContext<'a> {
     pub(crate) objection: &'a str,
     /// What remains beside named effects, as a clause, if anything does.
     pub(crate) remains: Option<String>,
+    /// What the errors are.
+    pub(crate) error: &'static str,
     /// Error shared with the baseline.
     pub(crate) shared: Option<BaselineShare>,
 }
@@ -28,7 +30,7 @@ pub(crate) struct BaselineShare {
 
 /// Summary in one or two sentences.
 pub(crate) fn summary(findings: &Findings, beside: &SummaryContext) -> String {
-    let SummaryContext { sets, refused, objection, remains, .. } = beside;
+    let SummaryContext { sets, refused, objection, remains, error, .. } = beside;
     let (before_mm, after_mm) = (findings.gap.before_m * 1e3, findings.gap.after_m * 1e3);
     let floor_mm = findings.noise_floor_m * 1e3;
     let names = findings.effects.iter().map(|effect| effect.name.as_str()).collect::<Vec<_>>();
@@ -44,12 +46,12 @@ pub(crate) fn summary(findings: &Findings, beside: &SummaryContext) -> String {
         format!(" Something remains that the named effects do not explain: {remains}. {}", findings.pattern)
     });
     let held_out = format!(
-        "On held-out trials the rms tip error falls from {before_mm:.2} mm to {after_mm:.2} mm; the noise \
+        "On held-out trials the {error} falls from {before_mm:.2} mm to {after_mm:.2} mm; the noise \
          floor is {floor_mm:.2} mm.{shared}{more}"
     );
     match findings.verdict {
         Verdict::Consistent => format!(
-            "The data are consistent with the model, measurement noise and calibration uncertainty: rms tip error \
+            "The data are consistent with the model, measurement noise and calibration uncertainty: {error} \
          {before_mm:.2} mm on held-out trials, noise floor {floor_mm:.2} mm."
         ),
         Verdict::Named => format!("The model lacks {}. {held_out}", names.join(" and ")),

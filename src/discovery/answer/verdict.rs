@@ -107,7 +107,7 @@ impl FitProblem<'_> {
         let best = &found.best;
         let own = candidate_set(&best.fitted.members);
         let mut rivals: Vec<Vec<(usize, &ScoredSet)>> = vec![Vec::new(); best.fitted.members.len()];
-        for scored in found.tried.iter().filter(|scored| scored.is_rival_of(best, rival_score)) {
+        for scored in found.tried.iter().filter(|scored| found.is_rival(scored, rival_score)) {
             let theirs = candidate_set(&scored.fitted.members);
             for &other in theirs.difference(&own) {
                 for (instead, member) in rivals.iter_mut().zip(&best.fitted.members) {
@@ -138,11 +138,15 @@ impl FitProblem<'_> {
             if parameter.seek == Seek::Flag {
                 continue;
             }
-            if let Some([low, high]) = intervals.get(&index) {
+            if let Some(&[low, high]) = intervals.get(&index) {
+                // What single trials tell differs more than noise does where the model is not exact.
+                let half = found.by_trials.as_ref().map_or(0.0, |evidence| evidence.half_width)
+                    * (value - parameter.null).abs();
+                let [low, high] = [low.min(value - half), high.max(value + half)];
                 insert_parameter(
                     &mut interval_95,
                     parameter.name,
-                    Value::Array(vec![rounded_number(*low), rounded_number(*high)]),
+                    Value::Array(vec![rounded_number(low), rounded_number(high)]),
                 );
             }
         }
@@ -155,8 +159,12 @@ impl FitProblem<'_> {
         }
     }
 
-    /// Posterior probability of a candidate: share of the fitted sets, weighted by exp(score / 2), that contain it.
+    /// Posterior probability of a candidate: share of the fitted sets, weighted by exp(score / 2), that contain it. Where
+    /// trials decide, all sets that fit them equally well have the same.
     fn confidence(&self, candidate: usize, found: &SearchOutcome) -> f64 {
+        if let Some(evidence) = &found.by_trials {
+            return 1.0 / (1.0 + evidence.equals.len() as f64);
+        }
         let mut scores: BTreeMap<BTreeSet<usize>, f64> = BTreeMap::new();
         for scored in found.tried.iter().chain([&found.null]) {
             let best = scores.entry(candidate_set(&scored.fitted.members)).or_insert(scored.score);
@@ -222,8 +230,11 @@ impl FitProblem<'_> {
             };
             return format!("the additional effect {why}");
         }
-        if behind < rival_score {
+        if found.is_rival(scored, rival_score) {
             return "fits equally well: these data cannot tell the two apart".to_owned();
+        }
+        if found.by_trials.is_some() {
+            return "does not fit unseen trials better by more than the model leaves on this robot anyway".to_owned();
         }
         format!("fits worse: score lower by {behind:.0}")
     }

@@ -1,6 +1,8 @@
 //! Calibration on a baseline, a recording of the robot as built, and the errors that it shares with the measured
 //! recording (model form, tracking frame, settling), which are not attributed to an effect.
 
+use std::collections::BTreeSet;
+
 use nalgebra::DMatrix;
 
 use super::candidate::{CandidateEffect, SetMember};
@@ -53,8 +55,14 @@ pub(crate) fn calibrate(
     model.check().is_ok().then_some((model, CalibrationFactors { bending_stiffness, compliance }))
 }
 
-/// Basis of a smooth model-form error as a function of position and motion of the tip.
+/// Basis of a smooth model-form error as a function of position and motion of each tracked place.
 struct ModelFormBasis {
+    /// The places: the tip (none) and points.
+    places: Vec<(Option<usize>, PlaceBasis)>,
+}
+
+/// Basis of one place.
+struct PlaceBasis {
     middle_m: [f64; 3],
     spread_m: [f64; 3],
     speed_m_s: f64,
@@ -63,20 +71,42 @@ struct ModelFormBasis {
 impl ModelFormBasis {
     /// Basis scaled to the covariates of a baseline.
     fn new(covariates: &[Covariates]) -> ModelFormBasis {
-        let column = |axis: usize| covariates.iter().map(|at| at.tip_m[axis]).collect::<Vec<f64>>();
+        let points: BTreeSet<Option<usize>> = covariates.iter().map(|at| at.point).collect();
+        let basis = |point: Option<usize>| {
+            let own: Vec<&Covariates> = covariates.iter().filter(|at| at.point == point).collect();
+            (point, PlaceBasis::new(&own))
+        };
+        ModelFormBasis { places: points.into_iter().map(basis).collect() }
+    }
+
+    /// Terms in every sample, three values a sample, with their prior standard deviations.
+    fn columns(&self, covariates: &[Covariates]) -> Vec<NuisanceColumn> {
+        self.places.iter().flat_map(|(point, basis)| basis.columns(*point, covariates)).collect()
+    }
+}
+
+impl PlaceBasis {
+    fn new(covariates: &[&Covariates]) -> PlaceBasis {
+        let column = |axis: usize| covariates.iter().map(|at| at.position_m[axis]).collect::<Vec<f64>>();
         let moving: Vec<f64> = covariates.iter().flat_map(|at| at.velocity_m_s).collect();
-        ModelFormBasis {
+        PlaceBasis {
             middle_m: std::array::from_fn(|axis| crate::math::summary::mean(&column(axis))),
             spread_m: std::array::from_fn(|axis| crate::math::summary::standard_deviation(&column(axis)).max(1e-4)),
             speed_m_s: crate::math::summary::root_mean_square(&moving).max(SLOWEST_M_S),
         }
     }
 
-    /// Terms in every sample, three values a sample, with their prior standard deviations.
-    fn columns(&self, covariates: &[Covariates]) -> Vec<NuisanceColumn> {
-        let terms: Vec<Vec<f64>> = covariates.iter().map(|at| self.terms(at)).collect();
-        let moving: Vec<Vec<f64>> =
-            covariates.iter().map(|at| at.velocity_m_s.map(|v| v / self.speed_m_s).to_vec()).collect();
+    /// Terms in the samples of this place; zero in all others.
+    fn columns(&self, point: Option<usize>, covariates: &[Covariates]) -> Vec<NuisanceColumn> {
+        let in_place = |terms: &dyn Fn(&Covariates) -> Vec<f64>| -> Vec<Vec<f64>> {
+            let each = |at: &Covariates| {
+                let terms = terms(at);
+                if at.point == point { terms } else { vec![0.0; terms.len()] }
+            };
+            covariates.iter().map(each).collect()
+        };
+        let terms = in_place(&|at| self.terms(at));
+        let moving = in_place(&|at| at.velocity_m_s.map(|v| v / self.speed_m_s).to_vec());
         let mut columns = Vec::new();
         for (table, deviation) in [(&terms, FORM_M), (&moving, MOTION_FORM_M)] {
             for term in 0..table.first().map_or(0, Vec::len) {
@@ -89,10 +119,11 @@ impl ModelFormBasis {
         columns
     }
 
-    /// Monomials up to degree three in the tip position.
+    /// Monomials up to degree three in the position.
     fn terms(&self, at: &Covariates) -> Vec<f64> {
-        let x: [f64; 3] =
-            std::array::from_fn(|axis| ((at.tip_m[axis] - self.middle_m[axis]) / self.spread_m[axis]).clamp(-3.0, 3.0));
+        let x: [f64; 3] = std::array::from_fn(|axis| {
+            ((at.position_m[axis] - self.middle_m[axis]) / self.spread_m[axis]).clamp(-3.0, 3.0)
+        });
         let mut terms = vec![1.0];
         for i in 0..3 {
             terms.push(x[i]);

@@ -218,7 +218,7 @@ mod tests {
         let tips = simulate::tips(&model, &effects, &samples).unwrap();
         let mut noise = white_noise(5e-4, seed);
         for (row, tip) in samples.rows.iter_mut().zip(tips.chunks_exact(3)) {
-            row.tip_m = [tip[0] + noise(), tip[1] + noise(), tip[2] + noise()];
+            row.position_m = [tip[0] + noise(), tip[1] + noise(), tip[2] + noise()];
         }
         let nuisances = Nuisances::independent(3 * samples.len(), &[]);
         let open = vec![true; candidates.len()];

@@ -2,8 +2,9 @@
 
 use rayon::prelude::*;
 
+use crate::base::Point3;
 use crate::discovery::options::Options;
-use crate::discovery::recording::samples::{Samples, TrialCommands};
+use crate::discovery::recording::samples::{Sample, Samples, TrialCommands};
 use crate::effects::{EffectSpec, Model, Trial, replay};
 
 /// Coarse resolution for screening and rough fits: factors on time tolerance and cell length, and numbers of modes.
@@ -51,7 +52,7 @@ fn fine(model: &Model) -> Model {
     fine
 }
 
-/// Simulated tip at the fine resolution; none if the simulation fails.
+/// What [`tips`] says at the fine resolution; none if the simulation fails.
 pub(crate) fn fine_tips(model: &Model, extra: &[EffectSpec], samples: &Samples) -> Option<Vec<f64>> {
     let fine = fine(model);
     // Rest states that do not converge to the fine tolerance use the grid of the motion.
@@ -67,42 +68,58 @@ pub(crate) fn corrected(samples: &Samples, fine: &[f64], simulated_m: &[f64]) ->
     for (row, (fine, simulated_m)) in
         corrected.rows.iter_mut().zip(fine.chunks_exact(3).zip(simulated_m.chunks_exact(3)))
     {
-        row.tip_m = std::array::from_fn(|axis| row.tip_m[axis] - (fine[axis] - simulated_m[axis]));
+        row.position_m = std::array::from_fn(|axis| row.position_m[axis] - (fine[axis] - simulated_m[axis]));
     }
     corrected
 }
 
-/// Simulated tip of `model` with `extra` effects in every sample, three values a sample, metres; none if the
+/// Simulated tip or point of `model` with `extra` effects in every sample, three values a sample, metres; none if the
 /// simulation fails. Trials run in parallel.
 pub(crate) fn tips(model: &Model, extra: &[EffectSpec], samples: &Samples) -> Option<Vec<f64>> {
-    let simulated_m: Vec<Vec<[f64; 3]>> =
-        samples.trials.par_iter().map(|trial| simulate_trial(model, extra, trial)).collect::<Option<_>>()?;
-    Some(samples.rows.iter().flat_map(|row| simulated_m[row.trial][row.row]).collect())
+    let simulated: Vec<SimulatedPlaces> =
+        samples.trials.par_iter().map(|trial| SimulatedPlaces::new(model, extra, trial)).collect::<Option<_>>()?;
+    Some(samples.rows.iter().flat_map(|row| simulated[row.trial].position_m(row)).collect())
 }
 
-fn simulate_trial(model: &Model, extra: &[EffectSpec], trial: &TrialCommands) -> Option<Vec<[f64; 3]>> {
-    let commands = Trial {
-        commands: &trial.commands,
-        durations_s: &trial.durations_s,
-        tensions: trial.tensions,
-        at_rest: trial.at_rest,
-        starts: trial.starts.unwrap_or(model.tracking.starts),
-        tip_loads: trial.tip_loads.as_deref(),
-    };
-    let hung = (trial.known_load_kg > 0.0).then(|| EffectSpec::tip_load(trial.known_load_kg));
-    let extra: Vec<EffectSpec> = extra.iter().cloned().chain(hung).collect();
-    let gravity = trial.gravity_m_s2.map(|gravity_m_s2| {
-        let mut turned = model.clone();
-        turned.robot.gravity_m_s2 = gravity_m_s2;
-        turned
-    });
-    let model = gravity.as_ref().unwrap_or(model);
-    let mut tips = replay(model, &extra, &commands, &[]).ok()?.tips_m;
-    if trial.at_rest {
-        // The state before the first command belongs to no row.
-        tips.remove(0);
+/// Positions before the first command and at the end of each, or at rest under each, metres.
+struct SimulatedPlaces {
+    tips_m: Vec<Point3>,
+    /// Those of the tracked points, in the model's order.
+    points_m: Vec<Vec<Point3>>,
+}
+
+impl SimulatedPlaces {
+    fn new(model: &Model, extra: &[EffectSpec], trial: &TrialCommands) -> Option<SimulatedPlaces> {
+        let commands = Trial {
+            commands: &trial.commands,
+            durations_s: &trial.durations_s,
+            tensions: trial.tensions,
+            at_rest: trial.at_rest,
+            starts: trial.starts.unwrap_or(model.tracking.starts),
+            tip_loads: trial.tip_loads.as_deref(),
+        };
+        let hung = (trial.known_load_kg > 0.0).then(|| EffectSpec::tip_load(trial.known_load_kg));
+        let extra: Vec<EffectSpec> = extra.iter().cloned().chain(hung).collect();
+        let gravity = trial.gravity_m_s2.map(|gravity_m_s2| {
+            let mut turned = model.clone();
+            turned.robot.gravity_m_s2 = gravity_m_s2;
+            turned
+        });
+        let model = gravity.as_ref().unwrap_or(model);
+        let played = replay(model, &extra, &commands, &[]).ok()?;
+        let mut simulated = SimulatedPlaces { tips_m: played.tips_m, points_m: played.points_m };
+        if trial.at_rest {
+            // The state before the first command belongs to no row.
+            simulated.tips_m.remove(0);
+            simulated.points_m.remove(0);
+        }
+        let mut all = simulated.tips_m.iter().chain(simulated.points_m.iter().flatten()).flatten();
+        all.all(|x| x.is_finite()).then_some(simulated)
     }
-    tips.iter().flatten().all(|x| x.is_finite()).then_some(tips)
+
+    fn position_m(&self, sample: &Sample) -> Point3 {
+        sample.point.map_or(self.tips_m[sample.row], |point| self.points_m[sample.row][point])
+    }
 }
 
 /// Three noise-free trials of `model` with `extra` effects on circling commands.
@@ -126,7 +143,7 @@ pub(crate) fn circling(model: &Model, extra: &[EffectSpec]) -> Samples {
     let mut samples = Samples::new(&recording);
     let simulated_m = tips(model, extra, &samples).unwrap();
     for (row, tip) in samples.rows.iter_mut().zip(simulated_m.chunks_exact(3)) {
-        row.tip_m = [tip[0], tip[1], tip[2]];
+        row.position_m = [tip[0], tip[1], tip[2]];
     }
     samples
 }
@@ -151,7 +168,7 @@ mod tests {
         let mut samples = Samples::new(&Recording::read(&file).unwrap()).of_trials(&[0, 1]);
         let tips_m = tips(&exact, &[], &samples).unwrap();
         for (row, tip) in samples.rows.iter_mut().zip(tips_m.chunks_exact(3)) {
-            row.tip_m = [tip[0], tip[1], tip[2]];
+            row.position_m = [tip[0], tip[1], tip[2]];
         }
         let simulated_m = tips(&model, &[], &samples).unwrap();
         let fine = fine_tips(&model, &[], &samples).unwrap();

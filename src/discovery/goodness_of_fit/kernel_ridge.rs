@@ -125,7 +125,7 @@ fn kernel(pattern: ResidualPattern, covariates: &[Covariates]) -> DMatrix<f64> {
         .iter()
         .map(|at| match pattern {
             ResidualPattern::Constant => Vec::new(),
-            ResidualPattern::Pose => at.tip_m.iter().chain(&at.command).copied().collect(),
+            ResidualPattern::Pose => at.position_m.iter().chain(&at.command).copied().collect(),
             ResidualPattern::History => {
                 let within = at.command.iter().zip(&at.largest).map(|(now, most)| most - now);
                 at.change.iter().chain(&at.change_before).copied().chain(at.moved_m).chain(within).collect()
@@ -143,5 +143,9 @@ fn kernel(pattern: ResidualPattern, covariates: &[Covariates]) -> DMatrix<f64> {
     let distance = |a: &[f64], b: &[f64]| -> f64 {
         a.iter().zip(b).zip(&scale).map(|((a, b), scale)| ((a - b) / scale).powi(2)).sum()
     };
-    DMatrix::from_fn(covariates.len(), covariates.len(), |i, j| (-0.5 * distance(&features[i], &features[j])).exp())
+    // The residual at one place of the body says nothing on that at another.
+    DMatrix::from_fn(covariates.len(), covariates.len(), |i, j| {
+        let is_same_place = covariates[i].point == covariates[j].point;
+        if is_same_place { (-0.5 * distance(&features[i], &features[j])).exp() } else { 0.0 }
+    })
 }

@@ -54,9 +54,9 @@ mod tests {
         let mut samples = Samples::alike(8, 10);
         for sample in &mut samples.rows {
             let bias_m = if sample.row == 0 { bias_m } else { 0.0 };
-            sample.tip_m = [bias_m + noise(), noise(), noise()];
+            sample.position_m = [bias_m + noise(), noise(), noise()];
         }
-        let residual_m: Vec<f64> = samples.rows.iter().flat_map(|sample| sample.tip_m).collect();
+        let residual_m: Vec<f64> = samples.rows.iter().flat_map(|sample| sample.position_m).collect();
         let floor = NoiseFloor::from_repeats(&samples, 0.0);
         lack_of_fit_test(&samples, &residual_m, &Ar1Noise { sigma_m: [NOISE_M; 3], correlation: 0.0 }, &floor)
     }

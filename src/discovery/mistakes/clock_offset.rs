@@ -129,7 +129,7 @@ impl ClockOffset {
         let Some(deviation_s) = self.deviation_s() else { return samples };
         let coarse = coarse_model(model, options);
         let tips = |offset_s: f64| {
-            let moved = Samples::played(&measured.with_tips_later(offset_s), options.playing(model));
+            let moved = options.samples(model, &measured.with_tips_later(offset_s));
             simulate::tips(&coarse, &[], &moved).filter(|tips_m| tips_m.len() == 3 * samples.len())
         };
         let step_s = VELOCITY_STEP_S.min(0.5 * self.offset_s);

@@ -52,13 +52,13 @@ struct TipChange {
 /// Looks for a mistake in `measured`.
 pub(crate) fn find(model: &Model, measured: &Recording, options: &Options) -> Option<Mistake> {
     let coarse = coarse_model(model, options);
-    let samples = first_trials(&Samples::played(measured, options.playing(model)));
+    let samples = first_trials(&options.samples(model, measured));
     if samples.len() == 0 {
         return None;
     }
     let predicted_m = simulate::tips(&coarse, &[], &samples)?;
     let before_m = rms_m(&samples.residual(&predicted_m));
-    let motion_m = motion_m(samples.rows.iter().map(|row| row.tip_m));
+    let motion_m = motion_m(samples.rows.iter().map(|row| row.position_m));
     let own_motion_m = self::motion_m(predicted_m.as_chunks::<3>().0.iter().copied());
     if before_m < LARGE_SHARE * motion_m.max(own_motion_m) {
         return None;
@@ -74,7 +74,7 @@ pub(crate) fn find(model: &Model, measured: &Recording, options: &Options) -> Op
             if count == 0 {
                 continue;
             }
-            let moved: Vec<f64> = samples.rows.iter().flat_map(|row| (tip.change)(&row.tip_m)).collect();
+            let moved: Vec<f64> = samples.rows.iter().flat_map(|row| (tip.change)(&row.position_m)).collect();
             // In the scale of the prediction, so that a unit does not shrink the error.
             let apart: Vec<f64> = moved.iter().zip(&simulated_m).map(|(tip, own)| tip - own).collect();
             let own_m = self::motion_m(simulated_m.as_chunks::<3>().0.iter().copied());

@@ -41,7 +41,7 @@ impl TimeScan {
         let trials = measured.trials();
         let place = |number: u64| trials.iter().position(|(known, _)| *known == number);
         let row = |sample: &crate::discovery::recording::samples::Sample| {
-            Some((place(samples.trials[sample.trial].number)?, sample.time_s, sample.tip_m))
+            Some((place(samples.trials[sample.trial].number)?, sample.time_s, sample.position_m))
         };
         let rows: Vec<(usize, f64, Point3)> = samples.rows.iter().filter_map(row).collect();
         let fine = Samples::new(&subdivided(measured, step_s));

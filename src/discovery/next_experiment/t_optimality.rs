@@ -121,8 +121,9 @@ impl Problem<'_> {
             samples.rows.extend((0..=commands.len()).map(|row| Sample {
                 trial,
                 row,
+                point: None,
                 time_s: row as f64 * protocol.step_s,
-                tip_m: [0.0; 3],
+                position_m: [0.0; 3],
                 velocity_m_s: [0.0; 3],
             }));
         }

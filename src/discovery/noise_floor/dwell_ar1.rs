@@ -76,7 +76,7 @@ fn beyond_two(count: usize) -> usize {
 /// Sums of squares about the mean along each axis, m².
 pub(crate) fn squares_m2(samples: &Samples, group: &[usize]) -> [f64; 3] {
     std::array::from_fn(|axis| {
-        let values: Vec<f64> = group.iter().map(|&row| samples.rows[row].tip_m[axis]).collect();
+        let values: Vec<f64> = group.iter().map(|&row| samples.rows[row].position_m[axis]).collect();
         let mean = crate::math::summary::mean(&values);
         values.iter().map(|value| (value - mean).powi(2)).sum()
     })
@@ -97,7 +97,7 @@ pub(crate) fn correlation(samples: &Samples, dwells: &[&[usize]], believed: f64)
 
 fn shown(samples: &Samples, dwells: &[&[usize]]) -> f64 {
     let half_m2 = |dwell: &[usize], axis: usize| -> f64 {
-        let at = |row: usize| samples.rows[row].tip_m[axis];
+        let at = |row: usize| samples.rows[row].position_m[axis];
         dwell.windows(2).map(|pair| 0.5 * (at(pair[1]) - at(pair[0])).powi(2)).sum()
     };
     let ratio = |axis: usize| -> f64 {

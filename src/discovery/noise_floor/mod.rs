@@ -149,7 +149,7 @@ mod tests {
         for (k, (trial, sample)) in samples.trials.iter_mut().zip(&mut samples.rows).enumerate() {
             let weighed = k % 2 == 1;
             trial.known_load_kg = if weighed { 0.02 } else { 0.0 };
-            sample.tip_m = [if weighed { 0.01 } else { 0.0 } + 1e-4 * (k / 2) as f64, 0.0, 0.2];
+            sample.position_m = [if weighed { 0.01 } else { 0.0 } + 1e-4 * (k / 2) as f64, 0.0, 0.2];
         }
         let floor = NoiseFloor::from_repeats(&samples, 0.0);
         assert_eq!((floor.freedom, floor.from), (2.0, vec!["4 starts at home".to_owned()]));
@@ -167,7 +167,7 @@ mod tests {
             let simulated_m: Vec<f64> = residual_m.iter().map(|_| place()).collect();
             for (row, sample) in samples.rows.iter_mut().enumerate() {
                 let times = if sample.row == 0 { starts } else { 1.0 };
-                sample.tip_m = std::array::from_fn(|axis| times * residual_m[3 * row + axis]);
+                sample.position_m = std::array::from_fn(|axis| times * residual_m[3 * row + axis]);
             }
             let noise = Ar1Noise::estimate(&samples, &residual_m, 0.0);
             let nuisance_fit = NuisanceFit { noise, amounts: DVector::zeros(0), residual_m, deviance: 0.0 };
@@ -191,11 +191,11 @@ mod tests {
                 }
                 let residual_m = samples.noise(NOISE_M, correlation, seed);
                 for (sample, residual_m) in samples.rows.iter_mut().zip(residual_m.as_chunks().0) {
-                    sample.tip_m = *residual_m;
+                    sample.position_m = *residual_m;
                 }
                 let floor = NoiseFloor::from_repeats(&samples, correlation);
                 ratios.push((floor.rms_m() / NOISE_M).powi(2) / 3.0);
-                let all_m2 = samples.rows.iter().flat_map(|row| row.tip_m).map(|x| x * x).sum::<f64>() / 300.0;
+                let all_m2 = samples.rows.iter().flat_map(|row| row.position_m).map(|x| x * x).sum::<f64>() / 300.0;
                 let known = Ar1Noise { sigma_m: [NOISE_M; 3], correlation };
                 low += usize::from(floor.p_value(all_m2, 3.0 * known.independent(300)) < 0.05);
             }

@@ -99,7 +99,7 @@ mod tests {
         let noise_m = samples.noise(NOISE_M, 0.0, seed);
         for (sample, noise_m) in samples.rows.iter_mut().zip(noise_m.chunks_exact(3)) {
             let height_m = if sample.trial == 7 { wave_m } else { 0.0 };
-            sample.tip_m = [height_m * (0.5 * sample.row as f64).sin() + noise_m[0], noise_m[1], noise_m[2]];
+            sample.position_m = [height_m * (0.5 * sample.row as f64).sin() + noise_m[0], noise_m[1], noise_m[2]];
         }
         let simulated_m = vec![0.0; 3 * samples.len()];
         // A constant that all trials share explains none of it.

@@ -2,8 +2,8 @@
 
 use crate::discovery::recording::samples::{Samples, TrialCommands};
 
-/// Known weight on the tip, kilograms, and gravity where it is not the model's.
-type SameWeight = (f64, Option<[f64; 3]>);
+/// Known weight on the tip, kilograms, gravity where it is not the model's, and which point was tracked.
+type SameMeasurement = (f64, Option<[f64; 3]>, Option<usize>);
 
 /// Time after which a held command counts as at rest, seconds.
 const SETTLED_S: f64 = 1.0;
@@ -18,38 +18,38 @@ pub(crate) fn is_start(samples: &Samples, group: &[usize]) -> bool {
     group.first().is_some_and(|&row| samples.rows[row].row == 0)
 }
 
-/// First rows of trials under the same weight, if there are several. None where trials start anywhere.
+/// First rows of trials at one place of the body under the same weight, if there are several. None where trials start anywhere.
 pub(crate) fn starts(samples: &Samples) -> Vec<Vec<usize>> {
-    let mut found: Vec<(SameWeight, Vec<usize>)> = Vec::new();
+    let mut found: Vec<(SameMeasurement, Vec<usize>)> = Vec::new();
     if !samples.at_home {
         return Vec::new();
     }
     for row in (0..samples.len()).filter(|&row| samples.rows[row].row == 0) {
         let trial = &samples.trials[samples.rows[row].trial];
-        let weight = (trial.known_load_kg, trial.gravity_m_s2);
-        match found.iter_mut().find(|(known, _)| *known == weight) {
+        let same = (trial.known_load_kg, trial.gravity_m_s2, samples.rows[row].point);
+        match found.iter_mut().find(|(known, _)| *known == same) {
             Some((_, rows)) => rows.push(row),
-            None => found.push((weight, vec![row])),
+            None => found.push((same, vec![row])),
         }
     }
     found.into_iter().map(|(_, rows)| rows).filter(|rows| rows.len() > 1).collect()
 }
 
-/// Runs of samples under one command and load after [`SETTLED_S`].
+/// Runs of samples of one place under one command and load after [`SETTLED_S`].
 pub(crate) fn dwells(samples: &Samples) -> Vec<Vec<usize>> {
     let start_of_hold: Vec<Vec<usize>> = samples.trials.iter().map(start_of_hold).collect();
     let mut found: Vec<Vec<usize>> = Vec::new();
-    let mut held: Option<(usize, usize, f64)> = None;
+    let mut held: Option<((usize, Option<usize>, usize), f64)> = None;
     let mut run: Vec<usize> = Vec::new();
     let settled_s = if samples.at_rest() { f64::NEG_INFINITY } else { SETTLED_S };
     for (index, row) in samples.rows.iter().enumerate() {
         let Some(command) = samples.command_of(row) else { continue };
-        let since = start_of_hold[row.trial][command];
-        if held.is_none_or(|(trial, before, _)| (trial, before) != (row.trial, since)) {
-            held = Some((row.trial, since, row.time_s));
+        let hold = (row.trial, row.point, start_of_hold[row.trial][command]);
+        if held.is_none_or(|(before, _)| before != hold) {
+            held = Some((hold, row.time_s));
             found.push(std::mem::take(&mut run));
         }
-        if held.is_some_and(|(_, _, since_s)| row.time_s - since_s >= settled_s) {
+        if held.is_some_and(|(_, since_s)| row.time_s - since_s >= settled_s) {
             run.push(index);
         }
     }
@@ -83,6 +83,7 @@ fn is_held(trial: &TrialCommands, k: usize) -> bool {
 mod tests {
     use super::*;
     use crate::base::Rows;
+    use crate::discovery::recording::samples::Sample;
     use crate::rod::TipWrench;
 
     #[test]
@@ -93,6 +94,25 @@ mod tests {
         samples.trials[1].gravity_m_s2 = Some([0.0, 0.0, 9.81]);
         samples.trials[3].gravity_m_s2 = Some([0.0, 0.0, 9.81]);
         assert_eq!(starts(&samples), [[0, 6], [3, 9]]);
+    }
+
+    #[test]
+    fn another_place_of_the_body_is_another_measurement() {
+        let mut samples = Samples::alike(2, 30);
+        samples.trials.iter_mut().for_each(|trial| {
+            trial.commands = Rows::new(1);
+            (1..30).for_each(|_| trial.commands.push(&[1.0]));
+        });
+        let with_point = |trial: usize| {
+            let tips: Vec<Sample> = samples.rows.iter().filter(|row| row.trial == trial).copied().collect();
+            let points: Vec<Sample> = tips.iter().map(|tip| Sample { point: Some(0), ..*tip }).collect();
+            [tips, points].concat()
+        };
+        samples.rows = [with_point(0), with_point(1)].concat();
+        assert_eq!(starts(&samples), [[0, 60], [30, 90]]);
+        assert_eq!(dwells(&samples).iter().map(Vec::len).collect::<Vec<_>>(), [24; 4]);
+        assert_eq!((samples.steps_since_last(30), samples.steps_since_last(31)), (None, Some(1.0)));
+        assert_eq!(samples.consecutive_rows().len(), 4 * 29);
     }
 
     #[test]

@@ -52,7 +52,7 @@ mod tests {
         let mut samples = Samples::alike(3, 10);
         samples.rows.retain(|sample| sample.trial != 1 || sample.row < 5);
         assert!(scattered_starts(&samples, &Model::default()).is_none());
-        samples.rows[0].tip_m[0] = 0.02;
+        samples.rows[0].position_m[0] = 0.02;
         let starts = scattered_starts(&samples, &Model::default()).unwrap();
         assert!((starts.rms_m() - 0.02 / 3.0_f64.sqrt()).abs() < 1e-12);
         let later = without_starts(&samples);

@@ -6,10 +6,12 @@ use crate::base::Rows;
 /// Covariates of one sample.
 #[derive(Clone, Debug)]
 pub(crate) struct Covariates {
+    /// Index of the tracked point; none for the tip.
+    pub(crate) point: Option<usize>,
     /// Time in the trial, seconds.
     pub(crate) time_s: f64,
-    /// Simulated tip, metres.
-    pub(crate) tip_m: [f64; 3],
+    /// Simulated tip or point, metres.
+    pub(crate) position_m: [f64; 3],
     /// Displacement since the previous sample, metres.
     pub(crate) moved_m: [f64; 3],
     /// Mean velocity since the previous sample, m/s.
@@ -24,9 +26,9 @@ pub(crate) struct Covariates {
     pub(crate) largest: Vec<f64>,
 }
 
-/// Covariates of all samples; `simulated_m` is the simulated tip.
+/// Covariates of all samples, which the model simulates at `simulated_m`.
 pub(crate) fn sample_covariates(samples: &Samples, simulated_m: &[f64]) -> Vec<Covariates> {
-    let tip = |row: usize| -> [f64; 3] { std::array::from_fn(|axis| simulated_m[3 * row + axis]) };
+    let position = |row: usize| -> [f64; 3] { std::array::from_fn(|axis| simulated_m[3 * row + axis]) };
     let largest: Vec<Vec<Vec<f64>>> = samples.trials.iter().map(|trial| running_maxima(&trial.commands)).collect();
     samples
         .rows
@@ -43,11 +45,12 @@ pub(crate) fn sample_covariates(samples: &Samples, simulated_m: &[f64]) -> Vec<C
             let (now, last, older) = (before(0), before(1), before(2));
             let difference = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
             let since = samples.steps_since_last(index);
-            let from = if since.is_some() { tip(index - 1) } else { tip(index) };
-            let moved_m: [f64; 3] = std::array::from_fn(|axis| tip(index)[axis] - from[axis]);
+            let from = if since.is_some() { position(index - 1) } else { position(index) };
+            let moved_m: [f64; 3] = std::array::from_fn(|axis| position(index)[axis] - from[axis]);
             Covariates {
+                point: sample.point,
                 time_s: sample.time_s,
-                tip_m: tip(index),
+                position_m: position(index),
                 moved_m,
                 velocity_m_s: moved_m.map(|moved_m| moved_m / (since.unwrap_or(1.0) * samples.tracked_step_s)),
                 change: difference(&now, &last),

@@ -174,8 +174,14 @@ mod tests {
             (1..rows).for_each(|_| commands.push(&row));
             samples.trials[trial].durations_s = vec![0.2; rows - 1];
             samples.trials[trial].commands = commands;
-            let sample =
-                |row: usize| Sample { trial, row, time_s: 0.2 * row as f64, tip_m: [0.0; 3], velocity_m_s: [0.0; 3] };
+            let sample = |row: usize| Sample {
+                trial,
+                row,
+                point: None,
+                time_s: 0.2 * row as f64,
+                position_m: [0.0; 3],
+                velocity_m_s: [0.0; 3],
+            };
             samples.rows.extend((0..rows).map(sample));
         }
         samples

@@ -1,4 +1,4 @@
-//! Samples of a recording: the commands of every trial and the rows with a tracked tip.
+//! Samples of a recording: the commands of every trial, and what was tracked in each row: the tip and points along the body.
 
 use super::blocks::{Block, Playing, blocks, duration_s};
 use crate::base::{Point3, Rows};
@@ -31,22 +31,25 @@ pub(crate) struct TrialCommands {
     pub(crate) tip_loads: Option<Vec<TipWrench>>,
 }
 
-/// A row with a tracked tip.
+/// What was tracked at one place of the body in one row.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample {
     /// Index of its trial in [`Samples::trials`].
     pub(crate) trial: usize,
     /// Number of commands of its trial that were played before it, or in poses at rest before its own command.
     pub(crate) row: usize,
+    /// Index of the point in the model's `tracking.points`; none for the tip.
+    pub(crate) point: Option<usize>,
     /// Time in the trial, seconds.
     pub(crate) time_s: f64,
-    /// Measured tip, metres.
-    pub(crate) tip_m: Point3,
-    /// Velocity of the simulated tip, m/s; zero unless the clocks of tracker and commands are uncertain.
+    /// Measured position of the tip or point, metres.
+    pub(crate) position_m: Point3,
+    /// Velocity of the same simulated place, m/s; zero unless the clocks of tracker and commands are uncertain.
     pub(crate) velocity_m_s: Point3,
 }
 
-/// All samples of a recording, trial by trial. Residual vectors have three values a sample: x, y, z.
+/// All samples of a recording, trial by trial, in a trial place by place: the tip, then the points in the model's order.
+/// Residual vectors have three values a sample: x, y, z.
 #[derive(Clone, Debug)]
 pub(crate) struct Samples {
     pub(crate) trials: Vec<TrialCommands>,
@@ -62,38 +65,43 @@ pub(crate) struct Samples {
 }
 
 impl Samples {
-    /// Samples of a checked recording whose trials start as the model says. Trials without any tracked tip are excluded.
+    /// Tips of a checked recording whose trials start as the model says. Trials without any tracked tip are excluded.
     pub(crate) fn new(measured: &Recording) -> Samples {
         let alone = |(number, rows): (u64, std::ops::Range<usize>)| {
             let block = Block { number, lead_in: rows.start, rows, starts: Starts::Home };
             (block, None)
         };
-        Samples::of_blocks(measured, measured.trials().into_iter().map(alone), false)
+        Samples::of_blocks(measured, &[], measured.trials().into_iter().map(alone), false)
     }
 
-    /// Samples of the [`blocks`] of a checked recording. Blocks without any tracked tip are excluded.
-    pub(crate) fn played(measured: &Recording, playing: Playing) -> Samples {
+    /// Samples of the [`blocks`] of a checked recording: the tip, and the points of these names, the model's
+    /// `tracking.points`, that were tracked. Blocks in which nothing was seen are excluded.
+    pub(crate) fn played(measured: &Recording, points: &[String], playing: Playing) -> Samples {
         let each = blocks(measured, playing).into_iter().map(|block| {
             let starts = Some(block.starts);
             (block, starts)
         });
-        let samples = Samples::of_blocks(measured, each, playing.at_rest);
+        let samples = Samples::of_blocks(measured, points, each, playing.at_rest);
         Samples { at_home: playing.starts == Starts::Home && !playing.at_rest, ..samples }
     }
 
     fn of_blocks(
         measured: &Recording,
+        points: &[String],
         blocks: impl Iterator<Item = (Block, Option<Starts>)>,
         at_rest: bool,
     ) -> Samples {
         let mut trials = Vec::new();
         let mut rows = Vec::new();
         let (mut steps_s, mut tracked_steps_s) = (Vec::new(), Vec::new());
-        let tips = measured.tip_m.as_deref().unwrap_or_default();
+        let places = places(measured, points);
         for (block, starts) in blocks {
-            let seen = |&row: &usize| measured.is_valid(row) && tips[row].iter().all(|x| x.is_finite());
-            let tracked: Vec<usize> = block.rows.clone().filter(seen).collect();
-            if tracked.is_empty() {
+            let seen_at = |positions_m: &[Point3]| -> Vec<usize> {
+                let seen = |row: &usize| measured.is_valid(*row) && positions_m[*row].iter().all(|x| x.is_finite());
+                block.rows.clone().filter(seen).collect()
+            };
+            let tracked: Vec<Vec<usize>> = places.iter().map(|(_, positions_m)| seen_at(positions_m)).collect();
+            if tracked.iter().all(Vec::is_empty) {
                 continue;
             }
             let steps = block.lead_in..block.rows.end - 1;
@@ -102,7 +110,9 @@ impl Samples {
             played.clone().for_each(|row| commands.push(measured.commands.row(row)));
             let durations_s: Vec<f64> = steps.map(|row| duration_s(measured, row)).collect();
             steps_s.extend_from_slice(&durations_s);
-            tracked_steps_s.extend(tracked.windows(2).map(|two| measured.time_s[two[1]] - measured.time_s[two[0]]));
+            for rows in &tracked {
+                tracked_steps_s.extend(rows.windows(2).map(|two| measured.time_s[two[1]] - measured.time_s[two[0]]));
+            }
             trials.push(TrialCommands {
                 number: block.number,
                 first_row: block.lead_in,
@@ -116,13 +126,16 @@ impl Samples {
                 tip_loads: measured.tip_load.as_ref().map(|loads| loads[played].iter().map(tip_load).collect()),
             });
             let trial = trials.len() - 1;
-            rows.extend(tracked.into_iter().map(|row| Sample {
-                trial,
-                row: row - block.lead_in,
-                time_s: measured.time_s[row],
-                tip_m: tips[row],
-                velocity_m_s: [0.0; 3],
-            }));
+            for (&(point, positions_m), tracked) in places.iter().zip(tracked) {
+                rows.extend(tracked.into_iter().map(|row| Sample {
+                    trial,
+                    row: row - block.lead_in,
+                    point,
+                    time_s: measured.time_s[row],
+                    position_m: positions_m[row],
+                    velocity_m_s: [0.0; 3],
+                }));
+            }
         }
         let step_s = middle(&mut steps_s).unwrap_or(1.0);
         let tracked_step_s = middle(&mut tracked_steps_s).unwrap_or(step_s);
@@ -139,6 +152,15 @@ impl Samples {
         Samples { trials: kept.iter().map(|&index| self.trials[index].clone()).collect(), rows, ..*self }
     }
 
+    /// What the rms error of these samples is called.
+    pub(crate) fn error_name(&self) -> &'static str {
+        if self.rows.iter().all(|row| row.point.is_none()) {
+            "rms tip error"
+        } else {
+            "rms error of all tracked places"
+        }
+    }
+
     /// Number of samples.
     pub(crate) fn len(&self) -> usize {
         self.rows.len()
@@ -150,17 +172,17 @@ impl Samples {
         (0..self.trials.len()).map(|trial| start(trial)..start(trial + 1)).collect()
     }
 
-    /// Measured tip minus `simulated_m`, three values a sample, metres.
+    /// Measured position minus `simulated_m`, three values a sample, metres.
     pub(crate) fn residual(&self, simulated_m: &[f64]) -> Vec<f64> {
         self.rows
             .iter()
-            .flat_map(|row| row.tip_m)
+            .flat_map(|row| row.position_m)
             .zip(simulated_m)
-            .map(|(tip, simulated_m)| tip - simulated_m)
+            .map(|(measured_m, simulated_m)| measured_m - simulated_m)
             .collect()
     }
 
-    /// Velocity of the simulated tip, three values a sample, m/s.
+    /// Velocity of the simulated places, three values a sample, m/s.
     pub(crate) fn velocity_m_s(&self) -> Vec<f64> {
         self.rows.iter().flat_map(|row| row.velocity_m_s).collect()
     }
@@ -183,17 +205,25 @@ impl Samples {
         self.trials.iter().any(|trial| trial.at_rest)
     }
 
-    /// Time since the previous sample of the same trial, in median tracker steps; none for the first.
+    /// Time since the previous sample of the same trial and place, in median tracker steps; none for the first.
     pub(crate) fn steps_since_last(&self, row: usize) -> Option<f64> {
-        let before = self.rows[..row].last().filter(|before| before.trial == self.rows[row].trial)?;
-        Some((self.rows[row].time_s - before.time_s) / self.tracked_step_s)
+        let own = &self.rows[row];
+        let before = self.rows[..row].last().filter(|before| (before.trial, before.point) == (own.trial, own.point))?;
+        Some((own.time_s - before.time_s) / self.tracked_step_s)
     }
 
-    /// Rows whose previous sample is in the same trial and at most [`MOST_STEPS`] before.
+    /// Rows whose previous sample is in the same trial, of the same place and at most [`MOST_STEPS`] before.
     pub(crate) fn consecutive_rows(&self) -> Vec<usize> {
         let is_close = |&row: &usize| self.steps_since_last(row).is_some_and(|steps| steps < MOST_STEPS);
         (0..self.len()).filter(is_close).collect()
     }
+}
+
+/// What was tracked: the tip, and the points of a model whose names these are, with the position in each row.
+fn places<'a>(measured: &'a Recording, points: &[String]) -> Vec<(Option<usize>, &'a [Point3])> {
+    let tip = measured.tip_m.as_deref().map(|tips_m| (None, tips_m));
+    let tracked = |(index, name): (usize, &String)| Some((Some(index), measured.point(name)?.position_m.as_slice()));
+    tip.into_iter().chain(points.iter().enumerate().filter_map(tracked)).collect()
 }
 
 /// Samples farther apart than this many median steps are not consecutive.
@@ -211,7 +241,7 @@ pub(crate) fn white_noise(size_m: f64, seed: u64) -> impl FnMut() -> f64 {
 
 #[cfg(test)]
 impl Samples {
-    /// Trials of equal length, 0.2 s a sample: one tendon that is pulled further in each row, tip at the origin.
+    /// Trials of equal length, 0.2 s a sample: one tendon that is pulled further in each row, the tip at the origin.
     pub(crate) fn alike(trials: usize, samples: usize) -> Samples {
         let mut commands = Rows::new(1);
         (1..samples).for_each(|k| commands.push(&[k as f64]));
@@ -229,7 +259,14 @@ impl Samples {
         };
         let sample = |k: usize| {
             let row = k % samples;
-            Sample { trial: k / samples, row, time_s: 0.2 * row as f64, tip_m: [0.0; 3], velocity_m_s: [0.0; 3] }
+            Sample {
+                trial: k / samples,
+                row,
+                point: None,
+                time_s: 0.2 * row as f64,
+                position_m: [0.0; 3],
+                velocity_m_s: [0.0; 3],
+            }
         };
         Samples {
             trials: (0..trials as u64).map(trial).collect(),

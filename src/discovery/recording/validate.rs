@@ -26,7 +26,8 @@ pub(crate) fn check(measured: &Recording, samples: &Samples) -> Result<(), Disco
         let expected = "commands that move the robot";
         return Err(DiscoveryError::Constant { column: "tendon_1_m…", rows, expected });
     }
-    if samples.rows.iter().all(|row| row.tip_m == samples.rows[0].tip_m) {
+    let first_m = |point: Option<usize>| samples.rows.iter().find(|row| row.point == point).map(|row| row.position_m);
+    if samples.rows.iter().all(|row| Some(row.position_m) == first_m(row.point)) {
         let expected = "a tip that moves with the commands (is the tracker frozen?)";
         return Err(DiscoveryError::Constant { column: "tip_x_m,tip_y_m,tip_z_m", rows: tracked, expected });
     }
@@ -60,7 +61,8 @@ pub(crate) fn check_parts(fit: &Samples, held_out: &Samples) -> Result<(), Disco
 /// Limitations of the data. `asked`: the samples that were used.
 pub(crate) fn limitations(measured: &Recording, asked: &Samples) -> Vec<String> {
     let mut found = Vec::new();
-    let (rows, tracked) = (measured.len(), Samples::new(measured).len());
+    let rows = measured.len();
+    let tracked = (0..rows).filter(|&row| measured.is_valid(row) && measured.is_seen(row)).count();
     if tracked < rows {
         found.push(format!("Tracking was lost in {} of {rows} rows; these rows were excluded.", rows - tracked));
     }

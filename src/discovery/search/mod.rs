@@ -10,4 +10,4 @@ pub(crate) mod screening;
 pub(crate) mod state;
 pub(crate) mod swap;
 
-pub(crate) use state::{ScoredSet, Search, SearchOutcome};
+pub(crate) use state::{ScoredSet, Search, SearchOutcome, TrialEvidence};

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::screening::LinearPrediction;
+use crate::discovery::fit::candidate::candidate_set;
 use crate::discovery::fit::gauss_newton::{FitProblem, FittedSet};
 use crate::discovery::fit::sensitivities::Sensitivity;
 use crate::discovery::options::SearchLimits;
@@ -24,6 +25,14 @@ impl ScoredSet {
     }
 }
 
+/// Evidence on the best set from its amplitude in single trials.
+pub(crate) struct TrialEvidence {
+    /// Sets that fit unseen trials as well.
+    pub(crate) equals: Vec<BTreeSet<usize>>,
+    /// Half of the 95 % interval of the mean amplitude, over its mean.
+    pub(crate) half_width: f64,
+}
+
 /// Result of a search.
 pub(crate) struct SearchOutcome {
     /// The best set; empty if nothing is missing.
@@ -32,8 +41,20 @@ pub(crate) struct SearchOutcome {
     pub(crate) null: ScoredSet,
     /// All fitted sets.
     pub(crate) tried: Vec<ScoredSet>,
+    /// Where trials decide instead of scores: how.
+    pub(crate) by_trials: Option<TrialEvidence>,
     /// Linear prediction of every candidate with its predicted score.
     pub(crate) screened: Vec<(LinearPrediction, f64)>,
+}
+
+impl SearchOutcome {
+    /// Whether a set is a rival of the best one.
+    pub(crate) fn is_rival(&self, scored: &ScoredSet, rival_score: f64) -> bool {
+        match &self.by_trials {
+            Some(evidence) => evidence.equals.contains(&candidate_set(&scored.fitted.members)),
+            None => scored.is_rival_of(&self.best, rival_score),
+        }
+    }
 }
 
 /// State of a search.
@@ -97,7 +118,7 @@ impl<'s> Search<'s> {
             let score = fit_problem.predicted_score(&prediction);
             (prediction, score)
         });
-        SearchOutcome { best, tried, screened: screened.collect(), null }
+        SearchOutcome { best, tried, by_trials: None, screened: screened.collect(), null }
     }
 
     /// Fits set `k` of those tried fully.

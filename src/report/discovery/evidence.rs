@@ -64,8 +64,8 @@ fn noise(report: &DiscoveryReport) -> Markup {
 
 /// Gap, residuals, the test for more, and each held-out trial.
 pub(super) fn proof(report: &DiscoveryReport, gap: &Markup, residuals: &Markup) -> Markup {
-    let bars = "Rms distance between measured and simulated tip. Dashed: noise floor.";
-    let curves = "Measured minus model on held-out trials.";
+    let bars = "Rms distance between what was measured and what the model simulates, over all tracked places. Dashed: noise floor.";
+    let curves = "Measured minus model at the tip on held-out trials.";
     let heading = if report.changed() { "Held-out test" } else { "Size of the error" };
     let content = html! { (captioned(gap, bars)) (captioned(residuals, curves)) (trials(report)) (missing(report)) };
     section(heading, &content)

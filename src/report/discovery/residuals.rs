@@ -1,5 +1,5 @@
-//! What is left on held-out trials: measured minus model against time, one line of panels an axis, with the band in
-//! which noise stays.
+//! What is left at the tip on held-out trials: measured minus model against time, one line of panels an axis, with the
+//! band in which noise stays.
 
 use std::collections::BTreeMap;
 
@@ -21,7 +21,10 @@ const BAND: f64 = 0.22;
 
 /// The picture at a width in hundredths of an inch; none where no trial was held out.
 pub(super) fn draw(report: &DiscoveryReport, width: f64) -> Option<Canvas> {
-    let trials = held_out(report.residuals);
+    let mut trials = held_out(report.residuals);
+    // Of the tip, or of the first point where the tip was not tracked.
+    let place = report.residuals.iter().map(|row| &row.point).min()?;
+    trials.values_mut().for_each(|rows| rows.retain(|row| row.point == *place));
     if trials.is_empty() {
         return None;
     }

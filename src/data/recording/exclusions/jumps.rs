@@ -21,9 +21,13 @@ const LEAST_M: f64 = 1e-5;
 /// Fewest rows of a trial from which its ends are judged.
 const FEWEST_ROWS: usize = 6;
 
-/// Jumps in `trials`, lists of rows with a tip.
-pub(super) fn find(tips_m: &[Point3], predicted_m: &[Point3], trials: &[Vec<usize>]) -> Vec<Exclusion> {
-    let residual_m: Vec<Point3> = tips_m.iter().zip(predicted_m).map(|(tip, own)| apart_m(tip, own)).collect();
+/// Jumps of the place called `what` in `trials`, lists of rows in which it was seen.
+pub(super) fn find(
+    (what, positions_m): (&str, &[Point3]),
+    predicted_m: &[Point3],
+    trials: &[Vec<usize>],
+) -> Vec<Exclusion> {
+    let residual_m: Vec<Point3> = positions_m.iter().zip(predicted_m).map(|(here, own)| apart_m(here, own)).collect();
     let scale = Scale::new(&residual_m, predicted_m, trials);
     let starts_agree = starts_agree(&residual_m, trials, &scale);
     let mut found = Vec::new();
@@ -32,7 +36,7 @@ pub(super) fn find(tips_m: &[Point3], predicted_m: &[Point3], trials: &[Vec<usiz
         // One after the other, the largest first: a jump disturbs the comparison of its neighbours.
         while let Some((places, size_m)) = largest_jump(&kept, &residual_m, predicted_m, &scale, starts_agree) {
             for &row in &kept[places.clone()] {
-                found.push(Exclusion { row, why: format!("the tip jumps by {:.1} mm and returns", 1e3 * size_m) });
+                found.push(Exclusion { row, why: format!("{what} jumps by {:.1} mm and returns", 1e3 * size_m) });
             }
             kept.drain(places);
         }

@@ -8,6 +8,8 @@ mod frozen;
 mod gaps;
 mod jumps;
 
+use std::collections::BTreeSet;
+
 use crate::base::Point3;
 use crate::data::Recording;
 
@@ -26,7 +28,7 @@ pub struct Exclusion {
 /// Suspicious rows of a recording.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Exclusions {
-    /// Jumps of the tip that last up to three rows.
+    /// Jumps of a tracked place that last up to three rows.
     pub jumps: Vec<Exclusion>,
     /// Repeated poses.
     pub frozen: Vec<Exclusion>,
@@ -38,17 +40,37 @@ impl Exclusions {
     /// Finds the suspicious rows of `measured`. `predicted_m`: tip of a model in each row, metres; rows without a tip
     /// are ignored.
     pub fn find(measured: &Recording, predicted_m: &[Point3]) -> Exclusions {
-        let Some(tips_m) = &measured.tip_m else { return Exclusions::default() };
-        let is_seen = |row: usize| measured.is_valid(row) && tips_m[row].iter().all(|x| x.is_finite());
+        measured
+            .tip_m
+            .as_ref()
+            .map_or_else(Exclusions::default, |tips_m| Exclusions::find_at((measured, tips_m), "the tip", predicted_m))
+    }
+
+    /// The same of another tracked place, called `what`, that was measured at `positions_m` in each row.
+    pub fn find_at((measured, positions_m): (&Recording, &[Point3]), what: &str, predicted_m: &[Point3]) -> Exclusions {
+        let is_seen = |row: usize| measured.is_valid(row) && positions_m[row].iter().all(|x| x.is_finite());
         let rows = |range: std::ops::Range<usize>| range.filter(|&row| is_seen(row)).collect::<Vec<usize>>();
         let trials: Vec<Vec<usize>> = measured.trials().into_iter().map(|(_, range)| rows(range)).collect();
         let all: usize = trials.iter().map(Vec::len).sum();
         let few = |found: Vec<Exclusion>| if found.len() as f64 > MOST_SHARE * all as f64 { Vec::new() } else { found };
-        let (frozen, gaps) = (few(frozen::find(measured, tips_m, predicted_m, &trials)), few(gaps::find(measured)));
+        let (frozen, gaps) =
+            (few(frozen::find(measured, positions_m, predicted_m, &trials)), few(gaps::find(measured)));
         let is_kept = |row: &usize| frozen.iter().chain(&gaps).all(|excluded| excluded.row != *row);
         let kept: Vec<Vec<usize>> = trials.iter().map(|rows| rows.iter().copied().filter(is_kept).collect()).collect();
-        let jumps = few(jumps::find(tips_m, predicted_m, &kept));
+        let jumps = few(jumps::find((what, positions_m), predicted_m, &kept));
         Exclusions { jumps, frozen, gaps }
+    }
+
+    /// Adds those of `other` whose rows are not excluded already.
+    pub fn extend(&mut self, other: Exclusions) {
+        let known: BTreeSet<usize> = self.all().map(|excluded| excluded.row).collect();
+        let add = |own: &mut Vec<Exclusion>, more: Vec<Exclusion>| {
+            own.extend(more.into_iter().filter(|excluded| !known.contains(&excluded.row)));
+            own.sort_by_key(|excluded| excluded.row);
+        };
+        add(&mut self.jumps, other.jumps);
+        add(&mut self.frozen, other.frozen);
+        add(&mut self.gaps, other.gaps);
     }
 
     /// True when no row is excluded.
@@ -71,7 +93,7 @@ impl Exclusions {
     /// What was excluded, and which rows of `measured`: one sentence a kind.
     pub fn sentences(&self, measured: &Recording) -> Vec<String> {
         let kinds = [
-            (&self.jumps, "the tip jumps and returns within three rows, as only a tracker does"),
+            (&self.jumps, "what is tracked jumps and returns within three rows, as only a tracker does"),
             (&self.frozen, "the pose repeats to the last bit while the robot moves"),
             (&self.gaps, "rows and their commands are missing in the second before"),
         ];
@@ -167,7 +189,10 @@ mod tests {
         assert_eq!((0..measured.len()).filter(|&row| !without.is_valid(row)).collect::<Vec<_>>(), [70]);
         assert_eq!(without.commands, measured.commands);
         let told = &excluded.sentences(&measured)[0];
-        assert!(told.starts_with("In 1 of 180 rows the tip jumps") && told.contains("(trial 1 at 2 s)"), "{told}");
+        assert!(
+            told.starts_with("In 1 of 180 rows what is tracked jumps") && told.contains("(trial 1 at 2 s)"),
+            "{told}"
+        );
     }
 
     /// A rule that would exclude much of a recording excludes nothing.
