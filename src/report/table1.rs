@@ -4,6 +4,7 @@
 use super::drawing::axes::{Axis, Panel};
 use super::drawing::canvas::{Canvas, Text, TextAlign};
 use super::drawing::legend::{LegendEntry, legend};
+use super::drawing::paint::text_width;
 use super::markup::{MarkdownTable, latex};
 use super::order::trainings;
 use super::style::{
@@ -158,6 +159,13 @@ fn tex(summary: &[ReachSummaryRow], sources: &[Source], shown: &[&str]) -> Strin
     out
 }
 
+/// Room of the panels, hundredths of an inch: where the last one ends, between two, beside the names of the policies, and
+/// least for these.
+const RIGHT: f64 = 706.0;
+const BETWEEN: f64 = 30.0;
+const BESIDE_NAMES: f64 = 14.0;
+const LEAST_LEFT: f64 = 52.0;
+
 fn draw(summary: &[ReachSummaryRow], sources: &[Source], shown: &[&str]) -> Canvas {
     let row = 16.0 * sources.len() as f64 + 10.0;
     let high = row * shown.len() as f64;
@@ -178,12 +186,15 @@ fn draw(summary: &[ReachSummaryRow], sources: &[Source], shown: &[&str]) -> Canv
         [entry.mean_m + entry.sd_m, entry.mean_m - entry.sd_m, entry.mean_m].map(|value| 1e3 * value)
     });
     let x = Axis::covering("goal-reaching error (mm)", ends.chain([0.0]), 4);
+    let longest = shown.iter().map(|policy| text_width(policy_label(policy), SMALL, false)).fold(0.0, f64::max);
+    let left = (longest + BESIDE_NAMES).max(LEAST_LEFT);
+    let wide = (RIGHT - left - 2.0 * BETWEEN) / 3.0;
     for (place, (mode, heading)) in MODES.iter().zip(HEADINGS).enumerate() {
         let names: Vec<String> = shown.iter().rev().map(|policy| policy_label(policy).to_owned()).collect();
         let named = Axis { low: -0.5, high: shown.len() as f64 - 0.5, ..Axis::categories("", &names) };
         let panel = Panel {
-            corner: [52.0 + 228.0 * place as f64, 54.0],
-            size: [198.0, high],
+            corner: [left + (wide + BETWEEN) * place as f64, 54.0],
+            size: [wide, high],
             x: x.clone(),
             y: if place == 0 { named } else { named.bare() },
             title: heading.to_owned(),
