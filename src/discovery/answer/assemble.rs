@@ -118,6 +118,9 @@ impl Problem<'_> {
             clock_offset_interval_95: None,
             proposals: next.iter().map(|next| next.proposal.clone()).collect(),
         };
+        if found.by_trials.is_some() && named {
+            findings.limitations.push(summary_text::by_trials_caveat(self.model_form_m));
+        }
         self.write_texts(&mut findings, best, &checked, &noise);
         residuals.sort_by_key(|row| row.trial);
         Discovery {

@@ -1,5 +1,5 @@
-//! Residual map: samples grouped by tracked place, workspace, time, direction of motion, tension and history, each group with its
-//! residual and p-value.
+//! Residual map: samples grouped by tracked place, workspace, time, direction of motion, tension and history, each group
+//! with its residual and p-value.
 
 use crate::data::findings::{Disagreement, PlaceRow};
 use crate::discovery::fit::ar1_noise::Ar1Noise;
@@ -18,8 +18,8 @@ struct SampleGroup {
 const FEWEST: usize = 8;
 const AXES: [&str; 4] = ["x", "y", "z", "all"];
 
-/// The map: every group along every axis and all together, before and after. `points`: names of the model's points. Residuals have three values a sample,
-/// metres.
+/// The map: every group along every axis and all together, before and after. `points`: names of the model's points.
+/// Residuals have three values a sample, metres.
 pub(crate) fn residual_map(
     (covariates, points): (&[Covariates], &[String]),
     before: &[f64],

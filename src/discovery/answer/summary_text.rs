@@ -28,6 +28,16 @@ pub(crate) struct BaselineShare {
     pub(crate) apart_m: f64,
 }
 
+/// Caveat of an effect that single trials tell, on a robot of which the model leaves `model_form_m` anyway.
+pub(crate) fn by_trials_caveat(model_form_m: f64) -> String {
+    format!(
+        "The calibrated model leaves up to {:.1} mm on this robot as built, and this effect does not stand out of that in all \
+         rows together. It is named because its amplitude, trial by trial, is larger than in the baseline; its interval is \
+         that of these amplitudes.",
+        1e3 * model_form_m
+    )
+}
+
 /// Summary in one or two sentences.
 pub(crate) fn summary(findings: &Findings, beside: &SummaryContext) -> String {
     let SummaryContext { sets, refused, objection, remains, error, .. } = beside;

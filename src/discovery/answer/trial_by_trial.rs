@@ -23,7 +23,7 @@ const JUDGED: usize = 6;
 const FEWEST_TRIALS: usize = 3;
 /// Share of the held-out gap that the effect must explain, its interval above zero.
 const MOST: f64 = 0.5;
-/// Sets of which the errors on unseen trials are larger with this chance or more, if they are equally good, are equals.
+/// A set is an equal of the best unless the chance of errors on unseen trials that are so much larger is below this.
 const EQUAL: f64 = 0.05;
 
 /// Effects, and those of which they are special cases: a weight is a force along gravity.

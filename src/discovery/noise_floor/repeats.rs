@@ -18,7 +18,8 @@ pub(crate) fn is_start(samples: &Samples, group: &[usize]) -> bool {
     group.first().is_some_and(|&row| samples.rows[row].row == 0)
 }
 
-/// First rows of trials at one place of the body under the same weight, if there are several. None where trials start anywhere.
+/// First rows of trials at one place of the body under the same weight, if there are several. None where trials start
+/// anywhere.
 pub(crate) fn starts(samples: &Samples) -> Vec<Vec<usize>> {
     let mut found: Vec<(SameMeasurement, Vec<usize>)> = Vec::new();
     if !samples.at_home {

@@ -1,4 +1,5 @@
-//! Samples of a recording: the commands of every trial, and what was tracked in each row: the tip and points along the body.
+//! Samples of a recording: the commands of every trial, and what was tracked in each row: the tip and points along the
+//! body.
 
 use super::blocks::{Block, Playing, blocks, duration_s};
 use crate::base::{Point3, Rows};
