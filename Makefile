@@ -3,7 +3,7 @@
 SHELL := bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build reproduce controllers sweeps population data-efficiency repair check test test-python bench blind campaign peers peers-learning scaling real verify
+.PHONY: help build reproduce controllers sweeps population data-efficiency repair check test test-python bench blind campaign peers peers-learning peers-environments scaling real verify
 
 # Repetitions of every experiment, data and training included. Claims need ten, and only ten replace the published results;
 # any other number is a look, which goes to out/.
@@ -123,23 +123,36 @@ campaign: ## the long tests (hours): 200 kills, every case of `discover`, 100,00
 	CAMPAIGN_OUT=results/robustness/campaign.csv cargo test --release --test rod full_campaign -- --ignored --nocapture
 
 # What others wrote, in an environment of its own, one package after the other: what cannot be installed is named and skipped.
-PEER_LISTS := benches/peers/requirements.txt benches/peers/learning/requirements.txt
+PEER_LISTS := benches/peers/requirements.txt benches/peers/learning/requirements.txt benches/peers/environments/requirements.txt
 define peer-packages
 	@python3 -m venv $(PEERS_VENV) || echo "peers: there is no Python with venv"
 	@for package in $$(sed 's/#.*//' $(1)); do \
 	  $(PEERS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check $(PEER_LISTS:%=--constraint %) "$$package" || \
 	  echo "peers: $$package could not be installed"; done
 endef
+# Ours is measured as its users have it: installed, from Python.
+define measure-environments
+	$(PEERS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check ./python
+	$(PEERS) -- cases $(CURDIR)/target/tmp/environments
+	$(PEERS_VENV)/bin/python -B benches/peers/environments/compare.py target/tmp/environments \
+	  $(if $(filter-out 5,$(or $(ROUNDS),5)),target/tmp/environments/look,results/peers) $(or $(ROUNDS),5)
+endef
 PEERS := PEERS_PYTHON=$(CURDIR)/$(PEERS_VENV)/bin/python cargo bench --bench peers
 
 peers: build ## other simulators and other packages for learning: results/peers, plots/peers* (docs/peers.md)
 	$(call peer-packages,$(PEER_LISTS))
 	$(PEERS)
+	$(measure-environments)
 	$(SPINEBENCH) page docs/peers.md
 
 peers-learning: build ## the packages for learning alone (ROUNDS=1 for a look, which publishes nothing)
 	$(call peer-packages,benches/peers/learning/requirements.txt)
 	$(PEERS) -- learning
+	$(SPINEBENCH) page docs/peers.md
+
+peers-environments: build ## environments of others alone (ROUNDS=1 for a look, which publishes nothing)
+	$(call peer-packages,benches/peers/requirements.txt benches/peers/environments/requirements.txt)
+	$(measure-environments)
 	$(SPINEBENCH) page docs/peers.md
 
 scaling: build ## runs on one and two threads, and a cluster on paper: results/scaling, plots/scaling (docs/scaling.md)

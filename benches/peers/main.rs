@@ -22,9 +22,16 @@ use std::process::ExitCode;
 use spinebench::report;
 
 fn main() -> ExitCode {
-    // Cargo passes `--bench`; a word picks one robot, and then nothing is written, or `learning`.
-    let only = std::env::args().skip(1).find(|word| !word.starts_with('-'));
-    match run(only.as_deref()) {
+    // Cargo passes `--bench`; a word picks one robot, and then nothing is written, or `learning`; `cases FOLDER` writes the robots
+    // for the comparison of environments.
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
+    let done = if let ["cases", folder] = words[..] {
+        python::write_cases(Path::new(folder))
+    } else {
+        run(words.first().copied())
+    };
+    match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(reason) => {
             eprintln!("peers: {reason}");

@@ -6,7 +6,7 @@ use std::process::Command;
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-use crate::drive::{Case, SAMPLE_S};
+use crate::drive::{self, Case, SAMPLE_S};
 use crate::table::{Row, Tips};
 
 /// Where a script runs.
@@ -64,6 +64,20 @@ impl Python {
         let value: Value = serde_json::from_str(&text).map_err(|error| error.to_string())?;
         Ok(read(&value, case, limit))
     }
+}
+
+/// Writes the robots that scripts of environments drive.
+///
+/// # Errors
+/// A missing model, or a file that cannot be written.
+pub fn write_cases(folder: &Path) -> Result<(), String> {
+    std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    for case in [drive::paper()?, drive::tension()?] {
+        let file = folder.join(format!("{}.json", case.name));
+        let text = describe(&case, &Value::Null).to_string();
+        std::fs::write(&file, text).map_err(|error| format!("{}: {error}", file.display()))?;
+    }
+    Ok(())
 }
 
 /// The case as a script sees it.
