@@ -112,15 +112,12 @@ impl Problem<'_> {
             missing_before: before.test.clone(),
             missing_after: missing.test.clone(),
             pattern: if complete { String::new() } else { summary_text::pattern(&missing.foretold, &places) },
-            limitations: self.limitations(measured, final_fit, &checked, &model),
+            limitations: self.limitations(measured, (final_fit, found), &checked, &model),
             excluded_rows: Vec::new(),
             clock_offset_s: None,
             clock_offset_interval_95: None,
             proposals: next.iter().map(|next| next.proposal.clone()).collect(),
         };
-        if found.by_trials.is_some() && named {
-            findings.limitations.push(summary_text::by_trials_caveat(self.model_form_m));
-        }
         self.write_texts(&mut findings, best, &checked, &noise);
         residuals.sort_by_key(|row| row.trial);
         Discovery {
@@ -166,7 +163,7 @@ impl Problem<'_> {
     fn limitations(
         &self,
         measured: &Recording,
-        final_fit: &FinalFit,
+        (final_fit, found): (&FinalFit, &SearchOutcome),
         checked: &CheckedDecision,
         model: &Model,
     ) -> Vec<String> {
@@ -174,7 +171,9 @@ impl Problem<'_> {
         let tolerated = final_fit.goodness.tolerated_m.filter(|_| named).map(summary_text::tolerated_caveat);
         let tolerated_on_held_out = checked.unseen.tolerated_on_held_out.as_ref().map(summary_text::held_out_caveat);
         let caveats = self.caveats(checked.answer.verdict).into_iter().chain(tolerated).chain(tolerated_on_held_out);
-        let caveats = caveats.chain(self.cannot_follow(model));
+        let by_trials = found.by_trials.is_some() && named;
+        let by_trials = by_trials.then(|| summary_text::by_trials_caveat(self.model_form_m));
+        let caveats = caveats.chain(by_trials).chain(self.cannot_follow(model));
         validate::limitations(measured, &self.all).into_iter().chain(caveats).collect()
     }
 

@@ -4,6 +4,8 @@ use crate::discovery::recording::samples::{Samples, TrialCommands};
 
 /// Known weight on the tip, kilograms, gravity where it is not the model's, and which point was tracked.
 type SameMeasurement = (f64, Option<[f64; 3]>, Option<usize>);
+/// Trial, tracked point, and the index at which its command began.
+type Hold = (usize, Option<usize>, usize);
 
 /// Time after which a held command counts as at rest, seconds.
 const SETTLED_S: f64 = 1.0;
@@ -40,12 +42,12 @@ pub(crate) fn starts(samples: &Samples) -> Vec<Vec<usize>> {
 pub(crate) fn dwells(samples: &Samples) -> Vec<Vec<usize>> {
     let start_of_hold: Vec<Vec<usize>> = samples.trials.iter().map(start_of_hold).collect();
     let mut found: Vec<Vec<usize>> = Vec::new();
-    let mut held: Option<((usize, Option<usize>, usize), f64)> = None;
+    let mut held: Option<(Hold, f64)> = None;
     let mut run: Vec<usize> = Vec::new();
     let settled_s = if samples.at_rest() { f64::NEG_INFINITY } else { SETTLED_S };
     for (index, row) in samples.rows.iter().enumerate() {
         let Some(command) = samples.command_of(row) else { continue };
-        let hold = (row.trial, row.point, start_of_hold[row.trial][command]);
+        let hold: Hold = (row.trial, row.point, start_of_hold[row.trial][command]);
         if held.is_none_or(|(before, _)| before != hold) {
             held = Some((hold, row.time_s));
             found.push(std::mem::take(&mut run));
