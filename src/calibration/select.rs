@@ -142,9 +142,10 @@ fn added(
         let (asked, _) = blocks.parted(&fold);
         let x = without(&problem, &found, &asked);
         let part = comparison.only(&asked);
-        let there = problem.at(&x).map(|model| part.positions(&model)).unwrap_or_default();
+        let there = problem.at(&x).map_or_else(|| vec![None; asked.len()], |model| part.positions(&model));
         for (sighting, at) in part.sightings.iter().zip(there) {
-            // A position that has no solution without its block counts as far away as the robot is long.
+            // A position that has no solution without its block, or whose numbers are out of range there, counts as far away
+            // as the robot is long.
             let error_m = at.map_or(model.robot.backbone.length_m, |at| distance_m(&at, &sighting.at_m));
             squares = (squares.0 + error_m * error_m, squares.1 + 1);
         }

@@ -77,7 +77,7 @@ impl CollectCommand {
         recorded.forget_orientations();
         recorded.write(out).map_err(CommandError::bad_input)?;
         if failed == recorded.len() && failed > 0 {
-            return Err(nothing_solved(&self.plant, &plant.model, out, failed));
+            return Err(nothing_solved(&self.plant, &plant.model, out, &recorded));
         }
         if failed > 0 {
             let (all, out) = (recorded.len(), out.display());

@@ -7,6 +7,7 @@ use clap::Args;
 use spinebench::data::Recording;
 use spinebench::data::recording::Extra;
 use spinebench::effects::Model;
+use spinebench::rod::SolveStatus;
 use spinebench::runner::Progress;
 use spinebench::specs::read_model;
 use spinebench::tasks::{SimulationOptions, check_one_gravity, read_commands, simulate_recording};
@@ -51,7 +52,7 @@ impl SimulateCommand {
         }
         let failed = failures(&played);
         if failed == played.len() && failed > 0 {
-            return Err(nothing_solved(&self.model, &model, &self.out, failed));
+            return Err(nothing_solved(&self.model, &model, &self.out, &played));
         }
         if failed > 0 {
             let (all, out) = (played.len(), self.out.display());
@@ -63,11 +64,19 @@ impl SimulateCommand {
     }
 }
 
-/// The error of a recording in which no row could be solved, with the number of the model that is most unusual.
-pub(super) fn nothing_solved(file: &Path, model: &Model, out: &Path, rows: usize) -> CommandError {
-    let (out, file) = (out.display(), file.display());
+/// The error of a recording in which no row could be solved, with the number of the model that is most unusual, or the
+/// accuracy that the finest grid does not reach.
+pub(super) fn nothing_solved(file: &Path, model: &Model, out: &Path, played: &Recording) -> CommandError {
+    let (out, file, rows) = (out.display(), file.display(), played.len());
+    let statuses = statuses(played);
+    let too_coarse = !statuses.is_empty() && statuses.iter().all(|status| status == SolveStatus::UnderResolved.name());
     let suspect = match model.robot.suspect() {
         Some((key, value)) => format!("{file}: {key}: found {value}, which few robots have; check its unit"),
+        None if too_coarse => format!(
+            "the finest grid leaves more than the error of {} m that {file}: robot.resolution.static_tolerance_m allows; \
+             expected ten times as much for a robot that bends this sharply",
+            model.robot.resolution.static_tolerance_m
+        ),
         None => format!("no number of {file} is unusual; check the sizes of the commands against the robot's"),
     };
     CommandError::Failed(format!("none of {rows} rows could be solved (written to {out}); {suspect}"))
@@ -83,9 +92,13 @@ pub(super) fn written(file: &Path, recording: &Recording) -> String {
 
 /// Number of rows that the solver could not solve.
 pub(super) fn failures(played: &Recording) -> usize {
-    let status = played.extra.iter().find(|(name, _)| name == "solver_status");
-    match status {
-        Some((_, Extra::Text(cells))) => cells.iter().filter(|cell| *cell != "converged").count(),
-        _ => 0,
+    statuses(played).iter().filter(|status| *status != SolveStatus::Converged.name()).count()
+}
+
+/// The column `solver_status`; empty for a recording without it.
+fn statuses(played: &Recording) -> &[String] {
+    match played.extra.iter().find(|(name, _)| name == "solver_status") {
+        Some((_, Extra::Text(cells))) => cells,
+        _ => &[],
     }
 }

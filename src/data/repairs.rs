@@ -31,6 +31,8 @@ table_rows! {
         pub verdict: String,
         /// The lines that the model got; empty for none.
         pub named: String,
+        /// Mean distance of the targets from the nearest place where the tip of this robot comes to rest, by bending, metres.
+        pub nearest_m: f64,
         /// Rms tip error of held-out trials without these lines, metres.
         pub gap_before_m: f64,
         /// The same with them, metres.
@@ -60,6 +62,8 @@ table_rows! {
         pub verdict: String,
         /// The lines that the model got; empty for none.
         pub named: String,
+        /// Mean distance of the targets from the nearest place where the tip of this robot comes to rest, by bending, metres.
+        pub nearest_m: f64,
         /// Rms tip error of held-out trials without these lines, metres.
         pub gap_before_m: f64,
         /// The same with them, metres.
@@ -80,7 +84,8 @@ table_rows! {
         /// Name of the change.
         pub change: String,
         /// `before`: the unchanged robot; `changed`: the changed robot, the controller as it was; `repaired`: networks trained on
-        /// with the model that got the named lines; `new_points`: an error model of new real points of the changed robot;
+        /// with the model that got the named lines; `moved_points`: the networks as they were, the real points of the error model
+        /// moved by what the named lines do in the model; `new_points`: an error model of new real points of the changed robot;
         /// `new_real`: a network of new real data of the changed robot.
         pub variant: String,
         /// Name of the policy.

@@ -44,6 +44,7 @@ pub use outside::{
     OutsideView, PythonOptions, provide_python,
 };
 pub use parts::PolicyParts;
+pub use rest_model::nearest_at_rest_m;
 
 use serde::{Deserialize, Serialize};
 

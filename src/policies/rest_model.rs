@@ -6,7 +6,7 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector};
 
 use super::ErrorModel;
-use crate::base::{Displacements, Point3, RestPose, TendonLayout, TipModel};
+use crate::base::{Displacements, Point3, RestPose, TendonLayout, TipModel, distance_m};
 
 /// Largest change of a bend in a Gauss-Newton step, metres: about the size over which the derivatives hold.
 const TRUST_M: f64 = 0.01;
@@ -16,6 +16,27 @@ const FOUND_M: f64 = 1e-5;
 const DAMPING: f64 = 0.2;
 /// Evaluations of the model to come back within the travel.
 const MOST_PROJECTIONS: usize = 3;
+
+/// Steps to the bend that is nearest to a target, from home.
+const NEAREST_STEPS: usize = 40;
+
+/// The distance from each target to the nearest place where the tip of a model comes to rest, by bending with pulls of at
+/// most `travel_m`, metres. Infinite where the model has no equilibrium at home.
+pub fn nearest_at_rest_m(
+    model: Box<dyn TipModel>,
+    layout: TendonLayout,
+    travel_m: f64,
+    targets_m: &[Point3],
+) -> Vec<f64> {
+    let mut model = RestModel::new((model, None), layout, travel_m, 0.0);
+    let straight_m = vec![0.0; model.bends()];
+    let mut nearest = |target_m: &Point3| {
+        model.restart();
+        let home = model.expect(&straight_m)?;
+        Some(distance_m(&model.inverse(home, target_m, NEAREST_STEPS).tip_m, target_m))
+    };
+    targets_m.iter().map(|target_m| nearest(target_m).unwrap_or(f64::INFINITY)).collect()
+}
 
 /// What is expected of the robot at rest under a bend.
 #[derive(Clone)]

@@ -51,7 +51,7 @@ fn draw(rows: &[RepairSummaryRow]) -> Canvas {
     let mut canvas = Canvas::new(PAGE_WIDTH, 60.0 + block * modes.len() as f64);
     let base = legend(&mut canvas, [left, 16.0], PAGE_WIDTH - 8.0, &keys);
     let note = format!(
-        "before the change, after it, repaired, with new points, with new data; means; {}",
+        "before the change, after it, repaired, with moved points, with new points, with new data; means; {}",
         training_label(training)
     );
     canvas.text(Text::new(&note, [left, base + 17.0], SMALL, TextAlign::Left).colour(GREY));

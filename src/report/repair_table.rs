@@ -12,10 +12,11 @@ use crate::data::repairs::{RepairRow, RepairSummaryRow, RepairTrialRow};
 use crate::math::summary::{interval_95, mean, quantile, standard_deviation};
 
 /// The variants in their order, and how a narrow axis calls them.
-pub(super) const VARIANTS: [(&str, &str); 5] = [
+pub(super) const VARIANTS: [(&str, &str); 6] = [
     ("before", "before"),
     ("changed", "after"),
     ("repaired", "repair"),
+    ("moved_points", "moved"),
     ("new_points", "points"),
     ("new_real", "data"),
 ];
@@ -60,7 +61,7 @@ fn summary(rows: &[&RepairTrialRow], before_m: f64, repairs: &[RepairRow]) -> Re
     let [low_95_m, high_95_m] = interval_95(&means).unwrap_or([f64::NAN; 2]);
     let named = repairs.iter().find(|row| row.change == first.change && row.training == first.training);
     let new_samples = match first.variant.as_str() {
-        "repaired" => named.map_or(0, |row| row.samples),
+        "repaired" | "moved_points" => named.map_or(0, |row| row.samples),
         "new_points" => first.gp_points,
         "new_real" => first.real_points,
         _ => 0,
@@ -91,8 +92,9 @@ pub(super) fn markdown(rows: &[RepairSummaryRow], published: &Published) -> Stri
     text.push_str(&named_table(&published.repairs).markdown());
     text.push_str(
         "\nErrors of goal reaching in mm (95 % interval over repetitions). “After”: the changed robot, the controller as it \
-         was. “Repaired”: networks trained on with the repaired model, with the samples of the table above. “New points”: an \
-         error model of as many new real points as it had. “New data”: a network of as many new real samples as it had.\n",
+         was. “Repaired”: networks trained on with the repaired model. “Moved points”: the networks as they were, the real points of \
+         the error model moved by what the named lines do in the model. Both have the samples of the table above. “New points”: \
+         an error model of as many new real points as it had. “New data”: a network of as many new real samples as it had.\n",
     );
     let known = trainings(rows.iter().map(|row| row.training.as_str()));
     for training in &known {
@@ -111,8 +113,18 @@ fn noticed(published: &Published) -> String {
     let alarms: u64 = ok.iter().map(|row| row.false_alarms).sum();
     format!(
         "The monitors raised {alarms} false alarms in {hours:.0} hours of work of unchanged robots.\n\nAlarm: median time of \
-         work from a change to the alarm (repetitions with an alarm). Named: repetitions by the effects that were named.\n\n"
+         work from a change to the alarm (repetitions with an alarm). Named: repetitions by the effects that were named. \
+         Nearest: mean distance of the targets, which were drawn from what the unchanged robot reaches, from the nearest \
+         place where the tip of the changed one comes to rest{}.\n\n",
+        nearest_before(published)
     )
+}
+
+/// The same of the unchanged robot, where it is known.
+fn nearest_before(published: &Published) -> String {
+    let nearest_m: Vec<f64> = published.identifications.iter().map(|row| row.nearest_m).collect();
+    let nearest_m = mean(&nearest_m);
+    if nearest_m.is_finite() { format!(" ({} mm before the change)", mm(nearest_m)) } else { String::new() }
 }
 
 /// One line a change: how soon it was noticed, and what it was said to be.
@@ -128,17 +140,18 @@ fn named_table(repairs: &[RepairRow]) -> MarkdownTable {
             count => format!("{:.1} s ({count} of {})", quantile(&alarms_s, 0.5), own.len()),
         };
         let samples = own.iter().map(|row| row.samples).max().unwrap_or(0);
-        let gap = |value: fn(&RepairRow) -> f64| mm(mean(&own.iter().map(|row| value(row)).collect::<Vec<_>>()));
+        let mean_mm = |value: fn(&RepairRow) -> f64| mm(mean(&own.iter().map(|row| value(row)).collect::<Vec<_>>()));
         vec![
             change.to_owned(),
             own.first().map_or_else(String::new, |row| format!("`{}`", row.truth)),
             alarm,
             samples.to_string(),
             told(&own),
-            format!("{} → {}", gap(|row| row.gap_before_m), gap(|row| row.gap_after_m)),
+            format!("{} → {}", mean_mm(|row| row.gap_before_m), mean_mm(|row| row.gap_after_m)),
+            mean_mm(|row| row.nearest_m),
         ]
     };
-    let header = ["change", "what changed", "alarm", "samples", "named", "held-out error (mm)"];
+    let header = ["change", "what changed", "alarm", "samples", "named", "held-out error (mm)", "nearest (mm)"];
     MarkdownTable {
         header: header.map(str::to_owned).to_vec(),
         rows: distinct(of_last.iter().map(|row| row.change.as_str())).into_iter().map(line).collect(),
@@ -175,7 +188,7 @@ fn errors_table(rows: &[&RepairSummaryRow]) -> MarkdownTable {
         line.extend(VARIANTS.iter().map(cell));
         line
     };
-    let header = ["change", "policy", "before", "after", "repaired", "new points", "new data"];
+    let header = ["change", "policy", "before", "after", "repaired", "moved points", "new points", "new data"];
     MarkdownTable { header: header.map(str::to_owned).to_vec(), rows: cells.values().map(line).collect() }
 }
 

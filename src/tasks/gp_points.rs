@@ -100,13 +100,21 @@ impl GpPool {
 
     /// The points with p_sim from `simulated`, the response of another model to the same commands.
     pub fn points_by(&self, simulated: &Transitions) -> GpPoints {
-        let real_m = self.real_m.clone();
-        let mut points = GpPoints { inputs: Rows::new(simulated.pulls_m.width() + 3), real_m, errors_m: Rows::new(3) };
+        let mut points = GpPoints::none(simulated.pulls_m.width());
         for (&step, real_m) in self.kept.iter().zip(self.real_m.iter()) {
-            let simulated_m = simulated.to_m.row(step);
-            points.inputs.push(&[simulated.pulls_m.row(step), simulated_m].concat());
-            let error_m: Vec<f64> = simulated_m.iter().zip(real_m).map(|(sim, real)| sim - real).collect();
-            points.errors_m.push(&error_m);
+            points.push(simulated, step, real_m);
+        }
+        points
+    }
+
+    /// The points as they would be on a robot that differs from the measured one as `changed`, the response of a changed model
+    /// to the same commands, differs from the recorded model.
+    pub fn moved(&self, changed: &Transitions) -> GpPoints {
+        let mut points = GpPoints::none(self.steps.pulls_m.width());
+        for (&step, real_m) in self.kept.iter().zip(self.real_m.iter()) {
+            let (from_m, to_m) = (self.steps.to_m.row(step), changed.to_m.row(step));
+            let moved_m: Vec<f64> = (0..3).map(|axis| real_m[axis] + to_m[axis] - from_m[axis]).collect();
+            points.push(&self.steps, step, &moved_m);
         }
         points
     }
@@ -124,6 +132,26 @@ pub struct GpPoints {
 }
 
 impl GpPoints {
+    fn none(tendons: usize) -> GpPoints {
+        GpPoints { inputs: Rows::new(tendons + 3), real_m: Rows::new(3), errors_m: Rows::new(3) }
+    }
+
+    /// Appends step `index` of a model beside the tip measured after it, metres.
+    fn push(&mut self, simulated: &Transitions, index: usize, real_m: &[f64]) {
+        let simulated_m = simulated.to_m.row(index);
+        self.inputs.push(&[simulated.pulls_m.row(index), simulated_m].concat());
+        self.real_m.push(real_m);
+        let error_m: Vec<f64> = simulated_m.iter().zip(real_m).map(|(sim, real)| sim - real).collect();
+        self.errors_m.push(&error_m);
+    }
+
+    /// Appends every step of a recording, `simulated` by a model under the same commands.
+    pub fn extend(&mut self, simulated: &Transitions, measured: &Transitions) {
+        for (index, real_m) in measured.to_m.iter().enumerate() {
+            self.push(simulated, index, real_m);
+        }
+    }
+
     /// The points with these indices.
     pub fn select(&self, indices: &[usize]) -> GpPoints {
         GpPoints {

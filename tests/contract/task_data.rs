@@ -7,7 +7,7 @@ use spinebench::learn::selection::Selection;
 use spinebench::plants::{ConstantCurvature, ConstantCurvatureOptions};
 use spinebench::tasks::{
     ExploreOptions, GpPointsOptions, GridOptions, PathOptions, PointLayout, TargetOptions, TaskError, Transitions,
-    correct_samples, draw_targets, explore, explore_trajectory, gp_points, interpolate, replay, spread_targets,
+    correct_samples, draw_targets, drives, explore, explore_trajectory, gp_points, interpolate, replay, spread_targets,
     target_pool, waypoints,
 };
 
@@ -43,6 +43,47 @@ fn exploration_pulls_two_neighbours_in_small_steps_and_the_others_follow() {
         last = pulls_m.to_vec();
     }
     assert!(largest_m > 0.025, "the walk gets about: {largest_m} m");
+}
+
+#[test]
+fn drives_reach_the_edge_of_the_workspace_in_steps_within_the_limit() {
+    let options = ExploreOptions { points: 95, trajectories: 5, ..ExploreOptions::default() };
+    let largest_m = |samples: &Transitions| samples.pulls_m.iter().flatten().copied().fold(0.0, f64::max);
+    let samples = drives(&mut at_once([0.0; 3]), &options, Seed(3)).unwrap();
+    assert_eq!(samples.starts, [0, 19, 38, 57, 76]);
+    for range in samples.trajectories() {
+        let mut last = vec![0.0; 4];
+        for pulls_m in range.map(|index| samples.pulls_m.row(index)) {
+            assert!(pulls_m.iter().zip(&last).all(|(now, before)| (now - before).abs() <= 0.003 + 1e-12));
+            last = pulls_m.to_vec();
+        }
+    }
+    let walk = explore(&mut at_once([0.0; 3]), &options, Seed(3)).unwrap();
+    assert!(largest_m(&samples) > 0.025 && largest_m(&samples) <= 0.03 + 1e-12, "{} m", largest_m(&samples));
+    assert!(largest_m(&walk) < largest_m(&samples));
+    assert_eq!(samples, drives(&mut at_once([0.0; 3]), &options, Seed(3)).unwrap());
+    assert_ne!(samples, drives(&mut at_once([0.0; 3]), &options, Seed(4)).unwrap());
+}
+
+#[test]
+fn points_move_as_the_model_does() {
+    let options = GpPointsOptions {
+        layout: PointLayout::Grid(GridOptions { rows: 3, columns: 3, ..GridOptions::default() }),
+        ..GpPointsOptions::default()
+    };
+    let pool = gp_points(&mut at_once([0.0; 3]), &mut at_once(SHIFT_M), &options, Seed(7)).unwrap();
+    let changed = replay(&mut at_once([0.001, 0.0, -0.002]), &pool.steps, Seed(0)).unwrap();
+    let mut moved = pool.moved(&changed);
+    assert_eq!(moved.inputs, pool.points().inputs, "the model that controllers have stays as it is");
+    for error_m in moved.errors_m.iter() {
+        for (found_m, expected_m) in error_m.iter().zip([0.011, -0.004, 0.001]) {
+            assert!((found_m - expected_m).abs() < 1e-12, "{error_m:?}");
+        }
+    }
+    moved.extend(&pool.steps, &changed);
+    assert_eq!(moved.errors_m.len(), 9 + pool.steps.len());
+    let last_m = moved.errors_m.row(moved.errors_m.len() - 1);
+    assert!((last_m[0] + 0.001).abs() < 1e-12 && (last_m[2] - 0.002).abs() < 1e-12, "{last_m:?}");
 }
 
 #[test]

@@ -348,10 +348,18 @@ fn a_changed_robot_is_noticed_named_and_mended() {
     let row = repairs.lines().nth(1).unwrap();
     assert!(row.starts_with("0,converged,load,tip_load: {mass_kg: 0.03},") && row.ends_with(",ok"), "{row}");
     assert!(!row.contains("},,") && row.matches("tip_load: {mass_kg: 0.03").count() == 2, "{row}");
-    // Three targets; before, changed, repaired, new points for A and B, new data for pi_real; nothing to mend in feedback
-    // that was trained on nothing.
+    // Targets are drawn from what the unchanged robot reaches: its tip comes nearer to them than that of the loaded one.
+    let nearest_m = |name: &str| {
+        let text = table(name);
+        let place = text.lines().next().unwrap().split(',').rev().position(|column| column == "nearest_m").unwrap();
+        text.lines().nth(1).unwrap().split(',').rev().nth(place).unwrap().parse::<f64>().unwrap()
+    };
+    let (unchanged_m, loaded_m) = (nearest_m("identifications.csv"), nearest_m("repairs.csv"));
+    assert!(unchanged_m < 0.002 && unchanged_m < loaded_m && loaded_m < 0.02, "{unchanged_m} {loaded_m}");
+    // Three targets; before, changed, repaired, moved and new points for A and B, new data for pi_real; nothing to mend in
+    // feedback that was trained on nothing.
     let trials = table("repair_trials.csv");
-    assert_eq!(trials.lines().count(), 1 + 3 * (4 + 4 + 3 + 2), "{trials}");
+    assert_eq!(trials.lines().count(), 1 + 3 * (5 + 5 + 3 + 2), "{trials}");
     assert!(trials.lines().skip(1).all(|line| line.ends_with(",ok")), "{trials}");
     assert!(table("repair.md").contains("| load | A |"), "{}", table("repair.md"));
     assert!(folder.path().join("out/plots/mended/repair.png").is_file());

@@ -111,6 +111,32 @@ fn a_rod_bent_tighter_than_its_tendons_run_is_crushed() {
     assert_eq!(rod.settle(&pull(0.30)), SolveStatus::Crushed);
 }
 
+/// A string held out at its base and hanging from there, softer and softer, with tendons that nobody pulls. Tips of the
+/// boundary value problem of a planar rod with stretch and shear, solved by collocation (SciPy's `solve_bvp`, tolerance 1e-8).
+#[test]
+fn a_hanging_string_comes_to_rest() {
+    const LENGTH_M: f64 = 0.7144;
+    const HANGING_M: [(f64, [f64; 2]); 4] = [
+        (1e8, [-0.69221666, 0.05461689]),
+        (3e7, [-0.70251023, 0.02921524]),
+        (1e7, [-0.70783385, 0.01668098]),
+        (5e6, [-0.71016732, 0.01174145]),
+    ];
+    for (youngs_modulus_pa, [x_m, z_m]) in HANGING_M {
+        let radius_m = 0.000675_f64;
+        let mass_kg_m = 1200.0 * std::f64::consts::PI * radius_m.powi(2);
+        let shear_modulus_pa = youngs_modulus_pa / (2.0 * 1.49);
+        let mut params =
+            crate::support::rods::round_rod(LENGTH_M, radius_m, youngs_modulus_pa, shear_modulus_pa, mass_kg_m);
+        params.gravity_m_s2 = Vector3::new(-9.81, 0.0, 0.0);
+        params.tendons = crate::support::rods::four_tendons(0.0151, LENGTH_M, 0.0);
+        let mut rod = Rod::new(params);
+        assert_eq!(rod.settle(&[Drive::Tension(0.0); 4]), SolveStatus::Converged, "{youngs_modulus_pa} Pa");
+        let off_m = (rod.tip_m() - Vector3::new(x_m, 0.0, z_m)).norm();
+        assert!(off_m < 1e-6, "{youngs_modulus_pa} Pa: {off_m} m off");
+    }
+}
+
 /// Tendons askew over a jump of stiffness: the coarse grid is off by more than the tolerance, and the rod notices.
 #[test]
 fn statics_refine_themselves_where_the_grid_is_too_coarse() {

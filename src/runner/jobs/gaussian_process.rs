@@ -6,21 +6,17 @@ use crate::data::rows::GpRow;
 use crate::learn::gp::{Gp, GpConfig};
 use crate::learn::networks::Trained;
 use crate::runner::stage::{Handle, Stage, StageKind};
-use crate::tasks::{GpPool, Transitions};
+use crate::tasks::{GpPoints, GpPool};
 
-/// Handles of the predefined points, of the forward network where p_sim comes from it, and of the points as a repaired
-/// model plays them.
-pub(in crate::runner) type GpInputs = (Handle<GpPool>, Option<Handle<Trained>>, Option<Handle<Transitions>>);
+/// Handles of the predefined points, and of the forward network where p_sim comes from it.
+pub(in crate::runner) type GpInputs = (Handle<GpPool>, Option<Handle<Trained>>);
 
 /// The process of eq. (20) on `points` of the predefined points.
 pub(in crate::runner) const GP: Stage<GpParams, GpInputs, Gp> = Stage {
     kind: StageKind { name: "gp_fit", module: module_path!(), cost_ms: 100 },
-    job: |params, (pool, network, repaired)| {
+    job: |params, (pool, network)| {
         let all = points(pool, network)?;
-        let chosen = params.config.selection.choose(&all.inputs, params.points, Seed(params.seed));
-        // The points were measured before anything was repaired: what they are chosen by does not change.
-        let all = repaired.map_or(all, |steps| pool.points_by(steps));
-        let chosen = all.select(&chosen.map_err(|error| error.to_string())?);
+        let chosen = all.select(&params.chosen(&all)?);
         Gp::fit(&chosen.inputs, &chosen.errors_m, &params.config).map_err(|error| error.to_string())
     },
 };
@@ -36,6 +32,14 @@ pub(in crate::runner) struct GpParams {
     pub(in crate::runner) config: GpConfig,
     pub(in crate::runner) points: usize,
     pub(in crate::runner) seed: u64,
+}
+
+impl GpParams {
+    /// The indices of the points that the process is fitted to.
+    pub(super) fn chosen(&self, all: &GpPoints) -> Result<Vec<usize>, String> {
+        let chosen = self.config.selection.choose(&all.inputs, self.points, Seed(self.seed));
+        chosen.map_err(|error| error.to_string())
+    }
 }
 
 fn gp_row(gp: &Gp) -> GpRow {

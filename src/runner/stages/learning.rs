@@ -64,7 +64,7 @@ impl Stages<'_> {
     /// The Gaussian process of eq. (20) on one point of each of `points` clusters.
     pub(crate) fn gp(&mut self, training: &Training, points: usize) -> Added<Gp> {
         self.once((GP.kind.name, stops(training), points), |stages| {
-            let inputs = (stages.gp_pool()?, stages.simulating_network(training)?, None);
+            let inputs = (stages.gp_pool()?, stages.simulating_network(training)?);
             let label = stages.label(&format!("Gaussian process, {points} points"));
             stages.graph.stage(&GP, label, stages.gp_params(points), inputs)
         })

@@ -11,11 +11,14 @@ use crate::runner::campaign::points_of;
 use crate::runner::failure::Failure;
 use crate::runner::jobs::diagnose::{DIAGNOSE, DiagnoseParams, IDENTIFY};
 use crate::runner::jobs::diagnosis::Diagnosis;
-use crate::runner::jobs::exploration::{EXPLORE, ExploreParams, REPLAY, ReplayParams};
+use crate::runner::jobs::exploration::{ExploreParams, REPLAY, ReplayParams};
 use crate::runner::jobs::gaussian_process::GP;
+use crate::runner::jobs::gp_repaired::{GP_MOVED, GP_REPAIRED, GpRepairedParams};
 use crate::runner::jobs::identified::Identified;
+use crate::runner::jobs::nearest::{NEAREST, NearestParams};
 use crate::runner::jobs::networks::train;
-use crate::runner::jobs::repaired::{EXPLORE_REPAIRED, POINTS_REPAIRED};
+use crate::runner::jobs::recording::{RECORD, RecordParams};
+use crate::runner::jobs::repaired::EXPLORE_REPAIRED;
 use crate::runner::jobs::retrain::RETRAIN;
 use crate::runner::jobs::trials::{PartHandles, REACH, ReachParams};
 use crate::runner::jobs::work::{ALARM, MONITOR, TriedMonitor, WorkParams};
@@ -32,6 +35,9 @@ pub(crate) enum RepairVariant {
     Changed,
     /// The model got the named lines; networks were trained on with it.
     Repaired,
+    /// The error model's points were moved by what the named lines do in the model; networks of simulated data are as they
+    /// were.
+    Moved,
     /// An error model of new points of the changed robot, and networks of generated data trained on with it.
     NewPoints,
     /// Networks of real data trained on new data of the changed robot.
@@ -45,6 +51,7 @@ impl RepairVariant {
             RepairVariant::Before => "before",
             RepairVariant::Changed => "changed",
             RepairVariant::Repaired => "repaired",
+            RepairVariant::Moved => "moved_points",
             RepairVariant::NewPoints => "new_points",
             RepairVariant::NewReal => "new_real",
         }
@@ -56,7 +63,9 @@ impl RepairVariant {
         let simulated =
             entry.networks().any(|network| matches!(network.data, TrainingData::Simulated | TrainingData::Generated));
         variants.extend(simulated.then_some(RepairVariant::Repaired));
-        variants.extend(entry.uses_error_model().then_some(RepairVariant::NewPoints));
+        if entry.uses_error_model() {
+            variants.extend([RepairVariant::Moved, RepairVariant::NewPoints]);
+        }
         variants.extend(entry.uses_real_data().then_some(RepairVariant::NewReal));
         variants
     }
@@ -72,6 +81,8 @@ pub(crate) struct RepairStages {
     pub(crate) alarm: Handle<Option<f64>>,
     /// What was found out.
     pub(crate) diagnosis: Handle<Diagnosis>,
+    /// How near the changed robot can come to the targets, metres.
+    pub(crate) nearest_m: Handle<f64>,
     /// Goal reaching.
     pub(crate) trials: Vec<(RepairVariant, TrialCell, Handle<Vec<TrialRow>>)>,
 }
@@ -82,6 +93,8 @@ pub(crate) struct RepairCampaign {
     pub(crate) monitor: Handle<TriedMonitor>,
     /// What the model lacked of the robot as it was built.
     pub(crate) identified: Handle<Diagnosis>,
+    /// How near the unchanged robot can come to the targets, metres.
+    pub(crate) nearest_m: Handle<f64>,
     /// The changes, by name.
     pub(crate) changes: Vec<RepairStages>,
 }
@@ -91,9 +104,13 @@ impl RepairCampaign {
     pub(crate) fn wanted(&self) -> Vec<usize> {
         let of = |one: &RepairStages| {
             let trials = one.trials.iter().map(|(_, _, stage)| stage.number());
-            [one.alarm.number(), one.diagnosis.number()].into_iter().chain(trials).collect::<Vec<_>>()
+            [one.alarm.number(), one.diagnosis.number(), one.nearest_m.number()]
+                .into_iter()
+                .chain(trials)
+                .collect::<Vec<_>>()
         };
-        [self.monitor.number(), self.identified.number()].into_iter().chain(self.changes.iter().flat_map(of)).collect()
+        let own = [self.monitor.number(), self.identified.number(), self.nearest_m.number()];
+        own.into_iter().chain(self.changes.iter().flat_map(of)).collect()
     }
 }
 
@@ -116,6 +133,9 @@ struct Change<'a> {
     effects: &'a [EffectSpec],
     /// The changed robot.
     plant: Identified,
+    /// The recording after the alarm.
+    recorded: Handle<Transitions>,
+    diagnosis: Handle<Diagnosis>,
     /// The exploration on the repaired model.
     samples: Handle<Transitions>,
 }
@@ -143,7 +163,7 @@ impl Stages<'_> {
         let repair = Repair { run, training, worker, pool, gp, monitor, built, identified };
         let changes = run.changes.iter().map(|(name, effects)| self.change(&repair, name, effects));
         let changes = changes.collect::<Result<_, Failure>>()?;
-        Ok(Some(RepairCampaign { monitor, identified, changes }))
+        Ok(Some(RepairCampaign { monitor, identified, nearest_m: self.nearest(&[], "unchanged")?, changes }))
     }
 
     /// The parts of the policy that works, and its work on the robot with these effects.
@@ -171,10 +191,10 @@ impl Stages<'_> {
         let params = self.diagnose_params(repair.run)?;
         let inputs = (repair.built, changed, repair.identified);
         let diagnosis = self.graph.stage(&DIAGNOSE, self.label(&format!("diagnosis, {name}")), params, inputs)?;
-        let lines = vec![repair.identified, diagnosis];
         let label = self.label(&format!("exploration on the model repaired for {name}"));
-        let samples = self.graph.stage(&EXPLORE_REPAIRED, label, self.explore_params(), lines)?;
-        let change = Change { name, effects, plant, samples };
+        let samples = self.graph.stage(&EXPLORE_REPAIRED, label, self.explore_params(), diagnosis)?;
+        let change = Change { name, effects, plant, recorded: changed, diagnosis, samples };
+        let nearest_m = self.nearest(effects, name)?;
         let mut trials = Vec::new();
         for cell in repair_cells(self.spec) {
             let Some(entry) = policies::find_with(&cell.policy, &self.spec.policies.outside) else { continue };
@@ -182,16 +202,25 @@ impl Stages<'_> {
                 trials.push((variant, cell.clone(), self.repair_trials(repair, &change, entry, &cell, variant)?));
             }
         }
-        Ok(RepairStages { change: name.to_owned(), truth: effects.to_vec(), alarm, diagnosis, trials })
+        Ok(RepairStages { change: name.to_owned(), truth: effects.to_vec(), alarm, diagnosis, nearest_m, trials })
     }
 
-    /// Random walks on a robot.
+    /// How near a robot with these effects can come to the targets.
+    fn nearest(&mut self, effects: &[EffectSpec], name: &str) -> Added<f64> {
+        let (robot, travel_m) = (self.parts.plant.clone(), self.parts.policies.limits.travel_m);
+        let params = NearestParams { robot, effects: effects.to_vec(), travel_m, step_s: self.step_s() };
+        let targets = self.targets()?;
+        self.graph.stage(&NEAREST, self.label(&format!("nearest to the targets, {name}")), params, targets)
+    }
+
+    /// A recording of a robot.
     fn recording(&mut self, robot: Identified, trials: usize, name: &str, run: &RepairRun) -> Added<Transitions> {
         let points = trials * (run.recordings.rows - 1);
         let options = ExploreOptions { points, trajectories: trials, ..self.spec.explore };
         let seed = self.seed.child("repair").child(name).0;
-        let params = ExploreParams { model: robot, options, step_s: self.step_s(), seed };
-        self.graph.stage(&EXPLORE, self.label(&format!("recording, {name}")), params, ())
+        let explore = ExploreParams { model: robot, options, step_s: self.step_s(), seed };
+        let params = RecordParams { motion: run.recordings.motion, explore };
+        self.graph.stage(&RECORD, self.label(&format!("recording, {name}")), params, ())
     }
 
     fn diagnose_params(&self, run: &RepairRun) -> Result<DiagnoseParams, Failure> {
@@ -237,7 +266,7 @@ impl Stages<'_> {
         variant: RepairVariant,
     ) -> Result<PartHandles, Failure> {
         let repaired = variant == RepairVariant::Repaired;
-        let gp = entry.uses_error_model().then(|| self.new_gp(repair, change, cell.gp_points, repaired)).transpose()?;
+        let gp = entry.uses_error_model().then(|| self.new_gp(change, cell.gp_points, variant)).transpose()?;
         let real = (variant == RepairVariant::NewReal).then(|| self.new_real(change)).transpose()?;
         let new = NewParts { samples: repaired.then_some(change.samples), real, gp };
         let (mut networks, mut error) = (Vec::new(), None);
@@ -279,20 +308,19 @@ impl Stages<'_> {
         }
     }
 
-    /// The error model of so many points: of those before the change about the model with what it lacked then, or of new
-    /// ones of the changed robot about the model as it was.
-    fn new_gp(&mut self, repair: &Repair, change: &Change, points: usize, repaired: bool) -> Added<Gp> {
-        if repaired {
-            let (pool, params) = (self.gp_pool()?, (self.parts.model.clone(), self.step_s()));
-            let inputs = (pool, vec![repair.identified]);
-            let label = self.label("points on the identified model");
-            let played = self.graph.stage(&POINTS_REPAIRED, label, params, inputs)?;
-            let label = self.label(&format!("Gaussian process, {points} points, identified"));
-            return self.graph.stage(&GP, label, self.gp_params(points), (pool, None, Some(played)));
+    /// The error model of a variant: of so many new points of the changed robot, or of so many points from before the change
+    /// and the recording after it.
+    fn new_gp(&mut self, change: &Change, points: usize, variant: RepairVariant) -> Added<Gp> {
+        let label = self.label(&format!("Gaussian process, {points} points, {} {}", change.name, variant.name()));
+        let gp = self.gp_params(points);
+        if variant == RepairVariant::NewPoints {
+            let pool = self.pool_of(change.plant.clone(), &format!("new points, {}", change.name))?;
+            return self.graph.stage(&GP, label, gp, (pool, None));
         }
-        let pool = self.pool_of(change.plant.clone(), &format!("new points, {}", change.name))?;
-        let label = self.label(&format!("Gaussian process, {points} new points, {}", change.name));
-        self.graph.stage(&GP, label, self.gp_params(points), (pool, None, None))
+        let stage = if variant == RepairVariant::Moved { &GP_MOVED } else { &GP_REPAIRED };
+        let params = GpRepairedParams { model: self.parts.model.clone(), step_s: self.step_s(), gp };
+        let inputs = (self.gp_pool()?, change.recorded, change.diagnosis);
+        self.graph.stage(stage, label, params, inputs)
     }
 
     /// What the changed robot does under the commands of the exploration.

@@ -3,7 +3,7 @@
 use super::spec::ReachSweep;
 use crate::discovery::Options;
 use crate::effects::EffectSpec;
-use crate::tasks::MonitorOptions;
+use crate::tasks::{MonitorOptions, RecordedMotion};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -47,10 +47,12 @@ fn gp_points() -> usize {
     100
 }
 
-/// The recordings: random walks from home, as those of `explore`.
+/// The recordings; each trial begins at home, steps and pulls are limited as those of `explore`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RepairRecordings {
+    /// The commands.
+    pub motion: RecordedMotion,
     /// Rows of a trial; each holds a measured tip, the first that at home.
     pub rows: usize,
     /// Trials of the robot as it was built.
@@ -61,6 +63,6 @@ pub struct RepairRecordings {
 
 impl Default for RepairRecordings {
     fn default() -> Self {
-        RepairRecordings { rows: 20, trials_before: 15, trials_after: 5 }
+        RepairRecordings { motion: RecordedMotion::Drives, rows: 20, trials_before: 15, trials_after: 5 }
     }
 }

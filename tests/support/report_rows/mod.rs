@@ -474,6 +474,7 @@ fn repairs(seeds: u64) -> Vec<RepairRow> {
         samples: 100,
         verdict: if change == "friction" { "unexplained" } else { "named" }.to_owned(),
         named: if change == "friction" { "" } else { "tip_load: {mass_kg: 0.021}" }.to_owned(),
+        nearest_m: 0.0008,
         gap_before_m: 0.012,
         gap_after_m: 0.0011,
         noise_floor_m: 0.0009,
@@ -484,12 +485,15 @@ fn repairs(seeds: u64) -> Vec<RepairRow> {
 
 /// Goal reaching before and after these changes.
 fn repair_trials(seeds: u64) -> Vec<RepairTrialRow> {
-    let variants = [("before", 0.003), ("changed", 0.011), ("repaired", 0.004), ("new_points", 0.0045)];
+    let variants =
+        [("before", 0.003), ("changed", 0.011), ("repaired", 0.004), ("moved_points", 0.0042), ("new_points", 0.0045)];
     let mut rows = Vec::new();
     for repair in repairs(seeds) {
         for mode in ["open", "closed"] {
             for policy in ["a", "b", "integral"] {
-                for (variant, base_m) in variants.into_iter().take(if policy == "integral" { 2 } else { 4 }) {
+                for (variant, base_m) in
+                    variants.into_iter().take(if policy == "integral" { 2 } else { variants.len() })
+                {
                     for target in 0..4 {
                         let mut rng = Seed(3).child(&format!("{repair:?}{mode}{policy}{variant}{target}")).rng();
                         rows.push(RepairTrialRow {
