@@ -21,7 +21,7 @@ pub(super) const FIGURE: Figure = Figure {
 };
 
 /// Panels in a line.
-const COLUMNS: usize = 4;
+const COLUMNS: usize = 3;
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     if published.repair_trials.is_empty() {

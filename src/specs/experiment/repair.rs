@@ -63,6 +63,6 @@ pub struct RepairRecordings {
 
 impl Default for RepairRecordings {
     fn default() -> Self {
-        RepairRecordings { motion: RecordedMotion::Drives, rows: 20, trials_before: 15, trials_after: 5 }
+        RepairRecordings { motion: RecordedMotion::Walk, rows: 20, trials_before: 15, trials_after: 5 }
     }
 }
