@@ -83,17 +83,15 @@ pub fn discover(
         excluded_rows::tell(&mut told.findings, (measured, &excluded), None);
         Ok(told)
     };
-    if let Some(mistake) = mislabelled::find(model, &kept, options) {
-        return told_mistake(&mistake);
-    }
-    step("comparing the clocks of commands and tips");
-    // Trials that are cut from a run begin with motion whose commands are not in them: that is no clock.
-    let begins_at_rest = || scattered_starts(&options.samples(model, &kept), model).is_none();
-    let offset = (!options.at_rest && begins_at_rest()).then(|| clock_offset::find(model, &kept, options)).flatten();
     let asked = Asked { model, measured, baseline: kept_baseline.as_ref(), options };
-    let offset = offset.map(|offset| asked.refined(&kept, offset)).transpose()?;
-    let searched = asked.shifted(&kept, offset);
-    let mut told = asked.discover_in_samples(&searched)?;
+    let (mut told, offset) = match mislabelled::find(model, &kept, options) {
+        None => asked.answer(&kept)?,
+        Some(mistake) if !asked.doubts(&mistake) => return told_mistake(&mistake),
+        Some(mistake) => match asked.answer(&kept) {
+            Ok(answer) if answer.0.findings.gap.after_m < mistake.after_m => answer,
+            _ => return told_mistake(&mistake),
+        },
+    };
     excluded_rows::tell(&mut told.findings, (measured, &excluded), baseline.zip(baseline_excluded.as_ref()));
     told.findings.limitations.extend(blocks::caveats(measured, options.playing(model)));
     match offset {
@@ -127,6 +125,23 @@ struct SearchedRows {
 }
 
 impl Asked<'_> {
+    /// Whether effects may explain more than the `mistake`: with it the recording fits worse than the baseline by far, which
+    /// was recorded in the same set-up.
+    fn doubts(&self, mistake: &Mistake) -> bool {
+        self.baseline.is_some_and(|baseline| mistake.is_doubtful(self.model, baseline, self.options))
+    }
+
+    /// The answer from the rows that are `kept`, without a mistake in them, and the offset of the tracker's clock.
+    fn answer(&self, kept: &Recording) -> Result<(Discovery, Option<ClockOffset>), DiscoveryError> {
+        let Asked { model, options, .. } = *self;
+        step("comparing the clocks of commands and tips");
+        // Trials that are cut from a run begin with motion whose commands are not in them: that is no clock.
+        let begins_at_rest = || scattered_starts(&options.samples(model, kept), model).is_none();
+        let offset = (!options.at_rest && begins_at_rest()).then(|| clock_offset::find(model, kept, options)).flatten();
+        let offset = offset.map(|offset| self.refined(kept, offset)).transpose()?;
+        Ok((self.discover_in_samples(&self.shifted(kept, offset))?, offset))
+    }
+
     /// The rows that are `kept`, with every tip later by the `offset` of the tracker's clock.
     fn shifted(&self, kept: &Recording, offset: Option<ClockOffset>) -> SearchedRows {
         let recording = offset.map_or_else(|| kept.clone(), |offset| kept.with_tips_later(offset.offset_s));

@@ -6,12 +6,13 @@ use super::drawing::legend::{LegendEntry, legend};
 use super::order::{distinct, trainings};
 use super::repair_table::{VARIANTS, markdown, summary_rows};
 use super::style::{
-    GREY, PAGE_WIDTH, SMALL, TEXT, capitalised, mode_title, policies_in_order, policy_label, policy_look,
+    DOTTED, GREY, LINE, PAGE_WIDTH, SMALL, TEXT, capitalised, mode_title, policies_in_order, policy_label, policy_look,
     training_label,
 };
 use super::summarise::modes_in_order;
 use super::{Artifact, Figure, Published, ReportError, csv, pictures, text};
-use crate::data::repairs::RepairSummaryRow;
+use crate::data::repairs::{RepairRow, RepairSummaryRow};
+use crate::math::summary::mean;
 
 /// Registry entry.
 pub(super) const FIGURE: Figure = Figure {
@@ -29,12 +30,12 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     }
     let rows = summary_rows(&published.repair_trials, &published.repairs);
     let mut files = vec![csv("repair_summary.csv", &rows)?, text("repair.md", markdown(&rows, published))];
-    files.extend(pictures(FIGURE.name, FIGURE.name, &draw(&rows))?);
+    files.extend(pictures(FIGURE.name, FIGURE.name, &draw(&rows, &published.repairs))?);
     Ok(files)
 }
 
 /// The panels of the last kind of training: networks are at their best there.
-fn draw(rows: &[RepairSummaryRow]) -> Canvas {
+fn draw(rows: &[RepairSummaryRow], repairs: &[RepairRow]) -> Canvas {
     let known = trainings(rows.iter().map(|row| row.training.as_str()));
     let training = known.last().copied().unwrap_or_default();
     let rows: Vec<&RepairSummaryRow> = rows.iter().filter(|row| row.training == training).collect();
@@ -48,16 +49,22 @@ fn draw(rows: &[RepairSummaryRow]) -> Canvas {
         .into_iter()
         .map(|policy| (LegendEntry::Plain(policy_look(policy)), policy_label(policy)))
         .collect();
-    let mut canvas = Canvas::new(PAGE_WIDTH, 60.0 + block * modes.len() as f64);
+    let mut canvas = Canvas::new(PAGE_WIDTH, 73.0 + block * modes.len() as f64);
     let base = legend(&mut canvas, [left, 16.0], PAGE_WIDTH - 8.0, &keys);
     let note = format!(
         "before the change, after it, repaired, with moved points, with new points, with new data; means; {}",
         training_label(training)
     );
-    canvas.text(Text::new(&note, [left, base + 17.0], SMALL, TextAlign::Left).colour(GREY));
-    let y = Axis::covering("error (mm)", rows.iter().map(|row| 1e3 * row.mean_m).chain([0.0]), 4);
+    let dotted = "dotted: the nearest place to the target where the tip of the changed robot comes to rest, mean";
+    for (line, text) in [note.as_str(), dotted].into_iter().enumerate() {
+        let below = base + 17.0 + 13.0 * line as f64;
+        canvas.text(Text::new(text, [left, below], SMALL, TextAlign::Left).colour(GREY));
+    }
+    let nearest = changes.iter().map(|change| nearest_mm(repairs, change));
+    let means_mm = rows.iter().map(|row| 1e3 * row.mean_m).chain(nearest);
+    let y = Axis::covering("error (mm)", means_mm.chain([0.0]), 4);
     for (number, mode) in modes.iter().enumerate() {
-        let top = base + 30.0 + block * number as f64;
+        let top = base + 43.0 + block * number as f64;
         canvas.text(Text::new(capitalised(&mode_title(mode)), [left, top + 14.0], TEXT, TextAlign::Left).bold());
         for (place, change) in changes.iter().enumerate() {
             let (line, column) = (place / COLUMNS, place % COLUMNS);
@@ -65,13 +72,25 @@ fn draw(rows: &[RepairSummaryRow]) -> Canvas {
             let y = if column == 0 { y.clone() } else { y.bare() };
             let own: Vec<&RepairSummaryRow> =
                 rows.iter().copied().filter(|row| row.mode == *mode && row.change == *change).collect();
-            panel(&mut canvas, &own, (corner, [width, high]), change, y);
+            let panel = panel(&mut canvas, &own, (corner, [width, high]), change, y);
+            let nearest_mm = nearest_mm(repairs, change);
+            if nearest_mm.is_finite() {
+                let ends = [0.6, VARIANTS.len() as f64 - 0.6].map(|x| [x, nearest_mm]);
+                panel.line(&mut canvas, &ends, GREY, DOTTED, LINE);
+            }
         }
     }
     canvas
 }
 
-fn panel(canvas: &mut Canvas, rows: &[&RepairSummaryRow], place: ([f64; 2], [f64; 2]), change: &str, y: Axis) {
+/// How near a changed robot can come to the targets, mean over repetitions, millimetres.
+fn nearest_mm(repairs: &[RepairRow], change: &str) -> f64 {
+    let of_change = repairs.iter().filter(|row| row.change == change).map(|row| 1e3 * row.nearest_m);
+    mean(&of_change.filter(|nearest_mm| nearest_mm.is_finite()).collect::<Vec<f64>>())
+}
+
+/// Draws the errors in one mode after one change.
+fn panel(canvas: &mut Canvas, rows: &[&RepairSummaryRow], place: ([f64; 2], [f64; 2]), change: &str, y: Axis) -> Panel {
     let names: Vec<String> = VARIANTS.iter().map(|(_, short)| (*short).to_owned()).collect();
     let x = Axis::categories("", &names);
     let panel = Panel { corner: place.0, size: place.1, x, y, title: change.replace('_', " ") };
@@ -84,4 +103,5 @@ fn panel(canvas: &mut Canvas, rows: &[&RepairSummaryRow], place: ([f64; 2], [f64
         let points: Vec<[f64; 3]> = VARIANTS.iter().enumerate().filter_map(at).collect();
         panel.series(canvas, &points, policy_look(policy));
     }
+    panel
 }

@@ -67,7 +67,7 @@ impl ExploreOptions {
     }
 
     /// Number of transitions of trajectory `index`: equal shares, the first trajectories take the remainder.
-    pub(super) fn share(&self, index: usize) -> usize {
+    fn share(&self, index: usize) -> usize {
         self.points / self.trajectories + usize::from(index < self.points % self.trajectories)
     }
 }

@@ -120,6 +120,10 @@ const BAD: &[(&str, &str)] = &[
         "bad.yaml:2:59: runs.repair.recordings.trials_after: found 1, expected 2 to 1000 trials with 30 rows or more",
     ),
     (
+        "runs: {repair: {gp_points: 20, identification: {most_effects: 0}, changes: {load: [{tip_load: {mass_kg: 0.02}}]}, cells: [{policies: [integral], modes: [closed]}]}}",
+        "bad.yaml:2:63: runs.repair.identification.most_effects: found 0, expected a whole number of at least 1",
+    ),
+    (
         "runs: {repair: {gp_points: 20, monitor: {patience_s: 0}, changes: {load: [{tip_load: {mass_kg: 0.02}}]}, cells: [{policies: [integral], modes: [closed]}]}}",
         "bad.yaml:2:54: runs.repair.monitor.patience_s: found 0, expected 1 to 36000 s",
     ),

@@ -7,7 +7,7 @@ use spinebench::learn::selection::Selection;
 use spinebench::plants::{ConstantCurvature, ConstantCurvatureOptions};
 use spinebench::tasks::{
     ExploreOptions, GpPointsOptions, GridOptions, PathOptions, PointLayout, TargetOptions, TaskError, Transitions,
-    correct_samples, draw_targets, drives, explore, explore_trajectory, gp_points, interpolate, replay, spread_targets,
+    correct_samples, draw_targets, explore, explore_trajectory, gp_points, interpolate, replay, spread_targets,
     target_pool, waypoints,
 };
 
@@ -43,26 +43,6 @@ fn exploration_pulls_two_neighbours_in_small_steps_and_the_others_follow() {
         last = pulls_m.to_vec();
     }
     assert!(largest_m > 0.025, "the walk gets about: {largest_m} m");
-}
-
-#[test]
-fn drives_reach_the_edge_of_the_workspace_in_steps_within_the_limit() {
-    let options = ExploreOptions { points: 95, trajectories: 5, ..ExploreOptions::default() };
-    let largest_m = |samples: &Transitions| samples.pulls_m.iter().flatten().copied().fold(0.0, f64::max);
-    let samples = drives(&mut at_once([0.0; 3]), &options, Seed(3)).unwrap();
-    assert_eq!(samples.starts, [0, 19, 38, 57, 76]);
-    for range in samples.trajectories() {
-        let mut last = vec![0.0; 4];
-        for pulls_m in range.map(|index| samples.pulls_m.row(index)) {
-            assert!(pulls_m.iter().zip(&last).all(|(now, before)| (now - before).abs() <= 0.003 + 1e-12));
-            last = pulls_m.to_vec();
-        }
-    }
-    let walk = explore(&mut at_once([0.0; 3]), &options, Seed(3)).unwrap();
-    assert!(largest_m(&samples) > 0.025 && largest_m(&samples) <= 0.03 + 1e-12, "{} m", largest_m(&samples));
-    assert!(largest_m(&walk) < largest_m(&samples));
-    assert_eq!(samples, drives(&mut at_once([0.0; 3]), &options, Seed(3)).unwrap());
-    assert_ne!(samples, drives(&mut at_once([0.0; 3]), &options, Seed(4)).unwrap());
 }
 
 #[test]

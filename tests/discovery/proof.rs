@@ -45,6 +45,20 @@ fn trials_without_tracking_prove_nothing() {
     assert!(gap.before_m > gap.after_m && gap.after_m > NOISE_M, "{gap:?}");
 }
 
+/// A tilt of 15 standard deviations, less than a tenth of what the load does, is told as uncertain parameters; with a smaller
+/// `least_share` it is named.
+#[test]
+fn uncertain_parameters_that_stand_for_an_effect_are_told() {
+    let effects = "- tip_load: {mass_kg: 0.02}\n- base_tilt: {tilt_x_rad: 0.0045, tilt_y_rad: 0}";
+    let measured = recorded(effects, 4, 5, 0.0);
+    let [few, many] = [0.1, 0.01].map(|least_share| found(&measured, &Options { least_share, ..Options::default() }));
+    let strained = |found: &Discovery| found.findings.limitations.join(" ").contains("standard deviations off");
+    assert_eq!(names(&few), ["tip_load"]);
+    assert_eq!(names(&many), ["tip_load", "base_tilt"]);
+    assert!(strained(&few) && !strained(&many), "{:?} {:?}", few.findings.limitations, many.findings.limitations);
+    assert!(many.findings.gap.after_m < few.findings.gap.after_m);
+}
+
 /// A name that held-out trials do not bear out is taken back, though they had no part in finding it.
 #[test]
 #[ignore = "make campaign"]

@@ -3,7 +3,7 @@
 use super::Discovery;
 use super::alternatives::Alternatives;
 use super::explained_share::ExplainedShare;
-use super::final_fit::FinalFit;
+use super::final_fit::{FinalFit, FineFit};
 use super::residual_rows::residual_rows;
 use super::verdict::{Decision, set_name};
 use super::{alternatives, residual_map, summary_text};
@@ -26,6 +26,9 @@ use crate::effects::{EffectSpec, Model};
 
 /// Significance level at which a residual exceeds the noise from all other sources.
 const MORE_THAN_NOISE: f64 = 1e-3;
+
+/// Uncertain parameters that are farther off, in standard deviations, stand for something else.
+const MOST_DEVIATIONS: f64 = 4.0;
 
 /// A decision with its held-out test.
 struct CheckedDecision {
@@ -173,7 +176,8 @@ impl Problem<'_> {
         let caveats = self.caveats(checked.answer.verdict).into_iter().chain(tolerated).chain(tolerated_on_held_out);
         let by_trials = found.by_trials.is_some() && named;
         let by_trials = by_trials.then(|| summary_text::by_trials_caveat(self.model_form_m));
-        let caveats = caveats.chain(by_trials).chain(self.cannot_follow(model));
+        let strained = self.strained_caveat(&final_fit.fine, checked);
+        let caveats = caveats.chain(by_trials).chain(strained).chain(self.cannot_follow(model));
         validate::limitations(measured, &self.all).into_iter().chain(caveats).collect()
     }
 
@@ -301,6 +305,16 @@ impl Problem<'_> {
         let apart_m = rms_m(&checked.unseen.left.as_ref().filter(|_| self.has_baseline())?.residual_m);
         let shared_m = (checked.gap.after_m.powi(2) - apart_m.powi(2)).max(0.0).sqrt();
         (shared_m > self.least_relevant_m(noise.rms_m())).then_some(summary_text::BaselineShare { shared_m, apart_m })
+    }
+
+    /// Caveat if uncertain parameters, farther off than their uncertainty allows, explain a relevant part of the held-out
+    /// residual. With a baseline they were estimated from that.
+    fn strained_caveat(&self, fine: &FineFit, checked: &CheckedDecision) -> Option<String> {
+        let left = checked.unseen.left.as_ref().filter(|_| !self.has_baseline())?;
+        let explained_m = (checked.gap.after_m.powi(2) - rms_m(&left.residual_m).powi(2)).max(0.0).sqrt();
+        let deviations = fine.nuisances.deviations(&fine.fitted.nuisance_fit.amounts);
+        let strained = deviations > MOST_DEVIATIONS && explained_m > self.least_relevant_m(left.noise.rms_m());
+        strained.then(|| summary_text::strained_caveat(explained_m, deviations))
     }
 
     /// Noise from the floor and, if all is `nuisance_fit`, from the residual; with its sources as text. `best`: fit of

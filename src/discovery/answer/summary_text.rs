@@ -163,6 +163,16 @@ pub(crate) fn tolerated_caveat(residual_m: f64) -> String {
     )
 }
 
+/// Caveat on uncertain parameters that explain so much, metres, where they are so many `deviations` off.
+pub(crate) fn strained_caveat(explained_m: f64, deviations: f64) -> String {
+    format!(
+        "The uncertain parameters of the model explain {:.2} mm of the error on held-out trials, and one of them is \
+         {deviations:.0} standard deviations off: further effects are probably missing, each smaller than `least_share` of \
+         those named. `least_share: 0.01` with a larger `most_effects` lets the search add them.",
+        1e3 * explained_m
+    )
+}
+
 /// Patterns that predict less than this share of the squares are not reported.
 const LEAST_SHARE: f64 = 0.1;
 

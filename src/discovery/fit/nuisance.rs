@@ -97,6 +97,15 @@ impl Nuisances {
         self.left(residual, &self.mean).iter().zip(self.offset.iter()).map(|(left, offset)| left - offset).collect()
     }
 
+    /// The largest distance of independent `amounts` from their prior mean, in standard deviations.
+    pub(crate) fn deviations(&self, amounts: &DVector<f64>) -> f64 {
+        let off = amounts - &self.mean;
+        off.iter()
+            .zip(self.precision.diagonal().iter())
+            .map(|(off, precision)| off.abs() * precision.sqrt())
+            .fold(0.0, f64::max)
+    }
+
     /// Own columns followed by `others`.
     pub(crate) fn with(&self, others: &DMatrix<f64>) -> DMatrix<f64> {
         let own = self.columns.ncols();

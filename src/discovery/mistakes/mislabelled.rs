@@ -34,6 +34,19 @@ pub(crate) struct Mistake {
     pub(crate) after_m: f64,
 }
 
+/// A recording that fits worse, with the mistake, than the baseline does by this factor may have another cause.
+const WORSE_THAN_BASELINE: f64 = 3.0;
+
+impl Mistake {
+    /// Whether the gap with the mistake is far larger than that of the `baseline` without one.
+    pub(crate) fn is_doubtful(&self, model: &Model, baseline: &Recording, options: &Options) -> bool {
+        let samples = options.samples(model, baseline);
+        let predicted_m = simulate::tips(&coarse_model(model, options), &[], &samples);
+        predicted_m
+            .is_some_and(|predicted_m| self.after_m > WORSE_THAN_BASELINE * rms_m(&samples.residual(&predicted_m)))
+    }
+}
+
 /// A change of one row of commands.
 type RowChange = Box<dyn Fn(&[f64]) -> Vec<f64>>;
 

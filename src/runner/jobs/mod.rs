@@ -23,7 +23,6 @@ pub(super) mod nearest;
 pub(super) mod networks;
 pub(super) mod outside_part;
 pub(super) mod path;
-pub(super) mod recording;
 pub(super) mod repaired;
 pub(super) mod responses;
 pub(super) mod retrain;
@@ -44,7 +43,7 @@ pub(super) fn kinds() -> Vec<StageKind> {
     kinds.extend([trials::REACH.kind, trials::TRACK.kind, responses::RESPONSE.kind, responses::PACE.kind]);
     kinds.extend([work::MONITOR.kind, work::ALARM.kind, diagnose::DIAGNOSE.kind, diagnose::IDENTIFY.kind]);
     kinds.extend([repaired::EXPLORE_REPAIRED.kind, gp_repaired::GP_REPAIRED.kind, gp_repaired::GP_MOVED.kind]);
-    kinds.extend([recording::RECORD.kind, retrain::RETRAIN.kind, nearest::NEAREST.kind]);
+    kinds.extend([retrain::RETRAIN.kind, nearest::NEAREST.kind]);
     kinds.extend([blind::COMMANDS.kind, blind::SPAN.kind, blind::TRUTH.kind, blind::RECORDING.kind]);
     kinds.extend([discover::DISCOVER.kind, blind_score::SCORE.kind]);
     kinds.extend([discover::DISCOVER_RECORDED.kind, blind::RECORDED_TRUTH.kind]);

@@ -3,6 +3,7 @@
 use super::{Added, Stages};
 use crate::base::Point3;
 use crate::data::rows::TrialRow;
+use crate::discovery::Options;
 use crate::effects::EffectSpec;
 use crate::learn::gp::Gp;
 use crate::learn::networks::Trained;
@@ -11,13 +12,12 @@ use crate::runner::campaign::points_of;
 use crate::runner::failure::Failure;
 use crate::runner::jobs::diagnose::{DIAGNOSE, DiagnoseParams, IDENTIFY};
 use crate::runner::jobs::diagnosis::Diagnosis;
-use crate::runner::jobs::exploration::{ExploreParams, REPLAY, ReplayParams};
+use crate::runner::jobs::exploration::{EXPLORE, ExploreParams, REPLAY, ReplayParams};
 use crate::runner::jobs::gaussian_process::GP;
 use crate::runner::jobs::gp_repaired::{GP_MOVED, GP_REPAIRED, GpRepairedParams};
 use crate::runner::jobs::identified::Identified;
 use crate::runner::jobs::nearest::{NEAREST, NearestParams};
 use crate::runner::jobs::networks::train;
-use crate::runner::jobs::recording::{RECORD, RecordParams};
 use crate::runner::jobs::repaired::EXPLORE_REPAIRED;
 use crate::runner::jobs::retrain::RETRAIN;
 use crate::runner::jobs::trials::{PartHandles, REACH, ReachParams};
@@ -158,8 +158,8 @@ impl Stages<'_> {
         let (parts, params) = self.work(run, &worker, training, &[], "monitor")?;
         let monitor = self.graph.stage(&MONITOR, self.label("monitor"), params, (parts, pool, gp))?;
         let built = self.recording(self.parts.plant.clone(), run.recordings.trials_before, "built", run)?;
-        let identified =
-            self.graph.stage(&IDENTIFY, self.label("identification"), self.diagnose_params(run)?, built)?;
+        let params = self.diagnose_params(run.identification_options())?;
+        let identified = self.graph.stage(&IDENTIFY, self.label("identification"), params, built)?;
         let repair = Repair { run, training, worker, pool, gp, monitor, built, identified };
         let changes = run.changes.iter().map(|(name, effects)| self.change(&repair, name, effects));
         let changes = changes.collect::<Result<_, Failure>>()?;
@@ -188,7 +188,7 @@ impl Stages<'_> {
         let alarm = self.graph.stage(&ALARM, label, params, inputs)?;
         let plant = Identified::new(self.spec.plant.with_effects(effects))?;
         let changed = self.recording(plant.clone(), repair.run.recordings.trials_after, "changed", repair.run)?;
-        let params = self.diagnose_params(repair.run)?;
+        let params = self.diagnose_params(repair.run.discovery.clone())?;
         let inputs = (repair.built, changed, repair.identified);
         let diagnosis = self.graph.stage(&DIAGNOSE, self.label(&format!("diagnosis, {name}")), params, inputs)?;
         let label = self.label(&format!("exploration on the model repaired for {name}"));
@@ -213,22 +213,21 @@ impl Stages<'_> {
         self.graph.stage(&NEAREST, self.label(&format!("nearest to the targets, {name}")), params, targets)
     }
 
-    /// A recording of a robot.
+    /// Random walks on a robot.
     fn recording(&mut self, robot: Identified, trials: usize, name: &str, run: &RepairRun) -> Added<Transitions> {
         let points = trials * (run.recordings.rows - 1);
         let options = ExploreOptions { points, trajectories: trials, ..self.spec.explore };
         let seed = self.seed.child("repair").child(name).0;
-        let explore = ExploreParams { model: robot, options, step_s: self.step_s(), seed };
-        let params = RecordParams { motion: run.recordings.motion, explore };
-        self.graph.stage(&RECORD, self.label(&format!("recording, {name}")), params, ())
+        let params = ExploreParams { model: robot, options, step_s: self.step_s(), seed };
+        self.graph.stage(&EXPLORE, self.label(&format!("recording, {name}")), params, ())
     }
 
-    fn diagnose_params(&self, run: &RepairRun) -> Result<DiagnoseParams, Failure> {
+    fn diagnose_params(&self, options: Options) -> Result<DiagnoseParams, Failure> {
         let PlantSpec::Simulated(simulated) = &self.spec.model else {
             return Err(Failure { stage: "diagnose".into(), status: "the model is no simulated rod".into() });
         };
         let model = simulated.model.clone();
-        Ok(DiagnoseParams { model, options: run.discovery.clone(), step_s: self.step_s() })
+        Ok(DiagnoseParams { model, options, step_s: self.step_s() })
     }
 
     /// Goal reaching in one cell of one variant.

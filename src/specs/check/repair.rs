@@ -47,6 +47,7 @@ impl Checker<'_> {
         option(&path.key("monitor"), run.monitor.check())?;
         check_entries(self.document, &run.discovery, &path.key("discovery"))?;
         option(&path.key("discovery"), run.discovery.check())?;
+        option(&path.key("identification"), run.identification_options().check())?;
         self.unless(!run.cells.is_empty(), &path.key("cells"), "at least one product of policies and modes")?;
         self.cells(&run.cells, &path.key("cells"))?;
         self.asks_no_model(run, &path.key("cells"))

@@ -3,7 +3,7 @@
 use super::spec::ReachSweep;
 use crate::discovery::Options;
 use crate::effects::EffectSpec;
-use crate::tasks::{MonitorOptions, RecordedMotion};
+use crate::tasks::MonitorOptions;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -30,9 +30,12 @@ pub struct RepairRun {
     /// The work and its monitor.
     #[serde(default)]
     pub monitor: MonitorOptions,
-    /// Options of the discovery.
+    /// Options of the discovery of what has changed.
     #[serde(default)]
     pub discovery: Options,
+    /// What else holds for the discovery of what the model lacks of the robot as it was built.
+    #[serde(default)]
+    pub identification: Identification,
     /// Goal reaching before the change, after it, and repaired: products of policies, modes and sizes.
     pub cells: Vec<ReachSweep>,
 }
@@ -47,12 +50,35 @@ fn gp_points() -> usize {
     100
 }
 
-/// The recordings; each trial begins at home, steps and pulls are limited as those of `explore`.
+impl RepairRun {
+    /// Options of the discovery of what the model lacks of the robot as it was built.
+    pub fn identification_options(&self) -> Options {
+        let Identification { most_effects, least_share } = self.identification;
+        Options { most_effects, least_share, ..self.discovery.clone() }
+    }
+}
+
+/// Many small effects rather than a few that stand for them: a change is told beside what is left of the robot as it was
+/// built.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Identification {
+    /// As `discovery.most_effects`.
+    pub most_effects: usize,
+    /// As `discovery.least_share`.
+    pub least_share: f64,
+}
+
+impl Default for Identification {
+    fn default() -> Self {
+        Identification { most_effects: 6, least_share: 0.01 }
+    }
+}
+
+/// The recordings: random walks from home, as those of `explore`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RepairRecordings {
-    /// The commands.
-    pub motion: RecordedMotion,
     /// Rows of a trial; each holds a measured tip, the first that at home.
     pub rows: usize,
     /// Trials of the robot as it was built.
@@ -63,6 +89,6 @@ pub struct RepairRecordings {
 
 impl Default for RepairRecordings {
     fn default() -> Self {
-        RepairRecordings { motion: RecordedMotion::Walk, rows: 20, trials_before: 15, trials_after: 5 }
+        RepairRecordings { rows: 20, trials_before: 15, trials_after: 5 }
     }
 }
