@@ -73,8 +73,8 @@ pub(super) fn nothing_solved(file: &Path, model: &Model, out: &Path, played: &Re
     let suspect = match model.robot.suspect() {
         Some((key, value)) => format!("{file}: {key}: found {value}, which few robots have; check its unit"),
         None if too_coarse => format!(
-            "the finest grid leaves more than the error of {} m that {file}: robot.resolution.static_tolerance_m allows; \
-             expected ten times as much for a robot that bends this sharply",
+            "{file}: robot.resolution.static_tolerance_m: found {}, which the finest grid does not reach where a robot bends \
+             this sharply; expected ten times as much",
             model.robot.resolution.static_tolerance_m
         ),
         None => format!("no number of {file} is unusual; check the sizes of the commands against the robot's"),

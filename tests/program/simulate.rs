@@ -570,3 +570,27 @@ fn gravity_changes_from_trial_to_trial() {
     let said = bench.refused("simulate --starts continue --model NOMINAL --commands in.csv --out no.csv");
     assert!(said.contains("in.csv, row 3: found another gravity than in the first trial"), "{said}");
 }
+
+/// A string that bends within a hundredth of its length: the error names the key, and with the value that it asks for there is
+/// a tip.
+#[test]
+fn a_grid_that_is_too_coarse_is_told_with_its_key() {
+    let bench = Bench::new();
+    let model = |resolution: &str| {
+        format!(
+            "robot:\n  backbone: {{length_m: 0.7144, radius_m: 0.000675, youngs_modulus_pa: 2.0e6, poisson_ratio: 0.49, \
+             density_kg_m3: 1200}}\n  tendons: {{radius_m: 0.0151, angles_deg: [0, 90, 180, 270]}}\n  \
+             gravity_m_s2: [-9.81, 0, 0]\n{resolution}"
+        )
+    };
+    bench.put("string.yaml", &model(""));
+    bench.put("tolerant.yaml", &model("  resolution: {static_tolerance_m: 1.0e-5}\n"));
+    bench.put("rest.csv", "trial,time_s,tendon_1_n,tendon_2_n,tendon_3_n,tendon_4_n\n0,0,0,0,0,0\n");
+    let refused = bench.run("simulate --static --model string.yaml --commands rest.csv --out out.csv");
+    let said = String::from_utf8(refused.stderr).unwrap();
+    assert_eq!(refused.status.code(), Some(1), "{said}");
+    assert!(said.contains("string.yaml: robot.resolution.static_tolerance_m: found 0.000001, which"), "{said}");
+    bench.ok("simulate --static --model tolerant.yaml --commands rest.csv --out out.csv");
+    let tip_m = Recording::read(&bench.path("out.csv")).unwrap().tip_m.unwrap()[0];
+    assert!((tip_m[0] + 0.712).abs() < 0.002, "{tip_m:?}");
+}
