@@ -68,11 +68,11 @@ fn with_noise(mut recording: Recording, seed: u64, correlation: f64) -> Recordin
 
 /// A recording under commands as the paper explores, of a robot with `effects`, with noise.
 pub(super) fn explored(effects: &str, trials: usize, seed: u64) -> Recording {
-    explored_in(trials, 50, effects, seed)
+    explored_in(effects, trials, 50, seed)
 }
 
 /// The same in trials of so many steps.
-pub(super) fn explored_in(trials: usize, steps: usize, effects: &str, seed: u64) -> Recording {
+pub(super) fn explored_in(effects: &str, trials: usize, steps: usize, seed: u64) -> Recording {
     let options = ExploreOptions { points: steps * trials, trajectories: trials, ..ExploreOptions::default() };
     let commands = benchmark::explore_commands(&nominal(), &options, 0.2, Seed(seed)).unwrap();
     let presented = benchmark::PublicCase {

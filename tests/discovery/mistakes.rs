@@ -74,8 +74,8 @@ fn a_mirrored_axis_is_told_before_any_effect_is_sought() {
 #[test]
 fn a_mirrored_axis_that_the_baseline_does_not_have_is_no_mistake() {
     let curved = "- precurvature: {kappa_x_rad_m: 0.5, kappa_y_rad_m: 0}";
-    let baseline = explored_in(5, 20, curved, 1);
-    let measured = explored_in(5, 20, &format!("{curved}\n- tip_force: {{force_n: [0, 0.15, 0]}}"), 2);
+    let baseline = explored_in(curved, 5, 20, 1);
+    let measured = explored_in(&format!("{curved}\n- tip_force: {{force_n: [0, 0.15, 0]}}"), 5, 20, 2);
     let mut model = nominal();
     model.effects = crate::support::rods::effects(curved);
     let [alone, beside] =

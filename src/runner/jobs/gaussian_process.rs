@@ -16,8 +16,7 @@ pub(in crate::runner) const GP: Stage<GpParams, GpInputs, Gp> = Stage {
     kind: StageKind { name: "gp_fit", module: module_path!(), cost_ms: 100 },
     job: |params, (pool, network)| {
         let all = points(pool, network)?;
-        let chosen = all.select(&params.chosen(&all)?);
-        Gp::fit(&chosen.inputs, &chosen.errors_m, &params.config).map_err(|error| error.to_string())
+        params.fit(&all.select(&params.chosen(&all)?))
     },
 };
 
@@ -39,6 +38,11 @@ impl GpParams {
     pub(super) fn chosen(&self, all: &GpPoints) -> Result<Vec<usize>, String> {
         let chosen = self.config.selection.choose(&all.inputs, self.points, Seed(self.seed));
         chosen.map_err(|error| error.to_string())
+    }
+
+    /// The process of these points.
+    pub(super) fn fit(&self, points: &GpPoints) -> Result<Gp, String> {
+        Gp::fit(&points.inputs, &points.errors_m, &self.config).map_err(|error| error.to_string())
     }
 }
 

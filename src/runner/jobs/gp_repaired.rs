@@ -20,7 +20,7 @@ pub(in crate::runner) const GP_REPAIRED: Stage<GpRepairedParams, ChangedGpInputs
         let before = pool.points();
         let mut points = before.select(&params.gp.chosen(&before)?);
         points.extend(&params.replay(&diagnosis.effects, changed)?, changed);
-        Gp::fit(&points.inputs, &points.errors_m, &params.gp.config).map_err(|error| error.to_string())
+        params.gp.fit(&points)
     },
 };
 
@@ -33,7 +33,7 @@ pub(in crate::runner) const GP_MOVED: Stage<GpRepairedParams, ChangedGpInputs, G
         let moved = pool.moved(&params.replay(&diagnosis.effects, &pool.steps)?);
         let mut points = moved.select(&params.gp.chosen(&before)?);
         points.extend(&params.replay(&[], changed)?, changed);
-        Gp::fit(&points.inputs, &points.errors_m, &params.gp.config).map_err(|error| error.to_string())
+        params.gp.fit(&points)
     },
 };
 
