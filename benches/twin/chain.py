@@ -15,6 +15,8 @@ DRIVE_S = 0.02
 # and this much inertia in each hinge (too little to matter beside its damping) it does not crawl during a recording.
 FRICTION_IMPEDANCE, FRICTION_ARMATURE_KG_M2 = 0.9999, 1e-4
 WALL_STIFFNESS, WALL_DAMPING = 2e4, 3e2
+# A sphere gives way by some hundredths of a millimetre under a newton.
+SPHERE_TIME_S, SPHERE_IMPEDANCE = 0.004, "0.99 0.999 0.0001"
 # A limit of length gives way by as little as a time step of 1 ms allows.
 LIMIT_TIME_S, LIMIT_IMPEDANCE = 0.002, "0.999 0.9999 0.0001"
 
@@ -77,6 +79,8 @@ def xml(robot, dt_s):
         start, end = (k + 0.5) * h, min((k + 1.5) * h, robot.length_m)
         mass, centre, side, axial = robot.inertia(start, end)
         ball = f'<geom type="sphere" size="0.001" pos="0 0 {end - start}"/>' if robot.wall_y_m is not None else ""
+        if robot.sphere:
+            ball += f'<geom type="capsule" size="{robot.touching_radius_m}" fromto="0 0 0 0 0 {end - start}" conaffinity="0"/>'
         chain += (
             f'<body name="s{k}" pos="0 0 {0.5 * h if k == 0 else h}">{joints(robot, k, h, slides)}'
             f'<inertial pos="0 0 {centre - start}" mass="{mass}" diaginertia="{side} {side} {axial}"/>{ball}'
@@ -107,6 +111,12 @@ def base(robot, chain, dt_s):
         wall = (
             f'<geom type="plane" size="1 1 1" pos="0 {robot.wall_y_m} 0" zaxis="0 {facing} 0" condim="1"'
             f' solref="{-WALL_STIFFNESS} {-WALL_DAMPING}" priority="1"/>'
+        )
+    if robot.sphere:
+        (x, y, z), radius = robot.sphere
+        wall += (
+            f'<geom type="sphere" size="{radius}" pos="{x} {y} {z}" contype="0" condim="1" priority="1"'
+            f' solref="{SPHERE_TIME_S} 1" solimp="{SPHERE_IMPEDANCE}"/>'
         )
     gravity = " ".join(map(str, robot.gravity_m_s2))
     return (

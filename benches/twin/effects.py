@@ -127,6 +127,11 @@ def wall(hidden, y_m):
     hidden.robot.wall_y_m = y_m
 
 
+def contact_sphere(hidden, center_m, radius_m, body_radius_m=0.002):
+    """A smooth fixed sphere that the body, a round one along the backbone, cannot enter."""
+    hidden.robot.sphere, hidden.robot.touching_radius_m = (tuple(center_m), radius_m), body_radius_m
+
+
 def step_loss(hidden, tendon, loss_m, rows):
     """One drive loses `loss_m` of its place in the middle of each trial, from these rows on."""
     hidden.faults.lost_tendon, hidden.faults.lost_m, hidden.faults.lost_rows = tendon, loss_m, tuple(rows)
@@ -157,7 +162,7 @@ CATALOGUE = (
     precurvature, soft_section, spine_compressibility, friction, hysteresis, creep, damping, delay, backlash,
     actuator_gain, actuator_offset, tendon_stretch, tendon_angle, tendon_radius,
 )  # fmt: skip
-OUTSIDE = (coloured_noise, wall, step_loss, dead_zone, frame_drift, mullins, loose_base)
+OUTSIDE = (coloured_noise, wall, contact_sphere, step_loss, dead_zone, frame_drift, mullins, loose_base)
 NAMES = {effect.__name__: effect for effect in CATALOGUE + OUTSIDE}
 
 

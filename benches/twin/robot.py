@@ -50,6 +50,9 @@ class Robot:
     hinge_friction_nm: float = 0.0
     offsets_m: np.ndarray = field(default_factory=lambda: np.zeros(4))
     wall_y_m: float | None = None
+    # Centre and radius of a sphere that the body, this thick, cannot enter.
+    sphere: tuple | None = None
+    touching_radius_m: float = 0.002
 
     def bending_n_m2(self):
         """E I of the nominal cross-section."""

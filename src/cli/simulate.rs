@@ -92,7 +92,8 @@ pub(super) fn written(file: &Path, recording: &Recording) -> String {
 
 /// Number of rows that the solver could not solve.
 pub(super) fn failures(played: &Recording) -> usize {
-    statuses(played).iter().filter(|status| *status != SolveStatus::Converged.name()).count()
+    let unsolved = |row: usize| played.valid.as_ref().is_some_and(|valid| !valid[row]);
+    (0..statuses(played).len()).filter(|&row| unsolved(row)).count()
 }
 
 /// The column `solver_status`; empty for a recording without it.

@@ -231,6 +231,11 @@ impl Simulated {
         Ok(self.observe(commands))
     }
 
+    /// What the tracker sees now; a following tendon is reported where its drive is.
+    pub fn seen(&mut self) -> Observation {
+        self.observe(&vec![TendonCommand::Follow; self.tendons()])
+    }
+
     /// Puts the tendons under tensions in newtons for one step, or at rest for good when `settled`.
     ///
     /// # Errors
@@ -242,7 +247,7 @@ impl Simulated {
             self.driven.advance_under(tensions_n, self.options.step_s)?;
             self.time_s += self.options.step_s;
         }
-        Ok(self.observe(&vec![TendonCommand::Follow; tensions_n.len()]))
+        Ok(self.seen())
     }
 
     /// Sets the duration of the next steps, s.

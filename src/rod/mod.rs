@@ -9,6 +9,7 @@ mod equations;
 mod params;
 mod sensitivity;
 mod solver;
+mod stability;
 mod state;
 mod statics;
 
@@ -23,6 +24,7 @@ pub use params::tendon::{PRESLIDING_M, PathPoint, Tendon, TendonPath};
 pub use sensitivity::perturbed_rods::{NotPerturbable, PerturbedRods};
 pub use sensitivity::tip_jacobian::{Direction, PoseRates, TipRate};
 pub use solver::status::SolveStatus;
+pub use state::branch::Branch;
 pub use state::fields::CrossSection;
 pub use state::fields::Energy;
 pub use state::readout::Effort;

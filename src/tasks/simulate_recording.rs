@@ -41,7 +41,7 @@ impl SimulationOptions {
 /// of the trial. Commands of drives are converted with the model's gains.
 pub fn simulate_recording(model: &Model, commands: &Recording, options: &SimulationOptions) -> Recording {
     let commands = &*commands.driven_by(&model.drive_gains(), model.robot.tendons.angles_deg.len());
-    let mut columns = SimulatedColumns::new(model, commands);
+    let mut columns = SimulatedColumns::new(model, commands, options.at_rest);
     let Ok(()) = simulate_trials::<Infallible>(model.tracking.starts, commands, options, &mut columns, &mut |row| {
         let (model, hung) = (model_of_trial(model, commands, row), hung(commands, row));
         Ok(Simulated::new(&model, hung.as_slice(), options.plant()))
@@ -73,7 +73,7 @@ pub fn simulate_with_rates(
     variables: &[Variable],
 ) -> Result<RecordingWithRates, VariationError> {
     let commands = &*commands.driven_by(&model.drive_gains(), model.robot.tendons.angles_deg.len());
-    let mut columns = SimulatedColumns::new(model, commands);
+    let mut columns = SimulatedColumns::new(model, commands, options.at_rest);
     let mut left_out = Vec::new();
     simulate_trials::<VariationError>(model.tracking.starts, commands, options, &mut columns, &mut |first_row| {
         let (model, hung) = (model_of_trial(model, commands, first_row), hung(commands, first_row));

@@ -7,38 +7,42 @@ use crate::base::{Observation, PlantError};
 use crate::data::Recording;
 use crate::data::recording::Extra;
 use crate::effects::Model;
-use crate::rod::{PoseRates, Rod};
+use crate::rod::{Branch, PoseRates, Rod, SolveStatus};
 
-/// Errors of one row's solution.
+/// What the solver says of one row's solution.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SolveErrors {
+pub(super) struct SolutionDetail {
     /// Tip error of the iteration, metres.
     residual_m: f64,
     /// Estimated tip error of the spatial discretisation, metres.
     space_m: f64,
+    /// How the equilibrium is connected with the one before.
+    branch: Branch,
 }
 
-impl SolveErrors {
-    /// Those of the present solution of `rod`.
-    pub(super) fn of(rod: &Rod) -> SolveErrors {
-        SolveErrors { residual_m: rod.residual_m(), space_m: rod.space_error_m() }
+impl SolutionDetail {
+    /// That of the present solution of `rod`.
+    pub(super) fn of(rod: &Rod) -> SolutionDetail {
+        SolutionDetail { residual_m: rod.residual_m(), space_m: rod.space_error_m(), branch: rod.branch() }
     }
 }
 
 /// The columns of a simulated recording.
 pub(super) struct SimulatedColumns {
-    /// What is observed in each row, and the errors of its solution; none without a solution.
-    pub(super) seen: Vec<Option<(Observation, SolveErrors)>>,
+    /// What is observed in each row, and the detail of its solution; none without a solution.
+    pub(super) seen: Vec<Option<(Observation, SolutionDetail)>>,
     status: Vec<String>,
     /// Derivatives of the tip and the tracked points.
     pub(super) rates: Vec<Vec<PoseRates>>,
     tendons: usize,
     /// Names of the tracked points.
     points: Vec<String>,
+    /// Whether each row is an equilibrium.
+    at_rest: bool,
 }
 
 impl SimulatedColumns {
-    pub(super) fn new(model: &Model, commands: &Recording) -> SimulatedColumns {
+    pub(super) fn new(model: &Model, commands: &Recording, at_rest: bool) -> SimulatedColumns {
         let rows = commands.len();
         SimulatedColumns {
             seen: vec![None; rows],
@@ -46,7 +50,13 @@ impl SimulatedColumns {
             rates: vec![Vec::new(); rows],
             tendons: commands.tendons(),
             points: model.tracking.names(),
+            at_rest,
         }
+    }
+
+    /// Sets the status of a row that has an observation.
+    pub(super) fn set_status(&mut self, row: usize, status: SolveStatus) {
+        status.name().clone_into(&mut self.status[row]);
     }
 
     /// Sets the failure of those of `rows` that have neither an observation nor another failure.
@@ -67,18 +77,25 @@ impl SimulatedColumns {
 
     pub(super) fn into_recording(self, commands: &Recording) -> Recording {
         let lost = [f64::NAN; 3];
-        let numbers = |value: &dyn Fn(&(Observation, SolveErrors)) -> f64| -> Extra {
+        let numbers = |value: &dyn Fn(&(Observation, SolutionDetail)) -> f64| -> Extra {
             Extra::Numbers(self.seen.iter().map(|seen| seen.as_ref().map_or(f64::NAN, value)).collect())
         };
         let mut extra: Vec<(String, Extra)> = Vec::new();
         for tendon in 0..self.tendons {
-            let tension =
-                |(seen, _): &(Observation, SolveErrors)| seen.tensions_n.as_ref().map_or(f64::NAN, |all| all[tendon]);
+            let tension = |(seen, _): &(Observation, SolutionDetail)| {
+                seen.tensions_n.as_ref().map_or(f64::NAN, |all| all[tendon])
+            };
             extra.push((format!("tension_{}_n", tendon + 1), numbers(&tension)));
         }
-        extra.push(("solver_residual_m".to_owned(), numbers(&|(_, errors)| errors.residual_m)));
-        extra.push(("space_error_m".to_owned(), numbers(&|(_, errors)| errors.space_m)));
+        extra.push(("solver_residual_m".to_owned(), numbers(&|(_, detail)| detail.residual_m)));
+        extra.push(("space_error_m".to_owned(), numbers(&|(_, detail)| detail.space_m)));
         extra.push(("solver_status".to_owned(), Extra::Text(self.status.clone())));
+        if self.at_rest {
+            let branch = |seen: &Option<(Observation, SolutionDetail)>| {
+                seen.as_ref().map_or(String::new(), |(_, detail)| detail.branch.name().to_owned())
+            };
+            extra.push(("branch".to_owned(), Extra::Text(self.seen.iter().map(branch).collect())));
+        }
         let carried = commands.extra.iter().filter(|(name, _)| extra.iter().all(|(own, _)| own != name));
         let extra = carried.cloned().chain(extra.iter().cloned()).collect();
         let tips = self.seen.iter().map(|seen| seen.as_ref().map_or(lost, |(seen, _)| seen.tip_m));

@@ -6,12 +6,12 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use super::simulate_recording::SimulationOptions;
-use super::simulated_columns::{SimulatedColumns, SolveErrors};
+use super::simulated_columns::{SimulatedColumns, SolutionDetail};
 use crate::base::{Observation, Plant, PlantError, Seed, TendonCommand, interruption_point};
 use crate::data::{Actuation, Recording};
 use crate::effects::{EffectSpec, Model, Starts};
 use crate::plants::Simulated;
-use crate::rod::TipWrench;
+use crate::rod::{SolveStatus, TipWrench};
 
 /// The mass on the tip in a trial's first row, as an effect.
 pub(super) fn hung(commands: &Recording, first_row: usize) -> Option<EffectSpec> {
@@ -70,7 +70,7 @@ impl<'a> SimulatedTrial<'a> {
 
     fn run(&mut self, at_rest: bool, seed: Seed, columns: &mut SimulatedColumns) -> Result<(), PlantError> {
         let commands = self.commands;
-        let mut seen = self.start(at_rest, seed)?;
+        let mut seen = self.start_or_flutter(at_rest, seed, columns)?;
         for row in self.rows.clone() {
             interruption_point();
             self.load(row);
@@ -85,7 +85,7 @@ impl<'a> SimulatedTrial<'a> {
                 }
             }
             if let Some(seen) = &seen {
-                columns.seen[row] = Some((seen.clone(), SolveErrors::of(self.plant.rod())));
+                columns.seen[row] = Some((seen.clone(), SolutionDetail::of(self.plant.rod())));
             }
             columns.rates[row] = self.plant.pose_rates();
             if !at_rest && row + 1 < self.rows.end {
@@ -94,6 +94,26 @@ impl<'a> SimulatedTrial<'a> {
             }
         }
         Ok(())
+    }
+
+    /// [`SimulatedTrial::start`]; a motion may start from an equilibrium about which oscillations grow, which its first row
+    /// says.
+    fn start_or_flutter(
+        &mut self,
+        at_rest: bool,
+        seed: Seed,
+        columns: &mut SimulatedColumns,
+    ) -> Result<Option<Observation>, PlantError> {
+        match self.start(at_rest, seed) {
+            Err(PlantError::Solver(status)) if status == SolveStatus::Flutters.name() => {
+                if at_rest {
+                    return Ok(None);
+                }
+                columns.set_status(self.rows.start, SolveStatus::Flutters);
+                Ok(Some(self.plant.seen()))
+            }
+            started => started,
+        }
     }
 
     /// Brings the robot to the state in which the trial starts, and observes it where that is the first row's.

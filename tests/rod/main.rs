@@ -13,6 +13,7 @@ mod paths;
 mod peers_till;
 mod robust;
 mod sensitivity;
+mod stability;
 mod statics;
 mod tendon_friction;
 mod tentacle;

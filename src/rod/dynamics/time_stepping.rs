@@ -54,13 +54,21 @@ impl Rod {
     fn step(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, mut h: f64) -> (SolveStatus, f64) {
         let resolution = self.system.params.resolution;
         let share = if resolution.motion_tolerance_m.is_finite() { SHORTEST_STEP } else { 0.5_f64.powi(MOST_HALVINGS) };
-        let floor = share * resolution.time_step_s;
-        let shortest = 0.999 * floor.min(h);
+        let mut floor = share * resolution.time_step_s;
+        let mut shortest = 0.999 * floor.min(h);
         let mut before = std::mem::replace(&mut self.before, RodState::empty());
         before.copy_from(&self.state);
         let status = loop {
             let status = self.try_step(drives, h, &before);
-            let fit = if status == SolveStatus::Converged { self.fit(&before, h) } else { 0.0 };
+            let mut fit = if status == SolveStatus::Converged { self.fit(&before, h) } else { 0.0 };
+            if fit >= REPEAT_BELOW {
+                let growth_fit = self.holds(&drives(h)).map_or(f64::INFINITY, |holds| self.growth_fit(&holds, h));
+                if growth_fit < REPEAT_BELOW {
+                    floor *= growth_fit;
+                    shortest = 0.999 * floor.min(h);
+                }
+                fit = fit.min(growth_fit);
+            }
             let again = h * fit.clamp(0.5, REPEAT_BELOW);
             if status == SolveStatus::BadCommand || fit >= REPEAT_BELOW || again < shortest {
                 if status == SolveStatus::Converged {

@@ -126,6 +126,16 @@ impl Derivative {
         &self.stiffness
     }
 
+    /// D and M: of the last derivative in motion, or of the last call of [`Derivative::update_rates`].
+    pub(crate) fn rates(&self) -> &RateMatrices {
+        &self.rates
+    }
+
+    /// D and M of a rod at rest, for the shape of the last derivative.
+    pub(crate) fn update_rates(&mut self, system: &RodEquations, conditions: &SolveConditions, workspace: &Workspace) {
+        self.rates.update(system, conditions, workspace, &self.variation);
+    }
+
     /// First-order change of the path length of tendon `i` when the coefficients change by `step`, metres.
     pub(crate) fn length_change_m(&self, system: &RodEquations, i: usize, step: &[f64]) -> f64 {
         let row = (system.grid.unknowns + i) * system.size();

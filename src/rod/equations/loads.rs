@@ -134,7 +134,7 @@ pub(crate) struct ConstantLoads {
     /// Point loads with the cell end that carries each.
     pub(crate) points: Vec<(usize, PointLoad)>,
     /// Force per length at the Gauss points, N/m; empty when there is none.
-    line: Vec<Vector3<f64>>,
+    pub(crate) line: Vec<Vector3<f64>>,
 }
 
 impl ConstantLoads {

@@ -33,6 +33,8 @@ pub(crate) struct RodEquations {
     pub(crate) home_lengths_m: Vec<f64>,
     /// Tip displacement per unit of each unknown, m per unit; scales step sizes.
     pub(crate) scales: Vec<f64>,
+    /// The diagonal of K of the unloaded rod.
+    pub(crate) elastic_diagonal: Vec<f64>,
     /// Approximate tip displacement per unit tension of each tendon, m/N.
     pub(crate) reach_m_per_n: Vec<f64>,
 }
@@ -99,13 +101,15 @@ impl RodEquations {
             })
             .collect();
         let mut scales = vec![0.0_f64; grid.unknowns];
+        let mut elastic_diagonal = vec![0.0_f64; grid.unknowns];
         let length = params.length_m();
         for (node, section) in grid.nodes.iter().zip(&sections) {
             for (c, scale) in section.scales().into_iter().enumerate() {
                 let lever = if c < 3 { length * length } else { length };
-                for slot in &mut scales[node.offset[c]..node.offset[c] + grid.modes[c]] {
-                    *slot = slot.max(scale * lever);
-                }
+                let own = node.offset[c]..node.offset[c] + grid.modes[c];
+                scales[own.clone()].iter_mut().for_each(|slot| *slot = slot.max(scale * lever));
+                let squares = node.basis.iter().map(|basis| node.weight_m * scale * basis * basis);
+                elastic_diagonal[own].iter_mut().zip(squares).for_each(|(slot, square)| *slot += square);
             }
         }
         let at = |node: &Node| params.tendons.iter().map(|tendon| tendon.guide(node.position_m)).collect::<Vec<_>>();
@@ -114,7 +118,18 @@ impl RodEquations {
             (0..params.tendons.len()).map(|i| home_length_m(&params.tendons, (&grid, &sections), &guides, i)).collect();
         let reach_m_per_n = (0..params.tendons.len()).map(|i| reach_m_per_n(&params, &sections, &guides, i)).collect();
         let constant = ConstantLoads::new(&params, &grid);
-        RodEquations { params, grid, sections, masses, constant, guides, home_lengths_m, scales, reach_m_per_n }
+        RodEquations {
+            params,
+            grid,
+            sections,
+            masses,
+            constant,
+            guides,
+            home_lengths_m,
+            scales,
+            elastic_diagonal,
+            reach_m_per_n,
+        }
     }
 
     /// Number of equations: polynomial coefficients, then tensions.

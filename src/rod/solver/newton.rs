@@ -137,12 +137,7 @@ impl NewtonSolver {
             return Err(SolveStatus::NotFinite);
         }
         if stale {
-            self.derivatives += 1;
-            self.unreliable = self.largest_imbalance(system) > UNRELIABLE_IMBALANCE;
-            self.derivative.update(system, unknowns, conditions, &self.workspace);
-            self.factors.clear();
-            self.steps.clear();
-            self.kept = if conditions.motion.rate > 0.0 { DerivativeUse::Motion } else { DerivativeUse::Rest };
+            self.differentiate(system, unknowns, conditions);
         }
         self.factor(system, conditions);
         let mut step = self.step(system).ok_or(SolveStatus::NotConverged)?;
@@ -164,6 +159,26 @@ impl NewtonSolver {
         }
         unknowns.iter_mut().zip(step.iter()).for_each(|(x, dx)| *x -= dx);
         Ok(Correction { step, size, shortened })
+    }
+
+    /// Computes the derivative of the residual in the workspace.
+    fn differentiate(&mut self, system: &RodEquations, unknowns: &[f64], conditions: &SolveConditions) {
+        self.derivatives += 1;
+        self.unreliable = self.largest_imbalance(system) > UNRELIABLE_IMBALANCE;
+        self.derivative.update(system, unknowns, conditions, &self.workspace);
+        self.factors.clear();
+        self.steps.clear();
+        self.kept = if conditions.motion.rate > 0.0 { DerivativeUse::Motion } else { DerivativeUse::Rest };
+    }
+
+    /// Evaluates the equations at `unknowns` and their derivative, with D and M also at rest.
+    pub(crate) fn refresh(&mut self, system: &RodEquations, unknowns: &[f64], conditions: &SolveConditions) {
+        self.residual_predicted = false;
+        system.evaluate(unknowns, conditions, &mut self.workspace);
+        self.differentiate(system, unknowns, conditions);
+        if conditions.motion.rate == 0.0 {
+            self.derivative.update_rates(system, conditions, &self.workspace);
+        }
     }
 
     /// Discards the derivative of a failed solve.

@@ -21,6 +21,8 @@ pub(crate) struct NewtonSolver {
     pub(super) unreliable: bool,
     /// Whether the residual in `workspace` is that of the next solve's first iteration.
     pub(super) residual_predicted: bool,
+    /// The last derivative that proved stability.
+    stable: Option<StableDerivative>,
     /// Steps of the present solve since the derivative or the taut set changed.
     pub(super) steps: Vec<DVector<f64>>,
     /// Damping for rods with history-dependent moments.
@@ -53,6 +55,14 @@ pub(super) struct LuFactors {
     pub(super) lu: LU<f64, Dyn, Dyn>,
 }
 
+/// A derivative whose tangent is positive definite by a margin, for one taut set.
+#[derive(Clone, Debug, PartialEq)]
+struct StableDerivative {
+    /// Its number, by the count of derivatives.
+    number: u64,
+    taut: Vec<bool>,
+}
+
 impl NewtonSolver {
     pub(crate) fn new(system: &RodEquations) -> NewtonSolver {
         NewtonSolver {
@@ -62,6 +72,7 @@ impl NewtonSolver {
             kept: DerivativeUse::Nothing,
             unreliable: false,
             residual_predicted: false,
+            stable: None,
             steps: Vec::new(),
             damping: NewtonDamping::new(),
             residual_m: 0.0,
@@ -70,6 +81,16 @@ impl NewtonSolver {
             derivatives: 0,
             factorisations: 0,
         }
+    }
+
+    /// Whether the present derivative has proved stability for this taut set.
+    pub(crate) fn is_stable_derivative(&self, taut: &[bool]) -> bool {
+        self.stable.as_ref().is_some_and(|stable| stable.number == self.derivatives && stable.taut == taut)
+    }
+
+    /// Records that the present derivative proves stability for this taut set.
+    pub(crate) fn mark_derivative_stable(&mut self, taut: &[bool]) {
+        self.stable = Some(StableDerivative { number: self.derivatives, taut: taut.to_vec() });
     }
 
     /// Forces the next solve to recompute the derivative.

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// Outcome of a solve. Anything but [`SolveStatus::Converged`] means that the shape must not be used.
+/// Outcome of a solve. Anything but [`SolveStatus::Converged`] means that the shape must not be used as an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SolveStatus {
     /// The equations hold within the tolerance.
@@ -21,13 +21,16 @@ pub enum SolveStatus {
     Crushed,
     /// The equilibrium is unstable, and no stable one was found nearby.
     Unstable,
+    /// The equilibrium is one about which oscillations grow (loads that turn with the rod). The rod is in it, and a
+    /// motion may start there.
+    Flutters,
     /// The command itself is not finite.
     BadCommand,
 }
 
 impl SolveStatus {
     /// All values.
-    pub const ALL: [SolveStatus; 8] = [
+    pub const ALL: [SolveStatus; 9] = [
         SolveStatus::Converged,
         SolveStatus::NotConverged,
         SolveStatus::TendonSetUnsettled,
@@ -35,8 +38,19 @@ impl SolveStatus {
         SolveStatus::UnderResolved,
         SolveStatus::Crushed,
         SolveStatus::Unstable,
+        SolveStatus::Flutters,
         SolveStatus::BadCommand,
     ];
+
+    /// Whether the rod is in an equilibrium: one in which it stays, or about which oscillations grow.
+    pub(crate) fn is_equilibrium(self) -> bool {
+        matches!(self, SolveStatus::Converged | SolveStatus::Flutters)
+    }
+
+    /// This status where it is a failure, else `other`.
+    pub(crate) fn or(self, other: SolveStatus) -> SolveStatus {
+        if self == SolveStatus::Converged { other } else { self }
+    }
 
     /// Name used in recordings and tables.
     pub fn name(self) -> &'static str {
@@ -48,6 +62,7 @@ impl SolveStatus {
             SolveStatus::UnderResolved => "under_resolved",
             SolveStatus::Crushed => "crushed",
             SolveStatus::Unstable => "unstable",
+            SolveStatus::Flutters => "flutters",
             SolveStatus::BadCommand => "bad_command",
         }
     }

@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::rod::Rod;
 use crate::rod::discretisation::grid::Grid;
+use crate::rod::equations::boundary_conditions::TendonConstraint;
 
 /// Kinematics and internal wrench of one cross-section: the fields of the paper's section III.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,9 +90,31 @@ impl Rod {
             energy.kinetic_j += 0.5 * spin.dot(&mass.inertia_kg_m2.component_mul(&spin));
             energy.gravitational_j -= mass.mass_kg * gravity.dot(&shape.end_p[mass.end]);
         }
+        self.add_tendon_energy(&mut energy);
+        energy
+    }
+
+    /// Energy of a rest and of the loads on it, J: its minima are the stable rests. Moments that keep their direction and
+    /// loads that turn with the rod have none.
+    pub(crate) fn potential_energy_j(&self, holds: &[TendonConstraint]) -> f64 {
+        let energy = self.energy();
+        let mut total = energy.elastic_j + energy.gravitational_j - self.tip_load.force_n.dot(&self.tip_m());
+        let dead = self.system.constant.points.iter().filter(|(_, load)| !load.follows);
+        total -= dead.map(|(end, load)| load.force_n.dot(&self.state.shape.end_p[*end])).sum::<f64>();
+        for (g, force) in self.system.constant.line.iter().enumerate() {
+            total -= self.system.grid.nodes[g].weight_m * force.dot(&self.state.shape.node_p[g]);
+        }
+        for (hold, length_m) in holds.iter().zip(self.system.lengths_m(&self.state.shape)) {
+            if let TendonConstraint::Tension(tension_n) = hold {
+                total += tension_n * length_m;
+            }
+        }
+        total
+    }
+
+    fn add_tendon_energy(&self, energy: &mut Energy) {
         for (tension, tendon) in self.tensions_n().iter().zip(&self.system.params.tendons) {
             energy.elastic_j += 0.5 * tendon.compliance_m_per_n * tension * tension;
         }
-        energy
     }
 }

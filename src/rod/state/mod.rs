@@ -1,5 +1,6 @@
 //! The [`Rod`](rod::Rod) and its state between solves.
 
+pub(crate) mod branch;
 pub(crate) mod fields;
 pub(crate) mod grid_level;
 pub(crate) mod rates;

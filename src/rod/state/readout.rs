@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::branch::Branch;
 use super::rod::Rod;
 use crate::rod::solver::newton_state::NewtonSolver;
 
@@ -45,6 +46,11 @@ impl Rod {
         let lengths_m = self.system.lengths_m(&self.state.shape);
         let homes = lengths_m.iter().zip(&self.system.home_lengths_m);
         homes.zip(&self.system.params.tendons).map(|((now, home), t)| home - now - t.pretension_m).collect()
+    }
+
+    /// How the last equilibrium is connected with the one before.
+    pub fn branch(&self) -> Branch {
+        self.branch
     }
 
     /// Estimated tip error of the last solve, metres.

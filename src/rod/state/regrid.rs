@@ -33,6 +33,7 @@ impl Rod {
         rod.grid_level.error_m = self.grid_level.error_m;
         rod.grid_level.base = self.grid_level.base;
         rod.tip_load = self.tip_load;
+        rod.branch = self.branch;
         let (from, to) = (&self.system.grid, &rod.system.grid);
         to.transfer(from, &self.state.unknowns, &mut rod.state.unknowns);
         rod.state.taut.clone_from(&self.state.taut);

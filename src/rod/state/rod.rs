@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::branch::Branch;
 use super::grid_level::GridLevel;
 use super::rates::Rates;
 use super::rest::SettledConditions;
@@ -43,6 +44,8 @@ pub struct Rod {
     pub(crate) step_size: StepSize,
     pub(crate) tip_load: TipWrench,
     pub(crate) grid_level: GridLevel,
+    /// How the present equilibrium is connected with the one before.
+    pub(crate) branch: Branch,
     /// Commands and loads of the present equilibrium; `None` once the rod has moved.
     pub(crate) settled_under: Option<SettledConditions>,
     /// Log of solves for rods that follow this one; `None` when nothing follows.
@@ -76,6 +79,7 @@ impl Rod {
             step_size: StepSize::new(&tableau),
             tableau,
             tip_load,
+            branch: Branch::Same,
             settled_under: None,
             log: None,
             grid_level: GridLevel::new(&system),
@@ -145,6 +149,21 @@ impl Rod {
             );
         }
         status
+    }
+
+    /// Evaluates the equations at the present unknowns, and their derivative with D and M.
+    pub(crate) fn refresh(
+        &mut self,
+        holds: &[TendonConstraint],
+        (tip_load, load_share): (&TipWrench, f64),
+        gravity_m_s2: Vector3<f64>,
+        settled: bool,
+    ) {
+        let RodState { unknowns, taut, histories, sliding, .. } = &self.state;
+        let motion = &self.motion;
+        let conditions =
+            SolveConditions { holds, taut, tip_load, load_share, gravity_m_s2, motion, histories, sliding, settled };
+        self.solver.refresh(&self.system, unknowns, &conditions);
     }
 
     /// Ends a step of `dt_s` seconds (infinite: at rest) for everything that remembers, at the last evaluation of the

@@ -23,6 +23,8 @@ const FIRST_STEP: f64 = 0.5;
 const SHORTEST_STEP: f64 = 1e-4;
 const LONGEST_STEP: f64 = 1e3;
 const FALLING_STEP: f64 = 0.02;
+/// Motion in one longest step below which the rod is at rest, in lengths.
+const AT_REST: f64 = 1e-4;
 /// Share of the loads that the first step raises.
 const FIRST_SHARE: f64 = 0.1;
 /// A rod that fails below this length of backbone, or of tendon path, per relaxed length is reported as crushed.
@@ -45,7 +47,8 @@ impl Rod {
             let start = overdamped.state.clone();
             overdamped.motion.prepare(&start, &overdamped.system.masses, &[1.0], &[], step * OVERDAMPED_TIME_S);
             status = overdamped.solve_static(holds, target);
-            if status != SolveStatus::Converged {
+            if status != SolveStatus::Converged || !overdamped.has_descended(holds, target) {
+                status = status.or(SolveStatus::NotConverged);
                 overdamped.state = start;
                 (step, rise) = (0.25 * step, 0.3 * rise);
                 if step < SHORTEST_STEP || overdamped.nearly_crushed() || overdamped.solver.iterations > max_iterations
@@ -54,19 +57,16 @@ impl Rod {
                 }
                 continue;
             }
-            let arrived = share == 1.0 && step >= LONGEST_STEP;
             let change: Vec<f64> = overdamped.state.unknowns.iter().zip(&start.unknowns).map(|(a, b)| a - b).collect();
             let moved = overdamped
                 .system
                 .size_of_step_m(&change[..overdamped.system.grid.unknowns], &overdamped.solver.workspace);
+            let arrived = share == 1.0 && step >= LONGEST_STEP && moved < AT_REST * overdamped.system.params.length_m();
             if share < 1.0 {
                 step = f64::min(1.5 * step, 2.0);
-            } else if moved < last_move {
-                // Only a rod that slows down may take longer steps: they would take one that gathers speed back to the
-                // unstable equilibrium that it leaves.
-                step = f64::min(4.0 * step, LONGEST_STEP);
-            } else if last_move > 0.0 && moved < 1.3 * last_move {
-                step = f64::min(1.5 * step, 2.0);
+            } else {
+                // One that slows down may take longer steps.
+                step = f64::min(if moved < last_move { 4.0 } else { 1.5 } * step, LONGEST_STEP);
             }
             last_move = moved;
             (share, rise) = (target, 1.5 * rise);
@@ -84,6 +84,16 @@ impl Rod {
         self.state.taut.clone_from(&overdamped.state.taut);
         self.motion = Motion::rest(&self.system.grid, &self.system.masses);
         self.solve_static(holds, 1.0)
+    }
+
+    /// Whether the step just taken has lowered energy plus distance: where the tangent of the step is not positive
+    /// definite, the step has led to an unstable equilibrium, or past one.
+    fn has_descended(&mut self, holds: &[TendonConstraint], share: f64) -> bool {
+        if self.has_follower_loads() || self.is_below_buckling() {
+            return true;
+        }
+        self.refresh_static(holds, share);
+        self.tangent(holds, self.motion.rate).exceeds(0.0)
     }
 
     fn nearly_crushed(&self) -> bool {

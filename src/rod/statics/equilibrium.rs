@@ -8,20 +8,23 @@ use crate::rod::state::rates::Rates;
 use crate::rod::state::rest::SettledConditions;
 use crate::rod::state::rod::{Drive, Rod};
 
+use super::stable_branch::RestBefore;
+
 impl Rod {
     /// Brings the rod to rest under `drives`, one per tendon. Histories relax completely.
     pub fn settle(&mut self, drives: &[Drive]) -> SolveStatus {
         let Some(holds) = self.holds(drives) else { return SolveStatus::BadCommand };
+        let under = self.settled_under.take();
         // With histories the refined grid is kept between equilibria, so that they keep their resolution.
         if self.system.params.moment_laws.is_empty() {
             self.coarsen();
         }
         self.motion = Motion::rest(&self.system.grid, &self.system.masses);
-        let before = self.state.clone();
-        self.predict_residual(&holds);
+        let before = RestBefore { state: self.state.clone(), under };
+        self.predict_residual(&holds, before.under.as_ref());
         let mut status = self.solve_static(&holds, 1.0);
         if status != SolveStatus::Converged {
-            self.state = before.clone();
+            self.state.copy_from(&before.state);
             status = self.continue_in_load(&holds);
         }
         if status != SolveStatus::Converged {
@@ -30,9 +33,9 @@ impl Rod {
             status = self.relax_dynamically(&holds, 0.0);
         }
         if status == SolveStatus::Converged {
-            status = self.verify_equilibrium(&holds);
+            status = self.verify_equilibrium(&holds, &before);
         }
-        if status == SolveStatus::Converged {
+        if status.is_equilibrium() {
             self.state.rates = Rates::zero(&self.system.grid, &self.system.masses);
             self.settled_under = Some(SettledConditions {
                 holds,
@@ -44,18 +47,19 @@ impl Rod {
             self.log_stage();
             self.log.iter_mut().for_each(|log| log.accept(f64::INFINITY));
         } else {
-            self.state = before;
+            self.state = before.state;
+            self.settled_under = before.under;
         }
         status
     }
 
     /// Between equilibria under the same loads the first residual is known: the change of the tendon constraints. This
     /// saves one evaluation of the equations in four.
-    fn predict_residual(&mut self, holds: &[TendonConstraint]) {
+    fn predict_residual(&mut self, holds: &[TendonConstraint], before: Option<&SettledConditions>) {
         let params = &self.system.params;
         let remembers = !params.moment_laws.is_empty() || params.tendons.iter().any(Tendon::rubs);
         let unchanged = |rest: &&SettledConditions| rest.tip_load == self.tip_load && !remembers;
-        if let Some(rest) = self.settled_under.as_ref().filter(unchanged) {
+        if let Some(rest) = before.filter(unchanged) {
             self.solver.predict_residual(&self.system, (&self.state.unknowns, &self.state.taut), (&rest.holds, holds));
         }
     }

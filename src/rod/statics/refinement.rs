@@ -6,6 +6,9 @@ use crate::rod::equations::boundary_conditions::TendonConstraint;
 use crate::rod::equations::shape::distance_m;
 use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rod::Rod;
+use crate::rod::statics::judgement::Stability;
+
+use super::stable_branch::RestBefore;
 
 /// Newton iterations after a change of grid.
 const MAX_ITERATIONS: usize = 40;
@@ -17,10 +20,10 @@ const MEMORY_TOLERANCE: f64 = 100.0;
 impl Rod {
     /// Verifies an equilibrium under `holds`: stability, interpenetration and discretisation error. Refines the grid as
     /// needed. On failure the rod returns to its previous grid.
-    pub(crate) fn verify_equilibrium(&mut self, holds: &[TendonConstraint]) -> SolveStatus {
-        let status = self.leave_if_unstable(holds);
-        if status != SolveStatus::Converged {
-            return status;
+    pub(crate) fn verify_equilibrium(&mut self, holds: &[TendonConstraint], before: &RestBefore) -> SolveStatus {
+        let stability = self.find_stable_rest(holds, before);
+        if !stability.is_equilibrium() {
+            return stability;
         }
         let share = if self.system.params.moment_laws.is_empty() { 1.0 } else { MEMORY_TOLERANCE };
         let tolerance_m = share * self.grid_level.base.static_tolerance_m;
@@ -32,7 +35,7 @@ impl Rod {
         self.grid_level.error_m = estimate.cautious_m();
         self.confirm_by_reconstruction(holds, tolerance_m, estimate.plain_m());
         if self.grid_level.error_m <= tolerance_m {
-            return self.check_interpenetration();
+            return self.check_interpenetration().or(stability);
         }
         let mut fallback = None;
         let mut status = SolveStatus::UnderResolved;
@@ -62,7 +65,7 @@ impl Rod {
             coarse.grid_level.error_m = self.grid_level.error_m;
             *self = coarse;
         }
-        status
+        status.or(stability)
     }
 
     /// Checks that refinement has not led from the stable equilibrium of `coarse` to an unstable one.
@@ -70,7 +73,7 @@ impl Rod {
         let length_m = self.system.params.length_m();
         let elsewhere = coarse
             .is_some_and(|coarse| distance_m(&coarse.state.shape, &self.state.shape, length_m) > ANOTHER * length_m);
-        if elsewhere && !self.is_stable_by_bound() && self.unstable_direction(holds).is_some() {
+        if elsewhere && !self.is_stable_by_bound() && matches!(self.judge(holds), Stability::Unstable(_)) {
             return SolveStatus::Unstable;
         }
         self.check_interpenetration()

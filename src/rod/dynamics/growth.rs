@@ -1,0 +1,97 @@
+//! Steps short enough for what grows. Where a rod is unstable, deviations grow as exp(λt), and an L-stable scheme damps
+//! them if its step is long against 1/λ: the rod would seem to rest where it would not stay.
+
+use nalgebra::Vector3;
+
+use crate::rod::equations::boundary_conditions::TendonConstraint;
+use crate::rod::stability::linearised_motion::Growth;
+use crate::rod::state::rod::Rod;
+
+/// Longest step times the rate of the fastest growth, and times the frequency where an oscillation grows.
+const MAX_GROWTH_PER_STEP: f64 = 0.5;
+const MAX_ANGLE_PER_STEP: f64 = 0.2;
+/// A derivative whose tangent exceeds this share of the elastic stiffness in all directions proves stability also at the
+/// states near its own at which it still serves as derivative.
+const SAFE_MARGIN: f64 = 0.15;
+
+impl Rod {
+    /// The longest step that growing deviations allow after the step of `h` seconds that has just been solved, as a share
+    /// of `h`: infinite where none grow, below 1 if the step was too long.
+    pub(crate) fn growth_fit(&mut self, holds: &[TendonConstraint], h: f64) -> f64 {
+        let known = self.is_below_buckling() || self.solver.is_stable_derivative(&self.state.taut);
+        let fit = if known { f64::INFINITY } else { self.fit_of_growth(holds, h) };
+        if fit == f64::INFINITY {
+            self.step_size.deviates = false;
+        }
+        fit
+    }
+
+    fn fit_of_growth(&mut self, holds: &[TendonConstraint], h: f64) -> f64 {
+        if self.has_follower_loads() {
+            self.refresh_motion(holds);
+            return self.fit_of_eigenvalues(holds, h);
+        }
+        if self.tangent(holds, 0.0).exceeds(SAFE_MARGIN) {
+            self.solver.mark_derivative_stable(&self.state.taut);
+            return f64::INFINITY;
+        }
+        self.refresh_motion(holds);
+        let tangent = self.tangent(holds, 0.0);
+        if tangent.exceeds(0.0) {
+            if tangent.exceeds(SAFE_MARGIN) {
+                self.solver.mark_derivative_stable(&self.state.taut);
+            }
+            return f64::INFINITY;
+        }
+        let rate = MAX_GROWTH_PER_STEP / h;
+        if !self.tangent(holds, rate).exceeds(0.0) {
+            return 0.5;
+        }
+        if let Some(direction) = self.preferred_direction(&tangent.descents()) {
+            self.deviate_once(&direction, rate);
+        }
+        if self.tangent(holds, 0.5 * rate).exceeds(0.0) { 2.0 } else { 1.0 }
+    }
+
+    /// The same under loads without a potential.
+    fn fit_of_eigenvalues(&mut self, holds: &[TendonConstraint], h: f64) -> f64 {
+        let (rate, most) = match self.growth(holds) {
+            Some(Growth::Divergence(rate)) => (rate, MAX_GROWTH_PER_STEP),
+            Some(Growth::Flutter(rate)) => (rate, MAX_ANGLE_PER_STEP),
+            Some(Growth::None) | None => {
+                self.solver.mark_derivative_stable(&self.state.taut);
+                return f64::INFINITY;
+            }
+        };
+        let fit = most / (rate * h);
+        if fit >= 1.0 {
+            let sideways = self.sideways();
+            self.deviate_once(&sideways, rate);
+        }
+        fit
+    }
+
+    /// [`Rod::deviate`] when deviations begin to grow.
+    fn deviate_once(&mut self, direction: &[f64], rate: f64) {
+        if !std::mem::replace(&mut self.step_size.deviates, true) {
+            self.deviate(direction, rate);
+        }
+    }
+
+    /// A change of the polynomial coefficients that bends the rod to the preferred side.
+    fn sideways(&self) -> Vec<f64> {
+        let system = &self.system;
+        let mut direction = vec![0.0; system.grid.unknowns];
+        let about_y = self.state.shape.end_r[0].tr_mul(&Vector3::y());
+        for node in &system.grid.nodes {
+            (0..3).for_each(|axis| direction[node.offset[axis]] = about_y[axis]);
+        }
+        direction
+    }
+
+    /// The derivative at the end of the step that has just been solved.
+    fn refresh_motion(&mut self, holds: &[TendonConstraint]) {
+        let (load, gravity) = (self.tip_load, self.system.params.gravity_m_s2);
+        self.refresh(holds, (&load, 1.0), gravity, false);
+    }
+}

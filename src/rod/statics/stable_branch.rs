@@ -1,0 +1,243 @@
+//! From an equilibrium that the rod would leave to the one in which it ends.
+//!
+//! The loads are raised from those of the rest before to the present ones, as long as the rod is stable under them. Where
+//! it is not any more, it is let go under the whole load and descends (docs/robustness.md).
+
+use crate::rod::equations::boundary_conditions::TendonConstraint;
+use crate::rod::equations::shape::distance_m;
+use crate::rod::params::loads::TipWrench;
+use crate::rod::solver::status::SolveStatus;
+use crate::rod::state::branch::Branch;
+use crate::rod::state::rest::SettledConditions;
+use crate::rod::state::rod::Rod;
+use crate::rod::state::rod_state::RodState;
+use crate::rod::statics::judgement::Stability;
+
+/// The state and the loads before a static solve; no loads: an unloaded rod, or one that has moved since.
+pub(crate) struct RestBefore {
+    pub(crate) state: RodState,
+    pub(crate) under: Option<SettledConditions>,
+}
+
+/// An equilibrium this near to the one before (share of the length) is on the same branch if it is stable.
+const NEAR: f64 = 0.02;
+/// Places between the two equilibria at which the energy is asked for convexity, as shares of the way.
+const BETWEEN: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
+/// Increments of the load: first, and smallest before the rod is let go.
+const FIRST_INCREMENT: f64 = 0.25;
+const SMALLEST_INCREMENT: f64 = 0.004;
+/// Largest motion of the tip in one increment, in lengths.
+const LARGEST_MOVE: f64 = 0.2;
+/// Newton iterations of one increment.
+const MAX_ITERATIONS: usize = 25;
+/// Deviation of the tip, in lengths, with which the two sides of a critical equilibrium are compared.
+const PROBE: f64 = 0.03;
+/// Deviation of the tip with which a rod leaves an unstable equilibrium, in lengths.
+const PUSH: f64 = 0.01;
+/// Elastic deflection under the imbalance, in lengths, below which both sides of an equilibrium are alike.
+const ALIKE: f64 = 1e-9;
+/// Unstable equilibria that a rod may pass on its way.
+const MOST_DESCENTS: usize = 4;
+/// Energies that differ by a smaller share are equal.
+const SAME_ENERGY: f64 = 1e-7;
+
+impl Rod {
+    /// Makes sure that the rod would stay in the equilibrium under `holds` that it is in and would get there from
+    /// `before`; else finds the one where it would.
+    pub(crate) fn find_stable_rest(&mut self, holds: &[TendonConstraint], before: &RestBefore) -> SolveStatus {
+        self.branch = Branch::Same;
+        if self.is_stable_by_bound() {
+            return SolveStatus::Converged;
+        }
+        match self.judge(holds) {
+            Stability::Flutters => return SolveStatus::Flutters,
+            Stability::Stable if !self.may_be_beyond_barrier(holds, before) => return SolveStatus::Converged,
+            _ => {}
+        }
+        self.state.copy_from(&before.state);
+        if self.follow_loads(holds, before) {
+            self.branch = Branch::Same;
+            return SolveStatus::Converged;
+        }
+        self.descend(holds)
+    }
+
+    /// Whether the rod may have to cross a barrier from `before` to the present, stable equilibrium: unless the energy is
+    /// convex on the straight way between them.
+    fn may_be_beyond_barrier(&mut self, holds: &[TendonConstraint], before: &RestBefore) -> bool {
+        let length_m = self.system.params.length_m();
+        let has_energy = !self.has_follower_loads() && self.system.params.moment_laws.is_empty();
+        if !has_energy || distance_m(&before.state.shape, &self.state.shape, length_m) < NEAR * length_m {
+            return false;
+        }
+        let found = self.state.clone();
+        let convex = BETWEEN.into_iter().all(|share| {
+            let ends = before.state.unknowns.iter().zip(&found.unknowns);
+            self.state.unknowns.iter_mut().zip(ends).for_each(|(x, (from, to))| *x = from + share * (to - from));
+            self.refresh_static(holds, 1.0);
+            self.tangent(holds, 0.0).exceeds(0.0)
+        });
+        self.state = found;
+        self.solver.forget();
+        !convex
+    }
+
+    /// Raises the loads from those of the equilibrium `before` to the present ones as long as the rod is stable under
+    /// them. False where it is not any more; then the rod is at the last stable equilibrium, and `branch` says how it
+    /// loses stability.
+    fn follow_loads(&mut self, holds: &[TendonConstraint], before: &RestBefore) -> bool {
+        if before.under.is_none() && before.state.unknowns.iter().any(|&x| x != 0.0) {
+            return false;
+        }
+        let length_m = self.system.params.length_m();
+        let path = LoadPath { from: before.under.as_ref(), holds, tip_load: self.tip_load };
+        let max_iterations = std::mem::replace(&mut self.solver.max_iterations, MAX_ITERATIONS);
+        let (mut reached, mut step) = (0.0, FIRST_INCREMENT);
+        while reached < 1.0 && step >= SMALLEST_INCREMENT {
+            let target = f64::min(reached + step, 1.0);
+            let saved = self.state.clone();
+            self.solver.forget();
+            let stable = self.solve_on_path(&path, target) == SolveStatus::Converged
+                && distance_m(&saved.shape, &self.state.shape, length_m) < LARGEST_MOVE * length_m
+                && self.is_stable_on_path(&path, target);
+            if stable {
+                (reached, step) = (target, 1.5 * step);
+            } else {
+                self.state = saved;
+                step *= 0.4;
+            }
+        }
+        self.solver.max_iterations = max_iterations;
+        if reached < 1.0 {
+            self.branch = self.loss_of_stability(&path, reached);
+        }
+        reached == 1.0
+    }
+
+    fn solve_on_path(&mut self, path: &LoadPath, share: f64) -> SolveStatus {
+        let (holds, load, constant) = path.at(share);
+        self.seed_tensions(&holds);
+        let gravity = self.system.params.gravity_m_s2 * constant;
+        self.solve(&holds, (&load, constant), gravity, true, super::static_solve::STATIC_TOLERANCE_M)
+    }
+
+    fn is_stable_on_path(&mut self, path: &LoadPath, share: f64) -> bool {
+        self.refresh_on_path(path, share);
+        self.tangent(&path.at(share).0, 0.0).exceeds(0.0)
+    }
+
+    /// The residual and its derivative under a share of the loads.
+    fn refresh_on_path(&mut self, path: &LoadPath, share: f64) {
+        let (holds, load, constant) = path.at(share);
+        let gravity = self.system.params.gravity_m_s2 * constant;
+        self.refresh(&holds, (&load, constant), gravity, true);
+    }
+
+    /// How the rod loses stability beyond `share` of the loads. At a bifurcation it softens, or stiffens, to both sides of
+    /// the critical direction alike; at a limit point it softens to one side and stiffens to the other.
+    fn loss_of_stability(&mut self, path: &LoadPath, share: f64) -> Branch {
+        let holds = path.at(share).0;
+        self.refresh_on_path(path, share);
+        let Some(weakest) = self.tangent(&holds, 0.0).weakest() else { return Branch::SnapThrough };
+        let by = PROBE * self.system.params.length_m() / self.system.size_of_step_m(&weakest, &self.solver.workspace);
+        let here = self.state.unknowns.clone();
+        let mut stiffness = |by: f64| {
+            self.state.unknowns.clone_from(&here);
+            self.push(&weakest, by);
+            self.refresh_on_path(path, share);
+            self.tangent(&holds, 0.0).along(&weakest)
+        };
+        let (middle, one, other) = (stiffness(0.0), stiffness(by), stiffness(-by));
+        self.state.unknowns = here;
+        self.solver.forget();
+        let (odd, even) = (0.5 * (one - other), 0.5 * (one + other) - middle);
+        if odd.abs() > even.abs() { Branch::SnapThrough } else { Branch::Bifurcation }
+    }
+
+    /// Lets the rod go under the whole load, as if in honey: it descends, without crossing a barrier, to where it stays.
+    /// Where both sides of an unstable equilibrium are alike it takes the one of less energy; of two equal ones that on
+    /// which the tip is nearer to +x, else +y, else +z.
+    fn descend(&mut self, holds: &[TendonConstraint]) -> SolveStatus {
+        for _ in 0..MOST_DESCENTS {
+            self.seed_tensions(holds);
+            self.refresh_static(holds, 1.0);
+            let descents = self.tangent(holds, 0.0).descents();
+            let status = match self.preferred_direction(&descents) {
+                None => self.relax_dynamically(holds, 1.0),
+                Some(direction) => self.descend_along(holds, &direction),
+            };
+            if status != SolveStatus::Converged {
+                return SolveStatus::Unstable;
+            }
+            match self.judge(holds) {
+                Stability::Stable => return SolveStatus::Converged,
+                Stability::Flutters => return SolveStatus::Flutters,
+                Stability::Unstable(_) => {}
+            }
+        }
+        SolveStatus::Unstable
+    }
+
+    /// Descends from the present shape on the lower side of `direction`, or where the two are alike on both.
+    fn descend_along(&mut self, holds: &[TendonConstraint], direction: &[f64]) -> SolveStatus {
+        let length_m = self.system.params.length_m();
+        let push = PUSH * length_m / self.system.size_of_step_m(direction, &self.solver.workspace);
+        let squares: f64 = direction.iter().zip(&self.system.elastic_diagonal).map(|(d, k)| k * d * d).sum();
+        let uphill: f64 = direction.iter().zip(&self.solver.workspace.residual).map(|(d, r)| d * r).sum();
+        // The deflection of the unloaded rod under the imbalance, as a share of the push.
+        let deflection = uphill / (squares * push);
+        if deflection.abs() * PUSH > ALIKE {
+            self.push(direction, -push * deflection.signum());
+            return self.relax_dynamically(holds, 1.0);
+        }
+        let start = self.state.clone();
+        self.push(direction, push);
+        let first = self.relax_dynamically(holds, 1.0);
+        let (preferred, energy_j) = (self.state.clone(), self.potential_energy_j(holds));
+        self.state = start;
+        self.push(direction, -push);
+        let second = self.relax_dynamically(holds, 1.0);
+        let lower = self.potential_energy_j(holds) < energy_j - SAME_ENERGY * energy_j.abs();
+        if first == SolveStatus::Converged && (second != SolveStatus::Converged || !lower) {
+            self.state = preferred;
+            return first;
+        }
+        second
+    }
+
+    fn push(&mut self, direction: &[f64], by: f64) {
+        self.state.unknowns.iter_mut().zip(direction).for_each(|(x, d)| *x += by * d);
+    }
+}
+
+/// The way from the loads of one equilibrium to those of another.
+struct LoadPath<'a> {
+    from: Option<&'a SettledConditions>,
+    holds: &'a [TendonConstraint],
+    tip_load: TipWrench,
+}
+
+impl LoadPath<'_> {
+    /// Tendons, tip load and the share of the constant loads and of the weight at `share` of the way.
+    fn at(&self, share: f64) -> (Vec<TendonConstraint>, TipWrench, f64) {
+        let none = TipWrench::default();
+        let from_load = self.from.map_or(&none, |from| &from.tip_load);
+        let between = |a: f64, b: f64| a + (b - a) * share;
+        let hold = |(i, to): (usize, &TendonConstraint)| match (*to, self.from.map(|from| from.holds[i])) {
+            (TendonConstraint::Length(to), Some(TendonConstraint::Length(from))) => {
+                TendonConstraint::Length(between(from, to))
+            }
+            (TendonConstraint::Tension(to), Some(TendonConstraint::Tension(from))) => {
+                TendonConstraint::Tension(between(from, to))
+            }
+            (TendonConstraint::Length(to), _) => TendonConstraint::Length(share * to),
+            (TendonConstraint::Tension(to), _) => TendonConstraint::Tension(share * to),
+        };
+        let load = TipWrench {
+            force_n: from_load.force_n.lerp(&self.tip_load.force_n, share),
+            moment_nm: from_load.moment_nm.lerp(&self.tip_load.moment_nm, share),
+        };
+        let holds = self.holds.iter().enumerate().map(hold).collect();
+        (holds, load, if self.from.is_some() { 1.0 } else { share })
+    }
+}
