@@ -24,7 +24,7 @@ pub use drawing::scale_to_shift::{ScaledStrength, scale_to_shift};
 pub use drawing::{CaseDesign, draw};
 pub use error::BenchmarkError;
 pub use injection::disturbances::{DISTURBANCES, Disturbance, DisturbanceKind};
-pub use injection::injected_effects::InjectedEffect;
+pub use injection::injected_effects::{InjectedEffect, drawn_catalogue};
 pub use options::{CaseBatch, CaseGroup, OracleOptions, Prior, TruthOptions};
 pub use oracle::CatalogueSpan;
 pub use public_case::{PublicCase, add_noise, measure_case};

@@ -5,6 +5,7 @@ use super::fit::candidate::{CandidateEffect, SetMember, catalogue_candidates};
 use super::fit::gauss_newton::FitProblem;
 use super::fit::nuisance::{NuisanceColumn, Nuisances};
 use super::fit::nuisance_priors::UncertainParameters;
+use super::fit::wall_hint::wall_hint;
 use super::fit::{baseline, sensitivities, simulate};
 use super::noise_floor::NoiseFloor;
 use super::noise_floor::model_form::ModelForm;
@@ -46,7 +47,7 @@ impl<'a> Problem<'a> {
         options: &'a Options,
     ) -> Result<Problem<'a>, DiscoveryError> {
         let mut model = simulate::search_resolution(model, options);
-        let candidates = catalogue_candidates(&model);
+        let mut candidates = catalogue_candidates(&model);
         let (kept, held_out) = holdout::split(&all, options.held_out_share);
         let (training, held_out) = (all.of_trials(&kept), all.of_trials(&held_out));
         validate::check_parts(&training, &held_out)?;
@@ -59,6 +60,9 @@ impl<'a> Problem<'a> {
         };
         let simulated_m = simulate_model(&model, &training)?;
         let held_out_simulated_m = simulate_model(&model, &held_out)?;
+        if let Some(hint) = wall_hint(&training, &training.residual(&simulated_m)) {
+            candidates.iter_mut().for_each(|candidate| candidate.start_at(&hint));
+        }
         let coarse = simulate::coarse(&model);
         let sensitivities = sensitivities::sensitivities(&coarse, &candidates, &[], &|_| true, &training);
         let columns = uncertain(options, &candidates, &[], base.as_ref()).columns(&model, &[], &training);
@@ -87,7 +91,7 @@ impl<'a> Problem<'a> {
             let name = candidate.card.name;
             let contradicted = self.base_matches_model && name == "base_tilt";
             let needs_time = self.all.at_rest() && ONLY_IN_MOTION.contains(&name);
-            !contradicted && !needs_time && !self.options.left_out.iter().any(|left_out| left_out == name)
+            candidate.has_start() && !contradicted && !needs_time && !self.options.left_out.iter().any(|left_out| left_out == name)
         };
         FitProblem {
             model: &self.model,

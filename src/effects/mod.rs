@@ -6,6 +6,7 @@ mod drive_path;
 mod driven_model;
 mod model;
 mod model_parameter;
+mod obstacles;
 mod perturbation;
 mod replay;
 mod robot;
@@ -23,6 +24,7 @@ use crate::rod::RodParams;
 pub use driven_model::DrivenModel;
 pub use model::{Model, check_effect_units, check_effects};
 pub use model_parameter::{ModelParameter, ParameterError, Variable};
+pub use obstacles::{Capsule, Cylinder, Obstacle, Plane, Sphere};
 pub use perturbation::VariationError;
 pub use replay::{ReplayError, Replayed, Trial, replay};
 pub use robot::{
@@ -107,6 +109,10 @@ pub enum Seek {
     Shape(&'static [f64]),
     /// Arc length along the robot, metres.
     Place,
+    /// Distance of something fixed in the world, with this first step: fitted from where residuals point to.
+    Distance(f64),
+    /// Its direction.
+    Angle,
     /// Which tendon, from 1.
     Tendon,
     /// A flag: 1 or 0.
@@ -182,6 +188,7 @@ catalogue! {
     tendon_radius::TendonRadius,
     tendon_friction::TendonFriction,
     servo_lag::ServoLag,
+    contact::Contact,
 }
 
 impl EffectSpec {

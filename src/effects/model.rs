@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::robot::units::{ANGLE, COMPLIANCE, FORCE, MASS, SHIFT};
-use super::{Effect, EffectSpec, Robot, Seek, TendonDrive, Tracking, check_drives};
+use super::{Effect, EffectSpec, Obstacle, Robot, Seek, TendonDrive, Tracking, check_drives};
 use crate::base::BadOption;
-use crate::rod::RodParams;
+use crate::rod::{Rod, RodParams};
 
 /// A robot and the effects on it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -19,6 +19,9 @@ pub struct Model {
     /// Effects, in the order in which they act.
     #[serde(default)]
     pub effects: Vec<EffectSpec>,
+    /// Obstacles that the robot may touch.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub obstacles: Vec<Obstacle>,
     /// What is tracked besides the tip.
     #[serde(default, skip_serializing_if = "Tracking::is_default")]
     pub tracking: Tracking,
@@ -41,7 +44,26 @@ impl Model {
         self.tracking.check(self.robot.backbone.length_m)?;
         check_drives(&self.drives, self.robot.tendons.angles_deg.len())?;
         check_effects(&self.effects, self.robot.tendons.angles_deg.len())
-            .map_err(|(index, name, error)| (format!("effects[{index}].{name}"), error))
+            .map_err(|(index, name, error)| (format!("effects[{index}].{name}"), error))?;
+        self.check_obstacles()
+    }
+
+    fn check_obstacles(&self) -> Result<(), (String, BadOption)> {
+        for (index, obstacle) in self.obstacles.iter().enumerate() {
+            obstacle.check().map_err(|(shape, error)| {
+                let dot = if shape.is_empty() { "" } else { "." };
+                (format!("obstacles[{index}]{dot}{shape}"), error)
+            })?;
+        }
+        let rod = self.rod(&[]);
+        let Some(home) = Rod::touched_at_home(&rod) else { return Ok(()) };
+        let path = if home.obstacle < self.obstacles.len() {
+            format!("obstacles[{}]", home.obstacle)
+        } else {
+            "effects".to_owned()
+        };
+        let found = format!("{:.3} mm of it inside the straight robot at {:.4} m", 1e3 * home.penetration_m, home.s_m);
+        Err((path, BadOption { key: "", found, expected: "an obstacle that the robot does not touch at home" }))
     }
 
     /// Refuses numbers that no robot has, as a wrong unit makes them. Only what somebody has written is held to these
@@ -60,6 +82,7 @@ impl Model {
     /// The rod with all effects, then `extra` ones; payloads are applied last.
     pub fn rod(&self, extra: &[EffectSpec]) -> RodParams {
         let mut rod = self.robot.rod();
+        rod.contact.obstacles = self.obstacles.iter().filter_map(Obstacle::for_rod).collect();
         let (hung, own): (Vec<_>, Vec<_>) = self.effects(extra).into_iter().partition(|effect| effect.is_payload());
         own.iter().chain(&hung).for_each(|effect| effect.modify_rod(&mut rod));
         rod
@@ -88,8 +111,8 @@ pub fn check_effect_units(effects: &[EffectSpec]) -> Result<(), (usize, &'static
                 "m/N" => &COMPLIANCE,
                 _ => continue,
             };
-            // The place of a soft section is on the robot; its own check holds it there.
-            if parameter.seek == Seek::Place {
+            // A place on the robot has a check of its own; one in the world may be anywhere.
+            if matches!(parameter.seek, Seek::Place | Seek::Distance(_) | Seek::Angle) {
                 continue;
             }
             let key = parameter.vector();

@@ -18,7 +18,7 @@ pub use tendons::{OffsetPoint, RadiusPoint, Tendons};
 
 use super::{finite, non_negative};
 use crate::base::{BadOption, TendonLayout};
-use crate::rod::{Resolution, RodParams, TipWrench};
+use crate::rod::{Contact, Resolution, RodParams, TipWrench};
 
 /// Upper bound on sections, disks and cells.
 const MOST_PARTS: usize = 10_000;
@@ -61,6 +61,9 @@ pub struct Robot {
     /// Rotation vector of the base, rad.
     #[serde(default)]
     pub base_rotation_rad: [f64; 3],
+    /// Distance of the surface that touches obstacles from the backbone's axis, metres; left out: the backbone's radius.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub contact_radius_m: Option<f64>,
     /// Constant loads besides weight.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub loads: Vec<Load>,
@@ -121,6 +124,7 @@ impl Default for Robot {
             drag_n_s2_m3: 0.0,
             base_m: [0.0; 3],
             base_rotation_rad: [0.0; 3],
+            contact_radius_m: None,
             loads: Vec::new(),
             resolution: Resolution::default(),
         }
@@ -144,6 +148,7 @@ impl Robot {
         at("", non_negative("drag_n_s2_m3", self.drag_n_s2_m3))?;
         at("", self.base_m.iter().try_for_each(|&x| finite("base_m", x)))?;
         at("", self.base_rotation_rad.iter().try_for_each(|&x| finite("base_rotation_rad", x)))?;
+        at("", self.contact_radius_m.map_or(Ok(()), |radius_m| non_negative("contact_radius_m", radius_m)))?;
         for (index, load) in self.loads.iter().enumerate() {
             at(&format!("loads[{index}].{}", load.name()), load.check(length_m))?;
         }
@@ -198,6 +203,10 @@ impl Robot {
             tip_load: TipWrench::default(),
             point_loads: Vec::new(),
             line_loads: Vec::new(),
+            contact: Contact {
+                radius_m: self.contact_radius_m.unwrap_or(self.backbone.radius_m),
+                ..Contact::default()
+            },
             moment_laws: Vec::new(),
             resolution: self.resolution,
         };

@@ -13,8 +13,11 @@ mod stability;
 mod state;
 mod statics;
 
+pub use equations::contact::{ContactSum, HomePenetration};
+pub use params::contact::{Contact, DiskSurface};
 pub use params::hysteresis_law::{HistoryMoment, HistoryState, MomentLaw};
 pub use params::loads::{LineLoad, PointLoad, TipWrench};
+pub use params::obstacle::{Obstacle, ObstacleShape};
 pub use params::resolution::Resolution;
 pub use params::rod_params::RodParams;
 pub use params::scheme::Scheme;
@@ -29,3 +32,4 @@ pub use state::fields::CrossSection;
 pub use state::fields::Energy;
 pub use state::readout::Effort;
 pub use state::rod::{Drive, Rod};
+pub use state::self_contact::SelfContact;

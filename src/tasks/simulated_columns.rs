@@ -7,7 +7,10 @@ use crate::base::{Observation, PlantError};
 use crate::data::Recording;
 use crate::data::recording::Extra;
 use crate::effects::Model;
-use crate::rod::{Branch, PoseRates, Rod, SolveStatus};
+use crate::rod::{Branch, ContactSum, PoseRates, Rod, SolveStatus};
+
+/// The column that marks rows in which the robot touches itself.
+pub const TOUCHES_ITSELF: &str = "touches_itself";
 
 /// What the solver says of one row's solution.
 #[derive(Clone, Copy, Debug)]
@@ -18,12 +21,20 @@ pub(super) struct SolutionDetail {
     space_m: f64,
     /// How the equilibrium is connected with the one before.
     branch: Branch,
+    contact: Option<ContactSum>,
+    touches_itself: bool,
 }
 
 impl SolutionDetail {
     /// That of the present solution of `rod`.
     pub(super) fn of(rod: &Rod) -> SolutionDetail {
-        SolutionDetail { residual_m: rod.residual_m(), space_m: rod.space_error_m(), branch: rod.branch() }
+        SolutionDetail {
+            residual_m: rod.residual_m(),
+            space_m: rod.space_error_m(),
+            branch: rod.branch(),
+            contact: rod.contact(),
+            touches_itself: rod.self_contact().is_some(),
+        }
     }
 }
 
@@ -39,6 +50,8 @@ pub(super) struct SimulatedColumns {
     points: Vec<String>,
     /// Whether each row is an equilibrium.
     at_rest: bool,
+    /// Whether there is anything to touch.
+    has_obstacles: bool,
 }
 
 impl SimulatedColumns {
@@ -51,6 +64,7 @@ impl SimulatedColumns {
             tendons: commands.tendons(),
             points: model.tracking.names(),
             at_rest,
+            has_obstacles: !model.rod(&[]).contact.obstacles.is_empty(),
         }
     }
 
@@ -75,6 +89,26 @@ impl SimulatedColumns {
         }
     }
 
+    /// The force of all obstacles on the robot, and where: no force and no place without contact.
+    fn contact_columns(&self) -> Vec<(String, Extra)> {
+        let numbers = |without: f64, value: &dyn Fn(&ContactSum) -> f64| {
+            let of = |seen: &Option<(Observation, SolutionDetail)>| {
+                let Some((_, detail)) = seen else { return f64::NAN };
+                detail.contact.as_ref().map_or(without, value)
+            };
+            Extra::Numbers(self.seen.iter().map(of).collect())
+        };
+        let mut columns = Vec::new();
+        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+            columns.push((format!("contact_force_{name}_n"), numbers(0.0, &|contact| contact.force_n[axis])));
+        }
+        columns.push(("contact_s_m".to_owned(), numbers(f64::NAN, &|contact| contact.s_m)));
+        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+            columns.push((format!("contact_{name}_m"), numbers(f64::NAN, &|contact| contact.place_m[axis])));
+        }
+        columns
+    }
+
     pub(super) fn into_recording(self, commands: &Recording) -> Recording {
         let lost = [f64::NAN; 3];
         let numbers = |value: &dyn Fn(&(Observation, SolutionDetail)) -> f64| -> Extra {
@@ -95,6 +129,15 @@ impl SimulatedColumns {
                 seen.as_ref().map_or(String::new(), |(_, detail)| detail.branch.name().to_owned())
             };
             extra.push(("branch".to_owned(), Extra::Text(self.seen.iter().map(branch).collect())));
+        }
+        if self.has_obstacles {
+            extra.extend(self.contact_columns());
+        }
+        let touches_itself =
+            |seen: &Option<(Observation, SolutionDetail)>| seen.as_ref().is_some_and(|(_, detail)| detail.touches_itself);
+        if self.seen.iter().any(touches_itself) {
+            let flag = |seen: &Option<(Observation, SolutionDetail)>| f64::from(u8::from(touches_itself(seen)));
+            extra.push((TOUCHES_ITSELF.to_owned(), Extra::Numbers(self.seen.iter().map(flag).collect())));
         }
         let carried = commands.extra.iter().filter(|(name, _)| extra.iter().all(|(own, _)| own != name));
         let extra = carried.cloned().chain(extra.iter().cloned()).collect();

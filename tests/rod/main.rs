@@ -5,6 +5,7 @@ mod support;
 
 mod calibration;
 mod campaign;
+mod contact;
 mod dynamics;
 mod energy;
 mod general;

@@ -9,12 +9,12 @@ use serde::Serialize;
 use super::commands::{Commands, apart_m};
 use super::error::BenchmarkError;
 use super::injection::disturbances::{DISTURBANCES, Disturbance};
-use super::injection::injected_effects::{InjectedEffect, UnscaledEffect};
+use super::injection::injected_effects::{InjectedEffect, UnscaledEffect, drawn_catalogue};
 use super::options::{CaseGroup, OracleOptions, Prior, TruthOptions};
 use super::oracle::CatalogueSpan;
 use super::truth::{Truth, check_prior, draw_uncertain, tips_m};
 use crate::base::{Generator, Point3, Seed};
-use crate::effects::{CATALOGUE, Card, Model};
+use crate::effects::{Card, Model};
 use scale_to_shift::{ScaledStrength, scale_to_shift};
 
 /// Minimum displacement of a case over the requested one.
@@ -87,13 +87,15 @@ impl CaseDrawing<'_> {
     }
 
     fn card_in_turn(&self) -> &'static Card {
-        CATALOGUE[self.robot.number % CATALOGUE.len()]
+        let all = drawn_catalogue();
+        all[self.robot.number % all.len()]
     }
 
     /// Whether an effect follows another law in this case: in every other round of the catalogue.
     fn other_law(&self, card: &Card) -> bool {
-        let index = CATALOGUE.iter().position(|one| one.name == card.name).unwrap_or(0);
-        self.robot.truth.other_laws && (self.robot.number / CATALOGUE.len() + index) % 2 == 1
+        let all = drawn_catalogue();
+        let index = all.iter().position(|one| one.name == card.name).unwrap_or(0);
+        self.robot.truth.other_laws && (self.robot.number / all.len() + index) % 2 == 1
     }
 
     /// Draws robots until one with the injected effects can be simulated.
@@ -143,7 +145,7 @@ impl CaseDrawing<'_> {
 
     /// Two different effects with sufficient displacements.
     fn draw_pair(&self, uncertain: &[InjectedEffect], random: &mut Generator) -> Option<Vec<InjectedEffect>> {
-        let mut cards: Vec<&'static Card> = CATALOGUE.to_vec();
+        let mut cards = drawn_catalogue();
         cards.shuffle(random);
         let mut found = Vec::new();
         for card in cards {
@@ -189,7 +191,7 @@ impl CaseDrawing<'_> {
             all.shuffle(&mut random);
             [vec![first], all].concat()
         };
-        let left_out = (0..CATALOGUE.len()).map(InjectionKind::LeftOut).collect();
+        let left_out = (0..drawn_catalogue().len()).map(InjectionKind::LeftOut).collect();
         let unknown = (0..DISTURBANCES.len()).map(InjectionKind::Unknown).collect();
         match self.robot.group {
             CaseGroup::Outside if number % 3 == 2 => {
@@ -215,7 +217,7 @@ impl CaseDrawing<'_> {
         };
         match candidate {
             InjectionKind::LeftOut(index) => {
-                let (hidden, _) = self.draw_effect(CATALOGUE[index], &[], random)?;
+                let (hidden, _) = self.draw_effect(drawn_catalogue()[index], &[], random)?;
                 let moved = moved(std::slice::from_ref(&hidden), None)?;
                 Some((vec![hidden], None, moved))
             }

@@ -6,7 +6,7 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
 use crate::base::{BadOption, Seed};
-use crate::benchmark::injection::injected_effects::{UnscaledEffect, card};
+use crate::benchmark::injection::injected_effects::{UnscaledEffect, card, drawn_catalogue};
 use crate::effects::{CATALOGUE, Card, EffectSpec, Model, check_effects};
 
 /// A distribution of robots around a model. Each has `least_effects` to `most_effects` different effects, all numbers equally
@@ -72,7 +72,7 @@ impl Population {
     /// The effects that may occur, each once.
     fn cards(&self) -> impl Iterator<Item = &'static Card> {
         let named = |card: &&'static Card| self.effects.is_empty() || self.effects.iter().any(|name| name == card.name);
-        CATALOGUE.iter().copied().filter(named)
+        drawn_catalogue().into_iter().filter(named)
     }
 
     /// The effects of the robot that `seed` draws around `model`, in the order of the catalogue.

@@ -61,6 +61,12 @@ impl InjectedEffect {
     }
 }
 
+/// The effects that cases are drawn of: those with a strength. Something fixed in the world has a place instead.
+pub fn drawn_catalogue() -> Vec<&'static Card> {
+    let has_place = |card: &Card| card.parameters.iter().any(|one| matches!(one.seek, Seek::Distance(_)));
+    CATALOGUE.iter().copied().filter(|card| !has_place(card)).collect()
+}
+
 /// The card called `name`.
 pub(crate) fn card(name: &str) -> Option<&'static Card> {
     CATALOGUE.iter().find(|card| card.name == name).copied()
@@ -80,7 +86,7 @@ pub(crate) fn null_value(parameter: &Parameter, model: &Model) -> f64 {
 /// Usual size of a parameter; none if it is no size.
 pub(crate) fn size(parameter: &Parameter) -> Option<f64> {
     match parameter.seek {
-        Seek::Size(size) | Seek::Scanned(size, _) | Seek::Replaces(_, size) => Some(size),
+        Seek::Size(size) | Seek::Scanned(size, _) | Seek::Replaces(_, size) | Seek::Distance(size) => Some(size),
         _ => None,
     }
 }
@@ -127,7 +133,7 @@ impl UnscaledEffect {
 /// Draws values without influence: shapes in the range of tried values, any position, any tendon, any flag.
 fn draw_null_value(parameter: &Parameter, model: &Model, random: &mut Generator) -> f64 {
     match parameter.seek {
-        Seek::Size(_) | Seek::Scanned(..) | Seek::Replaces(..) => null_value(parameter, model),
+        Seek::Size(_) | Seek::Scanned(..) | Seek::Replaces(..) | Seek::Distance(_) => null_value(parameter, model),
         Seek::Shape(tries) => {
             let (low, high) =
                 tries.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)));
@@ -136,6 +142,7 @@ fn draw_null_value(parameter: &Parameter, model: &Model, random: &mut Generator)
         }
         Seek::Place => random.random_range(0.05..0.95) * model.robot.backbone.length_m,
         Seek::Tendon => random.random_range(1..=model.robot.tendons.angles_deg.len()) as f64,
+        Seek::Angle => random.random_range(-std::f64::consts::PI..std::f64::consts::PI),
         Seek::Flag => f64::from(random.random_range(0..2_u8)),
     }
 }

@@ -10,10 +10,10 @@ use serde::{Deserialize, Serialize};
 
 use super::commands::Commands;
 use super::error::BenchmarkError;
-use super::injection::injected_effects::{card, null_value, size};
+use super::injection::injected_effects::{card, drawn_catalogue, null_value, size};
 use super::options::{OracleOptions, Prior};
 use super::truth::is_component_of;
-use crate::effects::{CATALOGUE, Card, EffectSpec, Model, Seek};
+use crate::effects::{Card, EffectSpec, Model, Seek};
 use metric::Metric;
 use refit::{Members, Refit, difference};
 
@@ -66,7 +66,7 @@ impl CatalogueSpan {
             })
         };
         let mut responses = Vec::new();
-        for card in CATALOGUE.iter().copied() {
+        for card in drawn_catalogue() {
             for null in nulls(card, model) {
                 let sizes = (0..null.len()).filter_map(|k| Some((k, size(&card.parameters[k])?)));
                 let columns: Option<Vec<_>> = sizes.map(|(k, size)| respond(card, &null, k, size.abs())).collect();
@@ -219,10 +219,11 @@ fn nulls(card: &Card, model: &Model) -> Vec<Vec<f64>> {
     let mut found = vec![Vec::new()];
     for parameter in card.parameters {
         let values: Vec<f64> = match parameter.seek {
-            Seek::Size(_) | Seek::Scanned(..) | Seek::Replaces(..) => vec![null_value(parameter, model)],
+            Seek::Size(_) | Seek::Scanned(..) | Seek::Replaces(..) | Seek::Distance(_) => vec![null_value(parameter, model)],
             Seek::Shape(tries) => tries.to_vec(),
             Seek::Place => (0..PLACES).map(|k| length_m * (k as f64 + 0.5) / PLACES as f64).collect(),
             Seek::Tendon => (1..=model.robot.tendons.angles_deg.len()).map(|tendon| tendon as f64).collect(),
+            Seek::Angle => vec![0.0],
             Seek::Flag => vec![0.0, 1.0],
         };
         let longer = |known: &Vec<f64>| -> Vec<Vec<f64>> {

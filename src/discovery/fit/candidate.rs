@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use super::wall_hint::WallHint;
 use crate::effects::{CATALOGUE, Card, EffectSpec, Model, ModelParameter, Robot, Seek};
 
 /// An effect of the catalogue that may be missing, with its tendon if it acts on one.
@@ -16,7 +17,7 @@ pub(crate) struct CandidateEffect {
 #[derive(Clone, Debug)]
 enum ParameterSearch {
     /// Fitted in units of `size` from `null`; started from the best value of `scan`, if there are any.
-    Size { null: f64, size: f64, scan: &'static [f64] },
+    Size { null: f64, size: f64, scan: Vec<f64> },
     /// Tried at each value, then fitted; in its logarithm if `positive`, up to a factor of [`BEYOND`] outside the
     /// values.
     Shape { tries: Vec<f64>, positive: bool },
@@ -60,15 +61,19 @@ impl CandidateEffect {
     fn new(card: &'static Card, model: &Model, tendon: usize) -> CandidateEffect {
         let length_m = model.robot.backbone.length_m;
         let search = |parameter: &crate::effects::Parameter| match parameter.seek {
-            Seek::Size(size) => ParameterSearch::Size { null: parameter.null, size, scan: &[] },
-            Seek::Scanned(size, scan) => ParameterSearch::Size { null: parameter.null, size, scan },
+            // Where it starts is told later.
+            Seek::Size(size) | Seek::Distance(size) => {
+                ParameterSearch::Size { null: parameter.null, size, scan: Vec::new() }
+            }
+            Seek::Angle => ParameterSearch::Shape { tries: Vec::new(), positive: false },
+            Seek::Scanned(size, scan) => ParameterSearch::Size { null: parameter.null, size, scan: scan.to_vec() },
             Seek::Replaces(path, size) => {
                 // An earlier effect of the model may have replaced the parameter.
                 let last = model.effects.iter().rposition(|effect| effect.card().name == card.name);
                 let own = last.map(|k| format!("effects[{k}].{}", parameter.name));
                 let path = own.as_deref().unwrap_or(path);
                 let number = ModelParameter::named(model, path).and_then(|number| number.value(model));
-                ParameterSearch::Size { null: number.unwrap_or(parameter.null), size, scan: &[] }
+                ParameterSearch::Size { null: number.unwrap_or(parameter.null), size, scan: Vec::new() }
             }
             Seek::Shape(tries) => {
                 ParameterSearch::Shape { tries: tries.to_vec(), positive: tries.iter().all(|&value| value > 0.0) }
@@ -78,6 +83,25 @@ impl CandidateEffect {
             Seek::Flag => ParameterSearch::Choice(vec![0.0, 1.0]),
         };
         CandidateEffect { card, searches: card.parameters.iter().map(search).collect() }
+    }
+
+    /// Starts the search for something fixed in the world where `hint` says.
+    pub(crate) fn start_at(&mut self, hint: &WallHint) {
+        for (parameter, search) in self.card.parameters.iter().zip(&mut self.searches) {
+            match (parameter.seek, search) {
+                (Seek::Distance(_), ParameterSearch::Size { scan, .. }) => scan.clone_from(&hint.distances_m),
+                (Seek::Angle, ParameterSearch::Shape { tries, .. }) => {
+                    let is_azimuth = parameter.name == "azimuth_rad";
+                    *tries = vec![if is_azimuth { hint.azimuth_rad } else { hint.elevation_rad }];
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Whether there is anything to start a search from.
+    pub(crate) fn has_start(&self) -> bool {
+        !self.variants().is_empty()
     }
 
     /// Name, with the tendon if it acts on one.
@@ -150,7 +174,7 @@ impl CandidateEffect {
 
     /// Steps from null to each size of the scan.
     pub(crate) fn scan(&self) -> Vec<f64> {
-        let steps = |search: &ParameterSearch| match *search {
+        let steps = |search: &ParameterSearch| match search {
             ParameterSearch::Size { null, scan, .. } => scan.iter().map(|value| value - null).collect(),
             _ => Vec::new(),
         };

@@ -11,3 +11,4 @@ pub(crate) mod profile_intervals;
 pub(crate) mod sensitivities;
 pub(crate) mod simulate;
 pub(crate) mod step_out;
+pub(crate) mod wall_hint;

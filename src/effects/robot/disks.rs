@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::{Checked, MOST_PARTS, Robot, at, refuse};
 use crate::base::BadOption;
 use crate::effects::non_negative;
-use crate::rod::{CompressibleSection, PointMass, RodParams};
+use crate::rod::{CompressibleSection, DiskSurface, PointMass, RodParams};
 
 /// Compressible sections, with the disks between them filling the rest of the backbone evenly (paper, Fig. 1b).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -37,6 +37,9 @@ pub struct Disks {
     /// Mass of each where they differ, kg, in place of `mass_kg`; only with `positions_m`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub masses_kg: Option<Vec<f64>>,
+    /// Radius of the disks where they touch obstacles, metres; left out: they touch nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub contact_radius_m: Option<f64>,
     /// Moments of inertia of each lumped disk about its own x, y and z, kg m².
     #[serde(default, skip_serializing_if = "is_nothing")]
     pub inertia_kg_m2: [f64; 3],
@@ -70,6 +73,7 @@ impl Disks {
         let at = |result| at("disks", result);
         at(non_negative("mass_kg", self.mass_kg))?;
         at(refuse(self.count <= MOST_PARTS, "count", &self.count, "a whole number up to 10,000"))?;
+        at(BadOption::unless_positive_or_null("contact_radius_m", self.contact_radius_m))?;
         at(self.inertia_kg_m2.iter().try_for_each(|&inertia| non_negative("inertia_kg_m2", inertia)))?;
         if let Some(positions) = &self.positions_m {
             let inside = positions.len() == self.count && positions.iter().all(|s| (0.0..=length_m).contains(s));
@@ -111,22 +115,38 @@ impl Robot {
 
     pub(super) fn add_disks(&self, rod: &mut RodParams) {
         let disks = &self.disks;
-        if let Some(positions) = &disks.positions_m {
-            rod.masses.extend(positions.iter().enumerate().map(|(k, &position_m)| disks.mass(k, position_m)));
-            return;
+        let places = self.disk_places_m(rod);
+        if let Some(radius_m) = disks.contact_radius_m {
+            let surface = |&[start_m, end_m]: &[f64; 2]| DiskSurface { start_m, end_m, radius_m };
+            rod.contact.disks.extend(places.iter().map(surface));
         }
-        if self.sections.count == 0 || disks.count != self.sections.count + 1 || self.disk_thickness_m() < 1e-6 {
-            let step = self.backbone.length_m / disks.count.max(1) as f64;
-            rod.masses.extend((0..disks.count).map(|k| disks.mass(k, (k + 1) as f64 * step)));
-            return;
+        if self.disks_fill_backbone() {
+            let density = disks.mass_kg / self.disk_thickness_m();
+            places.iter().for_each(|&[start_m, end_m]| spread(rod, start_m, end_m, density));
+        } else {
+            rod.masses.extend(places.iter().enumerate().map(|(k, &[position_m, _])| disks.mass(k, position_m)));
         }
-        let density = disks.mass_kg / self.disk_thickness_m();
-        let mut start_m = 0.0;
-        for section in rod.sections.clone() {
-            spread(rod, start_m, section.start_m, density);
-            start_m = section.start_m + section.length_m;
+    }
+
+    /// Whether the disks fill the backbone between the sections.
+    fn disks_fill_backbone(&self) -> bool {
+        let one_more = self.sections.count > 0 && self.disks.count == self.sections.count + 1;
+        self.disks.positions_m.is_none() && one_more && self.disk_thickness_m() >= 1e-6
+    }
+
+    /// Where each disk begins and ends, metres from the base; lumped ones have no thickness.
+    fn disk_places_m(&self, rod: &RodParams) -> Vec<[f64; 2]> {
+        if let Some(positions_m) = &self.disks.positions_m {
+            return positions_m.iter().map(|&position_m| [position_m; 2]).collect();
         }
-        spread(rod, start_m, self.backbone.length_m, density);
+        if !self.disks_fill_backbone() {
+            let step_m = self.backbone.length_m / self.disks.count.max(1) as f64;
+            return (1..=self.disks.count).map(|k| [k as f64 * step_m; 2]).collect();
+        }
+        let starts_m = rod.sections.iter().map(|section| section.start_m + section.length_m);
+        let ends_m = rod.sections.iter().map(|section| section.start_m);
+        let starts_m = std::iter::once(0.0).chain(starts_m);
+        starts_m.zip(ends_m.chain([self.backbone.length_m])).map(|(start_m, end_m)| [start_m, end_m]).collect()
     }
 }
 

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::contact::{ContactMemory, Touch};
 use super::motion::Motion;
 use super::tendon_friction::TendonSliding;
 use crate::rod::params::hysteresis_law::HistoryState;
@@ -31,6 +32,12 @@ pub(crate) struct SolveConditions<'a> {
     pub(crate) histories: &'a [Vec<HistoryState>],
     /// Sliding of the tendons at the start of the step.
     pub(crate) sliding: &'a [TendonSliding],
+    /// What the friction of contacts remembers at the start of the step.
+    pub(crate) contact_memory: &'a ContactMemory,
+    /// Contacts that do not change with the shape; `None`: as the shape makes them.
+    pub(crate) fixed_touches: Option<&'a [Touch]>,
+    /// Share of the stiffness of obstacles; below 1 only on the way to an equilibrium.
+    pub(crate) obstacle_share: f64,
     /// Whether rate-dependent moment laws have relaxed.
     pub(crate) settled: bool,
 }

@@ -4,6 +4,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::boundary_conditions::SolveConditions;
+use super::contact::{Touch, add_contact_loads};
 use super::material::Section;
 use super::motion::EndMass;
 use super::shape::Shape;
@@ -79,6 +80,7 @@ impl Loads {
             self.end_f[*end] += f;
             self.end_m[*end] += m;
         }
+        add_contact_loads(rod.touches, shape, &mut self.end_f, &mut self.end_m);
         let tip = self.end_f.len() - 1;
         self.end_f[tip] += conditions.tip_load.force_n;
         self.end_m[tip] += conditions.tip_load.moment_nm;
@@ -126,6 +128,7 @@ pub(crate) struct LoadedRod<'a> {
     pub(crate) sections: &'a [Section],
     pub(crate) masses: &'a [EndMass],
     pub(crate) constant: &'a ConstantLoads,
+    pub(crate) touches: &'a [Touch],
 }
 
 /// Constant loads besides weight and the tip load, on the grid.

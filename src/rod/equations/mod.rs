@@ -1,6 +1,7 @@
 //! The discrete equations of one instant and their analytic derivative.
 
 pub(crate) mod boundary_conditions;
+pub(crate) mod contact;
 pub(crate) mod homogenised_cells;
 pub(crate) mod jacobian;
 pub(crate) mod loads;

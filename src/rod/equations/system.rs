@@ -4,6 +4,7 @@
 use nalgebra::{DVector, Vector3};
 
 use super::boundary_conditions::{SolveConditions, TendonConstraint};
+use super::contact::{ContactPoint, Touch};
 use super::homogenised_cells;
 use super::loads::{ConstantLoads, LoadedRod, Loads};
 use super::material::{Components, Section};
@@ -27,6 +28,8 @@ pub(crate) struct RodEquations {
     pub(crate) masses: Vec<EndMass>,
     /// Constant loads.
     pub(crate) constant: ConstantLoads,
+    /// Points that may touch obstacles; none without obstacles.
+    pub(crate) contact_points: Vec<ContactPoint>,
     /// For each Gauss point and tendon: where the tendon passes.
     pub(crate) guides: Vec<TendonGuide>,
     /// Path length of each tendon at home, metres.
@@ -44,6 +47,8 @@ pub(crate) struct RodEquations {
 pub(crate) struct Workspace {
     pub(crate) shape: Shape,
     pub(crate) loads: Loads,
+    /// Contacts with obstacles.
+    pub(crate) touches: Vec<Touch>,
     /// For each Gauss point and tendon: unit tangent (0 past the tendon's end).
     pub(crate) tangents: Vec<Vector3<f64>>,
     /// For each Gauss point and tendon: length per backbone length (0 past the tendon's end), and one over it.
@@ -118,12 +123,14 @@ impl RodEquations {
             (0..params.tendons.len()).map(|i| home_length_m(&params.tendons, (&grid, &sections), &guides, i)).collect();
         let reach_m_per_n = (0..params.tendons.len()).map(|i| reach_m_per_n(&params, &sections, &guides, i)).collect();
         let constant = ConstantLoads::new(&params, &grid);
+        let contact_points = ContactPoint::all(&params, &grid);
         RodEquations {
             params,
             grid,
             sections,
             masses,
             constant,
+            contact_points,
             guides,
             home_lengths_m,
             scales,
@@ -143,6 +150,7 @@ impl RodEquations {
         Workspace {
             shape: Shape::new(&self.grid, base, self.params.base_m),
             loads: Loads::new(&self.grid),
+            touches: Vec::new(),
             tangents: vec![Vector3::zeros(); nodes * tendons],
             stretches: vec![0.0; nodes * tendons],
             shrinks: vec![0.0; nodes * tendons],
@@ -187,14 +195,17 @@ impl RodEquations {
         let tensions = &unknowns[self.grid.unknowns..];
         self.update_tendons(workspace);
         self.update_tension_shares(tensions, conditions, workspace);
+        self.update_touches(conditions, workspace);
+        let Workspace { loads, shape, touches, .. } = &mut *workspace;
         let rod = LoadedRod {
             params: &self.params,
             grid: &self.grid,
             sections: &self.sections,
             masses: &self.masses,
             constant: &self.constant,
+            touches,
         };
-        workspace.loads.update(&rod, &workspace.shape, conditions);
+        loads.update(&rod, shape, conditions);
         workspace.residual.fill(0.0);
         let points = self.grid.all.points;
         for (g, node) in self.grid.nodes.iter().enumerate() {

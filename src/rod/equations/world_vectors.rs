@@ -76,6 +76,11 @@ impl VectorDerivative {
         }
     }
 
+    /// Adds `scale · other`.
+    pub(crate) fn add_scaled(&mut self, other: &VectorDerivative, scale: f64) {
+        self.values.iter_mut().zip(&other.values).for_each(|(out, x)| *out += scale * x);
+    }
+
     /// Adds `scale · (other × fixed)`.
     #[inline(always)]
     pub(crate) fn add_cross(&mut self, other: &VectorDerivative, fixed: &Vector3<f64>, scale: f64) {

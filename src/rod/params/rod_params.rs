@@ -5,6 +5,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use super::hysteresis_law::MomentLaw;
+use super::contact::Contact;
 use super::loads::{LineLoad, PointLoad, TipWrench};
 use super::resolution::Resolution;
 use super::span::{Span, Taper};
@@ -38,6 +39,8 @@ pub struct RodParams {
     pub point_loads: Vec<PointLoad>,
     /// Constant loads over part of the rod.
     pub line_loads: Vec<LineLoad>,
+    /// Obstacles, and the surface that touches them.
+    pub contact: Contact,
     /// History-dependent moment laws.
     pub moment_laws: Vec<Arc<dyn MomentLaw>>,
     /// Numerical resolution.

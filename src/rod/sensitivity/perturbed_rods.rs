@@ -269,9 +269,20 @@ fn full_load<'a>(
     (holds, taut): (&'a [TendonConstraint], &'a [bool]),
     settled: bool,
 ) -> SolveConditions<'a> {
-    let (histories, sliding) = (&state.histories, &state.sliding);
-    let gravity_m_s2 = system.params.gravity_m_s2;
-    SolveConditions { holds, taut, tip_load, load_share: 1.0, gravity_m_s2, motion, histories, sliding, settled }
+    SolveConditions {
+        holds,
+        taut,
+        tip_load,
+        load_share: 1.0,
+        gravity_m_s2: system.params.gravity_m_s2,
+        motion,
+        histories: &state.histories,
+        sliding: &state.sliding,
+        contact_memory: &state.contact_memory,
+        fixed_touches: None,
+        obstacle_share: 1.0,
+        settled,
+    }
 }
 
 impl Rod {

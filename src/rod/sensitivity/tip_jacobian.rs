@@ -97,6 +97,9 @@ impl Rod {
             motion: &motion,
             histories: &rest.histories,
             sliding: &rest.sliding,
+            contact_memory: &rest.contact_memory,
+            fixed_touches: None,
+            obstacle_share: 1.0,
             settled: true,
         };
         let mut workspace = self.solver.workspace.clone();

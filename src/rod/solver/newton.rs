@@ -34,6 +34,11 @@ const ROUNDING: f64 = 1e-8;
 /// Imbalance (an angle) beyond which a derivative is not reused.
 const UNRELIABLE_IMBALANCE: f64 = 1e8;
 
+/// Largest force of an obstacle on one point during the iteration, in units of E·I/L² …
+const MAX_CONTACT_FORCE: f64 = 10.0;
+/// … and attempts to find the share of a correction that respects it.
+const MOST_CONTACT_SEARCHES: usize = 24;
+
 /// The correction that was subtracted from the unknowns.
 struct Correction {
     step: DVector<f64>,
@@ -136,7 +141,7 @@ impl NewtonSolver {
         if !self.workspace.residual.iter().all(|r| r.is_finite()) {
             return Err(SolveStatus::NotFinite);
         }
-        if stale {
+        if stale || self.workspace.contact_set() != self.contact_set {
             self.differentiate(system, unknowns, conditions);
         }
         self.factor(system, conditions);
@@ -148,11 +153,12 @@ impl NewtonSolver {
         let limit = LARGEST_STEP * system.params.length_m();
         let share = if size > limit {
             limit / size
-        } else if !system.params.moment_laws.is_empty() {
+        } else if !(system.params.moment_laws.is_empty() && system.contact_points.is_empty()) {
             self.damping.share(system, &step, size)
         } else {
             1.0
         };
+        let share = share.min(self.share_up_to_contact(system, unknowns, &step, conditions));
         let shortened = share < 1.0;
         if shortened {
             step *= share;
@@ -161,9 +167,51 @@ impl NewtonSolver {
         Ok(Correction { step, size, shortened })
     }
 
+    /// The share of a correction up to which no obstacle presses harder than [`MAX_CONTACT_FORCE`] or than now. Beyond, the
+    /// derivative belongs to another shape.
+    fn share_up_to_contact(
+        &mut self,
+        system: &RodEquations,
+        unknowns: &[f64],
+        step: &DVector<f64>,
+        conditions: &SolveConditions,
+    ) -> f64 {
+        if system.contact_points.is_empty() {
+            return 1.0;
+        }
+        let hardest_now_n = system.hardest_contact_n(conditions, &self.workspace.shape);
+        let limit_n = hardest_now_n.max(MAX_CONTACT_FORCE * system.bending_force_n());
+        let mut hardest_n = |share: f64| {
+            let moved: Vec<f64> = unknowns.iter().zip(step.iter()).map(|(x, dx)| x - share * dx).collect();
+            let shape = self.trial.get_or_insert_with(|| self.workspace.shape.clone());
+            shape.update(&system.grid, &system.sections, &moved[..system.grid.unknowns]);
+            system.hardest_contact_n(conditions, shape)
+        };
+        let (mut low, mut high) = ((0.0, hardest_now_n), (1.0, hardest_n(1.0)));
+        if high.1 <= limit_n {
+            return 1.0;
+        }
+        // Regula falsi for half the limit, with bisections, since the force may rise steeply.
+        for attempt in 0..MOST_CONTACT_SEARCHES {
+            let between = (0.5 * limit_n - low.1) / (high.1 - low.1);
+            let part = if attempt % 2 == 0 { between.clamp(0.05, 0.95) } else { 0.5 };
+            let share = low.0 + part * (high.0 - low.0);
+            let found = (share, hardest_n(share));
+            if found.1 > limit_n {
+                high = found;
+            } else if found.1 > 0.0 {
+                return share;
+            } else {
+                low = found;
+            }
+        }
+        low.0
+    }
+
     /// Computes the derivative of the residual in the workspace.
     fn differentiate(&mut self, system: &RodEquations, unknowns: &[f64], conditions: &SolveConditions) {
         self.derivatives += 1;
+        self.contact_set.clone_from(&self.workspace.contact_set());
         self.unreliable = self.largest_imbalance(system) > UNRELIABLE_IMBALANCE;
         self.derivative.update(system, unknowns, conditions, &self.workspace);
         self.factors.clear();

@@ -4,6 +4,7 @@ use nalgebra::{DVector, Dyn, LU};
 
 use super::newton_damping::NewtonDamping;
 use crate::rod::equations::jacobian::Derivative;
+use crate::rod::equations::shape::Shape;
 use crate::rod::equations::system::{RodEquations, Workspace};
 
 const MOST_ITERATIONS: usize = 150;
@@ -21,6 +22,10 @@ pub(crate) struct NewtonSolver {
     pub(super) unreliable: bool,
     /// Whether the residual in `workspace` is that of the next solve's first iteration.
     pub(super) residual_predicted: bool,
+    /// Contacts of the derivative.
+    pub(super) contact_set: Vec<(usize, usize)>,
+    /// Room for the shape after a correction; only with obstacles.
+    pub(super) trial: Option<Shape>,
     /// The last derivative that proved stability.
     stable: Option<StableDerivative>,
     /// Steps of the present solve since the derivative or the taut set changed.
@@ -72,6 +77,8 @@ impl NewtonSolver {
             kept: DerivativeUse::Nothing,
             unreliable: false,
             residual_predicted: false,
+            contact_set: Vec::new(),
+            trial: None,
             stable: None,
             steps: Vec::new(),
             damping: NewtonDamping::new(),

@@ -20,6 +20,9 @@ impl Rod {
         if params.point_loads.iter().any(|load| load.follows || load.moment_nm.norm_squared() > 0.0) {
             return false;
         }
+        if !self.solver.workspace.touches.is_empty() {
+            return false;
+        }
         let (mut first, mut second, mut beyond) = (0.0, 0.0, 0.0);
         for (node, force) in self.system.grid.nodes.iter().zip(&self.solver.workspace.loads.force).rev() {
             let (s, weight, n) = (node.position_m, node.weight_m, force.norm());

@@ -31,7 +31,8 @@ pub(crate) enum Growth {
 }
 
 impl Rod {
-    /// What grows by the derivative that the solver holds, D and M included; `None` when the iteration fails.
+    /// What grows by the derivative that the solver holds, D and M included; `None` when the iteration fails or the rod has
+    /// neither mass nor damping.
     pub(crate) fn growth(&self, holds: &[TendonConstraint]) -> Option<Growth> {
         let n = self.system.grid.unknowns;
         let stiffness = self.tangent(holds, 0.0).matrix;
@@ -47,6 +48,9 @@ impl Rod {
         companion.view_mut((n, 0), (n, n)).fill_with_identity();
         let values = eigenvalues(companion)?;
         let slowest = values.iter().map(|value| value.norm()).fold(0.0, f64::max);
+        if slowest == 0.0 {
+            return None;
+        }
         let judged = values.iter().filter(|value| value.norm() * MAX_FREQUENCY_RATIO > slowest);
         let growing: Vec<&Complex<f64>> = judged.filter(|value| value.re > GROWTH_TOLERANCE * value.norm()).collect();
         let Some(rate) = growing.iter().map(|value| value.norm().recip()).reduce(f64::max) else {

@@ -104,6 +104,7 @@ impl Rod {
         for (g, force) in self.system.constant.line.iter().enumerate() {
             total -= self.system.grid.nodes[g].weight_m * force.dot(&self.state.shape.node_p[g]);
         }
+        total += self.solver.workspace.contact_energy_j();
         for (hold, length_m) in holds.iter().zip(self.system.lengths_m(&self.state.shape)) {
             if let TendonConstraint::Tension(tension_n) = hold {
                 total += tension_n * length_m;

@@ -9,6 +9,7 @@ pub(crate) mod regrid;
 pub(crate) mod rest;
 pub(crate) mod rod;
 pub(crate) mod rod_state;
+pub(crate) mod self_contact;
 pub(crate) mod solve_log;
 pub(crate) mod stage;
 pub(crate) mod step_size;

@@ -4,6 +4,9 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::branch::Branch;
 use super::rod::Rod;
+use crate::rod::equations::contact::{ContactSum, HomePenetration};
+use crate::rod::equations::system::RodEquations;
+use crate::rod::params::rod_params::RodParams;
 use crate::rod::solver::newton_state::NewtonSolver;
 
 /// Solver statistics since construction or restart.
@@ -51,6 +54,19 @@ impl Rod {
     /// How the last equilibrium is connected with the one before.
     pub fn branch(&self) -> Branch {
         self.branch
+    }
+
+    /// The obstacle that reaches deepest into the unloaded rod of `params`; `None` where all are outside.
+    pub fn touched_at_home(params: &RodParams) -> Option<HomePenetration> {
+        if params.contact.obstacles.is_empty() {
+            return None;
+        }
+        RodEquations::new(params.clone()).home_penetration()
+    }
+
+    /// All contacts with obstacles together; `None` where the rod touches nothing.
+    pub fn contact(&self) -> Option<ContactSum> {
+        ContactSum::of(&self.solver.workspace.touches)
     }
 
     /// Estimated tip error of the last solve, metres.

@@ -40,6 +40,7 @@ impl Rod {
         rod.state.histories =
             self.state.histories.iter().map(|states| to.interpolate_histories(from, states)).collect();
         rod.state.sliding.clone_from(&self.state.sliding);
+        rod.state.contact_memory.clone_from(&self.state.contact_memory);
         rod.state.shape.update(to, &rod.system.sections, &rod.state.unknowns[..to.unknowns]);
         rod.solver.iterations = self.solver.iterations;
         rod.solver.derivatives = self.solver.derivatives;

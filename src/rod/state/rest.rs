@@ -1,6 +1,7 @@
 //! Commands and loads of the last static solve.
 
 use crate::rod::equations::boundary_conditions::TendonConstraint;
+use crate::rod::equations::contact::ContactMemory;
 use crate::rod::equations::tendon_friction::TendonSliding;
 use crate::rod::params::hysteresis_law::HistoryState;
 use crate::rod::params::loads::TipWrench;
@@ -14,4 +15,6 @@ pub(crate) struct SettledConditions {
     pub(crate) histories: Vec<Vec<HistoryState>>,
     /// Sliding of the tendons before the drives moved.
     pub(crate) sliding: Vec<TendonSliding>,
+    /// What the friction of contacts remembered before.
+    pub(crate) contact_memory: ContactMemory,
 }

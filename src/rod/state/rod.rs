@@ -11,6 +11,7 @@ use super::solve_log::SolveLog;
 use super::step_size::StepSize;
 use crate::math::vectorised;
 use crate::rod::equations::boundary_conditions::{SolveConditions, TendonConstraint};
+use crate::rod::equations::contact::ContactMemory;
 use crate::rod::equations::motion::Motion;
 use crate::rod::equations::system::RodEquations;
 use crate::rod::params::loads::TipWrench;
@@ -44,6 +45,8 @@ pub struct Rod {
     pub(crate) step_size: StepSize,
     pub(crate) tip_load: TipWrench,
     pub(crate) grid_level: GridLevel,
+    /// Share of the stiffness of obstacles.
+    pub(crate) obstacle_share: f64,
     /// How the present equilibrium is connected with the one before.
     pub(crate) branch: Branch,
     /// Commands and loads of the present equilibrium; `None` once the rod has moved.
@@ -69,6 +72,7 @@ impl Rod {
             rates: Rates::zero(&system.grid, &system.masses),
             histories: system.virgin_histories(),
             sliding: system.tendons_at_home(),
+            contact_memory: ContactMemory::default(),
         };
         let mut rod = Rod {
             solver: NewtonSolver::new(&system),
@@ -79,6 +83,7 @@ impl Rod {
             step_size: StepSize::new(&tableau),
             tableau,
             tip_load,
+            obstacle_share: 1.0,
             branch: Branch::Same,
             settled_under: None,
             log: None,
@@ -97,6 +102,7 @@ impl Rod {
         self.state.taut.fill(false);
         self.state.histories = self.system.virgin_histories();
         self.state.sliding = self.system.tendons_at_home();
+        self.state.contact_memory = ContactMemory::default();
         self.state.rates = Rates::zero(&self.system.grid, &self.system.masses);
         let (system, state) = (&self.system, &mut self.state);
         state.shape.update(&system.grid, &system.sections, &state.unknowns[..system.grid.unknowns]);
@@ -124,7 +130,7 @@ impl Rod {
         settled: bool,
         tolerance_m: f64,
     ) -> SolveStatus {
-        let RodState { unknowns, taut, histories, sliding, .. } = &mut self.state;
+        let RodState { unknowns, taut, histories, sliding, contact_memory, .. } = &mut self.state;
         let guess = taut.clone();
         let conditions = SolveConditions {
             holds,
@@ -135,6 +141,9 @@ impl Rod {
             motion: &self.motion,
             histories,
             sliding,
+            contact_memory,
+            fixed_touches: None,
+            obstacle_share: self.obstacle_share,
             settled,
         };
         let status = self.solver.solve(&self.system, unknowns, taut, &conditions, tolerance_m);
@@ -159,10 +168,21 @@ impl Rod {
         gravity_m_s2: Vector3<f64>,
         settled: bool,
     ) {
-        let RodState { unknowns, taut, histories, sliding, .. } = &self.state;
-        let motion = &self.motion;
-        let conditions =
-            SolveConditions { holds, taut, tip_load, load_share, gravity_m_s2, motion, histories, sliding, settled };
+        let RodState { unknowns, taut, histories, sliding, contact_memory, .. } = &self.state;
+        let conditions = SolveConditions {
+            holds,
+            taut,
+            tip_load,
+            load_share,
+            gravity_m_s2,
+            motion: &self.motion,
+            histories,
+            sliding,
+            contact_memory,
+            fixed_touches: None,
+            obstacle_share: self.obstacle_share,
+            settled,
+        };
         self.solver.refresh(&self.system, unknowns, &conditions);
     }
 
@@ -170,6 +190,8 @@ impl Rod {
     /// equations.
     pub(crate) fn commit_histories(&mut self, dt_s: f64) {
         self.state.sliding.copy_from_slice(&self.solver.workspace.sliding);
+        let RodState { shape, contact_memory, .. } = &mut self.state;
+        contact_memory.commit(&self.system.params.contact, &self.system.grid, shape, &self.solver.workspace.touches);
         let shape = &self.state.shape;
         for (law, states) in self.system.params.moment_laws.iter().zip(&mut self.state.histories) {
             for (g, state) in states.iter_mut().enumerate() {

@@ -1,6 +1,7 @@
 //! The state of a rod at one instant.
 
 use super::rates::Rates;
+use crate::rod::equations::contact::ContactMemory;
 use crate::rod::equations::shape::Shape;
 use crate::rod::equations::tendon_friction::TendonSliding;
 use crate::rod::params::hysteresis_law::HistoryState;
@@ -16,6 +17,8 @@ pub(crate) struct RodState {
     pub(crate) histories: Vec<Vec<HistoryState>>,
     /// Sliding of the tendons in their guides.
     pub(crate) sliding: Vec<TendonSliding>,
+    /// What the friction of contacts remembers.
+    pub(crate) contact_memory: ContactMemory,
 }
 
 impl RodState {
@@ -28,6 +31,7 @@ impl RodState {
             rates: Rates::default(),
             histories: Vec::new(),
             sliding: Vec::new(),
+            contact_memory: ContactMemory::default(),
         }
     }
 
@@ -39,5 +43,6 @@ impl RodState {
         self.rates.copy_from(&other.rates);
         self.histories.clone_from(&other.histories);
         self.sliding.clone_from(&other.sliding);
+        self.contact_memory.clone_from(&other.contact_memory);
     }
 }

@@ -111,6 +111,7 @@ impl Rod {
         overdamped.state.taut.clone_from(&self.state.taut);
         overdamped.state.histories.clone_from(&self.state.histories);
         overdamped.state.sliding.clone_from(&self.state.sliding);
+        overdamped.state.contact_memory.clone_from(&self.state.contact_memory);
         let (system, state) = (&overdamped.system, &mut overdamped.state);
         state.shape.update(&system.grid, &system.sections, &state.unknowns[..system.grid.unknowns]);
         overdamped.solver.max_iterations = MAX_ITERATIONS;

@@ -42,6 +42,7 @@ impl Rod {
                 tip_load: self.tip_load,
                 histories: self.state.histories.clone(),
                 sliding: self.state.sliding.clone(),
+                contact_memory: self.state.contact_memory.clone(),
             });
             self.commit_histories(f64::INFINITY);
             self.log_stage();

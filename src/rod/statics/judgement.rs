@@ -30,6 +30,8 @@ impl Rod {
             return match self.growth(holds) {
                 Some(Growth::None) => Stability::Stable,
                 Some(Growth::Flutter(_)) => Stability::Flutters,
+                // A rod without mass, or one whose eigenvalues were not found.
+                None if all_positive(self.tangent(holds, 0.0).matrix) => Stability::Stable,
                 Some(Growth::Divergence(_)) | None => Stability::Unstable(self.tangent(holds, 0.0).descents()),
             };
         }

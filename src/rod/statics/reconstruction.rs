@@ -10,6 +10,7 @@ use nalgebra::{DVector, Matrix6, Vector6};
 use crate::math::vectorised;
 use crate::rod::discretisation::cell::COMPONENTS;
 use crate::rod::equations::boundary_conditions::{SolveConditions, TendonConstraint};
+use crate::rod::equations::contact::Touch;
 use crate::rod::equations::material::Components;
 use crate::rod::equations::motion::Motion;
 use crate::rod::equations::shape::distance_m;
@@ -55,6 +56,9 @@ impl Rod {
             .iter()
             .map(|states| fine.grid.interpolate_histories(&self.system.grid, states))
             .collect();
+        // The forces of contacts stay: more points would press more on the same penetration.
+        let touches: Vec<Touch> =
+            self.solver.workspace.touches.iter().map(|touch| touch.on_grid(&fine.grid)).collect();
         let motion = Motion::rest(&fine.grid, &fine.masses);
         let conditions = SolveConditions {
             holds,
@@ -65,6 +69,9 @@ impl Rod {
             motion: &motion,
             histories: &histories,
             sliding: &self.state.sliding,
+            contact_memory: &self.state.contact_memory,
+            fixed_touches: Some(&touches),
+            obstacle_share: 1.0,
             settled: true,
         };
         let mut workspace = fine.workspace();

@@ -14,8 +14,9 @@ use super::stable_branch::RestBefore;
 const MAX_ITERATIONS: usize = 40;
 /// Tip distance between two grids, as a share of the length, beyond which the equilibria may differ.
 const ANOTHER: f64 = 1e-3;
-/// Tolerance factor for rods with history-dependent moments: their yield fronts are kinks that no polynomial resolves.
-const MEMORY_TOLERANCE: f64 = 100.0;
+/// Tolerance factor where the wrench has kinks that no polynomial resolves: at the yield fronts of history-dependent
+/// moments and at contacts.
+const KINK_TOLERANCE: f64 = 100.0;
 
 impl Rod {
     /// Verifies an equilibrium under `holds`: stability, interpenetration and discretisation error. Refines the grid as
@@ -25,7 +26,8 @@ impl Rod {
         if !stability.is_equilibrium() {
             return stability;
         }
-        let share = if self.system.params.moment_laws.is_empty() { 1.0 } else { MEMORY_TOLERANCE };
+        let smooth = self.system.params.moment_laws.is_empty() && self.solver.workspace.touches.is_empty();
+        let share = if smooth { 1.0 } else { KINK_TOLERANCE };
         let tolerance_m = share * self.grid_level.base.static_tolerance_m;
         let mut estimate = self.estimate();
         if estimate.cautious_m() > tolerance_m && self.solve_static(holds, 1.0) == SolveStatus::Converged {

@@ -51,25 +51,29 @@ impl Rod {
         }
         match self.judge(holds) {
             Stability::Flutters => return SolveStatus::Flutters,
-            Stability::Stable if !self.may_be_beyond_barrier(holds, before) => return SolveStatus::Converged,
-            _ => {}
+            Stability::Stable if self.is_near(before) => return SolveStatus::Converged,
+            Stability::Stable if self.is_convex_from(holds, before) => return self.solve_afresh(holds),
+            Stability::Stable | Stability::Unstable(_) => {}
         }
         self.state.copy_from(&before.state);
         if self.follow_loads(holds, before) {
             self.branch = Branch::Same;
-            return SolveStatus::Converged;
+            return self.solve_afresh(holds);
         }
         self.descend(holds)
     }
 
-    /// Whether the rod may have to cross a barrier from `before` to the present, stable equilibrium: unless the energy is
-    /// convex on the straight way between them.
-    fn may_be_beyond_barrier(&mut self, holds: &[TendonConstraint], before: &RestBefore) -> bool {
+    /// Whether the present, stable equilibrium is too near to `before` for another branch. Rods whose energy is not at hand
+    /// are not asked.
+    fn is_near(&self, before: &RestBefore) -> bool {
         let length_m = self.system.params.length_m();
         let has_energy = !self.has_follower_loads() && self.system.params.moment_laws.is_empty();
-        if !has_energy || distance_m(&before.state.shape, &self.state.shape, length_m) < NEAR * length_m {
-            return false;
-        }
+        !has_energy || distance_m(&before.state.shape, &self.state.shape, length_m) < NEAR * length_m
+    }
+
+    /// Whether the energy is convex on the straight way from `before` to the present equilibrium, so that no barrier lies
+    /// between them.
+    fn is_convex_from(&mut self, holds: &[TendonConstraint], before: &RestBefore) -> bool {
         let found = self.state.clone();
         let convex = BETWEEN.into_iter().all(|share| {
             let ends = before.state.unknowns.iter().zip(&found.unknowns);
@@ -78,8 +82,13 @@ impl Rod {
             self.tangent(holds, 0.0).exceeds(0.0)
         });
         self.state = found;
+        convex
+    }
+
+    /// Solves again from the present equilibrium, so that the solver holds its derivative.
+    fn solve_afresh(&mut self, holds: &[TendonConstraint]) -> SolveStatus {
         self.solver.forget();
-        !convex
+        self.solve_static(holds, 1.0)
     }
 
     /// Raises the loads from those of the equilibrium `before` to the present ones as long as the rod is stable under
@@ -118,7 +127,7 @@ impl Rod {
         let (holds, load, constant) = path.at(share);
         self.seed_tensions(&holds);
         let gravity = self.system.params.gravity_m_s2 * constant;
-        self.solve(&holds, (&load, constant), gravity, true, super::static_solve::STATIC_TOLERANCE_M)
+        self.solve_at_rest(&holds, (&load, constant), gravity)
     }
 
     fn is_stable_on_path(&mut self, path: &LoadPath, share: f64) -> bool {

@@ -1,12 +1,19 @@
 //! One static solve at a share of the loads.
 
+use nalgebra::Vector3;
+
 use crate::rod::equations::boundary_conditions::TendonConstraint;
 use crate::rod::params::loads::TipWrench;
 use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rod::Rod;
 
 /// Tip error allowed by the convergence criterion of a static solve (last step, squared for Newton), metres.
-pub(super) const STATIC_TOLERANCE_M: f64 = 1e-8;
+const STATIC_TOLERANCE_M: f64 = 1e-8;
+
+/// Newton iterations of a rod that may touch something.
+const CONTACT_ITERATIONS: usize = 30;
+/// Shares of the stiffness of obstacles while they harden.
+const OBSTACLE_SHARES: [f64; 4] = [1e-3, 1e-2, 0.1, 1.0];
 
 impl Rod {
     /// Static solve with all loads and pulls at `share` of their value.
@@ -14,7 +21,38 @@ impl Rod {
         let (scaled, load) = self.at_share(holds, share);
         self.seed_tensions(&scaled);
         let gravity = self.system.params.gravity_m_s2 * share;
-        self.solve(&scaled, (&load, share), gravity, true, STATIC_TOLERANCE_M)
+        self.solve_at_rest(&scaled, (&load, share), gravity)
+    }
+
+    /// Solves for a rest. Where obstacles are in the way and Newton's method fails, they are soft at first and harden: it
+    /// would start with a rod deep inside them.
+    pub(super) fn solve_at_rest(
+        &mut self,
+        holds: &[TendonConstraint],
+        load: (&TipWrench, f64),
+        gravity_m_s2: Vector3<f64>,
+    ) -> SolveStatus {
+        if self.system.contact_points.is_empty() {
+            return self.solve(holds, load, gravity_m_s2, true, STATIC_TOLERANCE_M);
+        }
+        let max_iterations = self.solver.max_iterations;
+        self.solver.max_iterations = max_iterations.min(CONTACT_ITERATIONS);
+        let start = self.state.clone();
+        let mut status = self.solve(holds, load, gravity_m_s2, true, STATIC_TOLERANCE_M);
+        if status != SolveStatus::Converged {
+            self.state = start;
+            for share in OBSTACLE_SHARES {
+                self.obstacle_share = share;
+                self.solver.forget();
+                status = self.solve(holds, load, gravity_m_s2, true, STATIC_TOLERANCE_M);
+                if status != SolveStatus::Converged {
+                    break;
+                }
+            }
+            self.obstacle_share = 1.0;
+        }
+        self.solver.max_iterations = max_iterations;
+        status
     }
 
     /// Evaluates the equations of a static solve at the present unknowns, and their derivative with D and M.

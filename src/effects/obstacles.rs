@@ -1,0 +1,177 @@
+//! Obstacles that the robot of a model may touch.
+
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use super::{finite, non_negative};
+use crate::base::BadOption;
+use crate::rod::{self, ObstacleShape};
+
+/// A fixed obstacle: one shape, and how it touches.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Obstacle {
+    /// All behind a plane.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plane: Option<Plane>,
+    /// A ball.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sphere: Option<Sphere>,
+    /// A round cylinder with flat ends.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cylinder: Option<Cylinder>,
+    /// All within a radius of a line segment.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub capsule: Option<Capsule>,
+    /// Coefficient of Coulomb friction.
+    #[serde(default)]
+    pub friction_coefficient: f64,
+    /// Force per penetration at each point of contact, N/m; left out: rigid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stiffness_n_m: Option<f64>,
+}
+
+/// All points whose distance from the origin along the normal is at most `distance_m`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Plane {
+    /// Normal, out of the obstacle, world frame; any length but zero.
+    pub normal: [f64; 3],
+    /// Distance of the plane from the origin along the normal, metres; negative behind the origin.
+    pub distance_m: f64,
+}
+
+/// A ball.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Sphere {
+    /// Its centre, world frame, metres.
+    pub center_m: [f64; 3],
+    /// Its radius, metres.
+    pub radius_m: f64,
+}
+
+/// A round cylinder with flat ends.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Cylinder {
+    /// The middle of its axis, world frame, metres.
+    pub center_m: [f64; 3],
+    /// The direction of its axis, world frame; any length but zero.
+    pub axis: [f64; 3],
+    /// Its radius, metres.
+    pub radius_m: f64,
+    /// Its length, metres; left out: without end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub length_m: Option<f64>,
+}
+
+/// All within a radius of a line segment.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Capsule {
+    /// One end of the segment, world frame, metres.
+    pub start_m: [f64; 3],
+    /// The other end.
+    pub end_m: [f64; 3],
+    /// The radius, metres.
+    pub radius_m: f64,
+}
+
+/// Shortest vector that is a direction.
+const SHORTEST_DIRECTION: f64 = 1e-9;
+
+impl Obstacle {
+    /// Refuses numbers that make no obstacle.
+    ///
+    /// # Errors
+    /// The key of the shape (empty: the obstacle's own keys) and the expected range.
+    pub(super) fn check(&self) -> Result<(), (&'static str, BadOption)> {
+        let shapes = [self.plane.is_some(), self.sphere.is_some(), self.cylinder.is_some(), self.capsule.is_some()];
+        let count = shapes.iter().filter(|&&given| given).count();
+        let found = format!("{count} shapes");
+        let one = BadOption { key: "", found, expected: "one of `plane`, `sphere`, `cylinder` and `capsule`" };
+        if count != 1 {
+            return Err(("", one));
+        }
+        let at = |key: &'static str| move |error: BadOption| (key, error);
+        self.plane.map_or(Ok(()), |plane| plane.check()).map_err(at("plane"))?;
+        self.sphere.map_or(Ok(()), |sphere| sphere.check()).map_err(at("sphere"))?;
+        self.cylinder.map_or(Ok(()), |cylinder| cylinder.check()).map_err(at("cylinder"))?;
+        self.capsule.map_or(Ok(()), |capsule| capsule.check()).map_err(at("capsule"))?;
+        non_negative("friction_coefficient", self.friction_coefficient).map_err(at(""))?;
+        BadOption::unless_positive_or_null("stiffness_n_m", self.stiffness_n_m).map_err(at(""))
+    }
+
+    /// The obstacle as the rod has it; `None` without a shape.
+    pub(super) fn for_rod(&self) -> Option<rod::Obstacle> {
+        let plane = self.plane.map(|own| half_space(own.normal, own.distance_m));
+        let sphere = self
+            .sphere
+            .map(|own| ObstacleShape::Sphere { center_m: Vector3::from(own.center_m), radius_m: own.radius_m });
+        let cylinder = self.cylinder.map(|own| ObstacleShape::Cylinder {
+            center_m: Vector3::from(own.center_m),
+            axis: Vector3::from(own.axis).normalize(),
+            radius_m: own.radius_m,
+            length_m: own.length_m.unwrap_or(f64::INFINITY),
+        });
+        let capsule = self.capsule.map(|own| ObstacleShape::Capsule {
+            ends_m: [Vector3::from(own.start_m), Vector3::from(own.end_m)],
+            radius_m: own.radius_m,
+        });
+        Some(rod::Obstacle {
+            shape: plane.or(sphere).or(cylinder).or(capsule)?,
+            friction_coefficient: self.friction_coefficient,
+            stiffness_n_m: self.stiffness_n_m,
+        })
+    }
+}
+
+/// All points whose distance from the origin along `normal` is at most `distance_m`.
+pub(super) fn half_space(normal: [f64; 3], distance_m: f64) -> ObstacleShape {
+    ObstacleShape::HalfSpace { normal: Vector3::from(normal).normalize(), offset_m: distance_m }
+}
+
+impl Plane {
+    fn check(&self) -> Result<(), BadOption> {
+        direction("normal", &self.normal)?;
+        finite("distance_m", self.distance_m)
+    }
+}
+
+impl Sphere {
+    fn check(&self) -> Result<(), BadOption> {
+        place("center_m", &self.center_m)?;
+        BadOption::unless_positive("radius_m", self.radius_m)
+    }
+}
+
+impl Cylinder {
+    fn check(&self) -> Result<(), BadOption> {
+        place("center_m", &self.center_m)?;
+        direction("axis", &self.axis)?;
+        BadOption::unless_positive("radius_m", self.radius_m)?;
+        BadOption::unless_positive_or_null("length_m", self.length_m)
+    }
+}
+
+impl Capsule {
+    fn check(&self) -> Result<(), BadOption> {
+        place("start_m", &self.start_m)?;
+        place("end_m", &self.end_m)?;
+        BadOption::unless_positive("radius_m", self.radius_m)
+    }
+}
+
+fn place(key: &'static str, place_m: &[f64; 3]) -> Result<(), BadOption> {
+    place_m.iter().try_for_each(|&x| finite(key, x))
+}
+
+/// Refuses a vector that has no direction.
+pub(super) fn direction(key: &'static str, direction: &[f64; 3]) -> Result<(), BadOption> {
+    place(key, direction)?;
+    if Vector3::from(*direction).norm() > SHORTEST_DIRECTION {
+        return Ok(());
+    }
+    Err(BadOption { key, found: format!("{direction:?}"), expected: "a vector that is not zero" })
+}
