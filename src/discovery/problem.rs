@@ -5,7 +5,7 @@ use super::fit::candidate::{CandidateEffect, SetMember, catalogue_candidates};
 use super::fit::gauss_newton::FitProblem;
 use super::fit::nuisance::{NuisanceColumn, Nuisances};
 use super::fit::nuisance_priors::UncertainParameters;
-use super::fit::wall_hint::wall_hint;
+use super::fit::obstacle_hint::obstacle_hint;
 use super::fit::{baseline, sensitivities, simulate};
 use super::noise_floor::NoiseFloor;
 use super::noise_floor::model_form::ModelForm;
@@ -60,10 +60,11 @@ impl<'a> Problem<'a> {
         };
         let simulated_m = simulate_model(&model, &training)?;
         let held_out_simulated_m = simulate_model(&model, &held_out)?;
-        if let Some(hint) = wall_hint(&training, &training.residual(&simulated_m)) {
+        let coarse = simulate::coarse(&model);
+        let rows = simulate::body_rows(&coarse, &training, &training.residual(&simulated_m));
+        if let Some(hint) = rows.and_then(|rows| obstacle_hint(&rows, model.robot.backbone.length_m)) {
             candidates.iter_mut().for_each(|candidate| candidate.start_at(&hint));
         }
-        let coarse = simulate::coarse(&model);
         let sensitivities = sensitivities::sensitivities(&coarse, &candidates, &[], &|_| true, &training);
         let columns = uncertain(options, &candidates, &[], base.as_ref()).columns(&model, &[], &training);
         let nuisances = nuisances(base.as_ref(), &training, &simulated_m, &columns);

@@ -111,8 +111,8 @@ pub enum Seek {
     Place,
     /// Distance of something fixed in the world, with this first step: fitted from where residuals point to.
     Distance(f64),
-    /// Its direction.
-    Angle,
+    /// What else says where it is, with this step.
+    Located(f64),
     /// Which tendon, from 1.
     Tendon,
     /// A flag: 1 or 0.

@@ -55,13 +55,11 @@ impl Model {
                 (format!("obstacles[{index}]{dot}{shape}"), error)
             })?;
         }
-        let rod = self.rod(&[]);
+        // A found obstacle may reach a little into the robot: only one that somebody has written is held to this.
+        let mut rod = self.rod(&[]);
+        rod.contact.obstacles.truncate(self.obstacles.len());
         let Some(home) = Rod::touched_at_home(&rod) else { return Ok(()) };
-        let path = if home.obstacle < self.obstacles.len() {
-            format!("obstacles[{}]", home.obstacle)
-        } else {
-            "effects".to_owned()
-        };
+        let path = format!("obstacles[{}]", home.obstacle);
         let found = format!("{:.3} mm of it inside the straight robot at {:.4} m", 1e3 * home.penetration_m, home.s_m);
         Err((path, BadOption { key: "", found, expected: "an obstacle that the robot does not touch at home" }))
     }
@@ -112,7 +110,7 @@ pub fn check_effect_units(effects: &[EffectSpec]) -> Result<(), (usize, &'static
                 _ => continue,
             };
             // A place on the robot has a check of its own; one in the world may be anywhere.
-            if matches!(parameter.seek, Seek::Place | Seek::Distance(_) | Seek::Angle) {
+            if matches!(parameter.seek, Seek::Place | Seek::Distance(_) | Seek::Located(_)) {
                 continue;
             }
             let key = parameter.vector();

@@ -133,7 +133,9 @@ impl UnscaledEffect {
 /// Draws values without influence: shapes in the range of tried values, any position, any tendon, any flag.
 fn draw_null_value(parameter: &Parameter, model: &Model, random: &mut Generator) -> f64 {
     match parameter.seek {
-        Seek::Size(_) | Seek::Scanned(..) | Seek::Replaces(..) | Seek::Distance(_) => null_value(parameter, model),
+        Seek::Size(_) | Seek::Scanned(..) | Seek::Replaces(..) | Seek::Distance(_) | Seek::Located(_) => {
+            null_value(parameter, model)
+        }
         Seek::Shape(tries) => {
             let (low, high) =
                 tries.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)));
@@ -142,7 +144,6 @@ fn draw_null_value(parameter: &Parameter, model: &Model, random: &mut Generator)
         }
         Seek::Place => random.random_range(0.05..0.95) * model.robot.backbone.length_m,
         Seek::Tendon => random.random_range(1..=model.robot.tendons.angles_deg.len()) as f64,
-        Seek::Angle => random.random_range(-std::f64::consts::PI..std::f64::consts::PI),
         Seek::Flag => f64::from(random.random_range(0..2_u8)),
     }
 }

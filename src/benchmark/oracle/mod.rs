@@ -219,11 +219,10 @@ fn nulls(card: &Card, model: &Model) -> Vec<Vec<f64>> {
     let mut found = vec![Vec::new()];
     for parameter in card.parameters {
         let values: Vec<f64> = match parameter.seek {
-            Seek::Size(_) | Seek::Scanned(..) | Seek::Replaces(..) | Seek::Distance(_) => vec![null_value(parameter, model)],
+            Seek::Size(_) | Seek::Scanned(..) | Seek::Replaces(..) | Seek::Distance(_) | Seek::Located(_) => vec![null_value(parameter, model)],
             Seek::Shape(tries) => tries.to_vec(),
             Seek::Place => (0..PLACES).map(|k| length_m * (k as f64 + 0.5) / PLACES as f64).collect(),
             Seek::Tendon => (1..=model.robot.tendons.angles_deg.len()).map(|tendon| tendon as f64).collect(),
-            Seek::Angle => vec![0.0],
             Seek::Flag => vec![0.0, 1.0],
         };
         let longer = |known: &Vec<f64>| -> Vec<Vec<f64>> {

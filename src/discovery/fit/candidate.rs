@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::wall_hint::WallHint;
+use super::obstacle_hint::ObstacleHint;
 use crate::effects::{CATALOGUE, Card, EffectSpec, Model, ModelParameter, Robot, Seek};
 
 /// An effect of the catalogue that may be missing, with its tendon if it acts on one.
@@ -21,6 +21,8 @@ enum ParameterSearch {
     /// Tried at each value, then fitted; in its logarithm if `positive`, up to a factor of [`BEYOND`] outside the
     /// values.
     Shape { tries: Vec<f64>, positive: bool },
+    /// Fitted from `start`, with this step; without one there is nothing to fit.
+    Located { start: Option<f64>, step: f64 },
     /// One of these values.
     Choice(Vec<f64>),
     /// This value.
@@ -65,7 +67,7 @@ impl CandidateEffect {
             Seek::Size(size) | Seek::Distance(size) => {
                 ParameterSearch::Size { null: parameter.null, size, scan: Vec::new() }
             }
-            Seek::Angle => ParameterSearch::Shape { tries: Vec::new(), positive: false },
+            Seek::Located(step) => ParameterSearch::Located { start: None, step },
             Seek::Scanned(size, scan) => ParameterSearch::Size { null: parameter.null, size, scan: scan.to_vec() },
             Seek::Replaces(path, size) => {
                 // An earlier effect of the model may have replaced the parameter.
@@ -86,13 +88,16 @@ impl CandidateEffect {
     }
 
     /// Starts the search for something fixed in the world where `hint` says.
-    pub(crate) fn start_at(&mut self, hint: &WallHint) {
+    pub(crate) fn start_at(&mut self, hint: &ObstacleHint) {
         for (parameter, search) in self.card.parameters.iter().zip(&mut self.searches) {
             match (parameter.seek, search) {
                 (Seek::Distance(_), ParameterSearch::Size { scan, .. }) => scan.clone_from(&hint.distances_m),
-                (Seek::Angle, ParameterSearch::Shape { tries, .. }) => {
-                    let is_azimuth = parameter.name == "azimuth_rad";
-                    *tries = vec![if is_azimuth { hint.azimuth_rad } else { hint.elevation_rad }];
+                (_, ParameterSearch::Located { start, .. }) => {
+                    *start = match parameter.name {
+                        "azimuth_rad" => Some(hint.azimuth_rad),
+                        "position_m" => Some(hint.position_m),
+                        _ => Some(hint.curvature_1_m),
+                    }
                 }
                 _ => {}
             }
@@ -135,7 +140,11 @@ impl CandidateEffect {
 
     /// Indices of the parameters that a fit moves.
     pub(crate) fn fitted(&self) -> Vec<usize> {
-        self.indices(|search| matches!(search, ParameterSearch::Size { .. } | ParameterSearch::Shape { .. }))
+        let is_fitted = |search: &ParameterSearch| {
+            use ParameterSearch::{Located, Shape, Size};
+            matches!(search, Size { .. } | Shape { .. } | Located { .. })
+        };
+        self.indices(is_fitted)
     }
 
     fn indices(&self, kept: impl Fn(&ParameterSearch) -> bool) -> Vec<usize> {
@@ -149,6 +158,7 @@ impl CandidateEffect {
             let values: &[f64] = match search {
                 ParameterSearch::Size { null, .. } => std::slice::from_ref(null),
                 ParameterSearch::Fixed(value) => std::slice::from_ref(value),
+                ParameterSearch::Located { start, .. } => start.as_slice(),
                 ParameterSearch::Shape { tries, .. } | ParameterSearch::Choice(tries) => tries,
             };
             let longer = |known: &Vec<f64>| -> Vec<Vec<f64>> {
@@ -200,6 +210,7 @@ impl CandidateEffect {
     pub(crate) fn probe(&self, index: usize) -> f64 {
         match self.searches[index] {
             ParameterSearch::Size { size, .. } => size,
+            ParameterSearch::Located { step, .. } => step,
             ParameterSearch::Shape { positive: true, .. } => 0.25,
             _ => 0.1,
         }

@@ -1,11 +1,14 @@
 //! Simulation of models with the commands of samples.
 
+use nalgebra::Vector3;
 use rayon::prelude::*;
 
+use super::obstacle_hint::BodyRow;
 use crate::base::Point3;
 use crate::discovery::options::Options;
 use crate::discovery::recording::samples::{Sample, Samples, TrialCommands};
-use crate::effects::{EffectSpec, Model, Trial, replay};
+use crate::effects::{BodyPoint, EffectSpec, Model, Trial, replay};
+use crate::math::rotation;
 
 /// Coarse resolution for screening and rough fits: factors on time tolerance and cell length, and numbers of modes.
 const COARSER: f64 = 10.0;
@@ -79,6 +82,33 @@ pub(crate) fn tips(model: &Model, extra: &[EffectSpec], samples: &Samples) -> Op
     let simulated: Vec<SimulatedPlaces> =
         samples.trials.par_iter().map(|trial| SimulatedPlaces::new(model, extra, trial)).collect::<Option<_>>()?;
     Some(samples.rows.iter().flat_map(|row| simulated[row.trial].position_m(row)).collect())
+}
+
+/// Places along the body at which obstacles are asked for.
+const BODY_PLACES: usize = 12;
+
+/// The body of `model` in the samples of the tip, in the frame of its base, with their residuals (three values a sample,
+/// metres); none if the simulation fails.
+pub(crate) fn body_rows(model: &Model, samples: &Samples, residual_m: &[f64]) -> Option<Vec<BodyRow>> {
+    let mut model = model.clone();
+    let place = |k: usize| {
+        let s_m = model.robot.backbone.length_m * (k + 1) as f64 / BODY_PLACES as f64;
+        (format!("{k:03}"), BodyPoint { s_m, offset_m: [0.0; 3] })
+    };
+    model.tracking.points = (0..BODY_PLACES).map(place).collect();
+    let simulated: Vec<SimulatedPlaces> =
+        samples.trials.par_iter().map(|trial| SimulatedPlaces::new(&model, &[], trial)).collect::<Option<_>>()?;
+    let base_m = Vector3::from(model.robot.base_m);
+    let from_world = rotation::exp(&Vector3::from(model.robot.base_rotation_rad)).transpose();
+    let row = |(sample, residual): (&Sample, &[f64])| BodyRow {
+        places_m: simulated[sample.trial].points_m[sample.row]
+            .iter()
+            .map(|place_m| from_world * (Vector3::from(*place_m) - base_m))
+            .collect(),
+        residual_m: from_world * Vector3::from_column_slice(residual),
+    };
+    let tips = samples.rows.iter().zip(residual_m.chunks_exact(3)).filter(|(sample, _)| sample.point.is_none());
+    Some(tips.map(row).collect())
 }
 
 /// Positions before the first command and at the end of each, or at rest under each, metres.

@@ -193,7 +193,7 @@ impl<'a> LargeAmplitudeScreen<'a> {
         scan: &[f64],
         look: &dyn Fn(&f64) -> Option<ScanPoint>,
     ) -> Vec<Sensitivity> {
-        let mut apart = scan.windows(2).map(|two| two[1] - two[0]).fold(scan[0], f64::min);
+        let mut apart = scan.windows(2).map(|two| two[1] - two[0]).fold(scan[0].abs(), f64::min);
         for _ in 0..HALVED {
             apart *= 0.5;
             let Some(best) = tried.iter().min_by(|a, b| a.left.total_cmp(&b.left)) else { break };

@@ -19,9 +19,11 @@ use crate::rod::params::rod_params::RodParams;
 
 /// Points of contact in each cell, evenly spread; the last one lies at its end.
 const POINTS_PER_CELL: usize = 8;
-/// Stiffness of a rigid obstacle, in units of E·I/L³: the force E·I/L², which bends the rod by about its length,
-/// penetrates it by 10⁻⁵ lengths.
-const RIGID: f64 = 1e5;
+/// Stiffness of a rigid obstacle at rest, in units of E·I/L³: the force E·I/L², which bends the rod by about its length,
+/// penetrates it by 10⁻⁵ lengths …
+const RIGID_AT_REST: f64 = 1e5;
+/// … and in motion, where a stiffer one makes contacts come and go within a step (docs/rod.md).
+const RIGID_IN_MOTION: f64 = 3e3;
 
 /// Penetration of an unloaded rod that is rounding, metres.
 const AT_HOME_M: f64 = 1e-9;
@@ -198,16 +200,17 @@ impl RodEquations {
     }
 
     /// Stiffness of an obstacle at each point, N/m.
-    fn obstacle_stiffness_n_m(&self, obstacle: usize) -> f64 {
-        let rigid = || RIGID * self.bending_force_n() / self.params.length_m();
-        self.params.contact.obstacles[obstacle].stiffness_n_m.unwrap_or_else(rigid)
+    fn obstacle_stiffness_n_m(&self, obstacle: usize, conditions: &SolveConditions) -> f64 {
+        let rigid = if conditions.settled { RIGID_AT_REST } else { RIGID_IN_MOTION };
+        let rigid_n_m = || rigid * self.bending_force_n() / self.params.length_m();
+        conditions.obstacle_share * self.params.contact.obstacles[obstacle].stiffness_n_m.unwrap_or_else(rigid_n_m)
     }
 
     /// The largest force of an obstacle on one point of `shape`, N; negative where the rod touches nothing.
     pub(crate) fn hardest_contact_n(&self, conditions: &SolveConditions, shape: &Shape) -> f64 {
         let mut hardest_n = f64::NEG_INFINITY;
         for (index, obstacle) in self.params.contact.obstacles.iter().enumerate() {
-            let stiffness_n_m = conditions.obstacle_share * self.obstacle_stiffness_n_m(index);
+            let stiffness_n_m = self.obstacle_stiffness_n_m(index, conditions);
             for point in &self.contact_points {
                 let distance_m = obstacle.shape.surface(&point.place_m(shape)).distance_m;
                 hardest_n = hardest_n.max(stiffness_n_m * (point.radius_m - distance_m));
@@ -239,7 +242,7 @@ impl RodEquations {
             return;
         }
         for obstacle in 0..self.params.contact.obstacles.len() {
-            let stiffness_n_m = conditions.obstacle_share * self.obstacle_stiffness_n_m(obstacle);
+            let stiffness_n_m = self.obstacle_stiffness_n_m(obstacle, conditions);
             for point in &self.contact_points {
                 let touch = self.touch(point, (obstacle, stiffness_n_m), conditions, &workspace.shape);
                 workspace.touches.extend(touch);
